@@ -1,0 +1,115 @@
+"""The beat of the two frequencies, averaged coherently over a window.
+
+``phi_2 - k phi_1`` with ``k = round(f_2 / f_1)`` is the phase of a synthetic frequency
+``Delta = f_2 - k f_1`` (20 MHz for the prototype), which repeats only after ``c / 2 Delta``. Its
+noise is ``f_1 / Delta`` times too large for one pixel to tell the wrap; averages tell more.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmtof.baselines import Estimate, within_range
+from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
+from cmtof.measurement import Measurement
+
+WINDOW = 41
+"""Side of the averaging window, px."""
+
+
+class Synthetic(NamedTuple):
+    """The synthetic frequency of a pair."""
+
+    multiple: int
+    """k: how many times the lower phase is subtracted."""
+    frequency: float
+    """|f_2 - k f_1|, Hz."""
+    sign: int
+    """Sign of f_2 - k f_1."""
+
+
+def synthetic_frequency(low: float, high: float) -> Synthetic:
+    """Beat of the higher frequency with the nearest multiple of the lower one.
+
+    Examples
+    --------
+    >>> synthetic_frequency(7.15e9, 14.32e9)
+    Synthetic(multiple=2, frequency=20000000.0, sign=1)
+    """
+    multiple = round(high / low)
+    beat = high - multiple * low
+    if beat == 0:
+        raise ValueError(
+            f"Expected frequencies that are no multiples, got {low:g} and {high:g} Hz. "
+            "Detune one of them."
+        )
+    return Synthetic(multiple, abs(beat), 1 if beat > 0 else -1)
+
+
+def beat_phasor(measurement: Measurement) -> NDArray[np.complexfloating]:
+    """Phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` of each pixel (H, W), counts^2."""
+    synthetic = synthetic_frequency(*measurement.frequencies[:2])
+    low, high = measurement.phase[:2]
+    size = measurement.amplitude[0] * measurement.amplitude[1]
+    return size * np.exp(1j * synthetic.sign * (high - synthetic.multiple * low))
+
+
+def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
+    """Depth of the beat averaged over a ``window`` x ``window`` square, borders reflected.
+
+    The confidence takes the beat's noise from its coherence within the window.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        At two frequencies.
+    window : int
+        Odd side of the window, px; 1 leaves every pixel alone.
+
+    Raises
+    ------
+    ValueError
+        If the window is not an odd number of at least 1.
+    """
+    from scipy.ndimage import uniform_filter
+
+    if window < 1 or window % 2 == 0:
+        raise ValueError(f"Expected an odd window of 1 px or more, got {window}. Try {WINDOW}.")
+    phasor = beat_phasor(measurement)
+    mean = uniform_filter(phasor.real, window) + 1j * uniform_filter(phasor.imag, window)
+    depth = beat_depth(np.angle(mean), measurement)
+    power = uniform_filter(np.abs(phasor) ** 2, window)
+    return Estimate(depth, _confidence(mean, power, window, measurement))
+
+
+def beat_depth(phase: NDArray[np.floating], measurement: Measurement) -> NDArray[np.floating]:
+    """Depth in the measurement's range, m, of a beat phase, rad (nearest end if outside)."""
+    synthetic = synthetic_frequency(*measurement.frequencies[:2])
+    middle = sum(measurement.range) / 2
+    turns = centred(phase - phase_from_depth(middle, synthetic.frequency)) / TAU
+    return within_range(middle + turns * wrap_length(synthetic.frequency), measurement)
+
+
+def _confidence(
+    mean: NDArray[np.complexfloating],
+    power: NDArray[np.floating],
+    window: int,
+    measurement: Measurement,
+) -> NDArray[np.floating]:
+    """Odds that the averaged beat lies within half a wrap, erf(1 / (2 sqrt2 sigma_n)).
+
+    Noise across the mean phasor is half of the scatter, over the number of pixels; a single pixel
+    has no scatter and is given that of pure noise.
+    """
+    from scipy.special import erf
+
+    low = measurement.frequencies[0]
+    synthetic = synthetic_frequency(*measurement.frequencies[:2])
+    coherent = np.abs(mean) ** 2
+    scatter = np.maximum(power - coherent, 0) if window > 1 else power
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread = np.sqrt(scatter / (2 * window**2) / coherent)
+        wraps = spread / TAU * low / synthetic.frequency
+        odds = erf(1 / (2 * np.sqrt(2) * wraps))
+    return np.nan_to_num(odds, nan=0.0)

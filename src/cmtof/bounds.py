@@ -1,0 +1,180 @@
+"""What the noise allows: Cramer-Rao bounds, the law of a noisy phase, the odds of one pixel.
+
+The phase of a correlation is the angle of a phasor with Gaussian noise. Where that noise is small
+the angle is Gaussian too, and the bound is met; where it is not, the angle follows the exact law
+below and spreads further than the bound says.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import integrate, special
+
+from cmtof.correlation import TAU, depth_from_phase
+
+Array = NDArray[np.floating]
+
+
+def fisher_information(
+    amplitude: ArrayLike, offset: ArrayLike, psi: ArrayLike, *, sigma: float, phase: ArrayLike = 0.0
+) -> Array:
+    """Fisher information of (phase, amplitude, offset) in Poisson-Gaussian correlations.
+
+    With mean ``mu_k = offset + a cos(phi + psi_k)`` and variance ``v_k = mu_k + sigma^2``, the
+    noise Gaussian (many counts): ``I = sum_k (1/v_k + 1/(2 v_k^2)) grad mu_k grad mu_k^T``, the
+    second term because the variance, too, tells about the mean.
+
+    Parameters
+    ----------
+    amplitude, offset : array_like, shape (...)
+        Counts.
+    psi : array_like, shape (K,)
+        Reference phases, rad.
+    sigma : float
+        Gaussian noise, counts.
+    phase : array_like, shape (...)
+        rad.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    a, d, phi = np.broadcast_arrays(*(np.asarray(x, float) for x in (amplitude, offset, phase)))
+    angle = phi[..., None] + np.asarray(psi, float)
+    mean = d[..., None] + a[..., None] * np.cos(angle)
+    variance = mean + sigma**2
+    gradient = np.stack([-a[..., None] * np.sin(angle), np.cos(angle), np.ones_like(angle)], -1)
+    weight = 1 / variance + 1 / (2 * variance**2)
+    return np.einsum("...k,...ki,...kj->...ij", weight, gradient, gradient)
+
+
+def phase_bound(
+    amplitude: ArrayLike, offset: ArrayLike, psi: ArrayLike, *, sigma: float, phase: ArrayLike = 0.0
+) -> Array:
+    """Cramer-Rao bound on the phase, amplitude and offset unknown: least standard deviation, rad.
+
+    Parameters and shapes as in `fisher_information`.
+
+    Examples
+    --------
+    The paper's settings at full brightness, G T = 20 000 counts:
+
+    >>> psi = np.arange(4) * np.pi / 2
+    >>> round(float(phase_bound(20_000 / np.pi, 10_000.0, psi, sigma=1200.0)), 3)
+    0.134
+    """
+    information = fisher_information(amplitude, offset, psi, sigma=sigma, phase=phase)
+    return np.sqrt(np.linalg.inv(information)[..., 0, 0])
+
+
+def depth_bound(
+    amplitude: ArrayLike,
+    offset: ArrayLike,
+    psi: ArrayLike,
+    *,
+    sigma: float,
+    frequency: float,
+    phase: ArrayLike = 0.0,
+) -> Array:
+    """Cramer-Rao bound on the depth within a wrap, ``c sigma_phi / 4 pi f``, m."""
+    bound = phase_bound(amplitude, offset, psi, sigma=sigma, phase=phase)
+    return depth_from_phase(bound, frequency)
+
+
+def linear_phase_noise(amplitude: ArrayLike, variance: ArrayLike, steps: int) -> Array:
+    """Phase noise ``sqrt(2 v / K) / a`` of K uniform steps of equal variance v, rad."""
+    return np.sqrt(2 * np.asarray(variance) / steps) / np.asarray(amplitude)
+
+
+def phase_density(error: ArrayLike, linear_noise: float) -> Array:
+    r"""Probability density of the phase error of a phasor with circular Gaussian noise, 1/rad.
+
+    .. math:: p(\theta) = \frac{e^{-\rho^2/2}}{2\pi} + \frac{\rho\cos\theta}{\sqrt{2\pi}}
+              e^{-\rho^2\sin^2\theta/2}\,\Phi(\rho\cos\theta)
+
+    with ``rho = 1 / linear_noise``, amplitude over the noise of one component.
+
+    Parameters
+    ----------
+    error : array_like
+        Phase error in [-pi, pi], rad.
+    linear_noise : float
+        `linear_phase_noise`, rad.
+    """
+    rho = 1 / linear_noise
+    along = rho * np.cos(error)
+    across = rho * np.sin(error)
+    gaussian = along / np.sqrt(TAU) * np.exp(-(across**2) / 2) * special.ndtr(along)
+    return np.exp(-(rho**2) / 2) / TAU + gaussian
+
+
+def phase_spread(linear_noise: float) -> float:
+    """Standard deviation of the wrapped phase error by the exact law, rad.
+
+    Examples
+    --------
+    A pixel of brightness 0.3 spreads 18 % further than the linear formula says:
+
+    >>> round(phase_spread(0.445) / 0.445, 2)
+    1.18
+    """
+    # the density is a peak of width linear_noise: tell the quadrature where to look
+    edges = [min(np.pi, m * linear_noise) for m in (1, 4, 10)]
+    moment = integrate.quad(
+        lambda t: t**2 * phase_density(t, linear_noise), 0, np.pi, points=edges, epsabs=1e-13
+    )[0]
+    return float(np.sqrt(2 * moment))
+
+
+def wrap_noise(
+    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: tuple[float, float]
+) -> Array:
+    r"""Standard deviation of the wrap count from one pixel's beat, wraps.
+
+    .. math:: \sigma_n = \frac{\sqrt{f_1^2\sigma_2^2 + f_2^2\sigma_1^2}}{2\pi\,\Delta},\quad
+              \Delta = |f_2 - k f_1|,\ k = \mathrm{round}(f_2/f_1)
+
+    Parameters
+    ----------
+    noise_low, noise_high : array_like
+        Phase noise at the lower and the higher frequency, rad.
+    frequencies : (float, float)
+        Lower and higher modulation frequency, Hz.
+
+    Examples
+    --------
+    >>> round(float(wrap_noise(0.134, 0.134, frequencies=(7.15e9, 14.32e9))), 1)
+    17.1
+    """
+    low, high = frequencies
+    beat = abs(high - round(high / low) * low)
+    return np.hypot(low * np.asarray(noise_high), high * np.asarray(noise_low)) / (TAU * beat)
+
+
+def wrap_probability(
+    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: tuple[float, float]
+) -> Array:
+    """Odds that one pixel's beat gives the right wrap, ``erf(1 / (2 sqrt2 sigma_n))``.
+
+    Examples
+    --------
+    >>> p = wrap_probability(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
+    >>> f"{p:.1%}"
+    '2.3%'
+    """
+    spread = wrap_noise(noise_low, noise_high, frequencies=frequencies)
+    return special.erf(1 / (2 * np.sqrt(2) * spread))
+
+
+def pixels_needed(
+    noise_low: float, noise_high: float, *, frequencies: tuple[float, float], odds: float = 0.95
+) -> int:
+    """Pixels to average coherently, their relative depth known, for the given odds of the wrap.
+
+    Examples
+    --------
+    >>> pixels_needed(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
+    4450
+    """
+    single = float(wrap_noise(noise_low, noise_high, frequencies=frequencies))
+    allowed = 1 / (2 * np.sqrt(2) * special.erfinv(odds))
+    return int(np.ceil((single / allowed) ** 2))

@@ -1,0 +1,52 @@
+"""Files that are either whole or not there: write beside, then rename."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def written_whole(path: str | Path) -> Iterator[Path]:
+    """Yield a temporary path beside ``path`` that is renamed onto it when the block succeeds.
+
+    Parameters
+    ----------
+    path : str or Path
+        Where the finished file belongs.
+
+    Raises
+    ------
+    OSError
+        If the folder is missing or cannot be written to, or ``path`` is a folder.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> target = Path(tempfile.mkdtemp()) / "a.txt"
+    >>> with written_whole(target) as part:
+    ...     _ = part.write_text("whole")
+    >>> target.read_text()
+    'whole'
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise IsADirectoryError(f"Expected a file to write, got the folder {target}. Name a file.")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(
+            f"Expected an existing folder to write into, got {target.parent}. Create it first."
+        )
+    # writers choose their format by the suffix, so the temporary name keeps it
+    part = target.with_name(f".{target.stem}.part-{os.getpid()}{target.suffix}")
+    try:
+        part.touch()
+    except OSError as error:
+        raise PermissionError(
+            f"Expected a folder that can be written to, got {target.parent} ({error.strerror}). "
+            "Choose another."
+        ) from error
+    try:
+        yield part
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)

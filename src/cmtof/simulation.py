@@ -1,0 +1,171 @@
+"""RGB-D frame -> Measurement: the paper's simulator (Sec. 5.3, Eq. 8)."""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
+from cmtof.correlation import phase_from_depth, wrap_length
+from cmtof.detector import NoiseOrder, poisson_gaussian
+from cmtof.measurement import Measurement, unambiguous_range
+from cmtof.scenes.rgbd import Frame
+
+Protocol = Literal["released", "full"]
+
+RELEASED_WRAPS = (36, 57)
+"""Wraps [first, last) of the lowest frequency that the released code tells apart, N = 21."""
+
+RELEASED_FAR_DEPTH = 1.195
+"""Depth to which the released code shrinks each scene's 99.9th percentile, m."""
+
+QUADRATURES = tuple(float(k * np.pi / 2) for k in range(4))
+"""The four reference phases of Eq. 8 in rising order, rad."""
+
+
+def simulate(
+    frame: Frame,
+    *,
+    protocol: Protocol = "released",
+    frequencies: ArrayLike = FREQUENCIES,
+    noise: float = NOISE_SIGMA,
+    noise_free: bool = False,
+    gain: float = GAIN,
+    integration_time: float = INTEGRATION_TIME,
+    psi: ArrayLike = QUADRATURES,
+    order: NoiseOrder = "paper",
+    seed: int = 0,
+    frame_number: int = 0,
+) -> Measurement:
+    """Simulate correlation images of a frame (Eq. 8).
+
+    Parameters
+    ----------
+    frame : Frame
+        Range, m, and linear intensity, clipped to [0, 1].
+    protocol : {"released", "full"}
+        ``"released"``: the scene is shrunk to at most 1.195 m and pixels outside wraps 36 to 56
+        are masked, as the authors' released code does. ``"full"``: nothing is scaled, pixels
+        beyond the beat's range (7.495 m) are masked. Masked pixels keep their signal.
+    frequencies : array_like, shape (F,)
+        Modulation frequencies, Hz, lowest first.
+    noise : float
+        Gaussian sigma, counts; photon noise stays on.
+    noise_free : bool
+        Turn off both.
+    gain, integration_time : float
+        G and T of Eq. 8.
+    psi : array_like, shape (K,)
+        Reference phases, rad.
+    order : {"paper", "released"}
+        Order of the two noises, see `cmtof.detector.poisson_gaussian`.
+    seed, frame_number : int
+        The noise is drawn from ``default_rng([seed, frame_number])``.
+
+    Returns
+    -------
+    Measurement
+        With the true depth and mask of the protocol; correlations in float32.
+
+    Raises
+    ------
+    ValueError
+        For an unknown protocol, bad frequencies, or no pixel within the range.
+    """
+    frequencies = np.atleast_1d(np.asarray(frequencies, float))
+    depth, mask, limits = staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
+    # where no depth is known no light returns
+    intensity = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0).astype(np.float32)
+    filled = np.where(np.isfinite(depth), depth, 0)
+    signal = gain * integration_time * intensity
+    means = _means(signal, filled, frequencies, np.asarray(psi, float))
+    if not noise_free:
+        rng = np.random.default_rng([seed, frame_number])
+        means = poisson_gaussian(means, rng=rng, sigma=noise, order=order)
+    return Measurement.from_arrays(
+        means,
+        psi,
+        frequencies,
+        depth=depth.astype(np.float32),
+        mask=mask,
+        camera=frame.camera,
+        range_min=limits[0],
+        range_max=limits[1],
+        source="simulation",
+        frame=frame.name,
+        protocol=protocol,
+        seed=seed,
+        frame_number=frame_number,
+        noise_sigma=0.0 if noise_free else float(noise),
+        photon_noise=int(not noise_free),
+        noise_order=order,
+        gain=gain,
+        integration_time_ms=integration_time,
+    )
+
+
+def _means(
+    signal: NDArray[np.float32],
+    depth: NDArray[np.floating],
+    frequencies: NDArray[np.float64],
+    psi: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)``, (F, K, H, W), float32.
+
+    One cosine and one sine a pixel; the steps are weighted sums of them.
+    """
+    means = np.empty((frequencies.size, psi.size, *signal.shape), np.float32)
+    half = signal / 2
+    for f, frequency in enumerate(frequencies):
+        # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
+        turns = depth.astype(float) / wrap_length(frequency)
+        angle = (2 * np.pi * (turns - np.floor(turns))).astype(np.float32)
+        x, y = (
+            np.cos(angle) * signal / np.float32(np.pi),
+            np.sin(angle) * signal / np.float32(np.pi),
+        )
+        for k, step in enumerate(psi):
+            np.multiply(x, np.float32(np.cos(step)), out=means[f, k])
+            means[f, k] -= y * np.float32(np.sin(step))
+            means[f, k] += half
+    return np.maximum(means, 0, out=means)  # rounding must not make a rate negative
+
+
+def staged_depth(
+    depth: NDArray[np.floating], *, protocol: Protocol, frequencies: NDArray[np.float64]
+) -> tuple[NDArray[np.floating], NDArray[np.bool_], tuple[float, float]]:
+    """Depth as a protocol sees it, the pixels it scores, and its range, m.
+
+    Returns
+    -------
+    depth : ndarray, shape (H, W)
+        m, NaN where unknown.
+    mask : ndarray of bool, shape (H, W)
+    limits : (float, float)
+        ``min <= z < max``.
+    """
+    depth = np.asarray(depth, float)
+    known = np.isfinite(depth)
+    if protocol == "released":
+        step = float(wrap_length(frequencies[0]))
+        limits = (RELEASED_WRAPS[0] * step, RELEASED_WRAPS[1] * step)
+        far = np.percentile(depth[known], 99.9)
+        depth = depth * np.clip(RELEASED_FAR_DEPTH / far, 0.01, 1.0)
+    elif protocol == "full":
+        limits = (0.0, unambiguous_range(frequencies))
+    else:
+        raise ValueError(f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one.")
+    mask = known & (np.where(known, depth, -1) >= limits[0]) & (depth < limits[1])
+    if not mask.any():
+        raise ValueError(
+            f"Expected depths between {limits[0]:.3f} and {limits[1]:.3f} m, got "
+            f"{np.nanmin(depth):.3f} to {np.nanmax(depth):.3f} m. Use another protocol or frame."
+        )
+    return depth, mask, limits
+
+
+def true_phase(measurement: Measurement, index: int = 0) -> NDArray[np.floating]:
+    """Unwrapped true phase (H, W) at one of the frequencies, rad; NaN where unknown."""
+    if measurement.depth is None:
+        raise ValueError("Expected a measurement that holds its true depth, got none. Simulate it.")
+    return phase_from_depth(measurement.depth.astype(float), measurement.frequencies[index])

@@ -1,0 +1,106 @@
+"""The one door: a measurement goes in, wrap count, depth and confidence come out."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from cmtof.baselines import DEFAULT, find_method, within_range
+from cmtof.correlation import (
+    TAU,
+    consistent_wrap_count,
+    depth_from_wraps,
+    wrap_count_from_depth,
+    wrap_length,
+)
+from cmtof.measurement import Measurement
+
+
+def unwrap(
+    measurement: Measurement,
+    *,
+    method: str = DEFAULT,
+    range: tuple[float, float] | None = None,
+    **options: Any,
+) -> xr.Dataset:
+    """Unwrap a measurement.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        From `cmtof.open`, `cmtof.simulate` or one's own arrays.
+    method : str
+        A name out of `cmtof.baselines.METHODS`.
+    range : (float, float), optional
+        Depths to choose from, ``min <= z < max``, m; by default the measurement's own.
+    **options
+        Passed on to the method, for instance ``window=81`` to ``beat``.
+
+    Returns
+    -------
+    xarray.Dataset
+        On (y, x): ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest frequency,
+        -1 where masked; ``depth``, m, of the measured phase with the wraps consistent with it,
+        NaN where masked; ``confidence`` in [0, 1].
+
+    Raises
+    ------
+    ValueError
+        For an unknown method, a bad range, or a measurement that the method cannot use.
+
+    Examples
+    --------
+    >>> import cmtof
+    >>> measurement = cmtof.simulate(cmtof.load_frame("still_life"), noise_free=True)
+    >>> result = cmtof.unwrap(measurement, method="crt")
+    >>> bool(abs(result.depth - measurement.depth).max() < 1e-4)
+    True
+    """
+    chosen = find_method(method)
+    if range is not None:
+        measurement = _narrowed(measurement, *range)
+    estimate = chosen(measurement, **options)
+    frequency, phase = measurement.frequencies[0], measurement.phase[0].astype(float)
+    believed = within_range(estimate.depth, measurement)
+    wraps = _wraps_in_range(consistent_wrap_count(believed, phase, frequency), phase, measurement)
+    depth = depth_from_wraps(phase, wraps, frequency)
+    count = wrap_count_from_depth(believed, frequency)
+    mask, dims = measurement.mask, ("y", "x")
+    result = xr.Dataset(
+        {
+            "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
+            "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
+            "confidence": (dims, np.where(mask, estimate.confidence, 0).astype(np.float32)),
+        }
+    )
+    result.attrs = {
+        "method": method,
+        "method_source": chosen.source,
+        "frequency": float(frequency),
+        "range_min": measurement.range[0],
+        "range_max": measurement.range[1],
+        **{f"option_{key}": value for key, value in options.items()},
+        "version": measurement.dataset.attrs.get("version", ""),
+    }
+    return result
+
+
+def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
+    held = measurement.range
+    if not (0 <= low < high) or high <= held[0] or low >= held[1]:
+        raise ValueError(
+            f"Expected a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to "
+            f"{held[1]:.3f}, got {low:g} to {high:g}. Widen or move it."
+        )
+    return measurement.between(low, high)
+
+
+def _wraps_in_range(
+    wraps: NDArray[np.int64], phase: NDArray[np.floating], measurement: Measurement
+) -> NDArray[np.int64]:
+    """Move wraps to the nearest whose depth obeys ``min <= z < max``."""
+    low, high = np.asarray(measurement.range) / wrap_length(measurement.frequencies[0])
+    turns = phase / TAU
+    first, last = np.ceil(low - turns - 1e-9), np.ceil(high - turns - 1e-9) - 1
+    return np.clip(wraps, first, np.maximum(first, last)).astype(np.int64)
