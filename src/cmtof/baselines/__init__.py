@@ -64,7 +64,7 @@ METHODS = {
         Method(
             "beat",
             "classical",
-            "physics.md of this book's derivation; Jongenelen et al. 2010",
+            "Jongenelen et al. 2010",
             "coherent average of the 20 MHz beat over a window, nearest wrap in range",
             "cmtof.baselines.beat:beat",
         ),

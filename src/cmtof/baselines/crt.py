@@ -120,7 +120,9 @@ def _search_confidence(
     upper = np.minimum(np.pi, (wraps - first + 0.5) * gap + size)
     lower = np.maximum(-np.pi, size - (last - wraps + 0.5) * gap)
     mass = ndtr(upper / spread) - ndtr(lower / spread)
-    total = density * np.sqrt(TAU) * spread * mass * np.exp((residual / spread) ** 2 / 2)
+    # beyond the cap the mass has vanished and the chosen wrap stands alone
+    lift = np.exp(np.minimum((residual / spread) ** 2 / 2, 600))
+    total = density * np.sqrt(TAU) * spread * mass * lift
     return 1 / np.maximum(total, 1.0)
 
 

@@ -1,0 +1,373 @@
+"""The command line: simulate, unwrap, evaluate, methods, replicate, info.
+
+Exit codes: 0; 1 for bad input, a failed check or a failed frame (one line on stderr); 2 for a
+wrong command line; 130 for Ctrl-C.
+"""
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from cmtof.measurement import Measurement
+    from cmtof.scenes.rgbd import Frame
+
+app = typer.Typer(
+    name="cmtof",
+    help=__doc__.splitlines()[0].replace("The command line", "Centimetre-wave time-of-flight"),
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; bad input becomes one line on stderr and exit code 1."""
+    try:
+        app(args=arguments)
+    except (ValueError, OSError) as error:
+        message = " ".join(str(error).split())
+        if isinstance(error, OSError) and error.filename and error.strerror:
+            message = (
+                f"Expected to read or write {error.filename}, got «{error.strerror}». "
+                "Check path and permissions."
+            )
+        print(f"cmtof: {message}", file=sys.stderr)
+        sys.exit(1)
+
+
+# --- options that several commands share -------------------------------------------------------
+
+Output = Annotated[Path, typer.Option("--output", "-o", help="File to write, [bold]*.nc[/bold].")]
+ProtocolName = Annotated[
+    str,
+    typer.Option(
+        "--protocol",
+        help="[bold]released[/bold]: scene shrunk to 1.195 m, 21 wraps, as the authors' code does. "
+        "[bold]full[/bold]: nothing scaled, every wrap of the 7.5 m range.",
+    ),
+]
+Frequencies = Annotated[
+    str, typer.Option(help="Modulation frequencies in Hz, lowest first, parted by commas.")
+]
+Noise = Annotated[
+    float, typer.Option(help="Gaussian noise sigma in counts; photon noise stays on.")
+]
+NoiseFree = Annotated[bool, typer.Option("--noise-free", help="No noise of either kind.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of the noise.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar.")]
+
+
+def _tones(text: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError as error:
+        raise ValueError(
+            f"Expected frequencies in Hz parted by commas, got {text}. Try 7.15e9,14.32e9."
+        ) from error
+
+
+def _protocol(name: str) -> Any:
+    if name not in ("released", "full"):
+        raise ValueError(f"Expected protocol released or full, got {name}. Choose one.")
+    return name
+
+
+# --- commands ----------------------------------------------------------------------------------
+
+
+@app.command()
+def simulate(
+    frame: Annotated[
+        str, typer.Argument(help="Frame .npz, depth .png, or an embedded one (see `cmtof info`).")
+    ],
+    output: Output,
+    protocol: ProtocolName = "released",
+    frequencies: Frequencies = "7.15e9,14.32e9",
+    noise: Noise = 1200.0,
+    noise_free: NoiseFree = False,
+    seed: Seed = 0,
+    intensity: Annotated[
+        Path | None, typer.Option(help="Colour or grey PNG that belongs to a depth PNG.")
+    ] = None,
+    depth_scale: Annotated[float, typer.Option(help="Depth PNG: levels per metre.")] = 1000.0,
+    planar: Annotated[
+        bool, typer.Option("--planar", help="Depth PNG holds distance along the optical axis.")
+    ] = False,
+    camera: Annotated[
+        tuple[float, float, float, float] | None, typer.Option(help="fx fy cx cy in pixels.")
+    ] = None,
+) -> None:
+    """Turn an RGB-D frame into correlation images.
+
+    Example: [bold]cmtof simulate still_life -o m.nc --protocol full --seed 3[/bold]
+    """
+    from cmtof.scenes.rgbd import load_frame
+    from cmtof.simulation import simulate as simulate_frame
+
+    loaded = load_frame(
+        frame, intensity=intensity, depth_scale=depth_scale, planar=planar, camera=camera
+    )
+    measurement = simulate_frame(
+        loaded,
+        protocol=_protocol(protocol),
+        frequencies=_tones(frequencies),
+        noise=noise,
+        noise_free=noise_free,
+        seed=seed,
+    )
+    measurement.save(output)
+    print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
+
+
+@app.command()
+def unwrap(
+    measurement: Annotated[Path, typer.Argument(help="Measurement .nc, .npz or *_phase.csv.")],
+    output: Output,
+    method: Annotated[str, typer.Option(help="Name out of `cmtof methods`.")] = "beat",
+    range: Annotated[
+        tuple[float, float] | None,
+        typer.Option(metavar="MIN MAX", help="Depths to choose from in m, MIN <= z < MAX."),
+    ] = None,
+    window: Annotated[
+        int | None, typer.Option(help="Side of the averaging window in px (method beat).")
+    ] = None,
+    ply: Annotated[
+        Path | None, typer.Option(help="Also write a point cloud; the file needs a camera.")
+    ] = None,
+) -> None:
+    """Turn correlation images into wrap count, depth and confidence.
+
+    Prints how many wraps are right when the file holds the truth.
+
+    Example: [bold]cmtof unwrap m.nc -o out.nc --method beat --ply cloud.ply[/bold]
+    """
+    from cmtof.measurement import open_measurement, save_dataset
+    from cmtof.unwrapping import unwrap as unwrap_measurement
+
+    opened = open_measurement(measurement)
+    if ply is not None and opened.camera is None:
+        raise ValueError(
+            f"Expected a camera in {measurement} for --ply, got none. Leave --ply out or add it."
+        )
+    options = {} if window is None else {"window": window}
+    result = unwrap_measurement(opened, method=method, range=range, **options)
+    save_dataset(result, output)
+    print(f"{output}: method {method}, {int(opened.mask.sum())} of {opened.mask.size} pixels")
+    if ply is not None:
+        print(f"{ply}: {_write_cloud(ply, result, opened)} points")
+    if opened.depth is not None:
+        _print_scores(result, opened)
+
+
+def _write_cloud(path: Path, result: "xr.Dataset", measurement: "Measurement") -> int:
+    from cmtof.pointcloud import write_ply
+
+    assert measurement.camera is not None  # unwrap has made sure
+    return write_ply(
+        path,
+        result["depth"].to_numpy(),
+        measurement.camera,
+        brightness=measurement.amplitude[0],
+        confidence=result["confidence"].to_numpy(),
+    )
+
+
+def _print_scores(result: "xr.Dataset", measurement: "Measurement") -> None:
+    from cmtof.metrics import score, scored_pixels
+
+    scores = score(scored_pixels(result, measurement))
+    print(
+        f"δ<1 {scores['delta_lt_1']:.1%}  δ<2 {scores['delta_lt_2']:.1%}  "
+        f"δ<3 {scores['delta_lt_3']:.1%}  δ≥10 {scores['delta_ge_10']:.1%}  "
+        f"consistent {scores['consistent_lt_1']:.1%}  "
+        f"median error {1e3 * scores['depth_median_error_m']:.1f} mm"
+    )
+
+
+@app.command()
+def evaluate(
+    frames: Annotated[list[str], typer.Argument(help="Frames: .npz files or embedded names.")],
+    method: Annotated[
+        str, typer.Option(help="Names out of `cmtof methods`, parted by commas, or all.")
+    ] = "all",
+    protocol: ProtocolName = "released",
+    noise: Noise = 1200.0,
+    noise_free: NoiseFree = False,
+    seed: Seed = 0,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Write the table as JSON.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compare methods on the same frames and the same noise.
+
+    Example: [bold]cmtof evaluate still_life room --method crt,beat --json scores.json[/bold]
+    """
+    from cmtof.baselines import METHODS
+    from cmtof.evaluation import Evaluation
+
+    names = list(METHODS) if method == "all" else [name.strip() for name in method.split(",")]
+    evaluation = Evaluation(
+        names, protocol=_protocol(protocol), noise=noise, noise_free=noise_free, seed=seed
+    )
+    _run(evaluation, frames, quiet)
+    report = evaluation.report()
+    if json_file is not None:
+        _write_json(json_file, report)
+    _print_report(report)
+
+
+def _run(evaluation: Any, frames: list[str], quiet: bool) -> None:
+    """Add every frame behind a progress bar; a frame that fails is named in the error."""
+    from rich.console import Console
+    from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TimeRemainingColumn
+
+    from cmtof.scenes.rgbd import load_frame
+
+    hidden = quiet or bool(os.environ.get("CI")) or not sys.stderr.isatty()
+    columns = (SpinnerColumn(), *Progress.get_default_columns()[:2], MofNCompleteColumn())
+    console = Console(stderr=True)
+    with Progress(*columns, TimeRemainingColumn(), console=console, disable=hidden) as bar:
+        task = bar.add_task("", total=len(frames) * len(evaluation.methods))
+        for name in frames:
+            frame: Frame = load_frame(name)
+            for done in evaluation.add(frame):
+                bar.update(task, advance=1, description=f"{frame.name}: {done}")
+
+
+def _print_report(report: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    columns = {
+        "δ<1": "delta_lt_1",
+        "δ<2": "delta_lt_2",
+        "δ<3": "delta_lt_3",
+        "δ≥10": "delta_ge_10",
+        "consistent": "consistent_lt_1",
+    }
+    table = Table(
+        title=f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
+        f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
+    )
+    table.add_column("method", no_wrap=True)
+    for heading in (*columns, "median error", "s/frame"):
+        table.add_column(heading, justify="right")
+    for name, scores in report["methods"].items():
+        rates = [f"{scores[key]:.1%}" for key in columns.values()]
+        error = f"{1e3 * scores['depth_median_error_m']:.1f} mm"
+        table.add_row(name, *rates, error, f"{scores['seconds_per_frame']:.2f}")
+    Console().print(table)
+
+
+def _write_json(path: Path, content: Any) -> None:
+    from cmtof.files import written_whole
+
+    with written_whole(path) as part:
+        part.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+
+
+@app.command()
+def methods(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List every unwrapping method with its kind, source and whether its weights are there."""
+    from dataclasses import asdict
+
+    from cmtof.baselines import DEFAULT, METHODS
+
+    if as_json:
+        listed = [
+            {key: value for key, value in asdict(entry).items() if key != "where"}
+            | {"weights": None, "default": entry.name == DEFAULT}
+            for entry in METHODS.values()
+        ]
+        print(json.dumps(listed, indent=2, ensure_ascii=False))
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table()
+    table.add_column("method", no_wrap=True)
+    for heading in ("kind", "tones", "weights", "what it does", "source"):
+        table.add_column(heading)
+    for entry in METHODS.values():
+        name = f"{entry.name} *" if entry.name == DEFAULT else entry.name
+        row = (name, entry.kind, str(entry.frequencies), "none", entry.summary, entry.source)
+        table.add_row(*row)
+    Console().print(table)
+    print("* the default; tones: frequencies needed; weights none: nothing was learned")
+
+
+@app.command()
+def info(
+    file: Annotated[Path | None, typer.Argument(help="Measurement to describe.")] = None,
+) -> None:
+    """Print version, devices and embedded frames, or what a file holds."""
+    if file is not None:
+        _describe(file)
+        return
+    from importlib.util import find_spec
+
+    from cmtof import __version__
+    from cmtof.scenes.captures import data_root
+    from cmtof.scenes.rgbd import embedded_frames
+
+    print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
+    if find_spec("torch"):
+        import torch
+
+        gpus = [torch.cuda.get_device_name(i) for i in _range(torch.cuda.device_count())]
+        print(f"torch {torch.__version__}, {', '.join(gpus) if gpus else 'no GPU'}")
+    else:
+        print("torch is not installed (only learned methods need it)")
+    print(f"embedded frames: {', '.join(embedded_frames())}")
+    print(f"published captures: {data_root() or 'not on this machine'}")
+
+
+_range = range  # the name is an option of `unwrap`
+
+
+def _describe(file: Path) -> None:
+    from cmtof.measurement import open_measurement
+
+    measurement = open_measurement(file)
+    print(repr(measurement))
+    for name, variable in measurement.dataset.variables.items():
+        sizes = ", ".join(f"{dim} {size}" for dim, size in variable.sizes.items())
+        print(f"  {name} ({sizes}) {variable.dtype} {variable.attrs.get('units', '')}".rstrip())
+    for key, value in measurement.dataset.attrs.items():
+        print(f"  {key}: {value}")
+
+
+@app.command()
+def replicate(
+    output: Annotated[Path, typer.Option("--output", "-o", help="Where to draw Fig. 3.")] = Path(
+        "fig03_precision.png"
+    ),
+) -> None:
+    """Draw Fig. 3 anew and hold the chain from frame to depth against stored values.
+
+    Ends with 1 if a line says FAIL. No arguments, under a minute on a CPU.
+    """
+    from cmtof.replication import replicate as outcomes
+
+    failed = 0
+    for outcome in outcomes(output):
+        print(outcome, flush=True)
+        failed += not outcome.passed
+    print(f"{output}: Fig. 3, drawn on this machine")
+    if failed:
+        raise ValueError(f"Expected every line to pass, got {failed} FAIL. Compare versions.")
+
+
+if __name__ == "__main__":
+    main()

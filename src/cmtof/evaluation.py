@@ -1,0 +1,83 @@
+"""Methods against each other on the same frames and the same noise."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any
+
+from cmtof.baselines import find_method
+from cmtof.constants import FREQUENCIES, NOISE_SIGMA
+from cmtof.metrics import Scored, score, scored_pixels
+from cmtof.scenes.rgbd import Frame
+from cmtof.simulation import Protocol, simulate
+from cmtof.unwrapping import unwrap
+
+
+@dataclass
+class Evaluation:
+    """Scores of several methods over several frames.
+
+    Call `add` for each frame, in order; the noise of frame i is drawn from (seed, i), so that
+    every method sees the same.
+    """
+
+    methods: Sequence[str]
+    protocol: Protocol = "released"
+    noise: float = NOISE_SIGMA
+    noise_free: bool = False
+    seed: int = 0
+    frequencies: Sequence[float] = FREQUENCIES
+    options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in self.methods:
+            find_method(name)
+        self._scored: dict[str, list[Scored]] = {name: [] for name in self.methods}
+        self._seconds = dict.fromkeys(self.methods, 0.0)
+        self._coverage: list[float] = []
+        self._names: list[str] = []
+
+    def add(self, frame: Frame) -> Iterator[str]:
+        """Simulate the next frame and run every method on it, yielding each name when done."""
+        measurement = simulate(
+            frame,
+            protocol=self.protocol,
+            frequencies=self.frequencies,
+            noise=self.noise,
+            noise_free=self.noise_free,
+            seed=self.seed,
+            frame_number=len(self._names),
+        )
+        _ = measurement.decoded  # shared by all methods, so no method is charged for it
+        self._names.append(frame.name)
+        self._coverage.append(float(measurement.mask.mean()))
+        for name in self.methods:
+            start = perf_counter()
+            result = unwrap(measurement, method=name, **self.options.get(name, {}))
+            self._seconds[name] += perf_counter() - start
+            self._scored[name].append(scored_pixels(result, measurement))
+            yield name
+
+    def add_all(self, frames: Iterable[Frame]) -> "Evaluation":
+        """Run every method on every frame."""
+        for frame in frames:
+            for _ in self.add(frame):
+                pass
+        return self
+
+    def report(self) -> dict[str, Any]:
+        """Rates over all scored pixels of all frames, in the layout of ``cmtof evaluate --json``."""
+        if not self._names:
+            raise ValueError("Expected at least one frame, got none. Add frames first.")
+        return {
+            "protocol": self.protocol,
+            "noise": 0.0 if self.noise_free else float(self.noise),
+            "seed": self.seed,
+            "frames": self._names,
+            "coverage": sum(self._coverage) / len(self._coverage),
+            "methods": {
+                name: score(self._scored[name])
+                | {"seconds_per_frame": self._seconds[name] / len(self._names)}
+                for name in self.methods
+            },
+        }

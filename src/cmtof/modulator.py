@@ -1,0 +1,261 @@
+r"""The two-pass EOM modulator: how a resonant phase modulator becomes an intensity modulator.
+
+Light enters a polarising beam splitter, passes HWP, QWP and EOM, travels to a mirror and comes back
+through EOM, QWP and HWP to the splitter (Sec. 6.2, Fig. 7). For ideal elements with the QWP at 45
+degrees the fraction that leaves by the crossed port is
+
+.. math:: I(V) = \tfrac12\,[1 + \cos(8\theta_h + 2V)],
+
+so the half-wave plate chooses the bias: quadrature at 11.25 degrees (Eq. 15, the single mode), dark
+at 22.5 degrees (Eq. 18, the doubled mode). Intensities are fractions of the light that enters the
+first element, A^2 = 1. Phases theta are those of the drive, V = eta sin(theta).
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import jv
+
+from cmtof import jones
+from cmtof.constants import (
+    FREQUENCY_DOUBLED,
+    FREQUENCY_SINGLE,
+    HALF_WAVE_PLATE_DOUBLED,
+    HALF_WAVE_PLATE_SINGLE,
+    SPEED_OF_LIGHT,
+)
+from cmtof.waveform import Harmonics, harmonics_from_waveform
+
+Array = NDArray[np.float64]
+
+ETA = 0.26
+"""Drive amplitude, rad, at which the single mode has the paper's 50 % contrast, sin(2 eta)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoPassModulator:
+    """Splitter, HWP, QWP, EOM and mirror, passed twice (Sec. 6.2, Eq. 11-18).
+
+    `SINGLE` and `DOUBLED` are the paper's settings; ``dataclasses.replace`` makes others. Angles
+    and retardances are in radians; every error is zero (every ratio infinite) by default.
+
+    Examples
+    --------
+    >>> round(SINGLE.contrast(), 4), round(DOUBLED.contrast(), 4)
+    (0.4969, 1.0)
+    >>> round(replace(DOUBLED, output="returned").contrast(), 4)  # the bright bias
+    0.0342
+    """
+
+    half_wave_angle: float
+    """Angle theta_h of the half-wave plate, rad."""
+    quarter_wave_angle: float = np.pi / 4
+    """Angle theta_q of the quarter-wave plate, rad."""
+    eta: float = ETA
+    """Amplitude of the drive: retardance in one pass, rad (the paper's modulation power)."""
+    frequency: float = FREQUENCY_SINGLE
+    """Frequency of the drive, Hz."""
+    mirror_distance: float | None = None
+    """EOM to mirror, m; None is matched: half a modulation wavelength, both passes in step."""
+    input_axis: Literal["vertical", "horizontal"] = "vertical"
+    """Incident polarisation: vertical in Eq. 11, horizontal in Sec. 7.1; the same if lossless."""
+    output: Literal["crossed", "returned"] = "crossed"
+    """Port of the splitter: crossed to the input, or back along it (the complement)."""
+    half_wave_retardance_error: float = 0.0
+    """Retardance of the half-wave plate beyond pi, rad."""
+    half_wave_angle_error: float = 0.0
+    """Misalignment of the half-wave plate, rad."""
+    quarter_wave_retardance_error: float = 0.0
+    """Retardance of the quarter-wave plate beyond pi/2, rad."""
+    quarter_wave_angle_error: float = 0.0
+    """Misalignment of the quarter-wave plate, rad."""
+    transmitted_extinction: float = np.inf
+    """Extinction ratio of the splitter's transmitted port."""
+    reflected_extinction: float = np.inf
+    """Extinction ratio of the splitter's reflected port."""
+    eom_angle_error: float = 0.0
+    """Angle of the crystal's axis off the horizontal, rad."""
+    static_retardance: float = 0.0
+    """Birefringence of the undriven crystal in one pass, rad."""
+    mirror_reflectance: float = 1.0
+    """Reflectance of the mirror, of intensity."""
+
+    def __post_init__(self) -> None:
+        for name, value, options in (
+            ("input_axis", self.input_axis, ("vertical", "horizontal")),
+            ("output", self.output, ("crossed", "returned")),
+        ):
+            if value not in options:
+                raise ValueError(f"Expected {name} in {options}, got {value!r}. Choose one.")
+        if not 0 < self.frequency < np.inf:
+            raise ValueError(
+                f"Expected a frequency above 0 Hz, got {self.frequency}. Give the drive's in Hz."
+            )
+
+    @property
+    def pass_delay(self) -> float:
+        """Drive phase delta between the passes, 4 pi f d / c in [-pi, pi), rad; 0 if matched."""
+        if self.mirror_distance is None:
+            return 0.0
+        turns = 2 * self.frequency * self.mirror_distance / SPEED_OF_LIGHT
+        return float(2 * np.pi * (turns - np.floor(turns + 0.5)))
+
+    @property
+    def effective_eta(self) -> float:
+        """Drive amplitude of a pass that a matched mirror would need, eta cos(delta / 2), rad.
+
+        V(t) and V(t + dt) add up to ``2 eta cos(delta/2) sin(theta + delta/2)``.
+        """
+        return self.eta * float(np.cos(self.pass_delay / 2))
+
+    def elements(
+        self, first: ArrayLike, second: ArrayLike | None = None
+    ) -> tuple[tuple[str, jones.JonesMatrix], ...]:
+        """Names and Jones matrices (..., 2, 2) in the order in which the light meets them.
+
+        Parameters
+        ----------
+        first, second : array_like
+            EOM voltages of the two passes as retardances, rad; the second is the first by default.
+        """
+        back = first if second is None else second
+        inward, crossed = ("reflected", "transmitted")
+        if self.input_axis == "horizontal":
+            inward, crossed = crossed, inward
+        h = self.half_wave_angle + self.half_wave_angle_error
+        q = self.quarter_wave_angle + self.quarter_wave_angle_error
+        # Behind the mirror the light sees every angle with the opposite sign.
+        return (
+            ("PBS in", self._splitter(inward)),
+            ("HWP", self._half_wave(h)),
+            ("QWP", self._quarter_wave(q)),
+            ("EOM", self._eom(first, self.eom_angle_error)),
+            ("mirror", jones.mirror(self.mirror_reflectance)),
+            ("EOM back", self._eom(back, -self.eom_angle_error)),
+            ("QWP back", self._quarter_wave(-q)),
+            ("HWP back", self._half_wave(-h)),
+            ("PBS out", self._splitter(crossed if self.output == "crossed" else inward)),
+        )
+
+    def _splitter(self, port: jones.Port) -> jones.JonesMatrix:
+        return jones.polarising_beam_splitter(
+            port,
+            transmitted_extinction=self.transmitted_extinction,
+            reflected_extinction=self.reflected_extinction,
+        )
+
+    def _half_wave(self, angle: float) -> jones.JonesMatrix:
+        return jones.half_wave_plate(angle, retardance_error=self.half_wave_retardance_error)
+
+    def _quarter_wave(self, angle: float) -> jones.JonesMatrix:
+        return jones.quarter_wave_plate(angle, retardance_error=self.quarter_wave_retardance_error)
+
+    def _eom(self, voltage: ArrayLike, angle_error: float) -> jones.JonesMatrix:
+        return jones.eom(voltage, static_retardance=self.static_retardance, angle_error=angle_error)
+
+    def states(
+        self, first: ArrayLike, second: ArrayLike | None = None
+    ) -> dict[str, jones.JonesVector]:
+        """Jones vector (..., 2) behind each element, by the element's name; "PBS out" is E_3."""
+        angle = np.pi / 2 if self.input_axis == "vertical" else 0.0
+        field, found = jones.linear_polarisation(angle), {}
+        for name, element in self.elements(first, second):
+            field = jones.apply(element, field)
+            found[name] = field
+        return found
+
+    def transmission(self, first: ArrayLike, second: ArrayLike | None = None) -> Array:
+        """Transmitted fraction I(V) of the light for EOM voltages, rad (Eq. 15 and 18)."""
+        return jones.intensity(self.states(first, second)["PBS out"])
+
+    def waveform(self, phase: ArrayLike) -> Array:
+        """Transmitted fraction at the drive phases, rad; same shape (Eq. 16 and 19, exact).
+
+        The first pass sees ``eta sin(theta)``, the second ``eta sin(theta + delta)``.
+        """
+        theta = np.asarray(phase, float)
+        return self.transmission(
+            self.eta * np.sin(theta), self.eta * np.sin(theta + self.pass_delay)
+        )
+
+    def _period(self, samples: int) -> Array:
+        return self.waveform(2 * np.pi * np.arange(samples) / samples)
+
+    def harmonics(self, count: int) -> Harmonics:
+        """Fourier coefficients W_0 ... W_count (count + 1,) of the waveform over the drive phase.
+
+        Exact to rounding: harmonics fall like J_k(2 eta) beyond k = 2 eta, and the sampling lies
+        far above. The doubled mode fills the even ones: ``[::2]`` are those of twice the drive.
+        """
+        samples = 4 * (count + int(np.ceil(4 * abs(self.eta))) + 16)
+        return harmonics_from_waveform(self._period(samples), count)
+
+    def contrast(self) -> float:
+        """Peak-to-peak contrast (max - min)/(max + min); sin(2 eta) in the ideal single mode."""
+        w = self._period(4096)  # holds the crests of the ideal modes exactly
+        return float((w.max() - w.min()) / (w.max() + w.min()))
+
+    def modulation_depth(self, order: int = 1) -> float:
+        """Amplitude of harmonic ``order`` of the drive over the mean, 2 |W_k| / W_0."""
+        w = self.harmonics(order)
+        return float(2 * abs(w[order]) / w[0].real)
+
+    def throughput(self) -> float:
+        """Mean transmitted fraction W_0."""
+        return float(self.harmonics(0)[0].real)
+
+
+SINGLE = TwoPassModulator(half_wave_angle=float(np.deg2rad(HALF_WAVE_PLATE_SINGLE)))
+"""The mode at the drive's frequency: theta_h = 11.25 degrees, 7.15 GHz (Eq. 14-16)."""
+
+DOUBLED = TwoPassModulator(
+    half_wave_angle=float(np.deg2rad(HALF_WAVE_PLATE_DOUBLED)), frequency=FREQUENCY_DOUBLED / 2
+)
+"""The mode at twice the drive's frequency: theta_h = 22.5 degrees, dark bias (Eq. 17-19)."""
+
+DOUBLED_BRIGHT = replace(DOUBLED, output="returned")
+"""The doubled mode seen from the other port: 1 - I, the same swing on a bright ground."""
+
+
+# --- closed forms ------------------------------------------------------------------------------
+
+
+def single_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
+    """Coefficients (..., count + 1) of the single mode by the Jacobi-Anger expansion.
+
+    ``I = 1/2 - sum_{k odd} J_k(2 eta) sin(k theta)``, hence W_0 = 1/2, W_k = i J_k(2 eta)/2 for odd
+    k and 0 for even. ``eta`` (...) is the drive amplitude of one pass, rad.
+    """
+    k = np.arange(count + 1)
+    bessel = jv(k, 2 * np.asarray(eta, float)[..., None])
+    return np.where(k % 2 == 1, 0.5j * bessel, 0) + np.where(k == 0, 0.5, 0)
+
+
+def doubled_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
+    """Coefficients (..., count + 1) of the doubled mode with dark bias, by drive harmonic.
+
+    ``I = (1 - J_0(2 eta))/2 - sum_{k even >= 2} J_k(2 eta) cos(k theta)``, hence W_0 = (1 - J_0)/2,
+    W_k = -J_k/2 for even k and 0 for odd; ``[..., ::2]`` are the harmonics of twice the drive.
+    """
+    k = np.arange(count + 1)
+    bessel = jv(k, 2 * np.asarray(eta, float)[..., None])
+    return np.where(k % 2 == 0, -0.5 * bessel, 0) + np.where(k == 0, 0.5, 0j)
+
+
+def single_mode_taylor(phase: ArrayLike, *, eta: float) -> Array:
+    """Eq. 16's approximation ``(1 - 2 eta sin theta)/2`` at drive phases, rad.
+
+    Off by at most eta - sin(2 eta)/2 for eta up to pi/4: 1.2 % of A^2 at eta = 0.26.
+    """
+    return 0.5 * (1 - 2 * eta * np.sin(np.asarray(phase, float)))
+
+
+def doubled_mode_taylor(phase: ArrayLike, *, eta: float, as_printed: bool = False) -> Array:
+    """Lowest order of the doubled mode, ``eta^2 sin^2 theta``, at drive phases, rad.
+
+    Eq. 19 prints half of it (``as_printed=True``): (1 - cos(2 eta sin theta))/2 is
+    sin^2(eta sin theta), without another 1/2. Off by at most eta^2 - sin^2(eta).
+    """
+    return (0.5 if as_printed else 1.0) * (eta * np.sin(np.asarray(phase, float))) ** 2

@@ -1,0 +1,73 @@
+"""Depth to points in space, and to a PLY file that any viewer opens."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cmtof.files import written_whole
+from cmtof.scenes.rgbd import ray_lengths, rays_from_camera
+
+
+def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64]:
+    """Points (H, W, 3), m, of ranges along the rays; x right, y down, z forward.
+
+    Parameters
+    ----------
+    depth : array_like, shape (H, W)
+        Range along the ray, m; NaN stays NaN.
+    camera : array_like, shape (4,)
+        fx, fy, cx, cy, px, pixel centres at +0.5.
+
+    Examples
+    --------
+    >>> points_from_depth([[2.0]], [1.0, 1.0, 0.5, 0.5]).ravel().tolist()
+    [0.0, 0.0, 2.0]
+    """
+    depth = np.asarray(depth, float)
+    rays = rays_from_camera(depth.shape, camera)
+    return rays * (depth / ray_lengths(depth.shape, camera))[..., None]
+
+
+def write_ply(
+    path: str | Path,
+    depth: ArrayLike,
+    camera: ArrayLike,
+    *,
+    brightness: ArrayLike,
+    confidence: ArrayLike,
+) -> int:
+    """Write the finite pixels as a binary PLY point cloud; return their number.
+
+    Each vertex has ``x y z`` (float, m), ``red green blue`` (uchar, a grey of the brightness,
+    99th percentile white, gamma 2.2) and ``confidence`` (float).
+
+    Parameters
+    ----------
+    depth, brightness, confidence : array_like, shape (H, W)
+        Range, m (NaN is left out); linear brightness, any unit; probability.
+    camera : array_like, shape (4,)
+        fx, fy, cx, cy, px.
+    """
+    points = points_from_depth(depth, camera)
+    kept = np.isfinite(points).all(axis=-1)
+    light = np.asarray(brightness, float)[kept]
+    white = np.percentile(light, 99) if light.size else 1.0
+    grey = 255 * np.clip(light / max(float(white), 1e-12), 0, 1) ** (1 / 2.2)
+    layout = [(axis, "<f4") for axis in "xyz"]
+    layout += [(colour, "u1") for colour in ("red", "green", "blue")] + [("confidence", "<f4")]
+    vertices = np.empty(int(kept.sum()), layout)
+    for i, axis in enumerate("xyz"):
+        vertices[axis] = points[kept][:, i]
+    for colour in ("red", "green", "blue"):
+        vertices[colour] = grey.astype(np.uint8)
+    vertices["confidence"] = np.asarray(confidence)[kept]
+    names = {"<f4": "float", "u1": "uchar"}
+    properties = "".join(f"property {names[kind]} {name}\n" for name, kind in layout)
+    header = (
+        "ply\nformat binary_little_endian 1.0\ncomment range in metres, x right, y down\n"
+        f"element vertex {vertices.size}\n{properties}end_header\n"
+    )
+    with written_whole(path) as part:
+        part.write_bytes(header.encode("ascii") + vertices.tobytes())
+    return vertices.size

@@ -1,0 +1,191 @@
+"""Which run made a result: its seed, profile and version, and the folder it writes to."""
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cmtof import __version__
+from cmtof.files import written_whole
+
+OUTPUT_VARIABLE = "CMTOF_OUTPUT"
+"""Environment variable that names the folder for figures and checks."""
+
+SIGNIFICANT_DIGITS = 10
+"""Digits kept of a stored number: below them processors and libraries differ."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """What has to be known to draw a result again.
+
+    Attributes
+    ----------
+    profile : str
+        Name of the size profile, a file of ``configs/``.
+    seed : int
+        Seed of every random draw of the run.
+    version : str
+        Version of this package.
+    """
+
+    profile: str = "book"
+    seed: int = 0
+    version: str = __version__
+
+
+_current = Run()
+
+
+def begin(*, profile: str = "book", seed: int = 0) -> Run:
+    """Set the run that everything stored from now on belongs to.
+
+    Parameters
+    ----------
+    profile : str
+        Name of the size profile: ``ci``, ``book`` or ``paper``.
+    seed : int
+        Seed of the run, ≥ 0.
+
+    Returns
+    -------
+    Run
+        The run just begun.
+
+    Raises
+    ------
+    ValueError
+        If the profile is empty or the seed is no whole number ≥ 0.
+
+    Examples
+    --------
+    >>> begin(profile="ci", seed=7).seed
+    7
+    """
+    global _current
+    if not profile:
+        raise ValueError("Expected the name of a profile, got ''. Pass 'ci', 'book' or 'paper'.")
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise ValueError(f"Expected a whole seed ≥ 0, got {seed!r}. Pass an int.")
+    _current = Run(profile=profile, seed=int(seed))
+    return _current
+
+
+def current() -> Run:
+    """Return the run that :func:`begin` set, or the default one.
+
+    Examples
+    --------
+    >>> run = begin(profile="ci", seed=3)
+    >>> current() == run
+    True
+    """
+    return _current
+
+
+def as_dict() -> dict[str, str | int]:
+    """Return the current run as plain values, to be stored beside a result.
+
+    Examples
+    --------
+    >>> _ = begin(profile="ci", seed=3)
+    >>> sorted(as_dict())
+    ['profile', 'seed', 'version']
+    """
+    return asdict(_current)
+
+
+def output_folder() -> Path:
+    """Return the folder for figures and checks, made if need be.
+
+    It is the folder named by the environment variable ``CMTOF_OUTPUT``; without it ``figures/``
+    at the root of the checkout that the working directory lies in, or else beside the caller.
+    """
+    named = os.environ.get(OUTPUT_VARIABLE)
+    folder = Path(named) if named else _checkout() / "figures"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _checkout() -> Path:
+    here = Path.cwd()
+    for folder in (here, *here.parents):
+        if (folder / "src" / "cmtof").is_dir() and (folder / "pyproject.toml").is_file():
+            return folder
+    return here
+
+
+def plain(value: Any) -> Any:
+    """Turn numbers, arrays and containers of them into values that JSON holds exactly.
+
+    Floats are rounded to ten significant digits, so that a file changes only when a result does.
+
+    Parameters
+    ----------
+    value : Any
+        Number, string, bool, None, array, or mappings and sequences of these.
+
+    Returns
+    -------
+    Any
+        The same made of dict, list, str, int, float, bool and None.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite or a value is of another kind.
+
+    Examples
+    --------
+    >>> plain({"ratio": np.float64(1 / 3), "counts": np.array([1, 2])})
+    {'ratio': 0.3333333333, 'counts': [1, 2]}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float) and math.isfinite(value):
+        return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
+    raise ValueError(
+        f"Expected finite numbers, strings or lists of them to store, got {value!r}. "
+        "Convert it or leave it out."
+    )
+
+
+def write_json(path: str | Path, value: Any) -> None:
+    """Write a value as JSON, whole or not at all, with the same bytes on every run.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write.
+    value : Any
+        What :func:`plain` accepts.
+
+    Raises
+    ------
+    ValueError
+        If the value cannot be stored exactly.
+    OSError
+        If the folder is missing or cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> target = Path(tempfile.mkdtemp()) / "a.json"
+    >>> write_json(target, {"ratio": 2.0})
+    >>> json.loads(target.read_text())
+    {'ratio': 2.0}
+    """
+    text = json.dumps(plain(value), indent=2, ensure_ascii=False) + "\n"
+    with written_whole(path) as part:
+        part.write_text(text, encoding="utf-8")

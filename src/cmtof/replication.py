@@ -1,0 +1,123 @@
+"""One command that replicates: Fig. 3 drawn anew, the chain from frame to depth held to account.
+
+Each line compares what this machine computed with a stored value and tolerance
+(``replication.yml``, written by the same code at the same seed) or with the paper's number.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cmtof import paper
+from cmtof.bounds import linear_phase_noise, phase_spread, wrap_probability
+from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
+from cmtof.correlation import centred
+from cmtof.evaluation import Evaluation
+from cmtof.precision import PrecisionSweep, precision_figure, precision_ratio, precision_sweep
+from cmtof.scenes import Frame, load_frame
+from cmtof.simulation import simulate, true_phase
+
+SEED = 0
+FRAME = "still_life"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One line of the replication.
+
+    Attributes
+    ----------
+    name, what : str
+    value, expected, tolerance : float
+        Ours, the stored or published one, and how far they may lie apart.
+    passed : bool
+    """
+
+    name: str
+    what: str
+    value: float
+    expected: float
+    tolerance: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value lies within the tolerance; NaN never does."""
+        return bool(abs(self.value - self.expected) <= self.tolerance)
+
+    def __str__(self) -> str:
+        verdict = "PASS" if self.passed else "FAIL"
+        return (
+            f"{verdict}  {self.what}: {self.value:.4g} "
+            f"(expected {self.expected:.4g} ± {self.tolerance:.2g})"
+        )
+
+
+def replicate(figure: Path | None = None) -> Iterator[Outcome]:
+    """Run every check in turn; draw Fig. 3 to ``figure`` on the way.
+
+    Parameters
+    ----------
+    figure : Path, optional
+        Where to write the figure (``.png``, ``.svg`` or ``.pdf``).
+
+    Yields
+    ------
+    Outcome
+    """
+    sweep = precision_sweep(np.geomspace(0.1e9, 10e9, 21), rng=np.random.default_rng(SEED))
+    published = paper.published("fig3.precision_ratio")
+    yield Outcome(
+        published.key,
+        "Fig. 3, precision gained from 100 MHz to 10 GHz (paper)",
+        precision_ratio(sweep),
+        published.value,
+        published.tolerance,
+    )
+    if figure is not None:
+        _draw(sweep, figure)
+    stored = stored_values()
+    for name, value in computed_values(sweep):
+        entry = stored[name]
+        yield Outcome(name, entry["what"], value, entry["value"], entry["tolerance"])
+
+
+def computed_values(sweep: PrecisionSweep) -> Iterator[tuple[str, float]]:
+    """Compute the quantities of ``replication.yml`` in turn, by name."""
+    yield "law_ratio", float(np.mean(sweep.spread / sweep.law))
+    wall = Frame(np.ones((256, 256)), np.ones((256, 256)))
+    noisy = simulate(wall, seed=SEED)
+    error = centred(noisy.phase[0] - true_phase(noisy))
+    signal = GAIN * INTEGRATION_TIME
+    noise = linear_phase_noise(signal / np.pi, signal / 2 + NOISE_SIGMA**2, 4)
+    yield "phase_noise_ratio", float(error.std()) / phase_spread(float(noise))
+    yield "wrap_odds", float(wrap_probability(noise, noise, frequencies=FREQUENCIES))
+    frame = load_frame(FRAME)
+    clean_report = Evaluation(["crt"], noise_free=True).add_all([frame]).report()
+    yield "crt_noise_free", clean_report["methods"]["crt"]["consistent_lt_1"]
+    for protocol in ("released", "full"):
+        report = Evaluation(["crt", "beat"], protocol=protocol, seed=SEED).add_all([frame]).report()
+        for method, scores in report["methods"].items():
+            yield f"{method}_{protocol}", scores["delta_lt_1"]
+
+
+def stored_values() -> dict[str, dict[str, Any]]:
+    """Read ``replication.yml``: name -> what, value, tolerance."""
+    import yaml
+
+    return yaml.safe_load(files("cmtof").joinpath("replication.yml").read_text("utf-8"))
+
+
+def _draw(sweep: PrecisionSweep, path: Path) -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from cmtof import plotting
+    from cmtof.files import written_whole
+
+    plotting.use_style()
+    with written_whole(path) as part:
+        precision_figure(sweep).savefig(part)
