@@ -14,7 +14,7 @@ DRIVE_COLOURS = (PALETTE["sky"], PALETTE["black"], PALETTE["orange"])
 
 _BEAM = "#00A86B"  # what 532 nm looks like, darkened to be seen on white
 _GLASS, _GLASS_EDGE = "#DCEBF7", "#6B8CA8"
-# where the ellipses stand, left to right: between splitter and HWP, HWP and QWP, QWP and EOM, mirror
+# where the ellipses stand: before the HWP, before the QWP, before the EOM, before the mirror
 _STATIONS = (3.15, 4.85, 6.6, 10.1)
 _FORWARD = ("PBS in", "HWP", "QWP", "EOM")
 _RETURN = ("HWP back", "QWP back", "EOM back", "mirror")
@@ -50,12 +50,14 @@ def draw_elements(ax: Axes) -> None:
     ax.text(9.75, -0.9, r"$c/2f$ = 21 mm", ha="center", va="top", color="#3C454C")
     ax.text(1.45, 0.62, "PBS", ha="right", weight="bold")
     ax.text(2.35, 1.42, "laser", va="center", weight="bold")
+    for x, name, colour in zip((2.9, 4.6, 5.9), ("−η", "0", "+η"), DRIVE_COLOURS, strict=True):
+        ax.plot([x, x + 0.4], [-1.1, -1.1], color=colour, lw=3)
+        ax.text(x + 0.5, -1.1, f"V = {name}", va="center")
 
 
 def _draw_beam(ax: Axes) -> None:
-    style = {"color": _BEAM, "solid_capstyle": "round"}
-    ax.plot([2.1, 2.1, 11.1], [1.7, 0.1, 0.1], lw=3.2, alpha=0.9, zorder=2, **style)
-    ax.plot([11.1, 0.55], [-0.1, -0.1], lw=3.2, alpha=0.45, zorder=2, **style)
+    ax.plot([2.1, 2.1, 11.1], [1.7, 0.1, 0.1], color=_BEAM, lw=3.2, alpha=0.9, zorder=2)
+    ax.plot([11.1, 0.55], [-0.1, -0.1], color=_BEAM, lw=3.2, alpha=0.45, zorder=2)
     for start, end in (((2.1, 1.5), (2.1, 0.9)), ((9.7, 0.1), (10.3, 0.1))):
         _arrow(ax, start, end, 0.9)
     for x in (10.0, 3.3):
@@ -128,10 +130,10 @@ def draw_ellipses(
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 121))
     states = np.atleast_2d(np.asarray(fields, complex))
     if len(states) == 1:
-        _draw_ellipse(ax, radius * (states[0, :, None] * turn).real, x, y, PALETTE["black"])
+        _draw_ellipse(ax, radius * np.real(states[0, :, None] * turn), x, y, PALETTE["black"])
         return
     for state, colour, place in zip(states, DRIVE_COLOURS, (1, 0, -1), strict=True):
-        path = radius * (state[:, None] * turn).real
+        path = radius * np.real(state[:, None] * turn)
         _draw_ellipse(ax, path, x, y + place * spread, colour)
 
 

@@ -94,6 +94,8 @@ def use_style() -> None:
 def begin(*, profile: str = "book", seed: int = 0) -> provenance.Run:
     """Begin a run: set the style, and the seed and profile stored with every result.
 
+    From then on a notebook shows a figure when it is saved, and only then.
+
     Parameters
     ----------
     profile : str
@@ -112,6 +114,7 @@ def begin(*, profile: str = "book", seed: int = 0) -> provenance.Run:
     'ci'
     """
     use_style()
+    plt.switch_backend("agg")
     return provenance.begin(profile=profile, seed=seed)
 
 
@@ -230,7 +233,7 @@ def save(
     caption: str,
     alt: str,
     format: Literal["svg", "png"] = "svg",
-) -> Path:
+) -> None:
     """Save a figure with the numbers it shows, close it, and display it in a notebook.
 
     Writes ``name.svg`` or ``name.png`` and beside it ``name.json`` with caption, alternative text,
@@ -252,11 +255,6 @@ def save(
     format : {"svg", "png"}
         ``png`` for figures made of large images.
 
-    Returns
-    -------
-    Path
-        The image file.
-
     Raises
     ------
     ValueError
@@ -267,8 +265,9 @@ def save(
     >>> import os, tempfile
     >>> os.environ["CMTOF_OUTPUT"] = tempfile.mkdtemp()
     >>> fig, ax = plt.subplots()
-    >>> save(fig, "fig00_empty", numbers={}, caption="Nothing.", alt="Empty axes.").name
-    'fig00_empty.svg'
+    >>> save(fig, "fig00_empty", numbers={}, caption="Nothing.", alt="Empty axes.")
+    >>> sorted(os.listdir(os.environ.pop("CMTOF_OUTPUT")))
+    ['fig00_empty.json', 'fig00_empty.svg']
     """
     _check_save(name, caption, alt, format)
     record = {
@@ -286,7 +285,6 @@ def save(
     provenance.write_json(folder / f"{name}.json", record)
     plt.close(fig)
     _display(target, mime, name=name, caption=caption, alt=alt)
-    return target
 
 
 def _check_save(name: str, caption: str, alt: str, format: str) -> None:

@@ -10,6 +10,7 @@ from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
 from cmtof.measurement import Measurement, unambiguous_range
 from cmtof.scenes.rgbd import Frame
+from cmtof.validation import check_frequencies
 
 Protocol = Literal["released", "full"]
 
@@ -73,6 +74,7 @@ def simulate(
         For an unknown protocol, bad frequencies, or no pixel within the range.
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, float))
+    check_frequencies(frequencies)
     depth, mask, limits = staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
     # where no depth is known no light returns
     intensity = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0).astype(np.float32)

@@ -6,6 +6,7 @@ not part of this project; where a copy lies on the machine it is found by `data_
 """
 
 import os
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -77,7 +78,8 @@ def open_capture(path: str | Path) -> Measurement:
 def read_csv_map(path: Path) -> NDArray[np.float64]:
     """Read a rectangular table of finite numbers, (H, W)."""
     try:
-        table = np.loadtxt(path, delimiter=",", ndmin=2)
+        with warnings.catch_warnings(action="ignore"):  # of no data: the error below says it
+            table = np.loadtxt(path, delimiter=",", ndmin=2)
     except (OSError, ValueError) as error:
         reason = str(error).splitlines()[0]
         raise ValueError(

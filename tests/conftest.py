@@ -1,0 +1,50 @@
+"""Things that several tests lean on."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+import cmtof
+from cmtof.scenes.captures import data_root
+from cmtof.scenes.rgbd import Frame
+
+settings.register_profile("cmtof", deadline=None, max_examples=50, derandomize=True)
+settings.load_profile("cmtof")
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(20230217)
+
+
+@pytest.fixture(scope="session")
+def tilted_wall() -> Frame:
+    """A wall from 0.80 to 1.15 m, bright, so that its depth is known in closed form."""
+    x, y = np.meshgrid(np.linspace(0, 1, 64), np.linspace(0, 1, 48))
+    return Frame(
+        0.8 + 0.25 * x + 0.1 * y, 0.2 + 0.8 * x, np.array([80.0, 80.0, 32.0, 24.0]), "wall"
+    )
+
+
+@pytest.fixture(scope="session")
+def measured(tilted_wall: Frame) -> cmtof.Measurement:
+    """The wall with the paper's noise."""
+    return cmtof.simulate(tilted_wall, seed=3)
+
+
+@pytest.fixture(scope="session")
+def measurement_file(measured: cmtof.Measurement, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("measured") / "wall.nc"
+    measured.save(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """Folder with real captures and path-traced frames; the test is skipped without it."""
+    root = data_root()
+    if root is None:
+        pytest.skip("no captures on this machine")
+    return root

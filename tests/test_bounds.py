@@ -1,0 +1,143 @@
+"""Bounds against Monte Carlo, laws against integrals, odds against counting."""
+
+import numpy as np
+import pytest
+from scipy import integrate
+
+from cmtof import bounds
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import TAU, centred, correlation_from_phase, phase_from_correlation
+from cmtof.detector import poisson_gaussian
+
+PSI = np.arange(4) * np.pi / 2
+DRAWS = 300_000
+
+
+def errors(intensity, rng, *, phase=0.9, draws=DRAWS):
+    signal = 20_000 * intensity
+    mean = correlation_from_phase(
+        np.full(draws, phase), PSI, amplitude=signal / np.pi, offset=signal / 2
+    )
+    counts = poisson_gaussian(mean, rng=rng, sigma=1200.0)
+    return centred(phase_from_correlation(counts, PSI) - phase)
+
+
+def linear(intensity):
+    signal = 20_000 * intensity
+    return float(bounds.linear_phase_noise(signal / np.pi, signal / 2 + 1200**2, 4))
+
+
+def test_settings_of_the_paper_give_the_published_limits():
+    assert linear(1.0) == pytest.approx(0.134, abs=5e-4)
+    assert linear(0.3) == pytest.approx(0.445, abs=5e-4)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.9, 2.5, 5.0])
+def test_phase_noise_meets_the_bound_where_it_is_small(rng, phase):
+    signal = 20_000.0
+    bound = bounds.phase_bound(signal / np.pi, signal / 2, PSI, sigma=1200.0, phase=phase)
+    assert float(bound) <= 0.15
+    assert errors(1.0, rng, phase=phase).std() == pytest.approx(float(bound), rel=0.02)
+
+
+@pytest.mark.parametrize("intensity", [1.0, 0.7, 0.5, 0.3, 0.2, 0.1, 0.05])
+def test_phase_noise_follows_the_exact_law_everywhere(rng, intensity):
+    law = bounds.phase_spread(linear(intensity))
+    assert errors(intensity, rng).std() == pytest.approx(law, rel=0.03)
+
+
+@pytest.mark.parametrize("noise", [0.05, 0.134, 0.445, 1.3, 8.0])
+def test_phase_density_is_a_probability(noise):
+    inside = [0.0] if noise > 0.3 else [-5 * noise, 0.0, 5 * noise]
+    total = integrate.quad(bounds.phase_density, -np.pi, np.pi, args=(noise,), points=inside)[0]
+    assert total == pytest.approx(1.0, abs=1e-8)
+
+
+def test_phase_spread_tends_to_the_linear_and_to_the_uniform_limit():
+    assert bounds.phase_spread(0.01) == pytest.approx(0.01, rel=1e-3)
+    assert bounds.phase_spread(1e4) == pytest.approx(np.pi / np.sqrt(3), rel=1e-3)
+
+
+@pytest.mark.parametrize(("intensity", "factor"), [(1.0, 1.01), (0.5, 1.05), (0.3, 1.18)])
+def test_spread_exceeds_the_linear_formula_as_stated(intensity, factor):
+    assert bounds.phase_spread(linear(intensity)) / linear(intensity) == pytest.approx(
+        factor, abs=6e-3
+    )
+
+
+def test_fisher_information_is_the_curvature_of_the_likelihood(rng):
+    truth = np.array([0.7, 900.0, 2000.0])  # phase, amplitude, offset
+
+    def mean(theta):
+        return theta[2] + theta[1] * np.cos(theta[0] + PSI)
+
+    def expected_nll(theta):
+        v, v0 = mean(theta) + 50**2, mean(truth) + 50**2
+        return np.sum(np.log(v) + (v0 + (mean(truth) - mean(theta)) ** 2) / v) / 2
+
+    step = np.array([1e-3, 1.0, 1.0])
+    curvature = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            ei, ej = np.eye(3)[i] * step, np.eye(3)[j] * step
+            corners = [truth + ei + ej, truth + ei - ej, truth - ei + ej, truth - ei - ej]
+            value = expected_nll(corners[0]) - expected_nll(corners[1])
+            value += expected_nll(corners[3]) - expected_nll(corners[2])
+            curvature[i, j] = value / (4 * step[i] * step[j])
+    fisher = bounds.fisher_information(900.0, 2000.0, PSI, sigma=50.0, phase=0.7)
+    scale = np.sqrt(np.diag(fisher))
+    np.testing.assert_allclose(
+        curvature / np.outer(scale, scale), fisher / np.outer(scale, scale), atol=1e-4
+    )
+
+
+def test_more_steps_and_less_noise_never_hurt():
+    few = bounds.phase_bound(900.0, 1500.0, PSI, sigma=50.0)
+    many = bounds.phase_bound(900.0, 1500.0, TAU * np.arange(16) / 16, sigma=50.0)
+    quiet = bounds.phase_bound(900.0, 1500.0, PSI, sigma=5.0)
+    assert many < few
+    assert quiet < few
+    # where the Gaussian noise rules, four times the steps halve the bound
+    few = bounds.phase_bound(900.0, 1500.0, PSI, sigma=5000.0)
+    many = bounds.phase_bound(900.0, 1500.0, TAU * np.arange(16) / 16, sigma=5000.0)
+    assert many == pytest.approx(few / 2, rel=1e-3)
+
+
+def test_depth_bound_falls_with_frequency():
+    low, high = (
+        bounds.depth_bound(900.0, 1500.0, PSI, sigma=50.0, frequency=f) for f in (1e8, 1e10)
+    )
+    assert low / high == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize("intensity", [1.0, 0.7])
+def test_odds_of_one_pixel_equal_counting(rng, intensity):
+    """Draw phases by the Gaussian phasor's law and let the beat choose the wrap."""
+    low, high = FREQUENCIES
+    draws = 2_000_000
+    noise = linear(intensity)
+    phasor = 1 + noise * (rng.normal(size=(2, draws)) + 1j * rng.normal(size=(2, draws)))
+    error = np.angle(phasor)
+    beat = error[1] - 2 * error[0]
+    wraps = np.rint((low / (high - 2 * low)) * beat / TAU - error[0] / TAU)
+    theory = float(bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES))
+    assert np.mean(wraps == 0) == pytest.approx(theory, rel=0.05)
+
+
+def test_odds_and_pixels_of_the_paper_settings():
+    noise = linear(1.0)
+    odds = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
+    assert float(odds) == pytest.approx(0.0234, abs=1e-4)
+    assert bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES) == pytest.approx(4459, abs=3)
+    assert bounds.pixels_needed(linear(0.3), linear(0.3), frequencies=FREQUENCIES) == pytest.approx(
+        49_311, rel=1e-3
+    )
+
+
+def test_pooling_the_needed_pixels_gives_the_stated_odds():
+    noise = linear(1.0)
+    pixels = bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES, odds=0.8)
+    pooled = noise / np.sqrt(pixels)
+    assert float(bounds.wrap_probability(pooled, pooled, frequencies=FREQUENCIES)) == pytest.approx(
+        0.8, abs=1e-3
+    )

@@ -1,0 +1,275 @@
+"""Correlation: closed forms, round trips, symmetries."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cmtof import correlation as co
+from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
+from cmtof.modulator import DOUBLED, SINGLE
+from cmtof.waveform import gate, sinusoid, waveform_from_harmonics
+
+QUADRATURES = np.arange(4) * np.pi / 2
+angles = st.floats(0, 2 * np.pi, exclude_max=True)
+
+
+def time_average(p, r, *, phase, psi, samples=4096):
+    """Brute force: the mean of p(t - tau) r(t) over one period."""
+    theta = 2 * np.pi * np.arange(samples) / samples
+    emitted = waveform_from_harmonics(p, theta - phase)
+    reference = waveform_from_harmonics(r, theta + psi)
+    return np.mean(emitted * reference)
+
+
+@given(angles, angles)
+def test_harmonic_sum_equals_the_time_integral_of_any_waveforms(phase, psi):
+    p, r = SINGLE.harmonics(12), gate(12)
+    fast = co.correlation_from_harmonics(p, r, phase=phase, psi=psi)
+    assert fast == pytest.approx(time_average(p, r, phase=phase, psi=psi), abs=1e-12)
+
+
+@given(angles, angles)
+def test_modulators_without_harmonics_correlate_as_equation_4_says(phase, psi):
+    p = SINGLE.harmonics(1)
+    measured = time_average(p, p, phase=phase, psi=psi)
+    alpha, beta = 2 * abs(p[1]), p[0].real
+    assert measured == pytest.approx(alpha**2 / 2 * np.cos(psi + phase) + beta**2, abs=1e-9)
+
+
+def test_real_modulator_pair_departs_from_equation_4_by_its_harmonics():
+    p = SINGLE.harmonics(9)
+    full = co.correlation_from_harmonics(p, p, phase=0.7, psi=0.0)
+    first = co.correlation_from_harmonics(p[:2], p[:2], phase=0.7, psi=0.0)
+    rest = 2 * sum(abs(p[k]) ** 2 * np.cos(0.7 * k) for k in range(2, 10))
+    assert full - first == pytest.approx(rest, abs=1e-15)
+
+
+def test_paper_sinusoids_peak_at_psi_equal_minus_phase():
+    p, r = sinusoid(1.0, 1.0), sinusoid(0.5, 1.0)
+    psi = np.linspace(0, 2 * np.pi, 3601)
+    c = co.correlation_from_harmonics(p, r, phase=2.0, psi=psi)
+    assert psi[c.argmax()] == pytest.approx(2 * np.pi - 2.0, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("emitted", "reference", "contrast"),
+    [
+        (sinusoid(0.5, 0.5), sinusoid(0.5, 0.5), 0.5),
+        (sinusoid(0.5, 0.5), gate(1), 2 / np.pi),
+        (sinusoid(1.0, 0.5), sinusoid(1.0, 0.5), 0.125),
+    ],
+)
+def test_contrast_of_pairs(emitted, reference, contrast):
+    assert co.correlation_contrast(emitted, reference) == pytest.approx(contrast, rel=1e-12)
+
+
+def test_gate_against_raised_cosine_is_the_pixel_of_equation_8():
+    psi = np.linspace(0, 2 * np.pi, 50)
+    c = co.correlation_from_harmonics(sinusoid(1.0, 1.0), gate(5), phase=1.0, psi=psi)
+    np.testing.assert_allclose(c, 0.5 + np.cos(1.0 + psi) / np.pi, atol=1e-12)
+
+
+def test_heterodyne_sweeps_the_phase_and_a_whole_beat_in_the_exposure_removes_it():
+    p = sinusoid(0.5, 0.5)
+    sweep = np.linspace(0, 2 * np.pi, 7)
+    moving = co.correlation_from_harmonics(p, p, phase=0.3, psi=0.0, beat_phase=sweep)
+    still = co.correlation_from_harmonics(p, p, phase=0.3, psi=sweep)
+    np.testing.assert_allclose(moving, still)
+    gone = co.correlation_from_harmonics(p, p, phase=0.3, psi=0.0, beat_cycles=1.0)
+    assert gone == pytest.approx(0.25, abs=1e-15)
+
+
+def test_heterodyne_damping_equals_the_time_average_over_the_exposure():
+    p, cycles = SINGLE.harmonics(5), 0.3
+    t = (np.arange(20000) + 0.5) / 20000 - 0.5
+    slow = co.correlation_from_harmonics(
+        p, p, phase=0.4, psi=1.0, beat_phase=2 * np.pi * cycles * t
+    )
+    damped = co.correlation_from_harmonics(p, p, phase=0.4, psi=1.0, beat_cycles=cycles)
+    assert damped == pytest.approx(slow.mean(), abs=1e-9)
+
+
+# --- decoding ----------------------------------------------------------------------------------
+
+
+@given(
+    st.lists(st.integers(0, 62), min_size=3, max_size=9, unique=True),
+    angles,
+    st.floats(0.1, 1e4),
+    st.floats(-1e4, 1e4),
+)
+def test_decoding_undoes_encoding_for_any_distinct_psi(steps, phase, amplitude, offset):
+    psi = 0.1 * np.array(steps)
+    c = co.correlation_from_phase(np.array([phase]), psi, amplitude=amplitude, offset=offset)
+    decoded = co.decode(c, psi)
+    # neighbouring steps 0.1 rad apart make the fit up to 1e3 times less certain
+    assert abs(co.centred(decoded.phase - phase))[0] < 1e-6 * (1 + abs(offset) / amplitude)
+    assert decoded.amplitude[0] == pytest.approx(amplitude, rel=1e-6, abs=1e-6 * abs(offset))
+
+
+def test_decoding_ignores_the_order_of_the_steps(rng):
+    phase = rng.uniform(0, 2 * np.pi, 100)
+    psi = np.array([0.0, np.pi / 2, 3 * np.pi / 2, np.pi])  # as the paper lists them
+    c = co.correlation_from_phase(phase, psi, amplitude=3.0, offset=5.0)
+    np.testing.assert_allclose(co.phase_from_correlation(c, psi), phase, atol=1e-12)
+
+
+def test_four_steps_equal_the_first_fourier_bin(rng):
+    c = rng.normal(10, 1, (4, 200))
+    bin_1 = np.fft.fft(c, axis=0)[1]
+    decoded = co.decode(c, QUADRATURES)
+    np.testing.assert_allclose(decoded.phase, co.wrapped(np.angle(bin_1)), atol=1e-12)
+    np.testing.assert_allclose(decoded.amplitude, 2 * np.abs(bin_1) / 4, atol=1e-12)
+    np.testing.assert_allclose(co.amplitude_from_correlation(c, QUADRATURES), decoded.amplitude)
+
+
+@pytest.mark.parametrize("steps", [3, 4, 5, 16])
+def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
+    psi = rng.permutation(2 * np.pi * np.arange(steps) / steps)
+    phase = rng.uniform(0, 2 * np.pi, (40, 101))
+    amplitude = rng.uniform(10, 6366, phase.shape)
+    # float32 counts carry half an ulp each: compare with float64 arithmetic on the same counts
+    c = co.correlation_from_phase(phase, psi, amplitude=amplitude, offset=amplitude * 1.6)
+    c = c.astype(np.float32)
+    fast, exact = co.decode(c, psi), co.decode(c.astype(float), psi)
+    assert fast.phase.dtype == np.float32
+    assert np.abs(co.centred(fast.phase - exact.phase)).max() < 5e-6
+    np.testing.assert_allclose(fast.amplitude, exact.amplitude, rtol=1e-5, atol=1e-2)
+    np.testing.assert_allclose(fast.offset, exact.offset, rtol=1e-5)
+    assert fast.phase.min() >= 0
+    assert fast.phase.max() < 2 * np.pi
+
+
+@pytest.mark.parametrize(
+    "phase", [0.0, np.pi / 4, np.pi / 2, np.pi, 3 * np.pi / 2, 2 * np.pi - 1e-7]
+)
+def test_compiled_decoding_at_the_seams_of_the_arctangent(phase):
+    c = co.correlation_from_phase(np.full(9, phase), QUADRATURES, amplitude=1.0).astype(np.float32)
+    decoded = co.phase_from_correlation(c, QUADRATURES)
+    assert np.abs(co.centred(decoded - phase)).max() < 5e-6
+    assert (decoded < 2 * np.pi).all()
+
+
+def test_darkness_decodes_to_a_finite_phase():
+    decoded = co.decode(np.zeros((4, 5), np.float32), QUADRATURES)
+    assert (decoded.phase == 0).all()
+    assert (decoded.amplitude == 0).all()
+
+
+def test_two_frequencies_decode_each_with_its_own_steps(rng):
+    psi = np.stack([QUADRATURES, QUADRATURES + 0.2])
+    phase = rng.uniform(0, 2 * np.pi, (2, 6, 7))
+    c = np.stack(
+        [co.correlation_from_phase(p, s, amplitude=2.0) for p, s in zip(phase, psi, strict=True)]
+    )
+    np.testing.assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("psi", "message"),
+    [
+        ([0.0, 1.0], "at least 3 reference phases"),
+        ([0.0, 1.0, 1.0], "duplicates"),
+        ([0.0, 1.0, 2.0, 2 * np.pi], "duplicates"),
+        ([0.0, 1.0, np.nan], "finite reference phases"),
+    ],
+)
+def test_undecodable_psi_is_refused(psi, message):
+    with pytest.raises(ValueError, match=message):
+        co.decode(np.zeros((len(psi), 2)), psi)
+
+
+def test_mismatched_shapes_are_refused():
+    with pytest.raises(ValueError, match="first axes match psi"):
+        co.decode(np.zeros((3, 2)), QUADRATURES)
+
+
+def test_phase_variance_of_uniform_steps_is_two_v_over_k_a_squared():
+    psi = 2 * np.pi * np.arange(16) / 16
+    variance = co.phase_variance(psi, phase=np.linspace(0, 6, 9), amplitude=3.0, variance=0.5)
+    np.testing.assert_allclose(variance, 2 * 0.5 / (16 * 9))
+
+
+def test_phase_variance_of_ragged_steps_equals_monte_carlo(rng):
+    psi, variance = np.array([0.0, 0.9, 2.0, 4.4, 5.0]), np.array([1.0, 4.0, 2.0, 1.0, 3.0])
+    draws = 200_000
+    c = co.correlation_from_phase(np.array([1.1]), psi, amplitude=300.0)
+    noisy = c + rng.normal(size=(5, draws)) * np.sqrt(variance)[:, None]
+    error = co.centred(co.phase_from_correlation(noisy, psi) - 1.1)
+    theory = co.phase_variance(psi, phase=1.1, amplitude=300.0, variance=variance)
+    # four standard errors of a variance from 200 000 draws
+    assert error.var() == pytest.approx(float(theory), rel=4 * np.sqrt(2 / draws))
+
+
+def test_residual_noise_finds_the_noise_of_the_samples(rng):
+    psi = 2 * np.pi * np.arange(6) / 6
+    signal = co.correlation_from_phase(
+        rng.uniform(0, 6, 50_000), psi, amplitude=100.0, offset=200.0
+    )
+    noise = co.residual_noise(signal + 7.0 * rng.normal(size=signal.shape), psi)
+    assert noise == pytest.approx(7.0, rel=0.02)
+    with pytest.raises(ValueError, match="more than 3"):
+        co.residual_noise(np.zeros((3, 9)), psi[:3])
+
+
+# --- harmonics ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("eta", "error"), [(0.26, 0.13e-3), (np.pi / 4, 15e-3)])
+def test_four_samples_alias_the_third_harmonic_and_sixteen_do_not(eta, error):
+    from dataclasses import replace
+
+    waveform = replace(SINGLE, eta=eta).harmonics(9)
+    phase = np.linspace(0, 2 * np.pi, 721)
+    four = co.cyclic_error(waveform, waveform, phase=phase, samples=4)
+    sixteen = co.cyclic_error(waveform, waveform, phase=phase, samples=16)
+    assert np.abs(four).max() == pytest.approx(error, rel=0.05)
+    assert np.abs(sixteen).max() < 1e-9
+
+
+def test_pure_sinusoids_have_no_cyclic_error():
+    p = sinusoid(1.0, 1.0)
+    assert np.abs(co.cyclic_error(p, p, phase=np.linspace(0, 6, 50), samples=4)).max() < 1e-12
+
+
+def test_doubled_mode_has_no_line_at_the_drive_frequency():
+    assert abs(DOUBLED.harmonics(3)[1]) < 1e-12
+
+
+# --- depth -------------------------------------------------------------------------------------
+
+
+def test_wraps_of_the_prototype():
+    low, high = co.wrap_length(np.array(FREQUENCIES))
+    assert 1e3 * low == pytest.approx(20.9645, abs=1e-4)
+    assert 1e3 * high == pytest.approx(10.4676, abs=1e-4)
+    assert co.phase_from_depth(SPEED_OF_LIGHT / (2 * 7.15e9), 7.15e9) == pytest.approx(2 * np.pi)
+
+
+@given(st.floats(0, 20), st.sampled_from([0.1e9, 7.15e9, 14.32e9]))
+def test_depth_survives_phase_and_back(depth, frequency):
+    phase = co.phase_from_depth(depth, frequency)
+    assert co.depth_from_phase(phase, frequency) == pytest.approx(depth, abs=1e-12)
+
+
+@given(st.floats(0, 20), st.sampled_from([7.15e9, 14.32e9]))
+def test_wrapped_phase_and_wrap_count_rebuild_the_depth(depth, frequency):
+    phase = co.wrapped(co.phase_from_depth(depth, frequency))
+    wraps = co.consistent_wrap_count(depth, phase, frequency)
+    assert co.depth_from_wraps(phase, wraps, frequency) == pytest.approx(depth, abs=1e-9)
+    assert abs(int(wraps) - int(co.wrap_count_from_depth(depth, frequency))) <= 1
+
+
+@given(st.floats(-1e6, 1e6))
+def test_wrapping_keeps_the_angle_and_stays_in_range(phase):
+    w, c = float(co.wrapped(phase)), float(co.centred(phase))
+    assert 0 <= w < 2 * np.pi
+    assert -np.pi <= c < np.pi
+    assert abs(np.exp(1j * w) - np.exp(1j * phase)) < 1e-9
+    assert abs(np.exp(1j * c) - np.exp(1j * phase)) < 1e-9
+
+
+def test_wrapping_never_rounds_up_to_two_pi():
+    assert co.wrapped(-1e-20) == 0.0
+    assert co.wrapped(np.float32(-1e-9)) < 2 * np.pi

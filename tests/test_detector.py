@@ -1,0 +1,88 @@
+"""Noise laws by their moments; filters and converters by their closed forms."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cmtof import detector
+
+DRAWS = 200_000
+# four standard errors of a variance estimated from DRAWS nearly Gaussian draws
+VARIANCE = 4 * np.sqrt(2 / DRAWS)
+
+
+def test_poisson_gaussian_has_both_variances(rng):
+    counts = detector.poisson_gaussian(np.full(DRAWS, 900.0), rng=rng, sigma=40.0, mu=5.0)
+    assert counts.mean() == pytest.approx(905.0, abs=4 * 50 / np.sqrt(DRAWS))
+    assert counts.var() == pytest.approx(900 + 1600, rel=VARIANCE)
+
+
+def test_released_order_adds_gaussian_noise_first_and_never_goes_negative(rng):
+    counts = detector.poisson_gaussian(np.full(DRAWS, 900.0), rng=rng, sigma=40.0, order="released")
+    assert counts.var() == pytest.approx(900 + 1600, rel=VARIANCE)
+    dark = detector.poisson_gaussian(np.zeros(1000), rng=rng, sigma=40.0, order="released")
+    assert dark.min() >= 0
+    assert detector.poisson_gaussian(np.zeros(1000), rng=rng, sigma=40.0).min() < 0
+
+
+def test_float32_counts_stay_float32(rng):
+    assert detector.poisson_gaussian(np.ones(3, np.float32), rng=rng, sigma=1.0).dtype == np.float32
+
+
+def test_no_light_and_no_noise_give_nothing(rng):
+    assert (detector.poisson_gaussian(np.zeros(5), rng=rng, sigma=0.0) == 0).all()
+
+
+@pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf])
+def test_impossible_means_are_refused(rng, bad):
+    with pytest.raises(ValueError, match="Expected finite counts >= 0"):
+        detector.poisson_gaussian([1.0, bad], rng=rng, sigma=1.0)
+    with pytest.raises(ValueError, match="sigma >= 0"):
+        detector.poisson_gaussian([1.0], rng=rng, sigma=-1.0)
+
+
+def test_skellam_difference_keeps_the_sum_of_the_variances(rng):
+    d = detector.skellam_gaussian(np.full(DRAWS, 500.0), np.full(DRAWS, 300.0), rng=rng, sigma=10.0)
+    assert d.mean() == pytest.approx(200.0, abs=4 * 30 / np.sqrt(DRAWS))
+    assert d.var() == pytest.approx(500 + 300 + 100, rel=VARIANCE)
+
+
+@pytest.mark.parametrize("excess", [1.0, 2.0, 3.5])
+def test_avalanche_multiplies_the_variance_by_f_g_squared(rng, excess):
+    counts = detector.avalanche(np.full(DRAWS, 200.0), gain=20.0, excess_noise=excess, rng=rng)
+    assert counts.mean() == pytest.approx(4000.0, rel=4 * np.sqrt(excess / 200 / DRAWS))
+    assert counts.var() == pytest.approx(excess * 400 * 200, rel=1.5 * VARIANCE)
+    with pytest.raises(ValueError, match="excess noise >= 1"):
+        detector.avalanche([1.0], gain=20.0, excess_noise=0.5, rng=rng)
+
+
+def test_rc_filter_settles_as_an_exponential_and_matches_its_response():
+    step = detector.rc_filter(np.ones(500), interval=1e-3, time_constant=0.05)
+    t = 1e-3 * np.arange(1, 501)
+    np.testing.assert_allclose(step, 1 - np.exp(-t / 0.05), atol=1e-12)
+    tone = np.sin(2 * np.pi * 5 * 1e-4 * np.arange(40_000))
+    late = detector.rc_filter(tone, interval=1e-4, time_constant=0.05)[20_000:]
+    damping = abs(detector.rc_response(5.0, 0.05))
+    assert late.max() == pytest.approx(damping, rel=1e-3)
+
+
+def test_integration_averages_whole_blocks():
+    np.testing.assert_allclose(detector.integrate(np.arange(7.0), 3), [1.0, 4.0])
+    with pytest.raises(ValueError, match="samples a block"):
+        detector.integrate(np.arange(3.0), 4)
+
+
+def test_integration_of_white_noise_divides_its_variance(rng):
+    means = detector.integrate(rng.normal(size=20 * DRAWS), 20)
+    assert means.var() == pytest.approx(1 / 20, rel=VARIANCE)
+
+
+@given(st.floats(-10, 2e4), st.integers(1, 16))
+def test_quantisation_errs_by_half_a_level_inside_and_saturates_outside(value, bits):
+    level = 16383.0 / (2**bits - 1)
+    q = float(detector.quantise(value, bits=bits, full_scale=16383.0))
+    assert abs(q - np.clip(value, 0, 16383)) <= level / 2 * (1 + 1e-9)
+    assert float(detector.quantise(q, bits=bits, full_scale=16383.0)) == q
+    with pytest.raises(ValueError, match="bits >= 1"):
+        detector.quantise(value, bits=0, full_scale=1.0)

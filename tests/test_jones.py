@@ -1,0 +1,165 @@
+"""Jones calculus: unitarity, reciprocity, conservation of energy, known actions of the elements."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cmtof import jones
+
+angle = st.floats(-10, 10, allow_subnormal=False)
+ratio = st.floats(1.5, 1e6)
+lossless = st.one_of(
+    st.builds(jones.retarder, angle, angle),
+    st.builds(jones.half_wave_plate, angle),
+    st.builds(jones.quarter_wave_plate, angle),
+    st.builds(jones.rotator, angle),
+    st.builds(
+        lambda v, g, e: jones.eom(v, static_retardance=g, angle_error=e), angle, angle, angle
+    ),
+    st.builds(jones.mirror),
+)
+amplitude = st.complex_numbers(max_magnitude=1e3, allow_nan=False)
+vector = st.builds(jones.jones_vector, amplitude, amplitude)
+
+
+def dagger(matrix):
+    return np.conj(np.swapaxes(matrix, -1, -2))
+
+
+@given(st.lists(lossless, min_size=1, max_size=9))
+def test_products_of_lossless_elements_are_unitary(elements):
+    product = jones.compose(*elements)
+    np.testing.assert_allclose(dagger(product) @ product, np.eye(2), atol=1e-14)
+
+
+@given(st.lists(lossless, min_size=1, max_size=5), vector)
+def test_lossless_elements_keep_the_intensity(elements, field):
+    before = jones.intensity(field)
+    after = jones.intensity(jones.apply(jones.compose(*elements), field))
+    assert after == pytest.approx(before, rel=1e-12, abs=1e-300)
+
+
+@given(angle, angle, angle)
+def test_retarders_on_one_axis_add_up(first, second, axis):
+    both = jones.compose(jones.retarder(first, axis), jones.retarder(second, axis))
+    np.testing.assert_allclose(both, jones.retarder(first + second, axis), atol=1e-14)
+
+
+@given(angle, angle)
+def test_retarder_is_its_diagonal_form_turned_by_its_angle(retardance, axis):
+    turned = jones.compose(jones.rotator(-axis), jones.eom(retardance), jones.rotator(axis))
+    np.testing.assert_allclose(jones.retarder(retardance, axis), turned, atol=1e-14)
+
+
+def test_eom_is_equation_10():
+    np.testing.assert_allclose(
+        jones.eom(0.7), np.diag([np.exp(-0.35j), np.exp(0.35j)]), rtol=0, atol=1e-16
+    )
+
+
+@given(angle, angle)
+def test_half_wave_plate_mirrors_linear_light_at_its_axis(axis, tilt):
+    out = jones.apply(jones.half_wave_plate(axis), jones.linear_polarisation(tilt))
+    overlap = np.vdot(jones.linear_polarisation(2 * axis - tilt), out)
+    assert abs(overlap) == pytest.approx(1, abs=1e-14)
+
+
+def test_quarter_wave_plate_at_45_degrees_makes_circular_light():
+    out = jones.apply(jones.quarter_wave_plate(np.pi / 4), jones.linear_polarisation(0))
+    np.testing.assert_allclose(np.abs(jones.stokes(out)), [1, 0, 0, 1], atol=1e-15)
+
+
+def test_retardance_error_is_retardance_on_the_axis():
+    np.testing.assert_allclose(
+        jones.half_wave_plate(0.3, retardance_error=0.02), jones.retarder(np.pi + 0.02, 0.3)
+    )
+    np.testing.assert_allclose(
+        jones.quarter_wave_plate(0.3, retardance_error=0.02), jones.retarder(np.pi / 2 + 0.02, 0.3)
+    )
+
+
+@given(vector)
+def test_stokes_vector_of_pure_light_lies_on_the_sphere(field):
+    s = jones.stokes(field)
+    assert np.sum(s[1:] ** 2) == pytest.approx(s[0] ** 2, rel=1e-9, abs=1e-200)
+    assert s[0] == pytest.approx(jones.intensity(field))
+
+
+@given(vector, ratio, ratio, angle)
+def test_beam_splitter_loses_no_light(field, transmitted, reflected, turn):
+    ports = [
+        jones.polarising_beam_splitter(
+            port,
+            transmitted_extinction=transmitted,
+            reflected_extinction=reflected,
+            angle_error=turn,
+        )
+        for port in ("transmitted", "reflected")
+    ]
+    total = sum(jones.intensity(jones.apply(port, field)) for port in ports)
+    assert total == pytest.approx(jones.intensity(field), rel=1e-9, abs=1e-200)
+
+
+@given(ratio, ratio)
+def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflected):
+    settings = {"transmitted_extinction": transmitted, "reflected_extinction": reflected}
+    through = np.abs(jones.polarising_beam_splitter("transmitted", **settings)) ** 2
+    aside = np.abs(jones.polarising_beam_splitter("reflected", **settings)) ** 2
+    assert through[0, 0] / through[1, 1] == pytest.approx(transmitted, rel=1e-6)
+    assert aside[1, 1] / aside[0, 0] == pytest.approx(reflected, rel=1e-6)
+
+
+def test_ideal_beam_splitter_sorts_horizontal_from_vertical():
+    np.testing.assert_array_equal(jones.polarising_beam_splitter("transmitted"), np.diag([1, 0]))
+    np.testing.assert_array_equal(jones.polarising_beam_splitter("reflected"), np.diag([0, 1]))
+
+
+@given(angle, angle)
+def test_linear_polariser_obeys_malus(axis, tilt):
+    out = jones.apply(jones.linear_polariser(axis), jones.linear_polarisation(tilt))
+    assert jones.intensity(out) == pytest.approx(np.cos(axis - tilt) ** 2, abs=1e-14)
+
+
+def test_crossed_polariser_leaks_its_extinction_ratio():
+    leaky = jones.linear_polariser(0.4, extinction_ratio=1000)
+    out = jones.apply(leaky, jones.linear_polarisation(0.4 + np.pi / 2))
+    assert jones.intensity(out) == pytest.approx(1e-3, rel=1e-12)
+
+
+def test_mirror_keeps_its_reflectance_and_turns_the_vertical():
+    np.testing.assert_allclose(jones.mirror(0.81), np.diag([0.9, -0.9]), atol=1e-16)
+
+
+def test_parameters_broadcast_against_each_other():
+    drive, axis = np.zeros((4, 1, 3)), np.zeros((5, 1))
+    product = jones.compose(
+        jones.retarder(drive, axis), jones.half_wave_plate(axis), jones.eom(drive)
+    )
+    assert product.shape == (4, 5, 3, 2, 2)
+    assert product.dtype == np.complex128
+    assert jones.apply(product, jones.linear_polarisation(axis)).shape == (4, 5, 3, 2)
+
+
+def test_compose_takes_elements_in_the_order_of_the_light():
+    first, second = jones.retarder(0.3, 0.2), jones.rotator(0.5)
+    np.testing.assert_array_equal(jones.compose(first, second), second @ first)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: jones.compose(), "at least one Jones matrix"),
+        (lambda: jones.mirror(1.2), "reflectance from 0 to 1"),
+        (lambda: jones.mirror(np.nan), "reflectance from 0 to 1"),
+        (lambda: jones.linear_polariser(0, extinction_ratio=1), "above 1"),
+        (lambda: jones.polarising_beam_splitter("up"), "'transmitted' or 'reflected'"),
+        (
+            lambda: jones.polarising_beam_splitter("reflected", reflected_extinction=np.nan),
+            "reflected port's extinction ratio above 1",
+        ),
+    ],
+)
+def test_impossible_elements_are_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()

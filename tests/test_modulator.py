@@ -1,0 +1,344 @@
+"""The two-pass modulator against its equations, its Bessel series and the checked numbers."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize_scalar
+from scipy.special import jv
+
+from cmtof import jones
+from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.correlation import correlation_contrast, correlation_from_harmonics
+from cmtof.modulator import (
+    DOUBLED,
+    DOUBLED_BRIGHT,
+    SINGLE,
+    TwoPassModulator,
+    doubled_mode_harmonics,
+    doubled_mode_taylor,
+    single_mode_harmonics,
+    single_mode_taylor,
+)
+from cmtof.waveform import waveform_from_harmonics
+
+ETAS = [0.05, 0.26, np.pi / 4, 1.527, 3.0]
+THETA = np.linspace(0, 2 * np.pi, 101)
+small = st.floats(-0.3, 0.3, allow_subnormal=False)
+
+
+# --- symbols: the paper's matrices, written out ------------------------------------------------
+
+V, theta_h, static = sp.symbols("V theta_h Gamma", real=True)
+
+
+def retarder(retardance, angle):
+    def turn(a):
+        return sp.Matrix([[sp.cos(a), -sp.sin(a)], [sp.sin(a), sp.cos(a)]])
+
+    half = sp.I * retardance / 2
+    return turn(angle) * sp.diag(sp.exp(-half), sp.exp(half)) * turn(-angle)
+
+
+def symbolic_field(voltage=V):
+    """E_3 / A of Eq. 14 for any theta_h, horizontal part, expanded in exponentials."""
+    q = sp.pi / 4
+    back = retarder(sp.pi, -theta_h) * retarder(sp.pi / 2, -q) * retarder(voltage, 0)
+    there = retarder(voltage, 0) * retarder(sp.pi / 2, q) * retarder(sp.pi, theta_h)
+    field = back * sp.diag(1, -1) * there * sp.Matrix([0, 1])
+    return sp.expand(sp.expand(field[0]).rewrite(sp.exp))
+
+
+def is_zero(expression):
+    powers = sp.expand(sp.expand(expression).rewrite(sp.exp))
+    return sp.simplify(sp.expand(powers.rewrite(sp.cos))) == 0
+
+
+def squared(amplitude):
+    return amplitude * sp.conjugate(amplitude)
+
+
+def test_equations_14_and_15_hold_symbolically():
+    field = symbolic_field().subs(theta_h, sp.pi / 16)
+    printed = sp.I * (sp.cos(V) - sp.sin(V)) / sp.sqrt(2)
+    assert is_zero(field + printed)  # up to the global phase -1
+    assert is_zero(squared(field) - (1 - sp.sin(2 * V)) / 2)
+
+
+def test_equations_17_and_18_hold_symbolically():
+    field = symbolic_field().subs(theta_h, sp.pi / 8)
+    assert is_zero(field - sp.I * sp.sin(V))  # Eq. 17 up to the global phase -1
+    assert is_zero(squared(field) - (1 - sp.cos(2 * V)) / 2)
+
+
+def test_half_wave_plate_sets_the_bias_and_cancels_static_birefringence():
+    law = squared(symbolic_field(V + static))
+    assert is_zero(law - (1 + sp.cos(8 * theta_h + 2 * V + 2 * static)) / 2)
+
+
+# --- the numeric model against the same ---------------------------------------------------------
+
+
+@given(st.floats(-3, 3), st.floats(-3, 3))
+def test_transmission_follows_the_bias_law(voltage, angle):
+    modulator = replace(SINGLE, half_wave_angle=angle)
+    expected = (1 + np.cos(8 * angle + 2 * voltage)) / 2
+    assert modulator.transmission(voltage) == pytest.approx(expected, abs=1e-13)
+
+
+@pytest.mark.parametrize("eta", ETAS)
+def test_waveforms_are_the_exact_lines_of_equations_16_and_19(eta):
+    drive = eta * np.sin(THETA)
+    single = replace(SINGLE, eta=eta).waveform(THETA)
+    doubled = replace(DOUBLED, eta=eta).waveform(THETA)
+    np.testing.assert_allclose(single, (1 - np.sin(2 * drive)) / 2, atol=1e-14)
+    np.testing.assert_allclose(doubled, (1 - np.cos(2 * drive)) / 2, atol=1e-14)
+
+
+@pytest.mark.parametrize("eta", ETAS)
+@pytest.mark.parametrize(
+    ("mode", "series"), [(SINGLE, single_mode_harmonics), (DOUBLED, doubled_mode_harmonics)]
+)
+def test_harmonics_equal_bessel_values(mode, series, eta):
+    found = replace(mode, eta=eta).harmonics(24)
+    np.testing.assert_allclose(found, series(eta, 24), rtol=0, atol=1e-12)
+
+
+def test_closed_forms_take_arrays_of_eta():
+    many = doubled_mode_harmonics(np.array(ETAS), 6)
+    assert many.shape == (5, 7)
+    np.testing.assert_array_equal(many[1], doubled_mode_harmonics(0.26, 6))
+
+
+def test_waveform_and_harmonics_tell_the_same():
+    modulator = replace(
+        SINGLE, half_wave_angle_error=0.03, static_retardance=0.1, mirror_distance=0.02, eta=0.9
+    )
+    back = waveform_from_harmonics(modulator.harmonics(20), THETA)
+    np.testing.assert_allclose(back, modulator.waveform(THETA), atol=1e-12)
+
+
+# --- properties with any errors ------------------------------------------------------------------
+
+erroneous = st.builds(
+    TwoPassModulator,
+    half_wave_angle=st.floats(0, np.pi),
+    quarter_wave_angle=st.floats(0, np.pi),
+    eta=st.floats(0, 3),
+    mirror_distance=st.one_of(st.none(), st.floats(0, 0.1)),
+    input_axis=st.sampled_from(["vertical", "horizontal"]),
+    half_wave_retardance_error=small,
+    half_wave_angle_error=small,
+    quarter_wave_retardance_error=small,
+    quarter_wave_angle_error=small,
+    transmitted_extinction=st.floats(2, 1e5),
+    reflected_extinction=st.floats(2, 1e5),
+    eom_angle_error=small,
+    static_retardance=small,
+    mirror_reflectance=st.floats(0, 1),
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(erroneous)
+def test_the_two_ports_share_what_the_mirror_returns(modulator):
+    other = replace(modulator, output="returned")
+    total = modulator.waveform(THETA) + other.waveform(THETA)
+    entered = jones.intensity(modulator.states(0.0)["PBS in"])
+    np.testing.assert_allclose(total, modulator.mirror_reflectance * entered, atol=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(erroneous)
+def test_turning_a_plate_by_half_a_turn_changes_nothing(modulator):
+    turned = replace(
+        modulator,
+        half_wave_angle=modulator.half_wave_angle + np.pi,
+        quarter_wave_angle=modulator.quarter_wave_angle - np.pi,
+    )
+    np.testing.assert_allclose(turned.waveform(THETA), modulator.waveform(THETA), atol=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(erroneous)
+def test_intensity_stays_between_nothing_and_everything(modulator):
+    wave = modulator.waveform(THETA)
+    assert np.all(wave >= 0)
+    assert np.all(wave <= 1 + 1e-12)
+
+
+def test_every_error_changes_the_waveform():
+    """No field is a dummy: each moves the light of at least one mode."""
+    changes = {
+        "half_wave_angle": 0.1,
+        "quarter_wave_angle": 0.5,
+        "eta": 0.3,
+        "mirror_distance": 0.01,
+        "output": "returned",
+        "transmitted_extinction": 50.0,
+        "reflected_extinction": 50.0,
+        "mirror_reflectance": 0.9,
+    }
+    ideal = SINGLE.waveform(THETA)
+    for field in fields(TwoPassModulator):
+        if field.name not in ("frequency", "input_axis"):
+            changed = replace(SINGLE, **{field.name: changes.get(field.name, 0.05)})
+            difference = np.abs(changed.waveform(THETA) - ideal).max()
+            assert difference > 1e-4, field.name
+
+
+# --- biases ---------------------------------------------------------------------------------------
+
+
+def test_the_other_port_turns_the_sign_of_the_single_mode():
+    other = replace(SINGLE, output="returned")
+    np.testing.assert_allclose(other.waveform(THETA), SINGLE.waveform(-THETA), atol=1e-14)
+
+
+@pytest.mark.parametrize("mode", [SINGLE, DOUBLED])
+def test_horizontal_input_of_section_7_gives_the_light_of_vertical_input(mode):
+    """The off-diagonal elements of a unitary matrix are equal in magnitude."""
+    horizontal = replace(mode, input_axis="horizontal")
+    np.testing.assert_allclose(horizontal.waveform(THETA), mode.waveform(THETA), atol=1e-14)
+
+
+def test_another_sign_of_the_mirror_brightens_the_doubled_mode():
+    elements = [matrix for _, matrix in DOUBLED.elements(DOUBLED.eta * np.sin(THETA))]
+    elements[4] = np.eye(2, dtype=complex)
+    field = jones.apply(jones.compose(*elements), jones.linear_polarisation(np.pi / 2))
+    np.testing.assert_allclose(jones.intensity(field), DOUBLED_BRIGHT.waveform(THETA), atol=1e-14)
+
+
+@pytest.mark.parametrize("eta", [0.1, 0.26, np.pi / 4])
+def test_bright_bias_has_its_mean_and_contrast(eta):
+    bright = replace(DOUBLED_BRIGHT, eta=eta)
+    assert bright.throughput() == pytest.approx((1 + jv(0, 2 * eta)) / 2, abs=1e-14)
+    assert bright.contrast() == pytest.approx(np.sin(eta) ** 2 / (1 + np.cos(eta) ** 2), abs=1e-14)
+
+
+def test_bright_bias_contrast_at_the_prototypes_drive_is_three_percent():
+    assert DOUBLED_BRIGHT.contrast() == pytest.approx(0.034, abs=5e-4)
+
+
+# --- numbers --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("eta", "contrast"), [(0.26, 0.497), (np.pi / 4, 1.0), (0.1, 0.1987)])
+def test_single_mode_contrast_is_the_sine_of_two_eta(eta, contrast):
+    modulator = replace(SINGLE, eta=eta)
+    assert modulator.contrast() == pytest.approx(np.sin(2 * eta), abs=1e-14)
+    assert modulator.contrast() == pytest.approx(contrast, abs=5e-4)
+    assert modulator.modulation_depth() == pytest.approx(2 * jv(1, 2 * eta), abs=1e-14)
+    assert modulator.throughput() == pytest.approx(0.5, abs=1e-14)
+
+
+@pytest.mark.parametrize(("eta", "percent"), [(0.26, 1.1), (np.pi / 4, 12.0)])
+def test_third_harmonic_of_the_single_mode(eta, percent):
+    w = np.abs(replace(SINGLE, eta=eta).harmonics(3))
+    assert 100 * w[3] / w[1] == pytest.approx(percent, abs=0.5 if percent > 2 else 0.05)
+
+
+@pytest.mark.parametrize(("order", "at", "peak"), [(1, 1.841, 0.582), (2, 3.054, 0.486)])
+def test_signal_peaks_where_the_bessel_functions_do(order, at, peak):
+    mode = SINGLE if order == 1 else DOUBLED
+    best = minimize_scalar(
+        lambda x: -2 * abs(replace(mode, eta=x / 2).harmonics(order)[order]),
+        bounds=(0.5, 4),
+        method="bounded",
+        options={"xatol": 1e-6},
+    )
+    assert best.x == pytest.approx(at, abs=5e-4)
+    assert -best.fun == pytest.approx(peak, abs=5e-4)
+
+
+@pytest.mark.parametrize(("eta", "contrast"), [(0.26, 0.126), (np.pi / 4, 0.64)])
+def test_correlation_contrast_of_two_single_mode_modules(eta, contrast):
+    w = replace(SINGLE, eta=eta).harmonics(12)
+    assert correlation_contrast(w, w) == pytest.approx(2 * jv(1, 2 * eta) ** 2, abs=1e-13)
+    assert correlation_contrast(w, w) == pytest.approx(contrast, abs=0.004)
+
+
+@pytest.mark.parametrize(("eta", "signal"), [(0.26, 0.017), (np.pi / 4, 0.19)])
+def test_correlation_of_two_doubled_modules(eta, signal):
+    single = replace(SINGLE, eta=eta).harmonics(12)
+    doubled = replace(DOUBLED, eta=eta).harmonics(12)[::2]
+    j0, j1, j2 = jv([0, 1, 2], 2 * eta)
+    assert correlation_contrast(doubled, doubled) == pytest.approx(2 * j2**2 / (1 - j0) ** 2)
+    mean = correlation_from_harmonics(doubled, doubled, phase=0.0, psi=2 * np.pi * np.arange(8) / 8)
+    assert mean.mean() == pytest.approx((1 - j0) ** 2 / 4)
+    ratio = abs(doubled[1] / single[1]) ** 2
+    assert ratio == pytest.approx((j2 / j1) ** 2)
+    assert ratio == pytest.approx(signal, abs=0.005)
+
+
+def test_doubled_correlation_contrast_tends_to_one_half_at_small_drive():
+    w = replace(DOUBLED, eta=1e-3).harmonics(4)[::2]
+    assert correlation_contrast(w, w) == pytest.approx(0.5, abs=1e-6)
+
+
+# --- the mirror -----------------------------------------------------------------------------------
+
+
+def test_matched_mirror_has_no_delay():
+    at_half = replace(SINGLE, mirror_distance=SPEED_OF_LIGHT / (2 * SINGLE.frequency))
+    assert SINGLE.pass_delay == 0
+    assert at_half.pass_delay == pytest.approx(0, abs=1e-12)
+
+
+def test_doubled_drive_on_the_single_modes_spacing_is_late_by_9_mrad():
+    mode = replace(DOUBLED, mirror_distance=SPEED_OF_LIGHT / (2 * SINGLE.frequency))
+    assert mode.pass_delay == pytest.approx(8.8e-3, abs=5e-5)
+    assert mode.effective_eta == pytest.approx(DOUBLED.eta * (1 - mode.pass_delay**2 / 8))
+
+
+@given(st.floats(0, 0.2), st.sampled_from([SINGLE, DOUBLED]))
+def test_delay_scales_the_drive_and_shifts_the_waveform(distance, mode):
+    delayed = replace(mode, mirror_distance=distance)
+    matched = replace(mode, eta=delayed.effective_eta)
+    np.testing.assert_allclose(
+        delayed.waveform(THETA), matched.waveform(THETA + delayed.pass_delay / 2), atol=1e-12
+    )
+
+
+def test_mirror_at_a_quarter_wavelength_stops_the_modulation():
+    stopped = replace(SINGLE, mirror_distance=SPEED_OF_LIGHT / (4 * SINGLE.frequency))
+    assert stopped.contrast() == pytest.approx(0, abs=1e-12)
+
+
+# --- Taylor forms ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("eta", [0.01, 0.26, 0.7])
+def test_taylor_forms_are_off_by_what_they_say(eta):
+    theta = 2 * np.pi * np.arange(400) / 400
+    single = single_mode_taylor(theta, eta=eta) - replace(SINGLE, eta=eta).waveform(theta)
+    doubled = doubled_mode_taylor(theta, eta=eta) - replace(DOUBLED, eta=eta).waveform(theta)
+    assert np.abs(single).max() == pytest.approx(eta - np.sin(2 * eta) / 2, abs=1e-14)
+    assert np.abs(doubled).max() == pytest.approx(eta**2 - np.sin(eta) ** 2, abs=1e-14)
+
+
+def test_equation_19_as_printed_is_half_of_the_light():
+    theta, eta = THETA[1:50], 1e-3
+    exact = replace(DOUBLED, eta=eta).waveform(theta)
+    printed = doubled_mode_taylor(theta, eta=eta, as_printed=True)
+    np.testing.assert_allclose(printed / exact, 0.5, rtol=1e-5)
+
+
+# --- refusals -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"output": "up"}, "Expected output in"),
+        ({"input_axis": "left"}, "Expected input_axis in"),
+        ({"frequency": 0.0}, "frequency above 0 Hz"),
+        ({"frequency": np.nan}, "frequency above 0 Hz"),
+    ],
+)
+def test_impossible_modulators_are_refused(wrong, message):
+    with pytest.raises(ValueError, match=message):
+        replace(SINGLE, **wrong)

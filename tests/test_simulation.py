@@ -1,0 +1,126 @@
+"""The simulator against Eq. 8, its protocols against their definitions."""
+
+import numpy as np
+import pytest
+
+import cmtof
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import centred, phase_from_depth, wrap_count_from_depth, wrap_length
+from cmtof.scenes.rgbd import Frame, embedded_frames
+from cmtof.simulation import simulate, true_phase
+
+
+def test_noise_free_correlations_are_equation_8(tilted_wall):
+    m = simulate(tilted_wall, noise_free=True)
+    for f, frequency in enumerate(FREQUENCIES):
+        phase = phase_from_depth(tilted_wall.depth.astype(float), frequency)
+        for k in range(4):
+            expected = (
+                20_000 * tilted_wall.intensity * (0.5 + np.cos(phase + k * np.pi / 2) / np.pi)
+            )
+            np.testing.assert_allclose(m.dataset.correlation[f, k], expected, atol=0.02)
+
+
+@pytest.mark.parametrize(
+    "psi", [np.arange(3) * 2.0, np.arange(16) * np.pi / 8, [0.1, 2.0, 3.3, 5.5, 1.0]]
+)
+def test_noise_free_phase_is_the_true_phase_for_any_psi(tilted_wall, psi):
+    m = simulate(tilted_wall, noise_free=True, psi=psi)
+    for f in range(2):
+        assert np.abs(centred(m.phase[f] - true_phase(m, f))).max() < 2e-5
+
+
+def test_same_seed_same_counts_and_frames_draw_apart(tilted_wall):
+    a, b = simulate(tilted_wall, seed=1), simulate(tilted_wall, seed=1)
+    c, d = simulate(tilted_wall, seed=2), simulate(tilted_wall, seed=1, frame_number=1)
+    np.testing.assert_array_equal(a.dataset.correlation, b.dataset.correlation)
+    assert (a.dataset.correlation != c.dataset.correlation).mean() > 0.99
+    assert (a.dataset.correlation != d.dataset.correlation).mean() > 0.99
+
+
+def test_noise_of_a_flat_wall_has_the_variance_of_the_model():
+    wall = Frame(np.ones((200, 200)), np.full((200, 200), 0.5))
+    noisy, clean = simulate(wall, seed=5), simulate(wall, noise_free=True)
+    for k in range(4):
+        mean = float(clean.dataset.correlation[0, k, 0, 0])
+        spread = (noisy.dataset.correlation[0, k] - mean).to_numpy()
+        assert spread.var() == pytest.approx(mean + 1200**2, rel=4 * np.sqrt(2 / 40_000))
+
+
+def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):
+    depth = rng.uniform(1.0, 9.0, (100, 100))
+    m = simulate(Frame(depth, np.ones_like(depth)), noise_free=True)
+    assert m.depth is not None
+    assert np.percentile(m.depth, 99.9) == pytest.approx(1.195, abs=1e-4)
+    counts = wrap_count_from_depth(m.depth.astype(float), 7.15e9)
+    # float32 storage may move a depth across a limit by a tenth of a micrometre
+    assert ((counts >= 36) & (counts <= 56))[m.mask].mean() > 0.9999
+    assert m.range == pytest.approx((0.754722, 1.194977), abs=1e-6)
+
+
+def test_released_protocol_never_enlarges_and_stops_at_a_hundredth():
+    near = Frame(np.full((4, 4), 0.9), np.ones((4, 4)))
+    assert float(simulate(near, noise_free=True).depth[0, 0]) == pytest.approx(0.9)
+    with pytest.raises(ValueError, match="Expected depths between"):
+        simulate(Frame(np.full((4, 4), 300.0), np.ones((4, 4))), noise_free=True)
+
+
+def test_full_protocol_scales_nothing_and_masks_beyond_the_beat():
+    depth = np.array([[0.3, 7.49, 7.50, 20.0, np.nan]])
+    m = simulate(Frame(depth, np.ones_like(depth)), protocol="full", noise_free=True)
+    assert m.mask.tolist() == [[True, True, False, False, False]]
+    np.testing.assert_allclose(m.depth[:, :4], depth[:, :4].astype(np.float32))
+
+
+def test_masked_pixels_keep_their_signal_and_unknown_ones_are_dark():
+    depth = np.array([[1.0, 20.0, np.nan]])
+    m = simulate(Frame(depth, np.ones_like(depth)), protocol="full", noise_free=True)
+    np.testing.assert_allclose(m.amplitude[0], [[6366.2, 6366.2, 0.0]], rtol=1e-5)
+
+
+def test_intensity_is_clipped_to_one():
+    m = simulate(Frame(np.ones((2, 2)), np.full((2, 2), 7.0)), noise_free=True)
+    np.testing.assert_allclose(m.amplitude, 20_000 / np.pi, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"protocol": "fast"}, "protocol 'released' or 'full'"),
+        ({"frequencies": (0.0, 7e9)}, "frequencies > 0"),
+        ({"frequencies": (14e9, 7e9)}, "rising order"),
+        ({"noise": -1.0}, "sigma >= 0"),
+        ({"psi": [0.0, 1.0]}, "at least 3"),
+    ],
+)
+def test_bad_settings_are_refused(tilted_wall, options, message):
+    with pytest.raises(ValueError, match=message):
+        simulate(tilted_wall, **options)
+
+
+def test_settings_travel_with_the_measurement(measured):
+    attributes = measured.dataset.attrs
+    assert attributes["seed"] == 3
+    assert attributes["noise_sigma"] == 1200
+    assert attributes["protocol"] == "released"
+    assert attributes["version"] == cmtof.__version__
+
+
+def test_truth_needs_a_simulation():
+    m = cmtof.Measurement.from_phase(np.ones((1, 2, 2)), [7.15e9])
+    with pytest.raises(ValueError, match="true depth"):
+        true_phase(m)
+
+
+@pytest.mark.parametrize("name", ["still_life", "room", "stairs"])
+@pytest.mark.parametrize("protocol", ["released", "full"])
+def test_embedded_frames_simulate_in_both_protocols(name, protocol):
+    assert name in embedded_frames()
+    m = simulate(cmtof.load_frame(name), protocol=protocol)
+    assert m.mask.mean() > 0.2
+    assert m.camera is not None
+
+
+def test_wrap_length_is_what_the_released_range_is_made_of():
+    assert 36 * wrap_length(7.15e9) == pytest.approx(0.754722, abs=1e-6)
+    assert 57 * wrap_length(7.15e9) == pytest.approx(1.194977, abs=1e-6)
