@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Ellipse, FancyArrowPatch, Rectangle
 from numpy.typing import ArrayLike
 
+from cmtof.constants import FREQUENCY_SINGLE, SPEED_OF_LIGHT
 from cmtof.jones import stokes
 from cmtof.modulator import TwoPassModulator
 from cmtof.plotting import PALETTE
@@ -47,7 +48,8 @@ def draw_elements(ax: Axes) -> None:
     ax.annotate(
         "", (11.1, -0.78), (8.35, -0.78), arrowprops={"arrowstyle": "<->", "color": "#5A646D"}
     )
-    ax.text(9.75, -0.9, r"$c/2f$ = 21 mm", ha="center", va="top", color="#3C454C")
+    spacing = 1e3 * SPEED_OF_LIGHT / (2 * FREQUENCY_SINGLE)
+    ax.text(9.75, -0.9, rf"$c/2f$ = {spacing:.0f} mm", ha="center", va="top", color="#3C454C")
     ax.text(1.45, 0.62, "PBS", ha="right", weight="bold")
     ax.text(2.35, 1.42, "laser", va="center", weight="bold")
     for x, name, colour in zip((2.9, 4.6, 5.9), ("−η", "0", "+η"), DRIVE_COLOURS, strict=True):

@@ -127,7 +127,7 @@ def load_frame(
 def read_npz(path: Path) -> dict[str, NDArray]:
     """Read every array of an ``.npz``, never a pickle; one ValueError for whatever is wrong."""
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
         reason = (str(error).splitlines() or [type(error).__name__])[0][:120]

@@ -1,0 +1,294 @@
+"""The command line as its users meet it: what it writes, prints, and how it fails."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import cmtof
+from cmtof.cli import main
+from cmtof.measurement import Measurement
+
+
+@pytest.fixture
+def run(capsys):
+    """Run a command; return exit code, standard output and standard error."""
+
+    def runner(*arguments):
+        with pytest.raises(SystemExit) as stop:
+            main([str(argument) for argument in arguments])
+        captured = capsys.readouterr()
+        return stop.value.code or 0, captured.out, captured.err
+
+    return runner
+
+
+@pytest.fixture
+def fails(run):
+    """Run a command that must fail; return its one line."""
+
+    def runner(*arguments):
+        code, _, err = run(*arguments)
+        assert code == 1
+        assert err.count("\n") == 1, err
+        assert err.startswith("cmtof: Expected ")
+        assert "Traceback" not in err
+        return err
+
+    return runner
+
+
+def test_from_frame_to_depth_and_points(run, tmp_path):
+    m, out, cloud = (tmp_path / name for name in ("m.nc", "out.nc", "cloud.ply"))
+    code, text, _ = run("simulate", "still_life", "-o", m, "--seed", 5)
+    assert code == 0
+    assert "0.755-1.195 m" in text
+    code, text, _ = run("unwrap", m, "-o", out, "--ply", cloud)
+    assert code == 0
+    assert "δ<1" in text
+    result = xr.load_dataset(out)
+    assert set(result.data_vars) == {"wrap_count", "depth", "confidence"}
+    masked = ~cmtof.open(m).mask
+    assert (result.wrap_count.to_numpy()[masked] == -1).all()
+    assert result.depth.attrs["units"] == "m"
+    assert cloud.read_bytes().startswith(b"ply\nformat binary_little_endian")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["cloud.ply", "m.nc", "out.nc"]
+
+
+def test_simulate_options_reach_the_file(run, tmp_path, tilted_wall):
+    tilted_wall.save(tmp_path / "wall.npz")
+    m = tmp_path / "m.nc"
+    options = ("--protocol", "full", "--frequencies", "7.15e9,7.16e9", "--noise", "300")
+    assert run("simulate", tmp_path / "wall.npz", "-o", m, *options)[0] == 0
+    made = cmtof.open(m)
+    assert made.frequencies.tolist() == [7.15e9, 7.16e9]
+    assert made.range[1] == pytest.approx(14.99, abs=0.01)
+    assert made.dataset.attrs["noise_sigma"] == 300
+    assert run("simulate", tmp_path / "wall.npz", "-o", m, "--noise-free")[0] == 0
+    assert cmtof.open(m).dataset.attrs["photon_noise"] == 0
+
+
+def test_same_seed_same_bytes_of_data(run, tmp_path):
+    for name in ("a.nc", "b.nc"):
+        run("simulate", "room", "-o", tmp_path / name, "--seed", 9)
+    a, b = (xr.load_dataset(tmp_path / name) for name in ("a.nc", "b.nc"))
+    xr.testing.assert_identical(a, b)
+
+
+def test_unwrap_range_and_window(run, tmp_path, measurement_file):
+    out = tmp_path / "out.nc"
+    arguments = ("--method", "beat", "--window", 5, "--range", 0.9, 1.0)
+    assert run("unwrap", measurement_file, "-o", out, *arguments)[0] == 0
+    depth = xr.load_dataset(out).depth
+    assert depth.min() >= 0.9 - 1e-6
+    assert depth.max() < 1.0
+
+
+def test_evaluate_writes_the_contract(run, tmp_path):
+    path = tmp_path / "scores.json"
+    methods = "crt,beat"
+    code, text, _ = run("evaluate", "still_life", "room", "--method", methods, "--json", path)
+    assert code == 0
+    assert "beat" in text
+    report = json.loads(path.read_text())
+    assert set(report) == {"protocol", "noise", "seed", "frames", "coverage", "methods"}
+    assert report["protocol"] == "released"
+    assert report["noise"] == 1200
+    assert 0 < report["coverage"] < 1
+    keys = {"delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_3", "delta_ge_10"}
+    keys |= {"consistent_lt_1", "depth_rmse_m", "depth_median_error_m", "seconds_per_frame"}
+    for scores in report["methods"].values():
+        assert set(scores) == keys
+        assert scores["delta_lt_3"] + scores["delta_ge_3"] == pytest.approx(1)
+    assert report["methods"]["beat"]["delta_lt_1"] > 3 * report["methods"]["crt"]["delta_lt_1"]
+
+
+def test_evaluate_all_runs_every_method(run, tmp_path):
+    path = tmp_path / "scores.json"
+    assert run("evaluate", "still_life", "--json", path)[0] == 0
+    listed = json.loads(run("methods", "--json")[1])
+    assert set(json.loads(path.read_text())["methods"]) == {entry["name"] for entry in listed}
+
+
+def test_methods_and_info(run, measurement_file):
+    code, text, _ = run("methods", "--json")
+    listed = json.loads(text)
+    assert code == 0
+    assert {"crt", "crt-closed-form", "crt-ml", "beat", "spatial"} <= {e["name"] for e in listed}
+    assert [e["name"] for e in listed if e["default"]] == ["beat"]
+    assert "beat *" in run("methods")[1]
+    assert f"cmtof {cmtof.__version__}" in run("info")[1]
+    text = run("info", measurement_file)[1]
+    assert "correlation (frequency 2, step 4, y 48, x 64) float32 count" in text
+    assert "seed: 3" in text
+
+
+@pytest.mark.slow
+def test_replicate_passes_and_draws(run, tmp_path):
+    figure = tmp_path / "fig03.png"
+    code, text, err = run("replicate", "-o", figure)
+    assert code == 0, err
+    assert "FAIL" not in text
+    assert text.count("PASS") == 9
+    assert figure.read_bytes().startswith(b"\x89PNG")
+
+
+def test_replicate_fails_on_a_number_out_of_tolerance(run, tmp_path, monkeypatch):
+    from cmtof import replication
+
+    def one_bad(figure):
+        yield replication.Outcome("a", "a quantity", 2.0, 1.0, 0.5)
+        yield replication.Outcome("b", "not a number", float("nan"), 1.0, 0.5)
+
+    monkeypatch.setattr(replication, "replicate", one_bad)
+    code, text, err = run("replicate", "-o", tmp_path / "f.png")
+    assert code == 1
+    assert text.count("FAIL") == 2
+    assert "got 2 FAIL" in err
+
+
+# --- bad input: one line, exit code 1, nothing left behind -----------------------------------
+
+
+@pytest.mark.parametrize("content", [b"", b"not HDF5", b"\x89HDF\r\n\x1a\n"])
+def test_foreign_measurements(fails, tmp_path, content):
+    (tmp_path / "m.nc").write_bytes(content)
+    assert "whole netCDF4 file" in fails("unwrap", tmp_path / "m.nc", "-o", tmp_path / "out.nc")
+    assert not (tmp_path / "out.nc").exists()
+
+
+def test_truncated_measurement(fails, tmp_path, measurement_file):
+    whole = measurement_file.read_bytes()
+    (tmp_path / "m.nc").write_bytes(whole[: len(whole) // 2])
+    assert "whole netCDF4 file" in fails("unwrap", tmp_path / "m.nc", "-o", tmp_path / "out.nc")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda d: d.assign_coords(psi=d.psi * 0), "duplicates"),
+        (lambda d: d.drop_vars("psi"), "coordinate 'psi'"),
+        (lambda d: d.isel(step=slice(0, 2)), "at least 3 reference phases"),
+        (lambda d: d.assign_coords(frequency=[0.0, 14.32e9]), "frequencies > 0"),
+        (lambda d: d.assign(correlation=d.correlation * np.nan), "finite correlation"),
+        (lambda d: d.assign(correlation=d.correlation - 1e6), "counts >= 0"),
+        (lambda d: d.assign_attrs(saturation=9000.0), "below the saturation"),
+        (lambda d: d.transpose("x", "y", "step", "frequency", ...), "with dimensions"),
+        (lambda d: d.drop_vars("correlation"), "a variable 'correlation'"),
+    ],
+)
+def test_bad_measurements(fails, tmp_path, measured, change, message):
+    change(measured.dataset.copy(deep=True)).to_netcdf(tmp_path / "m.nc", engine="h5netcdf")
+    assert message in fails("unwrap", tmp_path / "m.nc", "-o", tmp_path / "out.nc")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["m.nc"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--method", "magic"), "a method out of"),
+        (("--range", "5", "6"), "that meets the data's"),
+        (("--range", "1.1", "0.9"), "MIN < MAX"),
+        (("--range", "nan", "1"), "MIN < MAX"),
+        (("--window", "2"), "odd window"),
+    ],
+)
+def test_bad_unwrap_options(fails, tmp_path, measurement_file, arguments, message):
+    assert message in fails("unwrap", measurement_file, "-o", tmp_path / "out.nc", *arguments)
+    assert not list(tmp_path.iterdir())
+
+
+def test_point_cloud_without_a_camera(fails, tmp_path, measured):
+    Measurement(measured.dataset.drop_vars("camera")).save(tmp_path / "m.nc")
+    arguments = ("-o", tmp_path / "out.nc", "--ply", tmp_path / "c.ply")
+    assert "Expected a camera" in fails("unwrap", tmp_path / "m.nc", *arguments)
+    assert not (tmp_path / "out.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--protocol", "fast"), "protocol released or full"),
+        (("--frequencies", "7.15e9;14e9"), "parted by commas"),
+        (("--frequencies", "0,14.32e9"), "frequencies > 0"),
+        (("--noise", "-3"), "sigma >= 0"),
+    ],
+)
+def test_bad_simulate_options(fails, tmp_path, arguments, message):
+    assert message in fails("simulate", "still_life", "-o", tmp_path / "m.nc", *arguments)
+    assert not list(tmp_path.iterdir())
+
+
+def test_bad_frames(fails, tmp_path):
+    assert "one of room, stairs, still_life" in fails("simulate", "attic", "-o", tmp_path / "m.nc")
+    (tmp_path / "bad.npz").write_bytes(b"PK\x03\x04 cut")
+    assert "whole .npz" in fails("simulate", tmp_path / "bad.npz", "-o", tmp_path / "m.nc")
+    np.savez(tmp_path / "dark.npz", depth=np.ones((3, 3)), intensity=-np.ones((3, 3)))
+    assert "intensities >= 0" in fails("simulate", tmp_path / "dark.npz", "-o", tmp_path / "m.nc")
+    assert "whole .npz" in fails("evaluate", "room", tmp_path / "bad.npz", "--method", "crt")
+    assert not (tmp_path / "m.nc").exists()
+
+
+def test_unwritable_outputs(fails, tmp_path, measurement_file):
+    (tmp_path / "folder.nc").mkdir()
+    assert "got the folder" in fails("simulate", "room", "-o", tmp_path / "folder.nc")
+    assert "existing folder" in fails("simulate", "room", "-o", tmp_path / "no" / "m.nc")
+    assert "named *.nc" in fails("unwrap", measurement_file, "-o", tmp_path / "out.h5")
+    # a folder that not even root may write into
+    assert "can be written to" in fails("unwrap", measurement_file, "-o", "/proc/out.nc")
+    arguments = ("--method", "crt", "--json", "/proc/scores.json")
+    assert "can be written to" in fails("evaluate", "room", *arguments)
+
+
+@pytest.mark.parametrize(
+    "arguments", [("frobnicate",), ("simulate",), ("unwrap", "m.nc"), ("info", "--no")]
+)
+def test_wrong_command_lines_end_with_2(run, arguments):
+    assert run(*arguments)[0] == 2
+
+
+def test_help_teaches(run):
+    for command in ("simulate", "unwrap", "evaluate", "methods", "info", "replicate"):
+        code, text, _ = run(command, "--help")
+        assert code == 0
+        assert "Usage" in text
+
+
+# --- as a process ----------------------------------------------------------------------------
+
+
+def test_package_imports_in_a_flash():
+    """No module that takes its time is loaded by the package itself."""
+    script = "import sys, cmtof; print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    slow = {"numpy", "torch", "numba", "xarray", "matplotlib", "scipy", "pyvista", "skimage"}
+    assert not slow & set(loaded.stdout.split())
+
+
+@pytest.mark.slow
+def test_interrupt_ends_with_130_and_leaves_nothing(tmp_path):
+    command = [
+        sys.executable,
+        "-m",
+        "cmtof.cli",
+        "evaluate",
+        *["stairs"] * 400,
+        "--method",
+        "spatial",
+    ]
+    command += ["--json", str(tmp_path / "scores.json")]
+    process = subprocess.Popen(command, env=os.environ | {"CI": "1"}, stderr=subprocess.PIPE)
+    time.sleep(4)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert b"Traceback" not in err
+    assert not list(tmp_path.iterdir())
