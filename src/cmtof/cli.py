@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     name="cmtof",
-    help=__doc__.splitlines()[0].replace("The command line", "Centimetre-wave time-of-flight"),
+    help="Centimetre-wave time-of-flight: from scenes and measurements to depth.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",

@@ -3,6 +3,8 @@
 Each works in blocks that stay in the first-level cache, so the data cross the memory bus once.
 """
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -80,8 +82,10 @@ def decode_float32(
     count, steps, *image = correlation.shape
     flat = np.ascontiguousarray(correlation).reshape(count, steps, -1)
     phase, amplitude, offset = (np.empty((count, flat.shape[2]), np.float32) for _ in range(3))
-    for f in range(count):
-        _decode(flat[f], weights[f].astype(np.float32), phase[f], amplitude[f], offset[f])
+    single = weights.astype(np.float32)
+    # the kernel lets go of the interpreter, so each frequency can have a core
+    with ThreadPoolExecutor(count) as pool:
+        list(pool.map(_decode, flat, single, phase, amplitude, offset))
     shape = (count, *image)
     return phase.reshape(shape), amplitude.reshape(shape), offset.reshape(shape)
 

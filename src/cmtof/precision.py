@@ -28,15 +28,15 @@ if TYPE_CHECKING:
 class PrecisionSweep(NamedTuple):
     """Depth errors at each modulation frequency; arrays of shape (F,)."""
 
-    frequency: NDArray[np.float64]
+    frequency: NDArray[np.floating]
     """Modulation frequency, Hz."""
-    mean: NDArray[np.float64]
+    mean: NDArray[np.floating]
     """Mean depth error, m."""
-    spread: NDArray[np.float64]
+    spread: NDArray[np.floating]
     """Standard deviation of the depth error, m."""
-    bound: NDArray[np.float64]
+    bound: NDArray[np.floating]
     """Cramer-Rao bound on that standard deviation, m."""
-    law: NDArray[np.float64]
+    law: NDArray[np.floating]
     """Standard deviation by the exact law of a noisy phasor's phase, m."""
     samples: int
     """Measurements at each frequency."""
