@@ -66,7 +66,7 @@ class Evaluation:
         return self
 
     def report(self) -> dict[str, Any]:
-        """Rates over all scored pixels of all frames, in the layout of ``cmtof evaluate --json``."""
+        """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them."""
         if not self._names:
             raise ValueError("Expected at least one frame, got none. Add frames first.")
         return {

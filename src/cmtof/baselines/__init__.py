@@ -4,7 +4,6 @@ A method maps a `Measurement` to an `Estimate`: the depth it believes in and how
 depth `cmtof.unwrapping` derives the paper's wrap count and the one consistent with the phase.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, NamedTuple

@@ -1,0 +1,70 @@
+# Two doors: `make book` builds and reads, `make test` proves. Both set up what they need.
+PROFILE ?= book
+SHELL := bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+MAKEFLAGS += --no-print-directory --no-builtin-rules
+
+BIN := .venv/bin
+# one thread a process: the notebooks share the cores between them
+export OMP_NUM_THREADS := 1
+export OPENBLAS_NUM_THREADS := 1
+
+CORES ?= $(shell nproc 2>/dev/null || echo 2)
+# a killed run leaves Snakemake's own lock behind, but never this one
+ONE_AT_A_TIME := $(if $(shell command -v flock),flock build/.lock )
+SNAKEMAKE := $(BIN)/snakemake $(if $(ONE_AT_A_TIME),--nolock) --cores $(CORES) --keep-going \
+	--rerun-incomplete --max-checksum-file-size 1000000000 --quiet host reason rules
+
+# what remains of Snakemake's talk: the table of jobs, the steps done, and every error
+CHATTER := ^(Assuming |Building DAG|Using shell|Provided cores|Rules claiming|Select jobs|Execute [0-9])
+CHATTER := $(CHATTER)|^(Finished jobid|Elapsed time|Complete log|\[.*20[0-9][0-9]\]$$)
+
+# $(call build,PROFILE)
+build = mkdir -p build && $(ONE_AT_A_TIME)$(SNAKEMAKE) --config profile=$(1) 2>&1 | \
+	{ grep --line-buffered -vE '$(CHATTER)' || true; }
+
+.PHONY: help setup book test lab lint pairs reference bench lock clean
+
+help: ## List what can be made
+	@echo "make TARGET [PROFILE=ci|book|paper] [CORES=$(CORES)]"; echo
+	@sed -nE 's/^([a-z]+):.*## (.*)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 13
+
+setup: ## Make .venv from environment.lock (every target does this first)
+	@tools/setup.sh
+
+book: setup ## Run the notebooks and build the book: build/PROFILE/html/index.html
+	@$(BIN)/python tools/pairs.py --missing
+	@$(call build,$(PROFILE))
+	@echo "Open build/$(PROFILE)/html/index.html"
+
+test: setup ## Build the book with the small ci profile, then run the tests
+	@$(BIN)/python tools/pairs.py --missing
+	@$(call build,ci)
+	@$(BIN)/python -m pytest
+
+lab: setup ## Open the notebooks in JupyterLab
+	@$(BIN)/python tools/pairs.py --missing
+	@$(BIN)/jupyter lab --notebook-dir=. notebooks
+
+lint: setup ## Check style, types and that notebook pairs agree
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/pyright
+	@$(BIN)/python tools/pairs.py --check
+
+pairs: setup ## Write each .ipynb anew from its .py
+	@$(BIN)/python tools/pairs.py
+
+reference: setup ## Store the numbers of the ci profile as the ones that tests compare with
+	@$(call build,ci)
+	@$(BIN)/python tools/reference.py
+
+bench: setup ## Time the hot loops against what bounds them
+	@$(BIN)/python benchmarks/ratios.py
+
+lock: setup ## Solve for new versions of every package into environment.lock
+	@tools/lock.sh
+
+clean: ## Remove what was built; .venv and figures stay
+	@rm -rf build .snakemake .pytest_cache .ruff_cache

@@ -1,0 +1,75 @@
+# The graph from notebooks to the book. Run it by `make book`, or look at it by
+#   .venv/bin/snakemake --config profile=ci --dry-run
+# Every notebook is a job of its own; what it depends on is worked out by tools/graph.py.
+import json
+import sys
+
+sys.path.insert(0, str(Path(workflow.basedir) / "tools"))
+from graph import Book
+
+PROFILE = config.get("profile", "book")
+BUILD = f"build/{PROFILE}"
+PYTHON = ".venv/bin/python"
+CHAPTERS = Book(Path(workflow.basedir))
+NOTEBOOKS = CHAPTERS.notebooks()
+# figures/ is committed and comes from the book profile alone
+FIGURES = [f"{BUILD}/figures.txt"] if PROFILE == "book" else []
+
+
+def parameters_of(wildcards):
+    return json.dumps(CHAPTERS.parameters(wildcards.notebook, PROFILE), sort_keys=True)
+
+
+wildcard_constraints:
+    notebook="|".join(NOTEBOOKS),
+
+
+rule all:
+    input:
+        f"{BUILD}/html",
+        FIGURES,
+
+
+rule notebook:
+    input:
+        lambda wildcards: CHAPTERS.inputs(wildcards.notebook),
+    output:
+        executed=f"{BUILD}/notebooks/{{notebook}}.ipynb",
+        results=directory(f"{BUILD}/results/{{notebook}}"),
+    params:
+        parameters=parameters_of,
+    shell:
+        "{PYTHON} tools/execute.py notebooks/{wildcards.notebook}.py {params.parameters:q}"
+        " {output.executed} {output.results}"
+
+
+rule stage:
+    input:
+        executed=expand(f"{BUILD}/notebooks/{{notebook}}.ipynb", notebook=NOTEBOOKS),
+        results=expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
+        chapters=CHAPTERS.chapters(),
+        tool=CHAPTERS.tool("stage.py"),
+    output:
+        directory(f"{BUILD}/stage"),
+    shell:
+        "{PYTHON} tools/stage.py {BUILD} {output}"
+
+
+rule book:
+    input:
+        f"{BUILD}/stage",
+        "environment.lock",
+        CHAPTERS.tool("html.py"),
+    output:
+        directory(f"{BUILD}/html"),
+    shell:
+        "{PYTHON} tools/html.py {input[0]} {output}"
+
+
+rule figures:
+    input:
+        expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
+    output:
+        f"{BUILD}/figures.txt",
+    shell:
+        "{PYTHON} tools/figures.py {BUILD}/results figures > {output}"

@@ -1,0 +1,38 @@
+"""Number the paper's equations as the paper does.
+
+A label ``eq-14`` is shown as (14) wherever it stands in the book. Any other label is numbered
+within its page: (4.1) in ``notebooks/04_…``, (N.1) in ``book/notation``.
+"""
+
+import re
+from pathlib import PurePosixPath
+from typing import Any
+
+from sphinx.application import Sphinx
+from sphinx.domains.math import MathDomain
+
+
+class PaperMathDomain(MathDomain):
+    """The math domain with the numbers of the paper."""
+
+    def note_equation(self, docname: str, labelid: str, location: Any = None) -> None:
+        """Store the number of an equation: the paper's, or the next one of the page."""
+        super().note_equation(docname, labelid, location)
+        equations: dict[str, tuple[str, Any]] = self.equations
+        if paper := re.fullmatch(r"eq-(\d+[a-z]?)", labelid):
+            number = paper[1]
+        else:
+            page = PurePosixPath(docname).name
+            chapter = page[:2].lstrip("0") if page[:2].isdigit() else page[0].upper()
+            before = sum(
+                where == docname and str(shown).startswith(f"{chapter}.")
+                for where, shown in equations.values()
+            )
+            number = f"{chapter}.{before + 1}"
+        equations[labelid] = (docname, number)
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Replace Sphinx's math domain."""
+    app.add_domain(PaperMathDomain, override=True)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,92 @@
+"""Store the numbers of the ci profile as those that the tests compare with.
+
+    python tools/reference.py
+
+Reads ``build/ci/results`` and writes ``tests/reference/ci``: one file for each figure, and one for
+the checks of each notebook. Every number carries its relative tolerance, 1e-6 at first. One that is
+set by hand stays when the numbers are stored again.
+"""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "build" / "ci" / "results"
+REFERENCE = ROOT / "tests" / "reference" / "ci"
+
+TOLERANCE = 1e-6
+"""Relative tolerance of a number: seeds are fixed, so only libraries and processors differ."""
+
+FLOOR = 1e-12
+"""Absolute tolerance, for numbers that are zero but for rounding."""
+
+Plain = float | int | str | bool | None
+
+
+def flat(value: Any, name: str = "") -> dict[str, Plain]:
+    """Return every number of nested dicts and lists under a name such as ``sigma[2].bound``."""
+    if isinstance(value, dict):
+        pairs = [(f"{name}.{key}" if name else key, item) for key, item in value.items()]
+    elif isinstance(value, list):
+        pairs = [(f"{name}[{index}]", item) for index, item in enumerate(value)]
+    else:
+        return {name: value}
+    return {key: number for path, item in pairs for key, number in flat(item, path).items()}
+
+
+def found(results: Path = RESULTS) -> dict[str, dict[str, Plain]]:
+    """Return the numbers that a build drew or checked, by the name of their reference file."""
+    tables: dict[str, dict[str, Plain]] = {}
+    for file in sorted(results.glob("*/*.json")):
+        content = json.loads(file.read_text(encoding="utf-8"))
+        if file.name == "checks.json":
+            values = {key: record["value"] for key, record in content.items()}
+            tables[f"{file.parent.name}.checks.json"] = values
+        else:
+            tables[file.name] = flat(content["numbers"])
+    return tables
+
+
+def stored(reference: Path = REFERENCE) -> dict[str, dict[str, dict[str, Any]]]:
+    """Return the stored numbers with their tolerances, by file name."""
+    files = sorted(reference.glob("*.json"))
+    return {file.name: json.loads(file.read_text(encoding="utf-8")) for file in files}
+
+
+def agrees(value: Plain, entry: dict[str, Any]) -> bool:
+    """Tell whether a number lies within the tolerance of its stored one; texts must be equal."""
+    expected = entry["value"]
+    plain = (bool, str, type(None))
+    if isinstance(value, plain) or isinstance(expected, plain):
+        return value == expected
+    return abs(value - expected) <= entry["rtol"] * abs(expected) + entry.get("atol", FLOOR)
+
+
+def main() -> int:
+    """Write the reference files; return the exit code."""
+    tables, before = found(), stored()
+    if not tables:
+        print(f"Expected results in {RESULTS}, got none. Run make test first.", file=sys.stderr)
+        return 1
+    REFERENCE.mkdir(parents=True, exist_ok=True)
+    for name in before.keys() - tables.keys():
+        (REFERENCE / name).unlink()
+    for name, numbers in tables.items():
+        old = before.get(name, {})
+        entries = {
+            key: {"rtol": TOLERANCE, **old.get(key, {}), "value": value}
+            for key, value in sorted(numbers.items())
+        }
+        text = json.dumps(entries, indent=1, ensure_ascii=False) + "\n"
+        (REFERENCE / name).write_text(text, encoding="utf-8")
+        moved = [
+            key for key, value in numbers.items() if key in old and not agrees(value, old[key])
+        ]
+        print(f"{name}: {len(numbers)} numbers" + (f", moved: {', '.join(moved)}" if moved else ""))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

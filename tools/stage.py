@@ -1,0 +1,114 @@
+"""Lay out what the book is built from: chapters, executed notebooks, scoreboard, provenance.
+
+    python tools/stage.py BUILD STAGE
+
+``BUILD`` is ``build/PROFILE`` with the executed notebooks and their results. The layout of
+``STAGE`` is that of the checkout, so that links to the source stay right.
+"""
+
+import re
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+import nbformat
+from nbformat.v4 import new_code_cell, new_markdown_cell
+
+from cmtof import paper
+from graph import Book
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def place_figures(notebook: Any) -> None:
+    """Give every cell that saved a figure the metadata that makes it a numbered figure.
+
+    The metadata hold for all that a cell shows. So where a cell saved several figures, or shows
+    something else too, the figures move into cells of their own behind it, whose source is hidden.
+    """
+    cells: list[Any] = []
+    for cell in notebook.cells:
+        cells.append(cell)
+        shown = [o for o in cell.get("outputs", []) if _is_shown(o)]
+        drawn = [o for o in shown if "cmtof" in o.metadata]
+        for output in drawn:
+            if len(shown) > 1:
+                cell.outputs.remove(output)
+                cells.append(new_code_cell("# continued", outputs=[output]))
+                cells[-1].metadata["tags"] = ["remove-input"]
+            about = output.metadata.pop("cmtof")
+            cells[-1].metadata["mystnb"] = {
+                "figure": {
+                    "caption": about["caption"],
+                    "name": "fig-" + about["name"].replace("_", "-"),
+                },
+                "image": {"alt": about["alt"]},
+            }
+    notebook.cells = cells
+
+
+def _is_shown(output: Any) -> bool:
+    rich = output.output_type in {"display_data", "execute_result"}
+    return rich and "scrapbook" not in output.metadata
+
+
+def plain_glue(notebook: Any) -> None:
+    """Let glued NumPy scalars read as numbers: ``np.float64(2.0)`` takes no format in the text."""
+    for cell in notebook.cells:
+        for output in cell.get("outputs", []):
+            if "scrapbook" in output.get("metadata", {}):
+                for mime, text in output.data.items():
+                    if scalar := re.fullmatch(r"np\.\w+\((.*)\)", str(text)):
+                        output.data[mime] = scalar[1]
+
+
+def provenance_block(about: dict[str, Any]) -> str:
+    """Return the last block of a page: what was run, with what, when and for how long."""
+    parameters = dict(about["parameters"])
+    rows = {
+        "profile": parameters.pop("profile"),
+        "seed": parameters.pop("seed", ""),
+        "parameters": ", ".join(f"{k} = {v}" for k, v in parameters.items()),
+        "cmtof": about["version"] + (f", commit {about['commit']}" if about["commit"] else ""),
+        "run": f"{about['date']}, {about['seconds']:.1f} s on one thread",
+        "Python": about["python"],
+        "libraries": ", ".join(f"{k} {v}" for k, v in about["libraries"].items()),
+    }
+    lines = "\n".join(f"| {key} | {value} |" for key, value in rows.items() if value != "")
+    return (
+        ":::{admonition} How this page was made\n:class: note provenance\n\n"
+        f"| | |\n|---|---|\n{lines}\n:::"
+    )
+
+
+def stage_notebook(executed: Path, target: Path) -> None:
+    """Write the page of an executed notebook."""
+    notebook: Any = nbformat.read(executed, as_version=4)
+    place_figures(notebook)
+    plain_glue(notebook)
+    notebook.cells.append(new_markdown_cell(provenance_block(notebook.metadata.pop("cmtof"))))
+    notebook.metadata.pop("papermill", None)
+    for number, cell in enumerate(notebook.cells):
+        cell["id"] = f"cell-{number:02d}"
+        for key in ("papermill", "execution"):
+            cell.metadata.pop(key, None)
+    nbformat.write(notebook, target)
+
+
+def main(build: Path, stage: Path) -> None:
+    """Lay out the book of ``build`` in ``stage``."""
+    book = Book(ROOT)
+    shutil.rmtree(stage, ignore_errors=True)
+    (stage / "notebooks").mkdir(parents=True)
+    for chapter in book.chapters():
+        (stage / chapter).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(ROOT / chapter, stage / chapter)
+    for stem in book.notebooks():
+        stage_notebook(build / "notebooks" / f"{stem}.ipynb", stage / "notebooks" / f"{stem}.ipynb")
+    checks = sorted(build.glob("results/*/checks.json"))
+    (stage / "book" / "scoreboard.md").write_text(paper.scoreboard(checks), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))
