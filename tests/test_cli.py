@@ -126,6 +126,14 @@ def test_methods_and_info(run, measurement_file):
     assert "seed: 3" in text
 
 
+def test_info_tells_results_and_frames_too(run, fails, tmp_path, measurement_file):
+    out = tmp_path / "out.nc"
+    run("unwrap", measurement_file, "-o", out)
+    assert "wrap_count (y 48, x 64) int32" in run("info", out)[1]
+    assert "depth (240, 320) float32" in run("info", "room")[1]
+    assert "no file at" in fails("info", tmp_path / "none.nc")
+
+
 @pytest.mark.slow
 def test_replicate_passes_and_draws(run, tmp_path):
     figure = tmp_path / "fig03.png"

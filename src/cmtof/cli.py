@@ -309,7 +309,7 @@ def methods(
 
 @app.command()
 def info(
-    file: Annotated[Path | None, typer.Argument(help="Measurement to describe.")] = None,
+    file: Annotated[Path | None, typer.Argument(help="Measurement, result or frame.")] = None,
 ) -> None:
     """Print version, devices and embedded frames, or what a file holds."""
     if file is not None:
@@ -337,14 +337,25 @@ _range = range  # the name is an option of `unwrap`
 
 
 def _describe(file: Path) -> None:
-    from cmtof.measurement import open_measurement
+    """Print what a measurement, a result or a frame holds."""
+    from cmtof.measurement import Measurement, open_measurement, read_dataset
+    from cmtof.scenes.rgbd import embedded_frames, read_npz
 
-    measurement = open_measurement(file)
-    print(repr(measurement))
-    for name, variable in measurement.dataset.variables.items():
+    file = embedded_frames().get(str(file), file)
+    if file.suffix == ".npz" and file.is_file():
+        for name, array in read_npz(file).items():
+            print(f"  {name} {array.shape} {array.dtype}")
+        return
+    if file.suffix == ".nc" and file.is_file():
+        dataset = read_dataset(file)
+        if "wrap_count" not in dataset:
+            print(repr(Measurement(dataset)))
+    else:
+        dataset = open_measurement(file).dataset
+    for name, variable in dataset.variables.items():
         sizes = ", ".join(f"{dim} {size}" for dim, size in variable.sizes.items())
         print(f"  {name} ({sizes}) {variable.dtype} {variable.attrs.get('units', '')}".rstrip())
-    for key, value in measurement.dataset.attrs.items():
+    for key, value in dataset.attrs.items():
         print(f"  {key}: {value}")
 
 

@@ -292,15 +292,19 @@ def open_measurement(path: str | Path) -> Measurement:
     return readers[path.suffix](path)
 
 
-def _open_netcdf(path: Path) -> Measurement:
+def read_dataset(path: str | Path) -> xr.Dataset:
+    """Read a netCDF4 file of any content into memory; one ValueError for whatever is wrong."""
     try:
         with xr.open_dataset(path, engine="h5netcdf") as handle:
-            dataset = handle.load()
+            return handle.load()
     except Exception as error:
         raise ValueError(
             f"Expected a whole netCDF4 file, got {path} ({_reason(error)}). Write it anew."
         ) from error
-    return Measurement(dataset)
+
+
+def _open_netcdf(path: Path) -> Measurement:
+    return Measurement(read_dataset(path))
 
 
 def _open_npz(path: Path) -> Measurement:
