@@ -141,3 +141,26 @@ def test_pooling_the_needed_pixels_gives_the_stated_odds():
     assert float(bounds.wrap_probability(pooled, pooled, frequencies=FREQUENCIES)) == pytest.approx(
         0.8, abs=1e-3
     )
+
+
+@pytest.mark.parametrize("intensity", [0.3, 0.1])
+def test_odds_of_a_dark_pixel_equal_counting_by_the_exact_law(rng, intensity):
+    """Where the small-noise formula fails, the law still tells what the beat gets right."""
+    low, high = FREQUENCIES
+    draws = 2_000_000
+    noise = linear(intensity)
+    phasor = 1 + noise * (rng.normal(size=(2, draws)) + 1j * rng.normal(size=(2, draws)))
+    error = np.angle(phasor)
+    beat = centred(error[1] - 2 * error[0])
+    wraps = np.rint((low / (high - 2 * low)) * beat / TAU - error[0] / TAU)
+    law = bounds.wrap_probability_law(noise, noise, frequencies=FREQUENCIES)
+    assert np.mean(wraps == 0) == pytest.approx(law, rel=0.04)
+
+
+def test_the_law_of_the_odds_meets_the_formula_in_small_noise_and_a_guess_in_darkness():
+    small = bounds.wrap_probability_law(0.02, 0.02, frequencies=FREQUENCIES)
+    assert small == pytest.approx(
+        float(bounds.wrap_probability(0.02, 0.02, frequencies=FREQUENCIES)), rel=1e-3
+    )
+    dark = bounds.wrap_probability_law(50.0, 50.0, frequencies=FREQUENCIES)
+    assert dark == pytest.approx(20 / 7150, rel=0.05)

@@ -166,6 +166,14 @@ def test_two_frequencies_decode_each_with_its_own_steps(rng):
     np.testing.assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
 
 
+def test_one_set_of_steps_serves_every_frequency_of_a_stack(rng):
+    stack = rng.normal(100, 10, (2, 4, 6, 7))
+    np.testing.assert_array_equal(
+        co.phase_from_correlation(stack, QUADRATURES),
+        co.phase_from_correlation(stack, np.tile(QUADRATURES, (2, 1))),
+    )
+
+
 @pytest.mark.parametrize(
     ("psi", "message"),
     [

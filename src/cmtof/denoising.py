@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import wrapped
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 
 
 class Denoised(NamedTuple):
