@@ -59,11 +59,11 @@ rule book:
     input:
         f"{BUILD}/stage",
         "environment.lock",
-        CHAPTERS.tool("html.py"),
+        CHAPTERS.tool("render.py"),
     output:
         directory(f"{BUILD}/html"),
     shell:
-        "{PYTHON} tools/html.py {input[0]} {output}"
+        "{PYTHON} tools/render.py {input[0]} {output}"
 
 
 rule figures:

@@ -197,8 +197,10 @@ def _agrees(number: Published, value: float, tolerance: float) -> bool:
 
 def check(
     key: str, value: float, *, reason: str | None = None, tolerance: float | None = None
-) -> Verdict:
+) -> None:
     """Hold a result against the paper, print one line, and note it for the scoreboard.
+
+    A bad verdict never stops a run; `verdict` gives it as a value.
 
     Parameters
     ----------
@@ -210,11 +212,6 @@ def check(
         Why they cannot agree, or where the paper errs.
     tolerance : float, optional
         Instead of the number's own, absolute.
-
-    Returns
-    -------
-    Verdict
-        The verdict; it never raises for being a bad one.
 
     Raises
     ------
@@ -233,7 +230,6 @@ def check(
         **provenance.as_dict(),
     }
     provenance.write_json(path, dict(sorted(records.items())))
-    return found
 
 
 def read_checks(path: Path) -> dict[str, dict[str, Any]]:

@@ -1,6 +1,6 @@
 """Build the staged book to HTML, strictly: every warning is an error.
 
-python tools/html.py STAGE HTML
+python tools/render.py STAGE HTML
 
 It builds from nothing each time, since pages that Sphinx takes from its cache repeat no warning.
 The full log lies beside ``HTML`` as ``book.log``.
