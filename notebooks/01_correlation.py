@@ -22,7 +22,7 @@ from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
-from IPython.display import Markdown, display
+from IPython.display import Markdown
 from matplotlib.patches import FancyArrowPatch
 from myst_nb import glue
 
@@ -96,9 +96,7 @@ raised = sinusoid(0.5, 0.5)
 returned = 0.6 * raised  # the target keeps some of the light
 period = 1e12 / frequency  # ps
 turns = np.linspace(0, 2, 401)
-emitted_w, reference_w = (
-    waveform_from_harmonics(raised, TAU * turns - shift) for shift in (0, phi)
-)
+emitted = waveform_from_harmonics(raised, TAU * turns)
 for name, value in {
     "depth": depth,
     "phi": phi,
@@ -124,10 +122,10 @@ def reference(turn, psi):
 # light, bright meets open and the average is high; where it swings against it, it is low. Sweep ψ
 # and the average draws a cosine whose crest lies at −φ. That is all the slow detector has to see.
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(2, 2, figsize=(9.6, 6.9))
 ax = axes[0, 0]
-ax.plot(period * turns, emitted_w, color=blue, label="emitted $p$")
+ax.plot(period * turns, emitted, color=blue, label="emitted $p$")
 ax.plot(period * turns, received(turns), color=orange, lw=2.4, label=r"received $\tilde p$")
 ax.plot(
     period * turns,
@@ -144,7 +142,6 @@ ax.set(title="light, and the gate it will meet", xlabel="time (ps)", ylabel="pow
 ax.set(ylim=(-0.03, 1.55), xlim=(0, 2 * period), yticks=(0, 0.5, 1))
 ax.legend(ncols=2, loc="upper right", fontsize="small")
 
-# %%
 ax = axes[0, 1]
 for psi_shown, colour, name in ((-phi, vermillion, "ψ = −φ"), (np.pi - phi, purple, "ψ = π − φ")):
     product = received(turns) * reference(turns, psi_shown)
@@ -156,7 +153,6 @@ ax.set(title="the product and its average", xlabel="time (ps)", xlim=(0, 2 * per
 ax.set(ylim=(0, 0.85), ylabel=r"$\tilde p\,r$")
 ax.legend(ncols=2, loc="upper right", fontsize="small")
 
-# %%
 ax, sweep = axes[1, 0], np.linspace(0, TAU, 361)
 for extra, colour in ((0.0, blue), (0.003, sky), (0.006, green)):
     angle = float(wrapped(phase_from_depth(depth + extra, frequency)))
@@ -170,7 +166,6 @@ ax.set(xlim=(0, TAU), ylim=(0.06, 0.29))
 ax.set_xticks(*turn_ticks)
 ax.legend(ncols=3, loc="upper center", fontsize="small")
 
-# %%
 ax, grid = axes[1, 1], np.linspace(0, TAU, 181)
 table = correlation_from_harmonics(returned, raised, phase=grid[:, None], psi=grid)
 drawn = ax.imshow(table, origin="lower", extent=(0, TAU, 0, TAU), aspect="auto")
@@ -189,7 +184,6 @@ plotting.label_panels(axes.flat)
 crest = float(sweep[correlation_from_harmonics(returned, raised, phase=phi, psi=sweep).argmax()])
 contrast_raised = correlation_contrast(returned, raised)
 
-# %%
 plotting.save(
     figure,
     "fig02_principle",
@@ -297,7 +291,7 @@ pairs = {
 contrasts = {name: correlation_contrast(a, b) for name, (a, b, _) in pairs.items()}
 means = {name: float((a[0] * b[0]).real) for name, (a, b, _) in pairs.items()}
 
-# %%
+# %% tags=["hide-input"]
 figure = plt.figure(figsize=(9.8, 6.6))
 panels = figure.subplot_mosaic([[*"abcde"], ["C"] * 5], height_ratios=[1, 1.9])
 cycles, sweep = np.linspace(0, 2, 801), np.linspace(-np.pi, np.pi, 361)
@@ -313,7 +307,6 @@ for ax, (name, (emitted, reference_h, colour)) in zip(
     ax.set(title=name.replace(", ", ",\n").replace(": ", ":\n"), ylim=(-0.06, 1.06))
     ax.set(xlabel="periods", xticks=(0, 1, 2), yticks=(0, 0.5, 1))
 
-# %%
 ax = panels["C"]
 for name, (emitted, reference_h, colour) in pairs.items():
     lag = np.angle(emitted[1] * np.conj(reference_h[1]))
@@ -353,8 +346,9 @@ plotting.save(
 
 # %% [markdown]
 # What is the difference worth? Let every instrument collect the same mean count, that of Eq. 8 at
-# full brightness with the paper's σ = 1200, and take the Cramér–Rao bound on the phase at 7.15
-# GHz. Noise of the phase goes as one over the contrast, the pixels to be pooled for one right wrap
+# full brightness with the paper's σ = 1200, and take the Cramér–Rao bound on the phase, and what
+# it is as depth at 7.15 GHz (twice that for the doubled mode). Noise of the phase goes as one over
+# the contrast, the pixels to be pooled for one right wrap
 # ({doc}`later <03_wraps>`) as its square.
 
 # %%
@@ -364,18 +358,16 @@ noise = {
     for name, k in contrasts.items()
 }
 eq8 = next(iter(pairs))
+tone = {name: frequency * (2 if "doubled" in name else 1) for name in pairs}
 rows = [
     f"| {name} | {contrasts[name]:.3f} | {means[name]:.3f} | {noise[name]:.3f} | "
-    f"{1e3 * float(depth_from_phase(noise[name], frequency)):.2f} | "
+    f"{1e3 * float(depth_from_phase(noise[name], tone[name])):.2f} | "
     f"{(noise[name] / noise[eq8]) ** 2:.1f} |"
     for name in pairs
 ]
-display(
-    Markdown(
-        "| instrument | contrast | mean of $p\\,r$ | σ_φ (rad) | σ_z (mm) | pixels, over Eq. 8 |\n"
-        "|---|---|---|---|---|---|\n" + "\n".join(rows)
-    )
-)
+head = "| instrument | contrast | mean of $p\\,r$ | $\\sigma_\\varphi$ (rad) "
+head += "| $\\sigma_z$ (mm) | pixels, over Eq. 8 |\n|---|---|---|---|---|---|\n"
+glue("instruments", Markdown(head + "\n".join(rows)), display=False)
 weak_name, strong_name = (
     f"two modulators, η = {eta_weak:.2f}",
     f"two modulators, η = {eta_strong:.2f}",
@@ -392,11 +384,15 @@ for name, value in told.items():
     glue(name, float(value), display=False)
 
 # %% [markdown]
+# ```{glue:md} instruments
+# :format: myst
+# ```
+#
 # Modulators at a contrast of {glue:text}`modulator_weak:.0f` % each, which the paper calls high,
 # correlate with {glue:text}`contrast_weak:.3f`: {glue:text}`contrast_fifth:.1f` times less than
 # Eq. 8 takes for granted, and {glue:text}`pixels_weak:.0f` times the pixels. Driven to η = π/4
-# they reach {glue:text}`contrast_strong:.2f`, a hair more than Eq. 8's
-# {glue:text}`contrast_eq8:.2f`. So the simulated noise of the paper (and of this book, which keeps
+# they reach {glue:text}`contrast_strong:.3f`, a hair more than Eq. 8's
+# {glue:text}`contrast_eq8:.3f`. So the simulated noise of the paper (and of this book, which keeps
 # its settings) is that of an instrument with a *strong* drive ({ref}`erratum 6 <erratum-6>`).
 #
 # ## The price of a strong drive
@@ -426,7 +422,7 @@ against_drive = {
     for k in counts
 }
 
-# %%
+# %% tags=["hide-input"]
 micron_per_mrad = 1e6 * float(depth_from_phase(1e-3, frequency))
 figure, axes = plt.subplots(1, 2, figsize=(9.6, 4.0))
 ax = axes[0]
@@ -446,7 +442,6 @@ for place, name in ((eta_weak, f"{eta_weak:.2f}"), (eta_strong, "π/4")):
     axes[1].axvline(place, color="#8A97A3", lw=1, ls=":", zorder=0)
     axes[1].text(place - 0.01, 1.6e-7, name, color="#5A646D", ha="right")
 
-# %%
 axes[1].set(ylabel="largest error (mrad)", title="over the drive")
 for ax in axes:
     twin = ax.secondary_yaxis(

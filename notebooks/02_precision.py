@@ -99,7 +99,7 @@ print(
     f"{rounding_share:.1e}"
 )
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(11.4, 4.1), width_ratios=[1.15, 1.25, 0.85])
 ax, ghz = axes[0], frequencies / 1e9
 ax.fill_between(
@@ -113,7 +113,6 @@ ax.set(
 ax.legend(loc="upper right")
 ax.set_title(f"{samples} samples each")
 
-# %%
 ax = axes[1]
 ax.plot(ghz, 1e3 * wrap_length(frequencies), color="#8A97A3", lw=2.4, label="one wrap, $c/2f$")
 ax.plot(ghz, 1e3 * sweep.bound, color=black, label="Cramér–Rao bound")
@@ -138,7 +137,6 @@ ax.legend(loc="upper right")
 ax.set_title("how many bits?")
 plotting.label_panels(axes)
 
-# %%
 at_prototype = float(np.interp(FREQUENCY_SINGLE, frequencies, sweep.spread))
 plotting.save(
     figure,
@@ -219,7 +217,7 @@ for name, value in {
 }.items():
     glue(name, float(value), display=False)
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(9.6, 3.9))
 millimetres = np.linspace(-6, 6, 401)
 for f, colour in zip(marks, (sky, blue), strict=True):
@@ -245,7 +243,6 @@ for f, y, place in ((0.1, 100 * quadrature[0], (0, 9)), (8, 100 * quadrature[1],
     ax.annotate(f"{y:.2g} %", (f, y), place, textcoords="offset points",
                 ha="left" if f < 1 else "right")  # fmt: skip
 
-# %%
 ax.set(xscale="log", yscale="log", xlabel="modulation frequency (GHz)", ylim=(3e-4, 400))
 ax.set(ylabel="change over 1 mm (% of amplitude)")
 ax.set_xticks([0.1, 1, 10], ["0.1", "1", "10"])
@@ -306,7 +303,7 @@ linear, law, drawn = map(np.array, (linear, law, drawn))
 for row in zip(brightness, linear, law, drawn, strict=True):
     print("I = {:4.2f}: small-noise formula {:.3f}, law {:.3f}, simulated {:.3f} rad".format(*row))
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(9.8, 4.1))
 ax, noise_axis = axes[0], np.geomspace(0.08, 8, 120)
 ax.plot(noise_axis, noise_axis, color="#8A97A3", ls="--", label="small-noise formula (bound)")
@@ -326,7 +323,6 @@ ax.set_yticks([0.1, 0.3, 1, 3], ["0.1", "0.3", "1", "3"])
 ax.legend(loc="lower right")
 ax.set_title("how far phases scatter")
 
-# %%
 ax, theta = axes[1], np.linspace(-np.pi, np.pi, 400)
 for value, colour in ((1.0, blue), (0.3, green), (0.05, vermillion)):
     density, edges = np.histogram(errors[value], bins=90, range=(-np.pi, np.pi), density=True)

@@ -18,7 +18,7 @@ window: int = 41  # side of the averaging window, px
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
-from IPython.display import Markdown, display
+from IPython.display import Markdown
 from myst_nb import glue
 
 import cmtof
@@ -75,7 +75,7 @@ for name, value in {
 }.items():
     glue(name, float(value), display=False)
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(2, 3, figsize=(11.4, 5.5), height_ratios=[1.35, 1])
 for ax, phase, f in zip(axes[0], measured.phase, tones, strict=True):
     plotting.phase_image(ax, phase, title=tone_name(f), label="")
@@ -96,7 +96,6 @@ for ax, phase, f in zip(axes[1], measured.phase, tones, strict=True):
 axes[1, 0].set_ylabel("measured phase", color=vermillion)
 counter.set_ylabel("wrap count n", color=blue)
 
-# %%
 plotting.label_panels(axes.flat)
 plotting.save(
     figure,
@@ -131,12 +130,12 @@ plotting.save(
 # Neither phase knows its wrap, but together they know more. Subtract: the **beat**
 # $\varphi_2-2\varphi_1$ is the phase of a slow clock of $f_2-2f_1 = 20$ MHz, which goes round once
 # in 7.5 m. One wrap of 21 mm is a very small step of that clock, and subtracting has *added* the
-# noise. In wraps, with σ₁ and σ₂ the phase noise,
+# noise. In wraps, with σ₁ and σ₂ the phase noise and Δ = |f₂ − 2f₁|,
 #
 # ```{math}
 # :label: wraps-noise
 # \sigma_n = \frac{\sqrt{f_1^2\sigma_2^2+f_2^2\sigma_1^2}}{2\pi\,\Delta},\qquad
-# P(\text{correct}) \approx \mathrm{erf}\frac{1}{2\sqrt2\,\sigma_n},\qquad \Delta = |f_2-2f_1| .
+# P(\text{correct}) \approx \mathrm{erf}\frac{1}{2\sqrt2\,\sigma_n} .
 # ```
 
 # %%
@@ -230,7 +229,7 @@ for level in pool_levels:
             share_right(own, np.angle(blocks(product, side)), target),
         )
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(10.2, 4.3))
 ax, dim = axes[0], np.geomspace(0.04, 1, 60)
 dim_noise = phase_noise(dim)
@@ -249,7 +248,6 @@ ax.set_yticks([0.1, 0.3, 1, 3], ["0.1", "0.3", "1", "3"])
 ax.legend(loc="upper left")
 ax.set_title("alone")
 
-# %%
 ax, side_axis = axes[1], np.geomspace(1, 330, 200)
 for level, colour in zip(pool_levels, (blue, orange), strict=True):
     spread = float(phase_noise(level)) / side_axis
@@ -276,7 +274,6 @@ ax.legend(loc="center left", fontsize="small")
 ax.set_title("together")
 plotting.label_panels(axes)
 
-# %%
 need = {
     level: bounds.pixels_needed(
         float(phase_noise(level)), float(phase_noise(level)), frequencies=FREQUENCIES
@@ -324,7 +321,7 @@ for name, value in {
     glue(name, float(value), display=False)
 
 # %% [markdown]
-# The slow clock's range is {glue:text}`beat_range:.2f` m, {glue:text}`beat_wraps:.0f` wraps, each
+# The slow clock's range is {glue:text}`beat_range:.3f` m, {glue:text}`beat_wraps:.0f` wraps, each
 # {glue:text}`step_of_beat:.1f` mrad of beat, and at full brightness the count of one pixel
 # scatters by ±{glue:text}`wrap_spread:.0f` wraps. A white pixel is right in
 # {glue:text}`odds_white:.1f` % of all cases, one of brightness 0.3 in {glue:text}`odds_dark:.1f` %
@@ -332,8 +329,8 @@ for name, value in {
 # {glue:text}`guess:.2f` %. For 95 % a white surface must pool {glue:text}`need_white:.0f` pixels,
 # a square of {glue:text}`side_white:.0f`; at I = 0.3 {glue:text}`need_dark:.0f`, a square of
 # {glue:text}`side_dark:.0f`. And *how* one pools matters: in squares of 64 at I = 0.3, pooled
-# phasors are right in {glue:text}`big_phasor:.0f` %, pooled beats in {glue:text}`big_product:.0f`
-# %. A product of noises is no longer small.
+# phasors are right in {glue:text}`big_phasor:.0f` %, pooled beats in
+# {glue:text}`big_product:.0f` %. A product of noises is no longer small.
 #
 # Real surfaces are not flat, though. Before phasors of neighbours may be added, their phases must
 # be brought in line, and for this one has to know the surface. That is the whole difficulty of
@@ -374,10 +371,15 @@ table = [
 for (protocol, name), score in scores.items():
     cells = " | ".join(f"{100 * score[key]:.1f} %" for key in keys)
     table.append(f"| {protocol} | {name} | {cells} |")
-display(Markdown("\n".join(table)))
+glue("methods", Markdown("\n".join(table)), display=False)
 print("coverage (scored pixels):", {p: f"{c:.0%}" for p, c in coverage.items()})
 
-# %%
+# %% [markdown]
+# ```{glue:md} methods
+# :format: myst
+# ```
+
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(2, 3, figsize=(11.2, 5.2))
 for ax, ((protocol, name), error) in zip(axes.flat, wrong.items(), strict=True):
     right = 100 * scores[protocol, name]["delta_lt_1"]

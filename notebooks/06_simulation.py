@@ -75,7 +75,7 @@ print(
 )
 low, high = np.percentile(images[0], [0.5, 99.5])
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(2, 4, figsize=(12.4, 4.6))
 plotting.image(
     axes[0, 0], np.clip(frame.intensity, 0, 1), label="", title="in: brightness I", cmap="gray"
@@ -164,7 +164,7 @@ print(f"F1 against least squares: {same:.0e} rad")
 for name, error in zip(readings, reading_error, strict=True):
     print(f"{name}: off by {error:.3f} rad rms")
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(10.4, 3.5), sharex=True, sharey=True)
 for ax, (name, reading), colour in zip(
     axes, readings.items(), (blue, vermillion, purple), strict=True
@@ -285,7 +285,7 @@ print(
     f"{general:.4f} rad"
 )
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(10.2, 4.3))
 ax, fine = axes[0], np.geomspace(0.018, 1.05, 100)
 ax.plot(fine, theory(fine, NOISE_SIGMA), color="#8A97A3", ls="--", label="bound, σ = 1200")
@@ -335,7 +335,6 @@ ax.legend(loc="lower right")
 ax.set_title("what clipping takes")
 plotting.label_panels(axes)
 
-# %%
 ours, theirs = list(settings)[:2]
 dark = brightness[0]
 agreement = max(
@@ -388,7 +387,7 @@ for name, value in {
 # wraps 36 to 56 are scored, 21 classes. **full** leaves the scene as it is and scores everything
 # within the beat's 7.495 m. A pixel that is not scored keeps its light: the camera sees it.
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(2, 3, figsize=(10.8, 5.1))
 coverage = {}
 for column, name in enumerate(embedded_frames()):

@@ -34,6 +34,7 @@ PROBE = """(async () => {
   const math = document.querySelectorAll('.math').length;
   if (math && window.MathJax && MathJax.startup) await MathJax.startup.promise;
   await document.fonts.ready;
+  document.getAnimations().forEach(a => a.finish());  // the side bar slides in
   return {
     math, drawn: document.querySelectorAll('mjx-container').length,
     errors: document.querySelectorAll('mjx-merror').length,
