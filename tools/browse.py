@@ -84,17 +84,20 @@ class Tab:
         while not any(message.get("method") == event for message in self.events):
             self.events.append(json.loads(self._socket.recv()))
 
+    def _resize(self, width: int, height: int) -> None:
+        self.send(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=width < 600,
+        )
+
     def visit(self, page: Path, width: int, picture: bool = False) -> Visit:
         """Open a page and collect what is wrong with it."""
         found = Visit(page.name, width)
         self.send("Page.navigate", url="about:blank")
-        self.send(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=900,
-            deviceScaleFactor=1,
-            mobile=width < 600,
-        )
+        self._resize(width, 900)
         self.events.clear()
         self.send("Page.navigate", url=page.as_uri())
         self.wait("Page.loadEventFired")
@@ -103,8 +106,9 @@ class Tab:
         )["result"]["value"]
         found.problems = [*_complaints(self.events), *_faults(state)]
         if picture:
-            clip = {"x": 0, "y": 0, "width": width, "height": state["height"], "scale": 1}
-            shot = self.send("Page.captureScreenshot", clip=clip, captureBeyondViewport=True)
+            # a window as high as the page: a clip beyond the window shifts what is fixed in it
+            self._resize(width, state["height"])
+            shot = self.send("Page.captureScreenshot")
             found.picture = base64.b64decode(shot["data"])
         return found
 
