@@ -24,14 +24,16 @@ ROOT = Path(__file__).resolve().parents[1]
 def place_figures(notebook: Any) -> None:
     """Give every cell that saved a figure the metadata that makes it a numbered figure.
 
-    The metadata hold for all that a cell shows. So where a cell saved several figures, or shows
-    something else too, the figures move into cells of their own behind it, whose source is hidden.
+    Its source folds away. The metadata hold for all that a cell shows: where it saved several
+    figures, or shows something else too, the figures move into cells of their own behind it.
     """
     cells: list[Any] = []
     for cell in notebook.cells:
         cells.append(cell)
         shown = [o for o in cell.get("outputs", []) if _is_shown(o)]
         drawn = [o for o in shown if "cmtof" in o.metadata]
+        if drawn:  # the figure first; how it was drawn, for whoever wants to know
+            cell.metadata["tags"] = sorted({*cell.metadata.get("tags", []), "hide-input"})
         for output in drawn:
             if len(shown) > 1:
                 cell.outputs.remove(output)
@@ -46,6 +48,22 @@ def place_figures(notebook: Any) -> None:
                 "image": {"alt": about["alt"]},
             }
     notebook.cells = cells
+
+
+def join_folded(notebook: Any) -> None:
+    """Join neighbouring cells whose source is folded and that show nothing between: one fold."""
+    cells: list[Any] = []
+    for cell in notebook.cells:
+        before = cells[-1] if cells else None
+        if before is not None and _is_folded(before) and _is_folded(cell) and not before.outputs:
+            cell.source = f"{before.source}\n\n{cell.source}"
+            cells.pop()
+        cells.append(cell)
+    notebook.cells = cells
+
+
+def _is_folded(cell: Any) -> bool:
+    return cell.cell_type == "code" and "hide-input" in cell.metadata.get("tags", [])
 
 
 def _is_shown(output: Any) -> bool:
@@ -86,6 +104,7 @@ def stage_notebook(executed: Path, target: Path) -> None:
     """Write the page of an executed notebook."""
     notebook: Any = nbformat.read(executed, as_version=4)
     place_figures(notebook)
+    join_folded(notebook)
     plain_glue(notebook)
     notebook.cells.append(new_markdown_cell(provenance_block(notebook.metadata.pop("cmtof"))))
     notebook.metadata.pop("papermill", None)

@@ -203,8 +203,9 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
     Parameters
     ----------
     correlation : array_like, shape (K, ...) or (F, K, H, W)
-        Correlations, counts; four axes are always frequency, step, y, x. float32 runs through a compiled kernel near memory speed with a
-        phase error below 5e-6 rad; anything else is computed in float64.
+        Correlations, counts; four axes are always frequency, step, y, x. float32 runs through a
+        compiled kernel near memory speed with a phase error below 5e-6 rad; anything else is
+        computed in float64.
     psi : array_like, shape (K,) or (F, K)
         Reference phases, rad, in the order of the data; (K,) serves every frequency.
 
