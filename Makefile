@@ -45,7 +45,7 @@ test: setup ## Build the book with the small ci profile, then run the tests
 
 lab: setup ## Open the notebooks in JupyterLab
 	@$(BIN)/python tools/pairs.py --missing
-	@$(BIN)/jupyter lab --notebook-dir=. notebooks
+	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
 lint: setup ## Check style, types and that notebook pairs agree
 	@$(BIN)/ruff check .
