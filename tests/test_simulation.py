@@ -78,6 +78,14 @@ def test_masked_pixels_keep_their_signal_and_unknown_ones_are_dark():
     np.testing.assert_allclose(m.amplitude[0], [[6366.2, 6366.2, 0.0]], rtol=1e-5)
 
 
+def test_contrast_of_equation_8_is_two_over_pi_wherever_there_is_light():
+    depth = np.array([[1.0, 1.1, np.nan]])
+    m = simulate(Frame(depth, np.full_like(depth, 0.3)), noise_free=True)
+    np.testing.assert_allclose(
+        m.decoded.contrast[:, 0], [[2 / np.pi, 2 / np.pi, np.nan]] * 2, rtol=1e-5
+    )
+
+
 def test_intensity_is_clipped_to_one():
     m = simulate(Frame(np.ones((2, 2)), np.full((2, 2), 7.0)), noise_free=True)
     np.testing.assert_allclose(m.amplitude, 20_000 / np.pi, rtol=1e-5)

@@ -5,7 +5,7 @@
 Reads ``build/ci/results`` and writes ``tests/reference/ci``: one file for each figure, and one for
 the checks of each notebook. Every number carries its relative tolerance, 1e-6 at first. With seeds
 the notebooks are run with each of them too: a number that moves from seed to seed gets an absolute
-tolerance of three times the range it moved over, for another processor may round a rate
+tolerance of twice the range it moved over, for another processor may round a rate
 differently and so draw other noise. Tolerances stay when the numbers are stored again.
 
 A figure whose numbers say what their ``source`` is, measured or simulated, has a file for each.
@@ -112,7 +112,7 @@ def main(seeds: list[int]) -> int:
         }
         for key, distance in moved_by_seed.get(name, {}).items():
             if distance > TOLERANCE * abs(float(entries[key]["value"] or 0)):
-                entries[key]["atol"] = float(f"{3 * distance:.2g}")
+                entries[key]["atol"] = float(f"{2 * distance:.2g}")
         text = json.dumps(entries, indent=1, ensure_ascii=False) + "\n"
         (REFERENCE / name).write_text(text, encoding="utf-8")
         moved = [

@@ -149,6 +149,12 @@ class Decoded(NamedTuple):
     offset: Array
     """Mean, counts."""
 
+    @property
+    def contrast(self) -> Array:
+        """Amplitude over mean, 2/pi for Eq. 8; NaN in the dark."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.offset > 0, self.amplitude / self.offset, np.nan)
+
 
 def decoding_weights(psi: ArrayLike) -> Array:
     """Least-squares weights of (offset, in-phase, quadrature) for any set of reference phases.
