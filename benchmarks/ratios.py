@@ -20,9 +20,10 @@ SHAPE = (768, 1024)
 PSI = np.tile(np.arange(4) * np.pi / 2, (2, 1))
 
 
-def seconds(work: Callable[[], object], repeats: int = 9) -> float:
-    """Median time of a call after one to warm up."""
-    work()
+def seconds(work: Callable[[], object], repeats: int = 15) -> float:
+    """Median time of a call, once caches and the memory allocator have settled."""
+    for _ in range(repeats // 3):
+        work()
     times = []
     for _ in range(repeats):
         start = perf_counter()
