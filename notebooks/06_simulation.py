@@ -3,9 +3,8 @@
 #
 # No public data set holds correlation images at 7 GHz with a known truth, so the paper makes its
 # own from depth and colour, and so does this book. This page follows one frame through Section 5.3
-# and 5.4: in go depth and brightness, out come correlation images ({eq}`eq-8`), and back come
-# phase and amplitude
-# ({eq}`eq-9`). Everything on it is simulated.
+# and 5.4: in go depth and brightness, out come correlation images by Eq. {eq}`eq-8`, and back come
+# phase and amplitude by Eq. {eq}`eq-9`. Everything on it is simulated.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
