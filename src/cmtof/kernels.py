@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-_BLOCK = 2048
+_BLOCK = 1024
 _PI = np.float32(np.pi)
 _HALF_PI = np.float32(np.pi / 2)
 _TAU = np.float32(2 * np.pi)
@@ -48,7 +48,7 @@ def _turn(y, x):  # pragma: no cover - compiled
 
 
 @njit(fastmath=True, error_model="numpy", cache=True, nogil=True)
-def _decode(correlation, weights, phase, amplitude, offset):  # pragma: no cover - compiled
+def _decode(correlation, w, phase, amplitude, offset):  # pragma: no cover - compiled
     steps, pixels = correlation.shape
     x, y = np.empty(_BLOCK, np.float32), np.empty(_BLOCK, np.float32)
     # short loops over slices of one block each: the compiler turns every one into vector code
@@ -56,12 +56,15 @@ def _decode(correlation, weights, phase, amplitude, offset):  # pragma: no cover
         size = min(_BLOCK, pixels - start)
         block = slice(start, start + size)
         d, p, a = offset[block], phase[block], amplitude[block]
-        d[:] = _ZERO
-        x[:] = _ZERO
-        y[:] = _ZERO
-        for k in range(steps):
-            wd, wx, wy = weights[0, k], weights[1, k], weights[2, k]
-            row = correlation[k, start : start + size]
+        r0, r1, r2 = correlation[0, block], correlation[1, block], correlation[2, block]
+        # three steps are the least that can be decoded: they fill the block, the others add
+        for i in range(size):
+            d[i] = w[0, 0] * r0[i] + w[0, 1] * r1[i] + w[0, 2] * r2[i]
+            x[i] = w[1, 0] * r0[i] + w[1, 1] * r1[i] + w[1, 2] * r2[i]
+            y[i] = w[2, 0] * r0[i] + w[2, 1] * r1[i] + w[2, 2] * r2[i]
+        for k in range(3, steps):
+            wd, wx, wy = w[0, k], w[1, k], w[2, k]
+            row = correlation[k, block]
             for i in range(size):
                 d[i] += wd * row[i]
                 x[i] += wx * row[i]
