@@ -339,8 +339,10 @@ plotting.save(
         "Five small panels of waveforms over two periods: a raised cosine with a square gate, two "
         "identical raised cosines, two flattened full-swing waves, two waves that swing by a "
         "quarter about one half, two that rise from zero to one half. Below, five cosine-like "
-        "correlations: the gate's and the strongly driven modulators' swing by 64 percent, "
-        "raised cosines by 50, the weakly driven modulators' by 13."
+        f"correlations: the gate's and the strongly driven modulators' swing by "
+        f"{100 * contrasts['Eq. 8: raised cosine × gate']:.0f} percent, raised cosines by "
+        f"{100 * contrasts['two raised cosines']:.0f}, the weakly driven modulators' by "
+        f"{100 * contrasts[f'two modulators, η = {eta_weak:.2f}']:.0f}."
     ),
 )
 
@@ -465,7 +467,8 @@ plotting.save(
     ),
     alt=(
         "Left, the phase error over the phase: with four steps and a strong drive a wave of four "
-        "periods and 15 milliradians, with a weak drive next to nothing, with sixteen steps zero. "
+        f"periods and {largest[eta_strong, 4]:.0f} milliradians, with a weak drive next to "
+        "nothing, with sixteen steps zero. "
         "Right, on a logarithmic scale, errors that rise steeply with the drive: four steps most, "
         "three steps a thousand times less, eight less still; sixteen lie below the axis."
     ),

@@ -155,10 +155,11 @@ plotting.save(
         "GHz."
     ),
     alt=(
-        "Left, an envelope of depth error that closes like a funnel from plus or minus 66 "
-        "millimetres at 100 megahertz to a line at 10 gigahertz, its mean near zero. Middle, on "
-        "logarithmic scales, four parallel falling lines: the wrap length, a hundred times lower "
-        "the bound with the simulated dots on it, far below the rounding. Right, the cost of "
+        "Left, an envelope of depth error that closes like a funnel from plus or minus "
+        f"{1e3 * sweep.spread[0]:.0f} millimetres at 100 megahertz to a line at 10 gigahertz, its "
+        "mean near zero. Middle, on logarithmic scales, parallel falling lines: the wrap length, "
+        f"{wrap_length(frequencies[0]) / sweep.bound[0]:.0f} times lower the bound with the "
+        "simulated dots on it, far below the rounding. Right, the cost of "
         f"rounding falls from {100 * (excess[0] - 1):.0f} percent at 3 bits to nothing at 7."
     ),
 )

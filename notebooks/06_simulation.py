@@ -354,10 +354,12 @@ plotting.save(
         "zero shortens it."
     ),
     alt=(
-        "Left, spread over brightness, both logarithmic, falling from 1.7 radians for dark "
-        "pixels to 0.13 for white ones; symbols of both orders lie close to the law, ambient "
-        "light lies higher. Right, the decoded signal: 100 percent at all brightnesses in the "
-        "paper's order, falling to about half for dark pixels in the released code's."
+        "Left, spread over brightness, both logarithmic, falling from "
+        f"{spread[ours, dark]:.1f} radians for dark pixels to "
+        f"{spread[ours, brightness[-1]]:.2f} for white ones; symbols of both orders lie close to "
+        "the law, ambient light lies higher. Right, the decoded signal: whole at all "
+        "brightnesses in the paper's order, falling to "
+        f"{100 * kept[theirs, dark]:.0f} percent for dark pixels in the released code's."
     ),
 )
 for name, value in {
@@ -410,9 +412,9 @@ plotting.save(
         "model of itself."
     ),
     alt=(
-        "Two rows of three depth images. Above, the released protocol: depths from 0.75 to 1.19 "
-        "metres, large grey areas in the foreground. Below, the full protocol: depths up to 7 "
-        "metres, no grey."
+        "Two rows of three depth images. Above, the released protocol: a narrow span of depths, "
+        "large grey areas in the foreground. Below, the full protocol: the whole depth of each "
+        "room, no grey."
     ),
 )
 ratio = np.mean([coverage[n, "released"] for n in embedded_frames()])

@@ -786,9 +786,9 @@ plotting.save(
     caption="Erratum 15. Mean absolute over root mean square error of the published Table 4; bars: "
     "rounding. Band: where 99 % of as many zero-mean Gaussian errors as the sweep has "
     "positions fall.",
-    alt="Six points between 0.95 and 1.00, all above a band from about 0.7 to 0.9 around the "
-    "Gaussian "
-    "value 0.80.",
+    alt=f"{len(ratio)} points between {min(ratio.values()):.2f} and {max(ratio.values()):.2f}, all "
+    f"above a band from {spread[0]:.2f} to {spread[2]:.2f} around the Gaussian value "
+    f"{np.sqrt(2 / np.pi):.2f}.",
 )
 
 # %% [markdown]

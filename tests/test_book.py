@@ -135,6 +135,20 @@ def test_every_figure_is_placed_with_its_caption_and_text():
         assert record["alt"] in images, f"{file.stem} has no alternative text"
 
 
+@needs_build
+def test_every_erratum_was_proved_by_this_build():
+    notebook = json.loads((BUILD / "notebooks" / "07_errata.ipynb").read_text(encoding="utf-8"))
+    printed = "".join(
+        text
+        for cell in notebook["cells"]
+        for output in cell.get("outputs", [])
+        for text in output.get("text", [])
+    )
+    verdicts = dict(re.findall(r"^(\d+)\. (proved|NOT PROVED):", printed, re.MULTILINE))
+    assert {int(number) for number in verdicts} >= set(range(1, 18))
+    assert [number for number, verdict in verdicts.items() if verdict != "proved"] == []
+
+
 @pytest.mark.slow
 @needs_build
 @pytest.mark.skipif(

@@ -219,7 +219,7 @@ def test_point_cloud_without_a_camera(fails, tmp_path, measured):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--protocol", "fast"), "protocol released or full"),
+        (("--protocol", "fast"), "protocol 'released' or 'full'"),
         (("--frequencies", "7.15e9;14e9"), "parted by commas"),
         (("--frequencies", "0,14.32e9"), "frequencies > 0"),
         (("--noise", "-3"), "sigma >= 0"),

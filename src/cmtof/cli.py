@@ -8,7 +8,7 @@ import json
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from cmtof.measurement import Measurement
     from cmtof.scenes.rgbd import Frame
+    from cmtof.simulation import Protocol
 
 app = typer.Typer(
     name="cmtof",
@@ -74,12 +75,6 @@ def _tones(text: str) -> list[float]:
         ) from error
 
 
-def _protocol(name: str) -> Any:
-    if name not in ("released", "full"):
-        raise ValueError(f"Expected protocol released or full, got {name}. Choose one.")
-    return name
-
-
 # --- commands ----------------------------------------------------------------------------------
 
 
@@ -117,7 +112,7 @@ def simulate(
     )
     measurement = simulate_frame(
         loaded,
-        protocol=_protocol(protocol),
+        protocol=cast("Protocol", protocol),
         frequencies=_tones(frequencies),
         noise=noise,
         noise_free=noise_free,
@@ -216,7 +211,7 @@ def evaluate(
 
     names = list(METHODS) if method == "all" else [name.strip() for name in method.split(",")]
     evaluation = Evaluation(
-        names, protocol=_protocol(protocol), noise=noise, noise_free=noise_free, seed=seed
+        names, protocol=cast("Protocol", protocol), noise=noise, noise_free=noise_free, seed=seed
     )
     _run(evaluation, frames, quiet)
     report = evaluation.report()

@@ -94,19 +94,8 @@ def use_style() -> None:
 def begin(*, profile: str = "book", seed: int = 0) -> provenance.Run:
     """Begin a run: set the style, and the seed and profile stored with every result.
 
-    From then on a notebook shows a figure when it is saved, and only then.
-
-    Parameters
-    ----------
-    profile : str
-        Name of the size profile: ``ci``, ``book`` or ``paper``.
-    seed : int
-        Seed of the run, ≥ 0.
-
-    Returns
-    -------
-    provenance.Run
-        The run just begun; see :func:`cmtof.provenance.begin`, also for what it raises.
+    From then on a notebook shows a figure when it is saved, and only then. Parameters, result and
+    errors are those of :func:`cmtof.provenance.begin`.
 
     Examples
     --------
