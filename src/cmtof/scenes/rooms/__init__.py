@@ -1,0 +1,1 @@
+"""Rooms from a seed: built from parameters over trimesh, traced with Embree."""
