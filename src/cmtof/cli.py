@@ -1,4 +1,4 @@
-"""The command line: simulate, unwrap, evaluate, methods, replicate, info.
+"""The command line: simulate, unwrap, evaluate, methods, render, replicate, info.
 
 Exit codes: 0; 1 for bad input, a failed check or a failed frame (one line on stderr); 2 for a
 wrong command line; 130 for Ctrl-C.
@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
+
+from cmtof.console import describe, print_report, progress_bar, write_json
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -216,58 +218,20 @@ def evaluate(
     _run(evaluation, frames, quiet)
     report = evaluation.report()
     if json_file is not None:
-        _write_json(json_file, report)
-    _print_report(report)
+        write_json(json_file, report)
+    print_report(report)
 
 
 def _run(evaluation: Any, frames: list[str], quiet: bool) -> None:
     """Add every frame behind a progress bar; a frame that fails is named in the error."""
-    from rich.console import Console
-    from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TimeRemainingColumn
-
     from cmtof.scenes.rgbd import load_frame
 
-    hidden = quiet or bool(os.environ.get("CI")) or not sys.stderr.isatty()
-    columns = (SpinnerColumn(), *Progress.get_default_columns()[:2], MofNCompleteColumn())
-    console = Console(stderr=True)
-    with Progress(*columns, TimeRemainingColumn(), console=console, disable=hidden) as bar:
+    with progress_bar(quiet) as bar:
         task = bar.add_task("", total=len(frames) * len(evaluation.methods))
         for name in frames:
             frame: Frame = load_frame(name)
             for done in evaluation.add(frame):
                 bar.update(task, advance=1, description=f"{frame.name}: {done}")
-
-
-def _print_report(report: dict[str, Any]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    columns = {
-        "δ<1": "delta_lt_1",
-        "δ<2": "delta_lt_2",
-        "δ<3": "delta_lt_3",
-        "δ≥10": "delta_ge_10",
-        "consistent": "consistent_lt_1",
-    }
-    table = Table(
-        title=f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
-        f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
-    )
-    table.add_column("method", no_wrap=True)
-    for heading in (*columns, "median error", "s/frame"):
-        table.add_column(heading, justify="right")
-    for name, scores in report["methods"].items():
-        rates = [f"{scores[key]:.1%}" for key in columns.values()]
-        error = f"{1e3 * scores['depth_median_error_m']:.1f} mm"
-        table.add_row(name, *rates, error, f"{scores['seconds_per_frame']:.2f}")
-    Console().print(table)
-
-
-def _write_json(path: Path, content: Any) -> None:
-    from cmtof.files import written_whole
-
-    with written_whole(path) as part:
-        part.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
 @app.command()
@@ -308,7 +272,7 @@ def info(
 ) -> None:
     """Print version, devices and embedded frames, or what a file holds."""
     if file is not None:
-        _describe(file)
+        describe(file)
         return
     from importlib.util import find_spec
 
@@ -320,7 +284,7 @@ def info(
     if find_spec("torch"):
         import torch
 
-        gpus = [torch.cuda.get_device_name(i) for i in _range(torch.cuda.device_count())]
+        gpus = [torch.cuda.get_device_name(i) for i in range(torch.cuda.device_count())]
         print(f"torch {torch.__version__}, {', '.join(gpus) if gpus else 'no GPU'}")
     else:
         print("torch is not installed (only learned methods need it)")
@@ -328,30 +292,66 @@ def info(
     print(f"published captures: {data_root() or 'not on this machine'}")
 
 
-_range = range  # the name is an option of `unwrap`
+@app.command()
+def render(
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write the set into.")],
+    scenes: Annotated[int, typer.Option(min=1, help="How many rooms.")] = 20,
+    views: Annotated[int, typer.Option(min=1, help="Views of each; a third are close-ups.")] = 5,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the set.")] = 0,
+    size: Annotated[str, typer.Option(help="Height x width, px.")] = "512x512",
+    focal: Annotated[
+        float | None,
+        typer.Option(help="Focal length, px. Default: each scene has its own, 35 to 60° across."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes. Default: one a core.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Render furnished rooms, in Hypersim's layout.
 
+    The same seed gives the same bytes. A run that was stopped goes on where it was, and a set may
+    grow: ask for more scenes or views in the same folder. Needs the extra [bold]rooms[/bold].
 
-def _describe(file: Path) -> None:
-    """Print what a measurement, a result or a frame holds."""
-    from cmtof.measurement import Measurement, open_measurement, read_dataset
-    from cmtof.scenes.rgbd import embedded_frames, read_npz
+    Example: [bold]cmtof render --scenes 20 --views 5 --seed 1 -o rooms[/bold]
+    """
+    from time import perf_counter
 
-    file = embedded_frames().get(str(file), file)
-    if file.suffix == ".npz" and file.is_file():
-        for name, array in read_npz(file).items():
-            print(f"  {name} {array.shape} {array.dtype}")
+    from cmtof.scenes.rooms.rendering import Settings, render_rooms
+
+    height, width = _pixels(size)
+    settings = Settings(seed, scenes, views, height, width, focal)
+    start = perf_counter()
+    with progress_bar(quiet) as bar:
+        task = bar.add_task("rooms", total=scenes)
+        done = render_rooms(
+            output,
+            settings,
+            workers=workers,
+            progress=lambda one: bar.update(task, advance=1, description=one.scene),
+        )
+    seconds = perf_counter() - start
+    rendered = sum(one.rendered for one in done)
+    print(f"{output}: {scenes} rooms, {views} views each; {rendered} views rendered", end="")
+    if not rendered:
+        print(", the others were there")
         return
-    if file.suffix == ".nc" and file.is_file():
-        dataset = read_dataset(file)
-        if "wrap_count" not in dataset:
-            print(repr(Measurement(dataset)))
-    else:
-        dataset = open_measurement(file).dataset
-    for name, variable in dataset.variables.items():
-        sizes = ", ".join(f"{dim} {size}" for dim, size in variable.sizes.items())
-        print(f"  {name} ({sizes}) {variable.dtype} {variable.attrs.get('units', '')}".rstrip())
-    for key, value in dataset.attrs.items():
-        print(f"  {key}: {value}")
+    work, rays = sum(one.build_s + one.views_s for one in done), sum(one.rays for one in done)
+    bare = sum(one.rays_s for one in done)
+    print(f" in {seconds:.1f} s, {rendered / seconds:.2f} views/s")
+    rooms = sum(one.build_s for one in done)
+    print(
+        f"{rays / 1e6:.1f} million rays took Embree {bare:.1f} core seconds; all of it took "
+        f"{work:.1f}, {work / bare:.2f} times as long ({rooms:.1f} to build and light the rooms)"
+    )
+
+
+def _pixels(text: str) -> tuple[int, int]:
+    try:
+        height, width = (int(part) for part in text.lower().split("x"))
+    except ValueError as error:
+        raise ValueError(f"Expected a size like 512x512, got {text}. Try 768x1024.") from error
+    return height, width
 
 
 @app.command()

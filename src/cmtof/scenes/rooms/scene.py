@@ -1,0 +1,147 @@
+"""One furnished interior from two numbers: its seed and its place in the set."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cmtof.scenes.rooms.architecture import shell
+from cmtof.scenes.rooms.assembly import Geometry, Outdoors, assemble
+from cmtof.scenes.rooms.cameras import Camera, Lens, close_cameras, room_cameras
+from cmtof.scenes.rooms.furnish import furnish, hang_lamps
+from cmtof.scenes.rooms.house import Shell
+from cmtof.scenes.rooms.household import Household
+from cmtof.scenes.rooms.illumination import Illumination
+from cmtof.scenes.rooms.materials import style
+from cmtof.scenes.rooms.placing import Floor, Rectangle, Wall
+from cmtof.scenes.rooms.tracing import Tracer
+
+KINDS = {
+    "living": 0.24,
+    "dining": 0.12,
+    "bedroom": 0.14,
+    "kitchen": 0.12,
+    "office": 0.1,
+    "hallway": 0.04,
+    "bathroom": 0.05,
+    "attic": 0.07,
+    "workshop": 0.06,
+    "nursery": 0.06,
+}
+"""Kinds of rooms and how often each is drawn."""
+
+CLOSE_SHARE = 0.3
+"""Share of a scene's views that are taken from 0.5 to 1.2 m."""
+
+# streams of random numbers of one scene, so that more views never change the room
+_ROOM, _PATTERNS, _VIEWS, _CLOSE, _EXPOSURE = range(5)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A room with its light; cameras are drawn from it."""
+
+    seed: int
+    index: int
+    kind: str
+    geometry: Geometry
+    light: Illumination
+    floor: list[Rectangle]
+    """Where a person may stand, m."""
+    height: float
+    """Of the ceiling, m."""
+
+    @property
+    def name(self) -> str:
+        """Folder of the scene, as in ``room_000_007``: seed and place in the set."""
+        return scene_name(self.seed, self.index)
+
+    def cameras(self, views: int, lens: Lens) -> dict[str, list[Camera]]:
+        """Poses of ``cam_00`` (across the room) and ``cam_01`` (close to things).
+
+        Together ``views``; the first ones stay the same when more are asked for.
+        """
+        close = round(views * CLOSE_SHARE)
+        where = {"floor": self.floor, "tracer": self.light.tracer, "geometry": self.geometry}
+        return {
+            "cam_00": room_cameras(
+                views - close, height=self.height, lens=lens, rng=self._stream(_VIEWS), **where
+            ),
+            "cam_01": close_cameras(close, lens=lens, rng=self._stream(_CLOSE), **where),
+        }
+
+    def _stream(self, number: int) -> np.random.Generator:
+        return stream(self.seed, self.index, number)
+
+
+def stream(seed: int, index: int, *number: int) -> np.random.Generator:
+    """Random numbers of one scene that no other and no other use of it share."""
+    return np.random.default_rng([seed, index, *number])
+
+
+def scene_name(seed: int, index: int) -> str:
+    """Folder of a scene.
+
+    Examples
+    --------
+    >>> scene_name(0, 7)
+    'room_000_007'
+    """
+    return f"room_{seed:03d}_{index:03d}"
+
+
+def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
+    """Build, furnish and light one room.
+
+    Parameters
+    ----------
+    seed, index : int
+        The same pair gives the same room, bit for bit.
+    kind : str, optional
+        Key of `KINDS`; drawn by default.
+    """
+    rng = stream(seed, index, _ROOM)
+    kinds, odds = zip(*KINDS.items(), strict=True)
+    drawn = str(rng.choice(kinds, p=np.array(odds) / sum(odds)))
+    kind = kind or drawn
+    manner = style(rng)
+    empty = shell(rng, manner, kind=kind)
+    house = Household(rng, manner, clutter=float(rng.beta(2, 2)))
+    floor = _floor(empty, rng)
+    hang_lamps(floor, house, empty.ceiling_spots)
+    furnish(floor, house, kind)
+    for beside in empty.annexes:
+        more = Floor([beside.floor], [_wall(w) for w in beside.walls], beside.height, rng)
+        more.taken += _thresholds(empty)
+        furnish(more, house, beside.kind, sparse=True)
+        floor.placed += more.placed
+    geometry = assemble(
+        empty.things + floor.placed,
+        rng=stream(seed, index, _PATTERNS),
+        lights=empty.lights,
+        outdoors=_outdoors(empty),
+    )
+    light = Illumination(geometry, Tracer(geometry.vertices, geometry.faces))
+    return Scene(seed, index, kind, geometry, light, empty.floor, empty.height)
+
+
+def _floor(empty: Shell, rng: np.random.Generator) -> Floor:
+    floor = Floor(list(empty.floor), [_wall(w) for w in empty.walls], empty.height, rng)
+    floor.taken += _thresholds(empty)
+    return floor
+
+
+def _wall(run: object) -> Wall:
+    return Wall(run.start, run.end, run.height, tuple(run.blocked))  # type: ignore[attr-defined]
+
+
+def _thresholds(empty: Shell) -> list[Rectangle]:
+    """Squares before and behind each doorway that must stay free to walk through."""
+    return [(x - 0.5, x + 0.5, y - 0.5, y + 0.5) for (x, y), _ in empty.doorways]
+
+
+def _outdoors(empty: Shell) -> Outdoors:
+    corners = [(0.0, empty.width, 0.0, empty.depth)] + [a.floor for a in empty.annexes]
+    x0, x1, y0, y1 = zip(*corners, strict=True)
+    house = (min(x0) - 0.05, max(x1) + 0.05, min(y0) - 0.05, max(y1) + 0.05)
+    towards, strength = empty.sun or ((0.0, 0.0, 1.0), 0.0)
+    return Outdoors(house, 12.0, towards, strength)
