@@ -13,9 +13,13 @@ from numpy.typing import NDArray
 from cmtof.scenes.rooms import shading
 from cmtof.scenes.rooms.assembly import Geometry
 from cmtof.scenes.rooms.materials import PATTERNS
+from cmtof.scenes.rooms.sunlight import sun_patches
 from cmtof.scenes.rooms.tracing import Hits, Tracer
 
 Array = NDArray[np.float32]
+
+BRIGHTEST = np.float32(4.0)
+"""Radiance at which scattered light is cut: rare bright rays would show as specks."""
 
 # mean share of the second colour in each pattern: what a blurred glance sees
 _MEAN_MIX = np.array([0.0 if name == "plain" else 0.35 for name in PATTERNS], np.float32)
@@ -67,6 +71,9 @@ class Illumination:
             (corners.mean(axis=1) + 1e-3 * normal).astype(np.float32),
             normal, normal, normal, np.zeros_like(normal),
         )  # fmt: skip
+        # patches of sun are lamps from here on, so the triangles' own light leaves the sun out
+        patches = sun_patches(g, self.tracer, self.albedo)
+        self.lights = np.concatenate([g.lights, patches])
         self.radiance = self._glow.copy()
         direct = self.direct(centres, samples=2)[0]
         self.radiance += self.albedo * direct
@@ -78,12 +85,12 @@ class Illumination:
         direction, reach = np.zeros((n, 3), np.float32), np.empty(n, np.float32)
         diffuse, shine = np.empty((n, 3), np.float32), np.empty(n, np.float32)
         irradiance, mirrored = np.zeros((n, 3), np.float32), np.zeros(n, np.float32)
-        if not len(self.geometry.lights):
+        if not len(self.lights):
             return irradiance, mirrored
         for sample in range(samples):
             shading.lamp_rays(
                 points.position, points.normal, points.shading, points.view, points.gloss,
-                self.geometry.lights, sample, points.width, direction, reach, diffuse, shine,
+                self.lights, sample, points.width, direction, reach, diffuse, shine,
             )  # fmt: skip
             self._add_unblocked(points, direction, reach, diffuse, shine, irradiance, mirrored)
         return irradiance / np.float32(samples), mirrored / np.float32(samples)
@@ -112,7 +119,7 @@ class Illumination:
         total = np.zeros_like(points.position)
         for sample in range(samples):
             shading.scattered_rays(points.normal, sample, points.width, direction)
-            total += self.seen(points.position, direction)
+            total += np.minimum(self.seen(points.position, direction), BRIGHTEST)
         return total / np.float32(samples)
 
     def seen(self, origin: Array, direction: Array) -> Array:

@@ -14,6 +14,8 @@ from cmtof.scenes.rooms.patterns import pattern, value_noise
 TILE = 8
 """Side of the block of pixels that share one set of samples."""
 
+_STEPS = np.sqrt([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53.0])
+
 _OFFSET = 1e-4  # m, by which secondary rays start off their surface
 
 
@@ -101,20 +103,24 @@ def surfaces(
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _sample(index, shift):  # pragma: no cover - compiled
-    """Point of the unit square: low-discrepancy in ``index``, moved by ``shift``."""
-    a = 0.7548776662466927 * index + 0.5 + 0.618033988749895 * shift
-    b = 0.5698402909980532 * index + 0.5 + 0.3247179572447458 * shift
-    return a - math.floor(a), b - math.floor(b)
+def _sample(index, dimension):  # pragma: no cover - compiled
+    """Number in [0, 1): evenly spread in ``index`` and independent between dimensions.
+
+    Multiples of square roots of primes (Kronecker's sequence).
+    """
+    value = (index + 0.5) * _STEPS[dimension % 16]
+    return value - math.floor(value)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _order(i, width):  # pragma: no cover - compiled
-    """Number of pixel ``i`` within its tile, scrambled so that neighbours ask in far places."""
+    """Number of pixel ``i`` within its 4 x 4 tiles, scrambled so that neighbours ask far apart."""
     if width <= 0:
         return i
-    x, y = (i % width) % 8, (i // width) % 8
-    return (x * 29 + y * 37 + (x ^ y) * 8) % 64
+    x, y = i % width, i // width
+    tile = (x // TILE) % 4 + 4 * ((y // TILE) % 4)
+    x, y = x % TILE, y % TILE
+    return (x * 29 + y * 37 + (x ^ y) * 8) % 64 + 64 * ((tile * 7) % 16)
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath=True)
@@ -158,17 +164,16 @@ def lamp_rays(
         if total <= 0:
             continue
         index = _order(i, width)
-        pick, _ = _sample(index, 17 * sample + 5)
-        pick *= total
+        pick = total * _sample(index, 3 * sample)
         k = 0
         while k < count - 1 and pick >= share[k]:
             pick -= share[k]
             k += 1
         if share[k] <= 0:
             continue
-        a, b = _sample(index, 31 * sample + 2)
         light = lights[k]
-        a, b = 2 * a - 1, 2 * b - 1
+        a = 2 * _sample(index, 3 * sample + 1) - 1
+        b = 2 * _sample(index, 3 * sample + 2) - 1
         x = light.centre[0] + a * light.half_u[0] + b * light.half_v[0] - position[i, 0]
         y = light.centre[1] + a * light.half_u[1] + b * light.half_v[1] - position[i, 1]
         z = light.centre[2] + a * light.half_u[2] + b * light.half_v[2] - position[i, 2]
@@ -181,12 +186,21 @@ def lamp_rays(
             emitted = -(x * light.normal[0] + y * light.normal[1] + z * light.normal[2])
         if cosine <= 0 or plane <= 0 or emitted <= 0:
             continue
-        strength = light.power * emitted / (d * d + 0.01) * total / share[k]
+        # no point gets more than the lamp's own radiance, pi power / area; a sample may exceed it,
+        # but one that does by far would only show as a speck
+        most = 2 * math.pi * light.power / max(_area(light.half_u, light.half_v), 1e-3)
+        strength = min(light.power * emitted / (d * d + 1e-4), most) * total / share[k]
         direction[i, 0], direction[i, 1], direction[i, 2] = x, y, z
         reach[i] = d * 0.999
         for q in range(3):
             diffuse[i, q] = strength * cosine * light.colour[q]
         shine[i] = strength * cosine * _lobe(x, y, z, i, shading, view, gloss)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _area(u, v):  # pragma: no cover - compiled
+    x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+    return 4 * math.sqrt(x * x + y * y + z * z)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -218,7 +232,8 @@ def sun_light(
 def scattered_rays(normal, sample, width, direction):  # pragma: no cover - compiled
     """One direction a point, by the cosine law about its normal."""
     for i in range(len(normal)):
-        a, b = _sample(_order(i, width), 13 * sample + 3)
+        index = _order(i, width)
+        a, b = _sample(index, 2 * sample + 12), _sample(index, 2 * sample + 13)
         nx, ny, nz = normal[i, 0], normal[i, 1], normal[i, 2]
         radius, angle = math.sqrt(a), 2 * math.pi * b
         x, y, z = radius * math.cos(angle), radius * math.sin(angle), math.sqrt(1 - a)

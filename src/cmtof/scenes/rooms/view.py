@@ -54,7 +54,8 @@ def picture(
 
     lamps, shine = light.direct(points, samples=samples)
     soft = np.column_stack([lamps + light.gathered(points, samples=1), shine])
-    soft = shading.smoothed(soft, part, points.normal, points.position, height, width)
+    for _ in range(2):  # two boxes make a tent, whose edges do not show
+        soft = shading.smoothed(soft, part, points.normal, points.position, height, width)
     sun, glint = light.sunlight(points)
     specular, emission = points.gloss[:, :1], points.gloss[:, 2:]
     colour = albedo * (1 - specular) * (soft[:, :3] + sun) + albedo * emission
