@@ -15,11 +15,12 @@ from cmtof.scenes.rooms.assembly import Geometry
 from cmtof.scenes.rooms.materials import PATTERNS
 from cmtof.scenes.rooms.sunlight import sun_patches
 from cmtof.scenes.rooms.tracing import Hits, Tracer
+from cmtof.scenes.rooms.visibility import CELL, visibility
 
 Array = NDArray[np.float32]
 
-BRIGHTEST = np.float32(4.0)
-"""Radiance at which scattered light is cut: rare bright rays would show as specks."""
+BRIGHTEST = 12.0
+"""Radiance at which scattered light is cut, in means of all surfaces: rare rays make specks."""
 
 # mean share of the second colour in each pattern: what a blurred glance sees
 _MEAN_MIX = np.array([0.0 if name == "plain" else 0.35 for name in PATTERNS], np.float32)
@@ -57,27 +58,46 @@ class Illumination:
     tracer: Tracer
 
     def __post_init__(self) -> None:
-        g = self.geometry
-        m = g.materials
+        g, m = self.geometry, self.geometry.materials
         mix = _MEAN_MIX[m["pattern"]][:, None]
         colour = m["colour"] * (1 - mix) + m["second"] * mix
         self.albedo = (colour * (1 - m["specular"][:, None]))[g.part].astype(np.float32)
-        self._glow = (m["colour"] * m["emission"][:, None])[g.part].astype(np.float32)
-        corners = g.vertices[g.faces]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-20)
-        # a slim triangle's centre may touch its neighbour: start a little above it
-        centres = Points(
-            (corners.mean(axis=1) + 1e-3 * normal).astype(np.float32),
-            normal, normal, normal, np.zeros_like(normal),
-        )  # fmt: skip
+        glow = (m["colour"] * m["emission"][:, None])[g.part].astype(np.float32)
+        centres, area = self._centres()
+        outside = self._outside(centres.position)
+        # the last entry serves rays that meet nothing: their triangle is -1
+        self._outdoors = np.append(outside, False)
         # patches of sun are lamps from here on, so the triangles' own light leaves the sun out
-        patches = sun_patches(g, self.tracer, self.albedo)
-        self.lights = np.concatenate([g.lights, patches])
-        self.radiance = self._glow.copy()
-        direct = self.direct(centres, samples=2)[0]
-        self.radiance += self.albedo * direct
-        self.radiance = self._glow + self.albedo * (direct + self.gathered(centres, samples=2))
+        self.lights = np.concatenate([g.lights, sun_patches(g, self.tracer, self.albedo)])
+        within = centres.position[~outside]
+        self._seen = visibility(self.tracer, self.lights, within.min(axis=0), within.max(axis=0))
+        direct = self._spread(self.direct(centres, samples=4)[0], area)
+        self.radiance = glow + self.albedo * direct
+        mean = np.average(self.radiance[~outside].mean(axis=1), weights=area[~outside])
+        self._brightest = np.float32(BRIGHTEST * mean)
+        scattered = self._spread(self.gathered(centres, samples=4), area)
+        self.radiance = glow + self.albedo * (direct + scattered)
+
+    def _centres(self) -> tuple[Points, Array]:
+        """Middle of every triangle, and its area (T,), m^2."""
+        corners = self.geometry.vertices[self.geometry.faces]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        size = np.linalg.norm(normal, axis=1)
+        normal /= np.maximum(size, 1e-20)[:, None]
+        # a slim triangle's middle may touch its neighbour: start a little above it
+        middle = (corners.mean(axis=1) + 1e-3 * normal).astype(np.float32)
+        return Points(middle, normal, normal, normal, np.zeros_like(normal)), size / 2
+
+    def _spread(self, irradiance: Array, area: Array) -> Array:
+        """Mean of every triangle's irradiance (T, 3) with that of its neighbours in the mesh."""
+        faces = self.geometry.faces
+        corners, count = faces.ravel(), len(self.geometry.vertices)
+        weight = np.bincount(corners, np.repeat(area, 3), minlength=count)
+        out = np.empty_like(irradiance)
+        for q in range(3):
+            total = np.bincount(corners, np.repeat(irradiance[:, q] * area, 3), minlength=count)
+            out[:, q] = (total / np.maximum(weight, 1e-12))[faces].mean(axis=1)
+        return out
 
     def direct(self, points: Points, *, samples: int) -> tuple[Array, Array]:
         """Irradiance (N, 3) and mirrored radiance (N,) from lamps and windows, ``samples`` rays."""
@@ -90,7 +110,8 @@ class Illumination:
         for sample in range(samples):
             shading.lamp_rays(
                 points.position, points.normal, points.shading, points.view, points.gloss,
-                self.lights, sample, points.width, direction, reach, diffuse, shine,
+                self.lights, self._seen.low, CELL, self._seen.seen, sample, points.width,
+                direction, reach, diffuse, shine,
             )  # fmt: skip
             self._add_unblocked(points, direction, reach, diffuse, shine, irradiance, mirrored)
         return irradiance / np.float32(samples), mirrored / np.float32(samples)
@@ -117,26 +138,28 @@ class Illumination:
         """Irradiance (N, 3) that other surfaces scatter and the open sky sends."""
         direction = np.empty_like(points.position)
         total = np.zeros_like(points.position)
+        outside = self._outside(points.position)
         for sample in range(samples):
             shading.scattered_rays(points.normal, sample, points.width, direction)
-            total += np.minimum(self.seen(points.position, direction), BRIGHTEST)
+            hits = self.tracer.nearest(points.position, direction)
+            seen = self.met(hits, points.position)
+            # windows are lamps already: what lies beyond them must not count twice
+            seen[~outside] = np.minimum(seen[~outside], self._brightest)
+            seen[self._outdoors[hits.triangle] & ~outside] = 0
+            total += seen
         return total / np.float32(samples)
-
-    def seen(self, origin: Array, direction: Array) -> Array:
-        """Radiance (N, 3) along rays (N, 3); the sky only for those that start out of doors.
-
-        Within the house the windows are lamps already, and what enters must not count twice.
-        """
-        return self.met(self.tracer.nearest(origin, direction), origin)
 
     def met(self, hits: Hits, origin: Array) -> Array:
         """Radiance (N, 3) of what rays from ``origin`` (N, 3) hit."""
         radiance = self.radiance[np.maximum(hits.triangle, 0)]
+        sky = np.where(self._outside(origin), np.float32(self.geometry.outdoors.sky), 0)
+        return np.where((hits.triangle < 0)[:, None], sky[:, None], radiance).astype(np.float32)
+
+    def _outside(self, position: Array) -> NDArray[np.bool_]:
+        """Which points (N, 3) lie out of doors."""
         x0, x1, y0, y1 = self.geometry.outdoors.house
-        x, y = origin[:, 0], origin[:, 1]
-        outside = (x < x0) | (x > x1) | (y < y0) | (y > y1)
-        sky = np.where(outside, np.float32(self.geometry.outdoors.sky), np.float32(0))
-        return np.where((hits.triangle < 0)[:, None], sky[:, None], radiance)
+        x, y = position[:, 0], position[:, 1]
+        return (x < x0) | (x > x1) | (y < y0) | (y > y1)
 
     def _add_unblocked(
         self, points: Points, direction: Array, reach: Array, diffuse: Array, shine: Array,

@@ -125,10 +125,12 @@ def _order(i, width):  # pragma: no cover - compiled
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath=True)
 def lamp_rays(
-    position, normal, shading, view, gloss, lights, sample, width,
+    position, normal, shading, view, gloss, lights, low, cell, seen, sample, width,
     direction, reach, diffuse, shine,
 ):  # fmt: skip  # pragma: no cover - compiled
-    """One ray a point towards one of the lamps, drawn by how much it could give.
+    """One ray a point towards one of the lamps, drawn by how much it seems to give.
+
+    ``low``, ``cell`` and ``seen`` are those of `cmtof.scenes.rooms.visibility`.
 
     Fills unit direction, reach (m), and what the point gets if nothing is in between:
     irradiance in three colours and mirrored radiance. No ray: reach 0.
@@ -142,24 +144,32 @@ def lamp_rays(
         if not normal[i, 0] * normal[i, 0] + normal[i, 1] * normal[i, 1] + normal[i, 2] ** 2 > 0.5:
             continue
         total = 0.0
+        cx = min(max(int((position[i, 0] - low[0]) / cell), 0), seen.shape[0] - 1)
+        cy = min(max(int((position[i, 1] - low[1]) / cell), 0), seen.shape[1] - 1)
+        cz = min(max(int((position[i, 2] - low[2]) / cell), 0), seen.shape[2] - 1)
         for k in range(count):
             light = lights[k]
             x = light.centre[0] - position[i, 0]
             y = light.centre[1] - position[i, 1]
             z = light.centre[2] - position[i, 2]
             square = x * x + y * y + z * z + 0.02
-            extent = 0.0
+            extent, high_u, high_v = 0.0, 0.0, 0.0
             for q in range(3):
                 extent += light.half_u[q] ** 2 + light.half_v[q] ** 2
+                high_u += light.half_u[q] * normal[i, q]
+                high_v += light.half_v[q] * normal[i, q]
             d = math.sqrt(square)
-            slack = math.sqrt(extent)  # a part of a large lamp may be seen where its centre is not
-            cosine = (x * normal[i, 0] + y * normal[i, 1] + z * normal[i, 2] + slack) / d
+            # the corner that stands highest above the point's horizon decides
+            height = x * normal[i, 0] + y * normal[i, 1] + z * normal[i, 2]
+            cosine = (height + abs(high_u) + abs(high_v)) / d
             front = -(x * light.normal[0] + y * light.normal[1] + z * light.normal[2])
             one_sided = light.normal[0] ** 2 + light.normal[1] ** 2 + light.normal[2] ** 2 > 0.5
-            if cosine <= 0 or (one_sided and front + slack <= 0):
+            if cosine <= 0 or (one_sided and front <= 0):
                 share[k] = 0.0
             else:
-                share[k] = light.power * min(cosine, 1.0) / (square + extent)
+                share[k] = light.power * min(cosine, 1.0) / (square + extent) * seen[cx, cy, cz, k]
+                if one_sided:
+                    share[k] *= min(1.0, front / d + 0.1)
             total += share[k]
         if total <= 0:
             continue
