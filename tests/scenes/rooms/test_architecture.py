@@ -35,7 +35,7 @@ def parts(thing: Thing, motion: Pose | None = None) -> Iterator[tuple]:
 
 
 def body(empty: Shell, leave_out: tuple[str, ...] = (), panes: float = 0.0) -> trimesh.Trimesh:
-    """All triangles of a shell; with ``panes``, its windows closed by panes grown by that factor."""
+    """All triangles of a shell; its windows closed by panes grown by a factor, if given."""
     vertices, faces, count = [], [], 0
     for thing, motion in empty.things:
         if thing.kind in leave_out:
@@ -46,7 +46,8 @@ def body(empty: Shell, leave_out: tuple[str, ...] = (), panes: float = 0.0) -> t
             count += len(part.mesh.vertices)
     for light in empty.lights if panes else []:
         c, u, v = (np.array(a) for a in (light.centre, light.half_u, light.half_v))
-        vertices.append(np.array([c + panes * (i * u + j * v) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]))  # fmt: skip
+        signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+        vertices.append(c + panes * (signs[:, :1] * u + signs[:, 1:] * v))
         faces.append(np.array([[0, 1, 2], [0, 2, 3]]) + count)
         count += 4
     return trimesh.Trimesh(np.concatenate(vertices), np.concatenate(faces), process=False)
@@ -66,7 +67,9 @@ def somewhere(empty: Shell, rng: np.random.Generator, count: int) -> np.ndarray:
     """Points over the free floor, away from what lines the walls."""
     pick = rng.integers(len(empty.floor), size=count)
     rects = np.array(empty.floor)[pick]
-    margin = np.minimum(0.05, 0.2 * np.stack([rects[:, 1] - rects[:, 0], rects[:, 3] - rects[:, 2]]))
+    margin = np.minimum(
+        0.05, 0.2 * np.stack([rects[:, 1] - rects[:, 0], rects[:, 3] - rects[:, 2]])
+    )
     u = rng.uniform(size=(3, count))
     x = rects[:, 0] + margin[0] + u[0] * (rects[:, 1] - rects[:, 0] - 2 * margin[0])
     y = rects[:, 2] + margin[1] + u[1] * (rects[:, 3] - rects[:, 2] - 2 * margin[1])
@@ -222,7 +225,7 @@ def test_free_floor_is_floor_and_free(shells):
         start = somewhere(empty, rng, 400)
         start[:, 2] = 0.5
         down = np.tile([0.0, 0.0, -1.0], (400, 1))
-        hits, _, faces = solid.ray.intersects_location(start, down, multiple_hits=False)
+        hits, _, _ = solid.ray.intersects_location(start, down, multiple_hits=False)
         assert len(hits) == 400
         assert np.quantile(np.abs(hits[:, 2]), 0.97) < 0.03  # radiators may reach in
 

@@ -61,8 +61,9 @@ def test_close_views_look_at_a_thing_from_half_a_metre_to_twelve_tenths(furnishe
     geometry, tracer = furnished
     lens = Lens((64, 64), 55.0)
     cameras = close_cameras(
-        6, floor=FLOOR, tracer=tracer, geometry=geometry, lens=lens, rng=np.random.default_rng(1)
-    )
+        6, things=np.arange(2, 12), floor=FLOOR, height=2.6, tracer=tracer, geometry=geometry,
+        lens=lens, rng=np.random.default_rng(1),
+    )  # fmt: skip
     for camera in cameras:
         rays = lens.rays(camera.orientation).reshape(-1, 3)
         start = np.tile(camera.position.astype(np.float32), (len(rays), 1))

@@ -122,6 +122,11 @@ def assemble(
     )
 
 
+def counted(thing: Thing) -> int:
+    """How many instances a thing makes: itself and all that it carries."""
+    return 1 + sum(counted(child) for child, _ in thing.children)
+
+
 def _flattened(thing: Thing, motion: Pose) -> Iterator[tuple[Thing, Pose]]:
     yield thing, motion
     for child, at in thing.children:

@@ -108,7 +108,9 @@ def room_cameras(
 def close_cameras(
     count: int,
     *,
+    things: NDArray[np.int32],
     floor: list[tuple[float, float, float, float]],
+    height: float,
     tracer: Tracer,
     geometry: Geometry,
     lens: Lens,
@@ -120,13 +122,18 @@ def close_cameras(
     ----------
     count : int
         Views.
+    things : ndarray of int
+        Instances worth a look.
     floor : list of (x0, x1, y0, y1)
         Rectangles above which things are looked at, m.
+    height : float
+        Of the ceiling, m.
     """
     centres, sizes = _things(geometry)
-    fit = np.flatnonzero((sizes > 0.08) & (sizes < 1.3) & _above(floor, centres))
+    fits = (sizes > 0.1) & (sizes < 1.3) & _above(floor, centres) & (centres[:, 2] < height - 0.2)
+    fit = things[fits[things]]
     if not len(fit):
-        fit = np.flatnonzero(sizes > 0)
+        fit = things
     views: list[Camera] = []
     for _ in range(count):
         wanted = rng.uniform(*_CLOSE)
@@ -137,8 +144,9 @@ def close_cameras(
             away = np.array([np.cos(heading), np.sin(heading), np.tan(rise)])
             eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
             candidates.append(looking(eye, target, np.radians(rng.normal(0, 3))))
-        inside = _above(floor, np.stack([c.position for c in candidates]))
-        kept = [c for c, fits in zip(candidates, inside, strict=True) if fits] or candidates
+        eyes = np.stack([c.position for c in candidates])
+        inside = _above(floor, eyes) & (eyes[:, 2] > 0.2) & (eyes[:, 2] < height - 0.1)
+        kept = [c for c, good in zip(candidates, inside, strict=True) if good] or candidates
         views.append(_best(kept, wanted, tracer, geometry, lens, close=True))
     return views
 

@@ -38,7 +38,7 @@ PLACES: Mapping[str, str] = {
     "bed": "bed",
     "daybed": "bed",
 }
-"""Where a piece of furniture counts as, for `cmtof.scenes.rooms.objects.GROUPS`."""
+"""Which group of small things (`cmtof.scenes.rooms.objects.groups`) belongs on a piece."""
 
 
 class Household:
@@ -77,23 +77,26 @@ class Household:
         """Make one of several, drawn."""
         return self.make(str(self.rng.choice(names)), **options)
 
+    def dressed(self, *names: str, density: float = 1.0, **options: Any) -> Thing:
+        """Make one of several, drawn, and put on it what people put on such a thing."""
+        name = str(self.rng.choice(names))
+        thing = self.make(name, **options)
+        return self.dress(thing, PLACES[name], density) if name in PLACES else thing
+
     def chance(self, probability: float) -> bool:
         """True that often."""
         return bool(self.rng.uniform() < probability)
 
-    def dress(self, thing: Thing, place: str | None = None, density: float = 1.0) -> Thing:
+    def dress(self, thing: Thing, place: str, density: float = 1.0) -> Thing:
         """Put small things on every support of a thing; returns it.
 
         Parameters
         ----------
-        place : str, optional
-            Key of the groups of small things; by default what the kind suggests.
+        place : str
+            Key of the groups of small things.
         density : float
             Factor on how many.
         """
-        place = place or PLACES.get(thing.kind)
-        if place is None:
-            return thing
         for support in list(thing.supports):
             self._fill(thing, support, place, density)
         return thing

@@ -1,11 +1,13 @@
 """One furnished interior from two numbers: its seed and its place in the set."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cmtof.scenes.rooms.architecture import shell
-from cmtof.scenes.rooms.assembly import Geometry, Outdoors, assemble
+from cmtof.scenes.rooms.assembly import Geometry, Outdoors, assemble, counted
 from cmtof.scenes.rooms.cameras import Camera, Lens, close_cameras, room_cameras
 from cmtof.scenes.rooms.furnish import furnish, hang_lamps
 from cmtof.scenes.rooms.house import Shell
@@ -33,7 +35,7 @@ CLOSE_SHARE = 0.3
 """Share of a scene's views that are taken from 0.5 to 1.2 m."""
 
 # streams of random numbers of one scene, so that more views never change the room
-_ROOM, _PATTERNS, _VIEWS, _CLOSE, _EXPOSURE = range(5)
+_ROOM, _PATTERNS, _VIEWS, _CLOSE = range(4)
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ class Scene:
     """Where a person may stand, m."""
     height: float
     """Of the ceiling, m."""
+    furniture: NDArray[np.int32]
+    """Numbers of the things that do not belong to the house itself."""
 
     @property
     def name(self) -> str:
@@ -61,16 +65,18 @@ class Scene:
         Together ``views``; the first ones stay the same when more are asked for.
         """
         close = round(views * CLOSE_SHARE)
-        where = {"floor": self.floor, "tracer": self.light.tracer, "geometry": self.geometry}
-        return {
-            "cam_00": room_cameras(
-                views - close, height=self.height, lens=lens, rng=self._stream(_VIEWS), **where
-            ),
-            "cam_01": close_cameras(close, lens=lens, rng=self._stream(_CLOSE), **where),
+        where: dict[str, Any] = {
+            "floor": self.floor,
+            "height": self.height,
+            "tracer": self.light.tracer,
+            "geometry": self.geometry,
+            "lens": lens,
         }
-
-    def _stream(self, number: int) -> np.random.Generator:
-        return stream(self.seed, self.index, number)
+        across, near = (stream(self.seed, self.index, use) for use in (_VIEWS, _CLOSE))
+        return {
+            "cam_00": room_cameras(views - close, rng=across, **where),
+            "cam_01": close_cameras(close, things=self.furniture, rng=near, **where),
+        }
 
 
 def stream(seed: int, index: int, *number: int) -> np.random.Generator:
@@ -121,7 +127,9 @@ def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
         outdoors=_outdoors(empty),
     )
     light = Illumination(geometry, Tracer(geometry.vertices, geometry.faces))
-    return Scene(seed, index, kind, geometry, light, empty.floor, empty.height)
+    first = 1 + sum(counted(thing) for thing, _ in empty.things)
+    furniture = np.arange(first, len(geometry.kinds) + 1, dtype=np.int32)
+    return Scene(seed, index, kind, geometry, light, empty.floor, empty.height, furniture)
 
 
 def _floor(empty: Shell, rng: np.random.Generator) -> Floor:
