@@ -77,7 +77,7 @@ def room_cameras(
 
     Of the places drawn for each view, those without air around them or with a wall before them
     are left out; the one whose median range is nearest to a drawn one is taken. Those ranges are
-    spread as interiors are: log-normal about 4.4 m.
+    spread as interiors are: log-normal about 5.5 m.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def room_cameras(
     area = np.array([(x1 - x0) * (y1 - y0) for x0, x1, y0, y1 in floor])
     views: list[Camera] = []
     for _ in range(count):
-        wanted = 4.4 * np.exp(0.35 * rng.normal())
+        wanted = 5.5 * np.exp(0.35 * rng.normal())
         candidates = []
         for _ in range(TRIES):
             x0, x1, y0, y1 = floor[int(rng.choice(len(floor), p=area / area.sum()))]
@@ -192,7 +192,7 @@ def _best(
     near = np.quantile(distance, 0.02, axis=1)
     median = np.median(distance, axis=1)
     off = np.abs(np.log(np.minimum(median, 50.0) / wanted))
-    off += 0.25 * np.maximum(0, 6 - kinds)  # bare walls are dull, and rarely photographed
+    off += 0.1 * np.maximum(0, 14 - kinds)  # bare walls are dull, and rarely photographed
     off += 20.0 * (near < (0.35 if close else 0.6))
     off += 2.0 * np.maximum(0.0, (~np.isfinite(distance)).mean(axis=1) - 0.1)
     if close:

@@ -30,10 +30,10 @@ def _more(floor: Floor, house: Household, kind: str) -> None:
     """Fill what walls and floor are left: rooms that are lived in are seldom empty."""
     at_walls, in_the_open = EXTRAS[kind]
     length = sum(wall.length for wall in floor.walls)
-    for _ in range(int(house.rng.uniform(0.35, 0.8) * length / 1.5)):
+    for _ in range(int(house.rng.uniform(0.6, 1.1) * length / 1.3)):
         floor.against_wall(house.dressed(*at_walls), tries=12)
     area = max((b - a) * (d - c) for a, b, c, d in floor.rectangles)
-    for _ in range(int(house.rng.poisson(area / 9))):
+    for _ in range(int(house.rng.poisson(area / 5))):
         floor.somewhere(house.dressed(*in_the_open), gap=0.25, tries=12)
 
 

@@ -11,17 +11,24 @@ from time import process_time
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtri
 
 from cmtof.files import written_whole
 from cmtof.scenes.hypersim import view_exists, write_metadata, write_scene, write_view
 from cmtof.scenes.rooms.cameras import Camera, Lens
-from cmtof.scenes.rooms.scene import CLOSE_SHARE, Scene, build, scene_name, stream
+from cmtof.scenes.rooms.scene import Scene, build, close_views, scene_name, stream
 from cmtof.scenes.rooms.view import Picture, picture
 
 SETTINGS = "rooms.json"
 """File in a set's folder that says what it was made from."""
 
-_EXPOSURE = 9  # stream of random numbers
+BRIGHTNESS = np.array([0.3, 0.59, 0.11], np.float32)
+"""Weights of red, green and blue in Hypersim's brightness."""
+
+DIM_SHARE = 0.15
+"""Share of views that are taken in twilight."""
+
+_LENS, _EXPOSURE = 8, 9  # streams of random numbers
 
 
 @dataclass(frozen=True)
@@ -58,7 +65,7 @@ class Settings:
 
     def lens(self, index: int) -> Lens:
         """Lens of one scene."""
-        angle = np.radians(stream(self.seed, index, _EXPOSURE).choice([60, 60, 60, 52, 44, 35]))
+        angle = np.radians(stream(self.seed, index, _LENS).choice([60, 60, 60, 52, 44, 35]))
         drawn = self.width / 2 / np.tan(angle / 2)
         return Lens((self.height, self.width), float(self.focal or drawn))
 
@@ -89,24 +96,38 @@ def split_of(index: int) -> str:
     return {8: "val", 9: "test"}.get(index % 10, "train")
 
 
-def expose(seen: Picture, rng: np.random.Generator) -> Picture:
-    """Scale a view's light as a photographer would: its median drawn about Hypersim's."""
-    brightness = seen.color @ np.array([0.3, 0.59, 0.11], np.float32)
+def expose(seen: Picture, rank: float) -> Picture:
+    """Scale a view's light as photographs come out: its median log-normal, one in seven dim.
+
+    Parameters
+    ----------
+    rank : float
+        0 to 1: which of all views, by brightness. Width and share of dim views were found on
+        other seeds, for the brightness of all pixels to be spread as Hypersim's.
+    """
+    brightness = seen.color @ BRIGHTNESS
     middle = float(np.median(brightness[np.isfinite(seen.depth)]))
-    wanted = 0.27 * np.exp(0.6 * rng.normal())
+    dim = rank < DIM_SHARE
+    within = rank / DIM_SHARE if dim else (rank - DIM_SHARE) / (1 - DIM_SHARE)
+    wanted = 0.32 * np.exp(0.85 * ndtri(np.clip(within, 0.01, 0.99)) - 2.5 * dim)
     return seen._replace(color=seen.color * np.float32(wanted / max(middle, 1e-6)))
 
 
 def render_view(scene: Scene, camera: Camera, lens: Lens, number: int) -> Picture:
-    """One exposed view; ``number`` counts a scene's views and draws the exposure."""
+    """One exposed view; ``number`` counts a scene's views.
+
+    Exposures step by the golden section through scenes and views: even small sets have their
+    share of dark and bright ones.
+    """
     seen = picture(scene.light, camera.position, lens.rays(camera.orientation))
-    return expose(seen, stream(scene.seed, scene.index, _EXPOSURE, number))
+    start = stream(scene.seed, 0, _EXPOSURE).uniform()
+    return expose(seen, (start + 0.6180339887498949 * (7 * scene.index + number)) % 1)
 
 
 def render_scene(root: Path, settings: Settings, index: int) -> Done:
     """Write the views of one scene that are not there yet."""
     name, lens = scene_name(settings.seed, index), settings.lens(index)
-    missing = [v for v in _views(settings.views) if not view_exists(root, name, *v)]
+    missing = [v for v in _views(index, settings.views) if not view_exists(root, name, *v)]
     if not missing:
         return Done(name, 0, 0.0, 0.0, 0, 0.0)
     start = process_time()
@@ -118,16 +139,16 @@ def render_scene(root: Path, settings: Settings, index: int) -> Done:
              for c, v in cameras.items() if v}  # fmt: skip
     write_scene(root, name, cameras=poses)
     for camera, frame in missing:
-        number = frame + 1000 * int(camera[-2:])
+        number = frame + 4 * int(camera[-2:])
         seen = render_view(scene, cameras[camera][frame], lens, number)
         write_view(root, name, camera, frame, **seen._asdict())
     views_s = process_time() - built
     return Done(name, len(missing), built - start, views_s, tracer.rays, tracer.seconds)
 
 
-def _views(views: int) -> list[tuple[str, int]]:
-    """Names of a scene's views: those across the room, then the close ones."""
-    close = round(views * CLOSE_SHARE)
+def _views(index: int, views: int) -> list[tuple[str, int]]:
+    """Camera and frame of a scene's views: those across the room, then the close ones."""
+    close = close_views(index, views)
     return [("cam_00", i) for i in range(views - close)] + [("cam_01", i) for i in range(close)]
 
 
