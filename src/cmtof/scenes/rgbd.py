@@ -1,4 +1,4 @@
-"""RGB-D frames: depth along the ray and linear intensity, from ``.npz`` or a pair of PNGs."""
+"""RGB-D frames: depth along the ray and linear intensity, and the one door to load them."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,21 +21,25 @@ class Frame:
         Range along the ray, m; NaN where invalid.
     intensity : ndarray of float32, shape (H, W)
         Linear radiance >= 0; the simulator clips it to 1.
-    camera : ndarray, shape (4,), optional
-        fx, fy, cx, cy, px, pixel centres at +0.5.
+    camera : ndarray, shape (4,) or (5,), optional
+        fx, fy, cx, cy, px, pixel centres at +0.5, and the skew where there is one.
     name : str
         Where it came from.
+    note : str
+        What was done to it, or is missing, that a user should know; empty if nothing.
 
     Raises
     ------
     ValueError
-        If shapes differ, no pixel has a depth, or intensities are negative or not finite.
+        If shapes differ, no pixel has a depth, intensities are negative or not finite, or the
+        camera is none.
     """
 
     depth: NDArray[np.floating]
     intensity: NDArray[np.floating]
     camera: NDArray[np.floating] | None = None
     name: str = ""
+    note: str = ""
 
     def __post_init__(self) -> None:
         depth = np.array(self.depth, np.float32)
@@ -56,6 +60,8 @@ class Frame:
                 f"Expected finite intensities >= 0, got some that are not in "
                 f"{self.name or 'the frame'}. Use linear radiance and fill its holes with 0."
             )
+        if self.camera is not None:
+            object.__setattr__(self, "camera", _checked_camera(self.camera, self.name))
         object.__setattr__(self, "depth", depth)
         object.__setattr__(self, "intensity", intensity)
 
@@ -66,8 +72,21 @@ class Frame:
         arrays: dict[str, Any] = {"depth": self.depth, "intensity": self.intensity}
         if self.camera is not None:
             arrays["camera"] = np.asarray(self.camera, float)
+        if self.note:
+            arrays["note"] = np.array(self.note)
         with written_whole(path) as part:
             np.savez_compressed(part, **arrays)
+
+
+def _checked_camera(camera: ArrayLike, name: str) -> NDArray[np.float64]:
+    numbers = np.asarray(camera, float)
+    known = numbers.shape in ((4,), (5,)) and bool(np.isfinite(numbers).all())
+    if not known or not (numbers[:2] > 0).all():
+        raise ValueError(
+            f"Expected camera fx fy cx cy, px, with fx, fy > 0 (and a skew where there is one), "
+            f"got {numbers.tolist()} in {name or 'the frame'}. Correct it."
+        )
+    return numbers
 
 
 def embedded_frames() -> dict[str, Path]:
@@ -79,26 +98,37 @@ def load_frame(
     source: str | Path,
     *,
     intensity: str | Path | None = None,
-    depth_scale: float = 1000.0,
+    depth_scale: float | None = None,
     planar: bool = False,
     camera: ArrayLike | None = None,
+    smooth: bool = False,
 ) -> Frame:
-    """Load a frame by file or by the name of an embedded one.
+    """Load a frame by file, by the name of an embedded one, or the first of a folder.
 
     Parameters
     ----------
     source : str or Path
         An ``.npz`` with ``depth`` (m), ``intensity`` and optionally ``camera``; a 16-bit depth
-        ``.png``; or a name out of `embedded_frames`.
+        ``.png``; a Hypersim depth file ``frame.IIII.depth_meters.hdf5`` in its tree; a name out of
+        `embedded_frames`; or a folder that `cmtof.scenes.folders.frames_in` knows, whose first
+        frame is taken (of a Hypersim tree the first test frame; ``name`` says which).
     intensity : str or Path, optional
-        PNG that belongs to a depth PNG; its green channel is made linear (sRGB).
-    depth_scale : float
-        PNG levels per metre (1000 for NYU and ScanNet style, 5000 for TUM style).
+        Image that belongs to a depth PNG; its green channel is made linear (sRGB).
+    depth_scale : float, optional
+        PNG levels per metre (1000 for NYU and ScanNet style, 5000 for TUM style). By default 1000,
+        in folders that of the style.
     planar : bool
         True if the PNG holds depth along the optical axis, to be turned into range along the ray;
-        needs ``camera``.
-    camera : array_like, shape (4,), optional
-        fx, fy, cx, cy, px.
+        needs ``camera``. Folders of a known style need not be told.
+    camera : array_like, shape (4,) or (5,), optional
+        fx, fy, cx, cy, px, and the skew where there is one.
+    smooth : bool
+        Smooth float16 depth within its own steps.
+
+    Returns
+    -------
+    Frame
+        Its ``note`` says what a user should know, such as float16 depth or a missing colour file.
 
     Raises
     ------
@@ -107,21 +137,41 @@ def load_frame(
     """
     known = embedded_frames()
     path = known.get(str(source), Path(source))
+    if path.is_dir():
+        from cmtof.scenes.folders import frames_in
+
+        style = {"depth_scale": depth_scale, "planar": planar or None, "camera": camera}
+        return frames_in(path, smooth=smooth, blank=True, **style)[0].load()
     if not path.is_file():
         raise FileNotFoundError(
             f"Expected a frame file or one of {', '.join(known)}, got {source}. Check the name."
         )
+    if path.suffix == ".hdf5":
+        from cmtof.scenes.hypersim import view_of_file
+
+        return view_of_file(path).frame(smooth=smooth, blank=True)
     if path.suffix == ".png":
-        return _load_png(path, intensity, depth_scale, planar, camera)
+        from cmtof.scenes.png import frame_from_pair
+
+        scale = 1000.0 if depth_scale is None else depth_scale
+        return frame_from_pair(path, intensity, depth_scale=scale, planar=planar, camera=camera)
     if path.suffix != ".npz":
-        raise ValueError(f"Expected a frame named *.npz or *.png, got {path.name}. Convert it.")
+        raise ValueError(
+            f"Expected a frame named *.npz, *.png or *.depth_meters.hdf5, got {path.name}. "
+            "Convert it."
+        )
+    return _load_npz(path, camera)
+
+
+def _load_npz(path: Path, camera: ArrayLike | None) -> Frame:
     arrays = read_npz(path)
     if not {"depth", "intensity"} <= arrays.keys():
         raise ValueError(
             f"Expected arrays depth and intensity in {path}, got {sorted(arrays)}. Add them."
         )
     stored = arrays.get("camera") if camera is None else np.asarray(camera, float)
-    return Frame(arrays["depth"], arrays["intensity"], stored, path.stem)
+    note = str(arrays.get("note", ""))
+    return Frame(arrays["depth"], arrays["intensity"], stored, path.stem, note)
 
 
 def read_npz(path: Path) -> dict[str, NDArray]:
@@ -136,56 +186,26 @@ def read_npz(path: Path) -> dict[str, NDArray]:
         ) from error
 
 
-def _load_png(
-    path: Path,
-    intensity: str | Path | None,
-    depth_scale: float,
-    planar: bool,
-    camera: ArrayLike | None,
-) -> Frame:
-    if intensity is None:
-        raise ValueError(
-            f"Expected an intensity image beside the depth image {path.name}, got none. Name it."
-        )
-    if not depth_scale > 0:
-        raise ValueError(
-            f"Expected a depth scale > 0 levels per metre, got {depth_scale}. "
-            "Common ones are 1000 and 5000."
-        )
-    depth = read_png(path).astype(np.float64) / depth_scale
-    green = read_png(Path(intensity))
-    green = green[..., 1] if green.ndim == 3 else green
-    encoded = green / np.iinfo(green.dtype).max
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    if planar:
-        if camera is None:
-            raise ValueError(
-                "Expected camera fx fy cx cy to turn planar depth into range, got none. Give it."
-            )
-        depth = depth * ray_lengths(depth.shape, camera)
-    return Frame(depth, linear, None if camera is None else np.asarray(camera, float), path.stem)
-
-
-def read_png(path: Path) -> NDArray:
-    """Read a PNG of 8 or 16 bits as it is, (H, W) or (H, W, channels)."""
-    from PIL import Image
-
-    try:
-        with Image.open(path) as image:
-            pixels = np.asarray(image)
-    except (OSError, SyntaxError) as error:
-        raise ValueError(f"Expected a PNG image, got {path} ({error}). Check the file.") from error
-    # Pillow opens some 16-bit greys as 32-bit integers
-    return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels
-
-
 def rays_from_camera(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.float64]:
-    """Rays (H, W, 3) through the pixel centres, x right, y down, z = 1."""
-    fx, fy, cx, cy = np.asarray(camera, float)
+    """Rays (H, W, 3) through the pixel centres, x right, y down, z = 1.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        H, W.
+    camera : array_like, shape (4,) or (5,)
+        fx, fy, cx, cy, px, and the skew s: column u = fx x + s y + cx, row v = fy y + cy.
+    """
+    fx, fy, cx, cy, *skew = np.asarray(camera, float)
     v, u = np.indices(shape[:2]) + 0.5
-    return np.stack([(u - cx) / fx, (v - cy) / fy, np.ones(shape[:2])], axis=-1)
+    y = (v - cy) / fy
+    x = (u - cx - sum(skew) * y) / fx
+    return np.stack([x, y, np.ones(shape[:2])], axis=-1)
 
 
 def ray_lengths(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.float64]:
-    """Range along the ray per planar depth, (H, W): the length of each ray with z = 1."""
+    """Range along the ray per planar depth, (H, W): the length of each ray with z = 1.
+
+    Parameters as in `rays_from_camera`.
+    """
     return np.linalg.norm(rays_from_camera(shape, camera), axis=-1)

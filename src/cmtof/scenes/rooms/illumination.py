@@ -71,11 +71,11 @@ class Illumination:
         self.lights = np.concatenate([g.lights, sun_patches(g, self.tracer, self.albedo)])
         within = centres.position[~outside]
         self._seen = visibility(self.tracer, self.lights, within.min(axis=0), within.max(axis=0))
-        direct = self._spread(self.direct(centres, samples=4)[0], area)
+        direct = self._spread(self.direct(centres, samples=3)[0], area)
         self.radiance = glow + self.albedo * direct
         mean = np.average(self.radiance[~outside].mean(axis=1), weights=area[~outside])
         self._brightest = np.float32(BRIGHTEST * mean)
-        scattered = self._spread(self.gathered(centres, samples=4), area)
+        scattered = self._spread(self.gathered(centres, samples=2), area)
         self.radiance = glow + self.albedo * (direct + scattered)
 
     def _centres(self) -> tuple[Points, Array]:

@@ -18,12 +18,10 @@ from cmtof.scenes.hypersim import view_exists, write_metadata, write_scene, writ
 from cmtof.scenes.rooms.cameras import Camera, Lens
 from cmtof.scenes.rooms.scene import Scene, build, close_views, scene_name, stream
 from cmtof.scenes.rooms.view import Picture, picture
+from cmtof.scenes.tone import brightness
 
 SETTINGS = "rooms.json"
 """File in a set's folder that says what it was made from."""
-
-BRIGHTNESS = np.array([0.3, 0.59, 0.11], np.float32)
-"""Weights of red, green and blue in Hypersim's brightness."""
 
 DIM_SHARE = 0.15
 """Share of views that are taken in twilight."""
@@ -105,8 +103,7 @@ def expose(seen: Picture, rank: float) -> Picture:
         0 to 1: which of all views, by brightness. Width and share of dim views were found on
         other seeds, for the brightness of all pixels to be spread as Hypersim's.
     """
-    brightness = seen.color @ BRIGHTNESS
-    middle = float(np.median(brightness[np.isfinite(seen.depth)]))
+    middle = float(np.median(brightness(seen.color)[np.isfinite(seen.depth)]))
     dim = rank < DIM_SHARE
     within = rank / DIM_SHARE if dim else (rank - DIM_SHARE) / (1 - DIM_SHARE)
     wanted = 0.32 * np.exp(0.85 * ndtri(np.clip(within, 0.01, 0.99)) - 2.5 * dim)

@@ -148,6 +148,9 @@ def lamp_rays(
         cy = min(max(int((position[i, 1] - low[1]) / cell), 0), seen.shape[1] - 1)
         cz = min(max(int((position[i, 2] - low[2]) / cell), 0), seen.shape[2] - 1)
         for k in range(count):
+            share[k] = 0.0
+            if seen[cx, cy, cz, k] == 0:
+                continue
             light = lights[k]
             x = light.centre[0] - position[i, 0]
             y = light.centre[1] - position[i, 1]
@@ -164,9 +167,7 @@ def lamp_rays(
             cosine = (height + abs(high_u) + abs(high_v)) / d
             front = -(x * light.normal[0] + y * light.normal[1] + z * light.normal[2])
             one_sided = light.normal[0] ** 2 + light.normal[1] ** 2 + light.normal[2] ** 2 > 0.5
-            if cosine <= 0 or (one_sided and front <= 0):
-                share[k] = 0.0
-            else:
+            if cosine > 0 and (front > 0 or not one_sided):
                 share[k] = light.power * min(cosine, 1.0) / (square + extent) * seen[cx, cy, cz, k]
                 if one_sided:
                     share[k] *= min(1.0, front / d + 0.1)
@@ -256,14 +257,17 @@ def scattered_rays(normal, sample, width, direction):  # pragma: no cover - comp
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath=True)
-def smoothed(image, part, normal, position, height, width):  # pragma: no cover - compiled
-    """Mean over 8 x 8 pixels of (H·W, C) along rows, then columns, within one smooth surface."""
+def smoothed(image, part, normal, position, height, width, stride):  # pragma: no cover - compiled
+    """Mean over 8 x 8 pixels of (H·W, C) along rows, then columns, within one smooth surface.
+
+    ``stride`` is the distance between the pixels that are taken.
+    """
     channels = image.shape[1]
     one, two = np.zeros_like(image), np.zeros_like(image)
     total = np.empty(channels, np.float32)
     for axis in range(2):
         source, target = (image, one) if axis == 0 else (one, two)
-        step = 1 if axis == 0 else width
+        step = stride if axis == 0 else stride * width
         for y in range(height):
             for x in range(width):
                 i = y * width + x
@@ -271,11 +275,12 @@ def smoothed(image, part, normal, position, height, width):  # pragma: no cover 
                     continue
                 here = x if axis == 0 else y
                 last = width if axis == 0 else height
-                low, high = max(here - 4 + axis, 0), min(here + 4 + axis, last)
+                low = max(axis - 4, -(here // stride))
+                high = min(axis + 4, (last - 1 - here) // stride + 1)
                 total[:] = 0
                 count = 0
                 for k in range(low, high):
-                    j = i + (k - here) * step
+                    j = i + k * step
                     if part[j] != part[i]:
                         continue
                     cosine, off = 0.0, 0.0

@@ -29,7 +29,7 @@ class Picture(NamedTuple):
 
 
 def picture(
-    light: Illumination, origin: NDArray[np.float64], directions: Array, *, samples: int = 2
+    light: Illumination, origin: NDArray[np.float64], directions: Array, *, samples: int = 1
 ) -> Picture:
     """See a scene along rays.
 
@@ -53,9 +53,13 @@ def picture(
     part = part.astype(np.int32)
 
     lamps, shine = light.direct(points, samples=samples)
-    soft = np.column_stack([lamps + light.gathered(points, samples=1), shine])
-    for _ in range(2):  # two boxes make a tent, whose edges do not show
-        soft = shading.smoothed(soft, part, points.normal, points.position, height, width)
+    soft = np.column_stack([lamps, shine])
+    scattered = light.gathered(points, samples=1)
+    for near, wide in ((1, 1), (2, 4)):  # scattered light changes slowly, shadows of lamps do not
+        surface = (part, points.normal, points.position, height, width)
+        soft = shading.smoothed(soft, *surface, near)
+        scattered = shading.smoothed(scattered, *surface, wide)
+    soft[:, :3] += scattered
     sun, glint = light.sunlight(points)
     specular, emission = points.gloss[:, :1], points.gloss[:, 2:]
     colour = albedo * (1 - specular) * (soft[:, :3] + sun) + albedo * emission

@@ -4,13 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from cmtof.scenes.rooms.tracing import Tracer
 
 CELL = 0.8
 """Side of the cells, m."""
 _PROBES = 12  # points a cell
-_FLOOR = 0.02  # share that an unseen lamp keeps: a corner of the cell may see it after all
+_LEAST = 0.03  # share that a lamp keeps where only the neighbours see it
 
 
 class Visibility(NamedTuple):
@@ -19,7 +20,7 @@ class Visibility(NamedTuple):
     low: NDArray[np.float32]
     """(3,) corner of the first cell, m."""
     seen: NDArray[np.float32]
-    """(X, Y, Z, L), from a little above 0 to 1."""
+    """(X, Y, Z, L), 0 to 1; 0 where no neighbouring cell sees it either."""
 
 
 def visibility(tracer: Tracer, lights: NDArray[np.void], low: NDArray, high: NDArray) -> Visibility:
@@ -41,4 +42,6 @@ def visibility(tracer: Tracer, lights: NDArray[np.void], low: NDArray, high: NDA
         ray = (ray / np.maximum(reach, 1e-6)[:, None]).astype(np.float32)
         free = ~tracer.blocked(points, ray, 0.999 * reach)
         seen[..., number] = free.reshape(*cells, _PROBES).mean(axis=-1)
-    return Visibility(np.asarray(low, np.float32), np.maximum(seen, _FLOOR))
+    near = ndimage.maximum_filter(seen, size=(3, 3, 3, 1))
+    seen = np.where(near > 0, np.maximum(seen, _LEAST), 0).astype(np.float32)
+    return Visibility(np.asarray(low, np.float32), seen)
