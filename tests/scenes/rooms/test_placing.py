@@ -6,8 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cmtof.scenes.rooms import solids
+from cmtof.scenes.rooms.house import WallRun as Wall
+from cmtof.scenes.rooms.house import facing
 from cmtof.scenes.rooms.materials import Material
-from cmtof.scenes.rooms.placing import Floor, Wall, facing, fill_support, footprint, overlap
+from cmtof.scenes.rooms.placing import Floor, fill_support, footprint, overlap
 from cmtof.scenes.rooms.thing import Support, Thing, pose, transformed
 
 WHITE = Material((0.8, 0.8, 0.8))

@@ -148,18 +148,22 @@ def subdivided(
     >>> len(v), len(f)
     (6, 4)
     """
-    while True:
+    while np.sum(np.ptp(vertices, axis=0) ** 2) > longest**2:
         ends = faces[:, [[0, 1], [1, 2], [2, 0]]]  # (T, 3, 2)
-        long = np.linalg.norm(np.diff(vertices[ends], axis=2)[:, :, 0], axis=-1) > longest
+        spans = vertices[ends[..., 1]] - vertices[ends[..., 0]]
+        long = np.einsum("tek,tek->te", spans, spans) > longest**2
         touched = long.any(axis=1)
         if not touched.any():
-            return vertices, faces
-        edges, which = np.unique(np.sort(ends[long], axis=-1), axis=0, return_inverse=True)
+            break
+        low, high = ends[long].min(axis=-1).astype(np.int64), ends[long].max(axis=-1)
+        keys, which = np.unique(low * len(vertices) + high, return_inverse=True)
         middle = np.zeros(long.shape, np.int64)
-        middle[long] = len(vertices) + which.ravel()
-        vertices = np.concatenate([vertices, vertices[edges].mean(axis=1)])
+        middle[long] = len(vertices) + which
+        first, last = np.divmod(keys, len(vertices))
+        vertices = np.concatenate([vertices, (vertices[first] + vertices[last]) / 2])
         divided = _divide(faces[touched], long[touched], middle[touched])
         faces = np.concatenate([faces[~touched], divided]).astype(np.int32)
+    return vertices, faces
 
 
 def _divide(faces: NDArray, long: NDArray[np.bool_], middle: NDArray[np.int64]) -> NDArray:

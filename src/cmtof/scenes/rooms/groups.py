@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from cmtof.scenes.rooms.house import facing
 from cmtof.scenes.rooms.household import Household
-from cmtof.scenes.rooms.placing import Floor, facing, footprint
+from cmtof.scenes.rooms.placing import Floor, footprint
 from cmtof.scenes.rooms.thing import Pose, Thing, pose
 
 

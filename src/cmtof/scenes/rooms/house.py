@@ -3,9 +3,10 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from cmtof.scenes.rooms.plan import Rect
-from cmtof.scenes.rooms.thing import Light, Pose, Thing
+from cmtof.scenes.rooms.thing import Light, Pose, Thing, pose
 
 Point = tuple[float, float]
 
@@ -34,6 +35,27 @@ class WallRun:
     def length(self) -> float:
         """m."""
         return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
+
+    @property
+    def along(self) -> NDArray[np.float64]:
+        """Unit vector (2,) from start to end."""
+        return (np.asarray(self.end, float) - self.start) / self.length
+
+    @property
+    def inward(self) -> NDArray[np.float64]:
+        """Unit vector (2,) into the room."""
+        return np.array([-self.along[1], self.along[0]])
+
+    def place(self, at: float, depth: float, gap: float = 0.01) -> Pose:
+        """Pose of something ``depth`` deep with its back to the wall, ``at`` m along it."""
+        x, y = np.asarray(self.start) + at * self.along + (depth / 2 + gap) * self.inward
+        return pose(float(x), float(y), 0.0, facing(self.inward))
+
+
+def facing(direction: ArrayLike) -> float:
+    """Turn, rad, that points a thing's front (its -y) along a direction (x, y)."""
+    x, y = np.asarray(direction, float)
+    return float(np.arctan2(x, -y))
 
 
 @dataclass(frozen=True)

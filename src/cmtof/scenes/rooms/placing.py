@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.scenes.rooms.thing import Pose, Support, Thing, pose, transformed
+from cmtof.scenes.rooms.house import WallRun, facing
+from cmtof.scenes.rooms.thing import Pose, Support, Thing, pose
 
 Rectangle = tuple[float, float, float, float]
 """x0, x1, y0, y1, m."""
@@ -14,10 +15,15 @@ Rectangle = tuple[float, float, float, float]
 
 def footprint(thing: Thing, motion: Pose) -> Rectangle:
     """Rectangle that a thing covers as it stands, m, in the frame of ``motion``."""
-    low, high = thing.bounds
-    corners = [(x, y, 0.0) for x in (low[0], high[0]) for y in (low[1], high[1])]
-    x, y, _ = transformed(corners, motion).T
-    return float(x.min()), float(x.max()), float(y.min()), float(y.max())
+    return _covered(thing.bounds, motion)
+
+
+def _covered(bounds: NDArray[np.float64], motion: Pose) -> Rectangle:
+    (x0, y0, _), (x1, y1, _) = bounds.tolist()
+    (a, b, _, x), (c, d, _, y) = motion[:2].tolist()
+    xs = [a * u + b * v + x for u in (x0, x1) for v in (y0, y1)]
+    ys = [c * u + d * v + y for u in (x0, x1) for v in (y0, y1)]
+    return min(xs), max(xs), min(ys), max(ys)
 
 
 def overlap(a: Rectangle, b: Rectangle, gap: float = 0.0) -> bool:
@@ -31,9 +37,9 @@ def overlap(a: Rectangle, b: Rectangle, gap: float = 0.0) -> bool:
     return a[0] < b[1] + gap and b[0] < a[1] + gap and a[2] < b[3] + gap and b[2] < a[3] + gap
 
 
-def grown(area: Rectangle, by: Sequence[float]) -> Rectangle:
+def grown(area: Rectangle, by: NDArray[np.float64]) -> Rectangle:
     """A rectangle drawn out by a vector (x, y), m, on the side that it points to."""
-    x, y = by
+    x, y = by.tolist()
     return area[0] + min(x, 0), area[1] + max(x, 0), area[2] + min(y, 0), area[3] + max(y, 0)
 
 
@@ -42,48 +48,12 @@ def _within(point: Sequence[float], area: Rectangle, slack: float = 0.02) -> boo
     return x0 - slack <= x <= x1 + slack and y0 - slack <= y <= y1 + slack
 
 
-def facing(direction: Sequence[float]) -> float:
-    """Turn, rad, that points a thing's front (its -y) along a direction (x, y)."""
-    return float(np.arctan2(direction[0], -direction[1]))
-
-
-@dataclass(frozen=True)
-class Wall:
-    """A straight piece of wall with the room on its left, m."""
-
-    start: tuple[float, float]
-    end: tuple[float, float]
-    height: float
-    blocked: tuple[tuple[float, float, float], ...] = ()
-    """(from, to, sill): openings along it, and the height up to which something may stand there."""
-
-    @property
-    def length(self) -> float:
-        """m."""
-        return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
-
-    @property
-    def along(self) -> NDArray[np.float64]:
-        """Unit vector from start to end."""
-        return (np.asarray(self.end, float) - self.start) / self.length
-
-    @property
-    def inward(self) -> NDArray[np.float64]:
-        """Unit vector into the room."""
-        return np.array([-self.along[1], self.along[0]])
-
-    def place(self, at: float, depth: float, gap: float = 0.01) -> Pose:
-        """Pose of something ``depth`` deep with its back to the wall, ``at`` m along it."""
-        x, y = np.asarray(self.start) + at * self.along + (depth / 2 + gap) * self.inward
-        return pose(float(x), float(y), 0.0, facing(self.inward))
-
-
 @dataclass
 class Floor:
     """A room that fills up: what may stand where without touching what stands there already."""
 
     rectangles: list[Rectangle]
-    walls: list[Wall]
+    walls: list[WallRun]
     height: float
     rng: np.random.Generator
     placed: list[tuple[Thing, Pose]] = field(default_factory=list)
@@ -117,7 +87,7 @@ class Floor:
         room_before : float
             Depth that must stay free in front, m.
         """
-        low, high = thing.bounds
+        bounds = low, high = thing.bounds
         width, depth, height = high - low
         lengths = np.array([max(wall.length - width, 0.0) for wall in self.walls])
         if not lengths.sum() > 0:
@@ -131,7 +101,7 @@ class Floor:
             span = (at - width / 2, at + width / 2)
             if height > wall.height - 0.05 or not self._free_on(number, *span, 0.0, height):
                 continue
-            area = footprint(thing, motion)
+            area = _covered(bounds, motion)
             if not self.free(grown(area, room_before * wall.inward)):
                 continue
             self.put(thing, motion)
@@ -191,11 +161,12 @@ class Floor:
 
     def somewhere(self, thing: Thing, *, gap: float = 0.1, tries: int = 30) -> Pose | None:
         """Stand a thing anywhere on the free floor, turned at will; None if there is no room."""
+        bounds = thing.bounds
         for _ in range(tries):
             x0, x1, y0, y1 = self._rectangle()
             turn = float(self.rng.choice([0, 0.5, 1, 1.5]) * np.pi + self.rng.normal(0, 0.1))
             motion = pose(self.rng.uniform(x0, x1), self.rng.uniform(y0, y1), 0.0, turn)
-            if self.free(footprint(thing, motion), gap):
+            if self.free(_covered(bounds, motion), gap):
                 return self.put(thing, motion)
         return None
 
@@ -230,12 +201,12 @@ def fill_support(
     taken: list[Rectangle] = []
     for _ in range(most):
         thing = draw()
-        low, high = thing.bounds
+        bounds = low, high = thing.bounds
         if high[2] > support.clearance:
             continue
         for _ in range(6):
             turn = float(rng.normal(0, 0.06) if rng.uniform() < aligned else rng.uniform(-3.1, 3.1))
-            x0, x1, y0, y1 = footprint(thing, pose(turn=turn))
+            x0, x1, y0, y1 = _covered(bounds, pose(turn=turn))
             room_x, room_y = (
                 support.x1 - support.x0 - (x1 - x0),
                 support.y1 - support.y0 - (y1 - y0),

@@ -14,7 +14,7 @@ from cmtof.scenes.rooms.house import Shell
 from cmtof.scenes.rooms.household import Household
 from cmtof.scenes.rooms.illumination import Illumination
 from cmtof.scenes.rooms.materials import style
-from cmtof.scenes.rooms.placing import Floor, Rectangle, Wall
+from cmtof.scenes.rooms.placing import Floor, Rectangle
 from cmtof.scenes.rooms.tracing import Tracer
 
 KINDS = {
@@ -128,7 +128,7 @@ def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
     hang_lamps(floor, house, empty.ceiling_spots)
     furnish(floor, house, kind)
     for beside in empty.annexes:
-        more = Floor([beside.floor], [_wall(w) for w in beside.walls], beside.height, rng)
+        more = Floor([beside.floor], list(beside.walls), beside.height, rng)
         more.taken += _thresholds(empty)
         furnish(more, house, beside.kind, sparse=True)
         floor.placed += more.placed
@@ -145,13 +145,9 @@ def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
 
 
 def _floor(empty: Shell, rng: np.random.Generator) -> Floor:
-    floor = Floor(list(empty.floor), [_wall(w) for w in empty.walls], empty.height, rng)
+    floor = Floor(list(empty.floor), list(empty.walls), empty.height, rng)
     floor.taken += _thresholds(empty)
     return floor
-
-
-def _wall(run: object) -> Wall:
-    return Wall(run.start, run.end, run.height, tuple(run.blocked))  # type: ignore[attr-defined]
 
 
 def _thresholds(empty: Shell) -> list[Rectangle]:

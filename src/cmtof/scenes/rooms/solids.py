@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cmtof.scenes.rooms.bars import bar
 from cmtof.scenes.rooms.thing import Mesh
 
 Points = NDArray[np.float64]
@@ -146,25 +147,41 @@ def tube(path: ArrayLike, radius: ArrayLike, sides: int = 8, *, capped: bool = T
     radii = np.broadcast_to(np.asarray(radius, float), len(path)).copy()
     along = np.gradient(path, axis=0)
     along /= np.linalg.norm(along, axis=1, keepdims=True) + 1e-12
-    if capped:
-        path = np.concatenate([path[:1], path[:1], path, path[-1:], path[-1:]])
-        along = np.concatenate([along[:1], along[:1], along, along[-1:], along[-1:]])
-        radii = np.concatenate([[0, radii[0]], radii, [radii[-1], 0]])
-    side = np.cross(along[0], [0.0, 0.0, 1.0] if abs(along[0, 2]) < 0.9 else [1.0, 0.0, 0.0])
-    angle = np.arange(sides) * (2 * np.pi / sides)
-    rings = np.empty((len(path), sides, 3))
-    for k, direction in enumerate(along):  # the frame turns with the path, never about it
-        side = side - direction * (side @ direction)
-        side /= np.linalg.norm(side) + 1e-12
-        other = np.cross(direction, side)
-        ring = np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * other
-        rings[k] = path[k] + radii[k] * ring
-    return sheet(rings[:, ::-1], closed=True)
+    side = np.array(_sides(along.tolist()))
+    other = np.stack(
+        [
+            along[:, 1] * side[:, 2] - along[:, 2] * side[:, 1],
+            along[:, 2] * side[:, 0] - along[:, 0] * side[:, 2],
+            along[:, 0] * side[:, 1] - along[:, 1] * side[:, 0],
+        ],
+        axis=-1,
+    )
+    angle = np.arange(sides) * (-2 * np.pi / sides)
+    ring = np.cos(angle)[:, None] * side[:, None] + np.sin(angle)[:, None] * other[:, None]
+    rings = path[:, None] + radii[:, None, None] * ring
+    if capped:  # a crease, and the middle of either end
+        ends = np.broadcast_to(path[[0, -1], None], (2, sides, 3))
+        rings = np.concatenate([ends[:1], rings[:1], rings, rings[-1:], ends[1:]])
+    return sheet(rings, closed=True)
+
+
+def _sides(along: list[list[float]]) -> list[tuple[float, float, float]]:
+    """A unit vector square to each direction; the frame turns with the path, never about it."""
+    x, y, z = along[0]
+    u, v, w = (y, -x, 0.0) if abs(z) < 0.9 else (0.0, z, -y)
+    made = []
+    for x, y, z in along:
+        dot = u * x + v * y + w * z
+        u, v, w = u - x * dot, v - y * dot, w - z * dot
+        size = (u * u + v * v + w * w) ** 0.5 + 1e-12
+        u, v, w = u / size, v / size, w / size
+        made.append((u, v, w))
+    return made
 
 
 def rod(start: ArrayLike, end: ArrayLike, radius: float, sides: int = 8) -> Mesh:
     """A straight round bar from one point to another, m."""
-    return tube(np.stack([np.asarray(start, float), np.asarray(end, float)]), radius, sides)
+    return bar(start, end, radius, sides)
 
 
 def cushion(size: ArrayLike, centre: ArrayLike = (0, 0, 0), *, square: float = 0.35) -> Mesh:

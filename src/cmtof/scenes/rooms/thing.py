@@ -92,16 +92,19 @@ class Thing:
     @property
     def bounds(self) -> NDArray[np.float64]:
         """Lowest and highest corner, (2, 3), m, of parts and children."""
-        corners = [np.stack([p.mesh.vertices.min(0), p.mesh.vertices.max(0)]) for p in self.parts]
+        low, high = [], []
+        for part in self.parts:
+            low.append(part.mesh.vertices.min(axis=0))
+            high.append(part.mesh.vertices.max(axis=0))
         for thing, motion in self.children:
-            low, high = thing.bounds
-            box = np.stack(np.meshgrid(*zip(low, high, strict=True)), -1).reshape(-1, 3)
-            box = transformed(box, motion)
-            corners.append(np.stack([box.min(0), box.max(0)]))
-        if not corners:
+            bounds = thing.bounds
+            middle = motion[:3, :3] @ bounds.mean(axis=0) + motion[:3, 3]
+            half = np.abs(motion[:3, :3]) @ (bounds[1] - bounds[0]) / 2
+            low.append(middle - half)
+            high.append(middle + half)
+        if not low:
             return np.zeros((2, 3))
-        stacked = np.stack(corners)
-        return np.stack([stacked[:, 0].min(0), stacked[:, 1].max(0)]).astype(float)
+        return np.array([np.min(low, axis=0), np.max(high, axis=0)], float)
 
 
 def pose(x: float = 0.0, y: float = 0.0, z: float = 0.0, turn: float = 0.0) -> Pose:
