@@ -17,7 +17,6 @@ stills: int = 3  # how many captures to draw in three dimensions
 
 # %%
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -32,8 +31,9 @@ from cmtof.baselines.spatial import unwrapped_phase
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.denoising import denoise, local_phase_noise
 from cmtof.measurement import Measurement
+from cmtof.noise_matching import rehearsal_capture
 from cmtof.pointcloud import points_from_depth
-from cmtof.scenes.captures import published_captures, write_capture
+from cmtof.scenes.captures import published_captures
 
 paper_run = plotting.begin(profile=profile, seed=seed)
 blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "green"))
@@ -54,22 +54,10 @@ def tell(**numbers):
 
 
 # %%
-def rehearsal(folder):
-    frame = cmtof.load_frame("still_life")
-    view = slice(5, 105), slice(85, 185)
-    piece = replace(
-        frame, depth=frame.depth[view] / 2, intensity=frame.intensity[view], camera=None
-    )
-    scan = cmtof.simulate(piece, protocol="full", noise=600.0, seed=seed)
-    filled = np.where(np.isfinite(piece.depth), piece.depth, np.nanmax(piece.depth))
-    tilt = 0.004 * np.linspace(-1, 1, 100)[:, None]
-    return write_capture(scan.phase[0], ndimage.gaussian_filter(filled, 2) + tilt, folder)
-
-
 found = published_captures()
 source = "measured" if found else "simulated"
 with tempfile.TemporaryDirectory() as folder:
-    files = found or {"still life": rehearsal(Path(folder))}
+    files = found or {"still life": rehearsal_capture(Path(folder), seed=seed)}
     captures = {name: cmtof.open(file) for name, file in files.items()}
 banner = {
     "measured": "**Measured.** Published captures are on this machine: " + ", ".join(captures),

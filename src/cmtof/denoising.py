@@ -88,17 +88,30 @@ def local_phase_noise(phase: ArrayLike, *, window: int = 5) -> Array:
     >>> float(np.nanmax(local_phase_noise((0.02 * x**2 + 0.5 * y) % (2 * np.pi)))) < 1e-12
     True
     """
-    _check_window(window)
     phase = np.asarray(phase, float)
-    flat = np.angle(_flattened(_phasor(phase, None), phase, None, window))
-    y, x = _offsets(window)
-    design = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y]).reshape(6, -1).T
-    outside = np.eye(window**2) - design @ np.linalg.pinv(design)
+    flat = np.angle(flattened(phase, window=window))
+    outside = left_over(window)
     residual = flat.reshape(*phase.shape, -1) @ outside
     noise = np.sqrt((residual**2).sum(axis=-1) / (window**2 - 6))
     reach = window // 2
     noise[:reach], noise[-reach:], noise[:, :reach], noise[:, -reach:] = (np.nan,) * 4
     return noise
+
+
+def left_over(window: int) -> Array:
+    """Projector (window^2, window^2) onto what a quadratic surface fitted to a window leaves.
+
+    ``1 - A A^+`` with the six columns 1, x, y, x², xy, y² of A.
+
+    Examples
+    --------
+    >>> round(float(np.trace(left_over(5))), 9)  # degrees of freedom
+    19.0
+    """
+    _check_window(window)
+    y, x = _offsets(window)
+    design = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y]).reshape(6, -1).T
+    return np.eye(window**2) - design @ np.linalg.pinv(design)
 
 
 def denoise(phase: ArrayLike, amplitude: ArrayLike | None = None, *, window: int = 5) -> Denoised:
@@ -132,7 +145,7 @@ def denoise(phase: ArrayLike, amplitude: ArrayLike | None = None, *, window: int
     _check_window(window)
     phase = np.asarray(phase, float)
     phasor = _phasor(phase, amplitude)
-    total = _flattened(phasor, phase, amplitude, window).sum(axis=(-2, -1))
+    total = flattened(phase, amplitude, window=window).sum(axis=(-2, -1))
     length = _windows(np.abs(phasor), window).sum(axis=(-2, -1))
     coherence = np.abs(total) / np.where(length > 0, length, 1)
     return Denoised(wrapped(phase + np.angle(total)), np.minimum(coherence, 1.0))
@@ -168,11 +181,16 @@ def _offsets(window: int) -> tuple[Array, Array]:
     return np.repeat(steps[:, None], window, axis=1), np.repeat(steps[None, :], window, axis=0)
 
 
-def _flattened(
-    phasor: NDArray[np.complex128], phase: Array, amplitude: ArrayLike | None, window: int
+def flattened(
+    phase: ArrayLike, amplitude: ArrayLike | None = None, *, window: int
 ) -> NDArray[np.complex128]:
-    """Windows (H, W, window, window) turned back by the centre's phase and the local slope."""
+    """Windows (H, W, window, window) turned back by the centre's phase and the local slope.
+
+    On a smooth surface their angles are small and hold no wrap. Zero beyond the border.
+    """
+    _check_window(window)
     down, right = phase_slope(phase, amplitude, window=window)
     y, x = _offsets(window)
-    ramp = down[..., None, None] * y + right[..., None, None] * x + phase[..., None, None]
-    return _windows(phasor, window) * np.exp(-1j * ramp)
+    centre = np.asarray(phase, float)[..., None, None]
+    ramp = down[..., None, None] * y + right[..., None, None] * x + centre
+    return _windows(_phasor(phase, amplitude), window) * np.exp(-1j * ramp)
