@@ -1,11 +1,13 @@
 """Who lives there: makes things in one style, and puts small things where people put them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from cmtof.scenes.rooms.inventory import CATALOGUE
 from cmtof.scenes.rooms.materials import Style
+from cmtof.scenes.rooms.places import GROUPS
 from cmtof.scenes.rooms.placing import Floor, fill_support
 from cmtof.scenes.rooms.thing import Support, Thing
 
@@ -38,7 +40,7 @@ PLACES: Mapping[str, str] = {
     "bed": "bed",
     "daybed": "bed",
 }
-"""Which group of small things (`cmtof.scenes.rooms.objects.groups`) belongs on a piece."""
+"""Which group of small things (`cmtof.scenes.rooms.places`) belongs on a piece."""
 
 
 class Household:
@@ -54,24 +56,11 @@ class Household:
     """
 
     def __init__(self, rng: np.random.Generator, style: Style, clutter: float) -> None:
-        from cmtof.scenes.rooms.decor import CATALOGUE as DECOR
-        from cmtof.scenes.rooms.fittings import CATALOGUE as FITTINGS
-        from cmtof.scenes.rooms.furniture import CATALOGUE as FURNITURE
-        from cmtof.scenes.rooms.objects import CATALOGUE as OBJECTS
-        from cmtof.scenes.rooms.objects import groups
-
         self.rng, self.style, self.clutter = rng, style, clutter
-        self._makers: dict[str, Callable[..., Thing]] = {
-            **FITTINGS,
-            **DECOR,
-            **OBJECTS,
-            **FURNITURE,
-        }
-        self._groups = groups
 
     def make(self, name: str, **options: Any) -> Thing:
         """Make one thing by its catalogue name."""
-        return self._makers[name](self.rng, self.style, **options)
+        return CATALOGUE[name](self.rng, self.style, **options)
 
     def one_of(self, *names: str, **options: Any) -> Thing:
         """Make one of several, drawn."""
@@ -112,7 +101,7 @@ class Household:
                 return
         area = width * depth
         mean = density * (0.3 + 1.7 * self.clutter) * (1.0 + 5.0 * area)
-        names, weights = zip(*self._groups[place], strict=True)
+        names, weights = zip(*GROUPS[place], strict=True)
         share = np.asarray(weights, float) / sum(weights)
 
         def draw() -> Thing:
@@ -137,7 +126,7 @@ class Household:
 
     def scatter(self, floor: Floor, place: str, most: int) -> None:
         """Leave things of a group on the floor, near the walls."""
-        names, weights = zip(*self._groups[place], strict=True)
+        names, weights = zip(*GROUPS[place], strict=True)
         share = np.asarray(weights, float) / sum(weights)
         for _ in range(most):
             thing = self.make(str(self.rng.choice(names, p=share)))

@@ -15,6 +15,7 @@ from scipy.special import ndtri
 
 from cmtof.files import written_whole
 from cmtof.scenes.hypersim import view_exists, write_metadata, write_scene, write_view
+from cmtof.scenes.rgbd import Frame
 from cmtof.scenes.rooms.cameras import Camera, Lens
 from cmtof.scenes.rooms.scene import Scene, build, close_views, scene_name, stream
 from cmtof.scenes.rooms.view import Picture, picture
@@ -121,6 +122,37 @@ def render_view(scene: Scene, camera: Camera, lens: Lens, number: int) -> Pictur
     return expose(seen, (start + 0.6180339887498949 * (7 * scene.index + number)) % 1)
 
 
+class Shown(NamedTuple):
+    """One rendered view, in memory."""
+
+    scene: Scene
+    camera: str
+    """``cam_00`` across the room, ``cam_01`` close to things."""
+    picture: Picture
+    frame: Frame
+
+
+def rendered_views(settings: Settings) -> Iterator[Shown]:
+    """Render a set in this process, view by view, without writing anything."""
+    for index in range(settings.scenes):
+        scene, lens = build(settings.seed, index), settings.lens(index)
+        for camera, poses in scene.cameras(settings.views, lens).items():
+            for number, pose in enumerate(poses):
+                seen = render_view(scene, pose, lens, _number(camera, number))
+                yield Shown(scene, camera, seen, frame_of(seen, lens, f"{scene.name}/{camera}"))
+
+
+def frame_of(seen: Picture, lens: Lens, name: str) -> Frame:
+    """Frame for the simulator: range, linear green, camera."""
+    camera = np.array([lens.focal, lens.focal, lens.shape[1] / 2, lens.shape[0] / 2])
+    return Frame(seen.depth, seen.color[..., 1], camera, name)
+
+
+def _number(camera: str, frame: int) -> int:
+    """Count of a view within its scene that does not depend on how many there are."""
+    return frame + 4 * int(camera[-2:])
+
+
 def render_scene(root: Path, settings: Settings, index: int) -> Done:
     """Write the views of one scene that are not there yet."""
     name, lens = scene_name(settings.seed, index), settings.lens(index)
@@ -136,8 +168,7 @@ def render_scene(root: Path, settings: Settings, index: int) -> Done:
              for c, v in cameras.items() if v}  # fmt: skip
     write_scene(root, name, cameras=poses)
     for camera, frame in missing:
-        number = frame + 4 * int(camera[-2:])
-        seen = render_view(scene, cameras[camera][frame], lens, number)
+        seen = render_view(scene, cameras[camera][frame], lens, _number(camera, frame))
         write_view(root, name, camera, frame, **seen._asdict())
     views_s = process_time() - built
     return Done(name, len(missing), built - start, views_s, tracer.rays, tracer.seconds)
@@ -179,7 +210,7 @@ def render_rooms(
         {name: split_of(i) for name, i in names.items()},
         shape=(settings.height, settings.width),
         focal={name: settings.lens(i).focal for name, i in names.items()},
-        views=_views(settings.views),
+        views={name: _views(i, settings.views) for name, i in names.items()},
     )
     results = []
     for done in _each(root, settings, workers or os.cpu_count() or 1):

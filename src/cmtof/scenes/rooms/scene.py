@@ -127,9 +127,14 @@ def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
     floor = _floor(empty, rng)
     hang_lamps(floor, house, empty.ceiling_spots)
     furnish(floor, house, kind)
+    for thing, _ in empty.things:
+        if thing.supports and house.chance(0.6):  # sills, mantels, low walls
+            house.dress(thing, "mantel" if thing.kind == "fireplace" else "window sill")
     for beside in empty.annexes:
         more = Floor([beside.floor], list(beside.walls), beside.height, rng)
         more.taken += _thresholds(empty)
+        x0, x1, y0, y1 = beside.floor
+        hang_lamps(more, house, [((x0 + x1) / 2, (y0 + y1) / 2, beside.height)])
         furnish(more, house, beside.kind, sparse=True)
         floor.placed += more.placed
     geometry = assemble(

@@ -257,41 +257,46 @@ def scattered_rays(normal, sample, width, direction):  # pragma: no cover - comp
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath=True)
-def smoothed(image, part, normal, position, height, width, stride):  # pragma: no cover - compiled
-    """Mean over 8 x 8 pixels of (H·W, C) along rows, then columns, within one smooth surface.
+def smoothed(
+    image, triangle, part, normal, position, height, width, stride
+):  # pragma: no cover - compiled
+    """Mean over 8 x 8 pixels of (H·W, 4) along rows, then columns, within one smooth surface.
 
     ``stride`` is the distance between the pixels that are taken.
     """
-    channels = image.shape[1]
     one, two = np.zeros_like(image), np.zeros_like(image)
-    total = np.empty(channels, np.float32)
     for axis in range(2):
         source, target = (image, one) if axis == 0 else (one, two)
         step = stride if axis == 0 else stride * width
         for y in range(height):
             for x in range(width):
                 i = y * width + x
-                if part[i] < 0:
+                if triangle[i] < 0:
                     continue
-                here = x if axis == 0 else y
-                last = width if axis == 0 else height
+                here, last = (x, width) if axis == 0 else (y, height)
                 low = max(axis - 4, -(here // stride))
                 high = min(axis + 4, (last - 1 - here) // stride + 1)
-                total[:] = 0
-                count = 0
+                a, b, c, d, count = 0.0, 0.0, 0.0, 0.0, 0
                 for k in range(low, high):
                     j = i + k * step
-                    if part[j] != part[i]:
+                    if triangle[j] != triangle[i] and (
+                        part[j] != part[i] or not _one_surface(i, j, normal, position)
+                    ):
                         continue
-                    cosine, off = 0.0, 0.0
-                    for q in range(3):
-                        cosine += normal[i, q] * normal[j, q]
-                        off += normal[i, q] * (position[j, q] - position[i, q])
-                    if cosine < 0.85 or abs(off) > 0.02:
-                        continue
-                    for q in range(channels):
-                        total[q] += source[j, q]
+                    a += source[j, 0]
+                    b += source[j, 1]
+                    c += source[j, 2]
+                    d += source[j, 3]
                     count += 1
-                for q in range(channels):
-                    target[i, q] = total[q] / max(count, 1)
+                target[i, 0], target[i, 1] = a / count, b / count
+                target[i, 2], target[i, 3] = c / count, d / count
     return two
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _one_surface(i, j, normal, position):  # pragma: no cover - compiled
+    cosine, off = 0.0, 0.0
+    for q in range(3):
+        cosine += normal[i, q] * normal[j, q]
+        off += normal[i, q] * (position[j, q] - position[i, q])
+    return cosine > 0.85 and abs(off) < 0.02

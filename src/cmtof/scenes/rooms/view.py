@@ -54,12 +54,12 @@ def picture(
 
     lamps, shine = light.direct(points, samples=samples)
     soft = np.column_stack([lamps, shine])
-    scattered = light.gathered(points, samples=1)
+    scattered = np.pad(light.gathered(points, samples=1), ((0, 0), (0, 1)))
     for near, wide in ((1, 1), (2, 4)):  # scattered light changes slowly, shadows of lamps do not
-        surface = (part, points.normal, points.position, height, width)
+        surface = (hits.triangle, part, points.normal, points.position, height, width)
         soft = shading.smoothed(soft, *surface, near)
         scattered = shading.smoothed(scattered, *surface, wide)
-    soft[:, :3] += scattered
+    soft += scattered
     sun, glint = light.sunlight(points)
     specular, emission = points.gloss[:, :1], points.gloss[:, 2:]
     colour = albedo * (1 - specular) * (soft[:, :3] + sun) + albedo * emission
