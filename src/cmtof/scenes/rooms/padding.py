@@ -10,7 +10,7 @@ from cmtof.scenes.rooms.thing import Mesh, Thing
 
 
 def _cover(rng: np.random.Generator, style: Style) -> Material:
-    kinds = (style.fabric, style.second_fabric, style.leather, style.accent)
+    kinds = (style.fabric, style.second_fabric, style.leather)
     return fabric(rng) if rng.uniform() < 0.5 else kinds[int(rng.integers(3))]
 
 

@@ -90,7 +90,7 @@ def ficus(rng: np.random.Generator, style: Style) -> Thing:
         tips += [(a, b) for a, b in levels[1:]]
     thing.add(joined(twigs), BARK)
     start, end = (np.concatenate([pair[k] for pair in tips]) for k in (0, 1))
-    count = 240
+    count = 210
     pick = rng.integers(0, len(start), count)
     base = start[pick] + rng.uniform(0.2, 1.0, (count, 1)) * (end - start)[pick]
     along = unit((end - start)[pick]) + 0.9 * rng.normal(size=(count, 3)) + [0, 0, -0.25]
@@ -115,7 +115,7 @@ def palm(rng: np.random.Generator, style: Style) -> Thing:
     length = (height - z) * rng.uniform(0.75, 1.1, count)
     paths = arches(base, out, length, rng.uniform(0.4, 1.15, count), 15)
     thing.add(stems(paths, 0.006, 0.3, 3), STALK)
-    pairs = 13
+    pairs = 12
     at = np.linspace(4.5, 13.9, pairs)
     low = at.astype(int)
     f = (at - low)[None, :, None]
@@ -164,7 +164,7 @@ def fern(rng: np.random.Generator, style: Style) -> Thing:
     thing = Thing("fern")
     size = float(rng.uniform(0.3, 0.6))
     z = pot(rng, style, thing, 0.3 * size, 0.34 * size)
-    count, pairs = int(rng.integers(11, 14)), 10
+    count, pairs = int(rng.integers(11, 13)), 10
     out = round_about(rng, count, rng.uniform(0.7, 1.4, count))
     paths = arches(
         (0.0, 0.0, z), out, size * rng.uniform(0.75, 1.2, count), rng.uniform(1.2, 2.1, count), 12
@@ -192,7 +192,7 @@ def dried_branches(rng: np.random.Generator, style: Style) -> Thing:
     vase(rng, thing, h, 0.3 * h)
     if rng.uniform() < 0.55:
         whole = []
-        for _ in range(int(rng.integers(4, 7))):
+        for _ in range(int(rng.integers(4, 6))):
             way = [rng.normal(0, 0.22), rng.normal(0, 0.22), 1.0]
             levels = branches(rng, (0, 0, 0.6 * h), way, 0.75 * h, levels=5, forks=2, spread=0.3,
                               shrink=0.66, lift=0.3)  # fmt: skip
@@ -206,8 +206,8 @@ def dried_branches(rng: np.random.Generator, style: Style) -> Thing:
     )
     straw = Material((0.55, 0.44, 0.28), (0.4, 0.3, 0.18), "noise", 0.01, specular=0.0)
     thing.add(stems(paths, 0.003), straw)
-    tip = np.repeat(paths[:, 5:], 9, 1).reshape(-1, 3)
-    way = np.repeat(np.repeat(paths[:, -1] - paths[:, 5], 4, 0), 9, 0)
+    tip = np.repeat(paths[:, 5:], 8, 1).reshape(-1, 3)
+    way = np.repeat(np.repeat(paths[:, -1] - paths[:, 5], 4, 0), 8, 0)
     way = unit(way) + 0.45 * rng.normal(size=way.shape)
     how = Leaves(tip, way, 0.16 * h + 0.03, 0.01, 0.9, 0.1)
     thing.add(leaves(how, ((0, 0.3), (0.5, 1.0), (1, 0.05))), straw)

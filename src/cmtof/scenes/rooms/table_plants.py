@@ -295,7 +295,7 @@ def flowers_in_vase(rng: np.random.Generator, style: Style) -> Thing:
     h = float(rng.uniform(0.13, 0.26))
     neck = vase(rng, thing, h, float(rng.uniform(0.32, 0.45)) * h)
     kind = int(rng.integers(4))
-    count = int(rng.integers(5, 12)) if kind < 3 else int(rng.integers(3, 6))
+    count = int(rng.integers(5, 10)) if kind < 3 else int(rng.integers(3, 6))
     out = round_about(rng, count, rng.uniform(0.95, 1.5, count))
     base = _top(0.35 * h) + 0.3 * neck * out * [1, 1, 0]
     paths = arches(base, out, h * rng.uniform(1.15, 1.6, count), rng.uniform(0.0, 0.5, count), 7)

@@ -115,7 +115,7 @@ def coat_hooks(rng: np.random.Generator, style: Style) -> Thing:
         hooks += [tube(hook + np.array([x, 0, 0]), 0.005, 6), ball(0.008, hook[-1] + [x, 0, 0], 1)]
     thing.add(joined(hooks), style.metal)
     coats = 0
-    for x in rng.permutation(places)[:5]:
+    for x in rng.permutation(places)[:4]:
         drawn = float(rng.uniform())
         if drawn < 0.35 and coats < 2:
             coats += 1
@@ -181,7 +181,7 @@ def _scarf(rng: np.random.Generator, thing: Thing, x: float) -> None:
     for side, length in ((-1, float(rng.uniform(0.5, 0.7))), (1, float(rng.uniform(0.6, 0.9)))):
         s = np.linspace(0, 1, 10)
         path = np.stack([x + side * (0.012 + 0.035 * s), -0.075 - 0.02 * np.sin(2.5 * s), 0.025 - length * s], -1)  # fmt: skip  # noqa: E501
-        t = np.linspace(0, 2 * np.pi, 20, endpoint=False)
+        t = np.linspace(0, 2 * np.pi, 16, endpoint=False)
         wide = 0.02 + 0.05 * np.sqrt(s)[:, None]
         fold = 1 + 0.3 * np.sin(4 * t + rng.uniform(0, 6))
         around = np.stack(
@@ -210,10 +210,8 @@ def plates_on_wall(rng: np.random.Generator, style: Style) -> Thing:
     thing = Thing("plates_on_wall")
     count = int(rng.integers(3, 8))
     glaze = ceramic(rng)
-    spots = (
-        np.array([(0, 0), (1, 0.5), (-1, 0.5), (1, -0.6), (-1, -0.6), (0, 1.05), (0, -1.1)])[:count]
-        * 0.27
-    )
+    ring = [(0, 0), (1, 0.5), (-1, 0.5), (1, -0.6), (-1, -0.6), (0, 1.05), (0, -1.1)]
+    spots = 0.27 * np.array(ring[:count])
     spots -= (spots.min(0) + spots.max(0)) / 2
     for x, z in spots:
         r = float(rng.uniform(0.075, 0.13))
