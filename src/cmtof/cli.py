@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from cmtof.console import describe, print_report, progress_bar, write_json
+from cmtof.console import describe, print_report, print_scores, progress_bar, write_json
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from cmtof.measurement import Measurement
-    from cmtof.scenes.rgbd import Frame
     from cmtof.simulation import Protocol
 
 app = typer.Typer(
@@ -65,6 +64,9 @@ Noise = Annotated[
 ]
 NoiseFree = Annotated[bool, typer.Option("--noise-free", help="No noise of either kind.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the noise.")]
+Smooth = Annotated[
+    bool, typer.Option("--smooth", help="Smooth Hypersim's 16-bit depth within its own steps.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar.")]
 
 
@@ -83,7 +85,11 @@ def _tones(text: str) -> list[float]:
 @app.command()
 def simulate(
     frame: Annotated[
-        str, typer.Argument(help="Frame .npz, depth .png, or an embedded one (see `cmtof info`).")
+        str,
+        typer.Argument(
+            help="Frame .npz, depth .png, Hypersim depth .hdf5, a folder of frames (its first is "
+            "taken), or an embedded one (see `cmtof info`)."
+        ),
     ],
     output: Output,
     protocol: ProtocolName = "released",
@@ -94,13 +100,19 @@ def simulate(
     intensity: Annotated[
         Path | None, typer.Option(help="Colour or grey PNG that belongs to a depth PNG.")
     ] = None,
-    depth_scale: Annotated[float, typer.Option(help="Depth PNG: levels per metre.")] = 1000.0,
+    depth_scale: Annotated[
+        float | None,
+        typer.Option(
+            help="Depth PNG: levels per metre. Default: 1000, or what the folder's style has."
+        ),
+    ] = None,
     planar: Annotated[
         bool, typer.Option("--planar", help="Depth PNG holds distance along the optical axis.")
     ] = False,
     camera: Annotated[
         tuple[float, float, float, float] | None, typer.Option(help="fx fy cx cy in pixels.")
     ] = None,
+    smooth: Smooth = False,
 ) -> None:
     """Turn an RGB-D frame into correlation images.
 
@@ -110,7 +122,12 @@ def simulate(
     from cmtof.simulation import simulate as simulate_frame
 
     loaded = load_frame(
-        frame, intensity=intensity, depth_scale=depth_scale, planar=planar, camera=camera
+        frame,
+        intensity=intensity,
+        depth_scale=depth_scale,
+        planar=planar,
+        camera=camera,
+        smooth=smooth,
     )
     measurement = simulate_frame(
         loaded,
@@ -122,6 +139,8 @@ def simulate(
     )
     measurement.save(output)
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
+    if loaded.note:
+        print(f"{loaded.name}: {loaded.note}")
 
 
 @app.command()
@@ -161,7 +180,7 @@ def unwrap(
     if ply is not None:
         print(f"{ply}: {_write_cloud(ply, result, opened)} points")
     if opened.depth is not None:
-        _print_scores(result, opened)
+        print_scores(result, opened)
 
 
 def _write_cloud(path: Path, result: "xr.Dataset", measurement: "Measurement") -> int:
@@ -177,21 +196,15 @@ def _write_cloud(path: Path, result: "xr.Dataset", measurement: "Measurement") -
     )
 
 
-def _print_scores(result: "xr.Dataset", measurement: "Measurement") -> None:
-    from cmtof.metrics import score, scored_pixels
-
-    scores = score(scored_pixels(result, measurement))
-    print(
-        f"δ<1 {scores['delta_lt_1']:.1%}  δ<2 {scores['delta_lt_2']:.1%}  "
-        f"δ<3 {scores['delta_lt_3']:.1%}  δ≥10 {scores['delta_ge_10']:.1%}  "
-        f"consistent {scores['consistent_lt_1']:.1%}  "
-        f"median error {1e3 * scores['depth_median_error_m']:.1f} mm"
-    )
-
-
 @app.command()
 def evaluate(
-    frames: Annotated[list[str], typer.Argument(help="Frames: .npz files or embedded names.")],
+    frames: Annotated[
+        list[str],
+        typer.Argument(
+            help="Frames: files, embedded names, or folders (TUM, NYU and ScanNet style, .npz, "
+            "Hypersim trees: their test frames)."
+        ),
+    ],
     method: Annotated[
         str, typer.Option(help="Names out of `cmtof methods`, parted by commas, or all.")
     ] = "all",
@@ -202,6 +215,7 @@ def evaluate(
     json_file: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Write the table as JSON.")
     ] = None,
+    smooth: Smooth = False,
     quiet: Quiet = False,
 ) -> None:
     """Compare methods on the same frames and the same noise.
@@ -215,23 +229,35 @@ def evaluate(
     evaluation = Evaluation(
         names, protocol=cast("Protocol", protocol), noise=noise, noise_free=noise_free, seed=seed
     )
-    _run(evaluation, frames, quiet)
+    skipped = _run(evaluation, frames, smooth, quiet)
     report = evaluation.report()
     if json_file is not None:
         write_json(json_file, report)
     print_report(report)
+    for name, reason in skipped.items():
+        print(f"skipped {name}: {reason}")
 
 
-def _run(evaluation: Any, frames: list[str], quiet: bool) -> None:
-    """Add every frame behind a progress bar; a frame that fails is named in the error."""
-    from cmtof.scenes.rgbd import load_frame
+def _run(evaluation: Any, frames: list[str], smooth: bool, quiet: bool) -> dict[str, str]:
+    """Add every frame behind a progress bar.
 
+    A frame that was named itself must load; of a folder those that do not are returned with the
+    reason.
+    """
+    from cmtof.scenes.folders import frames_in
+    from cmtof.scenes.sources import Frames
+
+    listed = [frames_in(name, smooth=smooth) for name in frames]
+    skipped: dict[str, str] = {}
     with progress_bar(quiet) as bar:
-        task = bar.add_task("", total=len(frames) * len(evaluation.methods))
-        for name in frames:
-            frame: Frame = load_frame(name)
-            for done in evaluation.add(frame):
-                bar.update(task, advance=1, description=f"{frame.name}: {done}")
+        task = bar.add_task("", total=sum(map(len, listed)) * len(evaluation.methods))
+        for name, sources in zip(frames, listed, strict=True):
+            several = Frames(sources)
+            for frame in several if Path(name).is_dir() else (one.load() for one in sources):
+                for done in evaluation.add(frame):
+                    bar.update(task, advance=1, description=f"{frame.name}: {done}")
+            skipped |= several.skipped
+    return skipped
 
 
 @app.command()
@@ -317,9 +343,9 @@ def render(
     """
     from time import perf_counter
 
-    from cmtof.scenes.rooms.rendering import Settings, render_rooms
+    from cmtof.scenes.rooms.rendering import Settings, render_rooms, shape_from_text
 
-    height, width = _pixels(size)
+    height, width = shape_from_text(size)
     settings = Settings(seed, scenes, views, height, width, focal)
     start = perf_counter()
     with progress_bar(quiet) as bar:
@@ -344,14 +370,6 @@ def render(
         f"{rays / 1e6:.1f} million rays took Embree {bare:.1f} core seconds; all of it took "
         f"{work:.1f}, {work / bare:.2f} times as long ({rooms:.1f} to build and light the rooms)"
     )
-
-
-def _pixels(text: str) -> tuple[int, int]:
-    try:
-        height, width = (int(part) for part in text.lower().split("x"))
-    except ValueError as error:
-        raise ValueError(f"Expected a size like 512x512, got {text}. Try 768x1024.") from error
-    return height, width
 
 
 @app.command()

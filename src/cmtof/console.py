@@ -7,7 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import xarray as xr
     from rich.progress import Progress
+
+    from cmtof.measurement import Measurement
 
 
 def progress_bar(quiet: bool) -> "Progress":
@@ -44,6 +47,19 @@ def print_report(report: dict[str, Any]) -> None:
         error = f"{1e3 * scores['depth_median_error_m']:.1f} mm"
         table.add_row(name, *rates, error, f"{scores['seconds_per_frame']:.2f}")
     Console().print(table)
+
+
+def print_scores(result: "xr.Dataset", measurement: "Measurement") -> None:
+    """Print the rates of one result against the truth in its measurement."""
+    from cmtof.metrics import score, scored_pixels
+
+    scores = score(scored_pixels(result, measurement))
+    print(
+        f"δ<1 {scores['delta_lt_1']:.1%}  δ<2 {scores['delta_lt_2']:.1%}  "
+        f"δ<3 {scores['delta_lt_3']:.1%}  δ≥10 {scores['delta_ge_10']:.1%}  "
+        f"consistent {scores['consistent_lt_1']:.1%}  "
+        f"median error {1e3 * scores['depth_median_error_m']:.1f} mm"
+    )
 
 
 def write_json(path: Path, content: Any) -> None:

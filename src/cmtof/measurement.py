@@ -12,7 +12,7 @@ variable           dimensions                    meaning, unit
 ``psi``            frequency, step               coordinate: reference phase, rad
 ``depth``          y, x                          optional: true range along the ray, m
 ``mask``           y, x                          optional: True where a pixel is valid
-``camera``         parameter                     optional: fx, fy, cx, cy in pixels
+``camera``         parameter                     optional: fx, fy, cx, cy (and skew), pixels
 ``raw_counts``     frequency, step, y, x         optional: ADC counts of a scan, >= 0
 ``dark``           any of the above              optional: dark frame, counts
 =================  ============================  ==========================================
@@ -95,8 +95,8 @@ class Measurement:
             Modulation frequencies, lowest first, Hz.
         depth, mask : array_like, shape (H, W)
             True range, m, and validity.
-        camera : array_like, shape (4,)
-            fx, fy, cx, cy, px.
+        camera : array_like, shape (4,) or (5,)
+            fx, fy, cx, cy, px, and the skew where there is one.
         range_min, range_max : float
             Depths to choose from, m; the default ends where two frequencies repeat themselves.
         **attributes

@@ -16,7 +16,7 @@ def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64
     ----------
     depth : array_like, shape (H, W)
         Range along the ray, m; NaN stays NaN.
-    camera : array_like, shape (4,)
+    camera : array_like, shape (4,) or (5,)
         fx, fy, cx, cy, px, pixel centres at +0.5.
 
     Examples
@@ -46,7 +46,7 @@ def write_ply(
     ----------
     depth, brightness, confidence : array_like, shape (H, W)
         Range, m (NaN is left out); linear brightness, any unit; probability.
-    camera : array_like, shape (4,)
+    camera : array_like, shape (4,) or (5,)
         fx, fy, cx, cy, px.
     """
     points = points_from_depth(depth, camera)

@@ -95,6 +95,7 @@ def simulate(
         range_max=limits[1],
         source="simulation",
         frame=frame.name,
+        frame_note=frame.note,
         protocol=protocol,
         seed=seed,
         frame_number=frame_number,

@@ -60,7 +60,9 @@ def _check_companions(dataset: xr.Dataset) -> None:
             )
     if "camera" in dataset:
         camera = dataset["camera"].to_numpy()
-        if camera.shape != (4,) or not (np.isfinite(camera).all() and (camera[:2] > 0).all()):
+        if camera.shape not in ((4,), (5,)) or not (
+            np.isfinite(camera).all() and (camera[:2] > 0).all()
+        ):
             raise ValueError(
                 f"Expected camera [fx, fy, cx, cy] in px, got {camera.tolist()}. Correct it."
             )

@@ -130,7 +130,7 @@ def write_metadata(
     *,
     shape: tuple[int, int],
     focal: float | Mapping[str, float],
-    views: Sequence[tuple[str, int]],
+    views: Mapping[str, Sequence[tuple[str, int]]],
 ) -> None:
     """Write both tables of a rendered set.
 
@@ -145,8 +145,8 @@ def write_metadata(
         H, W of the views, px.
     focal : float or mapping
         Focal length, px, of all scenes or of each.
-    views : sequence of (camera, frame)
-        Views of each scene.
+    views : mapping
+        Camera and frame number of each view of each scene.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def write_metadata(
     listed = [
         (scene, camera, frame, True, "", partition)
         for scene, partition in split.items()
-        for camera, frame in views
+        for camera, frame in views[scene]
     ]
     write_table(root / SPLIT, (*ROW_COLUMNS, *LISTED_COLUMNS), listed)
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
+from skimage.measure import label
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
@@ -57,7 +57,7 @@ def bends(depth: ArrayLike, threshold: float = BEND) -> NDArray[np.bool_]:
     ends = ~np.isfinite(depth)
     for axis in (0, 1):
         second = np.abs(np.diff(depth, n=2, axis=axis))
-        inner = np.moveaxis(ends, axis, 0)[1:-1]
+        inner: NDArray[np.bool_] = np.moveaxis(ends, axis, 0)[1:-1]
         inner |= ~(np.moveaxis(second, axis, 0) <= threshold)  # NaN counts as an end
     return ends
 
@@ -77,8 +77,8 @@ def hardness(frame: Frame) -> Hardness:
         slope.append(change[known & ~between])
         # of the two pixels that a bend marks, the step lies between them
         jump.append(change[known & between & (change * wrap > BEND)])
-    surfaces, count = ndimage.label(~ends)
-    sizes = np.bincount(surfaces.ravel(), minlength=count + 1)
+    surfaces = np.asarray(label(~ends, connectivity=1))
+    sizes = np.bincount(surfaces.ravel())
     sizes[0] = 1  # a pixel on an edge stands alone
     return Hardness(
         depth[valid],
@@ -101,8 +101,8 @@ def pooled(measured: Iterable[Hardness]) -> Hardness:
     several = list(measured)
     if not several:
         raise ValueError("Expected at least one frame to measure, got none. Name some.")
-    *samples, invalid = zip(*several, strict=True)
-    return Hardness(*(np.concatenate(one) for one in samples), float(np.mean(invalid)))
+    samples = (np.concatenate(one) for one in list(zip(*several, strict=True))[:-1])
+    return Hardness(*samples, invalid=float(np.mean([one.invalid for one in several])))
 
 
 def cumulative(samples: ArrayLike, at: ArrayLike) -> Array:

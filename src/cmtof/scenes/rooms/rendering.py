@@ -69,6 +69,15 @@ class Settings:
         return Lens((self.height, self.width), float(self.focal or drawn))
 
 
+def shape_from_text(text: str) -> tuple[int, int]:
+    """Height and width, px, of a size like ``768x1024``."""
+    try:
+        height, width = (int(part) for part in text.lower().split("x"))
+    except ValueError as error:
+        raise ValueError(f"Expected a size like 512x512, got {text}. Try 768x1024.") from error
+    return height, width
+
+
 class Done(NamedTuple):
     """What one scene cost, all in seconds of one core."""
 

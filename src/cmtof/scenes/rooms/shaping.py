@@ -74,10 +74,20 @@ def inside(outer: Points, wall: float, floor: float | None = None) -> tuple[Poin
     inner = outer + wall * np.stack([-way[:, 1], way[:, 0]], -1)
     bottom = float(outer[:, 1].min()) + wall if floor is None else floor
     inner = inner[(inner[:, 1] > bottom + 0.3 * wall) & (inner[:, 0] > 0.3 * wall)]
-    inner = resampled(inner, max(5, 2 * len(inner) // 3))
-    low = [(0.0, bottom), (0.85 * inner[0, 0], bottom)]
+    inner = resampled(inner, max(6, 3 * len(inner) // 4))
+    walls = np.interp(inner[:, 1], np.maximum.accumulate(outer[:, 1]), outer[:, 0])
+    inner[:, 0] = np.minimum(inner[:, 0], walls - 0.5 * wall)
+    low = [(0.0, bottom), (0.7 * inner[0, 0], bottom)]
     rim = (outer[-1:] + inner[-1:]) / 2 + 0.4 * wall * way[-1:]
     return np.concatenate([low, inner]), rim
+
+
+def outline_radius(corners: ArrayLike, wall: float) -> tuple[Points, Points]:
+    """Radii and heights along the inside of the vessel that `hollow` turns from corners, m."""
+    fine = resampled(rounded(np.asarray(corners, float)), 60)
+    inner, _ = inside(fine, wall)
+    inner = resampled(inner, 200)
+    return inner[:, 0], inner[:, 1]
 
 
 def handle(points: ArrayLike, radius: ArrayLike, *, count: int = 12, sides: int = 8) -> Mesh:
@@ -139,9 +149,7 @@ def stood(thing: Thing) -> Thing:
     low, high = thing.bounds
     shift = -np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
     thing.parts = [
-        part._replace(
-            mesh=Mesh((part.mesh.vertices + shift).astype(np.float32), part.mesh.faces)
-        )
+        part._replace(mesh=Mesh((part.mesh.vertices + shift).astype(np.float32), part.mesh.faces))
         for part in thing.parts
     ]
     for _, motion in thing.children:

@@ -5,9 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from cmtof.scenes.rooms.materials import Material, Style, ceramic, darker, hue
-from cmtof.scenes.rooms.pliant import spline
-from cmtof.scenes.rooms.shaping import Points, handle, hollow, pick, pipe, stood, turned
-from cmtof.scenes.rooms.solids import joined, revolve, tube
+from cmtof.scenes.rooms.shaping import Points, handle, hollow, pick, stood, turned
+from cmtof.scenes.rooms.solids import joined, revolve, sheet
 from cmtof.scenes.rooms.thing import Mesh, Thing
 
 Maker = Callable[..., Thing]
@@ -224,8 +223,6 @@ def _label(radius: float, low: float, high: float, share: float, sides: int = 16
     angle = np.linspace(-np.pi * share, np.pi * share, sides) - np.pi / 2
     ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], -1) * (radius + 4e-4)
     corners = np.stack([ring + [0, 0, low], ring + [0, 0, high]], 0)
-    from cmtof.scenes.rooms.solids import sheet
-
     return sheet(corners[:, ::-1], thickness=3e-4)
 
 
@@ -372,7 +369,7 @@ def decanter(rng: np.random.Generator, style: Style) -> Thing:
     stuff = glassy(rng)
     body = hollow(outline(shape, r, h), 0.003)
     k = 0.24 * r
-    plug = [(0, h - 0.012), (0.6 * k, h - 0.012), (0.8 * k, h + 0.004), (0.9 * k, h + 0.008),
+    plug = [(0, h - 0.012), (0.45 * k, h - 0.012), (0.6 * k, h), (1.3 * k, h + 0.006),
             (1.6 * k, h + 0.03), (1.2 * k, h + 0.05), (0, h + 0.056)]  # fmt: skip
     return Thing("decanter").add(body, stuff).add(turned(plug, 16, 14), stuff)
 
