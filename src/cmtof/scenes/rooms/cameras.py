@@ -10,7 +10,7 @@ from cmtof.scenes.rooms.tracing import Tracer
 
 Vector = NDArray[np.float64]
 
-TRIES = 48
+TRIES = 40
 """Places drawn for each view."""
 _PROBE = 20  # a candidate is judged by that many rays squared
 _CLOSE = (0.5, 1.2)  # m
@@ -101,7 +101,8 @@ def room_cameras(
             pitch = np.radians(rng.normal(-9, 8))
             ahead = np.array([np.cos(heading), np.sin(heading), np.tan(pitch)])
             candidates.append(looking(eye, eye + ahead, np.radians(rng.normal(0, 1.5))))
-        views.append(_best(candidates, wanted, tracer, geometry, lens))
+        alike = _alike(candidates, views)
+        views.append(_best(candidates, wanted, tracer, geometry, lens, alike))
     return views
 
 
@@ -147,7 +148,8 @@ def close_cameras(
         eyes = np.stack([c.position for c in candidates])
         inside = _above(floor, eyes) & (eyes[:, 2] > 0.2) & (eyes[:, 2] < height - 0.1)
         kept = [c for c, good in zip(candidates, inside, strict=True) if good] or candidates
-        views.append(_best(kept, wanted, tracer, geometry, lens, close=True))
+        alike = _alike(kept, views)
+        views.append(_best(kept, wanted, tracer, geometry, lens, alike, close=True))
     return views
 
 
@@ -177,6 +179,7 @@ def _best(
     tracer: Tracer,
     geometry: Geometry,
     lens: Lens,
+    alike: Vector,
     *,
     close: bool = False,
 ) -> Camera:
@@ -193,12 +196,24 @@ def _best(
     median = np.median(distance, axis=1)
     off = np.abs(np.log(np.minimum(median, 50.0) / wanted))
     off += 0.1 * np.maximum(0, 14 - kinds)  # bare walls are dull, and rarely photographed
+    off += 0.8 * alike
     off += 20.0 * (near < (0.35 if close else 0.6))
     off += 2.0 * np.maximum(0.0, (~np.isfinite(distance)).mean(axis=1) - 0.1)
     if close:
         off += 2.0 * np.maximum(0.0, (distance > _CLOSE[1] + 0.6).mean(axis=1) - 0.45)
     off += 50.0 * (_air(candidates, tracer) < _AIR)
     return candidates[int(np.argmin(off))]
+
+
+def _alike(candidates: list[Camera], chosen: list[Camera]) -> Vector:
+    """How much each candidate (N,) repeats a view chosen before: 1 from the same place and way."""
+    if not chosen:
+        return np.zeros(len(candidates))
+    place, way = (np.stack([getattr(c, k) for c in candidates]) for k in Camera._fields)
+    place0, way0 = (np.stack([getattr(c, k) for c in chosen]) for k in Camera._fields)
+    apart = np.linalg.norm(place[:, None] - place0, axis=-1) / 2.0
+    turned = np.arccos(np.clip(way[..., 2] @ way0[..., 2].T, -1, 1))
+    return np.exp(-(apart**2) - (turned / 0.7) ** 2).max(axis=1)
 
 
 def _air(candidates: list[Camera], tracer: Tracer) -> Vector:

@@ -122,7 +122,7 @@ def plaster(rng: np.random.Generator) -> Material:
             [0.85, 0.8, 0.72, 0.6, 0.4, 0.18, 0.07], p=[0.28, 0.22, 0.18, 0.14, 0.1, 0.05, 0.03]
         )
     )
-    tint = float(rng.uniform(0, 0.05) if rng.uniform() < 0.65 else rng.uniform(0.05, 0.28))
+    tint = float(rng.uniform(0, 0.05) if rng.uniform() < 0.65 else rng.uniform(0.05, 0.2))
     warm = float(rng.uniform(0.04, 0.16) if rng.uniform() < 0.55 else rng.uniform())
     return Material(hue(warm, tint, value), specular=0.0)
 
@@ -149,7 +149,7 @@ def accent_material(rng: np.random.Generator, style: Style) -> tuple[Material, i
     if choice == 0:
         value = float(rng.choice([0.05, 0.15, 0.35]))
         return Material(
-            hue(float(rng.uniform()), float(rng.uniform(0.2, 0.6)), value), specular=0.0
+            hue(float(rng.uniform()), float(rng.uniform(0.1, 0.45)), value), specular=0.0
         ), 0
     if choice == 1:
         return wallpaper(rng), 2
@@ -163,7 +163,7 @@ def accent_material(rng: np.random.Generator, style: Style) -> tuple[Material, i
 def wallpaper(rng: np.random.Generator) -> Material:
     """Stripes, dots or a mottled print."""
     value = float(rng.choice([0.2, 0.45, 0.65, 0.78]))
-    colour = hue(float(rng.uniform()), float(rng.uniform(0.02, 0.25)), value)
+    colour = hue(float(rng.uniform()), float(rng.uniform(0.02, 0.18)), value)
     pattern = str(rng.choice(["stripes", "dots", "noise", "rug"]))
     factor = float(rng.choice([0.6, 0.8, 1.25]))
     return Material(colour, darker(colour, factor), pattern, float(rng.uniform(0.05, 0.2)), 0.0)

@@ -20,12 +20,12 @@ def _skin(rng: np.random.Generator, low: float, high: float, value: float) -> Ma
     return Material(base, other, "noise", 0.03, specular=0.05, gloss=40.0)
 
 
-def apple(rng: np.random.Generator, style: Style) -> Thing:
+def apple(rng: np.random.Generator, style: Style, *, sides: int = 24) -> Thing:
     """A red, green or yellow apple with its stalk, m."""
     r = between(rng, 0.034, 0.042)
     profile = np.array([(0, 0.22), (0.25, 0.05), (0.45, 0), (0.8, 0.25), (1.0, 0.95), (0.85, 1.55),
                         (0.5, 1.75), (0.2, 1.68), (0, 1.4)]) * r  # fmt: skip
-    body = _dented(turned(profile, 24, 18), 5, 0.025, r)
+    body = _dented(turned(profile, sides, 18), 5, 0.025, r)
     hue_low, hue_high, value = ((0.98, 1.02, 0.3), (0.22, 0.28, 0.45), (0.11, 0.16, 0.65))[
         int(rng.integers(3))
     ]
@@ -44,13 +44,13 @@ def _dented(mesh: Mesh, lobes: int, depth: float, height: float) -> Mesh:
     return Mesh(np.stack([x * wave, y * wave, z], -1).astype(np.float32), mesh.faces)
 
 
-def pear(rng: np.random.Generator, style: Style) -> Thing:
+def pear(rng: np.random.Generator, style: Style, *, sides: int = 22) -> Thing:
     """A green, yellow or russet pear, m."""
     r = between(rng, 0.031, 0.037)
     profile = np.array([(0, 0.15), (0.3, 0), (0.7, 0.2), (1.0, 0.85), (0.85, 1.5), (0.5, 2.1),
                         (0.36, 2.55), (0.2, 2.75), (0, 2.72)]) * r  # fmt: skip
     bend = between(rng, -0.3, 0.3)
-    body = turned(profile, 22, 18)
+    body = turned(profile, sides, 18)
     points = body.vertices.astype(float)
     points[:, 0] += bend * r * (points[:, 2] / (2.7 * r)) ** 2
     thing = Thing("pear")
@@ -64,13 +64,13 @@ def pear(rng: np.random.Generator, style: Style) -> Thing:
     return stood(thing.add(stalk, STALK))
 
 
-def orange(rng: np.random.Generator, style: Style) -> Thing:
+def orange(rng: np.random.Generator, style: Style, *, subdivisions: int = 3) -> Thing:
     """An orange, a lemon or a grapefruit, m."""
     kind = int(pick(rng, 0, 0, 1, 2))
     r = (0.037, 0.027, 0.048)[kind] * between(rng, 0.94, 1.06)
     tip = 0.3 if kind == 1 else -0.04
     body = modelled((2 * r, 2 * r, (1.9, 2.2, 1.85)[kind] * r), [((0, 0, 1), 0.22, tip),
-                    ((0, 0, -1), 0.2, tip)], subdivisions=3)  # fmt: skip
+                    ((0, 0, -1), 0.2, tip)], subdivisions=subdivisions)  # fmt: skip
     if kind == 1:
         body = Mesh(body.vertices[:, [2, 0, 1]], body.faces)
     skin = Material(((0.75, 0.25, 0.02), (0.8, 0.6, 0.04), (0.78, 0.36, 0.1))[kind],
@@ -104,7 +104,7 @@ def banana_bunch(rng: np.random.Generator, style: Style) -> Thing:
         )
         girth = girth * between(rng, 0.92, 1.05)
         rings = tube(path, girth, 7, capped=False).vertices.reshape(14, 7, 3)
-        bodies.append(loft(rings))
+        bodies.append(loft(rings[:, ::-1]))
         end = path[-1] + np.array([0.3, 0.3 * np.sin(spread), -0.1]) * 0.006
         tips.append(tube([path[-1] - (end - path[-1]), end], 0.0045, 6))
     crown = modelled((0.03, 0.034, 0.022), centre=(0.0, 0.004, 0.004), subdivisions=2)
@@ -125,6 +125,8 @@ def bread(rng: np.random.Generator, style: Style) -> Thing:
         p = mesh.vertices.astype(float)
         if kind == 1:  # the tin squares it off
             p = p * (1 + 0.16 * np.clip(np.abs(p[:, :1] * p[:, 1:2]) / (0.25 * w * d), 0, 1))
+        if kind == 2:  # blunt ends
+            p[:, 1:] *= (1 - (p[:, :1] / (0.52 * w)) ** 6) / (1 - (p[:, :1] / (0.52 * w)) ** 2 + 0.02) ** 0.45
         cuts = max(2, int(w / 0.06)) if kind < 3 else 1
         wave = np.cos(2 * np.pi * (p[:, 0] + 0.35 * p[:, 1]) / w * cuts)
         p[:, 2] -= 0.09 * h * np.clip(4 * wave - 3, 0, 1) * (p[:, 2] > 0.2 * h)
@@ -213,8 +215,10 @@ def resting_height(outline: Points, wall: float, radius: float, far: float) -> f
 
 
 def _small(rng: np.random.Generator, style: Style) -> Thing:
-    maker = (apple, apple, orange, pear)[int(rng.integers(4))]
-    return maker(rng, style)
+    kind = int(rng.integers(4))
+    if kind == 2:
+        return orange(rng, style, subdivisions=2)
+    return (pear if kind == 3 else apple)(rng, style, sides=16)
 
 
 def _lay(

@@ -33,8 +33,8 @@ def _more(floor: Floor, house: Household, kind: str) -> None:
     for _ in range(int(house.rng.uniform(0.6, 1.1) * length / 1.3)):
         floor.against_wall(house.dressed(*at_walls), tries=12)
     area = max((b - a) * (d - c) for a, b, c, d in floor.rectangles)
-    for _ in range(int(house.rng.poisson(area / 5))):
-        floor.somewhere(house.dressed(*in_the_open), gap=0.25, tries=12)
+    for _ in range(int(house.rng.poisson(area / 3.5))):
+        floor.somewhere(house.dressed(*in_the_open), gap=0.2, tries=12)
 
 
 def hang_lamps(floor: Floor, house: Household, spots: list[tuple[float, float, float]]) -> None:

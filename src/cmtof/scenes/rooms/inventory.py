@@ -5,22 +5,24 @@ from collections.abc import Callable
 from cmtof.scenes.rooms import (
     decor,
     electronics,
-    figurines,
     fittings,
     food,
     furniture,
     playthings,
     reading,
+    sculpture,
     sundries,
-    ware,
+    tableware,
+    vessels,
 )
 from cmtof.scenes.rooms.thing import Thing
 
 CATALOGUE: dict[str, Callable[..., Thing]] = {
     **fittings.CATALOGUE,
     **decor.CATALOGUE,
-    **ware.CATALOGUE,
-    **figurines.CATALOGUE,
+    **vessels.CATALOGUE,
+    **tableware.CATALOGUE,
+    **sculpture.CATALOGUE,
     **food.CATALOGUE,
     **reading.CATALOGUE,
     **electronics.CATALOGUE,

@@ -106,7 +106,7 @@ def candle_mesh(
     low = z + height - 0.42 * r
     wick = tube(spline([(0, 0, low), (tilt, 0, low + 0.006), (3 * tilt, 0, low + 0.012 + 0.1 * r)], 5),
                 0.0009, 5)  # fmt: skip
-    return turned(profile, 20, 13), wick
+    return turned(profile, 18, 11), wick
 
 
 WICK = Material((0.02, 0.02, 0.02), specular=0.0)
@@ -123,8 +123,8 @@ def candle(rng: np.random.Generator, style: Style) -> Thing:
     wax = _wax(rng)
     thing = Thing("candle")
     if rng.uniform() < 0.25:
-        cup_ = hollow([(0, 0), (0.028, 0), (0.031, 0.02), (0.034, 0.055)], 0.003, floor=0.008)
-        body, wick = candle_mesh(rng, 0.019, 0.018, 0.0075)
+        cup_ = hollow([(0, 0), (0.028, 0), (0.031, 0.02), (0.033, 0.032)], 0.003, floor=0.008)
+        body, wick = candle_mesh(rng, 0.024, 0.02, 0.0075)
         thing.add(cup_, vessels.glassy(rng))
         return thing.add(body, wax).add(wick, WICK)
     count = int(pick(rng, 1, 1, 3))
@@ -253,7 +253,7 @@ def egg_carton(rng: np.random.Generator, style: Style) -> Thing:
     columns = int(pick(rng, 3, 5))
     pitch = 0.048
     w, d = columns * pitch, 2 * pitch
-    x, y = np.meshgrid(np.linspace(-w / 2, w / 2, 8 * columns + 1), np.linspace(-d / 2, d / 2, 17),
+    x, y = np.meshgrid(np.linspace(-w / 2, w / 2, 6 * columns + 1), np.linspace(-d / 2, d / 2, 13),
                        indexing="ij")  # fmt: skip
     wave = np.sin(np.pi * (x + w / 2) / pitch) ** 2 * np.sin(np.pi * (y + d / 2) / pitch) ** 2
     points = np.stack([x, y, 0.034 - 0.024 * wave], -1)
@@ -268,7 +268,7 @@ def egg_carton(rng: np.random.Generator, style: Style) -> Thing:
     thing.add(placed(lid, (0, d / 2 + 0.003, 0.033), lean=-0.25), grey)
     shell = Material((0.62, 0.4, 0.25) if rng.uniform() < 0.6 else (0.82, 0.8, 0.76), specular=0.04)
     egg = turned([(0, 0), (0.014, 0.001), (0.022, 0.016), (0.02, 0.036), (0.011, 0.053), (0, 0.056)],
-                 14, 9)  # fmt: skip
+                 12, 8)  # fmt: skip
     for i in range(columns):
         for j in range(2):
             if rng.uniform() < 0.75:
@@ -285,7 +285,7 @@ def tin_cans(rng: np.random.Generator, style: Style) -> Thing:
     r, h = 0.037, pick(rng, 0.11, 0.075)
     ring = [(0, 0.002), (0.9, 0.002), (0.9, 0), (1.03, 0), (1.03, 0.004), (1.0, 0.005), (1.0, h - 0.005),
             (1.03, h - 0.004), (1.03, h), (0.93, h), (0.93, h - 0.003), (0, h - 0.003)]  # fmt: skip
-    can = revolve(np.array(ring) * [r, 1], 24)
+    can = revolve(np.array(ring) * [r, 1], 20)
     spots = [
         (-0.041, 0, 0),
         (0.041, 0, 0),
@@ -296,7 +296,7 @@ def tin_cans(rng: np.random.Generator, style: Style) -> Thing:
     for spot in spots[: int(rng.integers(2, 6))]:
         at = np.array(spot, np.float32)
         thing.add(Mesh(can.vertices + at, can.faces), STEEL)
-        label = cylinder(r + 0.0006, h - 0.014, sides=24)
+        label = cylinder(r + 0.0006, h - 0.014, sides=20)
         label = Mesh(label.vertices + at + np.array([0, 0, h / 2], np.float32), label.faces)
         ground = hue(float(rng.uniform()), 0.8, between(rng, 0.05, 0.6))
         thing.add(label, Material(ground, (0.8, 0.78, 0.7), "marks", 0.02, specular=0.03))
