@@ -96,7 +96,8 @@ def room_cameras(
         for _ in range(TRIES):
             x0, x1, y0, y1 = floor[int(rng.choice(len(floor), p=area / area.sum()))]
             eye_height = min(float(rng.choice([1.1, 1.5, 1.65, 1.9])), height - 0.4)
-            eye = np.array([rng.uniform(x0, x1), rng.uniform(y0, y1), eye_height])
+            a, b = rng.beta(0.5, 0.5, 2)  # with one's back to the wall, mostly
+            eye = np.array([x0 + a * (x1 - x0), y0 + b * (y1 - y0), eye_height])
             heading = rng.uniform(0, 2 * np.pi)
             pitch = np.radians(rng.normal(-9, 8))
             ahead = np.array([np.cos(heading), np.sin(heading), np.tan(pitch)])
@@ -194,10 +195,10 @@ def _best(
     kinds = np.array([len(np.unique(row)) for row in instance.reshape(len(candidates), -1)])
     near = np.quantile(distance, 0.02, axis=1)
     median = np.median(distance, axis=1)
-    off = np.abs(np.log(np.minimum(median, 50.0) / wanted))
+    off = np.abs(np.log(np.clip(median, 0.05, 50.0) / wanted))
     off += 0.1 * np.maximum(0, 14 - kinds)  # bare walls are dull, and rarely photographed
     off += 0.8 * alike
-    off += 20.0 * (near < (0.35 if close else 0.6))
+    off += 20.0 * (near < (0.45 if close else 0.6))
     off += 2.0 * np.maximum(0.0, (~np.isfinite(distance)).mean(axis=1) - 0.1)
     if close:
         off += 2.0 * np.maximum(0.0, (distance > _CLOSE[1] + 0.6).mean(axis=1) - 0.45)

@@ -116,7 +116,7 @@ def expose(seen: Picture, rank: float) -> Picture:
     middle = float(np.median(brightness(seen.color)[np.isfinite(seen.depth)]))
     dim = rank < DIM_SHARE
     within = rank / DIM_SHARE if dim else (rank - DIM_SHARE) / (1 - DIM_SHARE)
-    wanted = 0.32 * np.exp(0.85 * ndtri(np.clip(within, 0.01, 0.99)) - 2.5 * dim)
+    wanted = 0.34 * np.exp(0.85 * ndtri(np.clip(within, 0.01, 0.99)) - 2.5 * dim)
     return seen._replace(color=seen.color * np.float32(wanted / max(middle, 1e-6)))
 
 

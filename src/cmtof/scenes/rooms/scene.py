@@ -122,7 +122,7 @@ def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
     drawn = str(rng.choice(kinds, p=np.array(odds) / sum(odds)))
     kind = kind or drawn
     manner = style(rng)
-    empty = shell(rng, manner, kind=kind)
+    empty = shell(rng, manner, kind=kind, **_size(rng, kind))
     house = Household(rng, manner, clutter=float(rng.beta(2, 2)))
     floor = _floor(empty, rng)
     hang_lamps(floor, house, empty.ceiling_spots)
@@ -147,6 +147,13 @@ def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
     first = 1 + sum(counted(thing) for thing, _ in empty.things)
     furniture = np.arange(first, len(geometry.kinds) + 1, dtype=np.int32)
     return Scene(seed, index, kind, geometry, light, empty.floor, empty.height, furniture)
+
+
+def _size(rng: np.random.Generator, kind: str) -> dict[str, float]:
+    """Width and depth, m; every other room is large, for the far views that Hypersim has."""
+    if kind in ("bathroom", "hallway") or rng.uniform() < 0.5:
+        return {}
+    return {"width": float(rng.uniform(6.5, 10.0)), "depth": float(rng.uniform(5.0, 8.0))}
 
 
 def _floor(empty: Shell, rng: np.random.Generator) -> Floor:
