@@ -55,7 +55,7 @@ def test_a_thick_sheet_is_closed_on_both_sides_but_for_its_rim():
 @given(st.floats(0.05, 5), st.floats(0.05, 5), st.floats(0.05, 5), st.floats(0.2, 1.0))
 def test_division_keeps_area_volume_and_joins(x, y, z, longest):
     mesh = solids.prism([(0, 0), (x, 0), (x, y), (0, y)], z)
-    vertices, faces = subdivided(mesh.vertices.astype(float), mesh.faces, longest)
+    vertices, faces, _ = subdivided(mesh.vertices.astype(float), mesh.faces, longest)
     edges = vertices[faces[:, [0, 1, 2, 0]]]
     assert np.linalg.norm(np.diff(edges, axis=1), axis=-1).max() <= longest
     assert volume(vertices, faces) == pytest.approx(x * y * z, rel=1e-5)
@@ -66,7 +66,7 @@ def test_division_leaves_no_crack_in_a_closed_solid():
     import trimesh
 
     mesh = solids.ball(2.0, subdivisions=1)
-    vertices, faces = subdivided(mesh.vertices.astype(float), mesh.faces, 0.4)
+    vertices, faces, _ = subdivided(mesh.vertices.astype(float), mesh.faces, 0.4)
     assert len(faces) > len(mesh.faces)
     assert trimesh.Trimesh(vertices, faces, process=False).is_watertight
 

@@ -34,7 +34,8 @@ def plate(size, z, albedo=0.5, up=True, **material):
 def points(positions, normal=(0.0, 0.0, 1.0)):
     position = np.atleast_2d(np.asarray(positions, np.float32))
     normals = np.tile(np.float32(normal), (len(position), 1))
-    return Points(position, normals, normals, -normals, np.zeros_like(position))
+    order = np.arange(len(position), dtype=np.int32)
+    return Points(position, normals, normals, -normals, np.zeros_like(position), order)
 
 
 def lamp(z=2.0, half=0.01, power=3.0):
@@ -84,7 +85,9 @@ def test_a_white_furnace_adds_up_three_bounces(albedo):
     walls = Thing("box").add(inside, Material((albedo,) * 3, specular=0.0, emission=1.0))
     scene = lit([walls])
     glow = albedo  # emission times colour
-    direction = np.float32([[[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]]])
+    direction = np.ones((8, 8, 3), np.float32)
+    direction[..., 1:] = np.moveaxis(np.mgrid[-0.3:0.3:8j, -0.3:0.3:8j], 0, -1)
+    direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
     seen = picture(scene, np.zeros(3), direction).color
     series = glow * (1 + albedo + albedo**2)
     assert seen == pytest.approx(np.full_like(seen, series), rel=1e-4)

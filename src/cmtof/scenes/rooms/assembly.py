@@ -104,16 +104,17 @@ def assemble(
             kinds.append(one.kind)
             parts += [(part, at, len(kinds)) for part in one.parts]
             shining += [(light, at) for light in one.lights]
-    pieces = [_triangles(part, at) for part, at, _ in parts]
-    starts = np.cumsum([0] + [len(vertices) for vertices, _ in pieces[:-1]])
-    vertices = np.concatenate([v for v, _ in pieces]).astype(np.float32)
-    faces = np.concatenate([f + s for (_, f), s in zip(pieces, starts, strict=True)])
-    counts = [len(f) for _, f in pieces]
+    meshes = [part.mesh for part, _, _ in parts]
+    moved = [transformed(mesh.vertices, at) for mesh, (_, at, _) in zip(meshes, parts, strict=True)]
+    starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
+    faces = np.concatenate([m.faces + s for m, s in zip(meshes, starts, strict=True)])
+    numbers = np.repeat(np.arange(len(parts), dtype=np.int32), [len(m.faces) for m in meshes])
+    vertices, faces, parents = subdivided(np.concatenate(moved), faces, LONGEST_EDGE)
     return Geometry(
-        vertices,
+        vertices.astype(np.float32),
         faces.astype(np.int32),
         vertex_normals(vertices, faces),
-        np.repeat(np.arange(len(pieces), dtype=np.int32), counts),
+        numbers[parents],
         np.array([_material(part, at, rng) for part, at, _ in parts], MATERIAL),
         np.array([number for *_, number in parts], np.int32),
         tuple(kinds),
@@ -133,26 +134,34 @@ def _flattened(thing: Thing, motion: Pose) -> Iterator[tuple[Thing, Pose]]:
         yield from _flattened(child, motion @ at)
 
 
-def _triangles(part: Part, at: Pose) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    return subdivided(transformed(part.mesh.vertices, at), part.mesh.faces, LONGEST_EDGE)
-
-
 def subdivided(
-    vertices: NDArray[np.float64], faces: NDArray[np.int32], longest: float
-) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    vertices: NDArray[np.float64], faces: NDArray[np.integer], longest: float
+) -> tuple[NDArray[np.float64], NDArray[np.integer], NDArray[np.intp]]:
     """Halve every edge longer than ``longest``, m, until none is; neighbours stay joined.
+
+    Returns
+    -------
+    vertices, faces
+        The old vertices come first.
+    parents : ndarray, shape (T,)
+        Face that each new one is a piece of.
 
     Examples
     --------
-    >>> v, f = subdivided(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]), 0.8)
-    >>> len(v), len(f)
-    (6, 4)
+    >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> v, f, parents = subdivided(corners, np.array([[0, 1, 2]]), 0.8)
+    >>> len(v), len(f), parents.tolist()
+    (6, 4, [0, 0, 0, 0])
     """
-    while np.sum(np.ptp(vertices, axis=0) ** 2) > longest**2:
+    parents = np.arange(len(faces))
+    done: list[tuple[NDArray, NDArray]] = []
+    while len(faces):
         ends = faces[:, [[0, 1], [1, 2], [2, 0]]]  # (T, 3, 2)
         spans = vertices[ends[..., 1]] - vertices[ends[..., 0]]
         long = np.einsum("tek,tek->te", spans, spans) > longest**2
         touched = long.any(axis=1)
+        # a face without a long edge is finished: its edges will not be halved any more
+        done.append((faces[~touched], parents[~touched]))
         if not touched.any():
             break
         low, high = ends[long].min(axis=-1).astype(np.int64), ends[long].max(axis=-1)
@@ -161,17 +170,20 @@ def subdivided(
         middle[long] = len(vertices) + which
         first, last = np.divmod(keys, len(vertices))
         vertices = np.concatenate([vertices, (vertices[first] + vertices[last]) / 2])
-        divided = _divide(faces[touched], long[touched], middle[touched])
-        faces = np.concatenate([faces[~touched], divided]).astype(np.int32)
-    return vertices, faces
+        faces, pieces = _divide(faces[touched], long[touched], middle[touched])
+        parents = parents[touched][pieces]
+    kept = [np.concatenate(both) for both in zip(*done, strict=True)]
+    return vertices, kept[0], kept[1]
 
 
-def _divide(faces: NDArray, long: NDArray[np.bool_], middle: NDArray[np.int64]) -> NDArray:
-    """Two to four triangles for each, by which of its edges are halved."""
-    made = []
+def _divide(
+    faces: NDArray, long: NDArray[np.bool_], middle: NDArray[np.int64]
+) -> tuple[NDArray, NDArray[np.intp]]:
+    """Two to four triangles for each, by which of its edges are halved; and whose they are."""
+    made, whose = [], []
     for count in (1, 2, 3):
-        chosen = long.sum(axis=1) == count
-        if not chosen.any():
+        chosen = np.flatnonzero(long.sum(axis=1) == count)
+        if not len(chosen):
             continue
         # turn each triangle until its first edge is long and, of two, the last is not
         first = np.argmax(long[chosen] & ~np.roll(long[chosen], 1, 1), axis=1)
@@ -184,7 +196,8 @@ def _divide(faces: NDArray, long: NDArray[np.bool_], middle: NDArray[np.int64]) 
             3: [(a, m, o), (m, b, n), (o, n, c), (m, n, o)],
         }[count]
         made += [np.stack(piece, -1) for piece in pieces]
-    return np.concatenate(made)
+        whose += [chosen] * len(pieces)
+    return np.concatenate(made), np.concatenate(whose)
 
 
 def vertex_normals(

@@ -5,7 +5,6 @@ import numpy as np
 from cmtof.scenes.rooms.joinery import boards, copies, placed
 from cmtof.scenes.rooms.materials import Material, Style, darker, hue
 from cmtof.scenes.rooms.pliant import Points, ripples
-from cmtof.scenes.rooms.pliant import sheets as thin_sheets
 from cmtof.scenes.rooms.shaping import pick, stood
 from cmtof.scenes.rooms.solids import cylinder, joined, quads, sheet
 from cmtof.scenes.rooms.thing import Mesh, Thing
@@ -50,6 +49,7 @@ def _bound(width: Points, depth: Points, height: Points) -> tuple[Points, Points
     covers = corners[:, np.array(_COVER[:5])]
     z = height
     down = 0.004
+
     def face(*points: tuple[Points, Points, Points]) -> Points:
         return np.stack([np.stack(np.broadcast_arrays(*p), -1) for p in points], 1)
 
@@ -74,7 +74,9 @@ def _bound(width: Points, depth: Points, height: Points) -> tuple[Points, Points
              (v, depth - down, zero)),
     ]  # fmt: skip
     tops = [tops[0], tops[1], tops[2], *tops[4:]]
-    return np.concatenate([covers, np.stack(tops + [q[:, ::-1] for q in inner], 1)], 1), np.stack(pages, 1)
+    return np.concatenate([covers, np.stack(tops + [q[:, ::-1] for q in inner], 1)], 1), np.stack(
+        pages, 1
+    )
 
 
 def _turned(faces: Points, angle: Points, at: Points) -> Points:
@@ -172,14 +174,30 @@ def _lying(thing: Thing, rng: np.random.Generator, h: float, w: float, z: float)
     t = 0.003
     turn = float(rng.normal(0, 0.12)) + (np.pi if rng.uniform() < 0.4 else 0.0)
     at = (*rng.normal(0, 0.006, 2), z)
-    boards_ = boards([(-d / 2, d / 2, -h / 2, h / 2, 0, t), (-d / 2, d / 2, -h / 2, h / 2, w - t, w)], 0.001)
+    boards_ = boards(
+        [(-d / 2, d / 2, -h / 2, h / 2, 0, t), (-d / 2, d / 2, -h / 2, h / 2, w - t, w)], 0.001
+    )
     bulge = np.linspace(-np.pi / 2, np.pi / 2, 7)
-    arc = np.stack([-d / 2 - 0.12 * w * np.cos(bulge), w / 2 + (w / 2 - 0.0004) * np.sin(bulge)], -1)
+    arc = np.stack(
+        [-d / 2 - 0.12 * w * np.cos(bulge), w / 2 + (w / 2 - 0.0004) * np.sin(bulge)], -1
+    )
     ends = np.array([-h / 2, h / 2])
     spine = np.empty((7, 2, 3))
     spine[..., 0], spine[..., 1], spine[..., 2] = arc[:, :1], ends, arc[:, 1:]
-    block = boards([(-d / 2 + 0.001, d / 2 - 0.004, -h / 2 + 0.004, h / 2 - 0.004, t - 0.0005, w - t + 0.0005)], 0)
-    back = sheet(spine[:, ::-1], thickness=0.0012)
+    block = boards(
+        [
+            (
+                -d / 2 + 0.001,
+                d / 2 - 0.004,
+                -h / 2 + 0.004,
+                h / 2 - 0.004,
+                t - 0.0005,
+                w - t + 0.0005,
+            )
+        ],
+        0,
+    )
+    back = sheet(spine, thickness=0.0012)
     material = cover(rng)
     thing.add(placed(joined([boards_, back]), at, turn=turn), material, 1)
     thing.add(placed(block, at, turn=turn), PAGES, 2)
@@ -240,9 +258,9 @@ def open_book(rng: np.random.Generator, style: Style) -> Thing:
         a = lift * (1 - 0.5 * s)
         x = np.cumsum(np.cos(a)) * d / 14
         z = 0.006 + 1.2 * t + np.cumsum(np.sin(a)) * d / 14 * np.clip(1.2 - 0.6 * s, 0, 1)
-        leaf = np.empty((1, 14, 2, 3))
-        leaf[0, ..., 0], leaf[0, ..., 1], leaf[0, ..., 2] = x[:, None], 0.97 * y, z[:, None]
-        thing.add(thin_sheets(leaf), PAPER)
+        leaf = np.empty((14, 2, 3))
+        leaf[..., 0], leaf[..., 1], leaf[..., 2] = x[:, None], 0.97 * y, z[:, None]
+        thing.add(sheet(leaf, thickness=4e-4), PAPER)
     return stood(thing)
 
 
@@ -255,7 +273,13 @@ def _curled(rng: np.random.Generator, w: float, h: float, curl: float) -> Points
 
 
 def _strewn(
-    rng: np.random.Generator, count: int, w: float, h: float, pitch: float, slide: float, curl: float
+    rng: np.random.Generator,
+    count: int,
+    w: float,
+    h: float,
+    pitch: float,
+    slide: float,
+    curl: float,
 ) -> Points:
     """Sheets on top of each other, the upper ones curled, each a little off, (K, 9, 9, 3), m."""
     made = []
@@ -282,7 +306,7 @@ def paper_sheets(rng: np.random.Generator, style: Style) -> Thing:
         scale = between(rng, 0.005, 0.009)
         sheet_ = Material((tint, tint, 0.97 * tint), ink if kind == "marks" else (0.6, 0.66, 0.75), kind, scale,
                           specular=0.02)  # fmt: skip
-        thing.add(thin_sheets(stack[k : k + 1]), sheet_)
+        thing.add(sheet(stack[k], thickness=4e-4), sheet_)
     return stood(thing)
 
 
@@ -299,11 +323,13 @@ def magazine_pile(rng: np.random.Generator, style: Style) -> Thing:
                         hue(float(rng.uniform()), 0.6, between(rng, 0.05, 0.7)),
                         str(rng.choice(["picture", "marks", "picture"])), between(rng, 0.02, 0.09),
                         specular=0.12, gloss=60.0)  # fmt: skip
-        thing.add(placed(boards([(-w / 2, w / 2, -h / 2, h / 2, 0, t)], 0.0006), at, turn=turn), face)
+        thing.add(
+            placed(boards([(-w / 2, w / 2, -h / 2, h / 2, 0, t)], 0.0006), at, turn=turn), face
+        )
         z += t + 0.0006
         if k == count - 1:
-            leaf = _curled(rng, w, h, between(rng, 0.004, 0.016))[None]
-            thing.add(placed(thin_sheets(leaf), (at[0], at[1], z), turn=turn), face)
+            leaf = _curled(rng, w, h, between(rng, 0.004, 0.016))
+            thing.add(placed(sheet(leaf, thickness=4e-4), (at[0], at[1], z), turn=turn), face)
     return stood(thing)
 
 
@@ -312,7 +338,9 @@ def folder_row(rng: np.random.Generator, style: Style) -> Thing:
     count = int(rng.integers(2, 8))
     h, d = 0.318, 0.285
     thing, x = Thing("folders"), 0.0
-    tints = [hue(float(rng.uniform()), pick(rng, 0, 0.7), pick(rng, 0.02, 0.3, 0.75)) for _ in range(2)]
+    tints = [
+        hue(float(rng.uniform()), pick(rng, 0, 0.7), pick(rng, 0.02, 0.3, 0.75)) for _ in range(2)
+    ]
     for k in range(count):
         w = pick(rng, 0.08, 0.08, 0.05)
         lean = between(rng, 0.04, 0.16) if k == count - 1 and k and rng.uniform() < 0.5 else 0.0
@@ -320,10 +348,16 @@ def folder_row(rng: np.random.Generator, style: Style) -> Thing:
             x += h * np.sin(lean)
         body = boards([(0, 0.003, -d / 2, d / 2, 0, h), (w - 0.003, w, -d / 2, d / 2, 0, h),
                        (0.001, w - 0.001, -d / 2 - 0.002, -d / 2 + 0.001, 0.001, h - 0.001)], 0.001)  # fmt: skip
-        leaves = boards([(0.004, w * between(rng, 0.4, 0.9), -d / 2 + 0.02, d / 2 - 0.03, 0.012, h - 0.016)], 0)
+        leaves = boards(
+            [(0.004, w * between(rng, 0.4, 0.9), -d / 2 + 0.02, d / 2 - 0.03, 0.012, h - 0.016)], 0
+        )
         label = boards([(0.16 * w, 0.84 * w, -d / 2 - 0.0026, -d / 2 - 0.0015, 0.12, 0.28)], 0)
-        ring = placed(cylinder(0.0135, 0.003, sides=16), (w / 2, -d / 2 - 0.0018, 0.065), lean=np.pi / 2)
-        hole = placed(cylinder(0.0105, 0.003, sides=16), (w / 2, -d / 2 - 0.0023, 0.065), lean=np.pi / 2)
+        ring = placed(
+            cylinder(0.0135, 0.003, sides=16), (w / 2, -d / 2 - 0.0018, 0.065), lean=np.pi / 2
+        )
+        hole = placed(
+            cylinder(0.0105, 0.003, sides=16), (w / 2, -d / 2 - 0.0023, 0.065), lean=np.pi / 2
+        )
         at = {"at": (x, between(rng, 0, 0.006), 0.0), "tilt": -lean}
         tint = tints[int(rng.integers(2))]
         card = Material(tint, darker(tint, 0.7), "noise", 0.008, specular=0.04)
@@ -359,7 +393,16 @@ def box_file(rng: np.random.Generator, style: Style) -> Thing:
             if at + thick > x + w - t:
                 break
             deep = between(rng, 0.2, 0.23)
-            issues.append((at, at + thick - 0.0005, d / 2 - t - deep, d / 2 - t - 0.001, 0.0055, between(rng, 0.25, 0.3)))
+            issues.append(
+                (
+                    at,
+                    at + thick - 0.0005,
+                    d / 2 - t - deep,
+                    d / 2 - t - 0.001,
+                    0.0055,
+                    between(rng, 0.25, 0.3),
+                )
+            )
             at += thick
         for limits in issues:
             thing.add(boards([limits], 0.0006), cover(rng), 2)
@@ -373,7 +416,9 @@ def _panel(outline: Points, thickness: float) -> Mesh:
     near, far = outline, outline + [thickness, 0, 0]
     nxt = np.roll(np.arange(n), -1)
     rim = quads(np.stack([near, near[nxt], far[nxt], far], 1))
-    return joined([Mesh(near.astype(np.float32), fan[:, ::-1].copy()), Mesh(far.astype(np.float32), fan), rim])
+    return joined(
+        [Mesh(near.astype(np.float32), fan[:, ::-1].copy()), Mesh(far.astype(np.float32), fan), rim]
+    )
 
 
 CATALOGUE: dict[str, Maker] = {

@@ -126,7 +126,9 @@ def bread(rng: np.random.Generator, style: Style) -> Thing:
         if kind == 1:  # the tin squares it off
             p = p * (1 + 0.16 * np.clip(np.abs(p[:, :1] * p[:, 1:2]) / (0.25 * w * d), 0, 1))
         if kind == 2:  # blunt ends
-            p[:, 1:] *= (1 - (p[:, :1] / (0.52 * w)) ** 6) / (1 - (p[:, :1] / (0.52 * w)) ** 2 + 0.02) ** 0.45
+            p[:, 1:] *= (1 - (p[:, :1] / (0.52 * w)) ** 6) / (
+                1 - (p[:, :1] / (0.52 * w)) ** 2 + 0.02
+            ) ** 0.45
         cuts = max(2, int(w / 0.06)) if kind < 3 else 1
         wave = np.cos(2 * np.pi * (p[:, 0] + 0.35 * p[:, 1]) / w * cuts)
         p[:, 2] -= 0.09 * h * np.clip(4 * wave - 3, 0, 1) * (p[:, 2] > 0.2 * h)

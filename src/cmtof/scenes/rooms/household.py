@@ -7,7 +7,7 @@ import numpy as np
 
 from cmtof.scenes.rooms.inventory import CATALOGUE
 from cmtof.scenes.rooms.materials import Style
-from cmtof.scenes.rooms.places import GROUPS
+from cmtof.scenes.rooms.objects import groups as GROUPS
 from cmtof.scenes.rooms.placing import Floor, fill_support
 from cmtof.scenes.rooms.thing import Support, Thing
 

@@ -5,7 +5,8 @@ bounce, is found once a scene and serves all its cameras; a pixel then asks lamp
 and gathers the rest from the triangles that it sees.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,9 @@ Array = NDArray[np.float32]
 
 BRIGHTEST = 12.0
 """Radiance at which scattered light is cut, in means of all surfaces: rare rays make specks."""
+
+SMALL = 2e-3
+"""Area below which a triangle is asked for its light once only, m^2."""
 
 # mean share of the second colour in each pattern: what a blurred glance sees
 _MEAN_MIX = np.array([0.0 if name == "plain" else 0.35 for name in PATTERNS], np.float32)
@@ -39,8 +43,13 @@ class Points:
     """Unit direction from the viewer."""
     gloss: Array
     """Specular share, exponent, emission."""
-    width: int = 0
-    """Pixels a row; 0 for points that are no image."""
+    order: NDArray[np.int32]
+    """(N,) which samples each point takes."""
+
+    def at(self, index: NDArray[np.integer]) -> "Points":
+        """Some of the points."""
+        kept = (getattr(self, field.name)[index] for field in fields(self))
+        return Points(*kept)
 
 
 @dataclass
@@ -71,12 +80,13 @@ class Illumination:
         self.lights = np.concatenate([g.lights, sun_patches(g, self.tracer, self.albedo)])
         within = centres.position[~outside]
         self._seen = visibility(self.tracer, self.lights, within.min(axis=0), within.max(axis=0))
-        direct = self._spread(self.direct(centres, samples=3)[0], area)
+        direct = self._spread(self._sampled(centres, area, lambda p, n: self.direct(p, n)[0]), area)
         self.radiance = glow + self.albedo * direct
         mean = np.average(self.radiance[~outside].mean(axis=1), weights=area[~outside])
         self._brightest = np.float32(BRIGHTEST * mean)
-        scattered = self._spread(self.gathered(centres, samples=2), area)
-        self.radiance = glow + self.albedo * (direct + scattered)
+        scattered = self._spread(self._sampled(centres, area, self.gathered), area)
+        self.irradiance = direct + scattered
+        self.radiance = glow + self.albedo * self.irradiance
 
     def _centres(self) -> tuple[Points, Array]:
         """Middle of every triangle, and its area (T,), m^2."""
@@ -86,7 +96,17 @@ class Illumination:
         normal /= np.maximum(size, 1e-20)[:, None]
         # a slim triangle's middle may touch its neighbour: start a little above it
         middle = (corners.mean(axis=1) + 1e-3 * normal).astype(np.float32)
-        return Points(middle, normal, normal, normal, np.zeros_like(normal)), size / 2
+        order = np.arange(len(middle), dtype=np.int32)
+        return Points(middle, normal, normal, normal, np.zeros_like(normal), order), size / 2
+
+    @staticmethod
+    def _sampled(points: Points, area: Array, ask: Callable[[Points, int], Array]) -> Array:
+        """Irradiance (T, 3): one sample for each small triangle, four for a large one."""
+        small, large = np.flatnonzero(area < SMALL), np.flatnonzero(area >= SMALL)
+        irradiance = np.empty_like(points.position)
+        irradiance[small] = ask(points.at(small), 1)
+        irradiance[large] = ask(points.at(large), 4)
+        return irradiance
 
     def _spread(self, irradiance: Array, area: Array) -> Array:
         """Mean of every triangle's irradiance (T, 3) with that of its neighbours in the mesh."""
@@ -99,7 +119,7 @@ class Illumination:
             out[:, q] = (total / np.maximum(weight, 1e-12))[faces].mean(axis=1)
         return out
 
-    def direct(self, points: Points, *, samples: int) -> tuple[Array, Array]:
+    def direct(self, points: Points, samples: int) -> tuple[Array, Array]:
         """Irradiance (N, 3) and mirrored radiance (N,) from lamps and windows, ``samples`` rays."""
         n = len(points.position)
         direction, reach = np.zeros((n, 3), np.float32), np.empty(n, np.float32)
@@ -110,7 +130,7 @@ class Illumination:
         for sample in range(samples):
             shading.lamp_rays(
                 points.position, points.normal, points.shading, points.view, points.gloss,
-                self.lights, self._seen.low, CELL, self._seen.seen, sample, points.width,
+                self.lights, self._seen.low, CELL, self._seen.seen, sample, points.order,
                 direction, reach, diffuse, shine,
             )  # fmt: skip
             self._add_unblocked(points, direction, reach, diffuse, shine, irradiance, mirrored)
@@ -134,13 +154,13 @@ class Illumination:
         self._add_unblocked(points, direction, reach, diffuse, shine, irradiance, mirrored)
         return irradiance, mirrored
 
-    def gathered(self, points: Points, *, samples: int) -> Array:
+    def gathered(self, points: Points, samples: int) -> Array:
         """Irradiance (N, 3) that other surfaces scatter and the open sky sends."""
         direction = np.empty_like(points.position)
         total = np.zeros_like(points.position)
         outside = self._outside(points.position)
         for sample in range(samples):
-            shading.scattered_rays(points.normal, sample, points.width, direction)
+            shading.scattered_rays(points.normal, sample, points.order, direction)
             hits = self.tracer.nearest(points.position, direction)
             seen = self.met(hits, points.position)
             # windows are lamps already: what lies beyond them must not count twice

@@ -35,9 +35,9 @@ class Face(NamedTuple):
 # height, half breadth, front, back, as shares of the head's height; 0 at the chin, 1 at the crown
 _HEAD = np.array(
     [
-        (-0.32, 0.265, -0.19, 0.30),
-        (-0.15, 0.245, -0.17, 0.26),
-        (-0.04, 0.245, -0.22, 0.24),
+        (-0.22, 0.285, -0.19, 0.31),
+        (-0.1, 0.26, -0.175, 0.28),
+        (-0.03, 0.25, -0.23, 0.25),
         (0.01, 0.235, -0.365, 0.24),
         (0.08, 0.265, -0.395, 0.26),
         (0.20, 0.300, -0.400, 0.32),
@@ -80,9 +80,9 @@ _CHEST = {
 
 
 def _sections(face: Face, rows: int) -> Points:
-    chest = _CHEST[face.cut].copy()
+    chest = _CHEST[face.cut] + [0.13, 0, 0, 0]
     if face.cut != "neck":
-        lower = np.clip((-0.34 - chest[:, 0]) / 0.2, 0, 1)
+        lower = np.clip((-0.24 - chest[:, 0]) / 0.2, 0, 1)
         chest[:, 1] *= 1 + (face.broad - 1) * lower
     stack = np.concatenate([chest, _HEAD])
     step = np.linalg.norm(np.diff(stack, axis=0), axis=1)
@@ -115,7 +115,9 @@ def _features(x: Points, z: Points, face: Face) -> Points:
     out -= 0.03 * _bell(a, z, (0, 0.18), (0.1, 0.009))
     out -= 0.018 * _bell(a, z, (0, 0.115), (0.09, 0.02))
     out += face.jaw * _bell(a, z, (0, 0.05), (0.075, 0.045))
-    return out + face.beard * _bell(a, z, (0, 0.02), (0.2, 0.16)) * (1 - _bell(a, z, (0, 0.18), (0.09, 0.03)))
+    return out + face.beard * _bell(a, z, (0, 0.02), (0.2, 0.16)) * (
+        1 - _bell(a, z, (0, 0.18), (0.09, 0.03))
+    )
 
 
 def portrait(
@@ -139,24 +141,31 @@ def portrait(
     x = x * (1 - narrow * np.clip(-n, 0, 1) ** 1.5)
     on_head = np.clip((z + 0.06) / 0.08, 0, 1)
     y = y - on_head * _features(x, z, face) * np.clip(-n, 0, 1) ** 0.5 * (z < 0.75)
-    side = np.exp(-(((y - 0.06) / 0.06) ** 2) - ((z - 0.42) / 0.12) ** 2) * np.clip(np.abs(c), 0, 1) ** 4
+    side = (
+        np.exp(-(((y - 0.06) / 0.06) ** 2) - ((z - 0.42) / 0.12) ** 2)
+        * np.clip(np.abs(c), 0, 1) ** 4
+    )
     x = x + 0.075 * np.sign(c) * side  # ears
     line = 0.76 + 0.0 * n - 0.5 * np.clip(n + 0.45, 0, 1)
     hair = np.clip((z - line) / 0.05, 0, 1) * (1 - 0.999 * side)
     wave = 1 + face.curl * ripples(rng, 3.2 * angle / np.pi + 0 * z, 3 * z + 0.4 * angle, 10, 0.9)
+    wave = 1 + (wave - 1) * np.clip((0.99 - z) / 0.15, 0, 1)  # one height at the crown
     grow = 1 + face.hair * hair * wave / 0.4
     x, y = x * grow, 0.03 + (y - 0.03) * grow
     z = z + face.hair * hair * wave * np.clip((z - 0.8) / 0.2, 0, 1)
     points = _posed(np.stack([x, y, z], -1), face) * height
     points[..., 2] -= points[..., 2].min()
-    closed = np.concatenate([np.broadcast_to(points[:1].mean(1, keepdims=True), points[:1].shape), points])
+    closed = np.concatenate(
+        [np.broadcast_to(points[:1].mean(1, keepdims=True), points[:1].shape), points]
+    )
     return sheet(closed[:, ::-1], closed=True)
 
 
 def _posed(points: Points, face: Face) -> Points:
     """The head turned and nodded upon its neck."""
     x, y, z = np.moveaxis(points, -1, 0)
-    share = np.clip((z + 0.38) / 0.4, 0, 1) ** 2 * (3 - 2 * np.clip((z + 0.38) / 0.4, 0, 1))
+    share = np.clip((z + 0.25) / 0.3, 0, 1)
+    share = share**2 * (3 - 2 * share)
     c, s = np.cos(face.turn * share), np.sin(face.turn * share)
     x, y = c * x - s * y, s * x + c * y
     p, q = np.cos(face.nod * share), np.sin(face.nod * share)
@@ -191,7 +200,9 @@ def socle(width: float, height: float, square: bool) -> Mesh:
         )
     profile = np.array([(0, 0.15), (0.46, 0.15), (0.46, 0.3), (0.3, 0.42), (0.24, 0.6), (0.3, 0.82),
                         (0.42, 0.9), (0.42, 1.0), (0, 1.0)]) * [w, h]  # fmt: skip
-    return joined([turned(profile, 24, 18), boards([(-w / 2, w / 2, -w / 2, w / 2, 0, 0.2 * h)], 0.003)])
+    return joined(
+        [turned(profile, 24, 18), boards([(-w / 2, w / 2, -w / 2, w / 2, 0, 0.2 * h)], 0.003)]
+    )
 
 
 STATUARY: tuple[Material, ...] = (

@@ -4,10 +4,10 @@ import numpy as np
 
 from cmtof.scenes.rooms.joinery import boards
 from cmtof.scenes.rooms.materials import Material, Style, darker
-from cmtof.scenes.rooms.pliant import spline
+from cmtof.scenes.rooms.pliant import slab, spline
 from cmtof.scenes.rooms.portraits import Face, draw_face, portrait, socle, statuary
-from cmtof.scenes.rooms.shaping import handle, modelled, pick, stood, turned
-from cmtof.scenes.rooms.solids import ball, blob, cylinder, faceted, joined, sheet, tube
+from cmtof.scenes.rooms.shaping import handle, hollow, laid, modelled, on_wall, pick, stood, turned
+from cmtof.scenes.rooms.solids import ball, blob, faceted, joined, revolve, tube
 from cmtof.scenes.rooms.tableware import BRASS
 from cmtof.scenes.rooms.thing import Mesh, Thing
 from cmtof.scenes.rooms.vessels import Maker, between
@@ -70,12 +70,18 @@ def statuette(rng: np.random.Generator, style: Style) -> Thing:
     for side in (-1, 1):
         toe = [side * 0.045, -side * stride, 0.085]
         knee = [side * 0.05, -0.5 * side * stride - 0.015, 0.29]
-        limbs.append(handle([toe, knee, hip + [side * 0.04, 0, 0]], [0.022, 0.03, 0.028, 0.045], sides=9))
-        limbs.append(modelled((0.04, 0.1, 0.04), centre=(toe[0], toe[1] - 0.02, 0.092), subdivisions=2))
+        limbs.append(
+            handle([toe, knee, hip + [side * 0.04, 0, 0]], [0.022, 0.03, 0.028, 0.045], sides=9)
+        )
+        limbs.append(
+            modelled((0.04, 0.1, 0.04), centre=(toe[0], toe[1] - 0.02, 0.092), subdivisions=2)
+        )
         raise_ = between(rng, -0.2, 0.25) if rng.uniform() < 0.5 else -0.2
         elbow = chest + [side * 0.13, between(rng, -0.06, 0.04), 0.04 + 0.6 * raise_]
         hand = elbow + [side * between(rng, -0.05, 0.09), between(rng, -0.1, 0.0), 0.8 * raise_]
-        limbs.append(handle([chest + [side * 0.07, 0, 0.05], elbow, hand], [0.026, 0.022, 0.017], sides=8))
+        limbs.append(
+            handle([chest + [side * 0.07, 0, 0.05], elbow, hand], [0.026, 0.022, 0.017], sides=8)
+        )
     trunk = spline([hip + [0, 0, -0.03], (hip + chest) / 2, chest, chest + [0, 0, 0.075]], 10)
     body = tube(trunk, np.interp(np.linspace(0, 1, 10), [0, 0.15, 0.45, 0.75, 1],
                                  [0.055, 0.068, 0.05, 0.072, 0.03]), 14)  # fmt: skip
@@ -88,7 +94,9 @@ def statuette(rng: np.random.Generator, style: Style) -> Thing:
         gown = turned(skirt, 40, 14)
         x, y, z = gown.vertices.T.astype(float)
         fold = 1 + 0.09 * np.cos(9 * np.arctan2(y, x)) * np.clip((0.6 - z) / 0.4, 0, 1)
-        figure.append(Mesh(np.stack([x * fold + sway, y * fold, z], -1).astype(np.float32), gown.faces))
+        figure.append(
+            Mesh(np.stack([x * fold + sway, y * fold, z], -1).astype(np.float32), gown.faces)
+        )
     whole = joined(figure)
     return stood(thing.add(Mesh(whole.vertices * np.float32(h), whole.faces), stuff))
 
@@ -98,7 +106,9 @@ def _ring(rng: np.random.Generator, h: float, foot: float) -> Mesh:
     t = np.linspace(0, 2 * np.pi, 41)
     r = 0.36 * h
     twist = between(rng, 0.0, 0.14) * h
-    path = np.stack([r * np.sin(t), twist * np.sin(2 * t), foot + 1.2 * r - 1.25 * r * np.cos(t)], -1)
+    path = np.stack(
+        [r * np.sin(t), twist * np.sin(2 * t), foot + 1.2 * r - 1.25 * r * np.cos(t)], -1
+    )
     return tube(path, 0.05 * h * (1.25 + 0.6 * np.cos(t - 2.2)), 14)
 
 
@@ -115,16 +125,22 @@ def owl_figure(rng: np.random.Generator, style: Style) -> Thing:
     wings = [modelled((0.14 * wide, 0.6 * wide, 0.58 * h), [((0, 0.4, -1), 0.5, 0.2)],
                       (side * 0.47 * wide, 0.06 * wide, 0.4 * h), subdivisions=2)
              for side in (-1, 1)]  # fmt: skip
-    feet = [modelled((0.2 * wide, 0.22 * wide, 0.07 * h), centre=(side * 0.17 * wide, -0.4 * wide, 0.034 * h),
+    feet = [modelled((0.2 * wide, 0.22 * wide, 0.07 * h), centre=(side * 0.17 * wide, -0.3 * wide, 0.034 * h),
                      subdivisions=2) for side in (-1, 1)]  # fmt: skip
-    tail = modelled((0.4 * wide, 0.2 * wide, 0.3 * h), centre=(0, 0.42 * wide, 0.15 * h), subdivisions=2)
+    tail = modelled(
+        (0.4 * wide, 0.2 * wide, 0.3 * h), centre=(0, 0.42 * wide, 0.15 * h), subdivisions=2
+    )
     beak = modelled((0.1 * wide, 0.18 * wide, 0.11 * h), [((0, -0.6, -1), 0.4, 0.3)],
                     (0, -0.42 * wide, 0.72 * h), subdivisions=2)  # fmt: skip
-    eyes = [ball(0.115 * wide, (side * 0.19 * wide, -0.345 * wide, 0.765 * h), 2) for side in (-1, 1)]
+    eyes = [
+        ball(0.115 * wide, (side * 0.19 * wide, -0.345 * wide, 0.765 * h), 2) for side in (-1, 1)
+    ]
     thing = Thing("owl").add(joined([body, head, *wings, *feet, tail]), stuff)
     pale = Material((0.6, 0.42, 0.08), specular=0.2, gloss=300.0)
     thing.add(joined([beak]), pale if rng.uniform() < 0.5 else stuff)
-    pupils = [ball(0.06 * wide, (side * 0.19 * wide, -0.43 * wide, 0.765 * h), 2) for side in (-1, 1)]
+    pupils = [
+        ball(0.06 * wide, (side * 0.19 * wide, -0.43 * wide, 0.765 * h), 2) for side in (-1, 1)
+    ]
     thing.add(joined(eyes), pale)
     return stood(thing.add(joined(pupils), Material((0.01, 0.01, 0.01), specular=0.2, gloss=500.0)))
 
@@ -153,8 +169,12 @@ def _cat(rng: np.random.Generator) -> tuple[str, list[Mesh]]:
                     ((-0.4, -1, 0.15), 0.14, -0.08)], (between(rng, -0.05, 0.05), -0.14, 0.8))  # fmt: skip
     legs = [handle([(s * 0.09, -0.13, 0.5), (s * 0.1, -0.2, 0.22), (s * 0.1, -0.22, 0.04)],
                    [0.09, 0.065, 0.055], count=7) for s in (-1, 1)]  # fmt: skip
-    paws = [modelled((0.13, 0.2, 0.09), centre=(s * 0.1, -0.25, 0.045), subdivisions=2) for s in (-1, 1)]
-    haunch = [modelled((0.2, 0.4, 0.36), centre=(s * 0.17, 0.12, 0.18), subdivisions=2) for s in (-1, 1)]
+    paws = [
+        modelled((0.13, 0.2, 0.09), centre=(s * 0.1, -0.25, 0.045), subdivisions=2) for s in (-1, 1)
+    ]
+    haunch = [
+        modelled((0.2, 0.4, 0.36), centre=(s * 0.17, 0.12, 0.18), subdivisions=2) for s in (-1, 1)
+    ]
     tail = handle([(0, 0.34, 0.06), (0.2, 0.38, 0.05), (0.34, 0.2, 0.05), (0.33, -0.02, 0.05)],
                   [0.06, 0.055, 0.045, 0.04])  # fmt: skip
     return "cat", [body, chest, head, *legs, *paws, *haunch, tail]
@@ -171,9 +191,13 @@ def _legs(x: float, y: float, top: float, thick: tuple[float, ...], stride: floa
 
 
 def _horse(rng: np.random.Generator) -> tuple[str, list[Mesh]]:
-    body = modelled((0.9, 0.34, 0.4), [((1, 0, 0.2), 0.5, 0.06), ((-1, 0, 0.3), 0.5, 0.08)], (0, 0, 0.66))
+    body = modelled(
+        (0.9, 0.34, 0.4), [((1, 0, 0.2), 0.5, 0.06), ((-1, 0, 0.3), 0.5, 0.08)], (0, 0, 0.66)
+    )
     neck = handle([(-0.3, 0, 0.7), (-0.45, 0, 0.9), (-0.56, 0, 1.1)], [0.17, 0.13, 0.09], sides=12)
-    head = modelled((0.36, 0.15, 0.18), [((-1, 0, -0.1), 0.4, 0.12)], (-0.66, 0, 1.08), subdivisions=2)
+    head = modelled(
+        (0.36, 0.15, 0.18), [((-1, 0, -0.1), 0.4, 0.12)], (-0.66, 0, 1.08), subdivisions=2
+    )
     ears = [handle([(-0.55, s * 0.04, 1.13), (-0.54, s * 0.05, 1.24)], [0.03, 0.006], count=4, sides=5)
             for s in (-1, 1)]  # fmt: skip
     mane = handle([(-0.6, 0, 1.16), (-0.44, 0, 1.08), (-0.3, 0, 0.88)], [0.03, 0.05, 0.03])
@@ -195,13 +219,19 @@ def _elephant(rng: np.random.Generator) -> tuple[str, list[Mesh]]:
     tusks = [handle([(-0.6, s * 0.1, 0.66), (-0.72, s * 0.11, 0.56), (-0.84, s * 0.1, 0.58)],
                     [0.03, 0.025, 0.006], count=6, sides=6) for s in (-1, 1)]  # fmt: skip
     legs = _legs(0.3, 0.17, 0.5, (0.13, 0.11, 0.11), between(rng, 0, 0.06))
-    tail = handle([(0.54, 0, 0.7), (0.6, 0, 0.5), (0.58, 0, 0.35)], [0.02, 0.015, 0.025], count=6, sides=5)
+    tail = handle(
+        [(0.54, 0, 0.7), (0.6, 0, 0.5), (0.58, 0, 0.35)], [0.02, 0.015, 0.025], count=6, sides=5
+    )
     return "elephant", [body, head, trunk, *ears, *tusks, *legs, tail]
 
 
 def _bird(rng: np.random.Generator) -> tuple[str, list[Mesh]]:
-    body = modelled((0.85, 0.42, 0.46), [((1, 0, 0.5), 0.3, 0.5), ((-1, 0, 0.1), 0.5, 0.06)], (0, 0, 0.42))
-    head = modelled((0.32, 0.28, 0.28), [((-1, 0, -0.1), 0.16, 0.6)], (-0.36, 0, 0.72), subdivisions=3)
+    body = modelled(
+        (0.85, 0.42, 0.46), [((1, 0, 0.5), 0.3, 0.5), ((-1, 0, 0.1), 0.5, 0.06)], (0, 0, 0.42)
+    )
+    head = modelled(
+        (0.32, 0.28, 0.28), [((-1, 0, -0.1), 0.16, 0.6)], (-0.36, 0, 0.72), subdivisions=3
+    )
     neck = handle([(-0.22, 0, 0.5), (-0.34, 0, 0.7)], [0.17, 0.12], count=5)
     wings = [modelled((0.62, 0.08, 0.26), [((1, 0, 0.3), 0.4, 0.25)], (0.08, s * 0.2, 0.46), subdivisions=2)
              for s in (-1, 1)]  # fmt: skip
@@ -215,19 +245,23 @@ def trophy(rng: np.random.Generator, style: Style) -> Thing:
     metal = BRASS if rng.uniform() < 0.6 else Material((0.6, 0.6, 0.62), specular=0.75, gloss=200.0)
     base = 0.2 * h
     block = boards([(-0.2 * h, 0.2 * h, -0.2 * h, 0.2 * h, 0, base)], 0.004)
-    stone = Material((0.03, 0.03, 0.03), (0.2, 0.2, 0.2), "marble", 0.08, specular=0.15, gloss=200.0)
-    from cmtof.scenes.rooms.shaping import hollow
-
+    stone = Material(
+        (0.03, 0.03, 0.03), (0.2, 0.2, 0.2), "marble", 0.08, specular=0.15, gloss=200.0
+    )
     cup = np.array([(0, 0.2), (0.15, 0.2), (0.15, 0.23), (0.04, 0.28), (0.03, 0.38), (0.06, 0.42),
                     (0.17, 0.52), (0.21, 0.75), (0.23, 0.95)]) * h  # fmt: skip
     body = hollow(cup, 0.004, floor=0.47 * h)
     ears = []
     for side in (-1, 1):
-        path = np.array([(0.19, 0, 0.6), (0.3, 0, 0.62), (0.34, 0, 0.82), (0.27, 0, 0.92), (0.22, 0, 0.86)])
+        path = np.array(
+            [(0.19, 0, 0.6), (0.3, 0, 0.62), (0.34, 0, 0.82), (0.27, 0, 0.92), (0.22, 0, 0.86)]
+        )
         ears.append(handle(path * [side * h, h, h], 0.013 * h + 0.001, sides=7))
     thing = Thing("trophy").add(block, stone if rng.uniform() < 0.6 else style.wood)
     thing.add(joined([body, *ears]), metal)
-    plate = boards([(-0.11 * h, 0.11 * h, -0.2 * h - 0.0015, -0.19 * h, 0.3 * base, 0.75 * base)], 0.0004)
+    plate = boards(
+        [(-0.11 * h, 0.11 * h, -0.2 * h - 0.0015, -0.19 * h, 0.3 * base, 0.75 * base)], 0.0004
+    )
     thing.add(plate, Material((0.62, 0.5, 0.25), (0.1, 0.08, 0.04), "marks", 0.006, specular=0.3))
     if rng.uniform() < 0.4:
         lid = np.array([(0, 0.955), (0.235, 0.955), (0.2, 1.0), (0.05, 1.05), (0.03, 1.08), (0.05, 1.13),
@@ -240,20 +274,27 @@ def skull(rng: np.random.Generator, style: Style) -> Thing:
     """A skull with eye sockets, nose hole, cheek bones, teeth and jaw, m."""
     s = between(rng, 0.85, 1.1)
     bumps = [((0.33, -1, -0.28), 0.15, -0.35), ((-0.33, -1, -0.28), 0.15, -0.35),
-             ((0, -1, -0.62), 0.1, -0.3), ((0.4, -1, -0.02), 0.2, 0.1), ((-0.4, -1, -0.02), 0.2, 0.1),
+             ((0, -1, -0.55), 0.1, -0.12), ((0.4, -1, -0.02), 0.2, 0.1), ((-0.4, -1, -0.02), 0.2, 0.1),
              ((0.7, -0.8, -0.62), 0.16, 0.14), ((-0.7, -0.8, -0.62), 0.16, 0.14),
              ((1, -0.3, -0.1), 0.3, -0.08), ((-1, -0.3, -0.1), 0.3, -0.08),
-             ((0, -1, -0.95), 0.28, 0.1), ((0, 0.6, -1), 0.5, -0.15)]  # fmt: skip
-    cranium = modelled((0.145, 0.19, 0.15), bumps, (0, 0.015, 0.12), subdivisions=4)
-    t = np.linspace(-1.9, 1.9, 19)
-    arch = np.stack([0.036 * np.sin(t), -0.052 - 0.03 * np.cos(t), np.full(19, 0.03)], -1)
-    jaw = np.stack([0.045 * np.sin(t), -0.035 - 0.045 * np.cos(t), 0.012 + 0.028 * (np.abs(t) / 1.9) ** 4], -1)
-    teeth = [ball(0.0045, tuple(arch[k] + [0, 0.004, dz]), 1) for k in range(3, 16) for dz in (0.0, 0.009)]
-    upper = tube(arch + [0, 0.006, 0.02], 0.011, 8)
+             ((0, -1, -0.95), 0.28, 0.1), ((0, 0.6, -1), 0.5, -0.2)]  # fmt: skip
+    cranium = modelled((0.14, 0.185, 0.15), bumps, (0, 0.015, 0.125), subdivisions=4)
+    t = np.linspace(-1.35, 1.35, 15)
+    arch = np.stack([0.031 * np.sin(t), -0.04 - 0.035 * np.cos(t), np.full(15, 0.03)], -1)
+    line = [(-0.058, 0.012, 0.085), (-0.054, 0.0, 0.03), (-0.035, -0.05, 0.012), (0, -0.078, 0.011),
+            (0.035, -0.05, 0.012), (0.054, 0.0, 0.03), (0.058, 0.012, 0.085)]  # fmt: skip
+    mandible = handle(line, [0.008, 0.011, 0.0125, 0.0135, 0.0125, 0.011, 0.008], count=25, sides=9)
+    chin = modelled((0.034, 0.02, 0.024), centre=(0, -0.082, 0.013), subdivisions=1)
+    teeth = [boards([(x - 0.0029, x + 0.0029, y - 0.003, y + 0.004, z, z + 0.0105)], 0)
+             for x, y, _ in arch for z in (0.022, 0.0335)]  # fmt: skip
+    upper = modelled((0.064, 0.068, 0.1), [((0, -1, 0.5), 0.2, -0.55), ((0, -1, -0.5), 0.4, 0.1)],
+                     (0, -0.037, 0.078), subdivisions=3)  # fmt: skip
+    cheeks = [handle([(s * 0.025, -0.055, 0.085), (s * 0.056, -0.056, 0.084), (s * 0.067, -0.01, 0.096)],
+                     [0.012, 0.0095, 0.005], count=8, sides=7) for s in (-1, 1)]  # fmt: skip
     bone = Material((0.62, 0.55, 0.4), (0.5, 0.42, 0.28), "noise", 0.03, specular=0.03)
     if rng.uniform() < 0.4:
         bone = statuary(rng)
-    whole = joined([cranium, upper, tube(jaw, 0.0115, 8), *teeth])
+    whole = joined([cranium, upper, mandible, chin, *cheeks, *teeth])
     return stood(Thing("skull").add(Mesh(whole.vertices * np.float32(s), whole.faces), bone))
 
 
@@ -271,7 +312,9 @@ def stone(rng: np.random.Generator, style: Style) -> Thing:
     z = 0.0
     for k in range(1 if kind == 0 else int(rng.integers(3, 6))):
         w = size * 0.82**k
-        mesh = blob(rng, (w, 0.8 * w, 0.42 * w), roughness=0.1, waves=6, subdivisions=3)
+        mesh = blob(
+            rng, (w, 0.8 * w, 0.42 * w), roughness=0.1, waves=6, subdivisions=3 if kind == 0 else 2
+        )
         thing.add(lifted(mesh, *rng.normal(0, 0.03 * size, 2), z), stuff)
         z += float(mesh.vertices[:, 2].max()) - 0.002
     return stood(thing)
@@ -288,16 +331,25 @@ def shell(rng: np.random.Generator, style: Style) -> Thing:
         grow = np.exp(3.2 * (t - 1))
         a = 2 * np.pi * turns * t
         size = between(rng, 0.03, 0.05)
-        path = np.stack([size * grow * np.cos(a), size * grow * np.sin(a), 2.4 * size * (1 - grow)], -1)
+        path = np.stack(
+            [
+                0.62 * size * grow * np.cos(a),
+                0.62 * size * grow * np.sin(a),
+                1.9 * size * (1 - grow),
+            ],
+            -1,
+        )
         ribs = 1 + 0.06 * np.cos(26 * a / 2 / np.pi * 4)
-        coil = tube(path, 0.62 * size * grow * ribs, 12)
+        coil = tube(path, 0.6 * size * grow * ribs, 12)
         return stood(thing.add(Mesh(coil.vertices[:, [2, 0, 1]], coil.faces), stuff))
     r, n, m = between(rng, 0.04, 0.075), 13, 57
     u, v = np.meshgrid(np.linspace(0.04, 1, n), np.linspace(-1.15, 1.15, m), indexing="ij")
     edge = 1 + 0.03 * np.cos(13 * v * 2.1)
     x, y = r * u * edge * np.sin(v), r * u * edge * np.cos(v)
-    z = 0.34 * r * np.sqrt(np.clip(1.05 - u**2, 0, 1)) * np.cos(0.9 * v) + 0.018 * r * u * np.cos(13 * v * 2.1)
-    fan = sheet(np.stack([x, y, z], -1)[:, ::-1], thickness=0.0018)
+    z = 0.34 * r * np.sqrt(np.clip(1.05 - u**2, 0, 1)) * np.cos(0.9 * v) + 0.018 * r * u * np.cos(
+        13 * v * 2.1
+    )
+    fan = slab(np.stack([x, y, z], -1)[:, ::-1], 0.0018)
     hinge = boards([(-0.28 * r, 0.28 * r, -0.05 * r, 0.1 * r, 0.2 * r, 0.28 * r)], 0.002)
     return stood(thing.add(joined([fan, hinge]), stuff))
 
@@ -310,11 +362,14 @@ def globe(rng: np.random.Generator, style: Style) -> Thing:
     middle = np.array([0, 0, 1.55 * r + 0.03])
     sea = Material(((0.05, 0.2, 0.4), (0.5, 0.4, 0.22), (0.03, 0.04, 0.06))[int(rng.integers(3))],
                    (0.35, 0.3, 0.12), "picture", 1.1 * r, specular=0.1, gloss=120.0)  # fmt: skip
-    body = ball(r, middle, 4 if r > 0.1 else 3)
+    body = lifted(_sphere(r), *middle)
     a = np.linspace(0, np.pi, 21)
     side = np.array([np.cos(tilt), 0, -np.sin(tilt)])
     ring = middle + 1.07 * r * (np.cos(a)[:, None] * axis + np.sin(a)[:, None] * side)
-    pins = [tube([middle + s * 0.97 * r * axis, middle + s * 1.1 * r * axis], 0.035 * r, 8) for s in (-1, 1)]
+    pins = [
+        tube([middle + s * 0.97 * r * axis, middle + s * 1.1 * r * axis], 0.035 * r, 8)
+        for s in (-1, 1)
+    ]
     metal = style.metal if rng.uniform() < 0.5 else BRASS
     thing = Thing("globe").add(body, sea)
     thing.add(joined([tube(ring, 0.035 * r, 8), *pins]), metal)
@@ -326,14 +381,24 @@ def globe(rng: np.random.Generator, style: Style) -> Thing:
     return stood(thing)
 
 
+def _sphere(radius: float) -> Mesh:
+    a = np.linspace(-np.pi / 2, np.pi / 2, 25)
+    return revolve(radius * np.stack([np.cos(a), np.sin(a)], -1), 44)
+
+
 def mask(rng: np.random.Generator, style: Style) -> Thing:
     """A carved or painted mask that hangs on a wall, m."""
     h = between(rng, 0.12, 0.2)
     face = Face(between(rng, 0.12, 0.2), between(rng, 0.02, 0.07), between(rng, 0.03, 0.07), 0.0, 0.3,
                 0.0, 0.0, 0.0, 1.0, "neck")  # fmt: skip
-    head = portrait(rng, face, h, 44, 44)
+    head = portrait(rng, face, h, 42, 42)
     p = head.vertices.astype(float)
-    keep = np.flatnonzero(((p[head.faces][:, :, 1] < 0.12 * h) & (p[head.faces][:, :, 2] > 0.45 * h)).all(1))
+    top = float(p[:, 2].max())
+    chin = top - h
+    corners = p[head.faces]
+    keep = np.flatnonzero(
+        ((corners[..., 1] < 0.1 * h) & (corners[..., 2] > chin - 0.02 * h)).all(1)
+    )
     faces = head.faces[keep]
     long = between(rng, 1.0, 1.4)
     used, faces = np.unique(faces, return_inverse=True)
@@ -345,8 +410,6 @@ def mask(rng: np.random.Generator, style: Style) -> Thing:
     stuff = (style.wood, style.accent, statuary(rng))[int(rng.integers(3))]
     thing = Thing("mask").add(joined([front, rear]), stuff)
     pupils = []
-    top = float(p[:, 2].max())
-    chin = top - h
     for side in (-1, 1):
         pupils.append(ball(0.055 * h, (side * 0.14 * h, -0.31 * h, (chin + 0.475 * h) * long), 2))
     thing.add(joined(pupils), Material((0.01, 0.01, 0.01), specular=0.0))
@@ -355,12 +418,7 @@ def mask(rng: np.random.Generator, style: Style) -> Thing:
         path = [(side * 0.2 * h, -0.05 * h, (chin + 0.9 * h) * long), (side * 0.4 * h, -0.1 * h, (chin + 1.15 * h) * long),
                 (side * 0.32 * h, -0.15 * h, (chin + 1.4 * h) * long)]  # fmt: skip
         thing.add(handle(path, [0.08 * h, 0.06 * h, 0.012 * h], sides=9), stuff)
-    low, high = thing.bounds
-    thing.parts = [
-        part._replace(mesh=lifted(part.mesh, -(low[0] + high[0]) / 2, -high[1], -(low[2] + high[2]) / 2))
-        for part in thing.parts
-    ]
-    return thing
+    return on_wall(thing)
 
 
 CATALOGUE: dict[str, Maker] = {

@@ -8,11 +8,21 @@ import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from cmtof.scenes.rooms.patterns import pattern, value_noise
 
 TILE = 8
-"""Side of the block of pixels that share one set of samples."""
+"""Side of the blocks of pixels, of which each has the same set of samples."""
+
+
+def sample_order(height: int, width: int) -> NDArray[np.int32]:
+    """Number (H·W,) of each pixel's samples: scrambled within a tile, other in the next tiles."""
+    y, x = np.indices((height, width), dtype=np.int32).reshape(2, -1)
+    tile = (x // TILE) % 4 + 4 * ((y // TILE) % 4)
+    x, y = x % TILE, y % TILE
+    return (29 * x + 37 * y + 8 * (x ^ y)) % 64 + 64 * ((7 * tile) % 16)
+
 
 _STEPS = np.sqrt([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53.0])
 
@@ -112,20 +122,9 @@ def _sample(index, dimension):  # pragma: no cover - compiled
     return value - math.floor(value)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
-def _order(i, width):  # pragma: no cover - compiled
-    """Number of pixel ``i`` within its 4 x 4 tiles, scrambled so that neighbours ask far apart."""
-    if width <= 0:
-        return i
-    x, y = i % width, i // width
-    tile = (x // TILE) % 4 + 4 * ((y // TILE) % 4)
-    x, y = x % TILE, y % TILE
-    return (x * 29 + y * 37 + (x ^ y) * 8) % 64 + 64 * ((tile * 7) % 16)
-
-
 @njit(cache=True, error_model="numpy", nogil=True, fastmath=True)
 def lamp_rays(
-    position, normal, shading, view, gloss, lights, low, cell, seen, sample, width,
+    position, normal, shading, view, gloss, lights, low, cell, seen, sample, order,
     direction, reach, diffuse, shine,
 ):  # fmt: skip  # pragma: no cover - compiled
     """One ray a point towards one of the lamps, drawn by how much it seems to give.
@@ -174,7 +173,7 @@ def lamp_rays(
             total += share[k]
         if total <= 0:
             continue
-        index = _order(i, width)
+        index = order[i]
         pick = total * _sample(index, 3 * sample)
         k = 0
         while k < count - 1 and pick >= share[k]:
@@ -240,10 +239,10 @@ def sun_light(
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath=True)
-def scattered_rays(normal, sample, width, direction):  # pragma: no cover - compiled
+def scattered_rays(normal, sample, order, direction):  # pragma: no cover - compiled
     """One direction a point, by the cosine law about its normal."""
     for i in range(len(normal)):
-        index = _order(i, width)
+        index = order[i]
         a, b = _sample(index, 2 * sample + 12), _sample(index, 2 * sample + 13)
         nx, ny, nz = normal[i, 0], normal[i, 1], normal[i, 2]
         radius, angle = math.sqrt(a), 2 * math.pi * b
@@ -260,11 +259,12 @@ def scattered_rays(normal, sample, width, direction):  # pragma: no cover - comp
 def smoothed(
     image, triangle, part, normal, position, height, width, stride
 ):  # pragma: no cover - compiled
-    """Mean over 8 x 8 pixels of (H·W, 4) along rows, then columns, within one smooth surface.
+    """Mean over 8 x 8 pixels of (H·W, 8) along rows, then columns, within one smooth surface.
 
     ``stride`` is the distance between the pixels that are taken.
     """
     one, two = np.zeros_like(image), np.zeros_like(image)
+    total = np.empty(8, np.float32)
     for axis in range(2):
         source, target = (image, one) if axis == 0 else (one, two)
         step = stride if axis == 0 else stride * width
@@ -276,20 +276,18 @@ def smoothed(
                 here, last = (x, width) if axis == 0 else (y, height)
                 low = max(axis - 4, -(here // stride))
                 high = min(axis + 4, (last - 1 - here) // stride + 1)
-                a, b, c, d, count = 0.0, 0.0, 0.0, 0.0, 0
+                count = np.float32(0)
+                total[:] = 0
                 for k in range(low, high):
                     j = i + k * step
-                    if triangle[j] != triangle[i] and (
-                        part[j] != part[i] or not _one_surface(i, j, normal, position)
+                    if triangle[j] == triangle[i] or (
+                        part[j] == part[i] and _one_surface(i, j, normal, position)
                     ):
-                        continue
-                    a += source[j, 0]
-                    b += source[j, 1]
-                    c += source[j, 2]
-                    d += source[j, 3]
-                    count += 1
-                target[i, 0], target[i, 1] = a / count, b / count
-                target[i, 2], target[i, 3] = c / count, d / count
+                        for q in range(8):
+                            total[q] += source[j, q]
+                        count += np.float32(1)
+                for q in range(8):
+                    target[i, q] = total[q] / count
     return two
 
 

@@ -1,6 +1,7 @@
 """Shaping of small things: turned ware, spouts, modelled clay, and standing them on z = 0."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.scenes.rooms.joinery import rounded
 from cmtof.scenes.rooms.pliant import spline
 from cmtof.scenes.rooms.solids import ball, revolve, sheet, tube
-from cmtof.scenes.rooms.thing import Mesh, Thing, transformed
+from cmtof.scenes.rooms.thing import Mesh, Thing, pose, transformed
 
 Points = NDArray[np.float64]
 Bump = tuple[tuple[float, float, float], float, float]
@@ -144,22 +145,35 @@ def laid(mesh: Mesh, axis: int = 0) -> Mesh:
     return Mesh(mesh.vertices @ np.array(turns[axis], np.float32).T, mesh.faces)
 
 
-def stood(thing: Thing) -> Thing:
-    """Move a thing until its footprint's middle is the origin and its lowest point is z = 0."""
-    low, high = thing.bounds
-    shift = -np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-    thing.parts = [
-        part._replace(mesh=Mesh((part.mesh.vertices + shift).astype(np.float32), part.mesh.faces))
-        for part in thing.parts
-    ]
-    for _, motion in thing.children:
-        motion[:3, 3] += shift
+def shifted_by(thing: Thing, shift: Points) -> Thing:
+    """A copy of a thing, moved with all that it carries, m."""
     dx, dy, dz = (float(v) for v in shift)
-    thing.supports = [
-        s._replace(x0=s.x0 + dx, x1=s.x1 + dx, y0=s.y0 + dy, y1=s.y1 + dy, z=s.z + dz)
-        for s in thing.supports
-    ]
-    return thing
+    return replace(
+        thing,
+        parts=[
+            part._replace(
+                mesh=Mesh((part.mesh.vertices + shift).astype(np.float32), part.mesh.faces)
+            )
+            for part in thing.parts
+        ],
+        supports=[
+            s._replace(x0=s.x0 + dx, x1=s.x1 + dx, y0=s.y0 + dy, y1=s.y1 + dy, z=s.z + dz)
+            for s in thing.supports
+        ],
+        children=[(child, pose(dx, dy, dz) @ motion) for child, motion in thing.children],
+    )
+
+
+def stood(thing: Thing) -> Thing:
+    """A copy with its footprint's middle at the origin and its lowest point at z = 0."""
+    low, high = thing.bounds
+    return shifted_by(thing, -np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]]))
+
+
+def on_wall(thing: Thing) -> Thing:
+    """A copy whose back touches the wall, y = 0, about x = 0 and z = 0."""
+    low, high = thing.bounds
+    return shifted_by(thing, -np.array([(low[0] + high[0]) / 2, high[1], (low[2] + high[2]) / 2]))
 
 
 def absorbed(thing: Thing, other: Thing, motion: Points) -> Thing:

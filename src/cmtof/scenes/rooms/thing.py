@@ -78,6 +78,9 @@ class Thing:
     supports: list[Support] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
     children: list[tuple["Thing", Pose]] = field(default_factory=list)
+    _bounds: tuple[list[NDArray], int, NDArray[np.float64]] | None = field(
+        default=None, init=False, repr=False, compare=False
+    )
 
     def add(self, mesh: Mesh, material: Material, grain: int = 0) -> "Thing":
         """Append a part; returns the thing itself."""
@@ -92,10 +95,20 @@ class Thing:
     @property
     def bounds(self) -> NDArray[np.float64]:
         """Lowest and highest corner, (2, 3), m, of parts and children."""
-        low, high = [], []
-        for part in self.parts:
-            low.append(part.mesh.vertices.min(axis=0))
-            high.append(part.mesh.vertices.max(axis=0))
+        meshes = [part.mesh.vertices for part in self.parts]
+        known = self._bounds
+        if (
+            known is None
+            or known[1] != len(self.children)
+            or len(known[0]) != len(meshes)
+            or any(old is not new for old, new in zip(known[0], meshes, strict=True))
+        ):
+            known = self._bounds = meshes, len(self.children), self._measured()
+        return known[2].copy()
+
+    def _measured(self) -> NDArray[np.float64]:
+        low = [part.mesh.vertices.min(axis=0) for part in self.parts]
+        high = [part.mesh.vertices.max(axis=0) for part in self.parts]
         for thing, motion in self.children:
             bounds = thing.bounds
             middle = motion[:3, :3] @ bounds.mean(axis=0) + motion[:3, 3]

@@ -48,18 +48,13 @@ def picture(
     flat = np.ascontiguousarray(directions.reshape(-1, 3), np.float32)
     starts = np.broadcast_to(origin.astype(np.float32), flat.shape)
     hits = light.tracer.nearest(np.ascontiguousarray(starts), flat)
-    distance, points, albedo = _surfaces(light, origin[None], flat, hits, width)
+    distance, points, albedo = _surfaces(
+        light, origin[None], flat, hits, shading.sample_order(height, width)
+    )
     part = np.where(hits.triangle < 0, -1, light.geometry.part[np.maximum(hits.triangle, 0)])
     part = part.astype(np.int32)
 
-    lamps, shine = light.direct(points, samples=samples)
-    soft = np.column_stack([lamps, shine])
-    scattered = np.pad(light.gathered(points, samples=1), ((0, 0), (0, 1)))
-    for near, wide in ((1, 1), (2, 4)):  # scattered light changes slowly, shadows of lamps do not
-        surface = (hits.triangle, part, points.normal, points.position, height, width)
-        soft = shading.smoothed(soft, *surface, near)
-        scattered = shading.smoothed(scattered, *surface, wide)
-    soft += scattered
+    soft = _soft_light(light, points, hits, part, (height, width), samples)
     sun, glint = light.sunlight(points)
     specular, emission = points.gloss[:, :1], points.gloss[:, 2:]
     colour = albedo * (1 - specular) * (soft[:, :3] + sun) + albedo * emission
@@ -75,8 +70,37 @@ def picture(
     )
 
 
+def _soft_light(
+    light: Illumination,
+    points: Points,
+    hits: Hits,
+    part: NDArray[np.int32],
+    shape: tuple[int, int],
+    samples: int,
+) -> Array:
+    """Irradiance and mirrored radiance (N, 4) without the sun: few samples, smoothed on surfaces.
+
+    Every other pixel asks, as on a chess board; those between are filled by smoothing.
+    """
+    y, x = np.indices(shape).reshape(2, -1)
+    asking = np.flatnonzero(((x + y) % 2 == 0) & (part >= 0))
+    some = points.at(asking)
+    found = np.zeros((len(part), 8), np.float32)
+    found[asking, :3], found[asking, 3] = light.direct(some, samples)
+    found[asking, 4:7], found[asking, 7] = light.gathered(some, 1), 1
+    for stride in (1, 3):
+        surface = (hits.triangle, part, points.normal, points.position, *shape)
+        found = shading.smoothed(found, *surface, stride)
+    weight = found[:, 7:]
+    soft = found[:, :4] / np.maximum(weight, 1e-6)
+    soft[:, :3] += found[:, 4:7] / np.maximum(weight, 1e-6)
+    lonely = np.flatnonzero((weight[:, 0] == 0) & (part >= 0))
+    soft[lonely, :3] = light.irradiance[hits.triangle[lonely]]
+    return soft
+
+
 def _surfaces(
-    light: Illumination, origin: NDArray, flat: Array, hits: Hits, width: int
+    light: Illumination, origin: NDArray, flat: Array, hits: Hits, order: NDArray[np.int32]
 ) -> tuple[Array, Points, Array]:
     n, g = len(flat), light.geometry
     distance = np.full(n, np.nan, np.float32)
@@ -86,7 +110,7 @@ def _surfaces(
         origin.astype(np.float64), flat, hits.triangle, hits.u, hits.v, g.vertices, g.faces,
         g.normals, g.part, g.materials, pixel, distance, position, normal, smooth, albedo, gloss,
     )  # fmt: skip
-    return distance, Points(position, normal, smooth, flat, gloss, width), albedo
+    return distance, Points(position, normal, smooth, flat, gloss, order), albedo
 
 
 def _tint(albedo: Array, specular: Array) -> Array:
@@ -95,7 +119,7 @@ def _tint(albedo: Array, specular: Array) -> Array:
     return 1 - metallic * (1 - albedo / np.maximum(albedo.max(axis=1, keepdims=True), 1e-3))
 
 
-def _add_reflections(light: Illumination, points: Points, albedo: Array, colour: Array) -> None:
+def _add_reflections(light: Illumination, points: Points, albedo: Array, colour: NDArray) -> None:
     """What mirrors and polished metal show: one more ray, to the triangles' stored light."""
     shiny = np.flatnonzero(points.gloss[:, 0] >= MIRRORED_FROM)
     if not len(shiny):
@@ -106,7 +130,7 @@ def _add_reflections(light: Illumination, points: Points, albedo: Array, colour:
     specular = points.gloss[shiny, :1]
     start = points.position[shiny]
     hits = light.tracer.nearest(start, away)
-    _, _, marks = _surfaces(light, start, away, hits, 0)
+    _, _, marks = _surfaces(light, start, away, hits, points.order[shiny])
     # the triangle's stored light, with the pattern where the ray met it
     plain = np.maximum(light.albedo[np.maximum(hits.triangle, 0)], 1e-3)
     seen = light.met(hits, start) * np.clip(marks / plain, 0, 3)

@@ -10,7 +10,7 @@ from cmtof.scenes.rooms.tracing import Tracer
 
 CELL = 0.8
 """Side of the cells, m."""
-_PROBES = 12  # points a cell
+_PROBES = 8  # points a cell
 _LEAST = 0.03  # share that a lamp keeps where only the neighbours see it
 
 
