@@ -4,8 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cmtof.scenes.rooms import solids
-from cmtof.scenes.rooms.assembly import assemble, subdivided, vertex_normals
+from cmtof.scenes.rooms.assembly import assemble, subdivided
 from cmtof.scenes.rooms.materials import Material
+from cmtof.scenes.rooms.meshing import face_vectors, spread, vertex_normals
 from cmtof.scenes.rooms.thing import Light, Thing, pose, transformed
 
 WHITE = Material((0.8, 0.8, 0.8))
@@ -80,6 +81,24 @@ def test_normals_of_a_sphere_are_its_radii():
 def test_a_box_is_shaded_flat():
     mesh = solids.box((1, 1, 1))
     assert np.abs(vertex_normals(*mesh)).max(axis=1) == pytest.approx(1.0)
+
+
+def test_faces_have_their_area_and_outward_normal():
+    mesh = solids.box((1, 2, 3), (5, 0, 0))
+    middle, normal, size = face_vectors(*mesh)
+    assert size.sum() == pytest.approx(22.0)
+    assert ((middle - [5, 0, 0]) * normal).sum(axis=1).min() > 0
+
+
+def test_light_spreads_to_neighbours_then_to_the_part_and_keeps_a_constant():
+    mesh = solids.joined([solids.box((1, 1, 1)), solids.box((1, 1, 1), (3, 0, 0))])
+    part = np.repeat(np.int32([0, 1]), 12)
+    values, weight = np.full((24, 3), 2.0, np.float32), np.zeros(24, np.float32)
+    weight[0] = weight[12] = 1.0
+    values[12] = 5.0
+    found = spread(values, weight, mesh.faces, part, len(mesh.vertices), 2)
+    assert found[:12] == pytest.approx(np.full((12, 3), 2.0))
+    assert found[12:] == pytest.approx(np.full((12, 3), 5.0))
 
 
 def test_a_child_moves_with_what_carries_it_and_keeps_its_own_number():

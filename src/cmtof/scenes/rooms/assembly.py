@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.scenes.rooms.materials import PATTERNS, Material
+from cmtof.scenes.rooms.meshing import vertex_normals
 from cmtof.scenes.rooms.thing import Light, Part, Pose, Thing, pose, transformed
 
 LONGEST_EDGE = 0.6
@@ -110,9 +111,10 @@ def assemble(
     faces = np.concatenate([m.faces + s for m, s in zip(meshes, starts, strict=True)])
     numbers = np.repeat(np.arange(len(parts), dtype=np.int32), [len(m.faces) for m in meshes])
     vertices, faces, parents = subdivided(np.concatenate(moved), faces, LONGEST_EDGE)
+    vertices, faces = vertices.astype(np.float32), faces.astype(np.int32)
     return Geometry(
-        vertices.astype(np.float32),
-        faces.astype(np.int32),
+        vertices,
+        faces,
         vertex_normals(vertices, faces),
         numbers[parents],
         np.array([_material(part, at, rng) for part, at, _ in parts], MATERIAL),
@@ -198,19 +200,6 @@ def _divide(
         made += [np.stack(piece, -1) for piece in pieces]
         whose += [chosen] * len(pieces)
     return np.concatenate(made), np.concatenate(whose)
-
-
-def vertex_normals(
-    vertices: NDArray[np.floating], faces: NDArray[np.integer]
-) -> NDArray[np.float32]:
-    """Unit normals (V, 3): the mean of the adjoining faces, weighted by their areas."""
-    corners = vertices[faces].astype(np.float32)
-    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    total = np.empty((len(vertices), 3), np.float32)
-    for axis in range(3):
-        weights = np.repeat(area[:, axis], 3)
-        total[:, axis] = np.bincount(faces.ravel(), weights, minlength=len(vertices))
-    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-20)
 
 
 def _material(part: Part, at: Pose, rng: np.random.Generator) -> tuple:

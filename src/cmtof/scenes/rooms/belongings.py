@@ -1,31 +1,38 @@
-"""What people wear and carry: shoes, bags, hats, a suitcase, a guitar; pens, keys, glasses, m."""
+"""What people wear and carry: shoes, bags, hats, a suitcase, a guitar, m."""
 
 import numpy as np
 
+from cmtof.scenes.rooms import pocket_things
 from cmtof.scenes.rooms.cabinetry import BLACK, CHROME, STEEL
-from cmtof.scenes.rooms.joinery import bent, boards, copies, mirrored, placed, rods, shifted
+from cmtof.scenes.rooms.joinery import boards, copies, mirrored, placed, rods, shifted
 from cmtof.scenes.rooms.materials import Material, Style, darker, fabric, hue, leather
 from cmtof.scenes.rooms.pliant import Points, loft, ripples, slab, spline
 from cmtof.scenes.rooms.shaping import (
     handle,
-    hollow,
     laid,
     modelled,
     pick,
     stood,
-    stretched,
     turned,
 )
 from cmtof.scenes.rooms.solids import cushion, cylinder, joined, quads, revolve, sheet, tube
-from cmtof.scenes.rooms.thing import Mesh, Support, Thing
+from cmtof.scenes.rooms.thing import Mesh, Thing
 from cmtof.scenes.rooms.vessels import Maker, between
 
 _LAST = np.array(
-    # along from heel to toe, half breadth, height of the upper, middle across
-    [(0.0, 0.02, 0.06, 0.0), (0.04, 0.034, 0.075, 0.0), (0.2, 0.037, 0.08, 0.0), (0.38, 0.033, 0.082, -0.002),
-     (0.55, 0.04, 0.062, -0.003), (0.72, 0.047, 0.046, -0.004), (0.88, 0.041, 0.036, -0.001), (0.97, 0.026, 0.028, 0.002),
-     (1.0, 0.008, 0.02, 0.003)]
-)  # fmt: skip
+    [
+        (0.0, 0.02, 0.06, 0.0),
+        (0.04, 0.034, 0.075, 0.0),
+        (0.2, 0.037, 0.08, 0.0),
+        (0.38, 0.033, 0.082, -0.002),
+        (0.55, 0.04, 0.062, -0.003),
+        (0.72, 0.047, 0.046, -0.004),
+        (0.88, 0.041, 0.036, -0.001),
+        (0.97, 0.026, 0.028, 0.002),
+        (1.0, 0.008, 0.02, 0.003),
+    ]
+)
+"""From heel to toe: share of the length, half breadth, height of the upper, middle across, m."""
 
 
 def _shoe(long: float, shaft: float, toe: float) -> tuple[Mesh, Mesh, Mesh]:
@@ -43,8 +50,8 @@ def _shoe(long: float, shaft: float, toe: float) -> tuple[Mesh, Mesh, Mesh]:
     edge = np.linspace(0, 2 * np.pi, 33)[:-1]
     at = 0.5 - 0.5 * np.cos(edge)
     wide = np.interp(at, _LAST[:, 0], _LAST[:, 1]) + 0.004
-    ring = np.stack([np.interp(at, _LAST[:, 0], _LAST[:, 3]) + wide * np.sign(np.sin(edge)) * np.abs(np.sin(edge)) ** 0.25,
-                     (0.5 - at) * (long + 0.008)], -1)  # fmt: skip
+    ring = np.stack([np.interp(at, _LAST[:, 0], _LAST[:, 3]) + wide * np.sign(np.sin(edge)) *
+        np.abs(np.sin(edge)) ** 0.25, (0.5 - at) * (long + 0.008)], -1)  # fmt: skip
     levels = [(0.93, 0.0), (1.0, 0.004), (1.0, 0.018), (0.95, 0.022)]
     rings = np.array([np.column_stack([ring * f, np.full(32, z)]) for f, z in levels])
     sole = loft(rings[:, ::-1])
@@ -73,14 +80,13 @@ def shoes(rng: np.random.Generator, style: Style) -> Thing:
             z = 0.02 + np.interp(s, _LAST[:, 0], _LAST[:, 2]) * (
                 1.15 if s > 0.5 and kind == 1 else 1.0
             )
-            laces.append(handle([(-0.02, (0.5 - s) * long, z - 0.006), (0, (0.5 - s) * long - 0.003, z + 0.002),
-                                 (0.02, (0.5 - s) * long, z - 0.006)], 0.0022, count=6, sides=5))  # fmt: skip
+            laces.append(handle([(-0.02, (0.5 - s) * long, z - 0.006),
+                (0, (0.5 - s) * long - 0.003, z + 0.002), (0.02, (0.5 - s) * long, z - 0.006)],
+                0.0022, count=6, sides=5))  # fmt: skip
     gap = between(rng, 0.052, 0.08)
     for side in (-1, 1):
-        spot = {
-            "at": (side * gap, between(rng, -0.04, 0.04), 0.0),
-            "turn": between(rng, -0.35, 0.35),
-        }
+        spot = {"at": (side * gap, between(rng, -0.04, 0.04), 0.0),
+            "turn": between(rng, -0.35, 0.35)}  # fmt: skip
         for mesh, material in ((upper, skin), (sole, rubber), (mouth, BLACK)):
             thing.add(placed(mesh if side > 0 else mirrored(mesh), **spot), material)
         if laces:
@@ -110,15 +116,8 @@ def handbag(rng: np.random.Generator, style: Style) -> Thing:
         s = np.linspace(0, 1, 9)
         across = np.linspace(-0.38 * w, 0.38 * w, 2)
         low = -d / 2 * (1 - 0.72 * (0.5) ** 1.5) - 0.004
-        line = np.array(
-            [
-                (0.16 * d, h + 0.001),
-                (0.0, h + 0.004),
-                (-0.16 * d, h + 0.001),
-                (-0.28 * d, 0.85 * h),
-                (low, 0.5 * h),
-            ]
-        )
+        line = np.array([(0.16 * d, h + 0.001), (0.0, h + 0.004), (-0.16 * d, h + 0.001),
+            (-0.28 * d, 0.85 * h), (low, 0.5 * h)])  # fmt: skip
         flap = np.empty((9, 2, 3))
         flap[..., 0] = across
         flap[..., 1] = np.interp(s, np.linspace(0, 1, 5), line[:, 0])[:, None]
@@ -129,8 +128,9 @@ def handbag(rng: np.random.Generator, style: Style) -> Thing:
         )
     rise = between(rng, 0.09, 0.16)
     for y in (-0.13 * d, 0.13 * d):
-        path = [(-0.24 * w, y, h - 0.025), (-0.23 * w, y * 1.4, h + 0.5 * rise), (0, y * 0.7, h + rise),
-                (0.23 * w, y * 1.4, h + 0.5 * rise), (0.24 * w, y, h - 0.025)]  # fmt: skip
+        path = [(-0.24 * w, y, h - 0.025), (-0.23 * w, y * 1.4, h + 0.5 * rise),
+            (0, y * 0.7, h + rise), (0.23 * w, y * 1.4, h + 0.5 * rise),
+            (0.24 * w, y, h - 0.025)]  # fmt: skip
         thing.add(handle(path, 0.005, count=14, sides=6), hide)
     return stood(thing)
 
@@ -144,24 +144,18 @@ def backpack(rng: np.random.Generator, style: Style) -> Thing:
     thing = Thing("backpack").add(_bag(w, d, h, 0.3), cloth)
     pocket = shifted(_bag(0.8 * w, 0.12, 0.45 * h, 0.3), 0, -d / 2 + 0.005, 0.05)
     sides = [shifted(_bag(0.07, 0.7 * d, 0.34 * h, 0.2), s * 0.47 * w, 0, 0.04) for s in (-1, 1)]
-    thing.add(
-        joined([pocket, *sides]),
-        Material(darker(tone, 0.8), darker(tone, 0.5), "weave", 0.005, 0.01),
-    )
+    thing.add(joined([pocket, *sides]), Material(darker(tone, 0.8), darker(tone, 0.5), "weave",
+        0.005, 0.01))  # fmt: skip
     a = np.linspace(0, np.pi, 21)
-    zip_ = np.stack(
-        [
-            0.44 * w * np.cos(a),
-            -0.3 * d - 0.18 * d * (1 - np.sin(a)),
-            0.62 * h + 0.34 * h * np.sin(a),
-        ],
-        -1,
-    )
+    zip_ = np.stack([0.44 * w * np.cos(a), -0.3 * d - 0.18 * d * (1 - np.sin(a)),
+        0.62 * h + 0.34 * h * np.sin(a)], -1)  # fmt: skip
     thing.add(tube(zip_, 0.005, 5), trim)
-    straps = [handle([(s * 0.07, 0.26 * d, 0.92 * h), (s * 0.1, 0.62 * d, 0.85 * h), (s * 0.12, 0.68 * d, 0.5 * h),
-                      (s * 0.13, 0.42 * d, 0.1 * h)], 0.016, count=12, sides=7) for s in (-1, 1)]  # fmt: skip
-    loop = handle([(-0.04, 0.1 * d, h - 0.02), (-0.03, 0.1 * d, h + 0.035), (0.03, 0.1 * d, h + 0.035), (0.04, 0.1 * d, h - 0.02)],
-                  0.006, count=10, sides=6)  # fmt: skip
+    straps = [handle([(s * 0.07, 0.26 * d, 0.92 * h), (s * 0.1, 0.62 * d, 0.85 * h),
+        (s * 0.12, 0.68 * d, 0.5 * h), (s * 0.13, 0.42 * d, 0.1 * h)], 0.016, count=12,
+        sides=7) for s in (-1, 1)]  # fmt: skip
+    loop = handle([(-0.04, 0.1 * d, h - 0.02), (-0.03, 0.1 * d, h + 0.035),
+        (0.03, 0.1 * d, h + 0.035), (0.04, 0.1 * d, h - 0.02)], 0.006, count=10,
+        sides=6)  # fmt: skip
     return stood(thing.add(joined([*straps, loop]), trim))
 
 
@@ -172,49 +166,27 @@ def suitcase(rng: np.random.Generator, style: Style) -> Thing:
     if rng.uniform() < 0.35:
         w, h, d = between(rng, 0.5, 0.68), between(rng, 0.34, 0.42), between(rng, 0.15, 0.2)
         hide = leather(rng)
-        thing.add(
-            boards(
-                [(-w / 2, w / 2, -d / 2, -0.001, 0, h), (-w / 2, w / 2, 0.001, d / 2, 0, h)], 0.012
-            ),
-            hide,
-        )
-        belts = [
-            (x - 0.018, x + 0.018, -d / 2 - 0.003, d / 2 + 0.003, -0.0005, h + 0.003)
-            for x in (-0.3 * w, 0.3 * w)
-        ]
+        thing.add(boards([(-w / 2, w / 2, -d / 2, -0.001, 0, h),
+            (-w / 2, w / 2, 0.001, d / 2, 0, h)], 0.012), hide)  # fmt: skip
+        belts = [(x - 0.018, x + 0.018, -d / 2 - 0.003, d / 2 + 0.003, -0.0005,
+            h + 0.003) for x in (-0.3 * w, 0.3 * w)]  # fmt: skip
         thing.add(boards(belts, 0.001), Material(darker(hide.colour, 0.5), specular=0.08))
-        tips = [(sx * w / 2 - 0.03 + 0.001 * sx, sx * w / 2 + 0.03 + 0.001 * sx, -d / 2 - 0.001, d / 2 + 0.001,
-                 z - 0.03, z + 0.03) for sx in (-1, 1) for z in (0.029, h - 0.029)]  # fmt: skip
-        tips = [
-            (
-                max(a, -w / 2 - 0.001),
-                min(b, w / 2 + 0.001),
-                c,
-                e,
-                max(f, -0.0004),
-                min(g, h + 0.001),
-            )
-            for a, b, c, e, f, g in tips
-        ]
+        tips = [(sx * w / 2 - 0.03 + 0.001 * sx, sx * w / 2 + 0.03 + 0.001 * sx, -d / 2 - 0.001,
+            d / 2 + 0.001, z - 0.03, z + 0.03) for sx in (-1, 1) for z in (0.029,
+            h - 0.029)]  # fmt: skip
+        tips = [(max(a, -w / 2 - 0.001), min(b, w / 2 + 0.001), c, e, max(f, -0.0004),
+            min(g, h + 0.001)) for a, b, c, e, f, g in tips]  # fmt: skip
         thing.add(boards(tips, 0.01), Material(darker(hide.colour, 0.35), specular=0.1))
-        path = [
-            (-0.07, 0, h - 0.002),
-            (-0.06, 0, h + 0.03),
-            (0.06, 0, h + 0.03),
-            (0.07, 0, h - 0.002),
-        ]
+        path = [(-0.07, 0, h - 0.002), (-0.06, 0, h + 0.03), (0.06, 0, h + 0.03),
+            (0.07, 0, h - 0.002)]  # fmt: skip
         return stood(thing.add(handle(path, 0.009, count=12), BLACK))
     tone = hue(float(rng.uniform()), pick(rng, 0, 0.7), pick(rng, 0.03, 0.2, 0.6))
     shell = Material(tone, specular=0.1, gloss=80.0)
-    halves = [
-        (-w / 2, w / 2, -d / 2, -0.004, 0.045, 0.045 + h),
-        (-w / 2, w / 2, 0.004, d / 2, 0.045, 0.045 + h),
-    ]
+    halves = [(-w / 2, w / 2, -d / 2, -0.004, 0.045, 0.045 + h),
+        (-w / 2, w / 2, 0.004, d / 2, 0.045, 0.045 + h)]  # fmt: skip
     thing.add(boards(halves, 0.03), shell)
-    ribs = [
-        (x - 0.008, x + 0.008, -d / 2 - 0.004, d / 2 + 0.004, 0.1, h - 0.01)
-        for x in np.linspace(-0.38, 0.38, 6) * w
-    ]
+    ribs = [(x - 0.008, x + 0.008, -d / 2 - 0.004, d / 2 + 0.004, 0.1,
+        h - 0.01) for x in np.linspace(-0.38, 0.38, 6) * w]  # fmt: skip
     thing.add(boards(ribs, 0.004), shell)
     thing.add(
         boards([(-w / 2 + 0.004, w / 2 - 0.004, -0.006, 0.006, 0.049, 0.041 + h)], 0.002), BLACK
@@ -227,27 +199,19 @@ def suitcase(rng: np.random.Generator, style: Style) -> Thing:
     thing.add(joined([copies(wheel, places), boards(forks, 0.003)]), BLACK)
     out = between(rng, 0.05, 0.42)
     y, z = d / 2 - 0.03, 0.045 + h
-    thing.add(
-        rods(
-            [(s * 0.09, y, z - 0.1) for s in (-1, 1)],
-            [(s * 0.09, y, z + out) for s in (-1, 1)],
-            0.008,
-        ),
-        CHROME,
-    )
-    thing.add(
-        boards([(-0.105, 0.105, y - 0.016, y + 0.016, z + out - 0.005, z + out + 0.022)], 0.008),
-        BLACK,
-    )
-    grip = handle([(-0.06, -0.1 * d, z - 0.01), (-0.05, -0.1 * d, z + 0.03), (0.05, -0.1 * d, z + 0.03), (0.06, -0.1 * d, z - 0.01)],
-                  0.009, count=10, sides=7)  # fmt: skip
+    thing.add(rods([(s * 0.09, y, z - 0.1) for s in (-1, 1)],
+        [(s * 0.09, y, z + out) for s in (-1, 1)], 0.008), CHROME)  # fmt: skip
+    thing.add(boards([(-0.105, 0.105, y - 0.016, y + 0.016, z + out - 0.005, z + out + 0.022)],
+        0.008), BLACK)  # fmt: skip
+    grip = handle([(-0.06, -0.1 * d, z - 0.01), (-0.05, -0.1 * d, z + 0.03),
+        (0.05, -0.1 * d, z + 0.03), (0.06, -0.1 * d, z - 0.01)], 0.009, count=10,
+        sides=7)  # fmt: skip
     return stood(thing.add(grip, BLACK))
 
 
-_GUITAR = np.array(
-    [(0.0, 0.0), (0.0, 0.1), (0.02, 0.155), (0.08, 0.188), (0.14, 0.19), (0.22, 0.155), (0.285, 0.12), (0.35, 0.13),
-     (0.41, 0.14), (0.455, 0.12), (0.48, 0.07), (0.485, 0.0)]
-)  # fmt: skip
+_GUITAR = np.array([(0.0, 0.0), (0.0, 0.1), (0.02, 0.155), (0.08, 0.188), (0.14, 0.19), (0.22,
+    0.155), (0.285, 0.12), (0.35, 0.13), (0.41, 0.14), (0.455, 0.12), (0.48, 0.07), (0.485,
+    0.0)])  # fmt: skip
 """Height and half breadth along the body, m."""
 
 
@@ -260,11 +224,8 @@ def guitar(rng: np.random.Generator, style: Style) -> Thing:
     deep = 0.1 if acoustic else 0.045
     size = 1.0 if acoustic else 0.82
     outline = outline * size
-    tone = (
-        (0.62, 0.33, 0.1)
-        if rng.uniform() < 0.6
-        else hue(float(rng.uniform()), 0.7, between(rng, 0.02, 0.4))
-    )
+    tone = ((0.62, 0.33, 0.1) if rng.uniform() < 0.6 else hue(float(rng.uniform()), 0.7,
+        between(rng, 0.02, 0.4)))  # fmt: skip
     top = Material(
         tone, darker(tone, 0.75), "wood" if acoustic else "plain", 0.02, specular=0.12, gloss=200.0
     )
@@ -272,43 +233,33 @@ def guitar(rng: np.random.Generator, style: Style) -> Thing:
     thing = Thing("guitar")
     n = len(outline)
     front = np.column_stack([outline[:, 0], np.full(n, -deep / 2), outline[:, 1]])
-    back = front + [0, deep, 0]
+    back = front + np.array([0, deep, 0])
     middle = np.array([0, -deep / 2, 0.24 * size])
     nxt = np.roll(np.arange(n), -1)
     fan = np.stack([np.full(n, n), nxt, np.arange(n)], -1).astype(np.int32)
     plate = Mesh(np.vstack([front, middle]).astype(np.float32), fan)
-    rear = Mesh(np.vstack([back, middle + [0, deep, 0]]).astype(np.float32), fan[:, ::-1].copy())
-    parts: list[tuple[Mesh, Material]] = [
-        (plate, top),
-        (joined([quads(np.stack([front, front[nxt], back[nxt], back], 1)), rear]), rim),
-    ]
+    rear = Mesh(np.vstack([back, middle + np.array([0, deep, 0])]).astype(np.float32),
+        fan[:, ::-1].copy())  # fmt: skip
+    parts: list[tuple[Mesh, Material]] = [(plate, top), (joined([quads(np.stack([front, front[nxt],
+        back[nxt], back], 1)), rear]), rim)]  # fmt: skip
     y, z0 = -deep / 2, 0.47 * size
-    neck = boards([(-0.026, 0.026, y - 0.012, y + 0.014, z0 - (0.12 if not acoustic else 0.09), 0.86), (-0.036, 0.036, y - 0.006, y + 0.01, 0.855, 1.02)],
-                  0.003)  # fmt: skip
+    neck = boards([(-0.026, 0.026, y - 0.012, y + 0.014, z0 - (0.12 if not acoustic else 0.09),
+        0.86), (-0.036, 0.036, y - 0.006, y + 0.01, 0.855, 1.02)], 0.003)  # fmt: skip
     parts.append((neck, Material((0.07, 0.04, 0.025), specular=0.06)))
-    frets = [
-        (-0.026, 0.026, y - 0.0135, y - 0.011, z, z + 0.0015)
-        for z in 0.86 - (0.86 - 0.14 * size) * (1 - 0.5 ** (np.arange(1, 13) / 12))
-    ]
+    frets = [(-0.026, 0.026, y - 0.0135, y - 0.011, z, z + 0.0015) for z in 0.86 - (0.86 - 0.14 *
+        size) * (1 - 0.5 ** (np.arange(1, 13) / 12))]  # fmt: skip
     pegs = rods([(s * 0.034, y, z) for s in (-1, 1) for z in (0.885, 0.93, 0.975)],
-                [(s * 0.056, y, z) for s in (-1, 1) for z in (0.885, 0.93, 0.975)], 0.006, sides=7)  # fmt: skip
+        [(s * 0.056, y, z) for s in (-1, 1) for z in (0.885, 0.93, 0.975)], 0.006,
+        sides=7)  # fmt: skip
     bridge = boards([(-0.05, 0.05, y - 0.009, y + 0.001, 0.13 * size, 0.15 * size)], 0.002)
     x = np.linspace(-0.018, 0.018, 6)
-    strings = rods(
-        [(1.4 * a, y - 0.011, 0.14 * size) for a in x],
-        [(a, y - 0.0155, 0.86) for a in x],
-        0.0008,
-        sides=3,
-    )
+    strings = rods([(1.4 * a, y - 0.011, 0.14 * size) for a in x],
+        [(a, y - 0.0155, 0.86) for a in x], 0.0008, sides=3)  # fmt: skip
     parts += [(joined([boards(frets, 0), pegs, strings]), STEEL), (bridge, BLACK)]
     if acoustic:
         hole = shifted(laid(revolve([(0.05, 0), (0, 0)], 24), 1), 0, y - 0.0006, 0.3)
-        ring = shifted(
-            laid(revolve([(0.058, -0.0002), (0.058, 0.0004), (0.05, 0.0004)], 24), 1),
-            0,
-            y - 0.0002,
-            0.3,
-        )
+        ring = shifted(laid(revolve([(0.058, -0.0002), (0.058, 0.0004), (0.05, 0.0004)], 24), 1), 0,
+            y - 0.0002, 0.3)  # fmt: skip
         parts += [(hole, Material((0.01, 0.008, 0.006), specular=0.0)), (ring, rim)]
     else:
         pickups = [(-0.04, 0.04, y - 0.006, y + 0.001, z, z + 0.018) for z in (0.19, 0.28)]
@@ -330,45 +281,32 @@ def _guitar_stand(deep: float) -> Mesh:
     feet = [(-0.16, -0.1, 0.008), (0.16, -0.1, 0.008), (0, 0.26, 0.008)]
     hub = (0, y + 0.03, 0.2)
     legs = [rods([f], [hub], 0.008) for f in feet]
-    arms = [handle([(s * 0.02, y + 0.03, 0.19), (s * 0.09, y - 0.02, 0.13), (s * 0.1, -deep / 2 - 0.02, 0.115), (s * 0.1, -deep / 2 - 0.035, 0.15)],
-                   0.008, count=10, sides=6) for s in (-1, 1)]  # fmt: skip
+    arms = [handle([(s * 0.02, y + 0.03, 0.19), (s * 0.09, y - 0.02, 0.13),
+        (s * 0.1, -deep / 2 - 0.02, 0.115), (s * 0.1, -deep / 2 - 0.035, 0.15)], 0.008, count=10,
+        sides=6) for s in (-1, 1)]  # fmt: skip
     post = rods([hub], [(0, y + 0.13, 0.72)], 0.009)
-    fork = [handle([(0, y + 0.13, 0.71), (s * 0.035, y + 0.1, 0.72), (s * 0.035, y + 0.04, 0.73)], 0.006, count=7, sides=6)
-            for s in (-1, 1)]  # fmt: skip
+    fork = [handle([(0, y + 0.13, 0.71), (s * 0.035, y + 0.1, 0.72), (s * 0.035, y + 0.04, 0.73)],
+        0.006, count=7, sides=6) for s in (-1, 1)]  # fmt: skip
     return joined([*legs, *arms, post, *fork])
 
 
 def helmet(rng: np.random.Generator, style: Style) -> Thing:
     """A cycle helmet with ribs and holes, or a motorcyclist's with its visor, m."""
-    tone = Material(
-        hue(float(rng.uniform()), pick(rng, 0, 0.8), pick(rng, 0.03, 0.3, 0.75)),
-        specular=0.15,
-        gloss=200.0,
-    )
+    tone = Material(hue(float(rng.uniform()), pick(rng, 0, 0.8), pick(rng, 0.03, 0.3, 0.75)),
+        specular=0.15, gloss=200.0)  # fmt: skip
     thing = Thing("helmet")
     if rng.uniform() < 0.5:
-        dome = modelled(
-            (0.25, 0.3, 0.26),
-            [((0, 0, -1), 0.5, -0.12), ((0, -1, -0.55), 0.3, 0.2)],
-            (0, 0, 0.13),
-            subdivisions=3,
-        )
+        dome = modelled((0.25, 0.3, 0.26), [((0, 0, -1), 0.5, -0.12), ((0, -1, -0.55), 0.3, 0.2)],
+            (0, 0, 0.13), subdivisions=3)  # fmt: skip
         visor = modelled((0.225, 0.26, 0.13), centre=(0, -0.032, 0.145), subdivisions=3)
-        return stood(
-            thing.add(dome, tone).add(
-                visor, Material((0.01, 0.01, 0.012), specular=0.35, gloss=900.0)
-            )
-        )
+        return stood(thing.add(dome, tone).add(visor, Material((0.01, 0.01, 0.012), specular=0.35,
+            gloss=900.0)))  # fmt: skip
     u, v = np.meshgrid(
         np.linspace(0.0, 1, 15), np.linspace(0, 2 * np.pi, 48, endpoint=False), indexing="ij"
     )
     a = (1 - u) * (np.pi / 2)
-    rib = (
-        1
-        + 0.05
-        * np.cos(2 * np.pi * 0.105 * np.cos(a) * np.cos(v) / 0.052)
-        * np.sin(np.pi * u) ** 0.3
-    )
+    rib = (1 + 0.05 * np.cos(2 * np.pi * 0.105 * np.cos(a) * np.cos(v) / 0.052) * np.sin(np.pi * u)
+        ** 0.3)  # fmt: skip
     low = 0.02 * np.cos(2 * v)
     x, y = 0.105 * np.cos(a) * np.cos(v) * rib, 0.14 * np.cos(a) * np.sin(v) * rib
     z = 0.125 * np.sin(a) * rib + low * u
@@ -377,8 +315,8 @@ def helmet(rng: np.random.Generator, style: Style) -> Thing:
     inner[..., 2] += 0.002
     shell = sheet(np.concatenate([inner[::-1], points])[:, ::-1], closed=True)
     thing.add(shell, tone)
-    straps = [handle([(s * 0.095, -0.04, 0.03), (s * 0.06, -0.02, -0.04), (s * 0.01, 0.0, -0.055)], 0.004, count=7, sides=5)
-              for s in (-1, 1)]  # fmt: skip
+    straps = [handle([(s * 0.095, -0.04, 0.03), (s * 0.06, -0.02, -0.04), (s * 0.01, 0.0, -0.055)],
+        0.004, count=7, sides=5) for s in (-1, 1)]  # fmt: skip
     strap = joined(straps)
     strap.vertices[:, 2] = np.maximum(
         strap.vertices[:, 2], float(shell.vertices[:, 2].min()) + 0.004
@@ -408,173 +346,30 @@ def hat(rng: np.random.Generator, style: Style) -> Thing:
         )
     brim = (0.15, between(rng, 0.19, 0.24), 0.135)[kind]
     tall = (0.12, 0.1, 0.125)[kind]
-    crown = (
-        (0.088, 0.008),
-        (0.086, 0.5 * tall),
-        (0.07, 0.95 * tall),
-        (0.045, tall),
-        (0, 0.93 * tall),
-    )
+    crown = ((0.088, 0.008), (0.086, 0.5 * tall), (0.07, 0.95 * tall), (0.045, tall),
+        (0, 0.93 * tall))  # fmt: skip
     if kind == 2:
-        crown = (
-            (0.09, 0.008),
-            (0.092, 0.4 * tall),
-            (0.08, 0.75 * tall),
-            (0.045, 0.97 * tall),
-            (0, tall),
-        )
-    profile = [
-        (0, 0.004),
-        (0.084, 0.004),
-        (brim, 0.001),
-        (brim + 0.002, 0.0025),
-        (brim, 0.005),
-        (0.092, 0.007),
-        *crown,
-    ]
+        crown = ((0.09, 0.008), (0.092, 0.4 * tall), (0.08, 0.75 * tall), (0.045, 0.97 * tall),
+            (0, tall))  # fmt: skip
+    profile = [(0, 0.004), (0.084, 0.004), (brim, 0.001), (brim + 0.002, 0.0025), (brim, 0.005),
+        (0.092, 0.007), *crown]  # fmt: skip
     body = turned(profile, 40, 30)
     p = body.vertices.astype(float)
     far = np.clip((np.hypot(p[:, 0], p[:, 1]) - 0.09) / (brim - 0.09), 0, 1)
-    p[:, 2] += far**1.5 * (
-        0.022 * (p[:, 0] / brim) ** 2 * (kind != 1)
-        + 0.02 * ripples(rng, 2 * p[:, 0], 2 * p[:, 1], 4, 1.0) * (kind == 1)
-    )
+    p[:, 2] += far**1.5 * (0.022 * (p[:, 0] / brim) ** 2 * (kind != 1) + 0.02 * ripples(rng,
+        2 * p[:, 0], 2 * p[:, 1], 4, 1.0) * (kind == 1))  # fmt: skip
     if kind == 0:
-        p[:, 2] -= (
-            0.022
-            * np.exp(-((p[:, 0] / 0.02) ** 2))
-            * np.clip((p[:, 2] - 0.6 * tall) / (0.4 * tall), 0, 1)
-        )
+        p[:, 2] -= (0.022 * np.exp(-((p[:, 0] / 0.02) ** 2)) * np.clip((p[:,
+            2] - 0.6 * tall) / (0.4 * tall), 0, 1))  # fmt: skip
     p[:, 1] *= 1.12
     straw = Material((0.62, 0.48, 0.26), (0.5, 0.37, 0.18), "weave", 0.006, specular=0.02)
     felt = Material(
         hue(between(rng, 0, 0.12), between(rng, 0, 0.5), pick(rng, 0.02, 0.08, 0.25)), specular=0.0
     )
     thing.add(Mesh(p.astype(np.float32), body.faces), straw if kind == 1 else felt)
-    band = revolve(
-        np.array([(-0.006, 0.011), (0, 0.012), (0, 0.031), (-0.006, 0.032)])
-        + [0.0945 if kind == 2 else 0.0915, 0],
-        40,
-    )
+    band = revolve(np.array([(-0.006, 0.011), (0, 0.012), (0, 0.031),
+        (-0.006, 0.032)]) + np.array([0.0945 if kind == 2 else 0.0915, 0]), 40)  # fmt: skip
     thing.add(Mesh(band.vertices * np.array([1, 1.12, 1], np.float32), band.faces), BLACK)
-    return stood(thing)
-
-
-def pen_cup(rng: np.random.Generator, style: Style) -> Thing:
-    """A cup with pencils, pens, a brush and scissors or a ruler in it, m."""
-    r, h = between(rng, 0.034, 0.042), between(rng, 0.085, 0.11)
-    stuff = (style.wood, style.metal, style.accent)[int(rng.integers(3))]
-    thing = Thing("pen cup").add(
-        hollow([(0, 0), (0.9 * r, 0), (r, 0.004), (r, h)], 0.0025, sides=26, count=10), stuff
-    )
-    count = int(rng.integers(4, 11))
-    for k in range(count):
-        a = 2.4 * k + between(rng, 0, 0.5)
-        far = between(rng, 0.55, 0.82) * r
-        foot = np.array([-0.5 * far * np.cos(a), -0.5 * far * np.sin(a), 0.004])
-        edge = np.array([far * np.cos(a), far * np.sin(a), h])
-        way = (edge - foot) / np.linalg.norm(edge - foot)
-        long = between(rng, 0.14, 0.19)
-        tip, end = foot + (long - 0.018) * way, foot + long * way
-        tint = Material(
-            hue(float(rng.uniform()), between(rng, 0.2, 0.9), between(rng, 0.02, 0.6)),
-            specular=0.08,
-        )
-        if k % 3 == 0:  # a pencil, sharpened end up
-            thing.add(rods([foot], [tip], 0.0036, sides=6), tint)
-            thing.add(rods([tip], [end], 0.0008, taper=4.4, sides=6), Material((0.6, 0.45, 0.28)))
-        else:
-            thing.add(rods([foot], [end], 0.0045, sides=9), tint)
-    return thing
-
-
-def _loop(a: float, b: float, n: int = 21) -> Points:
-    t = np.linspace(0, 2 * np.pi, n)
-    return np.stack([a * np.cos(t), b * np.sin(t), 0 * t], -1)
-
-
-def scissors(rng: np.random.Generator, style: Style) -> Thing:
-    """A pair of scissors that lies there, a little open, m."""
-    long = between(rng, 0.15, 0.22)
-    grip = (BLACK, Material(hue(0.05, 0.9, 0.5), specular=0.06), style.accent)[int(rng.integers(3))]
-    thing = Thing("scissors")
-    open_ = between(rng, 0.06, 0.35)
-    for side in (-1, 1):
-        u = np.linspace(0, 1, 10)
-        wide = np.interp(u, [0, 0.1, 0.45, 1], [0.004, 0.008, 0.0085, 0.0006])
-        blade = np.empty((10, 2, 3))
-        blade[..., 0] = side * np.stack([0 * u - 0.2 * wide, wide], -1)[:, ::side]
-        blade[..., 1], blade[..., 2] = (0.55 * long * u)[:, None], 0.005 + 0.0012 * (side + 1)
-        metal = slab(blade[::-1] if side > 0 else blade[::-1], 0.002)
-        ring = tube(
-            _loop(0.085 * long, 0.125 * long) + [-side * 0.1 * long, -0.24 * long, 0.007],
-            0.0045,
-            7,
-            capped=False,
-        )
-        shank = handle([(0, 0.02 * long, 0.0065), (-side * 0.03 * long, -0.06 * long, 0.007), (-side * 0.06 * long, -0.13 * long, 0.007)],
-                       0.0045, count=6, sides=7)  # fmt: skip
-        turn = -side * open_ / 2
-        thing.add(placed(metal, turn=turn), STEEL)
-        thing.add(placed(joined([ring, shank]), turn=turn), grip)
-    return stood(thing.add(shifted(cylinder(0.004, 0.006, sides=10), 0, 0.01, 0.0065), CHROME))
-
-
-def keys(rng: np.random.Generator, style: Style) -> Thing:
-    """A bunch of two to five keys on a ring with a fob, lying, m."""
-    thing = Thing("keys")
-    ring = tube(_loop(0.014, 0.014) + [0, 0, 0.0045], 0.0012, 5, capped=False)
-    thing.add(ring, CHROME)
-    start = between(rng, 0, 6)
-    for k in range(int(rng.integers(2, 6))):
-        a = start + k * between(rng, 0.5, 0.9)
-        bow = slab(np.stack([np.stack([0.011 * r * np.cos(t := np.linspace(0, 2 * np.pi, 15)), 0.011 * r * np.sin(t), 0 * t], -1)
-                             for r in (0.45, 1.0)]), 0.0018)  # fmt: skip
-        blade = boards([(0.009, 0.048, -0.0035, 0.0035, -0.0018, 0.0002), (0.034, 0.037, -0.006, -0.003, -0.0017, 0.0),
-                        (0.041, 0.046, -0.0055, -0.003, -0.0017, 0.0)], 0)  # fmt: skip
-        metal = (
-            Material((0.6, 0.47, 0.22), specular=0.5, gloss=80.0) if rng.uniform() < 0.4 else STEEL
-        )
-        at = (0.021 * np.cos(a), 0.021 * np.sin(a), 0.0025 + 0.0024 * k)
-        thing.add(placed(joined([bow, blade]), at, turn=float(a)), metal)
-    b = start + np.pi + 0.6
-    fob = turned([(0, 0), (0.014, 0), (0.016, 0.003), (0.014, 0.006), (0, 0.006)], 16, 9)
-    return stood(thing.add(shifted(fob, 0.027 * np.cos(b), 0.027 * np.sin(b), 0.0), leather(rng)))
-
-
-def glasses_case(rng: np.random.Generator, style: Style) -> Thing:
-    """A spectacle case, shut, or spectacles folded on it or beside it, m."""
-    hide = leather(rng) if rng.uniform() < 0.6 else style.accent
-    thing = Thing("glasses case")
-    case = cushion((0.16, 0.068, 0.048), (0, 0, 0.024), square=0.5)
-    thing.add(case, hide)
-    seam = np.stack([0.0805 * np.sign(c := np.cos(t := np.linspace(0, 2 * np.pi, 33))) * np.abs(c) ** 0.5,
-                     0.0345 * np.sign(s := np.sin(t)) * np.abs(s) ** 0.5, 0.024 + 0 * t], -1)  # fmt: skip
-    thing.add(tube(seam, 0.0012, 4, capped=False), BLACK)
-    if rng.uniform() < 0.5:
-        y = -0.085
-        frame_ = BLACK if rng.uniform() < 0.5 else CHROME
-        rims = [
-            tube(_loop(0.025, 0.02)[:, [0, 2, 1]] + [s * 0.034, y, 0.0225], 0.002, 6, capped=False)
-            for s in (-1, 1)
-        ]
-        bridge = handle(
-            [(-0.01, y, 0.028), (0, y - 0.003, 0.031), (0.01, y, 0.028)], 0.0018, count=6, sides=5
-        )
-        arms = [handle([(s * 0.06, y, 0.03), (s * 0.062, y + 0.012, 0.03), (-s * 0.02, y + 0.018 + 0.004 * s, 0.02),
-                        (-s * 0.07, y + 0.022 + 0.004 * s, 0.006)], 0.0018, count=10, sides=5) for s in (-1, 1)]  # fmt: skip
-        panes = [
-            shifted(
-                stretched(laid(cylinder(0.0245, 0.0012, sides=20), 1), 1, 1, 0.8),
-                s * 0.034,
-                y,
-                0.0225,
-            )
-            for s in (-1, 1)
-        ]
-        glass_ = Material((0.05, 0.055, 0.06), specular=0.4, gloss=900.0)
-        thing.add(joined([*rims, bridge, *arms]), frame_)
-        thing.add(joined(panes), glass_)
     return stood(thing)
 
 
@@ -586,8 +381,5 @@ CATALOGUE: dict[str, Maker] = {
     "guitar": guitar,
     "helmet": helmet,
     "hat": hat,
-    "pen_cup": pen_cup,
-    "scissors": scissors,
-    "keys": keys,
-    "glasses_case": glasses_case,
+    **pocket_things.CATALOGUE,
 }

@@ -28,12 +28,11 @@ class Lens(NamedTuple):
     def rays(self, orientation: Vector) -> NDArray[np.float32]:
         """Unit vectors (H, W, 3) in the world through the pixels' centres (at +0.5)."""
         height, width = self.shape
-        v, u = np.indices(self.shape) + 0.5
-        inside = np.stack(
-            [(u - width / 2) / self.focal, (height / 2 - v) / self.focal, -np.ones(self.shape)], -1
-        )
-        world = inside @ orientation.T
-        return (world / np.linalg.norm(world, axis=-1, keepdims=True)).astype(np.float32)
+        u = ((np.arange(width) + 0.5 - width / 2) / self.focal).astype(np.float32)
+        v = ((height / 2 - 0.5 - np.arange(height)) / self.focal).astype(np.float32)
+        right, up, back = orientation.T.astype(np.float32)
+        world = u[None, :, None] * right + v[:, None, None] * up - back
+        return world / np.sqrt(1 + u[None, :, None] ** 2 + v[:, None, None] ** 2)
 
 
 class Camera(NamedTuple):
@@ -186,7 +185,9 @@ def _best(
 ) -> Camera:
     """The candidate with air around it, enough to see, and a median range nearest ``wanted``."""
     coarse = Lens((_PROBE, _PROBE), lens.focal * _PROBE / max(lens.shape))
-    probes = np.stack([coarse.rays(c.orientation) for c in candidates]).reshape(-1, 3)
+    inside = coarse.rays(np.eye(3)).reshape(-1, 3)
+    turns = np.stack([c.orientation for c in candidates]).astype(np.float32)
+    probes = np.ascontiguousarray((inside @ turns.swapaxes(1, 2)).reshape(-1, 3))
     starts = np.repeat([c.position for c in candidates], _PROBE**2, axis=0).astype(np.float32)
     hits = tracer.nearest(starts, probes)
     met = hits.triangle >= 0

@@ -1,212 +1,28 @@
-"""Screens, sound and office: monitors, laptops, loudspeakers, telephones, cameras, m."""
+"""Sound, office and photography: radios, clocks, telephones, cameras, m."""
 
 import numpy as np
 
+from cmtof.scenes.rooms import kitchen_devices, screens
 from cmtof.scenes.rooms.cabinetry import BLACK, CHROME, GLOSSY_BLACK
-from cmtof.scenes.rooms.joinery import beams, boards, corners, placed, rods, shifted
-from cmtof.scenes.rooms.kitchen_devices import CATALOGUE as KITCHEN
+from cmtof.scenes.rooms.joinery import boards, placed, rods, shifted
 from cmtof.scenes.rooms.kitchen_devices import casing
 from cmtof.scenes.rooms.materials import Material, Style, hue
 from cmtof.scenes.rooms.pliant import spline
-from cmtof.scenes.rooms.shaping import absorbed, handle, laid, pick, stood, turned
+from cmtof.scenes.rooms.screens import GRILLE, RUBBER, SILVER
+from cmtof.scenes.rooms.shaping import handle, laid, pick, stood, turned
 from cmtof.scenes.rooms.solids import cylinder, joined, revolve, sheet, tube
-from cmtof.scenes.rooms.thing import Mesh, Thing, pose
+from cmtof.scenes.rooms.thing import Mesh, Thing
 from cmtof.scenes.rooms.vessels import Maker, between
 
-SILVER = Material((0.5, 0.5, 0.52), specular=0.35, gloss=60.0)
-GRILLE = Material((0.03, 0.03, 0.03), (0.006, 0.006, 0.006), "dots", 0.004, specular=0.0)
-RUBBER = Material((0.015, 0.015, 0.015), specular=0.02, gloss=10.0)
 LETTERED = Material((0.7, 0.7, 0.68), (0.05, 0.05, 0.05), "marks", 0.012, specular=0.03)
-
-
-def picture(rng: np.random.Generator, scale: float) -> Material:
-    """What a screen shows: nothing, a film, a page of text, or code on black."""
-    kind = int(rng.integers(5))
-    if kind < 2:
-        return GLOSSY_BLACK
-    shine = between(rng, 0.3, 0.9)
-    if kind == 2:
-        tone = hue(float(rng.uniform()), between(rng, 0.2, 0.7), between(rng, 0.2, 0.8))
-        return Material(
-            tone, hue(float(rng.uniform()), 0.6, 0.3), "picture", 0.3 * scale, 0.05, 300.0, shine
-        )
-    ink, ground = (0.02, 0.02, 0.03), (0.8, 0.82, 0.85)
-    if kind == 4:
-        ink, ground = (0.3, 0.6, 0.35), (0.02, 0.02, 0.025)
-    return Material(ground, ink, "marks", 0.018 * scale, 0.05, 300.0, shine)
-
-
-def _screen(rng: np.random.Generator, w: float, h: float, t: float, rim: float) -> Thing:
-    """An upright screen about the origin, its front at y = 0, m."""
-    thing = Thing("screen")
-    case = casing(rng, dark=0.8)
-    thing.add(boards([(-w / 2, w / 2, 0, t, -h / 2, h / 2)], 0.003), case)
-    hump = [(-0.28 * w, 0.28 * w, t - 0.002, t + 0.02, -0.35 * h, 0.2 * h)]
-    thing.add(boards(hump, 0.008), case)
-    face = [(-w / 2 + rim, w / 2 - rim, -0.001, 0.001, -h / 2 + 1.6 * rim, h / 2 - rim)]
-    return thing.add(boards(face, 0), picture(rng, w))
-
-
-def monitor(rng: np.random.Generator, style: Style) -> Thing:
-    """A flat screen on a foot: plate, ring or fork; wide or square, or turned upright, m."""
-    diagonal = between(rng, 0.48, 0.7)
-    ratio = pick(rng, 9 / 16, 9 / 16, 10 / 16, 3 / 4, 9 / 21)
-    w = diagonal / np.hypot(1, ratio)
-    h = w * ratio
-    if rng.uniform() < 0.1:
-        w, h = h, w
-    z = h / 2 + between(rng, 0.08, 0.15)
-    thing = Thing("monitor")
-    absorbed(thing, _screen(rng, w, h, 0.02, pick(rng, 0.006, 0.012, 0.018)), pose(0, 0, z))
-    stuff = BLACK if rng.uniform() < 0.6 else SILVER
-    kind = int(rng.integers(3))
-    deep = 0.5 * min(h, 0.36)
-    if kind == 0:
-        foot = [(-0.12, 0.12, 0.055 - deep / 2, 0.055 + deep / 2, 0, 0.01)]
-        neck = beams([(0, 0.075, 0.008)], [(0, 0.045, z)], 0.05, 0.014)
-        thing.add(joined([boards(foot, 0.003), neck]), stuff)
-    elif kind == 1:
-        disc = turned([(0, 0), (0.11, 0), (0.112, 0.006), (0.1, 0.009), (0, 0.01)], 32, 10)
-        neck = beams([(0, 0.0, 0.008)], [(0, 0, z)], 0.045, 0.02)
-        thing.add(shifted(joined([disc, neck]), 0, 0.052, 0), stuff)
-    else:
-        ends = [(s * 0.16, 0.06 - deep / 2, 0.007) for s in (-1, 1)]
-        fork = beams([(0, 0.07, 0.007)] * 2, ends, 0.014, 0.03)
-        thing.add(joined([fork, beams([(0, 0.065, 0.0)], [(0, 0.045, z)], 0.04, 0.014)]), stuff)
-    return stood(thing)
-
-
-def television(rng: np.random.Generator, style: Style, *, width: float | None = None) -> Thing:
-    """A flat television on two feet or a plate, now and then an old tube set, m."""
-    w = pick(rng, 0.72, 0.9, 0.97, 1.11, 1.23) if width is None else width
-    thing = Thing("television")
-    if width is None and rng.uniform() < 0.12:
-        return _tube_set(rng, thing, style)
-    h = w * 9 / 16 + 0.02
-    rise = between(rng, 0.045, 0.09)
-    absorbed(
-        thing, _screen(rng, w, h, 0.028, pick(rng, 0.006, 0.012, 0.025)), pose(0, 0, rise + h / 2)
-    )
-    stuff = BLACK if rng.uniform() < 0.7 else SILVER
-    if rng.uniform() < 0.6:
-        x = w * between(rng, 0.25, 0.42)
-        starts = [(s * x, y, 0.006) for s in (-1, 1) for y in (-0.11, 0.14)]
-        tops = [(s * x, 0.014, rise + 0.01) for s in (-1, 1) for _ in range(2)]
-        thing.add(beams(starts, tops, 0.022, 0.012), stuff)
-    else:
-        disc = boards([(-0.2 * w, 0.2 * w, -0.1, 0.13, 0, 0.012)], 0.004)
-        neck = boards([(-0.045, 0.045, 0.014, 0.034, 0.01, rise + 0.05)], 0.003)
-        thing.add(joined([disc, neck]), stuff)
-    return stood(thing)
-
-
-def _tube_set(rng: np.random.Generator, thing: Thing, style: Style) -> Thing:
-    w = between(rng, 0.42, 0.6)
-    h, d = 0.8 * w, 0.4
-    case = style.wood if rng.uniform() < 0.5 else casing(rng, dark=0.7)
-    thing.add(boards([(-w / 2, w / 2, 0, 0.6 * d, 0.02, h)], 0.008), case, 0)
-    thing.add(boards([(-0.36 * w, 0.36 * w, 0.6 * d - 0.01, d, 0.06, 0.8 * h)], 0.02), RUBBER)
-    u, v = np.meshgrid(np.linspace(-1, 1, 13), np.linspace(-1, 1, 11), indexing="ij")
-    bow = 0.014 * (1 - 0.5 * u**2 - 0.5 * v**2)
-    points = np.stack([-0.07 * w + 0.36 * w * u, -0.002 - bow, 0.54 * h + 0.36 * h * v], -1)
-    thing.add(sheet(points), picture(rng, w))
-    thing.add(boards([(0.35 * w, 0.47 * w, -0.004, 0.002, 0.1 * h, 0.5 * h)], 0.001), GRILLE)
-    knobs = [
-        shifted(laid(cylinder(0.018, 0.022, sides=16), 1), 0.41 * w, -0.009, z * h)
-        for z in (0.84, 0.67)
-    ]
-    thing.add(joined(knobs), SILVER)
-    thing.add(
-        boards(
-            [(s * 0.4 * w - 0.02, s * 0.4 * w + 0.02, 0.02, 0.5 * d, 0, 0.022) for s in (-1, 1)]
-        ),
-        RUBBER,
-    )
-    return stood(thing)
-
-
-def _keys(w: float, d: float, rows: int, columns: int, z: float, rise: float) -> Mesh:
-    """Rows of keys between x = ±w/2 and y = ±d/2, higher towards the back, m."""
-    pitch_x, pitch_y = w / columns, d / rows
-    limits = []
-    for row in range(rows):
-        y = -d / 2 + (row + 0.5) * pitch_y
-        top = z + rise * (row + 0.5) / rows
-        cuts = (
-            [k - 0.25 * row % 1 for k in range(columns + 1)]
-            if row
-            else [0, 2, 3.5, 9.5, 11, columns]
-        )
-        edges = np.clip(np.unique(np.array(cuts + ([0, columns] if row else []))), 0, columns)
-        for a, b in zip(edges[:-1], edges[1:], strict=True):
-            if b - a > 0.3:
-                limits.append((a * pitch_x - w / 2 + 0.0012, b * pitch_x - w / 2 - 0.0012,
-                               y - pitch_y / 2 + 0.0012, y + pitch_y / 2 - 0.0012, top - 0.004, top))  # fmt: skip
-    return boards(limits, 0)
-
-
-def keyboard(rng: np.random.Generator, style: Style) -> Thing:
-    """A keyboard, mostly with the mouse beside it, m."""
-    full = rng.uniform() < 0.6
-    w, d = (0.44, 0.13) if full else (0.3, 0.12)
-    case = casing(rng, dark=0.5)
-    thing = Thing("keyboard")
-    body = boards([(-w / 2, w / 2, -d / 2, d / 2, 0, 0.012)], 0.003)
-    thing.add(body, case)
-    wide = 0.3 if full else w - 0.012
-    caps = BLACK if rng.uniform() < 0.5 else Material((0.7, 0.7, 0.68), specular=0.04)
-    keys = [shifted(_keys(wide, d - 0.014, 6, 15, 0.016, 0.004), -w / 2 + wide / 2 + 0.006, 0, 0)]
-    if full:
-        keys.append(shifted(_keys(0.11, d - 0.014, 6, 6, 0.016, 0.004), w / 2 - 0.061, 0, 0))
-    thing.add(joined(keys), caps)
-    if rng.uniform() < 0.75:
-        mouse = turned([(0, 0), (0.028, 0), (0.031, 0.012), (0.02, 0.03), (0, 0.035)], 20, 12)
-        points = mouse.vertices.astype(float) * [1, 1.75, 1] + [
-            w / 2 + between(rng, 0.07, 0.13),
-            -0.01,
-            0,
-        ]
-        thing.add(Mesh(points.astype(np.float32), mouse.faces), case)
-    return stood(thing)
-
-
-def laptop(rng: np.random.Generator, style: Style) -> Thing:
-    """An open laptop with its keys and touch pad, m."""
-    w = pick(rng, 0.3, 0.325, 0.358)
-    d = 0.69 * w
-    case = SILVER if rng.uniform() < 0.5 else casing(rng, dark=0.7)
-    thing = Thing("laptop").add(boards([(-w / 2, w / 2, -d / 2, d / 2, 0.002, 0.016)], 0.003), case)
-    keys = shifted(_keys(0.9 * w, 0.46 * d, 6, 15, 0.0172, 0.0), 0, 0.16 * d, 0)
-    thing.add(keys, BLACK)
-    pad = [(-0.18 * w, 0.18 * w, -0.42 * d, -0.14 * d, 0.0155, 0.0165)]
-    thing.add(boards(pad, 0), Material((0.3, 0.3, 0.31), specular=0.1))
-    feet = boards(
-        [
-            (x - 0.01, x + 0.01, y - 0.005, y + 0.005, 0, 0.003)
-            for x, y, _ in corners(0.4 * w, 0.4 * d)
-        ]
-    )
-    thing.add(feet, RUBBER)
-    lean = between(rng, 0.15, 0.6)
-    lid = Thing("lid")
-    lid.add(boards([(-w / 2, w / 2, 0, 0.006, 0, d)], 0.002), case)
-    lid.add(
-        boards([(-w / 2 + 0.006, w / 2 - 0.006, -0.0008, 0.001, 0.014, d - 0.006)], 0),
-        picture(rng, w),
-    )
-    motion = np.eye(4)
-    c, s = np.cos(lean), np.sin(lean)
-    motion[1:3, 1:3] = [[c, s], [-s, c]]
-    motion[:3, 3] = [0, d / 2 - 0.001, 0.014]
-    return stood(absorbed(thing, lid, motion))
 
 
 def _cone(radius: float, x: float, z: float) -> tuple[Mesh, Mesh]:
     """A driver in a front at y = 0: ring and surround, cone and dust cap."""
     r = radius
     ring = revolve([(1.0 * r, -0.001), (1.0 * r, 0.003), (0.86 * r, 0.004), (0.84 * r, 0.001)], 24)
-    rubber = [(0.86 * r, 0.001), (0.8 * r, 0.004), (0.72 * r, 0.0012), (0.36 * r, 0.0007), (0.3 * r, 0.001),
-              (0.2 * r, 0.006), (0, 0.009)]  # fmt: skip
+    rubber = [(0.86 * r, 0.001), (0.8 * r, 0.004), (0.72 * r, 0.0012), (0.36 * r, 0.0007),
+        (0.3 * r, 0.001), (0.2 * r, 0.006), (0, 0.009)]  # fmt: skip
     return shifted(laid(ring, 1), x, 0, z), shifted(laid(revolve(rubber, 24), 1), x, 0, z)
 
 
@@ -218,8 +34,8 @@ def loudspeaker(rng: np.random.Generator, style: Style) -> Thing:
     d = w * between(rng, 1.1, 1.4)
     case = style.wood if rng.uniform() < 0.5 else (BLACK if rng.uniform() < 0.6 else style.paint)
     thing = Thing("loudspeaker").add(boards([(-w / 2, w / 2, 0, d, 0.004, h)], 0.004), case, 2)
-    thing.add(boards([(x - 0.012, x + 0.012, y, y + 0.024, 0, 0.006) for x in (-0.35 * w, 0.35 * w)
-                      for y in (0.02, d - 0.05)], 0.001), RUBBER)  # fmt: skip
+    thing.add(boards([(x - 0.012, x + 0.012, y, y + 0.024, 0, 0.006) for x in (-0.35 * w,
+        0.35 * w) for y in (0.02, d - 0.05)], 0.001), RUBBER)  # fmt: skip
     if rng.uniform() < 0.35:
         cloth = boards([(-w / 2 + 0.008, w / 2 - 0.008, -0.012, 0.001, 0.015, h - 0.01)], 0.004)
         return stood(
@@ -231,10 +47,8 @@ def loudspeaker(rng: np.random.Generator, style: Style) -> Thing:
         drivers.append((r, h - 0.2 * w - 3.8 * r))
     rings, cones = zip(*(_cone(radius, 0.0, z) for radius, z in drivers), strict=True)
     thing.add(joined(list(rings)), SILVER if rng.uniform() < 0.5 else BLACK)
-    thing.add(
-        joined(list(cones)),
-        RUBBER if rng.uniform() < 0.7 else Material((0.6, 0.5, 0.1), specular=0.05),
-    )
+    thing.add(joined(list(cones)), RUBBER if rng.uniform() < 0.7 else Material((0.6, 0.5, 0.1),
+        specular=0.05))  # fmt: skip
     return stood(thing)
 
 
@@ -243,15 +57,8 @@ def radio(rng: np.random.Generator, style: Style) -> Thing:
     w, h, d = between(rng, 0.2, 0.32), between(rng, 0.12, 0.19), between(rng, 0.08, 0.14)
     case = style.wood if rng.uniform() < 0.5 else casing(rng, dark=0.2)
     thing = Thing("radio").add(boards([(-w / 2, w / 2, 0, d, 0.004, h)], 0.012), case)
-    thing.add(
-        boards(
-            [
-                (s * 0.38 * w - 0.01, s * 0.38 * w + 0.01, 0.015, d - 0.015, 0, 0.006)
-                for s in (-1, 1)
-            ]
-        ),
-        RUBBER,
-    )
+    thing.add(boards([(s * 0.38 * w - 0.01, s * 0.38 * w + 0.01, 0.015, d - 0.015, 0,
+        0.006) for s in (-1, 1)]), RUBBER)  # fmt: skip
     edge = between(rng, 0.02, 0.12) * w
     bars = np.linspace(0.2 * h, 0.85 * h, 9)
     thing.add(boards([(-0.44 * w, edge, -0.001, 0.002, 0.16 * h, 0.89 * h)], 0), GRILLE)
@@ -267,36 +74,25 @@ def radio(rng: np.random.Generator, style: Style) -> Thing:
         knobs.append(shifted(laid(knob, 1), x, 0.001, 0.3 * h))
     thing.add(joined(knobs), SILVER if rng.uniform() < 0.5 else BLACK)
     if rng.uniform() < 0.5:
-        path = [(-0.4 * w, 0.5 * d, h - 0.005), (-0.38 * w, 0.5 * d, h + 0.03), (0.38 * w, 0.5 * d, h + 0.03),
-                (0.4 * w, 0.5 * d, h - 0.005)]  # fmt: skip
+        path = [(-0.4 * w, 0.5 * d, h - 0.005), (-0.38 * w, 0.5 * d, h + 0.03),
+            (0.38 * w, 0.5 * d, h + 0.03), (0.4 * w, 0.5 * d, h - 0.005)]  # fmt: skip
         thing.add(handle(path, 0.005, count=14, sides=6), SILVER)
     else:
-        thing.add(
-            rods([(0.42 * w, 0.9 * d, h - 0.004)], [(0.1 * w, 0.9 * d, h + 0.2)], 0.0022, sides=6),
-            CHROME,
-        )
+        thing.add(rods([(0.42 * w, 0.9 * d, h - 0.004)], [(0.1 * w, 0.9 * d, h + 0.2)], 0.0022,
+            sides=6), CHROME)  # fmt: skip
     return stood(thing)
 
 
-_SEGMENTS = (
-    "abcdef",
-    "bc",
-    "abged",
-    "abgcd",
-    "fgbc",
-    "afgcd",
-    "afgedc",
-    "abc",
-    "abcdefg",
-    "abcdfg",
-)
+_SEGMENTS = ("abcdef", "bc", "abged", "abgcd", "fgbc", "afgcd", "afgedc", "abc", "abcdefg",
+    "abcdfg")  # fmt: skip
 
 
 def _digit(digit: int, x: float, z: float, w: float, h: float) -> list[tuple[float, ...]]:
     """Bars of a digit of seven segments, its lower left corner at (x, z), m."""
     t = 0.16 * w
     bars = {"a": (0, w, h - t, h), "d": (0, w, 0, t), "g": (0, w, (h - t) / 2, (h + t) / 2),
-            "f": (0, t, h / 2, h), "b": (w - t, w, h / 2, h), "e": (0, t, 0, h / 2), "c": (w - t, w, 0, h / 2)}  # fmt: skip
+        "f": (0, t, h / 2, h), "b": (w - t, w, h / 2, h), "e": (0, t, 0, h / 2),
+        "c": (w - t, w, 0, h / 2)}  # fmt: skip
     lit = [bars[s] for s in _SEGMENTS[digit]]
     return [(x + a, x + b, -0.0312, -0.03, z + c, z + e) for a, b, c, e in lit]
 
@@ -311,46 +107,40 @@ def alarm_clock(rng: np.random.Generator, style: Style) -> Thing:
             boards([(-0.42 * w, 0.42 * w, -0.0306, -0.028, 0.15 * h, 0.85 * h)], 0), GLOSSY_BLACK
         )
         digits = [*divmod(int(rng.integers(24)), 10), *divmod(int(rng.integers(60)), 10)]
-        bars = [bar for x, digit in zip((-0.34, -0.17, 0.04, 0.21), digits, strict=True)
-                for bar in _digit(digit, x * w, 0.25 * h, 0.12 * w, 0.5 * h)]  # fmt: skip
-        red = Material(
-            ((0.8, 0.06, 0.03), (0.1, 0.7, 0.3), (0.5, 0.7, 0.8))[int(rng.integers(3))],
-            emission=0.6,
-        )
+        bars = [bar for x, digit in zip((-0.34, -0.17, 0.04, 0.21), digits,
+            strict=True) for bar in _digit(digit, x * w, 0.25 * h, 0.12 * w, 0.5 * h)]  # fmt: skip
+        red = Material(((0.8, 0.06, 0.03), (0.1, 0.7, 0.3), (0.5, 0.7, 0.8))[int(rng.integers(3))],
+            emission=0.6)  # fmt: skip
         return stood(thing.add(boards(bars, 0), red))
     r, d = between(rng, 0.04, 0.06), 0.04
     z = r + 0.012
-    body = turned([(0, -d / 2), (0.96 * r, -d / 2), (r, -d / 2 + 0.004), (r, d / 2 - 0.002), (1.03 * r, d / 2),
-                   (1.03 * r, d / 2 + 0.004), (0.93 * r, d / 2 + 0.004), (0.92 * r, d / 2 - 0.001),
-                   (0, d / 2 - 0.001)], 32, 22)  # fmt: skip
+    body = turned([(0, -d / 2), (0.96 * r, -d / 2), (r, -d / 2 + 0.004), (r, d / 2 - 0.002),
+        (1.03 * r, d / 2), (1.03 * r, d / 2 + 0.004), (0.93 * r, d / 2 + 0.004),
+        (0.92 * r, d / 2 - 0.001), (0, d / 2 - 0.001)], 32, 22)  # fmt: skip
     shell = (CHROME, SILVER, casing(rng, dark=0.2), style.accent)[int(rng.integers(4))]
     thing.add(shifted(laid(body, 1), 0, 0, z), shell)
     dial = shifted(laid(revolve([(0.9 * r, d / 2), (0, d / 2)], 28), 1), 0, 0, z)
     thing.add(dial, Material((0.8, 0.79, 0.74), specular=0.05))
     y = -d / 2 - 0.0012
     a, b = between(rng, 0, 6.28), between(rng, 0, 6.28)
-    marks = [((0.76 * r * np.sin(t), y, z + 0.76 * r * np.cos(t)), (0.86 * r * np.sin(t), y, z + 0.86 * r * np.cos(t)))
-             for t in np.arange(12) * np.pi / 6]  # fmt: skip
+    marks = [((0.76 * r * np.sin(t), y, z + 0.76 * r * np.cos(t)),
+        (0.86 * r * np.sin(t), y,
+        z + 0.86 * r * np.cos(t))) for t in np.arange(12) * np.pi / 6]  # fmt: skip
     marks += [((0, y - 0.0004, z), (0.5 * r * np.sin(a), y - 0.0004, z + 0.5 * r * np.cos(a))),
-              ((0, y - 0.001, z), (0.75 * r * np.sin(b), y - 0.001, z + 0.75 * r * np.cos(b)))]  # fmt: skip
+        ((0, y - 0.001, z),
+        (0.75 * r * np.sin(b), y - 0.001, z + 0.75 * r * np.cos(b)))]  # fmt: skip
     ends = np.array(marks)
     thing.add(rods(ends[:, 0], ends[:, 1], 0.0011, sides=4), BLACK)
-    legs = rods(
-        [(s * 0.75 * r, 0, 0.0) for s in (-1, 1)],
-        [(s * 0.5 * r, 0, 0.3 * r + 0.012) for s in (-1, 1)],
-        0.004,
-    )
+    legs = rods([(s * 0.75 * r, 0, 0.0) for s in (-1, 1)], [(s * 0.5 * r, 0,
+        0.3 * r + 0.012) for s in (-1, 1)], 0.004)  # fmt: skip
     thing.add(legs, shell)
     if rng.uniform() < 0.6:
         bell = turned([(0, 0.3), (0.42, 0.0), (0.45, 0.02), (0.3, 0.3), (0, 0.42)], 20, 10)
         dome = Mesh(bell.vertices * np.float32(r), bell.faces)
         bells = [placed(dome, (s * 0.55 * r, 0, z + 0.86 * r), tilt=s * 0.55) for s in (-1, 1)]
         thing.add(joined(bells), CHROME)
-        grip = handle(
-            [(-0.55 * r, 0, z + 1.2 * r), (0, 0, z + 1.62 * r), (0.55 * r, 0, z + 1.2 * r)],
-            0.0022,
-            sides=6,
-        )
+        grip = handle([(-0.55 * r, 0, z + 1.2 * r), (0, 0, z + 1.62 * r),
+            (0.55 * r, 0, z + 1.2 * r)], 0.0022, sides=6)  # fmt: skip
         thing.add(grip, CHROME)
     return stood(thing)
 
@@ -370,40 +160,26 @@ def telephone(rng: np.random.Generator, style: Style) -> Thing:
         lower = np.stack([x[k], y[k], 0 * z[k]], -1)
         upper = np.stack([x[k], y[k], z[k]], -1)
         rim.append(sheet(np.stack([upper, lower], 1)[:, :: -1 if k else 1]))
-    ends = boards(
-        [
-            (-w / 2, w / 2, d / 2 - 0.002, d / 2, 0, 0.08),
-            (-w / 2, w / 2, -d / 2, -d / 2 + 0.002, 0, 0.02),
-        ],
-        0,
-    )
+    ends = boards([(-w / 2, w / 2, d / 2 - 0.002, d / 2, 0, 0.08),
+        (-w / 2, w / 2, -d / 2, -d / 2 + 0.002, 0, 0.02)], 0)  # fmt: skip
     thing.add(joined([top, *rim, ends]), case)
     old = rng.uniform() < 0.4
     if old:
-        dial = shifted(
-            turned([(0, 0), (0.052, 0), (0.05, 0.006), (0.02, 0.008), (0, 0.008)], 28, 12),
-            0.02,
-            -0.03,
-            0,
-        )
-        holes = [shifted(cylinder(0.007, 0.004, sides=10), 0.02 + 0.037 * np.cos(a), -0.03 + 0.037 * np.sin(a), 0.006)
-                 for a in np.linspace(-0.6, 4.2, 10)]  # fmt: skip
+        dial = shifted(turned([(0, 0), (0.052, 0), (0.05, 0.006), (0.02, 0.008), (0, 0.008)], 28,
+            12), 0.02, -0.03, 0)  # fmt: skip
+        holes = [shifted(cylinder(0.007, 0.004, sides=10), 0.02 + 0.037 * np.cos(a),
+            -0.03 + 0.037 * np.sin(a), 0.006) for a in np.linspace(-0.6, 4.2, 10)]  # fmt: skip
         lean = {"at": (0.02, 0.0, 0.04), "lean": 0.3}
         thing.add(placed(dial, **lean), CHROME).add(placed(joined(holes), **lean), BLACK)
     else:
-        keys = [(0.005 + 0.022 * i, 0.021 + 0.022 * i, -0.08 + 0.024 * j, -0.064 + 0.024 * j, 0, 0.005)
-                for i in range(3) for j in range(4)]  # fmt: skip
+        keys = [(0.005 + 0.022 * i, 0.021 + 0.022 * i, -0.08 + 0.024 * j, -0.064 + 0.024 * j, 0,
+            0.005) for i in range(3) for j in range(4)]  # fmt: skip
         thing.add(placed(boards(keys, 0.001), (0, 0, 0.046), lean=0.28), LETTERED)
         show = boards([(0, 0.075, 0.035, 0.062, 0, 0.002)], 0)
         thing.add(placed(show, (0, 0, 0.049), lean=0.33), GLOSSY_BLACK)
     at = -0.062 if not old else 0.0
-    line = [
-        (at, -0.095, 0.06),
-        (at, -0.08, 0.085),
-        (at, 0, 0.103),
-        (at, 0.08, 0.115),
-        (at, 0.095, 0.1),
-    ]
+    line = [(at, -0.095, 0.06), (at, -0.08, 0.085), (at, 0, 0.103), (at, 0.08, 0.115),
+        (at, 0.095, 0.1)]  # fmt: skip
     if old:
         line = [(p[1], 0.06, p[2] + 0.015 + 0.1 * (0.1 - abs(p[1]))) for p in line]
         line = [(p[0], p[1], 0.1 if abs(p[0]) > 0.09 else 0.125) for p in line]
@@ -423,20 +199,12 @@ def printer(rng: np.random.Generator, style: Style) -> Thing:
     case = casing(rng, dark=0.4)
     thing = Thing("printer")
     thing.add(boards([(-w / 2, w / 2, -d / 2, d / 2, 0.004, 0.72 * h)], 0.01), case)
-    thing.add(
-        boards(
-            [(-w / 2 + 0.004, w / 2 - 0.004, -d / 2 + 0.004, d / 2 - 0.02, 0.735 * h, h)], 0.008
-        ),
-        case,
-    )
-    thing.add(
-        boards([(-0.34 * w, 0.34 * w, -d / 2 - 0.0008, -d / 2 + 0.002, 0.18 * h, 0.5 * h)], 0),
-        RUBBER,
-    )
-    thing.add(
-        boards([(0.37 * w, 0.48 * w, -d / 2 - 0.002, -d / 2 + 0.01, 0.45 * h, 0.66 * h)], 0.001),
-        GLOSSY_BLACK,
-    )
+    thing.add(boards([(-w / 2 + 0.004, w / 2 - 0.004, -d / 2 + 0.004, d / 2 - 0.02, 0.735 * h, h)],
+        0.008), case)  # fmt: skip
+    thing.add(boards([(-0.34 * w, 0.34 * w, -d / 2 - 0.0008, -d / 2 + 0.002, 0.18 * h, 0.5 * h)],
+        0), RUBBER)  # fmt: skip
+    thing.add(boards([(0.37 * w, 0.48 * w, -d / 2 - 0.002, -d / 2 + 0.01, 0.45 * h, 0.66 * h)],
+        0.001), GLOSSY_BLACK)  # fmt: skip
     tray = boards(
         [(-0.27 * w, 0.27 * w, -d / 2 - 0.12, -d / 2 + 0.01, 0.16 * h, 0.16 * h + 0.004)], 0.001
     )
@@ -448,21 +216,11 @@ def printer(rng: np.random.Generator, style: Style) -> Thing:
         leaf = placed(
             boards([(-0.105, 0.105, 0, 0.003, 0, 0.24)], 0), (0, d / 2 - 0.018, 0.7 * h), lean=-0.3
         )
-        rest = placed(
-            boards([(-0.115, 0.115, 0.004, 0.007, 0, 0.16)], 0.001),
-            (0, d / 2 - 0.018, 0.7 * h),
-            lean=-0.3,
-        )
+        rest = placed(boards([(-0.115, 0.115, 0.004, 0.007, 0, 0.16)], 0.001),
+            (0, d / 2 - 0.018, 0.7 * h), lean=-0.3)  # fmt: skip
         thing.add(leaf, Material((0.8, 0.8, 0.79))).add(rest, case)
-    thing.add(
-        boards(
-            [
-                (s * 0.4 * w - 0.015, s * 0.4 * w + 0.015, -0.3 * d, 0.3 * d, 0, 0.006)
-                for s in (-1, 1)
-            ]
-        ),
-        RUBBER,
-    )
+    thing.add(boards([(s * 0.4 * w - 0.015, s * 0.4 * w + 0.015, -0.3 * d, 0.3 * d, 0,
+        0.006) for s in (-1, 1)]), RUBBER)  # fmt: skip
     return stood(thing)
 
 
@@ -476,28 +234,29 @@ def camera_on_tripod(rng: np.random.Generator, style: Style) -> Thing:
     feet, knees = ring * far, ring * (far * 0.5) + [0, 0, 0.4 * h]
     hips = ring * 0.035 + [0, 0, 0.8 * h]
     thing = Thing("camera")
-    legs = [rods(feet + [0, 0, 0.01], knees, 0.0085), rods(knees - 0.02 * ring, hips, 0.0125)]
+    legs = [rods(feet + np.array([0, 0, 0.01]), knees, 0.0085),
+        rods(knees - 0.02 * ring, hips, 0.0125)]  # fmt: skip
     column = rods(
         [(0, 0, middle), (0, 0, 0.78 * h)], [(0, 0, h), (0, 0, 0.82 * h)], 0.012, sides=12
     )
     collar = cylinder(0.045, 0.05, (0, 0, 0.8 * h), sides=12)
     braces = rods(0.55 * knees + 0.45 * hips, [(0, 0, 0.55 * h)] * 3, 0.004, sides=5)
-    pads = [shifted(cylinder(0.015, 0.02, sides=10), *(f + [0, 0, 0.01])) for f in feet]
+    pads = [shifted(cylinder(0.015, 0.02, sides=10), *(f + np.array([0, 0, 0.01]))) for f in feet]
     thing.add(joined([*legs, column, collar, braces]), BLACK if rng.uniform() < 0.6 else SILVER)
     thing.add(joined(pads), RUBBER)
     head = [(-0.025, 0.025, -0.03, 0.03, h - 0.004, h + 0.03)]
     grip = rods([(0, 0.02, h + 0.015)], [(0.03, 0.24, h - 0.07)], 0.008)
     thing.add(joined([boards(head, 0.004), grip]), BLACK)
     z = h + 0.075
-    body = [(-0.07, 0.07, -0.025, 0.03, z - 0.045, z + 0.04), (-0.03, 0.03, -0.03, 0.035, z + 0.03, z + 0.062),
-            (-0.075, -0.045, -0.045, 0.025, z - 0.043, z + 0.035)]  # fmt: skip
-    thing.add(
-        boards(body, 0.006),
-        Material((0.025, 0.025, 0.025), (0.04, 0.04, 0.04), "noise", 0.003, 0.05),
-    )
+    body = [(-0.07, 0.07, -0.025, 0.03, z - 0.045, z + 0.04),
+        (-0.03, 0.03, -0.03, 0.035, z + 0.03, z + 0.062), (-0.075, -0.045, -0.045, 0.025, z - 0.043,
+        z + 0.035)]  # fmt: skip
+    thing.add(boards(body, 0.006), Material((0.025, 0.025, 0.025), (0.04, 0.04, 0.04), "noise",
+        0.003, 0.05))  # fmt: skip
     long = between(rng, 0.05, 0.14)
-    lens = turned([(0, 0), (0.034, 0), (0.036, 0.3 * long), (0.032, 0.32 * long), (0.037, 0.6 * long), (0.038, long),
-                   (0.034, long), (0.032, 0.85 * long), (0, 0.85 * long)], 24, 24)  # fmt: skip
+    lens = turned([(0, 0), (0.034, 0), (0.036, 0.3 * long), (0.032, 0.32 * long),
+        (0.037, 0.6 * long), (0.038, long), (0.034, long), (0.032, 0.85 * long), (0, 0.85 * long)],
+        24, 24)  # fmt: skip
     thing.add(shifted(laid(lens, 1), 0, -0.024, z), BLACK)
     front = shifted(
         laid(revolve([(0.03, 0), (0.02, 0.005), (0, 0.007)], 20), 1), 0, -0.025 - 0.85 * long, z
@@ -507,15 +266,12 @@ def camera_on_tripod(rng: np.random.Generator, style: Style) -> Thing:
 
 
 CATALOGUE: dict[str, Maker] = {
-    "monitor": monitor,
-    "laptop": laptop,
-    "keyboard": keyboard,
-    "television": television,
     "loudspeaker": loudspeaker,
     "radio": radio,
     "alarm_clock": alarm_clock,
     "telephone": telephone,
     "printer": printer,
     "camera_on_tripod": camera_on_tripod,
-    **KITCHEN,
+    **screens.CATALOGUE,
+    **kitchen_devices.CATALOGUE,
 }

@@ -24,8 +24,8 @@ def apple(rng: np.random.Generator, style: Style, *, sides: int = 24) -> Thing:
     """A red, green or yellow apple with its stalk, m."""
     r = between(rng, 0.034, 0.042)
     profile = np.array([(0, 0.22), (0.25, 0.05), (0.45, 0), (0.8, 0.25), (1.0, 0.95), (0.85, 1.55),
-                        (0.5, 1.75), (0.2, 1.68), (0, 1.4)]) * r  # fmt: skip
-    body = _dented(turned(profile, sides, 18), 5, 0.025, r)
+        (0.5, 1.75), (0.2, 1.68), (0, 1.4)]) * r  # fmt: skip
+    body = _dented(turned(profile, sides, 14 if sides < 20 else 18), 5, 0.025, r)
     hue_low, hue_high, value = ((0.98, 1.02, 0.3), (0.22, 0.28, 0.45), (0.11, 0.16, 0.65))[
         int(rng.integers(3))
     ]
@@ -48,9 +48,9 @@ def pear(rng: np.random.Generator, style: Style, *, sides: int = 22) -> Thing:
     """A green, yellow or russet pear, m."""
     r = between(rng, 0.031, 0.037)
     profile = np.array([(0, 0.15), (0.3, 0), (0.7, 0.2), (1.0, 0.85), (0.85, 1.5), (0.5, 2.1),
-                        (0.36, 2.55), (0.2, 2.75), (0, 2.72)]) * r  # fmt: skip
+        (0.36, 2.55), (0.2, 2.75), (0, 2.72)]) * r  # fmt: skip
     bend = between(rng, -0.3, 0.3)
-    body = turned(profile, sides, 18)
+    body = turned(profile, sides, 14 if sides < 20 else 18)
     points = body.vertices.astype(float)
     points[:, 0] += bend * r * (points[:, 2] / (2.7 * r)) ** 2
     thing = Thing("pear")
@@ -69,12 +69,12 @@ def orange(rng: np.random.Generator, style: Style, *, subdivisions: int = 3) -> 
     kind = int(pick(rng, 0, 0, 1, 2))
     r = (0.037, 0.027, 0.048)[kind] * between(rng, 0.94, 1.06)
     tip = 0.3 if kind == 1 else -0.04
-    body = modelled((2 * r, 2 * r, (1.9, 2.2, 1.85)[kind] * r), [((0, 0, 1), 0.22, tip),
-                    ((0, 0, -1), 0.2, tip)], subdivisions=subdivisions)  # fmt: skip
+    body = modelled((2 * r, 2 * r, (1.9, 2.2, 1.85)[kind] * r),
+        [((0, 0, 1), 0.22, tip), ((0, 0, -1), 0.2, tip)], subdivisions=subdivisions)  # fmt: skip
     if kind == 1:
         body = Mesh(body.vertices[:, [2, 0, 1]], body.faces)
-    skin = Material(((0.75, 0.25, 0.02), (0.8, 0.6, 0.04), (0.78, 0.36, 0.1))[kind],
-                    specular=0.06, gloss=25.0, bump=0.3)  # fmt: skip
+    skin = Material(((0.75, 0.25, 0.02), (0.8, 0.6, 0.04), (0.78, 0.36, 0.1))[kind], specular=0.06,
+        gloss=25.0, bump=0.3)  # fmt: skip
     thing = Thing(("orange", "lemon", "grapefruit")[kind]).add(body, skin)
     if kind != 1:
         thing.add(cylinder(0.003, 0.002, (0, 0, 0.92 * r), sides=6), STALK)
@@ -134,7 +134,7 @@ def bread(rng: np.random.Generator, style: Style) -> Thing:
         p[:, 2] -= 0.09 * h * np.clip(4 * wave - 3, 0, 1) * (p[:, 2] > 0.2 * h)
         p[:, 2] = np.maximum(p[:, 2], -0.4 * h) + 0.4 * h
         at = [(0, 0), (0.1, 0.02), (0.04, 0.085)][k]
-        thing.add(Mesh((p + [*at, 0]).astype(np.float32), mesh.faces), crust)
+        thing.add(Mesh((p + np.array([*at, 0])).astype(np.float32), mesh.faces), crust)
     return stood(thing)
 
 
@@ -144,7 +144,7 @@ def pumpkin(rng: np.random.Generator, style: Style) -> Thing:
     tall = between(rng, 0.6, 1.0)
     ribs = int(rng.integers(8, 13))
     profile = np.array([(0, 0.12), (0.3, 0.02), (0.5, 0), (0.9, 0.35), (1.0, 0.9), (0.88, 1.45),
-                        (0.5, 1.75), (0.2, 1.66), (0, 1.55)]) * [r, r * tall]  # fmt: skip
+        (0.5, 1.75), (0.2, 1.66), (0, 1.55)]) * [r, r * tall]  # fmt: skip
     body = turned(profile, 4 * ribs, 15)
     x, y, z = body.vertices.T.astype(float)
     valley = 1 - 0.13 * np.abs(np.cos(0.5 * ribs * np.arctan2(y, x))) ** 6
@@ -156,10 +156,8 @@ def pumpkin(rng: np.random.Generator, style: Style) -> Thing:
     thing.add(Mesh(points.astype(np.float32), body.faces), skin)
     top = 1.5 * r * tall
     stalk = spline([(0, 0, top), (0.02 * r, 0, top + 0.25 * r), (0.25 * r, 0, top + 0.5 * r)], 7)
-    thing.add(
-        tube(stalk, np.linspace(0.17 * r, 0.08 * r, 7), 7),
-        Material((0.14, 0.13, 0.05), specular=0.0),
-    )
+    thing.add(tube(stalk, np.linspace(0.17 * r, 0.08 * r, 7), 7),
+        Material((0.14, 0.13, 0.05), specular=0.0))  # fmt: skip
     return stood(thing)
 
 
@@ -237,7 +235,7 @@ def _lay(
     clouds = [(part.mesh.vertices - (low + high) / 2) @ rotation.T for part in fruit.parts]
     bottom = float(clouds[0][:, 2].min())
     for part, cloud in zip(fruit.parts, clouds, strict=True):
-        points = cloud + [x, y, z - bottom]
+        points = cloud + np.array([x, y, z - bottom])
         thing.add(Mesh(points.astype(np.float32), part.mesh.faces), part.material, part.grain)
 
 
@@ -249,8 +247,8 @@ def cake(rng: np.random.Generator, style: Style) -> Thing:
     dish = ware(rng, style)
     if base:
         foot = [(0, 0), (0.06, 0), (0.062, 0.006), (0.016, 0.02), (0.014, base - 0.014),
-                (0.03, base - 0.004), (r + 0.02, base - 0.002), (r + 0.022, base + 0.004),
-                (r, base + 0.003), (0, base + 0.003)]  # fmt: skip
+            (0.03, base - 0.004), (r + 0.02, base - 0.002), (r + 0.022, base + 0.004),
+            (r, base + 0.003), (0, base + 0.003)]  # fmt: skip
         thing.add(turned(foot, 32, 24), dish)
         base += 0.0035
     else:
@@ -289,8 +287,8 @@ def cake(rng: np.random.Generator, style: Style) -> Thing:
 CATALOGUE: dict[str, Maker] = {
     "apple": apple,
     "pear": pear,
-    "banana_bunch": banana_bunch,
     "orange": orange,
+    "banana_bunch": banana_bunch,
     "bread": bread,
     "pumpkin": pumpkin,
     "fruit_bowl": fruit_bowl,

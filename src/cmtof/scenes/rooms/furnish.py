@@ -70,7 +70,7 @@ _SEATS = ("armchair", "ottoman", "pouf", "side_table", "stool", "rocking_chair",
 _CHILD = ("toy_chest", "bookshelf", "chest_of_drawers", "wardrobe", "desk", "basket")
 
 EXTRAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "living": (_LIVING, (*_SEATS, "side_table", "beanbag", "easel")),
+    "living": (_LIVING, (*_SEATS, "side_table", "beanbag")),
     "dining": (_LIVING, (*_SEATS, "high_chair")),
     "bedroom": (
         ("wardrobe", "chest_of_drawers", "clothes_rail", "bookshelf", "armchair", "bench",
@@ -83,7 +83,7 @@ EXTRAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     ),
     "office": (
         ("bookshelf", "filing_cabinet", "metal_rack", "cupboard", "desk", "sideboard", "printer"),
-        ("office_chair", "armchair", "easel", "cardboard_box", "camera_on_tripod"),
+        ("office_chair", "armchair", "stool", "cardboard_box", "side_table", "camera_on_tripod"),
     ),
     "hallway": (
         ("chest_of_drawers", "bench", "wardrobe", "coat_stand", "shoe_rack", "cupboard"),

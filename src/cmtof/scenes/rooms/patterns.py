@@ -194,9 +194,9 @@ def pattern(kind, x, y, z, u, v):  # pragma: no cover - compiled
         tone = turbulence(1.3 * u, 1.3 * v, z)
         mix = min(1.0, max(0.0, 4 * turbulence(0.6 * u + 3, 0.6 * v, 2 * tone) - 1.5))
         level = math.floor(6 * tone)
-        r = 0.5 + 1.1 * lattice(level, 0, 54)
-        g = 0.5 + 1.1 * lattice(level, 1, 54)
-        b = 0.5 + 1.1 * lattice(level, 2, 54)
+        r = 0.75 + 0.5 * lattice(level, 0, 54)
+        g = 0.75 + 0.5 * lattice(level, 1, 54)
+        b = 0.75 + 0.5 * lattice(level, 2, 54)
     elif kind == _RUG:
         mix, other = _rug(u, v)
         r, g, b = 0.6 + 0.6 * other, 1.0, 1.25 - 0.6 * other

@@ -33,50 +33,17 @@ class Face(NamedTuple):
 
 
 # height, half breadth, front, back, as shares of the head's height; 0 at the chin, 1 at the crown
-_HEAD = np.array(
-    [
-        (-0.22, 0.285, -0.19, 0.31),
-        (-0.1, 0.26, -0.175, 0.28),
-        (-0.03, 0.25, -0.23, 0.25),
-        (0.01, 0.235, -0.365, 0.24),
-        (0.08, 0.265, -0.395, 0.26),
-        (0.20, 0.300, -0.400, 0.32),
-        (0.34, 0.318, -0.395, 0.39),
-        (0.48, 0.328, -0.390, 0.43),
-        (0.62, 0.335, -0.400, 0.445),
-        (0.76, 0.320, -0.375, 0.42),
-        (0.88, 0.262, -0.285, 0.345),
-        (0.96, 0.165, -0.16, 0.22),
-        (0.995, 0.06, -0.04, 0.10),
-        (1.0, 0.0, 0.03, 0.03),
-    ]
-)
-_CHEST = {
-    "rounded": np.array(
-        [
-            (-1.08, 0.10, -0.16, 0.14),
-            (-1.0, 0.40, -0.33, 0.22),
-            (-0.86, 0.80, -0.41, 0.28),
-            (-0.7, 1.0, -0.40, 0.32),
-            (-0.56, 0.94, -0.35, 0.34),
-            (-0.46, 0.62, -0.28, 0.34),
-            (-0.39, 0.36, -0.22, 0.32),
-        ]
-    ),
-    "square": np.array(
-        [
-            (-1.0, 0.92, -0.40, 0.28),
-            (-0.8, 0.98, -0.41, 0.31),
-            (-0.62, 1.0, -0.38, 0.33),
-            (-0.52, 0.86, -0.33, 0.34),
-            (-0.44, 0.55, -0.27, 0.33),
-            (-0.38, 0.34, -0.22, 0.32),
-        ]
-    ),
-    "neck": np.array(
-        [(-0.5, 0.26, -0.2, 0.28), (-0.44, 0.27, -0.21, 0.31), (-0.38, 0.27, -0.2, 0.31)]
-    ),
-}
+_HEAD = np.array([(-0.22, 0.285, -0.19, 0.31), (-0.1, 0.26, -0.175, 0.28), (-0.03, 0.25, -0.23,
+    0.25), (0.01, 0.235, -0.365, 0.24), (0.08, 0.265, -0.395, 0.26), (0.20, 0.300, -0.400, 0.32),
+    (0.34, 0.318, -0.395, 0.39), (0.48, 0.328, -0.390, 0.43), (0.62, 0.335, -0.400, 0.445), (0.76,
+    0.320, -0.375, 0.42), (0.88, 0.262, -0.285, 0.345), (0.96, 0.165, -0.16, 0.22), (0.995, 0.06,
+    -0.04, 0.10), (1.0, 0.0, 0.03, 0.03)])  # fmt: skip
+_CHEST = {"rounded": np.array([(-1.08, 0.10, -0.16, 0.14), (-1.0, 0.40, -0.33, 0.22), (-0.86, 0.80,
+    -0.41, 0.28), (-0.7, 1.0, -0.40, 0.32), (-0.56, 0.94, -0.35, 0.34), (-0.46, 0.62, -0.28, 0.34),
+    (-0.39, 0.36, -0.22, 0.32)]), "square": np.array([(-1.0, 0.92, -0.40, 0.28), (-0.8, 0.98, -0.41,
+    0.31), (-0.62, 1.0, -0.38, 0.33), (-0.52, 0.86, -0.33, 0.34), (-0.44, 0.55, -0.27, 0.33),
+    (-0.38, 0.34, -0.22, 0.32)]), "neck": np.array([(-0.5, 0.26, -0.2, 0.28), (-0.44, 0.27, -0.21,
+    0.31), (-0.38, 0.27, -0.2, 0.31)])}  # fmt: skip
 
 
 def _sections(face: Face, rows: int) -> Points:
@@ -121,7 +88,7 @@ def _features(x: Points, z: Points, face: Face) -> Points:
 
 
 def portrait(
-    rng: np.random.Generator, face: Face, height: float, rows: int = 54, columns: int = 48
+    rng: np.random.Generator, face: Face, height: float, rows: int = 52, columns: int = 48
 ) -> Mesh:
     """Head, neck and shoulders as one surface, its lowest point at z = 0, looking towards -y.
 
@@ -141,10 +108,8 @@ def portrait(
     x = x * (1 - narrow * np.clip(-n, 0, 1) ** 1.5)
     on_head = np.clip((z + 0.06) / 0.08, 0, 1)
     y = y - on_head * _features(x, z, face) * np.clip(-n, 0, 1) ** 0.5 * (z < 0.75)
-    side = (
-        np.exp(-(((y - 0.06) / 0.06) ** 2) - ((z - 0.42) / 0.12) ** 2)
-        * np.clip(np.abs(c), 0, 1) ** 4
-    )
+    side = (np.exp(-(((y - 0.06) / 0.06) ** 2) - ((z - 0.42) / 0.12) ** 2) * np.clip(np.abs(c), 0,
+        1) ** 4)  # fmt: skip
     x = x + 0.075 * np.sign(c) * side  # ears
     line = 0.76 + 0.0 * n - 0.5 * np.clip(n + 0.45, 0, 1)
     hair = np.clip((z - line) / 0.05, 0, 1) * (1 - 0.999 * side)
@@ -174,46 +139,33 @@ def _posed(points: Points, face: Face) -> Points:
 
 def draw_face(rng: np.random.Generator, cut: str) -> Face:
     """Somebody."""
-    return Face(
-        nose=float(rng.uniform(0.1, 0.15)),
-        jaw=float(rng.uniform(0.01, 0.045)),
-        brow=float(rng.uniform(0.02, 0.045)),
-        hair=float(rng.choice([0.0, 0.03, 0.05, 0.08])),
-        curl=float(rng.uniform(0.3, 0.9)),
-        beard=float(rng.choice([0.0, 0.0, 0.06, 0.1])),
-        turn=float(rng.normal(0, 0.25)),
-        nod=float(rng.uniform(-0.05, 0.12)),
-        broad=float(rng.uniform(0.85, 1.05)),
-        cut=cut,
-    )
+    return Face(nose=float(rng.uniform(0.1, 0.15)), jaw=float(rng.uniform(0.01, 0.045)),
+        brow=float(rng.uniform(0.02, 0.045)), hair=float(rng.choice([0.0, 0.03, 0.05, 0.08])),
+        curl=float(rng.uniform(0.3, 0.9)), beard=float(rng.choice([0.0, 0.0, 0.06, 0.1])),
+        turn=float(rng.normal(0, 0.25)), nod=float(rng.uniform(-0.05, 0.12)),
+        broad=float(rng.uniform(0.85, 1.05)), cut=cut)  # fmt: skip
 
 
 def socle(width: float, height: float, square: bool) -> Mesh:
     """What a bust stands on: a turned waist on a square base, or a block, m."""
     w, h = width, height
     if square:
-        return joined(
-            [
-                boards([(-w / 2, w / 2, -w / 2, w / 2, 0, 0.2 * h)], 0.003),
-                boards([(-0.42 * w, 0.42 * w, -0.42 * w, 0.42 * w, 0.19 * h, h)], 0.003),
-            ]
-        )
+        return joined([boards([(-w / 2, w / 2, -w / 2, w / 2, 0, 0.2 * h)], 0.003),
+            boards([(-0.42 * w, 0.42 * w, -0.42 * w, 0.42 * w, 0.19 * h, h)], 0.003)])  # fmt: skip
     profile = np.array([(0, 0.15), (0.46, 0.15), (0.46, 0.3), (0.3, 0.42), (0.24, 0.6), (0.3, 0.82),
-                        (0.42, 0.9), (0.42, 1.0), (0, 1.0)]) * [w, h]  # fmt: skip
+        (0.42, 0.9), (0.42, 1.0), (0, 1.0)]) * [w, h]  # fmt: skip
     return joined(
         [turned(profile, 24, 18), boards([(-w / 2, w / 2, -w / 2, w / 2, 0, 0.2 * h)], 0.003)]
     )
 
 
-STATUARY: tuple[Material, ...] = (
-    Material((0.78, 0.76, 0.72), (0.5, 0.5, 0.5), "marble", 0.12, specular=0.06, gloss=60.0),
-    Material((0.8, 0.79, 0.77), specular=0.01),
-    Material((0.16, 0.1, 0.045), (0.07, 0.09, 0.06), "noise", 0.05, specular=0.25, gloss=40.0),
-    Material((0.45, 0.2, 0.1), (0.38, 0.16, 0.08), "noise", 0.03, specular=0.01),
-    Material((0.04, 0.04, 0.042), specular=0.08, gloss=40.0),
-    Material((0.62, 0.45, 0.18), specular=0.5, gloss=80.0),
-    Material((0.4, 0.39, 0.36), (0.3, 0.29, 0.27), "noise", 0.015, specular=0.0, bump=0.3),
-)
+STATUARY: tuple[Material, ...] = (Material((0.78, 0.76, 0.72), (0.5, 0.5, 0.5), "marble", 0.12,
+    specular=0.06, gloss=60.0), Material((0.8, 0.79, 0.77), specular=0.01), Material((0.16, 0.1,
+    0.045), (0.07, 0.09, 0.06), "noise", 0.05, specular=0.25, gloss=40.0), Material((0.45, 0.2,
+    0.1), (0.38, 0.16, 0.08), "noise", 0.03, specular=0.01), Material((0.04, 0.04, 0.042),
+    specular=0.08, gloss=40.0), Material((0.62, 0.45, 0.18), specular=0.5, gloss=80.0),
+    Material((0.4, 0.39, 0.36), (0.3, 0.29, 0.27), "noise", 0.015, specular=0.0,
+    bump=0.3))  # fmt: skip
 """Marble, plaster, bronze, terracotta, basalt, gilt, sandstone."""
 
 

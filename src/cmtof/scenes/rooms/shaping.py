@@ -138,30 +138,18 @@ def stretched(mesh: Mesh, x: float, y: float, z: float) -> Mesh:
 
 def laid(mesh: Mesh, axis: int = 0) -> Mesh:
     """A turned body whose upright axis becomes x (0), or -y (1): wheels, knobs, lenses."""
-    turns = (
-        [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
-        [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
-    )
+    turns = ([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
     return Mesh(mesh.vertices @ np.array(turns[axis], np.float32).T, mesh.faces)
 
 
 def shifted_by(thing: Thing, shift: Points) -> Thing:
     """A copy of a thing, moved with all that it carries, m."""
     dx, dy, dz = (float(v) for v in shift)
-    return replace(
-        thing,
-        parts=[
-            part._replace(
-                mesh=Mesh((part.mesh.vertices + shift).astype(np.float32), part.mesh.faces)
-            )
-            for part in thing.parts
-        ],
-        supports=[
-            s._replace(x0=s.x0 + dx, x1=s.x1 + dx, y0=s.y0 + dy, y1=s.y1 + dy, z=s.z + dz)
-            for s in thing.supports
-        ],
-        children=[(child, pose(dx, dy, dz) @ motion) for child, motion in thing.children],
-    )
+    return replace(thing, parts=[part._replace(mesh=Mesh((part.mesh.vertices +
+        shift).astype(np.float32), part.mesh.faces)) for part in thing.parts],
+        supports=[s._replace(x0=s.x0 + dx, x1=s.x1 + dx, y0=s.y0 + dy, y1=s.y1 + dy,
+        z=s.z + dz) for s in thing.supports], children=[(child,
+        pose(dx, dy, dz) @ motion) for child, motion in thing.children])  # fmt: skip
 
 
 def stood(thing: Thing) -> Thing:

@@ -22,15 +22,8 @@ def between(rng: np.random.Generator, low: float, high: float) -> float:
 
 def glassy(rng: np.random.Generator) -> Material:
     """Opaque glass: clear-grey, green, brown, blue, milky or black, with a sharp gloss."""
-    tints = (
-        (0.45, 0.5, 0.5),
-        (0.03, 0.09, 0.04),
-        (0.14, 0.06, 0.015),
-        (0.03, 0.07, 0.25),
-        (0.75, 0.76, 0.75),
-        (0.02, 0.02, 0.02),
-        hue(float(rng.uniform()), 0.6, 0.3),
-    )
+    tints = ((0.45, 0.5, 0.5), (0.03, 0.09, 0.04), (0.14, 0.06, 0.015), (0.03, 0.07, 0.25),
+        (0.75, 0.76, 0.75), (0.02, 0.02, 0.02), hue(float(rng.uniform()), 0.6, 0.3))  # fmt: skip
     tint = tints[int(rng.integers(len(tints)))]
     return Material(tint, specular=0.3, gloss=800.0)
 
@@ -64,7 +57,8 @@ _VASES: tuple[tuple[tuple[float, float], ...], ...] = (
     ((0.35, 0), (0.7, 0.07), (1.0, 0.38), (0.95, 0.62), (0.5, 0.86), (0.28, 0.92), (0.34, 1.0)),
     ((0.3, 0), (0.42, 0.04), (0.3, 0.08), (0.8, 0.35), (1.0, 0.58), (0.85, 0.72), (0.38, 0.82),
      (0.34, 0.93), (0.5, 1.0)),
-    ((0.8, 0), (0.8, 0.3), (0.8, 0.3), (1.0, 0.36), (1.0, 0.7), (1.0, 0.7), (0.6, 0.76), (0.6, 1.0)),
+    ((0.8, 0), (0.8, 0.3), (0.8, 0.3), (1.0, 0.36), (1.0, 0.7), (1.0, 0.7), (0.6, 0.76),
+     (0.6, 1.0)),
 )  # fmt: skip
 """Outlines as shares of the largest radius and of the height."""
 
@@ -100,15 +94,13 @@ def bowl(rng: np.random.Generator, style: Style) -> Thing:
     kind = int(rng.integers(4))
     r = between(rng, 0.065, 0.16)
     h = r * (0.75, 0.8, 1.1, 0.4)[kind]
-    shapes = (
-        ((0.42, 0), (0.5, 0.02), (0.82, 0.35), (0.97, 0.75), (1.0, 1.0)),
+    shapes = (((0.42, 0), (0.5, 0.02), (0.82, 0.35), (0.97, 0.75), (1.0, 1.0)),
         ((0.45, 0), (0.4, 0.1), (0.3, 0.16), (0.7, 0.3), (0.95, 0.62), (1.0, 1.0)),
         ((0.5, 0), (0.62, 0.03), (0.88, 0.4), (0.95, 0.9), (1.03, 1.0)),
-        ((0.6, 0), (0.66, 0.04), (0.85, 0.35), (1.0, 1.0)),
-    )
+        ((0.6, 0), (0.66, 0.04), (0.85, 0.35), (1.0, 1.0)))  # fmt: skip
     material = style.wood if rng.uniform() < 0.25 else ware(rng, style)
     body = hollow(outline(shapes[kind], r, h), pick(rng, 0.003, 0.005, 0.007),
-                  floor=0.2 * h if kind == 1 else None)  # fmt: skip
+        floor=0.2 * h if kind == 1 else None)  # fmt: skip
     return Thing("bowl").add(body, material)
 
 
@@ -116,8 +108,8 @@ def plate_mesh(radius: float, height: float, sides: int = 32) -> Mesh:
     """A plate with a foot ring, a well and a flat rim, m."""
     r, h, t = radius, height, 0.0035
     profile = [(0, 0.001), (0.5 * r, 0.001), (0.56 * r, 0), (0.6 * r, 0.003), (0.72 * r, 0.4 * h),
-               (0.98 * r, 0.85 * h), (r, 0.95 * h), (0.985 * r, h), (0.74 * r, 0.55 * h + t),
-               (0.62 * r, t + 0.003), (0.5 * r, t + 0.001), (0, t + 0.001)]  # fmt: skip
+        (0.98 * r, 0.85 * h), (r, 0.95 * h), (0.985 * r, h), (0.74 * r, 0.55 * h + t),
+        (0.62 * r, t + 0.003), (0.5 * r, t + 0.001), (0, t + 0.001)]  # fmt: skip
     return revolve(profile, sides)
 
 
@@ -139,8 +131,8 @@ def ear(radius: float, low: float, high: float, reach: float, thick: float) -> M
     x = radius - 0.5 * thick
     middle = (low + high) / 2
     path = [(x, 0, high), (x + 0.7 * reach, 0, high + 0.1 * (high - low)),
-            (x + reach, 0, middle + 0.1 * (high - low)), (x + 0.6 * reach, 0, low),
-            (x - 0.06 * reach, 0, low - 0.04 * (high - low))]  # fmt: skip
+        (x + reach, 0, middle + 0.1 * (high - low)), (x + 0.6 * reach, 0, low),
+        (x - 0.06 * reach, 0, low - 0.04 * (high - low))]  # fmt: skip
     mesh = handle(path, thick, count=11, sides=6)
     return Mesh(mesh.vertices * np.array([1, 1.35, 1], np.float32), mesh.faces)
 
@@ -150,21 +142,15 @@ def cup(rng: np.random.Generator, style: Style) -> Thing:
     material = ceramic(rng)
     r = pick(rng, 0.032, 0.044, 0.05)
     h = r * between(rng, 1.25, 1.6)
-    shapes = (
-        ((0.5, 0), (0.55, 0.06), (0.85, 0.35), (0.95, 0.75), (1.0, 1.0)),
-        ((0.6, 0), (0.9, 0.12), (0.95, 0.5), (0.97, 1.0)),
-        ((0.45, 0), (0.48, 0.1), (0.7, 0.35), (0.85, 0.7), (1.05, 1.0)),
-    )
+    shapes = (((0.5, 0), (0.55, 0.06), (0.85, 0.35), (0.95, 0.75), (1.0, 1.0)),
+        ((0.6, 0), (0.9, 0.12), (0.95, 0.5), (0.97, 1.0)), ((0.45, 0), (0.48, 0.1), (0.7, 0.35),
+        (0.85, 0.7), (1.05, 1.0)))  # fmt: skip
     shape = shapes[int(rng.integers(3))]
-    mesh = joined(
-        [
-            hollow(outline(shape, r, h), 0.0028, sides=24, count=11),
-            ear(0.93 * r, 0.3 * h, 0.82 * h, 0.5 * r, 0.0032),
-        ]
-    )
+    mesh = joined([hollow(outline(shape, r, h), 0.0028, sides=24, count=11),
+        ear(0.93 * r, 0.3 * h, 0.82 * h, 0.5 * r, 0.0032)])  # fmt: skip
     lift = 0.006
     thing = Thing("cup").add(Mesh(mesh.vertices + np.array([0, 0, lift], np.float32), mesh.faces),
-                             material)  # fmt: skip
+        material)  # fmt: skip
     thing.add(plate_mesh(r * 1.6, 0.016, 24), material)
     if rng.uniform() < 0.6:
         thing.add(_filling(0.84 * r, 0.75 * h + lift, 20), drink(rng))
@@ -185,14 +171,11 @@ def _filling(radius: float, height: float, sides: int) -> Mesh:
 def mug(rng: np.random.Generator, style: Style) -> Thing:
     """Straight, barrel, tapered or enamel mug, m."""
     r, h = between(rng, 0.038, 0.046), between(rng, 0.085, 0.11)
-    shapes = (
-        ((0.94, 0), (0.98, 0.03), (1.0, 0.5), (1.0, 1.0)),
-        ((0.8, 0), (0.88, 0.04), (1.03, 0.5), (0.92, 1.0)),
-        ((0.74, 0), (0.8, 0.04), (0.9, 0.5), (1.0, 1.0)),
-        ((0.97, 0), (1.0, 0.02), (1.0, 0.96), (1.05, 1.0)),
-    )
+    shapes = (((0.94, 0), (0.98, 0.03), (1.0, 0.5), (1.0, 1.0)),
+        ((0.8, 0), (0.88, 0.04), (1.03, 0.5), (0.92, 1.0)), ((0.74, 0), (0.8, 0.04), (0.9, 0.5),
+        (1.0, 1.0)), ((0.97, 0), (1.0, 0.02), (1.0, 0.96), (1.05, 1.0)))  # fmt: skip
     body = hollow(outline(shapes[int(rng.integers(4))], r, h), pick(rng, 0.003, 0.004), sides=26,
-                  count=11)  # fmt: skip
+        count=11)  # fmt: skip
     grip = ear(0.97 * r, 0.22 * h, 0.8 * h, between(rng, 0.024, 0.032), 0.0045)
     thing = Thing("mug").add(joined([body, grip]), ware(rng, style))
     if rng.uniform() < 0.5:
@@ -205,14 +188,11 @@ def glass(rng: np.random.Generator, style: Style) -> Thing:
     kind = int(rng.integers(5))
     h = (between(rng, 0.08, 0.13), 0.21, 0.16, 0.22, 0.16)[kind]
     r = (0.037, 0.042, 0.04, 0.026, 0.036)[kind] * between(rng, 0.95, 1.1)
-    shapes = (
-        ((0.85, 0), (0.87, 0.02), (0.95, 0.5), (1.0, 1.0)),
-        ((0.85, 0), (0.8, 0.012), (0.1, 0.05), (0.08, 0.3), (0.12, 0.42), (0.85, 0.56),
-         (1.0, 0.74), (0.78, 1.0)),
-        ((0.8, 0), (0.78, 0.02), (0.16, 0.06), (0.14, 0.24), (0.5, 0.36), (0.92, 0.6), (1.0, 1.0)),
-        ((1.1, 0), (1.05, 0.012), (0.14, 0.05), (0.13, 0.34), (0.5, 0.46), (1.0, 0.72), (0.92, 1.0)),
-        ((0.72, 0), (0.72, 0.03), (0.8, 0.3), (1.05, 0.72), (1.0, 1.0)),
-    )  # fmt: skip
+    shapes = (((0.85, 0), (0.87, 0.02), (0.95, 0.5), (1.0, 1.0)),
+        ((0.85, 0), (0.8, 0.012), (0.1, 0.05), (0.08, 0.3), (0.12, 0.42), (0.85, 0.56), (1.0, 0.74),
+        (0.78, 1.0)), ((0.8, 0), (0.78, 0.02), (0.16, 0.06), (0.14, 0.24), (0.5, 0.36), (0.92, 0.6),
+        (1.0, 1.0)), ((1.1, 0), (1.05, 0.012), (0.14, 0.05), (0.13, 0.34), (0.5, 0.46), (1.0, 0.72),
+        (0.92, 1.0)), ((0.72, 0), (0.72, 0.03), (0.8, 0.3), (1.05, 0.72), (1.0, 1.0)))  # fmt: skip
     floor = (0.08 * h, 0.43 * h, 0.36 * h, 0.46 * h, 0.1 * h)[kind]
     body = hollow(outline(shapes[kind], r, h), 0.0016, floor=floor, sides=24, count=17)
     return Thing("glass").add(body, glassy(rng))
@@ -222,7 +202,7 @@ def _label(radius: float, low: float, high: float, share: float, sides: int = 16
     """Paper around a share of a bottle, a quarter of a millimetre off it, m."""
     angle = np.linspace(-np.pi * share, np.pi * share, sides) - np.pi / 2
     ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], -1) * (radius + 4e-4)
-    corners = np.stack([ring + [0, 0, low], ring + [0, 0, high]], 0)
+    corners = np.stack([ring + np.array([0, 0, low]), ring + np.array([0, 0, high])], 0)
     return sheet(corners[:, ::-1], thickness=3e-4)
 
 
@@ -240,9 +220,9 @@ def wine_bottle(rng: np.random.Generator, style: Style) -> Thing:
     shoulder = (0.66, 0.5, 0.45, 0.48)[kind]
     neck = 0.0145 / r
     profile = [(0.9, 0), (1, 0.02), (1, shoulder - 0.04), (0.97, shoulder),
-               (neck * 1.25, (0.76, 0.76, 0.78, 0.74)[kind]), (neck, 0.82), (neck, 0.95)]  # fmt: skip
+        (neck * 1.25, (0.76, 0.76, 0.78, 0.74)[kind]), (neck, 0.82), (neck, 0.95)]  # fmt: skip
     body = np.array([(0, 0.02), (0.75, 0), *profile, (neck, 0.955), (neck * 1.12, 0.957),
-                     (neck * 1.12, 0.985), (neck, 1.0), (0, 1.0)]) * [r, h]  # fmt: skip
+        (neck * 1.12, 0.985), (neck, 1.0), (0, 1.0)]) * [r, h]  # fmt: skip
     tints = ((0.012, 0.03, 0.012), (0.03, 0.08, 0.03), (0.09, 0.035, 0.01), (0.3, 0.34, 0.28))
     tint = tints[int(rng.integers(4))]
     thing = Thing("wine bottle").add(
@@ -253,11 +233,11 @@ def wine_bottle(rng: np.random.Generator, style: Style) -> Thing:
     if rng.uniform() < 0.75:
         edge = neck * r
         rings = [(edge + 5e-4, 0.84 * h), (edge + 8e-4, 0.95 * h), (1.14 * edge + 8e-4, 0.96 * h),
-                 (1.14 * edge + 8e-4, 0.988 * h), (edge, 1.003 * h), (0, 1.003 * h)]  # fmt: skip
+            (1.14 * edge + 8e-4, 0.988 * h), (edge, 1.003 * h), (0, 1.003 * h)]  # fmt: skip
         thing.add(revolve(rings, 20), Material(capsule, specular=0.3, gloss=60.0))
     else:
         thing.add(turned([(0, 0.97 * h), (0.009, 0.97 * h), (0.0095, h + 0.012), (0, h + 0.014)],
-                         16, 9), CORK)  # fmt: skip
+            16, 9), CORK)  # fmt: skip
     return stood(thing)
 
 
@@ -266,13 +246,11 @@ def bottle(rng: np.random.Generator, style: Style) -> Thing:
     kind = int(rng.integers(5))
     r = (0.033, 0.034, 0.03, 0.032, 0.028)[kind] * between(rng, 0.85, 1.2)
     h = (0.25, 0.27, 0.17, 0.2, 0.1)[kind] * between(rng, 0.85, 1.15)
-    shapes = (
-        [(0.9, 0), (1, 0.04), (0.93, 0.2), (1, 0.3), (0.93, 0.42), (1, 0.55), (1, 0.66), (0.4, 0.86)],
-        [(0.95, 0), (1, 0.02), (1, 0.6), (0.9, 0.68), (0.38, 0.78), (0.36, 0.9)],
+    shapes = ([(0.9, 0), (1, 0.04), (0.93, 0.2), (1, 0.3), (0.93, 0.42), (1, 0.55), (1, 0.66),
+        (0.4, 0.86)], [(0.95, 0), (1, 0.02), (1, 0.6), (0.9, 0.68), (0.38, 0.78), (0.36, 0.9)],
         [(0.85, 0), (1, 0.05), (1, 0.5), (0.55, 0.72), (0.42, 0.88)],
         [(0.85, 0), (0.95, 0.04), (1, 0.4), (0.85, 0.78), (0.5, 0.86)],
-        [(0.95, 0), (1, 0.03), (1, 0.6), (0.9, 0.68), (0.5, 0.74), (0.5, 0.82)],
-    )  # fmt: skip
+        [(0.95, 0), (1, 0.03), (1, 0.6), (0.9, 0.68), (0.5, 0.74), (0.5, 0.82)])  # fmt: skip
     top = shapes[kind][-1][0] * r
     z = shapes[kind][-1][1] * h
     body = np.array([(0, 0), (0.6, 0), *shapes[kind]]) * [r, h]
@@ -280,7 +258,7 @@ def bottle(rng: np.random.Generator, style: Style) -> Thing:
     stuff = Material(colour, specular=0.08, gloss=100.0) if kind in (2, 3) else glassy(rng)
     thing = Thing("bottle").add(turned([*body, (top, z + 0.004), (0, z + 0.004)], 26, 22), stuff)
     lid = [(0, z + 0.001), (1.15 * top, z + 0.001), (1.15 * top, z + 0.002), (1.1 * top, h),
-           (0.9 * top, h + 0.001), (0, h + 0.001)]  # fmt: skip
+        (0.9 * top, h + 0.001), (0, h + 0.001)]  # fmt: skip
     cap = hue(float(rng.uniform()), 0.7, pick(rng, 0.02, 0.3, 0.8))
     thing.add(turned(lid, 20, 10), Material(cap, specular=0.06, gloss=50.0))
     if rng.uniform() < 0.8 and kind not in (0, 3):
@@ -292,24 +270,23 @@ def jar(rng: np.random.Generator, style: Style) -> Thing:
     """A jam jar, a storage jar with a lid and knob, or a ginger jar, m."""
     kind = int(rng.integers(3))
     r, h = between(rng, 0.032, 0.06), between(rng, 0.09, 0.2)
-    shapes = (
-        [(0.92, 0), (1, 0.04), (1, 0.75), (0.9, 0.86), (0.84, 0.9), (0.84, 0.92)],
-        [(0.95, 0), (1, 0.02), (1, 0.86), (0.98, 0.9)],
-        [(0.6, 0), (0.75, 0.1), (1, 0.5), (0.95, 0.72), (0.55, 0.84), (0.5, 0.88)],
-    )
+    shapes = ([(0.92, 0), (1, 0.04), (1, 0.75), (0.9, 0.86), (0.84, 0.9), (0.84, 0.92)],
+        [(0.95, 0), (1, 0.02), (1, 0.86), (0.98, 0.9)], [(0.6, 0), (0.75, 0.1), (1, 0.5),
+        (0.95, 0.72), (0.55, 0.84), (0.5, 0.88)])  # fmt: skip
     body = np.array([(0, 0), (0.6, 0), *shapes[kind], (0, shapes[kind][-1][1])]) * [r, h]
     stuff = glassy(rng) if kind == 0 else ware(rng, style)
     thing = Thing("jar").add(turned(body, 28, 18), stuff)
     top, z = shapes[kind][-1][0] * r, shapes[kind][-1][1] * h
     if kind == 0:
-        lid = [(0, z - 0.012), (top + 0.001, z - 0.012), (top + 0.002, z + 0.001),
-               (top, z + 0.003), (0, z + 0.003)]  # fmt: skip
+        lid = [(0, z - 0.012), (top + 0.001, z - 0.012), (top + 0.002, z + 0.001), (top, z + 0.003),
+            (0, z + 0.003)]  # fmt: skip
         cap = Material(hue(float(rng.uniform()), 0.6, between(rng, 0.1, 0.7)), specular=0.3)
         thing.add(turned(lid, 28, 12), cap)
         thing.add(_label(r, 0.25 * h, 0.6 * h, 0.5), paper(rng))
         return stood(thing)
-    lid = [(0, z + 0.0006), (1.04 * top, z + 0.0006), (1.04 * top, z + 0.006), (0.6 * top, z + 0.012),
-           (0.16 * r, z + 0.014), (0.13 * r, z + 0.02), (0.25 * r, z + 0.03), (0, z + 0.036)]  # fmt: skip
+    lid = [(0, z + 0.0006), (1.04 * top, z + 0.0006), (1.04 * top, z + 0.006),
+        (0.6 * top, z + 0.012), (0.16 * r, z + 0.014), (0.13 * r, z + 0.02), (0.25 * r, z + 0.03),
+        (0, z + 0.036)]  # fmt: skip
     thing.add(turned(lid, 28, 18), style.wood if rng.uniform() < 0.4 else stuff)
     return stood(thing)
 
@@ -319,21 +296,16 @@ def _poured(mesh: Mesh, height: float, radius: float, reach: float) -> Mesh:
     x, y, z = mesh.vertices.T.astype(float)
     near = np.clip((z / height - 0.72) / 0.28, 0, 1) ** 2
     far = near * np.exp(-((np.arctan2(y, -x) / 0.35) ** 2)) * np.hypot(x, y) / radius
-    return Mesh(
-        np.stack([x - reach * far, y * (1 - 0.25 * far), z + 0.3 * reach * far], -1).astype(
-            np.float32
-        ),
-        mesh.faces,
-    )
+    return Mesh(np.stack([x - reach * far, y * (1 - 0.25 * far), z + 0.3 * reach * far],
+        -1).astype(np.float32), mesh.faces)  # fmt: skip
 
 
 def _jug(rng: np.random.Generator, material: Material, h: float, kind: str) -> Thing:
     r = h * between(rng, 0.3, 0.38)
-    shapes = (
-        ((0.7, 0), (0.78, 0.02), (1.0, 0.3), (0.9, 0.6), (0.6, 0.82), (0.68, 1.0)),
+    shapes = (((0.7, 0), (0.78, 0.02), (1.0, 0.3), (0.9, 0.6), (0.6, 0.82), (0.68, 1.0)),
         ((0.9, 0), (0.95, 0.02), (0.88, 0.4), (0.72, 0.8), (0.8, 1.0)),
-        ((0.55, 0), (0.5, 0.05), (0.85, 0.2), (1.0, 0.42), (0.7, 0.68), (0.55, 0.85), (0.75, 1.0)),
-    )
+        ((0.55, 0), (0.5, 0.05), (0.85, 0.2), (1.0, 0.42), (0.7, 0.68), (0.55, 0.85),
+        (0.75, 1.0)))  # fmt: skip
     shape = shapes[int(rng.integers(3))]
     body = _poured(hollow(outline(shape, r, h), 0.004, sides=32), h, r, 0.35 * r)
     high = 0.9 * h
@@ -341,7 +313,7 @@ def _jug(rng: np.random.Generator, material: Material, h: float, kind: str) -> T
     reach = between(rng, 0.45, 0.65) * r
     x0, x1 = at[0] - 0.004, at[1] - 0.004
     path = [(x1, 0, high), (x1 + 0.7 * reach, 0, high + 0.05 * h), (r + 0.9 * reach, 0, 0.66 * h),
-            (r + 0.4 * reach, 0, 0.42 * h), (x0, 0, 0.3 * h)]  # fmt: skip
+        (r + 0.4 * reach, 0, 0.42 * h), (x0, 0, 0.3 * h)]  # fmt: skip
     grip = handle(path, [0.007, 0.006, 0.0055, 0.006], count=12)
     return stood(Thing(kind).add(joined([body, grip]), material))
 
@@ -370,7 +342,7 @@ def decanter(rng: np.random.Generator, style: Style) -> Thing:
     body = hollow(outline(shape, r, h), 0.003)
     k = 0.24 * r
     plug = [(0, h - 0.012), (0.45 * k, h - 0.012), (0.6 * k, h), (1.3 * k, h + 0.006),
-            (1.6 * k, h + 0.03), (1.2 * k, h + 0.05), (0, h + 0.056)]  # fmt: skip
+        (1.6 * k, h + 0.03), (1.2 * k, h + 0.05), (0, h + 0.056)]  # fmt: skip
     return Thing("decanter").add(body, stuff).add(turned(plug, 16, 14), stuff)
 
 
@@ -379,18 +351,18 @@ def urn(rng: np.random.Generator, style: Style) -> Thing:
     h = between(rng, 0.28, 0.5)
     r = h * between(rng, 0.27, 0.33)
     shape = ((0.55, 0), (0.55, 0.05), (0.3, 0.09), (0.22, 0.16), (0.6, 0.28), (1.0, 0.58),
-             (0.92, 0.68), (0.55, 0.76), (0.6, 0.84), (0.8, 0.9))  # fmt: skip
+        (0.92, 0.68), (0.55, 0.76), (0.6, 0.84), (0.8, 0.9))  # fmt: skip
     stuff = ware(rng, style)
     body = hollow(outline(shape, r, h), 0.006, floor=0.2 * h, count=20)
     loops = []
     for side in (-1, 1):
         path = np.array([(0.93 * r, 0, 0.66 * h), (1.22 * r, 0, 0.7 * h), (1.18 * r, 0, 0.83 * h),
-                         (0.7 * r, 0, 0.87 * h)]) * [side, 1, 1]  # fmt: skip
+            (0.7 * r, 0, 0.87 * h)]) * [side, 1, 1]  # fmt: skip
         loops.append(handle(path, 0.03 * h, count=9, sides=6))
     thing = Thing("urn").add(joined([body, *loops]), stuff)
     if rng.uniform() < 0.6:
         lid = np.array([(0, 0.905), (0.82, 0.905), (0.8, 0.93), (0.4, 0.98), (0.12, 1.0),
-                        (0.1, 1.02), (0.2, 1.05), (0.12, 1.08), (0, 1.1)]) * [r, h]  # fmt: skip
+            (0.1, 1.02), (0.2, 1.05), (0.12, 1.08), (0, 1.1)]) * [r, h]  # fmt: skip
         thing.add(turned(lid, 24, 16), stuff)
     return stood(thing)
 

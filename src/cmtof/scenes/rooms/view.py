@@ -115,8 +115,12 @@ def _surfaces(
 
 def _tint(albedo: Array, specular: Array) -> Array:
     """Metals colour what they mirror, lacquer and glaze do not."""
-    metallic = np.clip(2 * specular - 0.6, 0, 1)
-    return 1 - metallic * (1 - albedo / np.maximum(albedo.max(axis=1, keepdims=True), 1e-3))
+    metal = np.flatnonzero(specular[:, 0] > 0.3)
+    tint = np.ones_like(albedo)
+    share = np.minimum(2 * specular[metal] - 0.6, 1)
+    hue = albedo[metal] / np.maximum(albedo[metal].max(axis=1, keepdims=True), 1e-3)
+    tint[metal] = 1 - share * (1 - hue)
+    return tint
 
 
 def _add_reflections(light: Illumination, points: Points, albedo: Array, colour: NDArray) -> None:

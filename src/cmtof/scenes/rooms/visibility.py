@@ -8,9 +8,9 @@ from scipy import ndimage
 
 from cmtof.scenes.rooms.tracing import Tracer
 
-CELL = 0.8
+CELL = 1.0
 """Side of the cells, m."""
-_PROBES = 8  # points a cell
+_PROBES = 6  # points a cell
 _LEAST = 0.03  # share that a lamp keeps where only the neighbours see it
 
 
