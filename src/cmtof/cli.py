@@ -12,7 +12,14 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from cmtof.console import describe, print_report, print_scores, progress_bar, write_json
+from cmtof.console import (
+    describe,
+    print_render_costs,
+    print_report,
+    print_scores,
+    progress_bar,
+    write_json,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -362,14 +369,8 @@ def render(
     if not rendered:
         print(", the others were there")
         return
-    work, rays = sum(one.build_s + one.views_s for one in done), sum(one.rays for one in done)
-    bare = sum(one.rays_s for one in done)
     print(f" in {seconds:.1f} s, {rendered / seconds:.2f} views/s")
-    rooms = sum(one.build_s for one in done)
-    print(
-        f"{rays / 1e6:.1f} million rays took Embree {bare:.1f} core seconds; all of it took "
-        f"{work:.1f}, {work / bare:.2f} times as long ({rooms:.1f} to build and light the rooms)"
-    )
+    print_render_costs(done)
 
 
 @app.command()

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
     from cmtof.measurement import Measurement
+    from cmtof.scenes.rooms.rendering import Done
 
 
 def progress_bar(quiet: bool) -> "Progress":
@@ -59,6 +60,20 @@ def print_scores(result: "xr.Dataset", measurement: "Measurement") -> None:
         f"δ<3 {scores['delta_lt_3']:.1%}  δ≥10 {scores['delta_ge_10']:.1%}  "
         f"consistent {scores['consistent_lt_1']:.1%}  "
         f"median error {1e3 * scores['depth_median_error_m']:.1f} mm"
+    )
+
+
+def print_render_costs(done: "list[Done]") -> None:
+    """Print what rendering cost beside the bare time of its rays."""
+    rays, bare = sum(one.rays for one in done), sum(one.rays_s for one in done)
+    build, views, write = (
+        sum(getattr(one, f"{part}_s") for one in done) for part in ("build", "views", "write")
+    )
+    print(
+        f"{rays / 1e6:.1f} million rays: {bare:.1f} core seconds within Embree. Rooms and their "
+        f"light {build:.1f}, views {views:.1f}, writing {write:.1f}: "
+        f"{(build + views) / bare:.2f} times the bare rays, {(build + views + write) / bare:.2f} "
+        "with writing"
     )
 
 

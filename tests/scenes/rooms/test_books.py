@@ -1,5 +1,7 @@
 """Books in rows and stacks; paper."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from furnishing import draw
@@ -31,7 +33,9 @@ def test_it_is_made_well(name, check_thing):
 
 
 @pytest.mark.parametrize("seed", range(10))
-@pytest.mark.parametrize(("length", "height", "depth"), [(0.08, 0.2, 0.15), (0.4, 0.26, 0.2), (1.2, 0.3, 0.24)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("length", "height", "depth"), [(0.08, 0.2, 0.15), (0.4, 0.26, 0.2), (1.2, 0.3, 0.24)]
+)
 def test_a_row_stays_within_its_shelf(seed, length, height, depth):
     low, high = draw(books.book_row, seed, length=length, height=height, depth=depth).bounds
     size = high - low
@@ -57,7 +61,7 @@ def test_books_of_a_row_do_not_stand_in_each_other():
             box = np.array([(0, 0), (w[k], 0), (w[k], h[k]), (0, h[k])])
             corners.append(np.stack([c * box[:, 0] + s * box[:, 1] + start[k],
                                      c * box[:, 1] - s * box[:, 0]], -1))  # fmt: skip
-        for a, b in zip(corners[:-1], corners[1:], strict=True):
+        for a, b in pairwise(corners):
             assert not _crossing(a, b)
 
 

@@ -68,12 +68,21 @@ def test_blocks_do_not_hang_in_the_air():
             assert np.abs(high - z).min() < 1.5e-3
 
 
-def test_an_opening_has_thirty_two_men():
+def test_a_game_of_chess_is_about_to_begin_or_near_its_end():
     counts = []
     for seed in range(10):
         men = draw(toys.chess_board, seed).parts[-2:]
         counts.append(sum(len(p.mesh.faces) for p in men))
     assert max(counts) > 1.5 * min(counts)
+
+
+def test_pentagons_cover_as_much_of_a_football_as_they_should():
+    light, dark = (
+        np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1).sum()
+        for c in (p.mesh.vertices[p.mesh.faces] for p in toys._football(0.11).parts)
+    )
+    # between a truncated icosahedron's 0.284 and the 0.46 of equal distances to the middles
+    assert 0.28 < dark / (light + dark) < 0.46
 
 
 def test_wheels_of_a_toy_touch_the_ground():
@@ -114,5 +123,5 @@ def test_every_small_thing_falls_into_a_class_of_footprint():
 
 def test_what_is_too_large_for_clutter_is_said_to_be():
     wardrobe = Thing("wardrobe").add(box((2, 2, 2), (0, 0, 1)), Material((0.5, 0.5, 0.5)))
-    with pytest.raises(ValueError, match="Expected a thing within .* Place it as furniture"):
+    with pytest.raises(ValueError, match=r"Expected a thing within .* Place it as furniture"):
         footprint_class(wardrobe)

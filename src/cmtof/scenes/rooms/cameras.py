@@ -10,7 +10,7 @@ from cmtof.scenes.rooms.tracing import Tracer
 
 Vector = NDArray[np.float64]
 
-TRIES = 40
+TRIES = 32
 """Places drawn for each view."""
 _PROBE = 20  # a candidate is judged by that many rays squared
 _CLOSE = (0.5, 1.2)  # m
@@ -76,7 +76,7 @@ def room_cameras(
 
     Of the places drawn for each view, those without air around them or with a wall before them
     are left out; the one whose median range is nearest to a drawn one is taken. Those ranges are
-    spread as interiors are: log-normal about 5.5 m.
+    spread as interiors are: log-normal about 6 m.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def room_cameras(
     area = np.array([(x1 - x0) * (y1 - y0) for x0, x1, y0, y1 in floor])
     views: list[Camera] = []
     for _ in range(count):
-        wanted = 5.5 * np.exp(0.35 * rng.normal())
+        wanted = 6.0 * np.exp(0.35 * rng.normal())
         candidates = []
         for _ in range(TRIES):
             x0, x1, y0, y1 = floor[int(rng.choice(len(floor), p=area / area.sum()))]

@@ -194,7 +194,7 @@ def umbrella_stand(rng: np.random.Generator, style: Style) -> Thing:
         thing.add(cloth, Material(hue(float(rng.uniform()), 0.6, pick(rng, 0.02, 0.02, 0.3)),
             specular=0.03))  # fmt: skip
         thing.add(stick, CHROME).add(crook, style.wood if rng.uniform() < 0.6 else BLACK)
-    return thing
+    return stood(thing)
 
 
 CATALOGUE: dict[str, Maker] = {

@@ -73,7 +73,7 @@ def cardboard_box(rng: np.random.Generator, style: Style) -> Thing:
     if rng.uniform() < 0.6:
         crumpled = blob(rng, (0.75 * w, 0.75 * d, 0.5 * h), roughness=0.25, subdivisions=3)
         thing.add(shifted(crumpled, 0, 0, 0.35 * h), Material((0.6, 0.58, 0.54), specular=0.0))
-    return thing if abs(thing.bounds.mean(0)[0]) < 0.02 else stood(thing)
+    return stood(thing)
 
 
 def _woven(
@@ -241,7 +241,7 @@ def bucket(rng: np.random.Generator, style: Style) -> Thing:
     thing.add(bail(r + 0.004, h - 0.012, r + 0.03, bool(rng.uniform() < 0.4) or hung), STEEL)
     if hung:
         thing.add(_sleeve(rng, 0.98 * r, h), fabric(rng))
-    return thing
+    return stood(thing)
 
 
 def paint_bucket(rng: np.random.Generator, style: Style) -> Thing:

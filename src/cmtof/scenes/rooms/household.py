@@ -130,7 +130,7 @@ class Household:
         share = np.asarray(weights, float) / sum(weights)
         for _ in range(most):
             thing = self.make(str(self.rng.choice(names, p=share)))
-            if self.chance(0.7):
+            if self.chance(0.7) or thing.bounds[1, 2] > 0.8:  # what is tall would fall over
                 floor.against_wall(thing, tries=6)
             else:
                 floor.somewhere(thing, tries=6)

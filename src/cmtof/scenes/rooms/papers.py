@@ -19,7 +19,7 @@ STEEL = Material((0.45, 0.45, 0.46), specular=0.6, gloss=120.0)
 def cover(rng: np.random.Generator) -> Material:
     """Cloth, leather or printed card, marked in a lighter or a darker ink."""
     value = pick(rng, 0.03, 0.08, 0.2, 0.45, 0.75)
-    base = hue(float(rng.uniform()), between(rng, 0.0, 0.75), value)
+    base = hue(float(rng.uniform()), between(rng, 0.0, 0.75 if value < 0.3 else 0.4), value)
     ink = (0.75, 0.7, 0.55) if value < 0.3 else darker(hue(float(rng.uniform()), 0.5, 0.1), 1.0)
     pattern = str(rng.choice(["marks", "marks", "marks", "plain", "stripes", "picture"]))
     scale = between(rng, 0.008, 0.02) if pattern == "marks" else between(rng, 0.03, 0.1)

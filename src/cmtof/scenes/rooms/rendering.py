@@ -24,7 +24,7 @@ from cmtof.scenes.tone import brightness
 SETTINGS = "rooms.json"
 """File in a set's folder that says what it was made from."""
 
-DIM_SHARE = 0.15
+DIM_SHARE = 0.17
 """Share of views that are taken in twilight."""
 
 _LENS, _EXPOSURE = 8, 9  # streams of random numbers
@@ -86,11 +86,17 @@ class Done(NamedTuple):
     """Views written; those that were there already do not count."""
     build_s: float
     views_s: float
-    """Rendering and writing, without building."""
+    """Rendering, without building and writing."""
+    write_s: float
     rays: int
-    """All rays, those for the light of the scene too."""
+    """All rays, those for cameras and for the light of the scene too."""
     rays_s: float
     """Time within Embree alone for those rays."""
+
+    @property
+    def total_s(self) -> float:
+        """All of it."""
+        return self.build_s + self.views_s + self.write_s
 
 
 def split_of(index: int) -> str:
@@ -105,7 +111,7 @@ def split_of(index: int) -> str:
 
 
 def expose(seen: Picture, rank: float) -> Picture:
-    """Scale a view's light as photographs come out: its median log-normal, one in seven dim.
+    """Scale a view's light as photographs come out: its median log-normal, one in six dim.
 
     Parameters
     ----------
@@ -116,7 +122,7 @@ def expose(seen: Picture, rank: float) -> Picture:
     middle = float(np.median(brightness(seen.color)[np.isfinite(seen.depth)]))
     dim = rank < DIM_SHARE
     within = rank / DIM_SHARE if dim else (rank - DIM_SHARE) / (1 - DIM_SHARE)
-    wanted = 0.34 * np.exp(0.85 * ndtri(np.clip(within, 0.01, 0.99)) - 2.5 * dim)
+    wanted = 0.38 * np.exp(0.85 * ndtri(np.clip(within, 0.01, 0.99)) - 2.4 * dim)
     return seen._replace(color=seen.color * np.float32(wanted / max(middle, 1e-6)))
 
 
@@ -167,7 +173,7 @@ def render_scene(root: Path, settings: Settings, index: int) -> Done:
     name, lens = scene_name(settings.seed, index), settings.lens(index)
     missing = [v for v in _views(index, settings.views) if not view_exists(root, name, *v)]
     if not missing:
-        return Done(name, 0, 0.0, 0.0, 0, 0.0)
+        return Done(name, 0, 0.0, 0.0, 0.0, 0, 0.0)
     start = process_time()
     scene = build(settings.seed, index)
     built = process_time()
@@ -176,11 +182,15 @@ def render_scene(root: Path, settings: Settings, index: int) -> Done:
     poses = {c: (np.stack([p.position for p in v]), np.stack([p.orientation for p in v]))
              for c, v in cameras.items() if v}  # fmt: skip
     write_scene(root, name, cameras=poses)
+    writing = 0.0
     for camera, frame in missing:
         seen = render_view(scene, cameras[camera][frame], lens, _number(camera, frame))
+        before = process_time()
         write_view(root, name, camera, frame, **seen._asdict())
-    views_s = process_time() - built
-    return Done(name, len(missing), built - start, views_s, tracer.rays, tracer.seconds)
+        writing += process_time() - before
+    views_s = process_time() - built - writing
+    costs = (built - start, views_s, writing, tracer.rays, tracer.seconds)
+    return Done(name, len(missing), *costs)
 
 
 def _views(index: int, views: int) -> list[tuple[str, int]]:

@@ -150,8 +150,8 @@ def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
 
 
 def _size(rng: np.random.Generator, kind: str) -> dict[str, float]:
-    """Width and depth, m; every other room is large, for the far views that Hypersim has."""
-    if kind in ("bathroom", "hallway") or rng.uniform() < 0.5:
+    """Width and depth, m; two rooms of three are large, for the far views that Hypersim has."""
+    if kind in ("bathroom", "hallway") or rng.uniform() < 0.35:
         return {}
     return {"width": float(rng.uniform(6.5, 10.0)), "depth": float(rng.uniform(5.0, 8.0))}
 

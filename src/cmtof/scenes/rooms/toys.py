@@ -211,38 +211,51 @@ def ball_toy(rng: np.random.Generator, style: Style) -> Thing:
     r = (0.11, between(rng, 0.12, 0.18), 0.033, between(rng, 0.04, 0.09))[kind] * between(
         rng, 0.98, 1.02
     )
-    tone = painted(rng).colour
     if kind == 0:
-        seams = modelled((2, 2, 2), subdivisions=4).vertices.astype(float)
-        five = ball(1.0, subdivisions=1).vertices[:12].astype(float)
-        five /= np.linalg.norm(five, axis=1, keepdims=True)
-        near = np.sort(seams @ five.T, axis=1)[:, ::-1]
-        edge = np.minimum(
-            np.abs(near[:, 0] - 0.93), 0.5 * (near[:, 0] - near[:, 1]) + 0.6 * (near[:, 0] > 0.93)
-        )
-        points = seams * (1 - 0.025 * np.exp(-((edge / 0.012) ** 2)))[:, None] * r
-        mesh = Mesh(points.astype(np.float32), ball(1.0, subdivisions=4).faces)
-        skin = Material(
-            (0.78, 0.78, 0.76), (0.03, 0.03, 0.03), "dots", 0.09, specular=0.06, gloss=60.0
-        )
-    else:
-        mesh = ball(r, subdivisions=3)
-        pattern = ("", "stripes", "plain", "plain")[kind]
-        base = (0.62, 0.7, 0.08) if kind == 2 else tone
-        skin = Material(
-            base, (0.8, 0.8, 0.78), pattern, 0.5 * r, specular=0.08, bump=0.4 * (kind == 2)
-        )
-    return stood(Thing("ball").add(mesh, skin))
+        return _football(r)
+    tone = painted(rng).colour
+    base = (0.62, 0.7, 0.08) if kind == 2 else tone
+    pattern = "stripes" if kind == 1 else "plain"
+    skin = Material(base, (0.8, 0.8, 0.78), pattern, 0.5 * r, 0.08, bump=0.4 * (kind == 2))
+    return stood(Thing("ball").add(ball(r, subdivisions=3), skin))
 
 
-_MEN = {"pawn": [(0, 0), (0.4, 0), (0.4, 0.08), (0.2, 0.25), (0.15, 0.6), (0.25, 0.68), (0.12,
-    0.74), (0.23, 0.9), (0.2, 1.06), (0, 1.12)], "rook": [(0, 0), (0.45, 0), (0.45, 0.1), (0.28,
-    0.3), (0.24, 0.9), (0.36, 1.05), (0.36, 1.35), (0, 1.35)], "bishop": [(0, 0), (0.45, 0), (0.45,
-    0.1), (0.22, 0.35), (0.16, 1.0), (0.3, 1.1), (0.16, 1.18), (0.26, 1.4), (0.1, 1.68), (0, 1.75)],
+def _football(r: float) -> Thing:
+    """Twelve dark and twenty light panels with seams between them."""
+    golden = (1 + 5**0.5) / 2
+    sign = np.array([(a, b) for a in (-1, 1) for b in (-1, 1)])
+    five = np.array([np.roll((0, a, b * golden), k) for a, b in sign for k in range(3)])
+    cube = np.array([(a, b, c) for a in (-1, 1) for b, c in sign])
+    six = np.array([np.roll((0, a / golden, b * golden), k) for a, b in sign for k in range(3)])
+    six = np.concatenate([cube, six[:, [1, 0, 2]]])  # corners of the dodecahedron between them
+    panels = np.concatenate([five, six])
+    panels /= np.linalg.norm(panels, axis=1, keepdims=True)
+    unit = ball(1.0, subdivisions=4)
+    near = np.sort(unit.vertices @ panels.T, axis=1)
+    depth = 0.025 * np.exp(-(((near[:, -1] - near[:, -2]) / 0.02) ** 2))
+    points = (unit.vertices * (1 - depth[:, None]) * r).astype(np.float32)
+    dark = (unit.vertices[unit.faces].mean(1) @ panels.T).argmax(1) < 12
+    thing = Thing("ball")
+    for shade, faces in ((0.78, unit.faces[~dark]), (0.03, unit.faces[dark])):
+        used, index = np.unique(faces, return_inverse=True)
+        skin = Material((shade, shade, shade), specular=0.06, gloss=60.0)
+        thing.add(Mesh(points[used], index.reshape(-1, 3).astype(np.int32)), skin)
+    return stood(thing)
+
+
+_MEN = {
+    "pawn": [(0, 0), (0.4, 0), (0.4, 0.08), (0.2, 0.25), (0.15, 0.6), (0.25, 0.68), (0.12, 0.74),
+             (0.23, 0.9), (0.2, 1.06), (0, 1.12)],
+    "rook": [(0, 0), (0.45, 0), (0.45, 0.1), (0.28, 0.3), (0.24, 0.9), (0.36, 1.05), (0.36, 1.35),
+             (0, 1.35)],
+    "bishop": [(0, 0), (0.45, 0), (0.45, 0.1), (0.22, 0.35), (0.16, 1.0), (0.3, 1.1), (0.16, 1.18),
+               (0.26, 1.4), (0.1, 1.68), (0, 1.75)],
     "queen": [(0, 0), (0.48, 0), (0.48, 0.1), (0.25, 0.4), (0.17, 1.2), (0.33, 1.35), (0.2, 1.42),
-    (0.36, 1.85), (0.1, 1.9), (0, 2.0)], "king": [(0, 0), (0.48, 0), (0.48, 0.1), (0.26, 0.4),
-    (0.18, 1.35), (0.35, 1.48), (0.22, 1.55), (0.34, 2.0), (0.06, 2.06), (0.06, 2.3), (0,
-    2.3)]}  # fmt: skip
+              (0.36, 1.85), (0.1, 1.9), (0, 2.0)],
+    "king": [(0, 0), (0.48, 0), (0.48, 0.1), (0.26, 0.4), (0.18, 1.35), (0.35, 1.48), (0.22, 1.55),
+             (0.34, 2.0), (0.06, 2.06), (0.06, 2.3), (0, 2.3)],
+}  # fmt: skip
+"""Outlines of the men, radius and height, in shares of a field's width."""
 
 
 def chess_board(rng: np.random.Generator, style: Style) -> Thing:
