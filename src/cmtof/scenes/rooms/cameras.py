@@ -137,7 +137,7 @@ def close_cameras(
         fit = things
     views: list[Camera] = []
     for _ in range(count):
-        wanted = rng.uniform(*_CLOSE)
+        wanted = rng.uniform(0.7, _CLOSE[1])
         candidates = []
         for _ in range(TRIES):
             target = centres[int(rng.choice(fit))] + rng.normal(0, 0.05, 3)
@@ -199,7 +199,7 @@ def _best(
     off = np.abs(np.log(np.clip(median, 0.05, 50.0) / wanted))
     off += 0.1 * np.maximum(0, 14 - kinds)  # bare walls are dull, and rarely photographed
     off += 0.8 * alike
-    off += 20.0 * (near < (0.45 if close else 0.6))
+    off += 20.0 * (near < (0.5 if close else 0.6))
     off += 2.0 * np.maximum(0.0, (~np.isfinite(distance)).mean(axis=1) - 0.1)
     if close:
         off += 2.0 * np.maximum(0.0, (distance > _CLOSE[1] + 0.6).mean(axis=1) - 0.45)

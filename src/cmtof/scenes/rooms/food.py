@@ -176,42 +176,51 @@ def fruit_bowl(rng: np.random.Generator, style: Style) -> Thing:
     ring = int(rng.integers(4, 6))
     upper = int(rng.integers(0, 5))
     fruits = [_small(rng, style) for _ in range(ring + upper)]
-    size = 0.0415
-    far = size / np.sin(np.pi / ring)
-    low = resting_height(corners, 0.005, size, far)
     turn = between(rng, 0, 6)
-    for k, fruit in enumerate(fruits[:ring]):
-        a = turn + 2 * np.pi * k / ring
-        _lay(thing, fruit, far * np.cos(a), far * np.sin(a), low - size, rng)
-    if upper == 1:
-        high = low + float(np.sqrt(max((2 * size) ** 2 - far**2, 0)))
-        _lay(thing, fruits[-1], 0.0, 0.0, high - size, rng)
-    elif upper:
-        _upon(thing, fruits[ring:], ring, size, far, low, turn, rng)
+    inside = outline_radius(corners, 0.005)
+    laid: list[Ball] = []
+    for k, (x, y) in enumerate(_circle(fruits[:ring], turn)):
+        _lay(thing, fruits[k], (x, y), inside, laid, 1.1, rng)
+    for k, (x, y) in enumerate(_circle(fruits[ring:], turn + np.pi / ring), ring):
+        _lay(thing, fruits[k], (x, y), inside, laid, 0.5, rng)
     return thing
 
 
-def _upon(
-    thing: Thing, fruits: list[Thing], ring: int, size: float, far: float, low: float, turn: float,
-    rng: np.random.Generator,
-) -> None:  # fmt: skip
-    """A second ring in the gaps of the first: each ball touches two below."""
-    near = size / np.sin(np.pi / len(fruits)) if len(fruits) > 1 else 0.0
-    for k, fruit in enumerate(fruits):
-        a = turn + 2 * np.pi * (k / len(fruits) + 0.5 / ring)
-        centre = np.array([near * np.cos(a), near * np.sin(a)])
-        b = turn + 2 * np.pi * np.arange(ring) / ring
-        below = far * np.stack([np.cos(b), np.sin(b)], -1)
-        gap = ((below - centre) ** 2).sum(-1)
-        high = low + float(np.sqrt(np.maximum((2 * size) ** 2 - gap, 0)).max())
-        _lay(thing, fruit, float(centre[0]), float(centre[1]), high - size, rng)
+Ball = tuple[float, float, float, float]
+"""Centre and radius of what a fruit offers to those above it, m."""
+
+
+def _circle(fruits: list[Thing], turn: float) -> Points:
+    """Places (N, 2) on a circle about the axis, as near as the widest fruit allows, m."""
+    count = len(fruits)
+    wide = max((float(np.sort(np.ptp(_body(f), axis=0))[1]) for f in fruits), default=0.0) / 2
+    far = wide / np.sin(np.pi / count) if count > 1 else 0.0
+    angle = turn + 2 * np.pi * np.arange(count) / max(count, 1)
+    return far * np.stack([np.cos(angle), np.sin(angle)], -1)
+
+
+def _body(fruit: Thing) -> Points:
+    return fruit.parts[0].mesh.vertices.astype(float)
 
 
 def resting_height(outline: Points, wall: float, radius: float, far: float) -> float:
     """Height of the centre of a ball that rests in a vessel, ``far`` m from its axis, m."""
-    r, z = outline_radius(outline, wall)
+    return _on_bowl(outline_radius(outline, wall), radius, far)
+
+
+def _on_bowl(inside: tuple[Points, Points], radius: float, far: float) -> float:
+    r, z = inside
     reach = np.clip(radius**2 - (r - far) ** 2, 0, None)
     return float((z + np.sqrt(reach))[reach > 0].max())
+
+
+def _on_balls(laid: list[Ball], radius: float, x: float, y: float) -> float:
+    """Height at which a ball that comes down at (x, y) first touches another, m."""
+    if not laid:
+        return 0.0
+    u, v, z, other = np.array(laid).T
+    reach = (radius + other) ** 2 - (u - x) ** 2 - (v - y) ** 2
+    return float((z + np.sqrt(np.clip(reach, 0, None)))[reach > 0].max(initial=0.0))
 
 
 def _small(rng: np.random.Generator, style: Style) -> Thing:
@@ -222,21 +231,43 @@ def _small(rng: np.random.Generator, style: Style) -> Thing:
 
 
 def _lay(
-    thing: Thing, fruit: Thing, x: float, y: float, z: float, rng: np.random.Generator
-) -> None:
-    """Put a fruit down as it happens to lie, its lowest point at z, as parts of the bowl."""
-    low, high = fruit.bounds
-    lean = 1.35 if fruit.kind == "pear" else float(rng.uniform(-0.6, 0.6))
+    thing: Thing, fruit: Thing, place: tuple[float, float], inside: tuple[Points, Points],
+    laid: list[Ball], recline: float, rng: np.random.Generator,
+) -> None:  # fmt: skip
+    """Let a fruit down at a place until it touches the bowl or a fruit, as parts of the bowl.
+
+    A pear reclines by so many rad with its neck towards the axis, where there is room for it; its
+    belly and its neck are a ball each. Corners that balls leave out never pass through the bowl.
+    """
+    x, y = place
+    body = _body(fruit)
+    low, high = body.min(axis=0), body.max(axis=0)
+    radius = float(np.sort(high - low)[:2].mean() / 2)
+    middle = (low + high) / 2
+    is_pear = fruit.kind == "pear"
+    lean = recline if is_pear else float(rng.uniform(-0.6, 0.6))
     turn = float(rng.uniform(-3.1, 3.1))
-    c, s, p, q = np.cos(turn), np.sin(turn), np.cos(lean), np.sin(lean)
-    rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array(
-        [[1, 0, 0], [0, p, -q], [0, q, p]]
-    )
-    clouds = [(part.mesh.vertices - (low + high) / 2) @ rotation.T for part in fruit.parts]
-    bottom = float(clouds[0][:, 2].min())
-    for part, cloud in zip(fruit.parts, clouds, strict=True):
-        points = cloud + np.array([x, y, z - bottom])
+    if is_pear:
+        middle[2] = low[2] + radius
+        turn = 0.15 * turn + float(np.arctan2(y, x)) - np.pi / 2
+    rotation = _tilted(turn, lean)
+    z = max(_on_bowl(inside, radius, float(np.hypot(x, y))), _on_balls(laid, radius, x, y))
+    spread = (body - middle) @ rotation.T + np.array([x, y, z])
+    ground = np.interp(np.hypot(spread[:, 0], spread[:, 1]), *inside)
+    at = np.array([x, y, z + max(float((ground - spread[:, 2]).max()), 0.0)])
+    for part in fruit.parts:
+        points = (part.mesh.vertices - middle) @ rotation.T + at
         thing.add(Mesh(points.astype(np.float32), part.mesh.faces), part.material, part.grain)
+    laid.append((*at.tolist(), radius))
+    if is_pear:
+        neck = at + 1.2 * radius * rotation[:, 2]
+        laid.append((*neck.tolist(), 0.55 * radius))
+
+
+def _tilted(turn: float, lean: float) -> Points:
+    """Rotation (3, 3) by ``lean`` about x, then by ``turn`` about the vertical, rad."""
+    c, s, p, q = np.cos(turn), np.sin(turn), np.cos(lean), np.sin(lean)
+    return np.array([[c, -s * p, s * q], [s, c * p, -c * q], [0, q, p]])
 
 
 def cake(rng: np.random.Generator, style: Style) -> Thing:

@@ -24,7 +24,7 @@ from cmtof.scenes.tone import brightness
 SETTINGS = "rooms.json"
 """File in a set's folder that says what it was made from."""
 
-DIM_SHARE = 0.17
+DIM_SHARE = 0.2
 """Share of views that are taken in twilight."""
 
 _LENS, _EXPOSURE = 8, 9  # streams of random numbers
@@ -111,7 +111,7 @@ def split_of(index: int) -> str:
 
 
 def expose(seen: Picture, rank: float) -> Picture:
-    """Scale a view's light as photographs come out: its median log-normal, one in six dim.
+    """Scale a view's light as photographs come out: its median log-normal, one in five dim.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def expose(seen: Picture, rank: float) -> Picture:
     middle = float(np.median(brightness(seen.color)[np.isfinite(seen.depth)]))
     dim = rank < DIM_SHARE
     within = rank / DIM_SHARE if dim else (rank - DIM_SHARE) / (1 - DIM_SHARE)
-    wanted = 0.38 * np.exp(0.85 * ndtri(np.clip(within, 0.01, 0.99)) - 2.4 * dim)
+    wanted = 0.38 * np.exp(0.85 * ndtri(np.clip(within, 0.01, 0.99)) - 2.6 * dim)
     return seen._replace(color=seen.color * np.float32(wanted / max(middle, 1e-6)))
 
 
