@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from cmtof.scenes.hypersim import Hypersim
-from cmtof.scenes.rooms import furnish, places
+from cmtof.scenes.rooms import furnish
 from cmtof.scenes.rooms.cameras import Lens
 from cmtof.scenes.rooms.household import PLACES
 from cmtof.scenes.rooms.inventory import CATALOGUE
+from cmtof.scenes.rooms.objects import groups
 from cmtof.scenes.rooms.rendering import (
     Settings,
     expose,
@@ -42,10 +43,10 @@ def rendered(tmp_path_factory) -> Path:
 
 def test_every_name_that_rooms_ask_for_can_be_made():
     names = {name for pair in furnish.EXTRAS.values() for part in pair for name in part}
-    names |= {name for group in places.GROUPS.values() for name, _ in group}
+    names |= {name for group in groups.values() for name, _ in group}
     names |= set(PLACES)
     assert names <= set(CATALOGUE)
-    assert set(PLACES.values()) <= set(places.GROUPS)
+    assert set(PLACES.values()) <= set(groups)
     assert set(KINDS) <= set(furnish.ROOMS) & set(furnish.EXTRAS)
 
 

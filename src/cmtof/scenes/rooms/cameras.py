@@ -14,6 +14,7 @@ TRIES = 32
 """Places drawn for each view."""
 _PROBE = 20  # a candidate is judged by that many rays squared
 _CLOSE = (0.5, 1.2)  # m
+_FAR = np.float32(50.0)  # m, what a ray that leaves counts for
 _AIR = 0.22  # m, free all round the camera
 
 
@@ -191,16 +192,16 @@ def _best(
     starts = np.repeat([c.position for c in candidates], _PROBE**2, axis=0).astype(np.float32)
     hits = tracer.nearest(starts, probes)
     met = hits.triangle >= 0
-    distance = np.where(met, hits.distance, np.inf).reshape(len(candidates), -1)
+    distance = np.where(met, hits.distance, _FAR).reshape(len(candidates), -1)
     instance = np.where(met, geometry.instance[geometry.part[np.maximum(hits.triangle, 0)]], 0)
     kinds = np.array([len(np.unique(row)) for row in instance.reshape(len(candidates), -1)])
     near = np.quantile(distance, 0.02, axis=1)
     median = np.median(distance, axis=1)
-    off = np.abs(np.log(np.clip(median, 0.05, 50.0) / wanted))
+    off = np.abs(np.log(np.maximum(median, 0.05) / wanted))
     off += 0.1 * np.maximum(0, 14 - kinds)  # bare walls are dull, and rarely photographed
     off += 0.8 * alike
     off += 20.0 * (near < (0.5 if close else 0.6))
-    off += 2.0 * np.maximum(0.0, (~np.isfinite(distance)).mean(axis=1) - 0.1)
+    off += 2.0 * np.maximum(0.0, (distance == _FAR).mean(axis=1) - 0.1)
     if close:
         off += 2.0 * np.maximum(0.0, (distance > _CLOSE[1] + 0.6).mean(axis=1) - 0.45)
     off += 50.0 * (_air(candidates, tracer) < _AIR)

@@ -162,7 +162,7 @@ def pumpkin(rng: np.random.Generator, style: Style) -> Thing:
 
 
 def fruit_bowl(rng: np.random.Generator, style: Style) -> Thing:
-    """A bowl with four to nine fruits: a ring that touches the bowl, and some upon the ring, m.
+    """A bowl with four to nine fruits: a ring that touches the bowl, and some in its gaps, m.
 
     A fruit of radius R at distance d from the axis rests where its ball touches the inside:
     ``z = max over the profile of z(r) + sqrt(R² - (r - d)²)``.
@@ -178,11 +178,15 @@ def fruit_bowl(rng: np.random.Generator, style: Style) -> Thing:
     fruits = [_small(rng, style) for _ in range(ring + upper)]
     turn = between(rng, 0, 6)
     inside = outline_radius(corners, 0.005)
-    laid: list[Ball] = []
-    for k, (x, y) in enumerate(_circle(fruits[:ring], turn)):
-        _lay(thing, fruits[k], (x, y), inside, laid, 1.1, rng)
-    for k, (x, y) in enumerate(_circle(fruits[ring:], turn + np.pi / ring), ring):
-        _lay(thing, fruits[k], (x, y), inside, laid, 0.5, rng)
+    step = 2 * np.pi / ring
+    low = _circle(fruits[:ring], turn + step * np.arange(ring))
+    gaps = np.arange(upper) * ring // max(upper, 1)
+    high = _circle(fruits[ring:], turn + step * (gaps + 0.5))
+    below: list[Ball] = []
+    for fruit, (x, y) in zip(fruits[:ring], low, strict=True):
+        below += _lay(thing, fruit, (x, y), inside, [], 1.1, rng)
+    for fruit, (x, y) in zip(fruits[ring:], high, strict=True):
+        _lay(thing, fruit, (x, y), inside, below, 0.5, rng)
     return thing
 
 
@@ -190,12 +194,13 @@ Ball = tuple[float, float, float, float]
 """Centre and radius of what a fruit offers to those above it, m."""
 
 
-def _circle(fruits: list[Thing], turn: float) -> Points:
-    """Places (N, 2) on a circle about the axis, as near as the widest fruit allows, m."""
-    count = len(fruits)
-    wide = max((float(np.sort(np.ptp(_body(f), axis=0))[1]) for f in fruits), default=0.0) / 2
-    far = wide / np.sin(np.pi / count) if count > 1 else 0.0
-    angle = turn + 2 * np.pi * np.arange(count) / max(count, 1)
+def _circle(fruits: list[Thing], angle: Points) -> Points:
+    """Places (N, 2) at angles about the axis, as near to it as the widest fruit allows, m."""
+    far = 0.0
+    if len(fruits) > 1:
+        wide = max(float(np.sort(np.ptp(_body(fruit), axis=0))[1]) for fruit in fruits) / 2
+        apart = float(np.diff(angle, append=angle[0] + 2 * np.pi).min())
+        far = wide / np.sin(apart / 2)
     return far * np.stack([np.cos(angle), np.sin(angle)], -1)
 
 
@@ -214,11 +219,11 @@ def _on_bowl(inside: tuple[Points, Points], radius: float, far: float) -> float:
     return float((z + np.sqrt(reach))[reach > 0].max())
 
 
-def _on_balls(laid: list[Ball], radius: float, x: float, y: float) -> float:
+def _on_balls(below: list[Ball], radius: float, x: float, y: float) -> float:
     """Height at which a ball that comes down at (x, y) first touches another, m."""
-    if not laid:
+    if not below:
         return 0.0
-    u, v, z, other = np.array(laid).T
+    u, v, z, other = np.array(below).T
     reach = (radius + other) ** 2 - (u - x) ** 2 - (v - y) ** 2
     return float((z + np.sqrt(np.clip(reach, 0, None)))[reach > 0].max(initial=0.0))
 
@@ -232,12 +237,12 @@ def _small(rng: np.random.Generator, style: Style) -> Thing:
 
 def _lay(
     thing: Thing, fruit: Thing, place: tuple[float, float], inside: tuple[Points, Points],
-    laid: list[Ball], recline: float, rng: np.random.Generator,
-) -> None:  # fmt: skip
-    """Let a fruit down at a place until it touches the bowl or a fruit, as parts of the bowl.
+    below: list[Ball], recline: float, rng: np.random.Generator,
+) -> list[Ball]:  # fmt: skip
+    """Let a fruit down until it touches the bowl or a fruit below; returns the balls it is.
 
     A pear reclines by so many rad with its neck towards the axis, where there is room for it; its
-    belly and its neck are a ball each. Corners that balls leave out never pass through the bowl.
+    belly and its neck are a ball each. What stands out of the balls is kept inside the bowl.
     """
     x, y = place
     body = _body(fruit)
@@ -251,17 +256,18 @@ def _lay(
         middle[2] = low[2] + radius
         turn = 0.15 * turn + float(np.arctan2(y, x)) - np.pi / 2
     rotation = _tilted(turn, lean)
-    z = max(_on_bowl(inside, radius, float(np.hypot(x, y))), _on_balls(laid, radius, x, y))
+    z = max(_on_bowl(inside, radius, float(np.hypot(x, y))), _on_balls(below, radius, x, y))
     spread = (body - middle) @ rotation.T + np.array([x, y, z])
     ground = np.interp(np.hypot(spread[:, 0], spread[:, 1]), *inside)
     at = np.array([x, y, z + max(float((ground - spread[:, 2]).max()), 0.0)])
     for part in fruit.parts:
         points = (part.mesh.vertices - middle) @ rotation.T + at
         thing.add(Mesh(points.astype(np.float32), part.mesh.faces), part.material, part.grain)
-    laid.append((*at.tolist(), radius))
+    balls = [(*at.tolist(), radius)]
     if is_pear:
         neck = at + 1.2 * radius * rotation[:, 2]
-        laid.append((*neck.tolist(), 0.55 * radius))
+        balls.append((*neck.tolist(), 0.55 * radius))
+    return balls
 
 
 def _tilted(turn: float, lean: float) -> Points:

@@ -369,8 +369,9 @@ def fill_corners(floor: Floor, house: Household, most: int) -> None:
 
 def leave_cable(floor: Floor, house: Household) -> None:
     """A cable where one may stumble over it."""
-    x0, x1, y0, y1 = floor.rectangles[0]
-    x, y = house.rng.uniform(x0 + 0.3, x1 - 0.3), house.rng.uniform(y0 + 0.3, y1 - 0.3)
+    x0, x1, y0, y1 = max(floor.rectangles, key=lambda r: (r[1] - r[0]) * (r[3] - r[2]))
+    u, v = house.rng.uniform(0.15, 0.85, 2)
+    x, y = x0 + u * (x1 - x0), y0 + v * (y1 - y0)
     cable = house.one_of("cable_on_floor", "power_strip", "extension_reel")
     motion = pose(float(x), float(y), 0.0, float(house.rng.uniform(0, 6.28)))
     if floor.free(footprint(cable, motion), gap=0.0):

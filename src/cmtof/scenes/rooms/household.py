@@ -7,7 +7,7 @@ import numpy as np
 
 from cmtof.scenes.rooms.inventory import CATALOGUE
 from cmtof.scenes.rooms.materials import Style
-from cmtof.scenes.rooms.objects import groups as GROUPS
+from cmtof.scenes.rooms.objects import groups
 from cmtof.scenes.rooms.placing import Floor, fill_support
 from cmtof.scenes.rooms.thing import Support, Thing
 
@@ -40,7 +40,7 @@ PLACES: Mapping[str, str] = {
     "bed": "bed",
     "daybed": "bed",
 }
-"""Which group of small things (`cmtof.scenes.rooms.places`) belongs on a piece."""
+"""Which group of small things (`cmtof.scenes.rooms.objects.groups`) belongs on a piece."""
 
 
 class Household:
@@ -101,7 +101,7 @@ class Household:
                 return
         area = width * depth
         mean = density * (0.3 + 1.7 * self.clutter) * (1.0 + 5.0 * area)
-        names, weights = zip(*GROUPS[place], strict=True)
+        names, weights = zip(*groups[place], strict=True)
         share = np.asarray(weights, float) / sum(weights)
 
         def draw() -> Thing:
@@ -126,7 +126,7 @@ class Household:
 
     def scatter(self, floor: Floor, place: str, most: int) -> None:
         """Leave things of a group on the floor, near the walls."""
-        names, weights = zip(*GROUPS[place], strict=True)
+        names, weights = zip(*groups[place], strict=True)
         share = np.asarray(weights, float) / sum(weights)
         for _ in range(most):
             thing = self.make(str(self.rng.choice(names, p=share)))
