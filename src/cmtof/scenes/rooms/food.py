@@ -162,7 +162,7 @@ def pumpkin(rng: np.random.Generator, style: Style) -> Thing:
 
 
 def fruit_bowl(rng: np.random.Generator, style: Style) -> Thing:
-    """A bowl with four to nine fruits: a ring that touches the bowl, and some in its gaps, m.
+    """A bowl with four to nine fruits: a ring that touches the bowl, and some upon the ring, m.
 
     A fruit of radius R at distance d from the axis rests where its ball touches the inside:
     ``z = max over the profile of z(r) + sqrt(R² - (r - d)²)``.
@@ -178,15 +178,12 @@ def fruit_bowl(rng: np.random.Generator, style: Style) -> Thing:
     fruits = [_small(rng, style) for _ in range(ring + upper)]
     turn = between(rng, 0, 6)
     inside = outline_radius(corners, 0.005)
-    step = 2 * np.pi / ring
-    low = _circle(fruits[:ring], turn + step * np.arange(ring))
-    gaps = np.arange(upper) * ring // max(upper, 1)
-    high = _circle(fruits[ring:], turn + step * (gaps + 0.5))
     below: list[Ball] = []
-    for fruit, (x, y) in zip(fruits[:ring], low, strict=True):
-        below += _lay(thing, fruit, (x, y), inside, [], 1.1, rng)
-    for fruit, (x, y) in zip(fruits[ring:], high, strict=True):
-        _lay(thing, fruit, (x, y), inside, below, 0.5, rng)
+    for fruit, place in zip(fruits[:ring], _circle(fruits[:ring], turn), strict=True):
+        below += _lay(thing, fruit, place, inside, [], 1.1, rng)
+    high = _circle(fruits[ring:], turn + np.pi / ring)
+    for fruit, place in zip(fruits[ring:], high, strict=True):
+        _lay(thing, fruit, place, inside, below, 0.5, rng)
     return thing
 
 
@@ -194,14 +191,14 @@ Ball = tuple[float, float, float, float]
 """Centre and radius of what a fruit offers to those above it, m."""
 
 
-def _circle(fruits: list[Thing], angle: Points) -> Points:
-    """Places (N, 2) at angles about the axis, as near to it as the widest fruit allows, m."""
-    far = 0.0
-    if len(fruits) > 1:
+def _circle(fruits: list[Thing], turn: float) -> list[tuple[float, float]]:
+    """Places around the axis, as near to it as the widest fruit allows, m."""
+    count, far = len(fruits), 0.0
+    if count > 1:
         wide = max(float(np.sort(np.ptp(_body(fruit), axis=0))[1]) for fruit in fruits) / 2
-        apart = float(np.diff(angle, append=angle[0] + 2 * np.pi).min())
-        far = wide / np.sin(apart / 2)
-    return far * np.stack([np.cos(angle), np.sin(angle)], -1)
+        far = wide / float(np.sin(np.pi / count))
+    angles = [turn + 2 * np.pi * k / count for k in range(count)]
+    return [(far * float(np.cos(a)), far * float(np.sin(a))) for a in angles]
 
 
 def _body(fruit: Thing) -> Points:

@@ -60,7 +60,7 @@ class Household:
 
     def make(self, name: str, **options: Any) -> Thing:
         """Make one thing by its catalogue name."""
-        return CATALOGUE[name](self.rng, self.style, **options)
+        return CATALOGUE[name](self.rng, self.style, **options).settle()
 
     def one_of(self, *names: str, **options: Any) -> Thing:
         """Make one of several, drawn."""
@@ -88,7 +88,7 @@ class Household:
         """
         for support in list(thing.supports):
             self._fill(thing, support, place, density)
-        return thing
+        return thing.settle()
 
     def _fill(self, thing: Thing, support: Support, place: str, density: float) -> None:
         width, depth = support.x1 - support.x0, support.y1 - support.y0

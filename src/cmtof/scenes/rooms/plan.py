@@ -74,7 +74,7 @@ def chamfered(points: Points, corners: list[tuple[float, float]], by: float) -> 
 def offset(points: Points, by: ArrayLike) -> Points:
     """The outline with each edge (from corner k to k+1) pushed outwards by its distance, m."""
     along = np.roll(points, -1, 0) - points
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     out = np.stack([along[:, 1], -along[:, 0]], -1)
     moved = points + np.broadcast_to(np.asarray(by, float), len(points))[:, None] * out
     back, base = np.roll(along, 1, 0), np.roll(moved, 1, 0)

@@ -78,7 +78,7 @@ class Thing:
     supports: list[Support] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
     children: list[tuple["Thing", Pose]] = field(default_factory=list)
-    _bounds: tuple[list[NDArray], int, NDArray[np.float64]] | None = field(
+    _settled: tuple[int, NDArray[np.float64]] | None = field(
         default=None, init=False, repr=False, compare=False
     )
 
@@ -95,16 +95,14 @@ class Thing:
     @property
     def bounds(self) -> NDArray[np.float64]:
         """Lowest and highest corner, (2, 3), m, of parts and children."""
-        meshes = [part.mesh.vertices for part in self.parts]
-        known = self._bounds
-        if (
-            known is None
-            or known[1] != len(self.children)
-            or len(known[0]) != len(meshes)
-            or any(old is not new for old, new in zip(known[0], meshes, strict=True))
-        ):
-            known = self._bounds = meshes, len(self.children), self._measured()
-        return known[2].copy()
+        if self._settled is not None and self._settled[0] == len(self.children):
+            return self._settled[1].copy()
+        return self._measured()
+
+    def settle(self) -> "Thing":
+        """Remember the bounds: the parts are final, though more may be carried; returns itself."""
+        self._settled = len(self.children), self._measured()
+        return self
 
     def _measured(self) -> NDArray[np.float64]:
         low = [part.mesh.vertices.min(axis=0) for part in self.parts]
