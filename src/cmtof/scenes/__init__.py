@@ -1,4 +1,4 @@
-"""Where RGB-D comes from: files, the embedded frames, real captures, analytic solids."""
+"""Where RGB-D comes from: files, folders, Hypersim, rooms from a seed, real captures."""
 
 from cmtof.scenes.rgbd import Frame, embedded_frames, load_frame
 
