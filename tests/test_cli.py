@@ -287,3 +287,43 @@ def test_interrupt_ends_with_130_and_leaves_nothing(run, tmp_path, monkeypatch):
     assert code == 130
     assert "Traceback" not in err
     assert not list(tmp_path.iterdir())
+
+
+# --- scenes from folders -----------------------------------------------------------------------
+
+
+def test_rooms_are_rendered_and_evaluated_as_a_folder(run, tmp_path):
+    pytest.importorskip("embreex")
+    rooms, scores = tmp_path / "rooms", tmp_path / "scores.json"
+    options = ("--scenes", 1, "--views", 2, "--size", "48x64", "--seed", 2, "--workers", 1)
+    code, text, _ = run("render", *options, "-o", rooms)
+    assert code == 0
+    assert "1 rooms, 2 views each; 2 views rendered" in text
+    assert "times the bare rays" in text
+    code, text, _ = run("render", *options, "-o", rooms)
+    assert "0 views rendered, the others were there" in text
+    lost = next(rooms.rglob("frame.0001.color.hdf5"))
+    lost.write_bytes(lost.read_bytes()[:100])
+    code, text, _ = run(
+        "evaluate", rooms, "--method", "beat", "--protocol", "full", "--json", scores
+    )
+    assert code == 0
+    assert len(json.loads(scores.read_text())["frames"]) == 1
+    assert "skipped" in text
+    assert "frame.0001.color.hdf5" in text
+
+
+def test_a_folder_of_frames_is_simulated_by_its_first(run, tmp_path):
+    for name in ("b", "a"):
+        cmtof.load_frame("still_life").save(tmp_path / f"{name}.npz")
+    code, *_ = run("simulate", tmp_path, "-o", tmp_path / "m.nc")
+    assert code == 0
+    assert cmtof.open(tmp_path / "m.nc").dataset.attrs["frame"] == "a"
+
+
+def test_sizes_and_folders_that_cannot_be_rendered_are_refused(fails, tmp_path):
+    assert "Expected a size like 512x512, got large" in fails(
+        "render", "--size", "large", "-o", tmp_path
+    )
+    (tmp_path / "notes.txt").write_text("")
+    assert "Choose another folder" in fails("render", "--scenes", 1, "-o", tmp_path)
