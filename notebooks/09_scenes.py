@@ -222,6 +222,10 @@ axes[0].legend(loc="upper left")
 plotting.label_panels(axes)
 medians = {name: float(np.median(getattr(hard, name))) for name in ("slope", "jump", "patch")}
 steep = float(np.mean(hard.slope > 0.5))
+beside = ""
+if theirs is not None:
+    beside = f" The frames' medians: {np.median(theirs.slope):.3f}, {np.median(theirs.jump):.1f} "
+    beside += f"and {np.median(theirs.patch):.0f}."
 plotting.save(
     figure,
     "scenes_hardness",
@@ -232,9 +236,9 @@ plotting.save(
     ),
     alt=(
         "Three cumulative curves on logarithmic axes for rooms"
-        + (" and path-traced frames, which run close together" if theirs is not None else "")
+        + (" and path-traced frames" if theirs is not None else "")
         + f": slope, median {medians['slope']:.3f} wraps a pixel; jump, median "
-        f"{medians['jump']:.0f} wraps; surface size, median {medians['patch']:.0f} pixels."
+        f"{medians['jump']:.1f} wraps; surface size, median {medians['patch']:.0f} pixels." + beside
     ),
 )
 for name, value in medians.items():
@@ -244,7 +248,7 @@ glue("steep", 100 * steep, display=False)
 # %% [markdown]
 # The median pixel of these rooms lies in a surface of {glue:text}`median_patch:.0f` pixels whose
 # depth changes by {glue:text}`median_slope:.3f` wraps a pixel; at its end depth jumps by
-# {glue:text}`median_jump:.0f` wraps in the median. {glue:text}`steep:.2f` % of neighbours differ by
+# {glue:text}`median_jump:.1f` wraps in the median. {glue:text}`steep:.2f` % of neighbours differ by
 # more than half a wrap: there no method can count by neighbours alone. Many small surfaces, from
 # clutter and thin things, are what tells these rooms from an empty one.
 #
