@@ -2,7 +2,8 @@
 
 Every pattern is a function of position alone, so marks ignore edges. Coordinates are in repeats:
 (x, y, z) has x along the grain, and (u, v) is the face's plane, u along the grain where it can be.
-Compiled, because each pixel asks once.
+Compiled, because each pixel asks once. Numba keeps the compiled `shading` although something here
+changed: touch that file too.
 """
 
 import math

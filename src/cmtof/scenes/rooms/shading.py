@@ -5,6 +5,7 @@ has radiance 1. Samples repeat every 8 x 8 pixels, so that a box of that size av
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numba import njit
@@ -16,6 +17,7 @@ TILE = 8
 """Side of the blocks of pixels, of which each has the same set of samples."""
 
 
+@lru_cache(maxsize=4)
 def sample_order(height: int, width: int) -> NDArray[np.int32]:
     """Number (H·W,) of each pixel's samples: scrambled within a tile, other in the next tiles."""
     y, x = np.indices((height, width), dtype=np.int32).reshape(2, -1)

@@ -1,5 +1,6 @@
 """One camera's picture of a scene: colour, range, normal and instance of every pixel."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -82,8 +83,7 @@ def _soft_light(
 
     Every other pixel asks, as on a chess board; those between are filled by smoothing.
     """
-    y, x = np.indices(shape).reshape(2, -1)
-    asking = np.flatnonzero(((x + y) % 2 == 0) & (part >= 0))
+    asking = np.flatnonzero(_chess_board(shape) & (part >= 0))
     some = points.at(asking)
     found = np.zeros((len(part), 8), np.float32)
     found[asking, :3], found[asking, 3] = light.direct(some, samples)
@@ -97,6 +97,12 @@ def _soft_light(
     lonely = np.flatnonzero((weight[:, 0] == 0) & (part >= 0))
     soft[lonely, :3] = light.irradiance[hits.triangle[lonely]]
     return soft
+
+
+@lru_cache(maxsize=4)
+def _chess_board(shape: tuple[int, int]) -> NDArray[np.bool_]:
+    y, x = np.indices(shape).reshape(2, -1)
+    return (x + y) % 2 == 0
 
 
 def _surfaces(
