@@ -59,7 +59,6 @@ ROOMS: dict[str, tuple[Group, ...]] = {
     "attic": (groups.sleeping, groups.seating, groups.shelves),
     "workshop": (groups.repairing,),
     "nursery": (groups.playing,),
-    "studio": (groups.cooking, groups.dining, groups.seating, groups.sleeping),
 }
 """Groups of things in each kind of room, the most important first."""
 

@@ -156,7 +156,6 @@ def wall_shelf(rng: np.random.Generator, style: Style) -> Thing:
         thing.supports += [Support(-0.38 * w + s, 0.38 * w + s, -d + 0.02, -0.03,
             float(z) + 0.011, 0.26)
                            for z, s in zip(levels, shift, strict=True)]  # fmt: skip
-        thing.parts[1].mesh.vertices[:, 1] -= 0.0
     return thing
 
 
