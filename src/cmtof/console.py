@@ -19,9 +19,15 @@ def progress_bar(quiet: bool) -> "Progress":
     from rich.console import Console
     from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TimeRemainingColumn
 
-    hidden = quiet or bool(os.environ.get("CI")) or not sys.stderr.isatty()
     columns = (SpinnerColumn(), *Progress.get_default_columns()[:2], MofNCompleteColumn())
-    return Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), disable=hidden)
+    return Progress(
+        *columns, TimeRemainingColumn(), console=Console(stderr=True), disable=quiet or hidden()
+    )
+
+
+def hidden() -> bool:
+    """Whether progress is not to be shown: in CI, and where nobody watches."""
+    return bool(os.environ.get("CI")) or not sys.stderr.isatty()
 
 
 def print_report(report: dict[str, Any]) -> None:

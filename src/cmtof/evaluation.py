@@ -5,12 +5,20 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
 
-from cmtof.baselines import find_method
+from cmtof.baselines import METHODS, find_method
 from cmtof.constants import FREQUENCIES, NOISE_SIGMA
 from cmtof.metrics import Scored, score, scored_pixels
 from cmtof.scenes.rgbd import Frame
 from cmtof.simulation import Protocol, simulate
 from cmtof.unwrapping import unwrap
+
+
+def ready_methods(protocol: str = "released") -> list[str]:
+    """Every method that can tell a protocol's wraps: learned ones may lack weights for it."""
+    from cmtof.network.configuration import wraps_of
+
+    first, count = wraps_of(protocol)
+    return [name for name, method in METHODS.items() if method.ready(first, first + count - 1)]
 
 
 @dataclass

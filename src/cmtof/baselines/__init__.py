@@ -36,6 +36,8 @@ class Method:
         ``module:function``, imported on first use.
     frequencies : int
         Modulation frequencies that it needs.
+    model : str
+        Of a learned method: whose weights it takes, out of `cmtof.network.configuration.MODELS`.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Method:
     summary: str
     where: str
     frequencies: int = 2
+    model: str = ""
 
     def __call__(self, measurement: Measurement, **options: Any) -> Estimate:
         """Run the method; raise a ValueError if the measurement lacks a frequency."""
@@ -54,7 +57,26 @@ class Method:
                 "Measure another frequency or choose the method spatial."
             )
         module, function = self.where.split(":")
-        return getattr(import_module(module), function)(measurement, **options)
+        learned = {"model": self.model} if self.model else {}
+        return getattr(import_module(module), function)(measurement, **learned, **options)
+
+    def ready(self, first: int, last: int) -> bool:
+        """Whether nothing is missing to tell the wraps first to last: a method's weights may."""
+        if not self.model:
+            return True
+        from cmtof.network.weights import find_weights
+
+        try:
+            find_weights(self.model, first, last)
+        except ValueError:
+            return False
+        return True
+
+
+def _network(name: str, summary: str) -> Method:
+    """A learned method, named as its model."""
+    where = "cmtof.network.inference:unwrap_with_network"
+    return Method(name, "learned", "Baek et al. 2023", summary, where, model=name)
 
 
 METHODS = {
@@ -96,6 +118,11 @@ METHODS = {
             "cmtof.baselines.spatial:spatial",
             frequencies=1,
         ),
+        _network("fast-scnn", "the paper's network: segmentation into wraps"),
+        _network("fast-scnn-ce", "the paper's network, trained by cross-entropy alone"),
+        _network("fast-scnn-fourier", "the paper's network without phase edges"),
+        _network("fast-scnn-phase", "the paper's network on bare phases"),
+        _network("fast-scnn-light", "a lighter network that is given the beat"),
     )
 }
 

@@ -1,0 +1,5 @@
+"""``python -m cmtof.cli``."""
+
+from cmtof.cli import main
+
+main()
