@@ -62,6 +62,25 @@ def bends(depth: ArrayLike, threshold: float = BEND) -> NDArray[np.bool_]:
     return ends
 
 
+def surface_sizes(ends: ArrayLike) -> NDArray[np.int64]:
+    """Size, px, of the surface that each pixel (H, W) lies in; one where a surface ends.
+
+    Parameters
+    ----------
+    ends : array_like of bool, shape (H, W)
+        From `bends`.
+
+    Examples
+    --------
+    >>> surface_sizes([[False, False, True, False]]).tolist()
+    [[2, 2, 1, 1]]
+    """
+    surfaces = np.asarray(label(~np.asarray(ends, bool), connectivity=1))
+    sizes = np.bincount(surfaces.ravel())
+    sizes[0] = 1  # a pixel on an edge stands alone
+    return sizes[surfaces]
+
+
 def hardness(frame: Frame) -> Hardness:
     """Measure one frame."""
     depth = frame.depth.astype(float)
@@ -77,15 +96,12 @@ def hardness(frame: Frame) -> Hardness:
         slope.append(change[known & ~between])
         # of the two pixels that a bend marks, the step lies between them
         jump.append(change[known & between & (change * wrap > BEND)])
-    surfaces = np.asarray(label(~ends, connectivity=1))
-    sizes = np.bincount(surfaces.ravel())
-    sizes[0] = 1  # a pixel on an edge stands alone
     return Hardness(
         depth[valid],
         frame.intensity.ravel().astype(float),
         np.concatenate(slope),
         np.concatenate(jump),
-        sizes[surfaces[valid]].astype(float),
+        surface_sizes(ends)[valid].astype(float),
         float(1 - valid.mean()),
     )
 

@@ -5,12 +5,8 @@ import pytest
 from furnishing import draw
 from small_things import assert_made_well
 
-from cmtof.scenes.rooms import clutter, containers, toys
-from cmtof.scenes.rooms.materials import Material
-from cmtof.scenes.rooms.objects import CATALOGUE as OBJECTS
-from cmtof.scenes.rooms.objects import FOOTPRINT, footprint_class, groups
-from cmtof.scenes.rooms.solids import box
-from cmtof.scenes.rooms.thing import Thing
+from cmtof.scenes.rooms import clutter, containers, inventory, toys
+from cmtof.scenes.rooms.objects import groups
 
 CATALOGUE = clutter.CATALOGUE
 LIMITS = {
@@ -103,25 +99,9 @@ def test_nobody_has_too_few_or_unknown_things_about():
     for place, group in groups.items():
         names = [name for name, _ in group]
         assert len(names) == len(set(names)) >= 10, place
-        assert set(names) <= set(OBJECTS), place
+        assert set(names) <= set(inventory.CATALOGUE), place
         assert all(weight > 0 for _, weight in group), place
 
 
 def test_no_mask_is_laid_on_a_table():
     assert all(name != "mask" for group in groups.values() for name, _ in group)
-
-
-def test_every_small_thing_falls_into_a_class_of_footprint():
-    for maker in OBJECTS.values():
-        for seed in range(3):
-            thing = draw(maker, seed)
-            low, high = thing.bounds
-            radius, height = FOOTPRINT[footprint_class(thing)]
-            assert np.hypot(*(high - low)[:2]) / 2 <= radius
-            assert (high - low)[2] <= height
-
-
-def test_what_is_too_large_for_clutter_is_said_to_be():
-    wardrobe = Thing("wardrobe").add(box((2, 2, 2), (0, 0, 1)), Material((0.5, 0.5, 0.5)))
-    with pytest.raises(ValueError, match=r"Expected a thing within .* Place it as furniture"):
-        footprint_class(wardrobe)

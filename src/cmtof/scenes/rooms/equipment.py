@@ -8,7 +8,7 @@ from cmtof.scenes.rooms import drapes, fittings
 from cmtof.scenes.rooms.daylight import Glazing
 from cmtof.scenes.rooms.layouts import Plan
 from cmtof.scenes.rooms.materials import Style
-from cmtof.scenes.rooms.thing import Pose, Thing, pose
+from cmtof.scenes.rooms.thing import Pose, Thing
 from cmtof.scenes.rooms.walls import Room, Wall
 
 Placed = list[tuple[Thing, Pose]]
@@ -185,8 +185,3 @@ def _curtain(
     if long:
         wall.block(x - width / 2, x + width / 2, 0.0)
     return [(made, wall.at(x, FACE, top))]
-
-
-def on_ceiling(rng: np.random.Generator, style: Style, x: float, y: float, z: float) -> Placed:
-    """A smoke detector."""
-    return [(fittings.smoke_detector(rng, style), pose(x, y, z))]

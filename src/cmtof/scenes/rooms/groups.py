@@ -261,7 +261,12 @@ def cooking(floor: Floor, house: Household) -> None:
         motion, number = at
         wall = floor.walls[number]
         centre = float((motion[:2, 3] - np.asarray(wall.start)) @ wall.along)
-        units = house.make("wall_units", length=float(length * rng.uniform(0.4, 0.95)))
+        above = house.chance(0.75)
+        units = (
+            house.make("wall_units", length=float(length * rng.uniform(0.4, 0.95)))
+            if above
+            else house.make("range_hood")
+        )
         if wall.height > 2.3 and floor.wall_free(number, centre, units, 1.8):
             floor.hang(units, number, centre, 1.8)
         break
@@ -292,6 +297,7 @@ def bathing(floor: Floor, house: Household) -> None:
             floor.hang(glass, number, centre, 1.6)
     floor.against_wall(house.make("toilet"), room_before=0.5)
     floor.on_wall(house.make("towel_rail"), 1.3)
+    floor.on_wall(house.make("hanging_towel"), 1.4)
     floor.against_wall(house.make("laundry_basket"))
     if house.chance(0.6):
         floor.somewhere(house.make("doormat"))
@@ -343,7 +349,7 @@ def playing(floor: Floor, house: Household) -> None:
 def music(floor: Floor, house: Household) -> None:
     """Now and then a piano or a guitar."""
     if house.chance(0.3):
-        floor.against_wall(house.dressed("upright_piano"), room_before=0.6)
+        floor.against_wall(house.dressed("upright_piano", "grand_piano"), room_before=0.6)
         floor.somewhere(house.make("music_stand"))
     if house.chance(0.2):
         floor.against_wall(house.make("guitar"))
@@ -353,7 +359,8 @@ def hang_on_walls(floor: Floor, house: Household, most: int) -> None:
     """Pictures, clocks and shelves where the walls are free."""
     names = ("painting", "painting", "picture_group", "mirror", "wall_clock", "poster",
              "plates_on_wall", "wall_shelf", "wall_sconce", "map", "tapestry", "wall_planter",
-             "mask", "wall_hanging")  # fmt: skip
+             "mask", "wall_hanging", "dartboard", "flag", "thermometer", "key_board", "letters",
+             "neon", "light_strip", "string_lights")  # fmt: skip
     for _ in range(most):
         thing = house.dressed(*names)
         floor.on_wall(thing, float(house.rng.uniform(1.4, 1.75)))

@@ -139,7 +139,7 @@ def throw_blanket(
     *,
     width: float | None = None,
     length: float | None = None,
-    hang: float | None = None,
+    hang: float = 0.0,
 ) -> Thing:
     """A blanket on a level place (z = 0) whose front side hangs over the edge, z < 0.
 
@@ -149,13 +149,12 @@ def throw_blanket(
         Along x, m.
     length : float, optional
         What lies, along y, m; the edge is at y = -length/2.
-    hang : float, optional
-        What hangs down in front, m; 0 for a blanket that only lies.
+    hang : float
+        What hangs down in front, m; by default the blanket only lies.
     """
-    drawn = rng.uniform([0.5, 0.45, 0.18], [1.1, 0.9, 0.4])
+    drawn = rng.uniform([0.5, 0.45], [1.1, 0.9])
     width = float(drawn[0] if width is None else width)
     length = float(drawn[1] if length is None else length)
-    hang = float(drawn[2] if hang is None else hang)
     u, v = grid(-width / 2, width / 2, -length / 2 - hang, length / 2, 31, 37)
     folds = 0.5 + 0.5 * ripples(rng, 2.5 * u, 0.5 * v, 10, 0.5)
     folds = np.clip(folds, 0, 1) ** 1.3 * 0.022 + 0.004 * (1 + ripples(rng, u, v, 8, 0.15))
