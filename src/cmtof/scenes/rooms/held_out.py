@@ -57,9 +57,7 @@ def held_out_frames(
         yield from (held_out_frame(settings, index) for index in indices)
 
 
-def _rendered_together(
-    settings: Settings, indices: Sequence[int], workers: int
-) -> Iterator[Frame]:
+def _rendered_together(settings: Settings, indices: Sequence[int], workers: int) -> Iterator[Frame]:
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         try:
             yield from pool.map(partial(held_out_frame, settings), indices)
