@@ -1,5 +1,6 @@
 """The one door: a measurement goes in, wrap count, depth and confidence come out."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -80,7 +81,7 @@ def unwrap(
         "frequency": float(frequency),
         "range_min": measurement.range[0],
         "range_max": measurement.range[1],
-        **{f"option_{key}": value for key, value in options.items()},
+        **{f"option_{k}": str(v) if isinstance(v, Path) else v for k, v in options.items()},
         "version": measurement.dataset.attrs.get("version", ""),
     }
     return result

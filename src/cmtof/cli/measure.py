@@ -99,6 +99,9 @@ def unwrap(
     window: Annotated[
         int | None, typer.Option(help="Side of the averaging window in px (method beat).")
     ] = None,
+    weights: Annotated[
+        Path | None, typer.Option(help="Own trained .safetensors (methods fast-scnn…).")
+    ] = None,
     ply: Annotated[
         Path | None, typer.Option(help="Also write a point cloud; the file needs a camera.")
     ] = None,
@@ -117,7 +120,8 @@ def unwrap(
         raise ValueError(
             f"Expected a camera in {measurement} for --ply, got none. Leave --ply out or add it."
         )
-    options = {} if window is None else {"window": window}
+    given: dict[str, Any] = {"window": window, "weights": weights}
+    options = {name: value for name, value in given.items() if value is not None}
     result = unwrap_measurement(opened, method=method, range=range, **options)
     save_dataset(result, output)
     print(f"{output}: method {method}, {int(opened.mask.sum())} of {opened.mask.size} pixels")
