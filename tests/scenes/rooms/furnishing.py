@@ -1,6 +1,6 @@
-"""What every piece of furniture is held to, and the households that it is drawn for."""
+"""What furniture and small things are held to, and the households that they are drawn for."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pickle import dumps
 
 import numpy as np
@@ -10,6 +10,8 @@ from cmtof.scenes.rooms.solids import joined
 from cmtof.scenes.rooms.thing import Thing
 
 Maker = Callable[..., Thing]
+Limits = Sequence[tuple[float, float]]
+"""Least and greatest width, depth and height, m."""
 
 
 def draw(maker: Maker, seed: int, **options) -> Thing:
@@ -24,11 +26,30 @@ def sizes(maker: Maker, count: int = 20, **options) -> np.ndarray:
     return np.array([high - low for low, high in bounds])
 
 
-def assert_within(measured: np.ndarray, limits) -> None:
-    """Every width, depth and height lies within its limits, m."""
+def assert_made_well(
+    name: str,
+    maker: Maker,
+    limits: Limits,
+    check_thing: Callable[..., None],
+    *,
+    budget: int = 6000,
+    standing: str = "floor",
+) -> None:
+    """It stands and carries, is as large as a real one, looks outwards and repeats itself."""
+    for seed in range(8):
+        thing = draw(maker, seed)
+        check_thing(thing, standing, triangles=budget)
+        outward = [volume > -1e-9 for volume in closed_volumes(thing)]
+        assert all(outward), f"{name}, seed {seed}: a part is inside out"
+    assert_within(name, sizes(maker), limits)
+    assert_repeatable(maker)
+
+
+def assert_within(name: str, measured: np.ndarray, limits: Limits) -> None:
+    """Every width, depth and height, (N, 3), lies within its limits, m."""
     low, high = np.array(limits, float).T
-    assert (measured >= low).all(), f"too small: {measured.min(0)}"
-    assert (measured <= high).all(), f"too large: {measured.max(0)}"
+    assert (measured >= low).all(), f"{name} is too small: {measured.min(0)}"
+    assert (measured <= high).all(), f"{name} is too large: {measured.max(0)}"
 
 
 def assert_repeatable(maker: Maker) -> None:
@@ -56,6 +77,11 @@ def closed_volumes(thing: Thing) -> list[float]:
         a, b, c = np.moveaxis(corners, 1, 0)
         found.append(float((a * np.cross(b, c)).sum() / 6))
     return found
+
+
+def distinct(maker: Maker, count: int = 12) -> int:
+    """How many different shapes so many draws have, told by their numbers of triangles."""
+    return len({sum(len(p.mesh.faces) for p in draw(maker, seed).parts) for seed in range(count)})
 
 
 def drop(thing: Thing, x, y) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from furnishing import assert_repeatable, assert_within, closed_volumes, draw, drop, sizes
+from furnishing import assert_made_well, draw, drop
 
 from cmtof.scenes.rooms.bathroom import CATALOGUE
 
@@ -23,29 +23,9 @@ def test_every_piece_has_limits():
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
-@pytest.mark.parametrize("seed", range(8))
-def test_it_stands_and_carries(name, seed, check_thing):
-    check_thing(
-        draw(CATALOGUE[name], seed),
-        standing="wall" if name in ON_THE_WALL else "floor",
-        triangles=6000,
-    )
-
-
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_its_sizes_are_those_of_real_ones(name):
-    assert_within(sizes(CATALOGUE[name]), LIMITS[name])
-
-
-@pytest.mark.parametrize("name", CATALOGUE)
-@pytest.mark.parametrize("seed", range(4))
-def test_its_faces_look_outwards(name, seed):
-    assert all(volume > -1e-9 for volume in closed_volumes(draw(CATALOGUE[name], seed)))
-
-
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_the_same_seed_makes_the_same_piece(name):
-    assert_repeatable(CATALOGUE[name])
+def test_it_is_made_well(name, check_thing):
+    standing = "wall" if name in ON_THE_WALL else "floor"
+    assert_made_well(name, CATALOGUE[name], LIMITS[name], check_thing, standing=standing)
 
 
 def test_a_bathtub_is_hollow_down_to_its_floor():

@@ -4,8 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from furnishing import draw
-from small_things import assert_made_well
+from furnishing import assert_made_well, draw
 
 from cmtof.scenes.rooms import books
 

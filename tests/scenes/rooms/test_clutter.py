@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from furnishing import draw
-from small_things import assert_made_well
+from furnishing import assert_made_well, draw
 
 from cmtof.scenes.rooms import clutter, containers, inventory, toys
 from cmtof.scenes.rooms.objects import groups

@@ -1,7 +1,7 @@
 """The whole catalogue of furniture, and the odd ones in it."""
 
 import pytest
-from furnishing import assert_repeatable, assert_within, closed_volumes, draw, sizes
+from furnishing import assert_made_well, draw
 
 from cmtof.scenes.rooms.furniture import CATALOGUE
 
@@ -22,29 +22,11 @@ def test_every_piece_has_limits():
 
 
 @pytest.mark.parametrize("name", LIMITS)
-@pytest.mark.parametrize("seed", range(8))
-def test_it_stands_and_carries(name, seed, check_thing):
-    check_thing(
-        draw(CATALOGUE[name], seed),
-        standing="wall" if name in ON_THE_WALL else "floor",
-        triangles=9000,
+def test_it_is_made_well(name, check_thing):
+    standing = "wall" if name in ON_THE_WALL else "floor"
+    assert_made_well(
+        name, CATALOGUE[name], LIMITS[name], check_thing, budget=9000, standing=standing
     )
-
-
-@pytest.mark.parametrize("name", LIMITS)
-def test_its_sizes_are_those_of_real_ones(name):
-    assert_within(sizes(CATALOGUE[name]), LIMITS[name])
-
-
-@pytest.mark.parametrize("name", LIMITS)
-@pytest.mark.parametrize("seed", range(4))
-def test_its_faces_look_outwards(name, seed):
-    assert all(volume > -1e-9 for volume in closed_volumes(draw(CATALOGUE[name], seed)))
-
-
-@pytest.mark.parametrize("name", LIMITS)
-def test_the_same_seed_makes_the_same_piece(name):
-    assert_repeatable(CATALOGUE[name])
 
 
 def test_every_maker_of_the_catalogue_draws_something_with_a_name():

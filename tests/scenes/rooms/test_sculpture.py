@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from furnishing import closed_volumes, draw
-from small_things import assert_made_well, distinct
+from furnishing import assert_made_well, closed_volumes, distinct, draw
 
 from cmtof.scenes.rooms import food, sculpture, vessels
 from cmtof.scenes.rooms.portraits import STATUARY, draw_face, portrait

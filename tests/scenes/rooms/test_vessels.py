@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from furnishing import closed_volumes, draw
-from small_things import assert_made_well
+from furnishing import assert_made_well, closed_volumes, draw
 
 from cmtof.scenes.rooms import tableware, vessels
 from cmtof.scenes.rooms.shaping import (
