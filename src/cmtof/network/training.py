@@ -18,7 +18,7 @@ from cmtof.network.callbacks import BEST, LAST, Clock, Keeper
 from cmtof.network.configuration import Config
 from cmtof.network.data import Data
 from cmtof.network.module import Unwrapping
-from cmtof.network.weights import save_weights, weights_path
+from cmtof.network.weights import halved, save_weights, weights_path
 
 
 def train(
@@ -55,7 +55,7 @@ def train(
     Returns
     -------
     Path or None
-        The weights; None while epochs are left, and in all processes but the first.
+        The weights; None while epochs are left.
 
     Raises
     ------
@@ -86,17 +86,20 @@ def train(
     )
     data = Data(tree, config, workers=workers, quiet=quiet)
     trainer.fit(module, data, ckpt_path=last, weights_only=True)
-    if trainer.current_epoch < config.epochs or not trainer.is_global_zero:
+    if trainer.current_epoch < config.epochs:
         return None
-    module.network.load_state_dict(load_file(folder / BEST))
+    # validated as they are shipped, to show what half precision costs
+    module.network.load_state_dict(halved(load_file(folder / BEST)))
+    trainer.validate(module, data, verbose=False)
     path = weights_path(config.model, config.protocol, folder)
-    save_weights(path, module.network, _card(module, clock, data))
+    if trainer.is_global_zero:
+        save_weights(path, module.network, _card(module, clock, data))
     return path
 
 
 def _card(module: Unwrapping, clock: Clock, data: Data) -> dict[str, Any]:
-    """Where weights come from."""
-    config = module.config
+    """Where weights come from; the last validation is that of the halved weights."""
+    config, rates = module.config, module.curve.pop()
     best = max(module.curve, key=lambda found: found["delta_lt_1"])
     return {
         "model": config.model,
@@ -116,6 +119,7 @@ def _card(module: Unwrapping, clock: Clock, data: Data) -> dict[str, Any]:
         "hardware": _hardware(module.trainer),
         "versions": {"cmtof": __version__, "torch": torch.__version__.partition("+")[0]},
         "validation": module.curve,
+        "validation_in_half_precision": {k: rates[k] for k in rates if k.startswith("delta")},
     }
 
 

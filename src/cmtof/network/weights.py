@@ -6,6 +6,7 @@ hash of the weights. Loading checks the hash; nothing is ever unpickled.
 
 import hashlib
 import json
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,6 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from cmtof.files import written_whole
 
 if TYPE_CHECKING:
+    from torch import Tensor
+
     from cmtof.network.fast_scnn import FastSCNN
 
 FOLDER = Path(str(files("cmtof"))) / "weights"
@@ -65,26 +68,32 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
 def save_weights(path: Path, network: "FastSCNN", card: dict[str, Any]) -> dict[str, Any]:
     """Write weights in half precision, and their card.
 
-    Running variances may exceed what half precision holds and stay in single, as do their means.
-
     Returns
     -------
     dict
         The card as written: with the hash and the size of the file.
     """
-    import torch
     from safetensors.torch import save
 
-    def stored(name: str, tensor: torch.Tensor) -> torch.Tensor:
-        half = tensor.is_floating_point() and "running" not in name
-        return (tensor.half() if half else tensor).cpu().contiguous()
-
-    content = save({name: stored(name, one) for name, one in network.state_dict().items()})
+    content = save(halved(network.state_dict()))
     card = card | {"sha256": hashlib.sha256(content).hexdigest(), "bytes": len(content)}
     with written_whole(path) as part:
         part.write_bytes(content)
     write_card(path, card)
     return card
+
+
+def halved(state: Mapping[str, "Tensor"]) -> dict[str, "Tensor"]:
+    """Weights in half precision, on the CPU.
+
+    Running means and variances may exceed what half precision holds, and stay in single.
+    """
+
+    def stored(name: str, tensor: "Tensor") -> "Tensor":
+        half = tensor.is_floating_point() and "running" not in name
+        return (tensor.half() if half else tensor).cpu().contiguous()
+
+    return {name: stored(name, tensor) for name, tensor in state.items()}
 
 
 def write_card(weights: Path, card: dict[str, Any]) -> None:
