@@ -158,3 +158,15 @@ def test_this_book_lists_its_notebooks_and_their_lock():
         inputs = book.inputs(stem)
         assert {f"notebooks/{stem}.py", "environment.lock", "tools/execute.py"} <= set(inputs)
         assert all((ROOT / path).is_file() for path in inputs)
+
+
+def test_stored_results_that_a_notebook_shows_are_inputs(tmp_path):
+    folder = tmp_path / "book" / "results"
+    folder.mkdir(parents=True)
+    (tmp_path / "notebooks").mkdir()
+    (folder / "table.json").write_text("{}")
+    header = "# ---\n# cmtof:\n#   results: [table.json, absent.json]\n# ---\n"
+    (tmp_path / "notebooks" / "01_table.py").write_text(header)
+    inputs = graph.Book(tmp_path).inputs("01_table")
+    assert "book/results/table.json" in inputs
+    assert not [name for name in inputs if "absent" in name]

@@ -265,13 +265,19 @@ class Book:
         script = self.script(stem)
         reached = closure(script, self.source)
         fixed = {script, self.root / "environment.lock", self.root / "tools" / "execute.py"}
-        files = reached | fixed | set(self._data(script))
+        files = reached | fixed | set(self._data(script)) | set(self._stored(script))
         return sorted(_relative(file, self.root) for file in files)
 
     def tool(self, name: str) -> list[str]:
         """Return a script of ``tools`` and the files of the package that it reaches."""
         script = self.root / "tools" / name
         return sorted(_relative(f, self.root) for f in {script, *closure(script, self.source)})
+
+    def _stored(self, script: Path) -> Iterator[Path]:
+        """Yield stored results that a notebook shows: ``cmtof: {results: [...]}`` names them."""
+        for name in _front_matter(script).get("cmtof", {}).get("results", []):
+            path = self.root / "book" / "results" / name
+            yield from [path] if path.is_file() else []
 
     def _data(self, script: Path) -> Iterator[Path]:
         """Yield data outside the package that a notebook reads.

@@ -1,0 +1,295 @@
+"""Pixels counted frame by frame, for tables over all test frames: kept, compared, resampled.
+
+A table costs minutes to hours, its counts a few kilobytes. They are stored with all that decides
+them, the hashes of the weights included, and a page that shows them counts a few frames again.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from cmtof import __version__
+from cmtof.constants import NOISE_SIGMA
+from cmtof.correlation import wrap_count_from_depth
+from cmtof.files import written_whole
+from cmtof.measurement import Measurement
+from cmtof.metrics import LIMITS, scored_pixels
+from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.rooms.held_out import TEST_ROOMS, held_out, held_out_frame
+from cmtof.scenes.rooms.rendering import Settings
+from cmtof.simulation import Protocol, simulate
+from cmtof.strata import bin_of, counted, strata_of, strata_values
+from cmtof.unwrapping import unwrap
+
+Record = dict[str, Any]
+"""Counts of one frame, plain values: ``frame``, ``pixels``, ``strata`` (pixels in each bin), and
+``methods``: of each ``below`` (pixels with a wrap error below each of `LIMITS`), ``consistent``,
+and ``strata`` (pixels right in each bin)."""
+
+CLASSICAL: dict[str, tuple[str, dict[str, Any]]] = {
+    "beat 41": ("beat", {"window": 41}),
+    "beat 81": ("beat", {"window": 81}),
+    "crt": ("crt", {}),
+}
+"""Methods that need no weights, with their options."""
+
+MIDDLE = "middle"
+"""The trivial answer: the wrap in the middle of the range, whatever was measured."""
+
+
+@dataclass(frozen=True)
+class Contest:
+    """What is run on which frames: equal contests give equal counts.
+
+    Attributes
+    ----------
+    rooms : Settings
+        The set whose test frames are taken.
+    protocol, noise, seed
+        Of the simulated measurements; the noise of the k-th frame is drawn from (seed, k).
+    weights : dict of str to (str, str)
+        Networks by label: their method, and the file of their weights.
+    """
+
+    rooms: Settings = TEST_ROOMS
+    protocol: Protocol = "released"
+    noise: float = NOISE_SIGMA
+    seed: int = 0
+    weights: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+
+    @property
+    def size(self) -> int:
+        """Number of test frames in the set."""
+        return len(held_out(self.rooms))
+
+    @property
+    def methods(self) -> list[str]:
+        """Labels of everything that is run."""
+        return [*self.weights, *CLASSICAL, MIDDLE]
+
+    def frame(self, place: int) -> Frame:
+        """Render the k-th test frame."""
+        return held_out_frame(self.rooms, held_out(self.rooms)[place])
+
+    def measure(self, frame: Frame, place: int) -> Measurement:
+        """Simulate what is measured of the k-th test frame."""
+        return simulate(
+            frame, protocol=self.protocol, noise=self.noise, seed=self.seed, frame_number=place
+        )
+
+    def answer(self, label: str, measurement: Measurement) -> xr.Dataset:
+        """What a method says: ``wrap_count`` and ``depth`` on (y, x)."""
+        if label == MIDDLE:
+            return middle(measurement)
+        if label in self.weights:
+            method, path = self.weights[label]
+            return unwrap(measurement, method=method, weights=path)
+        method, options = CLASSICAL[label]
+        return unwrap(measurement, method=method, **options)
+
+    def settings(self) -> dict[str, Any]:
+        """Plain values of all but the weights and the size of the set, which may grow."""
+        rooms = {k: v for k, v in asdict(self.rooms).items() if k not in ("scenes", "views")}
+        return {
+            "rooms": rooms,
+            "protocol": self.protocol,
+            "noise": float(self.noise),
+            "seed": self.seed,
+        }
+
+
+def middle(measurement: Measurement) -> xr.Dataset:
+    """Answer the middle of the range for every pixel."""
+    depth = np.full(measurement.mask.shape, sum(measurement.range) / 2)
+    wraps = wrap_count_from_depth(depth, measurement.frequencies[0])
+    return xr.Dataset({"wrap_count": (("y", "x"), wraps), "depth": (("y", "x"), depth)})
+
+
+def count(frame: Frame, measurement: Measurement, answers: Mapping[str, xr.Dataset]) -> Record:
+    """Count the pixels of one frame, by `strata_of` its range.
+
+    Parameters
+    ----------
+    frame : Frame
+    measurement : Measurement
+        Simulated from it.
+    answers : dict of Dataset
+        What each method says, as `cmtof.unwrap` returns it.
+
+    Raises
+    ------
+    ValueError
+        If there is no true depth or no scored pixel.
+    """
+    strata = strata_of(*_wraps(measurement))
+    places = {
+        name: bin_of(values, strata[name].edges)
+        for name, values in strata_values(frame, measurement).items()
+    }
+    bins = {name: len(stratum.edges) - 1 for name, stratum in strata.items()}
+    methods = {}
+    for label, answer in answers.items():
+        scored = scored_pixels(answer, measurement)
+        delta = np.abs(scored["wrap_count"].astype(int) - scored["true_count"])
+        methods[label] = {
+            "below": [int((delta < limit).sum()) for limit in LIMITS],
+            "consistent": int((scored["consistent"] == scored["true_consistent"]).sum()),
+            "strata": {n: counted(p, bins[n], delta < 1).tolist() for n, p in places.items()},
+        }
+    totals = {name: counted(place, bins[name]).tolist() for name, place in places.items()}
+    pixels = sum(totals["wrap"])
+    return {"frame": frame.name, "pixels": pixels, "strata": totals, "methods": methods}
+
+
+def _wraps(measurement: Measurement) -> tuple[int, int]:
+    from cmtof.baselines import wraps_in_range
+
+    return wraps_in_range(measurement)
+
+
+def count_place(contest: Contest, place: int) -> Record:
+    """Render, measure, unwrap and count the k-th test frame."""
+    frame = contest.frame(place)
+    measurement = contest.measure(frame, place)
+    answers = {label: contest.answer(label, measurement) for label in contest.methods}
+    return count(frame, measurement, answers)
+
+
+def count_all(contest: Contest, *, workers: int = 1) -> Iterator[Record]:
+    """Count every test frame, in order, in one process or several."""
+    places = range(contest.size)
+    if workers == 1:
+        yield from (count_place(contest, place) for place in places)
+        return
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        try:
+            yield from pool.map(partial(count_place, contest), places)
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+# ------------------------------------------------------------------ arrays over frames
+
+
+def scored(records: Sequence[Record]) -> NDArray[np.int64]:
+    """Pixels of each frame (F,)."""
+    return np.array([record["pixels"] for record in records])
+
+
+def below(records: Sequence[Record], method: str) -> NDArray[np.int64]:
+    """Pixels with a wrap error below each of `LIMITS` (4, F)."""
+    return np.array([record["methods"][method]["below"] for record in records]).T
+
+
+def stratum(
+    records: Sequence[Record], name: str, method: str
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pixels right and pixels scored in each bin, each (B, F)."""
+    right = np.array([record["methods"][method]["strata"][name] for record in records]).T
+    return right, np.array([record["strata"][name] for record in records]).T
+
+
+# ------------------------------------------------------------------ kept
+
+
+def _digest(held: Mapping[str, Any]) -> str:
+    rest = {key: value for key, value in held.items() if key != "sha256"}
+    plain = json.dumps(rest, sort_keys=True, ensure_ascii=False)
+    return hashlib.sha256(plain.encode()).hexdigest()
+
+
+def hash_of(path: str | Path) -> str:
+    """SHA-256 of a file of weights."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def write_tally(
+    path: Path, contest: Contest, records: Sequence[Record], *, command: str
+) -> dict[str, Any]:
+    """Store counts with what decided them and a hash over all of it; return what was written.
+
+    Parameters
+    ----------
+    path : Path
+        JSON, one frame a line.
+    contest : Contest
+    records : list of dict
+        One of each of the contest's frames, in order.
+    command : str
+        What makes the file anew.
+    """
+    held = {
+        "command": command,
+        "version": __version__,
+        "settings": contest.settings(),
+        "weights": {label: hash_of(file) for label, (_, file) in contest.weights.items()},
+        "frames": list(records),
+    }
+    held["sha256"] = _digest(held)
+    lines = [f'"{key}": {_line(value)}' for key, value in held.items() if key != "frames"]
+    frames = ",\n".join(_line(record) for record in records)
+    with written_whole(path) as part:
+        part.write_text("{" + ",\n".join([*lines, f'"frames": [\n{frames}\n]']) + "}\n", "utf-8")
+    return held
+
+
+def _line(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False)
+
+
+def read_tally(path: Path) -> dict[str, Any]:
+    """Read stored counts.
+
+    Raises
+    ------
+    ValueError
+        If the file is no tally, or was changed after it was written.
+    """
+    try:
+        held = json.loads(path.read_text(encoding="utf-8"))
+        good = held["sha256"] == _digest(held)
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"Expected counts in {path}, got {error!r}. Make them anew.") from error
+    if not good:
+        raise ValueError(f"Expected counts as written in {path}, got edited ones. Make them anew.")
+    return held
+
+
+def objection(held: Mapping[str, Any], contest: Contest) -> str:
+    """Why stored counts do not belong to a contest; empty where they do."""
+    found = {label: hash_of(path) for label, (_, path) in contest.weights.items()}
+    if held["settings"] != contest.settings():
+        return "they were made with other settings"
+    if missing := sorted(found.keys() - held["weights"].keys()):
+        return f"they lack {', '.join(missing)}"
+    if other := sorted(label for label, one in found.items() if held["weights"][label] != one):
+        return f"they were made with other weights of {', '.join(other)}"
+    return ""
+
+
+def disagreement(held: Mapping[str, Any], records: Sequence[Record]) -> float:
+    """Largest share of a frame's pixels by which counts made again differ from the stored ones.
+
+    Rounding differs between processors, so a few pixels may. A frame that is not the same at all,
+    or whose pixels are others, counts as 1.
+    """
+    stored = {record["frame"]: record for record in held["frames"]}
+    worst = 0.0
+    for record in records:
+        other = stored.get(record["frame"])
+        if other is None or other["pixels"] != record["pixels"]:
+            return 1.0
+        for label, ours in record["methods"].items():
+            off = np.subtract(ours["below"], other["methods"][label]["below"])
+            worst = max(worst, float(np.abs(off).max()) / record["pixels"])
+    return worst
