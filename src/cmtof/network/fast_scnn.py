@@ -101,6 +101,8 @@ class PyramidPooling(nn.Module):
         self.branches = nn.ModuleList(
             conv(width, width // 4, norm, kernel=1) for _ in (pools or GLOBAL_BINS)
         )
+        if norm == "instance" and not pools:
+            self.branches[0][1] = nn.Identity()  # type: ignore[index]  # one pixel has no spread
         count = len(self.branches)
         self.join = conv(width + count * (width // 4), width, norm, kernel=1)
 
@@ -124,7 +126,8 @@ GLOBAL_BINS = (1, 2, 3, 6)
 class FastSCNN(nn.Module):
     """Modified Fast-SCNN (Sec. 5.1, Fig. 5).
 
-    Maps features (B, C, H, W), any H and W from 8 px on, to weights of wrap classes (B, N, H, W).
+    Maps features (B, C, H, W), any H and W from 8 px on (9 with
+    instance norms), to weights of wrap classes (B, N, H, W).
 
     Parameters
     ----------

@@ -13,9 +13,14 @@ import torch
 from torch import Tensor
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
-from cmtof.correlation import TAU
+from cmtof.correlation import TAU, wrap_length
+from cmtof.measurement import unambiguous_range
 from cmtof.network.features import features
 from cmtof.network.losses import IGNORED
+
+
+REPEATED = unambiguous_range(FREQUENCIES) / float(wrap_length(FREQUENCIES[0]))
+"""Wraps of the lower frequency after which the beat repeats itself: 357.5, no whole number."""
 
 
 class Batch(NamedTuple):
@@ -87,10 +92,12 @@ def measure(batch: Batch, noise: Tensor | None, *, inputs: str, first: int, clas
     inputs : str
         Set of features, out of `cmtof.network.features.FEATURE_SETS`.
     first, classes : int
-        Wrap of the first class, and how many there are; pixels beyond are masked.
+        Wrap of the first class, and how many there are; pixels beyond, and those whose beat
+        repeats a nearer one's, are masked.
     """
     phase, amplitude = phasors(*batch, noise)
     turns = batch.depth * (2 * FREQUENCIES[0] / SPEED_OF_LIGHT) - first
     label = torch.nan_to_num(turns, nan=-1.0).floor().long()
-    label = torch.where((label >= 0) & (label < classes), label, IGNORED)
+    scored = (turns >= 0) & (turns < min(classes, REPEATED - first))  # false for NaN
+    label = torch.where(scored, label, IGNORED)
     return Sample(features(phase, amplitude, inputs), label, phase[:, 0], turns)
