@@ -142,6 +142,11 @@ class Config:
         for name in ("epochs", "crops", "batch", "crop", "validate_every"):
             if getattr(self, name) < 1:
                 raise ValueError(f"Expected {name} >= 1, got {getattr(self, name)}. Raise it.")
+        if self.validate_every > self.epochs:
+            raise ValueError(
+                f"Expected validate_every <= epochs, got {self.validate_every} and {self.epochs}. "
+                "Validate once at least: the best weights are kept."
+            )
         if self.crop > min(self.rooms.height, self.rooms.width):
             raise ValueError(
                 f"Expected crops within frames of {self.rooms.height}x{self.rooms.width}, got "
@@ -227,11 +232,27 @@ def config_from_dict(held: Mapping[str, Any], **changes: Any) -> Config:
             f"Expected settings out of {', '.join(sorted(known))}, got {', '.join(sorted(unknown))}"
             ". Correct the name."
         )
-    rooms = {"rooms": Rooms(**held["rooms"])} if "rooms" in held else {}
     given = {key: value for key, value in changes.items() if value is not None}
     try:
-        return replace(Config(**{**held, **rooms}), **given)
+        rooms = {"rooms": Rooms(**held["rooms"])} if "rooms" in held else {}
+        chosen = replace(Config(**{**held, **rooms}), **given)
     except TypeError as error:
         raise ValueError(
             f"Expected numbers in a configuration, got {error}. Correct it."
         ) from error
+    for one in (chosen, chosen.rooms):
+        _check_kinds(one)
+    return chosen
+
+
+def _check_kinds(values: Config | Rooms) -> None:
+    """Raise a ValueError unless every value is of its default's kind; YAML reads 2e-3 as text."""
+    for one in fields(values):
+        found, default = getattr(values, one.name), one.default
+        if isinstance(default, bool | int | float | str):
+            kinds = (int, float) if type(default) is float else (type(default),)
+            if type(found) not in kinds:
+                raise ValueError(
+                    f"Expected {one.name} such as {default!r}, got {found!r}. Correct it (YAML "
+                    "takes 2.0e-3 for a number, and 2e-3 for text)."
+                )

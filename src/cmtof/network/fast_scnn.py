@@ -117,7 +117,8 @@ class PyramidPooling(nn.Module):
             )
         if not self.pools:
             for bins, branch in zip(GLOBAL_BINS, self.branches, strict=True):
-                yield _resized(branch(functional.adaptive_avg_pool2d(x, bins)), x)
+                down, across = (_bins(size, bins).to(x) for size in x.shape[-2:])
+                yield resized(branch(down @ x @ across.T), x)
 
 
 GLOBAL_BINS = (1, 2, 3, 6)
@@ -159,12 +160,17 @@ class FastSCNN(nn.Module):
         last = a.head if a.stem else a.context
         self.output = nn.Sequential(nn.Dropout(a.dropout), _conv(last, classes, 1, bias=True))
 
-    def trunk(self, x: Tensor) -> Tensor:
-        """What the classes are told from, at full resolution: context, and the skip beside it."""
+    def fused(self, x: Tensor) -> tuple[Tensor, Tensor | None]:
+        """Context at half of the resolution, and the skip at all of it, if there is one."""
         skip = self.stem(x) if self.stem else None
         down = self.down(x if skip is None else skip)
-        deep = self.deep(_resized(self.pyramid(self.extract(down)), down))
-        context = _resized(self.classify(functional.relu(deep + self.fine(down))), x)
+        deep = self.deep(resized(self.pyramid(self.extract(down)), down))
+        return self.classify(functional.relu(deep + self.fine(down))), skip
+
+    def trunk(self, x: Tensor) -> Tensor:
+        """What the classes are told from, at full resolution: context, and the skip beside it."""
+        context, skip = self.fused(x)
+        context = resized(context, x)
         return context if skip is None else torch.cat([context, skip], 1)
 
     def head(self, trunk: Tensor) -> Tensor:
@@ -220,5 +226,14 @@ def _relu() -> nn.Module:
     return nn.ReLU(inplace=True)
 
 
-def _resized(x: Tensor, like: Tensor) -> Tensor:
+def _bins(size: int, bins: int) -> Tensor:
+    """Matrix (bins, size) of means over equal shares of an axis; ONNX has no adaptive pooling."""
+    pixel, share = torch.arange(size), torch.arange(bins)[:, None]
+    # a bin begins at floor(k n / b) and ends before ceil((k + 1) n / b)
+    inside = ((pixel + 1) * bins > share * size) & (pixel * bins < (share + 1) * size)
+    return inside.float() / inside.float().sum(1, keepdim=True)
+
+
+def resized(x: Tensor, like: Tensor) -> Tensor:
+    """Bring an image to the size of another, bilinearly, pixel centres at +0.5."""
     return functional.interpolate(x, size=like.shape[-2:], mode="bilinear", align_corners=False)

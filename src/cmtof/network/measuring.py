@@ -18,7 +18,6 @@ from cmtof.measurement import unambiguous_range
 from cmtof.network.features import features
 from cmtof.network.losses import IGNORED
 
-
 REPEATED = unambiguous_range(FREQUENCIES) / float(wrap_length(FREQUENCIES[0]))
 """Wraps of the lower frequency after which the beat repeats itself: 357.5, no whole number."""
 

@@ -79,7 +79,8 @@ class Unwrapping(LightningModule):
         self.log("δ<1", found["delta_lt_1"], prog_bar=True, logger=False)
         if self.trainer.sanity_checking:
             return
-        trained = torch.stack(self._losses).mean() if self._losses else torch.tensor(float("nan"))
+        losses = [loss.to(self.device) for loss in self._losses]  # restored ones are on the CPU
+        trained = torch.stack(losses).mean() if losses else torch.tensor(float("nan"))
         self._losses.clear()
         where = {"epoch": self.current_epoch + 1, "step": self.global_step}
         self.curve.append(where | {"loss": float(trained)} | found)
@@ -103,10 +104,13 @@ class Unwrapping(LightningModule):
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         checkpoint["curve"] = self.curve
+        # those since the last validation, whose mean the next one tells
+        checkpoint["losses"] = [float(loss) for loss in self._losses]
         checkpoint["config"] = self.config.as_dict()
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         self.curve = checkpoint["curve"]
+        self._losses = [torch.tensor(loss) for loss in checkpoint.get("losses", [])]
 
     def _measured(self, batch: Batch, noise: Tensor) -> Sample:
         return measure(

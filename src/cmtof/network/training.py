@@ -10,6 +10,7 @@ from typing import Any
 
 import torch
 from lightning import Trainer
+from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch.loggers import CSVLogger
 from safetensors.torch import load_file
 
@@ -69,7 +70,7 @@ def train(
     logging.getLogger("lightning.pytorch").setLevel(logging.WARNING)
     warnings.filterwarnings("ignore", message=".*isinstance.treespec, LeafSpec.* is deprecated")
     module, clock = Unwrapping(config), Clock(minutes)
-    trainer = Trainer(
+    trainer = _trainer(
         max_epochs=config.epochs,
         precision=config.precision,  # type: ignore[arg-type]
         check_val_every_n_epoch=config.validate_every,
@@ -95,6 +96,17 @@ def train(
     if trainer.is_global_zero:
         save_weights(path, module.network, _card(module, clock, data))
     return path
+
+
+def _trainer(**options: Any) -> Trainer:
+    """Lightning's, whose complaints of a machine that lacks what is asked for are bad input."""
+    try:
+        return Trainer(**options)
+    except (MisconfigurationException, TypeError) as error:
+        raise ValueError(
+            f"Expected accelerator, devices and strategy that this machine has, got «{error}». "
+            "Choose others."
+        ) from error
 
 
 def _card(module: Unwrapping, clock: Clock, data: Data) -> dict[str, Any]:
