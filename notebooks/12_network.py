@@ -337,7 +337,7 @@ with warnings.catch_warnings():
     logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
     from lightning import Trainer
 
-    from cmtof.network.training import Unwrapping
+    from cmtof.network.module import Unwrapping
 
     module = Unwrapping(config)
     loader = torch.utils.data.DataLoader

@@ -118,7 +118,7 @@ tell(total=totals[models[0]], largest=largest,
 # Run as they stand, the last layers bring 128 channels to full resolution and convolve each of them
 # with a small kernel. Both steps are linear, so they are one: the image of twice the size is four
 # interleaved ones, and each of these is a convolution of the *small* image with a kernel into which
-# the weights of the resizing are multiplied ({mod}`cmtof.network.phased` has the matrices). The
+# the weights of the resizing are multiplied (`cmtof.network.phased` has the matrices). The
 # upsampled image is never made. A network without a skip gains more, for its last layer is linear
 # too: resize {glue:text}`classes:.0f` classes, and not 128 features. And who wants the wrap count
 # alone need not keep the classes. Nothing is approximated; the graph is written as ONNX and held
