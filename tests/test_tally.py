@@ -33,12 +33,9 @@ def record(contest, tilted_wall, measured):
 @pytest.mark.parametrize(("label", "method", "options"), [("beat 41", "beat", {"window": 41})])
 def test_counts_are_the_rates_of_evaluate(record, measured, label, method, options):
     expected = score(scored_pixels(cmtof.unwrap(measured, method=method, **options), measured))
-    below = np.array(record["methods"][label]["below"]) / record["pixels"]
-    names = ["delta_lt_1", "delta_lt_2", "delta_lt_3"]
-    assert below[:3] == pytest.approx([expected[name] for name in names])
-    assert 1 - below[3] == pytest.approx(expected["delta_ge_10"])
-    consistent = record["methods"][label]["consistent"] / record["pixels"]
-    assert consistent == pytest.approx(expected["consistent_lt_1"])
+    found = tally.rates([record, record], label)
+    assert 1 - found.pop("delta_lt_10") == pytest.approx(expected["delta_ge_10"])
+    assert found == pytest.approx({name: expected[name] for name in found})
 
 
 def test_every_stratum_adds_up_to_the_whole(record):

@@ -199,6 +199,15 @@ def stratum(
     return right, np.array([record["strata"][name] for record in records]).T
 
 
+def rates(records: Sequence[Record], method: str) -> dict[str, float]:
+    """Shares over all scored pixels: ``delta_lt_1`` and on to `LIMITS`, ``consistent_lt_1``."""
+    whole = scored(records).sum()
+    consistent = sum(record["methods"][method]["consistent"] for record in records)
+    found = below(records, method).sum(axis=1) / whole
+    shares = {f"delta_lt_{limit}": float(x) for limit, x in zip(LIMITS, found, strict=True)}
+    return shares | {"consistent_lt_1": float(consistent / whole)}
+
+
 # ------------------------------------------------------------------ kept
 
 
