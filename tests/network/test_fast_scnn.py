@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 import torch
@@ -161,8 +162,8 @@ def linear(network: FastSCNN) -> FastSCNN:
 
 def narrow(**options) -> FastSCNN:
     """As deep as the paper's, and as thin as can be."""
-    sizes = {"down": (1, 1, 1), "bottlenecks": (4, 4, 4), "expansion": 1, "context": 1, "head": 1}
-    return linear(FastSCNN(Architecture(**{"stem": 1} | sizes | options), 1, 2))
+    thin = Architecture(1, (1, 1, 1), (4, 4, 4), expansion=1, context=1, head=1)
+    return linear(FastSCNN(replace(thin, **options), 1, 2))
 
 
 def test_features_of_the_extractor_see_121_pixels_where_the_original_saw_447():
@@ -231,7 +232,7 @@ def test_the_papers_network_has_the_parameters_of_its_table():
     expected = [
         9 * inputs * 32 + norm * 32,
         9 * 32 * 32 + norm * 32 + separable(32, 48) + separable(48, 64),
-        sum(bottleneck(i, o) for i, o in zip(widths, widths[1:], strict=False)),
+        sum(bottleneck(i, o) for i, o in pairwise(widths)),
         4 * (128 * 32 + norm * 32) + 256 * 128 + norm * 128,
         9 * 128 + norm * 128 + 128 * 128 + norm * 128 + 64 * 128 + norm * 128,
         2 * separable(128, 128) + separable(160, 64) + 64 * 21 + 21,

@@ -26,9 +26,11 @@ PROTOCOLS: tuple[Protocol, ...] = ("released", "full")
 def batch_of(frame: Frame, protocol: Protocol, sigma: float = NOISE_SIGMA) -> Batch:
     """A frame as training is given it."""
     depth = staged_depth(frame.depth, protocol=protocol, frequencies=np.asarray(FREQUENCIES))[0]
-    one = (depth, np.clip(frame.intensity, 0, 1))
-    tensors = [torch.from_numpy(np.asarray(part, np.float32))[None] for part in one]
-    return Batch(*tensors, torch.tensor([sigma]))
+    staged, intensity = (
+        torch.from_numpy(np.asarray(part, np.float32))[None]
+        for part in (depth, np.clip(frame.intensity, 0, 1))
+    )
+    return Batch(staged, intensity, torch.tensor([sigma]))
 
 
 @pytest.fixture(scope="module")

@@ -34,7 +34,7 @@ class Clock(Callback):
         self._tick()
 
     def on_validation_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        if not trainer.sanity_checking:
+        if trainer.state.fn == "fit":  # a resumed run that was over is validated alone
             self._tick()
 
     def on_train_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
@@ -65,7 +65,8 @@ class Keeper(Callback):
     def on_validation_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         assert isinstance(pl_module, Unwrapping)
         rates = [found["delta_lt_1"] for found in pl_module.curve]
-        if trainer.is_global_zero and rates and rates[-1] == max(rates):
+        fitting = trainer.state.fn == "fit"
+        if fitting and trainer.is_global_zero and rates and rates[-1] == max(rates):
             with written_whole(self.folder / BEST) as part:
                 save_file(pl_module.network.state_dict(), part)
 

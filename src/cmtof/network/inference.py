@@ -56,10 +56,14 @@ def unwrap_with_network(
             f"{trained.first + trained.card['classes'] - 1}, which {path.name} tells apart, got "
             f"{first} to {last}. Narrow the range."
         )
-    phase = np.asarray(measurement.phase[:2], np.float32)
+    # a masked pixel may be no number: to the network it is dark, or its neighbours would be none
+    phase, amplitude = (
+        np.nan_to_num(np.asarray(images[:2], np.float32))
+        for images in (measurement.phase, measurement.amplitude)
+    )
     inputs = features(
         phase,
-        np.asarray(measurement.amplitude[:2], np.float32),
+        amplitude,
         MODELS[trained.card["model"]].features,
     )
     likeliest, odds = classify(trained, inputs, start, last - trained.first + 1)
