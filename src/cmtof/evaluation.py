@@ -5,8 +5,12 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cmtof.baselines import METHODS, find_method
 from cmtof.constants import FREQUENCIES, NOISE_SIGMA
+from cmtof.measurement import Measurement
 from cmtof.metrics import Scored, score, scored_pixels
 from cmtof.scenes.rgbd import Frame
 from cmtof.simulation import Protocol, simulate
@@ -26,7 +30,8 @@ class Evaluation:
     """Scores of several methods over several frames.
 
     Call `add` for each frame, in order; the noise of frame i is drawn from (seed, i), so that
-    every method sees the same.
+    every method sees the same. A method that needs other frequencies gets a measurement of its own,
+    of the same frame, noise and scored pixels.
     """
 
     methods: Sequence[str]
@@ -47,24 +52,38 @@ class Evaluation:
 
     def add(self, frame: Frame) -> Iterator[str]:
         """Simulate the next frame and run every method on it, yielding each name when done."""
+        measurement = self._measure(frame, self.frequencies)
+        measured = {(): measurement}
+        for name in self.methods:
+            tones = find_method(name).tones
+            if tones not in measured:
+                measured[tones] = self._measure(frame, tones, mask=measurement.mask)
+            start = perf_counter()
+            result = unwrap(measured[tones], method=name, **self.options.get(name, {}))
+            self._seconds[name] += perf_counter() - start
+            self._scored[name].append(scored_pixels(result, measured[tones]))
+            yield name
+        self._names.append(frame.name)
+        self._coverage.append(float(measurement.mask.mean()))
+
+    def _measure(
+        self, frame: Frame, frequencies: Sequence[float], mask: NDArray[np.bool_] | None = None
+    ) -> Measurement:
+        """Simulate the next frame; only pixels of a given mask are scored."""
         measurement = simulate(
             frame,
             protocol=self.protocol,
-            frequencies=self.frequencies,
+            frequencies=frequencies,
             noise=self.noise,
             noise_free=self.noise_free,
             seed=self.seed,
-            frame_number=len(self._names),
+            frame_number=len(self._coverage),
         )
+        if mask is not None:
+            both = (("y", "x"), measurement.mask & mask)
+            measurement = Measurement(measurement.dataset.assign(mask=both))
         _ = measurement.decoded  # shared by all methods, so no method is charged for it
-        self._names.append(frame.name)
-        self._coverage.append(float(measurement.mask.mean()))
-        for name in self.methods:
-            start = perf_counter()
-            result = unwrap(measurement, method=name, **self.options.get(name, {}))
-            self._seconds[name] += perf_counter() - start
-            self._scored[name].append(scored_pixels(result, measurement))
-            yield name
+        return measurement
 
     def add_all(self, frames: Iterable[Frame]) -> "Evaluation":
         """Run every method on every frame."""
