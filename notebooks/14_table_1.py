@@ -30,6 +30,7 @@ from IPython.display import Markdown, display
 from myst_nb import glue
 
 from cmtof import paper, plotting, tally
+from cmtof.conditions import Conditions
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.network.ablation import (
     ROWS,
@@ -208,27 +209,27 @@ say(
 # stored, and made anew by
 #
 # ```bash
-# python tools/table1.py
+# python tools/tables.py 1
 # ```
 #
 # They carry the hashes of the weights they were made with. This page reads them, counts
 # {glue:text}`own_frames:.0f` frames on its own, and compares.
 
 # %%
-networks = {row.label: (row.card["model"], str(row.path)) for row in everyone}
-contest = tally.Contest(Settings(TEST_ROOMS.seed, TEST_ROOMS.scenes, height=height, width=width),
-                        seed=seed, weights=networks)  # fmt: skip
+entries = tally.networks(row.path for row in everyone) | tally.CLASSICAL | tally.MIDDLE
+here = Settings(TEST_ROOMS.seed, TEST_ROOMS.scenes, height=height, width=width)
+contest = tally.Contest(entries, here, Conditions(seed=seed))
 shown, own = [], []
 for place in range(frames):
     frame = contest.frame(place)
     measured = contest.measure(frame, place)
-    answers = {label: contest.answer(label, measured) for label in contest.methods}
-    shown.append((frame, measured, answers))
+    answers = contest.answers(measured)
+    shown.append((frame, measured.usual, answers))
     own.append(tally.count(frame, measured, answers))
     print(frame.name, f"{own[-1]['pixels']} pixels scored")
 
 # %% tags=["hide-input"]
-reference = tally.Contest(TEST_ROOMS, weights=networks)
+reference = tally.Contest(entries)
 store = Path(results)
 stored = tally.read_tally(store) if store.is_file() else None
 why = tally.objection(stored, reference) if stored else "there are none"
@@ -279,7 +280,7 @@ tell(test_frames=reference.size, own_frames=len(own))
 # %%
 drawn = draws_of(len(records), draws=draws, rng=np.random.default_rng(seed))
 labels = {row.label: TITLES[key] for key, row in rows.items()}
-labels |= {name: name for name in tally.CLASSICAL} | {tally.MIDDLE: "always the middle wrap"}
+labels |= {name: name for name in tally.CLASSICAL} | {"middle": "always the middle wrap"}
 limits = ("δ < 1", "δ < 2", "δ < 3", "δ ≥ 3")
 rates = {}
 for label in labels:
@@ -420,7 +421,7 @@ for title, found, _ in steps[: len(steps) - bool(lead)]:
     ways[verdict(found)].append(f"«{title}»")
 for_scale = (
     f"`{classical}` is right in {percent(rate_of[classical])}, always the middle wrap in "
-    f"{percent(rate_of[tally.MIDDLE])}"
+    f"{percent(rate_of["middle"])}"
 )
 if not lead:
     order = f"Without the proposed row there is no order to judge. For scale: {for_scale}."
