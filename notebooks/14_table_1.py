@@ -147,6 +147,10 @@ say("status", status, lacking, f"Trained otherwise, so outside the comparison: {
 #
 # While a network trains, it is asked now and then about rooms that it does not train on. A curve
 # that still climbs at its end is that of a training cut short, and says little about the network.
+# The curve is made for its shape: here it sees {glue:text}`views:.0f` crops of
+# {glue:text}`crop:.0f` pixels a side, whose wraps are others than the test frames'. A network that
+# answers with a few likely wraps does well or badly by which crops were drawn, so the height of
+# the curve and the rates of the table below are not one quantity.
 
 # %% tags=["hide-input"]
 ends = {}
@@ -182,6 +186,8 @@ if rows:
         + ", ".join(f"{TITLES[k]} {e['delta_lt_1']:.1%}" for k, e in ends.items())
         + ".",
     )
+asked = one.get("configuration", {})
+tell(views=asked.get("validation_views", 0), crop=asked.get("crop", 0))
 falling = [TITLES[key] for key, end in ends.items() if end["loss_change"] < -0.01]
 rising = [TITLES[key] for key, end in ends.items() if end["gain"] > 0.005]
 say(
