@@ -515,6 +515,9 @@ plotting.save(
 spread = {label: float(np.std(answers[label]["wrap_count"].to_numpy()[mask])) for label in correct}
 best = max(correct, key=correct.__getitem__)
 tell(classes=classes)
+if lead:
+    kinds, sizes = np.unique(answers[lead]["wrap_count"].to_numpy()[mask], return_counts=True)
+    usual = f"{percent(sizes.max() / sizes.sum(), 0)} of them with wrap {kinds[sizes.argmax()]}"
 flat = [TITLES[key] for key, r in rows.items() if spread[r.label] < 0.8 * np.std(truth[mask])]
 say(
     "maps",
@@ -522,6 +525,7 @@ say(
     f"pixels. The true wraps scatter by {np.std(truth[mask]):.1f} about their mean, those found by "
     + listed(f"{spread[label]:.1f} ({title})" for label, title in drawn_rows.items())
     + ".",
+    f"The proposed row answers {usual}." if lead else "",
     f"Flatter than the scene are the maps of {listed(flat)}: a network that is unsure answers with "
     "the few wraps that are likely anyway." * bool(flat),
 )
