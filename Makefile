@@ -58,7 +58,7 @@ pairs: setup ## Write each .ipynb anew from its .py
 
 reference: setup ## Store the numbers of the ci profile as the ones that tests compare with
 	@$(call build,ci)
-	@$(BIN)/python tools/reference.py $(SEEDS)
+	@$(BIN)/python tools/reference.py $(SEEDS) $(NOTEBOOKS)
 
 bench: setup ## Time the hot loops against what bounds them
 	@$(BIN)/python benchmarks/ratios.py

@@ -148,6 +148,10 @@ say("status", status, lacking, f"Trained otherwise, so outside the comparison: {
 #
 # While a network trains, it is asked now and then about rooms that it does not train on. A curve
 # that still climbs at its end is that of a training cut short, and says little about the network.
+# The curve is made for its shape: here it sees {glue:text}`views:.0f` crops of
+# {glue:text}`crop:.0f` pixels a side, whose wraps are others than the test frames'. A network that
+# answers with a few likely wraps does well or badly by which crops were drawn, so the height of
+# the curve and the rates of the table below are not one quantity.
 
 # %% tags=["hide-input"]
 ends = {}
@@ -183,6 +187,8 @@ if rows:
         + ", ".join(f"{TITLES[k]} {e['delta_lt_1']:.1%}" for k, e in ends.items())
         + ".",
     )
+asked = one.get("configuration", {})
+tell(views=asked.get("validation_views", 0), crop=asked.get("crop", 0))
 falling = [TITLES[key] for key, end in ends.items() if end["loss_change"] < -0.01]
 rising = [TITLES[key] for key, end in ends.items() if end["gain"] > 0.005]
 say(
@@ -510,6 +516,9 @@ plotting.save(
 spread = {label: float(np.std(answers[label]["wrap_count"].to_numpy()[mask])) for label in correct}
 best = max(correct, key=correct.__getitem__)
 tell(classes=classes)
+if lead:
+    kinds, sizes = np.unique(answers[lead]["wrap_count"].to_numpy()[mask], return_counts=True)
+    usual = f"{percent(sizes.max() / sizes.sum(), 0)} of them with wrap {kinds[sizes.argmax()]}"
 flat = [TITLES[key] for key, r in rows.items() if spread[r.label] < 0.8 * np.std(truth[mask])]
 say(
     "maps",
@@ -517,6 +526,7 @@ say(
     f"pixels. The true wraps scatter by {np.std(truth[mask]):.1f} about their mean, those found by "
     + listed(f"{spread[label]:.1f} ({title})" for label, title in drawn_rows.items())
     + ".",
+    f"The proposed row answers {usual}." if lead else "",
     f"Flatter than the scene are the maps of {listed(flat)}: a network that is unsure answers with "
     "the few wraps that are likely anyway." * bool(flat),
 )

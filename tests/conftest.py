@@ -7,6 +7,7 @@ import pytest
 from hypothesis import settings
 
 import cmtof
+from cmtof.cli import main
 from cmtof.scenes.captures import data_root
 from cmtof.scenes.rgbd import Frame
 
@@ -48,3 +49,31 @@ def shared_data() -> Path:
     if root is None:
         pytest.skip("no captures on this machine")
     return root
+
+
+@pytest.fixture
+def run(capsys):
+    """Run a command; return exit code, standard output and standard error."""
+
+    def runner(*arguments):
+        with pytest.raises(SystemExit) as stop:
+            main([str(argument) for argument in arguments])
+        captured = capsys.readouterr()
+        return stop.value.code or 0, captured.out, captured.err
+
+    return runner
+
+
+@pytest.fixture
+def fails(run):
+    """Run a command that must fail; return its one line."""
+
+    def runner(*arguments):
+        code, _, err = run(*arguments)
+        assert code == 1
+        assert err.count("\n") == 1, err
+        assert err.startswith("cmtof: Expected ")
+        assert "Traceback" not in err
+        return err
+
+    return runner

@@ -9,36 +9,7 @@ import pytest
 import xarray as xr
 
 import cmtof
-from cmtof.cli import main
 from cmtof.measurement import Measurement
-
-
-@pytest.fixture
-def run(capsys):
-    """Run a command; return exit code, standard output and standard error."""
-
-    def runner(*arguments):
-        with pytest.raises(SystemExit) as stop:
-            main([str(argument) for argument in arguments])
-        captured = capsys.readouterr()
-        return stop.value.code or 0, captured.out, captured.err
-
-    return runner
-
-
-@pytest.fixture
-def fails(run):
-    """Run a command that must fail; return its one line."""
-
-    def runner(*arguments):
-        code, _, err = run(*arguments)
-        assert code == 1
-        assert err.count("\n") == 1, err
-        assert err.startswith("cmtof: Expected ")
-        assert "Traceback" not in err
-        return err
-
-    return runner
 
 
 def test_from_frame_to_depth_and_points(run, tmp_path):

@@ -8,8 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from cmtof.cli import main
-
 TINY = """
 rooms: {seed: 1, scenes: 10, views: 2, height: 32, width: 32}
 model: fast-scnn-light
@@ -18,19 +16,6 @@ crops: 4
 batch: 2
 crop: 32
 """
-
-
-@pytest.fixture
-def run(capsys):
-    """Run a command; return exit code, standard output and standard error."""
-
-    def runner(*arguments):
-        with pytest.raises(SystemExit) as stop:
-            main([str(argument) for argument in arguments])
-        captured = capsys.readouterr()
-        return stop.value.code or 0, captured.out, captured.err
-
-    return runner
 
 
 @pytest.fixture

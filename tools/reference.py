@@ -1,12 +1,13 @@
 """Store the numbers of the ci profile as those that the tests compare with.
 
-    python tools/reference.py [SEED...]
+    python tools/reference.py [SEED...] [NOTEBOOK...]
 
 Reads ``build/ci/results`` and writes ``tests/reference/ci``: one file for each figure, and one for
 the checks of each notebook. Every number carries its relative tolerance, 1e-6 at first. With seeds
 the notebooks are run with each of them too: a number that moves from seed to seed gets an absolute
 tolerance of twice the range it moved over, for another processor may round a rate
-differently and so draw other noise. Tolerances stay when the numbers are stored again.
+differently and so draw other noise. Tolerances stay when the numbers are stored again. With
+notebooks named, such as ``14_table_1``, only theirs are run with other seeds and stored.
 
 A figure whose numbers say what their ``source`` is, measured or simulated, has a file for each.
 """
@@ -14,6 +15,7 @@ A figure whose numbers say what their ``source`` is, measured or simulated, has 
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -43,10 +45,12 @@ def flat(value: Any, name: str = "") -> dict[str, Plain]:
     return {key: number for path, item in pairs for key, number in flat(item, path).items()}
 
 
-def found(results: Path = RESULTS) -> dict[str, dict[str, Plain]]:
-    """Return the numbers that a build drew or checked, by the name of their reference file."""
+def found(results: Path = RESULTS, stems: Sequence[str] = ()) -> dict[str, dict[str, Plain]]:
+    """Return the numbers that notebooks drew or checked, by the name of their reference file."""
     tables: dict[str, dict[str, Plain]] = {}
     for file in sorted(results.glob("*/*.json")):
+        if stems and file.parent.name not in stems:
+            continue
         content = json.loads(file.read_text(encoding="utf-8"))
         if file.name == "checks.json":
             values = {key: record["value"] for key, record in content.items()}
@@ -73,17 +77,17 @@ def agrees(value: Plain, entry: dict[str, Any]) -> bool:
     return abs(value - expected) <= entry["rtol"] * abs(expected) + entry.get("atol", FLOOR)
 
 
-def ranges(seeds: list[int]) -> dict[str, dict[str, float]]:
-    """Run every notebook of the ci profile with other seeds; return how far each number moved."""
-    book, runs = Book(ROOT), [found()]
+def ranges(seeds: Sequence[int], stems: Sequence[str]) -> dict[str, dict[str, float]]:
+    """Run notebooks of the ci profile with other seeds; return how far each number moved."""
+    book, runs = Book(ROOT), [found(stems=stems)]
     for seed in seeds:
         build = ROOT / "build" / f"ci-seed-{seed}"
-        for stem in book.notebooks():
+        for stem in stems or book.notebooks():
             parameters = book.parameters(stem, "ci") | {"seed": seed}
             command = ["tools/execute.py", f"notebooks/{stem}.py", json.dumps(parameters)]
             targets = [build / "notebooks" / f"{stem}.ipynb", build / "results" / stem]
             subprocess.run([sys.executable, *command, *map(str, targets)], cwd=ROOT, check=True)
-        runs.append(found(build / "results"))
+        runs.append(found(build / "results", stems))
     moved: dict[str, dict[str, float]] = {}
     for name, numbers in runs[0].items():
         for key in numbers:
@@ -93,17 +97,17 @@ def ranges(seeds: list[int]) -> dict[str, dict[str, float]]:
     return moved
 
 
-def main(seeds: list[int]) -> int:
+def main(seeds: Sequence[int], stems: Sequence[str] = ()) -> int:
     """Write the reference files; return the exit code."""
-    tables, before = found(), stored()
+    tables, before = found(stems=stems), stored()
     if not tables:
         print(f"Expected results in {RESULTS}, got none. Run make test first.", file=sys.stderr)
         return 1
     REFERENCE.mkdir(parents=True, exist_ok=True)
     known = {name for name in before if not name.endswith((".measured.json", ".simulated.json"))}
-    for name in known - tables.keys():
+    for name in () if stems else known - tables.keys():
         (REFERENCE / name).unlink()
-    moved_by_seed = ranges(seeds) if seeds else {}
+    moved_by_seed = ranges(seeds, stems) if seeds else {}
     for name, numbers in tables.items():
         old = before.get(name, {})
         entries = {
@@ -123,4 +127,6 @@ def main(seeds: list[int]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main([int(seed) for seed in sys.argv[1:]]))
+    words = sys.argv[1:]
+    seeds = [int(word) for word in words if word.isdigit()]
+    sys.exit(main(seeds, [word for word in words if not word.isdigit()]))
