@@ -8,7 +8,18 @@ import cmtof
 from cmtof import tally
 from cmtof.metrics import score, scored_pixels
 from cmtof.scenes.rooms.rendering import Settings
-from cmtof.tally import Contest, count, disagreement, objection, read_tally, write_tally
+from cmtof.conditions import Conditions
+from cmtof.tally import (
+    CLASSICAL,
+    MIDDLE,
+    Contest,
+    Entry,
+    count,
+    disagreement,
+    objection,
+    read_tally,
+    write_tally,
+)
 
 SMALL = Settings(seed=3, scenes=20, height=24, width=32)
 
@@ -21,17 +32,22 @@ def contest(monkeypatch, tilted_wall):
         return replace(tilted_wall, name=f"wall {index}")
 
     monkeypatch.setattr(tally, "held_out_frame", wall)
-    return Contest(SMALL, seed=3)
+    return Contest(CLASSICAL | MIDDLE, SMALL, Conditions(seed=3))
 
 
 @pytest.fixture
-def record(contest, tilted_wall, measured):
-    answers = {label: contest.answer(label, measured) for label in contest.methods}
-    return count(tilted_wall, measured, answers)
+def taken(contest, tilted_wall):
+    return contest.measure(tilted_wall, 0)
+
+
+@pytest.fixture
+def record(contest, tilted_wall, taken):
+    return count(tilted_wall, taken, contest.answers(taken))
 
 
 @pytest.mark.parametrize(("label", "method", "options"), [("beat 41", "beat", {"window": 41})])
-def test_counts_are_the_rates_of_evaluate(record, measured, label, method, options):
+def test_counts_are_the_rates_of_evaluate(record, taken, label, method, options):
+    measured = taken.usual
     expected = score(scored_pixels(cmtof.unwrap(measured, method=method, **options), measured))
     found = tally.rates([record, record], label)
     assert 1 - found.pop("delta_lt_10") == pytest.approx(expected["delta_ge_10"])
@@ -46,7 +62,7 @@ def test_every_stratum_adds_up_to_the_whole(record):
             assert (np.array(right) <= record["strata"][name]).all()
 
 
-def test_the_middle_is_right_where_the_scene_is(record, measured):
+def test_the_middle_is_right_where_the_scene_is(record):
     held = {36 + k: count for k, count in enumerate(record["strata"]["wrap"])}
     right = record["methods"]["middle"]["strata"]["wrap"]
     assert right[46 - 36] == held[46] == sum(right) > 0
@@ -86,12 +102,17 @@ def test_edited_counts_are_refused(contest, record, tmp_path):
 def test_other_weights_or_settings_are_noticed(contest, record, tmp_path):
     old, new = tmp_path / "old", tmp_path / "new"
     old.write_bytes(b"1"), new.write_bytes(b"2")
-    ours = replace(contest, weights={"net": ("fast-scnn", str(old))})
+
+
+    def with_net(label, path):
+        return replace(contest, entries={label: Entry("fast-scnn", {"weights": str(path)})})
+
+    ours = with_net("net", old)
     held = write_tally(tmp_path / "t.json", ours, [record], command="")
     assert objection(held, ours) == ""
-    assert "weights of net" in objection(held, replace(ours, weights={"net": ("", str(new))}))
-    assert "lack net2" in objection(held, replace(ours, weights={"net2": ("", str(old))}))
-    assert "other settings" in objection(held, replace(ours, noise=2000))
+    assert "weights of net" in objection(held, with_net("net", new))
+    assert "lack net2" in objection(held, with_net("net2", old))
+    assert "other settings" in objection(held, replace(ours, conditions=Conditions(seed=3, noise=2000)))
     # a set may grow
     assert objection(held, replace(ours, rooms=replace(SMALL, scenes=40))) == ""
 

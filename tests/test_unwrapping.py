@@ -179,7 +179,7 @@ def test_spatial_unwrapping_needs_one_frequency_and_the_others_two():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"method": "magic"}, "Expected a method out of beat, crt"),
+        ({"method": "magic"}, "Expected a method out of crt, crt-closed-form"),
         ({"range": (5.0, 6.0)}, "that meets the data's"),
         ({"range": (1.1, 0.9)}, "MIN < MAX"),
         ({"range": (-1.0, 0.9)}, "MIN < MAX"),

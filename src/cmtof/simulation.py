@@ -35,6 +35,7 @@ def simulate(
     integration_time: float = INTEGRATION_TIME,
     psi: ArrayLike = QUADRATURES,
     order: NoiseOrder = "paper",
+    phase_offset: ArrayLike = 0.0,
     seed: int = 0,
     frame_number: int = 0,
 ) -> Measurement:
@@ -60,6 +61,8 @@ def simulate(
         Reference phases, rad.
     order : {"paper", "released"}
         Order of the two noises, see `cmtof.detector.poisson_gaussian`.
+    phase_offset : array_like, shape (F,) or ()
+        Error of calibration added to every phase of a frequency, rad (Table 3).
     seed, frame_number : int
         The noise is drawn from ``default_rng([seed, frame_number])``.
 
@@ -80,7 +83,10 @@ def simulate(
     intensity = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0).astype(np.float32)
     filled = np.where(np.isfinite(depth), depth, 0)
     signal = gain * integration_time * intensity
-    means = _means(signal, filled, frequencies, np.asarray(psi, float))
+    offset = np.broadcast_to(np.asarray(phase_offset, float), frequencies.shape)
+    # an error of the phase is one of the reference phase that the file does not know of
+    steps = np.asarray(psi, float) + offset[:, None]
+    means = _means(signal, filled, frequencies, steps)
     if not noise_free:
         rng = np.random.default_rng([seed, frame_number])
         means = poisson_gaussian(means, rng=rng, sigma=noise, order=order)
@@ -102,6 +108,7 @@ def simulate(
         noise_sigma=0.0 if noise_free else float(noise),
         photon_noise=int(not noise_free),
         noise_order=order,
+        phase_offset=offset,
         gain=gain,
         integration_time_ms=integration_time,
     )
@@ -113,11 +120,11 @@ def _means(
     frequencies: NDArray[np.float64],
     psi: NDArray[np.float64],
 ) -> NDArray[np.float32]:
-    """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)``, (F, K, H, W), float32.
+    """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)`` (F, K, H, W) at psi (F, K), float32.
 
     One cosine and one sine a pixel; the steps are weighted sums of them.
     """
-    means = np.empty((frequencies.size, psi.size, *signal.shape), np.float32)
+    means = np.empty((*psi.shape, *signal.shape), np.float32)
     half = signal / 2
     for f, frequency in enumerate(frequencies):
         # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
@@ -127,7 +134,7 @@ def _means(
             np.cos(angle) * signal / np.float32(np.pi),
             np.sin(angle) * signal / np.float32(np.pi),
         )
-        for k, step in enumerate(psi):
+        for k, step in enumerate(psi[f]):
             np.multiply(x, np.float32(np.cos(step)), out=means[f, k])
             means[f, k] -= y * np.float32(np.sin(step))
             means[f, k] += half

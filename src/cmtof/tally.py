@@ -6,28 +6,28 @@ them, the hashes of the weights included, and a page that shows them counts a fe
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, field
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from cmtof import __version__
-from cmtof.constants import NOISE_SIGMA
-from cmtof.correlation import wrap_count_from_depth
+from cmtof.baselines import find_method, wraps_in_range
+from cmtof.conditions import Conditions, Measured
+from cmtof.evaluation import ready_methods
 from cmtof.files import written_whole
-from cmtof.measurement import Measurement
 from cmtof.metrics import LIMITS, scored_pixels
 from cmtof.scenes.rgbd import Frame
 from cmtof.scenes.rooms.held_out import TEST_ROOMS, held_out, held_out_frame
 from cmtof.scenes.rooms.rendering import Settings
-from cmtof.simulation import Protocol, simulate
+from cmtof.simulation import Protocol
 from cmtof.strata import bin_of, counted, strata_of, strata_values
 from cmtof.unwrapping import unwrap
 
@@ -36,15 +36,28 @@ Record = dict[str, Any]
 ``methods``: of each ``below`` (pixels with a wrap error below each of `LIMITS`), ``consistent``,
 and ``strata`` (pixels right in each bin)."""
 
-CLASSICAL: dict[str, tuple[str, dict[str, Any]]] = {
-    "beat 41": ("beat", {"window": 41}),
-    "beat 81": ("beat", {"window": 81}),
-    "crt": ("crt", {}),
-}
-"""Methods that need no weights, with their options."""
 
-MIDDLE = "middle"
-"""The trivial answer: the wrap in the middle of the range, whatever was measured."""
+class Entry(NamedTuple):
+    """A method with its options."""
+
+    method: str
+    options: Mapping[str, Any] = {}
+
+    @property
+    def weights(self) -> str:
+        """File of a network's weights; empty for other methods."""
+        return str(self.options.get("weights", ""))
+
+
+CLASSICAL = {
+    "beat 41": Entry("beat", {"window": 41}),
+    "beat 81": Entry("beat", {"window": 81}),
+    "crt": Entry("crt"),
+}
+"""What networks are held against: a formula that averages, and one that does not."""
+
+MIDDLE = {"middle": Entry("middle")}
+"""The answer that never looks at a measurement."""
 
 
 @dataclass(frozen=True)
@@ -53,75 +66,77 @@ class Contest:
 
     Attributes
     ----------
+    entries : dict of Entry
+        What takes part, by label.
     rooms : Settings
         The set whose test frames are taken.
-    protocol, noise, seed
+    conditions : Conditions
         Of the simulated measurements; the noise of the k-th frame is drawn from (seed, k).
-    weights : dict of str to (str, str)
-        Networks by label: their method, and the file of their weights.
     """
 
+    entries: Mapping[str, Entry]
     rooms: Settings = TEST_ROOMS
-    protocol: Protocol = "released"
-    noise: float = NOISE_SIGMA
-    seed: int = 0
-    weights: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    conditions: Conditions = field(default_factory=Conditions)
 
     @property
     def size(self) -> int:
         """Number of test frames in the set."""
         return len(held_out(self.rooms))
 
-    @property
-    def methods(self) -> list[str]:
-        """Labels of everything that is run."""
-        return [*self.weights, *CLASSICAL, MIDDLE]
-
     def frame(self, place: int) -> Frame:
         """Render the k-th test frame."""
         return held_out_frame(self.rooms, held_out(self.rooms)[place])
 
-    def measure(self, frame: Frame, place: int) -> Measurement:
+    def measure(self, frame: Frame, place: int) -> Measured:
         """Simulate what is measured of the k-th test frame."""
-        return simulate(
-            frame, protocol=self.protocol, noise=self.noise, seed=self.seed, frame_number=place
-        )
+        return Measured(self.conditions, frame, place)
 
-    def answer(self, label: str, measurement: Measurement) -> xr.Dataset:
-        """What a method says: ``wrap_count`` and ``depth`` on (y, x)."""
-        if label == MIDDLE:
-            return middle(measurement)
-        if label in self.weights:
-            method, path = self.weights[label]
-            return unwrap(measurement, method=method, weights=path)
-        method, options = CLASSICAL[label]
-        return unwrap(measurement, method=method, **options)
+    def answers(self, measured: Measured) -> dict[str, xr.Dataset]:
+        """What every entry says: ``wrap_count`` and ``depth`` on (y, x)."""
+        return {
+            label: unwrap(measured.by(entry.method), method=entry.method, **entry.options)
+            for label, entry in self.entries.items()
+        }
 
     def settings(self) -> dict[str, Any]:
         """Plain values of all but the weights and the size of the set, which may grow."""
         rooms = {k: v for k, v in asdict(self.rooms).items() if k not in ("scenes", "views")}
-        return {
-            "rooms": rooms,
-            "protocol": self.protocol,
-            "noise": float(self.noise),
-            "seed": self.seed,
-        }
+        return {"rooms": rooms} | self.conditions.settings()
+
+    def weights(self) -> dict[str, str]:
+        """Hash of the weights of each entry that has some."""
+        return {label: hash_of(one.weights) for label, one in self.entries.items() if one.weights}
 
 
-def middle(measurement: Measurement) -> xr.Dataset:
-    """Answer the middle of the range for every pixel."""
-    depth = np.full(measurement.mask.shape, sum(measurement.range) / 2)
-    wraps = wrap_count_from_depth(depth, measurement.frequencies[0])
-    return xr.Dataset({"wrap_count": (("y", "x"), wraps), "depth": (("y", "x"), depth)})
+def networks(paths: Iterable[Path]) -> dict[str, Entry]:
+    """Entries of trained networks, labelled by their files: ``fast-scnn.released``."""
+    from cmtof.network.weights import read_card
+
+    named = {path.name.removesuffix(".safetensors"): path for path in paths}
+    return {k: Entry(read_card(p)["model"], {"weights": str(p)}) for k, p in named.items()}
 
 
-def count(frame: Frame, measurement: Measurement, answers: Mapping[str, xr.Dataset]) -> Record:
+def every_entry(protocol: Protocol) -> dict[str, Entry]:
+    """All methods that can tell a protocol's wraps, by name, with the weights they take."""
+    from cmtof.network.configuration import wraps_of
+    from cmtof.network.weights import find_weights
+
+    first, count = wraps_of(protocol)
+    found = {}
+    for name in ready_methods(protocol):
+        model = find_method(name).model
+        path = find_weights(model, first, first + count - 1) if model else None
+        found[name] = Entry(name, {"weights": str(path)} if path else {})
+    return found
+
+
+def count(frame: Frame, measured: Measured, answers: Mapping[str, xr.Dataset]) -> Record:
     """Count the pixels of one frame, by `strata_of` its range.
 
     Parameters
     ----------
     frame : Frame
-    measurement : Measurement
+    measured : Measured
         Simulated from it.
     answers : dict of Dataset
         What each method says, as `cmtof.unwrap` returns it.
@@ -131,7 +146,8 @@ def count(frame: Frame, measurement: Measurement, answers: Mapping[str, xr.Datas
     ValueError
         If there is no true depth or no scored pixel.
     """
-    strata = strata_of(*_wraps(measurement))
+    measurement = measured.usual
+    strata = strata_of(*wraps_in_range(measurement))
     places = {
         name: bin_of(values, strata[name].edges)
         for name, values in strata_values(frame, measurement).items()
@@ -139,7 +155,8 @@ def count(frame: Frame, measurement: Measurement, answers: Mapping[str, xr.Datas
     bins = {name: len(stratum.edges) - 1 for name, stratum in strata.items()}
     methods = {}
     for label, answer in answers.items():
-        scored = scored_pixels(answer, measurement)
+        # its own measurement: at other frequencies the noise is another too
+        scored = scored_pixels(answer, measured.by(answer.attrs["method"]))
         delta = np.abs(scored["wrap_count"].astype(int) - scored["true_count"])
         methods[label] = {
             "below": [int((delta < limit).sum()) for limit in LIMITS],
@@ -151,23 +168,16 @@ def count(frame: Frame, measurement: Measurement, answers: Mapping[str, xr.Datas
     return {"frame": frame.name, "pixels": pixels, "strata": totals, "methods": methods}
 
 
-def _wraps(measurement: Measurement) -> tuple[int, int]:
-    from cmtof.baselines import wraps_in_range
-
-    return wraps_in_range(measurement)
-
-
 def count_place(contest: Contest, place: int) -> Record:
     """Render, measure, unwrap and count the k-th test frame."""
     frame = contest.frame(place)
-    measurement = contest.measure(frame, place)
-    answers = {label: contest.answer(label, measurement) for label in contest.methods}
-    return count(frame, measurement, answers)
+    measured = contest.measure(frame, place)
+    return count(frame, measured, contest.answers(measured))
 
 
-def count_all(contest: Contest, *, workers: int = 1) -> Iterator[Record]:
-    """Count every test frame, in order, in one process or several."""
-    places = range(contest.size)
+def count_all(contest: Contest, *, workers: int = 1, after: int = 0) -> Iterator[Record]:
+    """Count every test frame ``after`` the first ones, in order, in one process or several."""
+    places = range(after, contest.size)
     if workers == 1:
         yield from (count_place(contest, place) for place in places)
         return
@@ -241,7 +251,7 @@ def write_tally(
         "command": command,
         "version": __version__,
         "settings": contest.settings(),
-        "weights": {label: hash_of(file) for label, (_, file) in contest.weights.items()},
+        "weights": contest.weights(),
         "frames": list(records),
     }
     held["sha256"] = _digest(held)
@@ -276,7 +286,7 @@ def read_tally(path: Path) -> dict[str, Any]:
 
 def objection(held: Mapping[str, Any], contest: Contest) -> str:
     """Why stored counts do not belong to a contest; empty where they do."""
-    found = {label: hash_of(path) for label, (_, path) in contest.weights.items()}
+    found = contest.weights()
     if held["settings"] != contest.settings():
         return "they were made with other settings"
     if missing := sorted(found.keys() - held["weights"].keys()):
