@@ -20,7 +20,6 @@ large_runs: int = 1  # the same at the large size
 large_eager: tuple = ("fast-scnn",)  # networks to time as torch runs them at the large size
 
 # %%
-import platform
 import tempfile
 from pathlib import Path
 
@@ -30,7 +29,7 @@ import torch
 from IPython.display import Markdown
 from myst_nb import glue
 
-from cmtof import paper, plotting
+from cmtof import paper, plotting, provenance
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, depth_from_wraps
 from cmtof.network.building import build_network
@@ -46,20 +45,13 @@ sizes = (tuple(small), tuple(large))
 device = "cuda" if torch.cuda.is_available() else "cpu"
 
 
-def processor():
-    """What the operating system calls the processor."""
-    found = Path("/proc/cpuinfo")
-    lines = found.read_text(encoding="utf-8").splitlines() if found.is_file() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
-
-
 def tell(**numbers):
     for name, value in numbers.items():
         glue(name, value if isinstance(value, str) else float(value), display=False)
 
 
-tell(machine=processor())
+machine = provenance.processor()
+tell(machine=machine)
 
 # %% [markdown]
 # ## What there is to compute
@@ -245,7 +237,7 @@ plotting.save(
     "speed_runtimes",
     numbers={"sizes": [list(size) for size in sizes], "models": list(models)},
     caption=(
-        f"Time for one image by the network alone, random weights, one thread of {processor()}, "
+        f"Time for one image by the network alone, random weights, one thread of {machine}, "
         "beside what the paper states for its network on a V100. Logarithmic: every line of the "
         "grid is a factor of ten."
     ),

@@ -235,42 +235,18 @@ for place in range(frames):
     print(frame.name, f"{own[-1]['pixels']} pixels scored")
 
 # %% tags=["hide-input"]
-reference = tally.Contest(entries)
-store = Path(results)
-stored = tally.read_tally(store) if store.is_file() else None
-why = tally.objection(stored, reference) if stored else "there are none"
-records = own if why else stored["frames"]
-off = None
-if not why and contest.settings() == reference.settings():
-    off = tally.disagreement(stored, own)
-if why:
-    state = (
-        f"**The stored counts cannot be shown: {why}.** What follows comes from the "
-        f"{len(own)} frames of {height}×{width} counted here, far too few for a table."
-    )
-elif off is None:
-    state = (
-        f"What follows comes from the stored counts over {len(records)} frames (`{store.name}`, "
-        f"version {stored['version']}, hash `{stored['sha256'][:12]}`); this run's own frames are "
-        "of another size or noise, and only show that the counting works."
-    )
-else:
-    state = (
-        f"What follows comes from the stored counts over {len(records)} frames (`{store.name}`, "
-        f"version {stored['version']}, hash `{stored['sha256'][:12]}`). Counted again, the first "
-        f"{len(own)} frames differ from them by at most {percent(off, 2)} of a frame's pixels."
-    )
-    if off > 0.01:
-        state += " **That is too much: the stored counts are out of date.**"
+found = tally.kept(Path(results), tally.Contest(entries), own, contest)
+records, state = found.records, found.state
 whole = tally.scored(records)
-size = (height, width) if why else [stored["settings"]["rooms"][k] for k in ("height", "width")]
+rooms = TEST_ROOMS if found.whole else here
+share = whole.mean() / (rooms.height * rooms.width)
 say(
     "state",
     state,
-    f"Of their pixels {percent(whole.mean() / np.prod(size), 0)} are scored, and the frame with "
-    f"the most of them has {percent(whole.max() / whole.sum(), 0)} of all.",
+    f"Of their pixels {percent(share, 0)} are scored, and the frame with the most of them has "
+    f"{percent(whole.max() / whole.sum(), 0)} of all.",
 )
-tell(test_frames=reference.size, own_frames=len(own))
+tell(test_frames=contest.size, own_frames=len(own))
 
 # %% [markdown]
 # ```{glue:md} state
@@ -427,7 +403,7 @@ for title, found, _ in steps[: len(steps) - bool(lead)]:
     ways[verdict(found)].append(f"«{title}»")
 for_scale = (
     f"`{classical}` is right in {percent(rate_of[classical])}, always the middle wrap in "
-    f"{percent(rate_of["middle"])}"
+    f"{percent(rate_of['middle'])}"
 )
 if not lead:
     order = f"Without the proposed row there is no order to judge. For scale: {for_scale}."

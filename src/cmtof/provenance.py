@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -118,6 +119,14 @@ def _checkout() -> Path:
         if (folder / "src" / "cmtof").is_dir() and (folder / "pyproject.toml").is_file():
             return folder
     return here
+
+
+def processor() -> str:
+    """What the operating system calls the processor."""
+    found = Path("/proc/cpuinfo")
+    lines = found.read_text(encoding="utf-8").splitlines() if found.is_file() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
 
 
 def plain(value: Any) -> Any:

@@ -37,6 +37,10 @@ Record = dict[str, Any]
 and ``strata`` (pixels right in each bin)."""
 
 
+TOLERABLE = 0.01
+"""Share of a frame's pixels that another processor may count differently."""
+
+
 class Entry(NamedTuple):
     """A method with its options."""
 
@@ -294,6 +298,58 @@ def objection(held: Mapping[str, Any], contest: Contest) -> str:
     if other := sorted(label for label, one in found.items() if held["weights"][label] != one):
         return f"they were made with other weights of {', '.join(other)}"
     return ""
+
+
+class Kept(NamedTuple):
+    """Counts that a page shows, and what it has to say of them."""
+
+    records: Sequence[Record]
+    """The stored ones if they belong to the contest, else those that the page counted itself."""
+    whole: bool
+    """Whether they are the stored ones, of all test frames."""
+    state: str
+    """A sentence or two, in markdown."""
+
+
+def kept(path: Path, contest: Contest, own: Sequence[Record], own_contest: Contest) -> Kept:
+    """Stored counts of a contest, held against those that a page made of its first frames.
+
+    Parameters
+    ----------
+    path : Path
+        Of the stored counts; they may not be there.
+    contest : Contest
+        Whose counts they should be.
+    own : list of dict
+        Counts made by the page.
+    own_contest : Contest
+        What they were made by, perhaps of smaller frames, which cannot be compared.
+    """
+    held = read_tally(path) if path.is_file() else None
+    if why := objection(held, contest) if held else "there are none":
+        sizes = f"{own_contest.rooms.height}×{own_contest.rooms.width}"
+        return Kept(
+            own,
+            False,
+            f"**The stored counts cannot be shown: {why}.** What follows comes from the {len(own)} "
+            f"frames of {sizes} counted here, far too few for a table.",
+        )
+    assert held is not None
+    source = (
+        f"What follows comes from the stored counts over {len(held['frames'])} frames "
+        f"(`{path.name}`, version {held['version']}, hash `{held['sha256'][:12]}`)"
+    )
+    if contest.settings() != own_contest.settings():
+        rest = "; this run's own frames are of another size or noise, and only show that the "
+        return Kept(held["frames"], True, f"{source}{rest}counting works.")
+    off = disagreement(held, own)
+    state = (
+        f"{source}. Counted again, the first {len(own)} frames differ from them by at most "
+        f"{100 * off:.2f} % of a frame's pixels."
+    )
+    if off > TOLERABLE:
+        state += " **That is too much: the stored counts are out of date.**"
+    return Kept(held["frames"], True, state)
 
 
 def disagreement(held: Mapping[str, Any], records: Sequence[Record]) -> float:

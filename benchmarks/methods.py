@@ -1,0 +1,78 @@
+"""Seconds and memory of every unwrapping method for one large frame, each in a fresh process.
+
+    python benchmarks/methods.py [METHOD...]
+
+One thread, 768x1024 pixels, both protocols; the fastest of two runs, so that what is compiled or
+loaded at first use is not counted. Memory is what the process needs at most, above what it held
+before. Results of methods that are not named are kept.
+"""
+
+import json
+import multiprocessing
+import os
+import resource
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+STORE = Path(__file__).resolve().parents[1] / "book" / "results" / "methods_cost.json"
+SIZE = (768, 1024)
+RUNS = 2
+
+
+def measured(method: str, protocol: str) -> dict[str, float]:
+    """Unwrap one room; return seconds and megabytes."""
+    import torch
+
+    import cmtof
+    from cmtof.conditions import Conditions, Measured
+    from cmtof.scenes.rooms.held_out import TEST_ROOMS, held_out, held_out_frame
+    from cmtof.scenes.rooms.rendering import Settings
+
+    torch.set_num_threads(1)
+    rooms = Settings(TEST_ROOMS.seed, TEST_ROOMS.scenes, height=SIZE[0], width=SIZE[1])
+    frame = held_out_frame(rooms, held_out(rooms)[1])
+    measurement = Measured(Conditions(protocol=protocol), frame).by(method)  # type: ignore[arg-type]
+    before, seconds = _peak(), []
+    for _ in range(RUNS):
+        start = time.perf_counter()
+        cmtof.unwrap(measurement, method=method)
+        seconds.append(time.perf_counter() - start)
+    return {"seconds": round(min(seconds), 3), "megabytes": round(_peak() - before, 1)}
+
+
+def _peak() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def main(names: list[str]) -> int:
+    """Measure, print and store; return the exit code."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[name] = "1"
+    from cmtof import __version__
+    from cmtof.evaluation import ready_methods
+    from cmtof.files import written_whole
+    from cmtof.provenance import processor
+
+    held: dict[str, Any] = json.loads(STORE.read_text("utf-8")) if STORE.is_file() else {}
+    found = held.get("methods", {})
+    spawn = multiprocessing.get_context("spawn")
+    for name in names or ready_methods("released"):
+        for protocol in ("released", "full"):
+            if name not in ready_methods(protocol):
+                continue
+            with spawn.Pool(1) as pool:
+                one = pool.apply(measured, (name, protocol))
+            found.setdefault(name, {})[protocol] = one
+            print(name, protocol, one, flush=True)
+    machine = f"one thread of {processor()}"
+    held = {"command": "python benchmarks/methods.py", "version": __version__, "machine": machine}
+    STORE.parent.mkdir(exist_ok=True)
+    with written_whole(STORE) as part:
+        part.write_text(json.dumps(held | {"methods": found}, indent=1) + "\n", "utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
