@@ -42,8 +42,8 @@ def unwrap(
     -------
     xarray.Dataset
         On (y, x): ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest frequency,
-        -1 where masked; ``depth``, m, of the measured phase with the wraps consistent with it,
-        NaN where masked; ``confidence`` in [0, 1].
+        -1 where masked or without a phase; ``depth``, m, of the measured phase with the wraps
+        consistent with it, NaN there; ``confidence`` in [0, 1].
 
     Raises
     ------
@@ -62,12 +62,13 @@ def unwrap(
     if range is not None:
         measurement = _narrowed(measurement, *range)
     estimate = chosen(measurement, **options)
-    frequency, phase = measurement.frequencies[0], measurement.phase[0].astype(float)
+    frequency, measured = measurement.frequencies[0], measurement.phase[0].astype(float)
+    mask, phase = measurement.mask & np.isfinite(measured), np.nan_to_num(measured)
     believed = within_range(estimate.depth, measurement)
     wraps = _wraps_in_range(consistent_wrap_count(believed, phase, frequency), phase, measurement)
     depth = depth_from_wraps(phase, wraps, frequency)
     count = wrap_count_from_depth(believed, frequency)
-    mask, dims = measurement.mask, ("y", "x")
+    dims = ("y", "x")
     result = xr.Dataset(
         {
             "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),

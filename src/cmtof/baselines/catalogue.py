@@ -53,7 +53,7 @@ _ALL = (
     _of("classical", "mrf", "Hirschmüller 2008",
         "random field over wraps, its energy lowered along eight directions",
         "mrf:mrf"),
-    _of("classical", "mrf-graphcut", "Bioucas-Dias et al. 2009",
+    _of("classical", "mrf-graphcut", "Bioucas-Dias and Valadão 2007",
         "the same field with a convex prior, its energy lowered by graph cuts",
         "mrf_graphcut:mrf_graphcut"),
     # ------------------------------------------------------------ learned

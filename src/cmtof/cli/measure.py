@@ -171,6 +171,7 @@ def evaluate(
 
     Example: [bold]cmtof evaluate still_life room --method crt,beat --json scores.json[/bold]
     """
+    from cmtof.baselines import find_method
     from cmtof.evaluation import Evaluation, ready_methods
 
     names = ready_methods(protocol) if method == "all" else [m.strip() for m in method.split(",")]
@@ -182,6 +183,9 @@ def evaluate(
     if json_file is not None:
         write_json(json_file, report)
     print_report(report)
+    for name in names:
+        if tones_of := find_method(name).tones:
+            print(f"{name}: measured at {' and '.join(f'{f / 1e9:g}' for f in tones_of)} GHz")
     for name, reason in skipped.items():
         print(f"skipped {name}: {reason}")
 
