@@ -8,6 +8,7 @@ from cmtof import bounds, metrics
 from cmtof.baselines import crt
 from cmtof.baselines.beat import beat_depth, beat_phasor, synthetic_frequency
 from cmtof.baselines.spatial import unwrapped_phase
+from cmtof.conditions import Conditions, Measured
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, phase_from_depth, wrap_length
 from cmtof.evaluation import Evaluation, ready_methods
@@ -93,11 +94,12 @@ def test_single_pixels_are_right_as_often_as_theory_says():
 
 
 @pytest.mark.parametrize("name", sorted(ready_methods()))
-def test_results_obey_range_mask_and_scale(measured, name):
+def test_results_obey_range_mask_and_scale(tilted_wall, name):
     low, high = 0.85, 1.05
-    mask = measured.mask.copy()
+    given = Measured(Conditions(seed=3), tilted_wall).by(name)
+    mask = given.mask.copy()
     mask[:5] = False
-    m = Measurement(measured.dataset.assign(mask=(("y", "x"), mask.astype(np.int8))))
+    m = Measurement(given.dataset.assign(mask=(("y", "x"), mask.astype(np.int8))))
     result = cmtof.unwrap(m, method=name, range=(low, high))
     depth = result.depth.to_numpy()
     assert (result.wrap_count.to_numpy()[~mask] == -1).all()
@@ -106,6 +108,21 @@ def test_results_obey_range_mask_and_scale(measured, name):
     assert (depth[mask] < high + 1e-6).all()
     assert (result.wrap_count.to_numpy()[mask] >= int(low / wrap_length(7.15e9))).all()
     assert ((result.confidence >= 0) & (result.confidence <= 1)).all()
+
+
+@pytest.mark.parametrize("name", sorted(set(ready_methods()) - {"mode", "oracle-offset"}))
+def test_masked_pixels_may_be_no_numbers(tilted_wall, name):
+    given = Measured(Conditions(seed=3), tilted_wall).by(name)
+    phase = given.dataset["correlation"].to_numpy().copy()
+    phase[:, :, 7:9, 3] = np.nan
+    mask = given.mask.copy()
+    mask[7:9, 3] = False
+    images = (given.dataset["correlation"].dims, phase)
+    holed = Measurement(given.dataset.assign(correlation=images, mask=(("y", "x"), mask)))
+    result = cmtof.unwrap(holed, method=name)
+    assert (result.wrap_count.to_numpy()[7:9, 3] == -1).all()
+    assert np.isnan(result.depth.to_numpy()[7:9, 3]).all()
+    assert (result.wrap_count.to_numpy() >= 0).sum() == given.mask.sum() - 2
 
 
 def test_crt_confidence_is_the_share_of_right_wraps(rng):

@@ -64,7 +64,8 @@ def unwrap(
     estimate = chosen(measurement, **options)
     frequency, measured = measurement.frequencies[0], measurement.phase[0].astype(float)
     mask, phase = measurement.mask & np.isfinite(measured), np.nan_to_num(measured)
-    believed = within_range(estimate.depth, measurement)
+    # what a method makes of a pixel without a phase may be no number
+    believed = within_range(np.where(mask, estimate.depth, measurement.range[0]), measurement)
     wraps = _wraps_in_range(consistent_wrap_count(believed, phase, frequency), phase, measurement)
     depth = depth_from_wraps(phase, wraps, frequency)
     count = wrap_count_from_depth(believed, frequency)

@@ -15,7 +15,11 @@ from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
 
 WINDOW = 41
-"""Side of the averaging window, px."""
+"""Side of the averaging window, px.
+
+Of 21 to 161 px on 40 views of validation rooms, delta < 1 in %: released 18.0 (best 61: 18.8), full
+10.5 (best 31: 10.6); one window serves both protocols, and 41 has the best mean.
+"""
 
 
 class Synthetic(NamedTuple):
@@ -48,11 +52,17 @@ def synthetic_frequency(low: float, high: float) -> Synthetic:
 
 
 def beat_phasor(measurement: Measurement) -> NDArray[np.complexfloating]:
-    """Phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` of each pixel (H, W), counts^2."""
+    """Phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` of each pixel (H, W), counts^2.
+
+    Zero where a phase or an amplitude is not finite (a masked pixel may be so): such a pixel tells
+    nothing, and its NaN would run through every average.
+    """
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
     low, high = measurement.phase[:2]
     size = measurement.amplitude[0] * measurement.amplitude[1]
-    return size * np.exp(1j * synthetic.sign * (high - synthetic.multiple * low))
+    with np.errstate(invalid="ignore"):
+        phasor = size * np.exp(1j * synthetic.sign * (high - synthetic.multiple * low))
+    return np.where(np.isfinite(phasor), phasor, 0)
 
 
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
@@ -80,7 +90,7 @@ def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
     mean = uniform_filter(phasor.real, window) + 1j * uniform_filter(phasor.imag, window)
     depth = beat_depth(np.angle(mean), measurement)
     power = uniform_filter(np.abs(phasor) ** 2, window)
-    return Estimate(depth, _confidence(mean, power, window, measurement))
+    return Estimate(depth, confidence_from_coherence(mean, power, window, measurement))
 
 
 def beat_depth(phase: NDArray[np.floating], measurement: Measurement) -> NDArray[np.floating]:
@@ -91,7 +101,7 @@ def beat_depth(phase: NDArray[np.floating], measurement: Measurement) -> NDArray
     return within_range(middle + turns * wrap_length(synthetic.frequency), measurement)
 
 
-def _confidence(
+def confidence_from_coherence(
     mean: NDArray[np.complexfloating],
     power: NDArray[np.floating],
     window: int,

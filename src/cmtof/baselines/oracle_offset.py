@@ -1,0 +1,97 @@
+"""True surfaces, one unknown offset each: what pooling over a whole surface could tell at best.
+
+The shape of every surface is taken from the truth, where it lies is not. It is a reference and no
+bound: it gives up boundaries, and small or dark surfaces that their neighbours could place.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmtof.baselines import Estimate, within_range
+from cmtof.baselines.beat import synthetic_frequency
+from cmtof.baselines.region import mean_over, nearest, pool, whole_wraps
+from cmtof.bounds import wrap_probability
+from cmtof.correlation import depth_from_phase, phase_from_depth
+from cmtof.measurement import Measurement
+
+STEP = 4e-3
+"""Second difference of depth that ends a surface, m."""
+
+
+def oracle_offset(
+    measurement: Measurement, *, step: float = STEP, extend: bool = False
+) -> Estimate:
+    """Place every true surface by the beat of its summed phasors.
+
+    Both phasors are demodulated by the true depth, ``a_i exp(i (phi_i - 4 pi f_i z / c))``, and
+    added up over each surface. The low frequency's sum tells the offset within a wrap, the beat of
+    both sums the whole wraps; the offset is added back to the true shape.
+
+    Pixels of a boundary belong to no surface: each is left with its own beat, which is right once
+    in a hundred times, so the rates are those of counting boundaries wrong.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        With its true depth.
+    step : float
+        A surface ends where the second difference of depth along x or y exceeds this, m.
+    extend : bool
+        Give the pixels of a boundary the offset of the surface nearest in the image instead.
+
+    Raises
+    ------
+    ValueError
+        If the step is not positive.
+    """
+    if not step > 0:
+        raise ValueError(f"Expected a step > 0 m, got {step:g}. Try {STEP:g}.")
+    assert measurement.depth is not None  # `Method` has made sure
+    truth = measurement.depth.astype(float)
+    surface, boundary = surfaces(truth, step)
+    if extend:
+        surface = surface[nearest(~boundary)]
+    known = np.isfinite(truth)
+    shape = np.where(known, truth, 0)
+    first, second = (pool(phasor, surface) for phasor in _demodulated(measurement, shape))
+    low, high = (float(f) for f in measurement.frequencies[:2])
+    synthetic = synthetic_frequency(low, high)
+    beat = synthetic.sign * (second.phase - synthetic.multiple * first.phase)
+    middle = mean_over(shape, surface, known & measurement.mask)
+    offset = whole_wraps(beat, middle, measurement, depth_from_phase(first.phase, low))
+    with np.errstate(divide="ignore"):  # without noise the odds are 1
+        odds = wrap_probability(first.spread, second.spread, frequencies=(low, high))
+    depth = np.where(known, shape + offset[surface], sum(measurement.range) / 2)
+    return Estimate(within_range(depth, measurement), np.where(known, np.asarray(odds)[surface], 0))
+
+
+def surfaces(
+    depth: NDArray[np.floating], step: float = STEP
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Number of each pixel's surface (H, W), every boundary pixel one of its own, and which are.
+
+    A surface is a connected component (4 neighbours) of pixels whose second differences
+    ``|z(x-1) - 2 z(x) + z(x+1)|`` along both axes stay within ``step``, m; next to the image's
+    border there is none to exceed it, and unknown depth always does.
+    """
+    from scipy.ndimage import label
+
+    smooth = np.isfinite(depth)
+    for axis in (0, 1):
+        if depth.shape[axis] > 2:
+            inner = (slice(None),) * axis + (slice(1, -1),)
+            smooth[inner] &= np.abs(np.diff(depth, n=2, axis=axis)) <= step
+    numbers = np.zeros(depth.shape, np.intp)
+    label(smooth, output=numbers)
+    numbers[~smooth] = numbers.max() + 1 + np.arange(np.count_nonzero(~smooth))
+    return numbers - 1, ~smooth
+
+
+def _demodulated(
+    measurement: Measurement, depth: NDArray[np.floating]
+) -> NDArray[np.complexfloating]:
+    """Phasors (2, H, W) turned back by a depth, counts; zero where not finite."""
+    turned = phase_from_depth(depth, measurement.frequencies[:2, None, None])
+    with np.errstate(invalid="ignore"):
+        phasors = measurement.amplitude[:2] * np.exp(1j * (measurement.phase[:2] - turned))
+    return np.where(np.isfinite(phasors), phasors, 0)
