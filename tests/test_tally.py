@@ -6,9 +6,9 @@ import pytest
 
 import cmtof
 from cmtof import tally
+from cmtof.conditions import Conditions
 from cmtof.metrics import score, scored_pixels
 from cmtof.scenes.rooms.rendering import Settings
-from cmtof.conditions import Conditions
 from cmtof.tally import (
     CLASSICAL,
     MIDDLE,
@@ -103,7 +103,6 @@ def test_other_weights_or_settings_are_noticed(contest, record, tmp_path):
     old, new = tmp_path / "old", tmp_path / "new"
     old.write_bytes(b"1"), new.write_bytes(b"2")
 
-
     def with_net(label, path):
         return replace(contest, entries={label: Entry("fast-scnn", {"weights": str(path)})})
 
@@ -112,7 +111,9 @@ def test_other_weights_or_settings_are_noticed(contest, record, tmp_path):
     assert objection(held, ours) == ""
     assert "weights of net" in objection(held, with_net("net", new))
     assert "lack net2" in objection(held, with_net("net2", old))
-    assert "other settings" in objection(held, replace(ours, conditions=Conditions(seed=3, noise=2000)))
+    assert "other settings" in objection(
+        held, replace(ours, conditions=Conditions(seed=3, noise=2000))
+    )
     # a set may grow
     assert objection(held, replace(ours, rooms=replace(SMALL, scenes=40))) == ""
 

@@ -23,12 +23,14 @@ from cmtof.scenes.rgbd import Frame
 RNG = np.random.default_rng(11)
 PHASE = RNG.uniform(0, TAU, (2, 9, 13)).astype(np.float32)
 AMPLITUDE = RNG.uniform(0, 6500, (2, 9, 13)).astype(np.float32)
+CORRELATION = RNG.uniform(0, 20_000, (2, 4, 9, 13)).astype(np.float32)
 
 
 @pytest.mark.parametrize("name", FEATURE_SETS)
 def test_torch_and_numpy_agree(name: str):
-    expected = features(PHASE, AMPLITUDE, name)
-    found = features(torch.from_numpy(PHASE), torch.from_numpy(AMPLITUDE), name)
+    expected = features(PHASE, AMPLITUDE, name, CORRELATION)
+    tensors = [torch.from_numpy(one) for one in (PHASE, AMPLITUDE, CORRELATION)]
+    found = features(*tensors[:2], name, tensors[2])
     assert isinstance(expected, np.ndarray) and isinstance(found, torch.Tensor)
     assert expected.dtype == np.float32 and found.dtype == torch.float32
     # the sixth octave squares five times: 32 roundings of a single
@@ -37,15 +39,17 @@ def test_torch_and_numpy_agree(name: str):
 
 @pytest.mark.parametrize("name", FEATURE_SETS)
 def test_channels_count_what_is_there(name: str):
-    assert features(PHASE, AMPLITUDE, name).shape == (channels(name), 9, 13)
+    found = features(PHASE, AMPLITUDE, name, CORRELATION)
+    assert found.shape == (channels(name), 9, 13)
 
 
 @pytest.mark.parametrize("name", FEATURE_SETS)
 def test_a_batch_is_its_frames_one_by_one(name: str):
-    phase, amplitude = (np.stack([a, a[..., ::-1]]) for a in (PHASE, AMPLITUDE))
-    batch = features(torch.from_numpy(phase.copy()), torch.from_numpy(amplitude.copy()), name)
-    for one, p, a in zip(batch, phase, amplitude, strict=True):
-        np.testing.assert_allclose(one.numpy(), features(p, a, name), atol=1e-5)
+    pairs = [np.stack([a, a[..., ::-1]]) for a in (PHASE, AMPLITUDE, CORRELATION)]
+    phase, amplitude, correlation = (torch.from_numpy(pair.copy()) for pair in pairs)
+    batch = features(phase, amplitude, name, correlation)
+    for one, p, a, c in zip(batch, *pairs, strict=True):
+        np.testing.assert_allclose(one.numpy(), features(p, a, name, c), atol=1e-5)
 
 
 def parts() -> dict[str, np.ndarray]:

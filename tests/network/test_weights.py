@@ -131,8 +131,8 @@ def test_a_card_without_weights_is_refused(fresh):
 
 def test_weights_of_an_unknown_model_are_refused(fresh):
     path = fresh()
-    change_card(path, model="u-net")
-    with pytest.raises(ValueError, match=r"out of fast-scnn, .* got u-net .*version that trained"):
+    change_card(path, model="v-net")
+    with pytest.raises(ValueError, match=r"out of fast-scnn, .* got v-net .*version that trained"):
         load_weights(path)
 
 

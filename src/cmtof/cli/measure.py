@@ -100,7 +100,7 @@ def unwrap(
         int | None, typer.Option(help="Side of the averaging window in px (method beat).")
     ] = None,
     weights: Annotated[
-        Path | None, typer.Option(help="Own trained .safetensors (methods fast-scnn…).")
+        Path | None, typer.Option(help="Own trained .safetensors (learned methods).")
     ] = None,
     ply: Annotated[
         Path | None, typer.Option(help="Also write a point cloud; the file needs a camera.")

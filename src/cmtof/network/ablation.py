@@ -37,6 +37,7 @@ _WORDS = {
     "edges": "phase edges",
     "amplitude": "log amplitudes",
     "beat": "the beat",
+    "correlation": "raw correlations",
 }
 
 

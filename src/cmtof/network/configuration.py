@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import yaml
 
@@ -22,18 +22,30 @@ class Model:
     Attributes
     ----------
     summary : str
+    network : str
+        Who builds it, out of `cmtof.network.building.BUILDERS`.
     features : str
         Out of `cmtof.network.features.FEATURE_SETS`.
     architecture : dict
-        What differs from the defaults of `cmtof.network.fast_scnn.Architecture`.
+        What differs from the defaults of the network's own ``Architecture``.
+    target : {"wraps", "depth"}
+        Classes of wraps, or a regression of depth.
     depth_weight : float
-        w of Eq. 7.
+        w of Eq. 7, for wraps.
+    smoothness : float
+        Weight of the depth's gradient, for depth.
+    mended : bool
+        Whether wraps are mended afterwards (`cmtof.network.rapid.mended`).
     """
 
     summary: str
+    network: str = "fast-scnn"
     features: str = "proposed"
     architecture: Mapping[str, Any] = field(default_factory=dict)
+    target: Literal["wraps", "depth"] = "wraps"
     depth_weight: float = 0.1
+    smoothness: float = 0.0
+    mended: bool = False
 
 
 MODELS = {
@@ -59,8 +71,34 @@ MODELS = {
             "head": 32,
         },
     ),
+    "u-net": Model(
+        "U-Net on bare phases and amplitudes: segmentation into wraps",
+        network="u-net",
+        features="phase",
+        depth_weight=0.0,
+    ),
+    "one-step": Model(
+        "residual U-Net on bare phases and amplitudes: regression of the absolute phase",
+        network="one-step",
+        features="phase",
+        target="depth",
+    ),
+    "deep-tof": Model(
+        "encoder and decoder on raw correlations: regression of depth",
+        network="deep-tof",
+        features="correlation",
+        target="depth",
+        smoothness=1e-4,
+    ),
+    "rapid": Model(
+        "DeepLabV3+ on bare phases and amplitudes: segmentation into wraps, mended",
+        network="rapid",
+        features="phase",
+        depth_weight=0.0,
+        mended=True,
+    ),
 }
-"""The rows of Table 1, the released variant, and one that costs less."""
+"""The rows of Table 1, the released variant, one that costs less, and the paper's baselines."""
 
 
 @dataclass(frozen=True)

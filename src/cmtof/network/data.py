@@ -17,9 +17,9 @@ from torch.utils.data import DataLoader, Dataset, Sampler
 from cmtof.console import progress_bar
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
-from cmtof.network.configuration import Config
+from cmtof.network.configuration import MODELS, Config
 from cmtof.network.frames import Pack, pack_frames
-from cmtof.network.measuring import Batch
+from cmtof.network.measuring import Batch, normals
 from cmtof.scenes.hypersim import is_hypersim
 from cmtof.simulation import RELEASED_FAR_DEPTH, RELEASED_WRAPS
 
@@ -78,7 +78,9 @@ class Views(Dataset[tuple[Batch, Tensor]]):
     def __getitem__(self, index: int) -> tuple[Batch, Tensor]:
         rng = np.random.default_rng([self.config.seed, _VALIDATE, index])
         depth, intensity = cut(self.pack, int(self.chosen[index]), self.config, rng)
-        noise = rng.standard_normal((2, 2, *depth.shape), dtype=np.float32)
+        # further numbers come behind: every model sees the same phasors
+        count = normals(MODELS[self.config.model].features)
+        noise = rng.standard_normal((count, 2, *depth.shape), dtype=np.float32)
         sigma = torch.tensor(self.config.noise, dtype=torch.float32)
         return Batch(_tensor(depth), _tensor(intensity), sigma), torch.from_numpy(noise)
 

@@ -26,11 +26,19 @@ FEATURE_SETS: dict[str, tuple[str, ...]] = {
     "proposed": ("phase", "fourier", "edges", "amplitude"),
     "released": ("phase", "fourier"),
     "beat": ("phase", "fourier", "edges", "amplitude", "beat"),
+    "correlation": ("correlation",),
 }
-"""Inputs by name: the rows of Table 1, the authors' released code, and those of Table 1 with the
-beat besides, which no row of the paper has."""
+"""Inputs by name: the rows of Table 1, the authors' released code, those of Table 1 with the beat
+besides, which no row of the paper has, and raw correlations at four quadratures."""
 
-CHANNELS = {"phase": 1, "fourier": 2 * (ORDER + 1), "edges": 4, "amplitude": 1, "beat": 1}
+CHANNELS = {
+    "phase": 1,
+    "fourier": 2 * (ORDER + 1),
+    "edges": 4,
+    "amplitude": 1,
+    "beat": 1,
+    "correlation": 4,
+}
 """Channels of each kind at each of the two frequencies."""
 
 TYPICAL_LOG_AMPLITUDE = 7.5, 0.8
@@ -39,6 +47,9 @@ TYPICAL_LOG_AMPLITUDE = 7.5, 0.8
 FULL_AMPLITUDE = 20 * 1000 / np.pi
 """Amplitude of a white surface at the paper's gain and time, G T / pi, counts."""
 
+DARK_AMPLITUDE = FULL_AMPLITUDE / 20
+"""Amplitude below which correlations are no longer scaled up, counts."""
+
 
 def channels(name: str, frequencies: int = 2) -> int:
     """Count the channels of a set of features; raise a ValueError for an unknown name.
@@ -46,12 +57,19 @@ def channels(name: str, frequencies: int = 2) -> int:
     Examples
     --------
     >>> [channels(name) for name in FEATURE_SETS]
-    [4, 28, 36, 26, 38]
+    [4, 28, 36, 26, 38, 8]
     """
     return frequencies * sum(CHANNELS[kind] for kind in _kinds(name))
 
 
-def features(phase: Array, amplitude: Array, name: str = "proposed") -> Array:
+def needs_correlation(name: str) -> bool:
+    """Whether a set of features is made of raw correlations."""
+    return "correlation" in _kinds(name)
+
+
+def features(
+    phase: Array, amplitude: Array, name: str = "proposed", correlation: Array = None
+) -> Array:
     """All inputs of a network, by the name of their set (Table 1, Fig. 5).
 
     Parameters
@@ -62,6 +80,8 @@ def features(phase: Array, amplitude: Array, name: str = "proposed") -> Array:
         Measured coefficients of the cosine, counts.
     name : str
         Out of `FEATURE_SETS`.
+    correlation : array or tensor, shape (..., F, 4, H, W), optional
+        Images at the quadratures 0, 1/2, 1 and 3/2 pi, counts, for the set that is made of them.
 
     Returns
     -------
@@ -71,7 +91,7 @@ def features(phase: Array, amplitude: Array, name: str = "proposed") -> Array:
     Raises
     ------
     ValueError
-        For an unknown name.
+        For an unknown name, or without the correlations that the set is made of.
 
     Examples
     --------
@@ -79,6 +99,11 @@ def features(phase: Array, amplitude: Array, name: str = "proposed") -> Array:
     >>> features(phase, phase, "released").shape
     (26, 8, 8)
     """
+    if correlation is None and needs_correlation(name):
+        raise ValueError(
+            f"Expected raw correlations for the features {name}, got none. Pass them, or choose "
+            "another model."
+        )
     centre, spread = TYPICAL_LOG_AMPLITUDE
     made = {
         "phase": lambda: phase / TAU,
@@ -86,6 +111,7 @@ def features(phase: Array, amplitude: Array, name: str = "proposed") -> Array:
         "edges": lambda: _merged(phase_edges(phase)),
         "amplitude": lambda: (log_amplitude(amplitude) - centre) / spread,
         "beat": lambda: beat_features(phase, amplitude),
+        "correlation": lambda: _merged(scaled_correlation(correlation, amplitude)),
     }
     return _namespace(phase).concatenate([made[kind]() for kind in _kinds(name)], -3)
 
@@ -226,6 +252,25 @@ def beat_features(phase: Array, amplitude: Array) -> Array:
     beat = phase[..., 1, :, :] - 2 * phase[..., 0, :, :]
     weight = xp.sqrt(amplitude[..., 0, :, :] * amplitude[..., 1, :, :]) / FULL_AMPLITUDE
     return xp.stack([weight * xp.cos(beat), weight * xp.sin(beat)], -3)
+
+
+def scaled_correlation(correlation: Array, amplitude: Array) -> Array:
+    r"""Correlations over the pixel's amplitude (Su et al. 2018): brightness is taken off.
+
+    .. math:: C_k / \sqrt{a^2 + a_0^2}
+
+    with :math:`a_0` a twentieth of a white surface's amplitude, so that the dark stays finite.
+
+    Parameters
+    ----------
+    correlation : array or tensor, shape (..., F, 4, H, W)
+        Counts.
+    amplitude : array or tensor, shape (..., F, H, W)
+        Counts.
+    """
+    xp = _namespace(correlation)
+    scale = xp.sqrt(amplitude * amplitude + DARK_AMPLITUDE**2)
+    return correlation / scale[..., None, :, :]
 
 
 def _kinds(name: str) -> Sequence[str]:

@@ -101,3 +101,49 @@ def unwrapping_loss(
     found = (soft_argmax(weights, hardness) + phase / TAU)[valid]
     distance = functional.smooth_l1_loss(found, turns[valid], reduction="sum") / count
     return Loss(entropy + depth_weight * distance, entropy, distance)
+
+
+def regression_loss(
+    found: Tensor, label: Tensor, turns: Tensor, *, classes: int, smoothness: float = 0.0
+) -> Loss:
+    r"""Absolute error of a regressed depth, and of its gradient (Su et al. 2018).
+
+    .. math:: \mathcal L = \frac1N \left(\overline{|t' - t|} + \lambda\,
+              \overline{|\nabla t'|}\right)
+
+    in wraps t over the number of classes N: the range of a protocol has the length 1.
+
+    Parameters
+    ----------
+    found : Tensor, shape (B, 1, H, W)
+        Depth, wraps of the lower frequency above the first class.
+    label : Tensor of int64, shape (B, H, W)
+        `IGNORED` where masked: there nothing counts.
+    turns : Tensor, shape (B, H, W)
+        True depth, in the same unit.
+    classes : int
+        N.
+    smoothness : float
+        lambda, of the sum of mean absolute differences to the next row and column.
+
+    Returns
+    -------
+    Loss
+        Means over the pixels, and pairs of them, that are not masked; 0 where none is left. There
+        is no cross-entropy.
+    """
+    found, valid = found[:, 0].float(), label != IGNORED
+    # masked before the distance is taken, as above
+    distance = (found[valid] - turns[valid]).abs().sum() / (classes * valid.sum().clamp(min=1))
+    total = distance
+    if smoothness:
+        rough = _roughness(found, valid, -1) + _roughness(found, valid, -2)
+        total = distance + smoothness * rough / classes
+    return Loss(total, torch.zeros_like(total), distance)
+
+
+def _roughness(found: Tensor, valid: Tensor, axis: int) -> Tensor:
+    """Mean absolute difference of neighbours that are both valid."""
+    last = found.shape[axis] - 1
+    pair = valid.narrow(axis, 1, last) & valid.narrow(axis, 0, last)
+    return found.diff(dim=axis)[pair].abs().sum() / pair.sum().clamp(min=1)

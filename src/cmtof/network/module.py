@@ -13,8 +13,8 @@ from torch import Tensor
 
 from cmtof.network.building import build_network
 from cmtof.network.configuration import MODELS, Config, wraps_of
-from cmtof.network.losses import IGNORED, Loss, unwrapping_loss
-from cmtof.network.measuring import Batch, Sample, measure
+from cmtof.network.losses import IGNORED, Loss, regression_loss, unwrapping_loss
+from cmtof.network.measuring import Batch, Sample, measure, normals
 
 LIMITS = (1, 2, 3, 10)
 """Wrap errors that validation counts, as in Tables 1 to 3."""
@@ -51,7 +51,11 @@ class Unwrapping(LightningModule):
         torch.manual_seed(seed)  # dropout
         generator = torch.Generator(self.device).manual_seed(seed)
         shape = (2, *batch.depth.shape[:1], 2, *batch.depth.shape[1:])
-        noise = torch.randn(shape, generator=generator, device=self.device)
+        # two at a time: further numbers leave the first as they are
+        draws = range(normals(self.model.features) // 2)
+        noise = torch.cat(
+            [torch.randn(shape, generator=generator, device=self.device) for _ in draws]
+        )
         loss = self._loss(self._measured(batch, noise))[0]
         self._losses.append(loss.total.detach())
         self.log("loss", loss.total, prog_bar=True)
@@ -62,9 +66,9 @@ class Unwrapping(LightningModule):
     def validation_step(self, batch: tuple[Batch, Tensor], index: int) -> None:
         frames, noise = batch
         sample = self._measured(frames, noise.movedim(1, 0))
-        loss, weights = self._loss(sample)
+        loss, found = self._loss(sample)
         valid = sample.label != IGNORED
-        delta = (weights.argmax(1) - sample.label)[valid].abs()
+        delta = (self._wraps(found) - sample.label)[valid].abs()
         below = [(delta < limit).sum() for limit in LIMITS]
         self._rates.append(torch.stack([loss.total * valid.sum(), *below, valid.sum()]))
 
@@ -118,16 +122,31 @@ class Unwrapping(LightningModule):
         )
 
     def _loss(self, sample: Sample) -> tuple[Loss, Tensor]:
-        weights = self.network(sample.inputs)
+        found = self.network(sample.inputs)
+        if self.model.target == "depth":
+            loss = regression_loss(
+                found,
+                sample.label,
+                sample.turns,
+                classes=self.classes,
+                smoothness=self.model.smoothness,
+            )
+            return loss, found
         loss = unwrapping_loss(
-            weights,
+            found,
             sample.label,
             sample.phase,
             sample.turns,
             depth_weight=self.model.depth_weight,
             hardness=self.config.hardness,
         )
-        return loss, weights
+        return loss, found
+
+    def _wraps(self, found: Tensor) -> Tensor:
+        """Class (B, H, W) of what the network says: the likeliest, or where its depth lies."""
+        if self.model.target == "depth":
+            return found[:, 0].floor().clamp(0, self.classes - 1).long()
+        return found.argmax(1)
 
 
 def _seed(*numbers: int) -> int:

@@ -15,8 +15,7 @@ from cmtof.files import written_whole
 
 if TYPE_CHECKING:
     from torch import Tensor
-
-    from cmtof.network.fast_scnn import FastSCNN
+    from torch.nn import Module
 
 FOLDER = Path(str(files("cmtof"))) / "weights"
 """Weights that travel with the package."""
@@ -25,13 +24,20 @@ FOLDER = Path(str(files("cmtof"))) / "weights"
 class Trained(NamedTuple):
     """A network with its weights, ready to use."""
 
-    network: "FastSCNN"
+    network: Any
+    """As `cmtof.network.building.build_network` made it, in eval mode."""
     card: dict[str, Any]
 
     @property
     def first(self) -> int:
         """Wrap of the first class."""
         return self.card["first_wrap"]
+
+    @property
+    def validated(self) -> float:
+        """Share of validation pixels whose wrap was right; that of a guess if the card has none."""
+        rates = self.card.get("validation_in_half_precision", {})
+        return float(rates.get("delta_lt_1", 1 / self.card["classes"]))
 
 
 def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
@@ -65,7 +71,7 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
     return min(fitting, key=lambda path: cards[path]["classes"])
 
 
-def save_weights(path: Path, network: "FastSCNN", card: dict[str, Any]) -> dict[str, Any]:
+def save_weights(path: Path, network: "Module", card: dict[str, Any]) -> dict[str, Any]:
     """Write weights in half precision, and their card.
 
     Returns
