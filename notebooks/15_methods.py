@@ -97,8 +97,8 @@ say(
 #
 # In bold, the paper's rows: phasor imaging {cite:p}`gupta2015`, CRT {cite:p}`xia2007`, KDE
 # {cite:p}`lawin2016`, One-Step {cite:p}`wang2019`, U-Net {cite:p}`ronneberger2015`, Deep-ToF
-# {cite:p}`su2018` and Rapid {cite:p}`zhang2019`, whose network is DeepLabV3+ {cite:p}`chen2018`. The
-# random field takes its two-frequency term from {cite:t}`valadao2009`, its solvers from
+# {cite:p}`su2018` and Rapid {cite:p}`zhang2019`, whose network is DeepLabV3+ {cite:p}`chen2018`.
+# The random field takes its two-frequency term from {cite:t}`valadao2009`, its solvers from
 # {cite:t}`hirschmuller2008` and {cite:t}`bioucas2007`; edges stop averages as in {cite:t}`he2013`.
 #
 # ```{glue:md} absent

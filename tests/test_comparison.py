@@ -32,7 +32,7 @@ def test_pixels_out_of_range_are_blank(scene, tilted_wall):
     mask[3, 4] = True
     measurement = cmtof.Measurement(scene.measurement.dataset.assign(mask=(("y", "x"), mask)))
     one = scene._replace(measurement=measurement)
-    for image in (one.true_count, one.count("beat"), one.error("beat")):
+    for image in (one.true_count, one.found_count("beat"), one.error("beat")):
         assert np.isfinite(image).sum() == 1
 
 
@@ -47,5 +47,5 @@ def test_the_figure_has_two_rows_a_scene_and_a_column_a_method(scene):
 
 
 def test_no_scene_no_figure():
-    with pytest.raises(ValueError, match="Expected at least one scene, got none"):
+    with pytest.raises(ValueError, match="Expected at least one scene and method, got 0 and 0"):
         comparison_figure([], {})

@@ -19,7 +19,7 @@ RESULTS = Path(__file__).resolve().parents[1] / "book" / "results"
 
 def parsed() -> argparse.Namespace:
     """Read the command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
     parser.add_argument("table", choices=("1", "2"))
     parser.add_argument("--protocol", default="released", choices=("released", "full"))
     parser.add_argument("--noise", type=float, default=1200.0, help="Gaussian sigma, counts")

@@ -39,14 +39,14 @@ class Scene(NamedTuple):
             scored, wrap_count_from_depth(known, self.measurement.frequencies[0]), np.nan
         )
 
-    def count(self, label: str) -> NDArray[np.floating]:
+    def found_count(self, label: str) -> NDArray[np.floating]:
         """Wraps by one method (H, W), NaN where not scored."""
         found = self.answers[label]["wrap_count"].to_numpy()
         return np.where(self.measurement.mask, found, np.nan)
 
     def error(self, label: str) -> NDArray[np.floating]:
         """Wraps off, |n - n_true| (H, W), NaN where not scored."""
-        return np.abs(self.count(label) - self.true_count)
+        return np.abs(self.found_count(label) - self.true_count)
 
     def right(self, label: str) -> float:
         """Share of the scored pixels in the right wrap; NaN if none is scored."""
@@ -70,8 +70,11 @@ def comparison_figure(scenes: Sequence[Scene], titles: Mapping[str, str]) -> "Fi
     """
     import matplotlib.pyplot as plt
 
-    if not scenes:
-        raise ValueError("Expected at least one scene, got none. Load a frame.")
+    if not scenes or not titles:
+        raise ValueError(
+            f"Expected at least one scene and method, got {len(scenes)} and {len(titles)}. "
+            "Load a frame, name a method."
+        )
     height, width = scenes[0].measurement.shape
     across, side = 1 + len(titles), 1.35
     size = (side * across + 0.6, 2 * len(scenes) * (side * height / width + 0.17) + 0.2)
@@ -82,13 +85,13 @@ def comparison_figure(scenes: Sequence[Scene], titles: Mapping[str, str]) -> "Fi
         brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
         _tile(above[0], brightness, "gray", (0, 1), scene.frame.name)
         wraps = _tile(below[0], truth, "cividis", limits, "true wraps")
+        errors = wraps
         for column, (label, title) in enumerate(titles.items(), start=1):
-            _tile(above[column], scene.count(label), "cividis", limits, title)
+            _tile(above[column], scene.found_count(label), "cividis", limits, title)
             share = f"{100 * scene.right(label):.0f} % right"
             errors = _tile(below[column], scene.error(label), "magma", (0, LARGEST_ERROR), share)
         _bar(above[-1], wraps, "wraps n")
-        if titles:
-            _bar(below[-1], errors, "error δ")
+        _bar(below[-1], errors, "error δ")
     return figure
 
 

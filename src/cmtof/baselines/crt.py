@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.baselines import Estimate, within_range, wraps_in_range
+from cmtof.baselines.noise import phase_noise
 from cmtof.correlation import (
     TAU,
     depth_from_phase,
     depth_from_wraps,
     phase_from_depth,
-    residual_noise,
     wrap_length,
 )
 from cmtof.kernels import nearest_wrap
@@ -88,17 +88,6 @@ def _search(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[np.flo
     )
 
 
-def _phase_noise(measurement: Measurement) -> NDArray[np.float64]:
-    """Linear phase noise (2, H, W), rad, from each frequency's residual; one radian if unknown."""
-    dataset = measurement.dataset
-    if "correlation" not in dataset or dataset.sizes["step"] < 4:
-        return np.ones((2, *measurement.shape))
-    images, psi = dataset["correlation"].to_numpy(), dataset["psi"].to_numpy()
-    noise = [residual_noise(images[i], psi[i]) * np.sqrt(2 / psi.shape[1]) for i in (0, 1)]
-    amplitude = np.maximum(measurement.amplitude[:2], np.finfo(np.float32).tiny)
-    return np.asarray(noise)[:, None, None] / amplitude.astype(float)
-
-
 def _search_confidence(
     measurement: Measurement, wraps: NDArray[np.int64], residual: NDArray[np.float64]
 ) -> NDArray[np.floating]:
@@ -111,7 +100,7 @@ def _search_confidence(
 
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
-    noise = _phase_noise(measurement)
+    noise = phase_noise(measurement)
     spread = np.maximum(np.hypot(noise[1], high / low * noise[0]), 1e-9)
     ratio = high / low
     gap = TAU * max(abs(ratio - round(ratio)), 1e-12)
@@ -132,7 +121,7 @@ def _confidence(
     """Odds that the rounding to whole units was right, given the phases' noise."""
     from scipy.special import ndtr
 
-    noise = _phase_noise(measurement)
+    noise = phase_noise(measurement)
     depth_noise = [depth_from_phase(noise[i], measurement.frequencies[i]) for i in (0, 1)]
     spread = np.maximum(np.hypot(*depth_noise), 1e-12)
     return ndtr((unit / 2 - remainder) / spread) - ndtr((-unit / 2 - remainder) / spread)
