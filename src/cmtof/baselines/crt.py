@@ -101,7 +101,8 @@ def _search_confidence(
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
     noise = phase_noise(measurement)
-    spread = np.maximum(np.hypot(noise[1], high / low * noise[0]), 1e-9)
+    # infinite where nothing was measured: there every wrap is as likely
+    spread = np.clip(np.hypot(noise[1], high / low * noise[0]), 1e-9, 1e9)
     ratio = high / low
     gap = TAU * max(abs(ratio - round(ratio)), 1e-12)
     density = (last - first + 1) / min((last - first + 1) * gap, TAU)
