@@ -778,7 +778,7 @@ tell(
 # A target at a known range settles everything at once, both offsets and the whole wraps. It need
 # not be known well: a target whose range is wrong by d makes every later range wrong by d, and the
 # wraps stay right while d is below half of one, {glue:text}`half_length:.0f` mm. That is
-# `cmtof.offset_calibration.offsets_at_known_range`.
+# `offsets_at_known_range`.
 
 # %%
 m = cmtof.simulate(board, protocol="full", phase_offset=(0.01, -0.02), seed=seed)

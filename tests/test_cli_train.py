@@ -45,7 +45,7 @@ def test_help_names_what_there_is(run):
     ("arguments", "message"),
     [
         (("big",), "a configuration out of common, cpu"),
-        (("smoke", "--model", "u-net"), "a model out of fast-scnn"),
+        (("smoke", "--model", "v-net"), "a model out of fast-scnn"),
         (("smoke", "--protocol", "half"), "protocol 'released' or 'full', got 'half'"),
     ],
 )
