@@ -327,6 +327,8 @@ def kept(path: Path, contest: Contest, own: Sequence[Record], own_contest: Conte
     """
     held = read_tally(path) if path.is_file() else None
     if why := objection(held, contest) if held else "there are none":
+        if not own:
+            return Kept(own, False, f"**The stored counts cannot be shown: {why}.**")
         sizes = f"{own_contest.rooms.height}×{own_contest.rooms.width}"
         return Kept(
             own,
