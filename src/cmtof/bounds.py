@@ -162,7 +162,8 @@ def wrap_probability(
     '2.3%'
     """
     spread = wrap_noise(noise_low, noise_high, frequencies=frequencies)
-    return special.erf(1 / (2 * np.sqrt(2) * spread))
+    with np.errstate(divide="ignore"):  # without noise the odds are 1
+        return special.erf(1 / (2 * np.sqrt(2) * spread))
 
 
 def wrap_probability_law(

@@ -19,13 +19,14 @@ from cmtof.cli import app
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
 from cmtof.network import deep_tof, one_step, rapid, u_net
-from cmtof.network.building import BUILDERS, build_network
+from cmtof.network.bands import Banded
+from cmtof.network.building import build, build_network
 from cmtof.network.configuration import MODELS, Config, wraps_of
 from cmtof.network.inference import regress, unwrap_with_network
 from cmtof.network.losses import IGNORED, regression_loss
 from cmtof.network.measuring import Batch
 from cmtof.network.module import Unwrapping
-from cmtof.network.parts import Banded, Residual, padded
+from cmtof.network.parts import Residual, padded
 from cmtof.network.training import train
 from cmtof.network.weights import Trained, load_weights, read_card
 
@@ -107,7 +108,7 @@ def test_parameters_are_about_those_of_the_papers_network(name, narrowed: int, p
     home: Any = {"u-net": u_net, "one-step": one_step, "deep-tof": deep_tof, "rapid": rapid}[name]
     chosen = replace(MODELS[name], architecture=vars(home.PUBLISHED))
     with torch.device("meta"):
-        assert count(BUILDERS[name](chosen, build_network(name, 21).inputs, 21)) == published
+        assert count(build(chosen, 21)) == published
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -5,12 +5,13 @@
 noise is ``f_1 / Delta`` times too large for one pixel to tell the wrap; averages tell more.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.baselines import Estimate, within_range
+from cmtof.bounds import wrap_probability
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
 
@@ -82,15 +83,22 @@ def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
     ValueError
         If the window is not an odd number of at least 1.
     """
-    from scipy.ndimage import uniform_filter
-
     if window < 1 or window % 2 == 0:
         raise ValueError(f"Expected an odd window of 1 px or more, got {window}. Try {WINDOW}.")
     phasor = beat_phasor(measurement)
-    mean = uniform_filter(phasor.real, window) + 1j * uniform_filter(phasor.imag, window)
+    mean = box(phasor, window)
     depth = beat_depth(np.angle(mean), measurement)
-    power = uniform_filter(np.abs(phasor) ** 2, window)
+    power = box(np.abs(phasor) ** 2, window)
     return Estimate(depth, confidence_from_coherence(mean, power, window, measurement))
+
+
+def box(image: NDArray[Any], window: int) -> NDArray[Any]:
+    """Mean of a real or complex image over a square window, borders reflected."""
+    from scipy.ndimage import uniform_filter
+
+    if np.iscomplexobj(image):
+        return uniform_filter(np.real(image), window) + 1j * uniform_filter(np.imag(image), window)
+    return uniform_filter(image, window)
 
 
 def beat_depth(phase: NDArray[np.floating], measurement: Measurement) -> NDArray[np.floating]:
@@ -107,19 +115,14 @@ def confidence_from_coherence(
     window: int,
     measurement: Measurement,
 ) -> NDArray[np.floating]:
-    """Odds that the averaged beat lies within half a wrap, erf(1 / (2 sqrt2 sigma_n)).
+    """Odds that the averaged beat lies within half a wrap.
 
     Noise across the mean phasor is half of the scatter, over the number of pixels; a single pixel
     has no scatter and is given that of pure noise.
     """
-    from scipy.special import erf
-
-    low = measurement.frequencies[0]
-    synthetic = synthetic_frequency(*measurement.frequencies[:2])
+    low, high = (float(f) for f in measurement.frequencies[:2])
     coherent = np.abs(mean) ** 2
     scatter = np.maximum(power - coherent, 0) if window > 1 else power
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.sqrt(scatter / (2 * window**2) / coherent)
-        wraps = spread / TAU * low / synthetic.frequency
-        odds = erf(1 / (2 * np.sqrt(2) * wraps))
-    return np.nan_to_num(odds, nan=0.0)
+    return np.nan_to_num(wrap_probability(0, spread, frequencies=(low, high)), nan=0.0)

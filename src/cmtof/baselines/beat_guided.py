@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.baselines import Estimate
-from cmtof.baselines.beat import beat_depth, beat_phasor, confidence_from_coherence
+from cmtof.baselines.beat import beat_depth, beat_phasor, box, confidence_from_coherence
 from cmtof.measurement import Measurement
 
 WINDOW = 41
@@ -127,15 +127,6 @@ def guided_filter(
     for one, part in zip(guide, slope, strict=True):
         result = result + mean(part) * one
     return result
-
-
-def box(image: NDArray[Any], window: int) -> NDArray[Any]:
-    """Mean of a real or complex image over a square window, borders reflected."""
-    from scipy.ndimage import uniform_filter
-
-    if np.iscomplexobj(image):
-        return uniform_filter(np.real(image), window) + 1j * uniform_filter(np.imag(image), window)
-    return uniform_filter(image, window)
 
 
 def _ratio(part: NDArray[Any], whole: NDArray[np.floating]) -> NDArray[Any]:

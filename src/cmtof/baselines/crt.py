@@ -66,12 +66,31 @@ def maximum_likelihood(measurement: Measurement) -> Estimate:
     mean of both, weighted by ``(f_i a_i)^2``, the inverse variances.
     """
     wraps, residual = _search(measurement)
+    depth = fused_depth(measurement, wraps, residual)
+    return Estimate(depth, _search_confidence(measurement, wraps, residual))
+
+
+def fused_depth(
+    measurement: Measurement, wraps: NDArray[np.integer], residual: NDArray[np.floating]
+) -> NDArray[np.floating]:
+    """Mean of both phases' depths (H, W), m, each weighted by its inverse variance.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        At two frequencies.
+    wraps : ndarray of int, shape (H, W)
+        Wraps of the lower one.
+    residual : ndarray, shape (H, W)
+        What the higher phase exceeds by what these wraps say of it, rad in [-pi, pi].
+    """
     low, high = measurement.frequencies[:2]
-    depth = depth_from_wraps(measurement.phase[0].astype(float), wraps, low)
-    weights = (measurement.amplitude[:2].astype(float) * np.array([low, high])[:, None, None]) ** 2
+    phase = np.nan_to_num(measurement.phase[0].astype(float))
+    depth = depth_from_wraps(phase, wraps, low)
+    amplitude = np.nan_to_num(measurement.amplitude[:2].astype(float), posinf=0)
+    weights = (amplitude * np.array([low, high])[:, None, None]) ** 2
     share = weights[1] / np.maximum(weights.sum(axis=0), np.finfo(float).tiny)
-    fused = within_range(depth + share * depth_from_phase(residual, high), measurement)
-    return Estimate(fused, _search_confidence(measurement, wraps, residual))
+    return within_range(depth + share * depth_from_phase(residual, high), measurement)
 
 
 def _remainders(measurement: Measurement) -> NDArray[np.floating]:

@@ -27,10 +27,11 @@ What was adapted to two frequencies a GHz apart:
 import numpy as np
 from numpy.typing import NDArray
 
+from cmtof.baselines.crt import fused_depth
 from cmtof.baselines.kde_kernels import Hypotheses, densest_wraps, direct_density
-from cmtof.baselines.method import Estimate, within_range, wraps_in_range
+from cmtof.baselines.method import Estimate, wraps_in_range
 from cmtof.baselines.noise import phase_noise
-from cmtof.correlation import TAU, centred, depth_from_phase, depth_from_wraps
+from cmtof.correlation import TAU, centred
 from cmtof.kernels import nearest_wrap
 from cmtof.measurement import Measurement
 
@@ -80,7 +81,7 @@ def kde(
     phase, noise = _phases(measurement)
     hypotheses = hypotheses_of(measurement, phase, noise)
     found = densest_wraps(hypotheses, kernel=kernel, radius=radius, rows=rows)
-    return _estimate(measurement, phase, noise, *found)
+    return _estimate(measurement, phase, *found)
 
 
 def kde_by_double_loop(
@@ -91,7 +92,7 @@ def kde_by_double_loop(
     hypotheses = hypotheses_of(measurement, phase, noise)
     density = direct_density(hypotheses, kernel=kernel, radius=radius)
     found = density.argmax(axis=2), density.max(axis=2), density.sum(axis=2)
-    return _estimate(measurement, phase, noise, *found)
+    return _estimate(measurement, phase, *found)
 
 
 def tuned(
@@ -138,7 +139,6 @@ def _phases(measurement: Measurement) -> tuple[NDArray[np.float64], NDArray[np.f
 def _estimate(
     measurement: Measurement,
     phase: NDArray[np.floating],
-    noise: NDArray[np.floating],
     label: NDArray[np.integer],
     best: NDArray[np.floating],
     total: NDArray[np.floating],
@@ -151,21 +151,5 @@ def _estimate(
     wraps = np.where(dense, label + first, alone)
     share = best / np.where(dense, total, 1)
     confidence = np.where(dense, np.minimum(share, 1), 1 / (last - first + 1))
-    return Estimate(_fused_depth(measurement, phase, noise, wraps), confidence)
-
-
-def _fused_depth(
-    measurement: Measurement,
-    phase: NDArray[np.floating],
-    noise: NDArray[np.floating],
-    wraps: NDArray[np.integer],
-) -> NDArray[np.floating]:
-    """Mean of both phases' depths (H, W), m, by inverse variances."""
-    low, high = measurement.frequencies[:2]
     residual = centred(phase[1] - high / low * (phase[0] + TAU * wraps))
-    known = np.isfinite(noise).all(axis=0)
-    first, second = (depth_from_phase(np.where(known, noise[i], 1), f) ** 2
-                     for i, f in enumerate((low, high)))  # fmt: skip
-    share = first / np.maximum(first + second, np.finfo(float).tiny)
-    depth = depth_from_wraps(phase[0], wraps, low) + share * depth_from_phase(residual, high)
-    return within_range(depth, measurement)
+    return Estimate(fused_depth(measurement, wraps, residual), confidence)

@@ -59,10 +59,9 @@ def oracle_offset(
     beat = synthetic.sign * (second.phase - synthetic.multiple * first.phase)
     middle = mean_over(shape, surface, known & measurement.mask)
     offset = whole_wraps(beat, middle, measurement, depth_from_phase(first.phase, low))
-    with np.errstate(divide="ignore"):  # without noise the odds are 1
-        odds = wrap_probability(first.spread, second.spread, frequencies=(low, high))
+    odds = np.asarray(wrap_probability(first.spread, second.spread, frequencies=(low, high)))
     depth = np.where(known, shape + offset[surface], sum(measurement.range) / 2)
-    return Estimate(within_range(depth, measurement), np.where(known, np.asarray(odds)[surface], 0))
+    return Estimate(within_range(depth, measurement), np.where(known, odds[surface], 0))
 
 
 def surfaces(

@@ -88,8 +88,7 @@ def region(
     pooled = pool(np.where(mask, beat, 0), number)
     offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
     low, high = (float(f) for f in measurement.frequencies[:2])
-    with np.errstate(divide="ignore"):  # without noise the odds are 1
-        odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=(low, high)))
+    odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=(low, high)))
     near = nearest(inside & (np.bincount(number.ravel())[number] >= smallest))
     depth, confidence = (shape + offset[number])[near], odds[number][near]
     return Estimate(within_range(depth, measurement), np.where(mask, confidence, 0))

@@ -1,37 +1,24 @@
 """A network from its name."""
 
 from collections.abc import Callable
-from typing import Any
 
 from cmtof.network import deep_tof, fast_scnn, one_step, rapid, u_net
+from cmtof.network.bands import Banded
 from cmtof.network.configuration import MODELS, Model
 from cmtof.network.features import channels
 
-BUILDERS: dict[str, Callable[[Model, int, int], Any]] = {
-    "fast-scnn": lambda m, inputs, classes: fast_scnn.FastSCNN(
-        fast_scnn.Architecture(**m.architecture), inputs, classes
-    ),
-    "u-net": lambda m, inputs, classes: u_net.UNet(
-        u_net.Architecture(**m.architecture), inputs, classes, m.target
-    ),
-    "one-step": lambda m, inputs, classes: one_step.OneStep(
-        one_step.Architecture(**m.architecture), inputs, classes, m.target
-    ),
-    "deep-tof": lambda m, inputs, classes: deep_tof.DeepToF(
-        deep_tof.Architecture(**m.architecture), inputs, classes, m.target
-    ),
-    "rapid": lambda m, inputs, classes: rapid.Rapid(
-        rapid.Architecture(**m.architecture), inputs, classes, m.target
-    ),
+NETWORKS: dict[str, tuple[type, Callable[..., Banded]]] = {
+    "fast-scnn": (fast_scnn.Architecture, fast_scnn.FastSCNN),
+    "u-net": (u_net.Architecture, u_net.UNet),
+    "one-step": (one_step.Architecture, one_step.OneStep),
+    "deep-tof": (deep_tof.Architecture, deep_tof.DeepToF),
+    "rapid": (rapid.Architecture, rapid.Rapid),
 }
-"""Networks by name: from a model, the channels of its features, and the number of classes."""
+"""Networks by name, each with the class of its sizes."""
 
 
-def build_network(name: str, classes: int) -> Any:
+def build_network(name: str, classes: int) -> Banded:
     """Network of a model out of `MODELS`, with fresh weights.
-
-    A `FastSCNN`, or a `cmtof.network.parts.Banded`: both have ``inputs``, ``classes`` and
-    ``in_bands``.
 
     Examples
     --------
@@ -39,5 +26,10 @@ def build_network(name: str, classes: int) -> Any:
     >>> sum(weight.numel() for weight in network.parameters())
     1167621
     """
-    model = MODELS[name]
-    return BUILDERS[model.network](model, channels(model.features), classes)
+    return build(MODELS[name], classes)
+
+
+def build(model: Model, classes: int) -> Banded:
+    """Network of any model, with fresh weights."""
+    sizes, network = NETWORKS[model.network]
+    return network(sizes(**model.architecture), channels(model.features), classes, model.target)

@@ -23,7 +23,7 @@ class Model:
     ----------
     summary : str
     network : str
-        Who builds it, out of `cmtof.network.building.BUILDERS`.
+        Who builds it, out of `cmtof.network.building.NETWORKS`.
     features : str
         Out of `cmtof.network.features.FEATURE_SETS`.
     architecture : dict

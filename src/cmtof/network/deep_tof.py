@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 from torch import Tensor, nn
 
+from cmtof.network.bands import Target
 from cmtof.network.fast_scnn import conv
-from cmtof.network.parts import Banded, Residual, Target
+from cmtof.network.parts import AnySize, Residual
 
 
 @dataclass(frozen=True)
@@ -41,14 +42,14 @@ class Architecture:
 PUBLISHED = Architecture((64, 128, 256))
 
 
-class DeepToF(Banded):
+class DeepToF(AnySize):
     """Encoder and decoder with symmetric skips.
 
     Parameters
     ----------
     architecture : Architecture
     inputs, classes, target
-        As of `cmtof.network.parts.Banded`.
+        As of `cmtof.network.bands.Banded`.
     """
 
     def __init__(

@@ -6,7 +6,7 @@ and the first layer, at full resolution, goes straight to the output. A wrap is 
 away says nothing of it. The paper leaves the layers to a supplement; this table is our reading.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,10 +14,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-Norm = Literal["batch", "instance"]
+from cmtof.network.bands import Banded, Target
 
-BAND = 64
-"""Rows of the image whose classes are held at a time."""
+Norm = Literal["batch", "instance"]
 
 
 @dataclass(frozen=True)
@@ -124,25 +123,25 @@ class PyramidPooling(nn.Module):
 GLOBAL_BINS = (1, 2, 3, 6)
 
 
-class FastSCNN(nn.Module):
+class FastSCNN(Banded):
     """Modified Fast-SCNN (Sec. 5.1, Fig. 5).
 
-    Maps features (B, C, H, W), any H and W from 8 px on (9 with
-    instance norms), to weights of wrap classes (B, N, H, W).
+    Takes images of any size from 8 px on (9 with instance norms).
 
     Parameters
     ----------
     architecture : Architecture
-    inputs : int
-        Channels of the features.
-    classes : int
-        N, wraps that are told apart.
+    inputs, classes, target
+        As of `cmtof.network.bands.Banded`.
     """
 
-    def __init__(self, architecture: Architecture, inputs: int, classes: int) -> None:
-        super().__init__()
-        self.architecture, self.inputs, self.classes = architecture, inputs, classes
-        a, norm = architecture, architecture.norm
+    reach = 1
+
+    def __init__(
+        self, architecture: Architecture, inputs: int, classes: int, target: Target = "wraps"
+    ) -> None:
+        super().__init__(inputs, classes, target)
+        self.architecture, a, norm = architecture, architecture, architecture.norm
         self.stem = conv(inputs, a.stem, norm) if a.stem else None
         first = conv(a.stem or inputs, a.down[0], norm, stride=2)
         widths = zip(a.down, a.down[1:], strict=False)
@@ -158,7 +157,7 @@ class FastSCNN(nn.Module):
         self.classify = nn.Sequential(*(separable(a.context, a.context, norm) for _ in range(2)))
         self.join = separable(a.context + a.stem, a.head, norm) if a.stem else None
         last = a.head if a.stem else a.context
-        self.output = nn.Sequential(nn.Dropout(a.dropout), _conv(last, classes, 1, bias=True))
+        self.output = nn.Sequential(nn.Dropout(a.dropout), _conv(last, self.outputs, 1, bias=True))
 
     def fused(self, x: Tensor) -> tuple[Tensor, Tensor | None]:
         """Context at half of the resolution, and the skip at all of it, if there is one."""
@@ -174,35 +173,8 @@ class FastSCNN(nn.Module):
         return context if skip is None else torch.cat([context, skip], 1)
 
     def head(self, trunk: Tensor) -> Tensor:
-        """Weights of the classes from any piece of `trunk`'s rows."""
-        return self.output(trunk if self.join is None else self.join(trunk))
-
-    def forward(self, x: Tensor) -> Tensor:
-        return self.head(self.trunk(x))
-
-    def in_bands(self, x: Tensor, reduce: Callable[[Tensor], Tensor], rows: int = BAND) -> Tensor:
-        """``reduce(forward(x))`` by bands of rows: classes of a whole frame never exist at once.
-
-        Parameters
-        ----------
-        x : Tensor, shape (B, C, H, W)
-        reduce : callable
-            Maps weights (B, N, h, W) to (B, D, h, W), pixel by pixel.
-        rows : int
-            h.
-
-        Returns
-        -------
-        Tensor, shape (B, D, H, W)
-        """
-        trunk, height = self.trunk(x), x.shape[-2]
-        bands = []
-        for start in range(0, height, rows):
-            # the head's convolution reaches one row beyond the band
-            top, bottom = max(start - 1, 0), min(start + rows + 1, height)
-            weights = self.head(trunk[..., top:bottom, :])
-            bands.append(reduce(weights[..., start - top : start - top + rows, :]))
-        return torch.cat(bands, -2)
+        """Class weights or turns from any piece of `trunk`'s rows."""
+        return super().head(trunk if self.join is None else self.join(trunk))
 
 
 def _stages(a: Architecture) -> Iterator[nn.Module]:

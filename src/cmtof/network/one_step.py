@@ -16,8 +16,9 @@ from dataclasses import dataclass
 from torch import nn
 
 from cmtof.network import u_net
+from cmtof.network.bands import Target
 from cmtof.network.fast_scnn import conv
-from cmtof.network.parts import Residual, Target
+from cmtof.network.parts import Residual
 
 
 @dataclass(frozen=True)

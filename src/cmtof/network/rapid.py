@@ -22,8 +22,9 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from cmtof.correlation import TAU
+from cmtof.network.bands import Target
 from cmtof.network.fast_scnn import conv, resized
-from cmtof.network.parts import Banded, Residual, Target
+from cmtof.network.parts import AnySize, Residual
 
 
 @dataclass(frozen=True)
@@ -70,14 +71,14 @@ class AtrousPyramid(nn.Module):
         return self.join(torch.cat([*local, mean.expand(-1, -1, *x.shape[-2:])], 1))
 
 
-class Rapid(Banded):
+class Rapid(AnySize):
     """DeepLabV3+ on a residual backbone.
 
     Parameters
     ----------
     architecture : Architecture
     inputs, classes, target
-        As of `cmtof.network.parts.Banded`.
+        As of `cmtof.network.bands.Banded`.
     """
 
     stride = 16

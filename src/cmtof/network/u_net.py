@@ -17,8 +17,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from cmtof.network.bands import Target
 from cmtof.network.fast_scnn import conv
-from cmtof.network.parts import Banded, Target
+from cmtof.network.parts import AnySize
 
 
 @dataclass(frozen=True)
@@ -38,14 +39,14 @@ PUBLISHED = Architecture((64, 128, 256, 512, 1024))
 """What the authors built, for biomedical images."""
 
 
-class UNet(Banded):
+class UNet(AnySize):
     """U-Net with batch norms.
 
     Parameters
     ----------
     architecture : Architecture
     inputs, classes, target
-        As of `cmtof.network.parts.Banded`.
+        As of `cmtof.network.bands.Banded`.
     """
 
     def __init__(
