@@ -24,7 +24,7 @@ from myst_nb import glue
 import cmtof
 from cmtof import bounds, metrics, paper, plotting
 from cmtof.baselines.beat import beat_depth, beat_phasor
-from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
+from cmtof.constants import FREQUENCIES
 from cmtof.correlation import (
     TAU,
     consistent_wrap_count,
@@ -142,14 +142,7 @@ plotting.save(
 f1, f2 = FREQUENCIES
 beat_range = unambiguous_range(FREQUENCIES)
 step_of_beat = float(phase_from_depth(wrap_length(f1), f2 - 2 * f1))
-
-
-def phase_noise(brightness):
-    signal = GAIN * INTEGRATION_TIME * np.asarray(brightness, float)
-    return bounds.linear_phase_noise(signal / np.pi, signal / 2 + NOISE_SIGMA**2, 4)
-
-
-white = float(phase_noise(1.0))
+white = float(bounds.simulated_phase_noise(1.0))
 wrap_spread = float(bounds.wrap_noise(white, white, frequencies=FREQUENCIES))
 print(f"range {beat_range:.3f} m = {beat_range / wrap_length(f1):.1f} wraps")
 print(
@@ -184,7 +177,7 @@ def share_right(phase, beat_phase, measurement):
 
 
 brightness = np.array([1.0, 0.7, 0.5, 0.3, 0.2, 0.1, 0.05])
-noise = phase_noise(brightness)
+noise = bounds.simulated_phase_noise(brightness)
 formula = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
 law = np.array([bounds.wrap_probability_law(s, s, frequencies=FREQUENCIES) for s in noise])
 counted = []
@@ -232,7 +225,7 @@ for level in pool_levels:
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(10.2, 4.3))
 ax, dim = axes[0], np.geomspace(0.04, 1, 60)
-dim_noise = phase_noise(dim)
+dim_noise = bounds.simulated_phase_noise(dim)
 ax.plot(dim, 100 * bounds.wrap_probability(dim_noise, dim_noise, frequencies=FREQUENCIES),
         color="#8A97A3", ls="--", label="formula, small noise")  # fmt: skip
 ax.plot(dim, [100 * bounds.wrap_probability_law(s, s, frequencies=FREQUENCIES) for s in dim_noise],
@@ -249,8 +242,13 @@ ax.legend(loc="upper left")
 ax.set_title("alone")
 
 ax, side_axis = axes[1], np.geomspace(1, 330, 200)
+pool_noise = {level: float(bounds.simulated_phase_noise(level)) for level in pool_levels}
+need = {
+    level: bounds.pixels_needed(one, one, frequencies=FREQUENCIES)
+    for level, one in pool_noise.items()
+}
 for level, colour in zip(pool_levels, (blue, orange), strict=True):
-    spread = float(phase_noise(level)) / side_axis
+    spread = pool_noise[level] / side_axis
     theory = bounds.wrap_probability(spread, spread, frequencies=FREQUENCIES)
     ax.plot(side_axis, 100 * theory, color=colour, label=f"I = {level:g}, formula")
     phasor_share, product_share = (
@@ -258,9 +256,7 @@ for level, colour in zip(pool_levels, (blue, orange), strict=True):
     )
     ax.plot(sides, phasor_share, "o", color=colour, label="phasors pooled")
     ax.plot(sides, product_share, "x", color=colour, mew=2, label="beats pooled")
-    needed = bounds.pixels_needed(
-        float(phase_noise(level)), float(phase_noise(level)), frequencies=FREQUENCIES
-    )
+    needed = need[level]
     ax.plot(np.sqrt(needed), 95, "D", mfc="white", mec=colour, ms=7)
     place = (-8, 6) if level == 1 else (-9, -15)
     ax.annotate(f"{needed:,} px".replace(",", " "), (np.sqrt(needed), 95), place,
@@ -274,12 +270,6 @@ ax.legend(loc="center left", fontsize="small")
 ax.set_title("together")
 plotting.label_panels(axes)
 
-need = {
-    level: bounds.pixels_needed(
-        float(phase_noise(level)), float(phase_noise(level)), frequencies=FREQUENCIES
-    )
-    for level in pool_levels
-}
 plotting.save(
     figure,
     "wraps_odds",

@@ -1,6 +1,6 @@
 # ---
 # cmtof:
-#   results: [table1.json]
+#   results: [table1_released_1200.json]
 # ---
 # %% [markdown]
 # # Table 1: what each part of the network is worth
@@ -19,7 +19,7 @@ height: int = 512  # of those frames, px
 width: int = 512
 draws: int = 4000  # sets of scenes drawn for the intervals
 weights: str = ""  # folder of trained networks; empty: those of the package
-results: str = "../book/results/table1.json"  # counts over all test frames
+results: str = "../book/results/table1_released_1200.json"  # counts over all test frames
 
 # %%
 from pathlib import Path
@@ -29,7 +29,7 @@ import numpy as np
 from IPython.display import Markdown, display
 from myst_nb import glue
 
-from cmtof import paper, plotting, tally
+from cmtof import paper, plotting, stored_counts, tally
 from cmtof.conditions import Conditions
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.network.ablation import (
@@ -235,7 +235,7 @@ for place in range(frames):
     print(frame.name, f"{own[-1]['pixels']} pixels scored")
 
 # %% tags=["hide-input"]
-found = tally.kept(Path(results), tally.Contest(entries), own, contest)
+found = stored_counts.kept(Path(results), tally.Contest(entries), own, contest)
 records, state = found.records, found.state
 whole = tally.scored(records)
 rooms = TEST_ROOMS if found.whole else here

@@ -70,7 +70,7 @@ def pixels_text(pixels):
 # %%
 f1, f2 = FREQUENCIES
 signal = GAIN * INTEGRATION_TIME
-white = float(bounds.linear_phase_noise(signal / np.pi, signal / 2 + NOISE_SIGMA**2, 4))
+white = float(bounds.simulated_phase_noise(1.0))
 eta = np.pi / 4  # drive of full contrast in the single mode, rad
 megahertz = float(wrap_length(1e6))  # range of a beat of 1 MHz, m
 weak = float(relative_signal([f2], eta=eta)[0])

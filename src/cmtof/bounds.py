@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import integrate, special
 
+from cmtof.constants import GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import TAU, depth_from_phase
 
 Array = NDArray[np.floating]
@@ -83,6 +84,26 @@ def depth_bound(
 def linear_phase_noise(amplitude: ArrayLike, variance: ArrayLike, steps: int) -> Array:
     """Phase noise ``sqrt(2 v / K) / a`` of K uniform steps of equal variance v, rad."""
     return np.sqrt(2 * np.asarray(variance) / steps) / np.asarray(amplitude)
+
+
+def simulated_phase_noise(
+    intensity: ArrayLike,
+    *,
+    sigma: float = NOISE_SIGMA,
+    steps: int = 4,
+    time: float = INTEGRATION_TIME,
+) -> Array:
+    """`linear_phase_noise`, rad, of a pixel that `cmtof.simulation.simulate` measures (Eq. 8).
+
+    Its signal G T I swings by 1/pi of itself about its half, whose photons add to sigma, counts.
+
+    Examples
+    --------
+    >>> round(float(simulated_phase_noise(1.0)), 3)
+    0.134
+    """
+    signal = GAIN * time * np.asarray(intensity, float)
+    return linear_phase_noise(signal / np.pi, signal / 2 + sigma**2, steps)
 
 
 def phase_density(error: ArrayLike, linear_noise: float) -> Array:

@@ -14,10 +14,10 @@ import numpy as np
 import xarray as xr
 
 from cmtof import paper
-from cmtof.bounds import linear_phase_noise, phase_spread, wrap_probability
+from cmtof.bounds import phase_spread, simulated_phase_noise, wrap_probability
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions, Measured
-from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
+from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred
 from cmtof.evaluation import Evaluation
 from cmtof.metrics import score, scored_pixels
@@ -100,9 +100,8 @@ def computed_values(sweep: PrecisionSweep, scenes: list[Scene]) -> Iterator[tupl
     wall = Frame(np.ones((256, 256)), np.ones((256, 256)))
     noisy = simulate(wall, seed=SEED)
     error = centred(noisy.phase[0] - true_phase(noisy))
-    signal = GAIN * INTEGRATION_TIME
-    noise = linear_phase_noise(signal / np.pi, signal / 2 + NOISE_SIGMA**2, 4)
-    yield "phase_noise_ratio", float(error.std()) / phase_spread(float(noise))
+    noise = float(simulated_phase_noise(1.0))
+    yield "phase_noise_ratio", float(error.std()) / phase_spread(noise)
     yield "wrap_odds", float(wrap_probability(noise, noise, frequencies=FREQUENCIES))
     frames = [load_frame(name) for name in embedded_frames()]
     clean_report = Evaluation(["crt"], noise_free=True).add_all(frames).report()
