@@ -10,9 +10,8 @@ from time import perf_counter
 
 import numpy as np
 
-from cmtof.baselines import METHODS
+from cmtof.baselines.kde import kde, kde_by_double_loop
 from cmtof.correlation import TAU, decode
-from cmtof.measurement import Measurement
 from cmtof.scenes import Frame
 from cmtof.simulation import simulate
 
@@ -48,8 +47,7 @@ def main() -> None:
     rng = np.random.default_rng(0)
     y, x = np.indices(SHAPE)
     frame = Frame(1 + 3 * (x + y) / sum(SHAPE), rng.uniform(0.05, 1, SHAPE))
-    measurement = simulate(frame, protocol="full", seed=0)
-    stack = measurement.dataset["correlation"].to_numpy()
+    stack = simulate(frame, protocol="full", seed=0).dataset["correlation"].to_numpy()
 
     fast = seconds(lambda: decode(stack, PSI))
     line("decode (2, 4, 768, 1024) float32 / copy", fast / seconds(stack.copy), "< 4", "memory")
@@ -67,20 +65,14 @@ def main() -> None:
     whole = seconds(lambda: simulate(frame, protocol="full", seed=0), 3)
     line("simulate / drawing its random numbers", whole / seconds(draw, 3), "< 1.5", "arithmetic")
 
-    _ = measurement.decoded
-    for name, method in METHODS.items():
-        if name != "spatial":  # serial by nature; a second or more at this size
-            run(method, name, measurement, fast)
-
-
-def run(method: Callable, name: str, measurement: Measurement, unit: float) -> None:
-    """Print a method's time over that of decoding the same stack."""
-    line(
-        f"unwrap by {name} / decode",
-        seconds(lambda: method(measurement), 3) / unit,
-        "",
-        "arithmetic",
+    small = simulate(
+        Frame(frame.depth[::6, ::8], frame.intensity[::6, ::8]), protocol="full", seed=0
     )
+    small = small.between(1.0, 1.44)
+    _ = small.decoded
+    looped = seconds(lambda: kde_by_double_loop(small), 1)
+    line("kde by its double loop / kde, 128x128", looped / seconds(lambda: kde(small), 3),
+         "> 20", "arithmetic")  # fmt: skip
 
 
 if __name__ == "__main__":
