@@ -35,7 +35,9 @@ from cmtof.baselines import METHODS, find_method
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions
 from cmtof.constants import FREQUENCIES
+from cmtof.metrics import scored_pixels
 from cmtof.network.configuration import wraps_of
+from cmtof.reliability import reliability
 from cmtof.resampling import difference_interval, draws_of, ratio_interval
 from cmtof.scenes.rooms.held_out import TEST_ROOMS
 from cmtof.scenes.rooms.rendering import Settings
@@ -115,6 +117,7 @@ say(
 # %%
 contest = tally.Contest(entries, here, Conditions(seed=seed))
 scenes, own, place = [], [], 0
+believed = {label: [] for label in entries}  # (confidence, whether right) of every scored pixel
 while len(scenes) < frames:
     frame = contest.frame(place)
     measured = contest.measure(frame, place)
@@ -124,6 +127,11 @@ while len(scenes) < frames:
     answers = contest.answers(measured)
     scenes.append(Scene(frame, measured.usual, answers))
     own.append(tally.count(frame, measured, answers))
+    for label, answer in answers.items():
+        pixels = scored_pixels(answer, measured.by(label))
+        right = pixels["consistent"] == pixels["true_consistent"]
+        sure = answer["confidence"].to_numpy()[measured.by(label).mask]
+        believed[label].append(np.stack([sure, right]))
     print(frame.name, f"{own[-1]['pixels']} pixels scored")
 
 
@@ -332,6 +340,39 @@ say(
 # ```
 #
 # ```{glue:md} pooling
+# :format: myst
+# ```
+#
+# ## What the methods believe
+#
+# With its depth each method returns a confidence, the probability of the right wrap as the method
+# sees it. Over the pixels of the rooms drawn above, it stands here beside the share that is right,
+# and with the expected calibration error: how far the two are apart where confidences are alike.
+
+# %% tags=["hide-input"]
+lines = ["| method | mean confidence, % | right, % | calibration error, % |",
+         "| --- | --: | --: | --: |"]  # fmt: skip
+beliefs = {}
+for label, pairs in believed.items():
+    confidence, right = np.concatenate(pairs, axis=1)
+    error = reliability(confidence, right > 0).calibration_error
+    beliefs[label] = (float(confidence.mean()), float(right.mean()), error)
+    lines.append(f"| `{label}` | " + " | ".join(f"{100 * x:.1f}" for x in beliefs[label]) + " |")
+glue("beliefs", Markdown("\n".join(lines)), display=False)
+bold = [f"`{label}`" for label, (said, right, _) in beliefs.items() if said > right + 0.1]
+say(
+    "boasting",
+    f"Surer by ten points and more than they are right: {listed(bold)}." * bool(bold),
+    "These confidences come from the noise that each method sees and from nothing else, and none "
+    "is calibrated: a pooled beat knows how noisy its window is, not that a surface ends in it.",
+)
+
+# %% [markdown]
+# ```{glue:md} beliefs
+# :format: myst
+# ```
+#
+# ```{glue:md} boasting
 # :format: myst
 # ```
 #
