@@ -92,13 +92,14 @@ def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
     return Estimate(depth, confidence_from_coherence(mean, power, window, measurement))
 
 
-def box(image: NDArray[Any], window: int) -> NDArray[Any]:
-    """Mean of a real or complex image over a square window, borders reflected."""
+def box(image: NDArray[Any], window: int, *, beyond: str = "reflect") -> NDArray[Any]:
+    """Mean of a real or complex image over a square window; beyond the borders as SciPy has it."""
     from scipy.ndimage import uniform_filter
 
     if np.iscomplexobj(image):
-        return uniform_filter(np.real(image), window) + 1j * uniform_filter(np.imag(image), window)
-    return uniform_filter(image, window)
+        real, imaginary = (uniform_filter(p, window, mode=beyond) for p in (image.real, image.imag))
+        return real + 1j * imaginary
+    return uniform_filter(image, window, mode=beyond)
 
 
 def beat_depth(phase: NDArray[np.floating], measurement: Measurement) -> NDArray[np.floating]:

@@ -44,16 +44,31 @@ def oracle_offset(
     ValueError
         If the step is not positive.
     """
-    if not step > 0:
-        raise ValueError(f"Expected a step > 0 m, got {step:g}. Try {STEP:g}.")
     assert measurement.depth is not None  # `Method` has made sure
     truth = measurement.depth.astype(float)
     surface, boundary = surfaces(truth, step)
     if extend:
         surface = surface[nearest(~boundary)]
-    known = np.isfinite(truth)
-    shape = np.where(known, truth, 0)
-    first, second = (pool(phasor, surface) for phasor in _demodulated(measurement, shape))
+    return placed(measurement, np.where(np.isfinite(truth), truth, 0), surface)
+
+
+def placed(
+    measurement: Measurement, shape: NDArray[np.floating], surface: NDArray[np.intp]
+) -> Estimate:
+    """Surfaces, each moved to where its summed phasors say that it lies.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        With its true depth, of which only what is unknown is looked at.
+    shape : ndarray, shape (H, W)
+        Depth, m, but for one offset a surface.
+    surface : ndarray of int, shape (H, W)
+        Number of each pixel's surface.
+    """
+    assert measurement.depth is not None
+    known = np.isfinite(measurement.depth)
+    first, second = (pool(phasor, surface) for phasor in demodulated(measurement, shape))
     low, high = (float(f) for f in measurement.frequencies[:2])
     synthetic = synthetic_frequency(low, high)
     beat = synthetic.sign * (second.phase - synthetic.multiple * first.phase)
@@ -75,6 +90,8 @@ def surfaces(
     """
     from scipy.ndimage import label
 
+    if not step > 0:
+        raise ValueError(f"Expected a step > 0 m, got {step:g}. Try {STEP:g}.")
     smooth = np.isfinite(depth)
     for axis in (0, 1):
         if depth.shape[axis] > 2:
@@ -86,7 +103,7 @@ def surfaces(
     return numbers - 1, ~smooth
 
 
-def _demodulated(
+def demodulated(
     measurement: Measurement, depth: NDArray[np.floating]
 ) -> NDArray[np.complexfloating]:
     """Phasors (2, H, W) turned back by a depth, counts; zero where not finite."""
