@@ -14,7 +14,7 @@ from cmtof.baselines.oracle_offset import STEP, demodulated, placed, surfaces
 from cmtof.correlation import TAU, depth_from_phase
 from cmtof.measurement import Measurement
 
-_STEPS = 4
+_STEPS = 10
 """Of the refinement: each is a Gauss-Newton step from a bin of the spectrum."""
 
 
@@ -94,18 +94,17 @@ def _refined(
     slopes: tuple[float, float],
 ) -> tuple[float, float]:
     """One Gauss-Newton step towards the peak, no longer than a bin."""
-    gradient, bend = np.zeros(2), np.full((2, 2), 0.0)
+    gradient, bends = np.zeros(2), np.zeros((2, 2, 2))
     for phasor, ratio in zip(scaled, ratios, strict=True):
         turned = phasor * np.exp(-1j * ratio * (slopes[0] * axes[0] + slopes[1] * axes[1]))
-        total = turned.sum()
-        along = turned * np.conj(total)
-        for i in (0, 1):
-            gradient[i] += ratio * np.sum(along.imag * axes[i])
-            for j in (0, 1):
-                bend[i, j] += ratio**2 * np.sum(along.real * axes[i] * axes[j])
-    longest = [np.pi / n for n in axes[0].shape]
-    ridge = 1e-3 * np.trace(bend) * np.eye(2)
-    if not np.all(np.linalg.eigvalsh(bend + ridge) > 0):
-        return slopes
-    moved = np.clip(np.linalg.solve(bend + ridge, gradient), -np.array(longest), longest)
+        along = turned * np.conj(turned.sum())
+        for i, one in enumerate(axes):
+            gradient[i] += ratio * np.sum(along.imag * one)
+            for j, other in enumerate(axes):
+                both = ratio**2 * one * other
+                bends[:, i, j] += np.sum(along.real * both), np.sum(np.abs(along) * both)
+    # off the summit the curvature may turn round; that of all phasors aligned never does
+    bend = next((b for b in bends if np.linalg.eigvalsh(b)[0] > 0), np.eye(2))
+    longest = np.pi / np.array(axes[0].shape)
+    moved = np.clip(np.linalg.solve(bend, gradient), -longest, longest)
     return slopes[0] + moved[0], slopes[1] + moved[1]
