@@ -77,6 +77,8 @@ _ALL = (
         "trivial:true_depth", frequencies=1, knows_truth=True),
     _of("oracle", "oracle-offset", "", "true surfaces, one unknown offset each",
         "oracle_offset:oracle_offset", knows_truth=True),
+    _of("oracle", "oracle-contact", "", "true bodies, creases and all, one unknown offset each",
+        "oracle_offset:oracle_contact", knows_truth=True),
     _of("oracle", "oracle-plane", "", "true surfaces, one unknown offset and tilt each",
         "oracle_plane:oracle_plane", knows_truth=True),
     _of("oracle", "oracle-field", "", "true surfaces, seen through a window of 281 px",

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cmtof.baselines import Estimate, within_range
 from cmtof.baselines.beat import synthetic_frequency
-from cmtof.baselines.region import mean_over, nearest, pool, whole_wraps
+from cmtof.baselines.region import components, mean_over, nearest, pool, whole_wraps
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import depth_from_phase, phase_from_depth
 from cmtof.measurement import Measurement
@@ -52,6 +52,51 @@ def oracle_offset(
     return placed(measurement, np.where(np.isfinite(truth), truth, 0), surface)
 
 
+def oracle_contact(measurement: Measurement, *, step: float = STEP) -> Estimate:
+    """Place what hangs together, creases and all, by the beat of its summed phasors.
+
+    As `oracle_offset`, but a wall and the floor it stands on, or a cup and its table, share one
+    offset: their true shape is known across the crease. Only jumps of depth come between.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        With its true depth.
+    step : float
+        What a step of depth must exceed the steps on both of its sides by, m.
+
+    Raises
+    ------
+    ValueError
+        If the step is not positive.
+    """
+    assert measurement.depth is not None  # `Method` has made sure
+    truth = measurement.depth.astype(float)
+    return placed(measurement, np.where(np.isfinite(truth), truth, 0), bodies(truth, step))
+
+
+def bodies(depth: NDArray[np.floating], step: float = STEP) -> NDArray[np.intp]:
+    """Number of each pixel's body (H, W): components of pixels without a jump between them.
+
+    Two neighbours hang together if the step from one to the other is within ``step``, m, of the
+    one before or of the one behind it: across a crease it is one of the two, across a jump neither.
+    """
+    _check(step)
+    links = []
+    for axis in (0, 1):
+        steps = np.diff(depth, axis=axis)
+        width = [(0, 0), (0, 0)]
+        nearest_step = np.full(steps.shape, np.inf)
+        if steps.shape[axis] > 1:
+            bend = abs(np.diff(steps, axis=axis))
+            for side in ((1, 0), (0, 1)):
+                width[axis] = side
+                beside = np.pad(bend, width, constant_values=np.inf)
+                nearest_step = np.fmin(nearest_step, beside)
+        links.append(nearest_step <= step)
+    return components(*links)
+
+
 def placed(
     measurement: Measurement, shape: NDArray[np.floating], surface: NDArray[np.intp]
 ) -> Estimate:
@@ -90,8 +135,7 @@ def surfaces(
     """
     from scipy.ndimage import label
 
-    if not step > 0:
-        raise ValueError(f"Expected a step > 0 m, got {step:g}. Try {STEP:g}.")
+    _check(step)
     smooth = np.isfinite(depth)
     for axis in (0, 1):
         if depth.shape[axis] > 2:
@@ -101,6 +145,11 @@ def surfaces(
     label(smooth, output=numbers)
     numbers[~smooth] = numbers.max() + 1 + np.arange(np.count_nonzero(~smooth))
     return numbers - 1, ~smooth
+
+
+def _check(step: float) -> None:
+    if not step > 0:
+        raise ValueError(f"Expected a step > 0 m, got {step:g}. Try {STEP:g}.")
 
 
 def demodulated(

@@ -112,21 +112,34 @@ def linked(
     edge: float,
 ) -> NDArray[np.intp]:
     """Number of each pixel's region (H, W); pixels outside are regions of their own."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    index = np.arange(inside.size).reshape(inside.shape)
-    pairs = []
+    links = []
     for axis in (0, 1):
         gentle = (abs(np.diff(phase, axis=axis)) <= step) & (
             abs(np.diff(bright, axis=axis)) <= edge
         )
-        first, second = (np.delete(index, at, axis) for at in (-1, 0))
-        joined = gentle & inside.ravel()[first] & inside.ravel()[second]
-        pairs.append((first[joined], second[joined]))
-    rows, columns = (np.concatenate(part) for part in zip(*pairs, strict=True))
+        first, second = (np.delete(inside, at, axis) for at in (-1, 0))
+        links.append(gentle & first & second)
+    return components(*links)
+
+
+def components(down: NDArray[np.bool_], across: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Number of each pixel's component (H, W) from links to the next row and the next column.
+
+    Examples
+    --------
+    >>> components(np.ones((1, 3), bool), np.array([[True, False], [True, False]]))
+    array([[0, 0, 1],
+           [0, 0, 1]])
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    shape = (across.shape[0], down.shape[1])
+    index = np.arange(shape[0] * shape[1]).reshape(shape)
+    rows = np.concatenate([index[:-1][down], index[:, :-1][across]])
+    columns = np.concatenate([index[1:][down], index[:, 1:][across]])
     graph = coo_array((np.ones(rows.size, bool), (rows, columns)), shape=(index.size, index.size))
-    return connected_components(graph, directed=False)[1].reshape(inside.shape).astype(np.intp)
+    return connected_components(graph, directed=False)[1].reshape(shape).astype(np.intp)
 
 
 def pool(phasors: NDArray[np.complexfloating], number: NDArray[np.intp]) -> Pooled:
