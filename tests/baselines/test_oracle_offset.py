@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cmtof
-from cmtof.baselines.oracle_offset import oracle_offset, surfaces
+from cmtof.baselines.oracle_offset import bodies, oracle_contact, oracle_offset, surfaces
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth
 from cmtof.measurement import Measurement
@@ -113,3 +113,37 @@ def test_needs_the_truth_and_a_step():
     blind = Measurement(m.dataset.drop_vars("depth"))
     with pytest.raises(ValueError, match="true depth for method oracle-offset"):
         cmtof.unwrap(blind, method="oracle-offset")
+
+
+def test_bodies_end_at_jumps_and_not_at_creases():
+    """A floor and a wall are one body, a box that hides part of the wall another."""
+    y = np.arange(40)[:, None] * np.ones((1, 50))
+    room = np.where(y < 20, 3.0, 3.0 - 0.02 * (y - 19))  # a crease of 20 mm a pixel
+    room[5:12, 20:30] = 2.0
+    room[0, 0] = np.nan
+    number = bodies(room)
+    assert number[2, 2] == number[39, 49] != number[8, 25]
+    assert np.unique(number).size == 3  # the unknown pixel is alone
+    assert np.unique(surfaces(room)[0]).size > 3
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 2), (2, 1), (2, 2), (1, 9)])
+def test_flat_things_of_any_size_are_one_body(shape):
+    assert not bodies(np.ones(shape)).any()
+
+
+def test_contact_carries_an_offset_across_a_crease():
+    """A small dark facet is placed by the bright wall that it touches."""
+    y = np.arange(120)[:, None] * np.ones((1, 120))
+    depth = np.where(y < 100, 3.0, 3.0 - 0.01 * (y - 99))
+    frame = Frame(depth, np.where(y < 100, 1.0, 0.05))
+    m = simulate(frame, protocol="full", seed=1)
+    tied, alone = (
+        np.abs(oracle(m).depth - depth)[105:].max() for oracle in (oracle_contact, oracle_offset)
+    )
+    assert tied < 0.01 < alone
+
+
+def test_contact_needs_a_step_too():
+    with pytest.raises(ValueError, match="step > 0"):
+        cmtof.unwrap(exact(np.full((4, 4), 1.0)), method="oracle-contact", step=0.0)

@@ -78,15 +78,15 @@ def oracle_contact(measurement: Measurement, *, step: float = STEP) -> Estimate:
 def bodies(depth: NDArray[np.floating], step: float = STEP) -> NDArray[np.intp]:
     """Number of each pixel's body (H, W): components of pixels without a jump between them.
 
-    Two neighbours hang together if the step from one to the other is within ``step``, m, of the
-    one before or of the one behind it: across a crease it is one of the two, across a jump neither.
+    Two neighbours hang together if the step from one to the other is within ``step``, m, of none,
+    or of the one before or behind it: across a crease it is one of the two, across a jump neither.
     """
     _check(step)
     links = []
     for axis in (0, 1):
         steps = np.diff(depth, axis=axis)
         width = [(0, 0), (0, 0)]
-        nearest_step = np.full(steps.shape, np.inf)
+        nearest_step = abs(steps)
         if steps.shape[axis] > 1:
             bend = abs(np.diff(steps, axis=axis))
             for side in ((1, 0), (0, 1)):
