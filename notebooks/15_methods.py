@@ -156,12 +156,13 @@ def draw(stem, labels, caption):
 draw("fig10_comparison", PAPERS.values(), "Fig. 10, with the paper's methods.")
 
 # %% [markdown]
-# The next picture has what the paper does not compare with, and the two oracles. `oracle-depth`
+# The next picture has what the paper does not compare with, and three oracles. `oracle-depth`
 # reads the measured phase with the best possible wraps: what is black there can be had from the
-# phase at all. `oracle-offset` is told the true surfaces, and finds one offset for each.
+# phase at all. `oracle-offset` is told the true surfaces, and finds one offset for each;
+# `oracle-contact` finds one for all that hangs together, across creases.
 
 # %% tags=["hide-input"]
-OTHERS = ("beat", "beat-guided", "region", "kde-tuned", "mrf", "mrf-graphcut", "oracle-offset",
+OTHERS = ("beat", "beat-guided", "region", "mrf", "mrf-graphcut", "oracle-offset", "oracle-contact",
           "oracle-depth")  # fmt: skip
 draw("fig10_others", OTHERS, "The same rooms with methods that the paper leaves out.")
 
