@@ -388,7 +388,8 @@ import json
 path = Path(results) / "methods_cost.json"
 cost = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {"methods": {}}
 lines = ["| method | released, s | full, s | released, MB | full, MB |", "| --- |" + " --: |" * 4]
-for label, one in cost["methods"].items():
+for label in (name for name in METHODS if name in cost["methods"]):
+    one = cost["methods"][label]
     cells = [f"{one[p]['seconds']:.2f}" if p in one else "" for p in ("released", "full")]
     cells += [f"{one[p]['megabytes']:.0f}" if p in one else "" for p in ("released", "full")]
     lines.append(f"| `{label}` | {' | '.join(cells)} |")
