@@ -19,6 +19,7 @@ places: list = [0, 8, 24, 40]  # test frames looked at on this page
 height: int = 256  # of those frames, px
 width: int = 256
 sides: list = [5, 11, 21, 41, 81, 161, 321]  # windows, px
+repeats: int = 8  # measurements of each frame in the last section
 draws: int = 4000  # sets of scenes drawn for the intervals
 results: str = "../book/results"  # folder of counts over all test frames
 
@@ -164,7 +165,7 @@ for ax, protocol in zip(axes, PROTOCOLS, strict=True):
     for label, name in (("oracle", "green"), ("beat", "blue")):
         ax.plot(sides, [100 * x for x in window_rates[protocol, label]], "o-", ms=4,
                 color=plotting.PALETTE[name],
-                label={"oracle": "true surfaces in it", "beat": "beat averaged"}[label])  # fmt: skip
+                label="true surfaces" if label == "oracle" else "beat averaged")  # fmt: skip
     ax.set(xscale="log", xlabel="side of the window (px)", title=protocol, ylim=(0, 100))
     ax.set_xticks(sides, [str(s) for s in sides])
     ax.minorticks_off()
@@ -192,7 +193,8 @@ plotting.save(
 # Neighbours tell a slope only up to a whole turn a pixel. In a room at its real size many surfaces
 # recede so fast that the phase turns by more than half a turn from one pixel to the next: whoever
 # unwraps such a surface neighbour by neighbour, or pools it with the smallest slope that fits,
-# loses a wrap with every pixel. What tells the turns is the beat's own slope, and how the phase curves.
+# loses a wrap with every pixel. What tells the turns is the beat's own slope, and how the phase
+# curves.
 
 # %%
 slopes = {}
@@ -270,13 +272,15 @@ law = {}
 for protocol, held in measured.items():
     for label, group in (("oracle-offset", lambda d: surfaces(d)[0]), ("oracle-contact", bodies)):
         told = found = scored = 0.0
-        for frame, m in held:
+        for place, (frame, m) in zip(places, held, strict=True):
             if not m.mask.any():
                 continue
-            told += foretold(frame, m, group(m.depth.astype(float)))
-            pixels = scored_pixels(cmtof.unwrap(m, method=label), m)
-            found += np.sum(pixels["consistent"] == pixels["true_consistent"])
-            scored += m.mask.sum()
+            told += repeats * foretold(frame, m, group(m.depth.astype(float)))
+            scored += repeats * m.mask.sum()
+            for again in range(1, repeats + 1):
+                other = Conditions(protocol=protocol, seed=seed + again).measure(frame, place)
+                pixels = scored_pixels(cmtof.unwrap(other, method=label), other)
+                found += np.sum(pixels["consistent"] == pixels["true_consistent"])
         law[f"{protocol}_{label}"] = (float(told / scored), float(found / scored))
         what = "surfaces" if label == "oracle-offset" else "bodies"
         lines.append(
