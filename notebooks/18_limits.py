@@ -186,7 +186,7 @@ plotting.save(
     alt=(
         "Two panels, the oracle's rate above the averaged beat's. "
         + " ".join(
-            f"{p}: the oracle ends at {100 * window_rates[p, 'oracle'][-1]:.0f} %, the beat is best "
+            f"{p}: the oracle ends at {100 * window_rates[p, 'oracle'][-1]:.0f} %, the beat best "
             f"at {sides[int(np.argmax(window_rates[p, 'beat']))]} px with "
             f"{100 * max(window_rates[p, 'beat']):.0f} %."
             for p in PROTOCOLS
