@@ -94,8 +94,8 @@ for label in shown:
         drawn = draws_of(len(records), draws=draws, rng=np.random.default_rng(seed))
         found = ratio_interval(np.stack([below[0], below[2], whole - below[3]]), whole, drawn)
         rates[label, protocol] = [float(v) for v in found.value]
-        cells += [f"{100 * v:.1f} <br>({100 * a:.1f}\u2060–\u2060{100 * b:.1f})"
-                  for v, a, b in zip(*found, strict=True)]  # fmt: skip
+        cells += [f"{100 * value:.1f}" for value in found.value]
+        cells[-3] += f"<br>({100 * found.low[0]:.1f}\u2060–\u2060{100 * found.high[0]:.1f})"
     lines.append(f"| `{label}` | {' | '.join(cells)} |")
 glue("oracle_table", Markdown("\n".join(lines)), display=False)
 frames_counted = len(tables["full"])
