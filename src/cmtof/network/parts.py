@@ -59,6 +59,7 @@ def padded(x: Tensor, stride: int) -> Tensor:
 
     Examples
     --------
+    >>> import torch
     >>> padded(torch.zeros(1, 2, 1, 33), 16).shape
     torch.Size([1, 2, 32, 48])
     """
