@@ -9,7 +9,7 @@ def test_honest_odds_have_no_calibration_error(rng):
     found = reliability(said, rng.uniform(size=said.size) < said)
     # |share - p| of a bin of 10 000 has a mean of sqrt(2/pi) sqrt(p (1-p) / 10 000) < 0.004
     assert found.calibration_error < 0.006
-    assert found.count.sum() == said.size
+    assert found.answers.sum() == said.size
     np.testing.assert_allclose(found.confidence, np.arange(20) / 20 + 0.025, atol=2e-3)
 
 
@@ -17,7 +17,7 @@ def test_who_is_always_sure_errs_by_the_share_of_wrong_ones():
     right = np.arange(10) < 3
     found = reliability(np.ones(10), right)
     assert found.calibration_error == pytest.approx(0.7)
-    assert found.count[-1] == 10 and np.isnan(found.right[0])
+    assert found.answers[-1] == 10 and np.isnan(found.right[0])
 
 
 def test_nothing_answered_has_no_error():

@@ -13,16 +13,16 @@ class Reliability(NamedTuple):
     """Mean confidence (B,); NaN in an empty bin."""
     right: NDArray[np.float64]
     """Share of right answers (B,); NaN in an empty bin."""
-    count: NDArray[np.int64]
+    answers: NDArray[np.int64]
     """Answers (B,)."""
 
     @property
     def calibration_error(self) -> float:
         """Mean of ``|right - confidence|`` over answers (Naeini, Cooper, Hauskrecht, AAAI 2015)."""
-        if not self.count.any():
+        if not self.answers.any():
             return float("nan")
         apart = np.nan_to_num(np.abs(self.right - self.confidence))
-        return float(np.average(apart, weights=self.count))
+        return float(np.average(apart, weights=self.answers))
 
 
 def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> Reliability:
@@ -45,7 +45,7 @@ def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> R
     Examples
     --------
     >>> found = reliability([0.9, 0.9, 0.9, 0.1], [True, True, False, False], bins=2)
-    >>> found.count.tolist(), round(found.calibration_error, 3)
+    >>> found.answers.tolist(), round(found.calibration_error, 3)
     ([1, 3], 0.2)
     """
     said, good = np.ravel(np.asarray(confidence, float)), np.ravel(np.asarray(right, bool))

@@ -97,7 +97,9 @@ def box(image: NDArray[Any], window: int, *, beyond: str = "reflect") -> NDArray
     from scipy.ndimage import uniform_filter
 
     if np.iscomplexobj(image):
-        real, imaginary = (uniform_filter(p, window, mode=beyond) for p in (image.real, image.imag))
+        real, imaginary = (
+            uniform_filter(p, window, mode=beyond) for p in (np.real(image), np.imag(image))
+        )
         return real + 1j * imaginary
     return uniform_filter(image, window, mode=beyond)
 

@@ -64,7 +64,7 @@ def tilt_of(phasors: list[NDArray[np.complexfloating]], ratio: float) -> NDArray
     """
     power = [np.sum(np.abs(p) ** 2) or 1.0 for p in phasors]
     scaled = [p / np.sqrt(total) for p, total in zip(phasors, power, strict=True)]
-    weight = sum(np.abs(p) for p in scaled)
+    weight = np.sum(np.abs(scaled), axis=0)
     y, x = np.indices(weight.shape, dtype=float)
     mass = weight.sum() or 1.0
     y, x = y - (weight * y).sum() / mass, x - (weight * x).sum() / mass
@@ -78,8 +78,9 @@ def _peak(scaled: list[NDArray[np.complexfloating]], ratio: float) -> tuple[floa
     """Slopes, rad/px, of the largest bin of both spectra together."""
     from scipy.fft import fft2, fftfreq, next_fast_len
 
-    sizes = tuple(next_fast_len(2 * n) for n in scaled[0].shape)
-    first, second = (np.abs(fft2(p.astype(np.complex64), sizes)) ** 2 for p in scaled)
+    sizes: list[int] = [int(next_fast_len(2 * n) or 1) for n in scaled[0].shape]
+    spectra = [np.asarray(fft2(p.astype(np.complex64), sizes)) for p in scaled]
+    first, second = (np.abs(one) ** 2 for one in spectra)
     whole = [np.rint(fftfreq(n) * n) for n in sizes]
     rows, columns = (np.rint(ratio * k).astype(int) % n for k, n in zip(whole, sizes, strict=True))
     best = int(np.argmax(first + second[np.ix_(rows, columns)]))
