@@ -10,7 +10,7 @@
 # One pixel cannot tell its wrap ({doc}`03_wraps`), a surface can. So how well a scene can be
 # unwrapped hangs on its surfaces: how large they are, how bright, how steep, and what is known of
 # them. This page measures it with oracles. Each is told something that a method would have to find
-# out, and reads the rest from the same noisy images as everybody else.
+# out, and reads the rest from the same simulated images as every method.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -75,7 +75,7 @@ def tell(**numbers):
 # as we built it ({doc}`12_network`).
 
 # %%
-tables, states = {}, []
+tables = {}
 for protocol in PROTOCOLS:
     path = Path(results) / f"table2_{protocol}_1200.json"
     held = stored_counts.read_counts(path) if path.is_file() else None

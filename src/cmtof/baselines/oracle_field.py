@@ -10,12 +10,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.baselines import Estimate, within_range
-from cmtof.baselines.beat import box, synthetic_frequency
-from cmtof.baselines.oracle_offset import STEP, demodulated, surfaces
-from cmtof.baselines.region import Pooled, whole_wraps
-from cmtof.bounds import wrap_probability
-from cmtof.correlation import depth_from_phase
+from cmtof.baselines import Estimate
+from cmtof.baselines.beat import box
+from cmtof.baselines.oracle_offset import STEP, demodulated, located, surfaces
+from cmtof.baselines.region import Pooled
 from cmtof.measurement import Measurement
 
 SIDE = 281
@@ -44,18 +42,11 @@ def oracle_field(measurement: Measurement, *, side: int = SIDE, step: float = ST
     assert measurement.depth is not None  # `Method` has made sure
     truth = measurement.depth.astype(float)
     surface, _ = surfaces(truth, step)
-    known = np.isfinite(truth)
-    shape = np.where(known, truth, 0)
+    shape = np.where(np.isfinite(truth), truth, 0)
     first, second = (
         pool_within(phasor, surface, side) for phasor in demodulated(measurement, shape)
     )
-    low, high = (float(f) for f in measurement.frequencies[:2])
-    synthetic = synthetic_frequency(low, high)
-    beat = synthetic.sign * (second.phase - synthetic.multiple * first.phase)
-    offset = whole_wraps(beat, shape, measurement, depth_from_phase(first.phase, low))
-    odds = np.asarray(wrap_probability(first.spread, second.spread, frequencies=(low, high)))
-    depth = np.where(known, shape + offset, sum(measurement.range) / 2)
-    return Estimate(within_range(depth, measurement), np.where(known, odds, 0))
+    return located(measurement, shape, first, second, shape)
 
 
 def pool_within(

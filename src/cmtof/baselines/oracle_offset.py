@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cmtof.baselines import Estimate, within_range
 from cmtof.baselines.beat import synthetic_frequency
-from cmtof.baselines.region import components, mean_over, nearest, pool, whole_wraps
+from cmtof.baselines.region import Pooled, components, mean_over, nearest, pool, whole_wraps
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import depth_from_phase, phase_from_depth
 from cmtof.measurement import Measurement
@@ -111,17 +111,33 @@ def placed(
     surface : ndarray of int, shape (H, W)
         Number of each pixel's surface.
     """
+    phasors = demodulated(measurement, shape)
+    first, second = (Pooled(*(one[surface] for one in pool(p, surface))) for p in phasors)
+    assert measurement.depth is not None
+    counted = np.isfinite(measurement.depth) & measurement.mask
+    return located(measurement, shape, first, second, mean_over(shape, surface, counted)[surface])
+
+
+def located(
+    measurement: Measurement,
+    shape: NDArray[np.floating],
+    first: Pooled,
+    second: Pooled,
+    middle: NDArray[np.floating],
+) -> Estimate:
+    """Depth of a shape (H, W), m, from what was pooled of both frequencies about each pixel.
+
+    ``middle`` (H, W), m, is the part of the shape that lies in range with its offset.
+    """
     assert measurement.depth is not None
     known = np.isfinite(measurement.depth)
-    first, second = (pool(phasor, surface) for phasor in demodulated(measurement, shape))
     low, high = (float(f) for f in measurement.frequencies[:2])
     synthetic = synthetic_frequency(low, high)
     beat = synthetic.sign * (second.phase - synthetic.multiple * first.phase)
-    middle = mean_over(shape, surface, known & measurement.mask)
     offset = whole_wraps(beat, middle, measurement, depth_from_phase(first.phase, low))
     odds = np.asarray(wrap_probability(first.spread, second.spread, frequencies=(low, high)))
-    depth = np.where(known, shape + offset[surface], sum(measurement.range) / 2)
-    return Estimate(within_range(depth, measurement), np.where(known, odds[surface], 0))
+    depth = np.where(known, shape + offset, sum(measurement.range) / 2)
+    return Estimate(within_range(depth, measurement), np.where(known, odds, 0))
 
 
 def surfaces(
