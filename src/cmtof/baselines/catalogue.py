@@ -56,6 +56,9 @@ _ALL = (
     _of("classical", "mrf-graphcut", "Bioucas-Dias and Valadão 2007",
         "the same field with a convex prior, its energy lowered by graph cuts",
         "mrf_graphcut:mrf_graphcut"),
+    Method("cmtof", "classical", "this project",
+        "planes and bent surfaces in true geometry, grown, pooled and tied to each other",
+        "cmtof.facets.unwrapping:cmtof"),
     # ------------------------------------------------------------ learned
     _learned("u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"),
     _learned("one-step", "Wang et al. 2019", "residual U-Net, narrowed: regression of depth"),
@@ -87,7 +90,7 @@ _ALL = (
 
 METHODS = {method.name: method for method in _ALL}
 
-DEFAULT = "beat"
+DEFAULT = "cmtof"
 
 
 def find_method(name: str) -> Method:

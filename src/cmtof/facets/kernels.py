@@ -1,0 +1,256 @@
+"""Compiled loops (Numba): likelihood of a surface over cells and over rectangles, and its fit.
+
+A surface is ``1 / z = cosine (q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2)``; without the last
+three it is a plane, exactly. Derivatives ``dz / dq_j = -z^2 cosine u^a v^b`` are monomials, so that
+a row's sums over powers of u serve all of them.
+"""
+
+import numpy as np
+from numba import njit
+
+from cmtof.facets.field import CELL
+
+_U = np.array([1, 0, 0, 2, 1, 0])
+_V = np.array([0, 1, 0, 0, 1, 2])
+"""Powers of u and v of the six functions."""
+
+PLANE, BENT = 3, 6
+"""Parameters of a plane and of a bent surface."""
+
+_NEAREST = 0.02
+"""Smallest 1 / z, 1 / m, that a surface may have."""
+
+
+@njit(inline="always", fastmath=True)
+def _turn(turns):  # pragma: no cover - compiled
+    """Cosine and sine of an angle in turns, to 2e-8: Taylor series on a quarter turn each side."""
+    whole = np.floor(2 * turns + 0.5)
+    x = (turns - 0.5 * whole) * 2 * np.pi
+    odd = 1.0 - 2.0 * (whole - 2.0 * np.floor(0.5 * whole))
+    y = x * x
+    c = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90 * (1 - y / 132)))))
+    s = x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72 * (1 - y / 110)))))
+    return odd * c, odd * s
+
+
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compiled
+    """Add a rectangle's sums to moments: S, E, b, c, then those of g, h and M.
+
+    moments: [0] S, [1] E, [2] b, [3] c, [4:10] g, [10:16] h, [16:52] M by rows.
+    """
+    real, imaginary, information, wavenumber, turns, u, v, cosine = field
+    k1, k2 = wavenumber[0], wavenumber[1]
+    t1, t2 = turns[0], turns[1]
+    f1, f2 = k1 / (2 * np.pi), k2 / (2 * np.pi)
+    for y in range(box[0], box[1]):
+        first = q[0] + q[4] * v[y]
+        none = q[2] + q[1] * v[y] + q[5] * v[y] * v[y]
+        w0, w1, w2, w3, w4 = 0.0, 0.0, 0.0, 0.0, 0.0
+        g0, g1, g2, h0, h1, h2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        likelihood, most, b, c = 0.0, 0.0, 0.0, 0.0
+        for x in range(box[2], box[3]):
+            counts = 1.0 if only < 0 or label[y, x] == only else 0.0
+            inverse = cosine[y, x] * (none + u[x] * (first + q[3] * u[x]))
+            z = 1.0 / max(inverse, _NEAREST)
+            slope = -z * z * cosine[y, x]
+            c1, s1 = _turn(f1 * z)
+            c2, s2 = _turn(f2 * z)
+            e1 = counts * (imaginary[0, y, x] * c1 - real[0, y, x] * s1)
+            e2 = counts * (imaginary[1, y, x] * c2 - real[1, y, x] * s2)
+            i1 = counts * information[0, y, x]
+            i2 = counts * information[1, y, x]
+            likelihood += counts * (real[0, y, x] * c1 + imaginary[0, y, x] * s1)
+            likelihood += counts * (real[1, y, x] * c2 + imaginary[1, y, x] * s2)
+            most += i1 + i2
+            b += e1 * t1 + e2 * t2
+            c += i1 * t1 * t1 + i2 * t2 * t2
+            g = (e1 * k1 + e2 * k2) * slope
+            h = (i1 * t1 * k1 + i2 * t2 * k2) * slope
+            w = (i1 * k1 * k1 + i2 * k2 * k2) * slope * slope
+            g0 += g
+            g1 += g * u[x]
+            g2 += g * u[x] * u[x]
+            h0 += h
+            h1 += h * u[x]
+            h2 += h * u[x] * u[x]
+            square = u[x] * u[x]
+            w0 += w
+            w1 += w * u[x]
+            w2 += w * square
+            w3 += w * u[x] * square
+            w4 += w * square * square
+        moments[0] += likelihood
+        moments[1] += most
+        moments[2] += b
+        moments[3] += c
+        row_g = (g0, g1, g2)
+        row_h = (h0, h1, h2)
+        row_w = (w0, w1, w2, w3, w4)
+        power = (1.0, v[y], v[y] * v[y])
+        for i in range(BENT):
+            up = power[_V[i]]
+            moments[4 + i] += up * row_g[_U[i]]
+            moments[10 + i] += up * row_h[_U[i]]
+            for j in range(i + 1):
+                moments[16 + 6 * i + j] += up * power[_V[j]] * row_w[_U[i] + _U[j]]
+
+
+@njit(cache=True, nogil=True)
+def _solved(moments, right, size):  # pragma: no cover - compiled
+    """M^-1 right for the first functions, scaled to a unit diagonal."""
+    scale = np.empty(size)
+    matrix = np.empty((size, size))
+    for i in range(size):
+        scale[i] = 1 / np.sqrt(moments[16 + 7 * i] + 1e-12)
+    for i in range(size):
+        for j in range(i + 1):
+            matrix[i, j] = moments[16 + 6 * i + j] * scale[i] * scale[j]
+            matrix[j, i] = matrix[i, j]
+        matrix[i, i] += 1e-10
+    out = np.zeros(BENT)
+    out[:size] = np.linalg.solve(matrix, right[:size] * scale) * scale
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _look(field, label, only, q, boxes, size):  # pragma: no cover - compiled
+    """S, E, Gauss-Newton step, offset in wraps that the surface lacks, and what is known of it.
+
+    Along ``m`` wraps and a change of q the phases fit as ``sum K (e + m t - k J dq)^2``; with dq
+    at its best a parabola in m is left, ``known (m - offset)^2``.
+    """
+    moments = np.zeros(52)
+    for i in range(boxes.shape[0]):
+        _rectangle(field, label, only, q, boxes[i], moments)
+    likelihood, most = moments[0], moments[1]
+    share = min(max(likelihood / max(most, 1e-9), 0.3), 1.0)
+    g = moments[4:10] / share
+    h = moments[10:16]
+    step = _solved(moments, g, size)
+    shift = _solved(moments, h, size)
+    known = max(moments[3] - np.sum(h[:size] * shift[:size]), 1e-12)
+    offset = -(moments[2] / share - np.sum(g[:size] * shift[:size])) / known
+    return likelihood, most, step, offset, known * share
+
+
+@njit(cache=True, nogil=True)
+def moved(field, q, boxes, size, distance):  # pragma: no cover - compiled
+    """The surface of that many functions nearest to this one moved by a distance, m."""
+    u, v, cosine = field[5], field[6], field[7]
+    normal, wanted, basis = np.zeros(52), np.zeros(BENT), np.zeros(BENT)
+    for n in range(0, boxes.shape[0], max(1, boxes.shape[0] // 100)):
+        box = boxes[n]
+        for y in range(box[0], box[1], 3):
+            below = (1.0, v[y], v[y] * v[y])
+            for x in range(box[2], box[3], 3):
+                across = (1.0, u[x], u[x] * u[x])
+                for j in range(BENT):
+                    basis[j] = across[_U[j]] * below[_V[j]]
+                value = np.sum(q * basis)
+                z = max(1 / max(cosine[y, x] * value, _NEAREST) + distance, 0.05)
+                weight = z**4 * cosine[y, x] ** 2
+                for i in range(size):
+                    wanted[i] += weight * basis[i] / (z * cosine[y, x])
+                    for j in range(i + 1):
+                        normal[16 + 6 * i + j] += weight * basis[i] * basis[j]
+    return _solved(normal, wanted, size)
+
+
+@njit(cache=True, nogil=True)
+def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover - compiled
+    """Climb: Gauss-Newton steps while they raise S, then whole wraps that raise it.
+
+    Returns q, S, E, the offset still lacking, wraps, and its inverse variance.
+    """
+    q = q.copy()
+    best, most, step, offset, known = _look(field, label, only, q, boxes, size)
+    for _ in range(steps):
+        new = q + step
+        trial = _look(field, label, only, new, boxes, size)
+        if trial[0] <= best:
+            break
+        gain = trial[0] - best
+        q = new
+        best, most, step, offset, known = trial
+        if gain < 0.02:
+            break
+    wrap = 2 * np.pi / field[3][0]
+    for _ in range(5 if hops > 0 else 0):
+        whole = min(max(np.rint(offset), -hops), hops)
+        found = False
+        while whole != 0:
+            new = moved(field, q, boxes, size, whole * wrap)
+            trial = _look(field, label, only, new, boxes, size)
+            for _ in range(3):
+                again = _look(field, label, only, new + trial[2], boxes, size)
+                if again[0] <= trial[0]:
+                    break
+                new = new + trial[2]
+                trial = again
+            if trial[0] > best:
+                q = new
+                best, most, step, offset, known = trial
+                found = True
+                break
+            whole = np.rint(whole / 2) if abs(whole) > 1 else 0.0
+        if not found:
+            break
+    return q, best, most, offset, known
+
+
+@njit(cache=True, nogil=True)
+def select(field, label, only, q, boxes, steps, hops, gain, flat, weight):  # pragma: no cover
+    """Plane, or a bent surface where that fits much better: by ``gain`` and by ``flat`` m (rms).
+
+    Returns q, S, E, offset, its inverse variance, the number of functions, and by how much, m
+    (rms), a plane misses. ``weight`` says how many pixels stand for each that is looked at.
+    """
+    k = field[3]
+    if q[3] != 0 or q[4] != 0 or q[5] != 0:
+        bent = refine(field, label, only, q, boxes, BENT, steps, hops)
+        start = moved(field, bent[0], boxes, PLANE, 0.0)
+        plane = refine(field, label, only, start, boxes, PLANE, steps, hops)
+        again = refine(field, label, only, plane[0], boxes, BENT, steps, hops)
+        if again[1] > bent[1]:
+            bent = again
+    else:
+        plane = refine(field, label, only, q, boxes, PLANE, steps, hops)
+        bent = refine(field, label, only, plane[0], boxes, BENT, steps, hops)
+    # S falls by half of K k^2 times the square of what a plane misses
+    stiff = max(plane[2] * weight * (k[0] ** 2 + k[1] ** 2) / 4, 1e-9)
+    lost = (bent[1] - plane[1]) * weight
+    missed = np.sqrt(max(lost - 4.0, 0.0) / stiff)
+    if lost > gain + stiff * flat**2:
+        return bent[0], bent[1], bent[2], bent[3], bent[4], BENT, missed
+    return plane[0], plane[1], plane[2], plane[3], plane[4], PLANE, missed
+
+
+@njit(inline="always", fastmath=True)
+def depth_at(field, q, y, x):  # pragma: no cover - compiled
+    """Depth, m, of a surface at a pixel."""
+    u, v, cosine = field[5], field[6], field[7]
+    inverse = q[2] + q[0] * u[x] + q[1] * v[y]
+    inverse += q[3] * u[x] * u[x] + q[4] * u[x] * v[y] + q[5] * v[y] * v[y]
+    return 1.0 / max(cosine[y, x] * inverse, _NEAREST)
+
+
+@njit(inline="always", fastmath=True)
+def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
+    """S of a surface at one pixel."""
+    real, imaginary, wavenumber = field[0], field[1], field[3]
+    z = depth_at(field, q, y, x)
+    c1, s1 = _turn(wavenumber[0] / (2 * np.pi) * z)
+    c2, s2 = _turn(wavenumber[1] / (2 * np.pi) * z)
+    total = real[0, y, x] * c1 + imaginary[0, y, x] * s1
+    return total + real[1, y, x] * c2 + imaginary[1, y, x] * s2
+
+
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
+    """S of a surface over one cell."""
+    total = 0.0
+    for y in range(row * CELL, row * CELL + CELL):
+        for x in range(column * CELL, column * CELL + CELL):
+            total += pixel_likelihood(field, q, y, x)
+    return total

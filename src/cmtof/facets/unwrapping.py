@@ -1,0 +1,172 @@
+"""Our method: surfaces in true geometry, grown, pooled and tied to each other.
+
+1. `cmtof.facets.field`: each pixel's phasors, weighted so that likelihoods add up.
+2. `cmtof.facets.seeds`: planes in windows, out of the joint peak of both spectra.
+3. `cmtof.facets.growing`: each plane takes the cells that it explains, is fitted again, bends if
+   it must, and moves by whole wraps if that is likelier.
+4. `cmtof.facets.labels`: every pixel takes the likeliest surface beside it.
+5. `cmtof.facets.offsets`: the whole wraps of each surface, by its beat and by its shape.
+6. `cmtof.facets.ties`: surfaces that meet share what they know.
+7. Here: what no surface explains takes the nearest one or its neighbourhood's beat.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmtof.baselines.beat import box
+from cmtof.baselines.method import Estimate, within_range
+from cmtof.baselines.region import nearest
+from cmtof.correlation import TAU
+from cmtof.facets.field import Field, field_from_measurement
+from cmtof.facets.growing import grown_surfaces
+from cmtof.facets.labels import depth_of_labels, interiors, pixel_labels
+from cmtof.facets.offsets import Offsets, fitted, offsets
+from cmtof.facets.ties import Borders, Tied, borders, tied
+from cmtof.measurement import Measurement
+
+REACH = 4
+"""Pixels around a surface that are given to it where nothing explains them."""
+
+WINDOW = 41
+"""Side, px, of the square over which the beat is averaged further away."""
+
+CALIBRATION = (
+    (0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0),
+    (0.05, 0.18, 0.3, 0.45, 0.65, 0.85, 0.95),
+)
+"""Odds that the sums foretell, and the share that was right."""
+
+NEAR, FAR = 0.3, 0.1
+"""Share that was right of what the nearest surface's odds foretell, and of pixels far from any."""
+
+
+class Stages(NamedTuple):
+    """What each step found; images are (H, W), padded to whole cells."""
+
+    field: Field
+    owner: NDArray[np.int64]
+    """Surface of each cell, -1 for none."""
+    label: NDArray[np.int32]
+    """Surface of each pixel, -1 for none."""
+    surfaces: NDArray[np.float64]
+    """Parameters (N, 6), before any offset is added."""
+    offsets: Offsets
+    borders: Borders
+    tied: Tied
+    depth: NDArray[np.float64]
+    """Depth of all pixels, m."""
+    odds: NDArray[np.float64]
+    """That the wrap is right, before it is calibrated."""
+    distance: NDArray[np.float64]
+    """To the nearest pixel that a surface explains, px."""
+
+
+def cmtof(
+    measurement: Measurement, *, bent: bool = True, shape: bool = True, ties: bool = True,
+    fill: bool = True,
+) -> Estimate:  # fmt: skip
+    """Unwrap by surfaces, each pooled over all of its pixels.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        At two frequencies. With a camera a surface's shape tells its distance as well.
+    bent : bool
+        Let surfaces bend; otherwise all are planes.
+    shape : bool
+        Use what a surface's shape tells of its offset; otherwise only the beat does.
+    ties : bool
+        Tie surfaces that meet.
+    fill : bool
+        Give pixels far from any surface their neighbourhood's beat; otherwise the nearest surface.
+
+    Raises
+    ------
+    ValueError
+        If the frequencies are multiples of each other.
+    """
+    found = stages(measurement, bent=bent, shape=shape, ties=ties, fill=fill)
+    height, width = measurement.shape
+    odds = np.interp(found.odds, *CALIBRATION)
+    odds = np.where(found.distance > 0, NEAR * odds, odds)
+    odds = np.where(found.distance > REACH, FAR, odds)
+    depth = within_range(found.depth[:height, :width], measurement)
+    return Estimate(depth, np.where(measurement.mask, odds[:height, :width], 0))
+
+
+def stages(
+    measurement: Measurement, *, bent: bool = True, shape: bool = True, ties: bool = True,
+    fill: bool = True,
+) -> Stages:  # fmt: skip
+    """Run the method and keep what each step found; see `cmtof`."""
+    from scipy.ndimage import distance_transform_edt
+
+    field = field_from_measurement(measurement)
+    owner, surfaces = grown_surfaces(field, bent=bent)
+    label, share = pixel_labels(field, owner, surfaces)
+    inner = interiors(label, share)
+    surfaces, fit = fitted(field, inner, surfaces, bent=bent)
+    alone = offsets(
+        field, inner, surfaces, fit, shape=shape and measurement.camera is not None
+    )  # without a camera the shape is assumed
+    touching = borders(field, label, surfaces)
+    joined = tied(alone, touching if ties else Borders(*(part[:0] for part in touching)))
+    explained = label >= 0
+    everywhere = label[nearest(explained)]
+    depth = depth_of_labels(field, everywhere, surfaces)
+    if len(surfaces):
+        scored = np.zeros(label.shape, bool)
+        scored[: measurement.shape[0], : measurement.shape[1]] = measurement.mask
+        joined = _inside(joined, depth, np.where(scored, label, -1), field)
+        depth = depth + field.period * joined.wraps[everywhere]
+    odds = _odds(joined)[everywhere] if len(surfaces) else np.zeros(label.shape)
+    distance = np.full(label.shape, np.inf)
+    if explained.any():
+        distance = distance_transform_edt(~explained)
+    lost = ~np.isfinite(depth) | ((distance > REACH) & fill)
+    if lost.any():
+        depth = np.where(lost, _beat_depth(field, ~explained), depth)
+    return Stages(
+        field, owner, label, surfaces, alone, touching, joined, depth, odds, np.asarray(distance)
+    )
+
+
+def _inside(
+    joined: Tied, depth: NDArray[np.float64], label: NDArray[np.integer], field: Field
+) -> Tied:
+    """Move groups by whole wraps until their scored pixels lie within the limits on average."""
+    known = label >= 0
+    count = joined.wraps.size
+    group = joined.group[label[known]]
+    size = np.bincount(group, minlength=count)
+    placed = depth[known] + field.period * joined.wraps[label[known]]
+    mean = np.bincount(group, placed, count) / np.maximum(size, 1)
+    low, high = field.limits
+    up = np.ceil(np.maximum(low - mean, 0) / field.period)
+    down = np.ceil(np.maximum(mean - high, 0) / field.period)
+    extra = np.where(size > 0, up - down, 0)[joined.group]
+    return joined._replace(wraps=joined.wraps + extra)
+
+
+def _odds(joined: Tied) -> NDArray[np.float64]:
+    """Probability (N,) that each group's offset, a Gaussian, was rounded to the right wrap."""
+    from scipy.special import ndtr
+
+    off = joined.mean - joined.wraps
+    return ndtr((0.5 - off) / joined.spread) - ndtr((-0.5 - off) / joined.spread)
+
+
+def _beat_depth(field: Field, among: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Depth (H, W), m, of the beat averaged over a window, among those pixels only."""
+    multiple = np.rint(field.wavenumber[1] / field.wavenumber[0])
+    synthetic = field.wavenumber[1] - multiple * field.wavenumber[0]
+    low = field.real[0] + 1j * field.imaginary[0]
+    high = field.real[1] + 1j * field.imaginary[1]
+    unit = low / np.maximum(np.abs(low), np.finfo(np.float32).tiny)
+    mean = box(np.where(among, high * np.conj(unit) ** multiple, 0), WINDOW)
+    depth = np.angle(mean) / synthetic
+    period = TAU / abs(synthetic)
+    middle = sum(field.limits) / 2
+    return depth + period * np.rint((middle - depth) / period)
