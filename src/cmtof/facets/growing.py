@@ -8,7 +8,7 @@ from cmtof.facets.field import CELL, Field
 from cmtof.facets.kernels import BENT, cell_likelihood, select
 from cmtof.facets.seeds import LEAST, Windows, plane_in_window, windows
 
-START = 0.75
+START = 0.65
 """Share S / E of what a window could say at best that a plane must reach to begin there."""
 
 JOIN = 0.6

@@ -30,7 +30,7 @@ _LONG = 24
 _JUMP = 40.0
 """Wraps over which the depths of surfaces that do not meet are spread."""
 
-_MEET = 3.0
+_MEET = 0.3
 """Odds from which on two surfaces are tied."""
 
 _LOOSE = 0.05

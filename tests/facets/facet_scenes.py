@@ -1,0 +1,105 @@
+"""Scenes in closed form: a furnished corner and single planes, with their exact depth."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import phase_from_depth, wrap_length
+from cmtof.facets.field import CELL, Field, field_from_measurement
+from cmtof.measurement import Measurement
+from cmtof.scenes.rgbd import Frame, rays_from_camera
+
+SHAPE = (128, 160)
+CAMERA = (140.0, 138.0, 81.0, 62.5)
+
+_ROOM = (((0.6, 0.0, 0.8), 2.1), ((-0.8, 0.0, 0.6), 2.0), ((0.0, 1.0, 0.0), 2.1))
+"""Normals and distances, m, of two walls and the floor about a camera at the origin."""
+
+_BOX = ((0.95, 1.5, 0.75), (1.55, 2.1, 1.45))
+"""Nearest and furthest corner, m, of a box on the floor, along axes turned as below."""
+
+_TURN, _PITCH = np.deg2rad(40), np.deg2rad(42)
+"""Of the box about the vertical, and of the camera towards the floor."""
+
+
+class Scene(NamedTuple):
+    """A frame, and which surface each of its pixels shows."""
+
+    frame: Frame
+    part: NDArray[np.int64]
+    """0 and 1 the walls, 2 the floor, 3 to 5 the box's faces across x, y and z."""
+
+
+def unit_rays(shape: tuple[int, int], camera=CAMERA) -> NDArray[np.float64]:
+    rays = rays_from_camera(shape, camera)
+    return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+
+
+def corner_scene(shape: tuple[int, int] = SHAPE, camera=CAMERA) -> Scene:
+    """Two walls, a floor and a box before them, hit by formula."""
+    x, y, z = np.moveaxis(unit_rays(shape, camera), -1, 0)
+    c, s = np.cos(_PITCH), np.sin(_PITCH)
+    d = np.stack([x, c * y + s * z, c * z - s * y], axis=-1)
+    with np.errstate(divide="ignore"):
+        room = np.stack([h / np.maximum(d @ np.array(n), 1e-9) for n, h in _ROOM])
+        c, s = np.cos(_TURN), np.sin(_TURN)
+        d = np.stack([c * d[..., 0] + s * d[..., 2], d[..., 1], c * d[..., 2] - s * d[..., 0]], -1)
+        sides = np.sort(np.stack([np.array(_BOX)[:, i, None, None] / d[..., i] for i in range(3)]), 1)
+    enter, leave = sides[:, 0], sides[:, 1]
+    hit = (enter.max(axis=0) < leave.min(axis=0)) & (enter.max(axis=0) > 0)
+    hit &= enter.max(axis=0) < room.min(axis=0)
+    depth = np.where(hit, enter.max(axis=0), room.min(axis=0))
+    part = np.where(hit, 3 + enter.argmax(axis=0), room.argmin(axis=0))
+    paint = np.array([0.85, 0.65, 0.95, 0.8, 1.0, 0.6])[part]
+    rows, columns = np.indices(shape)
+    texture = 0.8 + 0.2 * np.sin(0.31 * columns + 0.17 * rows) * np.cos(0.23 * rows)
+    return Scene(Frame(depth, np.clip(paint * texture, 0.3, 1), np.array(camera), "corner"), part)
+
+
+def plane_depth(normal, z: float, shape: tuple[int, int] = SHAPE, camera=CAMERA):
+    """Range (H, W), m, of the plane through (0, 0, z) with a normal; and its q (6,)."""
+    q = np.zeros(6)
+    q[:3] = np.asarray(normal, float) / (normal[2] * z)
+    return 1 / (unit_rays(shape, camera) @ q[:3]), q
+
+
+def plane_frame(normal, z: float, intensity=1.0, shape=SHAPE, camera=CAMERA) -> Frame:
+    depth, _ = plane_depth(normal, z, shape, camera)
+    return Frame(depth, np.broadcast_to(intensity, shape), np.array(camera), "plane")
+
+
+def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA) -> Field:
+    """Field of known depths in which every pixel and frequency is worth the same information.
+
+    ``noise_of`` is a generator to draw the phasors' own noise from.
+    """
+    depth = np.asarray(depth, float)
+    phase = np.stack([phase_from_depth(depth, f) for f in FREQUENCIES])
+    field = field_from_measurement(Measurement.from_phase(phase, FREQUENCIES, camera=camera))
+    height, width = depth.shape
+    k = np.zeros_like(field.information)
+    k[:, :height, :width] = information
+    p = np.zeros(k.shape, complex)
+    p[:, :height, :width] = np.exp(1j * phase)
+    p *= np.sqrt(k)  # a / s, where the noise is 1 in each component
+    if noise_of is not None:
+        drawn = noise_of.normal(size=(2, *k.shape))
+        p += drawn[0] + 1j * drawn[1]
+    p *= np.sqrt(k)
+    return field._replace(
+        real=p.real.astype(np.float32), imaginary=p.imag.astype(np.float32), information=k
+    )
+
+
+def whole_boxes(shape: tuple[int, int]) -> NDArray[np.int64]:
+    """Every cell of an image as a rectangle (N, 4)."""
+    y, x = (CELL * i.ravel() for i in np.indices((shape[0] // CELL, shape[1] // CELL)))
+    return np.stack([y, y + CELL, x, x + CELL], axis=1)
+
+
+NOTHING = np.zeros((1, 1), np.int32)
+"""Labels where a fit looks at whole rectangles."""
+
+WRAP = float(wrap_length(FREQUENCIES[0]))
