@@ -75,8 +75,8 @@ def tell(**numbers):
 #   P_f = \frac{a_f\,p_f}{s_f^2},\quad k_f = \frac{4\pi f}{c},$$
 #
 # and at the true depth it reaches $E = \sum_f a_f^2/s_f^2$ on average. Both are sums, over
-# frequencies and over pixels, so a hypothesis about a whole surface is as likely as the sum over its
-# pixels, and $S/E$ says how much of them it explains. What the method does is to look for the
+# frequencies and over pixels, so a hypothesis about a whole surface is as likely as the sum over
+# its pixels, and $S/E$ says how much of them it explains. What the method does is to look for the
 # surfaces of largest $S$.
 #
 # A plane seen by a camera is exactly linear in the inverse of its range: with $u = x/z$ and
@@ -91,8 +91,8 @@ def tell(**numbers):
 # Moved by one wrap, a surface fits the lower phase as well as before, and the higher one but for
 # $2\pi\,(k_2/k_1 - 2)$ or 17.6 mrad: that is the beat. But a plane that is moved *along the rays*
 # is no plane any more. Where the camera is known, the bend betrays the move, and it grows with the
-# square of the width: in the likelihood of a wall, with the sixth power, the beat's with the second.
-# Neither of the oracles that place true shapes uses this.
+# square of the width: in the likelihood of a wall, with the sixth power, the beat's with the
+# second. Neither of the oracles that place true shapes uses this.
 
 
 # %%
@@ -177,7 +177,9 @@ print(count, "surfaces;", len(found.borders.first), "borders")
 
 
 def wraps_off(depth):
-    return np.abs(np.floor(depth[inside] / found.field.period) - np.floor(truth / found.field.period))
+    return np.abs(
+        np.floor(depth[inside] / found.field.period) - np.floor(truth / found.field.period)
+    )
 
 
 own = depth_of_labels(found.field, found.label, found.surfaces)

@@ -160,9 +160,10 @@ def test_refine_climbs_back(normal, seed):
     assert got[1] == pytest.approx(got[2], rel=1e-6)
 
 
-@pytest.mark.parametrize("normal", NORMALS)
+@pytest.mark.parametrize("normal", NORMALS[:3])
 @pytest.mark.parametrize("wraps", [7, -7, 1, -12])
 def test_refine_hops_over_whole_wraps(normal, wraps):
+    """As long as the moved plane is bent by less than half a wrap, which these are."""
     depth, q = plane(normal)
     field = field_of(depth)
     start = moved(field.arrays(), q, BOXES, PLANE, wraps * WRAP)
@@ -189,9 +190,9 @@ def test_a_plane_is_called_a_plane(normal, rng):
     assert got[6] < 2e-4
 
 
-@pytest.mark.parametrize("radius", [10.0, 20.0, 40.0, -20.0])
+@pytest.mark.parametrize("radius", [20.0, 40.0, -20.0, -40.0])
 def test_a_ball_is_called_bent(radius, rng):
-    """Sag over half the width: 16 mm to 4 mm, to and from the camera."""
+    """Sag over half the width: 13 mm and 6 mm, to and from the camera."""
     centre = 2.5 + radius
     along = unit_rays(SHAPE, CENTRED)[..., 2] * centre
     depth = along - np.sign(radius) * np.sqrt(along**2 - centre**2 + radius**2)

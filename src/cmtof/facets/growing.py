@@ -5,10 +5,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cmtof.facets.field import CELL, Field
-from cmtof.facets.kernels import BENT, cell_likelihood, select
-from cmtof.facets.seeds import LEAST, Windows, plane_in_window, windows
+from cmtof.facets.kernels import BENT, cell_likelihood, depth_at, select
+from cmtof.facets.seeds import FREE, WINDOWS, plane_in_window, windows
 
-START = 0.65
+START = 0.75
 """Share S / E of what a window could say at best that a plane must reach to begin there."""
 
 JOIN = 0.6
@@ -37,20 +37,22 @@ def grown_surfaces(
     From the best window on, a plane is fitted to a window, takes the cells beside it that it
     explains, and is fitted again whenever it has doubled.
     """
-    start = windows(field)
     shape = tuple(n // CELL for n in field.cosine.shape)
     both = field.information.sum(axis=0, dtype=float)
     information = both.reshape(shape[0], CELL, shape[1], CELL).sum(axis=(1, 3))
     label = np.zeros((1, 1), np.int32)  # fits look at whole cells
     gain = GAIN if bent else np.inf
-    owner, surfaces = _grow(
-        field.arrays(), label, tuple(np.asarray(part) for part in start), information,
-        (float(field.limits[0]), float(field.limits[1])), gain,
-    )  # fmt: skip
+    limits = (float(field.limits[0]), float(field.limits[1]))
+    owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, BENT))
+    for kind in WINDOWS:
+        start = windows(field, owner < 0, *kind)
+        added = _grow(field.arrays(), label, tuple(start), information, limits, gain, owner,
+                      len(surfaces))  # fmt: skip
+        surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
         owner = _reassigned(field.arrays(), owner, surfaces, information)
         if turn % 2:
-            surfaces = _refitted(field.arrays(), label, owner, surfaces, gain)
+            surfaces = _refitted(field.arrays(), label, owner, surfaces, limits[1], gain)
     return owner, surfaces
 
 
@@ -67,23 +69,19 @@ def _boxes(cells, columns, most):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True)
-def _possible(field, q, box, limits):  # pragma: no cover - compiled
+def possible(field, q, box, farthest):  # pragma: no cover - compiled
     """Whether a surface lies before the camera and not far beyond the limits."""
-    u, v, cosine = field[5], field[6], field[7]
-    y, x = box[0], box[2]
-    inverse = q[0] * u[x] + q[1] * v[y] + q[2]
-    inverse += q[3] * u[x] * u[x] + q[4] * u[x] * v[y] + q[5] * v[y] * v[y]
-    inverse *= cosine[y, x]
-    return inverse > 0.5 / limits[1] and inverse * max(limits[0], 0.25 * limits[1] / 7) < 4
+    z = depth_at(field, q, box[0], box[2])
+    return 0.02 * farthest < z < 2 * farthest
 
 
 @njit(cache=True, nogil=True)
-def _grow(field, label, start, information, limits, gain):  # pragma: no cover - compiled
+def _grow(field, label, start, information, limits, gain, owner, count):  # pragma: no cover
+    """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
     rows, columns = information.shape
-    owner = np.full((rows, columns), -1, np.int64)
     stamp = np.zeros((rows, columns), np.int64)
     surfaces = np.zeros((start[0].size, BENT))
-    count = 0
+    first = count
     for n in range(start[0].size):
         window = (start[0][n], start[1][n], start[2][n], start[3][n], start[4][n])
         side = max(window[2] // CELL, 1)
@@ -94,7 +92,7 @@ def _grow(field, label, start, information, limits, gain):  # pragma: no cover -
                 told += information[y, x]
                 if owner[y, x] < 0:
                     free += 1
-        if free < 0.7 * side * side:
+        if free < FREE * side * side:
             continue
         q, likelihood = plane_in_window(field, label, window, limits, told)
         if likelihood < START * told:
@@ -103,11 +101,11 @@ def _grow(field, label, start, information, limits, gain):  # pragma: no cover -
         size = 0
         for y in range(y0, y0 + side):
             for x in range(x0, x0 + side):
-                if owner[y, x] < 0:
-                    if cell_likelihood(field, q, y, x) > JOIN * information[y, x]:
-                        region[size] = y * columns + x
-                        stamp[y, x] = n + 1
-                        size += 1
+                told_here = JOIN * information[y, x]
+                if owner[y, x] < 0 and cell_likelihood(field, q, y, x) > told_here:
+                    region[size] = y * columns + x
+                    stamp[y, x] = n + 1
+                    size += 1
         if size < 0.6 * free:
             continue
         while True:
@@ -115,7 +113,7 @@ def _grow(field, label, start, information, limits, gain):  # pragma: no cover -
             boxes = _boxes(region[:size], columns, _CELLS)
             weight = size / boxes.shape[0]
             fit = select(field, label, -1, q, boxes, 2, _HOPS, gain, FLAT, weight)
-            if _possible(field, fit[0], boxes[0], limits):
+            if possible(field, fit[0], boxes[0], limits[1]):
                 q = fit[0]
             size = _spread(field, q, owner, stamp, n + 1, region, size, information)
             if size == before:
@@ -123,9 +121,9 @@ def _grow(field, label, start, information, limits, gain):  # pragma: no cover -
         if size >= 0.6 * side * side:
             for i in range(size):
                 owner[region[i] // columns, region[i] % columns] = count
-            surfaces[count] = q
+            surfaces[count - first] = q
             count += 1
-    return owner, surfaces[:count]
+    return surfaces[: count - first]
 
 
 @njit(cache=True, nogil=True)
@@ -192,7 +190,7 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
 
 
 @njit(cache=True, nogil=True)
-def _refitted(field, label, owner, surfaces, gain):  # pragma: no cover - compiled
+def _refitted(field, label, owner, surfaces, farthest, gain):  # pragma: no cover - compiled
     columns = owner.shape[1]
     out = surfaces.copy()
     order = np.argsort(owner.ravel(), kind="mergesort")
@@ -204,6 +202,6 @@ def _refitted(field, label, owner, surfaces, gain):  # pragma: no cover - compil
         boxes = _boxes(order[a:b], columns, _CELLS)
         weight = (b - a) / boxes.shape[0]
         fit = select(field, label, -1, out[n], boxes, 2, _HOPS, gain, FLAT, weight)
-        if _possible(field, fit[0], boxes[0], (0.05, 20.0)):
+        if possible(field, fit[0], boxes[0], farthest):
             out[n] = fit[0]
     return out

@@ -1,8 +1,8 @@
 """Compiled loops (Numba): likelihood of a surface over cells and over rectangles, and its fit.
 
-A surface is ``1 / z = cosine (q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2)``; without the last
-three it is a plane, exactly. Derivatives ``dz / dq_j = -z^2 cosine u^a v^b`` are monomials, so that
-a row's sums over powers of u serve all of them.
+A surface is ``1 / z = cosine (q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2)``; without the
+last three it is a plane, exactly. Derivatives ``dz / dq_j = -z^2 cosine u^a v^b`` are monomials, so
+that a row's sums over powers of u serve all of them.
 """
 
 import numpy as np

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cmtof.correlation import TAU
 from cmtof.facets.field import CELL, Field
-from cmtof.facets.growing import FLAT, GAIN
+from cmtof.facets.growing import FLAT, GAIN, possible
 from cmtof.facets.kernels import PLANE, depth_at, select
 
 _CELLS = 400
@@ -60,14 +60,13 @@ def fitted(
     of, cells = np.divmod(pairs, rows * columns)
     starts = np.searchsorted(of, np.arange(len(surfaces) + 1))
     out, fit = surfaces.copy(), np.zeros((len(surfaces), 5))
-    limits = (float(field.limits[0]), float(field.limits[1]))
-    gain = GAIN if bent else np.inf
-    _fit(field.arrays(), inner, cells, starts, columns, limits, gain, out, fit)
+    farthest, gain = float(field.limits[1]), GAIN if bent else np.inf
+    _fit(field.arrays(), inner, cells, starts, columns, farthest, gain, out, fit)
     return out, fit
 
 
 @njit(cache=True, nogil=True)
-def _fit(field, inner, cells, starts, columns, limits, gain, surfaces, fit):  # pragma: no cover
+def _fit(field, inner, cells, starts, columns, farthest, gain, surfaces, fit):  # pragma: no cover
     k = field[3]
     for n in range(surfaces.shape[0]):
         own = cells[starts[n] : starts[n + 1]]
@@ -81,8 +80,7 @@ def _fit(field, inner, cells, starts, columns, limits, gain, surfaces, fit):  # 
         weight = (starts[n + 1] - starts[n]) / own.size
         found = select(field, inner, n, surfaces[n], boxes, _STEPS, _HOPS, gain, FLAT, weight)
         q, _, most, offset, known, size, missed = found
-        z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
-        if not 0.1 * limits[0] < z < 2 * limits[1]:
+        if not possible(field, q, boxes[0], farthest):
             continue
         surfaces[n] = q
         stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
@@ -143,7 +141,8 @@ def pooled_beats(
     turned = (sums * np.exp(-1j * turns * residual))[:, known]
     total = np.array(
         [
-            np.bincount(main[known], one.real, count) + 1j * np.bincount(main[known], one.imag, count)
+            np.bincount(main[known], one.real, count)
+            + 1j * np.bincount(main[known], one.imag, count)
             for one in turned
         ]
     )

@@ -12,15 +12,18 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cmtof.correlation import TAU
-from cmtof.facets.field import Field
+from cmtof.facets.field import CELL, Field
 from cmtof.facets.kernels import BENT, PLANE, refine
 
 WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
-"""Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and
-how many times its bins are refined: large ones first, for what is large should stay in one piece."""
+"""Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
+many times its bins are refined: large ones first, for what is large should stay in one piece."""
 
 LEAST = 150.0
 """Information E below which a window starts nothing: its noise would fit as well."""
+
+FREE = 0.7
+"""Share of a window's cells that must be without a surface."""
 
 _ALIASES = 2
 """Whole turns per pixel, to each side, that are tried."""
@@ -44,27 +47,44 @@ class Windows(NamedTuple):
     """The same towards the next column."""
 
 
-def windows(field: Field) -> Windows:
-    """Windows with enough information, by side and then by information, and their slopes."""
-    total = np.zeros((field.cosine.shape[0] + 1, field.cosine.shape[1] + 1))
-    total[1:, 1:] = field.information.sum(axis=0, dtype=float).cumsum(axis=0).cumsum(axis=1)
-    found = []
-    for side, stride, core, finer in WINDOWS:
-        top, left = (
-            places.ravel()
-            for places in np.meshgrid(
-                *(np.arange(0, n - side + 1, stride) for n in field.cosine.shape), indexing="ij"
-            )
+def windows(
+    field: Field, free: NDArray[np.bool_], side: int, stride: int, core: int, finer: int
+) -> Windows:
+    """Windows of one kind that are still free and know enough, by what they know.
+
+    Parameters
+    ----------
+    field : Field
+    free : ndarray of bool, shape (h, w)
+        Cells without a surface.
+    side, stride, core, finer : int
+        See `WINDOWS`.
+    """
+    top, left = (
+        places.ravel()
+        for places in np.meshgrid(
+            *(np.arange(0, n - side + 1, stride) for n in field.cosine.shape), indexing="ij"
         )
-        bottom, edge = top + side, left + side
-        inside = total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
-        order = np.argsort(-inside, kind="stable")
-        order = order[inside[order] >= LEAST]
-        top, left = top[order], left[order]
-        margin = (side - core) // 2
-        slopes = spectral_slopes(field, top + margin, left + margin, core, finer)
-        found.append((top, left, np.full(top.size, side), *slopes))
-    return Windows(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+    )
+    inside = _sums(field.information.sum(axis=0, dtype=float), top, left, side)
+    cells = max(side // CELL, 1)
+    open_cells = _sums(free.astype(float), top // CELL, left // CELL, cells)
+    order = np.argsort(-inside, kind="stable")
+    order = order[(inside[order] >= LEAST) & (open_cells[order] >= FREE * cells**2)]
+    top, left = top[order], left[order]
+    margin = (side - core) // 2
+    down, right = spectral_slopes(field, top + margin, left + margin, core, finer)
+    return Windows(top, left, np.full(top.size, side), down, right)
+
+
+def _sums(
+    image: NDArray[np.float64], top: NDArray[np.int64], left: NDArray[np.int64], side: int
+) -> NDArray[np.float64]:
+    """Sum (N,) of an image (H, W) over squares."""
+    total = np.zeros((image.shape[0] + 1, image.shape[1] + 1))
+    total[1:, 1:] = image.cumsum(axis=0).cumsum(axis=1)
+    bottom, edge = top + side, left + side
+    return total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
 
 
 def spectral_slopes(
@@ -107,7 +127,9 @@ def _blocks(field, top, left, side, count, down, right):  # pragma: no cover - c
                 for j in range(count):
                     part = 0j
                     for x in range(j * block, j * block + block):
-                        phasor = complex(real[f, top + y, left + x], imaginary[f, top + y, left + x])
+                        phasor = complex(
+                            real[f, top + y, left + x], imaginary[f, top + y, left + x]
+                        )
                         part += phasor * across[x]
                     sums[f, i, j] += part * turn
     return sums

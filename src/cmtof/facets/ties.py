@@ -61,9 +61,7 @@ class Tied(NamedTuple):
     """Its uncertainty (N,), wraps."""
 
 
-def borders(
-    field: Field, label: NDArray[np.int32], surfaces: NDArray[np.float64]
-) -> Borders:
+def borders(field: Field, label: NDArray[np.int32], surfaces: NDArray[np.float64]) -> Borders:
     """Compare surfaces across every border between labels (H, W)."""
     count = len(surfaces)
     keys, steps, slopes = [], [], []
@@ -138,11 +136,11 @@ def tied(found: Offsets, borders: Borders) -> Tied:
             break
         keep, join = a[n], b[n]
         weights = 1 / variance[[keep, join]]
-        mean[keep] = (mean[keep] * weights[0] + (mean[join] + apart[n]) * weights[1]) / weights.sum()
+        mean[keep] = (
+            mean[keep] * weights[0] + (mean[join] + apart[n]) * weights[1]
+        ) / weights.sum()
         variance[keep] = 1 / weights.sum()
         members = group == join
         group[members] = keep
         shift[members] -= apart[n]
-    return Tied(
-        np.rint(mean[group]) + shift, group, mean[group] + shift, np.sqrt(variance[group])
-    )
+    return Tied(np.rint(mean[group]) + shift, group, mean[group] + shift, np.sqrt(variance[group]))
