@@ -313,6 +313,6 @@ print(law)
 # It is the share of pixels whose measured phase gets the right number of turns, over
 # {glue:text}`repeats:.0f` measurements of each frame. The oracles add up phasors alike, and are
 # right as often as that foretells, to what so few surfaces allow. Weighted by their brightness the
-# phasors would tell a little more: that last column is the bound for who knows every shape, and no
-# method that pools surfaces one by one can pass its first rows. Who wants more has to know what
-# touches what.
+# phasors would tell a little more: that last column is the bound for who knows every shape and
+# reads its place from the beat. Who wants more has to know what touches what, or which surfaces are
+# flat: a plane seen by a known camera tells its distance by its shape ({doc}`19_surfaces`).

@@ -90,7 +90,7 @@ def test_methods_and_info(run, measurement_file):
     listed = json.loads(text)
     assert code == 0
     assert {"crt", "crt-closed-form", "crt-ml", "beat", "spatial"} <= {e["name"] for e in listed}
-    assert [e["name"] for e in listed if e["default"]] == ["beat"]
+    assert [e["name"] for e in listed if e["default"]] == ["cmtof"]
     assert "beat *" in run("methods")[1]
     assert f"cmtof {cmtof.__version__}" in run("info")[1]
     text = run("info", measurement_file)[1]

@@ -4,7 +4,7 @@ The three verbs of everyday use stand at the top level::
 
     measurement = cmtof.simulate(cmtof.load_frame("still_life"), seed=0)
     measurement = cmtof.open("scan.nc")
-    result = cmtof.unwrap(measurement, method="beat")
+    result = cmtof.unwrap(measurement)
 
 Everything else lives in modules named after the thing. The names below are resolved on first use,
 so that ``import cmtof`` stays light.
