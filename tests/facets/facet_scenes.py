@@ -46,7 +46,9 @@ def corner_scene(shape: tuple[int, int] = SHAPE, camera=CAMERA) -> Scene:
         room = np.stack([h / np.maximum(d @ np.array(n), 1e-9) for n, h in _ROOM])
         c, s = np.cos(_TURN), np.sin(_TURN)
         d = np.stack([c * d[..., 0] + s * d[..., 2], d[..., 1], c * d[..., 2] - s * d[..., 0]], -1)
-        sides = np.sort(np.stack([np.array(_BOX)[:, i, None, None] / d[..., i] for i in range(3)]), 1)
+        sides = np.sort(
+            np.stack([np.array(_BOX)[:, i, None, None] / d[..., i] for i in range(3)]), 1
+        )
     enter, leave = sides[:, 0], sides[:, 1]
     hit = (enter.max(axis=0) < leave.min(axis=0)) & (enter.max(axis=0) > 0)
     hit &= enter.max(axis=0) < room.min(axis=0)

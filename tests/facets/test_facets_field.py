@@ -127,7 +127,9 @@ def test_darkness_is_not_taken_for_light():
 @pytest.mark.parametrize("camera", [CAMERA, (200.0, 100.0, 10.0, 90.0)])
 def test_rays_are_those_of_the_camera(camera):
     depth, q = plane_depth((0.2, -0.3, 1), 2.0, SHAPE, camera)
-    field = field_from_measurement(Measurement.from_phase(phases(depth), FREQUENCIES, camera=camera))
+    field = field_from_measurement(
+        Measurement.from_phase(phases(depth), FREQUENCIES, camera=camera)
+    )
     inverse = field.cosine * (q[0] * field.u + q[1] * field.v[:, None] + q[2])
     np.testing.assert_allclose(1 / inverse, depth, rtol=1e-12)
 

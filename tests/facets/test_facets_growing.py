@@ -32,7 +32,7 @@ def test_one_plane_is_one_surface(normal, information, bent, rng):
 def test_a_step_parts_two_surfaces(column, step, rng):
     depth, _ = plane_depth((0.2, 0.1, 1), 2.5)
     depth = depth + np.where(np.arange(SHAPE[1]) < column, 0, step)
-    owner, surfaces = grown_surfaces(exact_field(depth, information=20.0, noise_of=rng))
+    owner, _ = grown_surfaces(exact_field(depth, information=20.0, noise_of=rng))
     left, right = owner[:, : column // CELL], owner[:, -(-column // CELL) :]
     names = [np.bincount(side[side >= 0]).argmax() for side in (left, right)]
     assert names[0] != names[1]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from facet_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth, whole_boxes
+from facet_scenes import SHAPE, WRAP, exact_field, plane_depth, whole_boxes
 
 from cmtof.facets.kernels import BENT, PLANE, moved
 from cmtof.facets.offsets import fitted, offsets, pooled_beats
@@ -123,7 +123,7 @@ def test_a_shape_counts_less_the_more_it_misses():
 
 @pytest.mark.parametrize("wraps", [0, 5, -4])
 def test_fitted_finds_the_plane_again(wraps):
-    """A wide plane that is off by wraps is bent, by less than half of one, and its fit hops back."""
+    """A wide plane that is off by so few wraps is bent by less than half of one: fits hop back."""
     depth, q = plane_depth((0.2, 0.1, 1), 2.5)
     field = exact_field(depth)
     off = moved(field.arrays(), q, BOXES, PLANE, wraps * WRAP)

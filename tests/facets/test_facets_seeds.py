@@ -5,8 +5,11 @@ import pytest
 from facet_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth
 
 from cmtof.correlation import TAU
+from cmtof.facets.field import CELL
 from cmtof.facets.labels import depth_of_labels
 from cmtof.facets.seeds import WINDOWS, plane_in_window, spectral_slopes, windows
+
+CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
 
 FULL_LIGHT = 56.0
 """Information of a pixel of intensity 1: one over 0.134 rad squared."""
@@ -25,7 +28,8 @@ def turned(difference):
 
 @pytest.mark.parametrize(("side", "finer"), [(core, finer) for _, _, core, finer in WINDOWS])
 @pytest.mark.parametrize(
-    "slopes", [(0, 0), (0.31, -0.82), (-1.3, 0.004), (2.9, 2.2), (0, -3.0), (4.0, -0.5), (-7.0, 1.0)]
+    "slopes",
+    [(0, 0), (0.31, -0.82), (-1.3, 0.004), (2.9, 2.2), (0, -3.0), (4.0, -0.5), (-7.0, 1.0)],
 )
 def test_slopes_are_those_of_the_ramp(slopes, side, finer):
     field = ramp(*slopes)
@@ -46,23 +50,39 @@ def test_slopes_are_found_in_noise(seed):
         assert abs(turned(got[0] - true)) <= 1.01 * TAU / 96
 
 
-def test_windows_lie_within_and_tell_something(rng):
+@pytest.mark.parametrize("kind", WINDOWS)
+def test_windows_lie_within_and_tell_something(kind, rng):
     depth, _ = plane_depth((0.2, 0.1, 1), 2.5)
-    information = np.where(np.arange(SHAPE[1]) < 80, 5.0, 0.0)
-    field = exact_field(depth, information=np.broadcast_to(information, SHAPE), noise_of=rng)
-    found = windows(field)
+    information = np.broadcast_to(np.linspace(9, 3, SHAPE[1]) * (np.arange(SHAPE[1]) < 80), SHAPE)
+    field = exact_field(depth, information=information, noise_of=rng)
+    found = windows(field, np.ones(CELLS, bool), *kind)
+    assert found.top.size
+    assert (found.side == kind[0]).all()
     assert (found.top >= 0).all()
     assert (found.top + found.side <= SHAPE[0]).all()
-    assert (found.left + found.side <= SHAPE[1]).all()
     assert (found.left < 80).all()
-    assert (np.diff(found.side) <= 0).all()  # large ones first
     assert np.isfinite(found.down).all()
     assert np.isfinite(found.right).all()
+    told = [information[0, x : x + kind[0]].sum() for x in found.left]
+    assert (np.diff(told) < 1e-3).all()  # what knows most comes first
 
 
-def test_nothing_begins_in_the_dark():
+@pytest.mark.parametrize("kind", WINDOWS)
+def test_windows_keep_off_what_is_taken(kind):
+    depth, _ = plane_depth((0.2, 0.1, 1), 2.5)
+    free = np.ones(CELLS, bool)
+    free[:, : CELLS[1] // 2] = False
+    found = windows(exact_field(depth), free, *kind)
+    assert found.top.size
+    # as far as a part of a window may be taken
+    assert (found.left + found.side > SHAPE[1] // 2 + found.side / 2).all()
+
+
+@pytest.mark.parametrize("kind", WINDOWS)
+def test_nothing_begins_in_the_dark_or_where_all_is_taken(kind):
     depth, _ = plane_depth((0, 0, 1), 2.5)
-    assert windows(exact_field(depth, information=0.0)).side.size == 0
+    assert windows(exact_field(depth, information=0.0), np.ones(CELLS, bool), *kind).top.size == 0
+    assert windows(exact_field(depth), np.zeros(CELLS, bool), *kind).top.size == 0
 
 
 def fit(field, top, left, side):

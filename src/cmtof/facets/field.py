@@ -118,7 +118,9 @@ def _information(power: NDArray[np.floating], known: NDArray[np.bool_]) -> NDArr
     """
     from scipy.ndimage import gaussian_filter
 
-    share = np.array([max(float(np.mean(p[known])) - 2, 1e-3) if known.any() else 1 for p in power])
+    share = np.array(
+        [max(float(np.mean(p[known])) - 2, 1e-3) if known.any() else 1.0 for p in power]
+    )
     share /= share.mean()
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2
     left, mean = known.copy(), np.zeros(known.shape)
