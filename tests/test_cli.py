@@ -91,7 +91,7 @@ def test_methods_and_info(run, measurement_file):
     assert code == 0
     assert {"crt", "crt-closed-form", "crt-ml", "beat", "spatial"} <= {e["name"] for e in listed}
     assert [e["name"] for e in listed if e["default"]] == ["cmtof"]
-    assert "beat *" in run("methods")[1]
+    assert "cmtof *" in run("methods")[1]
     assert f"cmtof {cmtof.__version__}" in run("info")[1]
     text = run("info", measurement_file)[1]
     assert "correlation (frequency 2, step 4, y 48, x 64) float32 count" in text

@@ -200,8 +200,8 @@ def test_spatial_unwrapping_needs_one_frequency_and_the_others_two():
         ({"range": (5.0, 6.0)}, "that meets the data's"),
         ({"range": (1.1, 0.9)}, "MIN < MAX"),
         ({"range": (-1.0, 0.9)}, "MIN < MAX"),
-        ({"window": 4}, "odd window"),
-        ({"window": 0}, "odd window"),
+        ({"method": "beat", "window": 4}, "odd window"),
+        ({"method": "beat", "window": 0}, "odd window"),
     ],
 )
 def test_bad_requests_are_refused(measured, options, message):
