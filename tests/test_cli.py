@@ -173,7 +173,8 @@ def test_bad_measurements(fails, tmp_path, measured, change, message):
         (("--range", "5", "6"), "that meets the data's"),
         (("--range", "1.1", "0.9"), "MIN < MAX"),
         (("--range", "nan", "1"), "MIN < MAX"),
-        (("--window", "2"), "odd window"),
+        (("--method", "beat", "--window", "2"), "odd window"),
+        (("--window", "5"), "options that method cmtof knows, got window"),
     ],
 )
 def test_bad_unwrap_options(fails, tmp_path, measurement_file, arguments, message):

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
+from inspect import Parameter, signature
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,6 +71,14 @@ class Method:
         module, function = self.where.split(":")
         learned = {"model": self.model} if self.model else {}
         run = getattr(import_module(module), function)
+        known = signature(run).parameters
+        if not any(one.kind is Parameter.VAR_KEYWORD for one in known.values()):
+            for option in options:
+                if option not in known:
+                    raise ValueError(
+                        f"Expected options that method {self.name} knows, got {option}. Leave it "
+                        "out or choose another method."
+                    )
         return run(measurement, **learned, **{**self.options, **options})
 
     def ready(self, first: int, last: int) -> bool:

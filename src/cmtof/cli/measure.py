@@ -91,7 +91,10 @@ def simulate(
 def unwrap(
     measurement: Annotated[Path, typer.Argument(help="Measurement .nc, .npz or *_phase.csv.")],
     output: Output,
-    method: Annotated[str, typer.Option(help="Name out of `cmtof methods`.")] = "beat",
+    method: Annotated[
+        str | None,
+        typer.Option(help="Name out of `cmtof methods`, which marks the one taken by default."),
+    ] = None,
     range: Annotated[
         tuple[float, float] | None,
         typer.Option(metavar="MIN MAX", help="Depths to choose from in m, MIN <= z < MAX."),
@@ -110,8 +113,9 @@ def unwrap(
 
     Prints how many wraps are right when the file holds the truth.
 
-    Example: [bold]cmtof unwrap m.nc -o out.nc --method beat --ply cloud.ply[/bold]
+    Example: [bold]cmtof unwrap m.nc -o out.nc --ply cloud.ply[/bold]
     """
+    from cmtof.baselines import DEFAULT
     from cmtof.measurement import open_measurement, save_dataset
     from cmtof.unwrapping import unwrap as unwrap_measurement
 
@@ -122,9 +126,9 @@ def unwrap(
         )
     given: dict[str, Any] = {"window": window, "weights": weights}
     options = {name: value for name, value in given.items() if value is not None}
-    result = unwrap_measurement(opened, method=method, range=range, **options)
+    result = unwrap_measurement(opened, method=method or DEFAULT, range=range, **options)
     save_dataset(result, output)
-    print(f"{output}: method {method}, {int(opened.mask.sum())} of {opened.mask.size} pixels")
+    print(f"{output}: method {method or DEFAULT}, {int(opened.mask.sum())} of {opened.mask.size} pixels")
     if ply is not None:
         print(f"{ply}: {_write_cloud(ply, result, opened)} points")
     if opened.depth is not None:
