@@ -126,9 +126,10 @@ def unwrap(
         )
     given: dict[str, Any] = {"window": window, "weights": weights}
     options = {name: value for name, value in given.items() if value is not None}
-    result = unwrap_measurement(opened, method=method or DEFAULT, range=range, **options)
+    chosen = method or DEFAULT
+    result = unwrap_measurement(opened, method=chosen, range=range, **options)
     save_dataset(result, output)
-    print(f"{output}: method {method or DEFAULT}, {int(opened.mask.sum())} of {opened.mask.size} pixels")
+    print(f"{output}: method {chosen}, {int(opened.mask.sum())} of {opened.mask.size} pixels")
     if ply is not None:
         print(f"{ply}: {_write_cloud(ply, result, opened)} points")
     if opened.depth is not None:
