@@ -69,7 +69,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
     """Weigh both phasors of a measurement; masked pixels count, for they were measured as well."""
     phase, amplitude = measurement.phase[:2].astype(float), measurement.amplitude[:2].astype(float)
     spread = phase_noise(measurement)
-    known = (np.isfinite(phase) & np.isfinite(amplitude) & np.isfinite(spread)).all(axis=0)
+    known = np.all(np.isfinite(phase) & np.isfinite(amplitude) & np.isfinite(spread), axis=0)
     ratio = np.where(known, 1 / np.maximum(np.where(known, spread, 1), _SHARPEST), 0)
     if "correlation" in measurement.dataset and measurement.dataset.sizes["step"] > 3:
         information = _information(ratio**2, known)

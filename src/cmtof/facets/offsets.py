@@ -129,7 +129,7 @@ def pooled_beats(
         weak = reached < _ENOUGH
         wider = _same(np.concatenate([sums, told]), main, radius)
         near = np.where(weak, wider[:2], near)
-        reached = np.where(weak, wider[2:].real.sum(axis=0), reached)
+        reached = np.where(weak, np.real(wider[2:]).sum(axis=0), reached)
     ratio = field.wavenumber[1] / field.wavenumber[0]
     multiple = np.rint(ratio)
     low = np.angle(near[0])
@@ -138,16 +138,13 @@ def pooled_beats(
     residual = low + size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
     known = main >= 0
     turns = np.array([1, multiple])[:, None, None]
-    turned = (sums * np.exp(-1j * turns * residual))[:, known]
-    total = np.array(
-        [
-            np.bincount(main[known], one.real, count)
-            + 1j * np.bincount(main[known], one.imag, count)
-            for one in turned
-        ]
-    )
-    most = np.array([np.bincount(main[known], one[known], count) for one in told])
-    most = np.maximum(most, 1e-9)
+    turned = sums * np.exp(-1j * turns * residual)
+
+    def summed(image: NDArray) -> NDArray[np.float64]:
+        return np.bincount(main[known], image[known], count).astype(float)
+
+    total = np.stack([summed(np.real(one)) + 1j * summed(np.imag(one)) for one in turned])
+    most = np.maximum(np.stack([summed(told[f]) for f in (0, 1)]), 1e-9)
     length = np.maximum(np.abs(total), 1e-9)
     wrap = TAU * (ratio - multiple)
     beat = np.angle(total[1] * np.conj(total[0] / length[0]) ** multiple) / wrap

@@ -47,6 +47,10 @@ class Borders(NamedTuple):
     odds: NDArray[np.float64]
     """That the two meet there, before anything is known of their offsets."""
 
+    def none(self) -> "Borders":
+        """The same surfaces without a border."""
+        return Borders(self.first[:0], self.second[:0], self.step[:0], self.odds[:0])
+
 
 class Tied(NamedTuple):
     """What came of the ties."""
@@ -81,7 +85,7 @@ def borders(field: Field, label: NDArray[np.int32], surfaces: NDArray[np.float64
         keys.append(low[between].astype(np.int64) * count + high[between])
         steps.append((first + second) / 2 / field.period)
         slopes.append(np.abs(first - second) / field.period)
-    return _judged(*(np.concatenate(part) for part in (keys, steps, slopes)), count)
+    return _judged(np.concatenate(keys), np.concatenate(steps), np.concatenate(slopes), count)
 
 
 def _judged(

@@ -125,7 +125,7 @@ def stages(
         field, inner, surfaces, fit, shape=shape and measurement.camera is not None
     )  # without a camera the shape is assumed
     touching = borders(field, label, surfaces)
-    joined = tied(alone, touching if ties else Borders(*(part[:0] for part in touching)))
+    joined = tied(alone, touching if ties else touching.none())
     explained = label >= 0
     everywhere = label[nearest(explained)]
     depth = depth_of_labels(field, everywhere, surfaces)
@@ -137,14 +137,13 @@ def stages(
     odds = _odds(joined)[everywhere] if len(surfaces) else np.zeros(label.shape)
     distance = np.full(label.shape, np.inf)
     if explained.any():
-        distance = distance_transform_edt(~explained)
+        distance = np.asarray(distance_transform_edt(~explained))
     lost = ~np.isfinite(depth) | ((distance > REACH) & fill)
     if lost.any():
         depth = np.where(lost, _beat_depth(field, ~explained), depth)
     return Stages(
-        field, owner, label, share, surfaces, alone, touching, joined, depth, odds,
-        np.asarray(distance),
-    )  # fmt: skip
+        field, owner, label, share, surfaces, alone, touching, joined, depth, odds, distance
+    )
 
 
 def _inside(
