@@ -39,6 +39,7 @@ from cmtof import bounds, plotting, stored_counts, tally
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions
 from cmtof.constants import FREQUENCIES
+from cmtof.facets import growing
 from cmtof.facets.field import field_from_measurement
 from cmtof.facets.kernels import PLANE, refine
 from cmtof.facets.labels import depth_of_labels
@@ -89,8 +90,8 @@ def tell(**numbers):
 # ## What a shape knows of its distance
 #
 # Moved by one wrap, a surface fits the lower phase as well as before, and the higher one but for
-# $2\pi\,(k_2/k_1 - 2)$ or 17.6 mrad: that is the beat. But a plane that is moved *along the rays*
-# is no plane any more. Where the camera is known, the bend betrays the move, and it grows with the
+# $2\pi\,(k_2/k_1 - 2)$ or {glue:text}`lag:.1f` mrad: that is the beat. But a plane that is moved
+# *along the rays* is no plane any more. Where the camera is known, the bend betrays the move, and it grows with the
 # square of the width: in the likelihood of a wall, with the sixth power, the beat's with the
 # second. Neither of the oracles that place true shapes uses this.
 
@@ -115,13 +116,12 @@ def offset_of(field, q, side, size):
     return offset, 1 / np.sqrt(known)
 
 
+excess = FREQUENCIES[1] / FREQUENCIES[0] - 2  # turns by which a wrap leaves the higher phase behind
+tell(lag=1e3 * 2 * np.pi * excess, all_wraps=np.ceil(1 / excess), flat=1e3 * growing.FLAT)
 sizes = [n for n in (24, 32, 48, 64, 96, 128, 192, 256, 384) if n <= wall]
 light = 0.3
 sigma = float(bounds.simulated_phase_noise(light))
-beat_only = [
-    float(np.sqrt(5) * sigma / n / (2 * np.pi * (FREQUENCIES[1] / FREQUENCIES[0] - 2)))
-    for n in sizes
-]
+beat_only = [float(np.sqrt(5) * sigma / n / (2 * np.pi * excess)) for n in sizes]
 both, scatter = [], []
 for n in sizes:
     found = [offset_of(*wall_field(n, light, noise_free=False, draw=d), n, PLANE)
@@ -159,13 +159,12 @@ plotting.save(
 # The bright wall of a room needs no beat to find its place among
 # {glue:text}`all_wraps:.0f` wraps: it is wide enough to be triangulated by its own phases. The
 # price is that it has to be flat, to hundredths of a millimetre. So every surface is fitted twice,
-# as a plane and bent; if bending gains more than chance and more than 0.05 mm, it counts as bent,
+# as a plane and bent; if bending gains more than chance and {glue:text}`flat:.2f` mm, it is bent,
 # and what its shape tells is discounted by how far a plane misses it.
 #
 # ## Step by step
 
 # %%
-tell(all_wraps=358)
 contest = tally.Contest({}, here, Conditions(protocol="full", seed=seed))
 frame = contest.frame(place)
 measurement = contest.measure(frame, place).usual
