@@ -91,9 +91,9 @@ def tell(**numbers):
 #
 # Moved by one wrap, a surface fits the lower phase as well as before, and the higher one but for
 # $2\pi\,(k_2/k_1 - 2)$ or {glue:text}`lag:.1f` mrad: that is the beat. But a plane that is moved
-# *along the rays* is no plane any more. Where the camera is known, the bend betrays the move, and it grows with the
-# square of the width: in the likelihood of a wall, with the sixth power, the beat's with the
-# second. Neither of the oracles that place true shapes uses this.
+# *along the rays* is no plane any more. Where the camera is known, the bend betrays the move, and
+# it grows with the square of the width: in the likelihood of a wall, with the sixth power, the
+# beat's with the second. Neither of the oracles that place true shapes uses this.
 
 
 # %%
