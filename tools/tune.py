@@ -96,7 +96,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             told = " ".join(f"{name}={value}" for name, value in options.items())
             percent = " ".join(f"{100 * rates[name]:5.1f}" for name in RATES)
             print(f"{told:32} {percent}  {rates['seconds_per_frame']:.2f}", flush=True)
-    except (OSError, TypeError, ValueError) as error:
+    except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 1
     return 0

@@ -57,7 +57,7 @@ def test_scores_are_those_of_evaluate(tiny_tree, capsys):
     ("words", "complaint"),
     [
         (["beat", "window=4"], "Expected an odd window"),
-        (["beat", "width=4"], "unexpected keyword"),
+        (["beat", "width=4"], "options that method beat knows, got width"),
         (["nothing"], "Expected a method out of"),
     ],
 )
