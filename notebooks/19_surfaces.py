@@ -375,7 +375,7 @@ if ("cmtof", "full") in whole_rates and ("cmtof", "released") in whole_rates:
         "True bodies with one unknown offset each, `oracle-contact`, score "
         f"{whole_rates['oracle-contact', 'released'][0]:.0f} and "
         f"{whole_rates['oracle-contact', 'full'][0]:.0f} %: in the full protocol these rooms hold "
-        "more small and dark things than phases can place, even if every shape were known.",
+        "more small and dark things than the beat can place, even if every shape were known.",
     )  # fmt: skip
 else:
     say("beside_says", "The stored counts lack `cmtof`.")
