@@ -60,6 +60,16 @@ class Field(NamedTuple):
         """Length of a wrap of the lower frequency, m."""
         return float(TAU / self.wavenumber[0])
 
+    @property
+    def multiple(self) -> int:
+        """Multiple of the lower frequency that is nearest to the higher one."""
+        return round(float(self.wavenumber[1] / self.wavenumber[0]))
+
+    @property
+    def excess(self) -> float:
+        """Turns that a wrap of the lower frequency adds to the beat."""
+        return float(self.wavenumber[1] / self.wavenumber[0]) - self.multiple
+
     def arrays(self) -> tuple[NDArray, ...]:
         """What the kernels take, in their order."""
         return self[:8]

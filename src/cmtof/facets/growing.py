@@ -1,4 +1,4 @@
-"""Surfaces grow from cell to cell, and every pixel then takes the likeliest one beside it."""
+"""Surfaces grow from cell to cell, and every cell then takes the likeliest one beside it."""
 
 import numpy as np
 from numba import njit
@@ -57,7 +57,7 @@ def grown_surfaces(
 
 
 @njit(cache=True, nogil=True)
-def _boxes(cells, columns, most):  # pragma: no cover - compiled
+def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
     """Rectangles of at most so many cells, spread over the list."""
     stride = max(1, cells.size // most)
     chosen = cells[::stride]
@@ -110,7 +110,7 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
             continue
         while True:
             before = size
-            boxes = _boxes(region[:size], columns, _CELLS)
+            boxes = boxes_of_cells(region[:size], columns, _CELLS)
             weight = size / boxes.shape[0]
             fit = select(field, label, -1, q, boxes, 2, _HOPS, gain, FLAT, weight)
             if possible(field, fit[0], boxes[0], limits[1]):
@@ -199,7 +199,7 @@ def _refitted(field, label, owner, surfaces, farthest, gain):  # pragma: no cove
         a, b = np.searchsorted(sorted_owner, n), np.searchsorted(sorted_owner, n + 1)
         if b == a:
             continue
-        boxes = _boxes(order[a:b], columns, _CELLS)
+        boxes = boxes_of_cells(order[a:b], columns, _CELLS)
         weight = (b - a) / boxes.shape[0]
         fit = select(field, label, -1, out[n], boxes, 2, _HOPS, gain, FLAT, weight)
         if possible(field, fit[0], boxes[0], farthest):

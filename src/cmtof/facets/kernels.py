@@ -17,7 +17,7 @@ _V = np.array([0, 1, 0, 0, 1, 2])
 PLANE, BENT = 3, 6
 """Parameters of a plane and of a bent surface."""
 
-_NEAREST = 0.02
+_FARTHEST = 0.02
 """Smallest 1 / z, 1 / m, that a surface may have."""
 
 
@@ -52,7 +52,7 @@ def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compi
         for x in range(box[2], box[3]):
             counts = 1.0 if only < 0 or label[y, x] == only else 0.0
             inverse = cosine[y, x] * (none + u[x] * (first + q[3] * u[x]))
-            z = 1.0 / max(inverse, _NEAREST)
+            z = 1.0 / max(inverse, _FARTHEST)
             slope = -z * z * cosine[y, x]
             c1, s1 = _turn(f1 * z)
             c2, s2 = _turn(f2 * z)
@@ -68,13 +68,13 @@ def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compi
             g = (e1 * k1 + e2 * k2) * slope
             h = (i1 * t1 * k1 + i2 * t2 * k2) * slope
             w = (i1 * k1 * k1 + i2 * k2 * k2) * slope * slope
+            square = u[x] * u[x]
             g0 += g
             g1 += g * u[x]
-            g2 += g * u[x] * u[x]
+            g2 += g * square
             h0 += h
             h1 += h * u[x]
-            h2 += h * u[x] * u[x]
-            square = u[x] * u[x]
+            h2 += h * square
             w0 += w
             w1 += w * u[x]
             w2 += w * square
@@ -148,7 +148,7 @@ def moved(field, q, boxes, size, distance):  # pragma: no cover - compiled
                 for j in range(BENT):
                     basis[j] = across[_U[j]] * below[_V[j]]
                 value = np.sum(q * basis)
-                z = max(1 / max(cosine[y, x] * value, _NEAREST) + distance, 0.05)
+                z = max(1 / max(cosine[y, x] * value, _FARTHEST) + distance, 0.05)
                 weight = z**4 * cosine[y, x] ** 2
                 for i in range(size):
                     wanted[i] += weight * basis[i] / (z * cosine[y, x])
@@ -232,7 +232,7 @@ def depth_at(field, q, y, x):  # pragma: no cover - compiled
     u, v, cosine = field[5], field[6], field[7]
     inverse = q[2] + q[0] * u[x] + q[1] * v[y]
     inverse += q[3] * u[x] * u[x] + q[4] * u[x] * v[y] + q[5] * v[y] * v[y]
-    return 1.0 / max(cosine[y, x] * inverse, _NEAREST)
+    return 1.0 / max(cosine[y, x] * inverse, _FARTHEST)
 
 
 @njit(inline="always", fastmath=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cmtof.correlation import TAU
 from cmtof.facets.field import CELL, Field
-from cmtof.facets.growing import FLAT, GAIN, possible
+from cmtof.facets.growing import FLAT, GAIN, boxes_of_cells, possible
 from cmtof.facets.kernels import PLANE, depth_at, select
 
 _CELLS = 400
@@ -72,12 +72,8 @@ def _fit(field, inner, cells, starts, columns, farthest, gain, surfaces, fit):  
         own = cells[starts[n] : starts[n + 1]]
         if own.size == 0:
             continue
-        own = own[:: max(1, own.size // _CELLS)]
-        boxes = np.empty((own.size, 4), np.int64)
-        for i in range(own.size):
-            y, x = own[i] // columns * CELL, own[i] % columns * CELL
-            boxes[i] = (y, y + CELL, x, x + CELL)
-        weight = (starts[n + 1] - starts[n]) / own.size
+        boxes = boxes_of_cells(own, columns, _CELLS)
+        weight = own.size / boxes.shape[0]
         found = select(field, inner, n, surfaces[n], boxes, _STEPS, _HOPS, gain, FLAT, weight)
         q, _, most, offset, known, size, missed = found
         if not possible(field, q, boxes[0], farthest):
@@ -130,8 +126,7 @@ def pooled_beats(
         wider = _same(np.concatenate([sums, told]), main, radius)
         near = np.where(weak, wider[:2], near)
         reached = np.where(weak, np.real(wider[2:]).sum(axis=0), reached)
-    ratio = field.wavenumber[1] / field.wavenumber[0]
-    multiple = np.rint(ratio)
+    multiple = field.multiple
     low = np.angle(near[0])
     high = np.angle(near[1] * np.exp(-1j * multiple * low))
     size = np.abs(near)
@@ -146,7 +141,7 @@ def pooled_beats(
     total = np.stack([summed(np.real(one)) + 1j * summed(np.imag(one)) for one in turned])
     most = np.maximum(np.stack([summed(told[f]) for f in (0, 1)]), 1e-9)
     length = np.maximum(np.abs(total), 1e-9)
-    wrap = TAU * (ratio - multiple)
+    wrap = TAU * field.excess
     beat = np.angle(total[1] * np.conj(total[0] / length[0]) ** multiple) / wrap
     variance = most / length**2
     noise = np.sqrt(variance[1] + multiple**2 * variance[0]) / abs(wrap)

@@ -135,8 +135,8 @@ def tied(found: Offsets, borders: Borders) -> Tied:
         off = mean[a] - mean[b] - apart
         value = odds * _JUMP * np.exp(-(off**2) / (2 * width)) / np.sqrt(TAU * width)
         value = np.where(live, value, 0)
-        n = int(np.argmax(value)) if value.size else 0
-        if value.size == 0 or value[n] <= _MEET:
+        n = int(np.argmax(value))
+        if value[n] <= _MEET:
             break
         keep, join = a[n], b[n]
         weights = 1 / variance[[keep, join]]

@@ -15,10 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.baselines.beat import box, synthetic_frequency
+from cmtof.baselines.beat import beat_depth, box, synthetic_frequency
 from cmtof.baselines.method import Estimate, within_range
 from cmtof.baselines.region import nearest
-from cmtof.correlation import TAU
 from cmtof.facets.field import Field, field_from_measurement
 from cmtof.facets.growing import grown_surfaces
 from cmtof.facets.labels import depth_of_labels, interiors, pixel_labels
@@ -140,7 +139,7 @@ def stages(
         distance = np.asarray(distance_transform_edt(~explained))
     lost = ~np.isfinite(depth) | ((distance > REACH) & fill)
     if lost.any():
-        depth = np.where(lost, _beat_depth(field, ~explained), depth)
+        depth = np.where(lost, beat_depth(_beat_phase(field, ~explained), measurement), depth)
     return Stages(
         field, owner, label, share, surfaces, alone, touching, joined, depth, odds, distance
     )
@@ -160,8 +159,7 @@ def _inside(
     placed = depth[known] + field.period * joined.wraps[label[known]]
     mean = np.bincount(group, placed, count) / np.maximum(size, 1)
     low, high = field.limits
-    ratio = field.wavenumber[1] / field.wavenumber[0]
-    repeat = 1 / abs(ratio - np.rint(ratio))  # wraps
+    repeat = 1 / abs(field.excess)  # wraps
     beats = np.ceil((low - mean) / (repeat * field.period)) * (size > 0)
     beats = np.where(mean + beats * repeat * field.period < high, beats, 0)
     mean = mean + beats * repeat * field.period
@@ -182,15 +180,10 @@ def _odds(joined: Tied) -> NDArray[np.float64]:
     return ndtr((0.5 - off) / joined.spread) - ndtr((-0.5 - off) / joined.spread)
 
 
-def _beat_depth(field: Field, among: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Depth (H, W), m, of the beat averaged over a window, among those pixels only."""
-    multiple = np.rint(field.wavenumber[1] / field.wavenumber[0])
-    synthetic = field.wavenumber[1] - multiple * field.wavenumber[0]
+def _beat_phase(field: Field, among: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Phase (H, W), rad, of the beat averaged over a window, among those pixels only."""
     low = field.real[0] + 1j * field.imaginary[0]
     high = field.real[1] + 1j * field.imaginary[1]
     unit = low / np.maximum(np.abs(low), np.finfo(np.float32).tiny)
-    mean = box(np.where(among, high * np.conj(unit) ** multiple, 0), WINDOW)
-    depth = np.angle(mean) / synthetic
-    period = TAU / abs(synthetic)
-    middle = sum(field.limits) / 2
-    return depth + period * np.rint((middle - depth) / period)
+    mean = box(np.where(among, high * np.conj(unit) ** field.multiple, 0), WINDOW)
+    return np.sign(field.excess) * np.angle(mean)
