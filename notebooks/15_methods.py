@@ -370,7 +370,8 @@ say(
     f"Surer by ten points and more than they are right: {listed(bold)}." * bool(bold),
     "Where a method looks at one pixel (`crt`, `phasor`), noise is all there is: its odds hold. "
     "A pooled beat knows how noisy its window is, not that a surface ends in it. The odds of `mrf` "
-    "were scaled once on validation rooms; the others are left as their sources give them.",
+    "and `cmtof` were set right once, on rooms of the training and validation sets; the others are "
+    "left as their sources give them.",
 )
 
 # %% [markdown]

@@ -33,15 +33,17 @@ from myst_nb import glue
 
 import cmtof
 from cmtof import bounds, plotting, stored_counts, tally
+from cmtof.baselines.oracle_field import SIDE
 from cmtof.baselines.oracle_offset import bodies, surfaces
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, phase_from_depth
 from cmtof.metrics import scored_pixels
-from cmtof.resampling import draws_of, ratio_interval
+from cmtof.rates import markdown_table, rates_of_counts
 from cmtof.scenes.rooms.held_out import TEST_ROOMS
 from cmtof.scenes.rooms.rendering import Settings
+from cmtof.simulation import RELEASED_FAR_DEPTH
 
 run = plotting.begin(profile=profile, seed=seed)
 here = Settings(TEST_ROOMS.seed, TEST_ROOMS.scenes, height=height, width=width)
@@ -67,7 +69,7 @@ def tell(**numbers):
 # | `oracle-contact` | the shape of all that hangs together, across creases | one offset a body |
 # | `oracle-offset` | the shape of each surface, between creases | one offset a surface |
 # | `oracle-plane` | the same but for a tilt | offset and tilt of each surface |
-# | `oracle-field` | shapes as `oracle-offset`, within 281 px | one offset a pixel |
+# | `oracle-field` | as above, within {glue:text}`field_side:.0f` px | one offset a pixel |
 #
 # All but the first demodulate both images by the shape that they are told, add up what belongs
 # together, read the fraction of a wrap from the lower frequency's sum and the whole wraps from the
@@ -81,25 +83,12 @@ for protocol in PROTOCOLS:
     held = stored_counts.read_counts(path) if path.is_file() else None
     tables[protocol] = held["frames"] if held else []
 shown = ("beat", "region", "mrf", "mrf-graphcut", *ORACLES)
-lines = ["| | released: δ < 1 | δ < 3 | δ ≥ 10 | full: δ < 1 | δ < 3 | δ ≥ 10 |",
-         "| --- |" + " --: |" * 6]  # fmt: skip
-rates = {}
-for label in shown:
-    cells = []
-    for protocol, records in tables.items():
-        if not records or label not in records[0]["methods"]:
-            cells += [""] * 3
-            continue
-        whole, below = tally.scored(records), tally.below(records, label)
-        drawn = draws_of(len(records), draws=draws, rng=np.random.default_rng(seed))
-        found = ratio_interval(np.stack([below[0], below[2], whole - below[3]]), whole, drawn)
-        rates[label, protocol] = [float(v) for v in found.value]
-        cells += [f"{100 * value:.1f}" for value in found.value]
-        cells[-3] += f"<br>({100 * found.low[0]:.1f}\u2060–\u2060{100 * found.high[0]:.1f})"
-    lines.append(f"| `{label}` | {' | '.join(cells)} |")
-glue("oracle_table", Markdown("\n".join(lines)), display=False)
+found = {p: rates_of_counts(tables[p], shown, draws=draws, seed=seed) for p in PROTOCOLS}
+glue("oracle_table", Markdown(markdown_table(shown, found)), display=False)
+rates = {(label, p): found[p][label].value.tolist() for p in PROTOCOLS for label in found[p]}
 frames_counted = len(tables["full"])
 glue("frames_counted", frames_counted, display=False)
+tell(field_side=SIDE, far_depth=RELEASED_FAR_DEPTH)
 
 # %% [markdown]
 # ```{glue:md} oracle_table
@@ -222,7 +211,7 @@ print(share)
 # %% [markdown]
 # Of all steps between neighbours within one surface {glue:text}`steep_full:.0f` % are steeper than
 # half a turn in the full protocol, and {glue:text}`steep_released:.0f` % in the released one, which
-# shrinks rooms to 1.2 m: another way in which it is the easier one.
+# shrinks rooms to {glue:text}`far_depth:.1f` m: another way in which it is the easier one.
 #
 # ## Where it is lost
 #
@@ -255,11 +244,14 @@ plotting.save(
 # Information on the wrap adds up over a surface: n pixels of one phase noise σ know as much as one
 # of σ/√n. So the scene itself foretells, before any image is taken, how much of it can be told:
 # the odds of every surface, weighted by its pixels. A surface of full brightness needs
-# {glue:text}`needed:.0f` pixels for odds of 95 %, one at a tenth of it a hundred times as many.
+# {glue:text}`needed:.0f` pixels for odds of 95 %, one at a tenth of it
+# {glue:text}`needed_dark:.0f`.
 
 # %%
 white = float(bounds.simulated_phase_noise(1.0))
-tell(repeats=repeats, needed=bounds.pixels_needed(white, white, frequencies=FREQUENCIES))
+grey = float(bounds.simulated_phase_noise(0.1))
+tell(repeats=repeats, needed=bounds.pixels_needed(white, white, frequencies=FREQUENCIES),
+     needed_dark=bounds.pixels_needed(grey, grey, frequencies=FREQUENCIES))  # fmt: skip
 
 
 def odds_of(spread, number, measurement):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cmtof.reliability import reliability, risk_coverage
+from cmtof.reliability import honest_errors, reliability, risk_coverage
 
 
 def test_honest_odds_have_no_calibration_error(rng):
@@ -43,3 +43,30 @@ def test_confidence_that_knows_nothing_has_the_same_risk_everywhere(rng):
     right = rng.uniform(size=100_000) < 0.4
     found = risk_coverage(np.full(right.size, 0.5), right, points=10)
     np.testing.assert_allclose(found.risk, 0.6, atol=0.02)
+
+
+def test_honest_errors_of_one_fate_follow_the_closed_form(rng):
+    """All answers together at odds p: the error is p or 1 - p, on average 2 p (1 - p)."""
+    found = honest_errors(np.full(500, 0.3), np.zeros(500, int), draws=4000, rng=rng)
+    assert set(np.round(found, 9)) == {0.3, 0.7}
+    # 4 sigma of a mean of two values 0.4 apart
+    assert found.mean() == pytest.approx(2 * 0.3 * 0.7, abs=4 * 0.4 * np.sqrt(0.21 / 4000))
+
+
+def test_honest_errors_of_many_fates_are_those_of_a_binomial(rng):
+    found = honest_errors(np.full(900, 0.5), np.arange(900), draws=2000, rng=rng)
+    expected = np.sqrt(2 / np.pi) * 0.5 / np.sqrt(900)
+    assert found.mean() == pytest.approx(expected, rel=0.1)
+
+
+def test_honest_errors_agree_with_drawing_every_answer(rng):
+    said = rng.uniform(size=3000)
+    fate = rng.integers(0, 40, 3000)
+    drawn = [reliability(said, said > rng.random(40)[fate]).calibration_error for _ in range(400)]
+    found = honest_errors(said, fate, draws=400, rng=rng)
+    assert found.mean() == pytest.approx(np.mean(drawn), rel=0.08)
+
+
+def test_a_fate_is_wanted_for_each_answer(rng):
+    with pytest.raises(ValueError, match="Expected a fate for each of 2 answers, got 3"):
+        honest_errors([0.5, 0.5], [0, 1, 2], rng=rng)

@@ -63,6 +63,63 @@ def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> R
     )
 
 
+def honest_errors(
+    confidence: ArrayLike,
+    fate: ArrayLike,
+    *,
+    draws: int = 200,
+    bins: int = 20,
+    rng: np.random.Generator,
+) -> NDArray[np.float64]:
+    """Calibration errors (draws,) that confidences would show if every one of them were true.
+
+    Answers that share a fate, such as the pixels of one surface, are right or wrong together: with
+    few of them a bin's share of right ones strays from its confidence by luck alone.
+
+    Parameters
+    ----------
+    confidence : array_like
+        Probabilities in [0, 1].
+    fate : array_like of int
+        Of the same shape: number of the group that each answer belongs to.
+    draws, bins : int
+        How often the fates are drawn; bins as in `reliability`.
+    rng : Generator
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> alone = honest_errors(np.full(1000, 0.5), np.arange(1000), rng=rng)
+    >>> together = honest_errors(np.full(1000, 0.5), np.zeros(1000, int), rng=rng)
+    >>> round(float(alone.mean()), 2), round(float(together.mean()), 2)
+    (0.01, 0.5)
+    """
+    said, group = np.ravel(np.asarray(confidence, float)), np.ravel(np.asarray(fate))
+    if said.shape != group.shape:
+        raise ValueError(
+            f"Expected a fate for each of {said.size} answers, got {group.size}. Give every answer "
+            "the number of its group."
+        )
+    groups, member = np.unique(group, return_inverse=True)
+    # answers of one fate and one hundredth of confidence are one: sums over pixels become few
+    grade = np.minimum((said * 100).astype(int), 99)
+    cells, cell = np.unique(member.astype(np.int64) * 100 + grade, return_inverse=True)
+    count = np.bincount(cell)
+    mean = np.bincount(cell, said) / count
+    place = np.minimum((mean * bins).astype(int), bins - 1)
+    found = np.empty(draws)
+    for i in range(draws):
+        right = mean > rng.random(groups.size)[cells // 100]
+        off = np.bincount(place, count * (right - mean), bins)
+        found[i] = np.abs(off).sum() / max(said.size, 1)
+    return found
+
+
 class RiskCoverage(NamedTuple):
     """What is lost by answering only where one is sure."""
 

@@ -16,7 +16,7 @@ GOOD = 2.0
 
 def known(mean, spread):
     mean = np.array(mean, float)
-    return Offsets(mean, np.array(spread, float), np.ones(mean.size, bool))
+    return Offsets(mean, np.array(spread, float))
 
 
 def between(*entries):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cmtof.correlation import TAU
 from cmtof.facets.field import CELL, Field
 from cmtof.facets.growing import FLAT, GAIN, boxes_of_cells, possible
-from cmtof.facets.kernels import PLANE, depth_at, select
+from cmtof.facets.kernels import depth_at, select
 
 _CELLS = 400
 """Cells that a surface is fitted to at last, spread over all of it."""
@@ -39,8 +39,6 @@ class Offsets(NamedTuple):
 
     mean: NDArray[np.float64]
     spread: NDArray[np.float64]
-    flat: NDArray[np.bool_]
-    """Planes, whose shape tells their offset."""
 
 
 def fitted(
@@ -99,12 +97,11 @@ def offsets(
     beat, noise, coherence = pooled_beats(field, inner, surfaces)
     doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
     by_beat = 1 / (noise**2 + doubt**2)
-    flat = fit[:, 2] == PLANE
     known, missed, bend = (np.maximum(fit[:, i], 1e-12) for i in (1, 3, 4))
     variance = 1 / known + (np.maximum(missed, _SMOOTH) / bend) ** 2 + _FLOOR[0] ** 2
     by_shape = np.where((fit[:, 1] > 0) & shape, 1 / variance, 0)
     mean = (fit[:, 0] * by_shape + beat * by_beat) / (by_shape + by_beat)
-    return Offsets(mean, 1 / np.sqrt(by_shape + by_beat), flat)
+    return Offsets(mean, 1 / np.sqrt(by_shape + by_beat))
 
 
 def pooled_beats(
