@@ -1,4 +1,4 @@
-"""The command line: simulate, unwrap, evaluate, methods, info, render, train, replicate.
+"""The command line: from simulate and unwrap to replicate, scan and twin.
 
 Exit codes: 0; 1 for bad input, a failed check or a failed frame (one line on stderr); 2 for a
 wrong command line; 130 for Ctrl-C.
@@ -7,7 +7,7 @@ wrong command line; 130 for Ctrl-C.
 import sys
 
 # in the order in which --help lists their commands
-from cmtof.cli import measure, ask, make  # isort: skip  # noqa: F401
+from cmtof.cli import measure, ask, make, instrument  # isort: skip  # noqa: F401
 from cmtof.cli.app import app
 
 __all__ = ["app", "main"]

@@ -1,0 +1,1 @@
+"""One thin driver a device."""

@@ -1,0 +1,170 @@
+"""Free space: air, the spot, how much light comes back, speckle, the beam splitters' losses."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import gammaincinv
+
+from cmtof.hardware.twin.drift import uniform_from_places
+from cmtof.hardware.twin.settings import Air, Optics, TwinSettings
+from cmtof.hardware.twin.targets import Hits, Target
+
+Array = NDArray[np.float64]
+
+PLACE = 1e-6
+"""Directions, rad, that share their speckle: finer than a step of the galvo's 14 bits."""
+
+SPECULAR_LOBE = 3e-3
+"""1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)."""
+SPECULAR_DIFFUSE = 0.02
+"""Share of a polished surface's reflectance that is diffuse (assumed)."""
+RETRO_LOBE = 5e-3
+"""1/e^2 half angle into which a retro-reflector returns light, rad (assumed: sheeting)."""
+
+_HEXAGON = np.arange(6) * np.pi / 3
+# Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
+# degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
+_SPOT = np.concatenate([[[0.0, 0.0]], np.stack([np.cos(_HEXAGON), np.sin(_HEXAGON)], -1)])
+_WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
+
+
+class Paths(NamedTuple):
+    """Ways of the light to the detector and back, M for each of N directions."""
+
+    range: Array
+    """(N, M), m; negative before the galvo."""
+    fraction: Array
+    """(N, M), share of the emitted light that enters the aperture and the splitter's axis."""
+
+
+def group_index(air: Air, wavelength: float) -> float:
+    """Group index of dry air.
+
+    Dispersion of standard air (15 C, 101325 Pa, 450 ppm CO2) by P. E. Ciddor, Appl. Opt. 35, 1566
+    (1996), eq. 1, ``n_g = n - lambda dn/dlambda``, scaled with the density of an ideal gas; water
+    vapour, below 5e-7 in a room, is left out.
+
+    Examples
+    --------
+    >>> f"{group_index(Air(temperature=288.15), 532e-9) - 1:.4e}"
+    '2.8975e-04'
+    """
+    square = (1e-6 / wavelength) ** 2  # wave number squared, 1/um^2
+    refractivity = 0.0
+    for strength, pole in ((0.05792105, 238.0185), (0.00167917, 57.362)):
+        # n + sigma dn/dsigma of strength / (pole - sigma^2)
+        refractivity += strength * (pole + square) / (pole - square) ** 2
+    return 1 + refractivity * (air.pressure / 101325.0) * (288.15 / air.temperature)
+
+
+def directions_from_angles(angles: ArrayLike) -> Array:
+    """Unit vectors (..., 3) of optical angles (..., 2), rad: along (tan x, tan y, 1)."""
+    tangent = np.tan(np.asarray(angles, float))
+    return _unit(tangent)
+
+
+def _unit(tangent: Array) -> Array:
+    ray = np.concatenate([tangent, np.ones((*tangent.shape[:-1], 1))], axis=-1)
+    return ray / np.sqrt((ray * ray).sum(-1, keepdims=True))
+
+
+def spot_radius(optics: Optics, distance: ArrayLike) -> Array:
+    """1/e^2 radius of the spot, m, at a range, m: exit radius and defocus add up."""
+    return optics.exit_radius + optics.divergence * np.abs(np.asarray(distance, float))
+
+
+def speckle_cells(optics: Optics, wavelength: float, distance: ArrayLike) -> Array:
+    """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt.
+
+    The coherence area of a Gaussian spot of radius w is ``(lambda z)^2 / (pi w^2)`` (Goodman,
+    Speckle Phenomena in Optics, 2007, ch. 4): defocus makes the spot larger and speckle weaker.
+    """
+    z = np.asarray(distance, float)
+    area = np.pi * optics.aperture**2 / 4
+    return 1 + area * np.pi * spot_radius(optics, z) ** 2 / (wavelength * z) ** 2
+
+
+def returned_fraction(optics: Optics, material: str, hits: Hits) -> Array:
+    """Share of the light on a surface that enters the aperture, polarisation included; 0 for NaN.
+
+    Diffuse: ``rho cos A / (pi z^2)``, half of it in the polarisation that the splitter passes.
+    Specular and retro: a Gaussian lobe that spreads over the range, cut by the aperture, and for
+    specular turned away by twice the tilt; the polarisation is kept.
+    """
+    z = hits.range
+    radius = optics.aperture / 2
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        # half of the hemisphere's light at the very most, for ranges within the aperture
+        share = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
+        if material != "diffuse":
+            lobe = SPECULAR_LOBE if material == "specular" else RETRO_LOBE
+            lobe = np.hypot(lobe, 2 * optics.divergence)
+            caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
+            if material == "specular":
+                turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
+                caught = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * share
+            share = caught
+    return np.where(z > 0, hits.reflectance * share, 0.0)
+
+
+def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> Paths:
+    """Follow the spot: paths (N, 7) of its sub-rays for optical angles (N, 2), rad.
+
+    Speckle multiplies each sub-ray by an independent gamma law of its share of the cells, so the
+    whole spot follows that of all cells; it depends on the direction only, the same in both modes.
+    """
+    optics = settings.optics
+    tangent = np.tan(angles)[:, None, :]
+    # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
+    angle = float(spot_radius(optics, 1.0))
+    weights = _WEIGHTS if angle else np.ones(1)
+    spread = _unit(tangent + angle * _SPOT if angle else tangent)
+    hits = target.look(spread)
+    distance = np.where(hits.range > 0, hits.range, 0.0)
+    fraction = weights * returned_fraction(optics, target.material, hits)
+    if optics.speckle and target.material != "specular":
+        far = np.maximum(distance, 1e-3)
+        cells = speckle_cells(optics, settings.laser.wavelength, far) * weights
+        place = np.rint(angles / PLACE)
+        chance = uniform_from_places(seed, "speckle", place, weights.size)
+        fraction = fraction * gammaincinv(cells, chance) / cells
+    return Paths(distance, fraction)
+
+
+def with_stray(paths: Paths, optics: Optics, *, arm_open: bool) -> Paths:
+    """Add the coaxial back-reflection, and the interferometer's arm while its block is out."""
+    stray = [(optics.back_range, optics.back_fraction)]
+    if arm_open:
+        stray.append((optics.back_range, optics.arm_fraction))
+    more = np.repeat(np.array(stray).T[:, None], len(paths.range), axis=1)
+    return Paths(*(np.concatenate(pair, axis=1) for pair in zip(paths, more, strict=True)))
+
+
+def outward(optics: Optics) -> float:
+    """Transmission from the fibre to the scene, modulator apart (Sec. 7.1).
+
+    Two lenses, a mirror, two splitters, the mirror to the galvo and its two mirrors.
+    """
+    return optics.lens**2 * optics.mirror**4 * optics.splitter**2
+
+
+def to_power_meter(optics: Optics) -> float:
+    """Transmission from the fibre to the integrating sphere, modulator apart (Sec. 7.1)."""
+    return optics.lens**2 * optics.mirror * optics.splitter
+
+
+def inward(optics: Optics) -> float:
+    """Transmission from the aperture to the detector, modulator apart (Sec. 7.2).
+
+    Two galvo mirrors and the mirror behind them, the splitter's second passage, the expander's two
+    lenses, a mirror, and the lens before the detector.
+    """
+    return optics.mirror**4 * optics.splitter * optics.lens**3
+
+
+def ambient(optics: Optics) -> float:
+    """Room light, W, behind `inward`: radiance times aperture times solid angle, half polarised."""
+    solid = np.pi * optics.field_of_view**2 / 4
+    area = np.pi * optics.aperture**2 / 4
+    return float(0.5 * optics.ambient_radiance * area * solid * inward(optics))
