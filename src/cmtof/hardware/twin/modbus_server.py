@@ -1,10 +1,9 @@
 """A simulated LabJack T7 with an LJTick-DAC: Modbus TCP on one port, stream packets on another.
 
 The register map is the published one (`cmtof.hardware.codecs.registers`). What each part does
-stands in `t7_registers`, `t7_lines`, `t7_stream` and `t7_stream_out`; here are the analog side and
-the dialogue. The watchdog's registers are there and obey its rules, but it never bites: the twin
-has one timer on the wall clock, that of the RF drivers. USER_RAM0_U32 is plain memory on a real
-T7; the twin takes it for the number of the burst.
+stands in `t7_registers`, `t7_lines`, `t7_stream`, `t7_stream_out` and `t7_watchdog`; here are the
+analog side and the dialogue. USER_RAM0_U32 is plain memory on a real T7; the twin takes it for the
+number of the burst.
 """
 
 import math
@@ -28,6 +27,7 @@ from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.t7_lines import WIRING, T7Lines
 from cmtof.hardware.twin.t7_registers import FLASH_ADDRESS, T7Registers, calibration_flash
 from cmtof.hardware.twin.t7_stream import T7Stream, counts_from_volts
+from cmtof.hardware.twin.t7_watchdog import T7Watchdog
 
 TDAC_LIMIT = 10.0
 """Range of the LJTick-DAC, V."""
@@ -72,6 +72,7 @@ class T7Server:
         self.registers = T7Registers()
         self.lines = T7Lines(panel, self.registers, wiring)
         self.stream = T7Stream(panel, world, self.registers, self.lines, watch, self._lock)
+        self._watchdog = T7Watchdog(self.registers, self.lines, self._lock)
         self._flash = calibration_flash()
         self._hook_analog()
         self._hook_dac(list(galvo))
@@ -101,6 +102,7 @@ class T7Server:
         self._set_interlock("interlock-open" in trouble)
         with self._lock:
             reply, error = reply_to(frame, self)
+            self._watchdog.feed()
             if error is not None:
                 self.registers.put("LAST_ERR_DETAIL", error.detail)
             trouble.deliver(channel, reply)
@@ -116,8 +118,9 @@ class T7Server:
             self.registers.write(address, data)
 
     def stop(self) -> None:
-        """End a stream that runs."""
+        """End a stream that runs, and the watchdog."""
         self.stream.stop()
+        self._watchdog.stop()
 
     def _set_interlock(self, opened: bool) -> None:
         """Open the interlock for a fault and close it after; leave alone what others opened."""

@@ -85,6 +85,11 @@ class T7Lines:
         self._driven = self._inhibited = 0
         self._direct(0, _ALL)
 
+    def force(self, directions: int, levels: int, inhibited: int) -> None:
+        """Directions and levels of all lines that are not inhibited."""
+        self._drive(levels, _ALL & ~inhibited)
+        self._direct(directions, _ALL & ~inhibited)
+
     def set_port(self, first: int, count: int, value: int) -> None:
         """Write a _STATE register: levels, and in the upper byte what stays."""
         mask = (~(value >> 8) & ((1 << count) - 1)) << first
