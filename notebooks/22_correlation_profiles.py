@@ -50,7 +50,7 @@ def tell(**numbers):
 # ## What Eq. 20 says
 #
 # ```{math}
-# :label: eq-20
+# :label: eq-20-profile
 # C_\psi = Q\!\left(G\int_0^T \tilde p(t-\tau)\,r(t)\,dt\right)
 #        = Q\!\left(\frac{\tilde\alpha}{2}\cos(\psi-\phi) + TK\right)
 # ```
@@ -63,7 +63,7 @@ def tell(**numbers):
 #   + \underbrace{2\,S P\,|W_mR_m|}_{\tilde\alpha/2}\cos(\phi+\psi) + \dots$$
 #
 # with m = 1 in the single mode and 2 in the doubled one, and higher harmonics behind the dots. The
-# read-out adds up samples for a time $T$, so *both* terms get the factor $T$; in {eq}`eq-20` the
+# read-out adds up samples for a time $T$, so *both* terms get the factor $T$; in {eq}`eq-20-profile` the
 # first one lacks it. The sign is that of the convention here, $\phi+\psi$ ({doc}`07_errata`).
 #
 # ## The sweep
@@ -346,7 +346,7 @@ tell(
 # residual is {glue:text}`pull_single:.2f` and {glue:text}`pull_doubled:.2f` times the noise of the
 # mean: errors of the single phase codes do not average out. With their stated size it is
 # {glue:text}`full_single:.2f` and {glue:text}`full_doubled:.2f`. Rounding to the 14 bits of
-# {eq}`eq-20` in place of 16 would add {glue:text}`step14:.2f` mV to each sample, and change
+# {eq}`eq-20-profile` in place of 16 would add {glue:text}`step14:.2f` mV to each sample, and change
 # nothing.
 
 # %% [markdown]
