@@ -92,14 +92,15 @@ def test_parking_is_no_voltage_whatever_the_offset():
     recorder = Recorder()
     mirrors = Galvo(recorder, offset=(0.3, -0.2))
     mirrors.move_to(0.1, 0.1)
+    mirrors.park()
     mirrors.safe_state()
-    mirrors.safe_state()
-    assert recorder.written[1:] == [{"TDAC2": 0.0, "TDAC3": 0.0}] * 2
+    assert recorder.written[1:] == [{"TDAC2": 0.0, "TDAC3": 0.0}] * 3
 
 
-def test_parking_is_tried_twice():
+def test_parking_is_written_twice_and_each_write_tried_twice():
+    """Nothing tells whether the converter has taken a value."""
     recorder = Recorder(failures=1)
     Galvo(recorder).safe_state()
-    assert recorder.written == [{"TDAC2": 0.0, "TDAC3": 0.0}]
+    assert recorder.written == [{"TDAC2": 0.0, "TDAC3": 0.0}] * 2
     with pytest.raises(ConnectionLost):
         Galvo(Recorder(failures=2)).safe_state()

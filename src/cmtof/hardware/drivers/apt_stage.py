@@ -118,8 +118,10 @@ class Stage(Device):
         InstrumentError
             If the controller reports an error, or ends without being homed.
         """
-        self._move(apt.move_home(), apt.Homed, timeout)
-        if not self.status() & apt.Status.HOMED:
+        told = self._move(apt.move_home(), apt.Homed, timeout)
+        # a stage that was homed before says so still, though it may not have heard the command
+        found = told or abs(self.position()) <= self.kind.tolerance
+        if not (found and self.status() & apt.Status.HOMED):
             raise InstrumentError(
                 f"Expected {self.name} to be homed, got no home position. "
                 "Free the stage and home it again."
@@ -193,8 +195,8 @@ class Stage(Device):
 
     def _move(
         self, request: bytes, ends: Callable[[apt.Payload], bool] | type, seconds: float
-    ) -> None:
-        """Send a move and wait for its end."""
+    ) -> bool:
+        """Send a move and wait for its end; False if it came to rest without telling that."""
         self._prepare()
         self._act(self._drop)  # an older MOVE_COMPLETED must not end this move
         self._act(lambda: self._transport.write(request))
@@ -203,7 +205,8 @@ class Stage(Device):
         while at_rest < _AT_REST:
             payload = self._next(min(_POLL, seconds))
             if payload is not None and _matches(payload, ends):
-                break
+                self._sound_status()
+                return True
             if payload is None:
                 status = self._sound_status()
                 at_rest = 0 if status.moving else at_rest + 1
@@ -214,6 +217,7 @@ class Stage(Device):
                     f"{self.position():.6g} {self.kind.unit} from home. Free the stage."
                 )
         self._sound_status()
+        return False
 
     def _sound_status(self) -> apt.Status:
         """Status bits; the motor is stopped before an error is raised."""

@@ -123,5 +123,6 @@ class Galvo:
         self.move_to(x, y)
 
     def safe_state(self) -> None:
-        """Park, once more if that failed."""
+        """Park twice: the LJTick-DAC cannot be read back, so nobody sees a write that was lost."""
+        insist(self.park)
         insist(self.park)
