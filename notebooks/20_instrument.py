@@ -270,7 +270,7 @@ for ax in (axes[0], axes[2]):
     ax.set(xscale="log", yscale="log", xlim=(0.2, 8))
     ax.set_xticks([0.2, 0.5, 1, 2, 5], ["0.2", "0.5", "1", "2", "5"])
     ax.set_xticks([], minor=True)
-axes[0].legend(fontsize=8.5, loc="lower left", handlelength=1.8)
+key = axes[0].legend(fontsize=8.5, loc="lower left", handlelength=1.8)
 
 # %% tags=["hide-input"]
 black, purple, sky = (plotting.PALETTE[c] for c in ("black", "purple", "sky"))
