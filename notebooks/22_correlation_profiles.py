@@ -63,8 +63,9 @@ def tell(**numbers):
 #   + \underbrace{2\,S P\,|W_mR_m|}_{\tilde\alpha/2}\cos(\phi+\psi) + \dots$$
 #
 # with m = 1 in the single mode and 2 in the doubled one, and higher harmonics behind the dots. The
-# read-out adds up samples for a time $T$, so *both* terms get the factor $T$; in {eq}`eq-20-profile` the
-# first one lacks it. The sign is that of the convention here, $\phi+\psi$ ({doc}`07_errata`).
+# read-out adds up samples for a time $T$, so *both* terms get the factor $T$; in
+# {eq}`eq-20-profile` the first one lacks it. The sign is that of the convention here,
+# $\phi+\psi$ ({doc}`07_errata`).
 #
 # ## The sweep
 #
