@@ -270,9 +270,9 @@ for ax in (axes[0], axes[2]):
     ax.set(xscale="log", yscale="log", xlim=(0.2, 8))
     ax.set_xticks([0.2, 0.5, 1, 2, 5], ["0.2", "0.5", "1", "2", "5"])
     ax.set_xticks([], minor=True)
-key = axes[0].legend(fontsize=8.5, loc="lower left", handlelength=1.8)
 
 # %% tags=["hide-input"]
+axes[0].legend(fontsize=8.5, loc="lower left", handlelength=1.8)
 black, purple, sky = (plotting.PALETTE[c] for c in ("black", "purple", "sky"))
 axes[1].loglog(1e3 * output, 1e6 * shot, color=plotting.PALETTE["green"], label="shot noise")
 axes[1].axhline(1e6 * amplifier, color=black, ls="-.", label="amplifier")

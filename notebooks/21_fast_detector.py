@@ -175,9 +175,9 @@ for ax, (mode, held) in zip(axes[0], settings.items(), strict=True):
     ax.set(xlabel="time (ps)", xlim=(0, 4 * np.pi * scale), ylim=(-0.05, 2.75),
            title=f"{mode} mode, plate at {np.rad2deg(held['plate']):.2f}°")  # fmt: skip
     ax.legend(loc="upper center", ncols=3, fontsize=8.5, columnspacing=1.2, handlelength=1.4)
-axes[0, 0].set_ylabel("intensity over its mean")
 
 # %% tags=["hide-input"]
+axes[0, 0].set_ylabel("intensity over its mean")
 k = np.arange(1, HIGHEST + 1)
 for ax, (mode, held) in zip(axes[1], settings.items(), strict=True):
     ghz = held["drive"] / 1e9 * k

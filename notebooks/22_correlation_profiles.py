@@ -31,6 +31,7 @@ from cmtof.hardware.reduction import Sampling, drive_phases, nominal_psi
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.twin.electronics import Conversion, chain
 from cmtof.hardware.twin.run import Twin
+from cmtof.hardware.twin.world import LABEL_TIME
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
 run = plotting.begin(profile=profile, seed=seed)
@@ -38,6 +39,7 @@ COLOURS = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["verm
 HARMONICS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 ORDER = {"single": 1, "doubled": 2}
 PHASES = 64
+TICKS = 5  # numbers from one burst to the next
 black = plotting.PALETTE["black"]
 
 
@@ -69,9 +71,10 @@ def tell(**numbers):
 #
 # ## The sweep
 #
-# The detection's driver gets a table of {glue:text}`phases:.0f` phases, four times as fine as a
-# scan's. The read-out's pulses step it every 20 samples; the first 4 of each phase, while the
-# filter settles, are dropped. The mirror wears a grey filter, for bare it would drive the detector
+# The detection's driver gets a table of {glue:text}`phases:.0f` phases, where a scan has
+# {glue:text}`scan_phases:.0f`. The read-out's pulses step it every {glue:text}`per_phase:.0f`
+# samples; the first {glue:text}`settle:.0f` of each phase, while the filter settles, are dropped.
+# The mirror wears a grey filter, for bare it would drive the detector
 # {glue:text}`overload:.0f` thousand times beyond its end. Each sweep is divided by the laser's
 # power, read before and after.
 
@@ -97,8 +100,9 @@ def bench_of(twin, instruments):
 
 
 # %% [markdown]
-# A burst carries a number that the simulated instrument takes as its clock, 20 ms each; one of
-# 53 ms and a reading of the power take five. After the sweeps the emission's driver is told one
+# A burst carries a number that the simulated instrument takes as its clock,
+# {glue:text}`tick_ms:.0f` ms each; one of {glue:text}`burst_ms:.0f` ms and a reading of the power
+# take {glue:text}`ticks:.0f`. After the sweeps the emission's driver is told one
 # phase after another, and a single sweep is taken at each: that is the test of linearity further
 # down.
 
@@ -106,7 +110,7 @@ def bench_of(twin, instruments):
 taken, dark, power, programmed, shifted = {}, {}, {}, {}, {}
 with simulated(PHASES) as twin, twin.rig.open() as instruments:
     bench = bench_of(twin, instruments)
-    labels, to_volts = count(5, 5), instruments.daq.volts_from_counts
+    labels, to_volts = count(TICKS, TICKS), instruments.daq.volts_from_counts
     reading = twin.rig.settings.detection
 
     def sweep():
@@ -143,7 +147,7 @@ print("table stepped once a phase:", stepped, "| samples of a phase:", reading.s
 # %%
 psi = nominal_psi(PHASES)
 burst_time = reading.scans / reading.rate
-between = 5 * 0.02  # from one burst to the next, s
+between = TICKS * LABEL_TIME  # from one burst to the next, s
 middle = (np.arange(PHASES) + 0.5) / PHASES * burst_time
 place = (middle + between - burst_time) / between
 profiles, moved, fits = {}, {}, {}
@@ -255,10 +259,10 @@ for column, (mode, fit) in enumerate(fits.items()):
     for ax in (top, middle_ax):
         ax.set(xlim=(-0.1, TAU + 0.1), xlabel="reference phase ψ (rad)")
         ax.set_xticks([0, np.pi / 2, np.pi, 3 * np.pi / 2, TAU], ["0", "π/2", "π", "3π/2", "2π"])
-axes[0, 0].set_ylabel("output (V)")
-axes[1, 0].set_ylabel("residual (mV)")
 
 # %% tags=["hide-input"]
+axes[0, 0].set_ylabel("output (V)")
+axes[1, 0].set_ylabel("residual (mV)")
 orders = np.arange(1, 9)
 harmonic, closed_form, floor = {}, {}, {}
 for ax, (mode, fit) in zip(axes[2], fits.items(), strict=True):
@@ -309,6 +313,12 @@ plotting.save(
 # %% tags=["hide-input"]
 tell(
     phases=PHASES,
+    scan_phases=base.settings.detection.phases,
+    per_phase=reading.samples_per_phase,
+    settle=reading.settle_samples,
+    tick_ms=1e3 * LABEL_TIME,
+    burst_ms=1e3 * burst_time,
+    ticks=TICKS,
     overload=0.97e-3  # of a silvered mirror; in thousands
     * (fits["single"].offset + fits["single"].amplitude)
     / reflectance

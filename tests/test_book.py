@@ -115,6 +115,21 @@ def test_every_image_has_a_text(page: Page):
 
 @needs_build
 @pytest.mark.parametrize("stem", NOTEBOOKS)
+def test_no_cell_ends_in_an_object_that_nobody_wants_to_read(stem: str):
+    """A cell that ends in `ax.set_ylabel(...)` would print what that returns."""
+    held = json.loads((BUILD / "stage" / "notebooks" / f"{stem}.ipynb").read_text("utf-8"))
+    texts = [
+        "".join(output["data"].get("text/plain", ""))
+        for cell in held["cells"]
+        for output in cell.get("outputs", ())
+        if output["output_type"] == "execute_result"
+    ]
+    unwanted = re.compile(r"Text\(|<matplotlib|\[<|.* object at 0x|\(?array\(")
+    assert not [text for text in texts if unwanted.match(text)]
+
+
+@needs_build
+@pytest.mark.parametrize("stem", NOTEBOOKS)
 def test_executed_pages_tell_how_they_were_made(stem: str):
     text = (HTML / "notebooks" / f"{stem}.html").read_text(encoding="utf-8")
     assert "How this page was made" in text

@@ -1,14 +1,14 @@
 """What a RIG file may say: one frozen dataclass a section, strict about every key and value."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields
-from math import isfinite, pi
+from dataclasses import dataclass, field, fields
+from math import pi
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-S = TypeVar("S")
+from cmtof.hardware.parsing import check_keys, mapping, number, section_from_mapping
 
 DRIVERS = {
     "rf_emission": ("rf-driver",),
@@ -24,6 +24,9 @@ DRIVERS = {
 
 MODES = ("single", "doubled")
 """Modulation modes."""
+
+BAND = (7.14e9, 7.17e9)
+"""Frequencies that the RF drivers take, Hz."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,7 @@ class DeviceSettings:
     stream: str = ""
     stage: str = ""
     serial_number: str = ""
-    counts_per_unit: float = 0.0
+    counts_per_unit: float = number(0.0, 0, 1e12)
 
 
 @dataclass(frozen=True)
@@ -72,11 +75,11 @@ class GalvoSettings:
 
     x: str = "TDAC2"
     y: str = "TDAC3"
-    volts_per_degree_mechanical: float = 0.5
+    volts_per_degree_mechanical: float = number(0.5, 0.1, 2)
     offset_x_volts: float = 0.0
     offset_y_volts: float = 0.0
-    limit_volts: float = 10.0
-    settling: float = 4.0e-4
+    limit_volts: float = number(10.0, 0, 10)
+    settling: float = number(4.0e-4, 0, 1)
 
     @property
     def volts_per_radian(self) -> float:
@@ -89,9 +92,9 @@ class DriveSettings:
     """RF drive: power (dBm), drive frequencies of the modes (Hz), dead man's time (s)."""
 
     power_dbm: float = 30.0
-    frequency_single: float = 7.15e9
-    frequency_doubled: float = 7.16e9
-    dead_man: float = 5.0
+    frequency_single: float = number(7.15e9, *BAND)
+    frequency_doubled: float = number(7.16e9, *BAND)
+    dead_man: float = number(5.0, 0.1, 60)
 
     def frequency(self, mode: str) -> float:
         """Drive frequency of a mode, Hz."""
@@ -122,10 +125,10 @@ class DetectionSettings:
 
     channel: str = "AIN0"
     range: float = 10.0
-    rate: float = 24000.0
-    samples_per_phase: int = 20
+    rate: float = number(24000.0, 1, 50e3)
+    samples_per_phase: int = number(20, 2, 1000)
     settle_samples: int = 4
-    phases: int = 16
+    phases: int = number(16, 3, 64)
 
     @property
     def scans(self) -> int:
@@ -204,20 +207,23 @@ def settings_from_dict(held: Any, *, source: str = "the RIG file") -> RigSetting
         For a key that is not known, a value of another kind or out of bounds: one line that names
         section and key.
     """
-    top = _mapping(held, source)
-    _known(top, ["name", "devices", *SECTIONS, "twin"], source)
-    listed = _mapping(top.get("devices", {}), f"devices of {source}")
-    _known(listed, list(DRIVERS), f"devices of {source}")
+    top = mapping(held, source)
+    check_keys(top, ["name", "devices", *SECTIONS, "twin"], source)
+    listed = mapping(top.get("devices", {}), "devices")
+    check_keys(listed, list(DRIVERS), "devices")
     devices = {
-        role: _section(DeviceSettings, entry, f"devices: {role}") for role, entry in listed.items()
+        role: section_from_mapping(DeviceSettings, entry, f"devices.{role}")
+        for role, entry in listed.items()
     }
     sections = {
-        name: _section(kind, top[name], name) for name, kind in SECTIONS.items() if name in top
+        name: section_from_mapping(kind, top[name], name)
+        for name, kind in SECTIONS.items()
+        if name in top
     }
     settings = RigSettings(
         devices=devices,
         name=str(top.get("name", "rig")),
-        twin=_mapping(top.get("twin") or {}, f"twin of {source}"),
+        twin=mapping(top.get("twin") or {}, "twin"),
         **sections,
     )
     for problem in _problems(settings):
@@ -225,119 +231,52 @@ def settings_from_dict(held: Any, *, source: str = "the RIG file") -> RigSetting
     return settings
 
 
-def _mapping(value: Any, what: str) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping):
-        raise ValueError(f"Expected names and values in {what}, got {value!r}. Correct it.")
-    return value
-
-
-def _known(held: Mapping[str, Any], known: list[str], what: str) -> None:
-    unknown = [str(key) for key in held if key not in known]
-    if unknown:
-        raise ValueError(
-            f"Expected keys out of {', '.join(known)} in {what}, got {', '.join(unknown)}. "
-            "Correct the name."
-        )
-
-
-def _section(kind: type[S], held: Any, what: str) -> S:
-    values = _mapping(held, what)
-    members = {one.name: one for one in fields(kind)}  # type: ignore[arg-type]
-    _known(values, list(members), what)
-    missing = [n for n, one in members.items() if _required(one) and n not in values]
-    if missing:
-        raise ValueError(f"Expected {', '.join(missing)} in {what}, got none. Add it.")
-    return kind(**{key: _value(members[key], value, what) for key, value in values.items()})
-
-
-def _required(member: "Field[Any]") -> bool:
-    return member.default is MISSING and member.default_factory is MISSING
-
-
-def _value(member: "Field[Any]", value: Any, what: str) -> Any:
-    """Value of the kind that the default has."""
-    default = "" if member.default is MISSING else member.default
-    if isinstance(default, tuple) and isinstance(value, list):
-        if all(_is_kind(one, default[0]) for one in value):
-            return tuple(type(default[0])(one) for one in value)
-    elif _is_kind(value, default):
-        return type(default)(value)
-    raise ValueError(
-        f"Expected {what}: {member.name} such as {_shown(default)}, got {value!r}. Correct it."
-    )
-
-
-def _is_kind(value: Any, default: Any) -> bool:
-    if isinstance(default, float):
-        return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
-    return type(value) is type(default)
-
-
-def _shown(default: Any) -> str:
-    return str(list(default)) if isinstance(default, tuple) else repr(default)
-
-
 def _problems(settings: RigSettings) -> Iterator[str]:
     """Every value that no rig can have."""
     yield from _device_problems(settings)
     yield from _line_problems(settings)
-    drive, detection, galvo = settings.drive, settings.detection, settings.galvo
-    for what, value, low, high in (
-        ("drive: dead_man", drive.dead_man, 0.1, 60.0),
-        ("drive: frequency_single", drive.frequency_single, 7.14e9, 7.17e9),
-        ("drive: frequency_doubled", drive.frequency_doubled, 7.14e9, 7.17e9),
-        ("detection: rate", detection.rate, 1.0, 50e3),
-        ("detection: phases", detection.phases, 3, 64),
-        ("detection: samples_per_phase", detection.samples_per_phase, 2, 1000),
-        ("galvo: limit_volts", galvo.limit_volts, 0.0, 10.0),
-        ("galvo: settling", galvo.settling, 0.0, 1.0),
-        ("galvo: volts_per_degree_mechanical", galvo.volts_per_degree_mechanical, 0.1, 2.0),
-    ):
-        if not low <= value <= high:
-            yield f"Expected {what} from {low:g} to {high:g}, got {value:g}."
+    detection = settings.detection
     if detection.range not in (10.0, 1.0, 0.1, 0.01):
-        yield f"Expected detection: range of 10, 1, 0.1 or 0.01 V, got {detection.range:g}."
+        yield f"Expected detection.range of 10, 1, 0.1 or 0.01 V, got {detection.range:g}."
     if not 0 <= detection.settle_samples < detection.samples_per_phase:
         yield (
-            f"Expected detection: settle_samples below samples_per_phase, got "
+            f"Expected detection.settle_samples below samples_per_phase, got "
             f"{detection.settle_samples}."
         )
     view = settings.scan.field_of_view_deg
     if len(view) != 2 or not all(0 < angle < 80 for angle in view):
-        yield f"Expected scan: field_of_view_deg of two angles from 0 to 80, got {list(view)}."
+        yield f"Expected scan.field_of_view_deg of two angles from 0 to 80, got {list(view)}."
     modes = settings.scan.modes
     if not modes or not set(modes) <= set(MODES) or len(set(modes)) < len(modes):
-        yield f"Expected scan: modes out of {', '.join(MODES)}, each once, got {list(modes)}."
+        yield f"Expected scan.modes out of {', '.join(MODES)}, each once, got {list(modes)}."
 
 
 def _device_problems(settings: RigSettings) -> Iterator[str]:
     for role, device in settings.devices.items():
         if device.driver not in DRIVERS[role]:
             known = " or ".join(DRIVERS[role])
-            yield f"Expected devices: {role}: driver {known}, got {device.driver}."
+            yield f"Expected devices.{role}.driver {known}, got {device.driver}."
         if device.driver == "labjack-t7" and not device.stream:
-            yield f"Expected devices: {role}: stream, the address of port 702, got none."
+            yield f"Expected devices.{role}.stream, the address of port 702, got none."
         if device.driver == "kdc101" and device.stage not in ("mts50-z8", "prm1-z8"):
-            yield f"Expected devices: {role}: stage mts50-z8 or prm1-z8, got {device.stage!r}."
-        if device.counts_per_unit < 0:
-            yield f"Expected devices: {role}: counts_per_unit above 0, got a negative one."
+            yield f"Expected devices.{role}.stage mts50-z8 or prm1-z8, got {device.stage!r}."
 
 
 def _line_problems(settings: RigSettings) -> Iterator[str]:
     galvo, channel = settings.galvo, settings.detection.channel
-    used = {f"lines: {one.name}": getattr(settings.lines, one.name) for one in fields(LineSettings)}
+    used = {f"lines.{one.name}": getattr(settings.lines, one.name) for one in fields(LineSettings)}
     known = [f"FIO{n}" for n in range(8)]
     for what, line in used.items():
         if line not in known:
             yield f"Expected {what} of FIO0 to FIO7, got {line!r}."
-    for what, tdac in (("galvo: x", galvo.x), ("galvo: y", galvo.y)):
+    for what, tdac in (("galvo.x", galvo.x), ("galvo.y", galvo.y)):
         if tdac not in [f"TDAC{n}" for n in range(8)]:
             yield f"Expected {what} of TDAC0 to TDAC7, got {tdac!r}."
         # an LJTick-DAC sits on an even line and the one above it, whichever output is used
         pair = int(tdac[-1]) // 2 * 2 if tdac[-1:].isdigit() else -2
         used[f"{what} (clock)"], used[f"{what} (data)"] = f"FIO{pair}", f"FIO{pair + 1}"
     if channel not in [f"AIN{n}" for n in range(14)]:
-        yield f"Expected detection: channel of AIN0 to AIN13, got {channel!r}."
+        yield f"Expected detection.channel of AIN0 to AIN13, got {channel!r}."
     yield from _shared_lines(used)
 
 

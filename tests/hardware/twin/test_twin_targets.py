@@ -166,7 +166,7 @@ def test_settings_from_a_mapping():
     found = TwinSettings.from_mapping(
         {
             "laser": {"power": 1},
-            "detector": {"bits": 14.0, "rc_time": 0.1},
+            "detector": {"bits": 14, "rc_time": 0.1},
             "emission": {"half_wave_angle_error": -0.01},
             "optics": {"speckle": False},
             "reference": {"material": "specular", "reflectance": 1e-6},
@@ -198,6 +198,7 @@ def test_settings_from_a_mapping():
         ({"laser": {"power": float("nan")}}, "got nan"),
         ({"emission": {"plate_zero": 90}}, "Expected twin.emission.plate_zero from -7 to 7"),
         ({"detector": {"bits": 14.5}}, "Expected twin.detector.bits to be a whole number"),
+        ({"detector": {"bits": 14.0}}, "Expected twin.detector.bits to be a whole number"),
         ({"detector": {"bits": 24}}, "Expected twin.detector.bits from 4 to 16, got 24"),
         ({"optics": {"speckle": 1}}, "Expected twin.optics.speckle to be true or false, got 1"),
         ({"noise": "no"}, "Expected twin.noise to be true or false"),

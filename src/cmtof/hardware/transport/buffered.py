@@ -1,6 +1,7 @@
 """What a line to an instrument can do, and what all lines share: a buffer and deadlines."""
 
 import time
+from abc import ABC, abstractmethod
 from importlib import import_module
 from typing import Any, Protocol
 
@@ -38,11 +39,12 @@ class Transport(Protocol):
         ...
 
 
-class Buffered:
+class Buffered(ABC):
     """What all transports share: bytes that have arrived but were not asked for yet.
 
-    A subclass gives ``name``, ``write``, ``_open``, ``_shut`` and ``_receive``: what arrives
-    within a time, b"" for nothing, `ConnectionLost` at the end of the line.
+    A subclass gives ``name``, ``write`` and ``_receive``: what arrives within a time, b"" for
+    nothing, `ConnectionLost` at the end of the line; ``_open`` and ``_shut`` where there is
+    something to open.
     """
 
     name = ""
@@ -50,12 +52,14 @@ class Buffered:
     def __init__(self) -> None:
         self._arrived = bytearray()
 
-    def _open(self) -> None: ...
+    def _open(self) -> None:  # noqa: B027 - a recorded dialogue has nothing to open
+        ...
 
-    def _shut(self) -> None: ...
+    def _shut(self) -> None:  # noqa: B027
+        ...
 
-    def _receive(self, timeout: float) -> bytes:
-        raise NotImplementedError
+    @abstractmethod
+    def _receive(self, timeout: float) -> bytes: ...
 
     def read_exact(self, size: int, timeout: float) -> bytes:
         """Exactly ``size`` bytes; `InstrumentTimeout` says how many came and keeps them."""

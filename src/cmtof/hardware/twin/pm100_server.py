@@ -13,7 +13,7 @@ from typing import Any
 from cmtof.hardware.twin.faults import Watch
 from cmtof.hardware.twin.lines import Channel
 from cmtof.hardware.twin.panel import Panel
-from cmtof.hardware.twin.text import LineBuffer, number_from_text
+from cmtof.hardware.twin.text import number_from_text, serve_lines
 
 WAVELENGTH = (350.0, 1100.0)
 """Wavelengths of the S140C, nm."""
@@ -99,11 +99,7 @@ class PowerMeterServer:
 
     def serve(self, channel: Channel) -> None:
         """Talk to one client until it has gone."""
-        lines = LineBuffer()
-        while data := channel.receive():
-            for line in lines.feed(data):
-                if line.strip():
-                    self._answer(line.decode("ascii", "replace"), channel)
+        serve_lines(channel, self._answer)
 
     def _answer(self, line: str, channel: Channel) -> None:
         trouble = self._watch.next()

@@ -12,7 +12,7 @@ from threading import Lock
 from cmtof.hardware.twin.faults import Watch
 from cmtof.hardware.twin.lines import Channel
 from cmtof.hardware.twin.panel import Panel
-from cmtof.hardware.twin.text import LineBuffer, number_from_text
+from cmtof.hardware.twin.text import number_from_text, serve_lines
 
 FREQUENCY = (1e-6, 40e6)
 """Sine frequencies, Hz (SDG2042X data sheet)."""
@@ -73,11 +73,7 @@ class SdgServer:
 
     def serve(self, channel: Channel) -> None:
         """Talk to one client until it has gone."""
-        lines = LineBuffer()
-        while data := channel.receive():
-            for line in lines.feed(data):
-                if line.strip():
-                    self._answer(line.decode("ascii", "replace"), channel)
+        serve_lines(channel, self._answer)
 
     def _answer(self, line: str, channel: Channel) -> None:
         trouble = self._watch.next()

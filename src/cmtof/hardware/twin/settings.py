@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH, SPEED_OF_LIGHT
-from cmtof.hardware.twin.parsing import check_fields, choice, number, section_from_mapping
+from cmtof.hardware.parsing import check_fields, choice, number, section_from_mapping
 
 MATERIALS = ("diffuse", "specular", "retro")
 """How a surface sends light back."""
@@ -240,7 +240,7 @@ class TwinSettings:
     @classmethod
     def from_mapping(cls, raw: Mapping[str, Any] | None) -> "TwinSettings":
         """Build settings from a rig file's mapping; what it does not name keeps its default."""
-        return section_from_mapping(cls, raw, "twin")
+        return section_from_mapping(cls, {} if raw is None else raw, "twin")
 
     @classmethod
     def ideal(cls, **changes: Any) -> "TwinSettings":

@@ -1,6 +1,9 @@
 """Lines of text out of a stream of bytes, and numbers out of text, as careful firmware does it."""
 
 import re
+from collections.abc import Callable
+
+from cmtof.hardware.twin.lines import Channel
 
 _NUMBER = re.compile(r"[+-]?(\d{1,20}\.?\d{0,20}|\.\d{1,20})([eE][+-]?\d{1,3})?", re.ASCII)
 
@@ -26,6 +29,15 @@ class LineBuffer:
         *lines, rest = (self._rest + data).split(b"\n")
         self._rest = rest[: self._limit]
         return [line.rstrip(b"\r")[: self._limit] for line in lines]
+
+
+def serve_lines(channel: Channel, answer: Callable[[str, Channel], None]) -> None:
+    """Hand every line that is not blank to ``answer``, until the client has gone."""
+    lines = LineBuffer()
+    while data := channel.receive():
+        for line in lines.feed(data):
+            if line.strip():
+                answer(line.decode("ascii", "replace"), channel)
 
 
 def number_from_text(text: str) -> float | None:
