@@ -12,6 +12,7 @@ from cmtof.hardware.twin.targets import Hits
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
 SAMPLE_RATE, SAMPLES, PHASES = 24000.0, 20, 16
+_LAWS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 
 
 class BudgetLine(NamedTuple):
@@ -21,6 +22,20 @@ class BudgetLine(NamedTuple):
     value: float
     unit: str
     source: str
+
+
+def emission_mean(settings: TwinSettings, mode: str) -> float:
+    """Mean transmission of an ideal emission module at the stated eta, mirror included."""
+    law = _LAWS[mode]
+    return float(law(settings.drive.eta, 2)[0].real) * settings.emission.mirror_reflectance
+
+
+def sent_power(settings: TwinSettings, mode: str = "single") -> float:
+    """Mean power sent to the scene, W, the fibre at the middle of its drift (Sec. 7.1: 3 mW)."""
+    laser = settings.laser
+    fibre = (laser.fibre_low + laser.fibre_high) / 2
+    module = emission_mean(settings, mode)
+    return laser.power * fibre * module * free_space.outward(settings.optics)
 
 
 def photon_budget(
@@ -58,21 +73,25 @@ def photon_budget(
         raise ValueError(f"Expected mode single or doubled, got {mode!r}. Choose one.")
     if not distance > 0:
         raise ValueError(f"Expected a range above 0 m, got {distance}. Give it in metres.")
-    law = single_mode_harmonics if mode == "single" else doubled_mode_harmonics
-    harmonics = law(settings.drive.eta, 2)
+    harmonics = _LAWS[mode](settings.drive.eta, 2)
     mean = float(harmonics[0].real)
     order = 1 if mode == "single" else 2
     contrast = float(2 * abs(harmonics[order]) ** 2 / mean**2)
-    return _optical(settings, mean, distance, reflectance, contrast)
+    return _optical(settings, mode, mean, distance, reflectance, contrast)
 
 
 def _optical(
-    settings: TwinSettings, mean: float, distance: float, reflectance: float, contrast: float
+    settings: TwinSettings,
+    mode: str,
+    mean: float,
+    distance: float,
+    reflectance: float,
+    contrast: float,
 ) -> list[BudgetLine]:
     optics, laser = settings.optics, settings.laser
     fibre = (laser.fibre_low + laser.fibre_high) / 2
-    module = mean * settings.emission.mirror_reflectance
-    sent = laser.power * fibre * module * free_space.outward(optics)
+    module = emission_mean(settings, mode)
+    sent = sent_power(settings, mode)
     hits = Hits(np.array(distance), np.array(1.0), np.array(reflectance))
     share = float(free_space.returned_fraction(optics, "diffuse", hits))
     caught = sent * share

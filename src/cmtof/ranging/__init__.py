@@ -1,0 +1,1 @@
+"""Instruments that measure a distance, each as forward model, estimator and bound (Sec. 8.2)."""
