@@ -126,7 +126,9 @@ def main(build: Path, stage: Path) -> None:
     for stem in book.notebooks():
         stage_notebook(build / "notebooks" / f"{stem}.ipynb", stage / "notebooks" / f"{stem}.ipynb")
     checks = sorted(build.glob("results/*/checks.json"))
-    (stage / "book" / "scoreboard.md").write_text(paper.scoreboard(checks), encoding="utf-8")
+    chapters = sorted((build / "notebooks").glob("*.ipynb"))
+    page = paper.scoreboard(checks, chapters)
+    (stage / "book" / "scoreboard.md").write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -250,7 +250,7 @@ def read_checks(path: Path) -> dict[str, dict[str, Any]]:
     return records
 
 
-def scoreboard(checks: Iterable[Path]) -> str:
+def scoreboard(checks: Iterable[Path], notebooks: Iterable[Path] = ()) -> str:
     """Write the scoreboard page: every published number, ours, and the verdict.
 
     Where several runs checked one number, the worst verdict is shown.
@@ -259,6 +259,8 @@ def scoreboard(checks: Iterable[Path]) -> str:
     ----------
     checks : iterable of Path
         The ``checks.json`` of each run; its folder has the name of the notebook.
+    notebooks : iterable of Path
+        The chapters, to find the paper's equations in.
 
     Returns
     -------
@@ -272,4 +274,4 @@ def scoreboard(checks: Iterable[Path]) -> str:
     """
     from cmtof.scoreboard import page
 
-    return page(published_numbers(), checks)
+    return page(published_numbers(), checks, notebooks)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cmtof import coverage
 from cmtof.paper import Outcome, Published, Verdict, published, read_checks, verdict
 from cmtof.quantity import quantity_text
 
@@ -63,8 +64,11 @@ Found = dict[str, tuple[Verdict, Run]]
 """Our number and its verdict, and the run that made it, by key."""
 
 
-def page(numbers: Mapping[str, Published], checks: Iterable[Path]) -> str:
+def page(
+    numbers: Mapping[str, Published], checks: Iterable[Path], notebooks: Iterable[Path] = ()
+) -> str:
     """Write the page; see :func:`cmtof.paper.scoreboard`."""
+    checks = list(checks)
     found = _found(checks)
     groups: dict[str, list[Published]] = {}
     for number in numbers.values():
@@ -77,6 +81,7 @@ def page(numbers: Mapping[str, Published], checks: Iterable[Path]) -> str:
             meanings="\n".join(f"- **{name}**: {text}" for name, text in _MEANING.items()),
         )
     ]
+    parts.append(coverage.section([path.parent for path in checks], notebooks))
     parts += [_section(name, groups[name], found) for name in sorted(groups, key=_order)]
     if runs:
         parts.append(_runs(runs))
