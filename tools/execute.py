@@ -18,11 +18,16 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import nbformat
-import papermill
-from papermill.exceptions import PapermillExecutionError
+# jsonschema, by which notebooks are checked and numbers glued, would compile a grammar of
+# internationalised URIs for seconds, here and in the kernel; it does without when there is none
+NO_GRAMMAR = "import sys; sys.modules['rfc3987_syntax'] = None"
+exec(NO_GRAMMAR)
 
-from pairs import ROOT, notebook_from_script
+import nbformat  # noqa: E402
+import papermill  # noqa: E402
+from papermill.exceptions import PapermillExecutionError  # noqa: E402
+
+from pairs import ROOT, notebook_from_script  # noqa: E402
 
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matplotlib")
 
@@ -30,12 +35,15 @@ LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matp
 def environment(work: Path) -> dict[str, str]:
     """Return the variables that make a run repeatable: this Python, one thread, nobody's start-up.
 
-    The kernel's settings lie in the folder ``work``; they silence its remarks on its own workings.
+    The kernel's settings lie in the folder ``work``; they silence its remarks on its own workings
+    and spare it the grammar.
     """
     settings = work / "ipython" / "profile_default"
     settings.mkdir(parents=True)
     (settings / "ipython_kernel_config.py").write_text(
-        "get_config().Application.log_level = 50\n", encoding="utf-8"
+        "c = get_config()\nc.Application.log_level = 50\n"
+        f"c.InteractiveShellApp.exec_lines = [{NO_GRAMMAR!r}]\n",
+        encoding="utf-8",
     )
     return {
         "CMTOF_OUTPUT": str(work / "results"),
