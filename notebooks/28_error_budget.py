@@ -41,14 +41,13 @@ from cmtof.ranging.error_budget import (
     VISITS,
     errors,
     over_a_wrap,
-    parts,
     ranger_of,
     rms,
-    scatter_implied,
     slope_errors,
     slope_scatter,
 )
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger
+from cmtof.ranging.sweep import offset_and_scatter, parts
 from cmtof.ranging.target import StageTarget
 
 run = plotting.begin(profile=profile, seed=seed)
@@ -390,16 +389,12 @@ say("cyclic_says",
 # ## Which terms are nearly constant offsets?
 
 # %% tags=["hide-input"]
-implied = {
-    what: scatter_implied(paper.published(f"table4.proposed.rmse_{what}").value,
-                          paper.published(f"table4.proposed.mae_{what}").value)
-    for what in ("mirror", "diffuse")
-}  # fmt: skip
 published = {
     what: (paper.published(f"table4.proposed.rmse_{what}").value,
            paper.published(f"table4.proposed.mae_{what}").value)
     for what in ("mirror", "diffuse")
 }  # fmt: skip
+implied = {what: offset_and_scatter(*found)[1] for what, found in published.items()}
 figure, axes = plt.subplots(1, 2, figsize=(11.2, 4.9), sharey=True)
 WIDTH, LINE = 0.043, 0.019  # of a letter, decades, and of a line, in the figure below
 shown = [n for n in terms if n not in ("sixteen", "converter", "stage", "thermometer", "spot")]

@@ -36,14 +36,14 @@ def test_the_parts_add_up(offset, slope, noise, seed):
     about = sweep.POSITIONS - sweep.POSITIONS.mean()
     errors = offset + slope * about + noise * rng.standard_normal((4, 21))
     found = sweep.parts(errors, sweep.POSITIONS)
-    total = found.offset**2 + found.slope**2 * about.var() + found.scatter**2
+    total = found.offset**2 + found.slope**2 * about.var() + 19 / 21 * found.scatter**2
     np.testing.assert_allclose(total, sweep.rmse(errors) ** 2, rtol=1e-9, atol=1e-20)
 
 
 def test_parts_of_a_straight_line():
     about = sweep.POSITIONS - sweep.POSITIONS.mean()
     found = sweep.parts(3e-5 - 0.02 * about, sweep.POSITIONS)
-    np.testing.assert_allclose(found, (3e-5, -0.02, 0), atol=1e-12)
+    np.testing.assert_allclose(found[:3], (3e-5, -0.02, 0), atol=1e-12)
 
 
 def test_ratio_of_gaussian_errors_and_of_an_offset():
@@ -135,7 +135,7 @@ def test_table_of_the_three_instruments():
 @pytest.mark.parametrize(
     ("act", "message"),
     [
-        (lambda: sweep.parts([1.0], [0.0]), "Expected at least 2 different positions"),
+        (lambda: sweep.parts([1.0], [0.0]), "Expected at least 3 positions"),
         (lambda: sweep.interval([1.0]), "Expected values of at least 2 repeats"),
         (lambda: sweep.offset_and_scatter(1.0, 2.0), "Expected 0 < MAE <= RMSE"),
         (

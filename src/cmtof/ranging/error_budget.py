@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.hardware.air import group_index
 from cmtof.hardware.twin import optics as free_space
 from cmtof.hardware.twin.settings import TwinSettings
 from cmtof.hardware.twin.targets import Plane
@@ -175,22 +174,10 @@ def _readings(
     labels = 1 + np.rint((start + np.arange(positions.size) * ranger.step_time) / LABEL_TIME)
     at = positions + ranger.stage_error * rng.standard_normal(positions.size)
     phase = ranger.phase(ranger.counts(world, ranger.panel(), at, labels.astype(int)))
-    index = _stated_index(ranger, air)
+    index = ranger.stated_index(*air)
     ranges = index * (target.distance + positions)
     off = phase - _phase_of(ranges, world.settings, ranger.mode)
     return np.asarray(depth_from_phase(centred(off), ranger.frequency) / index, float)
-
-
-def _stated_index(ranger: OpticalRanger, air: Array) -> float:
-    """Group index that ranges are divided by; ``air`` (2,) are the day's errors over their rms."""
-    here = ranger.settings.air
-    if ranger.air == "ignored" or here.pressure == 0:
-        return 1.0
-    return group_index(
-        wavelength=ranger.settings.laser.wavelength,
-        temperature=here.temperature + ranger.temperature_error * air[0],
-        pressure=here.pressure + ranger.pressure_error * air[1],
-    )
 
 
 def _phase_of(optical: ArrayLike, settings: TwinSettings, mode: str) -> Array:
@@ -200,80 +187,9 @@ def _phase_of(optical: ArrayLike, settings: TwinSettings, mode: str) -> Array:
     return np.asarray(phase_from_depth(way, FREQUENCY[mode]) - lag, float)
 
 
-# --- what errors are made of ----------------------------------------------------------------------
-
-
-class Parts(NamedTuple):
-    """Parts of the errors of each day (D,); m, but for slope and ratio."""
-
-    offset: Array
-    """Mean over the sweep."""
-    slope: Array
-    """Error per travel of the best straight line, m/m."""
-    scatter: Array
-    """Standard deviation about that line."""
-    rmse: Array
-    mae: Array
-
-    @property
-    def ratio(self) -> Array:
-        """MAE over RMSE: 1 for a constant, sqrt(2/pi) = 0.80 for Gaussian scatter about zero."""
-        return self.mae / self.rmse
-
-
-def parts(error: ArrayLike, positions: ArrayLike) -> Parts:
-    """Take errors apart into offset, slope and scatter.
-
-    Parameters
-    ----------
-    error : array_like, shape (D, P)
-        m.
-    positions : array_like, shape (P,)
-        m; three or more, not all the same.
-
-    Examples
-    --------
-    >>> z = np.linspace(-1e-3, 1e-3, 5)
-    >>> found = parts([3e-5 + 0.01 * z], z)
-    >>> round(float(found.offset[0]), 9), round(float(found.slope[0]), 9)
-    (3e-05, 0.01)
-    >>> bool(found.scatter[0] < 1e-12)
-    True
-    """
-    off, at = np.atleast_2d(np.asarray(error, float)), np.asarray(positions, float)
-    if at.size < 3 or off.shape[-1] != at.size or np.ptp(at) == 0:
-        raise ValueError(
-            f"Expected errors (D, P) at three or more different positions (P,), got {off.shape} "
-            f"and {at.shape}. Give one error a position."
-        )
-    centre = at - at.mean()
-    offset = off.mean(axis=1)
-    slope = off @ centre / (centre @ centre)
-    rest = off - offset[:, None] - slope[:, None] * centre
-    scatter = np.sqrt((rest**2).sum(axis=1) / (at.size - 2))
-    return Parts(offset, slope, scatter, np.sqrt((off**2).mean(axis=1)), np.abs(off).mean(axis=1))
-
-
 def rms(values: ArrayLike) -> float:
     """Root of the mean square over the days."""
     return float(np.sqrt(np.mean(np.square(values))))
-
-
-def scatter_implied(rmse: float, mae: float) -> float:
-    """Scatter about a constant error that RMSE and MAE tell, ``sqrt(RMSE^2 - MAE^2)``, m.
-
-    Where all errors have one sign, MAE is the size of their mean.
-
-    Examples
-    --------
-    Table 4, mirror:
-
-    >>> round(scatter_implied(33.5e-6, 32.5e-6) * 1e6, 1)
-    8.1
-    """
-    if not 0 <= mae <= rmse:
-        raise ValueError(f"Expected 0 <= MAE <= RMSE, got {mae:g} and {rmse:g}. Swap them.")
-    return float(np.sqrt(rmse**2 - mae**2))
 
 
 # --- over a wrap, and on a slope ------------------------------------------------------------------

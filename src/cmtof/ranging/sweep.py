@@ -3,7 +3,9 @@ r"""The sweep of Fig. 13 and Table 4: errors over positions, repeats, and what t
 The error of one repeat at stage position x is split by least squares,
 
 .. math:: e(x) = \underbrace{o}_{offset} + s\,(x - \bar x) + r(x), \qquad
-          \mathrm{RMSE}^2 = o^2 + s^2\,\mathrm{var}(x) + \overline{r^2}
+          \mathrm{RMSE}^2 = o^2 + s^2\,\mathrm{var}(x) + \frac{P-2}{P}\,\sigma_r^2
+
+The scatter :math:`\sigma_r` of P positions counts the two that the line takes.
 
 Gaussian errors about zero have MAE/RMSE = sqrt(2/pi) = 0.80, a constant offset has 1.
 """
@@ -68,7 +70,16 @@ class Parts(NamedTuple):
     slope: Array
     """Change of error with position, 1."""
     scatter: Array
-    """Root mean square of what a straight line leaves, m."""
+    """Standard deviation about the straight line, m."""
+    rmse: Array
+    """m."""
+    mae: Array
+    """m."""
+
+    @property
+    def ratio(self) -> Array:
+        """MAE over RMSE."""
+        return self.mae / self.rmse
 
 
 def parts(errors: ArrayLike, positions: ArrayLike) -> Parts:
@@ -77,18 +88,26 @@ def parts(errors: ArrayLike, positions: ArrayLike) -> Parts:
     Raises
     ------
     ValueError
-        With fewer than two different positions.
+        With fewer than three positions, or all the same.
+
+    Examples
+    --------
+    >>> z = np.linspace(-1e-3, 1e-3, 5)
+    >>> found = parts(3e-5 + 0.01 * z, z)
+    >>> f"{found.offset:.1e} {found.slope:.3f} {found.scatter:.0e}"
+    '3.0e-05 0.010 0e+00'
     """
     error, place = np.asarray(errors, float), np.asarray(positions, float)
     about = place - place.mean()
-    if place.size < 2 or not about.any():
+    if place.size < 3 or not about.any():
         raise ValueError(
-            f"Expected at least 2 different positions, got {place.tolist()}. Sweep over some."
+            f"Expected at least 3 positions, not all the same, got {place.tolist()}. Sweep more."
         )
     offset = error.mean(axis=-1)
     slope = error @ about / (about @ about)
     left = error - offset[..., None] - slope[..., None] * about
-    return Parts(offset, slope, rmse(left))
+    scatter = np.sqrt((left**2).sum(axis=-1) / (place.size - 2))
+    return Parts(offset, slope, scatter, rmse(error), mae(error))
 
 
 class Interval(NamedTuple):
@@ -233,21 +252,21 @@ class SweepResult:
     @property
     def rmse(self) -> Array:
         """(repeats,), m."""
-        return rmse(self.errors)
+        return self.parts.rmse
 
     @property
     def mae(self) -> Array:
         """(repeats,), m."""
-        return mae(self.errors)
+        return self.parts.mae
 
     @property
     def ratio(self) -> Array:
         """MAE over RMSE of each repeat (repeats,)."""
-        return self.mae / self.rmse
+        return self.parts.ratio
 
     @property
     def parts(self) -> Parts:
-        """Offset, slope and scatter of each repeat."""
+        """Offset, slope, scatter, RMSE and MAE of each repeat (repeats,)."""
         return parts(self.errors, self.positions)
 
 
