@@ -96,9 +96,11 @@ class RfDrivers:
 
     def __init__(self, settings: Drive, seed: int) -> None:
         self._settings = settings
-        self._code_errors = settings.phase_step_error * np.stack(
-            [keyed_generator(seed, "codes", module).standard_normal(_CODES) for module in (0, 1)]
-        )
+        self._code_errors = np.zeros((2, _CODES))
+        if settings.phase_step_error:  # to draw for all codes takes longer than a burst
+            for module, errors in enumerate(self._code_errors):
+                keyed_generator(seed, "codes", module).standard_normal(out=errors)
+            self._code_errors *= settings.phase_step_error
 
     def phase(self, module: int, phase: Array) -> Array:
         """Phase that driver 0 or 1 really makes of a phase that it was told, rad."""

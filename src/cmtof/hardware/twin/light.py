@@ -38,12 +38,17 @@ class Light:
         return self._modulators.configuration(panel, edges, rate)
 
     def on_detector(
-        self, panel: Panel, angles: Array, starts: Array, configuration: Configuration
+        self,
+        panel: Panel,
+        angles: Array,
+        starts: Array,
+        configuration: Configuration,
+        stage: Array | None = None,
     ) -> Array:
         """Light on the detector (N, S), W, in each segment of bursts that start at times (N,)."""
         optics = self.settings.optics
         paths = free_space.with_stray(
-            self.paths(panel, angles), optics, arm_open=not panel.beam_block_in
+            self.paths(panel, angles, stage), optics, arm_open=not panel.beam_block_in
         )
         way = self.group_index * paths.range + optics.internal_path
         phase = 4 * np.pi * configuration.frequency / SPEED_OF_LIGHT * way
@@ -55,21 +60,28 @@ class Light:
         room = free_space.ambient(optics) * configuration.detection
         return self.from_fibre(panel, times) * loss * share + room
 
-    def paths(self, panel: Panel, angles: Array) -> free_space.Paths:
-        """Ways to the scene at optical angles (N, 2), rad, or to the target on the stage."""
+    def paths(self, panel: Panel, angles: Array, stage: Array | None = None) -> free_space.Paths:
+        """Ways to the scene at optical angles (N, 2), rad, or to the target on the stage.
+
+        ``stage`` (N,), m, are positions of the stage in place of the panel's.
+        """
         if panel.flip_mirror_in:
-            reference = self.settings.reference
-            distance = reference.distance + panel.stage_position - reference.stage_zero
-            target = Plane(distance, reflectance=reference.reflectance, material=reference.material)
-            # behind the flip mirror the beam stands still; another 10 um of stage, another speckle
-            beam = np.zeros_like(angles)
-            return free_space.trace(
-                target, beam, self.settings, self.seed + 1 + round(panel.stage_position / 1e-5)
-            )
+            if stage is None:
+                return self._to_stage(panel.stage_position, len(angles))
+            ways = [self._to_stage(float(position), 1) for position in stage]
+            return free_space.Paths(*(np.concatenate(parts) for parts in zip(*ways, strict=True)))
         if self.scene is None:
             nothing = np.zeros((len(angles), 1))
             return free_space.Paths(nothing, nothing)
         return free_space.trace(self.scene, angles, self.settings, self.seed)
+
+    def _to_stage(self, position: float, count: int) -> free_space.Paths:
+        reference = self.settings.reference
+        distance = reference.distance + position - reference.stage_zero
+        target = Plane(distance, reflectance=reference.reflectance, material=reference.material)
+        # behind the flip mirror the beam stands still; another 10 um of stage, another speckle
+        beam = np.zeros((count, 2))
+        return free_space.trace(target, beam, self.settings, self.seed + 1 + round(position / 1e-5))
 
     def from_fibre(self, panel: Panel, times: Array) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""

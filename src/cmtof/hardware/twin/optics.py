@@ -90,29 +90,42 @@ def returned_fraction(optics: Optics, material: str, hits: Hits) -> Array:
 
     Diffuse: ``rho cos A / (pi z^2)``, half of it in the polarisation that the splitter passes.
     Specular and retro: a Gaussian lobe that spreads over the range, cut by the aperture, and for
-    specular turned away by twice the tilt; the polarisation is kept.
+    specular turned away by twice the tilt; the polarisation is kept. Mixed: both laws, weighted
+    with ``hits.mirrored``.
     """
+    rough, polished = _returned(optics, material, hits)
+    return rough + polished
+
+
+def _returned(optics: Optics, material: str, hits: Hits) -> tuple[Array, Array]:
+    """Both parts of `returned_fraction`: what speckles, and what a polished surface returns."""
     z = hits.range
     radius = optics.aperture / 2
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         # half of the hemisphere's light at the very most, for ranges within the aperture
         share = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
+        rough, polished = share, np.zeros_like(share)
         if material != "diffuse":
-            lobe = SPECULAR_LOBE if material == "specular" else RETRO_LOBE
+            lobe = RETRO_LOBE if material == "retro" else SPECULAR_LOBE
             lobe = np.hypot(lobe, 2 * optics.divergence)
             caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
-            if material == "specular":
+            if material == "retro":
+                rough = caught
+            else:
                 turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
-                caught = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * share
-            share = caught
-    return np.where(z > 0, hits.reflectance * share, 0.0)
+                polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * share
+                weight = hits.mirrored if material == "mixed" else 1.0
+                rough, polished = (1 - weight) * share, weight * polished
+    rough, polished = (np.where(z > 0, hits.reflectance * part, 0.0) for part in (rough, polished))
+    return rough, polished
 
 
 def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> Paths:
     """Follow the spot: paths (N, 7) of its sub-rays for optical angles (N, 2), rad.
 
-    Speckle multiplies each sub-ray by an independent gamma law of its share of the cells, so the
-    whole spot follows that of all cells; it depends on the direction only, the same in both modes.
+    Speckle multiplies what a rough surface returns into each sub-ray by an independent gamma law of
+    its share of the cells, so the whole spot follows that of all cells; it depends on the direction
+    only, the same in both modes.
     """
     optics = settings.optics
     tangent = np.tan(angles)[:, None, :]
@@ -122,14 +135,14 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
     spread = _unit(tangent + angle * _SPOT if angle else tangent)
     hits = target.look(spread)
     distance = np.where(hits.range > 0, hits.range, 0.0)
-    fraction = weights * returned_fraction(optics, target.material, hits)
+    rough, polished = (weights * part for part in _returned(optics, target.material, hits))
     if optics.speckle and target.material != "specular":
         far = np.maximum(distance, 1e-3)
         cells = speckle_cells(optics, settings.laser.wavelength, far) * weights
         place = np.rint(angles / PLACE)
         chance = uniform_from_places(seed, "speckle", place, weights.size)
-        fraction = fraction * gammaincinv(cells, chance) / cells
-    return Paths(distance, fraction)
+        rough = rough * gammaincinv(cells, chance) / cells
+    return Paths(distance, rough + polished)
 
 
 def with_stray(paths: Paths, optics: Optics, *, arm_open: bool) -> Paths:

@@ -1,12 +1,13 @@
-"""Scenes: a target out of a setting, a frame, a file; and meshes."""
+"""Scenes: a target out of a setting, a frame, a file; meshes, and several of them as one."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cmtof.hardware.twin.frame_target import FrameTarget
 from cmtof.hardware.twin.settings import MATERIALS
@@ -14,6 +15,9 @@ from cmtof.hardware.twin.targets import Corner, Hits, Plane, Target
 from cmtof.scenes.rgbd import Frame, load_frame
 
 Array = NDArray[np.float64]
+
+SURFACE = 3e-3
+"""How near to a point its own surface may be met, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,33 +30,54 @@ class MeshTarget:
         m, in the camera's coordinates.
     faces : ndarray, shape (F, 3)
         Numbers of vertices.
-    reflectance : float
-        0 to 1.
+    reflectance : float or ndarray, shape (V,)
+        0 to 1; that of the vertices is interpolated across each triangle.
     material : str
-        One of `MATERIALS`.
+        One of `MATERIALS`, or "mixed".
+    mirrored : float or ndarray, shape (V,), or None
+        Of "mixed" alone: weight of the law of a specular surface against that of a diffuse one,
+        0 to 1, interpolated alike.
+
+    Raises
+    ------
+    ValueError
+        For numbers that are neither one nor one a vertex, and for ``mirrored`` without "mixed".
     """
 
     vertices: NDArray
     faces: NDArray
-    reflectance: float = 0.5
+    reflectance: float | Array = 0.5
     material: str = "diffuse"
-    _tracer: Any = field(init=False, repr=False)
+    mirrored: float | Array | None = None
 
     def __post_init__(self) -> None:
+        if (self.material == "mixed") != (self.mirrored is not None):
+            raise ValueError(
+                f"Expected mirrored for the material mixed alone, got {self.material!r}. "
+                "Give both or neither."
+            )
+        for name in ("reflectance", "mirrored"):
+            shape = np.shape(getattr(self, name))
+            if shape not in ((), (len(self.vertices),)):
+                raise ValueError(
+                    f"Expected {name} of all or of each of {len(self.vertices)} vertices, "
+                    f"got shape {shape}. Give one number a vertex."
+                )
+
+    @cached_property
+    def _tracer(self) -> Any:
+        """Embree's tree: made when first needed, so not for parts of an assembly."""
         from cmtof.scenes.rooms.tracing import Tracer
 
-        corners = np.asarray(self.vertices, np.float32)
-        tracer = Tracer(corners, np.asarray(self.faces, np.int32))
-        object.__setattr__(self, "_tracer", tracer)
+        return Tracer(np.asarray(self.vertices, np.float32), np.asarray(self.faces, np.int32))
 
     def look(self, directions: Array) -> Hits:
         """Trace unit rays (..., 3) from the origin."""
         rays = np.ascontiguousarray(directions.reshape(-1, 3), np.float32)
         hits = self._tracer.nearest(np.zeros_like(rays), rays)
         met = hits.triangle >= 0
-        a, b, c = np.asarray(self.vertices, float)[
-            np.asarray(self.faces)[np.where(met, hits.triangle, 0)]
-        ].swapaxes(0, 1)
+        corners = np.asarray(self.faces)[np.where(met, hits.triangle, 0)]
+        a, b, c = np.asarray(self.vertices, float)[corners].swapaxes(0, 1)
         normal = np.cross(b - a, c - a)
         exact = directions.reshape(-1, 3)
         # the range again in double precision, on the plane of the triangle that was met
@@ -61,8 +86,57 @@ class MeshTarget:
             reach = np.where(met, (a * normal).sum(-1) / along, np.nan)
             cosine = np.abs(along) / np.linalg.norm(normal, axis=-1)
         shape = directions.shape[:-1]
-        bright = np.full(shape, self.reflectance)
-        return Hits(reach.reshape(shape), np.nan_to_num(cosine).reshape(shape), bright)
+
+        def there(values: float | Array) -> Array:
+            if np.ndim(values) == 0:
+                return np.full(shape, values)
+            u, v = np.where(met, hits.u, 0.0), np.where(met, hits.v, 0.0)
+            share = np.stack([1 - u - v, u, v], -1)
+            return (np.asarray(values, float)[corners] * share).sum(-1).reshape(shape)
+
+        bright = there(self.reflectance)
+        seen = Hits(reach.reshape(shape), np.nan_to_num(cosine).reshape(shape), bright)
+        return seen if self.mirrored is None else seen._replace(mirrored=there(self.mirrored))
+
+    def hidden(self, points: Array, eye: ArrayLike) -> NDArray[np.bool_]:
+        """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
+        way = points.reshape(-1, 3) - np.asarray(eye, float)
+        far = np.linalg.norm(way, axis=-1)
+        rays = np.ascontiguousarray(way / far[:, None], np.float32)
+        start = np.broadcast_to(np.asarray(eye, np.float32), rays.shape).copy()
+        reach = (far - SURFACE).astype(np.float32)
+        return self._tracer.blocked(start, rays, reach).reshape(points.shape[:-1])
+
+
+_MIRRORED = {"diffuse": 0.0, "specular": 1.0}
+
+
+def assembled(parts: Sequence[MeshTarget]) -> MeshTarget:
+    """Meshes of several materials as one "mixed" target; a ray ends at the nearest of them.
+
+    Raises
+    ------
+    ValueError
+        For retro-reflecting parts, whose law "mixed" does not know.
+    """
+    starts = np.cumsum([0] + [len(part.vertices) for part in parts[:-1]])
+    bright, mirrored = [], []
+    for part in parts:
+        weight = part.mirrored if part.material == "mixed" else _MIRRORED.get(part.material)
+        if weight is None:
+            raise ValueError(
+                f"Expected parts that are diffuse, specular or mixed, got {part.material!r}. "
+                "Look at it alone."
+            )
+        bright.append(np.broadcast_to(part.reflectance, len(part.vertices)))
+        mirrored.append(np.broadcast_to(weight, len(part.vertices)))
+    return MeshTarget(
+        np.concatenate([np.asarray(part.vertices, float) for part in parts]),
+        np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=True)]),
+        np.concatenate(bright),
+        "mixed",
+        np.concatenate(mirrored),
+    )
 
 
 _ANALYTIC = {
@@ -71,6 +145,7 @@ _ANALYTIC = {
     "corner": (Corner, {"distance", "radius", "reflectance"}),
 }
 _FILES = {"frame": {"file", "material"}, "mesh": {"file", "scale", "reflectance", "material"}}
+_NAMED = {"object": {"name"}}
 
 
 def scene_from(source: Any) -> Target | None:
@@ -80,8 +155,9 @@ def scene_from(source: Any) -> Target | None:
     ----------
     source : str, Path, Frame, mapping, Target or None
         A frame's file or embedded name; or ``{"kind": …}`` with kind plane, mirror or corner
-        and the arguments of `Plane` and `Corner`, ``{"kind": "frame", "file": …, "material": …}``
-        or ``{"kind": "mesh", "file": …, "scale": 1.0, "reflectance": …, "material": …}``.
+        and the arguments of `Plane` and `Corner`, ``{"kind": "frame", "file": …, "material": …}``,
+        ``{"kind": "mesh", "file": …, "scale": 1.0, "reflectance": …, "material": …}``
+        or ``{"kind": "object", "name": …}`` out of `cmtof.scenes.objects.OBJECTS`.
 
     Raises
     ------
@@ -105,13 +181,13 @@ def scene_from(source: Any) -> Target | None:
         )
     options = dict(source)
     kind = options.pop("kind", None)
-    kinds = [*_ANALYTIC, *_FILES]
+    kinds = [*_ANALYTIC, *_FILES, *_NAMED]
     if kind not in kinds:
         raise ValueError(
             f"Expected twin.scene.kind out of {', '.join(kinds)}, got {kind!r}. Choose."
         )
-    known = _FILES[kind] if kind in _FILES else _ANALYTIC[kind][1]
-    needed = "file" if kind in _FILES else "distance"
+    known = _ANALYTIC[kind][1] if kind in _ANALYTIC else {**_FILES, **_NAMED}[kind]
+    needed = "distance" if kind in _ANALYTIC else "file" if kind in _FILES else "name"
     if needed not in options or not set(options) <= known:
         raise ValueError(
             f"Expected {needed} and other keys of twin.scene out of {', '.join(sorted(known))}, "
@@ -126,6 +202,10 @@ def scene_from(source: Any) -> Target | None:
         return FrameTarget(load_frame(options.pop("file")), **options)
     if kind == "mesh":
         return _mesh(options)
+    if kind == "object":
+        from cmtof.scenes.objects import object_scene
+
+        return object_scene(options["name"])
     if kind == "mirror":
         options["material"] = "specular"
     return _ANALYTIC[kind][0](**options)

@@ -1,4 +1,4 @@
-"""What a beam can meet: targets of one material each; here a plane and a corner cube.
+"""What a beam can meet; here a plane and a corner cube, of one material each.
 
 Coordinates of the camera: x right, y down, z forward; the galvo stands at the origin and its beam
 leaves along +z at zero volts. A target tells where a ray ends, not how much light comes back.
@@ -22,6 +22,9 @@ class Hits(NamedTuple):
     """Cosine between the ray and the surface's normal, 0 to 1."""
     reflectance: Array
     """0 to 1."""
+    mirrored: Array | float = 1.0
+    """Only where the target is "mixed": weight of the law of a specular surface against that of a
+    diffuse one, 0 to 1."""
 
 
 class Target(Protocol):
@@ -29,7 +32,7 @@ class Target(Protocol):
 
     @property
     def material(self) -> str:
-        """Return "diffuse", "specular" or "retro"."""
+        """Return "diffuse", "specular", "retro", or "mixed" where each hit tells its own."""
         ...
 
     def look(self, directions: Array) -> Hits:

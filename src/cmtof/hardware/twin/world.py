@@ -158,6 +158,7 @@ class World:
         rate: float = 24000.0,
         pulses: ArrayLike | None = None,
         volts_range: float = 10.0,
+        stage: ArrayLike | None = None,
     ) -> NDArray[np.uint16]:
         """What `burst` would return for each of many directions, (N, scans); the panel stays.
 
@@ -171,17 +172,35 @@ class World:
             Numbers of the bursts; by default 1 to N.
         scans, rate, pulses, volts_range
             As of `burst`.
+        stage : array_like, shape (N,), or None
+            Positions of the stage, m, in place of the panel's; they count while the flip mirror is
+            in, where the directions do not.
+
+        Raises
+        ------
+        ValueError
+            If there is not one stage position a direction.
         """
         points = np.asarray(angles, float).reshape(-1, 2)
         numbers = np.arange(1, len(points) + 1) if labels is None else np.asarray(labels, int)
+        places = None if stage is None else np.asarray(stage, float)
+        if places is not None and places.shape != (len(points),):
+            raise ValueError(
+                f"Expected {len(points)} stage positions, one a direction, got shape "
+                f"{places.shape}. Give one a burst, m."
+            )
         edges = _edges(pulses, scans)
         parts = []
         with panel.lock:
             for first in range(0, len(points), _ROWS):
-                some, here = numbers[first : first + _ROWS], points[first : first + _ROWS]
+                rows = slice(first, first + _ROWS)
+                some = numbers[rows]
                 keys = [("label", int(label)) for label in some]
                 starts = LABEL_TIME * some.astype(float)
-                parts.append(self._counts(panel, here, starts, keys, edges, rate, volts_range))
+                at = None if places is None else places[rows]
+                parts.append(
+                    self._counts(panel, points[rows], starts, keys, edges, rate, volts_range, at)
+                )
         return np.concatenate(parts) if parts else np.empty((0, scans), np.uint16)
 
     def image(
@@ -236,10 +255,12 @@ class World:
         edges: NDArray[np.integer],
         rate: float,
         volts_range: float,
+        stage: Array | None = None,
     ) -> NDArray[np.uint16]:
         detector, scans = self.settings.detector, edges.size
         configuration = self.light.configuration(panel, edges, rate)
-        volts = self.conversion.volts(self.light.on_detector(panel, angles, starts, configuration))
+        light = self.light.on_detector(panel, angles, starts, configuration, stage)
+        volts = self.conversion.volts(light)
         of_sample = configuration.segments.of_sample
         light = volts[:, of_sample]
         density = self.conversion.density(volts)[:, of_sample]
