@@ -16,6 +16,7 @@ import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
 from cmtof import paper
+from cmtof.interactive import STATIC
 from graph import Book
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -115,6 +116,14 @@ def stage_notebook(executed: Path, target: Path) -> None:
     nbformat.write(notebook, target)
 
 
+def place_scenes(build: Path, stage: Path) -> None:
+    """Copy interactive scenes to where the pages look for them; they are never committed."""
+    folder = stage / "book" / STATIC
+    folder.mkdir(parents=True, exist_ok=True)
+    for scene in sorted(build.glob("results/*/*.html")):
+        shutil.copyfile(scene, folder / scene.name)
+
+
 def main(build: Path, stage: Path) -> None:
     """Lay out the book of ``build`` in ``stage``."""
     book = Book(ROOT)
@@ -125,6 +134,7 @@ def main(build: Path, stage: Path) -> None:
         shutil.copyfile(ROOT / chapter, stage / chapter)
     for stem in book.notebooks():
         stage_notebook(build / "notebooks" / f"{stem}.ipynb", stage / "notebooks" / f"{stem}.ipynb")
+    place_scenes(build, stage)
     checks = sorted(build.glob("results/*/checks.json"))
     chapters = sorted((build / "notebooks").glob("*.ipynb"))
     page = paper.scoreboard(checks, chapters)

@@ -29,6 +29,32 @@ def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64
     return rays * (depth / ray_lengths(depth.shape, camera))[..., None]
 
 
+def normals_from_points(points: ArrayLike) -> NDArray[np.float64]:
+    """Unit normals (H, W, 3) towards the scanner, from neighbouring points.
+
+    Beside a hole no neighbour tells the slope: there, as if it faced the scanner.
+
+    Parameters
+    ----------
+    points : array_like, shape (H, W, 3)
+        m, from the scanner; NaN for none.
+
+    Examples
+    --------
+    >>> points = points_from_depth(np.ones((3, 3)), [1e6, 1e6, 1.5, 1.5])
+    >>> normals_from_points(points)[1, 1].round(3).tolist()
+    [0.0, 0.0, -1.0]
+    """
+    points = np.asarray(points, float)
+    down, right = np.gradient(points, axis=(0, 1))
+    normal = np.cross(down, right)
+    with np.errstate(all="ignore"):
+        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    facing = -points / np.linalg.norm(points, axis=-1, keepdims=True)
+    normal = np.where(np.isfinite(normal), normal, facing)
+    return normal * np.where(np.sum(normal * points, -1, keepdims=True) > 0, -1, 1)
+
+
 def write_ply(
     path: str | Path,
     depth: ArrayLike,

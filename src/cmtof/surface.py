@@ -111,8 +111,9 @@ def render_surface(
     *,
     longest: float,
     eye: tuple[float, float, float],
-    cmap: str,
+    cmap: str = "cividis",
     size: tuple[int, int] = (1400, 1400),
+    html: Path | None = None,
 ) -> bool:
     """Write a shaded still of a surface as PNG, cropped to it; tell whether one could be drawn.
 
@@ -123,8 +124,8 @@ def render_surface(
     ----------
     points : array_like, shape (H, W, 3)
         m, x right, y down, z forward.
-    values : array_like, shape (H, W)
-        What the colours show; the 1st to 99th percentile spans the colour map.
+    values : array_like, shape (H, W) or (H, W, 3)
+        What the colours show, the 1st to 99th percentile spans the colour map; or RGB, 0 to 1.
     path : Path
         PNG file.
     longest : float
@@ -135,18 +136,21 @@ def render_surface(
         Name of a Matplotlib colour map.
     size : tuple of int
         Width and height before it is cropped, px.
+    html : Path, optional
+        Write the scene there as well, for a browser; that needs no OpenGL.
     """
-    triangles = mesh_triangles(points, longest=longest)
+    values, triangles = np.asarray(values, float), mesh_triangles(points, longest=longest)
     with tempfile.TemporaryDirectory() as folder:
         job, still = Path(folder) / "job.npz", Path(folder) / "still.png"
         np.savez(
             job,
             points=np.nan_to_num(np.asarray(points, float)).reshape(-1, 3),
             triangles=triangles,
-            values=np.asarray(values, float).ravel(),
+            values=values.reshape(-1, *values.shape[2:]),
             eye=eye,
             cmap=cmap,
             size=size,
+            html=str(html or ""),
         )
         command = [sys.executable, "-m", "cmtof.surface", str(job), str(still)]
         try:
@@ -169,14 +173,17 @@ def _draw(job: Path, still: Path) -> None:
     used = np.unique(held["triangles"])
     faces = np.searchsorted(used, held["triangles"])
     mesh = pv.PolyData.from_regular_faces(held["points"][used], faces)
-    mesh["values"] = held["values"][used]
+    values = held["values"][used]
+    coloured = values.ndim == 2
+    mesh["values"] = np.rint(255 * values).astype(np.uint8) if coloured else values
     plotter = pv.Plotter(off_screen=True, window_size=held["size"].tolist(), lighting="none")
     plotter.renderer.SetBackground(1, 1, 1)
     plotter.add_mesh(
         mesh,
         scalars="values",
-        cmap=str(held["cmap"]),
-        clim=np.percentile(mesh["values"], [1, 99]).tolist(),
+        rgb=coloured,
+        cmap=None if coloured else str(held["cmap"]),
+        clim=None if coloured else np.percentile(values, [1, 99]).tolist(),
         smooth_shading=True,
         ambient=0.25,
         diffuse=0.8,
@@ -188,6 +195,8 @@ def _draw(job: Path, still: Path) -> None:
     for place, strength in (((-0.5, -0.6, -0.1), 0.75), ((0.6, -0.1, 0.0), 0.35)):
         plotter.add_light(pv.Light(position=place, focal_point=centre, intensity=strength))
     plotter.camera_position = [held["eye"].tolist(), centre.tolist(), (0.0, -1.0, 0.0)]
+    if held["html"]:  # first: without OpenGL the still ends this process
+        plotter.trame.export_html(str(held["html"]))
     plotter.enable_anti_aliasing("ssaa")
     image = np.asarray(plotter.screenshot(None, return_img=True))
     drawn = np.argwhere((image < 250).any(axis=-1))

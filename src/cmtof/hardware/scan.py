@@ -43,8 +43,10 @@ DARK = 1.0
 """Stands for the laser power of a line without light, W: nothing is divided by it."""
 
 
-def planned(settings: RigSettings, *, size: int = 64, points: ArrayLike | None = None) -> Plan:
-    """Plan of a rig's scan: an image of ``size`` x ``size``, or any directions (N, 2), rad.
+def planned(
+    settings: RigSettings, *, size: int | tuple[int, int] = 64, points: ArrayLike | None = None
+) -> Plan:
+    """Plan of a rig's scan: an image of ``size`` (height and width), or directions (N, 2), rad.
 
     With a stage the reference target is taken at positions over one wrap of the single mode, which
     is two of the doubled one.

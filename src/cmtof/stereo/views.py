@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.pointcloud import points_from_depth
+from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof.scenes.rgbd import Frame
 from cmtof.stereo.rig import StereoRig
 from cmtof.stereo.sensor import LASER_POWER, OFFSET, Sensor, gaussian_spot
@@ -166,7 +166,7 @@ def view_scene(
         )
     sensor, lighting = sensor or Sensor(), lighting or Lighting()
     points = points_from_depth(frame.depth, frame.camera)
-    normals = _normals(points)
+    normals = normals_from_points(points)
     pixels = np.stack(rig.project(points))
     inside = np.stack(
         [one.sees(at, WINDOW) for one, at in zip((rig.left, rig.right), pixels, strict=True)]
@@ -182,18 +182,6 @@ def view_scene(
     width = np.hypot(lighting.blur, lighting.beam * focal / distance)
     exposure = lighting.exposure or _exposure(rate, width, inside & visible, sensor)
     return Scene(points, pixels, inside, visible, rate * exposure, width, sensor, lighting)
-
-
-def _normals(points: Array) -> Array:
-    """Unit normals (H, W, 3) towards the scanner, from neighbouring points."""
-    down, right = np.gradient(points, axis=(0, 1))
-    normal = np.cross(down, right)
-    with np.errstate(all="ignore"):
-        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
-    # beside a hole no neighbour tells the slope: as if it faced the scanner
-    facing = -points / np.linalg.norm(points, axis=-1, keepdims=True)
-    normal = np.where(np.isfinite(normal), normal, facing)
-    return normal * np.where(np.sum(normal * points, -1, keepdims=True) > 0, -1, 1)
 
 
 def _exposure(rate: Array, width: Array, seen: NDArray[np.bool_], sensor: Sensor) -> float:

@@ -1,0 +1,183 @@
+"""Interactive scenes: one whole, small file each, drawn, and where the book looks for it."""
+
+import base64
+import io
+import re
+import shutil
+import time
+
+import numpy as np
+import pytest
+
+import browse
+import stage
+from cmtof import interactive
+from cmtof.pointcloud import points_from_depth
+from cmtof.provenance import OUTPUT_VARIABLE
+
+LOADED = re.compile(r"""(?:src|href)\s*=\s*["']?(?:https?:)?//""", re.IGNORECASE)
+# scripts of the viewer name addresses in their comments; these would fetch something
+FETCHES = re.compile(r"""(?:fetch|import|setAttribute\("href",)\s*\(?[`"'](?:https?:)?//""")
+CAMERA = (100.0, 100.0, 40.0, 30.0)
+
+
+def ball() -> np.ndarray:
+    """Ranges (60, 80), m, of a ball before a wall."""
+    y, x = (np.mgrid[:60, :80] + 0.5 - np.array([30, 40])[:, None, None]) / 100
+    inside = np.maximum(0.2**2 - x**2 - y**2, 0)
+    return np.where(inside > 0, 1.0 - np.sqrt(inside), 1.2)
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    """Folder with a saved scene, and its still."""
+    folder = tmp_path_factory.mktemp("results") / "31"
+    depth = ball()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(OUTPUT_VARIABLE, str(folder))
+        still = interactive.save_scene(
+            "ball_scene",
+            points_from_depth(depth, CAMERA),
+            interactive.depth_colours(depth, limits=(0.8, 1.2), cmap="cividis_r"),
+            title="A ball & a wall",
+            longest=0.05,
+            eye=(-0.3, -0.3, 0.0),
+        )
+    return folder, still
+
+
+def test_one_file_that_loads_nothing(scene):
+    folder, _ = scene
+    assert [file.name for file in folder.iterdir()] == ["ball_scene.html"]
+    text = (folder / "ball_scene.html").read_text(encoding="utf-8")
+    assert len(text.encode()) < interactive.MOST_BYTES
+    assert not LOADED.search(text) and not FETCHES.search(text)
+    assert "favicon" not in text
+    assert "<title>A ball &amp; a wall</title>" in text
+
+
+def test_the_still_shows_the_surface(scene):
+    _, still = scene
+    if still is None:
+        pytest.skip("no OpenGL here (Debian: apt-get install libegl1 libgl1)")
+    assert still.ndim == 3 and still.shape[2] == 3
+    assert still.min() >= 0 and still.max() <= 1
+    drawn = (still < 0.97).any(axis=-1)
+    assert drawn.mean() > 0.3
+    assert np.ptp(still[drawn], axis=0).min() > 0.2  # shaded, not one colour
+
+
+def test_without_opengl_only_the_still_is_missing(scene, monkeypatch, tmp_path, capsys):
+    folder, _ = scene
+    page = (folder / "ball_scene.html").read_text(encoding="utf-8")
+
+    def crashed(*arguments, html, **options):
+        html.write_text(page, encoding="utf-8")
+        return False
+
+    monkeypatch.setattr(interactive, "render_surface", crashed)
+    monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
+    depth = ball()
+    still = interactive.save_scene(
+        "ball_scene",
+        points_from_depth(depth, CAMERA),
+        np.zeros((*depth.shape, 3)),
+        title="A ball",
+        longest=0.05,
+    )
+    assert still is None and (tmp_path / "ball_scene.html").is_file()
+    assert capsys.readouterr().err == interactive.NO_STILL + "\n"
+
+
+def test_without_pyvista_it_says_so(monkeypatch, tmp_path):
+    monkeypatch.setattr(interactive, "render_surface", lambda *_, **__: False)
+    monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
+    points = points_from_depth(ball(), CAMERA)
+    with pytest.raises(RuntimeError, match=r"Expected PyVista and trame .* Install them"):
+        interactive.save_scene("a_b", points, np.zeros(points.shape), title="", longest=0.05)
+
+
+def test_dense_maps_are_thinned(monkeypatch, tmp_path):
+    seen = {}
+
+    def remember(points, colours, *_, longest, html, **__):
+        seen.update(shape=points.shape, longest=longest)
+        html.write_text("x", encoding="utf-8")
+        return False
+
+    monkeypatch.setattr(interactive, "render_surface", remember)
+    monkeypatch.setattr(interactive, "MOST_POINTS", 1300)
+    monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
+    points = points_from_depth(ball(), CAMERA)
+    interactive.save_scene("a_b", points, np.zeros(points.shape), title="", longest=0.05)
+    assert seen == {"shape": (30, 40, 3), "longest": pytest.approx(0.1)}
+
+
+@pytest.mark.parametrize(
+    ("points", "colours", "longest", "message"),
+    [
+        (np.zeros((4, 5)), np.zeros((4, 5)), 1, r"Expected points and colours \(H, W, 3\)"),
+        (np.zeros((4, 5, 3)), np.zeros((4, 4, 3)), 1, "Give one colour a point"),
+        (np.zeros((4, 5, 3)), np.full((4, 5, 3), 255.0), 1, "Divide by 255 or clip"),
+        (np.full((4, 5, 3), np.nan), np.zeros((4, 5, 3)), 1, "Raise `longest`"),
+    ],
+)
+def test_bad_input_is_refused(points, colours, longest, message):
+    with pytest.raises(ValueError, match=message):
+        interactive.save_scene("a_b", points, colours, title="", longest=longest)
+
+
+def test_a_file_too_large_is_refused(monkeypatch, tmp_path):
+    def large(*_, html, **__):
+        html.write_text("x" * interactive.MOST_BYTES, encoding="utf-8")
+        return False
+
+    monkeypatch.setattr(interactive, "render_surface", large)
+    monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
+    points = points_from_depth(ball(), CAMERA)
+    with pytest.raises(ValueError, match=r"Expected a scene below 3 MB, got 3\.0 MB"):
+        interactive.save_scene("a_b", points, np.zeros(points.shape), title="", longest=0.05)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_block_names_and_folds_the_scene():
+    block = interactive.scene_block("ball_scene", title='A "ball"')
+    assert block.startswith("<details")
+    assert 'title="A &quot;ball&quot;, interactive"' in block and 'loading="lazy"' in block
+    assert block.count("../_static/scenes/ball_scene.html") == 2
+
+
+def test_the_book_finds_the_scene_where_its_pages_look(scene, tmp_path):
+    folder, _ = scene
+    shutil.copytree(folder, tmp_path / "build" / "results" / "31_scanned_scenes")
+    stage.place_scenes(tmp_path / "build", tmp_path)
+    placed = tmp_path / "book" / "_static" / "scenes" / "ball_scene.html"
+    assert placed.read_bytes() == (folder / "ball_scene.html").read_bytes()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    not (shutil.which("chromium") or shutil.which("chromium-browser")),
+    reason="no Chromium here (Debian: apt-get install chromium)",
+)
+def test_it_opens_in_a_browser_without_a_network(scene):
+    folder, _ = scene
+    with browse.chromium() as tab:
+        visit = tab.visit(folder / "ball_scene.html", 900)
+        assert visit.problems == []
+        drawn = 0.0
+        for _ in range(100):  # the viewer draws once it has unpacked its data
+            shot = tab.send("Page.captureScreenshot")["data"]
+            drawn = _coloured(shot)
+            if drawn > 0.05:
+                break
+            time.sleep(0.1)
+    assert drawn > 0.05
+
+
+def _coloured(shot: str) -> float:
+    """Share of a screenshot that is not white."""
+    import matplotlib.pyplot as plt
+
+    image = plt.imread(io.BytesIO(base64.b64decode(shot)))[..., :3]
+    return float((image < 0.9).any(axis=-1).mean())
