@@ -7,7 +7,7 @@
 # fails on a diffuse target. This page follows the signal through such a circuit, part by part.
 # Everything here is *simulated*; the paper names the photodiode only, so the other parts are
 # catalogue parts with their data sheets' numbers, and what no data sheet tells is assumed and
-# marked so in {py:mod}`cmtof.ranging.rf_settings`.
+# marked so in `cmtof.ranging.rf_settings`.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -87,7 +87,7 @@ def tell(**numbers):
 # ```
 #
 # The first term is thermal noise, worsened by the noise factor $F$ of the chain
-# ({glue:text}`factor:.1f`), and does not care about light; the second is shot noise. **The
+# ({glue:text}`noise_factor:.1f`), and does not care about light; the second is shot noise. **The
 # electrical signal power goes with the square of the optical power.** As long as thermal noise
 # rules, so does the SNR: a thousandth of the light is a millionth of the SNR. Shot noise takes over
 # at {glue:text}`shot_power:.1f` mW.
@@ -111,7 +111,7 @@ tell(
     frequency=frequency / 1e9,
     depth=depth,
     time=1e3 * parts.baseband.time,
-    factor=receiver.noise_factor,
+    noise_factor=receiver.noise_factor,
     shot_power=1e3 * receiver.shot_noise_power(),
     distance=targets["mirror"].distance,
     seen=100 * target_power["diffuse", USUAL]

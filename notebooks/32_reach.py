@@ -4,7 +4,7 @@
 # One number, 33 µm at 60 cm, says little about an instrument. This page turns one knob after the
 # other of the *simulated* all-optical instrument: modulation frequency, range, reflectance,
 # integration time, laser, room light, number of phases. Lines are closed forms of the noise
-# ({py:mod}`cmtof.ranging.reach`), filled dots are simulated bursts with nothing but noise, and open
+# (`cmtof.ranging.reach`), filled dots are simulated bursts with nothing but noise, and open
 # circles have all errors of the simulated instrument in them.
 
 # %% tags=["parameters"]
