@@ -49,6 +49,7 @@ from cmtof.facets.kernels import PLANE, refine
 from cmtof.facets.labels import RADIUS, depth_of_labels
 from cmtof.facets.seeds import WINDOWS
 from cmtof.facets.unwrapping import REACH, stages
+from cmtof.facets.votes import DOUBT
 from cmtof.metrics import score, scored_pixels
 from cmtof.rates import markdown_table, rates_of_counts, rates_of_report
 from cmtof.reliability import honest_errors, reliability, risk_coverage
@@ -241,7 +242,8 @@ plotting.save(
 glue("window_sides", ", ".join(str(kind[0]) for kind in WINDOWS), display=False)
 tell(cell=CELL, compared=2 * RADIUS + 1, reach=REACH, smallest=WINDOWS[-1][0])
 tell(surfaces=count, pairs=len(found.borders.first),
-     groups=np.unique(found.tied.group).size)  # fmt: skip
+     groups=np.unique(found.tied.group).size, votes_doubt=DOUBT,
+     votes_cast=(found.votes.share > 0).sum())  # fmt: skip
 
 # %% [markdown]
 # 1. **Windows.** In squares of {glue:text}`window_sides` px both spectra are searched together
@@ -261,6 +263,10 @@ tell(surfaces=count, pairs=len(found.borders.first),
 #    leaves {glue:text}`groups:.0f` groups.
 # 6. **The rest** takes the nearest surface within {glue:text}`reach:.0f` px, or else the beat
 #    of its surroundings.
+# 7. **Votes.** A pixel that no surface explains, and whose own beat tells its wrap to within
+#    {glue:text}`votes_doubt:.0f` wraps, goes by its neighbours' votes instead. At the paper's noise
+#    {glue:text}`votes_cast:.0f` pixels of this room are that clear. Many of a scan are, see
+#    {doc}`31_scanned_scenes`.
 #
 # ## What each part buys
 

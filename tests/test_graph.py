@@ -39,6 +39,7 @@ PLAIN = {
         ("from toy.noise import draw\n", {"__init__.py", "noise.py", "light.py", "speed.py"}),
         ("def f():\n    import toy.speed\n", {"__init__.py", "speed.py"}),
         ("import toy\ntoy.light.C\n", {"__init__.py", "light.py", "speed.py"}),
+        ("METHODS = ['toy.light:method', 'toy light']\n", {"__init__.py", "light.py", "speed.py"}),
     ],
 )
 def test_imports_are_followed_wherever_they_stand(tmp_path, entry, expected):

@@ -3,7 +3,8 @@
 The Snakefile asks here, so that a change re-runs just what depends on it. Imports are followed
 through the syntax tree, imports inside functions included. A package that loads members on first
 use (``__getattr__`` in its ``__init__``) is followed only to the members that are used, which its
-``if TYPE_CHECKING`` block names; one that loads members by a computed name counts as a whole.
+``if TYPE_CHECKING`` block names; one that loads members by a computed name counts as a whole. A
+text such as ``package.module:function`` counts as an import.
 """
 
 import ast
@@ -18,6 +19,9 @@ from typing import Any
 import yaml
 
 NOTEBOOK = re.compile(r"\d\d_[a-z0-9_]+")
+
+_ENTRY = re.compile(r"(\w+(?:\.\w+)+):(\w+)")
+"""What a table of methods writes for a function to be loaded later: ``package.module:function``."""
 
 NO_DATA = {".py", ".pyc", ".nbc", ".nbi"}
 """Suffixes of source and of what Python and Numba keep beside it."""
@@ -139,6 +143,9 @@ def _references(body: Iterable[ast.stmt], module: str, source: Source) -> Iterat
                 names[alias.asname or alias.name] = f"{origin}.{alias.name}"
         elif isinstance(node, ast.Call) and _loads_by_name(node):
             yield from _loaded_by_name(node, module, source)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            if entry := _ENTRY.fullmatch(node.value):
+                yield entry[1], entry[2]
     for node in nodes:
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             yield names.get(node.value.id, ""), node.attr
