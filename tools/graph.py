@@ -91,14 +91,22 @@ def closure(entry: Path, source: Source) -> set[Path]:
         files |= {path, *_data_files(path, source.root / source.package)}
         parent = module.rpartition(".")[0]
         waiting += [(parent, None)] if parent else []
-        waiting += _reached_from(path, module, member, source)
+        member = member if path.name == "__init__.py" else None  # else all of it is reached
+        waiting += _reached_from(path, path.stat().st_mtime_ns, module, member, source)
     return files
 
 
+@cache
 def _reached_from(
-    path: Path, module: str, member: str | None, source: Source
+    path: Path, stamp: int, module: str, member: str | None, source: Source
+) -> tuple[Reference, ...]:
+    """Return what a module reaches; many notebooks reach it, so it is remembered."""
+    return tuple(_followed(_tree(path, stamp).body, path, module, member, source))
+
+
+def _followed(
+    body: list[ast.stmt], path: Path, module: str, member: str | None, source: Source
 ) -> Iterable[Reference]:
-    body = _parsed(path).body
     if path.name != "__init__.py":
         return _references(body, module, source)
     defined = {
@@ -143,9 +151,8 @@ def _references(body: Iterable[ast.stmt], module: str, source: Source) -> Iterat
                 names[alias.asname or alias.name] = f"{origin}.{alias.name}"
         elif isinstance(node, ast.Call) and _loads_by_name(node):
             yield from _loaded_by_name(node, module, source)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            if entry := _ENTRY.fullmatch(node.value):
-                yield entry[1], entry[2]
+        elif isinstance(node, ast.Constant) and (entry := _ENTRY.fullmatch(str(node.value))):
+            yield entry[1], entry[2]
     for node in nodes:
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             yield names.get(node.value.id, ""), node.attr
@@ -197,6 +204,7 @@ def _loaded_by_name(call: ast.Call, module: str, source: Source) -> Iterable[Ref
     return [(name, None)] if wanted is prefix else source.folder(name.rstrip(".") or module)
 
 
+@cache  # a checkout has thousands of words, and each notebook asks for most of them again
 def _data_files(path: Path, package: Path) -> set[Path]:
     """Return the data that a module's strings name, beside it or at the package's top.
 
