@@ -75,7 +75,10 @@ class SocketClient:
     def read(self, timeout: float = 5.0, size: int = 65536) -> bytes:
         if not select.select([self.socket], [], [], timeout)[0]:
             return b""
-        return self.socket.recv(size)
+        try:
+            return self.socket.recv(size)
+        except ConnectionResetError:  # hung up on before it had read what was sent
+            return b""
 
     def close(self) -> None:
         self.socket.close()
