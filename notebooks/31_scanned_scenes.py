@@ -9,7 +9,7 @@
 profile: str = "book"  # size profile
 seed: int = 0  # of the simulated instrument: speckle, noise, drift
 objects: list = ["bust", "helmet", "owl", "table"]  # scenes
-size: int = 60  # height and width of the scans, px
+size: int = 80  # height and width of the scans, px
 picture_size: int = 240  # of the rendered pictures, px
 room_light: float = 1.0  # radiance in the bright room, W/(m^2 sr); 0.1 otherwise
 narrow_min: float = 0.7  # least range of the narrow choice, m

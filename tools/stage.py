@@ -137,7 +137,7 @@ def main(build: Path, stage: Path) -> None:
     place_scenes(build, stage)
     checks = sorted(build.glob("results/*/checks.json"))
     chapters = sorted((build / "notebooks").glob("*.ipynb"))
-    page = paper.scoreboard(checks, chapters)
+    page = paper.scoreboard(checks, sorted((build / "results").iterdir()), chapters)
     (stage / "book" / "scoreboard.md").write_text(page, encoding="utf-8")
 
 

@@ -250,7 +250,9 @@ def read_checks(path: Path) -> dict[str, dict[str, Any]]:
     return records
 
 
-def scoreboard(checks: Iterable[Path], notebooks: Iterable[Path] = ()) -> str:
+def scoreboard(
+    checks: Iterable[Path], results: Iterable[Path] = (), notebooks: Iterable[Path] = ()
+) -> str:
     """Write the scoreboard page: every published number, ours, and the verdict.
 
     Where several runs checked one number, the worst verdict is shown.
@@ -259,8 +261,8 @@ def scoreboard(checks: Iterable[Path], notebooks: Iterable[Path] = ()) -> str:
     ----------
     checks : iterable of Path
         The ``checks.json`` of each run; its folder has the name of the notebook.
-    notebooks : iterable of Path
-        The chapters, to find the paper's equations in.
+    results, notebooks : iterable of Path
+        The folder of each run and the chapters, to find the paper's figures, tables and equations.
 
     Returns
     -------
@@ -274,4 +276,4 @@ def scoreboard(checks: Iterable[Path], notebooks: Iterable[Path] = ()) -> str:
     """
     from cmtof.scoreboard import page
 
-    return page(published_numbers(), checks, notebooks)
+    return page(published_numbers(), checks, results, notebooks)

@@ -65,10 +65,12 @@ Found = dict[str, tuple[Verdict, Run]]
 
 
 def page(
-    numbers: Mapping[str, Published], checks: Iterable[Path], notebooks: Iterable[Path] = ()
+    numbers: Mapping[str, Published],
+    checks: Iterable[Path],
+    results: Iterable[Path] = (),
+    notebooks: Iterable[Path] = (),
 ) -> str:
     """Write the page; see :func:`cmtof.paper.scoreboard`."""
-    checks = list(checks)
     found = _found(checks)
     groups: dict[str, list[Published]] = {}
     for number in numbers.values():
@@ -81,7 +83,7 @@ def page(
             meanings="\n".join(f"- **{name}**: {text}" for name, text in _MEANING.items()),
         )
     ]
-    parts.append(coverage.section([path.parent for path in checks], notebooks))
+    parts.append(coverage.section(results, notebooks))
     parts += [_section(name, groups[name], found) for name in sorted(groups, key=_order)]
     if runs:
         parts.append(_runs(runs))
