@@ -61,9 +61,9 @@ def main(names: list[str]) -> int:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ[name] = "1"
     from cmtof import __version__
+    from cmtof.book.provenance import processor
     from cmtof.evaluation import ready_methods
     from cmtof.files import written_whole
-    from cmtof.provenance import processor
 
     held: dict[str, Any] = json.loads(STORE.read_text("utf-8")) if STORE.is_file() else {}
     found = held.get("methods", {})

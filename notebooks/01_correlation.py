@@ -26,7 +26,8 @@ from IPython.display import Markdown
 from matplotlib.patches import FancyArrowPatch
 from myst_nb import glue
 
-from cmtof import bounds, paper, plotting
+from cmtof import bounds
+from cmtof.book import paper, plotting
 from cmtof.constants import ADC_BITS, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (
     TAU,

@@ -21,7 +21,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from myst_nb import glue
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.bounds import linear_phase_noise, phase_density, phase_spread
 from cmtof.constants import ADC_BITS, FREQUENCY_SINGLE, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (

@@ -22,8 +22,9 @@ from IPython.display import Markdown
 from myst_nb import glue
 
 import cmtof
-from cmtof import bounds, metrics, paper, plotting
+from cmtof import bounds, metrics
 from cmtof.baselines.beat import beat_depth, beat_phasor
+from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import (
     TAU,

@@ -22,7 +22,8 @@ import sympy as sp
 from matplotlib.patches import ConnectionPatch
 from myst_nb import glue
 
-from cmtof import light_path, paper, plotting
+from cmtof import light_path
+from cmtof.book import paper, plotting
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.modulator import DOUBLED, SINGLE
 

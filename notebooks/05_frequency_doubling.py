@@ -23,7 +23,7 @@ import sympy as sp
 from myst_nb import glue
 from scipy.special import jv
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE, SPEED_OF_LIGHT
 from cmtof.correlation import correlation_contrast
 from cmtof.modulator import (

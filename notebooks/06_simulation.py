@@ -22,7 +22,7 @@ import numpy as np
 from myst_nb import glue
 
 import cmtof
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.bounds import linear_phase_noise, phase_spread
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (

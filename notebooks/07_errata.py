@@ -35,7 +35,8 @@ from IPython.display import Markdown
 from myst_nb import glue
 from scipy.stats import norm
 
-from cmtof import bounds, correlation, detector, paper, plotting, waveform
+from cmtof import bounds, correlation, detector, waveform
+from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, LASER_WAVELENGTH, NOISE_SIGMA
 from cmtof.constants import SPEED_OF_LIGHT as c
 from cmtof.correlation import centred, wrap_length

@@ -26,8 +26,8 @@ from myst_nb import glue
 from scipy import ndimage, stats
 
 import cmtof
-from cmtof import plotting, surface
 from cmtof.baselines.spatial import unwrapped_phase
+from cmtof.book import plotting, surface
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.denoising import denoise, local_phase_noise
 from cmtof.measurement import Measurement

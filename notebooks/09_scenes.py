@@ -24,7 +24,7 @@ import numpy as np
 from IPython.display import Markdown
 from myst_nb import glue
 
-from cmtof import plotting
+from cmtof.book import plotting
 from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
 from cmtof.correlation import phase_from_depth
 from cmtof.scenes.captures import data_root

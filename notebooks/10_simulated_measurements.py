@@ -18,7 +18,7 @@ import numpy as np
 from myst_nb import glue
 
 import cmtof
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.constants import NOISE_SIGMA
 from cmtof.correlation import centred, wrap_count_from_depth, wrap_length
 from cmtof.network.features import fourier_features, log_amplitude, phase_edges

@@ -27,7 +27,8 @@ from myst_nb import glue
 from scipy import ndimage, stats
 
 import cmtof
-from cmtof import noise_matching, noise_spectra, plotting, surface
+from cmtof import noise_matching, noise_spectra
+from cmtof.book import plotting, surface
 from cmtof.constants import FREQUENCY_SINGLE, NOISE_SIGMA
 from cmtof.correlation import wrap_length, wrapped
 from cmtof.denoising import denoise, local_phase_noise

@@ -31,7 +31,8 @@ from matplotlib.patches import Rectangle
 from myst_nb import glue
 
 import cmtof
-from cmtof import bounds, paper, plotting
+from cmtof import bounds
+from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, NOISE_SIGMA
 from cmtof.correlation import TAU
 from cmtof.network.building import build_network

@@ -29,7 +29,7 @@ import torch
 from IPython.display import Markdown
 from myst_nb import glue
 
-from cmtof import paper, plotting, provenance
+from cmtof.book import paper, plotting, provenance
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, depth_from_wraps
 from cmtof.network.building import build_network

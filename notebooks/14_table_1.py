@@ -29,7 +29,8 @@ import numpy as np
 from IPython.display import Markdown, display
 from myst_nb import glue
 
-from cmtof import paper, plotting, stored_counts, tally
+from cmtof import stored_counts, tally
+from cmtof.book import paper, plotting
 from cmtof.conditions import Conditions
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.network.ablation import (

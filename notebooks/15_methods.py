@@ -30,8 +30,9 @@ import numpy as np
 from IPython.display import Markdown
 from myst_nb import glue
 
-from cmtof import bounds, paper, plotting, stored_counts, tally
+from cmtof import bounds, stored_counts, tally
 from cmtof.baselines import METHODS, find_method
+from cmtof.book import paper, plotting
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions
 from cmtof.constants import FREQUENCIES

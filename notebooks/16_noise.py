@@ -33,8 +33,9 @@ from myst_nb import glue
 from scipy import special
 
 import cmtof
-from cmtof import bounds, metrics, paper, plotting
+from cmtof import bounds, metrics
 from cmtof import offset_calibration as calibration
+from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import TAU, depth_from_phase, wrap_length
 from cmtof.scenes.rgbd import Frame, rays_from_camera

@@ -23,7 +23,8 @@ from matplotlib.colors import LogNorm
 from myst_nb import glue
 from scipy.optimize import bisect
 
-from cmtof import bounds, paper, plotting
+from cmtof import bounds
+from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import depth_from_phase, wrap_length
 from cmtof.frequency_choice import (

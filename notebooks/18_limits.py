@@ -32,9 +32,10 @@ from IPython.display import Markdown
 from myst_nb import glue
 
 import cmtof
-from cmtof import bounds, plotting, stored_counts, tally
+from cmtof import bounds, stored_counts, tally
 from cmtof.baselines.oracle_field import SIDE
 from cmtof.baselines.oracle_offset import bodies, surfaces
+from cmtof.book import plotting
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions
 from cmtof.constants import FREQUENCIES

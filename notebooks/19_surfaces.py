@@ -39,7 +39,8 @@ from myst_nb import glue
 from scipy.special import erf
 
 import cmtof
-from cmtof import bounds, plotting, stored_counts, tally
+from cmtof import bounds, stored_counts, tally
+from cmtof.book import plotting
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions
 from cmtof.constants import FREQUENCIES

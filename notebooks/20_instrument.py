@@ -22,14 +22,14 @@ import numpy as np
 from IPython.display import Markdown
 from myst_nb import glue
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
+from cmtof.book.quantity import quantity_text
 from cmtof.correlation import wrap_length
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.schematic import SIZE, draw_instrument
 from cmtof.hardware.twin.budget import photon_budget
 from cmtof.hardware.twin.electronics import SLOPE, Conversion, chain
 from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.quantity import quantity_text
 
 run = plotting.begin(profile=profile, seed=seed)
 COLOURS = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}

@@ -21,7 +21,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 from scipy.special import jv
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.reduction import Sampling

@@ -24,7 +24,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 from scipy.special import jv
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.correlation import TAU, centred, correlation_from_harmonics, decode
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.reduction import Sampling, drive_phases, nominal_psi

@@ -32,7 +32,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 
 import cmtof
-from cmtof import plotting
+from cmtof.book import plotting
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU, centred, decode, phase_from_depth, wrap_length
 from cmtof.hardware.bench import Bench

@@ -35,7 +35,8 @@ from IPython.display import Markdown
 from myst_nb import glue
 
 import cmtof
-from cmtof import paper, plotting, stereo
+from cmtof import stereo
+from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import residual_noise, wrap_length
 from cmtof.measurement import Measurement

@@ -24,7 +24,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 from scipy.optimize import brentq
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.bounds import phase_spread
 from cmtof.correlation import centred, depth_from_phase, wrap_length
 from cmtof.hardware.twin.budget import sent_power

@@ -27,7 +27,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 from scipy.optimize import brentq
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import depth_from_phase, phase_from_depth
 from cmtof.hardware.twin.electronics import Conversion

@@ -21,7 +21,7 @@ from IPython.display import Markdown
 from matplotlib.ticker import NullLocator
 from myst_nb import glue
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
 from cmtof.hardware.twin.electronics import Conversion

@@ -30,7 +30,7 @@ import numpy as np
 from IPython.display import Markdown
 from myst_nb import glue
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.twin.modbus_server import TDAC_STEP

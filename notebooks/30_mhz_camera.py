@@ -27,13 +27,13 @@ from scipy.ndimage import binary_fill_holes, maximum_filter, minimum_filter, uni
 from scipy.optimize import brentq
 
 import cmtof
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
+from cmtof.book.quantity import quantity_text
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.hardware.twin.budget import photon_budget, sent_power
 from cmtof.hardware.twin.settings import TwinSettings
 from cmtof.hardware.twin.targets import Plane
 from cmtof.pointcloud import points_from_depth
-from cmtof.quantity import quantity_text
 from cmtof.ranging.mhz_camera import MhzCamera
 from cmtof.ranging.mhz_light import View, emitted_charge, light_of, ratio_for_pull, signal
 from cmtof.ranging.mhz_settings import STEPS, CameraSettings

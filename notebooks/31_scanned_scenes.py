@@ -25,7 +25,8 @@ from IPython.display import Markdown
 from myst_nb import glue
 
 import cmtof
-from cmtof import interactive, paper, plotting
+from cmtof.book import paper, plotting
+from cmtof.book import views as interactive
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.twin.optics import directions_from_angles
 from cmtof.hardware.twin.settings import TwinSettings

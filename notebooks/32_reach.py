@@ -24,7 +24,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 from scipy.special import erfinv
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.bounds import wrap_noise, wrap_probability, wrap_probability_law
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import cyclic_error, depth_from_phase, phase_from_depth, wrap_length

@@ -27,7 +27,7 @@ from matplotlib.ticker import NullLocator, PercentFormatter
 from myst_nb import glue
 from scipy.optimize import brentq
 
-from cmtof import paper, plotting
+from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
 from cmtof.hardware.twin.budget import PHASES, SAMPLE_RATE, SAMPLES, photon_budget, sent_power

@@ -11,9 +11,9 @@ import pytest
 
 import browse
 import stage
-from cmtof import interactive
+from cmtof.book import views as interactive
+from cmtof.book.provenance import OUTPUT_VARIABLE
 from cmtof.pointcloud import points_from_depth
-from cmtof.provenance import OUTPUT_VARIABLE
 
 LOADED = re.compile(r"""(?:src|href)\s*=\s*["']?(?:https?:)?//""", re.IGNORECASE)
 # scripts of the viewer name addresses in their comments; these would fetch something

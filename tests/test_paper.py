@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cmtof import paper, provenance
-from cmtof.quantity import quantity_text, toleranced_text
+from cmtof.book import paper, provenance
+from cmtof.book.quantity import quantity_text, toleranced_text
 
 NUMBERS = paper.published_numbers()
 DELTAS = ["delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_3"]

@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from cmtof import plotting, provenance
+from cmtof.book import plotting, provenance
 
 
 @pytest.fixture(autouse=True)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from cmtof.book.surface import fit_wall, mesh_triangles, render_surface
 from cmtof.pointcloud import points_from_depth
-from cmtof.surface import fit_wall, mesh_triangles, render_surface
 
 CAMERA = np.array([240.0, 240.0, 50.0, 40.0])
 

@@ -15,8 +15,8 @@ from typing import Any
 import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof import paper
-from cmtof.interactive import STATIC
+from cmtof.book import paper
+from cmtof.book.views import STATIC
 from graph import Book
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -39,8 +39,8 @@ def chapters_by_item(results: Iterable[Path], notebooks: Iterable[Path]) -> dict
     Parameters
     ----------
     results : iterable of Path
-        One folder a chapter, of the chapter's name: what `cmtof.plotting.save` and
-        `cmtof.paper.check` wrote.
+        One folder a chapter, of the chapter's name: what `cmtof.book.plotting.save` and
+        `cmtof.book.paper.check` wrote.
     notebooks : iterable of Path
         The chapters themselves, ``.ipynb`` or ``.py``.
     """

@@ -5,10 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Ellipse, FancyArrowPatch, Rectangle
 from numpy.typing import ArrayLike
 
+from cmtof.book.plotting import PALETTE
 from cmtof.constants import FREQUENCY_SINGLE, SPEED_OF_LIGHT
 from cmtof.jones import stokes
 from cmtof.modulator import TwoPassModulator
-from cmtof.plotting import PALETTE
 
 DRIVE_COLOURS = (PALETTE["sky"], PALETTE["black"], PALETTE["orange"])
 """Colours of the drive at its least, none and its most."""

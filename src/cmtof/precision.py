@@ -115,7 +115,7 @@ def precision_figure(sweep: PrecisionSweep) -> "Figure":
     """Draw Fig. 3: envelope of the depth error, and its standard deviation on the bound."""
     import matplotlib.pyplot as plt
 
-    from cmtof.plotting import PALETTE
+    from cmtof.book.plotting import PALETTE
 
     ghz = sweep.frequency / 1e9
     fig, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.8))

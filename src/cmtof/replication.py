@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from cmtof import paper
+from cmtof.book import paper
 from cmtof.bounds import phase_spread, simulated_phase_noise, wrap_probability
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions, Measured
@@ -132,7 +132,7 @@ def _draw(scenes: list[Scene], path: Path) -> None:
     import matplotlib
 
     matplotlib.use("Agg")
-    from cmtof import plotting
+    from cmtof.book import plotting
     from cmtof.files import written_whole
 
     plotting.use_style()

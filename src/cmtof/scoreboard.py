@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from cmtof import coverage
-from cmtof.paper import Outcome, Published, Verdict, published, read_checks, verdict
-from cmtof.quantity import quantity_text
+from cmtof.book.paper import Outcome, Published, Verdict, published, read_checks, verdict
+from cmtof.book.quantity import quantity_text
 
 # from the one that must not be missed to the one that needs no look
 _WORST_FIRST: tuple[Outcome, ...] = ("differs", "paper errs", "not comparable", "agrees")
@@ -70,7 +70,7 @@ def page(
     results: Iterable[Path] = (),
     notebooks: Iterable[Path] = (),
 ) -> str:
-    """Write the page; see :func:`cmtof.paper.scoreboard`."""
+    """Write the page; see :func:`cmtof.book.paper.scoreboard`."""
     found = _found(checks)
     groups: dict[str, list[Published]] = {}
     for number in numbers.values():

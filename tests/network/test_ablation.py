@@ -2,8 +2,8 @@ import json
 
 import pytest
 
+from cmtof.book.paper import published_numbers
 from cmtof.network.ablation import ROWS, comparable, found_rows, last_gain, reads, trained_for
-from cmtof.paper import published_numbers
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Polygon, Rectangle
 
+from cmtof.book.plotting import PALETTE
 from cmtof.hardware.rig_settings import DeviceSettings, RigSettings
 from cmtof.hardware.schematic_parts import (
     BACK,
@@ -33,7 +34,6 @@ from cmtof.hardware.schematic_parts import (
     wire,
 )
 from cmtof.hardware.twin.settings import Module, TwinSettings
-from cmtof.plotting import PALETTE
 
 SIZE = (17.2, 10.5)
 """Width and height of the drawing, in units of its axes."""

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Ellipse, FancyBboxPatch, Polygon, Rectangle
 
-from cmtof.plotting import PALETTE
+from cmtof.book.plotting import PALETTE
 
 BEAM, BACK, BACK_ARROW = "#00A86B", "#8FD9BC", "#4FBF94"
 """532 nm darkened to be seen on white; the same, returned; and its arrows."""

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch, Rectangle
 from torch import Tensor, nn
 
+from cmtof.book.plotting import PALETTE
 from cmtof.network.fast_scnn import FastSCNN
-from cmtof.plotting import PALETTE
 
 
 class Block(NamedTuple):

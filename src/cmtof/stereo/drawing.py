@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.plotting import PALETTE
+from cmtof.book.plotting import PALETTE
 from cmtof.pointcloud import points_from_depth
 from cmtof.scenes.rgbd import Frame
 from cmtof.stereo.camera import PinholeCamera

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof import provenance
+from cmtof.book import provenance
+from cmtof.book.surface import render_surface
 from cmtof.files import written_whole
-from cmtof.surface import render_surface
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal
 
-from cmtof import provenance
-from cmtof.quantity import quantity_text, toleranced_text
+from cmtof.book import provenance
+from cmtof.book.quantity import quantity_text, toleranced_text
 
 Outcome = Literal["agrees", "differs", "paper errs", "not comparable", "not yet reached"]
 """What came of holding a result against a published number."""
@@ -105,7 +105,7 @@ def published_numbers() -> dict[str, Published]:
     """
     import yaml
 
-    text = files("cmtof").joinpath("paper.yml").read_text(encoding="utf-8")
+    text = files("cmtof.book").joinpath("paper.yml").read_text(encoding="utf-8")
     entries = yaml.safe_load(text)
     return {key: _published(key, fields) for key, fields in entries.items() if key != "_shared"}
 

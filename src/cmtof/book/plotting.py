@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from numpy.typing import ArrayLike
 
-from cmtof import provenance
+from cmtof.book import provenance
 from cmtof.files import written_whole
 
 PALETTE: dict[str, str] = {
@@ -95,7 +95,7 @@ def begin(*, profile: str = "book", seed: int = 0) -> provenance.Run:
     """Begin a run: set the style, and the seed and profile stored with every result.
 
     From then on a notebook shows a figure when it is saved, and only then. Parameters, result and
-    errors are those of :func:`cmtof.provenance.begin`.
+    errors are those of :func:`cmtof.book.provenance.begin`.
 
     Examples
     --------
@@ -226,7 +226,7 @@ def save(
     """Save a figure with the numbers it shows, close it, and display it in a notebook.
 
     Writes ``name.svg`` or ``name.png`` and beside it ``name.json`` with caption, alternative text,
-    numbers and provenance into :func:`cmtof.provenance.output_folder`. The same run writes the
+    numbers and provenance into :func:`cmtof.book.provenance.output_folder`. The same run writes the
     same bytes.
 
     Parameters

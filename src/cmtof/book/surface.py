@@ -152,7 +152,7 @@ def render_surface(
             size=size,
             html=str(html or ""),
         )
-        command = [sys.executable, "-m", "cmtof.surface", str(job), str(still)]
+        command = [sys.executable, "-m", "cmtof.book.surface", str(job), str(still)]
         try:
             subprocess.run(command, capture_output=True, check=True, timeout=RENDER_SECONDS)
         except (OSError, subprocess.SubprocessError):

@@ -1,0 +1,1 @@
+"""The book's own tools: figures, published numbers, notes and provenance; no physics."""
