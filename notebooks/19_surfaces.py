@@ -267,7 +267,7 @@ tell(surfaces=count, pairs=len(found.borders.first),
 # 7. **Votes.** A pixel that no surface explains, and whose own beat tells its wrap to within
 #    {glue:text}`votes_doubt:.0f` wraps, goes by its neighbours' votes instead. At the paper's noise
 #    {glue:text}`votes_cast:.0f` pixels of this room are that clear. Many of a scan are, see
-#    {doc}`31_scanned_scenes`.
+#    {doc}`21_scanned_scenes`.
 #
 # ## What each part buys
 

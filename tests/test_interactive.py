@@ -149,7 +149,7 @@ def test_the_block_names_and_folds_the_scene():
 
 def test_the_book_finds_the_scene_where_its_pages_look(scene, tmp_path):
     folder, _ = scene
-    shutil.copytree(folder, tmp_path / "build" / "results" / "31_scanned_scenes")
+    shutil.copytree(folder, tmp_path / "build" / "results" / "21_scanned_scenes")
     stage.place_scenes(tmp_path / "build", tmp_path)
     placed = tmp_path / "book" / "_static" / "scenes" / "ball_scene.html"
     assert placed.read_bytes() == (folder / "ball_scene.html").read_bytes()
