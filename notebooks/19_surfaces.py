@@ -44,13 +44,13 @@ from cmtof.book import plotting
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions
 from cmtof.constants import FREQUENCIES
-from cmtof.facets import growing
-from cmtof.facets.field import CELL, field_from_measurement
-from cmtof.facets.kernels import PLANE, refine
-from cmtof.facets.labels import RADIUS, depth_of_labels
-from cmtof.facets.seeds import WINDOWS
-from cmtof.facets.unwrapping import REACH, stages
-from cmtof.facets.votes import DOUBT
+from cmtof.surfaces import growing
+from cmtof.surfaces.field import CELL, field_from_measurement
+from cmtof.surfaces.kernels import PLANE, refine
+from cmtof.surfaces.labels import RADIUS, depth_of_labels
+from cmtof.surfaces.seeds import WINDOWS
+from cmtof.surfaces.unwrapping import REACH, stages
+from cmtof.surfaces.votes import DOUBT
 from cmtof.metrics import score, scored_pixels
 from cmtof.rates import markdown_table, rates_of_counts, rates_of_report
 from cmtof.reliability import honest_errors, reliability, risk_coverage

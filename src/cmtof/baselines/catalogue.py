@@ -58,7 +58,7 @@ _ALL = (
         "mrf_graphcut:mrf_graphcut"),
     Method("cmtof", "classical", "this project",
         "planes and bent surfaces in true geometry, grown, pooled and tied to each other",
-        "cmtof.facets.unwrapping:cmtof"),
+        "cmtof.surfaces.unwrapping:cmtof"),
     # ------------------------------------------------------------ learned
     _learned("u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"),
     _learned("one-step", "Wang et al. 2019", "residual U-Net, narrowed: regression of depth"),

@@ -19,7 +19,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cmtof.correlation import TAU
-from cmtof.facets.field import Field
+from cmtof.surfaces.field import Field
 
 DOUBT = 4.0
 """Standard deviation, wraps, of a single pixel's beat up to which it may vote and be voted on."""

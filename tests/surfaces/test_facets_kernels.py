@@ -6,7 +6,7 @@ from facet_scenes import CAMERA, NOTHING, WRAP, exact_field, plane_depth, unit_r
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cmtof.facets.kernels import (
+from cmtof.surfaces.kernels import (
     BENT,
     PLANE,
     _look,

@@ -1,14 +1,14 @@
 """Our method: surfaces in true geometry, grown, pooled and tied to each other.
 
-1. `cmtof.facets.field`: each pixel's phasors, weighted so that likelihoods add up.
-2. `cmtof.facets.seeds`: planes in windows, out of the joint peak of both spectra.
-3. `cmtof.facets.growing`: each plane takes the cells that it explains, is fitted again, bends if
+1. `cmtof.surfaces.field`: each pixel's phasors, weighted so that likelihoods add up.
+2. `cmtof.surfaces.seeds`: planes in windows, out of the joint peak of both spectra.
+3. `cmtof.surfaces.growing`: each plane takes the cells that it explains, is fitted again, bends if
    it must, and moves by whole wraps if that is likelier.
-4. `cmtof.facets.labels`: every pixel takes the likeliest surface beside it.
-5. `cmtof.facets.offsets`: the whole wraps of each surface, by its beat and by its shape.
-6. `cmtof.facets.ties`: surfaces that meet share what they know.
+4. `cmtof.surfaces.labels`: every pixel takes the likeliest surface beside it.
+5. `cmtof.surfaces.offsets`: the whole wraps of each surface, by its beat and by its shape.
+6. `cmtof.surfaces.ties`: surfaces that meet share what they know.
 7. Here: what no surface explains takes the nearest one or its neighbourhood's beat.
-8. `cmtof.facets.votes`: where single pixels are clear enough to tell, they vote instead.
+8. `cmtof.surfaces.votes`: where single pixels are clear enough to tell, they vote instead.
 """
 
 from typing import NamedTuple
@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from cmtof.baselines.beat import beat_depth, box, synthetic_frequency
 from cmtof.baselines.method import Estimate, within_range
 from cmtof.baselines.region import nearest
-from cmtof.facets.field import Field, field_from_measurement
-from cmtof.facets.growing import grown_surfaces
-from cmtof.facets.labels import depth_of_labels, interiors, pixel_labels
-from cmtof.facets.offsets import Offsets, fitted, offsets
-from cmtof.facets.ties import Borders, Tied, borders, tied
-from cmtof.facets.votes import Votes, voted
+from cmtof.surfaces.field import Field, field_from_measurement
+from cmtof.surfaces.growing import grown_surfaces
+from cmtof.surfaces.labels import depth_of_labels, interiors, pixel_labels
+from cmtof.surfaces.offsets import Offsets, fitted, offsets
+from cmtof.surfaces.ties import Borders, Tied, borders, tied
+from cmtof.surfaces.votes import Votes, voted
 from cmtof.measurement import Measurement
 
 REACH = 4

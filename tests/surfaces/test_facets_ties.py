@@ -6,10 +6,10 @@ from facet_scenes import SHAPE, WRAP, exact_field, plane_depth, whole_boxes
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cmtof.facets.kernels import BENT, moved
-from cmtof.facets.offsets import Offsets
-from cmtof.facets.ties import Borders, borders, tied
-from cmtof.facets.unwrapping import stages
+from cmtof.surfaces.kernels import BENT, moved
+from cmtof.surfaces.offsets import Offsets
+from cmtof.surfaces.ties import Borders, borders, tied
+from cmtof.surfaces.unwrapping import stages
 
 GOOD = 2.0
 

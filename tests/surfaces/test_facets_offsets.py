@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from facet_scenes import SHAPE, WRAP, exact_field, plane_depth, whole_boxes
 
-from cmtof.facets.kernels import BENT, PLANE, moved
-from cmtof.facets.offsets import fitted, offsets, pooled_beats
+from cmtof.surfaces.kernels import BENT, PLANE, moved
+from cmtof.surfaces.offsets import fitted, offsets, pooled_beats
 
 INNER = np.zeros(SHAPE, np.int32)
 BOXES = whole_boxes(SHAPE)

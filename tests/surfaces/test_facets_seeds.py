@@ -5,9 +5,9 @@ import pytest
 from facet_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth
 
 from cmtof.correlation import TAU
-from cmtof.facets.field import CELL
-from cmtof.facets.labels import depth_of_labels
-from cmtof.facets.seeds import WINDOWS, plane_in_window, spectral_slopes, windows
+from cmtof.surfaces.field import CELL
+from cmtof.surfaces.labels import depth_of_labels
+from cmtof.surfaces.seeds import WINDOWS, plane_in_window, spectral_slopes, windows
 
 CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
 

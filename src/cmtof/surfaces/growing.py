@@ -4,9 +4,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from cmtof.facets.field import CELL, Field
-from cmtof.facets.kernels import BENT, cell_likelihood, depth_at, select
-from cmtof.facets.seeds import FREE, WINDOWS, plane_in_window, windows
+from cmtof.surfaces.field import CELL, Field
+from cmtof.surfaces.kernels import BENT, cell_likelihood, depth_at, select
+from cmtof.surfaces.seeds import FREE, WINDOWS, plane_in_window, windows
 
 START = 0.75
 """Share S / E of what a window could say at best that a plane must reach to begin there."""

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
-from cmtof.facets.field import CELL, Field, field_from_measurement
+from cmtof.surfaces.field import CELL, Field, field_from_measurement
 from cmtof.measurement import Measurement
 from cmtof.scenes.rgbd import Frame, rays_from_camera
 

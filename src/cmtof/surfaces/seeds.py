@@ -12,8 +12,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cmtof.correlation import TAU
-from cmtof.facets.field import CELL, Field
-from cmtof.facets.kernels import BENT, PLANE, refine
+from cmtof.surfaces.field import CELL, Field
+from cmtof.surfaces.kernels import BENT, PLANE, refine
 
 WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
 """Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how

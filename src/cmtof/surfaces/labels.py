@@ -4,9 +4,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from cmtof.facets.field import CELL, Field
-from cmtof.facets.growing import around
-from cmtof.facets.kernels import depth_at, pixel_likelihood
+from cmtof.surfaces.field import CELL, Field
+from cmtof.surfaces.growing import around
+from cmtof.surfaces.kernels import depth_at, pixel_likelihood
 
 RADIUS = 2
 """Half side, px, of the square over which a pixel compares surfaces."""

@@ -12,9 +12,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cmtof.correlation import TAU
-from cmtof.facets.field import CELL, Field
-from cmtof.facets.growing import FLAT, GAIN, boxes_of_cells, possible
-from cmtof.facets.kernels import depth_at, select
+from cmtof.surfaces.field import CELL, Field
+from cmtof.surfaces.growing import FLAT, GAIN, boxes_of_cells, possible
+from cmtof.surfaces.kernels import depth_at, select
 
 _CELLS = 400
 """Cells that a surface is fitted to at last, spread over all of it."""

@@ -8,7 +8,7 @@ that a row's sums over powers of u serve all of them.
 import numpy as np
 from numba import njit
 
-from cmtof.facets.field import CELL
+from cmtof.surfaces.field import CELL
 
 _U = np.array([1, 0, 0, 2, 1, 0])
 _V = np.array([0, 1, 0, 0, 1, 2])

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.correlation import TAU
-from cmtof.facets.field import Field
-from cmtof.facets.labels import depth_of_labels
-from cmtof.facets.offsets import Offsets
+from cmtof.surfaces.field import Field
+from cmtof.surfaces.labels import depth_of_labels
+from cmtof.surfaces.offsets import Offsets
 
 LEAST = 8
 """Border, px, below which nothing is concluded from it."""
