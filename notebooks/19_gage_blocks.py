@@ -33,15 +33,16 @@ from myst_nb import glue
 from cmtof.book import paper, plotting
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.rig import Rig
+from cmtof.hardware.scene_scan import scan_scene
 from cmtof.hardware.twin.modbus_server import TDAC_STEP
-from cmtof.hardware.twin.optics import (
+from cmtof.instrument.optics import (
     directions_from_angles,
     returned_fraction,
     speckle_cells,
     spot_radius,
 )
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Hits
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Hits
 from cmtof.ranging.plane_fit import (
     depth_spread,
     fit_planes,
@@ -49,7 +50,6 @@ from cmtof.ranging.plane_fit import (
     r_squared_from_noise,
     step_height,
 )
-from cmtof.ranging.scene_scan import scan_scene
 from cmtof.ranging.sweep import interval
 from cmtof.scenes.objects import gage_blocks, slanted_plane
 from cmtof.scenes.objects.flat import GRADE_2, HEIGHT, MIRRORED, STEEL, WIDTH

@@ -24,12 +24,12 @@ from myst_nb import glue
 
 from cmtof.book import paper, plotting
 from cmtof.book.quantity import quantity_text
+from cmtof.book.schematic import SIZE, draw_instrument
 from cmtof.correlation import wrap_length
 from cmtof.hardware.rig import Rig
-from cmtof.hardware.schematic import SIZE, draw_instrument
-from cmtof.hardware.twin.budget import photon_budget
-from cmtof.hardware.twin.electronics import SLOPE, Conversion, chain
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.budget import photon_budget
+from cmtof.instrument.electronics import SLOPE, Conversion, chain
+from cmtof.instrument.settings import TwinSettings
 
 run = plotting.begin(profile=profile, seed=seed)
 COLOURS = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}

@@ -30,14 +30,14 @@ import cmtof
 from cmtof.book import paper, plotting
 from cmtof.book.quantity import quantity_text
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.hardware.twin.budget import photon_budget, sent_power
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Plane
+from cmtof.hardware.scene_scan import scan_scene
+from cmtof.instrument.budget import photon_budget, sent_power
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Plane
 from cmtof.pointcloud import points_from_depth
 from cmtof.ranging.mhz_camera import MhzCamera
 from cmtof.ranging.mhz_light import View, emitted_charge, light_of, ratio_for_pull, signal
 from cmtof.ranging.mhz_settings import STEPS, CameraSettings
-from cmtof.ranging.scene_scan import scan_scene
 from cmtof.scenes.objects import field_of_view, object_scene
 from cmtof.scenes.rgbd import rays_from_camera
 

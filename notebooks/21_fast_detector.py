@@ -26,7 +26,7 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.reduction import Sampling
 from cmtof.hardware.twin.run import Twin
-from cmtof.hardware.twin.world import FAST_BANDWIDTH
+from cmtof.instrument.world import FAST_BANDWIDTH
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.waveform import harmonics_from_waveform, low_pass_harmonics, waveform_from_harmonics
 

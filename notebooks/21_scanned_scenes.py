@@ -28,12 +28,12 @@ import cmtof
 from cmtof.book import paper, plotting
 from cmtof.book import views as interactive
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
-from cmtof.hardware.twin.optics import directions_from_angles
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.hardware.scene_scan import scan_scene
+from cmtof.instrument.optics import directions_from_angles
+from cmtof.instrument.settings import TwinSettings
 from cmtof.metrics import score, scored_pixels
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof.ranging.rf_scene import rf_image
-from cmtof.ranging.scene_scan import scan_scene
 from cmtof.scenes.objects import field_of_view, object_scene
 from cmtof.scenes.objects.picture import picture
 

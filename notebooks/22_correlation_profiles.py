@@ -29,9 +29,9 @@ from cmtof.correlation import TAU, centred, correlation_from_harmonics, decode
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.reduction import Sampling, drive_phases, nominal_psi
 from cmtof.hardware.rig import Rig
-from cmtof.hardware.twin.electronics import Conversion, chain
 from cmtof.hardware.twin.run import Twin
-from cmtof.hardware.twin.world import LABEL_TIME
+from cmtof.instrument.electronics import Conversion, chain
+from cmtof.instrument.world import LABEL_TIME
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
 run = plotting.begin(profile=profile, seed=seed)

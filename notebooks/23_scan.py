@@ -41,11 +41,11 @@ from cmtof.hardware.journal import journal_path, read_journal
 from cmtof.hardware.reduction import drive_phases
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import planned, sampling_of, scan
-from cmtof.hardware.twin.electronics import volts_from_counts
 from cmtof.hardware.twin.modbus_server import TDAC_STEP
-from cmtof.hardware.twin.panel import Panel, RfKnobs
 from cmtof.hardware.twin.run import Twin
-from cmtof.hardware.twin.world import World
+from cmtof.instrument.electronics import volts_from_counts
+from cmtof.instrument.panel import Panel, RfKnobs
+from cmtof.instrument.world import World
 from cmtof.measurement import Measurement
 
 run = plotting.begin(profile=profile, seed=seed)

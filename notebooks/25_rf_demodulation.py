@@ -27,9 +27,9 @@ from scipy.optimize import brentq
 from cmtof.book import paper, plotting
 from cmtof.bounds import phase_spread
 from cmtof.correlation import centred, depth_from_phase, wrap_length
-from cmtof.hardware.twin.budget import sent_power
-from cmtof.hardware.twin.electronics import Conversion
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.budget import sent_power
+from cmtof.instrument.electronics import Conversion
+from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger
 from cmtof.ranging.reach import levels_of_light
 from cmtof.ranging.rf import RfRanger, RfReceiver, diode_power, emitting, modulation_depth

@@ -30,10 +30,10 @@ from scipy.optimize import brentq
 from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import depth_from_phase, phase_from_depth
-from cmtof.hardware.twin.electronics import Conversion
-from cmtof.hardware.twin.optics import group_index, returned_fraction
-from cmtof.hardware.twin.settings import Optics, TwinSettings
-from cmtof.hardware.twin.targets import Hits
+from cmtof.instrument.electronics import Conversion
+from cmtof.instrument.optics import group_index, returned_fraction
+from cmtof.instrument.settings import Optics, TwinSettings
+from cmtof.instrument.targets import Hits
 from cmtof.ranging import fringe_order as order
 from cmtof.ranging.fringes import (
     apparent_step,

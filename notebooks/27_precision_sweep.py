@@ -24,9 +24,9 @@ from myst_nb import glue
 from cmtof.book import paper, plotting
 from cmtof.book.quantity import quantity_text
 from cmtof.correlation import TAU, wrap_length
-from cmtof.hardware.twin.budget import sent_power
-from cmtof.hardware.twin.optics import group_index
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.budget import sent_power
+from cmtof.instrument.optics import group_index
+from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging.interferometer import Interferometer
 from cmtof.ranging.optical import OpticalRanger
 from cmtof.ranging.rf import RfRanger

@@ -24,8 +24,8 @@ from myst_nb import glue
 from cmtof.book import paper, plotting
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
-from cmtof.hardware.twin.electronics import Conversion
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.electronics import Conversion
+from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging import cyclic
 from cmtof.ranging.budget_forms import back_ratio, foretold, residual_ratio
 from cmtof.ranging.budget_needs import (

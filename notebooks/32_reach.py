@@ -28,8 +28,8 @@ from cmtof.book import paper, plotting
 from cmtof.bounds import wrap_noise, wrap_probability, wrap_probability_law
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import cyclic_error, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.hardware.twin.electronics import Conversion
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.electronics import Conversion
+from cmtof.instrument.settings import TwinSettings
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger
 from cmtof.ranging.reach import (

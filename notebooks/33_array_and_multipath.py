@@ -30,8 +30,8 @@ from scipy.optimize import brentq
 from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
-from cmtof.hardware.twin.budget import PHASES, SAMPLE_RATE, SAMPLES, photon_budget, sent_power
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.budget import PHASES, SAMPLE_RATE, SAMPLES, photon_budget, sent_power
+from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging.array_sensor import ArrayImager
 from cmtof.ranging.corner import Corner
 from cmtof.ranging.crystal import LITHIUM_NIOBATE, LITHIUM_TANTALATE

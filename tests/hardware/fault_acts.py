@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from fault_bench import MOTORS, RF, START, TIMEOUT, Bench, shown
 
-from cmtof.hardware.twin.panel import Panel
+from cmtof.instrument.panel import Panel
 
 GOAL = {"stage": 21e-3, "plate_emission": 0.4, "plate_detection": 0.4}
 """Where the motors' own moves end, m or rad."""

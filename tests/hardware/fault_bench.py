@@ -25,8 +25,8 @@ from cmtof.hardware.drivers.stage_table import STAGES
 from cmtof.hardware.rig import Instruments, Rig
 from cmtof.hardware.safety import EmergencyStop
 from cmtof.hardware.transport import Transport, open_transport
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.run import Twin
+from cmtof.instrument.panel import Panel
 
 RF = ("rf_emission", "rf_detection")
 PLATES = ("plate_emission", "plate_detection")

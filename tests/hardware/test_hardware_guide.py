@@ -23,9 +23,9 @@ from cmtof.hardware.rig import Rig
 from cmtof.hardware.rig_settings import DRIVERS, SECTIONS, DeviceSettings, settings_from_dict
 from cmtof.hardware.twin import rf_server
 from cmtof.hardware.twin.faults import KINDS, Watch
-from cmtof.hardware.twin.panel import Panel
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.world import World
+from cmtof.instrument.panel import Panel
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.world import World
 
 PAGE = Path(__file__).resolve().parents[2] / "book" / "hardware.md"
 TEXT = PAGE.read_text(encoding="utf-8")

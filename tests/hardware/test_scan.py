@@ -9,13 +9,13 @@ from fake_instruments import GAIN, OFFSETS, FakeRig, settings
 
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.hardware import bench as bench_module
-from cmtof.hardware.air import group_index
 from cmtof.hardware.dry_run import description, duration
 from cmtof.hardware.errors import BadReply, Unsafe
 from cmtof.hardware.journal import journal_path, read_journal
 from cmtof.hardware.plan import point_list
 from cmtof.hardware.rig_settings import ScanSettings
 from cmtof.hardware.scan import planned, scan
+from cmtof.instrument.air import group_index
 
 
 def make(tmp_path, rig=None, *, size=4, **options):

@@ -17,8 +17,8 @@ from cmtof.hardware.errors import Unsafe
 from cmtof.hardware.journal import journal_path, read_journal
 from cmtof.hardware.plan import raster
 from cmtof.hardware.scan import scan
-from cmtof.hardware.twin.optics import group_index
 from cmtof.hardware.twin.run import Twin
+from cmtof.instrument.optics import group_index
 
 WALL = {"kind": "plane", "distance": 1.0, "tilt_x": 0.1, "reflectance": 0.8}
 VIEW = (np.deg2rad(8.0), np.deg2rad(8.0))

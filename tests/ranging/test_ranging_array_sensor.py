@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cmtof.hardware.twin.settings import Optics, TwinSettings
+from cmtof.instrument.settings import Optics, TwinSettings
 from cmtof.modulator import DOUBLED, SINGLE
 from cmtof.ranging.array_sensor import ArrayImager, Electrons, Sensor
 from cmtof.ranging.crystal import LITHIUM_NIOBATE, LITHIUM_TANTALATE, Crystal

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cmtof.correlation import TAU, cyclic_error, decode, depth_from_phase
-from cmtof.hardware.twin.optics import group_index
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.optics import group_index
+from cmtof.instrument.settings import TwinSettings
 from cmtof.modulator import DOUBLED, single_mode_harmonics
 from cmtof.ranging import cyclic
 from cmtof.ranging.budget_forms import (

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cmtof.correlation import correlation_from_phase, decode
-from cmtof.hardware.twin.optics import group_index
-from cmtof.hardware.twin.settings import Air, Optics, TwinSettings
+from cmtof.instrument.optics import group_index
+from cmtof.instrument.settings import Air, Optics, TwinSettings
 from cmtof.ranging import michelson as light
 from cmtof.ranging.disturbance import Speckle, drift, vibration, vibration_spread
 from cmtof.ranging.fringes import (

@@ -7,9 +7,9 @@ import pytest
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU, correlation_from_harmonics, phase_from_depth
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.settings import Optics
-from cmtof.hardware.twin.targets import Hits
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.settings import Optics
+from cmtof.instrument.targets import Hits
 from cmtof.ranging.mhz_camera import PSI, MhzCamera
 from cmtof.ranging.mhz_light import (
     View,

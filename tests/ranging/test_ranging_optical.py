@@ -9,10 +9,10 @@ from cmtof.correlation import TAU, centred, wrap_length
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.reduction import Sampling
 from cmtof.hardware.rig import Rig
-from cmtof.hardware.twin.electronics import chain, volts_from_counts
-from cmtof.hardware.twin.optics import group_index, with_stray
 from cmtof.hardware.twin.run import Twin
-from cmtof.hardware.twin.settings import Detector, TwinSettings
+from cmtof.instrument.electronics import chain, volts_from_counts
+from cmtof.instrument.optics import group_index, with_stray
+from cmtof.instrument.settings import Detector, TwinSettings
 from cmtof.ranging.burst_noise import mean_weights, phase_covariance
 from cmtof.ranging.optical import OpticalRanger, without_errors
 from cmtof.ranging.target import StageTarget

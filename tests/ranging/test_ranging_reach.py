@@ -7,8 +7,8 @@ import pytest
 
 from cmtof.bounds import wrap_probability_law
 from cmtof.constants import FREQUENCIES
-from cmtof.hardware.twin.budget import photon_budget
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.budget import photon_budget
+from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging.optical import OpticalRanger
 from cmtof.ranging.reach import (
     beat_right,

@@ -8,7 +8,7 @@ import pytest
 from cmtof.bounds import phase_spread
 from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE
 from cmtof.correlation import centred, depth_from_phase
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.settings import TwinSettings
 from cmtof.modulator import TwoPassModulator
 from cmtof.ranging.rf import (
     Imbalance,

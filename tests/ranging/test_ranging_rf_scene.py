@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cmtof.correlation import centred, phase_from_depth
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Hits, Plane
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Hits, Plane
 from cmtof.ranging.rf import FREQUENCY, RfParts, diode_power
 from cmtof.ranging.rf_scene import rf_image
 from cmtof.ranging.target import StageTarget

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cmtof.correlation import centred, depth_from_phase
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging import sweep
 from cmtof.ranging.interferometer import Interferometer
 from cmtof.ranging.optical import OpticalRanger

@@ -6,9 +6,9 @@ import pytest
 pytest.importorskip("embreex")
 pytest.importorskip("trimesh")
 
-from cmtof.hardware.twin.optics import directions_from_angles, returned_fraction
-from cmtof.hardware.twin.scene import scene_from
-from cmtof.hardware.twin.settings import Optics
+from cmtof.instrument.optics import directions_from_angles, returned_fraction
+from cmtof.instrument.scene import scene_from
+from cmtof.instrument.settings import Optics
 from cmtof.scenes.objects import (
     OBJECTS,
     field_of_view,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cmtof.hardware.parsing import check_keys, mapping, number, section_from_mapping
+from cmtof.instrument.parsing import check_keys, mapping, number, section_from_mapping
 
 DRIVERS = {
     "rf_emission": ("rf-driver",),

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.hardware.air import group_index
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.drivers.galvo import Galvo
 from cmtof.hardware.errors import BadReply
@@ -28,6 +27,7 @@ from cmtof.hardware.plan import REFERENCE_BURSTS, Line, Plan, point_list, raster
 from cmtof.hardware.reduction import Sampling
 from cmtof.hardware.rig_settings import RigSettings
 from cmtof.hardware.scan_header import header_of, settings_as_dict
+from cmtof.instrument.air import group_index
 from cmtof.measurement import Measurement, open_measurement
 
 Report = Callable[[Line], None]

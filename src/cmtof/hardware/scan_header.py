@@ -5,11 +5,11 @@ from dataclasses import asdict
 from typing import Any
 
 from cmtof import __version__
-from cmtof.hardware.air import group_index
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.codecs.labjack import gain_index
 from cmtof.hardware.plan import Plan
 from cmtof.hardware.rig_settings import RigSettings
+from cmtof.instrument.air import group_index
 
 
 def header_of(

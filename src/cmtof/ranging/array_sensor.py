@@ -32,11 +32,11 @@ from cmtof.correlation import (
     wrapped,
 )
 from cmtof.detector import poisson_gaussian
-from cmtof.hardware.parsing import check_fields, choice, number
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.budget import sent_power
-from cmtof.hardware.twin.electronics import PLANCK
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.budget import sent_power
+from cmtof.instrument.electronics import PLANCK
+from cmtof.instrument.parsing import check_fields, choice, number
+from cmtof.instrument.settings import TwinSettings
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.ranging.crystal import LITHIUM_NIOBATE, Crystal
 

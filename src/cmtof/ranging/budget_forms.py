@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, correlation_contrast, depth_from_phase
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.budget import PHASES, SAMPLE_RATE, SAMPLES
-from cmtof.hardware.twin.drift import Drift
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Hits
-from cmtof.hardware.twin.world import World
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.budget import PHASES, SAMPLE_RATE, SAMPLES
+from cmtof.instrument.drift import Drift
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Hits
+from cmtof.instrument.world import World
 from cmtof.ranging import cyclic
 from cmtof.ranging.budget_terms import MEASURED_AIR, TERMS
 from cmtof.ranging.error_budget import AGE, VISITS, ranger_of

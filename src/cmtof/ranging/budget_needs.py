@@ -7,9 +7,9 @@ from scipy.optimize import brentq
 from scipy.special import jv
 
 from cmtof.correlation import TAU, phase_from_depth
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.budget import PHASES
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.budget import PHASES
+from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging import cyclic
 from cmtof.ranging.budget_forms import back_ratio, foretold, residual_ratio
 from cmtof.ranging.error_budget import VISITS, slope_scatter

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.settings import TwinSettings
 
 Change = Callable[[TwinSettings], TwinSettings]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.hardware.twin.electronics import Chain
+from cmtof.instrument.electronics import Chain
 
 Array = NDArray[np.float64]
 

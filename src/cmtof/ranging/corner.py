@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.hardware.parsing import check_fields, number
+from cmtof.instrument.parsing import check_fields, number
 
 Array = NDArray[np.floating]
 

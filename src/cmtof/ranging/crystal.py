@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
-from cmtof.hardware.parsing import check_fields, number
+from cmtof.instrument.parsing import check_fields, number
 
 Array = NDArray[np.floating]
 

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Plane
-from cmtof.hardware.twin.world import LABEL_TIME, World
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Plane
+from cmtof.instrument.world import LABEL_TIME, World
 from cmtof.ranging.budget_terms import STILL_AIR, Change, Term
 from cmtof.ranging.cyclic import ORDER
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.bounds import linear_phase_noise
 from cmtof.correlation import decode
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging.disturbance import Speckle, drift, vibration, vibration_spread
 from cmtof.ranging.fringes import fringe_phase, fringe_range, step_response
 from cmtof.ranging.michelson import Fringes, Michelson, fringes, phase_index

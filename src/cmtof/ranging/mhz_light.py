@@ -16,8 +16,8 @@ from scipy.ndimage import gaussian_filter
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import phase_from_depth
-from cmtof.hardware.twin.electronics import PLANCK
-from cmtof.hardware.twin.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
+from cmtof.instrument.electronics import PLANCK
+from cmtof.instrument.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
 from cmtof.ranging.mhz_settings import STEPS, CameraSettings
 
 Array = NDArray[np.floating]
@@ -30,7 +30,7 @@ ORDERS = np.array([0, 1, 3, 5, 7, 9])
 class View(NamedTuple):
     """What the pixels of a window about the axis see, arrays (H, W).
 
-    The fields are those of `cmtof.hardware.twin.targets.Hits`. A finer raster of (s H, s W) rays
+    The fields are those of `cmtof.instrument.targets.Hits`. A finer raster of (s H, s W) rays
     serves where pixels see edges, see `light_of`.
     """
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cmtof.hardware.parsing import check_fields, number
+from cmtof.instrument.parsing import check_fields, number
 
 STEPS = 4
 """Phase steps of an image (the usual four)."""

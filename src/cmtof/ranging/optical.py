@@ -1,6 +1,6 @@
 r"""The all-optical instrument as a range finder: the twin's physics, many days and places at once.
 
-Nothing is modelled here a second time: each repeat is one `cmtof.hardware.twin.world.World`, with
+Nothing is modelled here a second time: each repeat is one `cmtof.instrument.world.World`, with
 its own noise, drift, errors of the phase codes and speckle, before the target on the stage. A
 reading is one burst of 16 phases x 20 samples at 24 kS/s (13.3 ms); its decoded phase is
 
@@ -22,13 +22,13 @@ from cmtof.constants import (
     HALF_WAVE_PLATE_SINGLE,
 )
 from cmtof.correlation import centred, decode, decoding_weights, depth_from_phase, phase_from_depth
-from cmtof.hardware.air import group_index
-from cmtof.hardware.parsing import check_fields, choice, number
 from cmtof.hardware.reduction import drive_phases, nominal_psi
-from cmtof.hardware.twin.electronics import chain, slope
-from cmtof.hardware.twin.panel import Panel, RfKnobs
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.world import LABEL_TIME, World
+from cmtof.instrument.air import group_index
+from cmtof.instrument.electronics import chain, slope
+from cmtof.instrument.panel import Panel, RfKnobs
+from cmtof.instrument.parsing import check_fields, choice, number
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.world import LABEL_TIME, World
 from cmtof.ranging.burst_noise import mean_weights, phase_covariance
 from cmtof.ranging.target import StageTarget
 

@@ -22,14 +22,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, centred, depth_from_phase
-from cmtof.hardware.parsing import number
 from cmtof.hardware.reduction import nominal_psi
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.budget import emission_mean, sent_power
-from cmtof.hardware.twin.electronics import Conversion, chain, slope
-from cmtof.hardware.twin.settings import Detector, TwinSettings
-from cmtof.hardware.twin.targets import Hits
-from cmtof.hardware.twin.world import World
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.budget import emission_mean, sent_power
+from cmtof.instrument.electronics import Conversion, chain, slope
+from cmtof.instrument.parsing import number
+from cmtof.instrument.settings import Detector, TwinSettings
+from cmtof.instrument.targets import Hits
+from cmtof.instrument.world import World
 from cmtof.ranging.burst_noise import mean_weights, phase_covariance
 from cmtof.ranging.optical import OpticalRanger, without_errors
 from cmtof.ranging.target import StageTarget

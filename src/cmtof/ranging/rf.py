@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import centred, depth_from_phase, phase_from_depth
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.budget import sent_power
-from cmtof.hardware.twin.drift import Drift
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.budget import sent_power
+from cmtof.instrument.drift import Drift
+from cmtof.instrument.settings import TwinSettings
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.ranging.optical import FREQUENCY
 from cmtof.ranging.rf_receiver import Imbalance, Reading, RfReceiver

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrapped
-from cmtof.hardware.twin.electronics import ELEMENTARY_CHARGE, RANGES, slope
+from cmtof.instrument.electronics import ELEMENTARY_CHARGE, RANGES, slope
 from cmtof.ranging.rf_settings import RfParts
 
 Array = NDArray[np.float64]

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.correlation import phase_from_depth
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.budget import sent_power
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Target
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.budget import sent_power
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Target
 from cmtof.ranging.rf import FREQUENCY, modulation_depth, seen_share
 from cmtof.ranging.rf_receiver import RfReceiver
 
@@ -58,7 +58,7 @@ def rf_image(
 
     Examples
     --------
-    >>> from cmtof.hardware.twin.targets import Plane
+    >>> from cmtof.instrument.targets import Plane
     >>> seen = rf_image(TwinSettings(), Plane(1.0), np.zeros((1, 2)), seed=0)
     >>> bool(seen.bound[0] > 0.3)  # rad: of little use
     True

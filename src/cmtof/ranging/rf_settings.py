@@ -8,8 +8,8 @@ consists of catalogue parts. Nothing was tuned to the paper's results.
 
 from dataclasses import dataclass, field
 
-from cmtof.hardware.parsing import check_fields, number
-from cmtof.hardware.twin.world import FAST_BANDWIDTH
+from cmtof.instrument.parsing import check_fields, number
+from cmtof.instrument.world import FAST_BANDWIDTH
 
 
 class _Checked:

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.hardware.parsing import check_fields, choice, number
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.budget import sent_power
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Plane
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.budget import sent_power
+from cmtof.instrument.parsing import check_fields, choice, number
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Plane
 
 Array = NDArray[np.float64]
 

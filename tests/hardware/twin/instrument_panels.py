@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cmtof.hardware.twin.panel import Panel, RfKnobs
+from cmtof.instrument.panel import Panel, RfKnobs
 
 ORDER = {"single": 1, "doubled": 2}
 DRIVE = {"single": 7.15e9, "doubled": 7.16e9}

@@ -12,7 +12,7 @@ from twin_stand_in import PtyClient, on_terminal, read_size, wait_until
 
 from cmtof.hardware.twin.apt_server import AptServer
 from cmtof.hardware.twin.faults import Fault, Watch
-from cmtof.hardware.twin.panel import Panel
+from cmtof.instrument.panel import Panel
 
 HOST, UNIT = 0x01, 0x50
 REQUEST_POSITION = bytes.fromhex("11 04 01 00 50 01")

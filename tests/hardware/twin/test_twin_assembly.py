@@ -5,16 +5,16 @@ import pytest
 from instrument_panels import psi, ready
 
 from cmtof.correlation import centred, decode, phase_from_depth
-from cmtof.hardware.twin.optics import (
+from cmtof.instrument.optics import (
     SPECULAR_DIFFUSE,
     directions_from_angles,
     returned_fraction,
     trace,
 )
-from cmtof.hardware.twin.scene import MeshTarget, assembled, scene_from
-from cmtof.hardware.twin.settings import Optics, TwinSettings
-from cmtof.hardware.twin.targets import Hits
-from cmtof.hardware.twin.world import World
+from cmtof.instrument.scene import MeshTarget, assembled, scene_from
+from cmtof.instrument.settings import Optics, TwinSettings
+from cmtof.instrument.targets import Hits
+from cmtof.instrument.world import World
 
 pytest.importorskip("embreex")
 

@@ -18,8 +18,8 @@ from cmtof.hardware.twin.faults import (
     faults_from_settings,
 )
 from cmtof.hardware.twin.modbus_server import T7Server
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.sdg_server import SdgServer
+from cmtof.instrument.panel import Panel
 
 IDENTITY = "Siglent Technologies,SDG2042X,"
 

@@ -13,7 +13,7 @@ from cmtof.hardware.codecs.registers import register
 from cmtof.hardware.twin.faults import Fault, Watch
 from cmtof.hardware.twin.lines import TcpLine
 from cmtof.hardware.twin.modbus_server import TDAC_STEP, T7Server
-from cmtof.hardware.twin.panel import Panel
+from cmtof.instrument.panel import Panel
 
 
 class Bench:

@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from twin_stand_in import StandInWorld, ask, on_terminal
 
 from cmtof.hardware.twin.faults import Fault, Watch
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.pm100_server import DARK_OFFSET, PowerMeterServer
+from cmtof.instrument.panel import Panel
 
 
 class Bench:

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from twin_stand_in import StandInWorld, on_terminal, read_line, wait_until
 
 from cmtof.hardware.twin.faults import Fault, Watch
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.rf_server import RfServer
+from cmtof.instrument.panel import Panel
 
 
 def checksum(data: bytes) -> int:

@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from twin_stand_in import SocketClient, ask, on_port
 
 from cmtof.hardware.twin.faults import Fault, Watch
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.sdg_server import SdgServer
+from cmtof.instrument.panel import Panel
 
 
 class Bench:

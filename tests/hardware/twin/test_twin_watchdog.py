@@ -9,7 +9,7 @@ from cmtof.hardware.transport import TcpTransport
 from cmtof.hardware.twin.faults import Fault, Watch
 from cmtof.hardware.twin.lines import TcpLine
 from cmtof.hardware.twin.modbus_server import T7Server
-from cmtof.hardware.twin.panel import Panel
+from cmtof.instrument.panel import Panel
 
 SAFE = {"FIO0": False, "FIO1": False, "FIO6": False}
 

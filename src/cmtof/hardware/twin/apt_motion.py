@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from cmtof.hardware.twin.apt_motors import Motor
 from cmtof.hardware.twin.faults import Watch
-from cmtof.hardware.twin.panel import Panel
+from cmtof.instrument.panel import Panel
 
 _INT32 = 2**31 - 1
 

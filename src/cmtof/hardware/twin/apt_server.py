@@ -17,7 +17,7 @@ from cmtof.hardware.twin.apt_motion import ENABLED, REVERSE, Motion
 from cmtof.hardware.twin.apt_motors import MOTORS
 from cmtof.hardware.twin.faults import Watch
 from cmtof.hardware.twin.lines import Channel
-from cmtof.hardware.twin.panel import Panel
+from cmtof.instrument.panel import Panel
 
 _HOST, _UNIT, _LONG = 0x01, 0x50, 0x80
 _ADDRESSES = (0x11, 0x21, 0x50)  # motherboard, bay 1, generic USB unit

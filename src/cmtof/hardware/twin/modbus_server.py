@@ -13,7 +13,6 @@ from threading import RLock
 from typing import Any
 
 from cmtof.hardware.codecs.registers import REGISTERS
-from cmtof.hardware.twin.electronics import RANGES
 from cmtof.hardware.twin.faults import Watch
 from cmtof.hardware.twin.lines import Channel
 from cmtof.hardware.twin.modbus_frames import (
@@ -23,11 +22,12 @@ from cmtof.hardware.twin.modbus_frames import (
     reply_to,
     split_frames,
 )
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.t7_lines import WIRING, T7Lines
 from cmtof.hardware.twin.t7_registers import FLASH_ADDRESS, T7Registers, calibration_flash
 from cmtof.hardware.twin.t7_stream import T7Stream, counts_from_volts
 from cmtof.hardware.twin.t7_watchdog import T7Watchdog
+from cmtof.instrument.electronics import RANGES
+from cmtof.instrument.panel import Panel
 
 TDAC_LIMIT = 10.0
 """Range of the LJTick-DAC, V."""

@@ -12,8 +12,8 @@ from typing import Any
 
 from cmtof.hardware.twin.faults import Watch
 from cmtof.hardware.twin.lines import Channel
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.text import number_from_text, serve_lines
+from cmtof.instrument.panel import Panel
 
 WAVELENGTH = (350.0, 1100.0)
 """Wavelengths of the S140C, nm."""

@@ -16,8 +16,8 @@ import numpy as np
 from cmtof.hardware.codecs.crc import crc16
 from cmtof.hardware.twin.faults import Watch
 from cmtof.hardware.twin.lines import Channel
-from cmtof.hardware.twin.panel import Panel, RfKnobs
 from cmtof.hardware.twin.text import LineBuffer, number_from_text
+from cmtof.instrument.panel import Panel, RfKnobs
 
 BAND = (7_140_000_000, 7_170_000_000)
 """Frequencies that the driver accepts, Hz."""

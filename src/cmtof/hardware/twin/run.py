@@ -13,12 +13,12 @@ from cmtof.hardware.twin.apt_server import AptServer
 from cmtof.hardware.twin.faults import Faults, faults_from_settings
 from cmtof.hardware.twin.lines import LOOPBACK, PtyLine, Serve, TcpLine
 from cmtof.hardware.twin.modbus_server import T7Server
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.pm100_server import PowerMeterServer
 from cmtof.hardware.twin.rf_server import RfServer
 from cmtof.hardware.twin.sdg_server import SdgServer
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.world import World
+from cmtof.instrument.panel import Panel
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.world import World
 
 
 class Server(Protocol):

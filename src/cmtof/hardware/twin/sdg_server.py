@@ -11,8 +11,8 @@ from threading import Lock
 
 from cmtof.hardware.twin.faults import Watch
 from cmtof.hardware.twin.lines import Channel
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.text import number_from_text, serve_lines
+from cmtof.instrument.panel import Panel
 
 FREQUENCY = (1e-6, 40e6)
 """Sine frequencies, Hz (SDG2042X data sheet)."""

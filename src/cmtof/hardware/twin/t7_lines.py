@@ -13,9 +13,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.t7_registers import T7Registers
 from cmtof.hardware.twin.trigger import pull, pulses_from_levels
+from cmtof.instrument.panel import Panel
 
 LINES = 23
 """DIO0 to DIO22: eight FIO, eight EIO, four CIO, three MIO."""

@@ -7,8 +7,8 @@ import struct
 from collections.abc import Callable
 
 from cmtof.hardware.codecs.registers import REGISTERS, Register
-from cmtof.hardware.twin.electronics import CENTRE, RANGES, SLOPE
 from cmtof.hardware.twin.modbus_frames import ILLEGAL_ADDRESS, ILLEGAL_VALUE, ModbusError
+from cmtof.instrument.electronics import CENTRE, RANGES, SLOPE
 
 FLASH_ADDRESS = 0x3C4000
 """Where the calibration stands in the internal flash (LabJack's C example for streaming)."""

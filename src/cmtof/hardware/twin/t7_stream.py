@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.hardware.codecs.registers import REGISTERS
-from cmtof.hardware.twin.electronics import CENTRE, slope
 from cmtof.hardware.twin.faults import Watch
 from cmtof.hardware.twin.modbus_frames import DEVICE_FAILURE, ModbusError
-from cmtof.hardware.twin.panel import Panel
 from cmtof.hardware.twin.t7_lines import T7Lines
 from cmtof.hardware.twin.t7_registers import T7Registers
 from cmtof.hardware.twin.t7_stream_out import StreamOut
+from cmtof.instrument.electronics import CENTRE, slope
+from cmtof.instrument.panel import Panel
 
 DETECTOR = 0
 """Analog input that the detector is wired to."""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.hardware.twin.panel import Panel, RfKnobs
+from cmtof.instrument.panel import Panel, RfKnobs
 
 
 def pulses_from_levels(levels: ArrayLike, before: bool) -> NDArray[np.int64]:

@@ -2,8 +2,8 @@
 
 Each is a target of the simulated instrument, of fine meshes with materials at 532 nm:
 
->>> from cmtof.hardware.twin.world import World
->>> from cmtof.hardware.twin.settings import TwinSettings
+>>> from cmtof.instrument.world import World
+>>> from cmtof.instrument.settings import TwinSettings
 >>> world = World(TwinSettings(), object_scene("owl"))
 >>> bool(0.9 < world.ranges([[0.0, 0.0]])[0] < 1.0)
 True
@@ -13,7 +13,7 @@ from functools import lru_cache
 from importlib import import_module
 from types import ModuleType
 
-from cmtof.hardware.twin.scene import MeshTarget
+from cmtof.instrument.scene import MeshTarget
 from cmtof.scenes.objects.flat import gage_blocks, slanted_plane
 
 OBJECTS = ("bust", "helmet", "owl", "table")

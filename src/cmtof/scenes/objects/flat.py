@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from cmtof.hardware.twin.scene import MeshTarget, assembled
-from cmtof.hardware.twin.targets import Plane
+from cmtof.instrument.scene import MeshTarget, assembled
+from cmtof.instrument.targets import Plane
 
 STEEL = 0.58
 """Reflectance of lapped steel at 532 nm (known: 0.55 to 0.6)."""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.hardware.twin.scene import MeshTarget
+from cmtof.instrument.scene import MeshTarget
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof.scenes.rgbd import rays_from_camera
 

@@ -5,7 +5,7 @@ and its noise depends on (seed, label, sample) only; without one, time runs on a
 the number of the burst. The mirrors rest and the filters have settled when a burst begins. Optical
 angles: the beam leaves along (tan x, tan y, 1), +z at zero volts, y downwards as in a frame. The
 two mirrors are taken to turn about one point. The laser's fast noise is not modelled, its slow
-drift is. Signs of phases: see `cmtof.hardware.twin.modulation`.
+drift is. Signs of phases: see `cmtof.instrument.modulation`.
 """
 
 from typing import Any
@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.drift import keyed_generator
-from cmtof.hardware.twin.drives import RfLockState, lock_state, true_frequencies
-from cmtof.hardware.twin.electronics import POLES, Conversion, chain, counts_from_volts
-from cmtof.hardware.twin.light import Light
-from cmtof.hardware.twin.panel import Panel
-from cmtof.hardware.twin.scene import scene_from
-from cmtof.hardware.twin.settings import TwinSettings
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.drift import keyed_generator
+from cmtof.instrument.drives import RfLockState, lock_state, true_frequencies
+from cmtof.instrument.electronics import POLES, Conversion, chain, counts_from_volts
+from cmtof.instrument.light import Light
+from cmtof.instrument.panel import Panel
+from cmtof.instrument.scene import scene_from
+from cmtof.instrument.settings import TwinSettings
 from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ class World:
     ----------
     settings : TwinSettings
     scene : str, Path, Frame, mapping, Target or None
-        As `cmtof.hardware.twin.scene.scene_from` takes it; None is that of the settings, and
+        As `cmtof.instrument.scene.scene_from` takes it; None is that of the settings, and
         without one nothing returns.
     seed : int
         What noise, drift, errors and speckle depend on.

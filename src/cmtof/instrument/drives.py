@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.hardware.twin.drift import keyed_generator
-from cmtof.hardware.twin.panel import Panel, RfKnobs
-from cmtof.hardware.twin.settings import Drive
+from cmtof.instrument.drift import keyed_generator
+from cmtof.instrument.panel import Panel, RfKnobs
+from cmtof.instrument.settings import Drive
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -24,10 +24,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.hardware.twin.drives import Drives, RfDrivers, true_frequencies
-from cmtof.hardware.twin.panel import Panel
-from cmtof.hardware.twin.segments import Segments, segments_of
-from cmtof.hardware.twin.settings import Module, TwinSettings
+from cmtof.instrument.drives import Drives, RfDrivers, true_frequencies
+from cmtof.instrument.panel import Panel
+from cmtof.instrument.segments import Segments, segments_of
+from cmtof.instrument.settings import Module, TwinSettings
 from cmtof.modulator import TwoPassModulator
 
 Array = NDArray[np.float64]

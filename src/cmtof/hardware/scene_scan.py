@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof import __version__
-from cmtof.hardware.air import group_index
 from cmtof.hardware.codecs.labjack import NOMINAL, gain_index
 from cmtof.hardware.export import measurement_from_journal
 from cmtof.hardware.journal import Record
@@ -24,9 +23,10 @@ from cmtof.hardware.rig_settings import RigSettings
 from cmtof.hardware.scan import DARK, planned, sampling_of
 from cmtof.hardware.scan_header import settings_as_dict
 from cmtof.hardware.twin.modbus_server import TDAC_STEP
-from cmtof.hardware.twin.panel import Panel, RfKnobs
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.world import LABEL_TIME, World
+from cmtof.instrument.air import group_index
+from cmtof.instrument.panel import Panel, RfKnobs
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.world import LABEL_TIME, World
 from cmtof.measurement import Measurement
 
 Array = NDArray[np.float64]
@@ -53,7 +53,7 @@ def scan_scene(
     settings : TwinSettings
         The instrument; its ``reference`` is what calibrates psi in both modes.
     target : Target, Frame, str or mapping
-        As `cmtof.hardware.twin.scene.scene_from` takes it.
+        As `cmtof.instrument.scene.scene_from` takes it.
     size : int or (int, int)
         Height and width, px; one number for both. Points lie uniformly in the tangent.
     field_of_view : float or (float, float)

@@ -9,15 +9,15 @@ from scipy.special import jv
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import centred, decode, phase_from_depth
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.budget import photon_budget
-from cmtof.hardware.twin.drift import Drift
-from cmtof.hardware.twin.drives import RfDrivers, amplitude, lock_state, played_phases
-from cmtof.hardware.twin.modulation import harmonics_at
-from cmtof.hardware.twin.panel import RfKnobs
-from cmtof.hardware.twin.settings import Air, Drive, Laser, Module, Optics, TwinSettings
-from cmtof.hardware.twin.targets import Hits, Plane
-from cmtof.hardware.twin.world import World
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.budget import photon_budget
+from cmtof.instrument.drift import Drift
+from cmtof.instrument.drives import RfDrivers, amplitude, lock_state, played_phases
+from cmtof.instrument.modulation import harmonics_at
+from cmtof.instrument.panel import RfKnobs
+from cmtof.instrument.settings import Air, Drive, Laser, Module, Optics, TwinSettings
+from cmtof.instrument.targets import Hits, Plane
+from cmtof.instrument.world import World
 from cmtof.modulator import DOUBLED, SINGLE, TwoPassModulator
 
 IDEAL = TwinSettings.ideal()

@@ -4,12 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.drift import Drift
-from cmtof.hardware.twin.modulation import Configuration, Modulators, detected
-from cmtof.hardware.twin.panel import Panel
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Plane, Target
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.drift import Drift
+from cmtof.instrument.modulation import Configuration, Modulators, detected
+from cmtof.instrument.panel import Panel
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Plane, Target
 
 Array = NDArray[np.float64]
 

@@ -7,14 +7,14 @@ import pytest
 from scipy import signal
 
 from cmtof.hardware.codecs.labjack import NOMINAL
-from cmtof.hardware.twin.electronics import (
+from cmtof.instrument.electronics import (
     ELEMENTARY_CHARGE,
     Conversion,
     chain,
     counts_from_volts,
     volts_from_counts,
 )
-from cmtof.hardware.twin.settings import Detector
+from cmtof.instrument.settings import Detector
 
 RATE = 24000.0
 

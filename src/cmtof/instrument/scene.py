@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.hardware.twin.frame_target import FrameTarget
-from cmtof.hardware.twin.settings import MATERIALS
-from cmtof.hardware.twin.targets import Corner, Hits, Plane, Target
+from cmtof.instrument.frame_target import FrameTarget
+from cmtof.instrument.settings import MATERIALS
+from cmtof.instrument.targets import Corner, Hits, Plane, Target
 from cmtof.scenes.rgbd import Frame, load_frame
 
 Array = NDArray[np.float64]

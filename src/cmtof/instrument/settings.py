@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH, SPEED_OF_LIGHT
-from cmtof.hardware.parsing import check_fields, choice, number, section_from_mapping
+from cmtof.instrument.parsing import check_fields, choice, number, section_from_mapping
 
 MATERIALS = ("diffuse", "specular", "retro")
 """How a surface sends light back."""
@@ -226,7 +226,7 @@ class TwinSettings:
     noise: bool = True
     """Whether photons, amplifier and converter are noisy; rounding and clipping stay."""
     scene: Any = None
-    """Scene as `cmtof.hardware.twin.scene.scene_from` takes it."""
+    """Scene as `cmtof.instrument.scene.scene_from` takes it."""
     faults: Any = ()
     """Faults on demand, for the servers."""
 

@@ -7,10 +7,10 @@ import pytest
 from instrument_panels import DRIVE, MODES, ORDER, ahead, edges, psi, ready
 
 from cmtof.correlation import centred, decode, phase_from_depth
-from cmtof.hardware.twin.electronics import CENTRE, volts_from_counts
-from cmtof.hardware.twin.settings import Galvo, Optics, Reference, TwinSettings
-from cmtof.hardware.twin.targets import Corner, Plane
-from cmtof.hardware.twin.world import World
+from cmtof.instrument.electronics import CENTRE, volts_from_counts
+from cmtof.instrument.settings import Galvo, Optics, Reference, TwinSettings
+from cmtof.instrument.targets import Corner, Plane
+from cmtof.instrument.world import World
 from cmtof.scenes.rgbd import Frame, load_frame
 
 BURST = {"scans": 320, "rate": 24000.0, "pulses": edges()}

@@ -14,8 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Polygon, Rectangle
 
 from cmtof.book.plotting import PALETTE
-from cmtof.hardware.rig_settings import DeviceSettings, RigSettings
-from cmtof.hardware.schematic_parts import (
+from cmtof.book.schematic_parts import (
     BACK,
     BACK_ARROW,
     BEAM,
@@ -33,7 +32,8 @@ from cmtof.hardware.schematic_parts import (
     tag,
     wire,
 )
-from cmtof.hardware.twin.settings import Module, TwinSettings
+from cmtof.hardware.rig_settings import DeviceSettings, RigSettings
+from cmtof.instrument.settings import Module, TwinSettings
 
 SIZE = (17.2, 10.5)
 """Width and height of the drawing, in units of its axes."""

@@ -53,7 +53,7 @@ class Plane:
     reflectance : float
         0 to 1.
     material : str
-        One of `cmtof.hardware.twin.settings.MATERIALS`.
+        One of `cmtof.instrument.settings.MATERIALS`.
     """
 
     distance: float

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.hardware.twin.targets import Hits
+from cmtof.instrument.targets import Hits
 from cmtof.scenes.rgbd import Frame, ray_lengths, rays_from_camera
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ class FrameTarget:
     frame : Frame
         With a camera.
     material : str
-        One of `cmtof.hardware.twin.settings.MATERIALS`.
+        One of `cmtof.instrument.settings.MATERIALS`.
     """
 
     def __init__(self, frame: Frame, material: str = "diffuse") -> None:

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from instrument_panels import MODES, ahead, edges, psi, ready
 
 from cmtof.correlation import decode
-from cmtof.hardware.twin.drift import Drift, keyed_generator, uniform_from_places
-from cmtof.hardware.twin.electronics import SLOPE, chain
-from cmtof.hardware.twin.settings import Detector, TwinSettings
-from cmtof.hardware.twin.targets import Plane
-from cmtof.hardware.twin.world import LABEL_TIME, World
+from cmtof.instrument.drift import Drift, keyed_generator, uniform_from_places
+from cmtof.instrument.electronics import SLOPE, chain
+from cmtof.instrument.settings import Detector, TwinSettings
+from cmtof.instrument.targets import Plane
+from cmtof.instrument.world import LABEL_TIME, World
 
 BURST = {"scans": 320, "rate": 24000.0, "pulses": edges()}
 

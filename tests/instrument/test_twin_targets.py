@@ -7,12 +7,12 @@ import pytest
 from instrument_panels import ahead, psi, ready
 
 from cmtof.correlation import decode
-from cmtof.hardware.twin.frame_target import FrameTarget
-from cmtof.hardware.twin.optics import directions_from_angles
-from cmtof.hardware.twin.scene import MeshTarget, scene_from
-from cmtof.hardware.twin.settings import Laser, TwinSettings
-from cmtof.hardware.twin.targets import Corner, Plane
-from cmtof.hardware.twin.world import World
+from cmtof.instrument.frame_target import FrameTarget
+from cmtof.instrument.optics import directions_from_angles
+from cmtof.instrument.scene import MeshTarget, scene_from
+from cmtof.instrument.settings import Laser, TwinSettings
+from cmtof.instrument.targets import Corner, Plane
+from cmtof.instrument.world import World
 from cmtof.scenes.rgbd import Frame, rays_from_camera
 
 CAMERA = np.array([60.0, 70.0, 16.0, 12.0])

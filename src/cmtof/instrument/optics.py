@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammaincinv
 
-from cmtof.hardware.twin.drift import uniform_from_places
-from cmtof.hardware.twin.settings import Air, Optics, TwinSettings
-from cmtof.hardware.twin.targets import Hits, Target
+from cmtof.instrument.drift import uniform_from_places
+from cmtof.instrument.settings import Air, Optics, TwinSettings
+from cmtof.instrument.targets import Hits, Target
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.signal import lfilter
 
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.hardware.twin.settings import Detector
+from cmtof.instrument.settings import Detector
 
 Array = NDArray[np.float64]
 

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.hardware.twin import optics as free_space
-from cmtof.hardware.twin.electronics import PLANCK, SLOPE, Conversion, chain
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Hits
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.electronics import PLANCK, SLOPE, Conversion, chain
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Hits
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
 SAMPLE_RATE, SAMPLES, PHASES = 24000.0, 20, 16

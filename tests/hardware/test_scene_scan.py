@@ -8,10 +8,10 @@ import pytest
 import cmtof
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.hardware.scan import planned, scan
+from cmtof.hardware.scene_scan import scan_scene
 from cmtof.hardware.twin.run import Twin
-from cmtof.hardware.twin.settings import TwinSettings
-from cmtof.hardware.twin.targets import Hits
-from cmtof.ranging.scene_scan import scan_scene
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Hits
 
 WALL = {"kind": "plane", "distance": 1.0, "tilt_x": 0.1, "reflectance": 0.8}
 VIEW = np.deg2rad(20.0)  # of the default rig

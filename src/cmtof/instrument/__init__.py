@@ -1,0 +1,1 @@
+"""The simulated instrument: light, optics, electronics and targets, with their settings."""
