@@ -128,7 +128,7 @@ def points_of(target, number, settings=base, **how):
 # %% [markdown]
 # ## The height of the step
 #
-# Each point takes 16 phases in both modes, as in every scan ({doc}`23_scan`).
+# Each point takes 16 phases in both modes, as in every scan ({doc}`15_scan`).
 # The step is a small part of a wrap, so unwrapping does not matter here.
 # The converter that steers the mirrors rounds; which code it got is known, so the directions below
 # are the rounded ones.

@@ -60,7 +60,7 @@ def listed(names):
 # Each scene is scanned three times: in the room of the other chapters; under strong room light, a
 # white wall in {glue:text}`scene_lux:.0f` lux; and without any noise of light, amplifier and
 # converter, to tell what noise does and what it does not. The physics is that of the simulated
-# instrument of {doc}`23_scan`, asked for all points without wires; every count is the one that the
+# instrument of {doc}`15_scan`, asked for all points without wires; every count is the one that the
 # drivers would have fetched. A point takes 16 phases in 13.3 ms, in both modes. The dark level and
 # a reference target at known ranges are taken before and after, and calibrate where $\psi$ begins.
 

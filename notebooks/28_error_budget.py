@@ -3,7 +3,7 @@
 #
 # Fig. 13 and Table 4 of the paper state what came out: 33 µm over a sweep of 1 mm at 60 cm, ± 7.5
 # µm. They do not state what it is made of. This page takes the *simulated* all-optical instrument
-# ({doc}`20_instrument`), makes it perfect, and then lets one thing at a time go wrong. For nearly
+# ({doc}`13_instrument`), makes it perfect, and then lets one thing at a time go wrong. For nearly
 # every error there is a closed form beside the simulation. No size was chosen with the paper's
 # results in view; a later section asks what size each *would* need.
 
@@ -609,7 +609,7 @@ tell(wanted=1e6 * wanted, need_phase=1e3 * get["RF phase since the zero"].size,
 
 # %% [markdown]
 # **Plausible, each alone, for {glue:text}`wanted:.1f` µm** (*known* and *assumed* as in
-# {doc}`20_instrument`):
+# {doc}`13_instrument`):
 #
 # - *The range of the reference.* An error of the zero is an error of every range. A steel rule
 #   gives half a millimetre; 33 µm at 60 cm needs more than that. The paper does not say how its

@@ -258,7 +258,7 @@ for f in opened:
 # ## A scanned spot
 #
 # The prototype lights one spot and its detector looks at little more than that spot
-# ({glue:text}`field_mrad:.0f` mrad, as in {doc}`20_instrument`). Light that left the spot for
+# ({glue:text}`field_mrad:.0f` mrad, as in {doc}`13_instrument`). Light that left the spot for
 # another wall has to come back into this small field of view, and from a flat wall that takes three
 # reflections. Here the lit cell moves from the edge outwards, and the same bounces are followed.
 

@@ -351,7 +351,7 @@ tell(
 # the single mode and {glue:text}`microns_doubled:.1f` µm in the doubled one: *less* precision at
 # the higher frequency, since the amplitude falls faster than the wave shortens. Both lie below the
 # paper's 33 µm. What a photon budget knows nothing of is larger: drift of the phase, air, light
-# that comes back from the optics, the cyclic errors of {doc}`22_correlation_profiles`.
+# that comes back from the optics, the cyclic errors of {doc}`14_correlation_profiles`.
 
 # %% [markdown]
 # ## Where we differ from the paper
