@@ -401,7 +401,7 @@ tell(sigma=1e6 * sigma, offset_noise=1e6 * noise_only["offset"], offset_all=1e6 
 # %% [markdown]
 # For the mirror that is {glue:text}`offset_noise:.1f` and {glue:text}`sigma:.1f` µm; with drift,
 # codes, I/Q and stray light it becomes {glue:text}`offset_all:.1f` and
-# {glue:text}`scatter_all:.1f` µm. {doc}`28_error_budget` takes the terms one by one.
+# {glue:text}`scatter_all:.1f` µm. {doc}`18_error_budget` takes the terms one by one.
 #
 # ## A verdict
 #

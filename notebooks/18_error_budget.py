@@ -709,7 +709,7 @@ table("both_targets", ["all together", "rms", "scatter", "bound", "ratio"], line
 # ```
 #
 # µm, but for the ratio. The table of the paper's sweep itself, with intervals and beside the other
-# two methods, is {doc}`27_precision_sweep`.
+# two methods, is {doc}`17_precision_sweep`.
 #
 # ## Against the paper
 
