@@ -276,7 +276,7 @@ glue("blur", 100 * float(blur), display=False)
 # against a square gate that is open for half of every period (½, 1/π). Such a gate is a bucket of
 # a multi-bucket *pixel*, switched in silicon. The prototype multiplies **two optical modulators**,
 # and their product is what it is: two perfect raised cosines give a contrast of ½, two of the
-# {doc}`two-pass modulators <04_two_pass_modulator>` $2J_1^2(2\eta)$, by the amplitude η of their
+# {doc}`two-pass modulators <04_modulator>` $2J_1^2(2\eta)$, by the amplitude η of their
 # drive.
 
 # %%

@@ -27,7 +27,7 @@ from scipy import ndimage, stats
 
 import cmtof
 from cmtof.baselines.spatial import unwrapped_phase
-from cmtof.book import plotting, surface
+from cmtof.book import plotting, views
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.denoising import denoise, local_phase_noise
 from cmtof.measurement import Measurement
@@ -71,14 +71,14 @@ frequency = float(next(iter(captures.values())).frequencies[0])
 wrap = float(wrap_length(frequency))
 phases = {name: m.phase[0].astype(float) for name, m in captures.items()}
 references = {name: m.dataset["reference_depth"].to_numpy() for name, m in captures.items()}
-walls = {name: surface.fit_wall(depth) for name, depth in references.items()}
+walls = {name: views.fit_wall(depth) for name, depth in references.items()}
 for name, wall in walls.items():
     angle = np.degrees(2 * np.arctan(0.5 * wall.mask.shape[1] / wall.camera[0]))
     print(f"{name}: {wall.mask.shape}, wall in {wall.mask.mean():.0%}, {angle:.1f}° across")
 
 # %% [markdown]
 # No angles come with the maps, but the wall knows them: the range to a flat wall bends with the
-# angle of the ray, and a fit of plane and scale to what lies farthest (`surface.fit_wall`) gives
+# angle of the ray, and a fit of plane and scale to what lies farthest (`views.fit_wall`) gives
 # both the background mask and a camera.
 #
 # ## How noisy is the phase?
@@ -409,7 +409,7 @@ for ax, name in zip(axes[0], shown, strict=True):
     points = points_from_depth(depths[name], walls[name].camera)
     with tempfile.TemporaryDirectory() as folder:
         still = Path(folder) / "still.png"
-        done = surface.render_surface(
+        done = views.render_surface(
             points, depths[name], still, longest=0.015, eye=(-0.12, -0.1, -0.02), cmap="cividis_r"
         )
         drawn_by.append(done)

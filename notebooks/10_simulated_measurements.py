@@ -43,7 +43,7 @@ def tell(**numbers):
 # scene and back it falls behind, and the detector compares it with a reference of the same beat: it
 # records much light where the two are in step and little where they are not. Four references, each
 # a quarter turn ψ later, tell how far the light has fallen behind: its **phase** φ, and how strong
-# it came back: its **amplitude** ({doc}`06_simulation` has the equations). Twice as fast a beat
+# it came back: its **amplitude** ({doc}`05_simulation` has the equations). Twice as fast a beat
 # gives the same again at twice the rate. That is all that is measured.
 
 # %%

@@ -28,7 +28,7 @@ from scipy import ndimage, stats
 
 import cmtof
 from cmtof import noise_matching, noise_spectra
-from cmtof.book import plotting, surface
+from cmtof.book import plotting, views
 from cmtof.constants import FREQUENCY_SINGLE, NOISE_SIGMA
 from cmtof.correlation import wrap_length, wrapped
 from cmtof.denoising import denoise, local_phase_noise
@@ -72,7 +72,7 @@ references = {name: m.dataset["reference_depth"].to_numpy() for name, m in captu
 margin = np.ones((window + fit_window - 1,) * 2)  # no fit to the averaged map sees an object
 inside, sigma_phi = {}, {}
 for name, phase in phases.items():
-    wall = surface.fit_wall(references[name]).mask
+    wall = views.fit_wall(references[name]).mask
     known = np.isfinite(noise_spectra.local_residual(phase, window=window))
     inside[name] = ndimage.binary_erosion(wall, margin) & known
     sigma_phi[name] = noise_matching.typical_phase_noise(phase, inside[name], window=fit_window)
@@ -89,7 +89,7 @@ tell(phi_low=min(sigma_phi.values()), phi_high=max(sigma_phi.values()))
 # \sigma_\varphi\approx\frac{\sqrt{GTI/2+\sigma^2}}{\sqrt2\,a},\qquad a=\frac{GTI}{\pi},
 # ```
 #
-# and a little more by the exact law ({doc}`06_simulation`). The captures hold phases only, no
+# and a little more by the exact law ({doc}`05_simulation`). The captures hold phases only, no
 # amplitude: how bright the wall was is unknown. So each capture fixes a *curve* of pairs (I, σ),
 # all of which give its phase noise. Where σ outweighs the photons, only their ratio counts. One
 # more unknown hides here: the captures were decoded from swept signals, not from four images. What

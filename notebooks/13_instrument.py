@@ -23,7 +23,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 
 from cmtof.book import paper, plotting
-from cmtof.book.quantity import quantity_text
+from cmtof.book.paper import quantity_text
 from cmtof.book.schematic import SIZE, draw_instrument
 from cmtof.correlation import wrap_length
 from cmtof.hardware.rig import Rig
@@ -47,7 +47,7 @@ def tell(**numbers):
 #
 # Light leaves the laser, loses most of itself in a fibre that makes its beam round, and passes the
 # emission module: a polarising splitter, two wave plates, the crystal and a mirror, so that it
-# passes the crystal twice ({doc}`04_two_pass_modulator`). A first splitter gives half to a power
+# passes the crystal twice ({doc}`04_modulator`). A first splitter gives half to a power
 # meter, a second one half to the arm of the interferometer; the rest goes over the scan mirrors to
 # the scene. What comes back takes the same way to the second splitter, which sends it into the
 # detection module, a twin of the first. There it is multiplied by the reference: behind that, a

@@ -67,7 +67,7 @@ def tell(**numbers):
 # with m = 1 in the single mode and 2 in the doubled one, and higher harmonics behind the dots. The
 # read-out adds up samples for a time $T$, so *both* terms get the factor $T$; in
 # {eq}`eq-20-profile` the first one lacks it. The sign is that of the convention here,
-# $\phi+\psi$ ({doc}`07_errata`).
+# $\phi+\psi$ ({doc}`22_errata`).
 #
 # ## The sweep
 #

@@ -22,7 +22,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 
 from cmtof.book import paper, plotting
-from cmtof.book.quantity import quantity_text
+from cmtof.book.paper import quantity_text
 from cmtof.correlation import TAU, wrap_length
 from cmtof.instrument.budget import sent_power
 from cmtof.instrument.optics import group_index
@@ -501,7 +501,7 @@ say("order_says",
 # does not say how it was calibrated none can be singled out. An offset is no limit of a method: one
 # more reading at a known place removes it. What limits the method is the scatter, and the paper's
 # {glue:text}`spread_paper:.1f` µm, which RMSE and MAE of the mirror amount to, are near the
-# {glue:text}`stated_spread:.1f` µm that Fig. 13 states ({doc}`07_errata`, numbers 15 and 24).
+# {glue:text}`stated_spread:.1f` µm that Fig. 13 states ({doc}`22_errata`, numbers 15 and 24).
 #
 # What this page cannot tell: the simulated speckle changes with every 10 µm of stage, where a plate
 # that moves straight along the beam would keep its speckle; and nothing here drifts faster than

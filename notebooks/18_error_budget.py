@@ -498,7 +498,7 @@ tell(implied_mirror=1e6 * implied["mirror"], implied_diffuse=1e6 * implied["diff
 # of constants. Where all errors have one sign, RMSE and MAE also
 # tell the scatter, $\sqrt{\mathrm{RMSE}^2-\mathrm{MAE}^2}$: {glue:text}`implied_mirror:.1f` µm on
 # the mirror and {glue:text}`implied_diffuse:.1f` µm on the diffuse target, near the stated
-# {glue:text}`stated_sd:.1f` µm though not equal ({doc}`07_errata`, erratum 24).
+# {glue:text}`stated_sd:.1f` µm though not equal ({doc}`22_errata`, erratum 24).
 #
 # ## What it would take
 #

@@ -508,7 +508,7 @@ say("paper_says",
 
 # %% [markdown]
 # The paper's 0.4988 mm is {glue:text}`their_error:.1f` µm short of the nominal step, not
-# {glue:text}`said_error:.0f` µm as its text has it ({doc}`07_errata`, erratum 14).
+# {glue:text}`said_error:.0f` µm as its text has it ({doc}`22_errata`, erratum 14).
 # It does not state how many points were taken, how the tilt was treated, or how the value
 # scatters.
 #

@@ -28,7 +28,7 @@ from scipy.optimize import brentq
 
 import cmtof
 from cmtof.book import paper, plotting
-from cmtof.book.quantity import quantity_text
+from cmtof.book.paper import quantity_text
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.hardware.scene_scan import scan_scene
 from cmtof.instrument.budget import photon_budget, sent_power
@@ -116,7 +116,7 @@ tell(mhz_power=1e3 * known.power, mhz_exposure=1e3 * known.exposure, ghz_time=1e
 # of as many pixels takes, it could average thousands of images. A comparison at "equal photon
 # budget" has to say which of the two is meant; this page takes one image of
 # {glue:text}`mhz_exposure:.0f` ms, as the paper does. A wrap is $c/2f$ =
-# {glue:text}`mhz_wrap:.2f` m, not the 3 m of the paper's introduction ({doc}`07_errata`).
+# {glue:text}`mhz_wrap:.2f` m, not the 3 m of the paper's introduction ({doc}`22_errata`).
 #
 # ## The pixel
 #

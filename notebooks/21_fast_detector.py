@@ -270,7 +270,7 @@ tell(
 #
 # ## Finding the plate's angle, and the drive
 #
-# A field $\cos(4\theta_h + V)$ behind the splitter ({doc}`04_two_pass_modulator`) has, over its
+# A field $\cos(4\theta_h + V)$ behind the splitter ({doc}`04_modulator`) has, over its
 # mean, a first and a second harmonic of
 #
 # $$m_1 = \frac{2 J_1(2\eta)\,|\sin 8\theta_h|}{1 + J_0(2\eta)\cos 8\theta_h},\qquad

@@ -152,7 +152,7 @@ def test_every_figure_is_placed_with_its_caption_and_text():
 
 @needs_build
 def test_every_erratum_was_proved_by_this_build():
-    notebook = json.loads((BUILD / "notebooks" / "07_errata.ipynb").read_text(encoding="utf-8"))
+    notebook = json.loads((BUILD / "notebooks" / "22_errata.ipynb").read_text(encoding="utf-8"))
     printed = "".join(
         text
         for cell in notebook["cells"]

@@ -15,7 +15,7 @@ from typing import Any
 import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof.book import paper
+import scoreboard
 from cmtof.book.views import STATIC
 from graph import Book
 
@@ -137,7 +137,7 @@ def main(build: Path, stage: Path) -> None:
     place_scenes(build, stage)
     checks = sorted(build.glob("results/*/checks.json"))
     chapters = sorted((build / "notebooks").glob("*.ipynb"))
-    page = paper.scoreboard(checks, sorted((build / "results").iterdir()), chapters)
+    page = scoreboard.page(checks, sorted((build / "results").iterdir()), chapters)
     (stage / "book" / "scoreboard.md").write_text(page, encoding="utf-8")
 
 

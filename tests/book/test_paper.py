@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import scoreboard
 from cmtof.book import paper, provenance
-from cmtof.book.quantity import quantity_text, toleranced_text
+from cmtof.book.paper import quantity_text, toleranced_text
 
 NUMBERS = paper.published_numbers()
 DELTAS = ["delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_3"]
@@ -176,7 +177,7 @@ def _keys(block):
 
 def test_scoreboard_lists_every_key_once(folder):
     paper.check("fig3.precision_ratio", 99.8)
-    page = paper.scoreboard([folder / paper.CHECKS])
+    page = scoreboard.page([folder / paper.CHECKS])
     listed = []
     for block in re.split(r"^## ", page, flags=re.MULTILINE)[1:]:
         name, _, number = block.partition("\n")[0].partition(" ")
@@ -190,7 +191,7 @@ def test_scoreboard_counts_every_number(folder):
     paper.check("fig14.height_error", 1.2e-6)
     paper.check("sec6.effective_wavelength", 0.1)
     paper.check("sec8.gain", 20)
-    page = paper.scoreboard([folder / paper.CHECKS])
+    page = scoreboard.page([folder / paper.CHECKS])
     counts = dict(re.findall(r"^\| ([a-z ]+) \| (\d+ \| \d+) \|$", page, flags=re.MULTILINE))
     assert counts["agrees"] == "1 | 1"
     assert counts["differs"] == "1 | 0"
@@ -207,12 +208,12 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
         monkeypatch.setenv(provenance.OUTPUT_VARIABLE, str(tmp_path / name))
         paper.check("fig3.precision_ratio", value)
         paths.append(tmp_path / name / paper.CHECKS)
-    (row,) = [r for r in paper.scoreboard(paths).splitlines() if _keys(r) == ["precision_ratio"]]
+    (row,) = [r for r in scoreboard.page(paths).splitlines() if _keys(r) == ["precision_ratio"]]
     assert "differs" in row and "02_bad" in row
 
 
 def test_scoreboard_without_runs_reaches_nothing():
-    page = paper.scoreboard([])
+    page = scoreboard.page([])
     assert "| agrees | 0 | 0 |" in page and "## Runs" not in page
 
 
@@ -221,7 +222,7 @@ def test_a_broken_record_is_one_clear_line(tmp_path, content):
     path = tmp_path / paper.CHECKS
     path.write_text(content)
     with pytest.raises(ValueError, match=r"Expected .*JSON"):
-        paper.scoreboard([path])
+        scoreboard.page([path])
 
 
 @given(st.floats(1e-14, 1e11), st.sampled_from(["m", "s", "Hz", "W"]))

@@ -1028,7 +1028,7 @@ erratum(
 # ## What holds
 #
 # Checked and right, so that the list above is not mistaken for the whole: {eq}`eq-14` to
-# {eq}`eq-18` ({doc}`04_two_pass_modulator`), the hundredfold gain of Fig. 3, 2·(7.15 GHz + 10 MHz)
+# {eq}`eq-18` ({doc}`04_modulator`), the hundredfold gain of Fig. 3, 2·(7.15 GHz + 10 MHz)
 # = 14.32 GHz, 13 ms for 320 samples, the beam reducer's 1.25 mm / 2.5 = 0.5 mm, the frame rates,
 # and that every row of Tables 1 to 3 adds up to 100 %.
 

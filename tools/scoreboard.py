@@ -5,11 +5,18 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from cmtof import coverage
-from cmtof.book.paper import Outcome, Published, Verdict, published, read_checks, verdict
-from cmtof.book.quantity import quantity_text
+from cmtof.book.paper import (
+    Outcome,
+    Published,
+    Verdict,
+    published,
+    published_numbers,
+    quantity_text,
+    read_checks,
+    verdict,
+)
 
 # from the one that must not be missed to the one that needs no look
 _WORST_FIRST: tuple[Outcome, ...] = ("differs", "paper errs", "not comparable", "agrees")
@@ -18,7 +25,7 @@ _MEANING: dict[Outcome, str] = {
     "agrees": "Ours lies within the tolerance of the paper's number.",
     "differs": "Ours lies outside, and nothing explains it. It is an open question, or our fault.",
     "paper errs": "Ours lies outside, and the paper is wrong there: "
-    "see the {doc}`errata <../notebooks/07_errata>`.",
+    "see the {doc}`errata <../notebooks/22_errata>`.",
     "not comparable": "Ours is another quantity, or comes from other data. The note says how.",
     "not yet reached": "No chapter has come to this number yet.",
 }
@@ -65,12 +72,10 @@ Found = dict[str, tuple[Verdict, Run]]
 
 
 def page(
-    numbers: Mapping[str, Published],
-    checks: Iterable[Path],
-    results: Iterable[Path] = (),
-    notebooks: Iterable[Path] = (),
+    checks: Iterable[Path], results: Iterable[Path] = (), notebooks: Iterable[Path] = ()
 ) -> str:
-    """Write the page; see :func:`cmtof.book.paper.scoreboard`."""
+    """Write the page from the ``checks.json`` and the folder of each run, and the chapters."""
+    numbers = published_numbers()
     found = _found(checks)
     groups: dict[str, list[Published]] = {}
     for number in numbers.values():
@@ -83,7 +88,7 @@ def page(
             meanings="\n".join(f"- **{name}**: {text}" for name, text in _MEANING.items()),
         )
     ]
-    parts.append(coverage.section(results, notebooks))
+    parts.append(coverage_section(results, notebooks))
     parts += [_section(name, groups[name], found) for name in sorted(groups, key=_order)]
     if runs:
         parts.append(_runs(runs))
@@ -204,3 +209,72 @@ def _runs(runs: Iterable[Run]) -> str:
     rows = [f"| {run.link()} | {run.profile} | {run.seed} | {run.version} |" for run in ordered]
     head = ["## Runs", "", "| chapter | profile | seed | version |", "| :-- | :-- | --: | :-- |"]
     return "\n".join([*head, *rows, ""])
+
+
+FIGURES, TABLES, EQUATIONS = 16, 4, 20
+"""How many the paper has."""
+
+
+class Item(NamedTuple):
+    """One figure, table or equation of the paper."""
+
+    kind: str
+    number: int
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.number}"
+
+
+ITEMS = [
+    Item(kind, number)
+    for kind, count in (("Figure", FIGURES), ("Table", TABLES), ("Equation", EQUATIONS))
+    for number in range(1, count + 1)
+]
+
+_DRAWN = re.compile(r"(fig|table)(\d+)_")
+_CHECKED = re.compile(r'"table(\d)\.')
+_LABELLED = re.compile(r":label: eq-(\d+)\b(?!-)")
+
+
+def chapters_by_item(results: Iterable[Path], notebooks: Iterable[Path]) -> dict[Item, list[str]]:
+    """Chapters in which each item stands, in order; an item that no chapter has is left out.
+
+    A figure stands where ``figNN_*`` was drawn, a table where ``tableN_*`` was drawn or its numbers
+    were checked, an equation where it bears the label ``eq-N``.
+
+    Parameters
+    ----------
+    results : iterable of Path
+        One folder a chapter, of the chapter's name: what `cmtof.book.plotting.save` and
+        `cmtof.book.paper.check` wrote.
+    notebooks : iterable of Path
+        The chapters themselves, ``.ipynb`` or ``.py``.
+    """
+    found: dict[Item, set[str]] = {}
+    kinds = {"fig": "Figure", "table": "Table"}
+    for folder in results:
+        for file in folder.glob("*.json"):
+            if drawn := _DRAWN.match(file.name):
+                found.setdefault(Item(kinds[drawn[1]], int(drawn[2])), set()).add(folder.name)
+            elif file.name == "checks.json":
+                for number in _CHECKED.findall(file.read_text(encoding="utf-8")):
+                    found.setdefault(Item("Table", int(number)), set()).add(folder.name)
+    for notebook in notebooks:
+        for number in _LABELLED.findall(notebook.read_text(encoding="utf-8")):
+            found.setdefault(Item("Equation", int(number)), set()).add(notebook.stem)
+    return {item: sorted(chapters) for item, chapters in found.items()}
+
+
+def coverage_section(results: Iterable[Path], notebooks: Iterable[Path]) -> str:
+    """Write the section of the scoreboard as MyST Markdown."""
+    found = chapters_by_item(results, notebooks)
+    missing = [str(item) for item in ITEMS if item not in found]
+    rows = [f"| {item} | {_links(found[item])} |" for item in ITEMS if item in found]
+    said = f"Not yet reached: {', '.join(missing)}." if missing else "None of them is missing."
+    head = ["## Figures, tables and equations", "", "Where each of the paper's stands. " + said, ""]
+    table = ["| of the paper | chapters |", "| :-- | :-- |", *rows, ""] if rows else []
+    return "\n".join(head + table)
+
+
+def _links(chapters: Iterable[str]) -> str:
+    return ", ".join(f"{{doc}}`{name[:2]} <../notebooks/{name}>`" for name in chapters)

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from cmtof import coverage
-from cmtof.coverage import Item
+import scoreboard as coverage
+from scoreboard import Item
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def test_items_are_found_where_they_stand(chapters):
 
 
 def test_section_links_what_stands_and_names_what_is_missing(chapters):
-    page = coverage.section(*chapters)
+    page = coverage.coverage_section(*chapters)
     assert "| Figure 4 | {doc}`03 <../notebooks/03_wraps>` |" in page
     missing = page.partition("Not yet reached: ")[2].partition(".\n")[0].split(", ")
     assert len(missing) == 16 + 4 + 20 - 4

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cmtof.book.surface import fit_wall, mesh_triangles, render_surface
+from cmtof.book.views import fit_wall, mesh_triangles, render_surface
 from cmtof.pointcloud import points_from_depth
 
 CAMERA = np.array([240.0, 240.0, 50.0, 40.0])
