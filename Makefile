@@ -24,27 +24,33 @@ CHATTER := $(CHATTER)|^(Finished jobid|Elapsed time|Complete log|\[.*20[0-9][0-9
 build = mkdir -p build && $(ONE_AT_A_TIME)$(SNAKEMAKE) --config profile=$(1) 2>&1 | \
 	{ grep --line-buffered -vE '$(CHATTER)' || true; }
 
-.PHONY: help setup book test lab lint pairs reference bench lock clean
+.PHONY: help setup book figures test test-slow size lab lint pairs reference bench lock clean
 
 help: ## List what can be made
 	@echo "make TARGET [PROFILE=ci|book|paper] [CORES=$(CORES)]"; echo
-	@sed -nE 's/^([a-z]+):.*## (.*)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 13
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 13
 
 setup: ## Make .venv from environment.lock (every target does this first)
 	@tools/setup.sh
 
 book: setup ## Run the notebooks and build the book: build/PROFILE/html/index.html
-	@$(BIN)/python tools/pairs.py --missing
 	@$(call build,$(PROFILE))
 	@echo "Open build/$(PROFILE)/html/index.html"
 
-test: setup ## Build the book with the small ci profile, then run the tests
-	@$(BIN)/python tools/pairs.py --missing
+figures: book ## Accept the figures and numbers of the build into figures/
+	@$(BIN)/python tools/figures.py build/$(PROFILE)/results figures
+
+test: setup size ## Build the book with the small ci profile, then run the tests
 	@$(call build,ci)
-	@$(BIN)/python -m pytest
+	@$(BIN)/python -m pytest -m "not slow"
+
+test-slow: setup ## The long tests: kills at random moments, sweeps over seeds, every page
+	@$(BIN)/python -m pytest -m slow
+
+size: setup ## Lines of every part beside its budget
+	@$(BIN)/python tools/size.py
 
 lab: setup ## Open the notebooks in JupyterLab
-	@$(BIN)/python tools/pairs.py --missing
 	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
 lint: setup ## Check style, types and that notebook pairs agree
@@ -53,7 +59,7 @@ lint: setup ## Check style, types and that notebook pairs agree
 	@$(BIN)/pyright
 	@$(BIN)/python tools/pairs.py --check
 
-pairs: setup ## Write each .ipynb anew from its .py
+pairs: setup ## Write each .ipynb again from its .py
 	@$(BIN)/python tools/pairs.py
 
 reference: setup ## Store the numbers of the ci profile as the ones that tests compare with

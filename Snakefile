@@ -12,8 +12,6 @@ BUILD = f"build/{PROFILE}"
 PYTHON = ".venv/bin/python"
 CHAPTERS = Book(Path(workflow.basedir))
 NOTEBOOKS = CHAPTERS.notebooks()
-# figures/ is committed and comes from the book profile alone
-FIGURES = [f"{BUILD}/figures.txt"] if PROFILE == "book" else []
 
 
 def parameters_of(wildcards):
@@ -27,7 +25,6 @@ wildcard_constraints:
 rule all:
     input:
         f"{BUILD}/html",
-        FIGURES,
 
 
 rule notebook:
@@ -65,11 +62,3 @@ rule book:
     shell:
         "{PYTHON} tools/render.py {input[0]} {output}"
 
-
-rule figures:
-    input:
-        expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
-    output:
-        f"{BUILD}/figures.txt",
-    shell:
-        "{PYTHON} tools/figures.py {BUILD}/results figures > {output}"

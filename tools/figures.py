@@ -1,4 +1,4 @@
-"""Copy the figures of a build into the folder that is committed, only where they changed.
+"""Accept the figures of a build: copy them into the folder that is committed.
 
 python tools/figures.py RESULTS FIGURES
 

@@ -1,6 +1,6 @@
 """Centimetre-wave free-space time-of-flight imaging, rebuilt from the light up.
 
-The three verbs of everyday use stand at the top level::
+The verbs of everyday use stand at the top level::
 
     measurement = cmtof.simulate(cmtof.load_frame("still_life"), seed=0)
     measurement = cmtof.open("scan.nc")
@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+__all__ = ["Measurement", "load_frame", "open", "simulate", "unwrap"]
 
 if TYPE_CHECKING:
     from cmtof.measurement import Measurement
@@ -22,22 +23,17 @@ if TYPE_CHECKING:
     from cmtof.simulation import simulate
     from cmtof.unwrapping import unwrap
 
-_WHERE = {
-    "Measurement": ("cmtof.measurement", "Measurement"),
-    "load_frame": ("cmtof.scenes", "load_frame"),
-    "open": ("cmtof.measurement", "open_measurement"),
-    "simulate": ("cmtof.simulation", "simulate"),
-    "unwrap": ("cmtof.unwrapping", "unwrap"),
+WHERE = {
+    "Measurement": "cmtof.measurement",
+    "load_frame": "cmtof.scenes",
+    "open": "cmtof.measurement",
+    "simulate": "cmtof.simulation",
+    "unwrap": "cmtof.unwrapping",
 }
-_MODULES = {"correlation", "measurement", "metrics", "paper", "plotting", "unwrapping"}
-
-__all__ = ["Measurement", "load_frame", "open", "simulate", "unwrap"]
+"""Module of each top-level name."""
 
 
 def __getattr__(name: str) -> Any:
-    if name in _WHERE:
-        module, attribute = _WHERE[name]
-        return getattr(import_module(module), attribute)
-    if name in _MODULES:
-        return import_module(f"cmtof.{name}")
-    raise AttributeError(f"module 'cmtof' has no attribute {name!r}")
+    if name not in WHERE:
+        raise AttributeError(f"module 'cmtof' has no attribute {name!r}")
+    return getattr(import_module(WHERE[name]), "open_measurement" if name == "open" else name)
