@@ -19,7 +19,11 @@ BOOK = graph.Book(ROOT)
     ("script", "reached", "unreached"),
     [
         ("from cmtof import jones\n", {"jones.py"}, {"correlation.py"}),
-        ("def f():\n    from cmtof.simulation import simulate\n", {"correlation.py"}, {"stereo.py"}),
+        (
+            "def f():\n    from cmtof.simulation import simulate\n",
+            {"correlation.py"},
+            {"stereo.py"},
+        ),
         ("import cmtof\ncmtof.open('m.nc')\n", {"measurement.py"}, {"unwrapping.py"}),
         ("import cmtof\ncmtof.unwrap(m)\n", {"unwrapping.py", "fast-scnn.released.json"}, set()),
         ("from cmtof.book.paper import check\n", {"paper.yml"}, {"measurement.py"}),

@@ -9,7 +9,7 @@ import ast
 import json
 import re
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ import yaml
 import cmtof
 
 NOTEBOOK = re.compile(r"\d\d_[a-z0-9_]+")
-DATA = {"frames": "cmtof.scenes.frame", "weights": "cmtof.network.weights"}
+DATA = {"frames": "cmtof.scenes.rgbd", "weights": "cmtof.network.weights"}
 SOURCE = {".py", ".pyc", ".nbc", ".nbi"}
 
 
@@ -89,16 +89,24 @@ class Book:
         """Files of the package that a Python file reaches, data included."""
         modules = set(self._imported(script))
         for module in list(modules):
-            modules |= self.imports.find_upstream_modules(module)
-        files: set[Path] = set()
-        for module in modules:
-            path = self.package.parent.joinpath(*module.split("."))
-            own = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-            files |= {own, *(f for f in own.parent.iterdir() if _is_data(f))}
+            modules |= self._reached(module)
+        files = set().union(*map(self._files, modules))
         for folder, module in DATA.items():
             if module in modules:
                 files |= {f for f in (self.package / folder).rglob("*") if _is_data(f)}
         return files
+
+    @cache  # noqa: B019 (one book a process)
+    def _reached(self, module: str) -> set[str]:
+        return self.imports.find_upstream_modules(module)
+
+    @cache  # noqa: B019
+    def _files(self, module: str) -> set[Path]:
+        """A module's file and the data beside it."""
+        path = self.package.parent.joinpath(*module.split("."))
+        own = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+        beside = own.parent.glob("*" if own.parent == self.package else "**/*")
+        return {own, *(file for file in beside if _is_data(file))}
 
     def _imported(self, script: Path) -> Iterator[str]:
         """Modules of the package that a script names in its imports, or uses as ``cmtof.name``."""
