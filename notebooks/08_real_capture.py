@@ -29,9 +29,8 @@ import cmtof
 from cmtof.baselines.spatial import unwrapped_phase
 from cmtof.book import plotting, views
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.denoising import denoise, local_phase_noise
 from cmtof.measurement import Measurement
-from cmtof.noise_matching import rehearsal_capture
+from cmtof.noise import denoise, local_phase_noise, rehearsal_capture
 from cmtof.pointcloud import points_from_depth
 from cmtof.scenes.captures import published_captures
 
@@ -186,7 +185,7 @@ tell(
 # Wrapped phases must not be averaged, phasors may: a sum of phasors is linear in the noise and
 # knows no wraps. But over five pixels the phase of a slanted surface turns by a radian or two, and
 # a plain average of phasors would cancel. So each window is first turned back by its own slope
-# (`cmtof.denoising.denoise`). A small Gaussian would be simpler, and loses exactly where surfaces
+# (`cmtof.noise.denoise`). A small Gaussian would be simpler, and loses exactly where surfaces
 # slant; a quadratic fit would keep curvature, and about twice the noise.
 
 # %%

@@ -22,7 +22,7 @@ from cmtof.book import paper, plotting
 from cmtof.constants import NOISE_SIGMA
 from cmtof.correlation import centred, wrap_count_from_depth, wrap_length
 from cmtof.network.features import fourier_features, log_amplitude, phase_edges
-from cmtof.noise_matching import phase_noise_from_sigma
+from cmtof.noise import phase_noise_from_sigma
 from cmtof.simulation import RELEASED_FAR_DEPTH, RELEASED_WRAPS, true_phase
 
 paper_run = plotting.begin(profile=profile, seed=seed)

@@ -27,11 +27,11 @@ from myst_nb import glue
 from scipy import ndimage, stats
 
 import cmtof
-from cmtof import noise_matching, noise_spectra
+from cmtof import noise
 from cmtof.book import plotting, views
 from cmtof.constants import FREQUENCY_SINGLE, NOISE_SIGMA
 from cmtof.correlation import wrap_length, wrapped
-from cmtof.denoising import denoise, local_phase_noise
+from cmtof.noise import denoise, local_phase_noise
 from cmtof.scenes.captures import published_captures
 
 paper_run = plotting.begin(profile=profile, seed=seed)
@@ -47,7 +47,7 @@ def tell(**numbers):
 found = published_captures()
 source, role = ("measured", "measured") if found else ("simulated", "rehearsal")
 with tempfile.TemporaryDirectory() as folder:
-    files = found or {"still life": noise_matching.rehearsal_capture(Path(folder), seed=seed)}
+    files = found or {"still life": noise.rehearsal_capture(Path(folder), seed=seed)}
     captures = {name: cmtof.open(file) for name, file in files.items()}
 banner = {
     "measured": "**Measured.** Published captures are on this machine: " + ", ".join(captures),
@@ -73,9 +73,9 @@ margin = np.ones((window + fit_window - 1,) * 2)  # no fit to the averaged map s
 inside, sigma_phi = {}, {}
 for name, phase in phases.items():
     wall = views.fit_wall(references[name]).mask
-    known = np.isfinite(noise_spectra.local_residual(phase, window=window))
+    known = np.isfinite(noise.local_residual(phase, window=window))
     inside[name] = ndimage.binary_erosion(wall, margin) & known
-    sigma_phi[name] = noise_matching.typical_phase_noise(phase, inside[name], window=fit_window)
+    sigma_phi[name] = noise.typical_phase_noise(phase, inside[name], window=fit_window)
     print(f"{name}: σ_φ = {sigma_phi[name]:.3f} rad on {inside[name].sum()} pixels of wall")
 tell(phi_low=min(sigma_phi.values()), phi_high=max(sigma_phi.values()))
 
@@ -96,13 +96,13 @@ tell(phi_low=min(sigma_phi.values()), phi_high=max(sigma_phi.values()))
 # is matched is the noise of the phase, not the path to it.
 
 # %%
-matched = {n: float(noise_matching.sigma_from_phase_noise(v)) for n, v in sigma_phi.items()}
+matched = {n: float(noise.sigma_from_phase_noise(v)) for n, v in sigma_phi.items()}
 equal = {
-    n: float(noise_matching.intensity_from_phase_noise(v, NOISE_SIGMA))
+    n: float(noise.intensity_from_phase_noise(v, NOISE_SIGMA))
     for n, v in sigma_phi.items()
 }
 for name in captures:
-    least = noise_matching.intensity_from_phase_noise(sigma_phi[name], 0.0)
+    least = noise.intensity_from_phase_noise(sigma_phi[name], 0.0)
     print(
         f"{name}: σ = {matched[name]:.0f} counts at I = 1, or I = {equal[name]:.2f} at "
         f"σ = {NOISE_SIGMA:.0f}; photons alone at I = {least:.4f}"
@@ -112,17 +112,17 @@ tell(
     matched_high=max(matched.values()),
     equal_low=min(equal.values()),
     equal_high=max(equal.values()),
-    paper_noise=noise_matching.phase_noise_from_sigma(NOISE_SIGMA),
-    paper_third=noise_matching.phase_noise_from_sigma(NOISE_SIGMA, intensity=0.3),
+    paper_noise=noise.phase_noise_from_sigma(NOISE_SIGMA),
+    paper_third=noise.phase_noise_from_sigma(NOISE_SIGMA, intensity=0.3),
 )
 
 # %% tags=["hide-input"]
 colours = dict(zip(captures, (blue, green, plotting.PALETTE["purple"]), strict=False))
 figure, ax = plt.subplots(figsize=(6.6, 4.2))
 for name, colour in colours.items():
-    least = float(noise_matching.intensity_from_phase_noise(sigma_phi[name], 0.0))
+    least = float(noise.intensity_from_phase_noise(sigma_phi[name], 0.0))
     brightness = np.geomspace(1.001 * least, 2.0, 200)
-    pairs = noise_matching.sigma_from_phase_noise(sigma_phi[name], intensity=brightness)
+    pairs = noise.sigma_from_phase_noise(sigma_phi[name], intensity=brightness)
     ax.plot(brightness, pairs, color=colour, label=f"{name}: {sigma_phi[name]:.3f} rad")
     ax.plot(1.0, matched[name], "o", color=colour, ms=6)
     ax.plot(equal[name], NOISE_SIGMA, "D", mfc="none", mec=colour, ms=6)
@@ -177,7 +177,7 @@ plotting.save(
 scenes, simulated = {}, {}
 for name, phase in phases.items():
     smooth = denoise(phase, window=fit_window).phase
-    scenes[name] = noise_matching.frame_from_phase(smooth, references[name])
+    scenes[name] = noise.frame_from_phase(smooth, references[name])
     options = {"protocol": "full", "noise": matched[name]}
     simulated[name] = [
         cmtof.simulate(scenes[name], seed=seed, frame_number=k, **options).phase[0].astype(float)
@@ -197,7 +197,7 @@ plotting.save(
         "source": source,
         "phase_noise_rad": sigma_phi,
         "phase_noise_simulated_rad": {
-            n: noise_matching.typical_phase_noise(simulated[n][0], inside[n], window=fit_window)
+            n: noise.typical_phase_noise(simulated[n][0], inside[n], window=fit_window)
             for n in captures
         },
     },
@@ -223,16 +223,16 @@ plotting.save(
 # what makes «alike» a question with an answer.
 
 # %%
-residual = {n: noise_spectra.local_residual(p, window=window) for n, p in phases.items()}
+residual = {n: noise.local_residual(p, window=window) for n, p in phases.items()}
 residual_simulated = {
-    n: [noise_spectra.local_residual(p, window=window) for p in maps]
+    n: [noise.local_residual(p, window=window) for p in maps]
     for n, maps in simulated.items()
 }
 tell(window_side=window, draw_count=draws)
 leak = {}
 for name in captures:
     clean = cmtof.simulate(scenes[name], protocol="full", noise_free=True).phase[0]
-    own = noise_spectra.local_residual(clean, window=window)[inside[name]]
+    own = noise.local_residual(clean, window=window)[inside[name]]
     leak[name] = float(own.std() / residual[name][inside[name]].std())
     print(f"{name}: the scene itself still holds {leak[name]:.0%} of the residual, rms")
 tell(leak_share=100 * max(leak.values()) ** 2)
@@ -307,10 +307,10 @@ plotting.save(
 # flat times the response.
 
 # %%
-response = noise_spectra.fit_response(phases[next(iter(captures))].shape, window=window) ** 2
-spectra = {n: noise_spectra.power_spectrum(residual[n], inside[n]) for n in captures}
+response = noise.fit_response(phases[next(iter(captures))].shape, window=window) ** 2
+spectra = {n: noise.power_spectrum(residual[n], inside[n]) for n in captures}
 white = {
-    n: [noise_spectra.power_spectrum(r, inside[n]) for r in residual_simulated[n]] for n in captures
+    n: [noise.power_spectrum(r, inside[n]) for r in residual_simulated[n]] for n in captures
 }
 for name in captures:
     power, square = spectra[name].mean(), np.mean(residual[name][inside[name]] ** 2)
@@ -337,15 +337,15 @@ for name in captures:
 lines, with_lines, line_residual, line_spectra = {}, {}, {}, {}
 rng = np.random.default_rng([seed, 11])
 for name in captures:
-    lines[name] = noise_spectra.fit_line_noise(residual[name], inside[name], window=window)
+    lines[name] = noise.fit_line_noise(residual[name], inside[name], window=window)
     spectrum = lines[name].spectrum(phases[name].shape)
     smooth = denoise(phases[name], window=fit_window).phase
     with_lines[name] = [
-        wrapped(smooth + noise_spectra.noise_from_spectrum(spectrum, rng=rng)) for _ in range(draws)
+        wrapped(smooth + noise.noise_from_spectrum(spectrum, rng=rng)) for _ in range(draws)
     ]
-    line_residual[name] = [noise_spectra.local_residual(p, window=window) for p in with_lines[name]]
+    line_residual[name] = [noise.local_residual(p, window=window) for p in with_lines[name]]
     line_spectra[name] = [
-        noise_spectra.power_spectrum(r, inside[name]) for r in line_residual[name]
+        noise.power_spectrum(r, inside[name]) for r in line_residual[name]
     ]
     print(name, {key: round(value, 3) for key, value in lines[name]._asdict().items()})
 
@@ -428,7 +428,7 @@ tell(
 def grain(left, where):
     """Of the residual: level, correlations, power of common columns and of slow ripples."""
     down, right = where[:-1] & where[1:], where[:, :-1] & where[:, 1:]
-    power = noise_spectra.power_spectrum(left, where)
+    power = noise.power_spectrum(left, where)
     passed = response > 0.5
     columns = (power / np.maximum(response, 0.5))[0, passed[0]].mean()
     return {

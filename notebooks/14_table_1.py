@@ -212,7 +212,7 @@ say(
 # The test set has {glue:text}`test_frames:.0f` frames, as many as the paper's: the first view of
 # every tenth room of a set whose seed is used for nothing else. No room of it was trained on, and
 # neither was a neighbouring view, which is more than the paper's split can say
-# ({doc}`09_scenes` tells of the rooms). Counting all of them takes several minutes; the counts are
+# ({doc}`06_scenes` tells of the rooms). Counting all of them takes several minutes; the counts are
 # stored, and made anew by
 #
 # ```bash

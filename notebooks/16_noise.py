@@ -38,7 +38,7 @@ from cmtof import offset_calibration as calibration
 from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import TAU, depth_from_phase, wrap_length
-from cmtof.scenes.rgbd import Frame, rays_from_camera
+from cmtof.scenes.frame import Frame, rays_from_camera
 from cmtof.scenes.rooms.held_out import TEST_ROOMS, held_out, held_out_frame
 from cmtof.scenes.rooms.rendering import Settings
 

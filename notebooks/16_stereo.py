@@ -40,7 +40,8 @@ from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import residual_noise, wrap_length
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame, load_frame
+from cmtof.scenes import load_frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import RELEASED_FAR_DEPTH
 from cmtof.stereo.drawing import COLOURS, draw_rig
 from cmtof.stereo.rig import FOCAL_LENGTH, PIXEL_PITCH

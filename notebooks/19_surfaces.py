@@ -54,7 +54,7 @@ from cmtof.surfaces.votes import DOUBT
 from cmtof.metrics import score, scored_pixels
 from cmtof.rates import markdown_table, rates_of_counts, rates_of_report
 from cmtof.reliability import honest_errors, reliability, risk_coverage
-from cmtof.scenes.rgbd import Frame, ray_lengths
+from cmtof.scenes.frame import Frame, ray_lengths
 from cmtof.scenes.rooms.held_out import TEST_ROOMS
 from cmtof.scenes.rooms.rendering import Settings
 

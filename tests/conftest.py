@@ -10,7 +10,7 @@ from hypothesis import settings
 import cmtof
 from cmtof.cli import main
 from cmtof.scenes.captures import data_root
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 
 settings.register_profile("cmtof", deadline=None, max_examples=50, derandomize=True)
 settings.load_profile("cmtof")

@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import chi2
 
 from cmtof.correlation import TAU, centred
-from cmtof.denoising import denoise, denoised_phase, local_phase_noise, phase_slope
+from cmtof.noise import denoise, denoised_phase, local_phase_noise, phase_slope
 
 SIZE = 301
 

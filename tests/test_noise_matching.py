@@ -10,7 +10,7 @@ import cmtof
 from cmtof.bounds import phase_bound, phase_spread
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, centred, wrapped
-from cmtof.noise_matching import (
+from cmtof.noise import (
     frame_from_phase,
     intensity_from_phase_noise,
     linear_from_spread,

@@ -5,12 +5,12 @@ import pytest
 from scipy.stats import chi2, expon
 
 from cmtof.correlation import TAU, wrapped
-from cmtof.denoising import local_phase_noise
-from cmtof.noise_spectra import (
+from cmtof.noise import (
     LineNoise,
     fit_kernel,
     fit_line_noise,
     fit_response,
+    local_phase_noise,
     local_residual,
     masked_spectrum,
     noise_from_spectrum,

@@ -18,7 +18,7 @@ from cmtof.correlation import (
 )
 from cmtof.measurement import Measurement
 from cmtof.offset_calibration import Closures
-from cmtof.scenes.rgbd import Frame, rays_from_camera
+from cmtof.scenes.frame import Frame, rays_from_camera
 from cmtof.simulation import simulate
 
 PERIOD = calibration.closure_period(FREQUENCIES)

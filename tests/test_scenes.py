@@ -9,9 +9,9 @@ from PIL import Image
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.measurement import open_measurement
 from cmtof.pointcloud import points_from_depth, write_ply
-from cmtof.scenes import analytic, captures
+from cmtof.scenes import analytic, captures, load_frame
 from cmtof.scenes.catalogue import still_life
-from cmtof.scenes.rgbd import Frame, embedded_frames, load_frame, ray_lengths, rays_from_camera
+from cmtof.scenes.frame import Frame, embedded_frames, ray_lengths, rays_from_camera
 
 CAMERA = [50.0, 60.0, 8.0, 6.0]
 

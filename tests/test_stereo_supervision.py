@@ -5,7 +5,7 @@ import pytest
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, wrap_length
-from cmtof.scenes.rgbd import Frame, ray_lengths
+from cmtof.scenes.frame import Frame, ray_lengths
 from cmtof.stereo import (
     Lighting,
     Reason,

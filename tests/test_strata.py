@@ -3,7 +3,7 @@ import pytest
 
 import cmtof
 from cmtof.metrics import scored_pixels
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.strata import bin_of, counted, strata_of, strata_values
 
 

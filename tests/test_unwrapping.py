@@ -14,7 +14,8 @@ from cmtof.correlation import centred, phase_from_depth, wrap_length
 from cmtof.evaluation import Evaluation, ready_methods
 from cmtof.kernels import nearest_wrap
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame, load_frame
+from cmtof.scenes import load_frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
 
 

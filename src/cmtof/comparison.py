@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

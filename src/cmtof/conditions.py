@@ -8,7 +8,7 @@ from cmtof.baselines import find_method
 from cmtof.constants import FREQUENCIES, NOISE_SIGMA
 from cmtof.detector import NoiseOrder
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import QUADRATURES, Protocol, simulate
 
 

@@ -94,7 +94,7 @@ def write_json(path: Path, content: Any) -> None:
 def describe(file: Path) -> None:
     """Print what a measurement, a result or a frame holds."""
     from cmtof.measurement import Measurement, open_measurement, read_dataset
-    from cmtof.scenes.rgbd import embedded_frames, read_npz
+    from cmtof.scenes.frame import embedded_frames, read_npz
 
     file = embedded_frames().get(str(file), file)
     if file.suffix == ".npz" and file.is_file():

@@ -7,7 +7,7 @@ from typing import Any
 from cmtof.baselines import METHODS, find_method
 from cmtof.conditions import Conditions, Measured
 from cmtof.metrics import Scored, score, scored_pixels
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.unwrapping import unwrap
 
 

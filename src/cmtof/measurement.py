@@ -308,7 +308,7 @@ def _open_netcdf(path: Path) -> Measurement:
 
 
 def _open_npz(path: Path) -> Measurement:
-    from cmtof.scenes.rgbd import read_npz
+    from cmtof.scenes.frame import read_npz
 
     arrays = read_npz(path)
     missing = {"correlation", "psi", "frequency"} - arrays.keys()

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
-from cmtof.scenes.rgbd import ray_lengths, rays_from_camera
+from cmtof.scenes.frame import ray_lengths, rays_from_camera
 
 
 def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64]:

@@ -23,7 +23,7 @@ from cmtof.evaluation import Evaluation
 from cmtof.metrics import score, scored_pixels
 from cmtof.precision import PrecisionSweep, precision_ratio, precision_sweep
 from cmtof.scenes import Frame, load_frame
-from cmtof.scenes.rgbd import embedded_frames
+from cmtof.scenes.frame import embedded_frames
 from cmtof.simulation import simulate, true_phase
 from cmtof.unwrapping import unwrap
 

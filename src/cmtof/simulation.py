@@ -9,7 +9,7 @@ from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
 from cmtof.measurement import Measurement, unambiguous_range
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.validation import check_frequencies
 
 Protocol = Literal["released", "full"]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.scenes.statistics import bends, surface_sizes
 
 MOST_WRAPS = 21

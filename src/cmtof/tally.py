@@ -17,7 +17,7 @@ from cmtof.baselines import find_method, wraps_in_range
 from cmtof.conditions import Conditions, Measured
 from cmtof.evaluation import ready_methods
 from cmtof.metrics import LIMITS, scored_pixels
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.scenes.rooms.held_out import TEST_ROOMS, held_out, held_out_frame
 from cmtof.scenes.rooms.rendering import Settings
 from cmtof.simulation import Protocol

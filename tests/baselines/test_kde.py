@@ -10,7 +10,7 @@ from cmtof.baselines.noise import phase_noise
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import consistent_wrap_count, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
 
 WRAP = float(wrap_length(FREQUENCIES[0]))

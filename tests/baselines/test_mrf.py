@@ -12,7 +12,7 @@ from cmtof.baselines.mrf_kernels import coherent_sum
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
 
 RELEASED = {"range_min": 36 * float(wrap_length(7.15e9)), "range_max": 1.195}

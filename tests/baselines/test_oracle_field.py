@@ -6,7 +6,7 @@ import pytest
 import cmtof
 from cmtof.baselines.oracle_field import oracle_field, pieces, pool_within
 from cmtof.baselines.oracle_offset import oracle_offset, surfaces
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
 
 

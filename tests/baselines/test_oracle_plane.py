@@ -8,7 +8,7 @@ from cmtof.baselines.oracle_plane import oracle_plane, tilt_of
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
 
 RATIO = FREQUENCIES[1] / FREQUENCIES[0]

@@ -9,7 +9,7 @@ from cmtof.baselines.phasor import match, phasor
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
 
 CLOSE = (7.15e9, 7.16e9)

@@ -9,7 +9,8 @@ from cmtof.baselines import trivial, within_range
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import depth_from_wraps, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame, load_frame
+from cmtof.scenes import load_frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
 
 WRAP = float(wrap_length(FREQUENCIES[0]))

@@ -15,7 +15,7 @@ from cmtof.hardware.plan import (
     points_from_csv,
     raster,
 )
-from cmtof.scenes.rgbd import rays_from_camera
+from cmtof.scenes.frame import rays_from_camera
 
 VIEW = (np.deg2rad(20.0), np.deg2rad(20.0))
 

@@ -13,7 +13,7 @@ from cmtof.instrument.scene import MeshTarget, scene_from
 from cmtof.instrument.settings import Laser, TwinSettings
 from cmtof.instrument.targets import Corner, Plane
 from cmtof.instrument.world import World
-from cmtof.scenes.rgbd import Frame, rays_from_camera
+from cmtof.scenes.frame import Frame, rays_from_camera
 
 CAMERA = np.array([60.0, 70.0, 16.0, 12.0])
 

@@ -11,7 +11,8 @@ from cmtof.instrument.electronics import CENTRE, volts_from_counts
 from cmtof.instrument.settings import Galvo, Optics, Reference, TwinSettings
 from cmtof.instrument.targets import Corner, Plane
 from cmtof.instrument.world import World
-from cmtof.scenes.rgbd import Frame, load_frame
+from cmtof.scenes import load_frame
+from cmtof.scenes.frame import Frame
 
 BURST = {"scans": 320, "rate": 24000.0, "pulses": edges()}
 IDEAL = TwinSettings.ideal()

@@ -18,7 +18,7 @@ from cmtof.network.features import DARK_AMPLITUDE, FULL_AMPLITUDE, features, sca
 from cmtof.network.frames import Pack
 from cmtof.network.inference import quadrature_images, unwrap_with_network
 from cmtof.network.measuring import Batch, measure, phasors, quadratures
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import QUADRATURES
 
 

@@ -18,7 +18,7 @@ from cmtof.network.features import (
     log_amplitude,
     phase_edges,
 )
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 
 RNG = np.random.default_rng(11)
 PHASE = RNG.uniform(0, TAU, (2, 9, 13)).astype(np.float32)

@@ -12,7 +12,7 @@ from cmtof.network.building import build_network
 from cmtof.network.configuration import wraps_of
 from cmtof.network.finetuning import Labelled, fine_tune
 from cmtof.network.weights import Trained, load_weights, save_weights
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 
 
 def network(model="fast-scnn-light", protocol="released") -> Trained:

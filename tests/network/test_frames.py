@@ -7,8 +7,7 @@ import pytest
 from tiny_rooms import write_room, write_rooms
 
 from cmtof.network.frames import pack_frames
-from cmtof.scenes.hypersim import Hypersim
-from cmtof.scenes.hypersim_layout import view_file
+from cmtof.scenes.hypersim import Hypersim, view_file
 
 SHAPE = (16, 24)
 

@@ -12,7 +12,7 @@ from cmtof.network.configuration import MODELS
 from cmtof.network.features import features
 from cmtof.network.inference import classify, unwrap_with_network
 from cmtof.network.weights import load_weights
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 
 STEP = float(wrap_length(7.15e9))
 

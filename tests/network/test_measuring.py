@@ -17,7 +17,7 @@ from cmtof.network.configuration import wraps_of
 from cmtof.network.features import FULL_AMPLITUDE, channels
 from cmtof.network.losses import IGNORED
 from cmtof.network.measuring import Batch, Sample, measure, phasors
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import Protocol, staged_depth, true_phase
 
 PROTOCOLS: tuple[Protocol, ...] = ("released", "full")

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cmtof.scenes.association import associate, read_pairs, read_stamps
+from cmtof.scenes.folders import associate, read_pairs, read_stamps
 
 times = st.lists(st.integers(0, 400).map(lambda k: k / 1000), max_size=25)
 within = st.sampled_from([0.0, 0.005, 0.02, 1.0])

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from cmtof.scenes.folders import frames_in
-from cmtof.scenes.rgbd import Frame, load_frame, ray_lengths
-from cmtof.scenes.sources import Frames
-from cmtof.scenes.styles import STYLES, read_intrinsics, style_of
+from cmtof.scenes import load_frame
+from cmtof.scenes.folders import STYLES, frames_in, read_intrinsics, style_of
+from cmtof.scenes.frame import Frame, Frames, ray_lengths
 
 VGA = (480, 640)
 SMALL = (24, 32)

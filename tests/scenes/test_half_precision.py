@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
+from cmtof.scenes.frame import ray_lengths
 from cmtof.scenes.half_precision import float16_phase, float16_step, smoothed_within_step
 from cmtof.scenes.hypersim import view_of_file
-from cmtof.scenes.rgbd import ray_lengths
 
 CAMERA = [110.0, 110.0, 64.0, 48.0]
 SHAPE = (96, 128)

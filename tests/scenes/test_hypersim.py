@@ -17,9 +17,9 @@ from official_tree import (
 )
 
 from cmtof.pointcloud import points_from_depth
+from cmtof.scenes import load_frame
 from cmtof.scenes.half_precision import smoothed_within_step
 from cmtof.scenes.hypersim import Hypersim, view_of_file
-from cmtof.scenes.rgbd import load_frame
 
 
 def first(tree):

@@ -12,10 +12,18 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from official_tree import official_rays
 
-from cmtof.scenes.hypersim import Hypersim, view_exists, write_metadata, write_scene, write_view
-from cmtof.scenes.hypersim_layout import FILES, view_file
-from cmtof.scenes.hypersim_writer import MANTISSA, rounded
-from cmtof.scenes.projection import projection_from_focal
+from cmtof.scenes.hypersim import (
+    FILES,
+    MANTISSA,
+    Hypersim,
+    projection_from_focal,
+    rounded,
+    view_exists,
+    view_file,
+    write_metadata,
+    write_scene,
+    write_view,
+)
 
 SHAPE = (40, 48)
 FOCAL = {"room_000_000": 41.6, "room_000_001": 60.0, "room_000_002": 41.6}

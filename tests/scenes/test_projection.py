@@ -6,13 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from official_tree import PLAIN, SHAPE, TILTED, official_rays
 
-from cmtof.scenes.hypersim_metadata import read_projections
-from cmtof.scenes.projection import (
+from cmtof.scenes.frame import rays_from_camera
+from cmtof.scenes.hypersim import (
     camera_from_projection,
     projection_from_focal,
     rays_from_projection,
+    read_projections,
 )
-from cmtof.scenes.rgbd import rays_from_camera
 
 SMALL = (6, 8)
 

@@ -7,8 +7,15 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from cmtof.pointcloud import points_from_depth
-from cmtof.scenes.rgbd import Frame, load_frame, ray_lengths, rays_from_camera
-from cmtof.scenes.tone import brightness, linear_from_srgb, tone_mapped
+from cmtof.scenes import load_frame
+from cmtof.scenes.frame import (
+    Frame,
+    brightness,
+    linear_from_srgb,
+    ray_lengths,
+    rays_from_camera,
+    tone_mapped,
+)
 
 ONES = np.ones((6, 8))
 

@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cmtof.scenes.hypersim_metadata import Listed, read_split
-from cmtof.scenes.splits import PARTITIONS, is_authors_test, split_views
+from cmtof.scenes.hypersim import PARTITIONS, Listed, is_authors_test, read_split, split_views
 
 RULES = ("scenes", "official", "authors")
 

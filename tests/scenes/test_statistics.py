@@ -3,7 +3,7 @@ import pytest
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.scenes.statistics import bends, cumulative, hardness, pooled
 
 WRAP = float(wrap_length(FREQUENCY_SINGLE))

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
-from cmtof.surfaces.field import CELL, Field, field_from_measurement
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame, rays_from_camera
+from cmtof.scenes.frame import Frame, rays_from_camera
+from cmtof.surfaces.field import CELL, Field, field_from_measurement
 
 SHAPE = (128, 160)
 CAMERA = (140.0, 138.0, 81.0, 62.5)

@@ -7,9 +7,9 @@ from facet_scenes import CAMERA, SHAPE, WRAP, plane_depth, plane_frame
 from cmtof.bounds import simulated_phase_noise
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth
-from cmtof.surfaces.field import CELL, SMALLEST, field_from_measurement
 from cmtof.measurement import Measurement
 from cmtof.simulation import simulate
+from cmtof.surfaces.field import CELL, SMALLEST, field_from_measurement
 
 HEIGHT, WIDTH = SHAPE
 

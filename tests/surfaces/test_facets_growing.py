@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from facet_scenes import SHAPE, WRAP, Scene, exact_field, plane_depth
 
+from cmtof.measurement import Measurement
 from cmtof.surfaces.field import CELL, field_from_measurement
 from cmtof.surfaces.growing import around, grown_surfaces
 from cmtof.surfaces.labels import depth_of_labels, pixel_labels
-from cmtof.measurement import Measurement
 
 
 def cells(shape=SHAPE):

@@ -14,7 +14,7 @@ import cmtof
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_count_from_depth
 from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
 
 IMAGES = ("wrap_count", "depth", "confidence")

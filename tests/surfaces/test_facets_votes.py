@@ -5,12 +5,12 @@ import pytest
 
 import cmtof
 from cmtof.bounds import wrap_noise
+from cmtof.measurement import Measurement
+from cmtof.scenes.frame import Frame, ray_lengths
 from cmtof.surfaces import unwrapping
 from cmtof.surfaces.field import field_from_measurement
 from cmtof.surfaces.unwrapping import stages
 from cmtof.surfaces.votes import DOUBT, Votes, voted, wrap_doubt
-from cmtof.measurement import Measurement
-from cmtof.scenes.rgbd import Frame, ray_lengths
 
 SIDE = 96
 

@@ -64,7 +64,7 @@ def info(
 
     from cmtof import __version__
     from cmtof.scenes.captures import data_root
-    from cmtof.scenes.rgbd import embedded_frames
+    from cmtof.scenes.frame import embedded_frames
 
     print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
     if find_spec("torch"):

@@ -62,7 +62,7 @@ def simulate(
 
     Example: [bold]cmtof simulate still_life -o m.nc --protocol full --seed 3[/bold]
     """
-    from cmtof.scenes.rgbd import load_frame
+    from cmtof.scenes import load_frame
     from cmtof.simulation import simulate as simulate_frame
 
     loaded = load_frame(
@@ -202,7 +202,7 @@ def _run(evaluation: Any, frames: list[str], smooth: bool, quiet: bool) -> dict[
     reason.
     """
     from cmtof.scenes.folders import frames_in
-    from cmtof.scenes.sources import Frames
+    from cmtof.scenes.frame import Frames
 
     listed = [frames_in(name, smooth=smooth) for name in frames]
     skipped: dict[str, str] = {}

@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.scenes.rgbd import rays_from_camera
+from cmtof.scenes.frame import rays_from_camera
 
 Kind = Literal["reference", "dark", "scan"]
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.instrument.targets import Hits
-from cmtof.scenes.rgbd import Frame, ray_lengths, rays_from_camera
+from cmtof.scenes.frame import Frame, ray_lengths, rays_from_camera
 
 Array = NDArray[np.float64]
 

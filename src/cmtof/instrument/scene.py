@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.instrument.frame_target import FrameTarget
 from cmtof.instrument.settings import MATERIALS
 from cmtof.instrument.targets import Corner, Hits, Plane, Target
-from cmtof.scenes.rgbd import Frame, load_frame
+from cmtof.scenes import load_frame
+from cmtof.scenes.frame import Frame
 
 Array = NDArray[np.float64]
 

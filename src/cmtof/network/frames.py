@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.files import written_whole
+from cmtof.scenes.frame import Frames
 from cmtof.scenes.hypersim import Hypersim
-from cmtof.scenes.sources import Frames
 
 PARTS = ("depth", "intensity")
 
@@ -58,7 +58,7 @@ def pack_frames(
     folder : Path
         Where to put the arrays.
     partition : {"train", "val", "test"}
-        By the rule ``scenes`` of `cmtof.scenes.splits.split_views`.
+        By the rule ``scenes`` of `cmtof.scenes.hypersim.split_views`.
     progress : callable
         Told of each frame as it is read.
 

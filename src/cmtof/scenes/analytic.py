@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.scenes.rgbd import Frame, rays_from_camera
+from cmtof.scenes.frame import Frame, rays_from_camera
 
 Points = NDArray[np.float64]
 Distance = Callable[[Points], NDArray[np.float64]]

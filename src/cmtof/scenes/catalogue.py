@@ -21,7 +21,7 @@ from cmtof.scenes.analytic import (
     striped,
     view,
 )
-from cmtof.scenes.rgbd import EMBEDDED, Frame
+from cmtof.scenes.frame import EMBEDDED, Frame
 
 SHAPE = (240, 320)
 

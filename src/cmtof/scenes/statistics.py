@@ -13,7 +13,7 @@ from skimage.measure import label
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.book.plotting import PALETTE
 from cmtof.pointcloud import points_from_depth
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.stereo.camera import PinholeCamera
 from cmtof.stereo.pose import Pose
 from cmtof.stereo.rig import StereoRig

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import consistent_wrap_count, depth_from_wraps, wrap_length
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.stereo.pose import turned
 from cmtof.stereo.rig import SCANNER, StereoRig
 from cmtof.stereo.sensor import Sensor

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.pointcloud import normals_from_points, points_from_depth
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.stereo.rig import StereoRig
 from cmtof.stereo.sensor import LASER_POWER, OFFSET, Sensor, gaussian_spot
 from cmtof.stereo.spot import CHUNK, WINDOW, Spots, Status, fit_spots

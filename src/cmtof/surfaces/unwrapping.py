@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from cmtof.baselines.beat import beat_depth, box, synthetic_frequency
 from cmtof.baselines.method import Estimate, within_range
 from cmtof.baselines.region import nearest
+from cmtof.measurement import Measurement
 from cmtof.surfaces.field import Field, field_from_measurement
 from cmtof.surfaces.growing import grown_surfaces
 from cmtof.surfaces.labels import depth_of_labels, interiors, pixel_labels
 from cmtof.surfaces.offsets import Offsets, fitted, offsets
 from cmtof.surfaces.ties import Borders, Tied, borders, tied
 from cmtof.surfaces.votes import Votes, voted
-from cmtof.measurement import Measurement
 
 REACH = 4
 """Pixels around a surface that are given to it where nothing explains them."""

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from cmtof.instrument.scene import MeshTarget
 from cmtof.pointcloud import normals_from_points, points_from_depth
-from cmtof.scenes.rgbd import rays_from_camera
+from cmtof.scenes.frame import rays_from_camera
 
 Array = NDArray[np.float64]
 

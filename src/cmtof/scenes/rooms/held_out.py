@@ -2,7 +2,7 @@
 
 Training takes the rooms of seed 1; seed 3 belongs to the tables. Of its scenes only those that
 `cmtof.scenes.rooms.rendering.split_of` tests are built, every tenth, and of each only the first
-view across the room: what the rule ``scenes`` of `cmtof.scenes.splits` keeps of a rendered set.
+view across the room: what the rule ``scenes`` of `cmtof.scenes.hypersim` keeps of a rendered set.
 """
 
 from collections.abc import Iterator, Sequence
@@ -10,7 +10,7 @@ from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from multiprocessing import get_context
 
-from cmtof.scenes.rgbd import Frame
+from cmtof.scenes.frame import Frame
 from cmtof.scenes.rooms.rendering import Settings, frame_of, render_view, split_of
 from cmtof.scenes.rooms.scene import build
 

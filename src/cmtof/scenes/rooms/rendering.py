@@ -14,12 +14,11 @@ import numpy as np
 from scipy.special import ndtri
 
 from cmtof.files import written_whole
+from cmtof.scenes.frame import Frame, brightness
 from cmtof.scenes.hypersim import view_exists, write_metadata, write_scene, write_view
-from cmtof.scenes.rgbd import Frame
 from cmtof.scenes.rooms.cameras import Camera, Lens
 from cmtof.scenes.rooms.scene import Scene, build, close_views, scene_name, stream
 from cmtof.scenes.rooms.view import Picture, picture
-from cmtof.scenes.tone import brightness
 
 SETTINGS = "rooms.json"
 """File in a set's folder that says what it was made from."""

@@ -27,9 +27,10 @@ from myst_nb import glue
 from cmtof.book import plotting
 from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
 from cmtof.correlation import phase_from_depth
+from cmtof.scenes import load_frame
 from cmtof.scenes.captures import data_root
+from cmtof.scenes.frame import Frame, brightness, rays_from_camera, tone_mapped
 from cmtof.scenes.half_precision import float16_phase, float16_step, smoothed_within_step
-from cmtof.scenes.rgbd import Frame, load_frame, rays_from_camera
 from cmtof.scenes.rooms.rendering import Settings, rendered_views
 from cmtof.scenes.statistics import (
     HYPERSIM_BRIGHTNESS,
@@ -39,7 +40,6 @@ from cmtof.scenes.statistics import (
     hardness,
     pooled,
 )
-from cmtof.scenes.tone import brightness, tone_mapped
 
 paper_run = plotting.begin(profile=profile, seed=seed)
 blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "green"))
