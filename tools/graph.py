@@ -19,7 +19,7 @@ import yaml
 import cmtof
 
 NOTEBOOK = re.compile(r"\d\d_[a-z0-9_]+")
-DATA = {"frames": "cmtof.scenes.rgbd", "weights": "cmtof.network.weights"}
+DATA = {"frames": "cmtof.scenes.frame", "weights": "cmtof.network.weights"}
 SOURCE = {".py", ".pyc", ".nbc", ".nbi"}
 
 
