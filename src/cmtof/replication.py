@@ -135,6 +135,6 @@ def _draw(scenes: list[Scene], path: Path) -> None:
     from cmtof.book import plotting
     from cmtof.files import written_whole
 
-    plotting.use_style()
+    plotting.begin()
     with written_whole(path) as part:
         comparison_figure(scenes, {name: name for name in METHODS}).savefig(part)

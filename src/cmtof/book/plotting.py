@@ -1,4 +1,4 @@
-"""One figure style for the whole book, and figures saved with their numbers.
+"""One figure style for the whole book, its recurring plots, and figures saved with their numbers.
 
 Colours are those of Okabe and Ito (2008), which stay apart for colour-blind readers and in grey.
 Figures keep a white ground of their own, so they read the same on light and dark pages.
@@ -6,7 +6,7 @@ Figures keep a white ground of their own, so they read the same on light and dar
 
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -34,6 +34,9 @@ PALETTE: dict[str, str] = {
 }
 """Okabe–Ito colours, in the order in which lines take them."""
 
+GREY = "#8A97A3"
+"""Colour of reference lines."""
+
 PHASE_CMAP = "twilight"
 """Cyclic colour map: 0 and 2π look alike, lightness carries the rest."""
 
@@ -42,6 +45,9 @@ DEPTH_CMAP = "cividis"
 
 INVALID_COLOUR = "#B0B0B0"
 """Colour of pixels without a value."""
+
+TURN = (0.0, 2 * np.pi)
+"""Limits of a wrapped phase, rad."""
 
 _STYLE: Any = {
     "figure.figsize": (6.4, 3.8),
@@ -78,33 +84,19 @@ _FORMATS: dict[str, tuple[str, dict[str, None]]] = {
 }
 
 
-def use_style() -> None:
-    """Set Matplotlib to the style of the book.
-
-    Examples
-    --------
-    >>> use_style()
-    >>> mpl.rcParams["svg.hashsalt"]
-    'cmtof'
-    """
-    mpl.rcdefaults()
-    mpl.rcParams.update(_STYLE)
-
-
 def begin(*, profile: str = "book", seed: int = 0) -> provenance.Run:
     """Begin a run: set the style, and the seed and profile stored with every result.
 
     From then on a notebook shows a figure when it is saved, and only then. Parameters, result and
-    errors are those of :func:`cmtof.book.provenance.begin`.
-
-    Examples
-    --------
-    >>> begin(profile="ci", seed=1).profile
-    'ci'
+    errors are those of `cmtof.book.provenance.begin`.
     """
-    use_style()
+    mpl.rcdefaults()
+    mpl.rcParams.update(_STYLE)
     plt.switch_backend("agg")
     return provenance.begin(profile=profile, seed=seed)
+
+
+# --- images ------------------------------------------------------------------------------------
 
 
 def image(
@@ -115,33 +107,12 @@ def image(
     title: str = "",
     cmap: str = DEPTH_CMAP,
     limits: tuple[float, float] | None = None,
+    bar: bool = True,
 ) -> AxesImage:
-    """Draw an image with square pixels, no ticks, and a colour bar that names the unit.
+    """Image (H, W) with square pixels, no ticks, and a colour bar that names the unit; NaN is grey.
 
-    Parameters
-    ----------
-    ax : Axes
-        Where to draw.
-    values : ArrayLike
-        (H, W); NaN is drawn grey.
-    label : str
-        Quantity and unit, as in ``"depth (m)"``; it stands beside the colour bar.
-    title : str
-        Title of the panel.
-    cmap : str
-        Name of a Matplotlib colour map.
-    limits : tuple of float, optional
-        Values at the ends of the colour bar; by default those of the image.
-
-    Returns
-    -------
-    AxesImage
-        The image drawn.
-
-    Raises
-    ------
-    ValueError
-        If ``values`` is not two-dimensional.
+    ``label`` is quantity and unit, as in ``"depth (m)"``; ``limits`` are the values at the ends of
+    the colour bar, by default those of the image. Raises ValueError unless ``values`` has two axes.
 
     Examples
     --------
@@ -159,59 +130,186 @@ def image(
     ax.set(xticks=[], yticks=[], title=title)
     ax.grid(visible=False)
     ax.spines[:].set_visible(False)
-    # a bar inside the panel's own frame is exactly as high as the image, whatever its aspect
-    _figure_of(ax).colorbar(drawn, cax=ax.inset_axes((1.03, 0, 0.05, 1)), label=label)
+    if bar:  # inside the panel's own frame it is exactly as high as the image, whatever its aspect
+        _colour_bar(drawn, cax=ax.inset_axes((1.03, 0, 0.05, 1)), label=label)
     return drawn
 
 
 def phase_image(
     ax: Axes, phase: ArrayLike, *, title: str = "", label: str = "phase (rad)"
 ) -> AxesImage:
-    """Draw wrapped phase in [0, 2π) with cyclic colours.
+    """Wrapped phase (H, W) in [0, 2π), rad, with cyclic colours; otherwise as `image`."""
+    return image(ax, phase, label=label, title=title, cmap=PHASE_CMAP, limits=TURN)
 
-    Parameters
-    ----------
-    ax : Axes
-        Where to draw.
-    phase : ArrayLike
-        (H, W) wrapped phase, rad.
-    title, label : str
-        Title of the panel and text beside the colour bar.
 
-    Returns
-    -------
-    AxesImage
-        The image drawn.
+def maps(
+    images: Sequence[ArrayLike],
+    *,
+    label: str,
+    titles: Sequence[str] = (),
+    cmap: str = DEPTH_CMAP,
+    limits: tuple[float, float] | None = None,
+    columns: int | None = None,
+    width: float = 2.8,
+) -> tuple[Figure, list[Axes]]:
+    """Grid of images (H, W) on one scale, row by row, with one colour bar at the right.
+
+    ``label``, ``cmap`` and ``limits`` as in `image`, the limits by default those of all images;
+    phase takes ``cmap=PHASE_CMAP, limits=TURN``. All panels stand in one row unless ``columns`` is
+    given; ``width`` is that of a panel in inches.
+
+    Examples
+    --------
+    >>> fig, axes = maps([np.eye(3), 2 * np.eye(3)], label="depth (m)", titles=["near", "far"])
+    >>> axes[0].images[0].get_clim() == (0.0, 2.0), len(axes)
+    (True, 2)
+    >>> plt.close(fig)
+    """
+    arrays = [np.asarray(values, float) for values in images]
+    columns = columns or len(arrays)
+    rows = -(-len(arrays) // columns)
+    height, across = arrays[0].shape
+    size = (columns * width + 0.9, rows * (width * height / across + 0.35))
+    fig, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
+    if limits is None:
+        limits = min(np.nanmin(a) for a in arrays), max(np.nanmax(a) for a in arrays)
+    axes = list(grid.flat)
+    for ax, values, title in zip(axes, arrays, [*titles, *len(arrays) * [""]], strict=False):
+        image(ax, values, label="", title=title, cmap=cmap, limits=limits, bar=False)
+    for ax in axes[len(arrays) :]:
+        ax.remove()
+    axes = axes[: len(arrays)]
+    _colour_bar(axes[0].images[0], ax=axes, label=label)
+    return fig, axes
+
+
+def _colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
+    figure = drawn.get_figure(root=True)
+    assert isinstance(figure, Figure)
+    bar = figure.colorbar(drawn, label=label, **where)
+    if drawn.get_clim() == TURN:
+        bar.set_ticks([0, np.pi, 2 * np.pi], labels=["0", "π", "2π"])
+
+
+# --- lines, dots and bars ----------------------------------------------------------------------
+
+
+def mark(ax: Axes, *, x: float | None = None, y: float | None = None, text: str = "") -> None:
+    """Thin grey reference line at ``x`` or at ``y``, with a text at its end."""
+    style: Any = {"color": GREY, "lw": 1, "ls": ":", "zorder": 0}
+    note: Any = {"color": "#59646E", "size": "small", "xytext": (3, 2)}
+    if x is not None:
+        ax.axvline(x, **style)
+        where: Any = ((x, 0), ("data", "axes fraction"))
+    else:
+        ax.axhline(0 if y is None else y, **style)
+        where = ((0, y), ("axes fraction", "data"))
+    if text:
+        ax.annotate(text, where[0], xycoords=where[1], textcoords="offset points", **note)
+
+
+def sweep(
+    ax: Axes,
+    x: ArrayLike,
+    values: ArrayLike,
+    *,
+    errors: ArrayLike | None = None,
+    bound: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
+    label: str = "",
+    bound_label: str = "",
+    color: str = PALETTE["blue"],
+    log: str = "xy",
+) -> None:
+    """Dots (N,) of a sweep, with error bars, and the line of a bound or theory.
+
+    ``errors`` are half-lengths (N,) or (2, N); ``bound`` is theory at ``x``, or a pair of its own
+    settings and values; ``log`` names the axes with a logarithmic scale.
 
     Examples
     --------
     >>> fig, ax = plt.subplots()
-    >>> phase_image(ax, np.eye(3)).get_clim() == (0.0, 2 * np.pi)
-    True
+    >>> sweep(ax, [1, 10], [0.3, 0.03], bound=([1, 10], [0.2, 0.02]), label="simulated")
     >>> plt.close(fig)
     """
-    turn = 2 * np.pi
-    drawn = image(ax, phase, label=label, title=title, cmap=PHASE_CMAP, limits=(0.0, turn))
-    if drawn.colorbar is not None:
-        drawn.colorbar.set_ticks([0, turn / 2, turn], labels=["0", "π", "2π"])
-    return drawn
+    if bound is not None:
+        line = bound if isinstance(bound, tuple) else (x, bound)
+        ax.plot(*map(np.asarray, line), color=color, lw=1.4, label=bound_label or None)
+    ax.errorbar(x, values, errors, fmt="o", ms=4.5, color=color, label=label or None, lw=1.2)
+    ax.set(**{f"{axis}scale": "log" for axis in log})
 
 
-def label_panels(axes: Iterable[Axes]) -> None:
-    """Put (a), (b), … before the titles of panels, in the order given.
+def intervals(
+    ax: Axes,
+    rows: Mapping[str, tuple[float, float, float]],
+    *,
+    colors: Mapping[str, str] | str = PALETTE["blue"],
+    published: Mapping[str, float] | None = None,
+    published_label: str = "the paper, its own scenes",
+) -> None:
+    """Dots with interval bars (value, low, high), one row a name, the first on top.
+
+    ``colors`` is one colour or one for each name; diamonds show what the paper has ``published``.
 
     Examples
     --------
-    >>> fig, axes = plt.subplots(1, 2)
-    >>> label_panels(axes)
-    >>> axes[1].get_title(loc="left")
-    '(b)'
+    >>> fig, ax = plt.subplots()
+    >>> intervals(ax, {"kde": (9.5, 8.0, 11.0), "crt": (4.0, 3.5, 4.5)}, published={"kde": 9.46})
+    >>> [label.get_text() for label in ax.get_yticklabels()]
+    ['kde', 'crt']
     >>> plt.close(fig)
     """
+    theirs = published or {}
+    for place, (name, (value, low, high)) in enumerate(rows.items()):
+        color = colors if isinstance(colors, str) else colors[name]
+        ax.plot([low, high], [place, place], color=color, lw=3, alpha=0.45)
+        ax.plot(value, place, "o", color=color, ms=5)
+        if name in theirs:
+            ax.plot(theirs[name], place, "D", mfc="none", mec="black", ms=5)
+    if theirs:
+        ax.plot([], [], "D", mfc="none", mec="black", ms=5, label=published_label)
+    ax.set_yticks(range(len(rows)), list(rows))
+    ax.invert_yaxis()
+
+
+def bars(
+    ax: Axes,
+    series: Mapping[str, ArrayLike],
+    groups: Sequence[str],
+    *,
+    errors: Mapping[str, ArrayLike] | None = None,
+    colors: Mapping[str, str] | None = None,
+) -> None:
+    """Grouped vertical bars: one colour a series of heights (G,), one place for each of G groups.
+
+    ``errors`` are half-lengths (G,) or (2, G) by series; ``colors`` by default those of `PALETTE`.
+
+    Examples
+    --------
+    >>> fig, ax = plt.subplots()
+    >>> bars(ax, {"kde": [9, 5], "crt": [4, 1]}, ["bust", "owl"])
+    >>> len(ax.patches)
+    4
+    >>> plt.close(fig)
+    """
+    place, width = np.arange(len(groups)), 0.8 / len(series)
+    for number, (name, heights) in enumerate(series.items()):
+        left = place + width * (number + 0.5) - 0.4
+        color = colors[name] if colors else list(PALETTE.values())[number]
+        error = errors.get(name) if errors else None
+        ax.bar(left, heights, 0.94 * width, yerr=error, color=color, label=name)
+    ax.set_xticks(place, groups)
+    ax.grid(axis="x", visible=False)
+
+
+def label_panels(axes: Iterable[Axes]) -> None:
+    """Put (a), (b), … before the titles of panels, in the order given."""
     for number, ax in enumerate(axes):
         title = ax.get_title()
         ax.set_title("")
         ax.set_title(f"({chr(ord('a') + number)}) {title}".rstrip(), loc="left")
+
+
+# --- saving ------------------------------------------------------------------------------------
 
 
 def save(
@@ -226,21 +324,17 @@ def save(
     """Save a figure with the numbers it shows, close it, and display it in a notebook.
 
     Writes ``name.svg`` or ``name.png`` and beside it ``name.json`` with caption, alternative text,
-    numbers and provenance into :func:`cmtof.book.provenance.output_folder`. The same run writes the
-    same bytes.
+    numbers and provenance into `cmtof.book.provenance.output_folder`. The same run writes the same
+    bytes.
 
     Parameters
     ----------
-    fig : Figure
-        The figure.
     name : str
         File stem: ``figNN_topic`` with the paper's number, or ``topic_name``.
     numbers : Mapping
         The numbers drawn, finite: scalars and short lists. Tests hold them against references.
-    caption : str
-        One or two sentences in MyST Markdown; the book numbers it.
-    alt : str
-        What the figure shows, for a reader who cannot see it.
+    caption, alt : str
+        One or two sentences in MyST Markdown, and what the figure shows to one who cannot see it.
     format : {"svg", "png"}
         ``png`` for figures made of large images.
 
@@ -258,25 +352,6 @@ def save(
     >>> sorted(os.listdir(os.environ.pop("CMTOF_OUTPUT")))
     ['fig00_empty.json', 'fig00_empty.svg']
     """
-    _check_save(name, caption, alt, format)
-    record = {
-        "figure": f"{name}.{format}",
-        "caption": caption,
-        "alt": alt,
-        "numbers": provenance.plain(numbers),
-        "provenance": provenance.as_dict(),
-    }
-    folder = provenance.output_folder()
-    target = folder / f"{name}.{format}"
-    mime, metadata = _FORMATS[format]
-    with written_whole(target) as part:
-        fig.savefig(part, format=format, metadata=metadata)
-    provenance.write_json(folder / f"{name}.json", record)
-    plt.close(fig)
-    _display(target, mime, name=name, caption=caption, alt=alt)
-
-
-def _check_save(name: str, caption: str, alt: str, format: str) -> None:
     if not _STEM.fullmatch(name):
         raise ValueError(
             f"Expected a stem like 'fig03_precision', got {name!r}. "
@@ -287,6 +362,20 @@ def _check_save(name: str, caption: str, alt: str, format: str) -> None:
     for role, text in (("caption", caption), ("alternative text", alt)):
         if not text.strip():
             raise ValueError(f"Expected a {role} for {name}, got an empty text. Write one.")
+    record = {
+        "figure": f"{name}.{format}",
+        "caption": caption,
+        "alt": alt,
+        "numbers": provenance.plain(numbers),
+        "provenance": provenance.as_dict(),
+    }
+    folder = provenance.output_folder()
+    mime, metadata = _FORMATS[format]
+    with written_whole(folder / f"{name}.{format}") as part:
+        fig.savefig(part, format=format, metadata=metadata)
+    provenance.write_json(folder / f"{name}.json", record)
+    plt.close(fig)
+    _display(folder / f"{name}.{format}", mime, name=name, caption=caption, alt=alt)
 
 
 def _display(target: Path, mime: str, *, name: str, caption: str, alt: str) -> None:
@@ -300,14 +389,5 @@ def _display(target: Path, mime: str, *, name: str, caption: str, alt: str) -> N
         return
     raw = target.read_bytes()
     data = raw.decode("utf-8") if mime == "image/svg+xml" else raw
-    publish_display_data(
-        {mime: data, "text/plain": alt},
-        {"cmtof": {"name": name, "caption": caption, "alt": alt}},
-    )
-
-
-def _figure_of(ax: Axes) -> Figure:
-    figure = ax.get_figure(root=True)
-    if figure is None:
-        raise ValueError("Expected axes that lie in a figure, got loose ones. Draw on a figure.")
-    return figure
+    about = {"name": name, "caption": caption, "alt": alt}
+    publish_display_data({mime: data, "text/plain": alt}, {"cmtof": about})
