@@ -24,7 +24,7 @@ CHATTER := $(CHATTER)|^(Finished jobid|Elapsed time|Complete log|\[.*20[0-9][0-9
 build = mkdir -p build && $(ONE_AT_A_TIME)$(SNAKEMAKE) --config profile=$(1) 2>&1 | \
 	{ grep --line-buffered -vE '$(CHATTER)' || true; }
 
-.PHONY: help setup book figures test test-slow size lab lint pairs reference bench lock clean
+.PHONY: help setup book figures test test-slow test-book size lab lint pairs reference bench lock clean
 
 help: ## List what can be made
 	@echo "make TARGET [PROFILE=ci|book|paper] [CORES=$(CORES)]"; echo
@@ -46,6 +46,9 @@ test: setup ## Build the book with the small ci profile, then run the tests
 
 test-slow: setup ## The long tests: kills at random moments, sweeps over seeds, every page
 	@$(BIN)/python -m pytest -m slow
+
+test-book: setup ## Read the built book in a browser without a network
+	@$(BIN)/python -m pytest tests/reader
 
 size: setup ## Lines of every part beside its budget
 	@$(BIN)/python tools/size.py

@@ -32,7 +32,18 @@ class PaperMathDomain(MathDomain):
         equations[labelid] = (docname, number)
 
 
+def without_thebe(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any):
+    """Leave out the scripts of live code, which this book has not: the theme adds them twice."""
+    scripts = context.get("script_files", [])
+    context["script_files"] = [
+        script
+        for script in scripts
+        if "thebe" not in f"{script.attributes} {script.filename}".lower()
+    ]
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Replace Sphinx's math domain."""
+    """Replace Sphinx's math domain, and look after the scripts of a page."""
     app.add_domain(PaperMathDomain, override=True)
+    app.connect("html-page-context", without_thebe, priority=900)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

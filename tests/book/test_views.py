@@ -1,10 +1,8 @@
 """Interactive scenes: one whole, small file each, drawn, and where the book looks for it."""
 
-import base64
 import io
 import re
 import shutil
-import time
 
 import numpy as np
 import pytest
@@ -162,22 +160,21 @@ def test_the_book_finds_the_scene_where_its_pages_look(scene, tmp_path):
 )
 def test_it_opens_in_a_browser_without_a_network(scene):
     folder, _ = scene
-    with browse.chromium() as tab:
-        visit = tab.visit(folder / "ball_scene.html", 900)
-        assert visit.problems == []
+    page = folder / "ball_scene.html"
+    with browse.chromium() as browser, browse.opened(browser, page, 900) as (tab, problems):
         drawn = 0.0
         for _ in range(100):  # the viewer draws once it has unpacked its data
-            shot = tab.send("Page.captureScreenshot")["data"]
-            drawn = _coloured(shot)
+            drawn = _coloured(tab.screenshot())
             if drawn > 0.05:
                 break
-            time.sleep(0.1)
+            tab.wait_for_timeout(100)
+        assert not problems
     assert drawn > 0.05
 
 
-def _coloured(shot: str) -> float:
+def _coloured(shot: bytes) -> float:
     """Share of a screenshot that is not white."""
     import matplotlib.pyplot as plt
 
-    image = plt.imread(io.BytesIO(base64.b64decode(shot)))[..., :3]
+    image = plt.imread(io.BytesIO(shot))[..., :3]
     return float((image < 0.9).any(axis=-1).mean())
