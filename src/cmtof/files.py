@@ -6,6 +6,34 @@ from contextlib import contextmanager
 from pathlib import Path
 
 
+def check_output(path: str | Path) -> Path:
+    """Check that a file can be written, before anything is computed for it; return its place.
+
+    Raises
+    ------
+    OSError
+        If the folder is missing or cannot be written to, or ``path`` is a folder or a device.
+    """
+    target = Path(path)
+    if target.is_symlink():
+        target = target.resolve()  # what it points to is replaced, not the link
+    if target.is_dir():
+        raise IsADirectoryError(f"Expected a file to write, got the folder {target}. Name a file.")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(
+            f"Expected an existing folder to write into, got {target.parent}. Create it first."
+        )
+    if target.exists() and not target.is_file():
+        raise FileExistsError(
+            f"Expected a regular file to write, got a device or pipe, {target}. Name a file."
+        )
+    if not os.access(target.parent, os.W_OK):
+        raise PermissionError(
+            f"Expected a folder that can be written to, got {target.parent}. Choose another."
+        )
+    return target
+
+
 @contextmanager
 def written_whole(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path beside ``path`` that is renamed onto it when the block succeeds.
@@ -18,7 +46,7 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     Raises
     ------
     OSError
-        If the folder is missing or cannot be written to, or ``path`` is a folder.
+        As of `check_output`, or if the disk is full.
 
     Examples
     --------
@@ -29,22 +57,9 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     >>> target.read_text()
     'whole'
     """
-    target = Path(path)
-    if target.is_dir():
-        raise IsADirectoryError(f"Expected a file to write, got the folder {target}. Name a file.")
-    if not target.parent.is_dir():
-        raise FileNotFoundError(
-            f"Expected an existing folder to write into, got {target.parent}. Create it first."
-        )
+    target = check_output(path)
     # writers choose their format by the suffix, so the temporary name keeps it
     part = target.with_name(f".{target.stem}.part-{os.getpid()}{target.suffix}")
-    try:
-        part.touch()
-    except OSError as error:
-        raise PermissionError(
-            f"Expected a folder that can be written to, got {target.parent} ({error.strerror}). "
-            "Choose another."
-        ) from error
     try:
         yield part
         part.replace(target)
