@@ -44,7 +44,7 @@ from cmtof.hardware.scan import planned, sampling_of, scan
 from cmtof.hardware.twin.modbus_server import TDAC_STEP
 from cmtof.hardware.twin.run import Twin
 from cmtof.instrument.electronics import volts_from_counts
-from cmtof.instrument.panel import Panel, RfKnobs
+from cmtof.instrument.light import Panel, RfKnobs
 from cmtof.instrument.world import World
 from cmtof.measurement import Measurement
 

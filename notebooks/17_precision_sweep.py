@@ -24,7 +24,7 @@ from myst_nb import glue
 from cmtof.book import paper, plotting
 from cmtof.book.paper import quantity_text
 from cmtof.correlation import TAU, wrap_length
-from cmtof.instrument.budget import sent_power
+from cmtof.instrument.optics import sent_power
 from cmtof.instrument.optics import group_index
 from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging.interferometer import Interferometer

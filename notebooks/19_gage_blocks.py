@@ -34,7 +34,7 @@ from cmtof.book import paper, plotting
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scene_scan import scan_scene
-from cmtof.hardware.twin.modbus_server import TDAC_STEP
+from cmtof.instrument.devices import TDAC_STEP
 from cmtof.instrument.optics import (
     directions_from_angles,
     returned_fraction,

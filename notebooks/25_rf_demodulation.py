@@ -27,7 +27,7 @@ from scipy.optimize import brentq
 from cmtof.book import paper, plotting
 from cmtof.bounds import phase_spread
 from cmtof.correlation import centred, depth_from_phase, wrap_length
-from cmtof.instrument.budget import sent_power
+from cmtof.instrument.optics import sent_power
 from cmtof.instrument.electronics import Conversion
 from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger

@@ -10,7 +10,7 @@ from cmtof.hardware.codecs.apt import Status
 from cmtof.hardware.codecs.labjack import NOMINAL
 from cmtof.hardware.errors import BadReply, Unsafe
 from cmtof.hardware.rig_settings import DeviceSettings, RigSettings
-from cmtof.instrument.air import group_index
+from cmtof.instrument.optics import group_index
 
 OFFSETS = {"single": 0.7, "doubled": -1.9}
 """Phases that cables and crystals add, rad."""

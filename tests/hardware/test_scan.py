@@ -15,7 +15,7 @@ from cmtof.hardware.journal import journal_path, read_journal
 from cmtof.hardware.plan import point_list
 from cmtof.hardware.rig_settings import ScanSettings
 from cmtof.hardware.scan import planned, scan
-from cmtof.instrument.air import group_index
+from cmtof.instrument.optics import group_index
 
 
 def make(tmp_path, rig=None, *, size=4, **options):

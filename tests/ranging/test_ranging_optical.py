@@ -5,11 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cmtof.correlation import TAU, centred, wrap_length
-from cmtof.hardware.bench import Bench
-from cmtof.hardware.reduction import Sampling
-from cmtof.hardware.rig import Rig
-from cmtof.hardware.twin.run import Twin
+from cmtof.correlation import TAU, wrap_length
 from cmtof.instrument.electronics import chain, volts_from_counts
 from cmtof.instrument.optics import group_index, with_stray
 from cmtof.instrument.settings import Detector, TwinSettings
@@ -20,43 +16,6 @@ from cmtof.ranging.target import StageTarget
 NOISY = replace(TwinSettings.ideal(), noise=True)
 TARGETS = {"diffuse": StageTarget(), "mirror": StageTarget.mirror()}
 STEPS = np.linspace(0, 1e-3, 5)
-
-
-# --- against the wire --------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("mode", "what"), [("single", "diffuse"), ("doubled", "mirror")])
-def test_counts_are_those_of_a_scan_over_the_wire(mode, what):
-    """Servers, drivers, stage, table, trigger and stream; every raw count is the same."""
-    target, ranger = TARGETS[what], OpticalRanger(mode=mode)
-    dimmed = ranger.before(target).detector.efficiency
-    surface = {"material": target.material, "reflectance": target.reflectance}
-    base = Rig.default()
-    known = {"reference": surface, "detector": {"efficiency": dimmed}}
-    rig = replace(base, settings=replace(base.settings, twin=known))
-    labels, positions, wire = [7, 57, 58], [], []
-    with Twin(rig, seed=5, private=True) as twin, twin.rig.open() as instruments:
-        bench = Bench(instruments, twin.rig.settings, Sampling(16, 20, 4, 4))
-        bench.set_up()
-        bench.choose_mode(mode)
-        bench.look_at("reference")
-        for label, offset in zip(labels, (0.0, 5e-5, 1e-3), strict=True):
-            bench.move_target(offset, first=label == labels[0])
-            bench.begin_line()
-            wire.append(bench.burst(label))
-            positions.append(twin.panel.stage_position)
-        zero = twin.world.settings.reference.stage_zero
-        world = ranger.world(target, seed=5)
-        assert world.settings == replace(twin.world.settings, scene=None, faults=())
-        places = np.array(positions) - zero
-        counts = ranger.counts(world, twin.panel, places, labels)
-        np.testing.assert_array_equal(counts, wire)
-        np.testing.assert_allclose(places, [0.0, 5e-5, 1e-3], atol=1e-7)
-        # without motors the plates stand where they should, to a count of the mount
-        own = ranger.counts(world, ranger.panel(), places, labels)
-        bench.shut()
-    assert np.abs(own.astype(int) - wire).max() <= 1
-    assert np.abs(centred(ranger.phase(own) - ranger.phase(wire))).max() < 1e-5
 
 
 # --- noise against its bound -------------------------------------------------------------------

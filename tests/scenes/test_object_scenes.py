@@ -7,8 +7,8 @@ pytest.importorskip("embreex")
 pytest.importorskip("trimesh")
 
 from cmtof.instrument.optics import directions_from_angles, returned_fraction
-from cmtof.instrument.scene import scene_from
 from cmtof.instrument.settings import Optics
+from cmtof.instrument.targets import scene_from
 from cmtof.scenes.objects import (
     OBJECTS,
     field_of_view,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cmtof.instrument.scene import MeshTarget, assembled
+from cmtof.instrument.targets import MeshTarget, assembled
 from cmtof.scenes.objects.picture import LAMP, picture
 
 

@@ -27,7 +27,7 @@ from cmtof.hardware.plan import REFERENCE_BURSTS, Line, Plan, point_list, raster
 from cmtof.hardware.reduction import Sampling
 from cmtof.hardware.rig_settings import RigSettings
 from cmtof.hardware.scan_header import header_of, settings_as_dict
-from cmtof.instrument.air import group_index
+from cmtof.instrument.optics import group_index
 from cmtof.measurement import Measurement, open_measurement
 
 Report = Callable[[Line], None]

@@ -9,7 +9,7 @@ from cmtof.hardware.bench import Bench
 from cmtof.hardware.codecs.labjack import gain_index
 from cmtof.hardware.plan import Plan
 from cmtof.hardware.rig_settings import RigSettings
-from cmtof.instrument.air import group_index
+from cmtof.instrument.optics import group_index
 
 
 def header_of(

@@ -22,9 +22,9 @@ from cmtof.hardware.rig import Rig
 from cmtof.hardware.rig_settings import RigSettings
 from cmtof.hardware.scan import DARK, planned, sampling_of
 from cmtof.hardware.scan_header import settings_as_dict
-from cmtof.hardware.twin.modbus_server import TDAC_STEP
-from cmtof.instrument.air import group_index
-from cmtof.instrument.panel import Panel, RfKnobs
+from cmtof.instrument.devices import TDAC_STEP
+from cmtof.instrument.light import Panel, RfKnobs
+from cmtof.instrument.optics import group_index
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.world import LABEL_TIME, World
 from cmtof.measurement import Measurement
@@ -53,7 +53,7 @@ def scan_scene(
     settings : TwinSettings
         The instrument; its ``reference`` is what calibrates psi in both modes.
     target : Target, Frame, str or mapping
-        As `cmtof.instrument.scene.scene_from` takes it.
+        As `cmtof.instrument.targets.scene_from` takes it.
     size : int or (int, int)
         Height and width, px; one number for both. Points lie uniformly in the tangent.
     field_of_view : float or (float, float)
@@ -101,7 +101,7 @@ def scan_scene(
 def panel_of(rig: RigSettings, mode: str, phases: int, **knobs: Any) -> Panel:
     """Knobs as a scan leaves them in a mode; ``knobs`` are fields of `Panel`."""
     drive = {"on": True, "frequency": rig.drive.frequency(mode), "power": rig.drive.power_dbm}
-    stepping = {"table": drive_phases(phases, mode), "armed": True, "trigger": True}
+    stepping = {"table": drive_phases(phases, mode)}
     return Panel(
         emission=RfKnobs(**drive),
         detection=RfKnobs(**drive, **stepping),
@@ -128,7 +128,7 @@ def _header(
     rig: RigSettings, settings: TwinSettings, plan: Plan, sampling: Sampling, seed: int
 ) -> dict[str, Any]:
     """What the reduction needs to know, as a scan over the wires writes it."""
-    air, drive = settings.air, rig.drive
+    drive = rig.drive
     return {
         "version": __version__,
         "source": "simulated instrument",
@@ -137,9 +137,7 @@ def _header(
         "plan": plan.as_dict(),
         "sampling": asdict(sampling),
         "gain": asdict(NOMINAL.high_speed[gain_index(rig.detection.range)]),
-        "group_index": group_index(
-            wavelength=settings.laser.wavelength, temperature=air.temperature, pressure=air.pressure
-        ),
+        "group_index": group_index(settings.air, settings.laser.wavelength),
         "frequencies": {
             mode: drive.frequency(mode) * (2 if mode == "doubled" else 1) for mode in plan.modes
         },
@@ -155,7 +153,6 @@ def _records(world: World, rig: RigSettings, plan: Plan, sampling: Sampling) -> 
         counts = _counts(world, rig, plan, sampling, line, panel)
         reduced = [sampling.sums(burst) for burst in counts]
         # the power meter is read at the end of the last burst, at the last phase of the table
-        panel.detection.armed, panel.detection.index = False, sampling.phases - 1
         panel.time = LABEL_TIME * line.labels[-1] + sampling.scans / rig.detection.rate
         yield Record(
             line.index,

@@ -7,11 +7,12 @@ import numpy as np
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.electronics import PLANCK, SLOPE, Conversion, chain
+from cmtof.instrument.optics import emission_mean, sent_power
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Hits
+from cmtof.instrument.world import PHASES, SAMPLE_RATE, SAMPLES
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
-SAMPLE_RATE, SAMPLES, PHASES = 24000.0, 20, 16
 _LAWS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 
 
@@ -22,20 +23,6 @@ class BudgetLine(NamedTuple):
     value: float
     unit: str
     source: str
-
-
-def emission_mean(settings: TwinSettings, mode: str) -> float:
-    """Mean transmission of an ideal emission module at the stated eta, mirror included."""
-    law = _LAWS[mode]
-    return float(law(settings.drive.eta, 2)[0].real) * settings.emission.mirror_reflectance
-
-
-def sent_power(settings: TwinSettings, mode: str = "single") -> float:
-    """Mean power sent to the scene, W, the fibre at the middle of its drift (Sec. 7.1: 3 mW)."""
-    laser = settings.laser
-    fibre = (laser.fibre_low + laser.fibre_high) / 2
-    module = emission_mean(settings, mode)
-    return laser.power * fibre * module * free_space.outward(settings.optics)
 
 
 def photon_budget(

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 _MASK = (1 << 64) - 1
 
-PURPOSES = {"label": 1, "count": 2, "analog": 3, "power": 4, "drift": 5, "codes": 6, "speckle": 7}
+PURPOSES = {"label": 1, "drift": 5, "codes": 6, "speckle": 7}
 """Streams of random numbers that never meet, by what they are for."""
 
 
@@ -21,23 +21,15 @@ def keyed_generator(seed: int, purpose: str, key: int = 0) -> Generator:
     return Generator(Philox(key=words, counter=np.array([0, key & _MASK, 0, 0], np.uint64)))
 
 
-def uniform_from_places(seed: int, purpose: str, places: ArrayLike, count: int) -> Array:
-    """Uniform numbers (N, count) in (0, 1) that depend on seed, purpose and place only.
+def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
+    """Uniform numbers (N, count) in (0, 1) that depend on the seed and on places (N, 2) only.
 
-    Places and columns are mixed by the finaliser of SplitMix64 (Steele et al., OOPSLA 2014).
-
-    Parameters
-    ----------
-    seed : int
-    purpose : str
-        One of `PURPOSES`.
-    places : array_like of int, shape (N, 2)
-        Each from -2^31 to 2^31 - 1.
-    count : int
+    Places (integers from -2^31 to 2^31 - 1) and columns are mixed by the finaliser of SplitMix64
+    (Steele et al., OOPSLA 2014).
     """
     pair = np.asarray(places).astype(np.int64).view(np.uint64)
-    start = _mixed(np.array([seed & _MASK, PURPOSES[purpose]], np.uint64))
-    # arrays of unsigned integers wrap round without a word
+    start = _mixed(np.array([seed & _MASK, PURPOSES["speckle"]], np.uint64))
+    # arrays of unsigned integers wrap round without a warning
     word = (pair[:, :1] << np.uint64(32)) ^ (pair[:, 1:] & np.uint64(0xFFFFFFFF))
     column = np.arange(1, count + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
     mixed = _mixed(_mixed(word ^ start[:1]) + start[1:] + column)
@@ -45,6 +37,7 @@ def uniform_from_places(seed: int, purpose: str, places: ArrayLike, count: int) 
 
 
 def _mixed(word: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Bits of 64-bit words, mixed."""
     word = (word ^ (word >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     word = (word ^ (word >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return word ^ (word >> np.uint64(31))
@@ -53,13 +46,8 @@ def _mixed(word: NDArray[np.uint64]) -> NDArray[np.uint64]:
 class Drift:
     """Sum of sinusoids of equal strength at octaves from 1 mHz to 0.5 Hz: a 1/f spectrum.
 
-    Equal power in each octave is a density that falls as 1/f. It is a function of time alone,
-    bounded by 1 (by ``sqrt(2 count)`` standard deviations), with the rms `Drift.RMS`.
-
-    Parameters
-    ----------
-    seed, channel : int
-        What the phases depend on.
+    It is a function of time alone, bounded by 1, with the rms `Drift.RMS`. ``seed`` and
+    ``channel`` choose the phases.
     """
 
     COUNT = 10

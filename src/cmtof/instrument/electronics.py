@@ -29,33 +29,17 @@ POLES = 3
 
 @dataclass(frozen=True)
 class Conversion:
-    """What the detector makes of light.
-
-    Parameters
-    ----------
-    detector : Detector
-    wavelength : float
-        m.
-    """
+    """What the detector makes of light of a wavelength, m."""
 
     detector: Detector
     wavelength: float
 
     @property
-    def responsivity(self) -> float:
-        """Photo-current without gain, A/W."""
-        photon = PLANCK * SPEED_OF_LIGHT / self.wavelength
-        return self.detector.efficiency * ELEMENTARY_CHARGE / photon
-
-    @property
     def volts_per_watt(self) -> float:
-        """Output of the detector, V/W."""
-        return self.responsivity * self.detector.gain * self.detector.transimpedance
-
-    @property
-    def excess_noise(self) -> float:
-        """Excess noise factor F = M^x."""
-        return self.detector.gain**self.detector.excess_index
+        """Output of the detector, V/W: responsivity, avalanche gain and transimpedance."""
+        photon = PLANCK * SPEED_OF_LIGHT / self.wavelength
+        responsivity = self.detector.efficiency * ELEMENTARY_CHARGE / photon
+        return responsivity * self.detector.gain * self.detector.transimpedance
 
     def volts(self, power: ArrayLike) -> Array:
         """Output, V, for light, W, up to saturation."""
@@ -64,11 +48,12 @@ class Conversion:
     def density(self, volts: ArrayLike) -> Array:
         """One-sided noise density, V^2/Hz, at an output, V: shot noise and amplifier.
 
-        ``2 e I F (M R_T)^2`` for the primary current I (McIntyre 1966), and the data sheet's own.
+        ``2 e I F (M R_T)^2`` for the primary current I (McIntyre 1966), F = M^x, and the data
+        sheet's own.
         """
-        gain = self.detector.gain * self.detector.transimpedance
-        shot = 2 * ELEMENTARY_CHARGE * self.excess_noise * gain * np.asarray(volts, float)
-        return shot + self.detector.noise_density**2
+        gain, excess = self.detector.gain, self.detector.gain**self.detector.excess_index
+        shot = 2 * ELEMENTARY_CHARGE * excess * (gain * self.detector.transimpedance)
+        return shot * np.asarray(volts, float) + self.detector.noise_density**2
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,21 +81,16 @@ class Chain:
     def run(self, light: Array, density: Array, normals: Array | None) -> Array:
         """Output (N, T), V, at the start of each interval.
 
-        Parameters
-        ----------
-        light, density : ndarray, shape (N, T)
-            Held for an interval each, V and V^2/Hz.
-        normals : ndarray, shape (N, 3 (T + 1)), or None
-            Standard normals, those of the initial state first; None is silence. The first interval
-            finds the filters settled to its own light.
+        ``light``, V, and ``density``, V^2/Hz, (N, T), are held for an interval each. ``normals``
+        (N, T + 1, 3) are standard normals, those of the initial state first; None is silence. The
+        first interval finds the filters settled to its own light.
         """
         state = np.repeat(light[:, :1], POLES, axis=1)
         push = light[..., None] * self.entry
         if normals is not None:
-            drawn = normals.reshape(len(light), -1, POLES)
             spread = np.sqrt(density)
-            state = state + spread[:, :1] * _times(drawn[:, 0], self.settled)
-            push = push + spread[..., None] * _times(drawn[:, 1:], self.root)
+            state = state + spread[:, :1] * _times(normals[:, 0], self.settled)
+            push = push + spread[..., None] * _times(normals[:, 1:], self.root)
         outputs: list[Array] = []
         for i in range(POLES):
             into = push[..., i]
@@ -152,28 +132,19 @@ def _root(covariance: Array) -> Array:
 
 
 def counts_from_volts(
-    volts: ArrayLike, detector: Detector, *, volts_range: float, normals: ArrayLike = 0.0
+    volts: ArrayLike, detector: Detector, *, volts_range: float = 10.0, normals: ArrayLike = 0.0
 ) -> NDArray[np.uint16]:
     """Raw stream counts of the T7, rounded and clipped to what it has.
 
-    Parameters
-    ----------
-    volts : array_like
-        At the input, V.
-    detector : Detector
-        Its ``bits`` and ``converter_noise``.
-    volts_range : float
-        10, 1, 0.1 or 0.01 V; 0 is 10 V, as on the device.
-    normals : array_like
-        Standard normals of the converter's noise.
+    ``normals`` are standard normals of the converter's noise.
 
     Examples
     --------
-    >>> counts_from_volts([0.0, 10.0, 99.0], Detector(), volts_range=10.0).tolist()
+    >>> counts_from_volts([0.0, 10.0, 99.0], Detector()).tolist()
     [33523, 65188, 65535]
     """
-    scale = slope(volts_range)
-    raw = np.asarray(volts) / scale + CENTRE + detector.converter_noise * np.asarray(normals)
+    raw = np.asarray(volts) / slope(volts_range) + CENTRE
+    raw = raw + detector.converter_noise * np.asarray(normals)
     level = 2 ** (16 - detector.bits)
     rounded = np.rint(raw / level) * level
     return np.maximum(np.minimum(rounded, 65536 - level), 0).astype(np.uint16)
@@ -181,16 +152,11 @@ def counts_from_volts(
 
 def slope(volts_range: float) -> float:
     """Volts per count of an input range, V."""
-    full = 10.0 if volts_range == 0 else volts_range
-    near = min(RANGES, key=lambda known: abs(np.log(known / full)) if full > 0 else np.inf)
-    if not 0.99 < full / near < 1.01:
-        raise ValueError(
-            f"Expected a range out of {', '.join(f'{r:g}' for r in RANGES)} V, got {volts_range}. "
-            "Choose one that the T7 has."
-        )
-    return SLOPE * near / 10
+    if volts_range not in RANGES:
+        raise ValueError(f"Expected a range out of {RANGES} V, got {volts_range}. Choose one.")
+    return SLOPE * volts_range / 10
 
 
-def volts_from_counts(counts: ArrayLike, *, volts_range: float) -> Array:
+def volts_from_counts(counts: ArrayLike, *, volts_range: float = 10.0) -> Array:
     """Volts of raw stream counts by the nominal calibration."""
     return (np.asarray(counts, float) - CENTRE) * slope(volts_range)

@@ -1,4 +1,4 @@
-"""Free space: air, the spot, how much light comes back, speckle, the beam splitters' losses."""
+"""Free space: air, the spot, how much light comes back, speckle, losses, the light that is sent."""
 
 from typing import NamedTuple
 
@@ -6,15 +6,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammaincinv
 
+from cmtof.constants import LASER_WAVELENGTH
 from cmtof.instrument.drift import uniform_from_places
 from cmtof.instrument.settings import Air, Optics, TwinSettings
 from cmtof.instrument.targets import Hits, Target
+from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
 Array = NDArray[np.float64]
 
 PLACE = 1e-6
 """Directions, rad, that share their speckle: finer than a step of the galvo's 14 bits."""
-
 SPECULAR_LOBE = 3e-3
 """1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)."""
 SPECULAR_DIFFUSE = 0.02
@@ -38,16 +39,16 @@ class Paths(NamedTuple):
     """(N, M), share of the emitted light that enters the aperture and the splitter's axis."""
 
 
-def group_index(air: Air, wavelength: float) -> float:
-    """Group index of dry air.
+def group_index(air: Air = Air(), wavelength: float = LASER_WAVELENGTH) -> float:  # noqa: B008
+    """Group index of dry air, ``n_g = n - lambda dn/dlambda``.
 
     Dispersion of standard air (15 C, 101325 Pa, 450 ppm CO2) by P. E. Ciddor, Appl. Opt. 35, 1566
-    (1996), eq. 1, ``n_g = n - lambda dn/dlambda``, scaled with the density of an ideal gas; water
-    vapour, below 5e-7 in a room, is left out.
+    (1996), eq. 1, scaled with the density of an ideal gas; water vapour, below 5e-7 in a room, is
+    left out.
 
     Examples
     --------
-    >>> f"{group_index(Air(temperature=288.15), 532e-9) - 1:.4e}"
+    >>> f"{group_index(Air(temperature=288.15)) - 1:.4e}"
     '2.8975e-04'
     """
     square = (1e-6 / wavelength) ** 2  # wave number squared, 1/um^2
@@ -60,11 +61,11 @@ def group_index(air: Air, wavelength: float) -> float:
 
 def directions_from_angles(angles: ArrayLike) -> Array:
     """Unit vectors (..., 3) of optical angles (..., 2), rad: along (tan x, tan y, 1)."""
-    tangent = np.tan(np.asarray(angles, float))
-    return _unit(tangent)
+    return _unit(np.tan(np.asarray(angles, float)))
 
 
 def _unit(tangent: Array) -> Array:
+    """Unit vectors (..., 3) along (tangent, 1)."""
     ray = np.concatenate([tangent, np.ones((*tangent.shape[:-1], 1))], axis=-1)
     return ray / np.sqrt((ray * ray).sum(-1, keepdims=True))
 
@@ -109,19 +110,18 @@ def _returned(optics: Optics, material: str, hits: Hits) -> tuple[Array, Array]:
             lobe = RETRO_LOBE if material == "retro" else SPECULAR_LOBE
             lobe = np.hypot(lobe, 2 * optics.divergence)
             caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
+            turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
+            polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * share
+            weight = hits.mirrored if material == "mixed" else 1.0
+            rough, polished = (1 - weight) * share, weight * polished
             if material == "retro":
-                rough = caught
-            else:
-                turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
-                polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * share
-                weight = hits.mirrored if material == "mixed" else 1.0
-                rough, polished = (1 - weight) * share, weight * polished
+                rough, polished = caught, np.zeros_like(share)
     rough, polished = (np.where(z > 0, hits.reflectance * part, 0.0) for part in (rough, polished))
     return rough, polished
 
 
 def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> Paths:
-    """Follow the spot: paths (N, 7) of its sub-rays for optical angles (N, 2), rad.
+    """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad.
 
     Speckle multiplies what a rough surface returns into each sub-ray by an independent gamma law of
     its share of the cells, so the whole spot follows that of all cells; it depends on the direction
@@ -132,25 +132,21 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
     angle = float(spot_radius(optics, 1.0))
     weights = _WEIGHTS if angle else np.ones(1)
-    spread = _unit(tangent + angle * _SPOT if angle else tangent)
-    hits = target.look(spread)
+    hits = target.look(_unit(tangent + angle * _SPOT if angle else tangent))
     distance = np.where(hits.range > 0, hits.range, 0.0)
     rough, polished = (weights * part for part in _returned(optics, target.material, hits))
     if optics.speckle and target.material != "specular":
         far = np.maximum(distance, 1e-3)
         cells = speckle_cells(optics, settings.laser.wavelength, far) * weights
-        place = np.rint(angles / PLACE)
-        chance = uniform_from_places(seed, "speckle", place, weights.size)
+        chance = uniform_from_places(seed, np.rint(angles / PLACE), weights.size)
         rough = rough * gammaincinv(cells, chance) / cells
     return Paths(distance, rough + polished)
 
 
-def with_stray(paths: Paths, optics: Optics, *, arm_open: bool) -> Paths:
-    """Add the coaxial back-reflection, and the interferometer's arm while its block is out."""
-    stray = [(optics.back_range, optics.back_fraction)]
-    if arm_open:
-        stray.append((optics.back_range, optics.arm_fraction))
-    more = np.repeat(np.array(stray).T[:, None], len(paths.range), axis=1)
+def with_stray(paths: Paths, optics: Optics, *, arm_open: bool = False) -> Paths:
+    """Paths and the coaxial back-reflection, and the interferometer's arm without its block."""
+    fraction = optics.back_fraction + optics.arm_fraction * arm_open
+    more = (np.full((len(paths.range), 1), value) for value in (optics.back_range, fraction))
     return Paths(*(np.concatenate(pair, axis=1) for pair in zip(paths, more, strict=True)))
 
 
@@ -181,3 +177,22 @@ def ambient(optics: Optics) -> float:
     solid = np.pi * optics.field_of_view**2 / 4
     area = np.pi * optics.aperture**2 / 4
     return float(0.5 * optics.ambient_radiance * area * solid * inward(optics))
+
+
+def emission_mean(settings: TwinSettings, mode: str) -> float:
+    """Mean transmission of an ideal emission module at the stated eta, mirror included."""
+    law = doubled_mode_harmonics if mode == "doubled" else single_mode_harmonics
+    return float(law(settings.drive.eta, 2)[0].real) * settings.emission.mirror_reflectance
+
+
+def sent_power(settings: TwinSettings, mode: str = "single") -> float:
+    """Mean power sent to the scene, W, the fibre at the middle of its drift (Sec. 7.1: 3 mW).
+
+    Examples
+    --------
+    >>> round(1e3 * sent_power(TwinSettings()), 2)
+    3.2
+    """
+    fibre = (settings.laser.fibre_low + settings.laser.fibre_high) / 2
+    through = fibre * emission_mean(settings, mode) * outward(settings.optics)
+    return settings.laser.power * through

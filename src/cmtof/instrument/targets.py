@@ -1,16 +1,28 @@
-"""What a beam can meet; here a plane and a corner cube, of one material each.
+"""What a beam can meet: plane, corner cube, frame, mesh.
 
 Coordinates of the camera: x right, y down, z forward; the galvo stands at the origin and its beam
-leaves along +z at zero volts. A target tells where a ray ends, not how much light comes back.
+leaves along +z at zero volts. A target says where a ray ends, not how much light comes back.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from cmtof.scenes import Frame, load_frame
+from cmtof.scenes.frame import ray_lengths, rays_from_camera
 
 Array = NDArray[np.float64]
+
+LARGEST_STEP = 0.02
+"""Neighbouring pixels whose depths differ by less than this share belong to one surface."""
+
+SURFACE = 3e-3
+"""How near to a point its own surface may be met, m."""
 
 
 class Hits(NamedTuple):
@@ -23,8 +35,7 @@ class Hits(NamedTuple):
     reflectance: Array
     """0 to 1."""
     mirrored: Array | float = 1.0
-    """Only where the target is "mixed": weight of the law of a specular surface against that of a
-    diffuse one, 0 to 1."""
+    """Of a "mixed" target: weight of the law of a specular surface, 0 to 1."""
 
 
 class Target(Protocol):
@@ -32,7 +43,7 @@ class Target(Protocol):
 
     @property
     def material(self) -> str:
-        """Return "diffuse", "specular", "retro", or "mixed" where each hit tells its own."""
+        """Return "diffuse", "specular", "retro", or "mixed" where each hit carries a weight."""
         ...
 
     def look(self, directions: Array) -> Hits:
@@ -42,18 +53,9 @@ class Target(Protocol):
 
 @dataclass(frozen=True)
 class Plane:
-    """Flat surface through a point of the z axis; a mirror if it is specular.
+    """Flat surface that cuts the z axis at ``distance``, m; a mirror if it is specular.
 
-    Parameters
-    ----------
-    distance : float
-        Where it cuts the z axis, m.
-    tilt_x, tilt_y : float
-        Slopes dz/dx and dz/dy as angles, rad.
-    reflectance : float
-        0 to 1.
-    material : str
-        One of `cmtof.instrument.settings.MATERIALS`.
+    ``tilt_x`` and ``tilt_y`` are the slopes dz/dx and dz/dy as angles, rad.
     """
 
     distance: float
@@ -74,18 +76,9 @@ class Plane:
 
 @dataclass(frozen=True)
 class Corner:
-    """Corner cube with its apex on the z axis.
+    """Corner cube with its apex on the z axis at ``distance``, m; ``radius`` of its opening, m.
 
     Whatever ray enters, the way to and fro is that to the plane through the apex across the ray.
-
-    Parameters
-    ----------
-    distance : float
-        Range of the apex, m.
-    radius : float
-        Radius of its opening, m.
-    reflectance : float
-        0 to 1.
     """
 
     distance: float
@@ -98,8 +91,225 @@ class Corner:
         reach = self.distance * directions[..., 2]
         off = np.sqrt(np.maximum(self.distance**2 - reach**2, 0))
         inside = (reach > 0) & (off <= self.radius)
-        return Hits(
-            np.where(inside, reach, np.nan),
-            directions[..., 2],
-            np.full(reach.shape, self.reflectance),
+        bright = np.full(reach.shape, self.reflectance)
+        return Hits(np.where(inside, reach, np.nan), directions[..., 2], bright)
+
+
+class FrameTarget:
+    """A frame's depth and intensity, looked up by direction through its camera.
+
+    Between pixels of one surface the inverse depth along the axis is interpolated, which is exact
+    on planes; across a step the nearest pixel counts. The intensity, clipped to 1, is taken as
+    reflectance. Outside the frame nothing returns.
+    """
+
+    def __init__(self, frame: Frame, material: str = "diffuse") -> None:
+        if frame.camera is None:
+            raise ValueError(
+                f"Expected a frame with a camera, got none in {frame.name or 'the frame'}. "
+                "Store fx, fy, cx, cy."
+            )
+        self.material = material
+        self._camera = np.asarray(frame.camera, float)
+        self._reflectance = np.clip(np.asarray(frame.intensity, float), 0, 1)
+        planar = np.asarray(frame.depth, float) / ray_lengths(frame.depth.shape, self._camera)
+        self._inverse = 1 / planar
+        self._cosine = _cosines(planar, rays_from_camera(planar.shape, self._camera))
+
+    def look(self, directions: Array) -> Hits:
+        """Trace unit rays (..., 3) from the origin."""
+        fx, fy, cx, cy, *skew = self._camera
+        height, width = self._inverse.shape
+        forward = directions[..., 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x, y = directions[..., 0] / forward, directions[..., 1] / forward
+            u, v = fx * x + sum(skew) * y + cx, fy * y + cy
+            seen = (forward > 0) & (u >= 0) & (u < width) & (v >= 0) & (v < height)
+            u, v = np.where(seen, u, 0.0), np.where(seen, v, 0.0)
+            row, column = v.astype(int), u.astype(int)
+            reach = 1 / (self._between(u, v, row, column) * forward)
+        reach = np.where(seen, reach, np.nan)
+        return Hits(reach, self._cosine[row, column], self._reflectance[row, column])
+
+    def _between(self, u: Array, v: Array, row: NDArray, column: NDArray) -> Array:
+        """Inverse depth at pixel positions: bilinear within a surface, else the nearest."""
+        height, width = self._inverse.shape
+        nearest = self._inverse[row, column]
+        if height < 2 or width < 2:
+            return nearest
+        i = np.minimum(np.maximum(v - 0.5, 0).astype(int), height - 2)
+        j = np.minimum(np.maximum(u - 0.5, 0).astype(int), width - 2)
+        s, t = v - 0.5 - i, u - 0.5 - j
+        a, b, c, d = (self._inverse[i + m, j + n] for m in (0, 1) for n in (0, 1))
+        low = np.minimum(np.minimum(a, b), np.minimum(c, d))
+        high = np.maximum(np.maximum(a, b), np.maximum(c, d))
+        above, below = a + t * (b - a), c + t * (d - c)
+        return np.where(high - low < LARGEST_STEP * low, above + s * (below - above), nearest)
+
+
+def _cosines(planar: Array, rays: Array) -> Array:
+    """Cosine of incidence (H, W) from the smaller of the steps to either neighbour."""
+    points = rays * planar[..., None]
+    normal = np.cross(_smaller_step(points, 1), _smaller_step(points, 0))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        size = np.linalg.norm(normal, axis=-1) * np.linalg.norm(rays, axis=-1)
+        cosine = np.abs((normal * rays).sum(-1)) / size
+    return np.clip(np.nan_to_num(cosine, nan=1.0), 0, 1)
+
+
+def _smaller_step(points: Array, axis: int) -> Array:
+    """The smaller of the steps (H, W, 3) to both neighbours along an axis, by depth."""
+    if points.shape[axis] < 2:
+        return np.zeros_like(points)
+    step = np.diff(points, axis=axis)
+    blank = np.full_like(np.take(points, [0], axis=axis), np.nan)
+    before, after = np.concatenate([blank, step], axis), np.concatenate([step, blank], axis)
+    size = [np.nan_to_num(np.abs(s[..., 2]), nan=np.inf) for s in (before, after)]
+    return np.where((size[0] < size[1])[..., None], before, after)
+
+
+@dataclass(frozen=True, eq=False)
+class MeshTarget:
+    """Triangles, traced by Embree.
+
+    Parameters
+    ----------
+    vertices, faces : ndarray, shape (V, 3), (F, 3)
+        m, in the camera's coordinates; numbers of vertices.
+    reflectance : float or ndarray, shape (V,)
+        0 to 1; that of the vertices is interpolated across each triangle.
+    material : str
+        As `Target.material`.
+    mirrored : float or ndarray, shape (V,), or None
+        Of "mixed" alone, interpolated alike.
+    """
+
+    vertices: NDArray
+    faces: NDArray
+    reflectance: float | Array = 0.5
+    material: str = "diffuse"
+    mirrored: float | Array | None = None
+
+    @classmethod
+    def from_mesh(cls, mesh: Any) -> "MeshTarget":
+        """Target of a trimesh with the vertex attributes ``reflectance`` and ``mirrored``."""
+        held = mesh.vertex_attributes
+        bright, mirrored = np.asarray(held["reflectance"]), np.asarray(held["mirrored"])
+        return cls(np.asarray(mesh.vertices), np.asarray(mesh.faces), bright, "mixed", mirrored)
+
+    @cached_property
+    def _tracer(self) -> Any:
+        """Embree's tree, made when it is first needed."""
+        from cmtof.scenes.rooms.tracing import Tracer
+
+        return Tracer(np.asarray(self.vertices, np.float32), np.asarray(self.faces, np.int32))
+
+    def look(self, directions: Array) -> Hits:
+        """Trace unit rays (..., 3) from the origin."""
+        shape, exact = directions.shape[:-1], directions.reshape(-1, 3)
+        rays = np.ascontiguousarray(exact, np.float32)
+        hits = self._tracer.nearest(np.zeros_like(rays), rays)
+        met = hits.triangle >= 0
+        corners = np.asarray(self.faces)[np.where(met, hits.triangle, 0)]
+        a, b, c = np.asarray(self.vertices, float)[corners].swapaxes(0, 1)
+        normal = np.cross(b - a, c - a)
+        # the range again in double precision, on the plane of the triangle that was met
+        with np.errstate(divide="ignore", invalid="ignore"):
+            along = (exact * normal).sum(-1)
+            reach = np.where(met, (a * normal).sum(-1) / along, np.nan)
+            cosine = np.nan_to_num(np.abs(along) / np.linalg.norm(normal, axis=-1))
+        u, v = np.where(met, hits.u, 0.0), np.where(met, hits.v, 0.0)
+        share = np.stack([1 - u - v, u, v], -1)
+
+        def there(values: float | Array) -> Array:
+            each = np.broadcast_to(np.asarray(values, float), len(self.vertices))
+            return (each[corners] * share).sum(-1).reshape(shape)
+
+        mirrored = 1.0 if self.mirrored is None else there(self.mirrored)
+        return Hits(reach.reshape(shape), cosine.reshape(shape), there(self.reflectance), mirrored)
+
+    def hidden(self, points: Array, eye: ArrayLike) -> NDArray[np.bool_]:
+        """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
+        way = points.reshape(-1, 3) - np.asarray(eye, float)
+        far = np.linalg.norm(way, axis=-1)
+        rays = np.ascontiguousarray(way / far[:, None], np.float32)
+        start = np.broadcast_to(np.asarray(eye, np.float32), rays.shape).copy()
+        reach = (far - SURFACE).astype(np.float32)
+        return self._tracer.blocked(start, rays, reach).reshape(points.shape[:-1])
+
+
+def _object(name: str) -> MeshTarget:
+    from cmtof.scenes import objects
+
+    if hasattr(objects, "object_scene"):
+        return objects.object_scene(name)
+    return MeshTarget.from_mesh(objects.object_mesh(name))
+
+
+def _mirror(**options: Any) -> Plane:
+    return Plane(material="specular", **options)
+
+
+def _frame(file: str, material: str = "diffuse") -> FrameTarget:
+    return FrameTarget(load_frame(file), material)
+
+
+KINDS: dict[str, Any] = {
+    "plane": Plane,
+    "mirror": _mirror,
+    "corner": Corner,
+    "frame": _frame,
+    "object": _object,
+}
+"""Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments."""
+
+
+def scene_from(source: Any) -> Target | None:
+    """Target of a frame, its file or embedded name, a mapping with `KINDS`, or a target itself.
+
+    Raises
+    ------
+    ValueError
+        For unknown kinds, keys or materials.
+
+    Examples
+    --------
+    >>> scene_from({"kind": "mirror", "distance": 0.6, "reflectance": 1e-6}).material
+    'specular'
+    """
+    if source is None or hasattr(source, "look"):
+        return source
+    if isinstance(source, Frame):
+        return FrameTarget(source)
+    if isinstance(source, (str, Path)):
+        return FrameTarget(load_frame(source))
+    options = dict(source) if isinstance(source, Mapping) else {}
+    kind = options.pop("kind", None)
+    try:
+        target = KINDS[kind](**options)
+    except (KeyError, TypeError):
+        raise ValueError(
+            f"Expected twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys, "
+            f"got {source!r}. Correct it."
+        ) from None
+    if target.material not in ("diffuse", "specular", "retro", "mixed"):
+        raise ValueError(
+            f"Expected a material diffuse, specular or retro, got {target.material!r}. Choose one."
         )
+    return target
+
+
+def assembled(parts: Any) -> MeshTarget:
+    """Meshes of several materials as one "mixed" target; a ray ends at the nearest of them."""
+    starts = np.cumsum([0] + [len(part.vertices) for part in parts[:-1]])
+    polished = {"diffuse": 0.0, "specular": 1.0}
+    weights = [polished.get(part.material, part.mirrored) for part in parts]
+    return MeshTarget(
+        np.concatenate([np.asarray(part.vertices, float) for part in parts]),
+        np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=True)]),
+        np.concatenate([np.broadcast_to(p.reflectance, len(p.vertices)) for p in parts]),
+        "mixed",
+        np.concatenate(
+            [np.broadcast_to(w, len(p.vertices)) for w, p in zip(weights, parts, strict=True)]
+        ),
+    )

@@ -7,11 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, correlation_contrast, depth_from_phase
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.budget import PHASES, SAMPLE_RATE, SAMPLES
 from cmtof.instrument.drift import Drift
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Hits
-from cmtof.instrument.world import World
+from cmtof.instrument.world import PHASES, SAMPLE_RATE, SAMPLES, World
 from cmtof.ranging import cyclic
 from cmtof.ranging.budget_terms import MEASURED_AIR, TERMS
 from cmtof.ranging.error_budget import AGE, VISITS, ranger_of

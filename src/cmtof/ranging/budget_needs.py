@@ -8,8 +8,8 @@ from scipy.special import jv
 
 from cmtof.correlation import TAU, phase_from_depth
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.budget import PHASES
 from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.world import PHASES
 from cmtof.ranging import cyclic
 from cmtof.ranging.budget_forms import back_ratio, foretold, residual_ratio
 from cmtof.ranging.error_budget import VISITS, slope_scatter

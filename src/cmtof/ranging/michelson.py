@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.instrument.budget import SAMPLE_RATE
 from cmtof.instrument.electronics import SLOPE, Conversion, chain
 from cmtof.instrument.optics import group_index, speckle_cells, spot_radius
 from cmtof.instrument.parsing import check_fields, number
 from cmtof.instrument.settings import Air, Optics, TwinSettings
+from cmtof.instrument.world import SAMPLE_RATE
 from cmtof.ranging.target import StageTarget, collected_power
 
 Array = NDArray[np.float64]

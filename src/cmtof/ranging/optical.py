@@ -23,11 +23,11 @@ from cmtof.constants import (
 )
 from cmtof.correlation import centred, decode, decoding_weights, depth_from_phase, phase_from_depth
 from cmtof.hardware.reduction import drive_phases, nominal_psi
-from cmtof.instrument.air import group_index
 from cmtof.instrument.electronics import chain, slope
-from cmtof.instrument.panel import Panel, RfKnobs
+from cmtof.instrument.light import Panel, RfKnobs
+from cmtof.instrument.optics import group_index
 from cmtof.instrument.parsing import check_fields, choice, number
-from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.settings import Air, TwinSettings
 from cmtof.instrument.world import LABEL_TIME, World
 from cmtof.ranging.burst_noise import mean_weights, phase_covariance
 from cmtof.ranging.target import StageTarget
@@ -113,9 +113,7 @@ class OpticalRanger:
         modules = self.settings.emission, self.settings.detection
         return Panel(
             emission=RfKnobs(**drive, power=self.settings.drive.power),
-            detection=RfKnobs(
-                **drive, power=self.settings.drive.power, table=table, armed=True, trigger=True
-            ),
+            detection=RfKnobs(**drive, power=self.settings.drive.power, table=table),
             plate_angle=[float(turned + module.plate_zero) for module in modules],
             laser_on=True,
             shutter_open=True,
@@ -212,11 +210,11 @@ class OpticalRanger:
         air = self.settings.air
         if self.air == "ignored" or air.pressure == 0:
             return 1.0
-        return group_index(
-            wavelength=self.settings.laser.wavelength,
+        read = Air(
             temperature=air.temperature + thermometer * self.temperature_error,
             pressure=air.pressure + barometer * self.pressure_error,
         )
+        return group_index(read, self.settings.laser.wavelength)
 
     # --- parts -----------------------------------------------------------------------------------
 

@@ -24,8 +24,8 @@ from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, centred, depth_from_phase
 from cmtof.hardware.reduction import nominal_psi
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.budget import emission_mean, sent_power
 from cmtof.instrument.electronics import Conversion, chain, slope
+from cmtof.instrument.optics import emission_mean, sent_power
 from cmtof.instrument.parsing import number
 from cmtof.instrument.settings import Detector, TwinSettings
 from cmtof.instrument.targets import Hits

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import centred, depth_from_phase, phase_from_depth
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.budget import sent_power
 from cmtof.instrument.drift import Drift
+from cmtof.instrument.optics import sent_power
 from cmtof.instrument.settings import TwinSettings
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.ranging.optical import FREQUENCY

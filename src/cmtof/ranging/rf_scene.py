@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cmtof.correlation import phase_from_depth
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.budget import sent_power
+from cmtof.instrument.optics import sent_power
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Target
 from cmtof.ranging.rf import FREQUENCY, modulation_depth, seen_share

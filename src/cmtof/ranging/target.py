@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.budget import sent_power
+from cmtof.instrument.optics import sent_power
 from cmtof.instrument.parsing import check_fields, choice, number
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Plane

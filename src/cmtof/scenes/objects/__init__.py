@@ -13,7 +13,7 @@ from functools import lru_cache
 from importlib import import_module
 from types import ModuleType
 
-from cmtof.instrument.scene import MeshTarget
+from cmtof.instrument.targets import MeshTarget
 from cmtof.scenes.objects.flat import gage_blocks, slanted_plane
 
 OBJECTS = ("bust", "helmet", "owl", "table")

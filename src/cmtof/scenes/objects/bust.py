@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cmtof.instrument.scene import MeshTarget
+from cmtof.instrument.targets import MeshTarget
 from cmtof.scenes.objects.staging import Piece, lathe, refined, staged
 from cmtof.scenes.rooms.joinery import boards
 from cmtof.scenes.rooms.portraits import Face, portrait

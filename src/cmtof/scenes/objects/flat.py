@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from cmtof.instrument.scene import MeshTarget, assembled
-from cmtof.instrument.targets import Plane
+from cmtof.instrument.targets import MeshTarget, Plane, assembled
 
 STEEL = 0.58
 """Reflectance of lapped steel at 532 nm (known: 0.55 to 0.6)."""

@@ -6,7 +6,7 @@ Almost all light is mirrored, away from the instrument; what comes back is a fai
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.instrument.scene import MeshTarget
+from cmtof.instrument.targets import MeshTarget
 from cmtof.scenes.objects.staging import Piece, staged
 from cmtof.scenes.rooms.solids import box
 from cmtof.scenes.rooms.thing import Mesh

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.instrument.scene import MeshTarget
+from cmtof.instrument.targets import MeshTarget
 from cmtof.scenes.objects.staging import Piece, staged
 from cmtof.scenes.rooms.shaping import modelled
 from cmtof.scenes.rooms.solids import ball, tube

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.instrument.scene import MeshTarget
+from cmtof.instrument.targets import MeshTarget
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof.scenes.frame import rays_from_camera
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.instrument.scene import MeshTarget, assembled
+from cmtof.instrument.targets import MeshTarget, assembled
 from cmtof.scenes.rooms.pliant import spline
 from cmtof.scenes.rooms.solids import quads, revolve
 from cmtof.scenes.rooms.thing import Mesh, Thing, transformed

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.instrument.scene import MeshTarget
+from cmtof.instrument.targets import MeshTarget
 from cmtof.scenes.objects.staging import Piece, lathe, pieces_of, refined, staged
 from cmtof.scenes.rooms.books import book_stack
 from cmtof.scenes.rooms.materials import Style, style
