@@ -37,6 +37,7 @@ def test_a_link_keeps_its_place(tmp_path):
         (lambda p: p, "got the folder"),
         (lambda p: os.mkfifo(p / "pipe") or p / "pipe", "got a device or pipe"),
         (lambda p: "/dev/null", "got a device or pipe"),
+        (lambda p: "/proc/a.txt", "can be written to"),  # not even by root
     ],
 )
 def test_what_cannot_be_written_is_refused_at_once(tmp_path, make, message):

@@ -27,11 +27,21 @@ def check_output(path: str | Path) -> Path:
         raise FileExistsError(
             f"Expected a regular file to write, got a device or pipe, {target}. Name a file."
         )
-    if not os.access(target.parent, os.W_OK):
+    probe = _part(target)
+    try:
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
         raise PermissionError(
-            f"Expected a folder that can be written to, got {target.parent}. Choose another."
-        )
+            f"Expected a folder that can be written to, got {target.parent} ({error.strerror}). "
+            "Choose another."
+        ) from error
     return target
+
+
+def _part(target: Path) -> Path:
+    """Name beside a file; writers choose their format by the suffix, so it stays."""
+    return target.with_name(f".{target.stem}.part-{os.getpid()}{target.suffix}")
 
 
 @contextmanager
@@ -58,8 +68,7 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     'whole'
     """
     target = check_output(path)
-    # writers choose their format by the suffix, so the temporary name keeps it
-    part = target.with_name(f".{target.stem}.part-{os.getpid()}{target.suffix}")
+    part = _part(target)
     try:
         yield part
         part.replace(target)
