@@ -97,10 +97,7 @@ tell(phi_low=min(sigma_phi.values()), phi_high=max(sigma_phi.values()))
 
 # %%
 matched = {n: float(noise.sigma_from_phase_noise(v)) for n, v in sigma_phi.items()}
-equal = {
-    n: float(noise.intensity_from_phase_noise(v, NOISE_SIGMA))
-    for n, v in sigma_phi.items()
-}
+equal = {n: float(noise.intensity_from_phase_noise(v, NOISE_SIGMA)) for n, v in sigma_phi.items()}
 for name in captures:
     least = noise.intensity_from_phase_noise(sigma_phi[name], 0.0)
     print(
@@ -225,8 +222,7 @@ plotting.save(
 # %%
 residual = {n: noise.local_residual(p, window=window) for n, p in phases.items()}
 residual_simulated = {
-    n: [noise.local_residual(p, window=window) for p in maps]
-    for n, maps in simulated.items()
+    n: [noise.local_residual(p, window=window) for p in maps] for n, maps in simulated.items()
 }
 tell(window_side=window, draw_count=draws)
 leak = {}
@@ -309,9 +305,7 @@ plotting.save(
 # %%
 response = noise.fit_response(phases[next(iter(captures))].shape, window=window) ** 2
 spectra = {n: noise.power_spectrum(residual[n], inside[n]) for n in captures}
-white = {
-    n: [noise.power_spectrum(r, inside[n]) for r in residual_simulated[n]] for n in captures
-}
+white = {n: [noise.power_spectrum(r, inside[n]) for r in residual_simulated[n]] for n in captures}
 for name in captures:
     power, square = spectra[name].mean(), np.mean(residual[name][inside[name]] ** 2)
     print(f"{name}: mean of the spectrum {power:.6f}, mean square {square:.6f} rad² (Parseval)")
@@ -344,9 +338,7 @@ for name in captures:
         wrapped(smooth + noise.noise_from_spectrum(spectrum, rng=rng)) for _ in range(draws)
     ]
     line_residual[name] = [noise.local_residual(p, window=window) for p in with_lines[name]]
-    line_spectra[name] = [
-        noise.power_spectrum(r, inside[name]) for r in line_residual[name]
-    ]
+    line_spectra[name] = [noise.power_spectrum(r, inside[name]) for r in line_residual[name]]
     print(name, {key: round(value, 3) for key, value in lines[name]._asdict().items()})
 
 # %% tags=["hide-input"]

@@ -3,9 +3,8 @@
 import shutil
 from pathlib import Path
 
-import pytest
-
 import browse
+import pytest
 
 BUILD = Path(__file__).resolve().parents[2] / "build"
 HTML = next((BUILD / p / "html" for p in ("book", "ci") if (BUILD / p / "html").is_dir()), BUILD)

@@ -1,6 +1,6 @@
 """Look at built pages in headless Chromium with networking off.
 
-    python tools/browse.py HTML [SHOTS]
+    python tests/reader/browse.py HTML [SHOTS]
 
 Opens every page of the folder ``HTML`` at the width of a desk and of a phone, prints what is wrong
 with it, and with ``SHOTS`` stores a picture of each there. Exit code 1 if anything is wrong. Needs
