@@ -248,7 +248,7 @@ class OpticalRanger:
         angles, starts = np.zeros((positions.size, 2)), np.zeros(positions.size)
         stage = positions + world.settings.reference.stage_zero
         light = world.light.on_detector(panel, angles, starts, setting, stage)
-        return light[:, setting.segments.of_sample]
+        return light[:, setting.of_sample]
 
     def _phase_variance(self, target: StageTarget, positions: Array) -> Array:
         """Variance (P,), rad^2, of the phase decoded from one burst."""

@@ -198,9 +198,9 @@ def _products(ranger: OpticalRanger, settings: TwinSettings) -> tuple[float, flo
 def _products_of(ranger: OpticalRanger) -> tuple[float, float, float]:
     world, pulses = World(ranger.settings), np.arange(ranger.phases)
     configuration = world.light.configuration(ranger.panel(), pulses, ranger.rate)
-    order = configuration.orders.index(1 if ranger.mode == "single" else 2)
+    order = 1 if ranger.mode == "single" else 2
     return (
-        float(configuration.mean.mean()),
+        float(configuration.products[0].real.mean()),
         float(np.abs(configuration.products[order]).mean()),
         float(configuration.detection.mean()),
     )
