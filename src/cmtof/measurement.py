@@ -30,6 +30,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, Decoded, decode, wrap_length
 from cmtof.files import written_whole
 from cmtof.validation import check_frequencies, validate
@@ -330,9 +331,19 @@ def _open_npz(path: Path) -> Measurement:
 
 
 def _open_capture(path: Path) -> Measurement:
-    from cmtof.scenes.captures import open_capture
+    from cmtof.scenes.captures import read_capture
 
-    return open_capture(path)
+    phase, reference = read_capture(path)
+    measurement = Measurement.from_phase(
+        phase[None],
+        [FREQUENCY_SINGLE],
+        range_max=1.0,
+        source=f"GHz-FMCW capture {path.name}",
+        protocol="measured",
+    )
+    if reference is not None:
+        measurement.dataset["reference_depth"] = (("y", "x"), reference, {"units": "m"})
+    return measurement
 
 
 def _reason(error: BaseException) -> str:

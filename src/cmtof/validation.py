@@ -1,10 +1,42 @@
 """What a measurement must be before anything is computed from it; each fault in one sentence."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cmtof.correlation import check_psi, residual_noise
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDArray[np.floating]:
+    """Values as a new array of floats; text, complex, structured and time types are refused.
+
+    Examples
+    --------
+    >>> numbers(["1.0"], "depth")
+    Traceback (most recent call last):
+    ...
+    ValueError: Expected numbers as depth, got values of type <U3. Store them as float.
+    """
+    array = np.asarray(values)
+    if array.dtype.kind not in "biuf":
+        raise ValueError(
+            f"Expected numbers as {what}, got values of type {array.dtype}. Store them as float."
+        )
+    with np.errstate(over="ignore"):  # beyond float32 is infinite, and refused as such
+        return array.astype(dtype)
+
+
+def check_claim(claimed: int, stored: int) -> None:
+    """Raise a ValueError if a header claims far more bytes than its file can hold.
+
+    Up to 256 MiB pass; beyond, 200 times the bytes on disk: real images are packed less.
+    """
+    if claimed > max(2**28, 200 * stored):
+        raise ValueError(f"its header claims {claimed:.3g} bytes, it holds {stored}")
 
 
 def check_frequencies(frequencies: NDArray[np.floating]) -> None:
@@ -21,7 +53,7 @@ def check_frequencies(frequencies: NDArray[np.floating]) -> None:
         )
 
 
-def validate(dataset: xr.Dataset) -> None:
+def validate(dataset: "xr.Dataset") -> None:
     """Raise a ValueError that says what is wrong with a dataset, and how to mend it."""
     data = "correlation" if "correlation" in dataset else "phase"
     dims = ("frequency", "step", "y", "x") if data == "correlation" else ("frequency", "y", "x")
@@ -51,7 +83,7 @@ def validate(dataset: xr.Dataset) -> None:
     _check_values(dataset, data)
 
 
-def _check_companions(dataset: xr.Dataset) -> None:
+def _check_companions(dataset: "xr.Dataset") -> None:
     for name in ("depth", "mask"):
         if name in dataset and dataset[name].dims != ("y", "x"):
             raise ValueError(
@@ -68,7 +100,7 @@ def _check_companions(dataset: xr.Dataset) -> None:
             )
 
 
-def _check_range(dataset: xr.Dataset) -> None:
+def _check_range(dataset: "xr.Dataset") -> None:
     low, high = (dataset.attrs.get(key) for key in ("range_min", "range_max"))
     if low is None or high is None or not 0 <= float(low) < float(high) < np.inf:
         raise ValueError(
@@ -77,7 +109,7 @@ def _check_range(dataset: xr.Dataset) -> None:
         )
 
 
-def _check_values(dataset: xr.Dataset, data: str) -> None:
+def _check_values(dataset: "xr.Dataset", data: str) -> None:
     """Look at valid pixels only: finite everywhere, raw counts within the converter's scale."""
     valid = dataset["mask"].to_numpy().astype(bool) if "mask" in dataset else np.True_
     values = dataset[data].to_numpy()
@@ -102,7 +134,7 @@ def _check_counts(counts: NDArray, valid: NDArray | np.bool_) -> None:
         )
 
 
-def _check_saturation(dataset: xr.Dataset, values: NDArray, valid: NDArray | np.bool_) -> None:
+def _check_saturation(dataset: "xr.Dataset", values: NDArray, valid: NDArray | np.bool_) -> None:
     limit = dataset.attrs.get("saturation")
     counts = dataset["raw_counts"].to_numpy() if "raw_counts" in dataset else values
     if limit is not None and (bad := (counts >= float(limit)) & valid).any():

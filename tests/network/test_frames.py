@@ -7,7 +7,7 @@ import pytest
 from tiny_rooms import write_room, write_rooms
 
 from cmtof.network.frames import pack_frames
-from cmtof.scenes.hypersim import Hypersim, view_file
+from cmtof.scenes.hypersim import Hypersim, View
 
 SHAPE = (16, 24)
 
@@ -27,7 +27,7 @@ def test_a_pack_holds_the_frames_of_its_partition(tree, tmp_path, partition: str
     assert pack.depth.shape == pack.intensity.shape == (count, *SHAPE)
     assert (pack.depth.dtype, pack.intensity.dtype) == (np.float32, np.float16)
     for number, view in enumerate(views):
-        frame = view.frame()
+        frame = Hypersim(tree).frame(view)
         np.testing.assert_array_equal(pack.depth[number], frame.depth)  # every bit
         clipped = np.clip(frame.intensity, 0, 1)
         np.testing.assert_allclose(pack.intensity[number], clipped, rtol=2.0**-11)
@@ -64,8 +64,8 @@ def test_a_run_that_was_stopped_while_packing_is_packed_anew(tree, tmp_path):
 
 
 def test_broken_frames_are_left_out_and_told(tree, tmp_path):
-    view_file(tree, "room_000_000", "cam_00", 1, "depth").write_bytes(b"no HDF5")
-    view_file(tree, "room_000_003", "cam_00", 0, "color").unlink()
+    View("room_000_000", "cam_00", 1).file(tree, "depth").write_bytes(b"no HDF5")
+    View("room_000_003", "cam_00", 0).file(tree, "color").unlink()
     pack = pack_frames(tree, tmp_path / "packed", "train")
     assert len(pack) == len(pack.depth) == len(pack.far) == 14
     assert not {"room_000_000/cam_00/0001", "room_000_003/cam_00/0000"} & set(pack.names)
@@ -78,7 +78,7 @@ def test_broken_frames_are_left_out_and_told(tree, tmp_path):
 
 def test_without_a_whole_frame_there_is_no_pack(tree, tmp_path):
     for frame in (0, 1):
-        view_file(tree, "room_000_008", "cam_00", frame, "depth").write_bytes(b"no HDF5")
+        View("room_000_008", "cam_00", frame).file(tree, "depth").write_bytes(b"no HDF5")
     with pytest.raises(ValueError, match=r"frames to train on, got .*Render them anew"):
         pack_frames(tree, tmp_path / "packed", "val")
 

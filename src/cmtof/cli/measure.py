@@ -14,7 +14,6 @@ from cmtof.cli.options import (
     ProtocolName,
     Quiet,
     Seed,
-    Smooth,
     tones,
 )
 from cmtof.console import print_report, print_scores, progress_bar, write_json
@@ -44,19 +43,13 @@ def simulate(
     intensity: Annotated[
         Path | None, typer.Option(help="Colour or grey PNG that belongs to a depth PNG.")
     ] = None,
-    depth_scale: Annotated[
-        float | None,
-        typer.Option(
-            help="Depth PNG: levels per metre. Default: 1000, or what the folder's style has."
-        ),
-    ] = None,
+    depth_scale: Annotated[float, typer.Option(help="Depth PNG: levels per metre.")] = 1000.0,
     planar: Annotated[
         bool, typer.Option("--planar", help="Depth PNG holds distance along the optical axis.")
     ] = False,
     camera: Annotated[
         tuple[float, float, float, float] | None, typer.Option(help="fx fy cx cy in pixels.")
     ] = None,
-    smooth: Smooth = False,
 ) -> None:
     """Turn an RGB-D frame into correlation images.
 
@@ -71,7 +64,6 @@ def simulate(
         depth_scale=depth_scale,
         planar=planar,
         camera=camera,
-        smooth=smooth,
     )
     measurement = simulate_frame(
         loaded,
@@ -169,7 +161,6 @@ def evaluate(
     json_file: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Write the table as JSON.")
     ] = None,
-    smooth: Smooth = False,
     quiet: Quiet = False,
 ) -> None:
     """Compare methods on the same frames and the same noise.
@@ -183,7 +174,7 @@ def evaluate(
     evaluation = Evaluation(
         names, protocol=cast("Protocol", protocol), noise=noise, noise_free=noise_free, seed=seed
     )
-    skipped = _run(evaluation, frames, smooth, quiet)
+    skipped = _run(evaluation, frames, quiet)
     report = evaluation.report()
     if json_file is not None:
         write_json(json_file, report)
@@ -195,7 +186,7 @@ def evaluate(
         print(f"skipped {name}: {reason}")
 
 
-def _run(evaluation: Any, frames: list[str], smooth: bool, quiet: bool) -> dict[str, str]:
+def _run(evaluation: Any, frames: list[str], quiet: bool) -> dict[str, str]:
     """Add every frame behind a progress bar.
 
     A frame that was named itself must load; of a folder those that do not are returned with the
@@ -204,7 +195,7 @@ def _run(evaluation: Any, frames: list[str], smooth: bool, quiet: bool) -> dict[
     from cmtof.scenes.folders import frames_in
     from cmtof.scenes.frame import Frames
 
-    listed = [frames_in(name, smooth=smooth) for name in frames]
+    listed = [frames_in(name) for name in frames]
     skipped: dict[str, str] = {}
     with progress_bar(quiet) as bar:
         task = bar.add_task("", total=sum(map(len, listed)) * len(evaluation.methods))

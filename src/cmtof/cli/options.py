@@ -22,9 +22,6 @@ Noise = Annotated[
 ]
 NoiseFree = Annotated[bool, typer.Option("--noise-free", help="No noise of either kind.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the noise.")]
-Smooth = Annotated[
-    bool, typer.Option("--smooth", help="Smooth Hypersim's 16-bit depth within its own steps.")
-]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar.")]
 
 
