@@ -285,7 +285,7 @@ def open_measurement(path: str | Path) -> Measurement:
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"Expected a measurement file, got no file at {path}. Check it.")
-    readers = {".nc": _open_netcdf, ".npz": _open_npz, ".csv": _open_capture}
+    readers = {".nc": _open_netcdf, ".npz": _open_npz, ".csv": _read_capture}
     if path.suffix not in readers:
         raise ValueError(
             f"Expected a file named *.nc, *.npz or *_phase.csv, got {path.name}. Convert it first."
@@ -330,7 +330,7 @@ def _open_npz(path: Path) -> Measurement:
     )
 
 
-def _open_capture(path: Path) -> Measurement:
+def _read_capture(path: Path) -> Measurement:
     from cmtof.scenes.captures import read_capture
 
     phase, reference = read_capture(path)

@@ -7,7 +7,6 @@ import h5py
 import numpy as np
 
 SHAPE = (24, 32)
-
 PLAIN = np.diag([0.5773502886169104, 0.4330127164626828, -1.0])
 TILTED = np.array(  # the official row of ai_037_002
     [
@@ -31,10 +30,10 @@ def official_rays(projection: np.ndarray, shape: tuple[int, int] = SHAPE) -> np.
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
-def wall(projection: np.ndarray, shape: tuple[int, int] = SHAPE) -> np.ndarray:
-    """Range of a slanted plane, m."""
+def wall(projection: np.ndarray) -> np.ndarray:
+    """Range of a slanted plane, 2 m away."""
     normal = np.array([0.3, -0.2, 1.0]) / np.linalg.norm([0.3, -0.2, 1.0])
-    return -2.0 / (official_rays(projection, shape) @ normal)
+    return -2.0 / (official_rays(projection) @ normal)
 
 
 def write_official(path: Path, array: np.ndarray) -> None:
@@ -44,65 +43,29 @@ def write_official(path: Path, array: np.ndarray) -> None:
 
 
 def write_rows(path: Path, rows: list[list[object]]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="") as file:
         csv.writer(file).writerows(rows)
 
 
-def geometry(root: Path, scene: str, camera: str = "cam_00") -> Path:
-    return root / scene / "images" / f"scene_{camera}_geometry_hdf5"
-
-
-def final(root: Path, scene: str, camera: str = "cam_00") -> Path:
-    return root / scene / "images" / f"scene_{camera}_final_hdf5"
-
-
-def write_tables(root: Path) -> None:
+def write_tree(root: Path) -> Path:
+    """Three official scenes of three views each, and both tables."""
+    for scene, projection in PROJECTIONS.items():
+        depth = wall(projection).astype(np.float16)
+        depth[0, :3] = np.nan, np.inf, 0
+        color = np.broadcast_to(np.array([0.2, 0.5, 0.9], np.float16), (*SHAPE, 3)).copy()
+        color[5, 5], color[6, 6], color[7, 7] = np.nan, np.inf, -1
+        for camera, frame in VIEWS:
+            place = root / scene / "images" / f"scene_{camera}"
+            name = f"frame.{frame:04d}"
+            write_official(Path(f"{place}_geometry_hdf5") / f"{name}.depth_meters.hdf5", depth)
+            write_official(Path(f"{place}_final_hdf5") / f"{name}.color.hdf5", color)
     matrix = [f"M_cam_from_uv_{i}{j}" for i in range(3) for j in range(3)]
-    head = ["scene_name", "settings_output_img_height", "settings_output_img_width"]
-    write_rows(
-        root / "metadata_camera_parameters.csv",
-        [[*head, "use_camera_physical", *matrix]]
-        + [[s, 24.0, 32.0, False, *m.ravel()] for s, m in PROJECTIONS.items()],
-    )
+    rows = [[s, 24.0, False, *m.ravel()] for s, m in PROJECTIONS.items()]
+    head = ["scene_name", "settings_output_img_height", "use_camera_physical", *matrix]
+    write_rows(root / "metadata_camera_parameters.csv", [head, *rows])
     head = ["scene_name", "camera_name", "frame_id", "included_in_public_release"]
     rows = [[s, c, f, True, "", p] for s, p in PARTITIONS.items() for c, f in VIEWS]
     hidden = ["ai_002_001", "cam_00", 7, False, "CONTENT FLAGGED FOR REMOVAL", ""]
-    write_rows(
-        root / "metadata_images_split_scene_v1.csv",
-        [[*head, "exclude_reason", "split_partition_name"], *rows, hidden],
-    )
-
-
-def write_scene(root: Path, scene: str) -> None:
-    detail = root / scene / "_detail"
-    write_rows(
-        detail / "metadata_scene.csv",
-        [["parameter_name", "parameter_value"], ["meters_per_asset_unit", 0.0254]],
-    )
-    write_rows(detail / "metadata_cameras.csv", [["camera_name"], ["cam_00"], ["cam_01"]])
-    depth = wall(PROJECTIONS[scene]).astype(np.float16)
-    depth[0, :3] = np.nan, np.inf, 0
-    color = np.broadcast_to(np.array([0.2, 0.5, 0.9], np.float16), (*SHAPE, 3)).copy()
-    color[5, 5], color[6, 6], color[7, 7] = np.nan, np.inf, -1
-    for camera, frame in VIEWS:
-        name = f"frame.{frame:04d}"
-        write_official(geometry(root, scene, camera) / f"{name}.depth_meters.hdf5", depth)
-        write_official(final(root, scene, camera) / f"{name}.color.hdf5", color)
-        instance = np.full(SHAPE, -1, np.int16)
-        write_official(geometry(root, scene, camera) / f"{name}.semantic_instance.hdf5", instance)
-        normal = np.zeros((*SHAPE, 3), np.float16)
-        write_official(geometry(root, scene, camera) / f"{name}.normal_world.hdf5", normal)
-        poses = np.tile(np.eye(3), (100, 1, 1))
-        write_official(detail / camera / "camera_keyframe_orientations.hdf5", poses)
-        at = np.arange(300.0).reshape(100, 3)
-        write_official(detail / camera / "camera_keyframe_positions.hdf5", at)
-        write_official(detail / camera / "camera_keyframe_frame_indices.hdf5", np.arange(100))
-
-
-def write_tree(root: Path) -> Path:
-    """Three official scenes of three views each."""
-    write_tables(root)
-    for scene in PROJECTIONS:
-        write_scene(root, scene)
+    head += ["exclude_reason", "split_partition_name"]
+    write_rows(root / "metadata_images_split_scene_v1.csv", [head, *rows, hidden])
     return root

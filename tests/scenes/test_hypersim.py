@@ -1,380 +1,271 @@
-"""Hypersim trees: the official layout as it is described, and what is broken in it."""
+"""Hypersim's tree as its authors describe it, and rooms written in the same layout."""
+
+import hashlib
 
 import h5py
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from official_tree import (
     PLAIN,
     PROJECTIONS,
     SHAPE,
     VIEWS,
-    final,
-    geometry,
     official_rays,
     wall,
     write_official,
     write_rows,
 )
 
-from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import load_frame
-from cmtof.scenes.half_precision import smoothed_within_step
-from cmtof.scenes.hypersim import Hypersim, view_of_file
+from cmtof.scenes.frame import Frames, rays_from_camera
+from cmtof.scenes.hypersim import (
+    FILES,
+    PARTITIONS,
+    Hypersim,
+    View,
+    camera_from_projection,
+    split_views,
+    view_exists,
+    write_metadata,
+    write_scene,
+    write_view,
+)
+
+FIRST = View("ai_001_001", "cam_00", 0)
 
 
-def first(tree):
-    return Hypersim(tree).view("ai_001_001", "cam_00", 0)
+# --- reading -------------------------------------------------------------------------------------
 
 
-# --- what a tree holds ---------------------------------------------------------------------
-
-
-def test_views_are_found_in_order(tree):
-    views = Hypersim(tree).views
-    assert [(v.scene, v.camera, v.frame_number) for v in views] == [
-        (scene, *view) for scene in PROJECTIONS for view in VIEWS
-    ]
-    assert views[1].name == "ai_001_001/cam_00/0042"
-
-
-def test_nothing_is_read_before_it_is_asked_for(tree):
-    for path in tree.rglob("*.hdf5"):
-        path.write_bytes(b"")
-    assert len(Hypersim(tree).views) == 9
-
-
-def test_one_scene_of_a_tree_can_be_named(tree):
-    alone = Hypersim(tree / "ai_001_002")
-    assert {view.scene for view in alone.views} == {"ai_001_002"}
-    assert len(alone.views[0].frame().camera) in (4, 5)
-
-
-def test_official_float16_files_load(tree):
-    frame = first(tree).frame()
+def test_a_tree_holds_its_views_and_official_float16_files_load(tree):
+    whole = Hypersim(tree)
+    assert whole.views == [View(scene, *view) for scene in PROJECTIONS for view in VIEWS]
+    assert Hypersim(tree / "ai_001_002").views == whole.views[3:6]
+    frame = whole.frame(FIRST)
     stored = wall(PLAIN).astype(np.float16).astype(np.float32)
     np.testing.assert_array_equal(frame.depth[1:], stored[1:])
+    assert np.isnan(frame.depth).sum() == 3  # NaN, infinite and 0
     assert frame.intensity[3, 3] == 0.5  # green, linear, as stored
+    assert frame.intensity[[5, 6, 7], [5, 6, 7]].tolist() == [0, 65504, 0]  # NaN, inf, negative
     assert frame.name == "ai_001_001/cam_00/0000"
     assert frame.note == "float16 depth in steps of up to 2.0 mm"
 
 
-def test_depth_that_is_none_is_invalid(tree):
-    depth = first(tree).frame().depth
-    assert np.isnan(depth[0, :3]).all()
-    assert np.isnan(depth).sum() == 3
-
-
-def test_light_that_is_none_is_dark_and_overflown_light_is_bright(tree):
-    intensity = first(tree).frame().intensity
-    assert intensity[5, 5] == 0 and intensity[7, 7] == 0
-    assert intensity[6, 6] == 65504
-
-
-def test_normals_and_instances_are_read_as_stored(tree):
-    view = first(tree)
-    assert view.normal().shape == (*SHAPE, 3) and view.normal().dtype == np.float16
-    assert view.instance().dtype == np.int16 and (view.instance() == -1).all()
-
-
-def test_pose_is_in_metres(tree):
-    position, orientation = Hypersim(tree).view("ai_001_001", "cam_00", 42).pose()
-    np.testing.assert_allclose(position, 0.0254 * np.array([126, 127, 128]))
-    np.testing.assert_array_equal(orientation, np.eye(3))
-
-
-# --- range -----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("scene", PROJECTIONS)
-def test_depth_is_range_already(tree, scene):
-    """Along its rays a wall is flat as it stands; a second conversion would bend it."""
-    view = Hypersim(tree).view(scene, "cam_00", 0)
-    write_official(view.path("depth"), wall(PROJECTIONS[scene]).astype(np.float32))
-    normal = np.array([0.3, -0.2, 1.0]) / np.linalg.norm([0.3, -0.2, 1.0])
-    frame, rays = view.frame(), official_rays(PROJECTIONS[scene])
-    np.testing.assert_allclose((rays * frame.depth[..., None]) @ normal, -2.0, atol=1e-6)
-    twice = frame.depth / np.abs(rays[..., 2])
-    assert np.ptp((rays * twice[..., None]) @ normal) > 0.05
-
-
-@pytest.mark.parametrize("scene", PROJECTIONS)
-def test_a_sphere_round_the_camera_has_one_depth(tree, scene):
-    """And with the frame's own camera its points lie on that sphere again."""
-    view = Hypersim(tree).view(scene, "cam_00", 0)
-    write_official(view.path("depth"), np.full(SHAPE, 3.25, np.float32))
-    frame = view.frame()
-    assert np.unique(frame.depth).tolist() == [3.25]
-    assert frame.camera is not None
-    points = points_from_depth(frame.depth, frame.camera)
-    np.testing.assert_allclose(np.linalg.norm(points, axis=-1), 3.25, rtol=1e-6)
-
-
-def test_rays_follow_the_projection_of_each_scene(tree):
-    for scene, projection in PROJECTIONS.items():
-        view = Hypersim(tree).view(scene, "cam_01", 3)
-        np.testing.assert_allclose(view.rays(), official_rays(projection), atol=1e-12)
-
-
-def test_a_tilted_camera_keeps_a_wall_flat(tree):
-    """Points by the frame's camera are the true ones, turned: still a plane, 2 m away."""
-    view = Hypersim(tree).view("ai_001_002", "cam_00", 0)
-    write_official(view.path("depth"), wall(PROJECTIONS["ai_001_002"]).astype(np.float32))
-    frame = view.frame()
-    assert frame.camera is not None
-    points = points_from_depth(frame.depth, frame.camera).reshape(-1, 3)
+def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree, scene):
+    """Points by the frame's camera are the true ones, turned: a plane, 2 m away."""
+    view = View(scene, "cam_00", 0)
+    write_official(view.file(tree, "depth"), wall(PROJECTIONS[scene]).astype(np.float32))
+    frame = Hypersim(tree).frame(view)
+    rays = rays_from_camera(SHAPE, frame.camera)
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    points = (rays * frame.depth[..., None]).reshape(-1, 3)
     normal = np.linalg.lstsq(points, np.ones(len(points)), rcond=None)[0]
     assert 1 / np.linalg.norm(normal) == pytest.approx(2.0, abs=1e-5)
     np.testing.assert_allclose(points @ normal, 1.0, atol=1e-5)
 
 
-def test_smoothing_is_an_option_and_marked(tree):
-    view = first(tree)
-    smooth = view.frame(smooth=True)
-    assert smooth.note == "float16 depth smoothed within its steps of up to 2.0 mm"
-    expected = smoothed_within_step(view.depth())[1:]
-    np.testing.assert_array_equal(smooth.depth[1:], expected.astype(np.float32))
+@given(
+    st.tuples(st.floats(3, 30), st.floats(3, 30)),
+    st.tuples(st.floats(-2, 12), st.floats(-2, 12)),
+    st.floats(-0.02, 0.02),
+    st.tuples(*[st.floats(-0.3, 0.3)] * 3),
+)
+def test_a_turned_pinhole_with_skew_is_found_again(focal, centre, skew, angles):
+    shape = height, width = 6, 8
+    turn = np.eye(3)
+    for axis, angle in enumerate(angles):
+        i, j = [k for k in range(3) if k != axis]
+        one = np.eye(3)
+        one[[i, i, j, j], [i, j, i, j]] = (
+            np.cos(angle),
+            -np.sin(angle),
+            np.sin(angle),
+            np.cos(angle),
+        )
+        turn = turn @ one
+    pinhole = np.array(
+        [[focal[0], skew * focal[0], centre[0]], [0, focal[1], centre[1]], [0, 0, 1]]
+    )
+    to_pixel = np.array([[width / 2, 0, width / 2], [0, -height / 2, height / 2], [0, 0, 1]])
+    projection = np.diag([1.0, -1, -1]) @ turn @ np.linalg.inv(pinhole) @ to_pixel
+    camera, rotation = camera_from_projection(projection, shape)
+    np.testing.assert_allclose(camera[:4], [*focal, *centre], rtol=1e-7, atol=1e-7)
+    assert np.linalg.det(rotation) == pytest.approx(1)
+    rays = rays_from_camera(shape, camera) @ rotation.T
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    np.testing.assert_allclose(rays, official_rays(projection, shape), atol=3e-6)
 
 
-def test_float32_depth_is_never_smoothed(tree):
-    view = first(tree)
-    write_official(view.path("depth"), wall(PLAIN).astype(np.float32))
-    frame = view.frame(smooth=True)
-    np.testing.assert_array_equal(frame.depth, wall(PLAIN).astype(np.float32))
-    assert frame.note == ""
+@pytest.mark.parametrize("projection", [np.zeros((3, 3)), np.eye(3), np.full((3, 3), np.nan)])
+def test_projections_that_show_nothing_are_refused(projection):
+    with pytest.raises(ValueError, match="M_cam_from_uv"):
+        camera_from_projection(projection, SHAPE)
 
 
-# --- what is missing or broken ---------------------------------------------------------------
-
-
-def truncated(path):
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-
-
-def without_key(path):
+def claims_much(path):
     with h5py.File(path, "w") as file:
-        file.create_dataset("data", data=np.ones(SHAPE))
-
-
-def damaged(name):
-    def damage(path):
-        write_official(path, {"flat": np.ones(5), "empty": np.ones((0, 0)),
-                              "words": np.array([[b"a"]]), "deep": np.ones((*SHAPE, 2)),
-                              "void": np.full(SHAPE, np.nan)}[name])  # fmt: skip
-
-    return damage
+        file.create_dataset("dataset", shape=(10**6, 10**6), dtype="f4", chunks=(100, 100))
 
 
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (truncated, "whole HDF5 file"),
-        (without_key, "key dataset"),
+        (lambda path: path.write_bytes(path.read_bytes()[:700]), "whole HDF5 file"),
         (lambda path: path.write_bytes(b"<html>not found</html>"), "whole HDF5 file"),
-        (lambda path: path.write_bytes(b""), "whole HDF5 file"),
-        (damaged("flat"), "numbers on 2 axes"),
-        (damaged("empty"), "numbers on 2 axes"),
-        (damaged("words"), "numbers on 2 axes"),
-        (damaged("deep"), "numbers on 2 axes"),
-        (damaged("void"), "none above 0"),
+        (claims_much, r"its header claims 4e\+12 bytes"),
+        (lambda path: h5py.File(path, "w").close(), "key dataset"),
+        (lambda path: write_official(path, np.ones(5)), "numbers on 2 axes"),
+        (lambda path: write_official(path, np.array([[b"a"]])), "numbers on 2 axes"),
+        (lambda path: write_official(path, np.ones((2, 2), complex)), "numbers on 2 axes"),
+        (lambda path: write_official(path, np.full(SHAPE, np.nan)), "none above 0"),
     ],
 )
-def test_a_broken_depth_file_is_named_with_its_remedy(tree, damage, message):
-    view = first(tree)
-    damage(view.path("depth"))
-    with pytest.raises(ValueError, match=message) as error:
-        view.frame()
+def test_a_broken_depth_file_is_named_and_left_out(tree, damage, message):
+    damage(FIRST.file(tree, "depth"))
+    (tree / "ai_001_002" / "images" / "scene_cam_00_final_hdf5" / "frame.0042.color.hdf5").unlink()
+    with pytest.raises(ValueError, match=f"(?s){message}.*") as error:
+        Hypersim(tree).frame(FIRST)
     assert "ai_001_001" in str(error.value)
-    assert str(error.value).rstrip(".").split(". ")[-1].split()[0] in ("Fetch", "Check")
+    frames = Frames(Hypersim(tree).sources())
+    assert len(list(frames)) == 7
+    assert set(frames.skipped) == {FIRST.name, "ai_001_002/cam_00/0042"}
 
 
-def test_colour_of_another_shape_is_refused(tree):
-    view = first(tree)
-    write_official(view.path("color"), np.ones((4, 4, 3), np.float16))
-    with pytest.raises(ValueError, match=r"one shape .* ai_001_001/cam_00/0000"):
-        view.frame()
-    write_official(view.path("color"), np.ones(SHAPE, np.float16))
-    with pytest.raises(ValueError, match="numbers on 3 axes, the last of 3"):
-        view.frame()
-
-
-def test_missing_files_are_named(tree):
-    view = first(tree)
-    view.path("color").unlink()
+def test_what_is_missing_is_named(tree):
+    depth = FIRST.file(tree, "depth")
+    FIRST.file(tree, "color").unlink()
     with pytest.raises(FileNotFoundError, match=r"frame\.0000\.color\.hdf5 .* Fetch"):
-        view.frame()
-    view.path("depth").unlink()
-    with pytest.raises(FileNotFoundError, match=r"frame\.0000\.depth_meters\.hdf5"):
-        view.frame(blank=True)
-
-
-def test_a_tree_with_broken_frames_is_read_through(tree):
-    truncated(geometry(tree, "ai_001_001") / "frame.0042.depth_meters.hdf5")
-    (final(tree, "ai_001_002") / "frame.0000.color.hdf5").unlink()
-    frames = Hypersim(tree).frames()
-    names = [frame.name for frame in frames]
-    assert len(names) == 7
-    assert set(frames.skipped) == {"ai_001_001/cam_00/0042", "ai_001_002/cam_00/0000"}
-    assert "whole HDF5 file" in frames.skipped["ai_001_001/cam_00/0042"]
-    assert [frame.name for frame in frames] == names and len(frames.skipped) == 2
-
-
-def test_views_without_colour_are_read_if_asked_for(tree):
-    (final(tree, "ai_001_002") / "frame.0000.color.hdf5").unlink()
-    frames = list(Hypersim(tree).frames(blank=True))
-    assert len(frames) == 9
-    notes = [frame.note for frame in frames if "intensity 1" in frame.note]
-    assert len(notes) == 1
-
-
-def test_without_its_table_a_frame_has_no_camera(tree):
+        Hypersim(tree).frame(FIRST)
+    frame = load_frame(depth)
+    assert (frame.intensity == 1).all() and frame.note.endswith("intensity 1 everywhere")
     (tree / "metadata_camera_parameters.csv").unlink()
-    assert first(tree).frame().camera is None
-    with pytest.raises(ValueError, match=r"metadata_camera_parameters\.csv .* Fetch"):
-        first(tree).rays()
-
-
-def test_without_its_table_a_tree_has_no_split(tree):
+    assert load_frame(depth).camera is None
     (tree / "metadata_images_split_scene_v1.csv").unlink()
-    with pytest.raises(
-        FileNotFoundError, match=r"metadata_images_split_scene_v1\.csv in or beside"
-    ):
-        Hypersim(tree).split()
     assert Hypersim(tree).test_views() == []
-
-
-@pytest.mark.parametrize("place", ["..", "metadata", "analysis", "../metadata", "../analysis"])
-def test_tables_are_found_beside_and_above_the_scenes(tree, place):
-    folder = tree / place
-    folder.mkdir(exist_ok=True)
-    for table in tree.glob("*.csv"):
-        table.rename(folder / table.name)
-    assert first(tree).frame().camera is not None
-    assert len(Hypersim(tree).split()["test"]) == 2
+    with pytest.raises(FileNotFoundError, match=r"split_scene_v1\.csv in or beside"):
+        Hypersim(tree).split()
+    with pytest.raises(ValueError, match="Expected scenes such as"):
+        Hypersim(tree / "ai_001_001" / "images")
+    with pytest.raises(ValueError, match="Keep the layout"):
+        load_frame(depth.rename(tree / depth.name))
 
 
 @pytest.mark.parametrize(
-    ("name", "rows", "message"),
+    ("name", "rows"),
     [
-        ("metadata_camera_parameters.csv", [["scene_name"], ["a"]], "no column M_cam_from_uv_00"),
-        ("metadata_camera_parameters.csv", [], "no column scene_name"),
-        ("metadata_images_split_scene_v1.csv", [["scene_name"]], "no column camera_name"),
+        ("metadata_camera_parameters.csv", [["scene_name"], ["a"]]),
+        ("metadata_camera_parameters.csv", [["M_cam_from_uv_00"], ["minus one"]]),
+        ("metadata_images_split_scene_v1.csv", [["scene_name", "camera_name"], ["a", "b"]]),
         (
             "metadata_images_split_scene_v1.csv",
             [["scene_name", "camera_name", "frame_id", "split_partition_name"], list("abcd")],
-            "frame number in line 2",
-        ),
-        (
-            "metadata_images_split_scene_v1.csv",
-            [["scene_name", "camera_name", "frame_id", "split_partition_name"], list("ab")],
-            "line 2 is short",
         ),
     ],
 )
-def test_damaged_tables_are_named(tree, name, rows, message):
+def test_damaged_tables_are_named(tree, name, rows):
     write_rows(tree / name, rows)
-    with pytest.raises(ValueError, match=message) as error:
+    with pytest.raises(ValueError, match=rf"{name}, got .*Fetch the table again"):
         _ = Hypersim(tree).projections, Hypersim(tree).split()
-    assert name in str(error.value) and "Fetch the table anew" in str(error.value)
 
 
-def test_a_number_that_is_none_in_the_camera_table_is_named(tree):
-    path = tree / "metadata_camera_parameters.csv"
-    path.write_text(path.read_text().replace("-1.0", "minus one"))
-    with pytest.raises(ValueError, match=r"numbers in line 2 of .*could not convert"):
-        _ = Hypersim(tree).projections
+# --- partitions ----------------------------------------------------------------------------------
 
 
-def test_a_pose_that_is_missing_is_named(tree):
-    detail = tree / "ai_001_001" / "_detail"
-    (detail / "metadata_scene.csv").write_text("parameter_name,parameter_value\n")
-    with pytest.raises(ValueError, match="meters_per_asset_unit"):
-        first(tree).pose()
-    write_official(detail / "cam_00" / "camera_keyframe_frame_indices.hdf5", np.arange(3) + 7)
-    with pytest.raises(ValueError, match="one pose of frame 0"):
-        first(tree).pose()
-
-
-def test_folders_that_are_no_tree_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="Expected scenes such as"):
-        Hypersim(tmp_path)
-    with pytest.raises(FileNotFoundError, match="folder of scenes"):
-        Hypersim(tmp_path / "nowhere")
-
-
-# --- splits of what is on disk -----------------------------------------------------------------
-
-
-def test_default_split_of_the_tree(tree):
-    """Both ai_VVV_001 are tested at frame 42, so neither of them trains; frame 7 was never out."""
+@pytest.mark.parametrize("place", ["", "..", "metadata", "../analysis"])
+def test_papers_frames_are_tested_and_their_scenes_never_trained_on(tree, place):
+    (tree / place).mkdir(exist_ok=True)
+    for table in list(tree.glob("*.csv")):
+        table.rename(tree / place / table.name)
     split = Hypersim(tree).split()
     assert [v.name for v in split["test"]] == ["ai_001_001/cam_00/0042", "ai_002_001/cam_00/0042"]
     assert {view.scene for view in split["train"]} == {"ai_001_002"}
-    assert split["val"] == []
-
-
-def test_split_lists_only_what_is_on_disk(tree):
-    (geometry(tree, "ai_001_001") / "frame.0042.depth_meters.hdf5").unlink()
-    split = Hypersim(tree).split()
-    assert [view.scene for view in split["test"]] == ["ai_002_001"]
-    assert {view.scene for view in split["train"]} == {"ai_001_002"}
-
-
-def test_official_split_of_the_tree(tree):
-    split = Hypersim(tree).split("official")
-    assert [len(split[name]) for name in ("train", "val", "test")] == [6, 0, 3]
-
-
-# --- the one door --------------------------------------------------------------------------------
-
-
-def test_load_frame_takes_a_depth_file_of_a_tree(tree):
-    path = geometry(tree, "ai_001_002") / "frame.0042.depth_meters.hdf5"
-    frame = load_frame(path)
-    assert frame.name == "ai_001_002/cam_00/0042"
-    np.testing.assert_array_equal(frame.depth, view_of_file(path).frame().depth)
-    assert load_frame(path, smooth=True).note.startswith("float16 depth smoothed")
-
-
-def test_load_frame_takes_the_first_test_frame_of_a_tree(tree):
+    assert [len(part) for part in Hypersim(tree).split("official").values()] == [6, 0, 3]
     assert load_frame(tree).name == "ai_001_001/cam_00/0042"
-    (tree / "metadata_images_split_scene_v1.csv").unlink()
-    assert load_frame(tree).name == "ai_001_001/cam_00/0000"
 
 
-def test_a_depth_file_without_colour_loads_with_intensity_1(tree):
-    path = geometry(tree, "ai_001_001") / "frame.0000.depth_meters.hdf5"
-    first(tree).path("color").unlink()
-    frame = load_frame(path)
-    assert (frame.intensity == 1).all()
-    assert frame.note.endswith("no colour file: intensity 1 everywhere")
+scenes = [f"ai_00{i}_00{j}" for i in range(3) for j in range(1, 4)] + ["room_0", "room_1"]
 
 
-@pytest.mark.parametrize("name", ["frame.0000.semantic_instance.hdf5", "depth.hdf5"])
-def test_other_files_of_a_tree_are_no_depth(tree, name):
-    path = geometry(tree, "ai_001_001") / name
-    write_official(path, np.ones(SHAPE))
-    with pytest.raises(ValueError, match="Keep the layout"):
-        load_frame(path)
+@given(
+    st.dictionaries(st.sampled_from(scenes), st.sampled_from([*PARTITIONS, ""])),
+    st.lists(
+        st.tuples(st.sampled_from(["cam_00", "cam_01"]), st.sampled_from([0, 42])), unique=True
+    ),
+)
+def test_no_view_stands_in_two_partitions(partitions, views):
+    listed = [View(scene, *view, p) for scene, p in partitions.items() for view in views]
+    for rule in ("scenes", "official", "authors"):
+        parts = [view for part in split_views(listed, rule).values() for view in part]
+        assert len(parts) == len(set(parts)) and set(parts) <= {v for v in listed if v.partition}
+    train, val, test = ({v.scene for v in split_views(listed)[name]} for name in PARTITIONS)
+    assert not (train & test or val & test or train & val)
+    with pytest.raises(ValueError, match="Expected a rule"):
+        split_views(listed, "volumes")
 
 
-def test_a_depth_file_outside_a_tree_is_refused(tmp_path):
-    write_official(tmp_path / "frame.0000.depth_meters.hdf5", np.ones(SHAPE))
-    with pytest.raises(ValueError, match="Expected a depth file SCENE/images"):
-        load_frame(tmp_path / "frame.0000.depth_meters.hdf5")
+def test_official_tables_and_the_public_depth_file(shared_data):
+    """482 turned pinholes, 31 of them skewed; 46 test frames, 34 of official training scenes."""
+    tree = Hypersim(shared_data / "hypersim")
+    cameras = [camera_from_projection(m, (12, 16))[0] for m in tree.projections.values()]
+    assert (len(cameras), sum(len(camera) == 5 for camera in cameras)) == (482, 31)
+    frame = load_frame(next(tree.root.rglob("frame.0000.depth_meters.hdf5")))
+    assert frame.depth.shape == (768, 1024) and frame.note.startswith("float16 depth in steps of")
+    assert np.abs(frame.camera[2:] - [512, 384]).min() > 50  # shifted
+    assert tree.split("authors")["test"] == []  # on disk is none
+    with (shared_data / "hypersim").joinpath("metadata_images_split_scene_v1.csv").open() as file:
+        rows = [line.rstrip("\n").split(",") for line in file][1:]
+    listed = [View(row[0], row[1], int(row[2]), row[-1]) for row in rows]
+    test = split_views(listed, "authors")["test"]
+    assert [sum(v.partition == name for v in test) for name in PARTITIONS] == [34, 5, 7]
 
 
-def test_the_public_depth_file_loads(official_tables):
-    """The one frame that stands in the repository: float16, tilt-shift, no colour beside it."""
-    path = next(official_tables.rglob("frame.0000.depth_meters.hdf5"))
-    frame = load_frame(path)
-    assert frame.depth.shape == (768, 1024) and np.isfinite(frame.depth).all()
-    assert frame.depth.min() == pytest.approx(2.96, abs=0.01)
-    assert frame.note == (
-        "float16 depth in steps of up to 7.8 mm; no colour file: intensity 1 everywhere"
-    )
-    assert frame.camera is not None and len(frame.camera) == 4
-    rays, (_, _, cx, cy) = view_of_file(path).rays(), frame.camera
-    assert abs(cx - 512) > 50 and abs(cy - 384) > 50  # shifted
-    assert np.allclose(np.linalg.norm(rays, axis=-1), 1)
-    frames = Hypersim(official_tables).frames()
-    assert list(frames) == [] and list(frames.skipped) == ["ai_037_002/cam_00/0000"]
+# --- writing -------------------------------------------------------------------------------------
+
+
+def picture(rng, shape=(40, 48)):
+    normal = rng.normal(size=(*shape, 3))
+    return {
+        "color": rng.lognormal(size=(*shape, 3)),
+        "depth": rng.uniform(0.5, 8, shape).astype(np.float32),
+        "normal": normal / np.linalg.norm(normal, axis=-1, keepdims=True),
+        "instance": rng.integers(-1, 300, shape),
+    }
+
+
+def write_rooms(root):
+    split = {"room_000_000": "train", "room_000_001": "test"}
+    for number, scene in enumerate(split):
+        write_scene(root, scene, cameras={"cam_00": (np.ones((2, 3)), np.ones((2, 3, 3)))})
+        for frame in range(2):
+            write_view(root, scene, "cam_00", frame, **picture(np.random.default_rng(number)))
+    views = {scene: [("cam_00", 0), ("cam_00", 1)] for scene in split}
+    write_metadata(root, split, shape=(40, 48), focal=41.6, views=views)
+    return {p.relative_to(root): hashlib.sha256(p.read_bytes()).digest() for p in root.rglob("*.*")
+            if p.is_file()}  # fmt: skip
+
+
+def test_rooms_are_written_alike_every_time_and_read_by_the_one_reader(tmp_path):
+    once = write_rooms(tmp_path / "rooms")
+    assert write_rooms(tmp_path / "rooms") == once == write_rooms(tmp_path / "again")
+    tree, expected = Hypersim(tmp_path / "rooms"), picture(np.random.default_rng(0))
+    view = tree.views[1]
+    frame = tree.frame(view)
+    np.testing.assert_array_equal(frame.depth, expected["depth"])  # every bit
+    np.testing.assert_allclose(frame.intensity, expected["color"][..., 1], rtol=2.0**-11)
+    np.testing.assert_allclose(tree.array(view, "normal"), expected["normal"], atol=2.0**-11)
+    np.testing.assert_array_equal(tree.array(view, "instance"), expected["instance"])
+    np.testing.assert_allclose(frame.camera, [41.6, 41.6, 24, 20])
+    assert frame.note == ""
+    assert [v.name for v in tree.split()["test"]] == ["room_000_001/cam_00/0000"]
+    assert all(view_exists(tree.root, *view[:3]) for view in tree.views)
+    view.file(tree.root, "normal").unlink()
+    assert not view_exists(tree.root, *view[:3])
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_shapes_that_do_not_fit_are_refused(tmp_path, rng, kind):
+    with pytest.raises(ValueError, match=r"room cam_00 frame 3\. Render"):
+        write_view(tmp_path, "room", "cam_00", 3, **(picture(rng) | {kind: np.ones((2, 5))}))

@@ -252,7 +252,7 @@ def camera_from_projection(
     """
     given, flip = np.asarray(projection, float), np.diag([1.0, -1.0, -1.0])
     rays = flip @ given @ [[2 / shape[1], 0, -1], [0, -2 / shape[0], 1], [0, 0, 1]]
-    if not np.linalg.det(rays) > 0:  # false for NaN as well
+    if not (np.isfinite(rays).all() and np.linalg.det(rays) > 0):
         raise ValueError(
             f"Expected a projection M_cam_from_uv that shows what lies ahead, got "
             f"{given.tolist()}. Check the table of camera parameters."

@@ -1,0 +1,207 @@
+"""Noise of a phase map read, averaged, drawn and matched, against noise that is known."""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+import cmtof
+from cmtof.bounds import phase_bound, phase_spread, simulated_phase_noise
+from cmtof.correlation import TAU, centred, depth_from_phase, wrapped
+from cmtof.noise import (
+    LineNoise,
+    denoise,
+    fit_line_noise,
+    fit_response,
+    intensity_from_phase_noise,
+    linear_from_spread,
+    local_phase_noise,
+    local_residual,
+    noise_from_spectrum,
+    power_spectrum,
+    sigma_from_phase_noise,
+    typical_phase_noise,
+)
+from cmtof.scenes import Frame
+from cmtof.simulation import QUADRATURES
+
+SHAPE = (96, 80)
+EVERYWHERE = np.ones(SHAPE, bool)
+
+
+def surface(size=300):
+    """A curved phase of dozens of wraps, rad, whose third derivative is nil."""
+    y, x = np.mgrid[:size, :size] / size
+    return 90 * x**2 + 70 * x * y + 40 * y
+
+
+def noisy(sigma, seed, phase):
+    return wrapped(phase + sigma * np.random.default_rng(seed).standard_normal(phase.shape))
+
+
+def interval(freedom):
+    """Mean of so many squares of unit noise, 99.9 %."""
+    return chi2.ppf([5e-4, 1 - 5e-4], freedom) / freedom
+
+
+# --- fits and averages
+
+
+@pytest.mark.parametrize(("sigma", "window"), [(0.05, 5), (0.134, 7), (0.3, 5)])
+def test_local_noise_is_the_known_noise(sigma, window):
+    """Disjoint windows are independent: their sum of squares is chi-squared."""
+    noise = local_phase_noise(noisy(sigma, 1, surface()), window=window)
+    assert np.isnan(noise[: window // 2]).all() and np.isnan(noise[:, -(window // 2) :]).all()
+    apart = noise[window // 2 :: window, window // 2 :: window]
+    apart = apart[np.isfinite(apart)]
+    low, high = interval(apart.size * (window**2 - 6))
+    assert low < np.mean(apart**2) / sigma**2 < high
+
+
+@pytest.mark.parametrize(("sigma", "window"), [(0.134, 3), (0.134, 5), (0.4, 5), (0.134, 9)])
+def test_averaging_brings_white_noise_down_by_the_window(sigma, window):
+    """On a plane the error is sigma / window (of the phasor's transverse part)."""
+    plane = np.add.outer(-0.27 * np.arange(300), 0.61 * np.arange(300))
+    error = centred(denoise(noisy(sigma, 2, plane), window=window).phase - plane)
+    # every other window: neighbouring ones share the error of their slope
+    apart = error[window : -window : 2 * window, window : -window : 2 * window].ravel()
+    # exp(i e) with Gaussian e: transverse variance over squared mean, per sample
+    transverse = (1 - np.exp(-2 * sigma**2)) / 2 / np.exp(-(sigma**2))
+    low, high = interval(apart.size)
+    assert low < np.mean(apart**2) * window**2 / transverse < high
+
+
+def test_curvature_shifts_by_the_documented_bias():
+    y, x = np.mgrid[:41, :41]
+    kappa, window = 0.01, 7
+    phase = kappa / 2 * ((x - 20.0) ** 2 + (y - 20.0) ** 2)
+    bias = centred(denoise(phase, window=window).phase - phase)[20, 20]
+    assert bias == pytest.approx(kappa * (window**2 - 1) / 12, rel=0.02)
+
+
+def test_coherence_falls_with_noise_and_at_edges():
+    plane = np.add.outer(0.2 * np.arange(300), 0.5 * np.arange(300))
+    seen = np.median(denoise(noisy(0.3, 3, plane), window=9).coherence)
+    assert seen == pytest.approx(np.exp(-(0.3**2) / 2), rel=0.01)
+    plane[:, 150:] += np.pi
+    coherence = denoise(plane).coherence
+    assert coherence[50, 150] < 0.9 < coherence[50, 20]
+
+
+@pytest.mark.parametrize("window", [5, 9])
+def test_surfaces_up_to_third_order_leave_nothing_and_ripples_their_response(window):
+    y, x = np.mgrid[:96, :96]
+    cubic = 1e-5 * (x - 48.0) ** 3 - 2e-5 * (x - 48.0) * y * y + 0.5 * y - 1.1 * x
+    assert np.nanmax(np.abs(local_residual(wrapped(cubic), window=window))) < 1e-8
+    response = fit_response((96, 96), window=window)
+    for ky, kx in ((0, 7), (12, 5), (30, 48)):
+        ripple = 1e-4 * np.cos(TAU * (ky * y + kx * x) / 96)
+        left = local_residual(wrapped(0.3 * x - 0.2 * y + ripple), window=window)
+        known = np.isfinite(left)
+        np.testing.assert_allclose(left[known], (response[ky, kx] * ripple)[known], atol=1e-9)
+
+
+@pytest.mark.parametrize(("window", "kept"), [(3, 4 / 9), (5, 148 / 175)])
+def test_white_noise_leaves_the_share_of_savitzky_and_golay(window, kept):
+    """Their smoothing gives its centre 5/9 in 3 x 3 and 27/175 in 5 x 5; the rest is left."""
+    response = fit_response(SHAPE, window=window)
+    assert abs(response[0, 0]) < 1e-12
+    assert np.mean(response) == pytest.approx(kept)
+    assert np.mean(response**2) == pytest.approx(kept)  # a projector: K * K = K
+
+
+# --- spectra
+
+
+def part():
+    """A mask with a hole, an edge and a notch."""
+    y, x = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    return (np.hypot(y - 50, x - 45) > 20) & (x > 6) & (x < 76) & (y > 3) & (y < 90)
+
+
+def test_spectrum_of_white_noise_is_flat_and_its_mean_is_the_mean_square():
+    values = 0.13 * np.random.default_rng(3).standard_normal(SHAPE)
+    held = power_spectrum(np.where(part(), values, np.nan), part())
+    assert held.mean() == pytest.approx(np.mean(values[part()] ** 2))
+    # each is the mean of 96 exponential laws: chi-squared, 99.9 % for all 39 at once
+    along = power_spectrum(values, EVERYWHERE).mean(axis=0)[1:40]
+    low, high = chi2.ppf([5e-4 / 39, 1 - 5e-4 / 39], 2 * SHAPE[0]) / (2 * SHAPE[0])
+    assert along.min() / 0.13**2 > low and along.max() / 0.13**2 < high
+
+
+@pytest.mark.parametrize(
+    ("noise", "lag", "correlation"),
+    [
+        (LineNoise(0.1, 0.0, 0.4, 0.3), (1, 0), 0.4),
+        (LineNoise(0.1, 0.0, 0.4, 0.3), (1, 1), 0.12),
+        (LineNoise(0.3, 0.4, 0.0, 0.0), (17, 0), 0.64),
+        (LineNoise(0.3, 0.4, 0.0, 0.0), (0, 1), 0.0),
+    ],
+)
+def test_line_noise_correlates_as_its_numbers(noise, lag, correlation):
+    covariance = np.fft.ifft2(noise.spectrum(SHAPE)).real
+    assert covariance[lag] / covariance[0, 0] == pytest.approx(correlation, abs=1e-12)
+    assert covariance[0, 0] == pytest.approx(noise.white**2 + noise.line**2)
+
+
+@pytest.mark.parametrize(
+    "known", [LineNoise(0.12, 0.03, 0.1, 0.05), LineNoise(0.08, 0.03, 0.45, 0.0)]
+)
+def test_line_noise_is_found_again(known):
+    """Within a mask, behind the fit: mean of six draws, to four of its standard errors."""
+    rng, found = np.random.default_rng(9), []
+    for _ in range(6):
+        drawn = noise_from_spectrum(known.spectrum(SHAPE), rng=rng)
+        found.append(fit_line_noise(local_residual(wrapped(drawn)), part()))
+    mean, error = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(6)
+    floors = [0.002, 0.006, 0.02, 0.02]  # what finite windows bias
+    assert (np.abs(mean - known) < 4 * error + floors).all()
+
+
+# --- the simulator's noise
+
+
+@pytest.mark.parametrize("intensity", [0.3, 1.0])
+@pytest.mark.parametrize("sigma", [300.0, 2000.0])
+def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity):
+    noise = phase_spread(float(simulated_phase_noise(intensity, sigma=sigma)))
+    assert sigma_from_phase_noise(noise, intensity=intensity) == pytest.approx(sigma, rel=1e-8)
+    assert intensity_from_phase_noise(noise, sigma) == pytest.approx(intensity, rel=1e-8)
+
+
+def test_gaussian_noise_keeps_to_the_bound_and_its_law_is_inverted():
+    bound = phase_bound(20_000 / np.pi, 10_000.0, QUADRATURES, sigma=1200, phase=np.pi / 4)
+    assert phase_spread(float(simulated_phase_noise(1.0))) == pytest.approx(float(bound), rel=0.012)
+    for linear in (1e-4, 0.5, 3.0, 20.0):
+        assert linear_from_spread(phase_spread(linear)) == pytest.approx(linear, rel=1e-6)
+
+
+def test_sigma_is_found_in_a_simulated_map_despite_outliers():
+    """The median of all windows is at least as good as the mean square of 40 % of disjoint ones."""
+    depth = 0.6 + depth_from_phase(surface(240), 7.15e9)
+    seen = cmtof.simulate(Frame(depth, 0.6 + 0 * depth), protocol="full", noise=500, seed=1)
+    phase = seen.phase[0].copy()
+    phase[::40, ::40] += 2.0
+    noise = typical_phase_noise(phase, np.ones(phase.shape, bool))
+    low, high = np.sqrt(interval(0.4 * 19 * (240 / 5) ** 2))
+    assert low - 0.01 < sigma_from_phase_noise(noise, intensity=0.6) / 500 < high + 0.03
+
+
+def test_what_cannot_be_is_refused_in_one_line():
+    flat = np.zeros((30, 30))
+    for call, message in (
+        (lambda: sigma_from_phase_noise(1.9), r"phase noise between 0 and 1\.81 rad"),
+        (
+            lambda: sigma_from_phase_noise(0.1, intensity=[0.01, 1]),
+            r"brightness of 0\.0\d+ or more",
+        ),
+        (lambda: typical_phase_noise(flat, flat > 0), "whole windows of 5 px"),
+        (lambda: denoise(flat, window=4), "odd window of 3 px or more, got 4"),
+        (lambda: local_phase_noise(np.zeros((2, 9, 9))), r"phase map \(H, W\)"),
+        (
+            lambda: power_spectrum(flat / np.where(flat, 1, np.nan), flat == 0),
+            "finite values within",
+        ),
+        (lambda: power_spectrum(flat, np.ones((4, 5), bool)), "finite values within"),
+    ):
+        with pytest.raises(ValueError, match=f"Expected .*{message}"):
+            call()

@@ -1,0 +1,34 @@
+"""Points of a depth map, and their file."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cmtof.pointcloud import points_from_depth, write_ply
+
+CAMERA = [50.0, 60.0, 8.0, 6.0]
+
+
+@given(st.floats(0.1, 10), st.integers(0, 15), st.integers(0, 11))
+def test_points_lie_at_their_range_on_their_ray(depth, x, y):
+    point = points_from_depth(np.full((12, 16), depth), CAMERA)[y, x]
+    assert np.linalg.norm(point) == pytest.approx(depth)
+    assert point[0] / point[2] * 50 + 8 == pytest.approx(x + 0.5)
+    assert point[1] / point[2] * 60 + 6 == pytest.approx(y + 0.5)
+
+
+def test_ply_holds_every_finite_pixel(tmp_path, rng):
+    depth = rng.uniform(1, 2, (12, 16))
+    depth[3, 4] = np.nan
+    count = write_ply(
+        tmp_path / "c.ply", depth, CAMERA, brightness=np.ones((12, 16)), confidence=depth / 4
+    )
+    head, body = (tmp_path / "c.ply").read_bytes().split(b"end_header\n", 1)
+    assert f"element vertex {count}\n".encode() in head and count == 191
+    record = np.dtype([("xyz", "<f4", 3), ("rgb", "u1", 3), ("confidence", "<f4")])
+    vertices = np.frombuffer(body, record)
+    held = depth[np.isfinite(depth)]
+    np.testing.assert_allclose(np.linalg.norm(vertices["xyz"], axis=1), held, rtol=1e-6)
+    np.testing.assert_allclose(vertices["confidence"], held / 4, rtol=1e-6)
+    assert (vertices["rgb"] == 255).all()
