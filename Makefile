@@ -24,7 +24,7 @@ CHATTER := $(CHATTER)|^(Finished jobid|Elapsed time|Complete log|\[.*20[0-9][0-9
 build = mkdir -p build && $(ONE_AT_A_TIME)$(SNAKEMAKE) --config profile=$(1) 2>&1 | \
 	{ grep --line-buffered -vE '$(CHATTER)' || true; }
 
-.PHONY: help setup book figures test test-slow test-book size lab lint pairs reference bench lock clean
+.PHONY: help setup book figures test test-slow test-book fuzz size lab lint pairs reference bench lock clean
 
 help: ## List what can be made
 	@echo "make TARGET [PROFILE=ci|book|paper] [CORES=$(CORES)]"; echo
@@ -49,6 +49,9 @@ test-slow: setup ## The long tests: kills at random moments, sweeps over seeds, 
 
 test-book: setup ## Read the built book in a browser without a network
 	@$(BIN)/python -m pytest tests/reader
+
+fuzz: setup ## Five thousand hostile inputs for the command line
+	@$(BIN)/python tests/hostile/fuzz.py 5000
 
 size: setup ## Lines of every part beside its budget
 	@$(BIN)/python tools/size.py
