@@ -133,7 +133,7 @@ approximations = (
 )
 titles = (r"$\theta_h$ = 11.25°, 7.15 GHz", r"$\theta_h$ = 22.5°, 7.16 → 14.32 GHz")
 printed_line = axes[0, 1].plot(
-    picoseconds(doubled, cycles), doubled_mode_taylor(theta_axis, eta=eta, as_printed=True)
+    picoseconds(doubled, cycles), doubled_mode_taylor(theta_axis, eta=eta) / 2
 )[0]
 printed_line.set(color=plotting.PALETTE["orange"], ls=":", label="Eq. 19 as printed")
 for ax, mode, taylor, title in zip(axes[0], (single, doubled), approximations, titles, strict=True):

@@ -33,6 +33,7 @@ import numpy as np
 import sympy as sp
 from IPython.display import Markdown
 from myst_nb import glue
+from scipy.signal import lfilter
 from scipy.stats import norm
 
 from cmtof import bounds, correlation, detector, waveform
@@ -368,9 +369,9 @@ contrasts = 8 * np.abs(single_mode_harmonics(rising, 1)[:, 1]) ** 2  # 2 |W‚ÇÅ|¬
 needed = float(np.interp(2 / np.pi, contrasts, rising))
 variance = GAIN * 2.0 * counts / 2 + NOISE_SIGMA**2  # gain 20, excess noise F = 2
 with_gain = float(bounds.linear_phase_noise(counts / np.pi, variance, 4))
-avalanche = detector.avalanche(
-    np.full(samples, counts / 2 / GAIN), gain=GAIN, excess_noise=2.0, rng=rng
-)
+# an avalanche with F = 2 gives each electron an exponential factor of mean G
+primaries = rng.poisson(counts / 2 / GAIN, samples)
+avalanche = rng.gamma(primaries, GAIN)
 erratum(
     6,
     "Eq. 8",
@@ -433,7 +434,8 @@ rc = said("sec7.rc_time")
 damping = float(1 / abs(detector.rc_response(sweep, rc)))
 turns = np.arange(60 * steps * blocks) / (steps * blocks)  # many sweeps: the start has faded
 staircase = np.cos(2 * np.pi * np.floor(turns * steps) / steps)
-behind = detector.rc_filter(staircase, interval=interval, time_constant=rc)
+keep = np.exp(-interval / rc)
+behind = lfilter([1 - keep], [1, -keep], staircase)
 last = slice(-2 * steps * blocks, None)
 swing = float(np.ptp(staircase[last]) / np.ptp(behind[last]))
 erratum(

@@ -103,13 +103,6 @@ def test_more_steps_and_less_noise_never_hurt():
     assert many == pytest.approx(few / 2, rel=1e-3)
 
 
-def test_depth_bound_falls_with_frequency():
-    low, high = (
-        bounds.depth_bound(900.0, 1500.0, PSI, sigma=50.0, frequency=f) for f in (1e8, 1e10)
-    )
-    assert low / high == pytest.approx(100.0)
-
-
 @pytest.mark.parametrize("intensity", [1.0, 0.7])
 def test_odds_of_one_pixel_equal_counting(rng, intensity):
     """Draw phases by the Gaussian phasor's law and let the beat choose the wrap."""

@@ -13,7 +13,6 @@ lossless = st.one_of(
     st.builds(jones.retarder, angle, angle),
     st.builds(jones.half_wave_plate, angle),
     st.builds(jones.quarter_wave_plate, angle),
-    st.builds(jones.rotator, angle),
     st.builds(
         lambda v, g, e: jones.eom(v, static_retardance=g, angle_error=e), angle, angle, angle
     ),
@@ -46,9 +45,13 @@ def test_retarders_on_one_axis_add_up(first, second, axis):
     np.testing.assert_allclose(both, jones.retarder(first + second, axis), atol=1e-14)
 
 
+def rotation(angle):
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
 @given(angle, angle)
 def test_retarder_is_its_diagonal_form_turned_by_its_angle(retardance, axis):
-    turned = jones.compose(jones.rotator(-axis), jones.eom(retardance), jones.rotator(axis))
+    turned = jones.compose(rotation(-axis), jones.eom(retardance), rotation(axis))
     np.testing.assert_allclose(jones.retarder(retardance, axis), turned, atol=1e-14)
 
 
@@ -116,15 +119,10 @@ def test_ideal_beam_splitter_sorts_horizontal_from_vertical():
 
 
 @given(angle, angle)
-def test_linear_polariser_obeys_malus(axis, tilt):
-    out = jones.apply(jones.linear_polariser(axis), jones.linear_polarisation(tilt))
+def test_a_turned_beam_splitter_obeys_malus(axis, tilt):
+    turned = jones.polarising_beam_splitter("transmitted", angle_error=axis)
+    out = jones.apply(turned, jones.linear_polarisation(tilt))
     assert jones.intensity(out) == pytest.approx(np.cos(axis - tilt) ** 2, abs=1e-14)
-
-
-def test_crossed_polariser_leaks_its_extinction_ratio():
-    leaky = jones.linear_polariser(0.4, extinction_ratio=1000)
-    out = jones.apply(leaky, jones.linear_polarisation(0.4 + np.pi / 2))
-    assert jones.intensity(out) == pytest.approx(1e-3, rel=1e-12)
 
 
 def test_mirror_keeps_its_reflectance_and_turns_the_vertical():
@@ -142,7 +140,7 @@ def test_parameters_broadcast_against_each_other():
 
 
 def test_compose_takes_elements_in_the_order_of_the_light():
-    first, second = jones.retarder(0.3, 0.2), jones.rotator(0.5)
+    first, second = jones.retarder(0.3, 0.2), rotation(0.5)
     np.testing.assert_array_equal(jones.compose(first, second), second @ first)
 
 
@@ -152,7 +150,6 @@ def test_compose_takes_elements_in_the_order_of_the_light():
         (lambda: jones.compose(), "at least one Jones matrix"),
         (lambda: jones.mirror(1.2), "reflectance from 0 to 1"),
         (lambda: jones.mirror(np.nan), "reflectance from 0 to 1"),
-        (lambda: jones.linear_polariser(0, extinction_ratio=1), "above 1"),
         (lambda: jones.polarising_beam_splitter("up"), "'transmitted' or 'reflected'"),
         (
             lambda: jones.polarising_beam_splitter("reflected", reflected_extinction=np.nan),

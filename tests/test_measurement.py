@@ -1,5 +1,10 @@
 """Measurement: what goes in comes out; whatever is wrong is said in one line."""
 
+import errno
+import subprocess
+import sys
+
+import h5netcdf
 import numpy as np
 import pytest
 import xarray as xr
@@ -83,6 +88,11 @@ def with_values(change):
         (with_values(lambda v: v.__setitem__((1, 2, 0, 0), np.inf)), "finite correlation"),
         (with_values(lambda v: v.__isub__(5000)), "counts >= 0 up to noise"),
         (with_values(lambda v: v.__setitem__((0, slice(None), 2, 2), -900)), "1 pixels whose mean"),
+        (stack().astype(str), "numbers as correlation"),
+        (stack().astype(complex), "numbers as correlation"),
+        (stack().astype("datetime64[s]"), "numbers as correlation"),
+        (np.zeros((2, 4, 5, 6), [("a", "f4")]), "numbers as correlation"),
+        (np.zeros((2, 4, 5, 6), "V4"), "numbers as correlation"),
     ],
 )
 def test_bad_samples_are_refused(values, message):
@@ -125,6 +135,10 @@ def test_saturated_counts_are_refused():
         ((-7.15e9, 14.32e9), "frequencies > 0 Hz"),
         ((np.nan, 14.32e9), "frequencies > 0 Hz"),
         ((14.32e9, 7.15e9), "rising order"),
+        ((7.15e9, 1e15), "up to 1e[+]12 Hz"),
+        ((7.15e9, 10**400), "numbers as frequencies"),
+        (("7.15e9", "14.32e9"), "numbers as frequencies"),
+        ((7.15e9, 7.15e9 + 1), "at most 10000 wraps"),
     ],
 )
 def test_bad_frequencies_are_refused(frequencies, message):
@@ -157,6 +171,10 @@ def test_bad_psi_is_refused(psi, message):
         (lambda d: d.assign(camera=(("parameter",), [1.0, 2.0])), "camera"),
         (lambda d: d.assign_attrs(range_min=2.0, range_max=1.0), "range_min < range_max"),
         (lambda d: d.assign_attrs(range_max=np.nan), "range_min < range_max"),
+        (lambda d: d.assign_attrs(range_max="far"), "range_min < range_max"),
+        (lambda d: d.assign_attrs(range_max=1e6), "at most 10000 wraps"),
+        (lambda d: d.assign(depth=(("y", "x"), np.full((5, 6), "a"))), "numbers as depth"),
+        (lambda d: d.assign(mask=(("y", "x"), np.ones((5, 6), complex))), "numbers as mask"),
     ],
 )
 def test_misshapen_datasets_are_refused(change, message):
@@ -187,6 +205,51 @@ def test_truncated_files_end_in_one_sentence(tmp_path, measurement_file, share):
     path.write_bytes(whole[: int(share * len(whole))])
     with pytest.raises(ValueError, match="Expected a whole netCDF4 file"):
         cmtof.open(path)
+
+
+def test_damaged_files_open_or_end_in_one_sentence_and_print_nothing(
+    tmp_path, measurement_file, rng, capfd
+):
+    """Bytes overwritten anywhere; the destructor of h5netcdf adds no traceback of its own."""
+    whole = np.frombuffer(measurement_file.read_bytes(), np.uint8)
+    refused = 0
+    for trial in range(30):
+        damaged = whole.copy()
+        places = rng.integers(0, 4000 if trial % 2 else damaged.size, 20)
+        damaged[places] = rng.integers(0, 256, 20)
+        (tmp_path / "damaged.nc").write_bytes(damaged.tobytes())
+        try:
+            cmtof.open(tmp_path / "damaged.nc")
+        except ValueError as error:
+            assert str(error).startswith("Expected ") and "\n" not in str(error)
+            refused += 1
+    assert refused > 5
+    assert capfd.readouterr().err == ""
+
+
+def test_a_header_that_claims_too_much_is_refused_before_it_is_read(tmp_path):
+    huge = h5netcdf.File(tmp_path / "huge.nc", "w")
+    huge.dimensions = {"y": 10**6, "x": 10**6}
+    huge.create_variable("depth", ("y", "x"), "f8", chunks=(1000, 1000))
+    huge.close()
+    with pytest.raises(ValueError, match="its header claims 8e[+]12 bytes"):
+        cmtof.open(tmp_path / "huge.nc")
+
+
+def test_a_full_disk_ends_in_an_error_and_leaves_nothing(tmp_path, measured):
+    """HDF5 itself would end the process; a limit on the size of files stands for the disk."""
+    code = (
+        "import resource, signal, sys, cmtof\n"
+        "m = cmtof.open(sys.argv[1])\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n"
+        "try:\n    m.save(sys.argv[2])\nexcept OSError as error:\n    print(error.errno)"
+    )
+    measured.save(tmp_path / "in.nc")
+    command = [sys.executable, "-c", code, tmp_path / "in.nc", tmp_path / "out.nc"]
+    ran = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert int(ran.stdout) == errno.EFBIG and ran.stderr == ""
+    assert [p.name for p in tmp_path.iterdir()] == ["in.nc"]
 
 
 def test_missing_and_misnamed_files(tmp_path):

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import integrate, special
 
 from cmtof.constants import GAIN, INTEGRATION_TIME, NOISE_SIGMA
-from cmtof.correlation import TAU, depth_from_phase
+from cmtof.correlation import TAU
 
 Array = NDArray[np.floating]
 
@@ -22,22 +22,8 @@ def fisher_information(
 
     With mean ``mu_k = offset + a cos(phi + psi_k)`` and variance ``v_k = mu_k + sigma^2``, the
     noise Gaussian (many counts): ``I = sum_k (1/v_k + 1/(2 v_k^2)) grad mu_k grad mu_k^T``, the
-    second term because the variance, too, tells about the mean.
-
-    Parameters
-    ----------
-    amplitude, offset : array_like, shape (...)
-        Counts.
-    psi : array_like, shape (K,)
-        Reference phases, rad.
-    sigma : float
-        Gaussian noise, counts.
-    phase : array_like, shape (...)
-        rad.
-
-    Returns
-    -------
-    ndarray, shape (..., 3, 3)
+    second term because the variance, too, depends on the mean. Amplitude and offset (...) and
+    sigma in counts, ``psi`` (K,) and ``phase`` (...) in rad; the result is (..., 3, 3).
     """
     a, d, phi = np.broadcast_arrays(*(np.asarray(x, float) for x in (amplitude, offset, phase)))
     angle = phi[..., None] + np.asarray(psi, float)
@@ -65,20 +51,6 @@ def phase_bound(
     """
     information = fisher_information(amplitude, offset, psi, sigma=sigma, phase=phase)
     return np.sqrt(np.linalg.inv(information)[..., 0, 0])
-
-
-def depth_bound(
-    amplitude: ArrayLike,
-    offset: ArrayLike,
-    psi: ArrayLike,
-    *,
-    sigma: float,
-    frequency: float,
-    phase: ArrayLike = 0.0,
-) -> Array:
-    """Cramer-Rao bound on the depth within a wrap, ``c sigma_phi / 4 pi f``, m."""
-    bound = phase_bound(amplitude, offset, psi, sigma=sigma, phase=phase)
-    return depth_from_phase(bound, frequency)
 
 
 def linear_phase_noise(amplitude: ArrayLike, variance: ArrayLike, steps: int) -> Array:
@@ -112,14 +84,8 @@ def phase_density(error: ArrayLike, linear_noise: float) -> Array:
     .. math:: p(\theta) = \frac{e^{-\rho^2/2}}{2\pi} + \frac{\rho\cos\theta}{\sqrt{2\pi}}
               e^{-\rho^2\sin^2\theta/2}\,\Phi(\rho\cos\theta)
 
-    with ``rho = 1 / linear_noise``, amplitude over the noise of one component.
-
-    Parameters
-    ----------
-    error : array_like
-        Phase error in [-pi, pi], rad.
-    linear_noise : float
-        `linear_phase_noise`, rad.
+    with ``rho = 1 / linear_noise``, amplitude over the noise of one component; error in
+    [-pi, pi], rad.
     """
     rho = 1 / linear_noise
     along = rho * np.cos(error)
@@ -138,7 +104,7 @@ def phase_spread(linear_noise: float) -> float:
     >>> round(phase_spread(0.445) / 0.445, 2)
     1.18
     """
-    # the density is a peak of width linear_noise: tell the quadrature where to look
+    # the density is a peak of width linear_noise: the quadrature starts from it
     edges = [min(np.pi, m * linear_noise) for m in (1, 4, 10)]
     moment = integrate.quad(
         lambda t: t**2 * phase_density(t, linear_noise), 0, np.pi, points=edges, epsabs=1e-13
@@ -154,12 +120,7 @@ def wrap_noise(
     .. math:: \sigma_n = \frac{\sqrt{f_1^2\sigma_2^2 + f_2^2\sigma_1^2}}{2\pi\,\Delta},\quad
               \Delta = |f_2 - k f_1|,\ k = \mathrm{round}(f_2/f_1)
 
-    Parameters
-    ----------
-    noise_low, noise_high : array_like
-        Phase noise at the lower and the higher frequency, rad.
-    frequencies : (float, float)
-        Lower and higher modulation frequency, Hz.
+    from the phase noise at the lower and the higher frequency, rad.
 
     Examples
     --------

@@ -39,20 +39,11 @@ def correlation_from_harmonics(
     ----------
     emitted, reference : array_like, shape (K + 1,)
         Complex coefficients of p and r, ``w = W_0 + 2 Re sum_k W_k exp(i k theta)``.
-    phase : array_like
-        Phase of the light's round trip at the modulation frequency, rad.
-    psi : array_like
-        Reference phase, rad; broadcast against ``phase``.
-    beat_phase : array_like
-        Heterodyne only: ``2 pi (f_r - f_p) t`` in the middle of the exposure, rad.
-    beat_cycles : float
-        Heterodyne only: ``(f_r - f_p) T``, beat periods within one exposure, which damp
-        harmonic k by ``sinc(k b)``.
-
-    Returns
-    -------
-    ndarray
-        Time-averaged correlation, in the product of the waveforms' units.
+    phase, psi : array_like
+        Phase of the light's round trip and reference phase, rad, broadcast.
+    beat_phase, beat_cycles : array_like, float
+        Heterodyne only: ``2 pi (f_r - f_p) t`` in the middle of the exposure, rad, and
+        ``b = (f_r - f_p) T``, the beat periods within one exposure.
 
     Examples
     --------
@@ -75,20 +66,9 @@ def correlation_from_harmonics(
 def correlation_from_phase(
     phase: ArrayLike, psi: ArrayLike, *, amplitude: ArrayLike = 1.0, offset: ArrayLike = 0.0
 ) -> Array:
-    """Sinusoidal correlation ``offset + amplitude cos(phi + psi)`` (Eq. 4, 8 and 20).
+    """Sinusoidal correlation ``offset + amplitude cos(phi + psi)`` (Eq. 4, 8 and 20), (K, ...).
 
-    Parameters
-    ----------
-    phase : array_like, shape (...)
-        Phase, rad.
-    psi : array_like, shape (K,)
-        Reference phases, rad.
-    amplitude, offset : array_like, shape (...)
-        Coefficient of the cosine and mean, counts.
-
-    Returns
-    -------
-    ndarray, shape (K, ...)
+    ``phase`` (...) and ``psi`` (K,) in rad, ``amplitude`` and ``offset`` (...) in counts.
     """
     phase, psi = np.asarray(phase), np.asarray(psi)
     steps = psi.reshape((-1,) + (1,) * phase.ndim).astype(phase.dtype, copy=False)
@@ -116,16 +96,8 @@ def cyclic_error(
     """Phase error that the waveforms' harmonics cause with ``samples`` uniform steps of psi, rad.
 
     Harmonics k = 1 + m*samples and k = m*samples - 1 alias onto the fundamental; four samples
-    keep the third harmonic, sixteen lose it.
-
-    Parameters
-    ----------
-    emitted, reference : array_like, shape (K + 1,)
-        Complex Fourier coefficients as in `correlation_from_harmonics`.
-    phase : array_like, shape (...)
-        True phases, rad.
-    samples : int
-        Number of uniform steps over 2 pi, at least 3.
+    keep the third harmonic, sixteen lose it. Waveforms (K + 1,) as in
+    `correlation_from_harmonics`, true ``phase`` (...) in rad.
     """
     psi = TAU * np.arange(samples) / samples
     phase = np.asarray(phase, float)
@@ -140,7 +112,7 @@ def cyclic_error(
 
 
 class Decoded(NamedTuple):
-    """What one period of a correlation tells: C = offset + amplitude cos(phase + psi)."""
+    """Offset, amplitude and phase of ``C = offset + amplitude cos(phase + psi)``."""
 
     phase: Array
     """Wrapped phase in [0, 2 pi), rad."""
@@ -159,22 +131,8 @@ class Decoded(NamedTuple):
 def decoding_weights(psi: ArrayLike) -> Array:
     """Least-squares weights of (offset, in-phase, quadrature) for any set of reference phases.
 
-    ``C = d + x cos(psi) - y sin(psi)`` with ``x + i y = a exp(i phi)``; no order or number of
-    ``psi`` is assumed.
-
-    Parameters
-    ----------
-    psi : array_like, shape (K,)
-        Reference phases, rad.
-
-    Returns
-    -------
-    ndarray, shape (3, K)
-
-    Raises
-    ------
-    ValueError
-        With fewer than three distinct phases, equal phases (modulo 2 pi) or non-finite ones.
+    ``C = d + x cos(psi) - y sin(psi)`` with ``x + i y = a exp(i phi)``: weights (3, K) of phases
+    ``psi`` (K,), rad, in any order and number. Raises the ValueError of `check_psi`.
     """
     psi = np.asarray(psi, float)
     check_psi(psi)
@@ -209,16 +167,15 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
     Parameters
     ----------
     correlation : array_like, shape (K, ...) or (F, K, H, W)
-        Correlations, counts; four axes are always frequency, step, y, x. float32 runs through a
-        compiled kernel near memory speed with a phase error below 5e-6 rad; anything else is
-        computed in float64.
+        Correlations, counts; four axes are always frequency, step, y, x. float32 stays float32,
+        with a phase error below 5e-6 rad; anything else is computed in float64.
     psi : array_like, shape (K,) or (F, K)
         Reference phases, rad, in the order of the data; (K,) serves every frequency.
 
     Returns
     -------
     Decoded
-        Arrays of shape (...) or (F, ...).
+        Arrays of shape (...) or (F, ...); where a correlation is NaN, phase 0 and the others NaN.
 
     Raises
     ------
@@ -243,13 +200,14 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
         )
     if psi.ndim == 1:
         return Decoded(*(field[0] for field in decode(correlation[None], psi[None])))
-    weights = np.stack([decoding_weights(steps) for steps in psi])  # (F, 3, K)
-    if correlation.dtype == np.float32:
-        from cmtof.kernels import decode_float32
-
-        return Decoded(*decode_float32(correlation, weights))
-    offset, x, y = np.einsum("fwk,fk...->wf...", weights, correlation.astype(float, copy=False))
-    return Decoded(wrapped(np.arctan2(y, x)), np.hypot(x, y), offset)
+    if correlation.dtype != np.float32:
+        correlation = correlation.astype(float, copy=False)
+    weights = np.stack([decoding_weights(steps) for steps in psi]).astype(correlation.dtype)
+    fitted = weights @ correlation.reshape(*psi.shape, -1)  # (F, 3, pixels)
+    shape = (len(psi), *correlation.shape[2:])
+    offset, x, y = (fitted[:, k].reshape(shape) for k in range(3))
+    phase = np.nan_to_num(wrapped(np.arctan2(y, x)), copy=False)
+    return Decoded(phase, np.hypot(x, y), offset)
 
 
 def phase_from_correlation(correlation: ArrayLike, psi: ArrayLike) -> Array:
@@ -269,18 +227,13 @@ def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
     """Standard deviation of one sample's noise, counts, from what the fit leaves over.
 
     The median absolute residual of all pixels, scaled to a Gaussian: a typical pixel's noise.
-
-    Parameters
-    ----------
-    correlation : array_like, shape (K, ...)
-        Correlations, counts; many pixels.
-    psi : array_like, shape (K,)
-        Reference phases, rad; more than three, as three are fitted exactly.
+    Correlations (K, ...) of many pixels at more than three phases ``psi`` (K,), rad: three are
+    fitted exactly. Raises ValueError with fewer.
     """
     psi = np.asarray(psi, float)
     if psi.size < 4:
         raise ValueError(
-            f"Expected more than 3 reference phases to tell the noise, got {psi.size}. "
+            f"Expected more than 3 reference phases to estimate the noise, got {psi.size}. "
             "Record more steps."
         )
     fit = np.stack([np.ones_like(psi), np.cos(psi), np.sin(psi)])
@@ -295,16 +248,9 @@ def phase_variance(
 ) -> Array:
     """Variance of the decoded phase to first order in the noise, rad^2.
 
-    For K uniform steps of equal variance v it is ``2 v / (K a^2)``.
-
-    Parameters
-    ----------
-    psi : array_like, shape (K,)
-        Reference phases, rad.
-    phase, amplitude : array_like, shape (...)
-        True (or decoded) phase, rad, and amplitude, counts.
-    variance : array_like, shape (K, ...) or scalar
-        Noise variance of each correlation, counts^2.
+    For K uniform steps of equal variance v it is ``2 v / (K a^2)``. Phases ``psi`` (K,) and
+    ``phase`` (...) in rad, ``amplitude`` (...) in counts, ``variance`` of each correlation (K, ...)
+    or one for all, counts^2.
     """
     weights = decoding_weights(psi)
     phase = np.asarray(phase, float)

@@ -1,4 +1,4 @@
-"""From light to numbers: photon and electronic noise, gain, low-pass integration, ADC.
+"""From light to numbers: photon and electronic noise, low-pass integration, ADC.
 
 All-optical correlation has no charge buckets, so its noise is Poisson-Gaussian (Sec. 5.3); the
 multi-bucket pixel of a correlation camera subtracts two Poisson counts and is Skellam-Gaussian.
@@ -25,7 +25,7 @@ def poisson_gaussian(
     mu: float = 0.0,
     order: NoiseOrder = "paper",
 ) -> Array:
-    """Add photon and Gaussian noise to expected counts (Eq. 8, Sec. 5.3).
+    """Counts with photon and Gaussian noise from their expectation (Eq. 8, Sec. 5.3).
 
     Parameters
     ----------
@@ -87,19 +87,7 @@ def skellam_gaussian(
 ) -> Array:
     """Difference of two charge buckets, Poisson each, plus Gaussian read noise (Sec. 5.3).
 
-    Parameters
-    ----------
-    bucket_a, bucket_b : array_like
-        Expected counts of the two buckets of a multi-bucket pixel.
-    rng : Generator
-        Source of the random numbers.
-    sigma : float
-        Standard deviation of the read noise of the difference, counts.
-
-    Returns
-    -------
-    ndarray
-        Mean ``a - b``, variance ``a + b + sigma^2``.
+    From the expected counts of the two buckets; mean ``a - b``, variance ``a + b + sigma^2``.
     """
     a, b = np.broadcast_arrays(np.asarray(bucket_a, float), np.asarray(bucket_b, float))
     _check_counts(a, sigma)
@@ -108,49 +96,8 @@ def skellam_gaussian(
     return difference + sigma * rng.standard_normal(a.shape)
 
 
-def avalanche(
-    electrons: ArrayLike, *, gain: float, excess_noise: float = 1.0, rng: Generator
-) -> Array:
-    """Photo-electrons multiplied by an avalanche gain with excess noise F.
-
-    Each electron gains an independent factor of mean G and second moment F G^2, drawn from a
-    gamma law of these moments. Mean ``G N``, variance ``F G^2 N``; Eq. 8 puts Poisson noise
-    on the gained counts, whose variance ``G N`` lacks a factor ``F G`` (see the errata).
-
-    Parameters
-    ----------
-    electrons : array_like
-        Expected photo-electrons N before the gain.
-    gain : float
-        Mean gain G > 0.
-    excess_noise : float
-        Excess noise factor F >= 1.
-    rng : Generator
-        Source of the random numbers.
-    """
-    if not (gain > 0 and excess_noise >= 1):
-        raise ValueError(
-            f"Expected gain > 0 and excess noise >= 1, got {gain} and {excess_noise}. "
-            "A noiseless multiplication has F = 1."
-        )
-    electrons = np.asarray(electrons, float)
-    _check_counts(electrons, 0.0)
-    primaries = rng.poisson(electrons)
-    spread = excess_noise - 1
-    if spread == 0:
-        return gain * primaries.astype(float)
-    return rng.gamma(primaries / spread, gain * spread)
-
-
 def rc_response(frequency: ArrayLike, time_constant: float) -> NDArray[np.complexfloating]:
-    """Complex response ``1 / (1 + i 2 pi f t_RC)`` of a first-order low-pass (Sec. 7.2).
-
-    Parameters
-    ----------
-    frequency : array_like
-        Hz.
-    time_constant : float
-        ``t_RC``, s.
+    """Complex response ``1 / (1 + i 2 pi f t_RC)`` of a first-order low-pass, Hz and s (Sec. 7.2).
 
     Examples
     --------
@@ -162,60 +109,10 @@ def rc_response(frequency: ArrayLike, time_constant: float) -> NDArray[np.comple
     return 1 / (1 + 2j * np.pi * np.asarray(frequency) * time_constant)
 
 
-def rc_filter(signal: ArrayLike, *, interval: float, time_constant: float) -> Array:
-    """First-order low-pass of a sampled signal along its last axis, exact for held samples.
-
-    Parameters
-    ----------
-    signal : array_like, shape (..., N)
-        Samples, each held for ``interval``.
-    interval, time_constant : float
-        Sampling interval and ``t_RC``, s.
-
-    Returns
-    -------
-    ndarray, shape (..., N)
-        Output at the end of each interval, starting from rest.
-    """
-    from scipy.signal import lfilter
-
-    keep = np.exp(-interval / time_constant)
-    return np.asarray(lfilter([1 - keep], [1, -keep], np.asarray(signal, float), axis=-1))
-
-
-def integrate(signal: ArrayLike, samples: int) -> Array:
-    """Mean over consecutive blocks of ``samples`` (20 a phase in Sec. 7.2); a rest is dropped.
-
-    Parameters
-    ----------
-    signal : array_like, shape (..., N)
-    samples : int
-        Block length, between 1 and N.
-
-    Returns
-    -------
-    ndarray, shape (..., N // samples)
-    """
-    signal = np.asarray(signal, float)
-    blocks = signal.shape[-1] // samples if samples >= 1 else 0
-    if blocks == 0:
-        raise ValueError(
-            f"Expected 1 to {signal.shape[-1]} samples a block, got {samples}. Record more."
-        )
-    return signal[..., : blocks * samples].reshape(*signal.shape[:-1], blocks, samples).mean(-1)
-
-
 def quantise(signal: ArrayLike, *, bits: int, full_scale: float) -> Array:
-    """Round to the levels of an N-bit ADC, Q of Eq. 20; what exceeds its scale saturates.
+    """Levels of an N-bit ADC, Q of Eq. 20; what exceeds its scale saturates.
 
-    Parameters
-    ----------
-    signal : array_like
-        Any unit, the one of ``full_scale``.
-    bits : int
-        Resolution; ``2^bits`` levels, the highest at ``full_scale``.
-    full_scale : float
-        Largest value that is told apart.
+    ``2^bits`` levels from 0 to ``full_scale``, which has the unit of the signal.
 
     Examples
     --------

@@ -20,8 +20,6 @@ JonesMatrix = NDArray[np.complex128]
 JonesVector = NDArray[np.complex128]
 Port = Literal["transmitted", "reflected"]
 
-# --- vectors -----------------------------------------------------------------------------------
-
 
 def jones_vector(horizontal: ArrayLike, vertical: ArrayLike) -> JonesVector:
     """Jones vector (..., 2) of two broadcast complex amplitudes, square root of intensity."""
@@ -54,9 +52,6 @@ def stokes(field: ArrayLike) -> NDArray[np.float64]:
     return np.stack([h + v, h - v, cross.real, cross.imag], axis=-1)
 
 
-# --- elements ----------------------------------------------------------------------------------
-
-
 def _matrix(hh: ArrayLike, hv: ArrayLike, vh: ArrayLike, vv: ArrayLike) -> JonesMatrix:
     entries = np.broadcast_arrays(*(np.asarray(entry, np.complex128) for entry in (hh, hv, vh, vv)))
     return np.stack(entries, axis=-1).reshape((*entries[0].shape, 2, 2))
@@ -69,25 +64,11 @@ def _diattenuator(along: ArrayLike, across: ArrayLike, angle: ArrayLike) -> Jone
     return _matrix(mean + c, s, s, mean - c)
 
 
-def rotator(angle: ArrayLike) -> JonesMatrix:
-    """Rotation of the polarisation by ``angle``, rad, counter-clockwise, (..., 2, 2)."""
-    c, s = np.cos(angle), np.sin(angle)
-    return _matrix(c, -s, s, c)
-
-
 def retarder(retardance: ArrayLike, angle: ArrayLike = 0.0) -> JonesMatrix:
     r"""Linear retarder, :math:`R(\theta)\,\mathrm{diag}(e^{-i\Gamma/2}, e^{i\Gamma/2})R(-\theta)`.
 
-    Parameters
-    ----------
-    retardance : array_like
-        Phase difference Gamma between the axes, rad.
-    angle : array_like
-        Direction theta of the slow axis, rad.
-
-    Returns
-    -------
-    ndarray, shape (..., 2, 2), complex
+    ``retardance`` is the phase difference Gamma between the axes and ``angle`` the direction theta
+    of the slow axis, rad; the matrix has the shape (..., 2, 2).
 
     Examples
     --------
@@ -119,23 +100,17 @@ def eom(
 ) -> JonesMatrix:
     """Electro-optic modulator B(V) = diag(exp(-iV/2), exp(iV/2)) (Eq. 10).
 
-    Parameters
-    ----------
-    voltage : array_like
-        Drive V as the retardance that it causes in one pass, rad.
-    static_retardance : array_like
-        Birefringence of the undriven crystal in one pass, rad (drifts with temperature).
-    angle_error : array_like
-        Angle of the crystal's axis off the horizontal, rad.
+    ``voltage`` is the drive V as the retardance of one pass, ``static_retardance`` that of the
+    undriven crystal and ``angle_error`` the angle of its axis off the horizontal, all rad.
     """
     return retarder(np.add(voltage, static_retardance), angle_error)
 
 
 def mirror(reflectance: ArrayLike = 1.0) -> JonesMatrix:
-    """Mirror at normal incidence M = sqrt(R) diag(1, -1) (Eq. 13).
+    """Mirror at normal incidence M = sqrt(R) diag(1, -1), R the reflected intensity (Eq. 13).
 
-    The minus keeps the frame right-handed when the light turns round; ``reflectance`` R is of
-    intensity, 0 to 1.
+    The minus keeps the frame right-handed when the light turns round. Raises ValueError for R
+    outside 0 to 1.
     """
     r = np.asarray(reflectance, float)
     if not np.all((r >= 0) & (r <= 1)):
@@ -153,14 +128,6 @@ def _leakage(extinction_ratio: ArrayLike, name: str) -> NDArray[np.float64]:
     return 1 / ratio
 
 
-def linear_polariser(
-    angle: ArrayLike = 0.0, *, extinction_ratio: ArrayLike = np.inf
-) -> JonesMatrix:
-    """Linear polariser that passes light along ``angle``, rad, and 1/ratio of that across it."""
-    leakage = _leakage(extinction_ratio, "an extinction ratio")
-    return _diattenuator(1.0, np.sqrt(leakage), angle)
-
-
 def polarising_beam_splitter(
     port: Port,
     *,
@@ -174,20 +141,9 @@ def polarising_beam_splitter(
     nothing: with ``a`` and ``b`` the inverse extinction ratios of the transmitted and reflected
     port, T_h = (1 - b)/(1 - ab), T_v = a T_h, and the rest is reflected.
 
-    Parameters
-    ----------
-    port : {"transmitted", "reflected"}
-        The way the light leaves.
-    transmitted_extinction, reflected_extinction : array_like
-        Wanted over unwanted intensity in that port, above 1. Cubes reach 1000 and more in
-        transmission, but only 20 to 100 in reflection.
-    angle_error : array_like
-        Rotation of the cube about the beam, rad.
-
-    Raises
-    ------
-    ValueError
-        For another port or a ratio of 1 or less.
+    Cubes reach extinction ratios of 1000 and more in transmission, but only 20 to 100 in
+    reflection; ``angle_error`` turns the cube about the beam, rad. Raises ValueError for another
+    port or a ratio of 1 or less.
     """
     a = _leakage(transmitted_extinction, "the transmitted port's extinction ratio")
     b = _leakage(reflected_extinction, "the reflected port's extinction ratio")
@@ -198,9 +154,6 @@ def polarising_beam_splitter(
     elif port != "transmitted":
         raise ValueError(f"Expected port 'transmitted' or 'reflected', got {port!r}. Choose one.")
     return _diattenuator(np.sqrt(horizontal), np.sqrt(vertical), angle_error)
-
-
-# --- composition -------------------------------------------------------------------------------
 
 
 def compose(*elements: JonesMatrix) -> JonesMatrix:

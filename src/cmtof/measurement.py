@@ -21,6 +21,8 @@ Attributes: ``range_min``, ``range_max`` (m), ``source``, ``protocol``, ``seed``
 ``saturation``, the count at which the converter clips. Stored as netCDF4 (``.nc``).
 """
 
+import gc
+import sys
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -31,22 +33,27 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import FREQUENCY_SINGLE
-from cmtof.correlation import TAU, Decoded, decode, wrap_length
+from cmtof.correlation import TAU, Decoded, check_psi, decode, residual_noise, wrap_length
 from cmtof.files import written_whole
-from cmtof.validation import check_frequencies, validate
+from cmtof.validation import check_claim, check_frequencies, numbers
 
-UNITS = {
-    "correlation": "count",
-    "raw_counts": "count",
-    "dark": "count",
-    "amplitude": "count",
-    "phase": "rad",
-    "psi": "rad",
-    "frequency": "Hz",
-    "depth": "m",
-    "camera": "px",
-    "time": "s",
-}
+_STACK, _IMAGES = ("frequency", "step", "y", "x"), ("frequency", "y", "x")
+_VARIABLES: dict[str, tuple[str, tuple[str, ...] | None]] = {
+    "correlation": ("count", _STACK),
+    "raw_counts": ("count", _STACK),
+    "dark": ("count", None),
+    "phase": ("rad", _IMAGES),
+    "amplitude": ("count", _IMAGES),
+    "frequency": ("Hz", ("frequency",)),
+    "psi": ("rad", _STACK[:2]),
+    "depth": ("m", ("y", "x")),
+    "mask": ("1", ("y", "x")),
+    "camera": ("px", ("parameter",)),
+    "time": ("s", None),
+}  # unit and dimensions
+
+MOST_WRAPS = 10_000
+"""Greatest number of wraps of the lowest frequency to choose from; the prototype's beat has 358."""
 
 
 class Measurement:
@@ -60,14 +67,13 @@ class Measurement:
     Raises
     ------
     ValueError
-        If something is missing, misshapen, not finite, negative or saturated.
+        If something is missing, misshapen, no number, not finite, negative or saturated.
     """
 
     def __init__(self, dataset: xr.Dataset) -> None:
-        for name in dataset.variables:
-            if name in UNITS:
-                dataset[name].attrs.setdefault("units", UNITS[str(name)])
         validate(dataset)
+        for name in _VARIABLES.keys() & set(dataset.variables):
+            dataset[name].attrs.setdefault("units", _VARIABLES[name][0])
         self.dataset = dataset
 
     @classmethod
@@ -80,11 +86,9 @@ class Measurement:
         depth: ArrayLike | None = None,
         mask: ArrayLike | None = None,
         camera: ArrayLike | None = None,
-        range_min: float = 0.0,
-        range_max: float | None = None,
         **attributes: Any,
     ) -> "Measurement":
-        """Build a measurement from one's own arrays.
+        """Measurement made of one's own arrays.
 
         Parameters
         ----------
@@ -98,25 +102,28 @@ class Measurement:
             True range, m, and validity.
         camera : array_like, shape (4,) or (5,)
             fx, fy, cx, cy, px, and the skew where there is one.
-        range_min, range_max : float
-            Depths to choose from, m; the default ends where two frequencies repeat themselves.
         **attributes
-            Anything else that should stand in the file.
+            ``range_min`` and ``range_max``, the depths to choose from, m (by default from 0 to
+            where two frequencies repeat themselves), and anything else that the file should hold.
         """
-        frequencies = np.atleast_1d(np.asarray(frequencies, float))
+        frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
         correlation = np.asarray(correlation)
-        psi = np.asarray(psi, float)
+        psi = numbers(psi, "psi")
         if psi.ndim == 1:
             psi = np.broadcast_to(psi, (frequencies.size, psi.size))
-        if correlation.ndim != 4 or correlation.shape[:2] != psi.shape:
-            raise ValueError(
-                f"Expected correlation (F, K, H, W) for psi {psi.shape}, got {correlation.shape}. "
-                "Put frequency and step first."
-            )
-        images = {"correlation": (("frequency", "step", "y", "x"), correlation)}
-        attributes |= {"range_min": range_min, "range_max": range_max}
-        coordinates = {"psi": (("frequency", "step"), psi)}
-        return cls(_dataset(images, frequencies, coordinates, depth, mask, camera, attributes))
+        right, what = (
+            correlation.shape[:2] == psi.shape,
+            f"correlation (F, K, H, W), psi {psi.shape}",
+        )
+        _expect(
+            right and correlation.ndim == 4,
+            what,
+            correlation.shape,
+            "Put frequency and step first.",
+        )
+        variables = {"correlation": (_STACK, correlation)}
+        coordinates = {"frequency": frequencies, "psi": (_STACK[:2], psi)}
+        return cls(_dataset(variables, coordinates, depth, mask, camera, attributes))
 
     @classmethod
     def from_phase(
@@ -128,17 +135,15 @@ class Measurement:
         depth: ArrayLike | None = None,
         mask: ArrayLike | None = None,
         camera: ArrayLike | None = None,
-        range_min: float = 0.0,
-        range_max: float | None = None,
         **attributes: Any,
     ) -> "Measurement":
-        """Build a measurement from phase maps (F, H, W), rad, where correlations were not kept."""
-        frequencies = np.atleast_1d(np.asarray(frequencies, float))
-        images = {"phase": (("frequency", "y", "x"), np.mod(np.asarray(phase), TAU))}
+        """Measurement of phase maps (F, H, W), rad, where correlations were not kept."""
+        frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
+        variables = {"phase": (_IMAGES, np.mod(numbers(phase, "phase"), TAU))}
         if amplitude is not None:
-            images["amplitude"] = (("frequency", "y", "x"), np.asarray(amplitude))
-        attributes |= {"range_min": range_min, "range_max": range_max}
-        return cls(_dataset(images, frequencies, {}, depth, mask, camera, attributes))
+            variables["amplitude"] = (_IMAGES, numbers(amplitude, "amplitude"))
+        coordinates = {"frequency": frequencies}
+        return cls(_dataset(variables, coordinates, depth, mask, camera, attributes))
 
     @property
     def frequencies(self) -> NDArray[np.float64]:
@@ -211,8 +216,7 @@ class Measurement:
 
 
 def _dataset(
-    images: Mapping[str, Any],
-    frequencies: NDArray[np.float64],
+    variables: dict[str, Any],
     coordinates: Mapping[str, Any],
     depth: ArrayLike | None,
     mask: ArrayLike | None,
@@ -222,23 +226,22 @@ def _dataset(
     """Assemble variables that are there; the range ends by default where the phases repeat."""
     from cmtof import __version__
 
-    variables = dict(images)
     if depth is not None:
         variables["depth"] = (("y", "x"), np.asarray(depth))
     if mask is not None:
-        variables["mask"] = (("y", "x"), np.asarray(mask).astype(np.int8))
+        variables["mask"] = (("y", "x"), numbers(mask, "mask", np.int8))
     if camera is not None:
-        variables["camera"] = (("parameter",), np.asarray(camera, float))
+        variables["camera"] = (("parameter",), numbers(camera, "camera"))
+    check_frequencies(coordinates["frequency"])
     kept = {key: value for key, value in attributes.items() if value is not None}
-    check_frequencies(frequencies)
-    kept.setdefault("range_max", unambiguous_range(frequencies))
+    limits = {"range_min": 0.0, "range_max": unambiguous_range(coordinates["frequency"])}
     try:
-        dataset = xr.Dataset(variables, {"frequency": frequencies, **coordinates})
+        dataset = xr.Dataset(variables, coordinates)
     except ValueError as error:
         raise ValueError(
-            f"Expected arrays of one image size, got {str(error).splitlines()[0]}. Check shapes."
+            f"Expected arrays of one image size, got {_reason(error)}. Check shapes."
         ) from error
-    dataset.attrs = {"version": __version__, **kept}
+    dataset.attrs = {"version": __version__, **limits, **kept}
     return dataset
 
 
@@ -253,17 +256,93 @@ def unambiguous_range(frequencies: ArrayLike) -> float:
     return float(wrap_length(beat if beat > 0 else low))
 
 
+# --- what a measurement must be ----------------------------------------------------------------
+
+
+def _expect(holds: Any, what: str, got: object, advice: str) -> None:
+    """Raise «Expected …, got …. Do …» unless it holds."""
+    if not holds:
+        raise ValueError(f"Expected {what}, got {got}. {advice}")
+
+
+def validate(dataset: xr.Dataset) -> None:
+    """Raise a ValueError that states what is wrong with a dataset, and how to mend it."""
+    data = "correlation" if "correlation" in dataset else "phase"
+    what, got = "a variable 'correlation' (frequency, step, y, x)", list(dataset)
+    _expect(data in dataset, what, got, "See the page «Bring your own data».")
+    for name in ("frequency", "psi") if data == "correlation" else ("frequency",):
+        got = list(dataset.coords)
+        _expect(name in dataset.coords, f"a coordinate '{name}'", got, "State it for every image.")
+    for name, (_, dims) in _VARIABLES.items():
+        if name in dataset.variables:
+            found, kind = dataset[name], dataset[name].dtype
+            _expect(kind.kind in "biuf", f"numbers as {name}", f"type {kind}", "Store floats.")
+            right = found.size and found.dims == (dims or found.dims)
+            what = f"{name} with dimensions {dims}, none of them empty"
+            _expect(right, what, dict(found.sizes), "Transpose or rename them.")
+    check_frequencies(dataset["frequency"].to_numpy())
+    if "camera" in dataset:
+        camera = dataset["camera"].to_numpy()
+        right = camera.size in (4, 5) and np.isfinite(camera).all() and (camera[:2] > 0).all()
+        _expect(right, "camera [fx, fy, cx, cy] in px", camera.tolist(), "Correct it.")
+    for steps in dataset["psi"].to_numpy() if data == "correlation" else ():
+        check_psi(np.asarray(steps, float))
+    _check_range(dataset)
+    _check_values(dataset, data)
+
+
+def _check_range(dataset: xr.Dataset) -> None:
+    ends = [dataset.attrs.get(key, np.nan) for key in ("range_min", "range_max")]
+    plain = all(np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends)
+    low, high = map(float, ends) if plain else (np.nan, np.nan)
+    what = "attributes 0 <= range_min < range_max in m"
+    _expect(0 <= low < high < np.inf, what, ends, "Set the depths to choose from.")
+    wraps = high / float(wrap_length(dataset["frequency"].to_numpy()[0]))
+    what = f"at most {MOST_WRAPS} wraps of the lowest frequency within range_max"
+    _expect(wraps <= MOST_WRAPS, what, f"{wraps:.3g}", "Lower range_max or the frequency.")
+
+
+def _check_values(dataset: xr.Dataset, data: str) -> None:
+    """Valid pixels only: finite, no negative light, raw counts within the converter's scale."""
+    valid = dataset["mask"].to_numpy().astype(bool) if "mask" in dataset else np.True_
+    values = dataset[data].to_numpy()
+
+    def refuse(bad: NDArray, what: str, got: str, advice: str) -> None:
+        amount = int((bad & valid).sum())
+        _expect(not amount, what, f"{amount} {got}", advice)
+
+    refuse(~np.isfinite(values), f"finite {data}", "NaN or inf", "Mask those pixels.")
+    if data == "phase":
+        return
+    for images, steps in zip(values, dataset["psi"].to_numpy(), strict=True):
+        if steps.size > 3:  # three steps are fitted exactly and show no noise
+            # a noisy sample may be negative (Eq. 8), a pixel's mean only by as much as noise
+            mean, noise = images.mean(axis=0), residual_noise(images, steps) / np.sqrt(steps.size)
+            bad = mean < -10 * noise - 1e-6 * np.abs(mean).max()
+            got, advice = "pixels whose mean over psi is negative", "Check the dark frame."
+            refuse(bad, "counts >= 0 up to noise", got, advice)
+    counts = dataset.get("raw_counts", dataset["correlation"]).to_numpy()
+    if np.issubdtype(values.dtype, np.integer) or "raw_counts" in dataset:
+        refuse(counts < 0, "counts >= 0", "negative ones", "Check the sign of the read-out.")
+    if (limit := dataset.attrs.get("saturation")) is not None:
+        what, advice = f"counts below the saturation {limit}", "Lower gain or exposure, or mask."
+        refuse(counts >= float(limit), what, "at or above it", advice)
+
+
 # --- files -------------------------------------------------------------------------------------
 
 
 def save_dataset(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset as netCDF4, beside first and then renamed; floats are compressed."""
+    """Write a dataset as netCDF4, beside first and then renamed; arrays are compressed.
+
+    The file is built in memory: HDF5 written to a full disk would end the process.
+    """
     path = Path(path)
-    if path.suffix != ".nc":
-        raise ValueError(f"Expected an output named *.nc, got {path.name}. Rename it.")
+    _expect(path.suffix == ".nc", "an output named *.nc", path.name, "Rename it.")
     encoding = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
+    stored = dataset.to_netcdf(engine="h5netcdf", encoding=encoding)
     with written_whole(path) as part:
-        dataset.to_netcdf(part, engine="h5netcdf", encoding=encoding)
+        part.write_bytes(stored)
 
 
 def open_measurement(path: str | Path) -> Measurement:
@@ -285,62 +364,53 @@ def open_measurement(path: str | Path) -> Measurement:
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"Expected a measurement file, got no file at {path}. Check it.")
-    readers = {".nc": _open_netcdf, ".npz": _open_npz, ".csv": _read_capture}
-    if path.suffix not in readers:
-        raise ValueError(
-            f"Expected a file named *.nc, *.npz or *_phase.csv, got {path.name}. Convert it first."
-        )
-    return readers[path.suffix](path)
+    if path.suffix == ".nc":
+        return Measurement(read_dataset(path))
+    if path.suffix == ".npz":
+        return _open_npz(path)
+    what = "a file named *.nc, *.npz or *_phase.csv"
+    _expect(path.suffix == ".csv", what, path.name, "Convert it first.")
+    return _open_capture(path)
 
 
 def read_dataset(path: str | Path) -> xr.Dataset:
     """Read a netCDF4 file of any content into memory; one ValueError for whatever is wrong."""
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as handle:
+    heard, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    reason = ""
+    try:  # h5netcdf's destructor would print a traceback of its own for a damaged file
+        with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as handle:
+            check_claim(handle.nbytes, Path(path).stat().st_size)
             return handle.load()
     except Exception as error:
-        raise ValueError(
-            f"Expected a whole netCDF4 file, got {path} ({_reason(error)}). Write it anew."
-        ) from error
-
-
-def _open_netcdf(path: Path) -> Measurement:
-    return Measurement(read_dataset(path))
+        reason = _reason(error)
+    finally:
+        if reason:
+            gc.collect()
+        sys.unraisablehook = heard
+    raise ValueError(f"Expected a whole netCDF4 file, got {path} ({reason}). Write it again.")
 
 
 def _open_npz(path: Path) -> Measurement:
     from cmtof.scenes.frame import read_npz
 
     arrays = read_npz(path)
-    missing = {"correlation", "psi", "frequency"} - arrays.keys()
-    if missing:
-        raise ValueError(
-            f"Expected arrays correlation, psi and frequency in {path}, got {sorted(arrays)}. "
-            "A frame of depth and intensity is turned into a measurement by `cmtof simulate`."
-        )
-    known = {k: arrays[k] for k in ("depth", "mask", "camera") if k in arrays}
+    needed = ("correlation", "psi", "frequency")
+    what = f"arrays {', '.join(needed)} in {path}"
+    advice = "A frame of depth and intensity becomes a measurement by `cmtof simulate`."
+    _expect(arrays.keys() >= set(needed), what, sorted(arrays), advice)
+    images = {k: arrays[k] for k in ("depth", "mask", "camera") if k in arrays}
     limits = {k: float(arrays[k]) for k in ("range_min", "range_max") if k in arrays}
     return Measurement.from_arrays(
-        arrays["correlation"],
-        arrays["psi"],
-        arrays["frequency"],
-        source=path.name,
-        **known,
-        **limits,
+        *(arrays[k] for k in needed), source=path.name, **images, **limits
     )
 
 
-def _read_capture(path: Path) -> Measurement:
+def _open_capture(path: Path) -> Measurement:
     from cmtof.scenes.captures import read_capture
 
     phase, reference = read_capture(path)
-    measurement = Measurement.from_phase(
-        phase[None],
-        [FREQUENCY_SINGLE],
-        range_max=1.0,
-        source=f"GHz-FMCW capture {path.name}",
-        protocol="measured",
-    )
+    about = {"source": f"GHz-FMCW capture {path.name}", "protocol": "measured", "range_max": 1.0}
+    measurement = Measurement.from_phase(phase[None], [FREQUENCY_SINGLE], **about)
     if reference is not None:
         measurement.dataset["reference_depth"] = (("y", "x"), reference, {"units": "m"})
     return measurement

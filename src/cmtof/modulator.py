@@ -115,10 +115,8 @@ class TwoPassModulator:
     ) -> tuple[tuple[str, jones.JonesMatrix], ...]:
         """Names and Jones matrices (..., 2, 2) in the order in which the light meets them.
 
-        Parameters
-        ----------
-        first, second : array_like
-            EOM voltages of the two passes as retardances, rad; the second is the first by default.
+        ``first`` and ``second`` are the EOM voltages of the two passes as retardances, rad; the
+        second is the first by default.
         """
         back = first if second is None else second
         inward, crossed = ("reflected", "transmitted")
@@ -180,9 +178,6 @@ class TwoPassModulator:
             self.eta * np.sin(theta), self.eta * np.sin(theta + self.pass_delay)
         )
 
-    def _period(self, samples: int) -> Array:
-        return self.waveform(2 * np.pi * np.arange(samples) / samples)
-
     def harmonics(self, count: int) -> Harmonics:
         """Fourier coefficients W_0 ... W_count (count + 1,) of the waveform over the drive phase.
 
@@ -191,6 +186,9 @@ class TwoPassModulator:
         """
         samples = 4 * (count + int(np.ceil(4 * abs(self.eta))) + 16)
         return harmonics_from_waveform(self._period(samples), count)
+
+    def _period(self, samples: int) -> Array:
+        return self.waveform(2 * np.pi * np.arange(samples) / samples)
 
     def contrast(self) -> float:
         """Peak-to-peak contrast (max - min)/(max + min); sin(2 eta) in the ideal single mode."""
@@ -245,17 +243,13 @@ def doubled_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
 
 
 def single_mode_taylor(phase: ArrayLike, *, eta: float) -> Array:
-    """Eq. 16's approximation ``(1 - 2 eta sin theta)/2`` at drive phases, rad.
-
-    Off by at most eta - sin(2 eta)/2 for eta up to pi/4: 1.2 % of A^2 at eta = 0.26.
-    """
+    """Eq. 16's approximation ``(1 - 2 eta sin theta)/2``, off by at most eta - sin(2 eta)/2."""
     return 0.5 * (1 - 2 * eta * np.sin(np.asarray(phase, float)))
 
 
-def doubled_mode_taylor(phase: ArrayLike, *, eta: float, as_printed: bool = False) -> Array:
-    """Lowest order of the doubled mode, ``eta^2 sin^2 theta``, at drive phases, rad.
+def doubled_mode_taylor(phase: ArrayLike, *, eta: float) -> Array:
+    """Lowest order ``eta^2 sin^2 theta`` of the doubled mode, off by at most eta^2 - sin^2(eta).
 
-    Eq. 19 prints half of it (``as_printed=True``): (1 - cos(2 eta sin theta))/2 is
-    sin^2(eta sin theta), without another 1/2. Off by at most eta^2 - sin^2(eta).
+    Eq. 19 prints half of it: (1 - cos(2 eta sin theta))/2 is sin^2(eta sin theta).
     """
-    return (0.5 if as_printed else 1.0) * (eta * np.sin(np.asarray(phase, float))) ** 2
+    return (eta * np.sin(np.asarray(phase, float))) ** 2

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.bounds import depth_bound, phase_spread
+from cmtof.bounds import phase_bound, phase_spread
 from cmtof.constants import ADC_BITS, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (
     centred,
@@ -87,7 +87,7 @@ def precision_sweep(
     error = centred(phase_from_correlation(counts, psi) - phase[:, None])
     error = depth_from_phase(error, frequencies[:, None])
     bound = [
-        depth_bound(signal / np.pi, signal / 2, psi, sigma=sigma, frequency=f, phase=p)
+        depth_from_phase(phase_bound(signal / np.pi, signal / 2, psi, sigma=sigma, phase=p), f)
         for f, p in zip(frequencies, phase, strict=True)
     ]
     bound = np.array(bound)

@@ -10,7 +10,7 @@ from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
 from cmtof.measurement import Measurement, unambiguous_range
 from cmtof.scenes.frame import Frame
-from cmtof.validation import check_frequencies
+from cmtof.validation import check_frequencies, numbers
 
 Protocol = Literal["released", "full"]
 
@@ -39,7 +39,7 @@ def simulate(
     seed: int = 0,
     frame_number: int = 0,
 ) -> Measurement:
-    """Simulate correlation images of a frame (Eq. 8).
+    """Noisy correlation images of a frame, with its true depth and mask, in float32 (Eq. 8).
 
     Parameters
     ----------
@@ -51,10 +51,8 @@ def simulate(
         beyond the beat's range (7.495 m) are masked. Masked pixels keep their signal.
     frequencies : array_like, shape (F,)
         Modulation frequencies, Hz, lowest first.
-    noise : float
-        Gaussian sigma, counts; photon noise stays on.
-    noise_free : bool
-        Turn off both.
+    noise, noise_free : float, bool
+        Gaussian sigma, counts, beside which photon noise stays on; or neither.
     gain, integration_time : float
         G and T of Eq. 8.
     psi : array_like, shape (K,)
@@ -66,17 +64,12 @@ def simulate(
     seed, frame_number : int
         The noise is drawn from ``default_rng([seed, frame_number])``.
 
-    Returns
-    -------
-    Measurement
-        With the true depth and mask of the protocol; correlations in float32.
-
     Raises
     ------
     ValueError
         For an unknown protocol, bad frequencies, or no pixel within the range.
     """
-    frequencies = np.atleast_1d(np.asarray(frequencies, float))
+    frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
     check_frequencies(frequencies)
     depth, mask, limits = staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
     # where no depth is known no light returns
@@ -120,42 +113,31 @@ def _means(
     frequencies: NDArray[np.float64],
     psi: NDArray[np.float64],
 ) -> NDArray[np.float32]:
-    """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)`` (F, K, H, W) at psi (F, K), float32.
-
-    One cosine and one sine a pixel; the steps are weighted sums of them.
-    """
+    """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)`` (F, K, H, W) at psi (F, K), float32."""
     means = np.empty((*psi.shape, *signal.shape), np.float32)
-    half = signal / 2
     for f, frequency in enumerate(frequencies):
         # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
         turns = depth.astype(float) / wrap_length(frequency)
         angle = (2 * np.pi * (turns - np.floor(turns))).astype(np.float32)
-        x, y = (
-            np.cos(angle) * signal / np.float32(np.pi),
-            np.sin(angle) * signal / np.float32(np.pi),
-        )
+        x, y = (wave(angle) * signal / np.float32(np.pi) for wave in (np.cos, np.sin))
         for k, step in enumerate(psi[f]):
-            np.multiply(x, np.float32(np.cos(step)), out=means[f, k])
-            means[f, k] -= y * np.float32(np.sin(step))
-            means[f, k] += half
+            c, s = np.float32(np.cos(step)), np.float32(np.sin(step))
+            means[f, k] = x * c - y * s + signal / 2
     return np.maximum(means, 0, out=means)  # rounding must not make a rate negative
 
 
 def staged_depth(
     depth: NDArray[np.floating], *, protocol: Protocol, frequencies: NDArray[np.float64]
 ) -> tuple[NDArray[np.floating], NDArray[np.bool_], tuple[float, float]]:
-    """Depth as a protocol sees it, the pixels it scores, and its range, m.
+    """Depth (H, W) as a protocol sees it, m, the mask of pixels it scores, and its range, m.
 
-    Returns
-    -------
-    depth : ndarray, shape (H, W)
-        m, NaN where unknown.
-    mask : ndarray of bool, shape (H, W)
-    limits : (float, float)
-        ``min <= z < max``.
+    The depth is NaN where unknown; the range is ``min <= z < max``. Raises ValueError for another
+    protocol, or if no pixel lies in the range.
     """
     depth = np.asarray(depth, float)
     known = np.isfinite(depth)
+    if not known.any():
+        raise ValueError("Expected a depth map with known pixels, got none. Use another frame.")
     if protocol == "released":
         step = float(wrap_length(frequencies[0]))
         limits = (RELEASED_WRAPS[0] * step, RELEASED_WRAPS[1] * step)

@@ -19,7 +19,7 @@ def harmonics_from_waveform(samples: ArrayLike, count: int) -> Harmonics:
     samples : array_like, shape (..., N)
         Waveform at ``theta = 2 pi j / N``, any unit.
     count : int
-        Highest harmonic K, below N/2: a sampled period cannot tell higher ones apart.
+        Highest harmonic K, below N/2.
 
     Returns
     -------
