@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from cmtof.files import check_output, written_whole
+from cmtof.files import check_output, read_document, written_whole
 
 
 def test_a_file_appears_whole_or_not_at_all(tmp_path):
@@ -46,3 +46,23 @@ def test_what_cannot_be_written_is_refused_at_once(tmp_path, make, message):
         check_output(path)
     with pytest.raises(OSError, match=message), written_whole(path):
         pytest.fail("entered")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b"[" * 20_000, "a depth above 20"),
+        (b"a: &a [1]\nb: *a\n", "aliases or"),
+        (b"a: " + b"9" * 5000, "Expected YAML"),
+        (b"\xff\xfe\x00", "Expected YAML|names and values"),
+        (b"1: 2", "names and values"),
+        (b"- a\n- b\n", "names and values"),
+        (b"a: [", "Expected YAML"),
+        (b"a: " + b"x" * 2**20, "at most 1048576 bytes"),
+        (b"!!python/object/apply:os.system ['true']", "Expected YAML"),
+    ],
+)
+def test_hostile_documents_are_refused(tmp_path, text, message):
+    (tmp_path / "a.yml").write_bytes(text)
+    with pytest.raises(ValueError, match=message):
+        read_document(tmp_path / "a.yml")

@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 
 def check_output(path: str | Path) -> Path:
@@ -74,3 +75,52 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         part.replace(target)
     finally:
         part.unlink(missing_ok=True)
+
+
+MOST_BYTES, MOST_DEPTH = 2**20, 20
+"""Size of a document that is read, and how deep it may be nested."""
+
+
+def read_document(path: str | Path) -> dict[str, Any]:
+    """Read names and values from a YAML or JSON file; nothing in it is evaluated.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is no such document: too large, too deep, with aliases, with names that are no text.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> target = Path(tempfile.mkdtemp()) / "a.yml"
+    >>> _ = target.write_text("name: rig\\nsize: {height: 3}\\n")
+    >>> read_document(target)
+    {'name': 'rig', 'size': {'height': 3}}
+    """
+    import yaml
+
+    data = Path(path).read_bytes()
+    if len(data) > MOST_BYTES:
+        raise ValueError(
+            f"Expected at most {MOST_BYTES} bytes in {path}, got {len(data)}. Name another file."
+        )
+    try:
+        depth = 0
+        for event in yaml.parse(data, Loader=yaml.SafeLoader):
+            depth += isinstance(event, yaml.CollectionStartEvent)
+            depth -= isinstance(event, yaml.CollectionEndEvent)
+            if isinstance(event, yaml.AliasEvent) or depth > MOST_DEPTH:
+                raise ValueError(f"aliases or a depth above {MOST_DEPTH}")
+        found = yaml.safe_load(data) or {}
+    except (yaml.YAMLError, ValueError) as error:
+        said = " ".join(str(error).split())[:200]
+        raise ValueError(f"Expected YAML in {path}, got {said}. Correct it.") from error
+    if not isinstance(found, dict) or not all(isinstance(name, str) for name in found):
+        raise ValueError(f"Expected names and values in {path}, got something else. Correct it.")
+    return found

@@ -90,7 +90,7 @@ def document(rng: np.random.Generator, known: dict) -> bytes:
         case 3:
             return json.dumps({str(strange_value(rng)): 1, **known}, default=str).encode()
         case 4:
-            return f"{list(known)[0]}: {'9' * 5000}\n".encode()
+            return f"{next(iter(known))}: {'9' * 5000}\n".encode()
         case 5:
             return b"1: 2\n? [a, b]\n: c\n"
         case _:
