@@ -1,169 +1,70 @@
 # %% [markdown]
 # # Stereo supervision
 #
-# A network that was trained on simulated rooms meets an instrument whose noise and waveforms are
-# its own. To fine-tune it, somebody has to say which wrap each pixel lies in. Two cameras beside
-# the scanner can: they watch its laser spot, and triangulate it (Section 6.4). This page builds
-# that rig in simulation, from the calibration board to the labels, regenerates Fig. 9, and asks how
-# far such labels reach. Everything here is simulated; the paper shows one scan and no numbers.
+# A network that was trained on simulated rooms is fine-tuned on scans of the instrument, and for
+# these somebody has to state the wrap count of each pixel. Two cameras beside the scanner can
+# (Section 6.4): they triangulate its laser spot, and the range gives the wrap count. On a table
+# scene {glue:text}`both:.0f` % of the pixels get a label and {glue:text}`wrong:.2f` % of the labels
+# are wrong; beyond about {glue:text}`limit:.0f` m there are none. Everything here is simulated; the
+# paper shows one scan and no numbers.
 
-# %% tags=["parameters"]
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of every random draw
 scene: str = "still_life"  # embedded frame that is scanned
 far_scene: str = "room"  # embedded frame for what lies farther away
 stride: int = 2  # every how many pixels of the first are scanned
 far_stride: int = 4  # and of the second
-baseline: float = 0.3  # between the cameras, m; the paper does not tell
-f_number: float = 4.0  # of both lenses; the paper does not tell
+baseline: float = 0.3  # between the cameras, m; assumed
 sigmas: float = 3.0  # standard deviations of a range that must fit
-views: int = 20  # of the board
-corner_noise: float = 0.05  # of a corner in those views, px
-binning: int = 3  # pixels of the board's picture are that much larger
-view_counts: list = [5, 10, 20]  # boards shown, for the last figure
-trials: int = 3  # calibrations drawn for each
-draws: int = 200  # speckled spots drawn from the wave
+views: int = 12  # of the board
+draws: int = 12  # calibrations redrawn for the uncertainty
 steps: int = 12  # of fine-tuning
 crop: int = 64  # px, of its crops
 
-# %%
+# %% tags=["hide-input"]
+from dataclasses import replace
 from itertools import pairwise
 
 import matplotlib.pyplot as plt
 import numpy as np
-from IPython.display import Markdown
-from myst_nb import glue
+from scipy.spatial.transform import RigidTransform, Rotation
 
 import cmtof
 from cmtof import stereo
-from cmtof.book import paper, plotting
+from cmtof.book import notes, paper, plotting
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import residual_noise, wrap_length
 from cmtof.measurement import Measurement
+from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import load_frame
 from cmtof.scenes.frame import Frame
-from cmtof.simulation import RELEASED_FAR_DEPTH
-from cmtof.stereo.drawing import COLOURS, draw_rig
-from cmtof.stereo.rig import FOCAL_LENGTH, PIXEL_PITCH
-from cmtof.stereo.sensor import speckled_centroids
-from cmtof.stereo.supervision import Reason
 
 run = plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
 WRAP = float(wrap_length(FREQUENCY_SINGLE))
-
-
-def tell(**numbers):
-    for name, value in numbers.items():
-        glue(name, float(value), display=False)
-
+LEFT, RIGHT, BEAM = plotting.PALETTE["blue"], plotting.PALETTE["vermillion"], "#00A86B"
 
 # %% [markdown]
-# ## The rig
+# ## The labels of one scan
 #
-# Two FLIR Grasshopper3 GS3-U3-32S4C with 8 mm lenses stand on either side of the scanner. Their
-# sensor has 2048×1536 pixels of 3.45 µm behind a colour mosaic: at 532 nm half of its pixels see
-# the laser, the others hardly. The paper states neither baseline nor aperture; here they are
-# {glue:text}`baseline_mm:.0f` mm and f/{glue:text}`f_number:.0f`. A depth error grows with the
-# square of the distance: a disparity that is wrong by $\delta$ pixels moves a point by
-#
-# $$\delta z = \frac{z^2}{f\,b}\,\delta,$$
-#
-# and at 7.15 GHz a wrap is only {glue:text}`wrap_mm:.2f` mm long.
+# Two FLIR Grasshopper3 GS3-U3-32S4C with 8 mm lenses stand on either side of the scanner. Pictures
+# of a checkerboard calibrate them, the frame is scanned, and each pixel's spot is seen by a camera
+# unless something stands before it. The spots also locate the scanner: its beams leave in known
+# directions, so it is found like a third camera.
 
 # %%
-rig = stereo.simulated_rig(baseline=baseline)
-sensor = stereo.Sensor(f_number=f_number)
-tell(baseline_mm=1e3 * rig.baseline, f_number=f_number, wrap_mm=1e3 * WRAP)
-field = [2 * np.degrees(np.arctan(n / 2 / rig.left.intrinsics[0])) for n in rig.left.shape[::-1]]
-print(f"each camera sees {field[0]:.1f} x {field[1]:.1f} degrees, undistorted")
-
-# %% [markdown]
-# ## Calibration
-#
-# A checkerboard is shown to both cameras. Its inner corners are saddles of the image, found to a
-# small fraction of a pixel; Zhang's closed form {cite}`zhang2000` starts a least-squares fit of all
-# of them at once, both cameras and their pose together. The fit also says how well it knows its
-# parameters.
-
-# %%
-board = stereo.Board()
-small = stereo.PinholeCamera.from_lens(
-    FOCAL_LENGTH, PIXEL_PITCH * binning, tuple(n // binning for n in rig.left.shape)
-)
-errors = []
-for pose in board.poses(3, rng=rng, distance=1.1):
-    corners = stereo.find_corners(stereo.board_image(board, small, pose, rng=rng), board)
-    errors.append(corners - small.project(pose.apply(board.corners)))
-found_noise = float(np.sqrt(np.mean(np.square(errors))))
-print(f"corners of drawn boards are found to {found_noise:.4f} px")
-
-# %% [markdown]
-# On drawn boards the corners are right to {glue:text}`found_noise:.3f` px. A printed board is less
-# perfect than a drawn one, so the calibration below takes {glue:text}`corner_noise:.2f` px for
-# them, in {glue:text}`views:.0f` views.
-
-# %%
-shapes = (rig.left.shape, rig.right.shape)
-left, right = stereo.simulated_views(rig, board, views, rng=rng, noise=corner_noise)
-calibration = stereo.calibrate(board, left, right, shapes)
-cameras = calibration.rig
-deviation = np.sqrt(np.diag(cameras.covariance))[:24]
-worst = np.abs(cameras.parameters - rig.parameters)[:24] / deviation
-focal = float(cameras.left.intrinsics[0] * PIXEL_PITCH)
-shown = {"left_fx": "px", "left_k1": "", "right_ry": "rad", "right_tx": "m"}
-for name, unit in shown.items():
-    i = stereo.PARAMETERS.index(name)
-    print(f"{name}: {cameras.parameters[i]:.6g} ± {deviation[i]:.1g} {unit}")
-print(f"errors in deviations: rms {np.sqrt(np.mean(worst**2)):.2f}, largest {worst.max():.2f}")
-paper.check("sec6.lens_focal_length", focal)
-tell(found_noise=found_noise, corner_noise=corner_noise, views=views)
-tell(worst=worst.max(), left_over=calibration.corner_noise)
-
-# %% [markdown]
-# What the fit leaves over, {glue:text}`left_over:.3f` px, is the corners' own noise, and no
-# parameter errs by more than {glue:text}`worst:.1f` of its standard deviations.
-#
-# ## The spot
-#
-# A spot of many thousand electrons could be placed to a hundredth of a pixel. But laser light on a
-# rough wall has speckle, and its grains shift the middle of the spot. A spot of Gaussian profile
-# $E$, covered with grains of area $A = 4(\lambda N)^2/\pi$ and contrast $C$, has a centroid that
-# scatters by
-#
-# $$\sigma^2 = C^2 A\,\frac{\int x^2 E^2}{\left(\int E\right)^2} = \frac{C^2 A}{8\pi}, \qquad
-#   \sigma = \frac{C\lambda N}{\sqrt2\,\pi},$$
-#
-# whatever its size: a larger spot holds more grains, but spreads them farther. That is a limit of
-# laser triangulation itself {cite}`dorsch1994`; only a wider lens, or less coherent light, helps.
-# The wave, drawn with random phases and sent through the lens's aperture, agrees.
-
-# %%
-lighting = stereo.Lighting()
-foretold = sensor.speckle(lighting.contrast)
-drawn = speckled_centroids(sensor, width=1.6, draws=draws, rng=rng, polarisations=2, side=128)
-electrons = np.geomspace(300, 6e4, 9)
-bounds = [
-    np.sqrt(np.trace(stereo.spot_bound(sensor, centre=[7.5, 7.5], brightness=e, width=1.1)) / 2)
-    for e in electrons
+sensor = stereo.Sensor()
+rig = stereo.simulated_rig(baseline=baseline, sensor=sensor)
+poses = stereo.board_poses(rig, views, rng=rng)
+pictures = [[stereo.board_image(rig, k, pose, rng=rng) for pose in poses] for k in (0, 1)]
+corners = np.array([[stereo.find_corners(one) for one in side] for side in pictures])
+cameras, corner_noise = stereo.calibrate(corners, rig.shape)
+redrawn = [
+    stereo.calibrate(corners + corner_noise * rng.standard_normal(corners.shape), rig.shape)[0]
+    for _ in range(draws)
 ]
-print(f"speckle: foretold {foretold:.3f} px, drawn {drawn.std():.3f} px")
-print("bound by photons and read-out (px):", np.round(bounds, 4).tolist())
-tell(speckle=foretold, speckle_drawn=drawn.std(), faint=bounds[0], bright=bounds[-1])
-
-# %% [markdown]
-# From {glue:text}`faint:.2f` px for a faint spot to {glue:text}`bright:.4f` px for a bright one the
-# Cramér–Rao bound falls; speckle stays at {glue:text}`speckle:.3f` px (drawn:
-# {glue:text}`speckle_drawn:.3f`). Each spot below is drawn with both, and found by a
-# maximum-likelihood fit of a Gaussian on the mosaic's pixels, which reaches that bound; spots that
-# are absent, saturated or double are refused.
-#
-# ## From spots to labels
-#
-# The frame is scanned; each pixel's spot is seen by a camera unless something stands before it.
-# The triangulated spots first tell where the scanner is: its beams leave in known directions, so
-# it is located like a third camera. Then each has a range $z$, with the uncertainty of its spots
-# and of the calibration, and so a wrap count $\lfloor 2fz/c \rfloor$.
+print(f"{views} views leave {corner_noise:.3f} px at a corner")
 
 
 # %%
@@ -171,131 +72,170 @@ def thinned(name, stride):
     """Every so many pixels of an embedded frame, as a scan would take them."""
     whole = load_frame(name)
     fx, fy, cx, cy = whole.camera
-    kept = (slice(None, None, stride),) * 2
     camera = [fx / stride, fy / stride, (cx - 0.5) / stride + 0.5, (cy - 0.5) / stride + 0.5]
-    return Frame(whole.depth[kept], whole.intensity[kept], np.array(camera), name)
+    return Frame(whole.depth[::stride, ::stride], whole.intensity[::stride, ::stride], camera, name)
 
 
-def scanned(name, stride):
-    """A frame, its noisy measurement, and what both cameras saw of the scan."""
-    frame = thinned(name, stride)
-    measurement = cmtof.simulate(frame, protocol="full", seed=seed)
-    watched = stereo.view_scene(frame, rig, sensor=sensor, lighting=lighting)
-    return frame, measurement, watched, stereo.record(watched, rng=rng)
+def located(cameras, frame, spots):
+    """Cameras with the scanner found from its spots."""
+    beams = points_from_depth(np.ones(frame.depth.shape), frame.camera)
+    return stereo.locate_scanner(cameras, spots.pixels, beams)
 
 
-def located(cameras, spots, watched):
-    """The cameras with the scanner found from a scan."""
-    seen = [(s.pixels.reshape(-1, 2), s.covariance.reshape(-1, 2, 2)) for s in spots]
-    pairs = stereo.triangulate(cameras, seen[0][0], seen[1][0], (seen[0][1], seen[1][1]))
-    return stereo.locate_scanner(cameras, pairs, watched.points.reshape(-1, 3))
+def measured_phase(measurement):
+    """Wrapped phase of the low frequency and its standard deviation, rad."""
+    images, psi = (measurement.dataset[k].to_numpy()[0] for k in ("correlation", "psi"))
+    noise = residual_noise(images, psi) * np.sqrt(2 / psi.size)
+    return {
+        "phase": measurement.phase[0],
+        "phase_noise": noise / np.maximum(measurement.amplitude[0], 1e-6),
+    }
+
+
+def labels(frame, spots, cameras, others=(), **phase):
+    """Pseudo ground truth of a scan by calibrated cameras."""
+    found = [located(one, frame, spots) for one in (cameras, *others)]
+    return stereo.truth_from_spots(spots, found[0], draws=found[1:], sigmas=sigmas, **phase)
 
 
 # %%
-def labels(spots, watched, cameras, measurement=None):
-    """Pseudo-truth, with the phase of a measurement or without."""
-    known = {}
-    if measurement is not None:
-        images, psi = (measurement.dataset[k].to_numpy()[0] for k in ("correlation", "psi"))
-        noise = residual_noise(images, psi) * np.sqrt(2 / psi.size)
-        amplitude = np.maximum(measurement.amplitude[0], 1e-6)
-        known = {"phase": measurement.phase[0], "phase_noise": noise / amplitude}
-    return stereo.truth_from_spots(
-        spots, cameras, FREQUENCY_SINGLE, sigmas=sigmas, lit=watched.lit, **known
-    )
-
-
-frame, measurement, watched, spots = scanned(scene, stride)
-calibrated = located(cameras, spots, watched)
-alone = labels(spots, watched, calibrated)
-truth = labels(spots, watched, calibrated, measurement)
-depth = frame.depth.astype(float)
-right_alone = (alone.wraps == np.floor(depth / WRAP))[alone.mask].mean()
-wrong = float((np.abs(truth.depth - depth) > WRAP / 2)[truth.mask].mean())
-where = [one.scanner_from_left.inverse.translation for one in (calibrated, rig)]
-offset = where[0] - where[1]
+frame = thinned(scene, stride)
+measurement = cmtof.simulate(frame, protocol="full", seed=seed)
+spots = stereo.scan_spots(frame, rig, rng=rng, sensor=sensor)
+alone = labels(frame, spots, cameras, redrawn)
+truth = labels(frame, spots, cameras, redrawn, **measured_phase(measurement))
+wrong = float((np.abs(truth.depth - frame.depth) > WRAP / 2)[truth.mask].mean())
+right_alone = float((alone.wraps == np.floor(frame.depth / WRAP))[alone.mask].mean())
+offset = located(cameras, frame, spots).centres.mean(0) - rig.centres.mean(0)
+print(f"labelled: stereo alone {alone.mask.mean():.1%}, with the phase {truth.mask.mean():.1%}")
 print(f"scanner found to {1e3 * np.linalg.norm(offset):.2f} mm")
-print({Reason(i).name: int(n) for i, n in enumerate(np.bincount(truth.reason.ravel()))})
-tell(scanner_mm=1e3 * np.linalg.norm(offset), alone=100 * alone.share, both=100 * truth.share)
-tell(right_alone=100 * right_alone, wrong=100 * wrong, sigmas=sigmas)
+notes.tell(both=100 * truth.mask.mean(), wrong=100 * wrong)
 
-# %% [markdown]
-# Stereo alone is in doubt wherever {glue:text}`sigmas:.0f` standard deviations reach over the
-# boundary of a wrap, however precise it is: it labels {glue:text}`alone:.1f` % of the pixels, of
-# which {glue:text}`right_alone:.2f` % are right. The measured phase removes that doubt: it says
-# where in the wrap the surface lies, and stereo need only be right to half a wrap. So
-# {glue:text}`both:.1f` % get a label, and {glue:text}`wrong:.2f` % of those err.
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(11.0, 3.5), width_ratios=[1.25, 1, 1])
-height, width = frame.depth.shape
-draw_rig(axes[0], frame, rig, (height // 2, int(0.45 * width)))
-axes[0].set_title("stereo rig, to scale")
+figure = plt.figure(figsize=(11.0, 3.5))
+grid = figure.add_gridspec(1, 3, width_ratios=[1.25, 1, 1])
+scene_ax = figure.add_subplot(grid[0], projection="3d", computed_zorder=False)
+points = points_from_depth(frame.depth, frame.camera)
+target = points[points.shape[0] // 2, int(0.45 * points.shape[1])]
+left_camera, right_camera = rig.centres
+
+
+def shown(ax, places, how, **style):
+    """Line or mark at places (N, 3)."""
+    x, y, z = np.moveaxis(np.reshape(places, (-1, 3)), -1, 0)
+    ax.plot(z, -x, -y, how, **style)
+
+
+for row, light in zip(points[::2], frame.intensity[::2], strict=True):
+    x, y, z = row.T
+    scene_ax.scatter(z, -x, -y, c=0.35 + 0.6 * light.clip(0, 1) ** 0.45, s=2, cmap="gray", vmin=0,
+                     vmax=1, lw=0, rasterized=True)  # fmt: skip
+shown(scene_ax, [np.zeros(3), target], "-", color=BEAM, lw=2.2)
+for place, colour, name in ((left_camera, LEFT, "left"), (right_camera, RIGHT, "right")):
+    shown(scene_ax, [place, target], "--", color=colour, lw=1.2)
+    shown(scene_ax, place, "s", color=colour, ms=6, label=name)
+shown(scene_ax, np.zeros(3), "s", color="0.2", ms=6, label="scanner")
+scene_ax.set_title("stereo rig, to scale")
+scene_ax.set_aspect("equal")
+scene_ax.set_box_aspect(
+    np.ptp([scene_ax.get_xlim(), scene_ax.get_ylim(), scene_ax.get_zlim()], 1), zoom=1.6
+)
+scene_ax.view_init(15, 150)
+scene_ax.axis("off")
+scene_ax.legend(fontsize=8, loc="upper left")
+
+# %% tags=["hide-input"]
+axes = [scene_ax, figure.add_subplot(grid[1]), figure.add_subplot(grid[2])]
 plotting.phase_image(axes[1], measurement.phase[0], title="7.15 GHz phase")
-shown_wraps = np.where(truth.mask, truth.wraps, np.nan)
-plotting.image(axes[2], shown_wraps, label="wrap count", title="wraps by stereo")
+wraps = np.where(truth.mask, truth.wraps, np.nan)
+plotting.image(axes[2], wraps, label="wrap count", title="wraps by stereo")
 plotting.label_panels(axes)
+least, largest = int(np.nanmin(wraps)), int(np.nanmax(wraps))
 plotting.save(
     figure,
     "fig09_stereo",
     numbers={
-        "labelled": truth.share,
-        "labelled_by_stereo_alone": alone.share,
+        "labelled": float(truth.mask.mean()),
+        "labelled_by_stereo_alone": float(alone.mask.mean()),
         "wrong": wrong,
-        "least_wrap": int(np.nanmin(shown_wraps)),
-        "largest_wrap": int(np.nanmax(shown_wraps)),
+        "least_wrap": least,
+        "largest_wrap": largest,
         "median_uncertainty_mm": 1e3 * float(np.nanmedian(truth.uncertainty)),
     },
     caption=(
-        "Active stereo supervision (Fig. 9 of the paper), simulated. (a) The rig, drawn to scale "
-        "before the scene. (b) The phase that the scan measures. (c) The wrap map that the cameras "
-        "recover; grey pixels have no label."
+        "Active stereo supervision (Fig. 9 of the paper), simulated. (a) The rig before the scene, "
+        "to scale. (b) The phase that the scan measures. (c) The wrap map from the cameras; grey "
+        "pixels have no label."
     ),
     alt=(
-        "A point cloud of a table with objects; a scanner's green beam meets it, and dashed lines "
-        "run from the spot to two cameras. Beside it a noisy phase map with fringes, and a smooth "
-        f"wrap map from {int(np.nanmin(shown_wraps))} to {int(np.nanmax(shown_wraps))}, grey where "
-        "a camera sees nothing."
+        "A point cloud of a table with objects; a green beam meets it, and dashed lines run from "
+        "the spot to two cameras. Beside it a noisy phase map with fringes, and a smooth wrap map "
+        f"from {least} to {largest}, grey where a camera sees nothing."
     ),
     format="png",
 )
 
 # %% [markdown]
-# ## How far it reaches
+# Stereo alone gives $n = \lfloor 2fz/c \rfloor$ and is in doubt wherever three standard deviations
+# reach over the boundary of a wrap, however precise it is. The measured phase removes that doubt:
+# it locates the surface within the wrap, and stereo need only be right to half a wrap, 10.5 mm.
 #
-# The same rig before a room. A label needs {glue:text}`sigmas:.0f` standard deviations within half
-# a wrap; where the uncertainty crosses that line, supervision ends.
+# ## What limits a range
+#
+# A disparity that is wrong by $\delta$ pixels moves a point by $\delta z = z^2\delta/(fb)$ with
+# the focal length $f$ in pixels and the baseline $b$. The photons of a bright spot would place it
+# to a hundredth of a pixel, but its speckle does not allow that: grains of contrast $C$ shift the
+# centroid by
+#
+# $$\sigma = \frac{C\lambda N}{\sqrt2\,\pi}$$
+#
+# on the sensor, whatever the size of the spot, for a larger spot holds more grains but spreads them
+# farther {cite}`dorsch1994`. Only a wider lens (smaller $N$) or less coherent light helps. The
+# calibration {cite}`zhang2000` counts too: it is repeated with its corners redrawn, and the scatter
+# of the ranges is added to that of the spots.
 
 # %%
-far_frame, far_measurement, far_watched, far_spots = scanned(far_scene, far_stride)
-far_rig = located(cameras, far_spots, far_watched)
-far = labels(far_spots, far_watched, far_rig, far_measurement)
+focal = float(cameras.matrices[0, 0, 0]) * sensor.pitch
+paper.check("sec6.lens_focal_length", focal)
+scatter = np.std([one.matrices[0, 0, 0] for one in redrawn], ddof=1)
+print(f"speckle {sensor.speckle:.3f} px; all noise {np.nanmedian(spots.sigma):.3f} px")
+print(f"focal length {cameras.matrices[0, 0, 0]:.1f} ± {scatter:.1f} px")
+print(f"                truth {rig.matrices[0, 0, 0]:.1f} px")
+
+# %% [markdown]
+# ## How far it reaches
+#
+# The same rig before a room, whose walls stand two to seven metres away.
+
+# %%
+far_frame = thinned(far_scene, far_stride)
+far_phase = measured_phase(cmtof.simulate(far_frame, protocol="full", seed=seed))
+far_spots = stereo.scan_spots(far_frame, rig, rng=rng, sensor=sensor)
+far = labels(far_frame, far_spots, cameras, redrawn, **far_phase)
 reach = WRAP / 2 / sigmas
-ideal = np.sqrt(2) * foretold / (rig.left.intrinsics[0] * rig.baseline)
+ideal = np.sqrt(2) * sensor.speckle / (rig.matrices[0, 0, 0] * baseline)  # 1/m
 limit = float(np.sqrt(reach / ideal))
-places = np.geomspace(0.5, 8, 60)
 edges = np.arange(0.5, 6.5, 0.25)
-rates = []
-for low, high in pairwise(edges):
-    chosen = [t.mask[(f.depth >= low) & (f.depth < high) & w.inside.all(axis=0)]
-              for t, f, w in ((truth, frame, watched), (far, far_frame, far_watched))]  # fmt: skip
-    both = np.concatenate(chosen)
-    rates.append(float(both.mean()) if both.size > 30 else np.nan)
-print(f"by speckle alone the line is crossed at {limit:.2f} m")
-tell(limit=limit, far=100 * far.share, released_far=RELEASED_FAR_DEPTH)
+ranges = np.concatenate([frame.depth.ravel(), far_frame.depth.ravel()])
+labelled = np.concatenate([truth.mask.ravel(), far.mask.ravel()])
+rates = [
+    float(labelled[one].mean()) if (one := (ranges >= a) & (ranges < b)).sum() > 30 else np.nan
+    for a, b in pairwise(edges)
+]
+notes.tell(limit=limit)
+print(f"labelled in the room: {far.mask.mean():.1%}; speckle alone ends labels at {limit:.2f} m")
 
 # %% tags=["hide-input"]
 figure, (ax, lower) = plt.subplots(2, 1, figsize=(6.8, 5.6), sharex=True, height_ratios=[2, 1])
-for one, name, colour in ((truth, scene, COLOURS[0]), (far, far_scene, COLOURS[1])):
-    some = np.isfinite(one.uncertainty)
-    ax.plot(one.range[some], 1e3 * one.uncertainty[some], ".", ms=2, alpha=0.3, color=colour,
+for one, name, colour in ((truth, scene, LEFT), (far, far_scene, RIGHT)):
+    ax.plot(one.range.ravel(), 1e3 * one.uncertainty.ravel(), ".", ms=2, alpha=0.3, color=colour,
             label=name.replace("_", " "), rasterized=True)  # fmt: skip
+places = np.geomspace(0.5, 8, 60)
 ax.plot(places, 1e3 * ideal * places**2, "k-", lw=1.2, label="speckle alone, on axis")
-ax.axhline(1e3 * WRAP, color="0.4", lw=1, ls="-")
-ax.text(0.52, 1.08e3 * WRAP, "one wrap", color="0.3")
-ax.axhline(1e3 * reach, color="0.4", lw=1, ls="--")
-ax.text(0.52, 1.08e3 * reach, f"half a wrap in {sigmas:g} σ", color="0.3")
 ax.set(xscale="log", yscale="log", ylabel="uncertainty of the range (mm)", ylim=(0.1, 60))
+plotting.mark(ax, y=1e3 * WRAP, text="one wrap")
+plotting.mark(ax, y=1e3 * reach, text=f"half a wrap in {sigmas:g} σ")
 ax.legend(loc="lower right", markerscale=5)
 lower.stairs(100 * np.array(rates), edges, color="k")
 lower.set(xlabel="range (m)", ylabel="labelled (%)", ylim=(0, 100), xlim=(0.5, 8))
@@ -306,13 +246,13 @@ plotting.save(
     "stereo_uncertainty",
     numbers={
         "speckle_limit_m": limit,
-        "near_share": truth.share,
-        "far_share": far.share,
+        "near_share": float(truth.mask.mean()),
+        "far_share": float(far.mask.mean()),
         "rates": [r for r in rates if np.isfinite(r)],
     },
     caption=(
         "Uncertainty of the range from stereo, of every pixel of two simulated scans, and the "
-        "share of the pixels within both images that get a label."
+        "share of pixels that get a label."
     ),
     alt=(
         "On logarithmic axes the uncertainty rises with the square of the range, along the line of "
@@ -323,103 +263,51 @@ plotting.save(
 )
 
 # %% [markdown]
-# Speckle alone would end the labels at {glue:text}`limit:.1f` m on this baseline. In the room
-# {glue:text}`far:.1f` % of the pixels get one. The network of the authors' released
-# code ends at {glue:text}`released_far:.3f` m, where there is room to spare.
-#
 # ## What a bad calibration does
 #
-# Noise of spots is drawn anew at each pixel; an error of the calibration is shared by all, and
-# shifts a whole surface by whole wraps without a trace in the map. What lifts a spot off its
-# epipolar line is seen, and masked; what moves it along is not. The calibration's own covariance
-# counts in the mask, but it knows of no knock. Below, single parameters of the true rig are changed
-# and nobody is told: labels keep being given, and some are wrong.
+# The noise of a spot is its own; an error of the calibration is shared by all pixels and shifts a
+# whole surface. What lifts a spot off its epipolar line is seen and masked, what moves it along
+# the line is not. Below the true rig is changed without notice: labels keep being given, and some
+# are wrong.
+
 
 # %%
+def turned(rig, vector):
+    turn = RigidTransform.from_rotation(Rotation.from_rotvec(vector))
+    return replace(rig, poses=(rig.poses[0], turn * rig.poses[1]))
+
+
+def stretched(rig, camera, row, column, pixels):
+    matrices = rig.matrices.copy()
+    matrices[camera, row, column] += pixels
+    return replace(rig, matrices=matrices)
+
+
 CHANGES = {
-    "none": {},
-    "focal length of left, 2 px": {"left_fx": 2.0, "left_fy": 2.0},
-    "centre of right, 1 px": {"right_cx": 1.0},
-    "right turned about y, 0.5 mrad": {"right_ry": 5e-4},
-    "right turned about x, 0.5 mrad": {"right_rx": 5e-4},
-    "baseline, 1 mm": {"right_tx": 1e-3},
-    "distortion k1 of left, 0.01": {"left_k1": 0.01},
+    "none": rig,
+    "focal length of left, 2 px": stretched(rig, 0, [0, 1], [0, 1], 2.0),
+    "centre of right, 1 px": stretched(rig, 1, 0, 2, 1.0),
+    "right turned about y, 0.5 mrad": turned(rig, [0, 5e-4, 0]),
+    "right turned about x, 0.5 mrad": turned(rig, [5e-4, 0, 0]),
 }
-rows = {}
-for name, change in CHANGES.items():
-    bad = located(rig.moved(**change), far_spots, far_watched)
-    got = labels(far_spots, far_watched, bad, far_measurement)
-    off = np.abs(got.depth - far_frame.depth) > WRAP / 2
-    shift = 1e3 * float(np.nanmedian(got.range - far_frame.depth))
-    rows[name] = (
-        shift,
-        100 * got.share,
-        100 * float(off[got.mask].mean()) if got.mask.any() else np.nan,
-    )
-lines = [
-    "| changed | median error (mm) | labelled (%) | of them wrong (%) |",
-    "| --- | --: | --: | --: |",
-]
-lines += [
-    f"| {n} | {a:+.1f} | {b:.1f} | {'–' if np.isnan(c) else f'{c:.1f}'} |"
-    for n, (a, b, c) in rows.items()
-]
-glue("changes", Markdown("\n".join(lines)), display=False)
+rows = []
+for name, changed in CHANGES.items():
+    got = labels(far_frame, far_spots, changed, **far_phase)
+    error = 1e3 * (got.range - far_frame.depth)[got.mask]
+    off = (np.abs(got.depth - far_frame.depth) > WRAP / 2)[got.mask]
+    cells = (f"{np.median(error):+.1f}", f"{100 * off.mean():.1f}") if off.size else ("–", "–")
+    rows.append((name, f"{100 * got.mask.mean():.1f}", *cells))
+notes.table(("changed", "labelled (%)", "their median error (mm)", "wrong (%)"), rows)
 
 # %% [markdown]
-# ```{glue:md} changes
-# :format: myst
-# ```
+# So a rig that has been knocked has to be calibrated again.
 #
-# So the calibration has to be as good as the spots are, {glue:text}`speckle:.2f` px, and a rig that
-# has been knocked has to be calibrated again. How many views of the board that takes:
-
-# %%
-shares, wrongs = [], []
-for count in view_counts:
-    found = []
-    for trial in range(trials):
-        own = np.random.default_rng([seed, count, trial])
-        pair = stereo.simulated_views(rig, board, count, rng=own, noise=corner_noise)
-        one = located(stereo.calibrate(board, *pair, shapes).rig, far_spots, far_watched)
-        got = labels(far_spots, far_watched, one, far_measurement)
-        off = np.abs(got.depth - far_frame.depth)[got.mask] > WRAP / 2
-        found.append((got.share, off.mean() if off.size else 0.0))
-    share, bad = np.mean(found, axis=0)
-    shares.append(float(share))
-    wrongs.append(float(bad))
-perfect = labels(far_spots, far_watched, rig, far_measurement).share
-print(dict(zip(view_counts, zip(shares, wrongs, strict=True), strict=True)))
-
-# %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(6.0, 3.4))
-ax.axhline(100 * perfect, color="0.5", ls="--", lw=1)
-ax.text(view_counts[0], 100 * perfect + 0.5, "calibration without error", color="0.3", va="bottom")
-ax.plot(view_counts, 100 * np.array(shares), "o-", color=COLOURS[0], label="labelled")
-ax.plot(view_counts, 100 * np.array(wrongs), "s-", color=COLOURS[1], label="of them wrong")
-ax.set(xlabel="views of the board", ylabel="pixels of the room (%)", ylim=(-1, None), xscale="log")
-ax.set_xticks(view_counts, [str(n) for n in view_counts])
-ax.minorticks_off()
-ax.legend(loc="center right")
-plotting.save(
-    figure,
-    "stereo_calibration",
-    numbers={"views": view_counts, "labelled": shares, "wrong": wrongs, "perfect": perfect},
-    caption="Labels in the room against the number of views that the calibration was given.",
-    alt=(
-        f"The labelled share rises from {100 * shares[0]:.1f} to {100 * shares[-1]:.1f} % with the "
-        f"number of views, towards {100 * perfect:.1f} %; hardly any label is wrong."
-    ),
-)
-
-# %% [markdown]
 # ## Fine-tuning
 #
 # The labels go where they are meant to: into a few more steps of training. The left half of the
-# scan teaches, the right half is withheld; only labelled pixels within the network's classes count
-# in the loss, and the normalisation keeps its statistics. This is a proof that the path is whole,
-# from spots to weights, and no more: one half of one scan cannot do what the paper's «diverse
-# dataset» does.
+# scan is trained on, the right half is withheld; only labelled pixels within the network's classes
+# count, and the normalisation keeps its statistics. This shows that the path is whole, from spots
+# to weights, and no more: one half of one scan cannot do what the paper's «diverse dataset» does.
 
 # %%
 from cmtof.network.features import features
@@ -428,14 +316,14 @@ from cmtof.network.inference import classify
 from cmtof.network.weights import load_weights, weights_path
 
 trained = load_weights(weights_path("fast-scnn", "released"))
-half = width // 2
-sides = {"taught": slice(0, half), "withheld": slice(half, width)}
+half = frame.depth.shape[1] // 2
+sides = {"trained on": slice(0, half), "withheld": slice(half, None)}
 examples = {
     name: Labelled(Measurement(measurement.dataset.isel(x=part)), truth.wraps[:, part],
                    truth.mask[:, part], truth.depth[:, part])
     for name, part in sides.items()
 }  # fmt: skip
-tuned = fine_tune(trained, [examples["taught"]], steps=steps, crop=crop, batch=1, seed=seed)
+tuned = fine_tune(trained, [examples["trained on"]], steps=steps, crop=crop, batch=1, seed=seed)
 
 
 # %%
@@ -449,19 +337,9 @@ def rate(network, example):
     return float((wraps == example.wraps)[scored].mean())
 
 
-before = {name: rate(trained, one) for name, one in examples.items()}
-after = {name: rate(tuned.trained, one) for name, one in examples.items()}
-labelled = tuned.trained.card["fine_tuned"]["labelled_pixels"]
 print("loss:", np.round(tuned.losses, 2).tolist())
-print("right before:", before, "after:", after)
-tell(steps=steps, labelled=labelled)
-tell(
-    **{f"{n}_before": 100 * before[n] for n in before},
-    **{f"{n}_after": 100 * after[n] for n in after},
-)
-
-# %% [markdown]
-# Of the wraps on the half that taught {glue:text}`taught_before:.1f` % were right before, and
-# {glue:text}`taught_after:.1f` % are after {glue:text}`steps:.0f` steps on
-# {glue:text}`labelled:.0f` labelled pixels. On the withheld half it was
-# {glue:text}`withheld_before:.1f` % and is {glue:text}`withheld_after:.1f` %.
+notes.table(
+    ("right wraps (%)", "before", f"after {steps} steps"),
+    [(n, *(f"{100 * rate(net, one):.1f}" for net in (trained, tuned.trained)))
+     for n, one in examples.items()],
+)  # fmt: skip
