@@ -44,6 +44,12 @@ from cmtof.book import plotting
 from cmtof.comparison import Scene, comparison_figure
 from cmtof.conditions import Conditions
 from cmtof.constants import FREQUENCIES
+from cmtof.metrics import score, scored_pixels
+from cmtof.rates import markdown_table, rates_of_counts, rates_of_report
+from cmtof.reliability import honest_errors, reliability, risk_coverage
+from cmtof.scenes.frame import Frame, ray_lengths
+from cmtof.scenes.rooms.held_out import TEST_ROOMS
+from cmtof.scenes.rooms.rendering import Settings
 from cmtof.surfaces import growing
 from cmtof.surfaces.field import CELL, field_from_measurement
 from cmtof.surfaces.kernels import PLANE, refine
@@ -51,12 +57,6 @@ from cmtof.surfaces.labels import RADIUS, depth_of_labels
 from cmtof.surfaces.seeds import WINDOWS
 from cmtof.surfaces.unwrapping import REACH, stages
 from cmtof.surfaces.votes import DOUBT
-from cmtof.metrics import score, scored_pixels
-from cmtof.rates import markdown_table, rates_of_counts, rates_of_report
-from cmtof.reliability import honest_errors, reliability, risk_coverage
-from cmtof.scenes.frame import Frame, ray_lengths
-from cmtof.scenes.rooms.held_out import TEST_ROOMS
-from cmtof.scenes.rooms.rendering import Settings
 
 run = plotting.begin(profile=profile, seed=seed)
 here = Settings(TEST_ROOMS.seed, TEST_ROOMS.scenes, height=height, width=width)

@@ -39,8 +39,8 @@ from cmtof.pointcloud import points_from_depth
 from cmtof.ranging.mhz_camera import MhzCamera
 from cmtof.ranging.mhz_light import View, emitted_charge, light_of, ratio_for_pull, signal
 from cmtof.ranging.mhz_settings import STEPS, CameraSettings
-from cmtof.scenes.objects import field_of_view, object_scene
 from cmtof.scenes.frame import rays_from_camera
+from cmtof.scenes.objects import field_of_view, object_scene
 
 run = plotting.begin(profile=profile, seed=seed)
 BLUE, RED, GREEN, BLACK = (plotting.PALETTE[c] for c in ("blue", "vermillion", "green", "black"))
