@@ -18,6 +18,7 @@ far_stride: int = 4  # and of the second
 baseline: float = 0.3  # between the cameras, m; assumed
 sigmas: float = 3.0  # standard deviations of a range that must fit
 views: int = 12  # of the board
+print_error: float = 0.05  # px, of a corner, for no printed board is perfect; assumed
 draws: int = 12  # calibrations redrawn for the uncertainty
 steps: int = 12  # of fine-tuning
 crop: int = 64  # px, of its crops
@@ -59,6 +60,7 @@ rig = stereo.simulated_rig(baseline=baseline, sensor=sensor)
 poses = stereo.board_poses(rig, views, rng=rng)
 pictures = [[stereo.board_image(rig, k, pose, rng=rng) for pose in poses] for k in (0, 1)]
 corners = np.array([[stereo.find_corners(one) for one in side] for side in pictures])
+corners += print_error * rng.standard_normal(corners.shape)
 cameras, corner_noise = stereo.calibrate(corners, rig.shape)
 redrawn = [
     stereo.calibrate(corners + corner_noise * rng.standard_normal(corners.shape), rig.shape)[0]

@@ -74,8 +74,8 @@ def test_rendered_corners_lie_where_they_project(rng):
     found = stereo.find_corners(stereo.board_image(SMALL_RIG, 0, pose, rng=rng))
     truth = SMALL_RIG.project(pose.apply(stereo.BOARD))[0]
     error = min((found - truth, found[::-1] - truth), key=np.std)  # the board has no upper end
-    assert np.sqrt((error**2).mean()) < 0.08
-    assert np.abs(error.mean(axis=0)).max() < 0.06
+    assert np.sqrt((error**2).mean()) < 0.04
+    assert np.abs(error.mean(axis=0)).max() < 0.02
 
 
 @pytest.fixture(scope="module")
@@ -92,11 +92,11 @@ def between(rig):
 
 def test_rendered_boards_calibrate_the_rig(corners):
     found, rms = stereo.calibrate(corners, SMALL.shape)
-    assert rms < 0.1  # px, of 18 px a square
-    np.testing.assert_allclose(found.matrices, SMALL_RIG.matrices, atol=2.5)  # of 580 px
+    assert rms < 0.04  # px, of 18 px a square
+    np.testing.assert_allclose(found.matrices, SMALL_RIG.matrices, atol=2)  # of 580 px
     np.testing.assert_allclose(found.distortions[:, 0], SMALL_RIG.distortions[:, 0], atol=0.02)
-    np.testing.assert_allclose(between(found)[:3], between(SMALL_RIG)[:3], atol=2e-3)  # rad
-    np.testing.assert_allclose(between(found)[3:], between(SMALL_RIG)[3:], atol=1e-3)  # m
+    np.testing.assert_allclose(between(found)[:3], between(SMALL_RIG)[:3], atol=4e-3)  # rad
+    np.testing.assert_allclose(between(found)[3:], between(SMALL_RIG)[3:], atol=2e-3)  # m
 
 
 def test_redrawn_calibrations_scatter_as_far_as_they_err():

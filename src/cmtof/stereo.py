@@ -200,6 +200,8 @@ def find_corners(image: NDArray[np.uint8]) -> Array:
             f"Expected a board of {COLUMNS} x {ROWS} corners in the picture, got none. Show the "
             "whole board, sharp and evenly lit."
         )
+    stop = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 50, 1e-4)
+    corners = cv2.cornerSubPix(image, corners, (5, 5), (-1, -1), stop)
     return corners.reshape(-1, 2).astype(float) + 0.5  # OpenCV's centres lie at whole numbers
 
 
