@@ -22,7 +22,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 
 import cmtof
-from cmtof import bounds, metrics
+from cmtof import bounds, evaluation
 from cmtof.baselines.beat import beat_depth, beat_phasor
 from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES
@@ -349,7 +349,7 @@ for protocol in protocols:
     true_count = wrap_count_from_depth(np.nan_to_num(measurement.depth), f1)
     for name, (method, options) in tries.items():
         result = cmtof.unwrap(measurement, method=method, **options)
-        scores[protocol, name] = metrics.score(metrics.scored_pixels(result, measurement))
+        scores[protocol, name] = evaluation.score(evaluation.scored_pixels(result, measurement))
         error = result["wrap_count"].to_numpy() - true_count
         wrong[protocol, name] = np.where(measurement.mask, error, np.nan)
 

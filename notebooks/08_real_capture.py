@@ -26,7 +26,7 @@ from myst_nb import glue
 from scipy import ndimage, stats
 
 import cmtof
-from cmtof.baselines.spatial import unwrapped_phase
+from cmtof.baselines.region import relative_phase
 from cmtof.book import plotting, views
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
@@ -234,7 +234,7 @@ plotting.save(
 # %%
 def pinned(phase, region, reference):
     held = Measurement.from_phase(phase[None], [frequency], mask=region, range_max=1.0)
-    relative = unwrapped_phase(held)
+    relative = relative_phase(held)
     total = np.full(phase.shape, np.nan)
     pieces, number = ndimage.label(region)
     for piece in (pieces == k for k in range(1, number + 1)):
@@ -253,7 +253,7 @@ for name in captures:
     ]
     total = np.where(np.isfinite(parts[0]), parts[0], parts[1])
     depths[name] = depth_from_phase(total, frequency)
-    naive = unwrapped_phase(Measurement.from_phase(smooth[None], [frequency], range_max=1.0))
+    naive = relative_phase(Measurement.from_phase(smooth[None], [frequency], range_max=1.0))
     turns = np.rint((naive - total)[np.isfinite(total)] / TAU)
     misled[name] = float(np.mean(turns != np.median(turns)))
     print(f"{name}: unwrapped in one piece, {misled[name]:.0%} of the pixels differ by wraps")

@@ -33,7 +33,7 @@ from myst_nb import glue
 from scipy import special
 
 import cmtof
-from cmtof import bounds, metrics
+from cmtof import bounds, evaluation as metrics
 from cmtof import offset_calibration as calibration
 from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, INTEGRATION_TIME, NOISE_SIGMA

@@ -31,7 +31,7 @@ from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.scene_scan import scan_scene
 from cmtof.instrument.optics import directions_from_angles
 from cmtof.instrument.settings import TwinSettings
-from cmtof.metrics import score, scored_pixels
+from cmtof.evaluation import score, scored_pixels
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof.ranging.rf_scene import rf_image
 from cmtof.scenes.objects import field_of_view, object_scene

@@ -58,7 +58,7 @@ def print_report(report: dict[str, Any]) -> None:
 
 def print_scores(result: "xr.Dataset", measurement: "Measurement") -> None:
     """Print the rates of one result against the truth in its measurement."""
-    from cmtof.metrics import score, scored_pixels
+    from cmtof.evaluation import score, scored_pixels
 
     scores = score(scored_pixels(result, measurement))
     print(

@@ -1,30 +1,166 @@
-"""Methods against each other on the same frames and the same noise."""
+"""Methods against each other on the same frames and the same noise, counted in bounded memory."""
 
+import hashlib
+import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from cmtof.baselines import METHODS, find_method
-from cmtof.conditions import Conditions, Measured
-from cmtof.metrics import Scored, score, scored_pixels
-from cmtof.scenes.frame import Frame
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from cmtof.constants import NOISE_SIGMA
+from cmtof.correlation import consistent_wrap_count, wrap_count_from_depth
+from cmtof.measurement import Measurement
+from cmtof.methods import find_method
+from cmtof.scenes import Frame
+from cmtof.simulation import simulate
+from cmtof.statistics import Interval, ratio_interval
 from cmtof.unwrapping import unwrap
 
+LIMITS = (1, 2, 3, 10)
+"""Wraps off below which pixels are counted, Tables 1 to 3."""
 
-def ready_methods(protocol: str = "released") -> list[str]:
-    """Every method that can tell a protocol's wraps: learned ones may lack weights for it."""
-    from cmtof.network.configuration import wraps_of
+RATES = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_10", "consistent_lt_1")
+"""Rates of `rates`, in order."""
 
-    first, count = wraps_of(protocol)
-    return [name for name, method in METHODS.items() if method.ready(first, first + count - 1)]
+_EDGES = np.geomspace(1e-7, 1e2, 18_001)  # of depth errors, m, 0.12 % apart: medians
+
+
+def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDArray]:
+    """A result and its truth over the valid pixels that have a depth.
+
+    Returns
+    -------
+    dict of ndarray, shape (P,)
+        ``wrap_count``, ``true_count`` (the paper's floor), ``consistent``, ``true_consistent``
+        (the wraps that turn the measured phase into depth), ``depth_error`` (m), ``confidence``.
+
+    Raises
+    ------
+    ValueError
+        If the measurement holds no true depth or no valid pixel.
+    """
+    truth = measurement.depth
+    if truth is None:
+        raise ValueError("Expected a measurement with its true depth, got none. Simulate one.")
+    scored = measurement.mask & np.isfinite(truth)
+    if not scored.any():
+        raise ValueError("Expected at least one scored pixel, got none. Check mask and range.")
+    frequency = measurement.frequencies[0]
+    depth, phase = truth[scored].astype(float), measurement.phase[0][scored].astype(float)
+    estimate = result["depth"].to_numpy()[scored].astype(float)
+    return {
+        "wrap_count": result["wrap_count"].to_numpy()[scored].astype(np.int64),
+        "true_count": wrap_count_from_depth(depth, frequency),
+        "consistent": consistent_wrap_count(estimate, phase, frequency),
+        "true_consistent": consistent_wrap_count(depth, phase, frequency),
+        "depth_error": estimate - depth,
+        "confidence": result["confidence"].to_numpy()[scored],
+    }
+
+
+class Tally:
+    """Counts of one method over frames: a few numbers a frame, however many pixels there are."""
+
+    def __init__(self) -> None:
+        self.frames: list[dict[str, Any]] = []
+        self._squares = 0.0
+        self._errors = np.zeros(_EDGES.size + 1, np.int64)
+
+    def add(self, pixels: Mapping[str, NDArray]) -> dict[str, Any]:
+        """Count the `scored_pixels` of a frame; return its counts.
+
+        ``pixels``, ``below`` (pixels with a wrap error below each of `LIMITS`), ``consistent``.
+        """
+        delta = np.abs(pixels["wrap_count"] - pixels["true_count"])
+        right = pixels["consistent"] == pixels["true_consistent"]
+        error = np.abs(pixels["depth_error"])
+        self._squares += float(np.sum(error**2))
+        place = np.searchsorted(_EDGES, error)
+        self._errors += np.bincount(place, minlength=_EDGES.size + 1)
+        counts = {
+            "pixels": delta.size,
+            "below": [int((delta < limit).sum()) for limit in LIMITS],
+            "consistent": int(right.sum()),
+        }
+        self.frames.append(counts)
+        return counts
+
+    def score(self) -> dict[str, float]:
+        """Rates and depth errors over all pixels of all frames, as ``cmtof evaluate`` has them."""
+        if not self.frames:
+            raise ValueError("Expected at least one frame, got none. Add frames first.")
+        whole = sum(frame["pixels"] for frame in self.frames)
+        below = np.sum([frame["below"] for frame in self.frames], axis=0) / whole
+        median = int(np.searchsorted(np.cumsum(self._errors), whole / 2))
+        return {
+            "delta_lt_1": float(below[0]),
+            "delta_lt_2": float(below[1]),
+            "delta_lt_3": float(below[2]),
+            "delta_ge_3": float(1 - below[2]),
+            "delta_ge_10": float(1 - below[3]),
+            "consistent_lt_1": sum(frame["consistent"] for frame in self.frames) / whole,
+            "depth_rmse_m": float(np.sqrt(self._squares / whole)),
+            "depth_median_error_m": float(_EDGES[min(median, _EDGES.size - 1)]),
+        }
+
+
+def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> dict[str, float]:
+    """Rates and depth errors over the `scored_pixels` of one or more frames.
+
+    Examples
+    --------
+    >>> import cmtof
+    >>> measurement = cmtof.simulate(cmtof.load_frame("still_life"), noise_free=True)
+    >>> result = cmtof.unwrap(measurement, method="crt")
+    >>> score(scored_pixels(result, measurement))["delta_lt_1"]
+    1.0
+    """
+    tally = Tally()
+    for pixels in [frames] if isinstance(frames, Mapping) else frames:
+        tally.add(pixels)
+    return tally.score()
+
+
+def measured(
+    frame: Frame, methods: Iterable[str], *, number: int = 0, **conditions: Any
+) -> dict[str, Measurement]:
+    """What each method is given of a frame: the same noise and the same scored pixels.
+
+    Methods of other frequencies get a measurement of their own, of the same seed.
+
+    Parameters
+    ----------
+    frame : Frame
+    methods : iterable of str
+    number : int
+        The noise is drawn from (seed, number).
+    **conditions
+        Options of `cmtof.simulation.simulate`.
+    """
+    usual = simulate(frame, frame_number=number, **conditions)
+    _ = usual.decoded  # shared, so that no method is charged for it
+    given = {}
+    held: dict[tuple[float, ...], Measurement] = {(): usual}
+    for name in methods:
+        tones = find_method(name).tones
+        if tones not in held:
+            other = simulate(frame, frame_number=number, **conditions | {"frequencies": tones})
+            scored = (("y", "x"), other.mask & usual.mask)
+            held[tones] = Measurement(other.dataset.assign(mask=scored))
+            _ = held[tones].decoded
+        given[name] = held[tones]
+    return given
 
 
 class Evaluation:
     """Scores of several methods over several frames.
 
-    Call `add` for each frame, in order; the noise of frame i is drawn from (seed, i), so that
-    every method sees the same. A method that needs other frequencies gets a measurement of its own,
-    of the same frame, noise and scored pixels.
+    Call `add` for each frame, in order; the noise of frame i is drawn from (seed, i), and every
+    method sees the same.
 
     Parameters
     ----------
@@ -32,7 +168,7 @@ class Evaluation:
     options : dict of dict
         Of each method that shall not run with its defaults.
     **conditions
-        Fields of `cmtof.conditions.Conditions`.
+        Options of `cmtof.simulation.simulate`.
     """
 
     def __init__(
@@ -42,26 +178,24 @@ class Evaluation:
         options: Mapping[str, Mapping[str, Any]] | None = None,
         **conditions: Any,
     ) -> None:
-        for name in methods:
-            find_method(name)
-        self.methods, self.options = methods, options or {}
-        self.conditions = Conditions(**conditions)
-        self._scored: dict[str, list[Scored]] = {name: [] for name in methods}
-        self._seconds = dict.fromkeys(methods, 0.0)
-        self._coverage: list[float] = []
-        self._names: list[str] = []
+        self.methods = [find_method(name).name for name in methods]
+        self.options, self.conditions = options or {}, conditions
+        self.frames: list[str] = []
+        self._tallies = {name: Tally() for name in self.methods}
+        self._seconds = dict.fromkeys(self.methods, 0.0)
+        self._coverage = 0.0
 
     def add(self, frame: Frame) -> Iterator[str]:
         """Simulate the next frame and run every method on it, yielding each name when done."""
-        taken = Measured(self.conditions, frame, len(self._names))
-        self._names.append(frame.name)
-        self._coverage.append(float(taken.usual.mask.mean()))
-        for name in self.methods:
-            measurement = taken.by(name)
+        given = measured(frame, self.methods, number=len(self.frames), **self.conditions)
+        usual = next(iter(given.values()))
+        self.frames.append(frame.name)
+        self._coverage += float(usual.mask.mean())
+        for name, measurement in given.items():
             start = perf_counter()
             result = unwrap(measurement, method=name, **self.options.get(name, {}))
             self._seconds[name] += perf_counter() - start
-            self._scored[name].append(scored_pixels(result, measurement))
+            self._tallies[name].add(scored_pixels(result, measurement))
             yield name
 
     def add_all(self, frames: Iterable[Frame]) -> "Evaluation":
@@ -71,19 +205,82 @@ class Evaluation:
                 pass
         return self
 
+    def counts(self) -> list[dict[str, Any]]:
+        """Counts of every frame: its name, its scored pixels, and those of each method."""
+        return [
+            {
+                "frame": name,
+                "pixels": next(iter(self._tallies.values())).frames[i]["pixels"],
+                "methods": {
+                    method: {key: tally.frames[i][key] for key in ("below", "consistent")}
+                    for method, tally in self._tallies.items()
+                },
+            }
+            for i, name in enumerate(self.frames)
+        ]
+
     def report(self) -> dict[str, Any]:
         """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them."""
-        if not self._names:
+        if not self.frames:
             raise ValueError("Expected at least one frame, got none. Add frames first.")
+        noise = 0.0 if self.conditions.get("noise_free") else self.conditions.get("noise")
         return {
-            "protocol": self.conditions.protocol,
-            "noise": 0.0 if self.conditions.noise_free else float(self.conditions.noise),
-            "seed": self.conditions.seed,
-            "frames": self._names,
-            "coverage": sum(self._coverage) / len(self._coverage),
+            "protocol": self.conditions.get("protocol", "released"),
+            "noise": float(NOISE_SIGMA if noise is None else noise),
+            "seed": self.conditions.get("seed", 0),
+            "frames": self.frames,
+            "coverage": self._coverage / len(self.frames),
             "methods": {
-                name: score(self._scored[name])
-                | {"seconds_per_frame": self._seconds[name] / len(self._names)}
-                for name in self.methods
+                name: tally.score() | {"seconds_per_frame": self._seconds[name] / len(self.frames)}
+                for name, tally in self._tallies.items()
             },
         }
+
+
+def digest(counts: Sequence[Mapping[str, Any]]) -> str:
+    """SHA-256 of counts, stored beside them."""
+    plain = json.dumps(counts, sort_keys=True, ensure_ascii=False)
+    return hashlib.sha256(plain.encode()).hexdigest()
+
+
+def read_counts(path: str | Path) -> list[dict[str, Any]]:
+    """Counts of every test frame as ``tools/tables.py`` has stored them; empty without a file.
+
+    Raises
+    ------
+    ValueError
+        If the counts were changed after they were written.
+    """
+    path = Path(path)
+    if not path.is_file():
+        return []
+    held = json.loads(path.read_text("utf-8"))
+    if held["sha256"] != digest(held["frames"]):
+        raise ValueError(f"Expected counts as written in {path}, got edited ones. Count again.")
+    return held["frames"]
+
+
+def rates(
+    counts: Sequence[Mapping[str, Any]], method: str, *, against: str = "", draws: int = 2000
+) -> Interval:
+    """`RATES` (5,) of a method over counted frames, with 95 % intervals over frames.
+
+    Parameters
+    ----------
+    counts : sequence of dict
+        Of `Evaluation.counts` or `read_counts`.
+    method, against : str
+        A method, and one whose rates are subtracted, on the same redrawn frames.
+    draws : int
+        Sets of frames redrawn.
+    """
+    whole = np.array([frame["pixels"] for frame in counts])
+
+    def parts(name: str) -> NDArray[np.int64]:
+        held = [frame["methods"][name] for frame in counts]
+        below = np.array([one["below"] for one in held]).T
+        return np.stack([*below[:3], whole - below[3], [one["consistent"] for one in held]])
+
+    return ratio_interval(
+        parts(method) - (parts(against) if against else 0), whole, draws=draws
+    )

@@ -15,12 +15,10 @@ import xarray as xr
 
 from cmtof.book import paper
 from cmtof.bounds import phase_spread, simulated_phase_noise, wrap_probability
-from cmtof.comparison import Scene, comparison_figure
-from cmtof.conditions import Conditions, Measured
+from cmtof.book.comparison import Scene, comparison_figure
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred
-from cmtof.evaluation import Evaluation
-from cmtof.metrics import score, scored_pixels
+from cmtof.evaluation import Evaluation, measured, score, scored_pixels
 from cmtof.precision import PrecisionSweep, precision_ratio, precision_sweep
 from cmtof.scenes import Frame, load_frame
 from cmtof.scenes.frame import embedded_frames
@@ -106,18 +104,18 @@ def computed_values(sweep: PrecisionSweep, scenes: list[Scene]) -> Iterator[tupl
     frames = [load_frame(name) for name in embedded_frames()]
     clean_report = Evaluation(["crt"], noise_free=True).add_all(frames).report()
     yield "crt_noise_free", clean_report["methods"]["crt"]["consistent_lt_1"]
-    measured = [Measured(Conditions(seed=SEED), frame, k) for k, frame in enumerate(frames)]
+    taken = [measured(frame, METHODS, number=k, seed=SEED) for k, frame in enumerate(frames)]
     answers: list[dict[str, xr.Dataset]] = [{} for _ in frames]
     for method in METHODS:
-        for taken, found in zip(measured, answers, strict=True):
-            found[method] = unwrap(taken.by(method), method=method)
+        for given, found in zip(taken, answers, strict=True):
+            found[method] = unwrap(given[method], method=method)
         scored = [
-            scored_pixels(found[method], taken.by(method))
-            for taken, found in zip(measured, answers, strict=True)
+            scored_pixels(found[method], given[method])
+            for given, found in zip(taken, answers, strict=True)
         ]
         yield method, score(scored)["delta_lt_1"]
     scenes += [
-        Scene(*three) for three in zip(frames, [m.usual for m in measured], answers, strict=True)
+        Scene(*three) for three in zip(frames, [given["beat"] for given in taken], answers, strict=True)
     ]
 
 
@@ -137,4 +135,4 @@ def _draw(scenes: list[Scene], path: Path) -> None:
 
     plotting.begin()
     with written_whole(path) as part:
-        comparison_figure(scenes, {name: name for name in METHODS}).savefig(part)
+        comparison_figure(scenes, METHODS).savefig(part)

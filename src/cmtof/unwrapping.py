@@ -1,13 +1,12 @@
-"""The one door: a measurement goes in, wrap count, depth and confidence come out."""
+"""The door to every method: a measurement goes in, wrap count, depth and confidence come out."""
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from cmtof.baselines import DEFAULT, find_method, within_range
+from cmtof.baselines import within_range
 from cmtof.correlation import (
     TAU,
     consistent_wrap_count,
@@ -16,6 +15,7 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.measurement import Measurement
+from cmtof.methods import DEFAULT, find_method
 
 
 def unwrap(
@@ -25,14 +25,14 @@ def unwrap(
     range: tuple[float, float] | None = None,
     **options: Any,
 ) -> xr.Dataset:
-    """Unwrap a measurement.
+    """Wrap count, depth and confidence of a measurement.
 
     Parameters
     ----------
     measurement : Measurement
         From `cmtof.open`, `cmtof.simulate` or one's own arrays.
     method : str
-        A name out of `cmtof.baselines.METHODS`.
+        A name out of `cmtof.methods.METHODS`.
     range : (float, float), optional
         Depths to choose from, ``min <= z < max``, m; by default the measurement's own.
     **options
@@ -60,25 +60,36 @@ def unwrap(
     """
     chosen = find_method(method)
     if range is not None:
-        measurement = _narrowed(measurement, *range)
+        low, high = range
+        held = measurement.range
+        if not (0 <= low < high) or high <= held[0] or low >= held[1]:
+            raise ValueError(
+                f"Expected a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to "
+                f"{held[1]:.3f}, got {low:g} to {high:g}. Widen or move it."
+            )
+        measurement = measurement.between(low, high)
     estimate = chosen(measurement, **options)
     frequency, measured = measurement.frequencies[0], measurement.phase[0].astype(float)
     mask, phase = measurement.mask & np.isfinite(measured), np.nan_to_num(measured)
-    # what a method makes of a pixel without a phase may be no number
+    # the estimate of a pixel without a phase may be NaN
     believed = within_range(np.where(mask, estimate.depth, measurement.range[0]), measurement)
-    wraps = _wraps_in_range(consistent_wrap_count(believed, phase, frequency), phase, measurement)
+    # wraps whose depth obeys min <= z < max
+    ends = np.asarray(measurement.range) / wrap_length(frequency)
+    first, last = (np.ceil(end - phase / TAU - 1e-9) for end in ends)
+    wraps = consistent_wrap_count(believed, phase, frequency)
+    wraps = np.clip(wraps, first, np.maximum(first, last - 1))
     depth = depth_from_wraps(phase, wraps, frequency)
-    count = wrap_count_from_depth(believed, frequency)
+    count, sure = wrap_count_from_depth(believed, frequency), estimate.confidence
     dims = ("y", "x")
     result = xr.Dataset(
         {
             "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
             "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
-            "confidence": (dims, np.where(mask, estimate.confidence, 0).astype(np.float32)),
+            "confidence": (dims, np.where(mask, sure, 0).astype(np.float32)),
         }
     )
     result.attrs = {
-        "method": method,
+        "method": chosen.name,
         "method_source": chosen.source,
         "frequency": float(frequency),
         "range_min": measurement.range[0],
@@ -87,23 +98,3 @@ def unwrap(
         "version": measurement.dataset.attrs.get("version", ""),
     }
     return result
-
-
-def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
-    held = measurement.range
-    if not (0 <= low < high) or high <= held[0] or low >= held[1]:
-        raise ValueError(
-            f"Expected a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to "
-            f"{held[1]:.3f}, got {low:g} to {high:g}. Widen or move it."
-        )
-    return measurement.between(low, high)
-
-
-def _wraps_in_range(
-    wraps: NDArray[np.int64], phase: NDArray[np.floating], measurement: Measurement
-) -> NDArray[np.int64]:
-    """Move wraps to the nearest whose depth obeys ``min <= z < max``."""
-    low, high = np.asarray(measurement.range) / wrap_length(measurement.frequencies[0])
-    turns = phase / TAU
-    first, last = np.ceil(low - turns - 1e-9), np.ceil(high - turns - 1e-9) - 1
-    return np.clip(wraps, first, np.maximum(first, last)).astype(np.int64)

@@ -1,103 +1,69 @@
-"""A random field over wraps: the beat for each pixel, the phase's steps between neighbours.
+"""A random field over wraps: the beat for each pixel, the steps of the phase between neighbours.
 
 Wraps n minimise ``E(n) = sum_p U_p(n_p) + sum_pq min(jump |n_q - n_p - d_pq|, most)``.
 
 The unary cost ``U_p(n) = kappa_p (1 - cos r_p(n))`` is the von Mises law of the beat, where r is
 the wrapped remainder that n leaves of it: to second order ``r^2 / 2 sigma^2`` with ``kappa = 1 /
-sigma^2`` and ``sigma^2 = (s_2 / a_2)^2 + (k s_1 / a_1)^2`` from noise s and amplitudes a, which is
-``5 sigma_phi^2`` for the prototype; it flattens where a dark pixel could know nothing.
-
+sigma^2`` and ``sigma^2 = (s_2 / a_2)^2 + (k s_1 / a_1)^2`` from noise s and amplitudes a.
 ``d_pq = round((phi_p - phi_q) / 2 pi)`` lets the wraps follow the phase across its jumps, so that a
 smooth surface costs nothing, however steep, up to half a wrap per pixel.
+
+`mrf` lowers the energy along eight directions (semi-global matching, Hirschmüller 2008);
+`mrf_graphcut` goes on with a convex prior by moves of all pixels at once. Each move is a minimum
+cut; moves by one wrap are those of PUMA (Bioucas-Dias and Valadão 2007), larger ones leap over the
+ripples of unary costs that are not convex.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, uniform_filter
 
+from cmtof.baselines import Estimate, within_range, wraps_in_range
 from cmtof.baselines.beat import synthetic_frequency
-from cmtof.baselines.method import Estimate, within_range, wraps_in_range
 from cmtof.correlation import TAU, centred, depth_from_wraps, wrapped
 from cmtof.measurement import Measurement
 
 JUMP, MOST = 0.03, 0.1
+"""Cost of a step by one wrap that the phase does not show, and of the largest step: the best of 13
+settings on six views of validation rooms. Costs that are right for a single pair are 200 times
+higher: lines across a surface hold far less information than all of its pixels."""
 RADIUS, POOLING = 2, 6.0
-# The best of 13 settings on six views of validation rooms: delta < 1, 2, 3, >= 10 of 33.1, 70.1,
-# 82.8, 1.9 % (released). Jump 6, most 20, radius 1 and pooling 2 gave 10.9, 30.9, 44.1, 21.1: lines
-# across a surface know far less than all of its pixels do, so the prior must weigh less.
-TEMPERATURE = 0.08
-"""Of the softmax: on the same views its mean is 0.36, where 33 % are right."""
-_SHARPEST = 1e4
-"""Largest kappa: a beat known to 0.01 rad, half of the prototype's wrap, needs no more weight."""
+"""Half side, px, of the square over which phasors are summed, turned back by the slope, and
+standard deviation, px, of the Gaussian over which the beat is averaged; chosen with them."""
+MOVES = (4, -4, 2, -2, 1, -1)
+"""Moves of a round of graph cuts, wraps."""
+_TEMPERATURE = 0.08  # of the softmax: on the same views its mean is 0.36, where 33 % are right
+_SHARPEST = 1e4  # largest kappa: a beat known to 0.01 rad needs no more weight
 _STRIP_BYTES = 2**28
+_UNITS = 2.0**36  # whole units that the largest cost is counted in: flows are integer
+_FORBIDDEN = 2**56
+_FAR = np.int32(2**30)
 
 
 class Field(NamedTuple):
-    """What the random field knows of a measurement."""
+    """The random field of a measurement."""
 
     phase: NDArray[np.float32]
     """Smoothed phase of the lower frequency (H, W), rad, which the labels belong to."""
     beat: NDArray[np.float32]
     """kappa (cos, sin) of the beat that the label 0 leaves, (H, W, 2)."""
     angles: NDArray[np.float64]
-    """Beat's angle of each label (N,), rad."""
+    """Angle of the beat at each label (N,), rad."""
     first: int
     """Wrap of the label 0."""
 
+    def unary(self, labels: NDArray[np.integer]) -> NDArray[np.floating]:
+        """Cost (H, W) of labels (H, W), but for a constant."""
+        cosine, sine = (f(self.angles).astype(np.float32)[labels] for f in (np.cos, np.sin))
+        return -(self.beat[..., 0] * cosine + self.beat[..., 1] * sine)
+
     def depth(self, labels: NDArray[np.integer], measurement: Measurement) -> NDArray[np.floating]:
         """Depth (H, W), m, of labels (H, W)."""
-        wraps = labels + self.first
-        depth = depth_from_wraps(self.phase.astype(float), wraps, measurement.frequencies[0])
-        return within_range(depth, measurement)
-
-
-def wrap_field(
-    measurement: Measurement, *, radius: int = RADIUS, pooling: float = POOLING
-) -> Field:
-    """Smooth a measurement's phases and beat, and weigh them by their noise.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        At two frequencies.
-    radius : int
-        Half side, px, of the square over which the phasors are summed, turned back by the slope.
-    pooling : float
-        Standard deviation, px, of the Gaussian over which the beat is averaged.
-
-    Raises
-    ------
-    ValueError
-        If a width is negative.
-    """
-    from cmtof.baselines.mrf_kernels import coherent_sum
-
-    if radius < 0 or pooling < 0:
-        raise ValueError(
-            f"Expected widths of 0 px or more, got {radius} and {pooling:g}. Try {RADIUS} and "
-            f"{POOLING:g}."
-        )
-    low, high = measurement.frequencies[:2]
-    synthetic = synthetic_frequency(low, high)
-    phasors = _phasors(measurement)
-    slope = _slope(phasors[0], 2 * max(radius, 1) + 1)
-    smooth = coherent_sum(phasors, slope, ratio=high / low, radius=radius)
-    narrow = coherent_sum(phasors, slope, ratio=high / low, radius=1)
-    noise = [_noise(*pair) for pair in zip(phasors, narrow, strict=True)]
-    phase = wrapped(np.angle(smooth[0]))
-    beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * phase)
-    kappa = _concentration(smooth, noise, synthetic.multiple)
-    first, last = wraps_in_range(measurement)
-    share = synthetic.frequency / low
-    pooled = _pooled(kappa, beat, share * slope, pooling)
-    turned = pooled * np.exp(-1j * share * (phase + TAU * first))
-    return Field(
-        phase.astype(np.float32),
-        np.stack([turned.real, turned.imag], axis=-1).astype(np.float32),
-        TAU * share * np.arange(last - first + 1),
-        first,
-    )
+        phase, frequency = self.phase.astype(float), measurement.frequencies[0]
+        return within_range(depth_from_wraps(phase, labels + self.first, frequency), measurement)
 
 
 def mrf(
@@ -107,9 +73,8 @@ def mrf(
     most: float = MOST,
     radius: int = RADIUS,
     pooling: float = POOLING,
-    rows: int | None = None,
 ) -> Estimate:
-    """Semi-global matching (Hirschmüller 2008) of the field's wraps along eight directions.
+    """Semi-global matching of the wraps of the field along eight directions.
 
     Each path is a chain whose best costs up to a pixel follow from the pixel before,
     ``L(q, n) = U_q(n) + min_m [L(p, m) + min(jump |n - m - d_pq|, most)] - min_m L(p, m)``;
@@ -120,61 +85,88 @@ def mrf(
     measurement : Measurement
         At two frequencies.
     jump, most : float
-        Cost of a step by one wrap that the phase does not tell, and of the largest step.
+        Cost of a step by one wrap that the phase does not show, and of the largest step.
     radius, pooling
-        See `wrap_field`.
-    rows : int, optional
-        Height of the strips that are in memory at once; it changes no result.
-    """
-    field = wrap_field(measurement, radius=radius, pooling=pooling)
-    labels, odds = semi_global_matching(field, jump=jump, most=most, rows=rows)
-    return Estimate(field.depth(labels, measurement), odds)
-
-
-def semi_global_matching(
-    field: Field, *, jump: float = JUMP, most: float = MOST, rows: int | None = None
-) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """Labels (H, W) of a field and how sure they are; see `mrf`.
+        See `RADIUS`.
 
     Raises
     ------
     ValueError
-        Unless ``0 < jump <= most``, and of ``rows`` below 1.
+        Unless ``0 < jump <= most``, and for a negative width.
     """
-    from cmtof.baselines.mrf_kernels import semi_global_labels
-
     if not 0 < jump <= most < np.inf:
         raise ValueError(
             f"Expected costs 0 < jump <= most, got {jump:g} and {most:g}. "
             f"Try {JUMP:g} and {MOST:g}."
         )
-    height, width = field.phase.shape
-    fitting = max(_STRIP_BYTES // (4 * width * field.angles.size), round(height**0.5))
-    strip = fitting if rows is None else rows
-    if strip < 1:
-        raise ValueError(f"Expected strips of 1 row or more, got {strip}. Leave rows out.")
-    return semi_global_labels(
-        field.beat,
-        field.phase,
-        field.angles,
-        jump=jump,
-        most=most,
-        temperature=TEMPERATURE,
-        rows=min(strip, height),
-    )
+    field = wrap_field(measurement, radius=radius, pooling=pooling)
+    labels, odds = semi_global_labels(field, jump=jump, most=most)
+    return Estimate(field.depth(labels, measurement), odds)
 
 
-def _phasors(measurement: Measurement) -> NDArray[np.complex128]:
-    """Phasors (2, H, W), counts; zero where nothing is known."""
+def mrf_graphcut(measurement: Measurement, *, jump: float = JUMP, rounds: int = 2) -> Estimate:
+    """Graph cuts with the convex prior ``jump |n_q - n_p - d_pq|``, from where `mrf` ends.
+
+    The confidence is that of the matching, inverted where the cuts disagree with it.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        At two frequencies.
+    jump : float
+        Cost of a step by one wrap that the phase does not show.
+    rounds : int
+        Rounds of `MOVES` at most; it ends before if none of them helps.
+    """
+    if not 0 < jump < np.inf:
+        raise ValueError(f"Expected a cost jump > 0, got {jump:g}. Try {JUMP:g}.")
+    field = wrap_field(measurement)
+    start, odds = semi_global_labels(field)
+    labels = lowered(field, start, jump=jump, rounds=rounds)
+    changed = np.where(labels == start, odds, np.minimum(odds, 1 - odds))
+    return Estimate(field.depth(labels, measurement), changed)
+
+
+def wrap_field(
+    measurement: Measurement, *, radius: int = RADIUS, pooling: float = POOLING
+) -> Field:
+    """Smoothed phases and beat of a measurement, weighted by their noise; see `RADIUS`."""
+    if radius < 0 or pooling < 0:
+        raise ValueError(
+            f"Expected widths of 0 px or more, got {radius} and {pooling:g}. Try {RADIUS} and "
+            f"{POOLING:g}."
+        )
+    low, high = measurement.frequencies[:2]
+    synthetic = synthetic_frequency(low, high)
     phase, amplitude = measurement.phase[:2].astype(float), measurement.amplitude[:2].astype(float)
     known = (np.isfinite(phase) & np.isfinite(amplitude)).all(axis=0)
-    return np.where(known, amplitude, 0) * np.exp(1j * np.where(known, phase, 0))
+    phasors = np.where(known, amplitude, 0) * np.exp(1j * np.where(known, phase, 0))
+    slope = _slope(phasors[0], 2 * max(radius, 1) + 1)
+    smooth, narrow = np.empty_like(phasors), np.empty_like(phasors)
+    _coherent_mean(*phasors, *slope, high / low, radius, smooth)
+    _coherent_mean(*phasors, *slope, high / low, 1, narrow)
+    noise = [_noise(*pair) for pair in zip(phasors, narrow, strict=True)]
+    mean_phase = wrapped(np.angle(smooth[0]))
+    beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * mean_phase)
+    # neighbours share what smoothing gained, so each gets the variance of a single pixel
+    size = np.abs(smooth)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        variance = (synthetic.multiple * noise[0] / size[0]) ** 2 + (noise[1] / size[1]) ** 2
+    kappa = np.where((size > 0).all(axis=0), 1 / np.maximum(variance, 1 / _SHARPEST), 0)
+    first, last = wraps_in_range(measurement)
+    share = synthetic.frequency / low
+    turned = _pooled(kappa, beat, share * slope, pooling)
+    turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
+    return Field(
+        mean_phase.astype(np.float32),
+        np.stack([turned.real, turned.imag], axis=-1).astype(np.float32),
+        TAU * share * np.arange(last - first + 1),
+        first,
+    )
 
 
 def _slope(phasor: NDArray[np.complex128], window: int) -> NDArray[np.float64]:
     """Slope (2, H, W) down and right, rad/px: angle of the summed products of neighbours."""
-    from scipy.ndimage import uniform_filter
-
     slopes = []
     for axis in (0, 1):
         ahead = np.roll(phasor, -1, axis) * np.conj(phasor)
@@ -186,17 +178,13 @@ def _slope(phasor: NDArray[np.complex128], window: int) -> NDArray[np.float64]:
 
 
 def _pooled(
-    kappa: NDArray[np.float64],
-    beat: NDArray[np.float64],
-    slope: NDArray[np.float64],
-    width: float,
+    kappa: NDArray[np.float64], beat: NDArray[np.float64], slope: NDArray[np.float64], width: float
 ) -> NDArray[np.complex128]:
-    """Gaussian mean of ``kappa exp(i beat)``, moved from its weights' centre to the pixel.
+    """Gaussian mean of ``kappa exp(i beat)``, moved from the centre of its weights to the pixel.
 
     Next to borders and dark surfaces the bright pixels lie to one side, where a slanted surface
-    has another beat: by the beat's slope (2, H, W), rad/px, times how far their centre lies off.
+    has another beat: by its slope (2, H, W), rad/px, times the distance of their centre.
     """
-    from scipy.ndimage import gaussian_filter
 
     def mean(image: NDArray[np.float64]) -> NDArray[np.float64]:
         return gaussian_filter(image, width, mode="constant")
@@ -208,27 +196,311 @@ def _pooled(
     return phasor * np.exp(-1j * off)
 
 
-def _concentration(
-    smooth: NDArray[np.complex128], noise: list[float], multiple: int
-) -> NDArray[np.float64]:
-    """Kappa of each pixel's beat (H, W): one over its variance, from one pixel's noise.
-
-    Neighbours share what smoothing gained, so each is told a single pixel's variance.
-    """
-    variance = np.zeros(smooth.shape[1:])
-    size = np.abs(smooth)
-    for factor, spread, length in zip((multiple, 1), noise, size, strict=True):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            variance += (factor * spread / length) ** 2
-    kappa = 1 / np.maximum(variance, 1 / _SHARPEST)
-    return np.where((size > 0).all(axis=0), kappa, 0)
-
-
 def _noise(phasor: NDArray[np.complex128], mean: NDArray[np.complex128]) -> float:
-    """Noise of one phasor across its direction, counts: what smoothing took off, typically."""
+    """Noise of one phasor across its direction, counts: the median of what smoothing removed."""
     size = np.abs(phasor)
     known = size > 0
     if not known.any():
         return 0.0
     turn = centred(np.angle(phasor[known] * np.conj(mean[known])))
     return float(1.4826 * np.median(size[known] * np.abs(np.sin(turn))))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _coherent_mean(low, high, down, right, ratio, radius, out):  # pragma: no cover - compiled
+    """Mean phasors (2, H, W) over a square, turned back by the slope of the surface."""
+    height, width = low.shape
+    for y in range(height):
+        for x in range(width):
+            sum_low, sum_high = 0j, 0j
+            for v in range(max(0, y - radius), min(height, y + radius + 1)):
+                for u in range(max(0, x - radius), min(width, x + radius + 1)):
+                    ramp = down[y, x] * (v - y) + right[y, x] * (u - x)
+                    sum_low += low[v, u] * np.exp(-1j * ramp)
+                    sum_high += high[v, u] * np.exp(-1j * ratio * ramp)
+            out[0, y, x] = sum_low / (2 * radius + 1) ** 2
+            out[1, y, x] = sum_high / (2 * radius + 1) ** 2
+
+
+# --- semi-global matching ----------------------------------------------------------------------
+
+
+def semi_global_labels(
+    field: Field, *, jump: float = JUMP, most: float = MOST, rows: int | None = None
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """Labels (H, W) of least aggregated cost over eight paths, and their softmax; see `mrf`.
+
+    The costs of all rows at once would take H W N floats. So the downward sweep runs through and
+    leaves its state at the head of every strip of ``rows``; then, from the last strip up, it runs
+    through each strip again, where the upward sweep meets it. ``rows`` changes no result.
+    """
+    height, width = field.phase.shape
+    count = field.angles.size
+    fitting = max(_STRIP_BYTES // (4 * width * count), round(height**0.5))
+    rows = min(rows or fitting, height)
+    cosine, sine = (f(field.angles).astype(np.float32) for f in (np.cos, np.sin))
+    fixed = (field.beat, field.phase, cosine, sine, np.float32(jump), np.float32(most))
+    labels, odds = np.empty((height, width), np.int32), np.empty((height, width), np.float32)
+    total = np.empty((rows, width, count), np.float32)
+    heads, starts = [np.zeros((3, width, count), np.float32)], range(0, height, rows)
+    for start in starts[:-1]:
+        heads.append(heads[-1].copy())
+        _sweep(*fixed, start, start + rows, 1, heads[-1], total)
+    below = np.zeros_like(heads[0])
+    for start in reversed(starts):
+        stop = min(start + rows, height)
+        strip = total[: stop - start]
+        strip[:] = 0
+        _sweep(*fixed, start, stop, 1, heads.pop(), strip)
+        _sweep(*fixed, stop - 1, start - 1, -1, below, strip)
+        part = slice(start, stop)
+        found = (labels[part], odds[part])
+        _choose(field.beat[part], cosine, sine, np.float32(_TEMPERATURE), strip, *found)
+    return labels, odds
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=True)
+def _sweep(
+    beat, phase, cosine, sine, jump, most, start, stop, step, above, total
+):  # pragma: no cover - compiled
+    """Four of the eight paths through rows start, start + step, ... before stop.
+
+    ``above`` (3, W, N) holds the costs of the row before and is replaced by those of the last row;
+    ``total`` (rows, W, N) gains the sum over the four paths.
+    """
+    height, width = phase.shape
+    labels = cosine.size
+    unary, none = np.empty(labels, np.float32), np.zeros(labels, np.float32)
+    wide, spare = np.empty(labels + 2, np.float32), np.empty(labels + 2, np.float32)
+    previous, current = above.copy(), np.empty_like(above)
+    beside = np.empty((2, labels), np.float32)
+    base = min(start, stop - step)
+    for y in range(start, stop, step):
+        for i in range(width):
+            x = i if step > 0 else width - 1 - i
+            in_phase, quadrature = beat[y, x, 0], beat[y, x, 1]
+            for n in range(labels):
+                unary[n] = -(in_phase * cosine[n] + quadrature * sine[n])
+            target = total[y - base, x]
+            for path in range(4):
+                # the pixel before on this path: beside (3), or in the row before (0 to 2)
+                v = y if path == 3 else y - step
+                u = x - step if path == 3 else x + path - 1
+                into = beside[i % 2] if path == 3 else current[path, x]
+                before, shift = none, 1  # a path begins
+                if 0 <= v < height and 0 <= u < width:
+                    before = beside[(i + 1) % 2] if path == 3 else previous[path, u]
+                    # labels rise where the phase falls by a wrap
+                    shift = 1 - int(np.rint((phase[v, u] - phase[y, x]) / np.float32(2 * np.pi)))
+                come = _cheapest(before, wide, spare, jump, most)[shift : shift + labels]
+                for n in range(labels):
+                    into[n] = unary[n] + come[n]
+                for n in range(labels):
+                    target[n] += into[n]
+        previous, current = current, previous
+    above[:] = previous
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=True)
+def _cheapest(before, wide, spare, jump, most):  # pragma: no cover - compiled
+    """Min over m of ``before(m) - least + min(jump |n - m|, most)``, a label more at each end.
+
+    Cones of 1, 2, 4, ... steps one after the other make up a cone as wide as ``most`` lets it
+    count; slices of one length make each a loop that becomes vector code.
+    """
+    labels = before.size
+    least = before[0]
+    for n in range(labels):
+        least = before[n] if before[n] < least else least
+    wide[0] = wide[labels + 1] = most
+    inner = wide[1 : labels + 1]
+    for n in range(labels):
+        inner[n] = min(before[n] - least, most)
+    reach = 1
+    while reach < labels + 2 and np.float32(reach) * jump < most:
+        rise = np.float32(reach) * jump
+        rest = labels + 2 - reach
+        low, high = wide[:rest], wide[reach:]
+        new_low, new_high = spare[:rest], spare[reach:]
+        spare[:] = wide
+        for n in range(rest):
+            new_high[n] = min(new_high[n], low[n] + rise)
+        for n in range(rest):
+            new_low[n] = min(new_low[n], high[n] + rise)
+        wide, spare = spare, wide
+        reach *= 2
+    return wide
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _choose(beat, cosine, sine, temperature, total, labels, odds):  # pragma: no cover - compiled
+    """Label of least cost and its share of exp(-cost); each pixel's own cost counts once."""
+    height, width, size = total.shape
+    cost = np.empty(size, np.float32)
+    for y in range(height):
+        for x in range(width):
+            for n in range(size):
+                own = beat[y, x, 0] * cosine[n] + beat[y, x, 1] * sine[n]
+                cost[n] = total[y, x, n] + np.float32(7) * own
+            best = np.argmin(cost)
+            mass = 0.0
+            for n in range(size):
+                gap = (cost[n] - cost[best]) / temperature
+                if gap < 20:
+                    mass += np.exp(-gap)
+            labels[y, x], odds[y, x] = best, 1 / mass
+
+
+# --- graph cuts --------------------------------------------------------------------------------
+
+
+def lowered(
+    field: Field, labels: NDArray[np.integer], *, jump: float, rounds: int
+) -> NDArray[np.integer]:
+    """Labels (H, W) after moves that lower the energy, until none does or for so many rounds."""
+    least = energy(field, labels, jump=jump)
+    for _ in range(rounds):
+        before = least
+        for step in MOVES:
+            moved = labels + step * best_move(field, labels, step, jump=jump)
+            # costs are rounded to whole units: what gains less than the rounding is not taken
+            if (found := energy(field, moved, jump=jump)) < least:
+                labels, least = moved, found
+        if least == before:
+            break
+    return labels
+
+
+def energy(field: Field, labels: NDArray[np.integer], *, jump: float) -> float:
+    """E of labels (H, W) with the convex prior."""
+    pairs = sum(np.abs(_steps(field, labels, axis)).sum() for axis in (0, 1))
+    return float(field.unary(labels).sum(dtype=float) + jump * pairs)
+
+
+def best_move(
+    field: Field, labels: NDArray[np.integer], step: int, *, jump: float
+) -> NDArray[np.bool_]:
+    """Pixels (H, W) whose move by ``step`` wraps, all at once, lowers the energy most.
+
+    The costs ``A, B, C, A`` of a pair for the choices 00, 01, 10, 11 are ``A + (C - A) x_p
+    + (A - C) x_q + (B + C - 2 A) (1 - x_p) x_q``, and a convex prior keeps the last factor >= 0.
+    """
+    target = labels + step
+    inside = (target >= 0) & (target < field.angles.size)
+    gain = field.unary(np.where(inside, target, labels)) - field.unary(labels)
+    scale = _UNITS / max(float(np.abs(gain).max()), jump * (1 + abs(step)))
+    excess = np.where(inside, np.rint(gain * scale), _FORBIDDEN).astype(np.int64)
+    unit = int(np.rint(jump * scale))
+    capacities = []
+    for axis in (1, 0):
+        now = _steps(field, labels, axis)
+        # x_p = 0, x_q = 1 raises the difference, x_p = 1, x_q = 0 lowers it
+        same, ahead, back = (unit * np.abs(now + move) for move in (0, step, -step))
+        first, second = ((slice(None),) * axis + (part,) for part in (np.s_[:-1], np.s_[1:]))
+        excess[first] += back - same
+        excess[second] += same - back
+        capacity = np.zeros(labels.shape, np.int64)
+        capacity[first] = ahead + back - 2 * same
+        capacities.append(capacity)
+    return minimum_cut(excess, *capacities)
+
+
+def _steps(field: Field, labels: NDArray[np.integer], axis: int) -> NDArray[np.int64]:
+    """Steps between neighbouring labels beyond those of the phase, ``n_q - n_p - d_pq``."""
+    told = -np.rint(np.diff(field.phase, axis=axis) / TAU).astype(np.int64)
+    return np.diff(labels.astype(np.int64), axis=axis) - told
+
+
+def minimum_cut(
+    excess: NDArray[np.int64], right: NDArray[np.int64], down: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Binary x (H, W) of least ``sum e_p x_p + sum c_pq (1 - x_p) x_q`` on a grid, c >= 0.
+
+    Preflow-push (Goldberg and Tarjan 1988): excess is the cost of choosing x = 1, deficit its gain,
+    and x = 1 is chosen where a deficit can still be reached when no more flow can. Of equal minima
+    the one with the fewest ones is found.
+
+    Parameters
+    ----------
+    excess : ndarray of int64, shape (H, W)
+    right, down : ndarray of int64, shape (H, W)
+        c_pq to the pixel right of or below p; ignored beyond the border.
+    """
+    rows, width = excess.shape
+    stride = width + 1  # a column without edges keeps rows apart
+    capacity = np.zeros((4, rows, stride), np.int64)
+    capacity[0, :, : width - 1] = right[:, :-1]
+    capacity[2, :-1, :width] = down[:-1]
+    nodes = np.zeros((rows, stride), np.int64)
+    nodes[:, :width] = excess
+    offsets = np.array([1, -1, stride, -stride])
+    height = _push_all(nodes.ravel(), capacity.reshape(4, -1), offsets)
+    return height.reshape(rows, stride)[:, :width] < _FAR
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _push_all(excess, capacity, offsets):  # pragma: no cover - compiled
+    """Push excess towards deficits until none that is left can reach one; return the heights."""
+    size = excess.size
+    height, ring = np.empty(size, np.int32), np.empty(size, np.int64)
+    waiting = np.zeros(size, np.bool_)
+    while True:
+        _distances(excess, capacity, offsets, height, ring)
+        first, count, lifts = 0, 0, 0
+        for p in range(size):
+            waiting[p] = excess[p] > 0 and height[p] < _FAR
+            if waiting[p]:
+                ring[count] = p
+                count += 1
+        if count == 0:
+            return height
+        # heights drift from the distances: recompute them after a while
+        while count > 0 and lifts < size // 2 + 16:
+            p = ring[first]
+            first = first + 1 if first + 1 < size else 0
+            count -= 1
+            waiting[p] = False
+            while excess[p] > 0 and height[p] < _FAR:
+                lowest = _FAR
+                for k in range(4):
+                    q = p + offsets[k]
+                    if capacity[k, p] <= 0 or excess[p] == 0:
+                        continue
+                    if height[p] == height[q] + 1:
+                        flow = min(excess[p], capacity[k, p])
+                        capacity[k, p] -= flow
+                        capacity[k ^ 1, q] += flow
+                        excess[p] -= flow
+                        excess[q] += flow
+                        if excess[q] > 0 and not waiting[q]:
+                            last = first + count
+                            ring[last if last < size else last - size] = q
+                            count += 1
+                            waiting[q] = True
+                    if capacity[k, p] > 0:
+                        lowest = min(lowest, height[q])
+                if excess[p] > 0:
+                    lifts += 1
+                    height[p] = lowest + 1 if lowest < size else _FAR
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _distances(excess, capacity, offsets, height, queue):  # pragma: no cover - compiled
+    """Set each node's height to its residual distance from the nearest node in deficit."""
+    count = 0
+    for p in range(excess.size):
+        height[p] = _FAR
+        if excess[p] < 0:
+            height[p] = 0
+            queue[count] = p
+            count += 1
+    done = 0
+    while done < count:
+        q = queue[done]
+        done += 1
+        for k in range(4):
+            p = q - offsets[k]
+            if 0 <= p < excess.size and height[p] == _FAR and capacity[k, p] > 0:
+                height[p] = height[q] + 1
+                queue[count] = p
+                count += 1

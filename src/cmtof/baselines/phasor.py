@@ -8,16 +8,15 @@ amplitudes a, and but for a constant, the squared distance is minus twice the ma
     F(z) = a_1 cos(phi_1(z) - phi_1) + a_2 cos(phi_2(z) - phi_2)
 
 which is also the likelihood of z. F has one peak for each wrap, and the less the wrap's misfit of
-the beat, the higher it is. Thus two stages find the same depth as tens of thousands of entries of
-the table: the beat tells the few wraps to look at, the high-frequency phases the depth of each.
+the beat, the higher it is. So two stages find the depth of a table of tens of thousands of entries:
+the beat selects a few wraps, the high-frequency phases give the depth of each.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cmtof.baselines import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.baselines.beat import beat_depth
-from cmtof.baselines.method import Estimate, within_range, wraps_in_range
-from cmtof.baselines.noise import phase_noise
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
@@ -29,99 +28,70 @@ def phasor(measurement: Measurement) -> Estimate:
     The confidence is the odds that noise leaves the beat within half a wrap,
     ``erf(1 / (2 sqrt2 sigma_n))`` with ``sigma_n = 161 sigma_phi`` at 7.15 and 7.16 GHz.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        At two frequencies so close that their beat does not repeat within the range.
-
     Raises
     ------
     ValueError
-        If the beat repeats within the range.
+        If the two frequencies are so far apart that their beat repeats within the range.
     """
-    check_pair(measurement)
-    noise = phase_noise(measurement)
-    known = np.isfinite(noise).all(axis=0)
-    phase = np.where(known, measurement.phase[:2].astype(float), 0)
-    amplitude = np.where(known, measurement.amplitude[:2].astype(float), 0)
-    best = np.full(measurement.shape, np.mean(measurement.range))
-    height = np.where(known, -np.inf, np.inf)  # what tells nothing stays in the middle
-    for wraps in _candidates(measurement, phase):
-        depth = within_range(peak_depth(measurement, phase, amplitude, wraps), measurement)
-        found = match(measurement, phase, amplitude, depth)
-        best, height = np.where(found > height, depth, best), np.maximum(found, height)
-    return Estimate(best, _confidence(measurement, noise))
-
-
-def check_pair(measurement: Measurement) -> None:
-    """Raise a ValueError unless the beat of the pair covers the measurement's range."""
-    low, high = measurement.frequencies[:2]
-    covered = float(wrap_length(high - low))
-    extent = measurement.range[1] - measurement.range[0]
+    low, high = (float(f) for f in measurement.frequencies[:2])
+    covered, extent = float(wrap_length(high - low)), measurement.range[1] - measurement.range[0]
     if round(high / low) != 1 or covered < extent * (1 - 1e-9):
         raise ValueError(
             f"Expected two close frequencies whose beat covers the range of {extent:.3f} m, got "
             f"{low:g} and {high:g} Hz, which cover {covered:.3f} m. Measure others, for instance "
             "simulate with --frequencies 7.15e9,7.16e9."
         )
+    noise = phase_noise(measurement)
+    known = np.isfinite(noise).all(axis=0)
+    phase = np.where(known, measurement.phase[:2].astype(float), 0)
+    amplitude = np.where(known, measurement.amplitude[:2].astype(float), 0)
+    first, last = wraps_in_range(measurement)
+    coarse = beat_depth(phase[1] - phase[0], measurement)
+    middle = np.rint((phase_from_depth(coarse, low) - phase[0]) / TAU)
+    # at the ends of the range a peak may be cut, as high as an inner one of less misfit
+    wraps = [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
+    best = np.full(measurement.shape, np.mean(measurement.range))
+    height = np.where(known, -np.inf, np.inf)  # a pixel without signal stays in the middle
+    for n in wraps:
+        depth = within_range(_peak(phase, amplitude, n, low, high), measurement)
+        found = match(phase, amplitude, depth, (low, high))
+        best, height = np.where(found > height, depth, best), np.maximum(found, height)
+    bounded = np.clip(noise, 1e-9, 1e9)
+    odds = wrap_probability(bounded[0], bounded[1], frequencies=(low, high))
+    return Estimate(best, np.maximum(odds, 1 / (last - first + 1)))
 
 
 def match(
-    measurement: Measurement,
     phase: NDArray[np.floating],
     amplitude: NDArray[np.floating],
     depth: NDArray[np.floating],
+    frequencies: tuple[float, float],
 ) -> NDArray[np.floating]:
     """F at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
-    low, high = measurement.frequencies[:2]
-    first = amplitude[0] * np.cos(phase_from_depth(depth, low) - phase[0])
-    return first + amplitude[1] * np.cos(phase_from_depth(depth, high) - phase[1])
+    return sum(
+        a * np.cos(phase_from_depth(depth, f) - p)
+        for a, f, p in zip(amplitude, frequencies, phase, strict=True)
+    )
 
 
-def peak_depth(
-    measurement: Measurement,
+def _peak(
     phase: NDArray[np.floating],
     amplitude: NDArray[np.floating],
-    wraps: NDArray[np.floating],
+    wraps: NDArray[np.floating] | int,
+    low: float,
+    high: float,
 ) -> NDArray[np.floating]:
     """Depth (H, W), m, of the peak of F within half a wrap of the lower frequency's phase.
 
-    Were the frequencies equal, the peak would stand where the two phasors' sum points to; one
-    step of Newton's takes the difference into account.
+    At equal frequencies the sum of the two phasors points to it; one Newton step corrects for the
+    difference.
     """
-    low, high = measurement.frequencies[:2]
-    depth = depth_from_phase(phase[0] + TAU * wraps, low)
+    depth = depth_from_phase(phase[0] + TAU * np.asarray(wraps), low)
     apart = phase[1] - phase_from_depth(depth, high)
-    depth = depth + depth_from_phase(
-        np.angle(amplitude[0] + amplitude[1] * np.exp(1j * apart)), low
-    )
-    slope, bend = np.zeros(depth.shape), np.zeros(depth.shape)
-    for i, frequency in enumerate((low, high)):
-        off = phase_from_depth(depth, frequency) - phase[i]
-        slope -= amplitude[i] * frequency * np.sin(off)
-        bend += amplitude[i] * frequency**2 * np.cos(off)
+    total = amplitude[0] + amplitude[1] * np.exp(1j * apart)
+    depth = depth + depth_from_phase(np.angle(total), low)
+    off = [phase_from_depth(depth, f) - p for f, p in zip((low, high), phase, strict=True)]
+    slope = -amplitude[0] * low * np.sin(off[0]) - amplitude[1] * high * np.sin(off[1])
+    bend = amplitude[0] * low**2 * np.cos(off[0]) + amplitude[1] * high**2 * np.cos(off[1])
     step = np.where(bend > 0, slope / np.where(bend > 0, bend, 1), 0) * low
     return depth + depth_from_phase(np.clip(step, -0.1, 0.1), low)
-
-
-def _candidates(
-    measurement: Measurement, phase: NDArray[np.floating]
-) -> list[NDArray[np.floating]]:
-    """Wraps to look at (H, W): the beat's and its neighbours, and the ends of the range.
-
-    At the ends a peak may be cut, so that it is as high as an inner one of less misfit.
-    """
-    low = measurement.frequencies[0]
-    depth = beat_depth(phase[1] - phase[0], measurement)
-    middle = np.rint((phase_from_depth(depth, low) - phase[0]) / (TAU))
-    ends = (wrap + step for wrap in wraps_in_range(measurement) for step in (-1, 0))
-    return [middle, middle - 1, middle + 1, *(np.full(middle.shape, float(n)) for n in ends)]
-
-
-def _confidence(measurement: Measurement, noise: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Odds of the right wrap from the phase noise, no less than those of a guess."""
-    low, high = measurement.frequencies[:2]
-    first, last = wraps_in_range(measurement)
-    bounded = np.clip(noise, 1e-9, 1e9)
-    odds = wrap_probability(bounded[0], bounded[1], frequencies=(low, high))
-    return np.maximum(odds, 1 / (last - first + 1))

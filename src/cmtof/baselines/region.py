@@ -1,7 +1,7 @@
-"""Spatial unwrapping cut into regions, one pooled beat offset each.
+"""Spatial unwrapping of one frequency, alone and cut into regions with one pooled beat each.
 
-One frequency unwrapped over the image tells the shape of each surface but for whole wraps; pooled
-over a region the beat tells those. It fails where regions leak: a depth jump that is small modulo
+Unwrapped over the image, one frequency gives the shape of each surface but for whole wraps; pooled
+over a region, the beat gives those. It fails where regions leak: a depth jump that is small modulo
 one wrap leaves no mark in the phase, two surfaces share an offset, and one of them is wrong.
 """
 
@@ -11,25 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.baselines import Estimate, within_range
-from cmtof.baselines.beat import beat_depth, beat_phasor, synthetic_frequency
-from cmtof.baselines.beat_guided import guides
-from cmtof.baselines.spatial import unwrapped_phase
+from cmtof.baselines.beat import beat_depth, beat_phasor, guides, synthetic_frequency
 from cmtof.bounds import wrap_probability
-from cmtof.correlation import depth_from_phase, phase_from_depth, wrap_length
+from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
 
-STEP = 1.0
-"""Step of the unwrapped phase between neighbours that cuts, rad.
-
-The better of 1 and 1.6 with `EDGE` out of 0.1, 0.2 and none, on 8 views of validation rooms.
-"""
-
-EDGE = 0.1
-"""Step of the smoothed logarithm of amplitude between neighbours that cuts."""
-
+STEP, EDGE = 1.0, 0.1
+"""Steps between neighbours that cut: of the unwrapped phase, rad, and of the smoothed logarithm of
+amplitude; the best of two and three values on eight views of validation rooms."""
 COHERENCE = 0.1
 """Coherence of the local slope below which a pixel belongs to no region."""
-
 SMALLEST = 100
 """Pixels below which a region takes the depth of a larger one beside it."""
 
@@ -43,6 +34,23 @@ class Pooled(NamedTuple):
     """Standard deviation of that angle, rad; infinite for a single pixel."""
 
 
+def spatial(measurement: Measurement) -> Estimate:
+    """Reliability-sorted unwrapping (Herraez et al. 2002) of the lowest frequency's phase.
+
+    One frequency leaves the absolute wrap open: the whole image is moved by whole wraps until its
+    median lies nearest to mid-range, and the confidence is that of a guess among the wraps. Depth
+    jumps of more than half a wrap are lost.
+    """
+    frequency = measurement.frequencies[0]
+    low, high = measurement.range
+    relative = relative_phase(measurement)
+    inside = relative[measurement.mask] if measurement.mask.any() else relative
+    offset = np.rint((phase_from_depth((low + high) / 2, frequency) - np.median(inside)) / TAU)
+    depth = within_range(depth_from_phase(relative + TAU * offset, frequency), measurement)
+    guess = min(1.0, float(wrap_length(frequency)) / (high - low))
+    return Estimate(depth, np.full(measurement.shape, guess))
+
+
 def region(
     measurement: Measurement,
     *,
@@ -53,20 +61,16 @@ def region(
 ) -> Estimate:
     """Place each region of the spatially unwrapped phase by its pooled beat.
 
-    The low frequency's phase is unwrapped by reliability (Herraez et al. 2002); neighbours belong
-    together unless phase or amplitude steps between them. The beat's phasors, demodulated by the
-    relative depth, are added up over each region; their angle tells its whole wraps.
+    Neighbours belong together unless the unwrapped phase or the amplitude steps between them. The
+    phasors of the beat, demodulated by the relative depth, are summed over each region; the angle
+    of the sum gives its whole wraps.
 
     Parameters
     ----------
     measurement : Measurement
         At two frequencies.
-    step : float
-        Step of the unwrapped phase that cuts, rad.
-    edge : float
-        Step of the logarithm of amplitude, smoothed over 5 px, that cuts.
-    coherence : float
-        Least coherence of the local slope, 0 to 1 (see `cmtof.baselines.beat_guided.guides`).
+    step, edge, coherence : float
+        See `STEP`, `EDGE` and `COHERENCE`.
     smallest : int
         Smaller regions, px, take the depth of the nearest pixel of a larger one, if there is any.
 
@@ -75,19 +79,24 @@ def region(
     ValueError
         If the frequencies are multiples of each other.
     """
-    synthetic = synthetic_frequency(*measurement.frequencies[:2])
-    mask, middle = measurement.mask, sum(measurement.range) / 2
+    low, high = (float(f) for f in measurement.frequencies[:2])
+    synthetic, mask = synthetic_frequency(low, high), measurement.mask
     if not mask.any():
+        middle = sum(measurement.range) / 2
         return Estimate(np.full(mask.shape, middle), np.zeros(mask.shape))
     phase = relative_phase(measurement)
     bright, coherent = guides(measurement)[:2]
     inside = mask & (coherent >= coherence)
-    number = linked(inside, phase, bright, step=step, edge=edge)
-    shape = depth_from_phase(phase, measurement.frequencies[0])
+    links = []
+    for axis in (0, 1):
+        gentle = abs(np.diff(phase, axis=axis)) <= step
+        gentle &= abs(np.diff(bright, axis=axis)) <= edge
+        links.append(gentle & np.delete(inside, -1, axis) & np.delete(inside, 0, axis))
+    number = components(*links)
+    shape = depth_from_phase(phase, low)
     beat = beat_phasor(measurement) * np.exp(-1j * phase_from_depth(shape, synthetic.frequency))
     pooled = pool(np.where(mask, beat, 0), number)
     offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
-    low, high = (float(f) for f in measurement.frequencies[:2])
     odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=(low, high)))
     near = nearest(inside & (np.bincount(number.ravel())[number] >= smallest))
     depth, confidence = (shape + offset[number])[near], odds[number][near]
@@ -95,31 +104,17 @@ def region(
 
 
 def relative_phase(measurement: Measurement) -> NDArray[np.floating]:
-    """Phase (H, W) of the lowest frequency, unwrapped up to 2 pi m, rad; a line as well."""
-    if 1 not in measurement.shape:
-        return unwrapped_phase(measurement)
-    line, phase = measurement.mask.ravel(), np.zeros(measurement.mask.size)
-    phase[line] = np.unwrap(measurement.phase[0].ravel()[line].astype(float))
-    return phase.reshape(measurement.shape)
+    """Phase (H, W) of the lowest frequency without wraps inside the mask, rad, up to 2 pi m."""
+    from skimage.restoration import unwrap_phase
 
-
-def linked(
-    inside: NDArray[np.bool_],
-    phase: NDArray[np.floating],
-    bright: NDArray[np.floating],
-    *,
-    step: float,
-    edge: float,
-) -> NDArray[np.intp]:
-    """Number of each pixel's region (H, W); pixels outside are regions of their own."""
-    links = []
-    for axis in (0, 1):
-        gentle = (abs(np.diff(phase, axis=axis)) <= step) & (
-            abs(np.diff(bright, axis=axis)) <= edge
-        )
-        first, second = (np.delete(inside, at, axis) for at in (-1, 0))
-        links.append(gentle & first & second)
-    return components(*links)
+    mask = measurement.mask
+    phase = np.where(mask, np.nan_to_num(measurement.phase[0]), 0.0).astype(float)
+    if not mask.any():
+        return phase
+    if 1 in mask.shape:  # scikit-image unwraps no lines
+        phase[mask] = np.unwrap(phase[mask])
+        return phase
+    return np.asarray(np.ma.filled(unwrap_phase(np.ma.masked_array(phase, ~mask), rng=0), 0.0))
 
 
 def components(down: NDArray[np.bool_], across: NDArray[np.bool_]) -> NDArray[np.intp]:
@@ -143,13 +138,13 @@ def components(down: NDArray[np.bool_], across: NDArray[np.bool_]) -> NDArray[np
 
 
 def pool(phasors: NDArray[np.complexfloating], number: NDArray[np.intp]) -> Pooled:
-    """Sum demodulated phasors (H, W) over each region; their noise is what lies across the sum."""
+    """Sum of demodulated phasors (H, W) over each region; the noise is what lies across the sum."""
     size = np.bincount(number.ravel())
     total = sum_over(phasors.real, number) + 1j * sum_over(phasors.imag, number)
     phase, length = np.angle(total), np.abs(total)
     across = np.imag(phasors * np.exp(-1j * phase[number]))
     known = (size > 1) & (length > 0)
-    # one direction was fitted, so a pixel less tells of the noise
+    # one direction was fitted, so that one degree of freedom is lost
     power = sum_over(across**2, number) * size / np.maximum(size - 1, 1)
     return Pooled(phase, np.where(known, np.sqrt(power) / np.where(known, length, 1), np.inf))
 
@@ -160,7 +155,7 @@ def whole_wraps(
     measurement: Measurement,
     fraction: NDArray[np.floating] | float = 0.0,
 ) -> NDArray[np.floating]:
-    """Offset of each region, m: whole wraps and a fraction, nearest to what the beat says.
+    """Offset of each region, m: whole wraps and a known fraction, nearest to that of the beat.
 
     Parameters
     ----------
@@ -197,8 +192,7 @@ def nearest(wanted: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.int
     from scipy.ndimage import distance_transform_edt
 
     if not wanted.any():
-        own = np.indices(wanted.shape)
-        return own[0], own[1]
-    found = np.empty((2, *wanted.shape), np.int32)
-    distance_transform_edt(~wanted, return_distances=False, return_indices=True, indices=found)
-    return found[0].astype(np.intp), found[1].astype(np.intp)
+        row, column = np.indices(wanted.shape)
+    else:
+        row, column = distance_transform_edt(~wanted, return_distances=False, return_indices=True)
+    return row, column

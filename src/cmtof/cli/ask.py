@@ -17,21 +17,13 @@ def methods(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List every unwrapping method with its kind, source and whether its weights are there."""
-    from dataclasses import asdict
+    from cmtof.methods import DEFAULT, METHODS
 
-    from cmtof.baselines import DEFAULT, METHODS
-    from cmtof.network.weights import shipped
-
-    weights: dict[str, list[str]] = {}
-    for model, protocol in shipped():
-        weights.setdefault(model, []).append(protocol)
     if as_json:
+        keys = ("name", "kind", "source", "summary", "frequencies", "tones", "knows_truth")
         listed = [
-            {key: value for key, value in asdict(entry).items() if key not in ("where", "model")}
-            | {
-                "weights": weights.get(entry.model, []) if entry.model else None,
-                "default": entry.name == DEFAULT,
-            }
+            {key: getattr(entry, key) for key in keys}
+            | {"state": entry.state(), "default": entry.name == DEFAULT}
             for entry in METHODS.values()
         ]
         print(json.dumps(listed, indent=2, ensure_ascii=False))
@@ -41,15 +33,14 @@ def methods(
 
     table = Table()
     table.add_column("method", no_wrap=True)
-    for heading in ("kind", "tones", "weights", "what it does", "source"):
+    for heading in ("kind", "tones", "state", "what it does", "source"):
         table.add_column(heading)
     for entry in METHODS.values():
         name = f"{entry.name} *" if entry.name == DEFAULT else entry.name
-        held = ", ".join(weights.get(entry.model, ["missing"])) if entry.model else "none"
-        row = (name, entry.kind, str(entry.frequencies), held, entry.summary, entry.source)
+        row = (name, entry.kind, str(entry.frequencies), entry.state(), entry.summary, entry.source)
         table.add_row(*row)
     Console().print(table)
-    print("* the default; tones: frequencies needed; weights: protocols they were trained for")
+    print("* the default; tones: frequencies needed; state: of weights for the released protocol")
 
 
 @app.command()

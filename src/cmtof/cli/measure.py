@@ -107,7 +107,7 @@ def unwrap(
 
     Example: [bold]cmtof unwrap m.nc -o out.nc --ply cloud.ply[/bold]
     """
-    from cmtof.baselines import DEFAULT
+    from cmtof.methods import DEFAULT
     from cmtof.measurement import open_measurement, save_dataset
     from cmtof.unwrapping import unwrap as unwrap_measurement
 
@@ -167,10 +167,10 @@ def evaluate(
 
     Example: [bold]cmtof evaluate still_life room --method crt,beat --json scores.json[/bold]
     """
-    from cmtof.baselines import find_method
-    from cmtof.evaluation import Evaluation, ready_methods
+    from cmtof.evaluation import Evaluation
+    from cmtof.methods import find_method, names_of
 
-    names = ready_methods(protocol) if method == "all" else [m.strip() for m in method.split(",")]
+    names = names_of(method, protocol)
     evaluation = Evaluation(
         names, protocol=cast("Protocol", protocol), noise=noise, noise_free=noise_free, seed=seed
     )

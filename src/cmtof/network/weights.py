@@ -51,6 +51,15 @@ def shipped(folder: Path = FOLDER) -> dict[tuple[str, str], Path]:
     return {(p.name.split(".")[0], p.name.split(".")[1]): p for p in found}
 
 
+def state(model: str, protocol: str) -> str:
+    """Whether the weights of a model are trained, untrained (no gain) or not there."""
+    path = weights_path(model, protocol)
+    if not path.is_file():
+        return "no weights"
+    rates = read_card(path).get("validation_in_half_precision", {})
+    return "trained" if rates.get("delta_lt_1", 0.0) > 0.2 else "untrained"
+
+
 def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Path:
     """Shipped weights of a model with the fewest classes that know the wraps first to last.
 

@@ -1,1 +1,5 @@
-"""Unwrapping at the limit of the data: surfaces in true geometry, pooled and tied."""
+"""Our own method: surfaces in true geometry, grown, pooled and tied to each other."""
+
+from cmtof.surfaces.unwrapping import stages, surfaces
+
+__all__ = ["stages", "surfaces"]

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cmtof.baselines import Estimate, within_range
 from cmtof.baselines.beat import beat_depth, box, synthetic_frequency
-from cmtof.baselines.method import Estimate, within_range
 from cmtof.baselines.region import nearest
 from cmtof.measurement import Measurement
 from cmtof.surfaces.field import Field, field_from_measurement
@@ -79,7 +79,7 @@ class Stages(NamedTuple):
     """To the nearest pixel that a surface explains, px."""
 
 
-def cmtof(
+def surfaces(
     measurement: Measurement, *, bent: bool = True, shape: bool = True, ties: bool = True,
     fill: bool = True,
 ) -> Estimate:  # fmt: skip
@@ -121,7 +121,7 @@ def stages(
     measurement: Measurement, *, bent: bool = True, shape: bool = True, ties: bool = True,
     fill: bool = True,
 ) -> Stages:  # fmt: skip
-    """Run the method and keep what each step found; see `cmtof`."""
+    """Run the method and keep what each step found; see `surfaces`."""
     from scipy.ndimage import distance_transform_edt
 
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples

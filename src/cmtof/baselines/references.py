@@ -1,0 +1,267 @@
+"""References that know a part of the truth: what is left to find, and how well it can be found.
+
+`reference_depth` reads the true depth against the measured phase. The others know the shape of
+every true surface but not where it lies, and pool the phasors of a surface to find that. They are
+references and no bounds: boundaries are lost, and so are small or dark surfaces that their
+neighbours could place.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmtof.baselines import Estimate, within_range
+from cmtof.baselines.beat import box, synthetic_frequency
+from cmtof.baselines.region import Pooled, components, mean_over, pool, whole_wraps
+from cmtof.bounds import wrap_probability
+from cmtof.correlation import (
+    TAU,
+    consistent_wrap_count,
+    depth_from_phase,
+    depth_from_wraps,
+    phase_from_depth,
+)
+from cmtof.measurement import Measurement
+
+STEP = 4e-3
+"""Second difference of depth that ends a surface, m."""
+SIDE = 281
+"""Receptive field of the paper's network as built here, px."""
+
+
+def reference_depth(measurement: Measurement) -> Estimate:
+    """The measured phase with the wraps that bring it nearest to the true depth.
+
+    By the count that turns the phase into depth all are right. By the paper's count 9 % are wrong:
+    noise carries phases across the boundary of a wrap.
+    """
+    frequency, phase = measurement.frequencies[0], measurement.phase[0].astype(float)
+    truth = _truth(measurement)
+    known = np.isfinite(truth)
+    wraps = consistent_wrap_count(np.where(known, truth, 0), np.nan_to_num(phase), frequency)
+    depth = np.where(known, depth_from_wraps(phase, wraps, frequency), sum(measurement.range) / 2)
+    return Estimate(within_range(depth, measurement), known.astype(float))
+
+
+def reference_offset(measurement: Measurement, *, step: float = STEP) -> Estimate:
+    """True surfaces, one unknown offset each, found by the beat of the summed phasors.
+
+    Both phasors are demodulated by the true depth, ``a_i exp(i (phi_i - 4 pi f_i z / c))``, and
+    summed over each surface. The low frequency's sum gives the offset within a wrap, the beat of
+    both sums the whole wraps. A pixel of a boundary belongs to no surface and has its own beat.
+    ``step`` is the second difference of depth that ends a surface, m.
+    """
+    return _placed(measurement, _shape(measurement), surfaces(_truth(measurement), step)[0])
+
+
+def reference_contact(measurement: Measurement, *, step: float = STEP) -> Estimate:
+    """True bodies, across creases, one unknown offset each: as `reference_offset` for `bodies`."""
+    return _placed(measurement, _shape(measurement), bodies(_truth(measurement), step))
+
+
+def reference_plane(measurement: Measurement, *, step: float = STEP) -> Estimate:
+    """True surfaces, one unknown offset and tilt each.
+
+    Each true shape is tilted by an unknown plane, found as the joint peak of both spectra: a tilt
+    of nu at the lower frequency is a tilt of (f_2 / f_1) nu at the other.
+    """
+    low, high = (float(f) for f in measurement.frequencies[:2])
+    shape, tilt = _shape(measurement), np.zeros(measurement.shape)
+    phasors = _demodulated(measurement, shape)
+    for place, inside in _pieces(surfaces(_truth(measurement), step)[0]):
+        ours = np.stack([np.where(inside, phasor[place], 0) for phasor in phasors])
+        tilt[place][inside] = tilt_of(ours, high / low)[inside]
+    tilted = shape + depth_from_phase(tilt, low)
+    return _placed(measurement, tilted, surfaces(_truth(measurement), step)[0])
+
+
+def reference_field(measurement: Measurement, *, side: int = SIDE, step: float = STEP) -> Estimate:
+    """True surfaces, seen by each pixel through a square of an odd ``side``, px.
+
+    A network sees no further than its receptive field: each pixel pools those pixels of its surface
+    that lie within the square about it.
+    """
+    if side < 1 or side % 2 == 0:
+        raise ValueError(f"Expected an odd side of 1 px or more, got {side}. Try {SIDE}.")
+    surface, shape = surfaces(_truth(measurement), step)[0], _shape(measurement)
+    first, second = (_pool_within(p, surface, side) for p in _demodulated(measurement, shape))
+    return _located(measurement, shape, first, second, shape)
+
+
+def surfaces(
+    depth: NDArray[np.floating], step: float = STEP
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Number of each pixel's surface (H, W), every boundary pixel one of its own, and which are.
+
+    A surface is a connected component (4 neighbours) of pixels whose second differences
+    ``|z(x-1) - 2 z(x) + z(x+1)|`` along both axes stay within ``step``, m. Pixels of unknown depth
+    are boundaries.
+    """
+    from scipy.ndimage import label
+
+    _check(step)
+    smooth = np.isfinite(depth)
+    for axis in (0, 1):
+        if depth.shape[axis] > 2:
+            inner = (slice(None),) * axis + (slice(1, -1),)
+            smooth[inner] &= np.abs(np.diff(depth, n=2, axis=axis)) <= step
+    numbers = np.zeros(depth.shape, np.intp)
+    label(smooth, output=numbers)
+    numbers[~smooth] = numbers.max() + 1 + np.arange(np.count_nonzero(~smooth))
+    return numbers - 1, ~smooth
+
+
+def bodies(depth: NDArray[np.floating], step: float = STEP) -> NDArray[np.intp]:
+    """Number of each pixel's body (H, W): components of pixels without a jump between them.
+
+    Two neighbours belong together if the step from one to the other differs by no more than
+    ``step``, m, from none, or from the one before or behind it: across a crease one of the two does,
+    across a jump neither.
+    """
+    _check(step)
+    links = []
+    for axis in (0, 1):
+        steps = np.diff(depth, axis=axis)
+        least = abs(steps)
+        if steps.shape[axis] > 1:
+            bend = abs(np.diff(steps, axis=axis))
+            for side in ((1, 0), (0, 1)):
+                width = [(0, 0), (0, 0)]
+                width[axis] = side
+                least = np.fmin(least, np.pad(bend, width, constant_values=np.inf))
+        links.append(least <= step)
+    return components(*links)
+
+
+def tilt_of(phasors: NDArray[np.complexfloating], ratio: float) -> NDArray[np.floating]:
+    """Plane (H, W), rad at the lower frequency, zero at the centroid, on which two phasors lie.
+
+    It is the peak over slopes nu of ``sum_i |sum_x p_i(x) exp(-i r_i nu x)|^2 / sum_x |p_i|^2``
+    with r_i = 1 and ``ratio``, the likelihood where noise prevails: the largest bin of both
+    spectra, then Newton steps.
+
+    Parameters
+    ----------
+    phasors : ndarray, shape (2, H, W)
+        Zero outside of the surface.
+    ratio : float
+        Higher frequency over the lower one.
+    """
+    from scipy.fft import fft2, fftfreq, next_fast_len
+
+    power = np.sum(np.abs(phasors) ** 2, axis=(1, 2))
+    scaled = phasors / np.sqrt(np.where(power > 0, power, 1))[:, None, None]
+    weight = np.sum(np.abs(scaled), axis=0)
+    mass = weight.sum() or 1.0
+    axes = [x - (weight * x).sum() / mass for x in np.indices(weight.shape, dtype=float)]
+    sizes = [int(next_fast_len(2 * n) or 1) for n in weight.shape]
+    first, second = np.abs(np.asarray(fft2(scaled.astype(np.complex64), sizes))) ** 2
+    whole = [np.rint(fftfreq(n) * n) for n in sizes]
+    rows, columns = (np.rint(ratio * k).astype(int) % n for k, n in zip(whole, sizes, strict=True))
+    best = np.unravel_index(int(np.argmax(first + second[np.ix_(rows, columns)])), sizes)
+    slopes = np.array([TAU * k[i] / n for k, i, n in zip(whole, best, sizes, strict=True)])
+    for _ in range(10):
+        gradient, bends = np.zeros(2), np.zeros((2, 2, 2))
+        for phasor, r in zip(scaled, (1.0, ratio), strict=True):
+            turned = phasor * np.exp(-1j * r * (slopes[0] * axes[0] + slopes[1] * axes[1]))
+            along = turned * np.conj(turned.sum())
+            for i, one in enumerate(axes):
+                gradient[i] += r * np.sum(along.imag * one)
+                for j, other in enumerate(axes):
+                    both = r**2 * one * other
+                    bends[:, i, j] += np.sum(along.real * both), np.sum(np.abs(along) * both)
+        # off the summit the curvature may change sign; that of aligned phasors never does
+        bend = next((b for b in bends if np.linalg.eigvalsh(b)[0] > 0), np.eye(2))
+        longest = np.pi / np.array(weight.shape)
+        slopes = slopes + np.clip(np.linalg.solve(bend, gradient), -longest, longest)
+    return slopes[0] * axes[0] + slopes[1] * axes[1]
+
+
+def _truth(measurement: Measurement) -> NDArray[np.floating]:
+    assert measurement.depth is not None  # `Method` has made sure
+    return measurement.depth.astype(float)
+
+
+def _shape(measurement: Measurement) -> NDArray[np.floating]:
+    """True depth (H, W), m, zero where unknown."""
+    return np.nan_to_num(_truth(measurement))
+
+
+def _check(step: float) -> None:
+    if not step > 0:
+        raise ValueError(f"Expected a step > 0 m, got {step:g}. Try {STEP:g}.")
+
+
+def _demodulated(
+    measurement: Measurement, depth: NDArray[np.floating]
+) -> NDArray[np.complexfloating]:
+    """Phasors (2, H, W) turned back by a depth, counts; zero where not finite."""
+    turned = phase_from_depth(depth, measurement.frequencies[:2, None, None])
+    with np.errstate(invalid="ignore"):
+        phasors = measurement.amplitude[:2] * np.exp(1j * (measurement.phase[:2] - turned))
+    return np.where(np.isfinite(phasors), phasors, 0)
+
+
+def _placed(
+    measurement: Measurement, shape: NDArray[np.floating], surface: NDArray[np.intp]
+) -> Estimate:
+    """Estimate of shapes (H, W), m, each surface moved to where its summed phasors place it."""
+    phasors = _demodulated(measurement, shape)
+    first, second = (Pooled(*(one[surface] for one in pool(p, surface))) for p in phasors)
+    counted = np.isfinite(_truth(measurement)) & measurement.mask
+    return _located(measurement, shape, first, second, mean_over(shape, surface, counted)[surface])
+
+
+def _located(
+    measurement: Measurement,
+    shape: NDArray[np.floating],
+    first: Pooled,
+    second: Pooled,
+    middle: NDArray[np.floating],
+) -> Estimate:
+    """Estimate of a shape (H, W), m, from what was pooled of both frequencies about each pixel.
+
+    ``middle`` (H, W), m, is the part of the shape that lies in range with its offset.
+    """
+    known = np.isfinite(_truth(measurement))
+    low, high = (float(f) for f in measurement.frequencies[:2])
+    synthetic = synthetic_frequency(low, high)
+    beat = synthetic.sign * (second.phase - synthetic.multiple * first.phase)
+    offset = whole_wraps(beat, middle, measurement, depth_from_phase(first.phase, low))
+    odds = np.asarray(wrap_probability(first.spread, second.spread, frequencies=(low, high)))
+    depth = np.where(known, shape + offset, sum(measurement.range) / 2)
+    return Estimate(within_range(depth, measurement), np.where(known, odds, 0))
+
+
+def _pool_within(
+    phasors: NDArray[np.complexfloating], surface: NDArray[np.intp], side: int
+) -> Pooled:
+    """Sum of phasors (H, W) over each pixel's surface within a square: angles, spreads (H, W)."""
+    phase, spread = np.angle(phasors), np.full(phasors.shape, np.inf)
+    for place, inside in _pieces(surface):
+        ours = np.where(inside, phasors[place], 0)
+        share, mean, power = (
+            box(image, side, beyond="constant")
+            for image in (inside.astype(float), ours, np.abs(ours) ** 2)
+        )
+        share = np.maximum(share, 0.5 / side**2)
+        mean, scatter = mean / share, np.maximum(power / share - np.abs(mean / share) ** 2, 0)
+        count, length = np.maximum(share * side**2, 1), np.abs(mean)
+        known = inside & (count > 1.5) & (length > 0)
+        noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1))) / np.where(known, length, 1)
+        phase[place][inside] = np.angle(mean)[inside]
+        spread[place][known] = noise[known]
+    return Pooled(phase, spread)
+
+
+def _pieces(
+    surface: NDArray[np.intp],
+) -> Iterator[tuple[tuple[slice, slice], NDArray[np.bool_]]]:
+    """Bounding box of each surface of two pixels and more, and which pixels in it are its own."""
+    from scipy.ndimage import find_objects
+
+    size = np.bincount(surface.ravel())
+    number = np.where(size > 1, np.cumsum(size > 1), 0)[surface]  # single pixels need no box
+    for k, place in enumerate(find_objects(number), start=1):
+        yield place, number[place] == k

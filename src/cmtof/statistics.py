@@ -1,0 +1,166 @@
+"""How certain a rate is, and whether a confidence is true.
+
+Pixels of one frame are right or wrong together, so a million of them are not a million trials.
+What varies from one test set to the next are its scenes: intervals come from drawing scenes again
+with replacement (the bootstrap of `scipy.stats`).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+class Interval(NamedTuple):
+    """A value and the ends of its interval; floats or arrays of one shape."""
+
+    value: Array
+    low: Array
+    high: Array
+
+    @property
+    def excludes_zero(self) -> NDArray[np.bool_]:
+        """Whether all of the interval lies on one side of 0."""
+        return np.asarray((self.low > 0) | (self.high < 0))
+
+
+def ratio_interval(
+    part: ArrayLike, whole: ArrayLike, *, level: float = 0.95, draws: int = 2000, seed: int = 0
+) -> Interval:
+    """Interval of a ratio of sums over frames, by percentiles over redrawn sets of frames.
+
+    With few frames (under ten or so) such intervals are too narrow; with one they are NaN. A
+    difference of two rates is ``ratio_interval(part - other, whole)``: frames that are hard for one
+    method are hard for the other, so a difference is known better than its two rates.
+
+    Parameters
+    ----------
+    part, whole : array_like, shape (..., F)
+        Numerator and denominator of each frame, such as pixels right and pixels scored.
+    level : float
+        Share of the drawn sets inside.
+    draws, seed : int
+        Sets drawn; the same frames for the same seed.
+
+    Returns
+    -------
+    Interval
+        Each of shape (...); NaN where no frame has anything in the denominator.
+
+    Examples
+    --------
+    >>> found = ratio_interval(np.arange(100) % 2, np.ones(100))
+    >>> float(found.value), round(float(found.low), 1), round(float(found.high), 1)
+    (0.5, 0.4, 0.6)
+    """
+    from scipy.stats import bootstrap
+
+    part, whole = (np.asarray(x, float) for x in np.broadcast_arrays(part, whole))
+
+    def ratio(above: Array, below: Array, axis: int = -1) -> Array:
+        above, below = above.sum(axis), below.sum(axis)
+        return np.divide(above, below, out=np.full(below.shape, np.nan), where=below > 0)
+
+    value = ratio(part, whole)
+    none = np.full(np.shape(value), np.nan)
+    if part.shape[-1] < 2:
+        return Interval(value[()], none, none)
+    found = bootstrap(
+        (part, whole),
+        ratio,
+        axis=-1,
+        paired=True,
+        vectorized=True,
+        method="percentile",
+        confidence_level=level,
+        n_resamples=draws,
+        batch=200,
+        rng=np.random.default_rng(seed),
+    )
+    redrawn = found.bootstrap_distribution
+    known = np.isfinite(redrawn).any(-1)  # what few frames have is empty in some of the draws
+    filled = np.where(known[..., None], redrawn, 0.0)
+    low, high = np.nanpercentile(filled, [50 * (1 - level), 50 * (1 + level)], axis=-1)
+    return Interval(value[()], np.where(known, low, np.nan), np.where(known, high, np.nan))
+
+
+class Reliability(NamedTuple):
+    """Answers sorted by their confidence into B bins of equal width over [0, 1]."""
+
+    confidence: Array
+    """Mean confidence (B,); NaN in an empty bin."""
+    right: Array
+    """Share of right answers (B,); NaN in an empty bin."""
+    answers: NDArray[np.int64]
+    """Answers (B,)."""
+
+    @property
+    def calibration_error(self) -> float:
+        """Mean of ``|right - confidence|`` over answers (Naeini, Cooper, Hauskrecht, AAAI 2015)."""
+        if not self.answers.any():
+            return float("nan")
+        apart = np.nan_to_num(np.abs(self.right - self.confidence))
+        return float(np.average(apart, weights=self.answers))
+
+
+def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> Reliability:
+    """Answers sorted by confidence, and how many of each bin are right.
+
+    Parameters
+    ----------
+    confidence : array_like
+        Probabilities in [0, 1], of any shape.
+    right : array_like of bool
+        Whether each answer is right, of the same shape.
+
+    Raises
+    ------
+    ValueError
+        If shapes differ or a confidence is no probability.
+
+    Examples
+    --------
+    >>> found = reliability([0.9, 0.9, 0.9, 0.1], [True, True, False, False], bins=2)
+    >>> found.answers.tolist(), round(found.calibration_error, 3)
+    ([1, 3], 0.2)
+    """
+    said, good = np.ravel(np.asarray(confidence, float)), np.ravel(np.asarray(right, bool))
+    if said.shape != good.shape or not ((said >= 0) & (said <= 1)).all():
+        raise ValueError(
+            f"Expected a probability in [0, 1] for each of {good.size} answers, got {said.size} "
+            f"from {np.min(said, initial=np.inf):g} to {np.max(said, initial=-np.inf):g}. "
+            "Leave out what was not answered."
+        )
+    place = np.minimum((said * bins).astype(int), bins - 1)
+    count = np.bincount(place, minlength=bins)
+    each = np.where(count > 0, count, np.nan)
+    return Reliability(
+        np.bincount(place, said, bins) / each, np.bincount(place, good, bins) / each, count
+    )
+
+
+class RiskCoverage(NamedTuple):
+    """Share of wrong answers against the share of answers given, surest first."""
+
+    coverage: Array
+    """Share of pixels answered (N,)."""
+    risk: Array
+    """Share of wrong ones among them (N,)."""
+
+
+def risk_coverage(confidence: ArrayLike, right: ArrayLike, *, points: int = 200) -> RiskCoverage:
+    """Share of wrong answers among the surest ones, against how many of them are given.
+
+    Examples
+    --------
+    >>> found = risk_coverage([0.9, 0.2, 0.8, 0.1], [True, False, True, False], points=2)
+    >>> found.coverage.tolist(), found.risk.tolist()
+    ([0.5, 1.0], [0.0, 0.5])
+    """
+    said, good = np.ravel(np.asarray(confidence, float)), np.ravel(np.asarray(right, bool))
+    wrong = np.cumsum(~good[np.argsort(-said, kind="stable")])
+    kept = np.unique(np.linspace(0, said.size, points + 1).round().astype(int)[1:])
+    kept = kept[kept > 0]
+    return RiskCoverage(kept / max(said.size, 1), wrong[kept - 1] / kept)
