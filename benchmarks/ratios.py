@@ -72,9 +72,9 @@ def ratios() -> None:
 def cost(method: str, protocol: str) -> dict[str, float]:
     """Seconds and megabytes of unwrapping one large frame; the second of two runs."""
     import cmtof
-    from cmtof.evaluation import Conditions, Measured
+    from cmtof.evaluation import measured as given_to
 
-    measurement = Measured(Conditions(protocol=protocol), large_frame(), 0).by(method)
+    measurement = given_to(large_frame(), [method], protocol=protocol)[method]
     taken, before, start = 0.0, 0.0, 0.0
     for _ in range(2):
         Path("/proc/self/clear_refs").write_text("5", "utf-8")  # forget the peak so far
@@ -96,13 +96,13 @@ def store() -> None:
         os.environ[name] = "1"
     from cmtof import __version__
     from cmtof.book.provenance import processor
-    from cmtof.evaluation import ready_methods
     from cmtof.files import written_whole
+    from cmtof.methods import METHODS
 
     found: dict[str, dict[str, dict[str, float]]] = {}
     spawn = multiprocessing.get_context("spawn")
     for protocol in ("released", "full"):
-        for name in ready_methods(protocol):
+        for name in METHODS:
             with spawn.Pool(1) as pool:
                 found.setdefault(name, {})[protocol] = pool.apply(cost, (name, protocol))
             print(name, protocol, found[name][protocol], flush=True)

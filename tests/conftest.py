@@ -78,30 +78,3 @@ def fails(run):
         return err
 
     return runner
-
-
-@pytest.fixture
-def contest(monkeypatch, tilted_wall):
-    """Two test frames that are the wall, so that nothing is rendered."""
-    from cmtof import tally
-    from cmtof.conditions import Conditions
-    from cmtof.scenes.rooms.rendering import Settings
-
-    def wall(settings, index):
-        return replace(tilted_wall, name=f"wall {index}")
-
-    monkeypatch.setattr(tally, "held_out_frame", wall)
-    rooms = Settings(seed=3, scenes=20, height=24, width=32)
-    return tally.Contest(tally.CLASSICAL | tally.MIDDLE, rooms, Conditions(seed=3))
-
-
-@pytest.fixture
-def taken(contest, tilted_wall):
-    return contest.measure(tilted_wall, 0)
-
-
-@pytest.fixture
-def record(contest, tilted_wall, taken):
-    from cmtof.tally import count
-
-    return count(tilted_wall, taken, contest.answers(taken))

@@ -81,7 +81,7 @@ def test_evaluate_all_runs_every_method(run, tmp_path):
     path = tmp_path / "scores.json"
     assert run("evaluate", "still_life", "--json", path)[0] == 0
     listed = json.loads(run("methods", "--json")[1])
-    ready = {e["name"] for e in listed if e["weights"] is None or "released" in e["weights"]}
+    ready = {e["name"] for e in listed if e["state"] in ("classical", "trivial", "trained")}
     assert set(json.loads(path.read_text())["methods"]) == ready
 
 
@@ -90,8 +90,8 @@ def test_methods_and_info(run, measurement_file):
     listed = json.loads(text)
     assert code == 0
     assert {"crt", "crt-closed-form", "crt-ml", "beat", "spatial"} <= {e["name"] for e in listed}
-    assert [e["name"] for e in listed if e["default"]] == ["cmtof"]
-    assert "cmtof *" in run("methods")[1]
+    assert [e["name"] for e in listed if e["default"]] == ["surfaces"]
+    assert "surfaces *" in run("methods")[1]
     assert f"cmtof {cmtof.__version__}" in run("info")[1]
     text = run("info", measurement_file)[1]
     assert "correlation (frequency 2, step 4, y 48, x 64) float32 count" in text
@@ -174,7 +174,7 @@ def test_bad_measurements(fails, tmp_path, measured, change, message):
         (("--range", "1.1", "0.9"), "MIN < MAX"),
         (("--range", "nan", "1"), "MIN < MAX"),
         (("--method", "beat", "--window", "2"), "odd window"),
-        (("--window", "5"), "options that method cmtof knows, got window"),
+        (("--window", "5"), "options of method surfaces, got window"),
     ],
 )
 def test_bad_unwrap_options(fails, tmp_path, measurement_file, arguments, message):

@@ -1,128 +1,93 @@
-"""Count a table over all test frames and store the counts where its chapter finds them.
+"""Count methods over all test frames and store the counts where the chapters find them.
 
-    python tools/tables.py 1|2 [--protocol released|full] [--noise SIGMA] [--again METHOD...]
+    python tools/tables.py [--protocol released|full] [--noise SIGMA] [--again] [METHOD...]
 
-Table 1 holds the rows of the ablation, whose rates are also written into the cards of the weights;
-Table 2 every method. Only what the stored counts lack is counted: methods that are new, that have
-other weights, or that are named after ``--again``. A run that was stopped goes on where it was.
+Without names: every method and reference. Only what the stored counts lack is counted, methods that
+are new or have other weights, unless ``--again`` is given. The file is written after each method.
 """
 
 import argparse
+import hashlib
 import json
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 RESULTS = Path(__file__).resolve().parents[1] / "book" / "results"
 
 
-def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Read the command line."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("table", choices=("1", "2"))
-    parser.add_argument("--protocol", default="released", choices=("released", "full"))
-    parser.add_argument("--noise", type=float, default=1200.0, help="Gaussian sigma, counts")
-    parser.add_argument("--again", nargs="*", default=[], metavar="METHOD", help="count anew")
-    parser.add_argument("--workers", type=int, default=1)
-    return parser.parse_args(arguments)
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Count and store; return the exit code."""
-    given = parsed(arguments)
-    # one thread a process: each has its own frames; said before NumPy and torch are loaded
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("methods", nargs="*", metavar="METHOD")
+    parser.add_argument("--protocol", default="released", choices=("released", "full"))
+    parser.add_argument("--noise", type=float, default=1200.0, help="Gaussian sigma, counts")
+    parser.add_argument("--again", action="store_true", help="count these methods again")
+    given = parser.parse_args(arguments)
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
-    from cmtof import tally
-    from cmtof.conditions import Conditions
-    from cmtof.network.ablation import found_rows
+        os.environ.setdefault(name, "1")  # before NumPy and torch are loaded
+    from cmtof.methods import METHODS, find_method, names_of
+    from cmtof.scenes.frame import held_out_frames
 
-    rows = found_rows(given.protocol) if given.table == "1" else []
-    entries = tally.networks(row.path for row in rows) | tally.CLASSICAL | tally.MIDDLE
-    if given.table == "2":
-        entries = tally.every_entry(given.protocol)
-    conditions = Conditions(protocol=given.protocol, noise=given.noise)
-    contest = tally.Contest(entries, conditions=conditions)
-    stem = f"table{given.table}_{given.protocol}_{given.noise:g}"
-    try:
-        records = brought_up_to_date(RESULTS / f"{stem}.json", contest, given.again, given.workers)
-    except ValueError as error:
-        print(error, file=sys.stderr)
-        return 1
-    for label in contest.entries:
-        print(label, {name: round(rate, 4) for name, rate in tally.rates(records, label).items()})
-    for row in rows:
-        write_test(row, contest, records)
+    names = given.methods or [
+        *names_of("all", given.protocol),
+        *(name for name, method in METHODS.items() if method.kind == "reference"),
+    ]
+    path = RESULTS / f"table2_{given.protocol}_{given.noise:g}.json"
+    settings = {"protocol": given.protocol, "noise": given.noise, "seed": 0}
+    held: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.is_file() else {}
+    if held.get("settings") != settings:
+        command = f"python tools/tables.py --protocol {given.protocol} --noise {given.noise:g}"
+        held = {"command": command, "settings": settings, "weights": {}, "frames": []}
+    frames = held_out_frames()
+    for name in (find_method(name).name for name in names):
+        weights = weights_of(name, given.protocol)
+        counted = held["frames"] and name in held["frames"][0]["methods"]
+        if counted and held["weights"].get(name, "") == weights and not given.again:
+            continue
+        add(held, name, frames)
+        if weights:
+            held["weights"][name] = weights
+        write(held, path)
     return 0
 
 
-def brought_up_to_date(
-    path: Path, contest: Any, again: Sequence[str], workers: int = 1
-) -> list[dict[str, Any]]:
-    """Stored counts with all that they lacked, of every frame; they are written back.
+def weights_of(name: str, protocol: str) -> str:
+    """SHA-256 of the shipped weights of a method; empty without any."""
+    from cmtof.network.weights import weights_path
 
-    Raises
-    ------
-    ValueError
-        If ``again`` names what does not take part, or the stored counts are of other frames.
-    """
-    from cmtof.stored_counts import joined, outdated, read_counts, write_counts
-
-    if strange := set(again) - set(contest.entries):
-        names = ", ".join(contest.entries)
-        raise ValueError(f"Expected methods out of {names}, got {', '.join(strange)}. Choose some.")
-    held = read_counts(path) if path.is_file() else None
-    if held and (held["settings"] != contest.settings() or len(held["frames"]) != contest.size):
-        held = None
-    wanted = [*outdated(held, contest), *again] if held else list(contest.entries)
-    rest = replace(contest, entries={k: v for k, v in contest.entries.items() if k in wanted})
-    part = path.with_name(f"{path.name}.part")
-    records = counted(rest, part, workers) if rest.entries else held["frames"] if held else []
-    if held:
-        records = joined(held, records, contest)
-    write_counts(path, contest, records, command=f"python tools/tables.py {told(contest, path)}")
-    part.unlink(missing_ok=True)
-    return records
+    path = weights_path(name, protocol)
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
 
 
-def told(contest: Any, path: Path) -> str:
-    """Arguments that make a file of counts anew."""
-    chosen = contest.conditions
-    table = path.stem.removeprefix("table").partition("_")[0]
-    return f"{table} --protocol {chosen.protocol} --noise {chosen.noise:g}"
+def add(held: dict[str, Any], name: str, frames: Sequence[Any]) -> None:
+    """Count a method over all frames and join its counts with those of the others."""
+    from cmtof.evaluation import Evaluation
+
+    evaluation = Evaluation([name], **held["settings"]).add_all(frames)
+    counts = evaluation.counts()
+    old = held["frames"] or [{"methods": {}} for _ in counts]
+    held["frames"] = [
+        new | {"methods": before["methods"] | new["methods"]}
+        for before, new in zip(old, counts, strict=True)
+    ]
+    scores = evaluation.report()["methods"][name]
+    print(name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
 
 
-def counted(contest: Any, part: Path, workers: int) -> list[dict[str, Any]]:
-    """Counts of all frames; each is kept in ``part`` as soon as it is there."""
-    from cmtof.console import progress_bar
-    from cmtof.tally import count_all
+def write(held: dict[str, Any], path: Path) -> None:
+    """Store counts, one frame a line, with their hash."""
+    from cmtof import __version__
+    from cmtof.evaluation import digest
+    from cmtof.files import written_whole
 
-    part.parent.mkdir(exist_ok=True)
-    key = json.dumps([contest.settings(), contest.weights(), list(contest.entries)])
-    lines = part.read_text("utf-8").splitlines() if part.is_file() else []
-    records = [json.loads(line) for line in lines[1:]] if lines[:1] == [key] else []
-    print(f"{contest.size} frames, {len(records)} done: {', '.join(contest.entries)}", flush=True)
-    found = count_all(contest, workers=workers, after=len(records))
-    left = contest.size - len(records)
-    with part.open("w", encoding="utf-8") as file, progress_bar(quiet=False) as bar:
-        file.write("\n".join([key, *map(json.dumps, records)]) + "\n")
-        for record in bar.track(found, total=left, description="frames"):
-            records.append(record)
-            file.write(json.dumps(record) + "\n")
-            file.flush()
-    return records
-
-
-def write_test(row: Any, contest: Any, records: Sequence[dict[str, Any]]) -> None:
-    """Write the rates of one row into its card."""
-    from cmtof.network.weights import write_card
-    from cmtof.tally import rates
-
-    tested = {"frames": len(records), **contest.settings(), **rates(records, row.label)}
-    write_card(row.path, row.card | {"test": tested})
+    frames = ",\n".join(json.dumps(frame) for frame in held["frames"])
+    head = {key: held[key] for key in ("command", "settings", "weights")}
+    head |= {"version": __version__, "sha256": digest(held["frames"])}
+    with written_whole(path) as part:
+        part.write_text(json.dumps(head)[:-1] + f',\n"frames": [\n{frames}\n]}}\n', "utf-8")
 
 
 if __name__ == "__main__":

@@ -281,6 +281,4 @@ def rates(
         below = np.array([one["below"] for one in held]).T
         return np.stack([*below[:3], whole - below[3], [one["consistent"] for one in held]])
 
-    return ratio_interval(
-        parts(method) - (parts(against) if against else 0), whole, draws=draws
-    )
+    return ratio_interval(parts(method) - (parts(against) if against else 0), whole, draws=draws)

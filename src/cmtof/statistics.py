@@ -61,13 +61,13 @@ def ratio_interval(
 
     def ratio(above: Array, below: Array, axis: int = -1) -> Array:
         above, below = above.sum(axis), below.sum(axis)
-        return np.divide(above, below, out=np.full(below.shape, np.nan), where=below > 0)
+        return np.divide(above, below, out=np.zeros(below.shape), where=below > 0)
 
-    value = ratio(part, whole)
-    none = np.full(np.shape(value), np.nan)
+    known = whole.sum(-1) > 0
+    value = np.where(known, ratio(part, whole), np.nan)
     if part.shape[-1] < 2:
-        return Interval(value[()], none, none)
-    found = bootstrap(
+        return Interval(value[()], np.nan * value, np.nan * value)
+    ends = bootstrap(
         (part, whole),
         ratio,
         axis=-1,
@@ -78,12 +78,8 @@ def ratio_interval(
         n_resamples=draws,
         batch=200,
         rng=np.random.default_rng(seed),
-    )
-    redrawn = found.bootstrap_distribution
-    known = np.isfinite(redrawn).any(-1)  # what few frames have is empty in some of the draws
-    filled = np.where(known[..., None], redrawn, 0.0)
-    low, high = np.nanpercentile(filled, [50 * (1 - level), 50 * (1 + level)], axis=-1)
-    return Interval(value[()], np.where(known, low, np.nan), np.where(known, high, np.nan))
+    ).confidence_interval
+    return Interval(value[()], *(np.where(known, end, np.nan)[()] for end in ends))
 
 
 class Reliability(NamedTuple):

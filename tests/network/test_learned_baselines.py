@@ -14,7 +14,7 @@ from torch import Tensor, nn
 from typer.testing import CliRunner
 
 import cmtof
-from cmtof.baselines import METHODS
+from cmtof.methods import METHODS
 from cmtof.cli import app
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
@@ -220,7 +220,7 @@ def test_models_say_what_each_is_given_and_asked():
     assert {n for n, m in MODELS.items() if m.mended} == {"rapid"}
     assert {n for n, m in MODELS.items() if m.features == "correlation"} == {"deep-tof"}
     for name in NAMES:
-        assert METHODS[name].model == name and MODELS[name].network == name
+        assert METHODS[name].kind == "learned" and MODELS[name].network == name
         assert build_network(name, 21).target == MODELS[name].target
     assert MODELS["u-net"].depth_weight == MODELS["rapid"].depth_weight == 0
 

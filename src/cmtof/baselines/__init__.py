@@ -1,4 +1,4 @@
-"""Classical unwrapping methods, a method a function: a measurement goes in, an `Estimate` comes out.
+"""Classical unwrapping methods, a method a function: measurement in, `Estimate` out.
 
 What all of them share stands here: the estimate, the wraps in range, the noise of each phase.
 """

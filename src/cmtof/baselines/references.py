@@ -116,8 +116,8 @@ def bodies(depth: NDArray[np.floating], step: float = STEP) -> NDArray[np.intp]:
     """Number of each pixel's body (H, W): components of pixels without a jump between them.
 
     Two neighbours belong together if the step from one to the other differs by no more than
-    ``step``, m, from none, or from the one before or behind it: across a crease one of the two does,
-    across a jump neither.
+    ``step``, m, from none, or from the one before or behind it: across a crease it does from one of
+    the two, across a jump from neither.
     """
     _check(step)
     links = []

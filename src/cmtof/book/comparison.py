@@ -44,7 +44,7 @@ class Scene(NamedTuple):
 
 
 def comparison_figure(scenes: Sequence[Scene], labels: Sequence[str]) -> "Figure":
-    """Fig. 10: a scene takes two rows, its brightness and true wraps, then methods and their errors.
+    """Fig. 10: two rows a scene, its brightness and true wraps, then methods and their errors.
 
     Raises
     ------

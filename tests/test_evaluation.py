@@ -1,0 +1,143 @@
+"""Counting: rates as the tables have them, the same noise for all, stored counts."""
+
+import json
+
+import numpy as np
+import pytest
+
+import cmtof
+from cmtof import evaluation
+from cmtof.evaluation import Evaluation, Tally, measured, rates, read_counts, score, scored_pixels
+from cmtof.measurement import Measurement
+from cmtof.scenes import load_frame
+from cmtof.simulation import simulate
+
+
+def pixels(found, truth, error=0.0):
+    found, truth = np.asarray(found), np.asarray(truth)
+    return {
+        "wrap_count": found,
+        "true_count": truth,
+        "consistent": found,
+        "true_consistent": truth,
+        "depth_error": np.broadcast_to(error, found.shape),
+    }
+
+
+def test_rates_count_as_the_tables_do():
+    found = score(pixels([10, 11, 12, 13, 20, 9], [10] * 6))
+    assert found["delta_lt_1"] == pytest.approx(1 / 6)
+    assert found["delta_lt_2"] == pytest.approx(3 / 6)
+    assert found["delta_lt_3"] == pytest.approx(4 / 6)
+    assert found["delta_ge_3"] == pytest.approx(2 / 6)
+    assert found["delta_ge_10"] == pytest.approx(1 / 6)
+    assert found["consistent_lt_1"] == pytest.approx(1 / 6)
+
+
+def test_pooled_frames_are_one_large_frame(rng):
+    """Counts and the histogram of errors add up; the median is known to 0.12 %."""
+    parts = [pixels(rng.integers(0, 9, n), rng.integers(0, 9, n), rng.normal(0, 0.02, n))
+             for n in (100, 1, 5000)]  # fmt: skip
+    whole = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+    one, many = score(whole), score(parts)
+    assert one == pytest.approx(many)
+    errors = np.abs(whole["depth_error"])
+    assert many["depth_median_error_m"] == pytest.approx(np.median(errors), rel=2e-3)
+    assert many["depth_rmse_m"] == pytest.approx(np.sqrt(np.mean(errors**2)))
+
+
+def test_a_tally_keeps_a_few_numbers_a_frame():
+    tally = Tally()
+    kept = tally.add(pixels(np.arange(1000), np.zeros(1000)))
+    assert kept == {"pixels": 1000, "below": [1, 2, 3, 10], "consistent": 1}
+    with pytest.raises(ValueError, match="at least one frame"):
+        Tally().score()
+
+
+def test_scores_need_a_truth_and_a_pixel(measured):
+    result = cmtof.unwrap(measured, method="middle")
+    with pytest.raises(ValueError, match="true depth"):
+        scored_pixels(result, Measurement(measured.dataset.drop_vars("depth")))
+    nothing = (("y", "x"), np.zeros(measured.shape, bool))
+    with pytest.raises(ValueError, match="at least one scored pixel"):
+        scored_pixels(result, Measurement(measured.dataset.assign(mask=nothing)))
+
+
+def test_every_method_sees_the_same_noise(tilted_wall):
+    both = Evaluation(["crt", "beat"], seed=4, options={"beat": {"window": 1}})
+    report = both.add_all([tilted_wall, tilted_wall]).report()
+    assert report["frames"] == ["wall", "wall"]
+    assert (report["protocol"], report["noise"], report["seed"]) == ("released", 1200.0, 4)
+    crt, beat = report["methods"]["crt"], report["methods"]["beat"]
+    assert crt["consistent_lt_1"] == pytest.approx(beat["consistent_lt_1"], abs=0.01)
+    alone = Evaluation(["crt"], seed=4).add_all([tilted_wall, tilted_wall]).counts()
+    assert [frame["methods"]["crt"] for frame in alone] == [
+        frame["methods"]["crt"] for frame in both.counts()
+    ]
+    first, second = alone
+    assert first["methods"] != second["methods"]  # each frame has noise of its own
+    with pytest.raises(ValueError, match="at least one frame"):
+        Evaluation(["crt"]).report()
+
+
+def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):
+    given = measured(tilted_wall, ["beat", "phasor", "crt"], seed=1)
+    assert given["beat"] is given["crt"]
+    assert given["phasor"].frequencies.tolist() == [7.15e9, 7.16e9]
+    np.testing.assert_array_equal(given["phasor"].mask, given["beat"].mask)
+
+
+def test_stored_counts_are_read_and_give_rates_with_intervals(tmp_path, tilted_wall):
+    frames = [tilted_wall] * 4
+    counts = Evaluation(["crt", "middle"], seed=2).add_all(frames).counts()
+    path = tmp_path / "table.json"
+    assert read_counts(path) == []
+    path.write_text(json.dumps({"frames": counts, "sha256": evaluation.digest(counts)}))
+    held = read_counts(path)
+    assert held == counts
+    found = rates(held, "crt", draws=200)
+    whole = sum(frame["pixels"] for frame in counts)
+    right = sum(frame["methods"]["crt"]["below"][0] for frame in counts)
+    assert found.value[0] == pytest.approx(right / whole)
+    assert (found.low <= found.value).all()
+    assert (found.high >= found.value).all()
+    apart = rates(held, "crt", against="middle", draws=200)
+    np.testing.assert_allclose(apart.value, found.value - rates(held, "middle", draws=50).value)
+    counts[0]["pixels"] += 1
+    path.write_text(json.dumps({"frames": counts, "sha256": evaluation.digest(held)}))
+    with pytest.raises(ValueError, match="edited ones. Count again"):
+        read_counts(path)
+
+
+def test_true_depth_read_against_the_measured_phase_loses_the_boundaries():
+    """9 % of the pixels: noise carries a phase across the end of its wrap."""
+    m = simulate(load_frame("still_life"), protocol="full", seed=0)
+    found = score(scored_pixels(cmtof.unwrap(m, method="reference-depth"), m))
+    assert found["consistent_lt_1"] == 1.0
+    assert 0.85 < found["delta_lt_1"] < 0.98
+
+
+REFERENCE = {
+    ("released", 1): (4.1, 10.1, 16.4, 45.5),
+    ("released", 41): (26.6, 54.2, 69.1, 6.0),
+    ("full", 1): (0.9, 2.8, 4.7, 82.7),
+    ("full", 41): (21.4, 47.5, 60.9, 15.7),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("protocol", ["released", "full"])
+def test_beats_of_path_traced_rooms_score_as_an_independent_simulation(shared_data, protocol):
+    paths = sorted(shared_data.glob("frames/*.npz"))
+    if not paths:
+        pytest.skip("no path-traced frames on this machine")
+    for window in (1, 41):
+        tally = Tally()
+        for number, path in enumerate(paths):
+            m = simulate(load_frame(path), protocol=protocol, frame_number=number)
+            found = scored_pixels(cmtof.unwrap(m, method="beat", window=window), m)
+            tally.add(found | {"wrap_count": found["consistent"]})
+        ours = tally.score()
+        keys = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_10")
+        np.testing.assert_allclose([100 * ours[key] for key in keys],
+                                   REFERENCE[protocol, window], atol=5.0)  # fmt: skip

@@ -1,0 +1,71 @@
+"""Intervals over scenes and the truth of confidences."""
+
+import numpy as np
+import pytest
+
+from cmtof.statistics import ratio_interval, reliability, risk_coverage
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say(rng):
+    """Rates of 40 scenes that differ, against that of all; 200 sets of 95 % intervals."""
+    held = 0
+    for _ in range(200):
+        whole = rng.integers(500, 1500, 40)
+        part = whole * np.clip(rng.normal(0.5, 0.2, 40), 0, 1)
+        found = ratio_interval(part, whole, draws=400, seed=int(rng.integers(1 << 30)))
+        held += bool(found.low <= 0.5 <= found.high)
+    assert 0.88 <= held / 200 <= 0.99
+
+
+def test_intervals_shrink_with_the_root_of_the_scenes(rng):
+    widths = []
+    for count in (25, 100, 400):
+        found = ratio_interval(rng.random(count), np.ones(count))
+        widths.append(float(found.high - found.low))
+    np.testing.assert_allclose(np.array(widths[:2]) / widths[1:], 2, rtol=0.25)
+
+
+def test_a_difference_on_the_same_scenes_is_known_better_than_its_rates(rng):
+    hard = rng.random(50)
+    one, other = 0.6 * hard + 0.1, 0.6 * hard
+    rate, apart = ratio_interval(one, np.ones(50)), ratio_interval(one - other, np.ones(50))
+    assert apart.high - apart.low < 0.01 * (rate.high - rate.low)
+    assert apart.excludes_zero
+    assert not ratio_interval(hard - 0.5, np.ones(50)).excludes_zero
+
+
+def test_arrays_of_rates_share_their_scenes_and_empty_ones_are_nan(rng):
+    part = rng.random((3, 20))
+    both = ratio_interval(part, np.ones(20), seed=5)
+    for i in range(3):
+        alone = ratio_interval(part[i], np.ones(20), seed=5)
+        np.testing.assert_allclose([both.low[i], both.high[i]], [alone.low, alone.high])
+    empty = ratio_interval(np.zeros((2, 9)), np.stack([np.zeros(9), np.ones(9)]))
+    assert np.isnan([empty.value[0], empty.low[0], empty.high[0]]).all()
+    assert (empty.value[1], empty.low[1]) == (0, 0)
+    single = ratio_interval([3.0], [4.0])
+    assert single.value == 0.75
+    assert np.isnan(single.low)
+
+
+def test_true_confidences_have_no_calibration_error(rng):
+    confidence = rng.random(200_000)
+    right = rng.random(confidence.size) < confidence
+    assert reliability(confidence, right).calibration_error < 0.01
+    assert reliability(confidence**2, right).calibration_error > 0.1
+    assert reliability(confidence, right).answers.sum() == confidence.size
+
+
+def test_reliability_refuses_what_is_no_probability():
+    for confidence in ([0.5, 1.2], [0.5, np.nan], [0.5]):
+        with pytest.raises(ValueError, match=r"probability in \[0, 1\]"):
+            reliability(confidence, [True, False])
+    assert np.isnan(reliability([], []).calibration_error)
+
+
+def test_risk_falls_with_the_coverage_where_confidence_is_true(rng):
+    confidence = rng.random(100_000)
+    right = rng.random(confidence.size) < confidence
+    curve = risk_coverage(confidence, right, points=10)
+    # the surest share c has confidences above 1 - c, so that c/2 of it is wrong
+    np.testing.assert_allclose(curve.risk, curve.coverage / 2, atol=0.01)
