@@ -606,7 +606,7 @@ tell(averaged=repeats, window_px=window)
 # a region that takes them for one surface goes astray with no noise at all. A surface of a few
 # hundred pixels is then right or wrong as a whole, and a little change of the data can move it by
 # a wrap: so the shares of `region`, `mrf` and `cmtof` jump from row to row. `cmtof` was made for
-# much wider images, where shape tells the distance, see {doc}`19_surfaces`. A window small
+# much wider images, where shape tells the distance, see {doc}`11_surfaces`. A window small
 # enough to stay on one surface errs less, and one that spans the image most. So a scan for depth
 # wants its points dense rather than spread, and a small spot.
 #

@@ -525,7 +525,7 @@ glue("one_pixel", Markdown(words), display=False)
 # {glue:text}`odds_there:.0f` %, and beyond   {glue:text}`thousand:.1f` m more than a thousand
 # pixels of one surface must be pooled for 95 %.   Errors that stay the same over the image no
 # pooling removes: that is what the calibration at a   known range is for. (The paper's simulation
-# has far noisier pixels, {doc}`18_limits`; these are   the noise of the bench as its data sheets
+# has far noisier pixels, {doc}`09_limits`; these are   the noise of the bench as its data sheets
 # have it.)
 # - **Room light** matters where it equals the laser's: {glue:text}`ambient_equal:.1f` W/(m² sr) at
 #   {glue:text}`here:.1f` m, but {glue:text}`ambient_far:.2f` W/(m² sr) for a tenth of reflectance

@@ -10,7 +10,7 @@
 # %% [markdown]
 # # Our method: surfaces in true geometry
 #
-# {doc}`18_limits` says what has to be done: know every shape, pool over all of it, and learn from
+# {doc}`09_limits` says what has to be done: know every shape, pool over all of it, and learn from
 # what it touches. The method `cmtof` does these three, with no network to train and on one core; a
 # few of its constants were chosen on training and validation rooms. This page
 # goes through it step by step on one room, takes parts of it away, holds it against every other
@@ -596,7 +596,7 @@ glue("failures", Markdown("\n".join(lines)), display=False)
 # {glue:text}`smallest:.0f` px that a plane needs to begin. Within {glue:text}`reach:.0f` px of a
 # surface such a pixel is guessed to lie on it. Dark floors and
 # walls are the other half: their surfaces are found where they are large, but not their wraps, for
-# the pixels that a beat needs grow with the square of what light is lacking ({doc}`18_limits`).
+# the pixels that a beat needs grow with the square of what light is lacking ({doc}`09_limits`).
 #
 # ## What it costs
 
@@ -610,7 +610,7 @@ say(
         f"A frame of 768×1024 px takes {ours['full']['seconds']:.1f} s and "
         f"{ours['full']['megabytes']:.0f} MB on one thread (`full`; "
         f"{ours['released']['seconds']:.1f} s in `released`), whatever the number of wraps "
-        "({doc}`15_methods`)."
+        "({doc}`10_methods`)."
     )
     if ours
     else "Its cost has not been measured yet.",

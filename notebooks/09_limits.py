@@ -97,7 +97,7 @@ tell(field_side=SIDE, far_depth=RELEASED_FAR_DEPTH)
 # ```
 #
 # Rates in % over {glue:text}`frames_counted` test frames, 95 % over scenes in brackets; the methods
-# of {doc}`15_methods` above, the oracles below.
+# of {doc}`10_methods` above, the oracles below.
 
 # %% tags=["hide-input"]
 if ("oracle-contact", "full") in rates:
@@ -308,4 +308,4 @@ print(law)
 # right as often as that foretells, to what so few surfaces allow. Weighted by their brightness the
 # phasors would tell a little more: that last column is the bound for who knows every shape and
 # reads its place from the beat. Who wants more has to know what touches what, or which surfaces are
-# flat: a plane seen by a known camera tells its distance by its shape ({doc}`19_surfaces`).
+# flat: a plane seen by a known camera tells its distance by its shape ({doc}`11_surfaces`).
