@@ -1,4 +1,8 @@
-"""The scoreboard page of the book, written from what the notebooks checked."""
+"""The scoreboard page of the book: every published number, ours, and the verdict.
+
+Written from the ``checks.json`` of each run and from the figures and equations of the chapters.
+Where several runs checked one number, the worst verdict is shown.
+"""
 
 import re
 from collections import Counter
@@ -15,38 +19,37 @@ from cmtof.book.paper import (
     published_numbers,
     quantity_text,
     read_checks,
-    verdict,
 )
 
 # from the one that must not be missed to the one that needs no look
-_WORST_FIRST: tuple[Outcome, ...] = ("differs", "paper errs", "not comparable", "agrees")
+WORST_FIRST: tuple[Outcome, ...] = ("contradicted", "untested", "reproduced", "input")
 
-_MEANING: dict[Outcome, str] = {
-    "agrees": "Ours lies within the tolerance of the paper's number.",
-    "differs": "Ours lies outside, and nothing explains it. It is an open question, or our fault.",
-    "paper errs": "Ours lies outside, and the paper is wrong there: "
-    "see the {doc}`errata <../notebooks/22_errata>`.",
-    "not comparable": "Ours is another quantity, or comes from other data. The note says how.",
-    "not yet reached": "No chapter has come to this number yet.",
+MEANING: dict[Outcome, str] = {
+    "reproduced": "Ours lies within the tolerance of the paper's number.",
+    "contradicted": "Ours, in simulation, lies outside; the ratio tells by how much. "
+    "Where the paper is at fault, the {doc}`errata <../notebooks/22_errata>` say so.",
+    "untested": "No result of ours can be held against it; the note says why.",
+    "input": "A setting of the paper, typed in. It is no result of either side.",
 }
 
-_SPACE = "\N{NO-BREAK SPACE}"
+NO_CHECK = "No chapter computes it."
 
-_GROUPS = {"table": "Table", "fig": "Figure", "abstract": "Abstract", "sec": "Section"}
+GROUPS = {"table": "Table", "fig": "Figure", "abstract": "Abstract", "sec": "Section"}
 
-_HEAD = """# Scoreboard
+SPACE = "\N{NO-BREAK SPACE}"
+
+HEAD = """# Scoreboard
 
 Every number that the paper {{cite}}`baek2023` prints, and what this book found instead of it.
-The page is written anew with each build, from the checks in the chapters.
-It was written from {runs}.
+The page is written with each build, from the checks of {runs} runs.
 
 {summary}
 
-The tolerance stands beside the paper's number.
-Unless a note says otherwise it is half a unit of the last digit printed.
-In Tables 1 to 3 it is two percentage points, or a fifth of the number where that is less.
-
 {meanings}
+
+The tolerance stands beside the paper's number, the ratio of ours to the paper's beside ours.
+Unless a note says otherwise the tolerance is half a unit of the last digit printed.
+In Tables 1 to 3 it is two percentage points, or a fifth of the number where that is less.
 """
 
 
@@ -61,10 +64,14 @@ class Run:
 
     def link(self) -> str:
         """Return a link to the chapter, or a plain name for a folder that is none."""
-        number = re.match(r"(\d\d)_", self.notebook)
-        if number is None:
+        if re.match(r"\d\d_", self.notebook) is None:
             return f"`{self.notebook}`"
-        return f"{{doc}}`{number[1]} <../notebooks/{self.notebook}>`"
+        return chapter_link(self.notebook)
+
+
+def chapter_link(notebook: str) -> str:
+    """Return a link to a chapter by its number."""
+    return f"{{doc}}`{notebook[:2]} <../notebooks/{notebook}>`"
 
 
 Found = dict[str, tuple[Verdict, Run]]
@@ -74,75 +81,89 @@ Found = dict[str, tuple[Verdict, Run]]
 def page(
     checks: Iterable[Path], results: Iterable[Path] = (), notebooks: Iterable[Path] = ()
 ) -> str:
-    """Write the page from the ``checks.json`` and the folder of each run, and the chapters."""
-    numbers = published_numbers()
-    found = _found(checks)
+    """Return the page as MyST Markdown, from the ``checks.json`` and folder of each run.
+
+    ``notebooks`` are the chapters themselves; ValueError for a broken file or an unknown key.
+    """
+    found = found_in(checks)
     groups: dict[str, list[Published]] = {}
-    for number in numbers.values():
+    for number in published_numbers().values():
         groups.setdefault(number.key.partition(".")[0], []).append(number)
     runs = {run for _, run in found.values()}
-    parts = [
-        _HEAD.format(
-            runs=f"{len(runs)} runs" if len(runs) != 1 else "one run",
-            summary=_summary(numbers.values(), found),
-            meanings="\n".join(f"- **{name}**: {text}" for name, text in _MEANING.items()),
-        )
-    ]
+    meanings = "\n".join(f"- **{name}**: {text}" for name, text in MEANING.items())
+    parts = [HEAD.format(runs=len(runs), summary=summary(found), meanings=meanings)]
     parts.append(coverage_section(results, notebooks))
-    parts += [_section(name, groups[name], found) for name in sorted(groups, key=_order)]
-    if runs:
-        parts.append(_runs(runs))
-    return "\n".join(parts)
+    parts += [section(name, groups[name], found) for name in sorted(groups, key=_order)]
+    ordered = sorted(runs, key=lambda run: (run.notebook, run.profile, run.seed, run.version))
+    head = ["## Runs", "", "| chapter | profile | seed | version |", "| :-- | :-- | --: | :-- |"]
+    rows = [f"| {run.link()} | {run.profile} | {run.seed} | {run.version} |" for run in ordered]
+    return "\n".join([*parts, *head, *rows, ""])
 
 
-def _found(checks: Iterable[Path]) -> Found:
+def found_in(checks: Iterable[Path]) -> Found:
+    """Return the verdicts of runs, the worst where several checked one number."""
     found: Found = {}
     for path in checks:
         for key, record in read_checks(path).items():
-            new = _judged(key, record)
-            old = found.get(key)
-            if old is None or _rank(new) < _rank(old[0]):
-                found[key] = (new, _run(path.parent.name, record))
+            new = judged(key, record)
+            rank = WORST_FIRST.index(new.outcome)
+            if key not in found or rank < WORST_FIRST.index(found[key][0].outcome):
+                run = Run(path.parent.name, record["profile"], record["seed"], record["version"])
+                found[key] = (new, run)
     return found
 
 
-def _judged(key: str, record: Mapping[str, Any]) -> Verdict:
-    value = float("nan") if record["value"] is None else record["value"]
-    return verdict(
-        published(key), value, reason=record.get("reason"), tolerance=record.get("tolerance")
-    )
+def judged(key: str, record: Mapping[str, Any]) -> Verdict:
+    """Return the verdict on a stored value, computed again."""
+    value = record["value"]
+    return Verdict(published(key), float("nan") if value is None else value)
 
 
-def _run(notebook: str, record: Mapping[str, Any]) -> Run:
-    return Run(notebook, record["profile"], record["seed"], record["version"])
-
-
-def _rank(judged: Verdict) -> int:
-    return _WORST_FIRST.index(judged.outcome)
-
-
-def _outcome(number: Published, found: Found) -> Outcome:
+def outcome(number: Published, found: Found) -> Outcome:
+    """Return the verdict on a number: that of its run, or what it has without one."""
     if number.key in found:
         return found[number.key][0].outcome
-    # a part of their bench or another's work is nothing that a later chapter could reach
-    out_of_reach = not number.comparable and number.kind != "result"
-    return "not comparable" if out_of_reach else "not yet reached"
+    return Verdict(number, float("nan")).outcome
 
 
-def _summary(numbers: Iterable[Published], found: Found) -> str:
-    counts: dict[str, Counter[Outcome]] = {"result": Counter(), "setting": Counter()}
-    for number in numbers:
-        kind = "result" if number.kind == "result" else "setting"
-        counts[kind][_outcome(number, found)] += 1
-    head = ["| verdict | results | settings |", "| :-- | --: | --: |"]
-    found_of, chosen = counts["result"], counts["setting"]
-    rows = [f"| {name} | {found_of[name]} | {chosen[name]} |" for name in _MEANING]
-    rows.append(f"| **all** | **{found_of.total()}** | **{chosen.total()}** |")
-    said = (
-        "Results are what the paper found. "
-        "Settings are what it chose, or took from the work of others."
-    )
-    return "\n".join([*head, *rows, "", said])
+def summary(found: Found) -> str:
+    """Return the table of verdicts; inputs are counted apart."""
+    numbers = published_numbers().values()
+    counts = Counter(outcome(number, found) for number in numbers)
+    rows = [f"| {name} | {counts[name]} |" for name in MEANING if name != "input"]
+    results = len(numbers) - counts["input"]
+    apart = [f"| **results** | **{results}** |", f"| inputs, apart | {counts['input']} |"]
+    return "\n".join(["| verdict | numbers |", "| :-- | --: |", *rows, *apart])
+
+
+def section(group: str, numbers: list[Published], found: Found) -> str:
+    """Return the table of one table, figure or section of the paper, with its notes."""
+    notes: dict[str, str] = {}
+    rows = [row(number, found, notes) for number in numbers]
+    name, digits = _split(group)
+    head = [f"## {GROUPS[name]} {digits}".rstrip(), "", "```{table}", ":class: scoreboard", ""]
+    table = ["| number | paper | ours |", "| :-- | :-- | :-- |", *rows, "```", ""]
+    return "\n".join([*head, *table, *(f"**{c}** {text}\n" for text, c in notes.items())])
+
+
+def row(number: Published, found: Found, notes: dict[str, str]) -> str:
+    """Return the row of a number; a note that it needs joins ``notes``."""
+    said: str = outcome(number, found)
+    missing = NO_CHECK if number.key not in found and said == "untested" else ""
+    texts = [number.untested or missing, number.note]
+    texts.append(f"Erratum {number.erratum}." if number.erratum is not None else "")
+    if note := " ".join(filter(None, texts)):
+        said += f"{SPACE}<sup>{notes.setdefault(note, chr(ord('a') + len(notes)))}</sup>"
+    if number.key in found:
+        verdict, run = found[number.key]
+        ours = quantity_text(verdict.value, number.unit)
+        ours += f"<br>{verdict.ratio}" if verdict.ratio and said != "input" else ""
+        said = f"{ours.replace(' ', SPACE)}<br>{said}<br>{run.link()}"
+    # the key may break over lines, or a phone would have to scroll sideways
+    key = re.sub(r"(\.|_(?!\d))", r"\1<wbr>", number.key.partition(".")[2])
+    what = re.sub(r" ([<≥]) (?=\d)", rf"{SPACE}\1{SPACE}", number.what)
+    paper = number.text(joint="<br>").replace(" ", SPACE)
+    return f"| {what}<br><code>{key}</code> | {paper} | {said} |"
 
 
 def _split(group: str) -> tuple[str, str]:
@@ -152,67 +173,10 @@ def _split(group: str) -> tuple[str, str]:
 
 def _order(group: str) -> tuple[int, int]:
     name, digits = _split(group)
-    return list(_GROUPS).index(name), int(digits or 0)
+    return list(GROUPS).index(name), int(digits or 0)
 
 
-def _title(group: str) -> str:
-    name, digits = _split(group)
-    return f"{_GROUPS[name]} {digits}".strip()
-
-
-def _section(group: str, numbers: list[Published], found: Found) -> str:
-    notes: dict[str, str] = {}
-    rows = [_row(number, found, notes) for number in numbers]
-    table = [
-        f"## {_title(group)}",
-        "",
-        "```{table}",
-        ":class: scoreboard",
-        "",
-        "| number | paper | ours |",
-        "| :-- | :-- | :-- |",
-        *rows,
-        "```",
-        "",
-    ]
-    return "\n".join(table + [f"**{letter}** {reason}\n" for reason, letter in notes.items()])
-
-
-def _row(number: Published, found: Found, notes: dict[str, str]) -> str:
-    judged, run = found.get(number.key, (None, None))
-    reason = judged.reason if judged else number.reason
-    said: str = _outcome(number, found)
-    if number.erratum is not None:
-        reason = f"{reason} (erratum {number.erratum})" if reason else f"Erratum {number.erratum}."
-    if reason:
-        said += f"{_SPACE}<sup>{notes.setdefault(reason, _letter(len(notes)))}</sup>"
-    if judged and run:
-        ours = _unbroken(quantity_text(judged.value, number.unit))
-        said = f"{ours}<br>{said}<br>{run.link()}"
-    paper = number.text(judged.tolerance if judged else number.tolerance, joint="<br>")
-    # the key may break over lines, or a phone would have to scroll sideways
-    key = re.sub(r"(\.|_(?!\d))", r"\1<wbr>", number.key.partition(".")[2])
-    what = re.sub(r" ([<≥]) (?=\d)", rf"{_SPACE}\1{_SPACE}", number.what)
-    return f"| {what}<br><code>{key}</code> | {_unbroken(paper)} | {said} |"
-
-
-def _unbroken(text: str) -> str:
-    return text.replace(" ", _SPACE)
-
-
-def _letter(index: int) -> str:
-    return "abcdefghijklmnopqrstuvwxyz"[index]
-
-
-def _runs(runs: Iterable[Run]) -> str:
-    ordered = sorted(runs, key=lambda run: (run.notebook, run.profile, run.seed, run.version))
-    rows = [f"| {run.link()} | {run.profile} | {run.seed} | {run.version} |" for run in ordered]
-    head = ["## Runs", "", "| chapter | profile | seed | version |", "| :-- | :-- | --: | :-- |"]
-    return "\n".join([*head, *rows, ""])
-
-
-FIGURES, TABLES, EQUATIONS = 16, 4, 20
-"""How many the paper has."""
+# --- where each figure, table and equation stands -----------------------------------------------
 
 
 class Item(NamedTuple):
@@ -227,7 +191,7 @@ class Item(NamedTuple):
 
 ITEMS = [
     Item(kind, number)
-    for kind, count in (("Figure", FIGURES), ("Table", TABLES), ("Equation", EQUATIONS))
+    for kind, count in (("Figure", 16), ("Table", 4), ("Equation", 20))
     for number in range(1, count + 1)
 ]
 
@@ -237,18 +201,11 @@ _LABELLED = re.compile(r":label: eq-(\d+)\b(?!-)")
 
 
 def chapters_by_item(results: Iterable[Path], notebooks: Iterable[Path]) -> dict[Item, list[str]]:
-    """Chapters in which each item stands, in order; an item that no chapter has is left out.
+    """Return the chapters in which each item stands; an item that no chapter has is left out.
 
     A figure stands where ``figNN_*`` was drawn, a table where ``tableN_*`` was drawn or its numbers
-    were checked, an equation where it bears the label ``eq-N``.
-
-    Parameters
-    ----------
-    results : iterable of Path
-        One folder a chapter, of the chapter's name: what `cmtof.book.plotting.save` and
-        `cmtof.book.paper.check` wrote.
-    notebooks : iterable of Path
-        The chapters themselves, ``.ipynb`` or ``.py``.
+    were checked, an equation where it bears the label ``eq-N``. ``results`` are folders of the
+    chapters' names, ``notebooks`` the chapters.
     """
     found: dict[Item, set[str]] = {}
     kinds = {"fig": "Figure", "table": "Table"}
@@ -266,15 +223,11 @@ def chapters_by_item(results: Iterable[Path], notebooks: Iterable[Path]) -> dict
 
 
 def coverage_section(results: Iterable[Path], notebooks: Iterable[Path]) -> str:
-    """Write the section of the scoreboard as MyST Markdown."""
+    """Return the section on figures, tables and equations as MyST Markdown."""
     found = chapters_by_item(results, notebooks)
     missing = [str(item) for item in ITEMS if item not in found]
-    rows = [f"| {item} | {_links(found[item])} |" for item in ITEMS if item in found]
     said = f"Not yet reached: {', '.join(missing)}." if missing else "None of them is missing."
+    links = {item: ", ".join(map(chapter_link, found[item])) for item in ITEMS if item in found}
+    rows = [f"| {item} | {chapters} |" for item, chapters in links.items()]
     head = ["## Figures, tables and equations", "", "Where each of the paper's stands. " + said, ""]
-    table = ["| of the paper | chapters |", "| :-- | :-- |", *rows, ""] if rows else []
-    return "\n".join(head + table)
-
-
-def _links(chapters: Iterable[str]) -> str:
-    return ", ".join(f"{{doc}}`{name[:2]} <../notebooks/{name}>`" for name in chapters)
+    return "\n".join([*head, "| of the paper | chapters |", "| :-- | :-- |", *rows, ""])

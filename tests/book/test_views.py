@@ -4,10 +4,10 @@ import io
 import re
 import shutil
 
+import browse
 import numpy as np
 import pytest
 
-import browse
 import stage
 from cmtof.book import views as interactive
 from cmtof.book.provenance import OUTPUT_VARIABLE
@@ -67,13 +67,12 @@ def test_the_still_shows_the_surface(scene):
 
 def test_without_opengl_only_the_still_is_missing(scene, monkeypatch, tmp_path, capsys):
     folder, _ = scene
-    page = (folder / "ball_scene.html").read_text(encoding="utf-8")
+    held = (folder / "ball_scene.html").read_text(encoding="utf-8")
 
-    def crashed(*arguments, html, **options):
-        html.write_text(page, encoding="utf-8")
-        return False
+    def crashed(*arguments, page, **options):
+        page.write_text(held, encoding="utf-8")
 
-    monkeypatch.setattr(interactive, "render_surface", crashed)
+    monkeypatch.setattr(interactive, "still", crashed)
     monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
     depth = ball()
     still = interactive.save_scene(
@@ -88,7 +87,7 @@ def test_without_opengl_only_the_still_is_missing(scene, monkeypatch, tmp_path, 
 
 
 def test_without_pyvista_it_says_so(monkeypatch, tmp_path):
-    monkeypatch.setattr(interactive, "render_surface", lambda *_, **__: False)
+    monkeypatch.setattr(interactive, "still", lambda *_, **__: None)
     monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
     points = points_from_depth(ball(), CAMERA)
     with pytest.raises(RuntimeError, match=r"Expected PyVista and trame .* Install them"):
@@ -98,12 +97,11 @@ def test_without_pyvista_it_says_so(monkeypatch, tmp_path):
 def test_dense_maps_are_thinned(monkeypatch, tmp_path):
     seen = {}
 
-    def remember(points, colours, *_, longest, html, **__):
+    def remember(points, colours, *, longest, page, **__):
         seen.update(shape=points.shape, longest=longest)
-        html.write_text("x", encoding="utf-8")
-        return False
+        page.write_text("x", encoding="utf-8")
 
-    monkeypatch.setattr(interactive, "render_surface", remember)
+    monkeypatch.setattr(interactive, "still", remember)
     monkeypatch.setattr(interactive, "MOST_POINTS", 1300)
     monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
     points = points_from_depth(ball(), CAMERA)
@@ -126,11 +124,10 @@ def test_bad_input_is_refused(points, colours, longest, message):
 
 
 def test_a_file_too_large_is_refused(monkeypatch, tmp_path):
-    def large(*_, html, **__):
-        html.write_text("x" * interactive.MOST_BYTES, encoding="utf-8")
-        return False
+    def large(*_, page, **__):
+        page.write_text("x" * interactive.MOST_BYTES, encoding="utf-8")
 
-    monkeypatch.setattr(interactive, "render_surface", large)
+    monkeypatch.setattr(interactive, "still", large)
     monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
     points = points_from_depth(ball(), CAMERA)
     with pytest.raises(ValueError, match=r"Expected a scene below 3 MB, got 3\.0 MB"):
@@ -151,6 +148,18 @@ def test_the_book_finds_the_scene_where_its_pages_look(scene, tmp_path):
     stage.place_scenes(tmp_path / "build", tmp_path)
     placed = tmp_path / "book" / "_static" / "scenes" / "ball_scene.html"
     assert placed.read_bytes() == (folder / "ball_scene.html").read_bytes()
+
+
+def test_the_mesh_is_whole_on_a_surface_and_open_at_edges_and_holes():
+    depth = np.full((60, 80), 1.2)
+    whole = interactive.mesh_triangles(points_from_depth(depth, CAMERA), longest=0.03)
+    assert len(whole) == 2 * 59 * 79
+    depth[:, 40:] += 0.1
+    cut = interactive.mesh_triangles(points_from_depth(depth, CAMERA), longest=0.03)
+    assert len(cut) == 2 * 59 * 78
+    depth[10, 10] = np.nan
+    holed = interactive.mesh_triangles(points_from_depth(depth, CAMERA), longest=0.03)
+    assert len(holed) == 2 * 59 * 78 - 6 and 10 * 80 + 10 not in holed
 
 
 @pytest.mark.slow

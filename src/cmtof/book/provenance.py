@@ -23,20 +23,12 @@ SIGNIFICANT_DIGITS = 10
 
 @dataclass(frozen=True)
 class Run:
-    """What has to be known to draw a result again.
-
-    Attributes
-    ----------
-    profile : str
-        Name of the size profile, a file of ``configs/``.
-    seed : int
-        Seed of every random draw of the run.
-    version : str
-        Version of this package.
-    """
+    """What has to be known to draw a result again."""
 
     profile: str = "book"
+    """Name of the size profile, a file of ``configs/``."""
     seed: int = 0
+    """Seed of every random draw of the run."""
     version: str = __version__
 
 
@@ -44,24 +36,9 @@ _current = Run()
 
 
 def begin(*, profile: str = "book", seed: int = 0) -> Run:
-    """Set the run that everything stored from now on belongs to.
+    """Set the run that everything stored from now on belongs to, and return it.
 
-    Parameters
-    ----------
-    profile : str
-        Name of the size profile: ``ci``, ``book`` or ``paper``.
-    seed : int
-        Seed of the run, ≥ 0.
-
-    Returns
-    -------
-    Run
-        The run just begun.
-
-    Raises
-    ------
-    ValueError
-        If the profile is empty or the seed is no whole number ≥ 0.
+    Raises ValueError if the profile is empty or the seed is no whole number ≥ 0.
 
     Examples
     --------
@@ -77,27 +54,8 @@ def begin(*, profile: str = "book", seed: int = 0) -> Run:
     return _current
 
 
-def current() -> Run:
-    """Return the run that :func:`begin` set, or the default one.
-
-    Examples
-    --------
-    >>> run = begin(profile="ci", seed=3)
-    >>> current() == run
-    True
-    """
-    return _current
-
-
 def as_dict() -> dict[str, str | int]:
-    """Return the current run as plain values, to be stored beside a result.
-
-    Examples
-    --------
-    >>> _ = begin(profile="ci", seed=3)
-    >>> sorted(as_dict())
-    ['profile', 'seed', 'version']
-    """
+    """Profile, seed and version of the current run, to be stored beside a result."""
     return asdict(_current)
 
 
@@ -130,24 +88,10 @@ def processor() -> str:
 
 
 def plain(value: Any) -> Any:
-    """Turn numbers, arrays and containers of them into values that JSON holds exactly.
+    """Numbers, arrays and containers of them as values that JSON holds exactly.
 
     Floats are rounded to ten significant digits, so that a file changes only when a result does.
-
-    Parameters
-    ----------
-    value : Any
-        Number, string, bool, None, array, or mappings and sequences of these.
-
-    Returns
-    -------
-    Any
-        The same made of dict, list, str, int, float, bool and None.
-
-    Raises
-    ------
-    ValueError
-        If a number is not finite or a value is of another kind.
+    Raises ValueError if a number is not finite or a value is of another kind.
 
     Examples
     --------
@@ -171,21 +115,7 @@ def plain(value: Any) -> Any:
 
 
 def write_json(path: str | Path, value: Any) -> None:
-    """Write a value as JSON, whole or not at all, with the same bytes on every run.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file to write.
-    value : Any
-        What :func:`plain` accepts.
-
-    Raises
-    ------
-    ValueError
-        If the value cannot be stored exactly.
-    OSError
-        If the folder is missing or cannot be written to.
+    """Write what `plain` accepts as JSON, whole or not at all, with the same bytes on every run.
 
     Examples
     --------

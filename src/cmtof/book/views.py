@@ -1,9 +1,8 @@
 """Surfaces that a reader can turn: one self-contained HTML file, and a still of the same view.
 
 PyVista's trame component writes the file: viewer and data lie in it, and nothing is loaded from
-elsewhere. `save_scene` writes it beside the figures of a run, `show_scene` puts it on the page of
-a notebook, folded away until somebody opens it. The still comes back as an image, to be drawn in a
-figure.
+elsewhere. PyVista draws in a process of its own, off screen: without a working OpenGL it may crash,
+and then only there.
 """
 
 import html
@@ -27,9 +26,6 @@ MOST_BYTES = 3_000_000
 MOST_POINTS = 20_000
 """Points of a scene at most; denser maps lose rows and columns."""
 
-STILL = (900, 900)
-"""Width and height of a still before it is cropped, px."""
-
 STATIC = "_static/scenes"
 """Where the book keeps the files, relative to its root; `tools/stage.py` puts them there."""
 
@@ -52,15 +48,13 @@ def save_scene(
 
     Parameters
     ----------
-    name : str
-        File stem, as of a figure.
+    name, title : str
+        File stem, as of a figure, and what the scene is in a few words.
     points : array_like, shape (H, W, 3)
         m, x right, y down, z forward, as `cmtof.pointcloud.points_from_depth` gives them; NaN for
         none.
     colours : array_like, shape (H, W, 3)
         Red, green and blue, 0 to 1.
-    title : str
-        What the scene is, in a few words.
     longest : float
         Longest side of a triangle, m: neighbours further apart are not joined.
     eye : tuple of float
@@ -69,7 +63,7 @@ def save_scene(
     Returns
     -------
     ndarray, shape (h, w, 3), or None
-        Still, 0 to 1, cropped to the surface; None where OpenGL is missing, which is said.
+        Still, 0 to 1, cropped to the surface; None, and a line on stderr, without OpenGL.
 
     Raises
     ------
@@ -82,15 +76,13 @@ def save_scene(
     _check(points, colours, longest)
     step = int(np.ceil(np.sqrt(points[..., 0].size / MOST_POINTS)))
     with tempfile.TemporaryDirectory() as folder:
-        page, still = Path(folder) / "scene.html", Path(folder) / "still.png"
-        drawn = render_surface(
+        page = Path(folder) / "scene.html"
+        drawn = still(
             points[::step, ::step],
             colours[::step, ::step],
-            still,
             longest=step * longest,
             eye=eye,
-            size=STILL,
-            html=page,
+            page=page,
         )
         if not page.is_file():
             raise RuntimeError(
@@ -98,22 +90,13 @@ def save_scene(
                 "Install them: pip install pyvista trame-pyvista."
             )
         _write(provenance.output_folder() / f"{name}.html", page.read_text("utf-8"), title)
-        if not drawn:
-            print(NO_STILL, file=sys.stderr)
-            return None
-        import matplotlib.pyplot as plt
-
-        return np.asarray(plt.imread(still), float)[..., :3]
+    if drawn is None:
+        print(NO_STILL, file=sys.stderr)
+    return drawn
 
 
 def show_scene(name: str, *, title: str) -> None:
-    """Put a saved scene on the notebook's page, folded until it is opened.
-
-    Parameters
-    ----------
-    name, title : str
-        As given to `save_scene`.
-    """
+    """Put a saved scene on the notebook's page, folded until it is opened."""
     from IPython.core.display import HTML
     from IPython.display import display
 
@@ -152,7 +135,81 @@ def depth_colours(depth: ArrayLike, *, limits: tuple[float, float], cmap: str) -
     return np.asarray(mpl.colormaps[cmap](share))[..., :3]
 
 
+def mesh_triangles(points: ArrayLike, *, longest: float) -> NDArray[np.int64]:
+    """Triangles (T, 3) between neighbouring pixels of a map of points (H, W, 3), m; NaN for none.
+
+    Longer sides than ``longest``, m, bridge an edge and are left out.
+    """
+    points = np.asarray(points, float)
+    number = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
+    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
+    triangles = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))])
+    corners = points.reshape(-1, 3)[triangles]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1)
+    return triangles[(sides < longest).all(axis=1)]  # false for NaN as well
+
+
+def still(
+    points: ArrayLike,
+    colours: ArrayLike,
+    *,
+    longest: float,
+    eye: tuple[float, float, float],
+    page: Path | None = None,
+) -> Array | None:
+    """Shaded still (h, w, 3), 0 to 1, of a surface, cropped to it; None where none can be drawn.
+
+    Parameters as in `save_scene`; ``page`` is an HTML file to write, which needs no OpenGL.
+    """
+    import matplotlib.pyplot as plt
+
+    triangles = mesh_triangles(points, longest=longest)
+    used, faces = np.unique(triangles, return_inverse=True)
+    with tempfile.TemporaryDirectory() as folder:
+        job, target = Path(folder) / "job.npz", Path(folder) / "still.png"
+        np.savez(
+            job,
+            points=np.asarray(points, float).reshape(-1, 3)[used],
+            faces=faces.reshape(-1, 3),
+            colours=np.rint(255 * np.asarray(colours, float).reshape(-1, 3)[used]).astype(np.uint8),
+            eye=eye,
+            page=str(page or ""),
+        )
+        command = [sys.executable, "-m", "cmtof.book.views", str(job), str(target)]
+        try:
+            subprocess.run(command, capture_output=True, check=True, timeout=120)
+            return np.asarray(plt.imread(target), float)[..., :3]
+        except (OSError, subprocess.SubprocessError):
+            return None
+
+
+def _draw(job: Path, target: Path) -> None:
+    """Draw what `still` stored; runs in its own process."""
+    import matplotlib.pyplot as plt
+    import pyvista as pv
+
+    held = np.load(job)
+    mesh = pv.PolyData.from_regular_faces(held["points"], held["faces"])
+    mesh["colours"] = held["colours"]
+    plotter = pv.Plotter(off_screen=True, window_size=[900, 900], lighting="none")
+    plotter.renderer.SetBackground(1, 1, 1)
+    look = {"ambient": 0.25, "diffuse": 0.8, "specular": 0.25, "specular_power": 12}
+    plotter.add_mesh(mesh, scalars="colours", rgb=True, smooth_shading=True, **look)
+    centre = 0.5 * (held["points"].min(0) + held["points"].max(0))
+    for place, strength in (((-0.5, -0.6, -0.1), 0.75), ((0.6, -0.1, 0.0), 0.35)):
+        plotter.add_light(pv.Light(position=place, focal_point=centre, intensity=strength))
+    plotter.camera_position = [held["eye"].tolist(), centre.tolist(), (0.0, -1.0, 0.0)]
+    if held["page"]:  # first: without OpenGL the still ends this process
+        plotter.trame.export_html(str(held["page"]))
+    plotter.enable_anti_aliasing("ssaa")
+    image = np.asarray(plotter.screenshot(None, return_img=True))
+    drawn = np.argwhere((image < 250).any(axis=-1))
+    (top, left), (bottom, right) = drawn.min(0), drawn.max(0) + 1  # without the empty margins
+    plt.imsave(target, image[top:bottom, left:right])
+
+
 def _check(points: Array, colours: Array, longest: float) -> None:
+    """Raise a ValueError unless points and colours make a surface."""
     if points.ndim != 3 or points.shape[2] != 3 or colours.shape != points.shape:
         raise ValueError(
             f"Expected points and colours (H, W, 3), got {points.shape} and {colours.shape}. "
@@ -160,8 +217,7 @@ def _check(points: Array, colours: Array, longest: float) -> None:
         )
     if not (np.isfinite(colours).all() and colours.min() >= 0 and colours.max() <= 1):
         raise ValueError("Expected colours from 0 to 1, got others. Divide by 255 or clip.")
-    steps = np.linalg.norm(np.diff(points, axis=1), axis=-1)
-    if not (steps < longest).any():
+    if not (np.linalg.norm(np.diff(points, axis=1), axis=-1) < longest).any():
         raise ValueError(
             f"Expected neighbours nearer than {longest:g} m, got none. Raise `longest`."
         )
@@ -169,11 +225,9 @@ def _check(points: Array, colours: Array, longest: float) -> None:
 
 def _write(target: Path, text: str, title: str) -> None:
     """Store the viewer's page under its own title; the icons it would fetch are left out."""
-    text = text.replace(
-        "https://kitware.github.io/vtk-js/icon/favicon-${t}x${t}.png", "data:,"
-    ).replace(
-        "<title>VTK.js | Example - OfflineLocalView</title>", f"<title>{html.escape(title)}</title>"
-    )
+    icons = "https://kitware.github.io/vtk-js/icon/favicon-${t}x${t}.png"
+    named = "<title>VTK.js | Example - OfflineLocalView</title>"
+    text = text.replace(icons, "data:,").replace(named, f"<title>{html.escape(title)}</title>")
     size = len(text.encode())
     if size >= MOST_BYTES:
         raise ValueError(
@@ -184,8 +238,27 @@ def _write(target: Path, text: str, title: str) -> None:
         part.write_text(text, encoding="utf-8")
 
 
-RENDER_SECONDS = 120
-"""How long a still may take before it is given up, s."""
+# --- until the chapter of the captures has them -------------------------------------------------
+
+
+def render_surface(
+    points: ArrayLike,
+    values: ArrayLike,
+    path: Path,
+    *,
+    longest: float,
+    eye: tuple[float, float, float],
+    cmap: str,
+) -> bool:
+    """`still` of a map of values, written to a file; False where none can be drawn."""
+    import matplotlib.pyplot as plt
+
+    low, high = np.nanpercentile(np.asarray(values, float), [1, 99])
+    colours = depth_colours(values, limits=(float(low), float(high)), cmap=cmap)
+    drawn = still(points, colours, longest=longest, eye=eye)
+    if drawn is not None:
+        plt.imsave(path, drawn)
+    return drawn is not None
 
 
 class Wall(NamedTuple):
@@ -250,125 +323,6 @@ def fit_wall(depth: ArrayLike, *, tolerance: float = 0.01) -> Wall:
     focal = width / abs(q[0])
     near = np.abs(depth - wall_depth(q)) < tolerance
     return Wall(wall_depth(q), near, np.array([focal, focal, width / 2, height / 2]))
-
-
-def mesh_triangles(points: ArrayLike, *, longest: float) -> NDArray[np.int64]:
-    """Triangles (T, 3) between neighbouring pixels of a map of points, cut open at edges.
-
-    Parameters
-    ----------
-    points : array_like, shape (H, W, 3)
-        m; NaN where there is none.
-    longest : float
-        Greatest side of a triangle, m: longer ones bridge an edge.
-    """
-    points = np.asarray(points, float)
-    number = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
-    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
-    triangles = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))])
-    corners = points.reshape(-1, 3)[triangles]
-    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1)
-    return triangles[(sides < longest).all(axis=1)]  # false for NaN as well
-
-
-def render_surface(
-    points: ArrayLike,
-    values: ArrayLike,
-    path: Path,
-    *,
-    longest: float,
-    eye: tuple[float, float, float],
-    cmap: str = "cividis",
-    size: tuple[int, int] = (1400, 1400),
-    html: Path | None = None,
-) -> bool:
-    """Write a shaded still of a surface as PNG, cropped to it; tell whether one could be drawn.
-
-    PyVista draws in a process of its own, off screen: without a working OpenGL it may crash, and
-    then only there.
-
-    Parameters
-    ----------
-    points : array_like, shape (H, W, 3)
-        m, x right, y down, z forward.
-    values : array_like, shape (H, W) or (H, W, 3)
-        What the colours show, the 1st to 99th percentile spans the colour map; or RGB, 0 to 1.
-    path : Path
-        PNG file.
-    longest : float
-        See `mesh_triangles`, m.
-    eye : tuple of float
-        Where the surface is seen from, m.
-    cmap : str
-        Name of a Matplotlib colour map.
-    size : tuple of int
-        Width and height before it is cropped, px.
-    html : Path, optional
-        Write the scene there as well, for a browser; that needs no OpenGL.
-    """
-    values, triangles = np.asarray(values, float), mesh_triangles(points, longest=longest)
-    with tempfile.TemporaryDirectory() as folder:
-        job, still = Path(folder) / "job.npz", Path(folder) / "still.png"
-        np.savez(
-            job,
-            points=np.nan_to_num(np.asarray(points, float)).reshape(-1, 3),
-            triangles=triangles,
-            values=values.reshape(-1, *values.shape[2:]),
-            eye=eye,
-            cmap=cmap,
-            size=size,
-            html=str(html or ""),
-        )
-        command = [sys.executable, "-m", "cmtof.book.views", str(job), str(still)]
-        try:
-            subprocess.run(command, capture_output=True, check=True, timeout=RENDER_SECONDS)
-        except (OSError, subprocess.SubprocessError):
-            return False
-        if not still.is_file():
-            return False
-        with written_whole(path) as part:
-            part.write_bytes(still.read_bytes())
-    return True
-
-
-def _draw(job: Path, still: Path) -> None:
-    """Draw what `render_surface` stored; runs in its own process."""
-    import matplotlib.pyplot as plt
-    import pyvista as pv
-
-    held = np.load(job)
-    used = np.unique(held["triangles"])
-    faces = np.searchsorted(used, held["triangles"])
-    mesh = pv.PolyData.from_regular_faces(held["points"][used], faces)
-    values = held["values"][used]
-    coloured = values.ndim == 2
-    mesh["values"] = np.rint(255 * values).astype(np.uint8) if coloured else values
-    plotter = pv.Plotter(off_screen=True, window_size=held["size"].tolist(), lighting="none")
-    plotter.renderer.SetBackground(1, 1, 1)
-    plotter.add_mesh(
-        mesh,
-        scalars="values",
-        rgb=coloured,
-        cmap=None if coloured else str(held["cmap"]),
-        clim=None if coloured else np.percentile(values, [1, 99]).tolist(),
-        smooth_shading=True,
-        ambient=0.25,
-        diffuse=0.8,
-        specular=0.25,
-        specular_power=12,
-        show_scalar_bar=False,
-    )
-    centre = 0.5 * (held["points"][used].min(0) + held["points"][used].max(0))
-    for place, strength in (((-0.5, -0.6, -0.1), 0.75), ((0.6, -0.1, 0.0), 0.35)):
-        plotter.add_light(pv.Light(position=place, focal_point=centre, intensity=strength))
-    plotter.camera_position = [held["eye"].tolist(), centre.tolist(), (0.0, -1.0, 0.0)]
-    if held["html"]:  # first: without OpenGL the still ends this process
-        plotter.trame.export_html(str(held["html"]))
-    plotter.enable_anti_aliasing("ssaa")
-    image = np.asarray(plotter.screenshot(None, return_img=True))
-    drawn = np.argwhere((image < 250).any(axis=-1))
-    (top, left), (bottom, right) = drawn.min(0), drawn.max(0) + 1  # without the empty margins
-    plt.imsave(still, image[top:bottom, left:right])
 
 
 if __name__ == "__main__":
