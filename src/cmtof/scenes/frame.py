@@ -90,6 +90,24 @@ class Frame:
         with written_whole(path) as part:
             np.savez_compressed(part, **arrays)
 
+    def middle(self, height: int, width: int) -> "Frame":
+        """Middle of the frame, at most that large; the camera moves with it.
+
+        Examples
+        --------
+        >>> Frame(np.ones((5, 8)), np.ones((5, 8)), np.array([9, 9, 4, 2.5])).middle(3, 4).camera
+        array([9. , 9. , 2. , 1.5])
+        """
+        top, left = (
+            max(0, (n - m) // 2) for n, m in zip(self.depth.shape, (height, width), strict=True)
+        )
+        part = (slice(top, top + height), slice(left, left + width))
+        camera = self.camera
+        if camera is not None:
+            camera = camera.copy()
+            camera[2:4] -= left, top
+        return Frame(self.depth[part], self.intensity[part], camera, self.name, self.note)
+
 
 class Source(NamedTuple):
     """A frame that can be loaded; ``load`` raises ValueError or OSError where it is broken."""
