@@ -33,7 +33,7 @@ from cmtof.instrument.settings import TwinSettings
 
 run = plotting.begin(profile=profile, seed=seed)
 COLOURS = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
-rig = Rig.default().settings
+rig = Rig.default()
 twin = TwinSettings.from_mapping(rig.twin)
 
 

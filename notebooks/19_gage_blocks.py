@@ -33,7 +33,7 @@ from myst_nb import glue
 from cmtof.book import paper, plotting
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.rig import Rig
-from cmtof.hardware.scene_scan import scan_scene
+from cmtof.hardware.scan import scan_scene
 from cmtof.instrument.devices import TDAC_STEP
 from cmtof.instrument.optics import (
     directions_from_angles,
@@ -94,7 +94,7 @@ def say(name, *sentences):
 # {glue:text}`margin_mm:.1f` mm to an edge are left out.
 
 # %%
-scale = Rig.default().settings.galvo.volts_per_radian
+scale = Rig.default().galvo.volts_per_radian
 spot = float(spot_radius(base.optics, distance))
 away = margin * spot
 view = (1.85 * WIDTH / distance, 0.85 * HEIGHT / distance)
@@ -315,7 +315,7 @@ plotting.save(
 # %%
 faces = Hits(np.array(distance), np.array(np.cos(mount_tilt)), np.array(STEEL), MIRRORED)
 epsilon = base.optics.back_fraction / float(returned_fraction(base.optics, "mixed", faces))
-per_radian = float(wrap_length(Rig.default().settings.drive.frequency("single"))) / TAU
+per_radian = float(wrap_length(Rig.default().drive.frequency("single"))) / TAU
 turn = step / per_radian
 tell(stray_percent=100 * epsilon, stray_range=1e6 * epsilon * per_radian,
      stray_step=1e6 * per_radian * 2 * epsilon * np.sin(turn / 2))  # fmt: skip

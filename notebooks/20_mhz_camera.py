@@ -30,7 +30,7 @@ import cmtof
 from cmtof.book import paper, plotting
 from cmtof.book.paper import quantity_text
 from cmtof.correlation import TAU, centred, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.hardware.scene_scan import scan_scene
+from cmtof.hardware.scan import scan_scene
 from cmtof.instrument.budget import photon_budget
 from cmtof.instrument.optics import sent_power
 from cmtof.instrument.settings import TwinSettings

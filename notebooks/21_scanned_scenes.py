@@ -28,7 +28,7 @@ import cmtof
 from cmtof.book import paper, plotting
 from cmtof.book import views as interactive
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
-from cmtof.hardware.scene_scan import scan_scene
+from cmtof.hardware.scan import scan_scene
 from cmtof.instrument.optics import directions_from_angles
 from cmtof.instrument.settings import TwinSettings
 from cmtof.evaluation import score, scored_pixels

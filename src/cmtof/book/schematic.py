@@ -32,7 +32,7 @@ from cmtof.book.schematic_parts import (
     tag,
     wire,
 )
-from cmtof.hardware.rig_settings import DeviceSettings, RigSettings
+from cmtof.hardware.rig import DeviceSettings, Rig
 from cmtof.instrument.settings import Module, TwinSettings
 
 SIZE = (17.2, 10.5)
@@ -53,14 +53,14 @@ _NAMES = {
 }
 
 
-def draw_instrument(ax: Axes, rig: RigSettings, twin: TwinSettings) -> None:
+def draw_instrument(ax: Axes, rig: Rig, twin: TwinSettings) -> None:
     """Draw the instrument of a rig file on axes of `SIZE`.
 
     Parameters
     ----------
     ax : Axes
         Empty axes; their frame is removed.
-    rig : RigSettings
+    rig : Rig
         Devices, addresses, lines, frequencies. A device that is missing is not drawn.
     twin : TwinSettings
         Powers and properties of the parts, for the simulated instrument.
@@ -119,7 +119,7 @@ def _return(ax: Axes) -> None:
     arrow(ax, (10.6, 3.98), (0, -1), BACK_ARROW)
 
 
-def _source(ax: Axes, rig: RigSettings, twin: TwinSettings) -> None:
+def _source(ax: Axes, rig: Rig, twin: TwinSettings) -> None:
     """Laser, shutter, fibre and beam reducer."""
     laser, y = twin.laser, _OUT
     text = f"laser\n{1e9 * laser.wavelength:.0f} nm, {1e3 * laser.power:.0f} mW"
@@ -160,7 +160,7 @@ def _module(ax: Axes, at: tuple[float, float], module: Module, plate: int | None
     ax.text(x + 2.65, y - 0.51, spacing, ha="right", va="center", fontsize=SMALL)
 
 
-def _table(ax: Axes, rig: RigSettings, numbers: Mapping[str, int]) -> None:
+def _table(ax: Axes, rig: Rig, numbers: Mapping[str, int]) -> None:
     """What stands between the emission module and the scan mirrors."""
     m = _MAIN
     mirror(ax, 5.4, m, -45)
@@ -186,7 +186,7 @@ def _table(ax: Axes, rig: RigSettings, numbers: Mapping[str, int]) -> None:
     ax.text(8.9, 5.36, "1.6×", ha="right", va="center", fontsize=SMALL)
 
 
-def _scanner(ax: Axes, rig: RigSettings, twin: TwinSettings) -> None:
+def _scanner(ax: Axes, rig: Rig, twin: TwinSettings) -> None:
     """Folding mirror, scan mirrors and the scene."""
     for height in (_MAIN, 8.0):
         mirror(ax, 12.7, height, 45)
@@ -220,7 +220,7 @@ def _detector(ax: Axes, twin: TwinSettings) -> None:
 # --- electronics ------------------------------------------------------------------------------
 
 
-def _radio(ax: Axes, rig: RigSettings, twin: TwinSettings, numbers: Mapping[str, int]) -> None:
+def _radio(ax: Axes, rig: Rig, twin: TwinSettings, numbers: Mapping[str, int]) -> None:
     """RF drivers, their clock, and the trigger of the phase table."""
     low, high = rig.drive.frequency_single / 1e9, rig.drive.frequency_doubled / 1e9
     text = f"RF driver, {low:.2f} or {high:.2f} GHz"
@@ -242,7 +242,7 @@ def _radio(ax: Axes, rig: RigSettings, twin: TwinSettings, numbers: Mapping[str,
         tag(ax, 14.3, 5.42, f"{rig.lines.trigger} trigger")
 
 
-def _read_out(ax: Axes, rig: RigSettings, numbers: Mapping[str, int]) -> None:
+def _read_out(ax: Axes, rig: Rig, numbers: Mapping[str, int]) -> None:
     if "daq" not in numbers:
         return
     reading = rig.detection

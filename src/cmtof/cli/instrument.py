@@ -1,10 +1,9 @@
-"""The instrument, real or simulated: scan, twin."""
+"""The instrument, real or simulated: scan."""
 
-import signal
 import sys
 from itertools import chain, repeat
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,23 +12,10 @@ from cmtof.cli.options import Output, Quiet
 from cmtof.console import progress_bar
 
 if TYPE_CHECKING:
-    from cmtof.hardware.plan import Line, Plan
-    from cmtof.hardware.rig import Rig
+    from cmtof.hardware.plan import Line
 
 SCENE = "still_life"
 """What the simulated instrument looks at when nobody says."""
-
-Scene = Annotated[
-    str | None,
-    typer.Option(
-        "--scene",
-        help="Frame before the simulated instrument: .npz, PNG pair, Hypersim, or an embedded one. "
-        f"Default: the rig's, or else {SCENE}.",
-    ),
-]
-TwinSeed = Annotated[
-    int | None, typer.Option("--seed", min=0, help="Seed of the simulated instrument. Default: 0.")
-]
 
 
 @app.command()
@@ -37,11 +23,21 @@ def scan(
     output: Output,
     rig: Annotated[Path | None, typer.Argument(help="RIG file, *.yml.")] = None,
     twin: Annotated[
-        bool, typer.Option("--twin", help="Start the default simulated instrument and scan it.")
+        bool, typer.Option("--twin", help="Scan with the default simulated instrument.")
     ] = False,
-    scene: Scene = None,
-    seed: TwinSeed = None,
-    size: Annotated[int, typer.Option(min=1, help="Height and width of the image, px.")] = 64,
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            help="Frame before the simulated instrument: .npz, PNG pair, Hypersim, or an embedded "
+            f"one. Default: {SCENE}."
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of the simulated instrument. Default: 0.")
+    ] = None,
+    size: Annotated[
+        int, typer.Option(min=1, max=4096, help="Height and width of the image, px.")
+    ] = 64,
     points: Annotated[
         Path | None,
         typer.Option(help="CSV of directions instead: x,y in rad or x_deg,y_deg."),
@@ -66,101 +62,48 @@ def scan(
         raise ValueError(f"Expected either a RIG file or --twin, got {got}. Name one.")
     if not twin and (seed is not None or scene is not None):
         what = "--scene" if seed is None else "--seed"
-        raise ValueError(
-            f"Expected {what} with --twin only, got a RIG file. Give it to `cmtof twin`."
-        )
-    from cmtof.hardware.dry_run import description
-    from cmtof.hardware.plan import points_from_csv
-    from cmtof.hardware.rig import Rig
-    from cmtof.hardware.scan import check_output, planned
-
-    directions = None if points is None else points_from_csv(points)
-    opened = Rig.default() if rig is None else Rig.load(rig)
-    plan = planned(opened.settings, size=size, points=directions)
-    if dry_run:
-        print("\n".join(description(plan, opened.settings)))
-        return
-    check_output(output, resume=resume)
-    if not twin:
-        _run(opened, plan, output, resume=resume, quiet=quiet)
-        return
-    from cmtof.hardware.twin.run import Twin
-
-    scene = scene or _scene_of(opened)
-    with Twin.default(seed=seed or 0, scene=scene) as running:
-        simulated = {"seed": seed or 0, "scene": Path(scene).name if scene else None}
-        _run(running.rig, plan, output, resume=resume, quiet=quiet, **simulated)
-
-
-def _run(
-    rig: "Rig", plan: "Plan", output: Path, *, resume: bool, quiet: bool, **simulated: Any
-) -> None:
-    """Scan behind a progress bar, and say what came of it."""
+        raise ValueError(f"Expected {what} with --twin only, got a RIG file. Leave it out.")
     from cmtof.hardware.journal import journal_path
+    from cmtof.hardware.plan import points_from_csv
+    from cmtof.hardware.rig import Rig, open_instruments, simulated
+    from cmtof.hardware.scan import check_scan_output, description, planned
     from cmtof.hardware.scan import scan as run_scan
 
+    settings = Rig.default() if rig is None else Rig.load(rig)
+    directions = None if points is None else points_from_csv(points)
+    plan = planned(settings, size=size, points=directions)
+    if dry_run:
+        print("\n".join(description(plan, settings)))
+        return
+    check_scan_output(output, resume=resume)
+    seed, scene = (seed or 0, scene or SCENE) if twin else (None, None)
     try:
         with progress_bar(quiet) as bar:
             task = bar.add_task("", total=plan.bursts)
 
-            # the first line may be an earlier run's, which tells nothing of this one's speed
-            tell = iter(chain([bar.reset], repeat(bar.update)))
+            # the first line may be an earlier run's, which shows nothing of this one's speed
+            show = iter(chain([bar.reset], repeat(bar.update)))
 
             def report(line: "Line") -> None:
                 place = f" {line.row + 1}/{plan.shape[0]}" if line.kind == "scan" else ""
                 text = f"{line.mode}: {line.kind}{place}"
-                next(tell)(task, completed=line.labels[-1], description=text)
+                next(show)(task, completed=line.labels[-1], description=text)
 
-            measurement = run_scan(rig, plan, output, resume=resume, report=report, **simulated)
+            measurement = run_scan(
+                settings,
+                lambda: (
+                    simulated(settings, scene, seed=seed or 0)
+                    if twin
+                    else open_instruments(settings)
+                ),
+                plan,
+                output,
+                resume=resume,
+                report=report,
+                seed=seed,
+                scene=Path(scene).name if scene else None,
+            )
     except (KeyboardInterrupt, SystemExit):
         print(f"cmtof: stopped; {journal_path(output)} goes on with --resume", file=sys.stderr)
         raise
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
-
-
-@app.command()
-def twin(
-    rig: Annotated[Path, typer.Argument(help="RIG file, *.yml.")],
-    scene: Scene = None,
-    seed: TwinSeed = None,
-) -> None:
-    """Serve the simulated instrument at the addresses of a RIG file until Ctrl-C.
-
-    The same program that drives the real devices then drives the simulated ones, on loopback and
-    pseudo-terminals.
-
-    Example: [bold]cmtof twin rig.yml --scene still_life[/bold], and in another terminal
-    [bold]cmtof scan rig.yml -o m.nc[/bold]
-    """
-    from threading import Event
-
-    from cmtof.hardware.rig import Rig
-    from cmtof.hardware.twin.run import Twin
-
-    def stop(number: int, frame: Any) -> None:
-        raise SystemExit(128 + number)
-
-    signal.signal(signal.SIGTERM, stop)  # so that the links of the lines are removed
-    loaded = Rig.load(rig)
-    with Twin(loaded, seed=seed or 0, scene=scene or _scene_of(loaded)) as running:
-        _print_addresses(running.rig)
-        Event().wait()
-
-
-def _scene_of(rig: "Rig") -> str | None:
-    """Scene to put before a twin: none where the rig has its own."""
-    return None if rig.settings.twin.get("scene") else SCENE
-
-
-def _print_addresses(rig: "Rig") -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(title=f"{rig.settings.name}, simulated; Ctrl-C ends it")
-    for heading in ("role", "driver", "address"):
-        table.add_column(heading, no_wrap=heading != "address")
-    for role, device in rig.settings.devices.items():
-        table.add_row(role, device.driver, " ".join(filter(None, (device.address, device.stream))))
-    console = Console()
-    console.print(table)
-    console.file.flush()

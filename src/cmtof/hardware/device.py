@@ -1,122 +1,65 @@
-"""What every driver does: read again where nothing moves, check what was set, end safely."""
+"""What every driver shares: errors, one repeated question, read-back of settings, a safe end."""
 
 from collections.abc import Callable
-from types import TracebackType
-from typing import Self, TypeVar
-
-from cmtof.hardware.errors import (
-    BadReply,
-    ConnectionLost,
-    InstrumentError,
-    InstrumentTimeout,
-    Refused,
-)
-from cmtof.hardware.transport import Transport
+from typing import TypeVar
 
 T = TypeVar("T")
 
-QUERY_TIMEOUT = 1.0
-"""How long a device may take to answer a question, s."""
+
+class InstrumentError(OSError):
+    """Something is wrong with an instrument or with the way to it."""
+
+
+class InstrumentTimeout(InstrumentError):
+    """Nothing, or not enough, came back in time."""
+
+
+class ConnectionLost(InstrumentError):
+    """The other end has gone."""
+
+
+class BadReply(InstrumentError):
+    """What came back is not what the protocol allows: cut, garbled, or for another request."""
+
+
+class Refused(InstrumentError):
+    """The device refused, or silently kept another setting."""
+
+
+class Unsafe(InstrumentError):
+    """The interlock is open, the lock is lost, or a watchdog has tripped."""
 
 
 class Device:
-    """An instrument behind one or more transports, and a context manager.
+    """An instrument with a name, a safe state and a connection to close."""
 
-    Leaving the context brings the device into its safe state and closes its transports, whatever
-    happened inside.
-
-    Parameters
-    ----------
-    name : str
-        What messages call it.
-    *transports : Transport
-        Closed with the device.
-    """
-
-    def __init__(self, name: str, *transports: Transport) -> None:
+    def __init__(self, name: str) -> None:
         self.name = name
-        self._transports = transports
-        self._lost = False
 
     def safe_state(self) -> None:
         """Bring the device to where it can hurt nobody; may be called at any time, and again."""
 
     def close(self) -> None:
-        """Close the transports; may be called again."""
-        for transport in self._transports:
-            transport.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        failed: list[str] = []
-        for step in (self.safe_state, self.close):
-            try:
-                step()
-            except Exception as failure:  # the second step must run whatever the first met
-                failed.append(str(failure))
-        if not failed:
-            return
-        message = (
-            f"Expected {self.name} in its safe state, got: {'; '.join(failed)} "
-            "Switch it off by hand."
-        )
-        if error is None:
-            raise InstrumentError(message)
-        error.add_note(message)
-
-    def _read(self, read: Callable[[], T]) -> T:
-        """Read, and read once more if the reply was late, cut, garbled or the connection lost.
-
-        Only for reads that change nothing in the device: never for a move or an output.
-        """
-        try:
-            return self._act(read)
-        except ConnectionLost:
-            pass
-        except (InstrumentTimeout, BadReply):
-            self._resynchronise()
-        return self._act(read)
-
-    def _act(self, act: Callable[[], T]) -> T:
-        """Do what must not be done twice; open the connection anew first if it is known as lost."""
-        if self._lost:
-            for transport in self._transports:
-                transport.reconnect()
-            self._lost = False
-            self._reconnected()
-        try:
-            return act()
-        except ConnectionLost:
-            self._lost = True
-            raise
-
-    def _insist(self, act: Callable[[], object], tries: int = 2) -> None:
-        """Do what only ever makes things safer, again after a failure."""
-
-        def anew() -> None:
-            self._drop()
-            act()
-
-        insist(lambda: self._act(anew), tries)
-
-    def _reconnected(self) -> None:
-        """Do what the device wants after its connection was opened anew."""
+        """Close the connection; may be called again."""
 
     def _resynchronise(self) -> None:
         """Make sure that the next answer is that to the next question."""
-        self._drop()
 
-    def _drop(self) -> None:
-        """Drop what has arrived: it may belong to a request that went wrong or was interrupted."""
-        for transport in self._transports:
-            transport.flush()
+    def _read(self, ask: Callable[[], T]) -> T:
+        """Ask, and once more after a lost or garbled answer: only where nothing moves by it."""
+        try:
+            return ask()
+        except (InstrumentTimeout, BadReply):
+            self._resynchronise()
+        return ask()
+
+    def _expect(self, what: str, wanted: float, found: float, tolerance: float = 0.0) -> None:
+        """Raise `Refused` unless a device reads back what was set."""
+        if not abs(found - wanted) <= tolerance:  # a comparison that NaN fails
+            raise Refused(
+                f"Expected {self.name} to set its {what} to {wanted:.9g}, got {found:.9g}. "
+                "Give a value that the device takes."
+            )
 
 
 def insist(act: Callable[[], object], tries: int = 2) -> None:
@@ -130,33 +73,31 @@ def insist(act: Callable[[], object], tries: int = 2) -> None:
                 raise
 
 
-def check_set(
-    device: str, quantity: str, wanted: float, found: float, *, tolerance: float, unit: str
-) -> float:
-    """Return what a device reads back, or raise if it silently kept or clamped the setting.
+def insist_on_all(acts: list[Callable[[], object]]) -> None:
+    """Do each of some safe acts, even if another fails; then raise `Refused` for those that did."""
+    failed = []
+    for act in acts:
+        try:
+            insist(act)
+        except OSError as failure:
+            failed.append(str(failure))
+    if failed:
+        raise Refused(" ".join(failed))
 
-    Parameters
-    ----------
-    device, quantity, unit : str
-        For the message.
-    wanted, found : float
-        What was set and what was read back.
-    tolerance : float
-        Largest difference, in the same unit.
 
-    Raises
-    ------
-    Refused
-        If they differ by more, or the reading is not a number.
+def number(text: str) -> float:
+    """Finite number at the start of a reply, its unit behind it ignored.
 
     Examples
     --------
-    >>> check_set("clock", "frequency", 10e6, 10e6, tolerance=1.0, unit="Hz")
-    10000000.0
+    >>> number("1.5E+7HZ"), number(" -0.25")
+    (15000000.0, -0.25)
     """
-    if not abs(found - wanted) <= tolerance:  # a comparison that NaN fails
-        raise Refused(
-            f"Expected {device} to set its {quantity} to {wanted:.9g} {unit}, got {found:.9g} "
-            f"{unit}. Give a value that the device takes."
-        )
-    return found
+    digits = text.strip().rstrip("ABCDFGHIJKLMNOPQRSTUVWXYZabcdfghijklmnopqrstuvwxyz")
+    try:
+        value = float(digits)
+    except ValueError:
+        value = float("nan")
+    if not abs(value) < 9e36:  # 9.9E+37 stands for overload
+        raise BadReply(f"Expected a number, got {text[:60]!r}. Ask again.")
+    return value

@@ -12,59 +12,38 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
 
 from cmtof.files import written_whole
+from cmtof.hardware.plan import Plan, Record
+from cmtof.hardware.reduction import Sampling
 
 MAGIC = b"cmtofJ1\n"
 """First bytes of a journal; the digit is the version of the layout."""
-
 PREFIX = struct.Struct("<II")
 """Length and checksum of a record."""
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
-    """One line as it was measured.
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", strict=True))
+class Header:
+    """Everything that the result of a scan depends on, as JSON has it; no address, no clock."""
 
-    Attributes
-    ----------
-    line : int
-        Index of the line in the plan.
-    power : float
-        Laser power behind the emission module at the end of the line, W.
-    sums : ndarray of uint32, shape (N, K)
-        Sum of the converter's counts over the kept samples of each phase of each burst.
-    clipped : ndarray of uint16, shape (N,)
-        Samples at either end of the converter's scale.
-    """
-
-    line: int
-    power: float
-    sums: NDArray[np.uint32]
-    clipped: NDArray[np.uint16]
-
-    def to_bytes(self) -> bytes:
-        """Content of the record."""
-        about = {"line": self.line, "power": float(self.power), "shape": list(self.sums.shape)}
-        arrays = self.sums.astype("<u4").tobytes() + self.clipped.astype("<u2").tobytes()
-        return json.dumps(about).encode() + b"\n" + arrays
-
-    @classmethod
-    def from_bytes(cls, content: bytes) -> "Record":
-        """Record of a content; raises a ValueError where the parts do not fit."""
-        head, _, arrays = content.partition(b"\n")
-        about = json.loads(head)
-        bursts, phases = about["shape"]
-        at = 4 * bursts * phases
-        sums = np.frombuffer(arrays[:at], "<u4").reshape(bursts, phases)
-        clipped = np.frombuffer(arrays[at:], "<u2").reshape(bursts)
-        return cls(int(about["line"]), float(about["power"]), sums, clipped)
+    version: str
+    source: str
+    seed: int | None
+    scene: str | None
+    plan: dict[str, Any]
+    sampling: dict[str, int]
+    gain: dict[str, float]
+    group_index: float
+    frequencies: dict[str, float]
+    settings: dict[str, Any]
+    instruments: dict[str, Any]
 
 
 def framed(number: int, content: bytes) -> bytes:
@@ -81,10 +60,8 @@ def contents(data: bytes) -> Iterator[tuple[bytes, int]]:
     >>> [content for content, end in contents(data[:-1])]
     [b'{}']
     """
-    if not data.startswith(MAGIC):
-        return
     at, number = len(MAGIC), 0
-    while at + PREFIX.size <= len(data):
+    while data.startswith(MAGIC) and at + PREFIX.size <= len(data):
         length, checksum = PREFIX.unpack_from(data, at)
         content = data[at + PREFIX.size : at + PREFIX.size + length]
         if len(content) < length or _checksum(number, content) != checksum:
@@ -95,6 +72,27 @@ def contents(data: bytes) -> Iterator[tuple[bytes, int]]:
 
 def _checksum(number: int, content: bytes) -> int:
     return zlib.crc32(content, zlib.crc32(struct.pack("<II", number, len(content))))
+
+
+def bytes_from_record(record: Record) -> bytes:
+    """Content of a record."""
+    shape = list(record.sums.shape)
+    about = {"line": record.line, "power": float(record.power), "shape": shape}
+    arrays = record.sums.astype("<u4").tobytes() + record.clipped.astype("<u2").tobytes()
+    return json.dumps(about).encode() + b"\n" + arrays
+
+
+def record_from_bytes(content: bytes, plan: Plan, number: int, phases: int) -> Record:
+    """Record of a line of a plan; a ValueError where it does not fit."""
+    head, _, arrays = content.partition(b"\n")
+    about, shape = json.loads(head), (plan.lines[number].bursts, phases)
+    power, at = float(about["power"]), 4 * shape[0] * phases
+    if (about["line"], tuple(about["shape"]), len(arrays)) != (number, shape, at + 2 * shape[0]):
+        raise ValueError("another size")
+    if not 0 < power < 1e3:
+        raise ValueError("a power that cannot be")
+    sums = np.frombuffer(arrays[:at], "<u4").reshape(shape)
+    return Record(number, power, sums, np.frombuffer(arrays[at:], "<u2"))
 
 
 def journal_path(output: str | Path) -> Path:
@@ -115,7 +113,7 @@ def read_journal(path: str | Path) -> tuple[dict[str, Any], list[Record]]:
     Raises
     ------
     ValueError
-        If the file is no journal or its header is damaged.
+        If the file is no journal, or what is in it does not fit its own plan.
     """
     header, records, _ = _read(Path(path))
     return header, records
@@ -124,13 +122,25 @@ def read_journal(path: str | Path) -> tuple[dict[str, Any], list[Record]]:
 def _read(path: Path) -> tuple[dict[str, Any], list[Record], int]:
     """Header, records and the place where the last whole record ends."""
     whole = list(contents(path.read_bytes()))
-    if not whole:
+    try:
+        header = json.loads(whole[0][0])
+        TypeAdapter(Header).validate_json(whole[0][0])
+        plan, sampling = Plan.from_dict(header["plan"]), Sampling(**header["sampling"])
+        records = [
+            record_from_bytes(content, plan, number, sampling.phases)
+            for number, (content, _) in enumerate(whole[1:])
+        ]
+        float(header["settings"]["reference"]["distance"])
+        float(header["settings"]["detection"]["limit_volts"])
+        dict(header["settings"]["devices"])
+        if {*plan.modes} != {*header["frequencies"]} or len(header["gain"]) != 3:
+            raise ValueError("other modes")
+    except (ValueError, KeyError, IndexError, TypeError, RecursionError) as error:
+        reason = "a damaged header" if isinstance(error, ValidationError) else str(error)[:80]
         raise ValueError(
-            f"Expected a journal of a scan with a whole header, got {path}. Remove it, or restore "
-            "it from a copy."
-        )
-    header = json.loads(whole[0][0])
-    records = [Record.from_bytes(content) for content, _ in whole[1:]]
+            f"Expected a journal of a scan, whole and fitting its plan, got {path} "
+            f"({' '.join(reason.split()) or 'no header'}). Remove it, or restore it from a copy."
+        ) from None
     return header, records, whole[-1][1]
 
 
@@ -143,13 +153,6 @@ class Journal:
         The file; made with the header where there is none.
     header : mapping
         What the scan depends on. An existing journal must hold the same.
-
-    Attributes
-    ----------
-    header : dict
-        The header, as JSON has it.
-    records : list of Record
-        What is there, one a line.
 
     Raises
     ------
@@ -181,7 +184,7 @@ class Journal:
             raise ValueError(
                 f"Expected line {len(self.records)} next, got {record.line}. Keep the plan's order."
             )
-        self._file.write(framed(record.line + 1, record.to_bytes()))
+        self._file.write(framed(record.line + 1, bytes_from_record(record)))
         self._settle()
         self.records.append(record)
 
@@ -189,15 +192,11 @@ class Journal:
         self._file.flush()
         os.fsync(self._file.fileno())
 
-    def close(self) -> None:
-        """Close the file; what is in it stays."""
-        self._file.close()
-
     def __enter__(self) -> "Journal":
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        self._file.close()
 
 
 def _lock(file: BinaryIO, path: Path) -> None:
@@ -217,20 +216,17 @@ def _lock(file: BinaryIO, path: Path) -> None:
 def check_same(found: Mapping[str, Any], wanted: Mapping[str, Any], path: Path) -> None:
     """Raise a ValueError that names the first setting in which a journal differs."""
     for key, old, new in _differences(found, wanted):
+        old, new = json.dumps(old)[:60], json.dumps(new)[:60]
         raise ValueError(
-            f"Expected {path} to belong to these settings, got {key} = {_short(old)} where now it "
-            f"is {_short(new)}. Scan with its settings, or remove it to begin anew."
+            f"Expected {path} to belong to these settings, got {key} = {old} where now it "
+            f"is {new}. Scan with its settings, or remove it to begin again."
         )
 
 
 def _differences(old: Any, new: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Names and values of the settings that differ."""
     if isinstance(old, Mapping) and isinstance(new, Mapping):
         for key in sorted({*old, *new}):
             yield from _differences(old.get(key), new.get(key), f"{name}.{key}".lstrip("."))
     elif old != new:
         yield name, old, new
-
-
-def _short(value: Any) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 60 else text[:57] + "..."

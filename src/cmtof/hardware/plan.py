@@ -14,48 +14,36 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.scenes.frame import rays_from_camera
 
-Kind = Literal["reference", "dark", "scan"]
+Array = NDArray[np.float64]
 
 MODES = ("single", "doubled")
 """Modulation modes, that of the lower frequency first."""
-
 LINE_LENGTH = 64
 """Points of a list that are recorded together."""
-
 DARK_BURSTS = 16
 """Bursts behind the closed shutter, each mode."""
-
 REFERENCE_BURSTS = 8
 """Bursts at each position of the reference target."""
+LARGEST = 4096
+"""Height and width of an image at most, px."""
 
 
-@dataclass(frozen=True)
-class Line:
-    """Bursts that are recorded together.
+class Line(NamedTuple):
+    """Bursts that are recorded together: a "reference", "dark" or "scan" line of a mode.
 
-    Attributes
-    ----------
-    index : int
-        Place in the plan, from 0; also the number of its record.
-    kind : {"reference", "dark", "scan"}
-        What is looked at.
-    mode : {"single", "doubled"}
-        Modulation mode.
-    first, bursts : int
-        Label of the first burst, and how many there are.
-    row, start : int
-        Row of the image and first column in it; 0 where nothing of the image is taken.
+    ``first`` is the label of the first of ``bursts``; ``row`` and ``start`` are the row of the
+    image and the first column in it, 0 where nothing of the image is taken.
     """
 
     index: int
-    kind: Kind
+    kind: str
     mode: str
     first: int
     bursts: int
@@ -73,11 +61,24 @@ class Line:
         return slice(self.start, self.start + self.bursts)
 
 
+class Record(NamedTuple):
+    """One line as it was measured.
+
+    ``power`` behind the emission module at its end, W; ``sums`` (N, K) of the kept samples of each
+    phase; ``clipped`` (N,) samples at either end of the converter's scale.
+    """
+
+    line: int
+    power: float
+    sums: NDArray[np.uint32]
+    clipped: NDArray[np.uint16]
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
     """Directions, modes and calibration of a scan.
 
-    Attributes
+    Parameters
     ----------
     angles : ndarray, shape (H, W, 2)
         Optical angles x and y of the mirrors, rad; a list of N points has H = 1, W = N.
@@ -89,19 +90,19 @@ class Plan:
         Positions of the reference target from its zero, m.
     """
 
-    angles: NDArray[np.float64]
-    camera: NDArray[np.float64] | None
+    angles: Array
+    camera: Array | None
     modes: tuple[str, ...] = MODES
     sweep: tuple[float, ...] = (0.0,)
 
     def __post_init__(self) -> None:
-        if not self.modes or any(mode not in MODES for mode in self.modes):
+        angles, modes = self.angles, set(self.modes)
+        if angles.ndim != 3 or angles.shape[2] != 2 or not angles.size:
+            raise ValueError(f"Expected points (N, 2), got shape {angles.shape}. Give x and y.")
+        if not np.isfinite(angles).all() or len(modes) < len(self.modes) or not modes <= {*MODES}:
             raise ValueError(
-                f"Expected modes out of {', '.join(MODES)}, got {list(self.modes)}. "
-                "Correct `scan: modes`."
+                f"Expected finite angles and modes out of {MODES}, got {self.modes}. Correct them."
             )
-        if len(set(self.modes)) < len(self.modes):
-            raise ValueError(f"Expected each mode once, got {list(self.modes)}. Drop one.")
         self.angles.setflags(write=False)
 
     @property
@@ -112,52 +113,49 @@ class Plan:
     @property
     def bursts(self) -> int:
         """Number of bursts, which is the label of the last one."""
-        return self.lines[-1].first + self.lines[-1].bursts - 1
+        return self.lines[-1].labels[-1]
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
         """Every line, in order."""
         height, width = self.shape
         step = width if self.camera is not None else LINE_LENGTH
-        spans = [
-            (row, start, min(step, width - start))
-            for row in range(height)
-            for start in range(0, width, step)
-        ]
+        starts = [(row, start) for row in range(height) for start in range(0, width, step)]
+        image = [("scan", min(step, width - start), row, start) for row, start in starts]
         reference = ("reference", REFERENCE_BURSTS * len(self.sweep), 0, 0)
-        image = [("scan", count, row, start) for row, start, count in spans]
         once = [("dark", DARK_BURSTS, 0, 0), reference, *image, reference]
         parts = [(mode, *part) for mode in self.modes for part in once]
         firsts = accumulate((part[2] for part in parts), initial=1)
         return tuple(
-            Line(index, kind, mode, first, bursts, row, start)  # type: ignore[arg-type]
+            Line(index, kind, mode, first, bursts, row, start)
             for index, ((mode, kind, bursts, row, start), first) in enumerate(
                 zip(parts, firsts, strict=False)
             )
         )
 
-    def points(self, line: Line) -> NDArray[np.float64]:
+    def points(self, line: Line) -> Array:
         """Optical angles (N, 2), rad, of a line of the image."""
         return self.angles[line.row, line.columns]
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain values from which `plan_from_dict` makes the same plan."""
-        directions: dict[str, Any]
+        """Plain values from which `from_dict` makes the same plan."""
+        held: dict[str, Any] = {"modes": list(self.modes), "sweep": list(self.sweep)}
         if self.camera is None:
-            directions = {"points": self.angles[0].tolist()}
-        else:
-            directions = {"shape": list(self.shape), "camera": self.camera.tolist()}
-        return {"modes": list(self.modes), "sweep": list(self.sweep), **directions}
+            return held | {"points": self.angles[0].tolist()}
+        return held | {"shape": list(self.shape), "camera": self.camera.tolist()}
 
-
-def plan_from_dict(values: Mapping[str, Any]) -> Plan:
-    """Plan of what `Plan.as_dict` gave."""
-    calibration = tuple(values["modes"]), tuple(values["sweep"])
-    if "points" in values:
-        return Plan(np.asarray(values["points"], float)[None], None, *calibration)
-    camera = np.asarray(values["camera"], float)
-    height, width = values["shape"]
-    return Plan(angles_from_rays(rays_from_camera((height, width), camera)), camera, *calibration)
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "Plan":
+        """Plan of what `as_dict` gave."""
+        calibration = tuple(values["modes"]), tuple(float(s) for s in values["sweep"])
+        if "points" in values:
+            return cls(np.asarray(values["points"], float)[None], None, *calibration)
+        height, width = (int(size) for size in values["shape"])
+        camera = np.asarray(values["camera"], float)
+        if not (1 <= height <= LARGEST and 1 <= width <= LARGEST) or camera.shape != (4,):
+            raise ValueError(f"Expected 1 to {LARGEST} px, got {height} x {width}. Change --size.")
+        angles = angles_from_rays(rays_from_camera((height, width), camera))
+        return cls(angles, camera, *calibration)
 
 
 def raster(
@@ -185,66 +183,37 @@ def raster(
     ((4, 4), 14, 96)
     """
     height, width = (size, size) if isinstance(size, int) else size
-    if height < 1 or width < 1:
-        raise ValueError(f"Expected an image of 1 px or more, got {height} x {width}. Enlarge it.")
-    if len(field_of_view) != 2 or not all(0 < angle < np.pi for angle in field_of_view):
-        raise ValueError(
-            f"Expected two angles of view between 0 and pi rad, got {list(field_of_view)}. "
-            "Correct `scan: field_of_view_deg`."
-        )
     focal = np.array([width, height]) / 2 / np.tan(np.asarray(field_of_view) / 2)
-    camera = np.array([*focal, width / 2, height / 2])
-    rays = rays_from_camera((height, width), camera)
-    return Plan(angles_from_rays(rays), camera, tuple(modes), tuple(sweep))
+    camera = [*focal.tolist(), width / 2, height / 2]
+    held = {"modes": modes, "sweep": sweep, "shape": (height, width), "camera": camera}
+    return Plan.from_dict(held)
 
 
-def point_list(
-    points: ArrayLike, *, modes: Sequence[str] = MODES, sweep: Sequence[float] = (0.0,)
-) -> Plan:
-    """Plan of any directions (N, 2), optical angles in rad, in the order given."""
-    angles = np.array(points, float)
-    if angles.ndim != 2 or angles.shape[1] != 2 or not len(angles) or not np.isfinite(angles).all():
-        raise ValueError(
-            f"Expected points (N, 2) of finite angles, got shape {angles.shape}. Give x and y."
-        )
-    return Plan(angles[None], None, tuple(modes), tuple(sweep))
-
-
-def points_from_csv(path: str | Path) -> NDArray[np.float64]:
-    """Read optical angles (N, 2), rad, from a table with columns ``x, y`` (rad) or in degrees.
-
-    Degrees are what a heading ``x_deg, y_deg`` says.
+def points_from_csv(path: str | Path) -> Array:
+    """Read optical angles (N, 2), rad, from a table with the heading ``x,y`` or ``x_deg,y_deg``.
 
     Raises
     ------
     ValueError
         If the heading is another one, or a line is not two finite numbers.
     """
-    path = Path(path)
+    scales = {("x", "y"): 1.0, ("x_deg", "y_deg"): np.pi / 180}
     try:
-        rows = [row for row in csv.reader(path.read_text(encoding="utf-8").splitlines()) if row]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ValueError(f"Expected a text table in {path}, got {error}. Save it as CSV.") from None
-    heading = tuple(cell.strip() for cell in rows[0]) if rows else ()
-    scales: dict[tuple[str, ...], float] = {("x", "y"): 1.0, ("x_deg", "y_deg"): np.pi / 180}
-    if heading not in scales:
+        text = Path(path).read_text(encoding="utf-8")
+        rows = [row for row in csv.reader(text.splitlines()) if row]
+        scale = scales[tuple(cell.strip() for cell in rows[0])]
+        points = np.array([[float(x), float(y)] for x, y in rows[1:]]).reshape(-1, 2)
+    except (ValueError, KeyError, IndexError, csv.Error):
+        points, scale = np.empty((0, 2)), 1.0
+    if not len(points) or not np.isfinite(points).all():
         raise ValueError(
-            f"Expected the heading x,y (rad) or x_deg,y_deg in {path}, got "
-            f"{','.join(heading) or 'nothing'}. Name the two columns."
+            f"Expected a table x,y (rad) or x_deg,y_deg of finite numbers in {path}, got something "
+            "else. Give a heading, and two numbers a line."
         )
-    try:
-        points = np.array([[float(cell) for cell in row] for row in rows[1:]])
-        if points.shape != (len(rows) - 1, 2) or not np.isfinite(points).all() or len(rows) < 2:
-            raise ValueError
-    except ValueError:
-        raise ValueError(
-            f"Expected one or more lines of two finite numbers in {path}, got something else. "
-            "Give every point x and y."
-        ) from None
-    return points * scales[heading]
+    return points * scale
 
 
-def angles_from_rays(rays: ArrayLike) -> NDArray[np.float64]:
+def angles_from_rays(rays: ArrayLike) -> Array:
     """Optical angles (..., 2), rad, of rays (..., 3), x right, y down, z forward."""
     x, y, z = np.moveaxis(np.asarray(rays, float), -1, 0)
     return np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)

@@ -1,4 +1,4 @@
-"""The run: instruments and a plan go in, a journal line by line, and a measurement at the end.
+"""The scan: instruments and a plan go in, a journal line by line, and a measurement at the end.
 
 Every line begins from a known state and is checked at its end (edges counted, both modulators on
 and locked, interlock closed); only then is it recorded. Whatever goes wrong, the emergency stop
@@ -7,27 +7,28 @@ is not in the journal.
 """
 
 import json
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from glob import escape
 from math import ceil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cmtof import __version__
 from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.hardware.beam import settling_time
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.drivers.galvo import Galvo
-from cmtof.hardware.errors import BadReply
-from cmtof.hardware.export import export, measurement_from_journal
-from cmtof.hardware.journal import Journal, Record, journal_path, read_journal
-from cmtof.hardware.plan import REFERENCE_BURSTS, Line, Plan, point_list, raster
-from cmtof.hardware.reduction import Sampling
-from cmtof.hardware.rig_settings import RigSettings
-from cmtof.hardware.scan_header import header_of, settings_as_dict
+from cmtof.hardware.journal import Journal, journal_path, read_journal
+from cmtof.hardware.plan import Line, Plan, Record, raster
+from cmtof.hardware.reduction import SLOT, Gain, Sampling, measurement_from_records
+from cmtof.hardware.rig import Instruments, Rig, simulated
 from cmtof.instrument.optics import group_index
+from cmtof.instrument.settings import TwinSettings
 from cmtof.measurement import Measurement, open_measurement
 
 Report = Callable[[Line], None]
@@ -35,17 +36,11 @@ Report = Callable[[Line], None]
 
 SWEEP = 8
 """Positions of the reference target, spread over one wrap of the single mode."""
-
-LINE_ATTEMPTS = 2
-"""How often a line is taken before a missed edge is an error."""
-
-DARK = 1.0
-"""Stands for the laser power of a line without light, W: nothing is divided by it."""
+MODE_OVERHEAD, MOVE = 30.0, 2.0
+"""Time to turn the plates and to lock, and of a move of the target, s (estimated)."""
 
 
-def planned(
-    settings: RigSettings, *, size: int | tuple[int, int] = 64, points: ArrayLike | None = None
-) -> Plan:
+def planned(rig: Rig, *, size: int | tuple[int, int] = 64, points: ArrayLike | None = None) -> Plan:
     """Plan of a rig's scan: an image of ``size`` (height and width), or directions (N, 2), rad.
 
     With a stage the reference target is taken at positions over one wrap of the single mode, which
@@ -57,15 +52,15 @@ def planned(
         If a direction is beyond what the mirrors reach.
     """
     sweep: tuple[float, ...] = (0.0,)
-    if "stage" in settings.devices:
-        wrap = SPEED_OF_LIGHT / (2 * settings.drive.frequency_single * group_index())
+    if "stage" in rig.devices:
+        wrap = SPEED_OF_LIGHT / (2 * rig.drive.frequency_single * group_index())
         sweep = tuple(float(s) for s in wrap * ((np.arange(SWEEP) + 0.5) / SWEEP - 0.5))
-    modes, view = settings.scan.modes, settings.scan.field_of_view
-    if points is not None:
-        plan = point_list(points, modes=modes, sweep=sweep)
+    modes = rig.scan.modes
+    if points is None:
+        plan = raster(size, field_of_view=rig.scan.field_of_view, modes=modes, sweep=sweep)
     else:
-        plan = raster(size, field_of_view=view, modes=modes, sweep=sweep)
-    galvo = settings.galvo
+        plan = Plan(np.atleast_2d(np.asarray(points, float))[None], None, modes, sweep)
+    galvo = rig.galvo
     offset = np.array([galvo.offset_x_volts, galvo.offset_y_volts])
     volts = np.abs(plan.angles * galvo.volts_per_radian + offset).max()
     if volts > galvo.limit_volts:
@@ -76,38 +71,57 @@ def planned(
     return plan
 
 
-def sampling_of(settings: RigSettings, plan: Plan) -> Sampling:
+def sampling_of(rig: Rig, plan: Plan) -> Sampling:
     """Layout of a burst: in its first phase the mirrors settle from one column to the next, too."""
-    detection = settings.detection
-    mirrors = Galvo(NotImplemented, settling=settings.galvo.settling)
-    step = 0.0
+    detection, step = rig.detection, 0.0
     if plan.camera is not None and plan.shape[1] > 1:
         step = float(np.abs(np.diff(plan.angles[..., 0], axis=1)).max())
-    settling = ceil(mirrors.settling_time(step) * detection.rate - 1e-9)
-    return Sampling(
-        detection.phases,
-        detection.samples_per_phase,
-        detection.settle_samples,
-        max(detection.settle_samples, min(settling, detection.samples_per_phase - 1)),
-    )
+    settling = ceil(settling_time(step, rig.galvo.settling) * detection.rate - 1e-9)
+    first = max(detection.settle_samples, min(settling, detection.samples_per_phase - 1))
+    layout = detection.phases, detection.samples_per_phase, detection.settle_samples
+    return Sampling(*layout, first)
+
+
+def header_of(bench: Bench, plan: Plan, *, seed: int | None, scene: str | None) -> dict[str, Any]:
+    """Everything that the result depends on, as JSON has it; no address, no clock."""
+    rig, identities = bench.rig, bench.identities()
+    twin = "TWIN" in json.dumps(identities)
+    gain = Gain(*bench.instruments.daq.gain(rig.detection.range))
+    order = {"single": 1, "doubled": 2}
+    header = {
+        "version": __version__,
+        "source": "simulated instrument" if twin else "instrument",
+        "seed": seed,
+        "scene": scene,
+        "plan": plan.as_dict(),
+        "sampling": vars(bench.sampling),
+        "gain": gain._asdict(),
+        "group_index": group_index(rig.twin.air) if twin else group_index(),
+        "frequencies": {mode: order[mode] * rig.drive.frequency(mode) for mode in plan.modes},
+        "settings": rig.as_dict(),
+        "instruments": identities,
+    }
+    return json.loads(json.dumps(header))
 
 
 def scan(
-    rig: Any,
+    rig: Rig,
+    instruments: Callable[[], Instruments],
     plan: Plan,
     output: str | Path,
     *,
     resume: bool = False,
     seed: int | None = None,
     scene: str | None = None,
-    report: Report | None = None,
+    report: Report = lambda line: None,
 ) -> Measurement:
     """Scan, and write the measurement.
 
     Parameters
     ----------
     rig : Rig
-        Settings, and the way to the instruments.
+    instruments : callable
+        Opens them: ``lambda: open_instruments(rig)`` or ``lambda: simulated(rig, scene)``.
     plan : Plan
         From `planned`.
     output : str or Path
@@ -116,26 +130,31 @@ def scan(
         Go on with the journal that is there.
     seed, scene : int and str, optional
         Of the simulated instrument; they stand in the file.
-    report : callable, optional
+    report : callable
         Called with each line that is on the disk; of an earlier run's with the last.
 
     Raises
     ------
     ValueError
-        If there is a journal and ``resume`` was not asked for, or it belongs to other settings.
+        If there is a journal and ``resume`` was not asked for, it belongs to other settings, or the
+        reference target saturates the detector or shows no modulation.
     InstrumentError
         For whatever an instrument did not do; what was measured stays in the journal.
     """
     output, path = Path(output), journal_path(output)
-    check_output(output, resume=resume)
+    check_scan_output(output, resume=resume)
     if resume and output.exists() and not path.exists():
-        return _finished(output, rig.settings, plan, seed)
+        return _finished(output, rig, plan, seed)
     with ExitStack() as held:
-        with rig.open() as instruments:
-            bench = Bench(instruments, rig.settings, sampling_of(rig.settings, plan))
+        with instruments() as opened:
+            bench = Bench(opened, rig, sampling_of(rig, plan))
             header = header_of(bench, plan, seed=seed, scene=scene)
             journal = held.enter_context(Journal(path, header))
-            run(bench, plan, journal, report or (lambda line: None))
+            if done := len(journal.records):
+                report(plan.lines[done - 1])
+            for record in measured(bench, plan, journal.header, journal.records):
+                journal.append(record)
+                report(plan.lines[record.line])
         measurement = export(path, output)
         # what a kill during an export has left; the journal's lock keeps others out
         for part in output.parent.glob(f".{escape(output.stem)}.part-*.nc"):
@@ -144,12 +163,41 @@ def scan(
     return measurement
 
 
-def _finished(output: Path, settings: RigSettings, plan: Plan, seed: int | None) -> Measurement:
+def measured(
+    bench: Bench, plan: Plan, header: dict[str, Any], records: list[Record]
+) -> Iterator[Record]:
+    """Records of every line behind those that there are; the beam is shut at the end."""
+    mode = None
+    for line in plan.lines[len(records) :]:
+        if mode is None:
+            bench.set_up()
+        if line.mode != mode:
+            bench.choose_mode(line.mode)
+            mode = line.mode
+        record = bench.measure(plan, line)
+        if line.kind == "reference":
+            # a target that shows nothing or saturates must not wait for the end of the scan
+            measurement_from_records(header, [*records[: line.index], record])
+        yield record
+    if mode is not None:
+        bench.shut()
+
+
+def export(journal: str | Path, output: str | Path) -> Measurement:
+    """Write the measurement that a journal holds, finished or not; the same journal, same bytes."""
+    measurement = measurement_from_records(*read_journal(journal))
+    measurement.save(output)
+    with Path(output).open("rb") as written:  # the journal may be removed after this
+        os.fsync(written.fileno())
+    return measurement
+
+
+def _finished(output: Path, rig: Rig, plan: Plan, seed: int | None) -> Measurement:
     """Open the file of a scan that is over: its journal goes when the file is whole."""
     measurement = open_measurement(output)
     held = measurement.dataset
     same = (
-        held.attrs.get("settings") == json.dumps(settings_as_dict(settings), sort_keys=True)
+        held.attrs.get("settings") == json.dumps(rig.as_dict(), sort_keys=True)
         and held.attrs.get("seed") == seed
         and "angle" in held
         and np.array_equal(held["angle"], plan.angles)
@@ -157,13 +205,13 @@ def _finished(output: Path, settings: RigSettings, plan: Plan, seed: int | None)
     if not same:
         raise ValueError(
             f"Expected a scan of these settings in {output}, got another one that is finished. "
-            "Name another output, or leave --resume out to scan anew."
+            "Name another output, or leave --resume out to scan again."
         )
     return measurement
 
 
-def check_output(output: Path, *, resume: bool) -> None:
-    """Raise a ValueError where a scan cannot be written, before anything is started."""
+def check_scan_output(output: Path, *, resume: bool) -> None:
+    """Raise an error where a scan cannot be written, before anything is started."""
     if output.suffix != ".nc":
         raise ValueError(f"Expected an output named *.nc, got {output.name}. Rename it.")
     if not output.parent.is_dir():
@@ -174,61 +222,89 @@ def check_output(output: Path, *, resume: bool) -> None:
     if path.exists() and not resume:
         raise ValueError(
             f"Expected no scan begun, got {len(read_journal(path)[1])} lines in {path}. "
-            "Go on with --resume, or remove it to begin anew."
+            "Go on with --resume, or remove it to begin again."
         )
 
 
-def run(bench: Bench, plan: Plan, journal: Journal, report: Report) -> None:
-    """Measure every line that is not in the journal."""
-    done = len(journal.records)
-    if done:
-        report(plan.lines[done - 1])
-    if done == len(plan.lines):
-        return
-    bench.set_up()
-    mode = None
-    for line in plan.lines[done:]:
-        if line.mode != mode:
-            bench.choose_mode(line.mode)
-            mode = line.mode
-        record = _measured(bench, plan, line)
-        if line.kind == "reference":
-            # a target that shows nothing must not wait for the end of the scan
-            measurement_from_journal(journal.header, [*journal.records, record])
-        journal.append(record)
-        report(line)
-    bench.shut()
+def description(plan: Plan, rig: Rig) -> list[str]:
+    """What a scan would do and how long it would take, for a dry run."""
+    (height, width), detection = plan.shape, rig.detection
+    moves = len(plan.sweep) * sum(line.kind == "reference" for line in plan.lines)
+    total = plan.bursts * SLOT + moves * MOVE + len(plan.modes) * MODE_OVERHEAD
+    text = [
+        f"{rig.name}: {height} x {width} directions, {len(plan.modes)} modes, "
+        f"{len(plan.lines)} lines, {plan.bursts} bursts",
+        f"a burst: {detection.phases} phases x {detection.samples_per_phase} samples at "
+        f"{detection.rate:g} samples/s, {1e3 * detection.duration:.1f} ms",
+    ]
+    for mode in plan.modes:
+        angles = np.rad2deg(rig.plates.mount_angles(mode))
+        text.append(
+            f"{mode}: drive {rig.drive.frequency(mode) / 1e9:g} GHz, plates at {angles[0]:g} and "
+            f"{angles[1]:g} deg"
+        )
+    return [*text, f"about {total:.0f} s on the instrument (overheads estimated)"]
 
 
-def _measured(bench: Bench, plan: Plan, line: Line) -> Record:
-    """One line; it is begun anew once when the phase table has missed an edge.
+def scan_scene(
+    settings: TwinSettings,
+    target: Any,
+    *,
+    size: int | tuple[int, int],
+    field_of_view: float | tuple[float, float],
+    seed: int,
+    phases: int = 16,
+    range_min: float = 0.0,
+    range_max: float | None = None,
+) -> Measurement:
+    """Scan of a target by the simulated instrument, in memory, with its true depth.
 
-    The laser power is read at the end, on the clock of the last burst: so it is the same whether
-    the line came after others or after a resume.
+    Ranges are optical, ``n_g z`` with the attribute ``group_index``, as in every scan: divide what
+    comes out of the measurement, its true ``depth`` included, to have metres along the ray.
+
+    Parameters
+    ----------
+    settings : TwinSettings
+        The instrument; its ``reference`` is what calibrates psi in both modes.
+    target : Target, Frame, str or mapping
+        As `cmtof.instrument.targets.scene_from` takes it.
+    size, field_of_view : number or (number, number)
+        Height and width, px; full optical angles across and down, rad.
+    seed : int
+        Of the simulated instrument.
+    phases : int
+        Steps of psi over a turn.
+    range_min, range_max : float
+        Depths to choose from, m; the default ends where both frequencies repeat themselves.
+
+    Examples
+    --------
+    >>> wall = {"kind": "plane", "distance": 1.0}
+    >>> scan_scene(TwinSettings(), wall, size=2, field_of_view=0.1, seed=0)
+    <Measurement 2x2 px at 7.15, 14.32 GHz, 0.000-7.495 m>
     """
-    bench.look_at(line.kind)
-    for _ in range(LINE_ATTEMPTS):
-        sums, clipped = _bursts(bench, plan, line)
-        bench.check()
-        if bench.stepped():
-            power = DARK if line.kind == "dark" else bench.power()
-            return Record(line.index, power, sums, clipped)
-    raise BadReply(
-        f"Expected one edge a phase at the trigger of the phase table, got another number "
-        f"{LINE_ATTEMPTS} times in line {line.index}. Check the trigger line."
+    view = field_of_view if isinstance(field_of_view, tuple) else (field_of_view, field_of_view)
+    rig, known = Rig.default(), settings.reference
+    distance = replace(rig.reference, distance=known.distance, stage_zero=known.stage_zero)
+    rig = replace(
+        rig,
+        twin=settings,
+        scan=replace(rig.scan, field_of_view_deg=tuple(float(np.rad2deg(a)) for a in view)),
+        detection=replace(rig.detection, phases=phases),
+        reference=distance,
     )
-
-
-def _bursts(bench: Bench, plan: Plan, line: Line) -> tuple[NDArray[np.uint32], NDArray[np.uint16]]:
-    points = plan.points(line)
-    bench.begin_line()
-    sums = np.empty((line.bursts, bench.sampling.phases), np.uint32)
-    clipped = np.empty(line.bursts, np.uint16)
-    for n, label in enumerate(line.labels):
-        direction = points[n] if line.kind == "scan" else None
-        if direction is not None:
-            bench.approach(direction)
-        if line.kind == "reference" and n % REFERENCE_BURSTS == 0:
-            bench.move_target(plan.sweep[n // REFERENCE_BURSTS], first=n == 0)
-        sums[n], clipped[n] = bench.sampling.sums(bench.burst(label, direction))
-    return sums, clipped
+    plan, records = planned(rig, size=size), []
+    with simulated(rig, target, seed=seed) as instruments:
+        bench = Bench(instruments, rig, sampling_of(rig, plan))
+        header = header_of(bench, plan, seed=seed, scene=None)
+        for record in measured(bench, plan, header, records):
+            records.append(record)
+        index = header["group_index"]
+        ranges = index * instruments.daq.world.ranges(plan.angles).reshape(plan.shape)
+    data = measurement_from_records(header, records).dataset
+    data["depth"] = (("y", "x"), ranges, {"units": "m"})
+    data["mask"] = data["mask"] * np.isfinite(ranges).astype(np.int8)
+    data.attrs["range_min"] = float(range_min)
+    if range_max is not None:
+        data.attrs["range_max"] = float(range_max)
+    return Measurement(data)

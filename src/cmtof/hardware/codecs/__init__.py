@@ -1,1 +1,0 @@
-"""Bytes and messages of each protocol, without input or output."""
