@@ -42,7 +42,7 @@ from cmtof.instrument.optics import (
     spot_radius,
 )
 from cmtof.instrument.settings import TwinSettings
-from cmtof.instrument.targets import Hits
+from cmtof.instrument.targets import Hits, MeshTarget, Plane
 from cmtof.ranging.plane_fit import (
     depth_spread,
     fit_planes,
@@ -51,8 +51,7 @@ from cmtof.ranging.plane_fit import (
     step_height,
 )
 from cmtof.ranging.sweep import interval
-from cmtof.scenes.objects import gage_blocks, slanted_plane
-from cmtof.scenes.objects.flat import GRADE_2, HEIGHT, MIRRORED, STEEL, WIDTH
+from cmtof.scenes.objects import GRADE_2, HEIGHT, MIRRORED, STEEL, WIDTH, gage_blocks
 
 run = plotting.begin(profile=profile, seed=seed)
 base = TwinSettings()
@@ -106,7 +105,8 @@ tell(step_um=1e6 * step, face_wide=1e3 * WIDTH, face_high=1e3 * HEIGHT, grade_um
 def blocks(number):
     """The pair of repeat `number`: its faces, and the height of its step, m."""
     errors = np.random.default_rng([seed, number]).uniform(-GRADE_2, GRADE_2, 2)
-    pair = gage_blocks(step, distance, tilt=mount_tilt, errors=tuple(errors))
+    mesh = gage_blocks(step, distance, tilt=mount_tilt, errors=tuple(errors))
+    pair = MeshTarget.from_mesh(mesh)
     return pair, step + errors[1] - errors[0]
 
 
@@ -393,7 +393,7 @@ tilts = np.array(plane_tilts, float)
 plane_how = {"size": plane_size, "field_of_view": plane_view}
 left, spreads, r_squared = np.empty((3, tilts.size, 2))
 for k, tilt in enumerate(tilts):
-    cloud = points_of(slanted_plane(distance, float(tilt)), repeats + k, **plane_how)
+    cloud = points_of(Plane(distance, tilt_x=float(tilt)), repeats + k, **plane_how)
     for m, points in enumerate(cloud.reshape(2, -1, 3)):
         fit = fit_planes(points)
         left[k, m], r_squared[k, m] = fit.residual.std(), fit.r_squared

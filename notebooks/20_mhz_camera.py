@@ -34,13 +34,13 @@ from cmtof.hardware.scan import scan_scene
 from cmtof.instrument.budget import photon_budget
 from cmtof.instrument.optics import sent_power
 from cmtof.instrument.settings import TwinSettings
-from cmtof.instrument.targets import Plane
+from cmtof.instrument.targets import Plane, scene_from
 from cmtof.pointcloud import points_from_depth
 from cmtof.ranging.mhz_camera import MhzCamera
 from cmtof.ranging.mhz_light import View, emitted_charge, light_of, ratio_for_pull, signal
 from cmtof.ranging.mhz_settings import STEPS, CameraSettings
 from cmtof.scenes.frame import rays_from_camera
-from cmtof.scenes.objects import field_of_view, object_scene
+from cmtof.scenes.objects import field_of_view
 
 run = plotting.begin(profile=profile, seed=seed)
 BLUE, RED, GREEN, BLACK = (plotting.PALETTE[c] for c in ("blue", "vermillion", "green", "black"))
@@ -493,7 +493,7 @@ LOW, HIGH = 0.8, 1.5
 
 def traced(name):
     """What the camera's window sees of an object, and coarsely its whole field."""
-    target = object_scene(name)
+    target = scene_from({"kind": "object", "name": name})
     side = rays * 2 * int(np.ceil(np.tan(field_of_view(name) / 2) * focal))
     return (
         looked(target, side, side, rays * focal),
@@ -536,7 +536,7 @@ tell(coherence_owl=100 * coherence(views["owl"][1]), coherence_card=100 * cohere
 # %%
 scanned, answer, index = {}, {}, {}
 for name in NAMES:
-    scanned[name] = scan_scene(twin, object_scene(name), size=size, seed=seed,
+    scanned[name] = scan_scene(twin, {"kind": "object", "name": name}, size=size, seed=seed,
                                field_of_view=field_of_view(name), range_min=LOW,
                                range_max=HIGH)  # fmt: skip
     index[name] = float(scanned[name].dataset.attrs["group_index"])
@@ -900,7 +900,8 @@ trials = {
     "all, stated power": (known, {"noise": True, "area": 5}),
 }
 shut = {name: hole_test(settings, **how) for name, (settings, how) in trials.items()}
-ghz_mirrored = looked(object_scene("helmet"), size, size, ghz_focal["helmet"]).mirrored
+helmet = scene_from({"kind": "object", "name": "helmet"})
+ghz_mirrored = looked(helmet, size, size, ghz_focal["helmet"]).mirrored
 ghz_hole = holes_of(ghz_truth["helmet"], ghz_mirrored)
 by_wraps = np.nan
 if ghz_hole.any():

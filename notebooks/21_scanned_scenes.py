@@ -28,14 +28,15 @@ import cmtof
 from cmtof.book import paper, plotting
 from cmtof.book import views as interactive
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
+from cmtof.evaluation import score, scored_pixels
 from cmtof.hardware.scan import scan_scene
 from cmtof.instrument.optics import directions_from_angles
 from cmtof.instrument.settings import TwinSettings
-from cmtof.evaluation import score, scored_pixels
+from cmtof.instrument.targets import scene_from
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof.ranging.rf_scene import rf_image
-from cmtof.scenes.objects import field_of_view, object_scene
-from cmtof.scenes.objects.picture import picture
+from cmtof.scenes.frame import rays_from_camera
+from cmtof.scenes.objects import field_of_view
 
 run = plotting.begin(profile=profile, seed=seed)
 
@@ -71,7 +72,7 @@ rooms = {
     "bright room": replace(ordinary, optics=replace(ordinary.optics, ambient_radiance=room_light)),
     "no noise": replace(ordinary, noise=False),
 }
-scenes = {name: object_scene(name) for name in objects}
+scenes = {name: scene_from({"kind": "object", "name": name}) for name in objects}
 scans = {
     (name, room): scan_scene(
         settings, scenes[name], size=size, field_of_view=field_of_view(name), seed=seed
@@ -280,6 +281,41 @@ say("networks_say",
 # what lies outside takes the colour at its end.
 
 
+# %% tags=["hide-input"]
+LAMP = (-0.7, -0.9, -0.1)  # Place of the lamp, m: above the instrument, to its left.
+AMBIENT = 0.3  # Light from all sides, as a share of the lamp's at 1 m.
+GLOSS = 60.0  # Exponent of the highlight (Blinn 1977).
+
+
+def picture(target, size, view):
+    """Grey picture: Lambert's law, gloss, shadow, gamma 2.2; polish mirrors a pale ceiling."""
+    focal = size / 2 / np.tan(view / 2)
+    camera = np.array([focal, focal, size / 2, size / 2])
+    rays = rays_from_camera((size, size), camera)
+    rays = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    hits = target.look(rays)
+    points = points_from_depth(hits.range, camera)
+    normal = normals_from_points(points)
+    to_lamp = np.array(LAMP) - points
+    far = np.linalg.norm(to_lamp, axis=-1)
+    lamp = to_lamp / far[..., None]
+    lit = (
+        np.clip((normal * lamp).sum(-1), 0, None)
+        / far**2
+        * ~target.hidden(np.nan_to_num(points), LAMP)
+    )
+    half = lamp - rays
+    half /= np.linalg.norm(half, axis=-1, keepdims=True)
+    shine = np.clip((normal * half).sum(-1), 0, None) ** GLOSS * (lit > 0)
+    mirrored = hits.mirrored * np.ones_like(far)
+    up = -(rays - 2 * (rays * normal).sum(-1, keepdims=True) * normal)[..., 1]
+    room = AMBIENT * (1 + np.tanh(3 * up))
+    matt = (1 - mirrored) * (lit + AMBIENT)
+    grey = hits.reflectance * (matt + mirrored * (room + 4 * shine))
+    white = np.nanpercentile(grey, 99.5)
+    return np.clip(np.nan_to_num(grey) / white, 0, 1) ** (1 / 2.2)
+
+
 # %%
 def normals_of(name, depth):
     return normals_from_points(points_from_depth(depth, camera[name]))
@@ -294,7 +330,7 @@ def wraps_off(name, method, room="as it is"):
 
 
 pictures = {
-    name: picture(scenes[name], size=picture_size, field_of_view=field_of_view(name))
+    name: picture(scenes[name], picture_size, field_of_view(name))
     for name in objects
 }
 residual = {}

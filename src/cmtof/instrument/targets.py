@@ -239,11 +239,9 @@ class MeshTarget:
 
 
 def _object(name: str) -> MeshTarget:
-    from cmtof.scenes import objects
+    from cmtof.scenes.objects import object_mesh
 
-    if hasattr(objects, "object_scene"):
-        return objects.object_scene(name)
-    return MeshTarget.from_mesh(objects.object_mesh(name))
+    return MeshTarget.from_mesh(object_mesh(name))
 
 
 def _mirror(**options: Any) -> Plane:
