@@ -15,6 +15,12 @@ from cmtof.validation import check_claim, numbers
 EMBEDDED = Path(__file__).parents[1] / "frames"
 """Folder of the small frames that travel with the package."""
 
+HELD_OUT = EMBEDDED / "test" / "rooms.npz"
+"""The test set: 32 views of rooms on which nothing was trained or validated."""
+
+HELD_OUT_STEP = 5e-5
+"""Step of its stored depth, m."""
+
 
 @dataclass(frozen=True)
 class Frame:
@@ -152,6 +158,26 @@ class Frames:
 def embedded_frames() -> dict[str, Path]:
     """Names and files of the frames that travel with the package."""
     return {path.stem: path for path in sorted(EMBEDDED.glob("*.npz"))}
+
+
+def held_out_frames(path: Path = HELD_OUT) -> list[Frame]:
+    """The test set of Tables 1 to 3: 32 views of 384 x 512 px, the same on every machine.
+
+    Depth is stored in steps of 0.05 mm as second differences along rows, the intensity I as
+    round(255 √I) in differences along rows. ``tools/frames.py`` states the choice of views.
+
+    Examples
+    --------
+    >>> frames = held_out_frames()
+    >>> len(frames), frames[0].depth.shape
+    (32, (384, 512))
+    """
+    arrays = read_npz(path)
+    steps = arrays["depth"].cumsum(axis=2, dtype=np.int32).cumsum(axis=2, dtype=np.int32)
+    levels = arrays["intensity"].cumsum(axis=2, dtype=np.uint8)
+    light = (levels / np.float32(255)) ** 2
+    views = zip(steps * HELD_OUT_STEP, light, arrays["camera"], arrays["name"], strict=True)
+    return [Frame(depth, one, camera, str(name)) for depth, one, camera, name in views]
 
 
 def read_npz(path: Path) -> dict[str, NDArray]:
