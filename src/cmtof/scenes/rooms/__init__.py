@@ -1,1 +1,1 @@
-"""Rooms from a seed: built from parameters over trimesh, traced with Embree."""
+"""Furnished rooms from a seed: solids, a shell, furniture from presets, light by Embree."""

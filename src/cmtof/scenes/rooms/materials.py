@@ -1,214 +1,119 @@
-"""What surfaces are made of: two colours, a pattern between them, and how they shine.
+"""Materials of rooms: a reflectance, a pattern of two colours, light of their own."""
 
-Patterns are evaluated in the part's own space (`cmtof.scenes.rooms.patterns`), so that marks on a
-surface know nothing of its edges, and edges nothing of the marks.
-"""
-
-import colorsys
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float32]
 Colour = tuple[float, float, float]
-"""Linear reflectance in red, green, blue, 0 to 1."""
-
-PATTERNS = (
-    "plain",
-    "wood",
-    "planks",
-    "herringbone",
-    "tiles",
-    "bricks",
-    "stripes",
-    "checks",
-    "noise",
-    "weave",
-    "marble",
-    "terrazzo",
-    "marks",
-    "picture",
-    "rug",
-    "leaf",
-    "dots",
-)
-"""Names of the patterns; a material's number is the position in this tuple."""
 
 
-@dataclass(frozen=True)
-class Material:
-    """One surface.
+class Material(NamedTuple):
+    """How a surface looks; reflectance is linear."""
 
-    Attributes
-    ----------
-    colour, second : Colour
-        The two ends between which the pattern mixes.
-    pattern : str
-        One of `PATTERNS`.
-    scale : float
-        Size of the pattern's repeat, m.
-    specular : float
-        Share of light that is mirrored instead of scattered, 0 to 1; at 0.9 only a faint diffuse
-        part is left, as on chrome.
-    gloss : float
-        Phong exponent of the mirrored lobe: 10 satin, 80 lacquer, 1000 mirror.
-    emission : float
-        Radiance of a lamp's shade or a screen, in units of a white surface at irradiance 1.
-    bump : float
-        Depth of the relief that shading (never the range) shows, 0 to 1.
-    """
-
-    colour: Colour
-    second: Colour = (0.5, 0.5, 0.5)
+    colour: Colour = (0.6, 0.6, 0.6)
+    second: Colour = (0.6, 0.6, 0.6)
+    """The pattern's other colour."""
     pattern: str = "plain"
+    """Key of `PATTERNS`."""
     scale: float = 0.1
-    specular: float = 0.03
-    gloss: float = 20.0
+    """Period of the pattern, m."""
     emission: float = 0.0
-    bump: float = 0.0
-
-    def __post_init__(self) -> None:
-        if self.pattern not in PATTERNS:
-            raise ValueError(
-                f"Expected a pattern out of {', '.join(PATTERNS)}, got {self.pattern!r}. "
-                "Choose one."
-            )
+    """Radiance of its own light per reflectance; a white wall at irradiance 1 has radiance 1."""
 
 
-def hue(h: float, s: float, v: float) -> Colour:
-    """Linear colour of hue, saturation and value, each 0 to 1 (value already linear)."""
-    r, g, b = colorsys.hsv_to_rgb(h % 1.0, s, 1.0)
-    return (r**2.2 * v, g**2.2 * v, b**2.2 * v)
+def _hash(i: Array, j: Array) -> Array:
+    """Number in [0, 1) for each pair of whole numbers."""
+    a = i.astype(np.int64).astype(np.uint32) * np.uint32(374761393)
+    a += j.astype(np.int64).astype(np.uint32) * np.uint32(668265263)
+    a = (a ^ (a >> np.uint32(13))) * np.uint32(1274126177)
+    return ((a ^ (a >> np.uint32(16))) & np.uint32(0xFFFF)).astype(np.float32) / np.float32(65536)
 
 
-def darker(colour: Colour, factor: float) -> Colour:
-    """A colour times a factor, kept below 0.95."""
-    return tuple(float(min(max(c * factor, 0.0), 0.95)) for c in colour)  # type: ignore[return-value]
+def _noise(s: Array, t: Array) -> Array:
+    """Value noise with one cell a unit, 0 to 1."""
+    i, j = np.floor(s), np.floor(t)
+    x, y = s - i, t - j
+    x, y = x * x * (3 - 2 * x), y * y * (3 - 2 * y)
+    low = _hash(i, j) * (1 - x) + _hash(i + 1, j) * x
+    high = _hash(i, j + 1) * (1 - x) + _hash(i + 1, j + 1) * x
+    return low * (1 - y) + high * y
 
 
-@dataclass(frozen=True)
-class Style:
-    """What a household bought together: one wood, one metal, a few fabrics, an accent.
+def _joints(s: Array, t: Array) -> Array:
+    return np.maximum(s % 1 < 0.05, t % 1 < 0.05).astype(np.float32)
 
-    Furniture takes its materials from here, so that a room looks chosen and not drawn by lot.
+
+def _planks(s: Array, t: Array) -> Array:
+    row = np.floor(t)
+    board = np.floor(s / 8 + _hash(row, row))
+    tone = _hash(row, board)
+    return np.where(t % 1 < 0.04, 1.0, 0.7 * tone + 0.3 * _noise(s / 2, 9 * t))
+
+
+def _wood(s: Array, t: Array) -> Array:
+    return 0.5 + 0.5 * np.sin(2 * np.pi * (t + 0.8 * _noise(s / 6, t / 2)))
+
+
+PATTERNS: dict[str, Callable[[Array, Array], Array]] = {
+    "plain": lambda s, t: np.zeros_like(s),
+    "stripes": lambda s, t: (s % 1 < 0.5).astype(np.float32),
+    "checks": lambda s, t: ((np.floor(s) + np.floor(t)) % 2).astype(np.float32),
+    "tiles": _joints,
+    "bricks": lambda s, t: _joints(s / 2 + 0.5 * (np.floor(t) % 2), t),
+    "planks": _planks,
+    "wood": _wood,
+    "noise": lambda s, t: 0.7 * _noise(s, t) + 0.3 * _noise(3 * s, 3 * t),
+    "dots": lambda s, t: ((s % 1 - 0.5) ** 2 + (t % 1 - 0.5) ** 2 < 0.09).astype(np.float32),
+}
+"""Share, 0 to 1, of the second colour at coordinates in periods."""
+
+_ORDER = list(PATTERNS)
+
+
+class Palette:
+    """Materials of many parts as arrays, looked up by number.
+
+    Parameters
+    ----------
+    materials : sequence of Material
     """
 
-    wood: Material
-    second_wood: Material
-    metal: Material
-    fabric: Material
-    second_fabric: Material
-    leather: Material
-    paint: Material
-    """Lacquer of cupboards and doors."""
-    accent: Material
-    """A strong plain colour for small things."""
-    trim: Material
-    """Skirting boards, frames of doors and windows."""
-    modern: float
-    """0 for turned legs and panels, 1 for plain boards and steel."""
+    def __init__(self, materials: Sequence[Material]) -> None:
+        self._colour = np.array([m.colour for m in materials], np.float32)
+        self._second = np.array([m.second for m in materials], np.float32)
+        self._scale = np.array([m.scale for m in materials], np.float32)
+        self._pattern = np.array([_ORDER.index(m.pattern) for m in materials])
+        self.emission = np.array([m.emission for m in materials], np.float32)
+        mean = np.where(self._pattern == 0, 0.0, 0.4)[:, None].astype(np.float32)
+        self.mean = self._colour + mean * (self._second - self._colour)
+        """Reflectance (M, 3) without its pattern."""
 
+    def albedo(self, number: NDArray, position: Array, normal: Array, footprint: Array) -> Array:
+        """Reflectance (N, 3) of points of materials ``number`` (N,).
 
-WOODS: tuple[tuple[Colour, Colour], ...] = (
-    ((0.52, 0.36, 0.20), (0.36, 0.22, 0.11)),  # oak
-    ((0.22, 0.11, 0.055), (0.12, 0.055, 0.028)),  # walnut
-    ((0.62, 0.47, 0.30), (0.52, 0.37, 0.21)),  # pine
-    ((0.68, 0.57, 0.43), (0.58, 0.46, 0.32)),  # birch
-    ((0.055, 0.038, 0.028), (0.030, 0.021, 0.016)),  # wenge
-    ((0.33, 0.13, 0.06), (0.20, 0.07, 0.03)),  # mahogany
-    ((0.45, 0.42, 0.38), (0.33, 0.30, 0.27)),  # weathered grey
-)
-"""Early and late wood of seven timbers, linear."""
-
-
-def wood(rng: np.random.Generator) -> Material:
-    """A timber, oiled or lacquered."""
-    light, dark = WOODS[int(rng.integers(len(WOODS)))]
-    shade = float(rng.uniform(0.85, 1.15))
-    return Material(
-        darker(light, shade),
-        darker(dark, shade),
-        "wood",
-        scale=float(rng.uniform(0.02, 0.06)),
-        specular=float(rng.uniform(0.03, 0.12)),
-        gloss=float(rng.uniform(15, 80)),
-    )
-
-
-def fabric(rng: np.random.Generator) -> Material:
-    """A woven cover: plain, striped, checked or mottled."""
-    value = float(rng.choice([0.05, 0.2, 0.45, 0.7]))
-    base = hue(float(rng.uniform()), float(rng.uniform(0, 0.5)), value)
-    pattern = str(rng.choice(["weave", "weave", "noise", "stripes", "checks", "dots"]))
-    other = darker(base, float(rng.choice([0.6, 0.75, 1.35, 1.8])))
-    scale = float(rng.uniform(0.004, 0.012) if pattern == "weave" else rng.uniform(0.03, 0.12))
-    return Material(base, other, pattern, scale=scale, specular=0.0, bump=0.3)
-
-
-def metal(rng: np.random.Generator) -> Material:
-    """Chrome, brushed steel, brass, black powder coat or white lacquer."""
-    kinds = (
-        Material((0.60, 0.60, 0.62), specular=0.85, gloss=400.0),
-        Material((0.42, 0.42, 0.43), specular=0.55, gloss=40.0),
-        Material((0.62, 0.45, 0.18), specular=0.65, gloss=120.0),
-        Material((0.02, 0.02, 0.02), specular=0.06, gloss=25.0),
-        Material((0.78, 0.78, 0.76), specular=0.06, gloss=60.0),
-    )
-    return kinds[int(rng.integers(len(kinds)))]
-
-
-def leather(rng: np.random.Generator) -> Material:
-    """Black, brown, tan or off-white hide."""
-    shades: tuple[Colour, ...] = (
-        (0.02, 0.02, 0.02),
-        (0.12, 0.055, 0.03),
-        (0.36, 0.2, 0.1),
-        (0.65, 0.6, 0.52),
-    )
-    colour = shades[int(rng.integers(len(shades)))]
-    return Material(colour, darker(colour, 0.7), "noise", 0.015, specular=0.1, gloss=30.0, bump=0.4)
-
-
-def paint(rng: np.random.Generator) -> Material:
-    """White to grey lacquer, now and then a colour."""
-    if rng.uniform() < 0.6:
-        grey = float(rng.choice([0.82, 0.75, 0.5, 0.2, 0.05]))
-        return Material((grey, grey, 0.97 * grey), specular=0.06, gloss=60.0)
-    colour = hue(float(rng.uniform()), float(rng.uniform(0.2, 0.6)), float(rng.uniform(0.1, 0.6)))
-    return Material(colour, specular=0.06, gloss=60.0)
-
-
-def accent(rng: np.random.Generator) -> Material:
-    """A strong plain colour: glazed, lacquered or matt."""
-    colour = hue(float(rng.uniform()), float(rng.uniform(0.5, 0.95)), float(rng.uniform(0.05, 0.7)))
-    shine = float(rng.choice([0.02, 0.08, 0.2]))
-    return Material(colour, specular=shine, gloss=float(rng.uniform(20, 200)))
-
-
-def ceramic(rng: np.random.Generator) -> Material:
-    """Glazed ware: white to black, plain, dotted or banded."""
-    grey = float(rng.choice([0.85, 0.7, 0.35, 0.06]))
-    base = hue(float(rng.uniform()), float(rng.choice([0.0, 0.1, 0.5])), grey)
-    pattern = str(rng.choice(["plain", "plain", "dots", "stripes", "marble"]))
-    other = hue(float(rng.uniform()), 0.6, float(rng.uniform(0.05, 0.5)))
-    scale = float(rng.uniform(0.02, 0.06))
-    return Material(base, other, pattern, scale, specular=0.1, gloss=float(rng.uniform(60, 300)))
-
-
-def style(rng: np.random.Generator) -> Style:
-    """Draw what one household bought."""
-    first = wood(rng)
-    trim = Material((0.8, 0.8, 0.78), specular=0.05, gloss=50.0)
-    if rng.uniform() < 0.3:
-        trim = replace(first, specular=0.05)
-    return Style(
-        wood=first,
-        second_wood=wood(rng),
-        metal=metal(rng),
-        fabric=fabric(rng),
-        second_fabric=fabric(rng),
-        leather=leather(rng),
-        paint=paint(rng),
-        accent=accent(rng),
-        trim=trim,
-        modern=float(rng.uniform()),
-    )
+        Parameters
+        ----------
+        number : ndarray of int, shape (N,)
+        position, normal : ndarray, shape (N, 3)
+            In the world, m. The pattern lies in the plane that the normal is nearest to.
+        footprint : ndarray, shape (N,)
+            Size of a pixel on the surface, m; finer patterns fade to their mean.
+        """
+        found = self._colour[number]
+        pattern = self._pattern[number]
+        for code in np.unique(pattern):
+            if code == 0:
+                continue
+            some = np.flatnonzero(pattern == code)
+            kind = number[some]
+            axis = np.abs(normal[some]).argmax(axis=1)
+            x, y, z = (position[some] / self._scale[kind][:, None]).T
+            s, t = np.where(axis == 0, y, x), np.where(axis == 2, y, z)
+            mix = PATTERNS[_ORDER[code]](s, t)
+            faded = np.clip(2.5 * footprint[some] / self._scale[kind] - 0.5, 0, 1)
+            mix = (mix + faded * (0.4 - mix)).astype(np.float32)[:, None]
+            found[some] += mix * (self._second[kind] - found[some])
+        return found

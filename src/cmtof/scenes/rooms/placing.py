@@ -1,224 +1,304 @@
-"""Putting things where they belong: against walls, around tables, on surfaces, none in another."""
+"""Furniture in a room: drawn from `presets.yml`, placed so that nothing stands in anything."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+import yaml
 
-from cmtof.scenes.rooms.house import WallRun, facing
-from cmtof.scenes.rooms.thing import Pose, Support, Thing, pose
+from cmtof.scenes.rooms.engine import Light, Part, Thing
+from cmtof.scenes.rooms.makers import MAKERS, Kit, Made, Top
+from cmtof.scenes.rooms.materials import Material
+from cmtof.scenes.rooms.shell import Rectangle, Shell, Wall
+from cmtof.scenes.rooms.solids import moved
 
-Rectangle = tuple[float, float, float, float]
-"""x0, x1, y0, y1, m."""
-
-
-def footprint(thing: Thing, motion: Pose) -> Rectangle:
-    """Rectangle that a thing covers as it stands, m, in the frame of ``motion``."""
-    return _covered(thing.bounds, motion)
+TRIES = 14
+"""Places that are tried for one thing before it is left out."""
 
 
-def _covered(bounds: NDArray[np.float64], motion: Pose) -> Rectangle:
-    (x0, y0, _), (x1, y1, _) = bounds.tolist()
-    (a, b, _, x), (c, d, _, y) = motion[:2].tolist()
-    xs = [a * u + b * v + x for u in (x0, x1) for v in (y0, y1)]
-    ys = [c * u + d * v + y for u in (x0, x1) for v in (y0, y1)]
-    return min(xs), max(xs), min(ys), max(ys)
+@lru_cache(maxsize=1)
+def presets() -> dict[str, Any]:
+    """Kinds, rooms and materials of `presets.yml`."""
+    text = Path(__file__).with_name("presets.yml").read_text(encoding="utf-8")
+    return yaml.safe_load(text)
 
 
-def overlap(a: Rectangle, b: Rectangle, gap: float = 0.0) -> bool:
-    """Whether two rectangles come nearer than ``gap``, m.
+def household(rng: np.random.Generator) -> Kit:
+    """Draw the materials that everything in a room is made of."""
+    palette = {}
+    for role, drawn in presets()["materials"].items():
+        patterns = drawn["patterns"]
+        odds = np.array(list(patterns.values()), float)
+        several = []
+        for _ in range(drawn["count"]):
+            colours = np.array(drawn["colours"])[rng.integers(len(drawn["colours"]), size=2)]
+            first, second = np.clip(colours * rng.uniform(0.75, 1.2, (2, 1)), 0.01, 0.92)
+            mix = rng.uniform(0.15, 0.7)
+            second = first + mix * (second - first) * rng.uniform(0.5, 1.0)
+            name = str(rng.choice(list(patterns), p=odds / odds.sum()))
+            scale = float(rng.uniform(*drawn["scale"]))
+            several.append(Material(tuple(first), tuple(second * 0.8), name, scale))
+        palette[role] = several
+    return Kit(rng, palette)
+
+
+def overlap(a: Rectangle, b: Rectangle) -> bool:
+    """Whether two rectangles share more than an edge.
 
     Examples
     --------
-    >>> overlap((0, 1, 0, 1), (0.5, 2, 0.5, 2)), overlap((0, 1, 0, 1), (1.1, 2, 0, 1), gap=0.2)
-    (True, True)
+    >>> overlap((0, 1, 0, 1), (1, 2, 0, 1)), overlap((0, 1, 0, 1), (0.5, 2, 0.5, 2))
+    (False, True)
     """
-    return a[0] < b[1] + gap and b[0] < a[1] + gap and a[2] < b[3] + gap and b[2] < a[3] + gap
+    gap = 1e-6
+    return a[0] < b[1] - gap and b[0] < a[1] - gap and a[2] < b[3] - gap and b[2] < a[3] - gap
 
 
-def grown(area: Rectangle, by: NDArray[np.float64]) -> Rectangle:
-    """A rectangle drawn out by a vector (x, y), m, on the side that it points to."""
-    x, y = by.tolist()
-    return area[0] + min(x, 0), area[1] + max(x, 0), area[2] + min(y, 0), area[3] + max(y, 0)
-
-
-def _within(point: Sequence[float], area: Rectangle, slack: float = 0.02) -> bool:
-    (x, y), (x0, x1, y0, y1) = point, area
-    return x0 - slack <= x <= x1 + slack and y0 - slack <= y <= y1 + slack
-
-
-@dataclass
-class Floor:
-    """A room that fills up: what may stand where without touching what stands there already."""
-
-    rectangles: list[Rectangle]
-    walls: list[WallRun]
-    height: float
-    rng: np.random.Generator
-    placed: list[tuple[Thing, Pose]] = field(default_factory=list)
-    taken: list[Rectangle] = field(default_factory=list)
-    hung: list[tuple[int, float, float, float, float]] = field(default_factory=list)
-    """(wall, from, to, bottom, top) of what stands against walls or hangs on them."""
-
-    def free(self, area: Rectangle, gap: float = 0.03) -> bool:
-        """Whether a rectangle lies on the floor and nobody has taken it."""
-        x0, x1, y0, y1 = area
-        points = [(x, y) for x in (x0, (x0 + x1) / 2, x1) for y in (y0, (y0 + y1) / 2, y1)]
-        on_floor = all(any(_within(point, r) for r in self.rectangles) for point in points)
-        return on_floor and not any(overlap(area, other, gap) for other in self.taken)
-
-    def put(self, thing: Thing, motion: Pose, *, solid: bool = True) -> Pose:
-        """Stand a thing there, whatever is in the way; ``solid`` things take their floor."""
-        self.placed.append((thing, motion))
-        if solid:
-            self.taken.append(footprint(thing, motion))
-        return motion
-
-    def against_wall(
-        self, thing: Thing, *, tries: int = 24, where: float | None = None, room_before: float = 0.0
-    ) -> tuple[Pose, int] | None:
-        """Stand a thing with its back to some free piece of wall; None if none is left.
-
-        Parameters
-        ----------
-        where : float, optional
-            0 to 1 along the wall; drawn by default.
-        room_before : float
-            Depth that must stay free in front, m.
-        """
-        bounds = low, high = thing.bounds
-        width, depth, height = high - low
-        lengths = np.array([max(wall.length - width, 0.0) for wall in self.walls])
-        if not lengths.sum() > 0:
-            return None
-        for _ in range(tries):
-            number = int(self.rng.choice(len(self.walls), p=lengths / lengths.sum()))
-            wall = self.walls[number]
-            share = self.rng.uniform() if where is None else where
-            at = width / 2 + share * (wall.length - width)
-            motion = wall.place(at, depth, gap=float(self.rng.uniform(0.005, 0.04)))
-            span = (at - width / 2, at + width / 2)
-            if height > wall.height - 0.05 or not self._free_on(number, *span, 0.0, height):
-                continue
-            area = _covered(bounds, motion)
-            if not self.free(grown(area, room_before * wall.inward)):
-                continue
-            self.put(thing, motion)
-            self.hung.append((number, *span, 0.0, float(height)))
-            return motion, number
-        return None
-
-    def on_wall(self, thing: Thing, centre_height: float, *, tries: int = 16) -> bool:
-        """Hang a thing on a free piece of wall, its centre at a height, m."""
-        low, high = thing.bounds
-        width = float(high[0] - low[0])
-        bottom, top = centre_height + float(low[2]), centre_height + float(high[2])
-        lengths = np.array([max(wall.length - width - 0.1, 0.0) for wall in self.walls])
-        if not lengths.sum() > 0:
-            return False
-        for _ in range(tries):
-            number = int(self.rng.choice(len(self.walls), p=lengths / lengths.sum()))
-            wall = self.walls[number]
-            at = float(self.rng.uniform(width / 2 + 0.05, wall.length - width / 2 - 0.05))
-            if top > wall.height - 0.03:
-                continue
-            if self._free_on(number, at - width / 2, at + width / 2, bottom, top, gap=0.06):
-                self.hang(thing, number, at, centre_height)
-                return True
-        return False
-
-    def hang(self, thing: Thing, number: int, at: float, centre_height: float) -> None:
-        """Hang a thing on a wall, ``at`` m along it, without asking."""
-        low, high = thing.bounds
-        wall = self.walls[number]
-        x, y = np.asarray(wall.start) + at * wall.along + 0.002 * wall.inward
-        self.placed.append((thing, pose(float(x), float(y), centre_height, facing(wall.inward))))
-        self.hung.append(
-            (number, at + float(low[0]), at + float(high[0]), centre_height + float(low[2]),
-             centre_height + float(high[2]))
-        )  # fmt: skip
-
-    def wall_free(self, number: int, at: float, thing: Thing, centre_height: float) -> bool:
-        """Whether a thing may hang there, its centre at a height, m."""
-        low, high = thing.bounds
-        a, b = at + float(low[0]), at + float(high[0])
-        if a < 0 or b > self.walls[number].length:
-            return False
-        bottom, top = centre_height + float(low[2]), centre_height + float(high[2])
-        return top < self.walls[number].height and self._free_on(number, a, b, bottom, top)
-
-    def _free_on(
-        self, number: int, a: float, b: float, bottom: float, top: float, gap: float = 0.02
-    ) -> bool:
-        for c, d, sill in self.walls[number].blocked:
-            if a < d + gap and c < b + gap and top > sill:
-                return False
-        return not any(
-            number == n and a < d + gap and c < b + gap and bottom < high + gap and low < top + gap
-            for n, c, d, low, high in self.hung
-        )
-
-    def somewhere(self, thing: Thing, *, gap: float = 0.1, tries: int = 30) -> Pose | None:
-        """Stand a thing anywhere on the free floor, turned at will; None if there is no room."""
-        bounds = thing.bounds
-        for _ in range(tries):
-            x0, x1, y0, y1 = self._rectangle()
-            turn = float(self.rng.choice([0, 0.5, 1, 1.5]) * np.pi + self.rng.normal(0, 0.1))
-            motion = pose(self.rng.uniform(x0, x1), self.rng.uniform(y0, y1), 0.0, turn)
-            if self.free(_covered(bounds, motion), gap):
-                return self.put(thing, motion)
-        return None
-
-    def _rectangle(self) -> Rectangle:
-        area = np.array([(b - a) * (d - c) for a, b, c, d in self.rectangles])
-        return self.rectangles[int(self.rng.choice(len(area), p=area / area.sum()))]
-
-
-def fill_support(
-    support: Support,
-    draw: Callable[[], Thing],
-    rng: np.random.Generator,
-    *,
-    most: int,
-    aligned: float = 0.5,
-) -> list[tuple[Thing, Pose]]:
-    """Rest up to ``most`` things on a support, none over its edge, none in another.
+class Furnishing:
+    """A room being furnished.
 
     Parameters
     ----------
-    draw : callable
-        Makes the next thing to try.
-    aligned : float
-        Chance that a thing stands square to the edge.
-
-    Returns
-    -------
-    list of (Thing, Pose)
-        In the frame of whatever carries the support.
+    shell : Shell
+    kit : Kit
     """
-    resting: list[tuple[Thing, Pose]] = []
-    taken: list[Rectangle] = []
-    for _ in range(most):
-        thing = draw()
-        bounds = low, high = thing.bounds
-        if high[2] > support.clearance:
-            continue
-        for _ in range(6):
-            turn = float(rng.normal(0, 0.06) if rng.uniform() < aligned else rng.uniform(-3.1, 3.1))
-            x0, x1, y0, y1 = _covered(bounds, pose(turn=turn))
-            room_x, room_y = (
-                support.x1 - support.x0 - (x1 - x0),
-                support.y1 - support.y0 - (y1 - y0),
-            )
-            if room_x <= 0 or room_y <= 0:
+
+    def __init__(self, shell: Shell, kit: Kit) -> None:
+        self.shell, self.kit = shell, kit
+        self.things: list[Thing] = []
+        self.lights: list[Light] = []
+        self.taken: list[Rectangle] = []
+        """Floor on which something stands, m."""
+        self.tall: list[Rectangle] = []
+        """Where that reaches up to the lamps, m."""
+        self.clear: list[Rectangle] = list(shell.keep)
+        """Floor that stays free, m."""
+
+    def fill(self, counts: dict[str, float]) -> None:
+        """Place kinds, each about as often as asked for, the largest first."""
+        kinds = presets()["kinds"]
+        order = {"wall": 0, "corner": 0, "free": 1, "hung": 2, "flat": 3, "ceiling": 4}
+        drawn = [(name, int(min(self.kit.rng.poisson(mean), 2 * mean + 1)))
+                 for name, mean in counts.items()]  # fmt: skip
+        drawn.sort(key=lambda one: (order[kinds[one[0]]["at"]], -_area(kinds[one[0]])))
+        for name, count in drawn:
+            for _ in range(count):
+                self.add(name)
+
+    def add(self, name: str) -> bool:
+        """Make one thing of a kind and find a place for it, with what belongs to it."""
+        kind = presets()["kinds"][name]
+        size = self._size(kind)
+        place = {"wall": self._wall, "corner": self._wall, "hung": self._wall, "free": self._free,
+                 "flat": self._free, "ceiling": self._ceiling}[kind["at"]]  # fmt: skip
+        found = place(kind, size)
+        if found is None:
+            return False
+        x, y, z, turn = found
+        made = self._made(kind, size)
+        self._stand(name, made, (x, y, z), turn)
+        for other, (low, high) in kind.get("around", {}).items():
+            count = int(self.kit.rng.integers(low, high + 1))
+            self._around(other, count, (x, y), turn, size)
+        self._decorate(made, kind.get("on", {}), (x, y, z), turn)
+        return True
+
+    def _size(self, kind: dict[str, Any]) -> tuple[float, float, float]:
+        w, d, h = (self.kit.between(*pair) for pair in kind["size"])
+        return w, d, min(h, self.shell.height - self.shell.lowest - 0.01)
+
+    def _made(self, kind: dict[str, Any], size: tuple[float, float, float]) -> Made:
+        return MAKERS[kind["maker"]](self.kit, size, **kind.get("make", {}))
+
+    def _stand(self, name: str, made: Made, at: tuple[float, float, float], turn: float) -> None:
+        parts = [Part(moved(part.mesh, at, turn), part.material) for part in made.parts]
+        self.things.append(Thing(name, parts))
+        if made.glow is not None:
+            z, half, way, power = made.glow
+            centre = (at[0], at[1], at[2] + z)
+            self.lights.append(Light(centre, (half, 0, 0), (0, half, 0), (0, 0, way), power,
+                                     (1.0, 0.93, 0.82)))  # fmt: skip
+
+    def _take(self, area: Rectangle, height: float) -> None:
+        self.taken.append(area)
+        if height > 1.8:
+            self.tall.append(area)
+
+    def _fits(self, area: Rectangle, height: float, before: Rectangle | None = None) -> bool:
+        """Whether floor and height are free, also where something opens or people pass."""
+        x0, x1, y0, y1 = area
+        inside = any(x0 >= a and x1 <= b and y0 >= c and y1 <= d for a, b, c, d in self.shell.floor)
+        if not inside or height > self.shell.headroom(area):
+            return False
+        if any(overlap(area, other) for other in self.taken + self.clear):
+            return False
+        return before is None or not any(overlap(before, other) for other in self.taken)
+
+    def _wall(
+        self, kind: dict[str, Any], size: tuple[float, float, float]
+    ) -> tuple[float, float, float, float] | None:
+        w, d, h = size
+        hung = kind["at"] == "hung"
+        foot = self.kit.between(*kind["over"]) if hung else 0.0
+        for _ in range(TRIES):
+            wall = self._some_wall()
+            if wall.length < w + 0.1 or foot + h > self.shell.height - 0.02:
                 continue
-            x = support.x0 - x0 + rng.uniform() * room_x
-            y = support.y0 - y0 + rng.uniform() * room_y
-            area = (x + x0, x + x1, y + y0, y + y1)
-            if any(overlap(area, other, 0.005) for other in taken):
+            x = self.kit.between(0.04, wall.length - w - 0.04)
+            if kind["at"] == "corner":
+                x = 0.04 if self.kit.chance(0.5) else wall.length - w - 0.04
+            if not wall.free(x, x + w, foot, foot + h):
                 continue
-            taken.append(area)
-            resting.append((thing, pose(x, y, support.z + 5e-4 - float(low[2]), turn)))
-            break
-    return resting
+            gap = 0.002 if hung else 0.03
+            area = wall.footprint(x, x + w, -d - gap, -gap)
+            reach = kind.get("clear", 0.0)
+            before = wall.footprint(x, x + w, -d - gap - reach, -gap)
+            if hung and foot + h <= self.shell.headroom(area):
+                pass
+            elif hung or not self._fits(area, h, before):
+                continue
+            if not hung:
+                self._take(area, h)
+                self.clear += [wall.footprint(x, x + w, -d - gap - reach, -d - gap)] * (reach > 0)
+            wall.taken.append((x - 0.03, x + w + 0.03, foot - 0.03, foot + h + 0.05))
+            at = wall.place((x + w / 2, -d / 2 - gap, foot))
+            return float(at[0]), float(at[1]), foot, wall.turn
+        return None
+
+    def _some_wall(self) -> Wall:
+        length = np.array([wall.length for wall in self.shell.walls])
+        return self.shell.walls[int(self.kit.rng.choice(len(length), p=length / length.sum()))]
+
+    def _free(
+        self, kind: dict[str, Any], size: tuple[float, float, float]
+    ) -> tuple[float, float, float, float] | None:
+        w, d, h = size
+        flat, margin = kind["at"] == "flat", kind.get("clear", 0.15)
+        for _ in range(TRIES):
+            x0, x1, y0, y1 = self._some_floor()
+            quarters = int(self.kit.rng.integers(4))
+            turn = quarters * np.pi / 2
+            a, b = (w, d) if quarters % 2 == 0 else (d, w)
+            if not flat and self.kit.chance(0.3):
+                tilt = self.kit.between(-0.3, 0.3)
+                turn, c, s = turn + tilt, np.cos(tilt), abs(np.sin(tilt))
+                a, b = a * c + b * s, b * c + a * s
+            if x1 - x0 < a + 2 * margin or y1 - y0 < b + 2 * margin:
+                continue
+            # most things stand about the middle of a room
+            u, v = self.kit.rng.beta(2, 2, 2)
+            x = x0 + margin + a / 2 + u * (x1 - x0 - a - 2 * margin)
+            y = y0 + margin + b / 2 + v * (y1 - y0 - b - 2 * margin)
+            area = (x - a / 2, x + a / 2, y - b / 2, y + b / 2)
+            wide = (area[0] - margin, area[1] + margin, area[2] - margin, area[3] + margin)
+            if flat:
+                if any(overlap(area, other) for other in self.shell.keep):
+                    continue
+            elif not self._fits(area, h, wide):
+                continue
+            else:
+                self._take(area, h)
+            return float(x), float(y), 0.0, float(turn)
+        return None
+
+    def _some_floor(self) -> Rectangle:
+        return self.shell.floor[int(self.kit.rng.integers(len(self.shell.floor)))]
+
+    def _ceiling(
+        self, kind: dict[str, Any], size: tuple[float, float, float]
+    ) -> tuple[float, float, float, float] | None:
+        w, d, h = size
+        if self.shell.open:
+            return None
+        for _ in range(TRIES):
+            x0, x1, y0, y1 = self._some_floor()
+            u, v = self.kit.rng.beta(2, 2, 2)
+            x, y = x0 + w + u * (x1 - x0 - 2 * w), y0 + w + v * (y1 - y0 - 2 * w)
+            z = self.shell.height - self.shell.lowest - h
+            area = (x - w / 2, x + w / 2, y - d / 2, y + d / 2)
+            hanging = [one for one in self.lights if abs(one.centre[2] - z) < 1.0]
+            apart = all(np.hypot(one.centre[0] - x, one.centre[1] - y) > 1.2 for one in hanging)
+            apart &= not any(overlap(area, other) for other in self.tall)
+            if apart and z + h <= self.shell.headroom(area):
+                return float(x), float(y), float(z), 0.0
+        return None
+
+    def _around(
+        self,
+        name: str,
+        count: int,
+        middle: tuple[float, float],
+        turn: float,
+        size: tuple[float, float, float],
+    ) -> None:
+        """Seats along the two long sides of a table, or at the front of a desk."""
+        kind = presets()["kinds"][name]
+        sides = 1 if count == 1 else 2
+        each = -(-count // sides)
+        for k in range(count):
+            w, d, h = seat = self._size(kind)
+            row, side = divmod(k, sides)
+            if size[0] < each * (w + 0.05):
+                continue
+            x = size[0] * ((row + 0.5) / each - 0.5)
+            y = size[1] / 2 + d / 2 + self.kit.between(0.02, 0.25)
+            way = 1 if side else -1
+            c, s = np.cos(turn), np.sin(turn)
+            at = (middle[0] + c * x - s * way * y, middle[1] + s * x + c * way * y)
+            facing = turn + (0.0 if side else np.pi) + self.kit.between(-0.1, 0.1)
+            reach = 0.5 * (w * abs(np.cos(facing)) + d * abs(np.sin(facing)))
+            depth = 0.5 * (d * abs(np.cos(facing)) + w * abs(np.sin(facing)))
+            area = (at[0] - reach, at[0] + reach, at[1] - depth, at[1] + depth)
+            if self._seat_fits(area, h):
+                self.taken.append(area)
+                self._stand(name, self._made(kind, seat), (*at, 0.0), facing)
+
+    def _seat_fits(self, area: Rectangle, height: float) -> bool:
+        """As `_fits`, but a seat may stand where its table keeps the floor clear."""
+        kept, self.clear = self.clear, list(self.shell.keep)
+        fits = self._fits(area, height)
+        self.clear = kept
+        return fits
+
+    def _decorate(
+        self,
+        made: Made,
+        counts: dict[str, float],
+        at: tuple[float, float, float],
+        turn: float,
+    ) -> None:
+        """Things on the tops of another."""
+        kinds, used = presets()["kinds"], [[] for _ in made.tops]
+        c, s = np.cos(turn), np.sin(turn)
+        for name, mean in counts.items():
+            kind = kinds[name]
+            for _ in range(int(min(self.kit.rng.poisson(mean), 2 * mean + 1)) if made.tops else 0):
+                number = int(self.kit.rng.integers(len(made.tops)))
+                spot = self._spot(made.tops[number], kind, used[number])
+                if spot is None:
+                    continue
+                size, x, y = spot
+                z = made.tops[number].z
+                where = (at[0] + c * x - s * y, at[1] + s * x + c * y, at[2] + z)
+                self._stand(name, self._made(kind, size), where, turn)
+
+    def _spot(
+        self, top: Top, kind: dict[str, Any], used: list[Rectangle]
+    ) -> tuple[tuple[float, float, float], float, float] | None:
+        for _ in range(4):
+            w, d, h = self._size(kind)
+            if w > top.x1 - top.x0 or d > top.y1 - top.y0 or h > top.room - 0.02:
+                continue
+            x = self.kit.between(top.x0 + w / 2, top.x1 - w / 2)
+            y = self.kit.between(top.y0 + d / 2, top.y1 - d / 2)
+            area = (x - w / 2, x + w / 2, y - d / 2, y + d / 2)
+            if not any(overlap(area, other) for other in used):
+                used.append(area)
+                return (w, d, h), x, y
+        return None
+
+
+def _area(kind: dict[str, Any]) -> float:
+    (a, b), (c, d), _ = kind["size"]
+    return (a + b) * (c + d)

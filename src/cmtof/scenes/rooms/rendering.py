@@ -1,4 +1,4 @@
-"""Rooms on disk: many scenes, all cores, in Hypersim's layout, whole or absent, resumable."""
+"""Rooms from a seed: built, seen, exposed, and written in Hypersim's layout, resumable."""
 
 import json
 import os
@@ -16,17 +16,22 @@ from scipy.special import ndtri
 from cmtof.files import written_whole
 from cmtof.scenes.frame import Frame, brightness
 from cmtof.scenes.hypersim import view_exists, write_metadata, write_scene, write_view
-from cmtof.scenes.rooms.cameras import Camera, Lens
-from cmtof.scenes.rooms.scene import Scene, build, close_views, scene_name, stream
-from cmtof.scenes.rooms.view import Picture, picture
+from cmtof.scenes.rooms.cameras import Camera, Lens, close_cameras, room_cameras
+from cmtof.scenes.rooms.engine import Light, Picture, World
+from cmtof.scenes.rooms.placing import Furnishing, household, presets
+from cmtof.scenes.rooms.shell import Rectangle, Shell, build_shell
 
 SETTINGS = "rooms.json"
 """File in a set's folder that says what it was made from."""
 
-DIM_SHARE = 0.2
-"""Share of views that are taken in twilight."""
+CLOSE_SHARE = 0.05
+"""Share of a set's views that are taken from 0.5 to 1.2 m."""
 
-_LENS, _EXPOSURE = 8, 9  # streams of random numbers
+LIGHTS = 4
+"""Lights that a room has at most: rays are sent to each."""
+
+# streams of random numbers of one scene, so that more views never change the room
+_ROOM, _VIEWS, _CLOSE, _LENS, _EXPOSURE = range(5)
 
 
 @dataclass(frozen=True)
@@ -60,6 +65,10 @@ class Settings:
                 )
         if self.seed < 0:
             raise ValueError(f"Expected a seed >= 0, got {self.seed}. Choose another.")
+        if self.focal is not None and not 1 <= self.focal < 1e6:
+            raise ValueError(
+                f"Expected a focal length of 1 to 1e6 px, got {self.focal}. Half the width is usual."
+            )
 
     def lens(self, index: int) -> Lens:
         """Lens of one scene."""
@@ -68,34 +77,74 @@ class Settings:
         return Lens((self.height, self.width), float(self.focal or drawn))
 
 
-def shape_from_text(text: str) -> tuple[int, int]:
-    """Height and width, px, of a size like ``768x1024``."""
-    try:
-        height, width = (int(part) for part in text.lower().split("x"))
-    except ValueError as error:
-        raise ValueError(f"Expected a size like 512x512, got {text}. Try 768x1024.") from error
-    return height, width
+@dataclass(frozen=True)
+class Scene:
+    """A furnished room with its light; cameras are drawn from it."""
+
+    seed: int
+    index: int
+    kind: str
+    world: World
+    floor: list[Rectangle]
+    height: float
+    furniture: range
+    """Numbers of the things that do not belong to the house itself."""
+
+    @property
+    def name(self) -> str:
+        """Folder of the scene, as in ``room_000_007``: seed and place in the set."""
+        return f"room_{self.seed:03d}_{self.index:03d}"
+
+    def cameras(self, views: int, lens: Lens) -> dict[str, list[Camera]]:
+        """Poses of ``cam_00`` (across the room) and ``cam_01`` (close to things).
+
+        Together ``views``; the first ones stay the same when more are asked for.
+        """
+        close = close_views(self.index, views) if len(self.furniture) else 0
+        across, near = (stream(self.seed, self.index, use) for use in (_VIEWS, _CLOSE))
+        where = {"floor": self.floor, "height": self.height}
+        return {
+            "cam_00": room_cameras(views - close, self.world, lens, rng=across, **where),
+            "cam_01": close_cameras(close, self.world, lens, things=np.array(self.furniture),
+                                    rng=near),
+        }  # fmt: skip
+
+
+class Shown(NamedTuple):
+    """One rendered view, in memory."""
+
+    scene: Scene
+    camera: str
+    """``cam_00`` across the room, ``cam_01`` close to things."""
+    picture: Picture
+    frame: Frame
 
 
 class Done(NamedTuple):
-    """What one scene cost, all in seconds of one core."""
+    """What one scene cost, in seconds of one core; views already there do not count."""
 
     scene: str
     rendered: int
-    """Views written; those that were there already do not count."""
     build_s: float
     views_s: float
-    """Rendering, without building and writing."""
     write_s: float
-    rays: int
-    """All rays, those for cameras and for the light of the scene too."""
-    rays_s: float
-    """Time within Embree alone for those rays."""
 
-    @property
-    def total_s(self) -> float:
-        """All of it."""
-        return self.build_s + self.views_s + self.write_s
+
+def stream(seed: int, index: int, use: int) -> np.random.Generator:
+    """Random numbers of one scene that no other and no other use of it share."""
+    return np.random.default_rng([seed, index, use])
+
+
+def close_views(index: int, views: int) -> int:
+    """How many of a scene's views are close ones; over many scenes a share of `CLOSE_SHARE`.
+
+    Examples
+    --------
+    >>> [close_views(i, 5) for i in range(4)], close_views(7, 10)
+    ([0, 1, 0, 1], 1)
+    """
+    share = round(views * CLOSE_SHARE, 9)
+    return int((index + 1) * share) - int(index * share)
 
 
 def split_of(index: int) -> str:
@@ -109,19 +158,86 @@ def split_of(index: int) -> str:
     return {8: "val", 9: "test"}.get(index % 10, "train")
 
 
+def shape_from_text(text: str) -> tuple[int, int]:
+    """Height and width, px, of a size like ``768x1024``."""
+    try:
+        height, width = (int(part) for part in text.lower().split("x"))
+    except ValueError as error:
+        raise ValueError(f"Expected a size like 512x512, got {text}. Try 768x1024.") from error
+    return height, width
+
+
+def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
+    """Build, furnish and light one room.
+
+    Parameters
+    ----------
+    seed, index : int
+        The same pair gives the same room.
+    kind : str, optional
+        One of the ``rooms`` of `presets.yml`; drawn by default.
+
+    Raises
+    ------
+    ValueError
+        If there is no such kind.
+    """
+    rng, rooms = stream(seed, index, _ROOM), presets()["rooms"]
+    odds = np.array([room["weight"] for room in rooms.values()], float)
+    drawn = str(rng.choice(list(rooms), p=odds / odds.sum()))
+    kind = kind or drawn
+    if kind not in rooms:
+        raise ValueError(f"Expected a room out of {', '.join(rooms)}, got {kind}. Choose one.")
+    kit = household(rng)
+    shell = build_shell(kit, rooms[kind])
+    inside = Furnishing(shell, kit)
+    tidy = kit.between(0.5, 1.3)
+    inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
+    for wall in shell.beyond:
+        room = Shell(0.0, 0.0, 2.0, [wall], [(-99.0, 99.0, -99.0, 99.0)])
+        far = Furnishing(room, kit)
+        far.fill({"sideboard": 0.5, "picture": 0.7, "big_plant": 0.5, "bookcase": 0.3})
+        inside.things += far.things
+    first = len(shell.things) + 1
+    things = shell.things + inside.things
+    low, high = (0.1, 0.1, 0.1), (shell.width - 0.1, shell.depth - 0.1, shell.height - 0.1)
+    world = World(things, _chosen(shell, inside.lights), (low, high), sky=shell.sky)
+    numbers = range(first, len(things) + 1)
+    return Scene(seed, index, kind, world, shell.floor, shell.height, numbers)
+
+
+def _chosen(shell: Shell, lamps: list[Light]) -> list[Light]:
+    """At most `LIGHTS` lights; the strongest lamps shine for those that were left out."""
+    if not shell.lights and not lamps:  # a lamp that nobody sees
+        middle = (shell.width / 2, shell.depth / 2, shell.height - 0.05)
+        lamps = [Light(middle, (0.3, 0, 0), (0, 0.3, 0), (0, 0, -1), 2.0)]
+    dimmed = 0.15 if shell.day else 1.0
+    lamps = [lamp._replace(power=lamp.power * dimmed) for lamp in lamps]
+    every = sorted([*shell.lights, *lamps], key=lambda light: -light.power)
+    kept = every[:LIGHTS]
+    more = sum(light.power for light in every) / sum(light.power for light in kept)
+    return [light._replace(power=light.power * more) for light in kept]
+
+
+DIM_SHARE, MEDIAN, CONTRAST, DIM = 0.2, 0.38, 0.85, 2.6
+"""Share of views in twilight; a view's median brightness, its spread and what twilight takes, log.
+
+They were found on other seeds, for the brightness of all pixels to be spread as Hypersim's.
+"""
+
+
 def expose(seen: Picture, rank: float) -> Picture:
     """Scale a view's light as photographs come out: its median log-normal, one in five dim.
 
     Parameters
     ----------
     rank : float
-        0 to 1: which of all views, by brightness. Width and share of dim views were found on
-        other seeds, for the brightness of all pixels to be spread as Hypersim's.
+        0 to 1: which of all views, by brightness.
     """
     middle = float(np.median(brightness(seen.color)[np.isfinite(seen.depth)]))
     dim = rank < DIM_SHARE
     within = rank / DIM_SHARE if dim else (rank - DIM_SHARE) / (1 - DIM_SHARE)
-    wanted = 0.38 * np.exp(0.85 * ndtri(np.clip(within, 0.01, 0.99)) - 2.6 * dim)
+    wanted = MEDIAN * np.exp(CONTRAST * ndtri(np.clip(within, 0.01, 0.99)) - DIM * dim)
     return seen._replace(color=seen.color * np.float32(wanted / max(middle, 1e-6)))
 
 
@@ -131,19 +247,9 @@ def render_view(scene: Scene, camera: Camera, lens: Lens, number: int) -> Pictur
     Exposures step by the golden section through scenes and views: even small sets have their
     share of dark and bright ones.
     """
-    seen = picture(scene.light, camera.position, lens.rays(camera.orientation))
+    seen = scene.world.picture(camera.position, lens.rays(camera.orientation))
     start = stream(scene.seed, 0, _EXPOSURE).uniform()
     return expose(seen, (start + 0.6180339887498949 * (7 * scene.index + number)) % 1)
-
-
-class Shown(NamedTuple):
-    """One rendered view, in memory."""
-
-    scene: Scene
-    camera: str
-    """``cam_00`` across the room, ``cam_01`` close to things."""
-    picture: Picture
-    frame: Frame
 
 
 def rendered_views(settings: Settings) -> Iterator[Shown]:
@@ -169,15 +275,14 @@ def _number(camera: str, frame: int) -> int:
 
 def render_scene(root: Path, settings: Settings, index: int) -> Done:
     """Write the views of one scene that are not there yet."""
-    name, lens = scene_name(settings.seed, index), settings.lens(index)
+    name, lens = f"room_{settings.seed:03d}_{index:03d}", settings.lens(index)
     missing = [v for v in _views(index, settings.views) if not view_exists(root, name, *v)]
     if not missing:
-        return Done(name, 0, 0.0, 0.0, 0.0, 0, 0.0)
+        return Done(name, 0, 0.0, 0.0, 0.0)
     start = process_time()
     scene = build(settings.seed, index)
     built = process_time()
     cameras = scene.cameras(settings.views, lens)
-    tracer = scene.light.tracer
     poses = {c: (np.stack([p.position for p in v]), np.stack([p.orientation for p in v]))
              for c, v in cameras.items() if v}  # fmt: skip
     write_scene(root, name, cameras=poses)
@@ -187,9 +292,7 @@ def render_scene(root: Path, settings: Settings, index: int) -> Done:
         before = process_time()
         write_view(root, name, camera, frame, **seen._asdict())
         writing += process_time() - before
-    views_s = process_time() - built - writing
-    costs = (built - start, views_s, writing, tracer.rays, tracer.seconds)
-    return Done(name, len(missing), *costs)
+    return Done(name, len(missing), built - start, process_time() - built - writing, writing)
 
 
 def _views(index: int, views: int) -> list[tuple[str, int]]:
@@ -214,7 +317,7 @@ def render_rooms(
     workers : int, optional
         Processes; by default one a core.
     progress : callable
-        Told of each scene as it is done.
+        Called with each scene as it is done.
 
     Raises
     ------
@@ -222,7 +325,7 @@ def render_rooms(
         If the folder holds a set of other settings.
     """
     _claim(root, settings)
-    names = {scene_name(settings.seed, i): i for i in range(settings.scenes)}
+    names = {f"room_{settings.seed:03d}_{i:03d}": i for i in range(settings.scenes)}
     write_metadata(
         root,
         {name: split_of(i) for name, i in names.items()},
@@ -262,6 +365,8 @@ def _claim(root: Path, settings: Settings) -> None:
     from cmtof import __version__
 
     root.mkdir(parents=True, exist_ok=True)
+    for part in root.rglob(".*.part-*"):  # what a killed run had begun
+        part.unlink(missing_ok=True)
     path = root / SETTINGS
     wanted = asdict(settings) | {"version": __version__}
     free = ("scenes", "views")  # a set may grow
