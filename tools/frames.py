@@ -67,8 +67,10 @@ def main(path: Path) -> None:
         for stored, (frame, _) in zip(held_out_frames(path), views, strict=True)
     )
     median = np.median([coverage for _, coverage in views])
-    print(f"{path}: {len(views)} views, {path.stat().st_size / 1e6:.2f} MB, median coverage "
-          f"{median:.0%}, depth within {1e3 * error:.3f} mm")  # fmt: skip
+    print(
+        f"{path}: {len(views)} views, {path.stat().st_size / 1e6:.2f} MB, median coverage "
+        f"{median:.0%}, depth within {1e3 * error:.3f} mm"
+    )
 
 
 if __name__ == "__main__":

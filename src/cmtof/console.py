@@ -70,17 +70,12 @@ def print_scores(result: "xr.Dataset", measurement: "Measurement") -> None:
 
 
 def print_render_costs(done: "list[Done]") -> None:
-    """Print what rendering cost beside the bare time of its rays."""
-    rays, bare = sum(one.rays for one in done), sum(one.rays_s for one in done)
+    """Print what rendering cost, in seconds of one core."""
     build, views, write = (
         sum(getattr(one, f"{part}_s") for one in done) for part in ("build", "views", "write")
     )
-    print(
-        f"{rays / 1e6:.1f} million rays: {bare:.1f} core seconds within Embree. Rooms and their "
-        f"light {build:.1f}, views {views:.1f}, writing {write:.1f}: "
-        f"{(build + views) / bare:.2f} times the bare rays, {(build + views + write) / bare:.2f} "
-        "with writing"
-    )
+    parts = f"rooms and their light {build:.1f}, views {views:.1f}, writing {write:.1f}"
+    print(f"seconds of one core: {parts}")
 
 
 def write_json(path: Path, content: Any) -> None:

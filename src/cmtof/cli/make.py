@@ -14,7 +14,9 @@ from cmtof.console import hidden, print_render_costs, progress_bar
 def render(
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write the set into.")],
     scenes: Annotated[int, typer.Option(min=1, help="How many rooms.")] = 20,
-    views: Annotated[int, typer.Option(min=1, help="Views of each; a third are close-ups.")] = 5,
+    views: Annotated[
+        int, typer.Option(min=1, help="Views of each; one in twenty is a close-up.")
+    ] = 5,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the set.")] = 0,
     size: Annotated[str, typer.Option(help="Height x width, px.")] = "512x512",
     focal: Annotated[

@@ -200,7 +200,7 @@ class MeshTarget:
     @cached_property
     def _tracer(self) -> Any:
         """Embree's tree, made when it is first needed."""
-        from cmtof.scenes.rooms.tracing import Tracer
+        from cmtof.scenes.rooms.engine import Tracer
 
         return Tracer(np.asarray(self.vertices, np.float32), np.asarray(self.faces, np.int32))
 

@@ -1,37 +1,148 @@
-"""The whole catalogue of furniture, and the odd ones in it."""
+"""Furniture: it fills its size, stands on the floor, and nothing stands in anything."""
 
+import numpy as np
 import pytest
-from furnishing import assert_made_well, draw
 
-from cmtof.scenes.rooms.furniture import CATALOGUE
+from cmtof.scenes.rooms.makers import MAKERS
+from cmtof.scenes.rooms.materials import PATTERNS, Material, Palette
+from cmtof.scenes.rooms.placing import household, overlap, presets
+from cmtof.scenes.rooms.rendering import build
+from cmtof.scenes.rooms.shell import THICK, build_shell
 
-LIMITS = {
-    "stepladder": ((0.4, 0.85), (0.7, 2.2), (0.6, 1.75)),
-    "ironing_board": ((1.1, 1.75), (0.35, 0.5), (0.75, 0.95)),
-    "wine_rack": ((0.4, 0.75), (0.2, 0.45), (0.35, 0.9)),
-    "fish_tank": ((0.55, 1.15), (0.3, 0.5), (0.95, 1.4)),
-    "pinboard": ((0.45, 1.25), (0.01, 0.08), (0.35, 0.85)),
-    "pram": ((0.4, 0.7), (0.8, 1.2), (0.9, 1.2)),
-}
-"""Least and greatest width, depth and height, m."""
-ON_THE_WALL = ("pinboard",)
+KINDS, ROOMS = presets()["kinds"], presets()["rooms"]
 
 
-def test_every_piece_has_limits():
-    assert set(LIMITS) <= set(CATALOGUE)
+def bounds(parts):
+    boxes = np.stack([part.mesh.bounds for part in parts])
+    return boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
 
 
-@pytest.mark.parametrize("name", LIMITS)
-def test_it_is_made_well(name, check_thing):
-    standing = "wall" if name in ON_THE_WALL else "floor"
-    assert_made_well(
-        name, CATALOGUE[name], LIMITS[name], check_thing, budget=9000, standing=standing
-    )
+def test_presets_name_only_what_there_is():
+    used = {name for room in ROOMS.values() for name in room["things"]}
+    used |= {
+        name for kind in KINDS.values() for part in ("on", "around") for name in kind.get(part, {})
+    }
+    assert used <= set(KINDS)
+    assert {kind["maker"] for kind in KINDS.values()} == set(MAKERS)
+    assert len(KINDS) >= 60
+    patterns = {name for role in presets()["materials"].values() for name in role["patterns"]}
+    assert patterns == set(PATTERNS)
 
 
-def test_every_maker_of_the_catalogue_draws_something_with_a_name():
-    assert len(CATALOGUE) >= 60
-    for maker in CATALOGUE.values():
-        thing = draw(maker, 0)
-        assert thing.kind
-        assert thing.kind == thing.kind.lower()
+@pytest.mark.parametrize("maker", MAKERS)
+def test_every_kind_is_closed_and_stays_within_its_size(maker):
+    kit = household(np.random.default_rng(5))
+    for name, kind in KINDS.items():
+        if kind["maker"] != maker:
+            continue
+        size = np.array([kit.between(*pair) for pair in kind["size"]])
+        made = MAKERS[maker](kit, size, **kind.get("make", {}))
+        assert all(part.mesh.is_watertight and part.mesh.volume > 0 for part in made.parts), name
+        low, high = bounds(made.parts)
+        # handles, worktops and banisters reach a little further
+        beyond = np.array([0.03, 0.04, 1.0 if maker == "stairs" else 0.04])
+        assert (low >= -size / 2 * [1, 1, 0] - beyond * [1, 1, 0] - 1e-3).all(), name
+        assert (high <= size * [0.5, 0.5, 1] + beyond).all(), name
+        assert abs(low[2]) < 2e-3, name
+        for top in made.tops:
+            assert top.z <= high[2] + 2e-3, name
+
+
+@pytest.fixture(scope="module")
+def scenes():
+    return [build(31, index) for index in range(24)]
+
+
+def standing(scene):
+    """Kind and bounds of what takes up room: all but rugs and what lies on something."""
+    for number in scene.furniture:
+        thing = scene.world.things[number - 1]
+        if KINDS[thing.kind]["at"] not in ("flat", "top"):
+            yield thing.kind, *bounds(thing.parts)
+
+
+def test_no_two_pieces_of_furniture_share_space(scenes):
+    for scene in scenes:
+        boxes = list(standing(scene))
+        for k, (name, low, high) in enumerate(boxes):
+            for other, low2, high2 in boxes[:k]:
+                shared = np.minimum(high, high2) - np.maximum(low, low2)
+                assert (shared < 0.03).any(), (scene.name, name, other)
+
+
+def test_furniture_stands_on_the_floor_and_under_the_ceiling(scenes):
+    for scene in scenes:
+        for name, low, high in standing(scene):
+            if KINDS[name]["at"] in ("wall", "corner", "free", "around"):
+                assert abs(low[2]) < 2e-3, (scene.name, name)
+            assert low[2] > -2e-3, (scene.name, name)
+            assert high[2] < scene.height + 1.0, (scene.name, name)
+
+
+def test_furniture_stays_inside_the_walls(scenes):
+    for scene in scenes:
+        floor = np.array(scene.floor)
+        x1, y1 = floor[:, 1].max(), floor[:, 3].max()
+        for name, low, high in standing(scene):
+            beyond = (low[:2] < -THICK).any() or high[0] > x1 + THICK or high[1] > y1 + THICK
+            if not beyond:  # what stands in the room beyond a passage is left out
+                assert low[0] > -0.01, (scene.name, name)
+                assert high[0] < x1 + 0.01, (scene.name, name)
+
+
+def test_no_camera_stands_in_a_solid_or_close_to_a_surface(scenes):
+    for index, scene in enumerate(scenes[:12]):
+        lens = scene_lens(index)
+        for poses in scene.cameras(4, lens).values():
+            for pose in poses:
+                turn = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+                rays = np.stack([np.cos(turn), np.sin(turn), 0.3 * np.sin(5 * turn)], 1)
+                rays = (rays / np.linalg.norm(rays, axis=1, keepdims=True)).astype(np.float32)
+                start = np.tile(pose.position.astype(np.float32), (24, 1))
+                hits = scene.world.tracer.nearest(start, rays)
+                met = hits.triangle >= 0
+                facing = (scene.world.normals[hits.triangle[met]] * rays[met]).sum(axis=1)
+                assert (facing > 0).mean() <= 0.1, scene.name
+                assert hits.distance[met].min() > 0.1, scene.name
+
+
+def scene_lens(index):
+    from cmtof.scenes.rooms.rendering import Settings
+
+    return Settings(31, height=48, width=64).lens(index)
+
+
+def test_rooms_come_in_all_kinds_also_as_an_l_with_slopes_and_passages():
+    drawn = [
+        build_shell(household(np.random.default_rng(seed)), ROOMS["attic"]) for seed in range(40)
+    ]
+    assert any(len(shell.floor) == 2 for shell in drawn)
+    assert any(shell.beyond for shell in drawn)
+    assert any(not shell.day for shell in drawn)
+    sloping = [shell for shell in drawn if shell.eaves]
+    assert len(sloping) > 20
+    for shell in sloping:
+        way, _, _ = shell.eaves[0]
+        edge = shell.depth if way > 0 else 0.0
+        area = (1.0, 2.0, edge - 0.2, edge) if way > 0 else (1.0, 2.0, 0.0, 0.2)
+        assert 0.8 < shell.headroom(area) < 2.0
+
+
+@pytest.mark.parametrize("name", PATTERNS)
+def test_patterns_mix_two_colours_and_fade_with_distance(name):
+    rng = np.random.default_rng(3)
+    points = rng.uniform(-2, 2, (4000, 3)).astype(np.float32)
+    up = np.tile(np.array([0, 0, 1], np.float32), (4000, 1))
+    palette = Palette([Material((0.2, 0.2, 0.2), (0.6, 0.6, 0.6), name, 0.2)])
+    number = np.zeros(4000, int)
+    near = palette.albedo(number, points, up, np.zeros(4000, np.float32))[:, 0]
+    far = palette.albedo(number, points, up, np.full(4000, 1.0, np.float32))[:, 0]
+    assert 0.2 - 1e-6 <= near.min() <= near.max() <= 0.6 + 1e-6
+    assert np.ptp(far) < 1e-6
+    assert (np.ptp(near) > 0.2) == (name != "plain")
+    assert far[0] == pytest.approx(palette.mean[0, 0])
+
+
+def test_rectangles_that_only_touch_do_not_overlap():
+    assert not overlap((0, 1, 0, 1), (1, 2, 0, 1))
+    assert overlap((0, 1, 0, 1), (0.9, 2, 0.9, 2))

@@ -57,10 +57,12 @@ class Picture(NamedTuple):
 
 
 class Hits(NamedTuple):
-    """What N rays met first: distance, m, and triangle, -1 where nothing was met."""
+    """What N rays met first: distance, m, triangle (-1: nothing), weights of its last corners."""
 
     distance: Array
     triangle: NDArray[np.int32]
+    u: Array
+    v: Array
 
 
 class Tracer:
@@ -93,7 +95,7 @@ class Tracer:
     def nearest(self, origins: Array, directions: Array) -> Hits:
         """First triangle along each ray, (N, 3) and (N, 3), unit directions."""
         found = self._scene.run(origins, directions, output=1)
-        return Hits(found["tfar"], found["primID"])
+        return Hits(found["tfar"], found["primID"], found["u"], found["v"])
 
     def blocked(self, origins: Array, directions: Array, reach: Array) -> NDArray[np.bool_]:
         """Whether anything lies within ``reach``, (N,), m, along each ray."""

@@ -4,6 +4,7 @@ A thing stands on z = 0 about the origin, its front towards -y. Every maker take
 and options that `presets.yml` names.
 """
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -107,17 +108,25 @@ def table(
         profile = [(foot, 0), (foot, 0.03), (0.05, 0.06), (0.04, below)]
         made.add(revolution(profile), kit.material("metal"))
     elif legs == "panel":
-        made.add([slab(s - 0.02, s + 0.02, -b * 0.95, b * 0.95, 0, below)
-                  for s in (-a + 0.06, a - 0.06)], wood)  # fmt: skip
+        made.add(
+            [
+                slab(s - 0.02, s + 0.02, -b * 0.95, b * 0.95, 0, below)
+                for s in (-a + 0.06, a - 0.06)
+            ],
+            wood,
+        )
     else:
         thin = min(kit.between(0.03, 0.07), w / 6, d / 6)
         x, y = a - thin, b - thin
-        made.add([box((thin, thin, below), (i * x, j * y, below / 2))
-                  for i in (-1, 1) for j in (-1, 1)], wood)  # fmt: skip
+        made.add(
+            [box((thin, thin, below), (i * x, j * y, below / 2)) for i in (-1, 1) for j in (-1, 1)],
+            wood,
+        )
         if h > 0.5:
             rail = below - 0.05
-            made.add([slab(-x, x, j * y - 0.01, j * y + 0.01, rail - 0.06, below)
-                      for j in (-1, 1)], wood)  # fmt: skip
+            made.add(
+                [slab(-x, x, j * y - 0.01, j * y + 0.01, rail - 0.06, below) for j in (-1, 1)], wood
+            )
     made.tops.append(Top(-a * 0.9, a * 0.9, -b * 0.9, b * 0.9, h, 1.2))
     return made
 
@@ -131,25 +140,52 @@ def seat(kit: Kit, size: Size, *, style: str = "chair") -> Made:
     arm = kit.between(0.12, 0.2) if style in ("sofa", "armchair") else 0.0
     level, back = min(0.42, 0.9 * h), kit.between(0.16, 0.24) if h > 0.5 else 0.0
     made.add(slab(-w / 2, w / 2, -d / 2, d / 2, 0.08, level - 0.12), cover)
-    feet = [box((0.06, 0.06, 0.08), (i * (w / 2 - 0.06), j * (d / 2 - 0.06), 0.04))
-            for i in (-1, 1) for j in (-1, 1)]  # fmt: skip
+    feet = [
+        box((0.06, 0.06, 0.08), (i * (w / 2 - 0.06), j * (d / 2 - 0.06), 0.04))
+        for i in (-1, 1)
+        for j in (-1, 1)
+    ]
     made.add(feet, kit.material("wood"))
     if arm:
         top = kit.between(0.55, 0.65)
-        made.add([slab(i * (w / 2) - (arm if i > 0 else 0), i * (w / 2) + (arm if i < 0 else 0),
-                       -d / 2, d / 2, 0.08, min(top, h)) for i in (-1, 1)], cover)  # fmt: skip
+        made.add(
+            [
+                slab(
+                    i * (w / 2) - (arm if i > 0 else 0),
+                    i * (w / 2) + (arm if i < 0 else 0),
+                    -d / 2,
+                    d / 2,
+                    0.08,
+                    min(top, h),
+                )
+                for i in (-1, 1)
+            ],
+            cover,
+        )
     wide = w - 2 * arm
     count = max(1, round(wide / 0.75))
     each, deep = wide / count, d - back
     middles = -wide / 2 + each * (np.arange(count) + 0.5)
-    made.add([moved(ball((each / 2, deep / 2, 0.09), squareness=0.75),
-                    (x, -back / 2, level - 0.05)) for x in middles], cover)  # fmt: skip
+    made.add(
+        [
+            moved(ball((each / 2, deep / 2, 0.09), squareness=0.75), (x, -back / 2, level - 0.05))
+            for x in middles
+        ],
+        cover,
+    )
     if back:
         made.add(slab(-wide / 2, wide / 2, d / 2 - 0.08, d / 2, level - 0.12, h), cover)
         tall = (h - level) / 2
-        made.add([moved(ball((each / 2, back / 2, tall), squareness=0.7),
-                         (x, d / 2 - back / 2 - 0.03, level + 0.9 * tall))
-                  for x in middles], cover)  # fmt: skip
+        made.add(
+            [
+                moved(
+                    ball((each / 2, back / 2, tall), squareness=0.7),
+                    (x, d / 2 - back / 2 - 0.03, level + 0.9 * tall),
+                )
+                for x in middles
+            ],
+            cover,
+        )
     return made
 
 
@@ -159,11 +195,19 @@ def _chair(kit: Kit, size: Size, *, back: bool) -> Made:
     wood, made, thin = kit.material(str(kit.rng.choice(["wood", "metal"]))), Made(), 0.035
     x, y = w / 2 - thin / 2, d / 2 - thin / 2
     made.add(box((w, d, 0.04), (0, 0, level - 0.02)), kit.material("fabric"))
-    made.add([box((thin, thin, level - 0.04), (i * x, j * y, (level - 0.04) / 2))
-              for i in (-1, 1) for j in (-1, 1)], wood)  # fmt: skip
+    made.add(
+        [
+            box((thin, thin, level - 0.04), (i * x, j * y, (level - 0.04) / 2))
+            for i in (-1, 1)
+            for j in (-1, 1)
+        ],
+        wood,
+    )
     if back:
-        posts = [slab(i * x - thin / 2, i * x + thin / 2, y - thin / 2, y + thin / 2, level, h)
-                 for i in (-1, 1)]  # fmt: skip
+        posts = [
+            slab(i * x - thin / 2, i * x + thin / 2, y - thin / 2, y + thin / 2, level, h)
+            for i in (-1, 1)
+        ]
         low = level + 0.5 * (h - level) if kit.chance(0.5) else level + 0.08
         made.add([*posts, slab(-x, x, y - 0.012, y + 0.012, low, h)], wood)
     return made
@@ -182,17 +226,38 @@ def cabinet(
     w, d, h = size
     made, wood = Made(), kit.material(material)
     plinth, front = min(0.06, h / 8), 0.02
-    made.add([slab(-w / 2, w / 2, -d / 2 + front, d / 2, plinth, h),
-              slab(-w / 2 + 0.03, w / 2 - 0.03, -d / 2 + 0.06, d / 2, 0, plinth)], wood)  # fmt: skip
+    made.add(
+        [
+            slab(-w / 2, w / 2, -d / 2 + front, d / 2, plinth, h),
+            slab(-w / 2 + 0.03, w / 2 - 0.03, -d / 2 + 0.06, d / 2, 0, plinth),
+        ],
+        wood,
+    )
     n, m = (int(kit.rng.integers(a, b + 1)) for a, b in (columns, rows))
     gap, dx, dz = 0.006, w / n, (h - plinth - 0.02) / m
     cells = [(-w / 2 + i * dx, plinth + j * dz) for i in range(n) for j in range(m)]
-    made.add([slab(x + gap, x + dx - gap, -d / 2, -d / 2 + front, z + gap, z + dz - gap)
-              for x, z in cells], wood)  # fmt: skip
+    made.add(
+        [
+            slab(x + gap, x + dx - gap, -d / 2, -d / 2 + front, z + gap, z + dz - gap)
+            for x, z in cells
+        ],
+        wood,
+    )
     if kit.chance(0.6):
-        made.add([slab(x + dx / 2 - 0.05, x + dx / 2 + 0.05, -d / 2 - 0.025, -d / 2,
-                       z + 0.8 * dz, z + 0.8 * dz + 0.012) for x, z in cells],
-                 kit.material("metal"))  # fmt: skip
+        made.add(
+            [
+                slab(
+                    x + dx / 2 - 0.05,
+                    x + dx / 2 + 0.05,
+                    -d / 2 - 0.025,
+                    -d / 2,
+                    z + 0.8 * dz,
+                    z + 0.8 * dz + 0.012,
+                )
+                for x, z in cells
+            ],
+            kit.material("metal"),
+        )
     if top:
         made.add(slab(-w / 2, w / 2, -d / 2 - 0.015, d / 2, h, h + 0.03), kit.material(top))
         h += 0.03
@@ -206,8 +271,9 @@ def shelf(kit: Kit, size: Size, *, fill: float = 0.5, bay: float = 0.9) -> Made:
     made, wood, thick = Made(), kit.material("wood"), 0.025
     bays, levels = max(1, round(w / bay)), max(1, round(h / kit.between(0.32, 0.42)))
     xs, zs = np.linspace(-w / 2, w / 2, bays + 1), np.linspace(0.05, h - thick, levels + 1)
-    sides = [slab(min(x, w / 2 - thick), min(x, w / 2 - thick) + thick, -d / 2, d / 2, 0, h)
-             for x in xs]  # fmt: skip
+    sides = [
+        slab(min(x, w / 2 - thick), min(x, w / 2 - thick) + thick, -d / 2, d / 2, 0, h) for x in xs
+    ]
     boards = [slab(-w / 2, w / 2, -d / 2 + 0.005, d / 2, z, z + thick) for z in zs]
     made.add([*sides, *boards], wood)
     made.add(slab(-w / 2, w / 2, d / 2 - 0.01, d / 2, 0.05, h), wood)
@@ -230,8 +296,10 @@ def _books(kit: Kit, made: Made, x: Size, y: Size, z: Size) -> None:
         tall, thick = room * kit.between(0.6, 0.95), kit.between(0.018, 0.045)
         count = max(1, int(run / thick))
         front = y[0] + kit.between(0, 0.25) * deep
-        books = [slab(at + k * thick, at + (k + 1) * thick - 0.001, front, y[1], z[0], z[0] + tall)
-                 for k in range(count)]  # fmt: skip
+        books = [
+            slab(at + k * thick, at + (k + 1) * thick - 0.001, front, y[1], z[0], z[0] + tall)
+            for k in range(count)
+        ]
         made.add(books, kit.material("paper"))
         at += count * thick + 0.002
 
@@ -240,13 +308,23 @@ def bed(kit: Kit, size: Size) -> Made:
     """A frame with headboard, mattress, blanket and pillows; its head at +y."""
     w, d, h = size
     made, level = Made(), min(0.5, 0.6 * h)
-    made.add([slab(-w / 2, w / 2, -d / 2, d / 2, 0.1, 0.3), slab(-w / 2, w / 2, d / 2 - 0.05, d / 2,
-              0, h), slab(-w / 2 + 0.1, w / 2 - 0.1, -d / 2 + 0.1, d / 2, 0, 0.1)],
-             kit.material("wood"))  # fmt: skip
+    made.add(
+        [
+            slab(-w / 2, w / 2, -d / 2, d / 2, 0.1, 0.3),
+            slab(-w / 2, w / 2, d / 2 - 0.05, d / 2, 0, h),
+            slab(-w / 2 + 0.1, w / 2 - 0.1, -d / 2 + 0.1, d / 2, 0, 0.1),
+        ],
+        kit.material("wood"),
+    )
     soft = ball((w / 2 - 0.02, d / 2 - 0.06, (level - 0.28) / 2), squareness=0.85, fineness=3)
     made.add(moved(soft, (0, -0.01, (level + 0.28) / 2)), kit.material("linen"))
-    cover = ball((w / 2, d * 0.33, (level - 0.2) / 2 + 0.02), squareness=0.85, fineness=4,
-                 noise=kit.between(0.005, 0.03), rng=kit.rng)  # fmt: skip
+    cover = ball(
+        (w / 2, d * 0.33, (level - 0.2) / 2 + 0.02),
+        squareness=0.85,
+        fineness=4,
+        noise=kit.between(0.005, 0.03),
+        rng=kit.rng,
+    )
     made.add(moved(cover, (0, -d * 0.17, (level + 0.2) / 2)), kit.material("fabric"))
     count = 2 if w > 1.2 else 1
     for k in range(count):
@@ -283,21 +361,58 @@ def lamp(kit: Kit, size: Size, *, style: str = "stand", power: float = 1.0) -> M
 
 
 VESSELS = {
-    "vase": [(0.5, 0), (0.8, 0.2), (1, 0.5), (0.7, 0.8), (0.45, 0.92), (0.6, 1), (0.5, 1),
-             (0.35, 0.92), (0.6, 0.5), (0, 0.1)],
+    "vase": [
+        (0.5, 0),
+        (0.8, 0.2),
+        (1, 0.5),
+        (0.7, 0.8),
+        (0.45, 0.92),
+        (0.6, 1),
+        (0.5, 1),
+        (0.35, 0.92),
+        (0.6, 0.5),
+        (0, 0.1),
+    ],
     "bowl": [(0.4, 0), (0.45, 0.06), (0.8, 0.4), (1, 1), (0.95, 1), (0.75, 0.45), (0, 0.15)],
     "bottle": [(0.9, 0), (1, 0.05), (1, 0.6), (0.4, 0.75), (0.35, 0.97), (0.4, 1)],
     "mug": [(0.95, 0), (1, 0.1), (1, 1), (0.9, 1), (0.88, 0.1)],
     "pot": [(0.7, 0), (0.95, 0.9), (1, 0.9), (1, 1), (0.88, 1), (0.85, 0.85)],
     "tub": [(0.85, 0), (0.95, 0.5), (1, 0.98), (1, 1), (0.88, 1), (0.85, 0.6), (0.7, 0.25)],
-    "urn": [(0.6, 0), (0.6, 0.05), (0.3, 0.15), (0.8, 0.4), (1, 0.65), (0.7, 0.85), (0.85, 0.97),
-            (0.85, 1)],
-    "column": [(1, 0), (1, 0.04), (0.8, 0.06), (0.75, 0.5), (0.7, 0.93), (0.9, 0.95), (1, 0.96),
-               (1, 1)],
+    "urn": [
+        (0.6, 0),
+        (0.6, 0.05),
+        (0.3, 0.15),
+        (0.8, 0.4),
+        (1, 0.65),
+        (0.7, 0.85),
+        (0.85, 0.97),
+        (0.85, 1),
+    ],
+    "column": [
+        (1, 0),
+        (1, 0.04),
+        (0.8, 0.06),
+        (0.75, 0.5),
+        (0.7, 0.93),
+        (0.9, 0.95),
+        (1, 0.96),
+        (1, 1),
+    ],
     "cylinder": [(1, 0), (1, 1)],
-    "figure": [(0.9, 0), (0.9, 0.08), (0.4, 0.12), (0.55, 0.3), (0.7, 0.45), (0.95, 0.6),
-               (0.4, 0.68), (0.3, 0.74), (0.45, 0.82), (0.45, 0.9), (0.25, 0.98)],
-}  # fmt: skip
+    "figure": [
+        (0.9, 0),
+        (0.9, 0.08),
+        (0.4, 0.12),
+        (0.55, 0.3),
+        (0.7, 0.45),
+        (0.95, 0.6),
+        (0.4, 0.68),
+        (0.3, 0.74),
+        (0.45, 0.82),
+        (0.45, 0.9),
+        (0.25, 0.98),
+    ],
+}
 """Profiles of vessels: share of the radius and of the height, from the foot on."""
 
 
@@ -360,8 +475,13 @@ def plant(kit: Kit, size: Size, *, style: str = "leaves") -> Made:
         turn, out = 2.4 * k + kit.between(-0.3, 0.3), kit.between(0.2, 0.6)
         way = np.array([np.cos(turn), np.sin(turn)]) * w / 2
         tip = np.array([*(out * way), pot + crown * kit.between(0.35, 0.88)])
-        stems.append(sweep([(0, 0, 0.8 * pot), (*(0.3 * out * way), (pot + tip[2]) / 2), tip],
-                           0.004 + 0.004 * crown, 5))  # fmt: skip
+        stems.append(
+            sweep(
+                [(0, 0, 0.8 * pot), (*(0.3 * out * way), (pot + tip[2]) / 2), tip],
+                0.004 + 0.004 * crown,
+                5,
+            )
+        )
         leaf = ball((0.2 * w, 0.085 * w, 0.008), fineness=1)
         leaves.append(moved(leaf, tip, turn))
     return made.add(leaves, green).add(stems, green)
@@ -374,13 +494,21 @@ def picture(
     w, d, h = size
     made, edge = Made(), min(frame, w / 6)
     inner = kit.material(material)._replace(emission=emission)
-    made.add(slab(-w / 2 + edge / 2, w / 2 - edge / 2, -d / 2 + d / 3, d / 2, edge / 2,
-                  h - edge / 2), inner)  # fmt: skip
+    made.add(
+        slab(-w / 2 + edge / 2, w / 2 - edge / 2, -d / 2 + d / 3, d / 2, edge / 2, h - edge / 2),
+        inner,
+    )
     if frame:
-        bars = [(-w / 2, w / 2, 0, edge), (-w / 2, w / 2, h - edge, h),
-                (-w / 2, -w / 2 + edge, edge, h - edge), (w / 2 - edge, w / 2, edge, h - edge)]
-        made.add([slab(x0, x1, -d / 2, d / 2, z0, z1) for x0, x1, z0, z1 in bars],
-                 kit.material(str(kit.rng.choice(["wood", "metal"]))))  # fmt: skip
+        bars = [
+            (-w / 2, w / 2, 0, edge),
+            (-w / 2, w / 2, h - edge, h),
+            (-w / 2, -w / 2 + edge, edge, h - edge),
+            (w / 2 - edge, w / 2, edge, h - edge),
+        ]
+        made.add(
+            [slab(x0, x1, -d / 2, d / 2, z0, z1) for x0, x1, z0, z1 in bars],
+            kit.material(str(kit.rng.choice(["wood", "metal"]))),
+        )
     return made
 
 
@@ -427,8 +555,10 @@ def stairs(kit: Kit, size: Size, *, rail: bool = True) -> Made:
     w, d, h = size
     count = max(2, round(h / 0.18))
     run, rise = w / count, h / count
-    steps = [slab(-w / 2 + k * run, -w / 2 + (k + 1) * run, -d / 2, d / 2, 0, (k + 1) * rise)
-             for k in range(count)]  # fmt: skip
+    steps = [
+        slab(-w / 2 + k * run, -w / 2 + (k + 1) * run, -d / 2, d / 2, 0, (k + 1) * rise)
+        for k in range(count)
+    ]
     made = Made().add(steps, kit.material("wood"))
     if rail:
         x = -w / 2 + run * (np.arange(count) + 0.5)
@@ -440,15 +570,13 @@ def stairs(kit: Kit, size: Size, *, rail: bool = True) -> Made:
     return made
 
 
-def stack(
-    kit: Kit, size: Size, *, count: Sequence[int] = (1, 4), material: str = "paper"
-) -> Made:
+def stack(kit: Kit, size: Size, *, count: Sequence[int] = (1, 4), material: str = "paper") -> Made:
     """Boxes or books piled up, each turned a little; one of them is a plain case."""
     w, d, h = size
     made, n = Made(), int(kit.rng.integers(count[0], count[1] + 1))
     shares = np.sort(kit.rng.uniform(0.15, 1, n - 1)) if n > 1 else np.zeros(0)
     zs = h * np.unique(np.concatenate([[0.0], shares.round(2), [1.0]]))
-    for low, high in zip(zs[:-1], zs[1:], strict=True):
+    for low, high in itertools.pairwise(zs):
         turn = kit.between(-0.15, 0.15) if n > 1 else 0.0
         fit = 1 / (np.cos(turn) + max(w / d, d / w) * abs(np.sin(turn)))
         x, y = (k * fit * (1.0 if n == 1 else kit.between(0.75, 1.0)) for k in (w, d))
@@ -460,7 +588,22 @@ def stack(
 
 MAKERS: dict[str, Callable[..., Made]] = {
     maker.__name__: maker
-    for maker in (table, seat, cabinet, shelf, bed, lamp, vessel, blob, cloth, plant, picture,
-                  pipe, radiator, stairs, stack)  # fmt: skip
+    for maker in (
+        table,
+        seat,
+        cabinet,
+        shelf,
+        bed,
+        lamp,
+        vessel,
+        blob,
+        cloth,
+        plant,
+        picture,
+        pipe,
+        radiator,
+        stairs,
+        stack,
+    )
 }
 """Every maker by the name that `presets.yml` uses."""

@@ -79,8 +79,10 @@ class Furnishing:
         """Place kinds, each about as often as asked for, the largest first."""
         kinds = presets()["kinds"]
         order = {"wall": 0, "corner": 0, "free": 1, "hung": 2, "flat": 3, "ceiling": 4}
-        drawn = [(name, int(min(self.kit.rng.poisson(mean), 2 * mean + 1)))
-                 for name, mean in counts.items()]  # fmt: skip
+        drawn = [
+            (name, int(min(self.kit.rng.poisson(mean), 2 * mean + 1)))
+            for name, mean in counts.items()
+        ]
         drawn.sort(key=lambda one: (order[kinds[one[0]]["at"]], -_area(kinds[one[0]])))
         for name, count in drawn:
             for _ in range(count):
@@ -90,8 +92,14 @@ class Furnishing:
         """Make one thing of a kind and find a place for it, with what belongs to it."""
         kind = presets()["kinds"][name]
         size = self._size(kind)
-        place = {"wall": self._wall, "corner": self._wall, "hung": self._wall, "free": self._free,
-                 "flat": self._free, "ceiling": self._ceiling}[kind["at"]]  # fmt: skip
+        place = {
+            "wall": self._wall,
+            "corner": self._wall,
+            "hung": self._wall,
+            "free": self._free,
+            "flat": self._free,
+            "ceiling": self._ceiling,
+        }[kind["at"]]
         found = place(kind, size)
         if found is None:
             return False
@@ -117,8 +125,9 @@ class Furnishing:
         if made.glow is not None:
             z, half, way, power = made.glow
             centre = (at[0], at[1], at[2] + z)
-            self.lights.append(Light(centre, (half, 0, 0), (0, half, 0), (0, 0, way), power,
-                                     (1.0, 0.93, 0.82)))  # fmt: skip
+            self.lights.append(
+                Light(centre, (half, 0, 0), (0, half, 0), (0, 0, way), power, (1.0, 0.93, 0.82))
+            )
 
     def _take(self, area: Rectangle, height: float) -> None:
         self.taken.append(area)

@@ -67,7 +67,7 @@ class Settings:
             raise ValueError(f"Expected a seed >= 0, got {self.seed}. Choose another.")
         if self.focal is not None and not 1 <= self.focal < 1e6:
             raise ValueError(
-                f"Expected a focal length of 1 to 1e6 px, got {self.focal}. Half the width is usual."
+                f"Expected a focal length of 1 to 1e6 px, got {self.focal}. Try the width."
             )
 
     def lens(self, index: int) -> Lens:
@@ -105,9 +105,10 @@ class Scene:
         where = {"floor": self.floor, "height": self.height}
         return {
             "cam_00": room_cameras(views - close, self.world, lens, rng=across, **where),
-            "cam_01": close_cameras(close, self.world, lens, things=np.array(self.furniture),
-                                    rng=near),
-        }  # fmt: skip
+            "cam_01": close_cameras(
+                close, self.world, lens, things=np.array(self.furniture), rng=near
+            ),
+        }
 
 
 class Shown(NamedTuple):
@@ -283,8 +284,11 @@ def render_scene(root: Path, settings: Settings, index: int) -> Done:
     scene = build(settings.seed, index)
     built = process_time()
     cameras = scene.cameras(settings.views, lens)
-    poses = {c: (np.stack([p.position for p in v]), np.stack([p.orientation for p in v]))
-             for c, v in cameras.items() if v}  # fmt: skip
+    poses = {
+        c: (np.stack([p.position for p in v]), np.stack([p.orientation for p in v]))
+        for c, v in cameras.items()
+        if v
+    }
     write_scene(root, name, cameras=poses)
     writing = 0.0
     for camera, frame in missing:

@@ -83,8 +83,10 @@ class Shell:
 
     def headroom(self, area: Rectangle) -> float:
         """Free height above a rectangle of the floor, m."""
-        lost = [max(0.0, way * ((area[3] if way > 0 else area[2]) - start)) * fall
-                for way, start, fall in self.eaves]  # fmt: skip
+        lost = [
+            max(0.0, way * ((area[3] if way > 0 else area[2]) - start)) * fall
+            for way, start, fall in self.eaves
+        ]
         return self.height - self.lowest - max(lost, default=0.0)
 
     @property
@@ -99,8 +101,15 @@ def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
     is_open = bool(room.get("open", False))
     day = is_open or kit.chance(0.75)
     notch = _notch(kit, width, depth) if not is_open else (0.0, 0.0)
-    shell = Shell(width, depth, height, _walls(width, depth, notch),
-                  _floor(width, depth, notch), open=is_open, day=day)  # fmt: skip
+    shell = Shell(
+        width,
+        depth,
+        height,
+        _walls(width, depth, notch),
+        _floor(width, depth, notch),
+        open=is_open,
+        day=day,
+    )
     outer = shell.walls[:4]
     holes: list[list[Rectangle]] = [[] for _ in outer]
     order = kit.rng.permutation(4)
@@ -112,9 +121,20 @@ def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
     view = not is_open and day and kit.chance(0.35)
     for number in glazed:
         _windows(kit, shell, number, holes, view=view)
-    walls = [wall.put(moved(plate(wall.length + 2 * THICK, height, THICK, [
-        (x0 + THICK, x1 + THICK, z0, z1) for x0, x1, z0, z1 in cut]), (-THICK, 0, 0)))
-        for wall, cut in zip(outer, holes, strict=True)]  # fmt: skip
+    walls = [
+        wall.put(
+            moved(
+                plate(
+                    wall.length + 2 * THICK,
+                    height,
+                    THICK,
+                    [(x0 + THICK, x1 + THICK, z0, z1) for x0, x1, z0, z1 in cut],
+                ),
+                (-THICK, 0, 0),
+            )
+        )
+        for wall, cut in zip(outer, holes, strict=True)
+    ]
     material = kit.material("wall")
     for one in walls:
         shell.things.append(Thing("wall", [Part(one, material)]))
@@ -191,8 +211,11 @@ def _doorway(kit: Kit, shell: Shell, number: int, holes: list[list[Rectangle]]) 
 def _frame(hole: Rectangle, wide: float, y: float) -> list[Trimesh]:
     """Two jambs and a lintel around a hole."""
     x0, x1, z0, z1 = hole
-    return [slab(x0 - wide, x0, y, 0.0, z0, z1 + wide), slab(x1, x1 + wide, y, 0.0, z0, z1 + wide),
-            slab(x0, x1, y, 0.0, z1, z1 + wide)]  # fmt: skip
+    return [
+        slab(x0 - wide, x0, y, 0.0, z0, z1 + wide),
+        slab(x1, x1 + wide, y, 0.0, z0, z1 + wide),
+        slab(x0, x1, y, 0.0, z1, z1 + wide),
+    ]
 
 
 def _passage(kit: Kit, shell: Shell, number: int, holes: list[list[Rectangle]]) -> None:
@@ -209,8 +232,11 @@ def _passage(kit: Kit, shell: Shell, number: int, holes: list[list[Rectangle]]) 
     a, b = x - kit.between(0.1, 1.5), x + wide + kit.between(0.1, 1.5)
     deep, high = kit.between(2.0, 7.0), max(tall + 0.1, min(shell.height, 3.0))
     y0, y1, t = THICK, THICK + deep, THICK
-    sides = [slab(a - t, a, y0, y1 + t, 0, high), slab(b, b + t, y0, y1 + t, 0, high),
-             slab(a - t, b + t, y1, y1 + t, 0, high)]  # fmt: skip
+    sides = [
+        slab(a - t, a, y0, y1 + t, 0, high),
+        slab(b, b + t, y0, y1 + t, 0, high),
+        slab(a - t, b + t, y1, y1 + t, 0, high),
+    ]
     paint, ground = kit.material("wall"), kit.material("floor")
     parts = [Part(wall.put(one), paint) for one in sides]
     parts.append(Part(wall.put(slab(a - t, b + t, 0.0, y1 + t, -0.2, 0.0)), ground))
@@ -247,8 +273,12 @@ def _windows(
     bars, rows = int(kit.rng.integers(0, 3)), int(kit.rng.integers(0, 3))
     for x0, x1, z0, z1 in cuts:
         wall.taken.append((x0 - 0.05, x1 + 0.05, z0 - 0.03, z1 + 0.05))
-        frame = [(x0, x0 + 0.06, z0, z1), (x1 - 0.06, x1, z0, z1), (x0, x1, z0, z0 + 0.06),
-                 (x0, x1, z1 - 0.06, z1)]  # fmt: skip
+        frame = [
+            (x0, x0 + 0.06, z0, z1),
+            (x1 - 0.06, x1, z0, z1),
+            (x0, x1, z0, z0 + 0.06),
+            (x0, x1, z1 - 0.06, z1),
+        ]
         xs, zs = np.linspace(x0, x1, bars + 2)[1:-1], np.linspace(z0, z1, rows + 2)[1:-1]
         frame += [(x - 0.02, x + 0.02, z0, z1) for x in xs]
         frame += [(x0, x1, z - 0.02, z + 0.02) for z in zs]
@@ -279,12 +309,17 @@ def _outdoors(kit: Kit, shell: Shell, wall: Wall) -> None:
     lawn = lit((0.12, 0.2, 0.06), second=(0.25, 0.24, 0.2), pattern="noise", scale=0.8)
     parts = [Part(wall.put(ground), lawn)]
     wide, tall = kit.between(15, 45), kit.between(5, 14)
-    holes = [(x, x + 1.2, z, z + 1.5) for x in np.arange(1.2, wide - 1.5, 3.0)
-             for z in np.arange(1.0, tall - 1.8, 3.0)]  # fmt: skip
+    holes = [
+        (x, x + 1.2, z, z + 1.5)
+        for x in np.arange(1.2, wide - 1.5, 3.0)
+        for z in np.arange(1.0, tall - 1.8, 3.0)
+    ]
     front = moved(plate(wide, tall, 0.3, holes), (middle - wide / 2, far, level))
     back = slab(middle - wide / 2, middle + wide / 2, far + 0.3, far + 8, level, level + tall)
-    parts += [Part(wall.put(front), lit((0.6, 0.5, 0.4))),
-              Part(wall.put(back), lit((0.05, 0.06, 0.07)))]  # fmt: skip
+    parts += [
+        Part(wall.put(front), lit((0.6, 0.5, 0.4))),
+        Part(wall.put(back), lit((0.05, 0.06, 0.07))),
+    ]
     shell.things.append(Thing("house outside", parts))
     for _ in range(int(kit.rng.integers(0, 4))):
         size = kit.between(1.0, 2.5)
@@ -294,16 +329,15 @@ def _outdoors(kit: Kit, shell: Shell, wall: Wall) -> None:
         shell.things.append(Thing("tree outside", [tree]))
 
 
-def _level_surfaces(
-    kit: Kit, shell: Shell, notch: tuple[float, float], wall: Material
-) -> None:
+def _level_surfaces(kit: Kit, shell: Shell, notch: tuple[float, float], wall: Material) -> None:
     """Floor, ceiling, and the block that makes an L."""
     w, d, h, t = shell.width, shell.depth, shell.height, THICK
     floor = slab(-t, w + t, -t, d + t, -0.2, 0.0)
     shell.things.append(Thing("floor", [Part(floor, kit.material("floor"))]))
     if shell.open:
-        sky = Light((w / 2, d / 2, h + 5), (w / 2, 0, 0), (0, d / 2, 0), (0, 0, -1),
-                    w * d / np.pi, SKY)  # fmt: skip
+        sky = Light(
+            (w / 2, d / 2, h + 5), (w / 2, 0, 0), (0, d / 2, 0), (0, 0, -1), w * d / np.pi, SKY
+        )
         shell.lights.append(sky)
     else:
         ceiling = slab(-t, w + t, -t, d + t, h, h + 0.2)
@@ -334,8 +368,10 @@ def _beams(kit: Kit, shell: Shell) -> None:
     wood, count = kit.material("wood"), max(1, int(shell.width / kit.between(1.2, 3.0)))
     step = shell.width / count
     at = step * (np.arange(count) + 0.5)
-    beams = [slab(x - thick / 3, x + thick / 3, 0, shell.depth, shell.height - thick, shell.height)
-             for x in at]  # fmt: skip
+    beams = [
+        slab(x - thick / 3, x + thick / 3, 0, shell.depth, shell.height - thick, shell.height)
+        for x in at
+    ]
     shell.things.append(Thing("beams", [Part(beam, wood) for beam in beams]))
     shell.lowest = thick
 

@@ -189,8 +189,9 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     across = np.cross(points[-1, 0] - points[0, -1], points[-1, -1] - points[0, 0])
     back = points - thickness * across / np.linalg.norm(across)
     number = np.arange(n * m).reshape(n, m)
-    a, b, c, d = (s.ravel() for s in (number[:-1, :-1], number[1:, :-1], number[1:, 1:],
-                                      number[:-1, 1:]))  # fmt: skip
+    a, b, c, d = (
+        s.ravel() for s in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
+    )
     front = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
     rim = np.concatenate([number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]])
     p, q = rim, np.roll(rim, -1)
@@ -218,6 +219,18 @@ def moved(mesh: Trimesh, shift: ArrayLike, turn: float = 0.0) -> Trimesh:
 
 _RAW = {"process": False, "validate": False}  # trimesh leaves vertices and faces as they are
 _BOX = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-     [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
-)  # fmt: skip
+    [
+        [0, 1, 3],
+        [0, 3, 2],
+        [4, 6, 7],
+        [4, 7, 5],
+        [0, 4, 5],
+        [0, 5, 1],
+        [2, 3, 7],
+        [2, 7, 6],
+        [0, 2, 6],
+        [0, 6, 4],
+        [1, 5, 7],
+        [1, 7, 3],
+    ]
+)
