@@ -272,7 +272,7 @@ def test_rooms_are_rendered_and_evaluated_as_a_folder(run, tmp_path):
     code, text, _ = run("render", *options, "-o", rooms)
     assert code == 0
     assert "1 rooms, 2 views each; 2 views rendered" in text
-    assert "times the bare rays" in text
+    assert "seconds of one core" in text
     code, text, _ = run("render", *options, "-o", rooms)
     assert "0 views rendered, the others were there" in text
     lost = next(rooms.rglob("frame.0001.color.hdf5"))

@@ -141,8 +141,8 @@ def close_views(index: int, views: int) -> int:
 
     Examples
     --------
-    >>> [close_views(i, 5) for i in range(4)], close_views(7, 10)
-    ([0, 1, 0, 1], 1)
+    >>> [close_views(i, 5) for i in range(8)]
+    [0, 0, 0, 1, 0, 0, 0, 1]
     """
     share = round(views * CLOSE_SHARE, 9)
     return int((index + 1) * share) - int(index * share)

@@ -15,7 +15,7 @@ def box(size: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
 
     Examples
     --------
-    >>> box((1, 2, 3)).volume
+    >>> float(box((1, 2, 3)).volume)
     6.0
     """
     corners = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
@@ -33,7 +33,7 @@ def extrusion(outline: ArrayLike, height: float) -> Trimesh:
 
     Examples
     --------
-    >>> round(extrusion([(0, 0), (2, 0), (0, 1)], 3.0).volume, 6)
+    >>> round(float(extrusion([(0, 0), (2, 0), (0, 1)], 3.0).volume), 6)
     3.0
     """
     flat = np.asarray(outline, float)
@@ -61,7 +61,7 @@ def plate(
     Examples
     --------
     >>> wall = plate(4.0, 2.5, 0.2, [(1.0, 2.0, 0.0, 2.0)])
-    >>> wall.is_watertight, round(wall.volume, 6)
+    >>> wall.is_watertight, round(float(wall.volume), 6)
     (True, 1.6)
     """
     inside = np.array(holes, float).reshape(-1, 4)
@@ -106,7 +106,7 @@ def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
     Examples
     --------
     >>> bar = sweep([(0, 0, 0), (0, 0, 2)], 0.1, sections=400)
-    >>> bar.is_watertight, round(bar.volume / (2 * np.pi * 0.01), 3)
+    >>> bar.is_watertight, round(float(bar.volume) / (2 * np.pi * 0.01), 3)
     (True, 1.0)
     """
     line = np.asarray(path, float)
@@ -181,7 +181,7 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     --------
     >>> x, y = np.meshgrid([0.0, 1.0, 2.0], [0.0, 1.0], indexing="ij")
     >>> cloth = sheet(np.stack([x, y, 0 * x], -1), 0.01)
-    >>> cloth.is_watertight, round(cloth.volume, 6)
+    >>> cloth.is_watertight, round(float(cloth.volume), 6)
     (True, 0.02)
     """
     points = np.asarray(grid, float)
