@@ -1,0 +1,546 @@
+"""The command line: from frames and measurements to depth, and from an instrument to a measurement.
+
+Exit codes: 0; 1 for bad input, a failed check or a failed frame (one line on stderr); 2 for a
+wrong command line; 130 for Ctrl-C.
+"""
+
+import json
+import os
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+from typer import Argument, Option, Typer
+
+app = Typer(
+    name="cmtof",
+    help="Centimetre-wave time-of-flight: from scenes and measurements to depth. With --debug an "
+    "error shows its traceback.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Output = Annotated[Path, Option("--output", "-o", help="File to write, [bold]*.nc[/bold].")]
+Protocol = Annotated[
+    str,
+    Option(
+        help="released: scene shrunk to 1.195 m, 21 wraps; full: every wrap of the 7.5 m range."
+    ),
+]
+Noise = Annotated[float, Option(help="Gaussian noise, counts; photon noise stays on.")]
+NoiseFree = Annotated[bool, Option("--noise-free", help="No noise of either kind.")]
+Seed = Annotated[int, Option(min=0, help="Seed of the noise.")]
+Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress bar.")]
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; an error becomes one line on stderr and exit code 1."""
+    sys.stderr.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    for name in ("SIGTERM", "SIGHUP"):  # an exit by exception removes unfinished files
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), lambda number, _: sys.exit(128 + number))
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        with warnings.catch_warnings():
+            # the libraries' own are for their developers; ours are one line
+            warnings.simplefilter("ignore")
+            warnings.filterwarnings("always", category=UserWarning, message=".* is untrained")
+            warnings.showwarning = lambda text, *_: print(f"cmtof: {text}", file=sys.stderr)
+            app(args=[word for word in words if word != "--debug"])
+    except Exception as error:
+        if "--debug" in words:
+            raise
+        print(f"cmtof: {_line(error)}", file=sys.stderr)
+        sys.exit(1)
+
+
+def _line(error: Exception) -> str:
+    """One line for an error: bad input as it says itself, anything else as a defect."""
+    if isinstance(error, OSError) and error.filename and error.strerror:
+        return (
+            f"Expected to read or write {error.filename}, got «{error.strerror}». "
+            "Check path and permissions."
+        )
+    text = " ".join(str(error).split())
+    if isinstance(error, ValueError | OSError | ImportError):
+        return text
+    if isinstance(error, MemoryError):
+        return f"Expected enough memory, got none left. Take a smaller input. {text}".strip()
+    return f"{type(error).__name__}: {text} (a defect, please report; --debug shows where)"
+
+
+@app.command()
+def simulate(
+    frame: Annotated[
+        str,
+        Argument(
+            help="Frame .npz, depth .png, Hypersim depth .hdf5, a folder of frames (its first is "
+            "taken), or an embedded one (see `cmtof info`)."
+        ),
+    ],
+    output: Output,
+    protocol: Protocol = "released",
+    frequencies: Annotated[
+        str, Option(help="Modulation frequencies in Hz, lowest first, separated by commas.")
+    ] = "7.15e9,14.32e9",
+    noise: Noise = 1200.0,
+    noise_free: NoiseFree = False,
+    seed: Seed = 0,
+    intensity: Annotated[
+        Path | None, Option(help="Colour or grey PNG that belongs to a depth PNG.")
+    ] = None,
+    depth_scale: Annotated[float, Option(help="Depth PNG: levels per metre.")] = 1000.0,
+    planar: Annotated[
+        bool, Option("--planar", help="Depth PNG holds distance along the optical axis.")
+    ] = False,
+    camera: Annotated[
+        tuple[float, float, float, float] | None, Option(help="fx fy cx cy in pixels.")
+    ] = None,
+) -> None:
+    """Turn an RGB-D frame into correlation images.
+
+    Example: [bold]cmtof simulate still_life -o m.nc --protocol full --seed 3[/bold]
+    """
+    from cmtof.scenes import load_frame
+    from cmtof.simulation import simulate as simulate_frame
+
+    try:
+        tones = [float(part) for part in frequencies.split(",")]
+    except ValueError as error:
+        raise ValueError(
+            f"Expected frequencies in Hz separated by commas, got {frequencies}. "
+            "Try 7.15e9,14.32e9."
+        ) from error
+    image = {"intensity": intensity, "depth_scale": depth_scale, "planar": planar}
+    loaded = load_frame(frame, camera=camera, **image)  # type: ignore[arg-type]
+    conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
+    measurement = simulate_frame(loaded, frequencies=tones, **conditions)  # type: ignore[arg-type]
+    measurement.save(output)
+    print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
+    if loaded.note:
+        print(f"{loaded.name}: {loaded.note}")
+
+
+@app.command()
+def unwrap(
+    measurement: Annotated[Path, Argument(help="Measurement .nc, .npz or *_phase.csv.")],
+    output: Output,
+    method: Annotated[str, Option(help="Name out of `cmtof methods`.")] = "surfaces",
+    range: Annotated[
+        tuple[float, float] | None,
+        Option(metavar="MIN MAX", help="Depths to choose from in m, MIN <= z < MAX."),
+    ] = None,
+    window: Annotated[
+        int | None, Option(help="Side of the averaging window in px (method beat).")
+    ] = None,
+    weights: Annotated[
+        Path | None, Option(help="Own trained .safetensors (learned methods).")
+    ] = None,
+    ply: Annotated[
+        Path | None, Option(help="Also write a point cloud; the file needs a camera.")
+    ] = None,
+) -> None:
+    """Turn correlation images into wrap count, depth and confidence.
+
+    Prints how many wraps are right when the file holds the truth.
+
+    Example: [bold]cmtof unwrap m.nc -o out.nc --ply cloud.ply[/bold]
+    """
+    from cmtof.measurement import open_measurement, save_dataset
+    from cmtof.unwrapping import unwrap as unwrap_measurement
+
+    paths = [path.resolve() for path in (measurement, output, ply) if path is not None]
+    if len(set(paths)) < len(paths):
+        raise ValueError(
+            f"Expected another file for each of input and outputs, got {paths[0].name} twice. "
+            "Name another."
+        )
+    opened = open_measurement(measurement)
+    if ply is not None and opened.camera is None:
+        raise ValueError(
+            f"Expected a camera in {measurement} for --ply, got none. Leave --ply out or add it."
+        )
+    given = {"window": window, "weights": weights}
+    chosen = {name: value for name, value in given.items() if value is not None}
+    result = unwrap_measurement(opened, method=method, range=range, **chosen)
+    save_dataset(result, output)
+    print(f"{output}: method {method}, {int(opened.mask.sum())} of {opened.mask.size} pixels")
+    if ply is not None and opened.camera is not None:
+        from cmtof.pointcloud import write_ply
+
+        count = write_ply(
+            ply,
+            result["depth"].to_numpy(),
+            opened.camera,
+            brightness=opened.amplitude[0],
+            confidence=result["confidence"].to_numpy(),
+        )
+        print(f"{ply}: {count} points")
+    if opened.depth is not None:
+        from cmtof.evaluation import score, scored_pixels
+
+        print(_rates(score([scored_pixels(result, opened)])))
+
+
+@app.command()
+def evaluate(
+    frames: Annotated[
+        list[str],
+        Argument(
+            help="Frames: files, embedded names, or folders (TUM, NYU and ScanNet style, .npz, "
+            "Hypersim trees: their test frames)."
+        ),
+    ],
+    method: Annotated[
+        str, Option(help="Names out of `cmtof methods`, separated by commas, or all.")
+    ] = "all",
+    protocol: Protocol = "released",
+    noise: Noise = 1200.0,
+    noise_free: NoiseFree = False,
+    seed: Seed = 0,
+    json_file: Annotated[
+        Path | None, Option("--json", metavar="FILE", help="Write the table as JSON.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compare methods on the same frames and the same noise.
+
+    Example: [bold]cmtof evaluate still_life room --method crt,beat --json scores.json[/bold]
+    """
+    from cmtof.evaluation import Evaluation
+    from cmtof.files import check_output, written_whole
+    from cmtof.methods import names_of
+    from cmtof.scenes.folders import frames_in
+    from cmtof.scenes.frame import Frames
+
+    if json_file is not None:
+        check_output(json_file)
+    names = names_of(method, protocol)
+    conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
+    evaluation, listed = Evaluation(names, **conditions), [frames_in(name) for name in frames]
+    skipped: dict[str, str] = {}
+    with progress(sum(map(len, listed)) * len(names), quiet) as advance:
+        for name, sources in zip(frames, listed, strict=True):
+            several = Frames(sources)
+            # a frame that was named itself must load; of a folder those that do not are skipped
+            for frame in several if Path(name).is_dir() else (one.load() for one in sources):
+                for done in evaluation.add(frame):
+                    advance(f"{frame.name}: {done}")
+            skipped |= several.skipped
+    report = evaluation.report()
+    if json_file is not None:
+        with written_whole(json_file) as part:
+            part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    _print_report(report)
+    for name, reason in skipped.items():
+        print(f"skipped {name}: {reason}")
+
+
+@app.command()
+def methods(
+    as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List every unwrapping method with its kind, source and state."""
+    from cmtof.methods import DEFAULT, METHODS
+
+    keys = ("name", "kind", "source", "summary", "frequencies", "tones", "knows_truth")
+    rows = [
+        {key: getattr(entry, key) for key in keys}
+        | {"state": entry.state(), "default": entry.name == DEFAULT}
+        for entry in METHODS.values()
+    ]
+    if as_json:
+        print(json.dumps(rows, indent=2, ensure_ascii=False))
+        return
+    shown = ("kind", "state", "summary", "source")
+    marked = ([row["name"] + " *" * row["default"], *map(row.get, shown)] for row in rows)
+    _print_table("", ("method", "kind", "state", "what it does", "source"), marked)
+    print("* the default; state: of weights for the released protocol")
+
+
+@app.command()
+def info(
+    file: Annotated[Path | None, Argument(help="Measurement, result or frame.")] = None,
+) -> None:
+    """Print version, devices and embedded frames, or what a file holds."""
+    from importlib.util import find_spec
+
+    from cmtof import __version__
+    from cmtof.scenes.captures import data_root
+    from cmtof.scenes.frame import embedded_frames
+
+    if file is not None:
+        _describe(embedded_frames().get(str(file), file))
+        return
+    print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
+    if find_spec("torch"):
+        import torch
+
+        gpus = [torch.cuda.get_device_name(i) for i in range(torch.cuda.device_count())]
+        print(f"torch {torch.__version__}, {', '.join(gpus) if gpus else 'no GPU'}")
+    else:
+        print("torch is not installed (only learned methods need it)")
+    print(f"embedded frames: {', '.join(embedded_frames())}")
+    print(f"published captures: {data_root() or 'not on this machine'}")
+
+
+def _describe(file: Path) -> None:
+    """Print what a measurement, a result or a frame holds."""
+    from cmtof.measurement import open_measurement, read_dataset
+    from cmtof.scenes.frame import read_npz
+
+    if file.suffix == ".npz" and file.is_file():
+        for name, array in read_npz(file).items():
+            print(f"  {name} {array.shape} {array.dtype}")
+        return
+    dataset = read_dataset(file) if file.suffix == ".nc" else open_measurement(file).dataset
+    for name, variable in dataset.variables.items():
+        sizes = ", ".join(f"{dim} {size}" for dim, size in variable.sizes.items())
+        print(f"  {name} ({sizes}) {variable.dtype} {variable.attrs.get('units', '')}".rstrip())
+    for key, value in dataset.attrs.items():
+        print(f"  {key}: {value}")
+
+
+@app.command()
+def replicate(
+    output: Annotated[Path, Option("--output", "-o", help="Where to draw Fig. 10.")] = Path(
+        "build/replicate/fig10_comparison.png"
+    ),
+) -> None:
+    """Draw Fig. 10, and check the chain from frame to depth against stored values.
+
+    Methods side by side on the embedded frames. Ends with 1 if a line says FAIL. No arguments, a
+    few minutes on a CPU.
+    """
+    from cmtof.replication import replicate as outcomes
+
+    output.parent.mkdir(parents=True, exist_ok=True)
+    failed = 0
+    for outcome in outcomes(output):
+        print(outcome, flush=True)
+        failed += not outcome.passed
+    print(f"{output}: Fig. 10, drawn on this machine")
+    if failed:
+        raise ValueError(f"Expected every line to pass, got {failed} FAIL. Compare versions.")
+
+
+@app.command()
+def render(
+    output: Annotated[Path, Option("--output", "-o", help="Folder to write the set into.")],
+    scenes: Annotated[int, Option(min=1, max=100_000, help="How many rooms.")] = 20,
+    views: Annotated[int, Option(min=1, max=1000, help="Views of each.")] = 5,
+    seed: Annotated[int, Option(min=0, help="Seed of the set.")] = 0,
+    size: Annotated[str, Option(help="Height x width, px.")] = "512x512",
+    focal: Annotated[
+        float | None,
+        Option(help="Focal length, px. Default: each scene has its own, 35 to 60° across."),
+    ] = None,
+    workers: Annotated[int | None, Option(min=1, help="Processes. Default: one a core.")] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Render furnished rooms, in Hypersim's layout.
+
+    The same seed gives the same bytes. A run that was stopped goes on where it was, and a set may
+    grow: ask for more scenes or views in the same folder. Needs the extra [bold]rooms[/bold].
+
+    Example: [bold]cmtof render --scenes 20 --views 5 --seed 1 -o rooms[/bold]
+    """
+    from cmtof.scenes.rooms.rendering import Settings, render_rooms, shape_from_text
+
+    settings = Settings(seed, scenes, views, *shape_from_text(size), focal)
+    with progress(scenes, quiet) as advance:
+        done = render_rooms(
+            output, settings, workers=workers, progress=lambda one: advance(one.scene)
+        )
+    rendered = sum(one.rendered for one in done)
+    print(f"{output}: {scenes} rooms, {views} views each; {rendered} views rendered")
+
+
+@app.command()
+def train(
+    config: Annotated[str, Argument(help="A recipe by name, or a YAML file.")],
+    output: Annotated[Path | None, Option("--output", "-o", help="Folder of the run.")] = None,
+    model: Annotated[str | None, Option(help="Learned method, such as fast-scnn.")] = None,
+    protocol: Annotated[str | None, Option(help="released or full.")] = None,
+    data: Annotated[
+        Path | None, Option(help="Frames in Hypersim's layout. Default: rooms, rendered.")
+    ] = None,
+    init: Annotated[Path | None, Option(help="Weights to begin with.")] = None,
+    resume: Annotated[
+        bool, Option("--resume", help="Go on from the run's last checkpoint.")
+    ] = False,
+    minutes: Annotated[
+        float | None, Option(help="Stop after so many minutes; --resume goes on.")
+    ] = None,
+    seed: Annotated[int | None, Option(min=0, help="Of weights, crops, noise.")] = None,
+    accelerator: Annotated[str, Option(help="Lightning's: auto, cpu, gpu.")] = "auto",
+    devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
+    num_nodes: Annotated[int, Option(min=1, help="Machines.")] = 1,
+    strategy: Annotated[str, Option(help="Lightning's: auto, ddp.")] = "auto",
+    quiet: Quiet = False,
+) -> None:
+    """Train an unwrapping network and write its weights and their card.
+
+    A run that was killed and resumed ends with the same weights. Needs the extras
+    [bold]train[/bold] and [bold]rooms[/bold].
+
+    Example: [bold]cmtof train smoke -o runs/smoke[/bold]
+    """
+    from cmtof.network.training import read_config
+    from cmtof.network.training import train as train_network
+
+    chosen = read_config(config, model=model, protocol=protocol, seed=seed)
+    folder = output or Path("runs") / f"{chosen.name}-{chosen.model}-{chosen.protocol}"
+    written = train_network(
+        chosen,
+        folder,
+        tree=data,
+        init=init,
+        resume=resume,
+        minutes=minutes,
+        quiet=quiet or _hidden(),
+        accelerator=accelerator,
+        devices=int(devices) if devices.isdigit() else devices,
+        num_nodes=num_nodes,
+        strategy=strategy,
+    )
+    print(written or f"{folder}: stopped before its last step; --resume goes on")
+
+
+@app.command()
+def scan(
+    output: Output,
+    rig: Annotated[Path | None, Argument(help="RIG file, *.yml.")] = None,
+    twin: Annotated[bool, Option("--twin", help="Scan with the simulated instrument.")] = (False),
+    scene: Annotated[
+        str | None, Option(help="Frame before the simulated instrument. Default: still_life.")
+    ] = None,
+    seed: Annotated[
+        int | None, Option(min=0, help="Seed of the simulated instrument. Default: 0.")
+    ] = None,
+    size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
+    points: Annotated[
+        Path | None, Option(help="CSV of directions instead: x,y in rad or x_deg,y_deg.")
+    ] = None,
+    resume: Annotated[bool, Option("--resume", help="Go on with a scan that was stopped.")] = False,
+    dry_run: Annotated[bool, Option("--dry-run", help="Print the plan and touch nothing.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Scan with the instrument, or with its simulation, into a measurement.
+
+    Every line goes to the disk, into a journal beside the output, until the file is whole. After a
+    stop of any kind, [bold]--resume[/bold] goes on at the first line that is missing.
+
+    Example: [bold]cmtof scan --twin --scene still_life --size 64 --seed 0 -o m.nc[/bold]
+    """
+    if twin == (rig is not None):
+        got = "both" if twin else "neither"
+        raise ValueError(f"Expected either a RIG file or --twin, got {got}. Name one.")
+    if not twin and (seed is not None or scene is not None):
+        what = "--scene" if seed is None else "--seed"
+        raise ValueError(f"Expected {what} with --twin only, got a RIG file. Leave it out.")
+    from cmtof.hardware.journal import journal_path
+    from cmtof.hardware.plan import points_from_csv
+    from cmtof.hardware.rig import Rig, open_instruments, simulated
+    from cmtof.hardware.scan import check_scan_output, description, planned
+    from cmtof.hardware.scan import scan as run_scan
+
+    settings = Rig.default() if rig is None else Rig.load(rig)
+    directions = None if points is None else points_from_csv(points)
+    plan = planned(settings, size=size, points=directions)
+    if dry_run:
+        print("\n".join(description(plan, settings)))
+        return
+    check_scan_output(output, resume=resume)
+    seed, scene = (seed or 0, scene or "still_life") if twin else (None, None)
+
+    def instruments() -> Any:
+        return simulated(settings, scene, seed=seed or 0) if twin else open_instruments(settings)
+
+    try:
+        with progress(len(plan.lines), quiet) as advance:
+            measurement = run_scan(
+                settings,
+                instruments,
+                plan,
+                output,
+                resume=resume,
+                report=lambda line: advance(f"{line.mode}: {line.kind}"),
+                seed=seed,
+                scene=Path(scene).name if scene else None,
+            )
+    except (KeyboardInterrupt, SystemExit):
+        print(f"cmtof: stopped; {journal_path(output)} goes on with --resume", file=sys.stderr)
+        raise
+    print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
+
+
+@contextmanager
+def progress(total: int, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """Bar on stderr, advanced by each call; hidden when asked for, in CI, and in a pipe."""
+    from rich.console import Console
+    from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TimeRemainingColumn
+
+    columns = (SpinnerColumn(), *Progress.get_default_columns()[:2], MofNCompleteColumn())
+    console, off = Console(stderr=True), quiet or _hidden()
+    with Progress(*columns, TimeRemainingColumn(), console=console, disable=off) as bar:
+        task = bar.add_task("", total=total)
+        yield lambda text: bar.update(task, advance=1, description=text)
+
+
+def _hidden() -> bool:
+    """Whether nobody watches: in CI, and where standard error is no terminal."""
+    return bool(os.environ.get("CI")) or not sys.stderr.isatty()
+
+
+def _print_table(title: str, head: Any, rows: Any) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=title or None)
+    for number, name in enumerate(head):
+        table.add_column(name, no_wrap=number == 0)
+    for row in rows:
+        table.add_row(*row)
+    Console().print(table)
+
+
+RATES = {
+    "δ<1": "delta_lt_1",
+    "δ<2": "delta_lt_2",
+    "δ<3": "delta_lt_3",
+    "δ≥10": "delta_ge_10",
+    "consistent": "consistent_lt_1",
+}
+
+
+def _rates(scores: dict[str, float]) -> str:
+    rates = "  ".join(f"{name} {scores[key]:.1%}" for name, key in RATES.items())
+    return f"{rates}  median error {1e3 * scores['depth_median_error_m']:.1f} mm"
+
+
+def _print_report(report: dict[str, Any]) -> None:
+    title = (
+        f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
+        f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
+    )
+    rows = (
+        [
+            name,
+            *(f"{scores[key]:.1%}" for key in RATES.values()),
+            f"{1e3 * scores['depth_median_error_m']:.1f} mm",
+            f"{scores['seconds_per_frame']:.2f}",
+        ]
+        for name, scores in report["methods"].items()
+    )
+    _print_table(title, ("method", *RATES, "median error", "s/frame"), rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,5 +1,0 @@
-"""``python -m cmtof.cli``."""
-
-from cmtof.cli import main
-
-main()
