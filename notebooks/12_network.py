@@ -203,7 +203,7 @@ tell(parameters=parameters / 1e6, inputs=network.inputs, smallest=smallest.heigh
 # %% [markdown]
 # {glue:text}`parameters:.2f` million weights are few: a network for photographs has ten to a
 # hundred times as many. Its {glue:text}`inputs:.0f` channels of input are the subject of
-# {doc}`10_simulated_measurements`.
+# {doc}`05_simulation`.
 #
 # ## How far it looks
 #

@@ -223,7 +223,7 @@ plotting.save(
 #
 # - **equal**: the paper's simulation, the same noise everywhere;
 # - **doubled mode weak**: the instrument's correlation signal at 14.32 GHz is
-#   $(J_2(2\eta)/J_1(2\eta))^2$ of that at 7.15 GHz ({doc}`05_frequency_doubling`),
+#   $(J_2(2\eta)/J_1(2\eta))^2$ of that at 7.15 GHz ({doc}`04_modulator`),
 #   {glue:text}`weak:.2f` at η = π/4, and its phase noise that much larger;
 # - **and resonant**: in addition ±10 MHz is taken as where the drive's *power* has halved, by one
 #   resonance. That is our reading; the paper does not say what its bandwidth means.
