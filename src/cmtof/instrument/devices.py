@@ -135,7 +135,7 @@ class SimulatedMotor(SimulatedDevice):
 
     MODEL, homed = "APT", False
 
-    def home(self) -> None:
+    def home(self, timeout: float = 0.0) -> None:
         """Find the home position."""
         self.homed = True
         self.move_to(0.0)
