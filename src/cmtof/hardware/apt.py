@@ -32,7 +32,7 @@ _ERRORS = {
 
 
 class MotorKind(NamedTuple):
-    """A motor: counts per m or rad, speed unit, tolerance and travel in m or rad."""
+    """A motor: counts per m or rad, speed unit, tolerance, travel, and its status message."""
 
     unit: str
     scale: float
@@ -40,6 +40,7 @@ class MotorKind(NamedTuple):
     tolerance: float
     travel: tuple[float, float]
     models: tuple[str, ...]
+    status: str = "dcstatusupdate"
 
 
 MOTORS = {
@@ -64,6 +65,7 @@ MOTORS = {
         0.02 * pi / 180,
         (-1e3, 1e3),
         ("K10CR",),
+        "statusupdate",
     ),
 }
 """Motors by the name in a RIG file."""
@@ -211,7 +213,8 @@ class Motor(Device):
         )
 
     def _status(self) -> Any:
-        return self._ask("mot_req_statusbits", "mot_get_statusbits", _CHANNEL)
+        kind = self.kind.status
+        return self._ask(f"mot_req_{kind}", f"mot_get_{kind}", _CHANNEL)
 
     @staticmethod
     def _moving(status: Any) -> bool:
@@ -244,13 +247,16 @@ class Motor(Device):
     def _next(self) -> Any:
         """Next whole message."""
         try:
-            return next(self._unpacker)
-        except StopIteration:
-            raise InstrumentTimeout(
-                f"Expected a message of {self.name} in time, got none. Check power and cable."
-            ) from None
+            for message in self._unpacker:
+                return message
+            while self._port.in_waiting:  # garbage was dropped; a message may follow it
+                for message in self._unpacker:
+                    return message
         except (struct.error, AssertionError, KeyError, ValueError):
             raise BadReply(f"Expected a whole message of {self.name}, got garbage.") from None
+        raise InstrumentTimeout(
+            f"Expected a message of {self.name} in time, got none. Check power and cable."
+        )
 
     def _resynchronise(self) -> None:
         port_errors(self.name, self._port.reset_input_buffer)

@@ -122,12 +122,6 @@ def write(name: str, value: float) -> bytes:
     return struct.pack(">BHB", 1, address, len(data) // 2) + data
 
 
-def read(name: str, count: int = 0) -> bytes:
-    """Part of a feedback frame that reads a register, or ``count`` from it on."""
-    address, kind = REGISTERS[name]
-    return struct.pack(">BHB", 0, address, count or struct.calcsize(kind) // 2)
-
-
 @cache
 def feedback_class() -> Any:
     """Request and answer of function 76 for pymodbus; ``data`` is what follows the function."""
@@ -271,7 +265,8 @@ class LabJackT7(Device):
         A blank flash gives nominal values and a warning: they are off by up to 1 % of the range.
         """
         pointer = CALIBRATION_POINTER + 16 * RANGES.index(volts_range)
-        ask = write("INTERNAL_FLASH_READ_POINTER", pointer) + read("INTERNAL_FLASH_READ", 8)
+        ask = write("INTERNAL_FLASH_READ_POINTER", pointer)
+        ask += struct.pack(">BHB", 0, REGISTERS["INTERNAL_FLASH_READ"][0], 8)
         data = self._read(lambda: self._feedback(ask, 16))
         if not data.strip(b"\xff") or not data.strip(b"\0"):
             warnings.warn(
@@ -469,26 +464,41 @@ class LabJackT7(Device):
     # --- dialogue ------------------------------------------------------------------------------
 
     def _value(self, name: str) -> float:
-        """Value of a register; asked once more after a lost answer."""
-        kind = REGISTERS[name][1]
-        data = self._read(lambda: self._feedback(read(name), struct.calcsize(kind)))
-        return struct.unpack(f">{kind}", data)[0]
+        """Value of a register (function 3); asked once more after a lost answer."""
+        address, kind = REGISTERS[name]
+        count = struct.calcsize(kind) // 2
+
+        def ask() -> bytes:
+            client = self._client
+            found = self._exchange(
+                lambda: client.read_holding_registers(address, count=count, device_id=1)
+            ).registers
+            if len(found) != count:
+                raise BadReply(f"Expected {count} registers of {self.name}, got {len(found)}.")
+            return struct.pack(f">{count}H", *found)
+
+        return struct.unpack(f">{kind}", self._read(ask))[0]
 
     def _feedback(self, parts: bytes, size: int = 0) -> bytes:
-        """Bytes of the reads of a feedback frame; exceptions carry LabJack's own code."""
-        answer = self._talk(lambda: self._client.execute(False, feedback_class()(parts)))
-        if answer.isError():
-            detail = self._talk(lambda: self._client.read_holding_registers(55000, device_id=1))
-            refusal = DeviceRefusal(
-                f"Expected {self.name} to accept a request, got exception "
-                f"{answer.exception_code}, LabJack {detail.registers or 'unknown'}. "
-                "Check address and value."
-            )
-            refusal.detail = detail.registers[0] if detail.registers else 0
-            raise refusal
-        if len(answer.data) != size:
-            raise BadReply(f"Expected {size} bytes of {self.name}, got {len(answer.data)}.")
-        return answer.data
+        """Bytes of the reads of a feedback frame."""
+        data = self._exchange(lambda: self._client.execute(False, feedback_class()(parts))).data
+        if len(data) != size:
+            raise BadReply(f"Expected {size} bytes of {self.name}, got {len(data)}. Ask again.")
+        return data
+
+    def _exchange(self, act: Callable[[], Any]) -> Any:
+        """Answer to a request; the T7's exceptions are raised with LabJack's own code."""
+        answer = self._talk(act)
+        if not answer.isError():
+            return answer
+        address = REGISTERS["LAST_ERR_DETAIL"][0]
+        more = self._talk(lambda: self._client.read_holding_registers(address, device_id=1))
+        refusal = DeviceRefusal(
+            f"Expected {self.name} to accept a request, got exception {answer.exception_code}, "
+            f"LabJack {more.registers or 'unknown'}. Check address and value."
+        )
+        refusal.detail = more.registers[0] if more.registers else 0
+        raise refusal
 
     def _talk(self, act: Callable[[], T]) -> T:
         """Do something with the client; errors of pymodbus become ours."""

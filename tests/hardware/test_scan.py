@@ -1,0 +1,350 @@
+"""Whole scans of the simulated instrument: truth, faults, safe states, kill and resume."""
+
+import itertools
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cmtof.cli import main
+from cmtof.correlation import centred, phase_from_depth
+from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, Unsafe
+from cmtof.hardware.journal import journal_path, read_journal
+from cmtof.hardware.rig import DetectionSettings, Rig, simulated
+from cmtof.hardware.scan import export, planned, scan, scan_scene
+from cmtof.instrument.settings import Reference, TwinSettings
+from cmtof.instrument.targets import Plane
+from cmtof.measurement import open_measurement
+
+RIG = replace(Rig.default(), detection=DetectionSettings(phases=4, samples_per_phase=14))
+PLAN = planned(RIG, size=4)
+WALL = Plane(0.9, tilt_x=0.3, reflectance=0.8)
+DARK = replace(
+    TwinSettings.ideal(reference=Reference(reflectance=0.0)),
+    optics=replace(TwinSettings.ideal().optics, ambient_radiance=0.1),
+)
+
+
+def take(output, rig=RIG, plan=PLAN, prepare=lambda instruments: None, **options):
+    """Scan the wall; ``prepare`` sees the instruments before. Returns them, and the error."""
+    held = []
+
+    def opened():
+        held.append(simulated(rig, WALL, seed=4))
+        prepare(held[0])
+        return held[0]
+
+    try:
+        scan(rig, opened, plan, output, seed=4, **options)
+    except BaseException as error:
+        return held[0] if held else None, error
+    return held[0] if held else None, None
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """File of an uninterrupted scan."""
+    output = tmp_path_factory.mktemp("whole") / "m.nc"
+    instruments, error = take(output)
+    assert error is None
+    assert_safe(instruments)
+    return output
+
+
+def assert_safe(instruments):
+    """Laser and shutter dark, RF off, beam parked."""
+    panel = instruments.daq.panel
+    assert not (panel.laser_on or panel.shutter_open)
+    assert not (panel.emission.on or panel.detection.on)
+    assert panel.galvo_volts == [0.0, 0.0]
+    assert panel.beam_block_in
+
+
+def test_phases_are_those_of_the_true_ranges():
+    """In both modes, with the offset that the reference target showed."""
+    settings = replace(TwinSettings.ideal(), noise=True)
+    seen = scan_scene(settings, WALL, size=6, field_of_view=0.3, seed=1)
+    truth = seen.dataset["depth"].to_numpy()
+    for n, frequency in enumerate(seen.frequencies):
+        error = centred(seen.phase[n] - phase_from_depth(truth, frequency))
+        assert np.abs(error).max() < 0.02
+    np.testing.assert_allclose(truth, WALL.look(_rays(seen)).range, rtol=1e-6)
+    assert seen.mask.all()
+
+
+def _rays(measurement):
+    tangent = np.tan(measurement.dataset["angle"].to_numpy())
+    rays = np.concatenate([tangent, np.ones((*tangent.shape[:2], 1))], -1)
+    return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+
+
+def test_a_file_holds_raw_counts_power_and_settings(whole):
+    """What is needed to reduce the scan again."""
+    data = open_measurement(whole).dataset
+    assert data["raw_counts"].shape == (2, 4, 4, 4)
+    assert 33523 < float(data["dark"][0]) < data["raw_counts"].mean()
+    assert (data["laser_power"] > 1e-3).all()
+    assert data.attrs["source"] == "simulated instrument"
+    assert data.attrs["complete"] == 1
+    assert not journal_path(whole).exists()
+
+
+def test_a_scan_of_points_has_their_directions(tmp_path):
+    """A list is a row of any length."""
+    plan = planned(RIG, points=[[0.0, 0.0], [0.1, -0.05], [-0.1, 0.02]])
+    assert take(tmp_path / "m.nc", plan=plan)[1] is None
+    found = open_measurement(tmp_path / "m.nc")
+    assert np.array_equal(found.dataset["angle"], plan.angles)
+
+
+# --- stop and resume -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("stop", [0, 1, 5, 9, len(PLAN.lines) - 1])
+def test_stopped_and_resumed_gives_equal_bytes(tmp_path, whole, stop):
+    """Stopped by Ctrl-C behind any line; what was measured so far can be exported."""
+
+    def report(line):
+        if line.index == stop:
+            raise KeyboardInterrupt
+
+    output = tmp_path / "m.nc"
+    instruments, error = take(output, report=report)
+    assert isinstance(error, KeyboardInterrupt)
+    assert_safe(instruments)
+    assert len(read_journal(journal_path(output))[1]) == stop + 1
+    assert export(journal_path(output), tmp_path / "part.nc").dataset.attrs["complete"] == (
+        stop == len(PLAN.lines) - 1
+    )
+    assert take(output, resume=True)[1] is None
+    assert output.read_bytes() == whole.read_bytes()
+    assert not journal_path(output).exists()
+
+
+def test_a_scan_begun_is_not_overwritten(tmp_path, whole):
+    """Nor resumed with other settings; a finished one is given back."""
+    output = tmp_path / "m.nc"
+    take(output, report=lambda line: (_ for _ in ()).throw(KeyboardInterrupt))
+    assert "Expected no scan begun, got 1 lines" in str(take(output)[1])
+    other = replace(RIG, drive=replace(RIG.drive, power_dbm=29.0))
+    error = take(output, rig=other, resume=True)[1]
+    assert "got settings.drive.power_dbm = 30.0 where now it is 29.0" in str(error)
+    output.write_bytes(whole.read_bytes())
+    journal_path(output).unlink()
+    assert take(output, resume=True)[1] is None
+    assert "another one that is finished" in str(take(output, rig=other, resume=True)[1])
+
+
+COMMAND = ["scan", "--twin", "--size", "16", "--seed", "4", "--quiet", "-o"]
+
+
+@pytest.fixture(scope="module")
+def by_command(tmp_path_factory):
+    """Bytes of an uninterrupted scan by the command line."""
+    output = tmp_path_factory.mktemp("command") / "m.nc"
+    with pytest.raises(SystemExit) as end:
+        main([*COMMAND, str(output)])
+    assert not end.value.code
+    return output.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGKILL, -9), (signal.SIGHUP, 129), (signal.SIGINT, 130)]
+)
+def test_a_command_that_is_killed_resumes_to_equal_bytes(tmp_path, number, code, by_command):
+    """By SIGKILL, a closed terminal and Ctrl-C; only one line is printed."""
+    output = tmp_path / "m.nc"
+    arguments = [sys.executable, "-m", "cmtof.cli", *COMMAND, str(output)]
+    with subprocess.Popen(arguments, stdout=-1, stderr=-1, env=dict(os.environ)) as process:
+        while not journal_path(output).exists() and process.poll() is None:
+            time.sleep(0.002)
+        process.send_signal(number)
+        _, err = process.communicate()
+    if process.returncode == 0:
+        pytest.skip("the scan was faster than the signal")
+    assert process.returncode == code
+    assert err.count(b"\n") == (number != signal.SIGKILL)
+    assert not output.exists()
+    with pytest.raises(SystemExit) as end:
+        main([*COMMAND, str(output), "--resume"])
+    assert not end.value.code
+    assert output.read_bytes() == by_command
+
+
+# --- faults --------------------------------------------------------------------------------------
+
+FAULTS = {
+    "time-out": InstrumentTimeout,
+    "refusal": Refused,
+    "garbage": BadReply,
+    "disconnection": ConnectionLost,
+}
+PLACES = {
+    "rf_emission": "set_frequency",
+    "rf_detection": "load_table",
+    "clock": "sine",
+    "daq": "configure_burst",
+    "plate_emission": "move_to",
+    "plate_detection": "move_to",
+    "stage": "move_to",
+    "power_meter": "zero",
+    "interlock": "flip_mirror",
+    "galvo": "aim",
+}
+
+
+def failing(instruments, role, method, error, at=1, times=10**9):
+    """Have a method of a device raise an error from its nth call on, so many times."""
+    device, calls = getattr(instruments, role), itertools.count(1)
+    works = getattr(device, method)
+
+    def act(*values, **options):
+        call = next(calls)
+        if at <= call < at + times:
+            raise error(f"Expected an answer of {role}, got none. Check it.")
+        return works(*values, **options)
+
+    setattr(device, method, act)
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("role", PLACES)
+def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, role, fault):
+    """At its third use in a scan; then --resume gives the whole file."""
+    output, at = tmp_path / "m.nc", 1 if role in ("clock", "daq", "power_meter") else 2
+    instruments, error = take(
+        output, prepare=lambda one: failing(one, role, PLACES[role], FAULTS[fault], at=at)
+    )
+    assert isinstance(error, FAULTS[fault])
+    assert_safe(instruments)
+    assert not output.exists()
+    assert take(output, resume=True)[1] is None
+    assert output.read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.parametrize("fault", [InstrumentTimeout, BadReply])
+def test_lost_samples_are_taken_again(tmp_path, whole, fault):
+    """Up to three times in a row; the file is the same."""
+    output = tmp_path / "m.nc"
+    prepare = lambda one: failing(one, "daq", "bursts", fault, at=4, times=2)  # noqa: E731
+    assert take(output, prepare=prepare)[1] is None
+    assert output.read_bytes() == whole.read_bytes()
+    instruments, error = take(
+        tmp_path / "n.nc", prepare=lambda one: failing(one, "daq", "bursts", fault, at=4, times=3)
+    )
+    assert isinstance(error, fault)
+    assert_safe(instruments)
+
+
+@pytest.mark.parametrize(("times", "good"), [(1, True), (10**9, False)])
+def test_a_missed_edge_is_seen_at_the_end_of_a_line(tmp_path, whole, times, good):
+    """The line is taken again once."""
+
+    def prepare(instruments):
+        rf, calls = instruments.rf_detection, itertools.count()
+        status = rf.status
+
+        def missed():
+            found = status()
+            lost = next(calls) > 0 and found.edges and next(calls) < 2 * times + 2
+            return found._replace(edges=found.edges - 1) if lost else found
+
+        rf.status = missed
+
+    output = tmp_path / "m.nc"
+    instruments, error = take(output, prepare=prepare)
+    if good:
+        assert error is None
+        assert output.read_bytes() == whole.read_bytes()
+    else:
+        assert isinstance(error, BadReply)
+        assert "Check the trigger line" in str(error)
+        assert_safe(instruments)
+
+
+def test_an_interlock_that_opens_ends_the_scan(tmp_path):
+    """At the end of the line at the latest."""
+
+    def prepare(instruments):
+        panel = instruments.daq.panel
+        works = instruments.daq.bursts
+
+        def bursts(requests):
+            panel.interlock_closed = len(requests) != 4
+            return works(requests)
+
+        instruments.daq.bursts = bursts
+
+    instruments, error = take(tmp_path / "m.nc", prepare=prepare)
+    assert isinstance(error, Unsafe)
+    assert_safe(instruments)
+
+
+def test_a_lock_that_is_lost_ends_the_scan(tmp_path):
+    """Far off resonance."""
+    prepare = lambda one: setattr(one.rf_emission, "set_frequency", lambda hz: None)  # noqa: E731
+    instruments, error = take(
+        tmp_path / "m.nc",
+        rig=replace(RIG, twin=TwinSettings(drive=replace(TwinSettings().drive, resonance=7.3e9))),
+        prepare=prepare,
+    )
+    assert isinstance(error, Unsafe)
+    assert_safe(instruments)
+
+
+@pytest.mark.parametrize(
+    ("reference", "text"),
+    [
+        (Reference(material="specular", reflectance=0.9), "it saturates. Put a grey filter"),
+        (None, "Expected a reference target with a contrast"),
+    ],
+)
+def test_a_reference_target_that_cannot_calibrate_ends_the_scan(tmp_path, reference, text):
+    """In one line, at its first visit and not at the end."""
+    twin = TwinSettings(reference=reference) if reference else DARK
+    rig = replace(RIG, twin=twin)
+    instruments, error = take(tmp_path / "m.nc", rig=rig)
+    assert isinstance(error, ValueError)
+    assert text in str(error)
+    assert "\n" not in str(error)
+    assert_safe(instruments)
+    assert len(read_journal(journal_path(tmp_path / "m.nc"))[1]) == 1
+
+
+# --- command line --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "text"),
+    [
+        (["-o", "m.nc"], 1, "either a RIG file or --twin"),
+        (["--twin", "-o", "m.txt"], 1, "Expected an output named *.nc"),
+        (["--twin", "-o", "no/m.nc"], 1, "Expected an existing folder"),
+        (["no.yml", "-o", "m.nc"], 1, "Expected a RIG file"),
+        (["--twin", "--size", "100000", "-o", "m.nc"], 2, "--size"),
+        (["--twin", "--scene", "nobody", "-o", "m.nc"], 1, "nobody"),
+    ],
+)
+def test_a_wrong_command_is_one_line(tmp_path, monkeypatch, capsys, arguments, code, text):
+    """And leaves nothing."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as end:
+        main(["scan", *arguments])
+    assert end.value.code == code
+    assert text in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_dry_run_touches_nothing(tmp_path, monkeypatch, capsys):
+    """It prints bursts and time."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as end:
+        main(["scan", "--twin", "--dry-run", "--size", "8", "-o", "m.nc"])
+    assert not end.value.code
+    assert "416 bursts" in capsys.readouterr().out
+    assert not list(tmp_path.iterdir())
