@@ -1,252 +1,202 @@
-"""Michelson interferometer with fringe counting, one of the instruments of Fig. 13 and Table 4.
+r"""Michelson interferometer with fringe counting on the simulated instrument (Sec. 8.2).
 
-The stage creeps from position to position; all the way the phase of the fringes is read, and each
-reading is unwrapped against the one before. The wavelength turns fringes into metres.
+The reference mirror steps over half a wavelength, K steps a reading; the interferogram is
+
+.. math:: P(\psi) = P_r + P_s + 2|\gamma|\sqrt{m P_r P_s}\cos(\phi + \psi), \quad
+          \phi = 4\pi z/\lambda, \quad \sigma_z = \frac{\lambda}{4\pi}\frac{\sqrt{2v/K}}{a},
+
+with the coherence gamma, the share m of the light in the reference beam's mode, amplitude a and
+noise v of a step. The stage creeps, and each reading is unwrapped against the one before.
 """
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.signal import lfilter
+from scipy.special import ndtr
 
 from cmtof.bounds import linear_phase_noise
-from cmtof.correlation import decode
+from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.electronics import SLOPE, Conversion, chain
 from cmtof.instrument.settings import TwinSettings
-from cmtof.ranging.disturbance import Speckle, drift, vibration, vibration_spread
-from cmtof.ranging.fringes import fringe_phase, fringe_range, step_response
-from cmtof.ranging.michelson import Fringes, Michelson, fringes, phase_index
-from cmtof.ranging.target import StageTarget
+from cmtof.instrument.world import SAMPLE_RATE
+from cmtof.ranging.rf import _circular
+from cmtof.ranging.sweep import STAGE_ERROR, StageTarget, checked_positions, collected_power
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
-AIR_PER_KELVIN = -0.93e-6
-"""Change of the air's index per K at 20 C, 1/K (known)."""
-
-
-class Path(NamedTuple):
-    """Where the target is at each of N readings, and which of them belong to the P positions."""
-
-    places: Array
-    """(N,), m."""
-    stations: NDArray[np.int64]
-    """(P,)"""
+AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
 
 
-class Record(NamedTuple):
-    """One run: what the target did and what was read, for N readings."""
-
-    truth: Array
-    """Range less the first one, m, as the fringes see it: travel, vibration and drift."""
-    wrapped: Array
-    """Phase as read, in [-pi, pi], rad."""
-    counted: Array
-    """Range less the first one by sequential unwrapping, m."""
-    amplitude: Array
-    """Of the fringes, V."""
-    stations: NDArray[np.int64]
-    """(P,), readings that belong to the positions."""
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Interferometer:
-    """Interferometer of Sec. 8.2 on the simulated instrument.
+    """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters.
 
-    Each reading moves the reference mirror in K steps over half a wavelength, lengthened by the
-    stage's nominal motion in that time, and takes the phase by least squares. Before the move the
-    first position is read until noise and vibration no longer count.
-
-    Parameters
-    ----------
-    settings : TwinSettings
-        Laser, optics, air and detector.
-    michelson : Michelson
-        What the interferometer adds.
+    *Known*: from general knowledge, not verified; *assumed*: the paper does not say.
 
     Examples
     --------
-    >>> ruler = Interferometer(TwinSettings())
-    >>> found = ruler.sweep(StageTarget.mirror(), [0.0, 2e-6], repeats=1, seed=0)
+    >>> found = Interferometer().sweep(StageTarget.mirror(), [0.0, 2e-6], repeats=1, seed=0)
     >>> bool(abs(found[0, 1] - found[0, 0] - 2e-6) < 0.4e-6)
     True
     """
 
-    settings: TwinSettings
-    michelson: Michelson = field(default_factory=Michelson)
+    settings: TwinSettings = field(default_factory=TwinSettings)
+    linewidth: float = 30e9  # Hz, full width at half maximum, several modes (gem 532, known)
+    wavelength_error: float = 2e-4  # relative, rms over days (assumed: it may run at 532.1 nm)
+    intensity_noise: float = 1e-3  # of the laser from step to step, relative, rms (assumed)
+    arm_power: float = 1.4e-9  # W of either arm on the detector at most, below its end (assumed)
+    reference_radius: float = 0.25e-3  # m, 1/e^2 radius of the reference beam (Sec. 7.1)
+    imbalance: float = 1e-3  # m, reference arm less the target's distance (assumed)
+    steps: int = 8  # K, over half a wavelength (assumed)
+    samples: int = 5  # at 24 kS/s in a step (assumed)
+    speed: float = 3e-5  # m/s of the stage between positions (assumed: 50 nm a reading)
+    stage_error: float = STAGE_ERROR
+    speckle_length: float = 0.016  # m of travel (assumed: the plate turns by 20 urad per mm)
+    shaking: float = 20e-9  # m rms, along the beam: a resonance of the breadboard (assumed)
+    resonance: float = 30.0  # Hz (assumed)
+    quality: float = 20.0  # quality factor of the resonance (assumed)
+    temperature_drift: float = 0.05  # K rms (assumed)
+    drift_time: float = 600.0  # s, after which it has forgotten where it was (assumed)
+    expansion: float = 11e-6  # 1/K, of the breadboard under the scene arm (steel, known)
 
     @property
     def wavelength(self) -> float:
-        """Of the laser in air, m."""
-        laser = self.settings.laser
-        return laser.wavelength / phase_index(self.settings.air, laser.wavelength)
+        """Of the laser in air, m; the phase index is the group index's mean over wave numbers."""
+        nodes, weights = np.polynomial.legendre.leggauss(9)
+        vacuum = self.settings.laser.wavelength
+        colours = vacuum / ((nodes + 1) / 2)
+        index = [free_space.group_index(self.settings.air, one) for one in colours]
+        return float(vacuum / (weights @ index / 2))
 
     @property
-    def change_spread(self) -> float:
-        """Standard deviation of what vibration adds between two readings, m."""
-        m, time = self.michelson, self.michelson.reading_time
-        table = vibration_spread(
-            time, rms=m.table_rms, frequency=m.table_frequency, quality=m.quality
-        )
-        mount = vibration_spread(
-            time, rms=m.mount_rms, frequency=m.mount_frequency, quality=m.quality
-        )
-        return float(np.hypot(table, mount))
+    def reading_time(self) -> float:
+        """Time of a phase reading, and from one to the next, s."""
+        return self.steps * self.samples / SAMPLE_RATE
 
-    def path(self, positions: ArrayLike) -> Path:
-        """Readings on the way through positions (P,), m: none further apart than a stride."""
-        stops = _checked(positions)
-        gaps = np.abs(np.diff(stops)) / self.michelson.stride
-        counts = np.maximum(1, np.ceil(gaps - 1e-9)).astype(np.int64)
-        stations = np.concatenate([[0], np.cumsum(counts)])
-        return Path(np.interp(np.arange(stations[-1] + 1), stations, stops), stations)
+    @property
+    def stride(self) -> float:
+        """Travel of the stage from one reading to the next, m."""
+        return self.speed * self.reading_time
 
-    # --- forward and inverse ----------------------------------------------------------------------
+    # --- light -----------------------------------------------------------------------------------
+
+    def matched_share(self, target: StageTarget) -> float:
+        """Share m of the collected light in the reference beam's mode, Gaussian of radius w_r.
+
+        Rough plate: speckle of the coherence ``exp(-(pi w d / lambda z)^2 / 2)`` in the aperture A,
+        of which it takes ``2 pi / (A ((pi w / lambda z)^2 + 1 / w_r^2))`` on average, w the spot's
+        radius. Mirror: overlap with the wide and curved beam that comes back.
+        """
+        optics, z, vacuum = self.settings.optics, target.distance, self.settings.laser.wavelength
+        if target.material == "diffuse":
+            area = np.pi * optics.aperture**2 / 4
+            inverse = (np.pi * float(free_space.spot_radius(optics, z)) / (vacuum * z)) ** 2
+            return min(1.0, 2 * np.pi / (area * (inverse + self.reference_radius**-2)))
+        width = float(free_space.spot_radius(optics, 2 * z))
+        real = self.reference_radius**-2 + width**-2
+        turned = np.pi * optics.divergence / (width * vacuum)  # curvature of the wavefront
+        return float(4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2))
+
+    def fringes(self, target: StageTarget, ranges: ArrayLike) -> tuple[Array, Array, Array]:
+        """Amplitude and offset, V, of the interferogram at ranges (...), m; noise of a step, V^2.
+
+        Of a diffuse plate the amplitude is the root of the mean square over its speckle.
+        """
+        detector, z = self.settings.detector, np.asarray(ranges, float)
+        scene = np.minimum(collected_power(self.settings, target, z), self.arm_power)
+        delay = 2 * (z - target.distance - self.imbalance) / SPEED_OF_LIGHT
+        coherence = np.exp(-((np.pi * self.linewidth * delay) ** 2) / (4 * np.log(2)))
+        conversion = Conversion(detector, self.settings.laser.wavelength)
+        field = np.sqrt(self.arm_power * self.matched_share(target) * scene)
+        amplitude = conversion.volts_per_watt * 2 * coherence * field
+        offset = conversion.volts_per_watt * (self.arm_power + scene)
+        # a mean over a step averages white noise over 1 / (2 T), unless the filters pass less
+        passed = chain(detector, 1 / SAMPLE_RATE).noise_bandwidth
+        variance = conversion.density(offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
+        variance = variance + (detector.converter_noise * SLOPE) ** 2 / self.samples
+        variance = variance + (self.intensity_noise * offset) ** 2
+        return amplitude, offset, variance * float(self.settings.noise)
+
+    # --- instrument ------------------------------------------------------------------------------
 
     def sweep(self, target: StageTarget, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
-        """Ranges (repeats, P), m, found at stage positions (P,), m from ``target.distance``.
+        """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
 
-        A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn anew. The
-        first position is known; the stage misses the others by its error.
-
-        Raises
-        ------
-        ValueError
-            For positions that are not one finite row, or fewer than one repeat.
+        A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn anew.
         """
-        if repeats < 1:
-            raise ValueError(f"Expected at least 1 repeat, got {repeats}. Ask for more.")
-        scene = self._scene(target, positions)
-        found = np.empty((repeats, scene.path.stations.size))
+        stops = checked_positions(positions, repeats)
+        strides = np.abs(np.diff(stops)) / self.stride - 1e-9
+        stations = np.append(0, np.cumsum(np.maximum(1, np.ceil(strides)))).astype(int)
+        place = np.arange(stations[-1] + 1)
+        ranges = target.distance + np.interp(place, stations, stops)
+        amplitude, _, variance = self.fringes(target, ranges)
+        warmth = target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
+        rough = target.material == "diffuse" and self.settings.optics.speckle
+        root = _gaussian_root(stops / self.speckle_length)
+        found = np.zeros((repeats, stops.size))
         for repeat in range(repeats):
-            run = self._run(scene, np.random.default_rng([seed, repeat]), full=False)
-            found[repeat] = run.counted[run.stations]
-        found[:, 0] = 0.0  # the first position is where the instrument was set to the known range
-        return target.distance + scene.path.places[0] + found
+            rng = np.random.default_rng([seed, repeat])
+            speckle = root @ _circular(rng, stops.size) if rough else np.ones(stops.size)
+            colour = self.wavelength_error * rng.standard_normal()
+            at = stops + self.stage_error * rng.standard_normal(stops.size)
+            way = np.interp(place, stations, at - at[0]) + self.vibration(rng, place.size)
+            slow = _carried(rng.standard_normal(place.size), -self.reading_time / self.drift_time)
+            way += warmth * (slow - slow[0])
+            field = amplitude * np.interp(place, stations, speckle)
+            noise = np.sqrt(2 * variance / self.steps) * _circular(rng, place.size)
+            read = field * np.exp(4j * np.pi / self.wavelength * way) + noise
+            start = np.angle(field[0])  # the plate's own phase belongs to the known range, too
+            counted = np.unwrap(np.append(start, np.angle(read)))[1:] - start
+            metres = counted[stations] * self.wavelength * (1 + colour) / (4 * np.pi)
+            found[repeat, 1:] = metres[1:]
+        return target.distance + stops[0] + found
 
     def bound(self, target: StageTarget, positions: ArrayLike) -> Array:
-        """Cramer-Rao least standard deviation (P,), m, of one range from noise alone.
+        """Cramer-Rao least standard deviation (P,), m, by noise alone, speckle at its mean."""
+        ranges = target.distance + checked_positions(positions)
+        amplitude, _, variance = self.fringes(target, ranges)
+        noise = linear_phase_noise(amplitude, variance, self.steps)
+        return np.asarray(self.wavelength / (4 * np.pi) * noise, float)
 
-        ``lambda / 4 pi sqrt(2 v / K) / a``; a diffuse plate at the mean of its speckle. At the
-        first position it is the bound of the reading, though the range is known there.
+    # --- vibration -------------------------------------------------------------------------------
+
+    def vibration(self, rng: np.random.Generator, count: int) -> Array:
+        """Displacement (count,), m, at successive readings: a resonance under white forcing."""
+        rate = 2 * np.pi * self.resonance * self.reading_time
+        decay = rate * (1j - 1 / (2 * self.quality))
+        return self.shaking * _carried(_circular(rng, count), decay).real
+
+    def lost_fringes(self) -> float:
+        r"""Mean number of fringes that one reading loses, in the direction of the move.
+
+        .. math:: \langle m\rangle = \sum_{k\ge1}
+                  Q\!\left(\frac{(2k-1)\lambda/4 - s}{\sigma}\right)
+                  - Q\!\left(\frac{(2k-1)\lambda/4 + s}{\sigma}\right)
+
+        for the stride s and a change by vibration of the standard deviation sigma between readings.
         """
-        light = self._light(target, _checked(positions))
-        noise = linear_phase_noise(light.amplitude, light.variance, self.michelson.steps)
-        return fringe_range(noise, self.wavelength)
-
-    def record(
-        self,
-        target: StageTarget,
-        positions: ArrayLike,
-        *,
-        seed: int,
-        repeat: int = 0,
-        full: bool = False,
-    ) -> Record:
-        """One run with all its readings: a repeat of `sweep`.
-
-        Parameters
-        ----------
-        full : bool
-            Simulate every step of the mirror with its own vibration and noise, and decode it. Else
-            a reading is one phasor, for which vibration stands still. Other random numbers, the
-            same law: tests hold the two together.
-        """
-        rng = np.random.default_rng([seed, repeat])
-        return self._run(self._scene(target, positions), rng, full=full)
-
-    def _light(self, target: StageTarget, places: Array) -> Fringes:
-        return fringes(self.settings, self.michelson, target, target.distance + places)
-
-    def _scene(self, target: StageTarget, positions: ArrayLike) -> "_Scene":
-        path, m = self.path(positions), self.michelson
-        rough = target.material == "diffuse" and self.settings.optics.speckle
-        return _Scene(
-            path,
-            self._light(target, path.places),
-            Speckle(path.places, m.speckle_length) if rough else None,
-            target.distance * (m.expansion + AIR_PER_KELVIN) * m.temperature_drift,
-        )
-
-    def _run(self, scene: "_Scene", rng: np.random.Generator, *, full: bool) -> Record:
-        m, path, count = self.michelson, scene.path, scene.path.places.size
-        scale, travel = rng.standard_normal(2) * [m.wavelength_error, m.sweep_error]
-        missed = m.stage_error * rng.standard_normal(path.stations.size)
-        rough = np.ones(count) if scene.speckle is None else scene.speckle.draw(rng)
-        field = scene.light.amplitude * rough
-        way = path.places - path.places[0]
-        way += np.interp(np.arange(count), path.stations, missed - missed[0])
-        way += drift(rng, count, m.reading_time, rms=scene.drift, time=m.drift_time)
-        steps = m.steps if full else 1
-        shaken = self._vibration(rng, count * steps, m.reading_time / steps).reshape(count, steps)
-        truth = way[:, None] + shaken
-        read = _read_steps if full else _read_frozen
-        phase = fringe_phase(truth, self.wavelength)
-        wrapped = np.angle(read(m, scene.light, field, phase, travel, rng))
-        # the plate's own phase and the mirror's cyclic error belong to the known range, too
-        plus, minus = step_response(m.psi, travel)
-        start = np.angle(plus * field[:1] + minus * np.conj(field[:1]))
-        counted = np.unwrap(np.concatenate([start, wrapped]))[1:] - start
-        metres = fringe_range(counted, self.wavelength * (1 + scale))
-        return Record(truth.mean(-1), wrapped, metres, np.abs(field), path.stations)
-
-    def _vibration(self, rng: np.random.Generator, count: int, interval: float) -> Array:
-        m = self.michelson
-        table = vibration(
-            rng, count, interval, rms=m.table_rms, frequency=m.table_frequency, quality=m.quality
-        )
-        mount = vibration(
-            rng, count, interval, rms=m.mount_rms, frequency=m.mount_frequency, quality=m.quality
-        )
-        return table + mount
+        angle = 2 * np.pi * self.resonance * self.reading_time
+        kept = np.exp(-angle / (2 * self.quality)) * np.cos(angle)
+        spread = max(self.shaking * float(np.sqrt(2 - 2 * kept)), 1e-15)
+        highest = 4 * (self.stride + 9 * spread) / self.wavelength
+        edge = self.wavelength / 4 * np.arange(1, highest + 2, 2)
+        forward, backward = (ndtr((s - edge) / spread).sum() for s in (self.stride, -self.stride))
+        return float(forward - backward)
 
 
-class _Scene(NamedTuple):
-    """What all repeats of a sweep share."""
-
-    path: Path
-    light: Fringes
-    speckle: Speckle | None
-    drift: float  # rms, m
-
-
-def _read_frozen(
-    m: Michelson,
-    light: Fringes,
-    field: NDArray[Any],
-    phase: Array,
-    travel: float,
-    rng: np.random.Generator,
-) -> NDArray[np.complex128]:
-    """Phasors (N,) of readings, V, while phase (N, 1), rad, stands still."""
-    turned = field * np.exp(1j * phase[:, 0])
-    plus, minus = step_response(m.psi, travel)
-    noise = rng.standard_normal((turned.size, 2)).view(complex)[:, 0]
-    spread = np.sqrt(2 * light.variance / m.steps)
-    return plus * turned + minus * np.conj(turned) + spread * noise
+def _carried(normals: NDArray, exponent: complex) -> NDArray:
+    """Stationary first-order process of unit variance, ``x_k = exp(exponent) x_(k-1) + rest``."""
+    keep = np.exp(exponent)
+    fresh = np.sqrt(1 - abs(keep) ** 2) * normals
+    fresh[:1] = normals[:1]
+    return np.asarray(lfilter([1.0], [1.0, -keep], fresh))
 
 
-def _read_steps(
-    m: Michelson,
-    light: Fringes,
-    field: NDArray[Any],
-    phase: Array,
-    travel: float,
-    rng: np.random.Generator,
-) -> NDArray[np.complex128]:
-    """Phasors (N,) of readings, V, decoded from the intensity at each step; phase (N, K), rad."""
-    angle = phase + (1 + travel) * m.psi
-    volts = light.offset[:, None] + np.real(field[:, None] * np.exp(1j * angle))
-    volts += np.sqrt(light.variance)[:, None] * rng.standard_normal(volts.shape)
-    read = decode(volts.T, m.psi)
-    return np.asarray(read.amplitude * np.exp(1j * read.phase), complex)
-
-
-def _checked(positions: ArrayLike) -> Array:
-    """Positions as one finite row."""
-    stops = np.asarray(positions, float)
-    if stops.ndim != 1 or stops.size == 0 or not np.isfinite(stops).all():
-        raise ValueError(
-            f"Expected finite positions of shape (P,), got shape {stops.shape}. "
-            "Give one row of them in metres."
-        )
-    return stops
+def _gaussian_root(places: Array) -> Array:
+    """Root (P, P) of the correlation ``exp(-d^2)`` of a circular field of mean square 1, over 2."""
+    values, vectors = np.linalg.eigh(np.exp(-((places[:, None] - places) ** 2)))
+    return vectors * np.sqrt(np.maximum(values, 0) / 2)

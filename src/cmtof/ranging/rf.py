@@ -1,277 +1,239 @@
-"""Ranging by RF demodulation after photo-conversion (Sec. 7.4, Fig. 13, Table 4): a simulated day.
+r"""RF demodulation after photo-conversion (Sec. 7.4): circuit, bound, sweep, and image of a scan.
 
-The circuit is `cmtof.ranging.rf_receiver`; here are the light it gets, the offsets that are no
-light, the calibration, and what drifts after it.
+Light of mean power P whose fundamental has the depth m makes a voltage with the complex envelope V
+in the load R_L; averaged over T each of its quadratures has the noise sigma,
+
+.. math:: V = R_L\,R\,m\,|H(f)|\,P\,e^{i\phi}, \qquad
+          \sigma^2 = \frac{k_B T_0 F R_L + 2e\,(R P + I_d)\,R_L^2 + e_n^2/2g^2}{T}, \qquad
+          \mathrm{SNR} = \frac{|V|^2}{2\sigma^2} = \frac{1}{2\sigma_\phi^2}
+
+with H = 1/(1 + i f/f_c) and the noise e_n of the amplifier behind the mixer, a gain g later. While
+the circuit's noise rules, SNR goes with P squared.
 """
 
-from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.constants import Boltzmann, elementary_charge
 
-from cmtof.correlation import centred, depth_from_phase, phase_from_depth
+from cmtof.correlation import centred, phase_from_depth, wrapped
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.drift import Drift
 from cmtof.instrument.optics import sent_power
 from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Target
+from cmtof.instrument.world import SAMPLE_RATE
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
-from cmtof.ranging.optical import FREQUENCY
-from cmtof.ranging.rf_receiver import Imbalance, Reading, RfReceiver
-from cmtof.ranging.rf_settings import RfParts
-from cmtof.ranging.target import StageTarget, collected_power
-
-__all__ = [
-    "FREQUENCY",
-    "Imbalance",
-    "Reading",
-    "RfParts",
-    "RfRanger",
-    "RfReceiver",
-    "diode_power",
-    "emitting",
-    "modulation_depth",
-    "seen_share",
-]
+from cmtof.ranging.optical import FREQUENCY, ORDER
+from cmtof.ranging.sweep import STAGE_ERROR, StageTarget, checked_positions, collected_power
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
-def modulation_depth(settings: TwinSettings, mode: str = "single") -> float:
-    """Amplitude of the emitted light's fundamental over its mean, ``2 |W_k| / W_0``.
-
-    An ideal module at the stated eta: 2 J_1 in the single, 2 J_2 / (1 - J_0) in the doubled mode.
-
-    Examples
-    --------
-    >>> round(modulation_depth(TwinSettings()), 3)
-    1.134
-    """
-    law = single_mode_harmonics if mode == "single" else doubled_mode_harmonics
-    order = 1 if mode == "single" else 2
-    harmonics = law(settings.drive.eta, 2)
-    return float(2 * abs(harmonics[order]) / harmonics[0].real)
-
-
-def emitting(settings: TwinSettings, power: float, *, mode: str = "single") -> TwinSettings:
-    """Settings with the laser turned to a mean power sent to the scene, W.
-
-    Examples
-    --------
-    >>> round(sent_power(emitting(TwinSettings(), 0.03)), 6)
-    0.03
-    """
-    laser = settings.laser
-    scale = power / sent_power(settings, mode)
-    return replace(settings, laser=replace(laser, power=laser.power * scale))
-
-
-def seen_share(settings: TwinSettings, parts: RfParts, ranges: ArrayLike) -> Array:
-    """Share of a diffuse target's collected light that falls on the small photodiode.
-
-    The lens images the Gaussian spot of 1/e^2 radius w at range z as one of angular radius w/z.
-    """
-    diode, optics = parts.photodiode, settings.optics
-    half = optics.field_of_view / 2 * diode.diameter / diode.reference_diameter
-    z = np.asarray(ranges, float)
-    image = free_space.spot_radius(optics, z) / z
-    with np.errstate(divide="ignore"):  # a spot without size is seen whole
-        return 1 - np.exp(-2 * (half / image) ** 2)
-
-
-def diode_power(
-    settings: TwinSettings,
-    parts: RfParts,
-    target: StageTarget,
-    ranges: ArrayLike,
-    *,
-    mode: str = "single",
-) -> Array:
-    """Mean light on the photodiode, W: `collected_power`, cut by the diode unless specular.
-
-    A mirror's beam is focused to a point (assumed).
-    """
-    power = collected_power(settings, target, ranges, mode=mode)
-    return power if target.material == "specular" else power * seen_share(settings, parts, ranges)
-
-
-class _Days(NamedTuple):
-    """What differs between the days of a sweep: R days, P positions, the calibration first."""
-
-    offset: Complex
-    """(R, 1 + P), V at the amplifier's input; column 0 is the calibration."""
-    lag: Array
-    """(R, 1 + P), drift of the phase between the drivers, rad."""
-    laser: Array
-    """(R, 1 + P), light over its middle."""
-    imbalance: Imbalance
-    """(R, 1), during the sweep."""
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RfRanger:
-    """RF demodulation as an instrument: same laser, emission and optics as the all-optical one.
+    """RF demodulation with laser, emission and optics of the all-optical instrument.
 
-    Calibrated as a lab would do it: the offset is read with the beam blocked, the imbalance from
-    a sweep of the phase, a minute before; then both are taken away from every reading. The
-    constant phase comes from the same target at the known first position of the sweep. All three
-    average over ``calibration_points``. Phases are unwrapped to the wrap of the known range.
+    The paper names the photodiode only, the rest are catalogue parts in SI units and dB. *Known*:
+    from general knowledge of the part, not verified; *assumed*: such a part could have it. The
+    offset is read with the beam blocked, and the imbalance from a sweep of the phase, ``age``
+    before; the known first position sets the zero. Each averages over ``points``.
 
-    Parameters
-    ----------
-    settings : TwinSettings
-    receiver : RfReceiver
-    mode : {"single", "doubled"}
-    calibrated : bool
-        Whether offset and imbalance are taken away; the first position serves in any case.
-    calibration_age : float
-        Time from the calibration to the first position, s (assumed).
-    step_time : float
-        Time from one position to the next, s (assumed).
-    stage_error : float
-        Standard deviation of a position of the stage, m (Sec. 8.2: 0.05 um).
+    Examples
+    --------
+    Electrical power goes with the square of the light:
 
-    Raises
-    ------
-    ValueError
-        For another mode.
+    >>> weak, strong = RfRanger().snr([1e-9, 1e-8])
+    >>> round(float(strong / weak))
+    100
     """
 
     settings: TwinSettings = field(default_factory=TwinSettings)
-    receiver: RfReceiver = field(default_factory=RfReceiver)
     mode: str = "single"
-    calibrated: bool = True
-    calibration_age: float = 60.0
-    step_time: float = 1.0
-    stage_error: float = 5e-8
+    calibrated: bool = True  # offset and imbalance are taken away; the zero is set in any case
+    points: int = 100
+    age: float = 60.0  # s from the calibration to the first position (assumed)
+    step_time: float = 1.0  # s from one position to the next (assumed)
+    stage_error: float = STAGE_ERROR
+    time: float = 320 / SAMPLE_RATE  # s for a point, that of the all-optical instrument (Sec. 7.2)
+    responsivity: float = 0.2  # A/W, photodiode ET-4000 at 532 nm (assumed: efficiency 0.47)
+    bandwidth: float = 12e9  # Hz, first order (Sec. 7.4)
+    dark_current: float = 0.5e-9  # A (known)
+    diameter: float = 60e-6  # m (known): the whole image of the spot does not fit on it
+    reference_diameter: float = 1e-3  # m, APD440A, which sees the optics' field_of_view
+    load: float = 50.0  # Ohm
+    amplifier_gain: float = 26.0  # dB (known, the class of a Mini-Circuits ZVA-183+)
+    noise_figure: float = 3.0  # dB (known)
+    filter_loss: float = 1.5  # dB, band-pass (assumed)
+    return_loss: float = 10.0  # dB, of both together as the mixer sees them (assumed)
+    conversion_loss: float = 9.0  # dB, I/Q mixer HMC8193 (data sheet Rev. B), as the next four
+    mixer_noise_figure: float = 11.5  # dB
+    amplitude_imbalance: float = 0.5  # dB, Q over I
+    phase_imbalance: float = 0.08726646  # rad, 5 degrees
+    lo_isolation: float = 48.0  # dB; what passes is thrown back and mixes with itself
+    lo_power: float = 18.0  # dBm (known for this class)
+    noise_density: float = 5e-9  # V/sqrt(Hz), of the amplifier behind the mixer (assumed)
+    drive_power: float = 30.0  # dBm, of the crystal (assumed)
+    isolation: float = 100.0  # dB, from that drive into the photodiode's cable (assumed)
+    drift: float = 1e-3  # of offsets and imbalances since the calibration, relative, rms (assumed)
 
     def __post_init__(self) -> None:
         if self.mode not in FREQUENCY:
             raise ValueError(f"Expected mode single or doubled, got {self.mode!r}. Choose one.")
 
-    # --- contract of the ranging instruments -----------------------------------------------------
+    # --- circuit: everything as envelopes at the amplifier's input -------------------------------
+
+    @property
+    def noise_factor(self) -> float:
+        """Noise factor F of amplifier, filter and mixer (Friis 1944)."""
+        behind = 10 ** ((self.filter_loss + self.mixer_noise_figure) / 10) - 1
+        return float(10 ** (self.noise_figure / 10) + behind / 10 ** (self.amplifier_gain / 10))
+
+    @property
+    def offsets(self) -> Array:
+        """Envelopes of self-mixing and pick-up (2,), V: no light."""
+        leaked = self.lo_power - self.lo_isolation - self.return_loss
+        leaked -= self.amplifier_gain - self.filter_loss
+        level = np.array([leaked, self.drive_power - self.isolation])  # dBm
+        return np.sqrt(2 * self.load * 1e-3 * 10 ** (level / 10))
+
+    @property
+    def skew(self) -> tuple[float, float]:
+        """Amplitude of Q over I, and Q's error of its 90 degrees, rad."""
+        return 10 ** (self.amplitude_imbalance / 20), self.phase_imbalance
+
+    def envelope(self, power: ArrayLike) -> Array:
+        """Size of the envelope, V, of light (...), W."""
+        law = single_mode_harmonics if self.mode == "single" else doubled_mode_harmonics
+        wave = law(self.settings.drive.eta, 2)
+        depth = 2 * abs(wave[ORDER[self.mode]]) / wave[0].real
+        response = self.responsivity / np.hypot(1, FREQUENCY[self.mode] / self.bandwidth)
+        return np.asarray(self.load * response * depth * np.asarray(power, float), float)
+
+    def noise(self, power: ArrayLike) -> Array:
+        """Noise of one quadrature averaged over ``time``, V rms: light (...), W, and circuit."""
+        current = self.responsivity * np.asarray(power, float) + self.dark_current
+        shot = 2 * elementary_charge * current * self.load**2
+        thermal = Boltzmann * 290.0 * self.noise_factor * self.load
+        ahead = 10 ** ((self.amplifier_gain - self.filter_loss - self.conversion_loss) / 10)
+        return np.sqrt((shot + thermal + self.noise_density**2 / (2 * ahead)) / self.time)
+
+    def snr(self, power: ArrayLike) -> Array:
+        """Signal over noise of light (...), W, a ratio of electrical powers."""
+        return self.envelope(power) ** 2 / (2 * self.noise(power) ** 2)
+
+    # --- instrument ------------------------------------------------------------------------------
+
+    def seen_share(self, ranges: ArrayLike) -> Array:
+        """Share of a diffuse target's collected light that falls on the small photodiode.
+
+        The lens images the Gaussian spot of 1/e^2 radius w at range z as one of angular radius w/z.
+        """
+        optics, z = self.settings.optics, np.asarray(ranges, float)
+        half = optics.field_of_view / 2 * self.diameter / self.reference_diameter
+        with np.errstate(divide="ignore"):
+            return 1 - np.exp(-2 * (half * z / free_space.spot_radius(optics, z)) ** 2)
+
+    def power(self, target: StageTarget, ranges: ArrayLike) -> Array:
+        """Mean light on the photodiode, W; a mirror's beam is focused to a point (assumed)."""
+        whole = collected_power(self.settings, target, ranges, self.mode)
+        return whole * (1.0 if target.material == "specular" else self.seen_share(ranges))
+
+    def phase(self, ranges: ArrayLike) -> Array:
+        """Phase, rad, of ranges in air, m."""
+        index = free_space.group_index(self.settings.air, self.settings.laser.wavelength)
+        return np.asarray(phase_from_depth(np.multiply(index, ranges), FREQUENCY[self.mode]), float)
 
     def sweep(self, target: StageTarget, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
-        ranges = target.distance + np.asarray(positions, float)
-        known, first = self.readings(target, positions, repeats=repeats, seed=seed)
-        phase = self._phase(ranges) - self._phase(ranges[:1])
-        off = centred(known.phase - first.phase - phase)
-        return np.asarray(ranges + depth_from_phase(off, self._slope), float)
+        ranges = target.distance + checked_positions(positions, repeats)
+        found = np.empty((repeats, ranges.size))
+        for repeat in range(repeats):
+            read = self.readings(target, ranges, np.random.default_rng([seed, repeat]))
+            off = centred(np.angle(read[1:] / read[0]) - self.phase(ranges - ranges[0]))
+            found[repeat] = ranges + off / self.phase(1.0)
+        return found
 
     def bound(self, target: StageTarget, positions: ArrayLike) -> Array:
         """Cramer-Rao bound (P,), m: noise of one reading at the mean light, nothing else."""
-        ranges = target.distance + np.asarray(positions, float)
-        power = self._power(target, ranges)
-        phase = self.receiver.phase_bound(
-            power,
-            modulation_depth(self.settings, self.mode),
-            frequency=FREQUENCY[self.mode],
-            offset=sum(self.receiver.offsets()),
+        light = self.power(target, target.distance + checked_positions(positions))
+        return self.noise(light) / self.envelope(light) / self.phase(1.0)
+
+    def readings(self, target: StageTarget, ranges: Array, rng: np.random.Generator) -> Complex:
+        """One day's envelopes (1 + P,), V: the zero at the first of ranges (P,), m, then all."""
+        settings, laser, key = self.settings, self.settings.laser, int(rng.integers(2**62))
+        times = self.age + self.step_time * np.append(0, np.arange(ranges.size))
+        times = np.append(times, 0.0)  # the last with the beam blocked
+        slow = [Drift(key, channel)(times) / Drift.RMS for channel in range(4)]
+        constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
+        constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
+        swing = (laser.fibre_high - laser.fibre_low) / (laser.fibre_high + laser.fibre_low)
+        fibre, turn = 1 + swing * Drift.RMS * slow[3], settings.drive.phase_drift * slow[2]
+        true = ranges + self.stage_error * rng.standard_normal(ranges.size)
+        light = self.power(target, ranges)
+        if settings.optics.speckle and target.material == "diffuse":
+            cells = free_space.speckle_cells(settings.optics, laser.wavelength, ranges)
+            light = light * rng.gamma(cells, 1 / cells)
+        light, true = (np.concatenate([one[:1], one, [0.0]]) for one in (light, true))
+        stray = sent_power(settings, self.mode) * free_space.inward(settings.optics)
+        stray *= settings.optics.back_fraction * (times > 0)
+        ways = (light, true), (stray, settings.optics.back_range)
+        signal = constant + sum(
+            self.envelope(power * fibre) * np.exp(1j * (self.phase(z) + turn)) for power, z in ways
         )
-        return np.asarray(depth_from_phase(phase, self._slope), float)
+        many = np.array([self.points, *np.ones(ranges.size), self.points])
+        noise = self.noise(light) / np.sqrt(many) * _circular(rng, many.size)
+        gain, error = self.skew + self.drift * rng.standard_normal(2)
+        read = skewed(signal + noise, gain, error)
+        # the blocked beam is read, and the imbalance known, before they drift
+        blocked = skewed((signal + noise)[-1], *self.skew)
+        return straightened(read - blocked, *self.skew)[:-1] if self.calibrated else read[:-1]
 
-    # --- the day -----------------------------------------------------------------------------
 
-    def readings(
-        self, target: StageTarget, positions: ArrayLike, *, repeats: int, seed: int
-    ) -> tuple[Reading, Reading]:
-        """Phases and amplitudes of a sweep (R, P), and of its first position calibrated (R, 1)."""
-        if repeats < 1:
-            raise ValueError(f"Expected at least 1 repeat, got {repeats}. Ask for more.")
-        rng = np.random.default_rng([seed, 1])
-        ranges = target.distance + np.asarray(positions, float)
-        days = self._days(seed, repeats, ranges.size)
-        power = self._power(target, ranges) * self._speckle(target, ranges, repeats, rng)
-        true = ranges + self.stage_error * rng.standard_normal((repeats, ranges.size))
-        base, points = self.receiver.parts.baseband, self.receiver.parts.baseband.calibration_points
-        blocked = self.receiver.phasor(
-            0.0,
-            offset=days.offset[:, :1],
-            imbalance=self.receiver.imbalance,
-            time=points * base.time,
-            rng=rng,
-        )
-        here = slice(1, None)
-        swept = self._taken(power, true, days, here, rng, base.time)
-        first = self._taken(power[:, :1], true[:, :1], days, slice(1, 2), rng, points * base.time)
-        if not self.calibrated:
-            return self.receiver.estimate(swept), self.receiver.estimate(first)
-        known = {"offset": blocked, "imbalance": self.receiver.imbalance}
-        return self.receiver.estimate(swept, **known), self.receiver.estimate(first, **known)
+def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
+    """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
+    z = np.asarray(phasor, complex)
+    return np.asarray(z.real + 1j * gain * (z * np.exp(1j * np.asarray(error))).imag, complex)
 
-    def _taken(
-        self,
-        power: Array,
-        ranges: Array,
-        days: _Days,
-        columns: slice,
-        rng: np.random.Generator,
-        time: float,
-    ) -> Complex:
-        """Voltages (R, P): target, coaxial back-reflection and offsets, with noise."""
-        depth, frequency = modulation_depth(self.settings, self.mode), FREQUENCY[self.mode]
-        optics, laser, lag = self.settings.optics, days.laser[:, columns], days.lag[:, columns]
-        back = sent_power(self.settings, self.mode) * free_space.inward(optics)
-        phase = self._phase(np.array(optics.back_range))
-        stray = self.receiver.envelope(
-            back * optics.back_fraction * laser, depth, phase + lag, frequency=frequency
-        )
-        return self.receiver.phasor(
-            power * laser,
-            depth,
-            self._phase(ranges) + lag,
-            frequency=frequency,
-            offset=stray + days.offset[:, columns],
-            imbalance=days.imbalance,
-            time=time,
-            rng=rng,
-        )
 
-    def _days(self, seed: int, repeats: int, positions: int) -> _Days:
-        times = np.append(0.0, self.calibration_age + self.step_time * np.arange(positions))
-        parts, laser = self.receiver.parts, self.settings.laser
-        middle = (laser.fibre_low + laser.fibre_high) / 2
-        swing = (laser.fibre_high - laser.fibre_low) / 2
-        offset, lag, light, skew = [], [], [], []
-        for repeat in range(repeats):
-            rng = np.random.default_rng([seed, 0, repeat])
-            key = int(rng.integers(2**62))
-            slow = [Drift(key, channel)(times) / Drift.RMS for channel in range(4)]
-            turns = np.exp(2j * np.pi * rng.random(2))
-            still = np.dot(self.receiver.offsets(), turns)
-            offset.append(still * (1 + parts.pickup.drift * (slow[0] + 1j * slow[1])))
-            lag.append(self.settings.drive.phase_drift * slow[2])
-            light.append((middle + swing * Drift.RMS * slow[3]) / middle)
-            skew.append(parts.pickup.imbalance_drift * rng.standard_normal(2))
-        gain, error = np.array(skew).T[..., None]
-        mixer = parts.mixer
-        drifted = Imbalance.of(
-            10 ** (mixer.amplitude_imbalance / 20) * (1 + gain), mixer.phase_imbalance + error
-        )
-        return _Days(np.array(offset), np.array(lag), np.array(light), drifted)
+def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
+    """Phasor of a skewed reading: the inverse of `skewed`."""
+    z = np.asarray(reading, complex)
+    return np.asarray(z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error))
 
-    def _speckle(
-        self, target: StageTarget, ranges: Array, repeats: int, rng: np.random.Generator
-    ) -> Array:
-        """Factors (R, P) of mean 1: another pattern at each position, as in the simulated rig."""
-        shape = (repeats, ranges.size)
-        if not self.settings.optics.speckle or target.material == "specular":
-            return np.ones(shape)
-        cells = free_space.speckle_cells(
-            self.settings.optics, self.settings.laser.wavelength, ranges
-        )
-        return rng.gamma(cells, 1 / cells, shape)
 
-    def _power(self, target: StageTarget, ranges: Array) -> Array:
-        return diode_power(self.settings, self.receiver.parts, target, ranges, mode=self.mode)
+def rf_image(
+    ranger: RfRanger, target: Target, angles: Array, *, seed: int
+) -> tuple[Array, Array, Array]:
+    """RF demodulation at optical angles (..., 2), rad, of a scan (Fig. 16); noise alone.
 
-    @property
-    def _slope(self) -> float:
-        """Frequency that turns phase into range in air, Hz."""
-        index = free_space.group_index(self.settings.air, self.settings.laser.wavelength)
-        return FREQUENCY[self.mode] * index
+    Wrapped phase (...), rad, mean light on the photodiode, W, and Cramer-Rao bound on the phase,
+    rad, infinite where nothing returns. Speckle is that of a scan of the same seed.
 
-    def _phase(self, ranges: Array) -> Array:
-        return np.asarray(phase_from_depth(ranges, self._slope), float)
+    Examples
+    --------
+    >>> from cmtof.instrument.targets import Plane
+    >>> phase, power, bound = rf_image(RfRanger(), Plane(1.0), np.zeros((1, 2)), seed=0)
+    >>> bool(bound[0] > 0.3)  # rad: of little use
+    True
+    """
+    settings, shape = ranger.settings, np.shape(angles)[:-1]
+    paths = free_space.trace(target, np.reshape(angles, (-1, 2)), settings, seed)
+    sent = sent_power(settings, ranger.mode) * free_space.inward(settings.optics)
+    power = sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
+    # each ray of the spot has a phase of its own: on a slope they partly cancel
+    signal = (ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))).sum(-1)
+    total = power.sum(-1)
+    rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
+    read = signal + ranger.noise(total) * _circular(rng, total.size)
+    phase = np.asarray(wrapped(np.angle(read)), float)
+    with np.errstate(divide="ignore"):
+        bound = ranger.noise(total) / np.abs(signal)
+    return phase.reshape(shape), total.reshape(shape), bound.reshape(shape)
+
+
+def _circular(rng: np.random.Generator, count: int) -> Complex:
+    """Circular complex normals (count,) whose real and imaginary parts have unit variance."""
+    return rng.standard_normal((count, 2)).view(complex)[:, 0]

@@ -1,0 +1,141 @@
+r"""The error budget of the all-optical instrument: a table of terms, and all of them together.
+
+A day begins with a zero from `VISITS` known ranges over one wrap, and `AGE` later comes the sweep.
+With :math:`x_k = \phi + \psi_k` and a correlation :math:`C_k = d + a\cos x_k`, a small change
+:math:`a\,\epsilon_k` of the K readings turns the decoded phase by
+
+.. math:: \delta\phi = -\frac2K\sum_k\epsilon_k\sin x_k ,
+
+and its rms over unknown phases is the closed form of a cyclic error. Errors without one are
+simulated: an instrument without errors, `TwinSettings.ideal`, in which one thing is real.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cmtof.correlation import TAU, depth_from_phase, wrap_length
+from cmtof.instrument import optics as free_space
+from cmtof.instrument.drift import Drift
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Hits
+from cmtof.ranging.optical import FREQUENCY, ORDER, OpticalRanger
+from cmtof.ranging.sweep import POSITIONS, STAGE_ERROR, StageTarget
+
+Array = NDArray[np.float64]
+
+AGE = 600.0
+"""Time from the zero to the sweep, s (assumed)."""
+VISITS = 8
+"""Ranges of the zero, over one wrap (assumed)."""
+
+
+def budget_terms(
+    target: StageTarget, mode: str = "single", *, days: int = 12, seed: int = 0
+) -> dict[str, float]:
+    r"""Rms error of each term, m, at the sizes that `TwinSettings` assumes.
+
+    Noise: parts of the Cramer-Rao bound. RF phase: an octave w of its drift leaves
+    :math:`|e^{iwt} - \langle e^{iwt_r}\rangle|`. Codes: :math:`ms/\sqrt{2K}` of K random ones.
+    I/Q imbalance e: :math:`(e/2)\sin 2\phi`, nothing in the doubled mode. Back-reflection of the
+    power ratio r: :math:`r\sin(\phi_b-\phi)`. RF leakage and laser drift: ``days`` of Monte Carlo
+    before a mirror, which leaves little of the converter's rounding.
+
+    Examples
+    --------
+    >>> round(budget_terms(StageTarget(), days=1)["I/Q imbalance"] * 1e6, 2)
+    1.18
+    """
+    real, order = TwinSettings(), ORDER[mode]
+    drive, detector, air = real.drive, real.detector, real.air
+    silent = replace(detector, converter_noise=0.0)
+    noises = [
+        OpticalRanger(replace(real, detector=one), mode, visits=VISITS).bound(target, [0.0])[0]
+        for one in (detector, silent, replace(silent, noise_density=0.0))
+    ]
+    waits = drift_spread(np.arange(POSITIONS.size) + AGE, np.arange(VISITS))
+    phases = {
+        "RF phase drift": order * drive.phase_drift * waits,
+        "phase codes": order * drive.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
+        "I/Q imbalance": drive.iq_imbalance / np.sqrt(8) * (mode == "single"),
+        "back-reflection": back_ratio(real, target) / np.sqrt(2),
+    }
+    warmer, denser = OpticalRanger.air_change
+    weather = np.hypot(warmer / air.temperature, denser / air.pressure)
+    excess = free_space.group_index(air, real.laser.wavelength) - 1
+    mirror, still = StageTarget.mirror(target.distance), {"stage_error": 0.0, "air_change": (0, 0)}
+    alone = {
+        "RF leakage": ("drive.leakage",),
+        "laser drift": ("laser.fibre_low", "laser.fibre_high"),
+    }
+    drawn = {
+        name: simulated(only(*fields), mirror, mode, days=days, seed=seed, **still)
+        for name, fields in alone.items()
+    }
+    lengths = {
+        "photon noise": noises[2],
+        "amplifier": np.sqrt(noises[1] ** 2 - noises[2] ** 2),
+        "converter": np.sqrt(noises[0] ** 2 - noises[1] ** 2),
+        **{name: depth_from_phase(one, FREQUENCY[mode]) for name, one in phases.items()},
+        **{name: np.sqrt(np.mean(errors**2)) for name, errors in drawn.items()},
+        "air, changed since": excess * target.distance * weather,
+        "stage": STAGE_ERROR,
+    }
+    return {name: float(length) for name, length in lengths.items()}
+
+
+def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
+    """Rms of the drift at ``times`` less its mean at ``reference``, s, in units of its own rms."""
+    rate = TAU * 1e-3 * 2.0 ** np.arange(Drift.COUNT)
+    now = np.exp(1j * np.multiply.outer(np.asarray(times, float), rate))
+    then = np.exp(1j * np.multiply.outer(np.asarray(reference, float), rate)).mean(0)
+    return float(np.sqrt(np.mean(np.abs(now - then) ** 2)))
+
+
+def back_ratio(settings: TwinSettings, target: StageTarget) -> float:
+    """Power of the coaxial back-reflection over that of the target."""
+    hits = Hits(*(np.array(x) for x in (target.distance, 1.0, target.reflectance)))
+    share = free_space.returned_fraction(settings.optics, target.material, hits)
+    return settings.optics.back_fraction / float(share)
+
+
+def only(*names: str) -> TwinSettings:
+    """Instrument without errors but for fields such as ``drive.leakage``, which are real.
+
+    Examples
+    --------
+    >>> only("drive.leakage").drive.leakage
+    0.0001
+    """
+    settings, real = TwinSettings.ideal(), TwinSettings()
+    for name in names:
+        section, _, entry = name.partition(".")
+        size = getattr(getattr(real, section), entry)
+        part = replace(getattr(settings, section), **{entry: size})
+        settings = replace(settings, **{section: part})
+    return settings
+
+
+def simulated(
+    settings: TwinSettings, target: StageTarget, mode: str, *, days: int, seed: int, **lab: Any
+) -> Array:
+    """Errors (days, P), m, of the sweep of Fig. 13; ``lab`` are fields of `OpticalRanger`.
+
+    Phases of paths, cables and leaks, which no setting states, are anywhere in a turn each day.
+    """
+    wrap, optics, drive = float(wrap_length(FREQUENCY["single"])), settings.optics, settings.drive
+    about, found = POSITIONS - POSITIONS.mean(), []  # centred as the zero's wrap is
+    for day in range(days):
+        rng = np.random.default_rng((seed, day))
+        path, back, cable, leak = rng.uniform(0, 1, 4)
+        inside, stray = optics.internal_path + wrap * path, optics.back_range - wrap * back
+        today = replace(
+            settings,
+            optics=replace(optics, internal_path=inside, back_range=stray),
+            drive=replace(drive, phase_offset=TAU * cable, leakage_phase=TAU * leak),
+        )
+        ranger = OpticalRanger(today, mode, **({"visits": VISITS, "age": AGE} | lab))
+        found.append(ranger.sweep(target, about, repeats=1, seed=int(rng.integers(2**31)))[0])
+    return np.array(found) - target.distance - about
