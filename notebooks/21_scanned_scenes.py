@@ -33,7 +33,7 @@ from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import scene_from
 from cmtof.methods import METHODS
 from cmtof.pointcloud import normals_from_points, points_from_depth
-from cmtof.ranging.rf_scene import rf_image
+from cmtof.ranging.rf import RfRanger, rf_image
 from cmtof.scenes.frame import rays_from_camera
 from cmtof.scenes.objects import field_of_view
 
@@ -215,7 +215,7 @@ for (name, room), scan in scans.items():
     phase_error[name, room] = 1e3 * float(np.nanmedian(np.abs(centred(high - 2 * low))))
 for name in objects:
     angles = scans[name, "ordinary"].dataset["angle"].to_numpy()
-    rf[name] = rf_image(ordinary, scenes[name], angles, seed=seed)
+    rf[name] = rf_image(RfRanger(settings=ordinary), scenes[name], angles, seed=seed)
     off = centred(rf[name].phase - phase_from_depth(index * truth[name], first.frequencies[0]))
     rf_rms[name] = float(np.sqrt(np.nanmean(off**2)))
 notes.table(

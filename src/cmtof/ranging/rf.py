@@ -12,6 +12,7 @@ the circuit's noise rules, SNR goes with P squared.
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -204,19 +205,24 @@ def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Compl
     return np.asarray(z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error))
 
 
-def rf_image(
-    ranger: RfRanger, target: Target, angles: Array, *, seed: int
-) -> tuple[Array, Array, Array]:
+class RfImage(NamedTuple):
+    """Reading of each direction (...) of a scan."""
+
+    phase: Array  # wrapped, rad
+    power: Array  # mean light on the photodiode, W
+    bound: Array  # Cramer-Rao bound on the phase, rad; infinite where nothing returns
+
+
+def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> RfImage:
     """RF demodulation at optical angles (..., 2), rad, of a scan (Fig. 16); noise alone.
 
-    Wrapped phase (...), rad, mean light on the photodiode, W, and Cramer-Rao bound on the phase,
-    rad, infinite where nothing returns. Speckle is that of a scan of the same seed.
+    Speckle is that of a scan of the same seed.
 
     Examples
     --------
     >>> from cmtof.instrument.targets import Plane
-    >>> phase, power, bound = rf_image(RfRanger(), Plane(1.0), np.zeros((1, 2)), seed=0)
-    >>> bool(bound[0] > 0.3)  # rad: of little use
+    >>> seen = rf_image(RfRanger(), Plane(1.0), np.zeros((1, 2)), seed=0)
+    >>> bool(seen.bound[0] > 0.3)  # rad: of little use
     True
     """
     settings, shape = ranger.settings, np.shape(angles)[:-1]
@@ -231,7 +237,7 @@ def rf_image(
     phase = np.asarray(wrapped(np.angle(read)), float)
     with np.errstate(divide="ignore"):
         bound = ranger.noise(total) / np.abs(signal)
-    return phase.reshape(shape), total.reshape(shape), bound.reshape(shape)
+    return RfImage(*(one.reshape(shape) for one in (phase, total, bound)))
 
 
 def _circular(rng: np.random.Generator, count: int) -> Complex:

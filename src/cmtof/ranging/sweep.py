@@ -6,7 +6,7 @@ The error of one repeat at stage position x is split by least squares,
           \mathrm{RMSE}^2 = o^2 + s^2\,\mathrm{var}(x) + \frac{P-2}{P}\,\sigma_r^2 .
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.optics import sent_power
 from cmtof.instrument.settings import TwinSettings
-from cmtof.instrument.targets import Hits
+from cmtof.instrument.targets import Hits, Plane
 
 Array = NDArray[np.float64]
 
@@ -57,10 +57,15 @@ def collected_power(
     >>> f"{collected_power(TwinSettings(), StageTarget(), 0.6) * 1e9:.1f} nW"
     '2.2 nW'
     """
-    z = np.asarray(ranges, float)
-    hits = Hits(z, np.ones(z.shape), np.full(z.shape, target.reflectance))
+    places = np.append(target.distance, np.asarray(ranges, float).ravel())
+    hits = Hits(places, np.ones(places.shape), np.full(places.shape, target.reflectance))
     share = free_space.returned_fraction(settings.optics, target.material, hits)
-    return sent_power(settings, mode) * share * free_space.inward(settings.optics)
+    # a mirror turns the rim of the spot away: the same part of it at every range
+    smooth = replace(settings, optics=replace(settings.optics, speckle=False))
+    plane = Plane(target.distance, reflectance=target.reflectance, material=target.material)
+    whole = free_space.trace(plane, np.zeros((1, 2)), smooth, 0).fraction.sum()
+    power = sent_power(settings, mode) * free_space.inward(settings.optics) * whole
+    return (power * share[1:] / share[0]).reshape(np.shape(ranges))
 
 
 def checked_positions(positions: ArrayLike, repeats: int = 1) -> Array:
@@ -111,3 +116,23 @@ def parts(errors: ArrayLike, positions: ArrayLike = POSITIONS) -> Parts:
     scatter = np.sqrt((left**2).sum(axis=-1) / (place.size - 2))
     rmse, mae = np.sqrt(np.mean(error**2, axis=-1)), np.abs(error).mean(axis=-1)
     return Parts(offset, slope, scatter, rmse, mae)
+
+
+class Interval(NamedTuple):
+    """A number over repeats: single repeats, and the percentile bootstrap of their mean."""
+
+    mean: float
+    median: float
+    low: float
+    high: float
+    mean_low: float
+    mean_high: float
+
+
+def interval(values: ArrayLike, *, level: float = 0.95, seed: int = 0) -> Interval:
+    """Range of single repeats (R,), and how well their mean is known."""
+    given, ends = np.asarray(values, float), [(1 - level) / 2, (1 + level) / 2]
+    chosen = np.random.default_rng(seed).integers(given.size, size=(2000, given.size))
+    mean = np.quantile(given[chosen].mean(axis=1), ends)
+    found = given.mean(), np.median(given), *np.quantile(given, ends), *mean
+    return Interval(*(float(one) for one in found))

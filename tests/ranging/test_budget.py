@@ -1,0 +1,84 @@
+"""The error budget: closed forms against Monte Carlo, and the sum against the whole."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cmtof.correlation import depth_from_phase
+from cmtof.instrument.drift import Drift
+from cmtof.instrument.settings import TwinSettings
+from cmtof.ranging.budget import AGE, VISITS, budget_terms, drift_spread, only, simulated
+from cmtof.ranging.sweep import StageTarget
+
+PLATE, MIRROR = StageTarget(), StageTarget.mirror()
+STILL = {"stage_error": 0.0, "air_change": (0.0, 0.0)}
+
+
+def rms(errors):
+    return np.sqrt(np.mean(np.square(errors)))
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "mode"),
+    [
+        ("RF phase drift", "drive.phase_drift", "single"),
+        ("RF phase drift", "drive.phase_drift", "doubled"),
+        ("I/Q imbalance", "drive.iq_imbalance", "single"),
+        ("phase codes", "drive.phase_step_error", "single"),
+    ],
+)
+def test_closed_forms_meet_the_simulation(name, field, mode):
+    """Days tell a root mean square to 1/sqrt(2 days) or so; three of these."""
+    settings = replace(only(field), drive=replace(only(field).drive))
+    errors = simulated(settings, MIRROR, mode, days=80, seed=1, **STILL)
+    floor = rms(simulated(TwinSettings.ideal(), MIRROR, mode, days=5, seed=1, **STILL))
+    found = np.sqrt(rms(errors) ** 2 - floor**2)
+    expected = budget_terms(MIRROR, mode, days=1)[name]
+    assert found == pytest.approx(expected, rel=3 / np.sqrt(160))
+
+
+def test_noise_meets_its_part_of_the_bound():
+    """Of one reading and of the zero's eight; 20 days of 21 positions."""
+    terms = budget_terms(MIRROR, days=1)
+    whole = np.sqrt(sum(terms[n] ** 2 for n in ("photon noise", "amplifier", "converter")))
+    quiet = replace(TwinSettings.ideal(), noise=True, optics=replace(TwinSettings().optics))
+    quiet = replace(quiet, optics=replace(quiet.optics, speckle=False, back_fraction=0.0))
+    errors = simulated(quiet, MIRROR, "single", days=40, seed=2, **STILL)
+    assert rms(errors) == pytest.approx(whole, rel=0.12)
+
+
+def test_an_imbalance_is_nothing_in_the_doubled_mode():
+    errors = simulated(only("drive.iq_imbalance"), MIRROR, "doubled", days=6, seed=0, **STILL)
+    floor = simulated(TwinSettings.ideal(), MIRROR, "doubled", days=6, seed=0, **STILL)
+    assert rms(errors) < 1.3 * rms(floor)
+    assert budget_terms(MIRROR, "doubled", days=1)["I/Q imbalance"] == 0
+
+
+def test_leakage_averages_out_in_the_single_mode_alone():
+    terms = {
+        mode: budget_terms(PLATE, mode, days=6)["RF leakage"] for mode in ("single", "doubled")
+    }
+    assert terms["doubled"] > 2 * terms["single"]
+
+
+@pytest.mark.parametrize("mode", ["single", "doubled"])
+def test_the_sum_of_squares_is_the_whole(mode):
+    """The drift's rms over 100 days is known to 10 %."""
+    terms = budget_terms(PLATE, mode)
+    errors = simulated(TwinSettings(), PLATE, mode, days=100, seed=3)
+    assert rms(errors) == pytest.approx(rms(list(terms.values())) * len(terms) ** 0.5, rel=0.2)
+
+
+def test_drift_spread_is_that_of_many_days():
+    times, zero = np.arange(21.0) + AGE, np.arange(float(VISITS))
+    days = [Drift(seed, 0) for seed in range(3000)]
+    found = rms([(day(times) - day(zero).mean()) / Drift.RMS for day in days])
+    assert found == pytest.approx(drift_spread(times, zero), rel=0.03)
+    assert drift_spread([0.0], [0.0]) == 0
+
+
+def test_sizes_follow_the_settings():
+    drive = TwinSettings().drive
+    term = budget_terms(PLATE, days=1)["phase codes"]
+    assert term == pytest.approx(depth_from_phase(drive.phase_step_error / np.sqrt(32), 7.15e9))

@@ -1,0 +1,123 @@
+"""The all-optical range finder: counts of a scan, noise at its bound, errors by closed forms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cmtof.correlation import TAU, wrap_length
+from cmtof.hardware.scene_scan import scan_scene
+from cmtof.instrument.electronics import volts_from_counts
+from cmtof.instrument.optics import group_index
+from cmtof.instrument.settings import Detector, TwinSettings
+from cmtof.instrument.targets import Plane
+from cmtof.instrument.world import LABEL_TIME, World
+from cmtof.ranging.budget import back_ratio, only
+from cmtof.ranging.optical import OpticalRanger
+from cmtof.ranging.sweep import StageTarget
+
+NOISY = replace(TwinSettings.ideal(), noise=True)
+TARGETS = {"diffuse": StageTarget(), "mirror": StageTarget.mirror()}
+STEPS = np.linspace(0, 1e-3, 5)
+STILL = {"stage_error": 0.0, "air_change": (0.0, 0.0)}
+
+
+@pytest.mark.parametrize("mode", ["single", "doubled"])
+def test_counts_are_those_of_a_scan(mode):
+    """A plane in the scene and the target on the stage, at one moment of one seed."""
+    settings = TwinSettings()
+    settings = replace(settings, optics=replace(settings.optics, speckle=False))
+    scan = scan_scene(settings, Plane(0.6), size=1, field_of_view=0.01, seed=5).dataset
+    ranger, row = OpticalRanger(settings, mode), ["single", "doubled"].index(mode)
+    label = round(float(scan["time"][row, 0, 0]) / LABEL_TIME)
+    counts = ranger.counts(World(ranger.before(StageTarget()), seed=5), np.zeros(1), [label])
+    means = counts.reshape(16, 20)[:, 4:].mean(-1)
+    # a scan drops more of the first phase, in which the mirrors may still move
+    np.testing.assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])
+
+
+@pytest.mark.parametrize(("mode", "what"), [("single", "diffuse"), ("doubled", "mirror")])
+def test_noise_alone_meets_the_bound(mode, what):
+    """5000 estimates fix a standard deviation to 1.0 %: 3 % are three of its own."""
+    ranger, places = OpticalRanger(NOISY, mode, visits=0, **STILL), np.linspace(0, 1e-3, 100)
+    errors = ranger.sweep(TARGETS[what], places, repeats=50, seed=1) - 0.6 - places
+    pulls = errors / ranger.bound(TARGETS[what], places)
+    assert np.sqrt(np.mean(pulls**2)) == pytest.approx(1, abs=0.03)
+
+
+def test_noise_of_the_zero_counts():
+    alone = OpticalRanger(NOISY, visits=0).bound(StageTarget(), [0.0])
+    for visits in (1, 8):
+        both = OpticalRanger(NOISY, visits=visits).bound(StageTarget(), [0.0])
+        np.testing.assert_allclose(both**2, alone**2 * (1 + 1 / visits))
+
+
+def test_shot_noise_falls_with_the_root_of_the_light():
+    silent = replace(NOISY, detector=Detector(noise_density=0.0, converter_noise=0.0))
+    weak, strong = (
+        OpticalRanger(silent).bound(StageTarget(reflectance=share), [0.0])[0]
+        for share in (0.1, 0.4)
+    )
+    assert weak / strong == pytest.approx(2, rel=2e-3)  # rounding stays
+
+
+def test_twice_the_samples_or_phases():
+    ranger = OpticalRanger(NOISY)
+    once = ranger.bound(StageTarget(), [0.0])
+    for twice in (replace(ranger, samples=36), replace(ranger, phases=32)):
+        np.testing.assert_allclose(once / twice.bound(StageTarget(), [0.0]), 2**0.5, rtol=0.01)
+
+
+@pytest.mark.parametrize("visits", [0, 1, 8])
+@pytest.mark.parametrize(("mode", "most"), [("single", 1e-6), ("doubled", 3e-6)])
+def test_without_errors_the_range_is_right(mode, most, visits):
+    """Of a plate's light the doubled mode leaves 280 counts of amplitude, and they are rounded."""
+    settings = replace(TwinSettings.ideal(), air=TwinSettings().air)
+    ranger = OpticalRanger(settings, mode, visits=visits, **STILL)
+    errors = ranger.sweep(StageTarget(), STEPS, repeats=1, seed=0) - 0.6 - STEPS
+    assert np.abs(errors).max() < most
+
+
+def test_air_that_changed_since_the_zero():
+    """(n - 1) z times the relative change, over 100 days."""
+    settings = replace(TwinSettings.ideal(), air=TwinSettings().air)
+    ranger = OpticalRanger(settings, stage_error=0.0, air_change=(5.0, 0.0))
+    errors = ranger.sweep(StageTarget(), [0.0], repeats=100, seed=3) - 0.6
+    expected = (group_index(settings.air, 532e-9) - 1) * 0.6 * 5.0 / 293.15
+    assert errors.std() == pytest.approx(expected, rel=5 / np.sqrt(200))
+
+
+def test_coaxial_light_makes_a_cyclic_error():
+    """To first order its share of the light, as a phase, at the crest of a wrap."""
+    settings = only("optics.back_fraction")
+    ranger = OpticalRanger(settings, visits=0, **STILL)
+    places = np.linspace(0, wrap_length(ranger.frequency), 24, endpoint=False)
+    errors = ranger.sweep(StageTarget(), places, repeats=1, seed=0)[0] - 0.6 - places
+    crest = back_ratio(TwinSettings(), StageTarget()) * wrap_length(ranger.frequency) / TAU / 2
+    assert np.ptp(errors) / 2 == pytest.approx(2 * crest, rel=0.15)
+
+
+def test_stage_errors_are_errors_of_the_estimate():
+    ranger = OpticalRanger(TwinSettings.ideal(), visits=0, stage_error=2e-5, level=1.0)
+    places = np.linspace(0, 1e-3, 50)
+    errors = ranger.sweep(StageTarget(), places, repeats=8, seed=4) - 0.6 - places
+    assert errors.std() == pytest.approx(2e-5, rel=5 / np.sqrt(800))
+
+
+@pytest.mark.parametrize("mode", ["single", "doubled"])
+def test_the_grey_filter_keeps_a_mirror_within_range(mode):
+    ranger, mirror = OpticalRanger(TwinSettings.ideal(), mode), StageTarget.mirror()
+    counts = ranger.counts(World(ranger.before(mirror)), np.linspace(0, 0.02, 30), np.arange(30))
+    assert volts_from_counts(counts).max() == pytest.approx(0.5 * 4.1, rel=0.03)
+    assert ranger.before(mirror).detector.efficiency < 1e-3 * Detector().efficiency
+    assert ranger.before(StageTarget()).detector == Detector()
+
+
+@pytest.mark.parametrize(("mode", "median"), [("single", 4.5e-6), ("doubled", 4.4e-6)])
+def test_table_4_before_a_mirror(mode, median):
+    """The median of 100 days is known to 7 %: four of these."""
+    errors = OpticalRanger(mode=mode).sweep(
+        StageTarget.mirror(), np.linspace(0, 1e-3, 21), repeats=100, seed=0
+    )
+    rmse = np.sqrt(np.mean((errors - 0.6 - np.linspace(0, 1e-3, 21)) ** 2, axis=1))
+    assert np.median(rmse) == pytest.approx(median, rel=0.28)

@@ -1,0 +1,75 @@
+"""Parts of the errors of a sweep, and the table of three instruments."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cmtof.instrument.settings import TwinSettings
+from cmtof.ranging.interferometer import Interferometer
+from cmtof.ranging.optical import OpticalRanger
+from cmtof.ranging.rf import RfRanger
+from cmtof.ranging.sweep import POSITIONS, StageTarget, collected_power, parts
+
+RANGERS = {"all-optical": OpticalRanger(), "RF": RfRanger(), "fringes": Interferometer()}
+
+
+@given(st.floats(-1e-3, 1e-3), st.floats(-0.1, 0.1), st.floats(0, 1e-4), st.integers(0, 2**32 - 1))
+def test_the_parts_add_up(offset, slope, noise, seed):
+    about = POSITIONS - POSITIONS.mean()
+    errors = offset + slope * about
+    errors = errors + noise * np.random.default_rng(seed).standard_normal((4, 21))
+    found = parts(errors)
+    total = found.offset**2 + found.slope**2 * about.var() + 19 / 21 * found.scatter**2
+    np.testing.assert_allclose(total, found.rmse**2, rtol=1e-9, atol=1e-20)
+
+
+def test_ratio_of_gaussian_errors_and_of_an_offset():
+    """200 000 errors fix the ratio to 0.2 %."""
+    gaussian = parts(np.random.default_rng(0).standard_normal(200_000), np.arange(200_000))
+    assert gaussian.mae / gaussian.rmse == pytest.approx(np.sqrt(2 / np.pi), abs=0.004)
+    constant = parts(np.full(21, -3e-5))
+    assert constant.mae == pytest.approx(constant.rmse)
+
+
+def test_light_of_a_plate_falls_with_the_square_of_the_range():
+    near, far = collected_power(TwinSettings(), StageTarget(), [0.5, 1.0])
+    assert near / far == pytest.approx(4)
+    half = collected_power(TwinSettings(), StageTarget(reflectance=0.25), 0.5)
+    assert near / half == pytest.approx(2)
+
+
+@pytest.mark.parametrize("name", RANGERS)
+def test_repeats_are_days_of_their_own(name):
+    ranger, target, places = RANGERS[name], StageTarget.mirror(), POSITIONS[:3]
+    three = ranger.sweep(target, places, repeats=3, seed=9)
+    np.testing.assert_array_equal(ranger.sweep(target, places, repeats=1, seed=9)[0], three[0])
+    assert len({row.tobytes() for row in three}) == 3
+    assert not np.array_equal(ranger.sweep(target, places, repeats=1, seed=8)[0], three[0])
+    assert np.abs(three - 0.6 - places).max() < 5e-5
+    assert ranger.bound(target, places).shape == (3,)
+
+
+@pytest.mark.parametrize("name", RANGERS)
+@pytest.mark.parametrize("positions", [[], [[0.0, 1.0]], [0.0, np.nan]])
+def test_bad_positions(name, positions):
+    with pytest.raises(ValueError, match="Expected finite stage positions"):
+        RANGERS[name].sweep(StageTarget(), positions, repeats=1, seed=0)
+
+
+@pytest.mark.parametrize(
+    ("act", "message"),
+    [
+        (lambda: parts([1.0], [0.0]), "Expected at least 3 positions"),
+        (lambda: OpticalRanger(mode="tripled"), "Expected mode single or doubled, got 'tripled'"),
+        (lambda: RfRanger(mode="both"), "Expected mode single or doubled, got 'both'"),
+        (lambda: OpticalRanger(settle=20), "fewer than 20 dropped samples, got 16 and 20"),
+        (
+            lambda: RfRanger().sweep(StageTarget(), [0.0], repeats=0, seed=0),
+            "Expected at least 1 repeat, got 0",
+        ),
+    ],
+)
+def test_bad_input(act, message):
+    with pytest.raises(ValueError, match=message):
+        act()
