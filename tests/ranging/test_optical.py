@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cmtof.correlation import TAU, wrap_length
-from cmtof.hardware.scene_scan import scan_scene
+from cmtof.hardware.scan import scan_scene
 from cmtof.instrument.electronics import volts_from_counts
 from cmtof.instrument.optics import group_index
 from cmtof.instrument.settings import Detector, TwinSettings

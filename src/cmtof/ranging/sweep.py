@@ -116,23 +116,3 @@ def parts(errors: ArrayLike, positions: ArrayLike = POSITIONS) -> Parts:
     scatter = np.sqrt((left**2).sum(axis=-1) / (place.size - 2))
     rmse, mae = np.sqrt(np.mean(error**2, axis=-1)), np.abs(error).mean(axis=-1)
     return Parts(offset, slope, scatter, rmse, mae)
-
-
-class Interval(NamedTuple):
-    """A number over repeats: single repeats, and the percentile bootstrap of their mean."""
-
-    mean: float
-    median: float
-    low: float
-    high: float
-    mean_low: float
-    mean_high: float
-
-
-def interval(values: ArrayLike, *, level: float = 0.95, seed: int = 0) -> Interval:
-    """Range of single repeats (R,), and how well their mean is known."""
-    given, ends = np.asarray(values, float), [(1 - level) / 2, (1 + level) / 2]
-    chosen = np.random.default_rng(seed).integers(given.size, size=(2000, given.size))
-    mean = np.quantile(given[chosen].mean(axis=1), ends)
-    found = given.mean(), np.median(given), *np.quantile(given, ends), *mean
-    return Interval(*(float(one) for one in found))
