@@ -1,5 +1,5 @@
 """Our own method: surfaces in true geometry, grown, pooled and tied to each other."""
 
-from cmtof.surfaces.unwrapping import stages, surfaces
+from cmtof.surfaces.method import stages, surfaces
 
 __all__ = ["stages", "surfaces"]

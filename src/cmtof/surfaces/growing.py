@@ -1,32 +1,36 @@
-"""Surfaces grow from cell to cell, and every cell then takes the likeliest one beside it."""
+"""Planes begin in windows and grow from cell to cell; every cell takes the likeliest beside it.
+
+Within a window a plane's phases are ramps, so both spectra peak: at a slope nu, rad/px, at the
+lower frequency, and at ``(k_2 / k_1) nu`` at the higher one. Slopes that differ by whole turns per
+pixel look alike at the lower frequency; at the higher one, and in the beat, they do not quite.
+"""
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy.fft import fft2, fftfreq, next_fast_len
 
+from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Field
-from cmtof.surfaces.kernels import BENT, cell_likelihood, depth_at, select
-from cmtof.surfaces.seeds import FREE, WINDOWS, plane_in_window, windows
+from cmtof.surfaces.fitting import BENT, PLANE, cell_likelihood, depth_at, refine, select
 
-START = 0.75
-"""Share S / E of what a window could say at best that a plane must reach to begin there."""
+WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
+"""Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
+many times its bins are refined: large ones first, for what is large should stay in one piece."""
 
-JOIN = 0.6
-"""Share that a surface must reach in a cell to grow into it."""
-
-STAY = 0.5
-"""Share below which a cell belongs to none of the surfaces about it."""
+START, JOIN, STAY = 0.75, 0.6, 0.5
+"""Share S / E of its best possible value that a plane must reach to begin in a window and to grow
+into a cell; below the last a cell belongs to none of the surfaces about it."""
 
 GAIN, FLAT = 15.0, 5e-5
 """A surface counts as bent if that gains so much in S and a plane misses it by so much, m (rms)."""
 
-_HOPS = 60
-_CELLS = 100
-"""Cells that a growing surface is fitted to, spread over all of it."""
-
-_ROUNDS = 6
-_NEIGHBOURLY = 3.0
-"""What each of four neighbours in the same surface adds to S when a cell chooses."""
+_LEAST = 150.0  # information E below which a window starts nothing: its noise would fit as well
+_FREE = 0.7  # share of the cells of a window that must be without a surface
+_ALIASES, _STEEPEST = 2, 1.6  # whole turns per pixel tried to each side; largest slope, turns/px
+_CANDIDATES = 4  # slopes out of all aliases that are fitted
+_HOPS, _CELLS = 60, 100  # largest hop, wraps; cells, spread over a surface, that it is fitted to
+_ROUNDS, _NEIGHBOURLY = 6, 3.0  # of reassignment; gain in S per neighbour in the same surface
 
 
 def grown_surfaces(
@@ -46,7 +50,7 @@ def grown_surfaces(
     owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, BENT))
     for kind in WINDOWS:
         start = windows(field, owner < 0, *kind)
-        added = _grow(field.arrays(), label, tuple(start), information, limits, gain, owner,
+        added = _grow(field.arrays(), label, start, information, limits, gain, owner,
                       len(surfaces))  # fmt: skip
         surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
@@ -54,25 +58,6 @@ def grown_surfaces(
         if turn % 2:
             surfaces = _refitted(field.arrays(), label, owner, surfaces, limits[1], gain)
     return owner, surfaces
-
-
-@njit(cache=True, nogil=True)
-def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
-    """Rectangles of at most so many cells, spread over the list."""
-    stride = max(1, cells.size // most)
-    chosen = cells[::stride]
-    out = np.empty((chosen.size, 4), np.int64)
-    for i in range(chosen.size):
-        y, x = chosen[i] // columns * CELL, chosen[i] % columns * CELL
-        out[i] = (y, y + CELL, x, x + CELL)
-    return out
-
-
-@njit(cache=True, nogil=True)
-def possible(field, q, box, farthest):  # pragma: no cover - compiled
-    """Whether a surface lies before the camera and not far beyond the limits."""
-    z = depth_at(field, q, box[0], box[2])
-    return 0.02 * farthest < z < 2 * farthest
 
 
 @njit(cache=True, nogil=True)
@@ -92,7 +77,7 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
                 told += information[y, x]
                 if owner[y, x] < 0:
                     free += 1
-        if free < FREE * side * side:
+        if free < _FREE * side * side:
             continue
         q, likelihood = plane_in_window(field, label, window, limits, told)
         if likelihood < START * told:
@@ -148,23 +133,6 @@ def _spread(field, q, owner, stamp, mark, region, size, information):  # pragma:
 
 
 @njit(cache=True, nogil=True)
-def around(owner, y, x, found):  # pragma: no cover - compiled
-    """Write the different owners of a cell and its eight neighbours; return how many."""
-    rows, columns = owner.shape
-    count = 0
-    for a in range(max(y - 1, 0), min(y + 2, rows)):
-        for b in range(max(x - 1, 0), min(x + 2, columns)):
-            new = owner[a, b] >= 0
-            for i in range(count):
-                if found[i] == owner[a, b]:
-                    new = False
-            if new:
-                found[count] = owner[a, b]
-                count += 1
-    return count
-
-
-@njit(cache=True, nogil=True)
 def _reassigned(field, owner, surfaces, information):  # pragma: no cover - compiled
     """Give each cell the likeliest of the surfaces about it, or none."""
     rows, columns = owner.shape
@@ -205,3 +173,226 @@ def _refitted(field, label, owner, surfaces, farthest, gain):  # pragma: no cove
         if possible(field, fit[0], boxes[0], farthest):
             out[n] = fit[0]
     return out
+
+
+@njit(cache=True, nogil=True)
+def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
+    """Rectangles of at most so many cells, spread over the list."""
+    stride = max(1, cells.size // most)
+    chosen = cells[::stride]
+    out = np.empty((chosen.size, 4), np.int64)
+    for i in range(chosen.size):
+        y, x = chosen[i] // columns * CELL, chosen[i] % columns * CELL
+        out[i] = (y, y + CELL, x, x + CELL)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def possible(field, q, box, farthest):  # pragma: no cover - compiled
+    """Whether a surface lies before the camera and not far beyond the limits."""
+    z = depth_at(field, q, box[0], box[2])
+    return 0.02 * farthest < z < 2 * farthest
+
+
+@njit(cache=True, nogil=True)
+def around(owner, y, x, found):  # pragma: no cover - compiled
+    """Write the different owners of a cell and its eight neighbours; return how many."""
+    rows, columns = owner.shape
+    count = 0
+    for a in range(max(y - 1, 0), min(y + 2, rows)):
+        for b in range(max(x - 1, 0), min(x + 2, columns)):
+            new = owner[a, b] >= 0
+            for i in range(count):
+                if found[i] == owner[a, b]:
+                    new = False
+            if new:
+                found[count] = owner[a, b]
+                count += 1
+    return count
+
+
+# --- seeds -----------------------------------------------------------------------------------
+
+
+def windows(
+    field: Field, free: NDArray[np.bool_], side: int, stride: int, core: int, finer: int
+) -> tuple[NDArray, ...]:
+    """Top, left, side (N,) of free windows of one kind, and their slopes down and right, rad/px.
+
+    The windows of most information come first; ``free`` (h, w) marks cells without a surface.
+    """
+    top, left = (
+        places.ravel()
+        for places in np.meshgrid(
+            *(np.arange(0, n - side + 1, stride) for n in field.cosine.shape), indexing="ij"
+        )
+    )
+    inside = _sums(field.information.sum(axis=0, dtype=float), top, left, side)
+    cells = max(side // CELL, 1)
+    open_cells = _sums(free.astype(float), top // CELL, left // CELL, cells)
+    order = np.argsort(-inside, kind="stable")
+    order = order[(inside[order] >= _LEAST) & (open_cells[order] >= _FREE * cells**2)]
+    top, left = top[order], left[order]
+    margin = (side - core) // 2
+    down, right = spectral_slopes(field, top + margin, left + margin, core, finer)
+    return top, left, np.full(top.size, side), down, right
+
+
+def _sums(
+    image: NDArray[np.float64], top: NDArray[np.int64], left: NDArray[np.int64], side: int
+) -> NDArray[np.float64]:
+    """Sum (N,) of an image (H, W) over squares."""
+    total = np.zeros((image.shape[0] + 1, image.shape[1] + 1))
+    total[1:, 1:] = image.cumsum(axis=0).cumsum(axis=1)
+    bottom, edge = top + side, left + side
+    return total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
+
+
+def spectral_slopes(
+    field: Field, top: NDArray[np.int64], left: NDArray[np.int64], side: int, finer: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Slopes (N,) down and right, rad/px, at the joint peak of both spectra of each square."""
+    size = int(next_fast_len(finer * side) or 1)
+    whole = np.rint(fftfreq(size) * size)
+    higher = np.rint(field.wavenumber[1] / field.wavenumber[0] * whole).astype(int) % size
+    down, right = np.empty(top.size), np.empty(top.size)
+    phasors = (field.real + 1j * field.imaginary).astype(np.complex64)
+    squares = np.lib.stride_tricks.sliding_window_view(phasors, (side, side), axis=(1, 2))
+    batch = max(1, 2**19 // size**2)  # spectra that stay in the cache
+    for start in range(0, top.size, batch):
+        some = slice(start, start + batch)
+        power = [
+            np.abs(np.asarray(fft2(one[top[some], left[some]], (size, size)))) ** 2
+            for one in squares
+        ]
+        joint = power[0] + power[1][:, higher[:, None], higher]
+        row, column = np.divmod(joint.reshape(len(joint), -1).argmax(axis=1), size)
+        down[some], right[some] = TAU * whole[row] / size, TAU * whole[column] / size
+    return down, right
+
+
+@njit(cache=True, nogil=True)
+def plane_in_window(field, label, window, limits, information):  # pragma: no cover - compiled
+    """The likeliest plane of a window, out of all aliases of its slope, and its S."""
+    top, left, side, down, right = window
+    wavenumber = field[3]
+    wrap = 2 * np.pi / wavenumber[0]
+    beats, angle = _beats(field, top, left, side, down, right, information)
+    size = np.abs(beats)
+    best, plane = -1.0, np.zeros(BENT)
+    synthetic = wavenumber[1] - np.rint(wavenumber[1] / wavenumber[0]) * wavenumber[0]
+    for _ in range(_CANDIDATES):
+        at = np.argmax(size)
+        a, b = at // size.shape[1], at % size.shape[1]
+        size[a, b] = -1
+        slopes = (down + 2 * np.pi * (a - _ALIASES), right + 2 * np.pi * (b - _ALIASES))
+        if max(abs(slopes[0]), abs(slopes[1])) > 2 * np.pi * _STEEPEST:
+            continue
+        z = _nearest_depth(np.angle(beats[a, b]) / synthetic, 2 * np.pi / abs(synthetic), limits)
+        z = angle / wavenumber[0] + wrap * np.rint((z - angle / wavenumber[0]) / wrap)
+        z = max(z, wrap)
+        q = _plane(field, top + side // 2, left + side // 2, z, slopes[0], slopes[1])
+        q, likelihood, whole = _climbed(field, label, q, top, left, side)
+        if whole and likelihood > best:
+            best, plane = likelihood, q
+    return plane, best
+
+
+@njit(cache=True, nogil=True)
+def _beats(field, top, left, side, down, right, information):  # pragma: no cover - compiled
+    """Beat summed over the blocks for each alias (A, A), and the lower phase at the centre."""
+    count = 8 if side >= 32 and information > 4 * _LEAST else 4
+    sums = _blocks(field, top, left, side, count, down, right)
+    wavenumber = field[3]
+    multiple = np.rint(wavenumber[1] / wavenumber[0])
+    excess = (wavenumber[1] / wavenumber[0] - multiple) * 2 * np.pi  # a turn's mark on the higher
+    aliases = 2 * _ALIASES + 1
+    out = np.zeros((aliases, aliases), np.complex128)
+    block = side // count
+    for i in range(count):
+        for j in range(count):
+            low = sums[0, i, j]
+            unit = low / max(abs(low), 1e-9)
+            beat = sums[1, i, j] * np.conj(unit**multiple)
+            y = (i + 0.5) * block - 0.5 - side // 2
+            x = (j + 0.5) * block - 0.5 - side // 2
+            for a in range(aliases):
+                for b in range(aliases):
+                    turn = excess * ((a - _ALIASES) * y + (b - _ALIASES) * x)
+                    out[a, b] += beat * np.exp(-1j * turn)
+    half = count // 2
+    return out, np.angle(np.sum(sums[0, half - 1 : half + 1, half - 1 : half + 1]))
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def _blocks(field, top, left, side, count, down, right):  # pragma: no cover - compiled
+    """Sums of both phasors over count x count blocks, turned back by a slope."""
+    real, imaginary, _, wavenumber = field[:4]
+    block = side // count
+    sums = np.zeros((2, count, count), np.complex128)
+    for f in range(2):
+        ratio = wavenumber[f] / wavenumber[0]
+        across = np.exp(-1j * ratio * right * (np.arange(side) - side // 2))
+        for i in range(count):
+            for y in range(i * block, i * block + block):
+                turn = np.exp(-1j * ratio * down * (y - side // 2))
+                for j in range(count):
+                    part = 0j
+                    for x in range(j * block, j * block + block):
+                        phasor = complex(
+                            real[f, top + y, left + x], imaginary[f, top + y, left + x]
+                        )
+                        part += phasor * across[x]
+                    sums[f, i, j] += part * turn
+    return sums
+
+
+@njit(cache=True, nogil=True)
+def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
+    """The plane through a depth at a pixel with slopes, rad/px, of the lower phase."""
+    wavenumber, u, v, cosine = field[3], field[5], field[6], field[7]
+    matrix, wanted = np.empty((3, 3)), np.empty(3)
+    ys, xs = (row, row + 1, row), (column, column, column + 1)
+    slopes = (0.0, down, right)
+    for i in range(3):
+        y, x = ys[i], xs[i]
+        matrix[i, 0] = cosine[y, x] * u[x]
+        matrix[i, 1] = cosine[y, x] * v[y]
+        matrix[i, 2] = cosine[y, x]
+        wanted[i] = -slopes[i] / (wavenumber[0] * z * z)
+    matrix[1:] -= matrix[0]
+    wanted[0] = 1 / z
+    q = np.zeros(BENT)
+    q[:3] = np.linalg.solve(matrix, wanted)
+    return q
+
+
+@njit(cache=True, nogil=True)
+def _climbed(field, label, q, top, left, side):  # pragma: no cover - compiled
+    """Fit a plane to the middle of a window first, then to more and more of it.
+
+    Away from the middle the phases of a steep plane bend, too much for slopes known to a bin.
+    """
+    box = np.empty((1, 4), np.int64)
+    core = 6
+    while True:
+        core = min(core, side)
+        margin = (side - core) // 2
+        box[0] = (top + margin, top + margin + core, left + margin, left + margin + core)
+        area = field[2][0, box[0, 0] : box[0, 1], box[0, 2] : box[0, 3]]
+        if core == side or np.sum(area) > 100:
+            fit = refine(field, label, -1, q, box, PLANE, 2 if core < side else 3, 0)
+            q = fit[0]
+            if core == side or fit[1] < 0.4 * fit[2]:
+                return q, fit[1], core == side
+        core = int(core * 1.5)
+
+
+@njit(cache=True, nogil=True)
+def _nearest_depth(z, period, limits):  # pragma: no cover - compiled
+    """A depth known but for whole periods, in the limits or as near to them as it can be."""
+    z = limits[0] + (z - limits[0]) % period
+    if z > limits[1]:
+        above, below = z - limits[1], limits[0] - (z - period)
+        z = limits[1] if above < below else limits[0]
+    return z

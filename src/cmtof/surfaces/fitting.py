@@ -2,7 +2,8 @@
 
 A surface is ``1 / z = cosine (q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2)``; without the
 last three it is a plane, exactly. Derivatives ``dz / dq_j = -z^2 cosine u^a v^b`` are monomials, so
-that a row's sums over powers of u serve all of them.
+that the sums of a row over powers of u serve all of them. ``field`` is `Field.arrays`; pixels count
+whose ``label`` is ``only``, or all if that is negative.
 """
 
 import numpy as np
@@ -10,15 +11,12 @@ from numba import njit
 
 from cmtof.surfaces.field import CELL
 
-_U = np.array([1, 0, 0, 2, 1, 0])
-_V = np.array([0, 1, 0, 0, 1, 2])
-"""Powers of u and v of the six functions."""
-
 PLANE, BENT = 3, 6
 """Parameters of a plane and of a bent surface."""
 
-_FARTHEST = 0.02
-"""Smallest 1 / z, 1 / m, that a surface may have."""
+_U = np.array([1, 0, 0, 2, 1, 0])  # powers of u of the six functions
+_V = np.array([0, 1, 0, 0, 1, 2])
+_FARTHEST = 0.02  # smallest 1 / z, 1 / m, of a surface
 
 
 @njit(inline="always", fastmath=True)
@@ -31,6 +29,36 @@ def _turn(turns):  # pragma: no cover - compiled
     c = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90 * (1 - y / 132)))))
     s = x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72 * (1 - y / 110)))))
     return odd * c, odd * s
+
+
+@njit(inline="always", fastmath=True)
+def depth_at(field, q, y, x):  # pragma: no cover - compiled
+    """Depth, m, of a surface at a pixel."""
+    u, v, cosine = field[5], field[6], field[7]
+    inverse = q[2] + q[0] * u[x] + q[1] * v[y]
+    inverse += q[3] * u[x] * u[x] + q[4] * u[x] * v[y] + q[5] * v[y] * v[y]
+    return 1.0 / max(cosine[y, x] * inverse, _FARTHEST)
+
+
+@njit(inline="always", fastmath=True)
+def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
+    """S of a surface at one pixel."""
+    real, imaginary, wavenumber = field[0], field[1], field[3]
+    z = depth_at(field, q, y, x)
+    c1, s1 = _turn(wavenumber[0] / (2 * np.pi) * z)
+    c2, s2 = _turn(wavenumber[1] / (2 * np.pi) * z)
+    total = real[0, y, x] * c1 + imaginary[0, y, x] * s1
+    return total + real[1, y, x] * c2 + imaginary[1, y, x] * s2
+
+
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
+    """S of a surface over one cell."""
+    total = 0.0
+    for y in range(row * CELL, row * CELL + CELL):
+        for x in range(column * CELL, column * CELL + CELL):
+            total += pixel_likelihood(field, q, y, x)
+    return total
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
@@ -224,33 +252,3 @@ def select(field, label, only, q, boxes, steps, hops, gain, flat, weight):  # pr
     if lost > gain + stiff * flat**2:
         return bent[0], bent[1], bent[2], bent[3], bent[4], BENT, missed
     return plane[0], plane[1], plane[2], plane[3], plane[4], PLANE, missed
-
-
-@njit(inline="always", fastmath=True)
-def depth_at(field, q, y, x):  # pragma: no cover - compiled
-    """Depth, m, of a surface at a pixel."""
-    u, v, cosine = field[5], field[6], field[7]
-    inverse = q[2] + q[0] * u[x] + q[1] * v[y]
-    inverse += q[3] * u[x] * u[x] + q[4] * u[x] * v[y] + q[5] * v[y] * v[y]
-    return 1.0 / max(cosine[y, x] * inverse, _FARTHEST)
-
-
-@njit(inline="always", fastmath=True)
-def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
-    """S of a surface at one pixel."""
-    real, imaginary, wavenumber = field[0], field[1], field[3]
-    z = depth_at(field, q, y, x)
-    c1, s1 = _turn(wavenumber[0] / (2 * np.pi) * z)
-    c2, s2 = _turn(wavenumber[1] / (2 * np.pi) * z)
-    total = real[0, y, x] * c1 + imaginary[0, y, x] * s1
-    return total + real[1, y, x] * c2 + imaginary[1, y, x] * s2
-
-
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
-def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
-    """S of a surface over one cell."""
-    total = 0.0
-    for y in range(row * CELL, row * CELL + CELL):
-        for x in range(column * CELL, column * CELL + CELL):
-            total += pixel_likelihood(field, q, y, x)
-    return total
