@@ -89,8 +89,7 @@ plotting.save(
     figure,
     "limits_windows",
     numbers={"sides": sides} | {f"{p}_{m}": row for (p, m), row in window_rates.items()},
-    caption=f"Pixels in the right wrap against the side of the window that is pooled, on "
-    f"{len(places)} frames of {height}×{width} px, σ = 1200.",
+    caption="Pixels in the right wrap against the side of the window that is pooled (σ = 1200).",
     alt="Two panels of curves over the side of the window. The one of the true surfaces rises all "
     "the way, the one of the averaged beat has a maximum at some tens of pixels and stays far "
     "below.",
@@ -101,8 +100,8 @@ plotting.save(
 #
 # | reference | knows | must find |
 # | --- | --- | --- |
-# | `reference-depth` | the depth itself | nothing; it loses what noise carries across a wrap's end |
-# | `reference-contact` | the shape of all that is connected, across creases | one offset a body |
+# | `reference-depth` | the depth itself | nothing; noise carries phases across a wrap's end |
+# | `reference-contact` | the shape of all that is connected | one offset a body |
 # | `reference-offset` | the shape of each surface, between creases | one offset a surface |
 # | `reference-plane` | the same but for a tilt | offset and tilt of each surface |
 # | `reference-field` | as `reference-offset`, within 281 px | one offset a pixel |

@@ -165,7 +165,7 @@ FOCAL, LIGHT = 886.81, 0.3  # px, of Hypersim's standard projection; brightness 
 
 
 def offset_of_wall(side, draw):
-    """Wraps that a plane fitted to a noisy frontal wall at 3 m lacks, and their predicted spread."""
+    """Wraps that a plane fitted to a noisy wall at 3 m lacks, and their predicted spread."""
     camera = np.array([FOCAL, FOCAL, side / 2, side / 2])
     depth = 3.0 * ray_lengths((side, side), camera)
     frame = Frame(depth, np.full(depth.shape, LIGHT), camera, "wall")

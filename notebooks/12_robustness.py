@@ -42,8 +42,15 @@ from cmtof import bounds
 from cmtof.baselines.region import relative_phase
 from cmtof.book import notes, paper, plotting
 from cmtof.constants import FREQUENCIES, INTEGRATION_TIME, NOISE_SIGMA
-from cmtof.correlation import TAU, centred, consistent_wrap_count, depth_from_phase
-from cmtof.correlation import phase_from_depth, wrap_length, wrapped
+from cmtof.correlation import (
+    TAU,
+    centred,
+    consistent_wrap_count,
+    depth_from_phase,
+    phase_from_depth,
+    wrap_length,
+    wrapped,
+)
 from cmtof.evaluation import score, scored_pixels
 from cmtof.scenes.frame import Frame, held_out_frames, rays_from_camera
 
@@ -113,8 +120,8 @@ print(f"{len(frames)} frames of {side} px; the paper's rates are those of its ow
 # m = \frac{(d_2 - 2d_1)\,f_1}{2\pi\,(f_2 - 2f_1)}
 # ```
 #
-# wraps, everywhere and to the same side: 0.01 rad on f₂ makes 0.57, on f₁ 1.14. Averaging only makes
-# the reader surer. If its error is Gaussian with spread s wraps and a surface lies anywhere within
+# wraps, everywhere and to the same side: 0.01 rad on f₂ makes 0.57, on f₁ 1.14. Averaging only
+# makes the reader surer. If its error is Gaussian with spread s wraps and a surface lies anywhere in
 # its wrap, the rate δ < 1 is a triangle of the error, blurred by s: a closed form for a wall.
 
 # %%
@@ -164,8 +171,10 @@ for place, offset in enumerate(wall_offsets):
         scored.append(scored_pixels(cmtof.unwrap(m, method="beat", window=window), m))
     wall_rates.append(score(scored))
 theory = count_odds(wall_moved, spread)
-print("counted − formula, points:",
-      np.round([100 * (r["delta_lt_1"] - t) for r, t in zip(wall_rates, theory, strict=True)], 1))
+print(
+    "counted − formula, points:",
+    np.round([100 * (r["delta_lt_1"] - t) for r, t in zip(wall_rates, theory, strict=True)], 1),
+)
 
 # %% [markdown]
 # For rooms there is no formula for the rate without an offset, but there is one for its change. If
@@ -221,20 +230,21 @@ plotting.save(
         "gain": gain,
     },
     caption="A phase offset, in wraps of the beat. (a) Averages of the beat over 41×41 px on a "
-    "simulated white wall: points counted, lines by the formula. (b) Rooms. (c) How far the answers "
-    "move on average; dotted, all the way. Answers near the ends of the range are left out.",
+    "simulated white wall: points counted, lines by the formula. (b) Rooms. (c) How far the "
+    "answers move on average; dotted, all the way.",
     alt="Left, three bell-shaped curves over the offset with points on them. Middle, rates of the "
-    "methods: peaked for those that read the beat, level for the middle. Right, lines of slope one "
-    "for those that read the beat and a level one for the middle.",
+    "methods, peaked for those that read the beat. Right, lines of slope one for those that read "
+    "the beat alone and a level one for the middle.",
 )
 
 # %% [markdown]
 # A method that is right because it reads the beat falls by what the offset takes. Pixel by pixel
 # the answers follow as well, but they are spread over the whole range, and a spread-out estimate
 # loses nothing by being moved. The paper's network is right in 51.6 % without and 51.0 % with an
-# offset; had its answers come from the beat, about 45 and 30 % would be left for 0.01 rad on f₂ and
-# f₁. What it is right by must come from the picture: shapes, amplitudes, likely depths. That is a
-# strength against a drifting clock, and a limit in a room that looks like none of the training.
+# offset; had its answers come from the beat, its own table (errors even to both sides) would leave
+# 27 % for 0.01 rad on f₂ and 8 % for one on f₁. What it is right by must come from the picture:
+# shapes, amplitudes, likely depths. That is a strength against a drifting clock, and a limit in a
+# room that looks like none of the training.
 #
 # ## More noise, less light, other steps
 #
@@ -254,8 +264,10 @@ for count in (count for count in step_counts if count != 4):
     shared = ask(quick, psi=psi, integration_time=4 * INTEGRATION_TIME / count)[0]
     sweeps["steps"].append((count, shared))
 released, _ = ask(order="released")
-print("released order of the noises − paper's, points of δ < 1:",
-      {n: round(100 * (released[n]["delta_lt_1"] - usual[n]["delta_lt_1"]), 1) for n in methods})
+print(
+    "released order of the noises − paper's, points of δ < 1:",
+    {n: round(100 * (released[n]["delta_lt_1"] - usual[n]["delta_lt_1"]), 1) for n in methods},
+)
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(12.4, 3.9), sharey=True)
@@ -295,8 +307,9 @@ plotting.save(
 # %%
 def closures(measurement, tile):
     """Closure and its spread, rad, of every square tile of a smooth, bright target."""
-    relative, phasors = relative_phase(measurement), measurement.amplitude * np.exp(
-        1j * measurement.phase
+    relative, phasors = (
+        relative_phase(measurement),
+        measurement.amplitude * np.exp(1j * measurement.phase),
     )
     x = np.linspace(-1, 1, tile)
     v, u = (axis.ravel() for axis in np.meshgrid(x, x, indexing="ij"))
@@ -365,8 +378,8 @@ plotting.save(
     numbers={"kept": [min(inside), max(inside)], "usual": usual["beat"]["delta_lt_1"]},
     caption="(a) Closure applied and found on a wall of 384×384 px; line, modulo one wrap. (b) The "
     "averaged beat in the rooms before and after.",
-    alt="Left, points on a saw-tooth. Right, the rate of the beat over the offset: as it is a peak; "
-    "calibrated a plateau between plus and minus half a wrap with lower ones beside it.",
+    alt="Left, points on a saw-tooth. Right, the rate of the beat over the offset: as it is a "
+    "peak; calibrated a plateau between plus and minus half a wrap with lower ones beside it.",
 )
 
 # %% [markdown]
@@ -390,15 +403,15 @@ m = cmtof.simulate(board, protocol="full", phase_offset=(0.01, -0.02), seed=seed
 known = phase_from_depth(board.depth.astype(float) + 0.005, m.frequencies[:, None, None])
 phasors = m.amplitude * np.exp(1j * (m.phase - known))
 found = np.angle(phasors[:, m.mask].sum(axis=1))
-print("target 5 mm off; closure in wraps modulo one, found and true:",
-      np.round([wraps_moved(found) % 1, wraps_moved((0.01, -0.02)) % 1], 2))  # fmt: skip
+left = [(d2 - high / low * d1) / period % 1 for d1, d2 in (found, (0.01, -0.02))]
+print("target 5 mm off; closure in wraps modulo one, found and true:", np.round(left, 2))
 
 # %% [markdown]
 # ## Other frequencies
 #
 # The modulators reach ±10 MHz about 7.15 GHz, and twice that in the doubled mode. A pair beats at
-# Δ = |f₂ − k f₁| with k the nearest whole ratio; by {eq}`wraps-noise` the pixels that must be pooled
-# for 95 % right wraps fall as 1/Δ², and the beat repeats after c/2Δ. So range is paid for with
+# Δ = |f₂ − k f₁| with k the nearest whole ratio; by {eq}`wraps-noise` the pixels to be pooled for
+# 95 % right wraps fall as 1/Δ², and the beat repeats after c/2Δ. So range is paid for with
 # pixels, squared. For any set of frequencies, a guess that is off by d wraps leaves residuals
 # $\rho_i(d)=2\pi d f_i/f_1$, wrapped to ±π, of which a small shift of the depth absorbs a part. The
 # rest, in units of the noise, is the distance of two wraps,
@@ -477,8 +490,12 @@ for case in ("equal", "doubled mode weak"):
         tones = np.concatenate([tones, 2 * tones])
         sets = tones[np.array(list(combinations(range(tones.size), size)))].T
         sets = sets[:, sets[0] < 1.5 * low]
-        least = np.concatenate([least_pixels(*distances(part, noise_of(part, case), far))
-                                for part in np.array_split(sets, -(-sets.shape[1] // 2000), 1)])
+        least = np.concatenate(
+            [
+                least_pixels(*distances(part, noise_of(part, case), far))
+                for part in np.array_split(sets, -(-sets.shape[1] // 2000), 1)
+            ]
+        )
         near = sets[:, np.argsort(least)[:64]]  # a close look at the most promising ones
         found = enough_pixels(near, noise_of(near, case), far)
         best[case, size] = (tuple(near[:, found.argmin()]), float(found.min()))
@@ -507,9 +524,9 @@ notes.table([*head, "signal of the highest"], rows)
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(12.4, 4.1), width_ratios=[1.25, 1, 1])
 ax, beats = axes[0], np.geomspace(4e6, 40e6, 40)
-for label, k, strength, name in (("two single tones", 1, 1.0, "blue"),
-                                 ("single and doubled", 2, 1.0, "vermillion"),
-                                 ("the same, doubled weak", 2, relative_signal(high), "purple")):  # fmt: skip
+kinds = {"two single tones": (1, 1.0, "blue"), "single and doubled": (2, 1.0, "vermillion"),
+         "the same, doubled weak": (2, float(relative_signal(high)), "purple")}  # fmt: skip
+for label, (k, strength, name) in kinds.items():
     values = [bounds.pixels_needed(white, white / strength, frequencies=(low, k * low + beat))
               for beat in beats if beat <= 20e6 * k]  # fmt: skip
     ax.loglog(beats[: len(values)] / 1e6, values, color=colour[name], label=label)
@@ -533,7 +550,10 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "frequencies_pairs",
-    numbers={"pixels": pixels, "best_of_map": {f"{z:.2f}": float(p.min()) for z, p in maps.items()}},
+    numbers={
+        "pixels": pixels,
+        "best_of_map": {f"{z:.2f}": float(p.min()) for z, p in maps.items()},
+    },
     caption="Pixels to pool for 95 % right wraps, white and at the paper's noise, by theory. (a) "
     "Against the beat of a pair, each at its own range c/2Δ. (b, c) One tone of each mode at equal "
     "noise, for ranges of 3.75 m and 7.49 m; white: two wraps cannot be distinguished.",
@@ -583,8 +603,16 @@ for ax, case in zip(axes, pooled, strict=True):
         lower, upper = np.maximum(1 - tails.sum(-1), 0), 1 - tails.max(-1)
         rate, below, above = odds[case, key].T
         met += int(np.sum((below <= upper) & (above >= lower)))
-        plotting.sweep(ax, pooled[case], 100 * rate, bound=100 * upper, color=colour[name],
-                       errors=100 * np.stack([rate - below, above - rate]), label=key, log="x")
+        plotting.sweep(
+            ax,
+            pooled[case],
+            100 * rate,
+            bound=100 * upper,
+            color=colour[name],
+            errors=100 * np.stack([rate - below, above - rate]),
+            label=key,
+            log="x",
+        )
     ax.set(xlabel="pixels pooled", title=case, ylim=(0, 103))
 axes[0].set_ylabel("wrap right (%)")
 axes[0].legend(fontsize="small")
@@ -619,16 +647,16 @@ ax.set(xlabel="drive η (rad)", ylabel="pixels for 95 %", ylim=(200, 1e6))
 ax.legend(fontsize="small")
 leads = np.array(needed["best three"]) < np.array(needed["7.14 / 7.16"])
 cross = float(axis[leads.argmax()]) if leads.any() else float(axis[-1])
-print(f"the best three lead from η = {cross:.2f}; doubled signal there "
-      f"{relative_signal(high, cross):.2f}, at η = 0.26 {relative_signal(high, 0.26):.3f}")  # fmt: skip
+there, weak = relative_signal(high, cross), relative_signal(high, 0.26)
+print(f"the best three lead from η = {cross:.2f}: signal {there:.2f}; at η = 0.26 {weak:.3f}")
 plotting.save(
     figure,
     "frequencies_drive",
     numbers={"cross_eta": cross, "signal_quarter": float(relative_signal(high))},
-    caption="Pixels for 95 % within 7.49 m when the doubled mode has the signal that the drive gives "
-    "it, by theory; the noise of the single mode is held at the paper's 0.134 rad.",
-    alt="Curves of pixels over the drive. The set of single tones is a level line; the paper's pair "
-    "and the best three fall from far above it, and only the best three cross it.",
+    caption="Pixels for 95 % within 7.49 m when the doubled mode has the signal of its drive, by "
+    "theory; the noise of the single mode is held at the paper's 0.134 rad.",
+    alt="Curves of pixels over the drive. The set of single tones is a level line; the paper's "
+    "pair and the best three fall from far above it, and only the best three cross it.",
 )
 
 # %% [markdown]

@@ -1,7 +1,7 @@
 """The furnished corner, measured."""
 
 import pytest
-from facet_scenes import Scene, corner_scene
+from exact_scenes import Scene, corner_scene
 
 from cmtof.measurement import Measurement
 from cmtof.simulation import simulate

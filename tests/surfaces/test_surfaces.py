@@ -1,0 +1,164 @@
+"""The whole method: exact without noise, far ahead with it, unmoved by what must not matter."""
+
+import numpy as np
+import pytest
+from exact_scenes import CAMERA, SHAPE, WRAP, plane_depth, plane_frame
+
+import cmtof
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import phase_from_depth, wrap_count_from_depth
+from cmtof.measurement import Measurement
+from cmtof.scenes.frame import Frame
+from cmtof.simulation import simulate
+
+
+def unwrapped(measurement, method="surfaces", **options):
+    result = cmtof.unwrap(measurement, method=method, **options)
+    return [result[name].to_numpy() for name in ("wrap_count", "depth", "confidence")]
+
+
+def right(measurement, method="surfaces", within=1, **options):
+    """Share of scored pixels whose count is off by less than that."""
+    count = unwrapped(measurement, method, **options)[0]
+    true = wrap_count_from_depth(np.nan_to_num(measurement.depth).astype(float), FREQUENCIES[0])
+    return np.mean(np.abs(count - true)[measurement.mask] < within)
+
+
+def rebuilt(measurement, correlation=None, psi=None, **more):
+    """The same measurement with other images."""
+    data = measurement.dataset
+    held = {"depth": measurement.depth, "mask": measurement.mask, "camera": measurement.camera}
+    low, high = measurement.range
+    return Measurement.from_arrays(
+        data["correlation"].to_numpy() if correlation is None else correlation,
+        data["psi"].to_numpy() if psi is None else psi,
+        measurement.frequencies,
+        **{**held, "range_min": low, "range_max": high, **more},
+    )
+
+
+@pytest.fixture(scope="module")
+def clean(clean_corner):
+    return unwrapped(clean_corner)
+
+
+def test_the_corner_without_noise_is_exact_whatever_is_left_out(corner, clean_corner, clean):
+    # what is left are single pixels along the edges
+    assert np.mean(np.abs(clean[1] - corner.frame.depth) < 1e-4) >= 0.995
+    for option in ("bent", "shape", "ties", "fill"):
+        assert right(clean_corner, **{option: False}) > 0.99
+
+
+@pytest.mark.parametrize("protocol", ["full", "released"])
+def test_the_corner_with_noise_beats_the_random_field(corner, protocol):
+    """A share of 20 480 pixels is known to 0.3 %, and draws of mrf spread by 10 %."""
+    m = simulate(corner.frame, protocol=protocol, seed=0)
+    ours = right(m)
+    assert ours > 0.85
+    assert ours > right(m, "mrf") + 0.2
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0.3, -0.2, 1), (-0.1, 0.6, 1)])
+def test_a_wide_plane_is_right_in_the_papers_noise(normal):
+    """Its pooled phase is known to 1 mrad, so that only pixels at a boundary can be off."""
+    frame = plane_frame(normal, 2.5, 0.6)
+    assert right(simulate(frame, protocol="full", seed=1), within=2) > 0.99
+    if normal == (0, 0, 1):  # straight ahead through a lens other than the one that is assumed
+        blind = Frame(frame.depth, np.ones(SHAPE))
+        assert right(simulate(blind, protocol="full", seed=1), within=2) > 0.99
+
+
+def test_confidence_is_higher_where_the_wrap_is_right(corner):
+    m = simulate(corner.frame, protocol="full", seed=2)
+    count, _, confidence = unwrapped(m)
+    good = np.abs(count - wrap_count_from_depth(m.depth.astype(float), FREQUENCIES[0])) < 2
+    assert confidence[good].mean() > confidence[~good].mean() + 0.1
+
+
+def test_reference_phases_and_units_do_not_matter(corner, clean_corner, clean):
+    def same(m):
+        assert np.mean(unwrapped(m)[0] == clean[0]) > 0.999
+
+    for psi in (np.arange(4) * np.pi / 2 + 1.7, 2 * np.pi * np.arange(5) / 5):
+        same(simulate(corner.frame, protocol="full", noise_free=True, psi=psi))
+    images, psi = (clean_corner.dataset[n].to_numpy() for n in ("correlation", "psi"))
+    order = [2, 0, 3, 1]
+    same(rebuilt(clean_corner, images[:, order], psi[:, order]))
+    same(rebuilt(clean_corner, images * np.float32(100)))
+
+
+def test_turned_and_mirrored_images_have_turned_answers(clean_corner, clean):
+    images = clean_corner.dataset["correlation"].to_numpy()
+    swapped = rebuilt(
+        clean_corner,
+        np.ascontiguousarray(images.swapaxes(2, 3)),
+        depth=clean_corner.depth.T,
+        mask=clean_corner.mask.T,
+        camera=np.array(CAMERA)[[1, 0, 3, 2]],
+    )
+    assert np.mean(clean[0] == unwrapped(swapped)[0].T) >= 0.98
+    for axis in (0, 1):
+        camera = np.array(CAMERA)
+        camera[3 - axis] = SHAPE[axis] - camera[3 - axis]
+        flipped = np.ascontiguousarray(np.flip(images, axis + 2))
+        m = rebuilt(clean_corner, flipped, depth=np.flip(clean_corner.depth, axis), camera=camera)
+        assert np.mean(np.flip(unwrapped(m)[0], axis) == clean[0]) >= 0.98
+
+
+def test_holes_are_not_judged_and_do_not_disturb(clean_corner, clean):
+    y, x = np.indices(SHAPE)
+    mask = (np.hypot(y - 30, x - 120) > 9) & (np.abs(x - 40) > 1)
+    mask &= np.random.default_rng(1).random(SHAPE) > 0.02
+    images = clean_corner.dataset["correlation"].to_numpy().copy()
+    images[..., ~mask] = np.nan
+    count, _, confidence = unwrapped(rebuilt(clean_corner, images, mask=mask))
+    assert (count[~mask] == -1).all()
+    assert not confidence[~mask].any()
+    assert np.mean(count[mask] == clean[0][mask]) >= 0.99
+
+
+@pytest.mark.parametrize("shape", [(5, 7), (63, 65), (8, 200)])
+def test_small_and_narrow_images(shape):
+    camera = (140.0, 140.0, shape[1] / 2, shape[0] / 2)
+    frame = plane_frame((0.05, 0, 1), 2.5, 1.0, shape, camera)
+    m = simulate(frame, protocol="full", noise_free=True)
+    assert np.mean(np.abs(unwrapped(m)[1] - frame.depth) < 1e-4) > 0.99
+
+
+def test_darkness_is_answered_without_confidence():
+    depth, _ = plane_depth((0, 0, 1), 1.1)
+    dark = simulate(Frame(depth, np.zeros(SHAPE), np.array(CAMERA)), protocol="released")
+    zeros = np.zeros((2, 4, *SHAPE), np.float32)
+    nothing = Measurement.from_arrays(zeros, np.arange(4) * np.pi / 2, FREQUENCIES, camera=CAMERA)
+    for m in (dark, nothing):
+        _, found, confidence = unwrapped(m)
+        assert np.isfinite(found[m.mask]).all()
+        assert (confidence <= 0.5).all()
+
+
+def test_phases_alone_and_other_frequencies():
+    """Phases do not say how noisy they are; a beat that turns the other way; a near twin."""
+    depth, _ = plane_depth((0.2, 0.1, 1), 1.5)
+    phase = np.stack([phase_from_depth(depth, f) for f in FREQUENCIES])
+    cases = [Measurement.from_phase(phase, FREQUENCIES, depth=depth, camera=CAMERA)]
+    frame = Frame(depth, np.ones(SHAPE), np.array(CAMERA))
+    for pair in ((7.15e9, 14.28e9), (7.15e9, 7.2e9), (5e9, 15.05e9)):
+        cases.append(simulate(frame, protocol="full", noise_free=True, frequencies=pair))
+    for m in cases:
+        assert np.mean(np.abs(unwrapped(m)[1] - depth)[m.mask] < 1e-4) > 0.99
+
+
+def test_answers_stay_in_a_range_that_holds_nothing(corner):
+    low, high = 6.5, 7.3
+    m = simulate(corner.frame, protocol="full", seed=0).between(low, high)
+    count, depth, _ = unwrapped(m)
+    assert ((depth >= low - 1e-6) & (depth <= high + 1e-6)).all()
+    assert (np.abs(count * WRAP - 6.9) < 0.45).all()
+
+
+def test_clear_pixels_vote_where_no_surface_explains_them():
+    """Clutter of 4 px without noise: surfaces, which need 12 px, fail, and neighbours decide."""
+    rng = np.random.default_rng(4)
+    depth = np.repeat(np.repeat(rng.uniform(0.8, 1.1, (16, 20)), 4, 0), 4, 1)
+    m = simulate(Frame(depth, np.ones(depth.shape)), noise_free=True)
+    assert right(m) > 0.9
