@@ -1,15 +1,19 @@
-# %% [markdown]
-# # Rooms from a seed
-#
-# To simulate a measurement one needs a scene whose range is known to a fraction of a wrap, and to
-# train a network one needs thousands. The paper takes them from Hypersim
-# {cite}`roberts2021hypersim`, 1.9 TB of rendered interiors that not everybody can fetch, and whose
-# depth is stored too coarsely for gigahertz phases, as the end of this page shows. So this book
-# also builds its own: a seed draws a floor plan, a household that chose its furniture together,
-# what lies about on every table, lamps, windows and the sun; Embree {cite}`wald2014` sends the
-# rays. Whoever has Hypersim reads it with the same loader.
+# ---
+# cmtof:
+#   data: [frames]
+# ---
 
-# %% tags=["parameters"]
+# %% [markdown]
+# # Scenes: where range and colour come from
+#
+# To simulate a measurement one needs scenes whose range is known to a fraction of a wrap; to train
+# a network, thousands. The paper takes Hypersim {cite}`roberts2021hypersim`, 1.9 TB of rendered
+# interiors whose depth is stored too coarsely for gigahertz phases. This book reads it, and also
+# renders rooms of its own from a seed. Their median pixel lies in a surface of
+# {glue:text}`median_size:.0f` pixels whose range changes by {glue:text}`median_slope:.3f` wraps a
+# pixel.
+
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of the set of rooms
 scenes: int = 12  # rooms
@@ -18,58 +22,45 @@ height: int = 256  # of a view, px
 width: int = 384
 focal: float = 443.4  # px: that of the path-traced frames, seen at every second pixel
 
-# %%
+# %% tags=["hide-input"]
 import matplotlib.pyplot as plt
 import numpy as np
-from IPython.display import Markdown
-from myst_nb import glue
 
-from cmtof.book import plotting
+from cmtof.book import notes, plotting
 from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
 from cmtof.correlation import phase_from_depth
 from cmtof.scenes import load_frame
 from cmtof.scenes.captures import data_root
-from cmtof.scenes.frame import Frame, brightness, rays_from_camera, tone_mapped
-from cmtof.scenes.half_precision import float16_phase, float16_step, smoothed_within_step
+from cmtof.scenes.frame import brightness, rays_from_camera
 from cmtof.scenes.rooms.rendering import Settings, rendered_views
-from cmtof.scenes.statistics import (
-    HYPERSIM_BRIGHTNESS,
-    HYPERSIM_DEPTH,
-    bends,
-    cumulative,
-    hardness,
-    pooled,
-)
+from cmtof.scenes.statistics import bends, hardness
 
 paper_run = plotting.begin(profile=profile, seed=seed)
-blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "green"))
 
-# %% [markdown]
-# ## A look into many houses
-#
-# Cameras stand where a person could; one view in ten is taken from close to a thing, 0.5 to 1.2 m
-# away. Light makes three bounces: lamps, windows and patches of sun are asked directly, the rest is
-# gathered from the surfaces around. Intensities are linear; for the eye they go through Hypersim's
-# tone map.
+
+def tone_mapped(color):
+    """Hypersim's tone map: the 90th percentile of brightness is shown at 0.8."""
+    scale = 0.8**2.2 / max(float(np.percentile(brightness(color), 90)), 1e-4)
+    return np.clip(scale * np.maximum(color, 0), 0, 1) ** (1 / 2.2)
+
 
 # %%
-settings = Settings(seed, scenes, views, height, width, focal)
-shown = list(rendered_views(settings))
-kinds = [view.scene.kind for view in shown[::views]]
-triangles = [len(view.scene.geometry.faces) for view in shown[::views]]
-things = [len(view.scene.geometry.kinds) for view in shown[::views]]
-print(f"{len(shown)} views, {min(triangles)} to {max(triangles)} triangles a room")
-print(f"{min(things)} to {max(things)} things a room: {', '.join(sorted(set(kinds)))}")
+shown = list(rendered_views(Settings(seed, scenes, views, height, width, focal)))
+worlds = [view.scene.world for view in shown[::views]]
+triangles = [len(world.faces) for world in worlds]
+things = [len(world.things) for world in worlds]
+print(f"{len(shown)} views of {scenes} rooms: {min(things)} to {max(things)} things and")
+print(f"{min(triangles)} to {max(triangles)} triangles a room")
 
 # %% tags=["hide-input"]
 small = [tone_mapped(view.picture.color[::2, ::2]) for view in shown]
 rows = [np.concatenate(small[k : k + views], axis=1) for k in range(0, len(small), views)]
-half = -(-len(rows) // 2)
-columns = [np.concatenate(part) for part in (rows[:half], rows[half:]) if part]
-sheet = np.concatenate([c for c in columns if len(c) == len(columns[0])], axis=1)
+half = len(rows) // 2
+sheet = np.concatenate([np.concatenate(rows[:half]), np.concatenate(rows[half : 2 * half])], axis=1)
 figure, ax = plt.subplots(figsize=(12, 12 * sheet.shape[0] / sheet.shape[1]))
 ax.imshow(sheet, interpolation="antialiased")
 ax.axis("off")
+light = float(np.mean([brightness(view.picture.color).mean() for view in shown]))
 plotting.save(
     figure,
     "scenes_sheet",
@@ -77,238 +68,149 @@ plotting.save(
     numbers={
         "triangles": [min(triangles), max(triangles)],
         "things": [min(things), max(things)],
-        "mean_brightness": float(np.mean([brightness(v.picture.color).mean() for v in shown])),
+        "mean_brightness": light,
     },
-    caption=(
-        f"{len(shown)} views of {len(kinds)} rooms, {views} of each side by side, simulated. "
-        "Nothing in them was modelled by hand: plan, furniture and clutter follow from the seed."
-    ),
-    alt=(
-        f"Contact sheet of {len(shown)} rendered interiors: {', '.join(sorted(set(kinds)))}; "
-        "furnished rooms with windows, lamps, patterned floors, and a few close views of things."
-    ),
+    caption=f"Rooms from a seed, {views} views of each side by side, simulated.",
+    alt="Contact sheet of rendered interiors: furnished rooms with windows, lamps and patterns, "
+    "and a few close views of things.",
 )
-glue("views", len(shown), display=False)
-glue("rooms", len(kinds), display=False)
-glue("triangles", float(np.mean(triangles)) / 1e3, display=False)
-glue("things", float(np.mean(things)), display=False)
 
 # %% [markdown]
-# On average a room holds {glue:text}`things:.0f` things of {glue:text}`triangles:.0f` thousand
-# triangles. `cmtof render` writes such sets to disk, in Hypersim's own layout but in single
-# precision: colour, range, normal and the number of each thing. The same seed gives the same bytes.
-
-# %%
-one = shown[0]
-exact = one.picture.depth
-normal = (1 + one.picture.normal) / 2
-numbers = np.where(one.picture.instance < 0, np.nan, (one.picture.instance * 37) % 61)
+# A seed draws a floor plan, furniture, what lies on it, lamps, windows and the sun; Embree
+# {cite}`wald2014` sends the rays. Cameras stand where a person could; one view in ten is taken from
+# close to a thing. Intensities are linear. `cmtof render` writes such sets to disk in Hypersim's
+# own layout; the same seed gives the same bytes. Range is exact to single precision.
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, 2, figsize=(10.4, 7.0))
-for panel, picture, title in (
-    (axes[0, 0], tone_mapped(one.picture.color), f"colour ({one.scene.kind})"),
-    (axes[1, 0], normal, "normal, towards the camera"),
-):
-    panel.imshow(picture)
+one = max(shown, key=lambda view: np.unique(view.picture.instance).size)
+exact, numbers = one.picture.depth, (one.picture.instance * 37) % 61
+figure, axes = plt.subplots(1, 3, figsize=(12.4, 2.9))
+axes[0].imshow(tone_mapped(one.picture.color))
+axes[2].imshow(np.where(one.picture.instance < 0, np.nan, numbers), cmap="tab20")
+for panel, title in ((axes[0], "colour"), (axes[2], "things, each a colour")):
     panel.set(xticks=[], yticks=[], title=title)
-    panel.grid(visible=False)
-    panel.spines[:].set_visible(False)
-plotting.image(axes[0, 1], exact, label="range along the ray (m)", title="range")
-axes[1, 1].imshow(numbers, cmap="tab20", interpolation="nearest")
-axes[1, 1].set(xticks=[], yticks=[], title="things, each a colour")
-axes[1, 1].grid(visible=False)
-axes[1, 1].spines[:].set_visible(False)
-plotting.label_panels([axes[0, 0], axes[0, 1], axes[1, 0], axes[1, 1]])
-depths = [float(v) for v in np.nanpercentile(exact, [5, 50, 95])]
+plotting.image(axes[1], exact, label="range along the ray (m)", title="range")
+plotting.label_panels(axes)
 plotting.save(
     figure,
     "scenes_layers",
     format="png",
-    numbers={"range_5_50_95_m": depths, "things_seen": int(np.unique(one.picture.instance).size)},
-    caption=(
-        "What is stored of each view: linear colour, range, normals, and which thing each pixel "
-        "belongs to. Range is exact to the last bit of single precision."
-    ),
-    alt=(
-        "Four panels of one view: the tone-mapped picture, its range from "
-        f"{depths[0]:.1f} to {depths[2]:.1f} metres, normals as colours, and a map of "
-        f"{np.unique(one.picture.instance).size} things in flat colours."
-    ),
+    numbers={
+        "range_5_50_95_m": np.nanpercentile(exact, [5, 50, 95]).tolist(),
+        "things_seen": int(np.unique(one.picture.instance).size),
+    },
+    caption="What is known of each view: linear colour, range, and the thing in each pixel.",
+    alt="Three panels of one view: the tone-mapped picture, its range, and its things as colours.",
 )
 
 # %% [markdown]
-# ## Are they like Hypersim's?
+# ## Beside Hypersim
 #
-# Hypersim's pixels are known by their percentiles: brightness decides the noise, range the number
-# of wraps. Exposure and the distances from which cameras look were set on rooms of other seeds so
-# that both come near; the acceptance was 30 %. Brightness is Hypersim's, 0.30 R + 0.59 G + 0.11 B.
+# Hypersim's pixels are known by their percentiles: brightness (0.30 R + 0.59 G + 0.11 B) decides
+# the noise, range the number of wraps.
 
 # %%
-bright = np.concatenate([brightness(view.picture.color).ravel() for view in shown])
-ranges = np.concatenate([view.frame.depth[np.isfinite(view.frame.depth)] for view in shown])
-ours_bright = {at: float(np.percentile(bright, at)) for at in HYPERSIM_BRIGHTNESS}
-ours_depth = {at: float(np.percentile(ranges, at)) for at in HYPERSIM_DEPTH}
-far = float(np.mean(ranges > 7.5))
-table = ["|  | percentile | Hypersim | these rooms | ratio |", "| --- | --: | --: | --: | --: |"]
-for name, theirs, ours in (
-    ("brightness", HYPERSIM_BRIGHTNESS, ours_bright),
-    ("range (m)", HYPERSIM_DEPTH, ours_depth),
-):
-    for at, value in theirs.items():
-        table.append(f"| {name} | {at} | {value:.3g} | {ours[at]:.3g} | {ours[at] / value:.2f} |")
-print("\n".join(table), f"\nbeyond 7.5 m: {far:.1%}")
-glue("against_hypersim", Markdown("\n".join(table)), display=False)
-within = [
-    *(abs(ours_bright[at] / value - 1) for at, value in HYPERSIM_BRIGHTNESS.items()),
-    *(abs(ours_depth[at] / HYPERSIM_DEPTH[at] - 1) for at in (5, 25, 50)),
-]
-glue("worst", 100 * max(within), display=False)
-glue("kept", sum(w <= 0.3 for w in within), display=False)
-glue("asked", len(within), display=False)
-glue("far", 100 * far, display=False)
+HYPERSIM = {
+    "brightness": {5: 0.010, 25: 0.08, 50: 0.27, 75: 0.70, 90: 1.6},
+    "range (m)": {5: 1.27, 25: 3.0, 50: 4.8, 75: 7.8, 95: 23.0},
+}
+ours = {
+    "brightness": np.concatenate([brightness(view.picture.color).ravel() for view in shown]),
+    "range (m)": np.concatenate([view.frame.depth.ravel() for view in shown]),
+}
+rows = []
+for name, published in HYPERSIM.items():
+    found = np.nanpercentile(ours[name], list(published))
+    for (at, value), mine in zip(published.items(), found, strict=True):
+        rows.append([f"{name}, {at} %", f"{value:.3g}", f"{mine:.3g}", f"{mine / value:.2f}"])
+notes.table(["percentile", "Hypersim", "these rooms", "ratio"], rows)
+print(f"beyond 7.5 m: {np.mean(ours['range (m)'] > 7.5):.0%} of the pixels")
 
 # %% [markdown]
-# ```{glue:md} against_hypersim
-# :format: myst
-# ```
-#
-# Of the {glue:text}`asked` percentiles held to 30 % (brightness, and range up to the median),
-# {glue:text}`kept` keep to it in this draw of {glue:text}`rooms` rooms; the largest departure is
-# {glue:text}`worst:.0f` %. What differs on purpose is the far end: {glue:text}`far:.1f` % of these
-# pixels lie beyond the 7.5 m that two frequencies can tell apart, where Hypersim, with its halls
-# and terraces, has a quarter.
+# Two frequencies tell ranges apart up to 7.5 m; in Hypersim, with its halls and terraces, a quarter
+# of the pixels lies beyond.
 #
 # ## What makes unwrapping hard
 #
 # Not range itself but its changes. Within a surface a method may follow depth from pixel to pixel;
-# the steeper it runs, the fewer pixels it may average. Where a surface ends it must start anew, and
-# has only that surface's pixels to find the wrap. So three quantities matter: the slope within
-# surfaces, the jump between them, and the size of the surface that a pixel lies in. Beside them
-# stand those of path-traced frames of one furnished room, made by others, at every second pixel to
-# match the lens; they serve for looking only.
+# the steeper it runs, the fewer pixels it may average. Where a surface ends it must start again,
+# with only that surface's pixels to find the wrap. Beside the rooms stand path-traced frames of one
+# furnished room, made by others, at every second pixel to match the lens, where the machine has
+# them. They are for looking only; no setting of the rooms was chosen by them. (Rooms of version 0.1
+# had more clutter: medians of 0.111 wraps a pixel, 1.3 wraps and 8,234 pixels.)
 
 # %%
-hard = pooled(hardness(view.frame) for view in shown)
 root = data_root()
 files = sorted(root.glob("frames/*.npz")) if root else []
-
-
-def thinned(frame):
-    """Every second pixel: half the focal length at the same field of view."""
-    return Frame(frame.depth[::2, ::2], frame.intensity[::2, ::2], None, frame.name)
-
-
-theirs = pooled(hardness(thinned(load_frame(file))) for file in files) if files else None
-quantities = {
-    "slope within a surface\n(wraps a pixel)": ("slope", np.geomspace(1e-3, 10, 200)),
-    "jump at its end\n(wraps)": ("jump", np.geomspace(0.19, 500, 200)),
-    "size of a pixel's surface\n(pixels)": ("patch", np.geomspace(1, 1e5, 200)),
+sets = {"rooms": [view.frame.depth for view in shown]}
+if files:
+    sets["path-traced frames"] = [load_frame(file).depth[::2, ::2] for file in files]
+samples = {
+    name: [np.concatenate(part) for part in zip(*map(hardness, depths), strict=True)]
+    for name, depths in sets.items()
 }
-for label, (name, _) in quantities.items():
-    print(label.split("\n")[0], "median", f"{np.median(getattr(hard, name)):.3g}")
+labels = ("slope within a surface (wraps/px)", "jump at its end (wraps)", "its size (px)")
+medians = {name: [float(np.median(part)) for part in parts] for name, parts in samples.items()}
+steep = float(np.mean(samples["rooms"][0] > 0.5))
+rows = [[k, *(f"{values[i]:.3g}" for values in medians.values())] for i, k in enumerate(labels)]
+notes.table(["median", *medians], rows)
+print(f"{steep:.1%} of neighbours in rooms differ by more than half a wrap")
+notes.tell(median_slope=medians["rooms"][0], median_size=medians["rooms"][2])
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(11.4, 3.8), sharey=True)
-for ax, (label, (name, at)) in zip(axes, quantities.items(), strict=True):
-    ax.plot(at, cumulative(getattr(hard, name), at), color=blue, label="rooms")
-    if theirs is not None:
-        ax.plot(at, cumulative(getattr(theirs, name), at), color=vermillion, ls="--",
-                label="path-traced frames")  # fmt: skip
-    ax.set(xscale="log", xlabel=label, ylim=(0, 1))
-axes[0].axvline(0.5, color="#8A97A3", lw=1)
+figure, axes = plt.subplots(1, 3, figsize=(11.4, 3.6), sharey=True)
+ranges = (1e-3, 10), (0.19, 500), (1, 1e5)
+for i, (ax, label, limits) in enumerate(zip(axes, labels, ranges, strict=True)):
+    for (name, parts), style in zip(samples.items(), ("-", "--"), strict=False):
+        ordered = np.sort(parts[i])[:: max(len(parts[i]) // 2000, 1)]
+        ax.plot(ordered, np.linspace(0, 1, len(ordered)), style, label=name)
+    ax.set(xscale="log", xlabel=label, xlim=limits, ylim=(0, 1))
+plotting.mark(axes[0], x=0.5, text="half a wrap")
 axes[0].set_ylabel("share of pixels at or below")
-axes[0].legend(loc="upper left")
+axes[2].legend()
 plotting.label_panels(axes)
-medians = {name: float(np.median(getattr(hard, name))) for name in ("slope", "jump", "patch")}
-steep = float(np.mean(hard.slope > 0.5))
-beside = ""
-if theirs is not None:
-    beside = f" The frames' medians: {np.median(theirs.slope):.3f}, {np.median(theirs.jump):.1f} "
-    beside += f"and {np.median(theirs.patch):.0f}."
 plotting.save(
     figure,
     "scenes_hardness",
-    numbers={"median": medians, "steeper_than_half_a_wrap": steep},
-    caption=(
-        "What makes unwrapping hard, pooled over all pixels, in wraps of 7.15 GHz (20.97 mm). The "
-        "grey line is half a wrap a pixel, beyond which neighbours no longer tell the direction."
-    ),
-    alt=(
-        "Three cumulative curves on logarithmic axes for rooms"
-        + (" and path-traced frames" if theirs is not None else "")
-        + f": slope, median {medians['slope']:.3f} wraps a pixel; jump, median "
-        f"{medians['jump']:.1f} wraps; surface size, median {medians['patch']:.0f} pixels." + beside
-    ),
+    numbers={
+        "median": dict(zip(("slope", "jump", "patch"), medians["rooms"], strict=True)),
+        "steeper_than_half_a_wrap": steep,
+    },
+    caption="What makes unwrapping hard, pooled over all pixels, in wraps of 7.15 GHz (20.97 mm). "
+    "Beyond half a wrap a pixel neighbours no longer show the direction.",
+    alt="Three cumulative curves on logarithmic axes: slope, jump, and size of surfaces.",
 )
-for name, value in medians.items():
-    glue(f"median_{name}", value, display=False)
-glue("steep", 100 * steep, display=False)
 
 # %% [markdown]
-# The median pixel of these rooms lies in a surface of {glue:text}`median_patch:.0f` pixels whose
-# depth changes by {glue:text}`median_slope:.3f` wraps a pixel; at its end depth jumps by
-# {glue:text}`median_jump:.1f` wraps in the median. {glue:text}`steep:.2f` % of neighbours differ by
-# more than half a wrap: there no method can count by neighbours alone. Many small surfaces, from
-# clutter and thin things, are what tells these rooms from an empty one.
-#
 # ## What half precision does to a plane
 #
-# Hypersim stores range as 16-bit floating point, with 11 bits for the number: from each power of
-# two on, its steps are twice as wide. Rounded like that, a plane becomes a staircase, and its phase
-# with it. A network trained on it may learn stairs.
+# Hypersim stores range as 16-bit floating point: from each power of two on, its steps are twice as
+# wide. Rounded like that, a plane becomes a staircase, and a network trained on it may learn
+# stairs. Rooms are stored in single precision.
 
 # %%
-distance = np.array([1.5, 3.0, 6.0])
-for z, step in zip(distance, float16_step(distance), strict=True):
-    turn = [float(float16_phase(z, f)) for f in FREQUENCIES]
-    print(f"at {z:.1f} m: steps of {1e3 * step:.2f} mm, {turn[0]:.2f} and {turn[1]:.2f} rad")
-stored = exact.astype(np.float16)
-mended = smoothed_within_step(stored)
+distance = np.array([1.5, 3.0, 6.0], np.float16)
+steps = np.spacing(distance).astype(float)
+for z, step in zip(distance, steps, strict=True):
+    turns = phase_from_depth(step, FREQUENCIES)
+    print(f"at {z:.1f} m: steps of {1e3 * step:.2f} mm, {turns[0]:.2f} and {turns[1]:.2f} rad")
+off = exact.astype(np.float16).astype(float) - exact
 flat = ~bends(exact) & np.isfinite(exact)
-errors = {}
-for name, depth in (("half precision", stored.astype(float)), ("smoothed within its step", mended)):
-    off = depth - exact.astype(float)
-    errors[name] = float(np.sqrt(np.mean(phase_from_depth(off[flat], FREQUENCY_SINGLE) ** 2)))
-    print(f"{name}: {errors[name]:.3f} rad rms at 7.15 GHz on surfaces")
-span = np.nanmax(np.abs(mended - stored.astype(float)) / float16_step(exact))
-print(f"smoothing moved no pixel by more than {span:.2f} of its step")
+rms = float(np.sqrt(np.mean(phase_from_depth(off[flat], FREQUENCY_SINGLE) ** 2)))
+print(f"on the surfaces of one view {rms:.3f} rad rms at 7.15 GHz")
 
 # %% tags=["hide-input"]
 rays = rays_from_camera((64, 96), [886.8, 886.8, -300, 32])
 plane = np.linalg.norm(rays, axis=-1) * 3 / (rays @ [0.3, 0.1, 1])  # 3 m before the camera
-coarse = plane.astype(np.float16)
-maps = {"exact": plane, "half precision": coarse, "smoothed": smoothed_within_step(coarse)}
-figure, axes = plt.subplots(1, 3, figsize=(11.4, 3.0))
-for panel, (name, depth) in zip(axes, maps.items(), strict=True):
-    phase = phase_from_depth(np.asarray(depth, float), FREQUENCIES[1]) % (2 * np.pi)
-    plotting.phase_image(panel, phase, title=name)
-plotting.label_panels(axes)
+depths = (plane, plane.astype(np.float16).astype(float))
+maps = [phase_from_depth(depth, FREQUENCIES[1]) % (2 * np.pi) for depth in depths]
+style = {"cmap": plotting.PHASE_CMAP, "limits": plotting.TURN, "width": 4.0}
+figure, axes = plotting.maps(maps, label="phase (rad)", titles=["exact", "float16"], **style)
 plotting.save(
     figure,
     "scenes_half_precision",
     format="png",
-    numbers={"rms_rad": [errors["half precision"], errors["smoothed within its step"]]},
-    caption=(
-        "Phase at 14.32 GHz of a slanted plane from exact range, from the same range stored in "
-        "half precision, and from that after smoothing within its own step."
-    ),
-    alt=(
-        "Three phase maps of the same slanted plane: even bands of colour, then hard terraces of "
-        "few colours, then even bands again."
-    ),
+    numbers={"rms_rad": rms},
+    caption="Phase at 14.32 GHz of a slanted plane from exact range, and in half precision.",
+    alt="Two phase maps of the same plane: even bands of colour, then terraces of few colours.",
 )
-glue("rms_half", errors["half precision"], display=False)
-glue("rms_mended", errors["smoothed within its step"], display=False)
-glue("gain", errors["half precision"] / errors["smoothed within its step"], display=False)
-glue("step_far", 1e3 * float(float16_step(6.0)), display=False)
-glue("turn_far", float(float16_phase(6.0, FREQUENCIES[1])), display=False)
-
-# %% [markdown]
-# At 6 m a step is {glue:text}`step_far:.1f` mm, {glue:text}`turn_far:.1f` rad at the upper
-# frequency. On the surfaces of this view half precision alone puts {glue:text}`rms_half:.2f` rad of
-# error on the lower phase, as much as the noise of the whole measurement. `Hypersim(root).frames(…,
-# smooth=True)` draws a smooth surface through the middle of the steps, never leaving the rounding
-# interval and never crossing an edge, which leaves {glue:text}`rms_mended:.3f` rad,
-# {glue:text}`gain:.1f` times less; such frames say so in their note. Rooms are stored in single
-# precision and need none of it.
