@@ -10,7 +10,6 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -236,93 +235,6 @@ def _write(target: Path, text: str, title: str) -> None:
         )
     with written_whole(target) as part:
         part.write_text(text, encoding="utf-8")
-
-
-# --- until the chapter of the captures has them -------------------------------------------------
-
-
-def render_surface(
-    points: ArrayLike,
-    values: ArrayLike,
-    path: Path,
-    *,
-    longest: float,
-    eye: tuple[float, float, float],
-    cmap: str,
-) -> bool:
-    """`still` of a map of values, written to a file; False where none can be drawn."""
-    import matplotlib.pyplot as plt
-
-    low, high = np.nanpercentile(np.asarray(values, float), [1, 99])
-    colours = depth_colours(values, limits=(float(low), float(high)), cmap=cmap)
-    drawn = still(points, colours, longest=longest, eye=eye)
-    if drawn is not None:
-        plt.imsave(path, drawn)
-    return drawn is not None
-
-
-class Wall(NamedTuple):
-    """The flat wall that a scan sees behind its objects."""
-
-    depth: Array
-    """Range of the fitted wall (H, W), m."""
-    mask: NDArray[np.bool_]
-    """True where the scan lies on it, (H, W)."""
-    camera: Array
-    """fx, fy, cx, cy that the wall's bend tells, px; pixel centres at +0.5."""
-
-
-def fit_wall(depth: ArrayLike, *, tolerance: float = 0.01) -> Wall:
-    """Fit a flat wall, and the scan's angles, to what lies farthest in a range image.
-
-    Ranges in front of the wall are objects: they first weigh little, then nothing once they
-    lie further than ``tolerance`` off.
-
-    Parameters
-    ----------
-    depth : array_like, shape (H, W)
-        Range along the ray, m, all finite.
-    tolerance : float
-        Greatest distance from the wall, m, that still belongs to it.
-
-    Raises
-    ------
-    ValueError
-        If the image is not two-dimensional or holds anything but positive ranges.
-
-    Examples
-    --------
-    >>> y, x = (np.mgrid[:40, :40] + 0.5 - 20) / 100  # a scan with a focal length of 100 px
-    >>> wall = fit_wall(0.7 * np.sqrt(1 + x**2 + y**2) / (1 + 0.1 * x))
-    >>> round(float(wall.camera[0]), 3), bool(wall.mask.all())
-    (100.0, True)
-    """
-    from scipy.optimize import least_squares
-
-    depth = np.asarray(depth, float)
-    if depth.ndim != 2 or not (np.isfinite(depth).all() and depth.min() > 0):
-        raise ValueError(
-            f"Expected a range image (H, W) of positive metres, got shape {depth.shape}. "
-            "Fill or crop its holes."
-        )
-    height, width = depth.shape
-    y, x = np.mgrid[:height, :width] + 0.5
-    u, v = (x - width / 2) / width, (y - height / 2) / width
-
-    def wall_depth(q: Array) -> Array:
-        return np.sqrt(1 + q[0] ** 2 * (u**2 + v**2)) / (q[1] + q[2] * u + q[3] * v)
-
-    def fitted(q: Array, weight: Array) -> Array:
-        return least_squares(lambda q: (weight * (depth - wall_depth(q))).ravel(), q).x
-
-    q = np.array([0.5, 1 / np.percentile(depth, 90), 0.0, 0.0])
-    for _ in range(6):  # what lies behind pulls, what lies in front hardly does
-        q = fitted(q, np.where(depth > wall_depth(q), 1.0, 0.1))
-    for _ in range(6):
-        q = fitted(q, np.where(np.abs(depth - wall_depth(q)) < tolerance, 1.0, 0.0))
-    focal = width / abs(q[0])
-    near = np.abs(depth - wall_depth(q)) < tolerance
-    return Wall(wall_depth(q), near, np.array([focal, focal, width / 2, height / 2]))
 
 
 if __name__ == "__main__":
