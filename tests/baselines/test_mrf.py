@@ -1,0 +1,142 @@
+"""Random fields: one row is a Viterbi chain, cuts are the least of all, planes are exact."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import cmtof
+from cmtof.baselines import mrf
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import TAU
+from cmtof.evaluation import score, scored_pixels
+from cmtof.scenes.frame import Frame
+from cmtof.simulation import simulate
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def plane(height, width):
+    y, x = np.mgrid[:height, :width]
+    return 0.8 + 0.2 * x / width + 0.1 * y / height
+
+
+def random_field(rng, height, width, labels):
+    return mrf.Field(
+        rng.uniform(0, TAU, (height, width)).astype(np.float32),
+        rng.normal(size=(height, width, 2)).astype(np.float32),
+        np.linspace(0, 2.5, labels),
+        0,
+    )
+
+
+def viterbi(cost, step, jump, most):
+    """Least cost of a chain through each label at each of its pixels (W, N), pair by pair."""
+    n, ends = np.arange(cost.shape[1]), []
+    for order in (1, -1):
+        total, signed = [cost[::order][0]], step if order == 1 else -step[::-1]
+        for own, d in zip(cost[::order][1:], signed, strict=True):
+            pair = np.minimum(jump * np.abs(n[None, :] - n[:, None] - d), most)
+            total.append(own + (total[-1][:, None] + pair).min(axis=0))
+        ends.append(np.array(total)[::order])
+    return ends[0] + ends[1] - cost
+
+
+@pytest.mark.parametrize(("jump", "most"), [(0.3, 0.3), (0.3, 1.0), (0.1, 2.0), (5.0, 6.0)])
+def test_one_row_is_the_best_chain(rng, jump, most):
+    for shape, labels in product([(1, 40), (40, 1)], [1, 2, 7, 21]):
+        field = random_field(rng, *shape, labels)
+        phase = field.phase.ravel()
+        step = np.rint((phase[:-1] - phase[1:]) / TAU)
+        every = np.broadcast_to(np.arange(labels)[:, None, None], (labels, *shape))
+        unary = np.stack([field.unary(one) for one in every], axis=-1).astype(float)
+        cost = viterbi(unary.reshape(40, labels), step, jump, most)
+        found, odds = mrf.semi_global_labels(field, jump=jump, most=most)
+        chosen = np.take_along_axis(cost, found.reshape(40, 1), 1)[:, 0]
+        np.testing.assert_allclose(chosen, cost.min(axis=1), atol=1e-4)
+        share = np.exp(-(cost - cost.min(axis=1, keepdims=True)) / mrf._TEMPERATURE).sum(axis=1)
+        np.testing.assert_allclose(odds.ravel(), 1 / share, rtol=0.2)
+
+
+def test_turning_the_image_turns_the_labels_and_strips_change_nothing(rng):
+    field = random_field(rng, 12, 17, 15)
+    found, _ = mrf.semi_global_labels(field, jump=0.3, most=1.0)
+    for rows in (1, 7):
+        again, _ = mrf.semi_global_labels(field, jump=0.3, most=1.0, rows=rows)
+        np.testing.assert_array_equal(found, again)
+    for transform in (np.transpose, np.flipud, np.rot90):
+        beat = np.stack([transform(field.beat[..., i]) for i in (0, 1)], axis=-1)
+        phase = np.ascontiguousarray(transform(field.phase))
+        turned = field._replace(phase=phase, beat=np.ascontiguousarray(beat))
+        again, _ = mrf.semi_global_labels(turned, jump=0.3, most=1.0)
+        np.testing.assert_array_equal(transform(found), again)
+
+
+@pytest.mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9), (7.15e9, 7.16e9)])
+def test_planes_without_noise_are_exact_across_holes(exact, pair):
+    depth = plane(40, 50)
+    whole = np.broadcast_to((np.arange(50) < 21) | (np.arange(50) > 23), depth.shape)
+    for known in (np.ones_like(whole), whole):
+        shape = np.where(known, depth, np.nan)
+        m = exact(shape, pair, mask=known, truth=depth, range_min=0.7547, range_max=1.195)
+        for method in ("mrf", "mrf-graphcut"):
+            error = (cmtof.unwrap(m, method=method).depth - depth).to_numpy()[known]
+            assert np.abs(error).max() < 1e-6
+
+
+def test_it_pools_more_than_a_pixel_and_estimates_its_own_noise():
+    m = simulate(Frame(plane(100, 120), np.full((100, 120), 0.8)), seed=2)
+    rates = [
+        score(scored_pixels(cmtof.unwrap(m, method=name), m))["consistent_lt_1"]
+        for name in ("crt", "beat", "mrf")
+    ]
+    assert rates[0] < 0.1 < rates[2]
+    assert rates[2] > rates[1] - 0.05
+    # kappa is one over the variance of the beat: that of both phases, the lower one doubled
+    kappa = np.hypot(*np.moveaxis(mrf.wrap_field(m, pooling=0.0).beat, -1, 0))
+    variance = (1200**2 + 8e3) / (2 * (16e3 / np.pi) ** 2)
+    assert np.median(kappa) == pytest.approx(1 / (5 * variance), rel=0.15)
+
+
+# --- graph cuts --------------------------------------------------------------------------------
+
+
+def cut_cost(x, excess, right, down):
+    pairs = (right[:, :-1] * (1 - x[:, :-1]) * x[:, 1:]).sum()
+    return (excess * x).sum() + pairs + (down[:-1] * (1 - x[:-1]) * x[1:]).sum()
+
+
+@given(seeds)
+def test_minimum_cut_is_the_least_of_all(seed):
+    rng = np.random.default_rng(seed)
+    shape = tuple(rng.integers(1, 4, 2))
+    excess = rng.integers(-9, 10, shape)
+    right, down = rng.integers(0, 6, (2, *shape))
+    every = [np.reshape(x, shape) for x in product((0, 1), repeat=excess.size)]
+    least = min(cut_cost(x, excess, right, down) for x in every)
+    found = mrf.minimum_cut(excess, right, down).astype(int)
+    assert cut_cost(found, excess, right, down) == least
+
+
+@given(seeds, st.sampled_from([1, -1, 2]))
+def test_a_move_is_the_best_of_all(seed, step):
+    rng = np.random.default_rng(seed)
+    field, jump = random_field(rng, 2, 4, 5), rng.uniform(0.1, 2)
+    labels = rng.integers(0, 5, (2, 4))
+    moved = labels + step * mrf.best_move(field, labels, step, jump=jump)
+    others = [labels + step * np.reshape(x, (2, 4)) for x in product((0, 1), repeat=8)]
+    inside = [x for x in others if x.min() >= 0 and x.max() < 5]
+    least = min(mrf.energy(field, x, jump=jump) for x in inside)
+    assert mrf.energy(field, moved, jump=jump) == pytest.approx(least, abs=1e-5)
+
+
+def test_cuts_lower_the_energy_of_a_measurement(measured):
+    field = mrf.wrap_field(measured)
+    start, _ = mrf.semi_global_labels(field)
+    before = mrf.energy(field, start, jump=mrf.JUMP)
+    once = mrf.lowered(field, start, jump=mrf.JUMP, rounds=1)
+    twice = mrf.lowered(field, start, jump=mrf.JUMP, rounds=2)
+    after = [mrf.energy(field, one, jump=mrf.JUMP) for one in (once, twice)]
+    assert after[1] <= after[0] <= before
