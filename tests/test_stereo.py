@@ -199,13 +199,13 @@ def test_speckle_moves_a_centroid_as_the_formula_says(rng, width=1.6):
 def test_no_plane_hides_itself(centre, slope):
     y, x = np.indices(SHAPE)
     inverse = 0.6 + slope[0] * (x - 20) / 60 + slope[1] * (y - 15) / 60
-    assert stereo.visible_from(planar(1 / inverse), CAMERA, centre).all()
+    assert stereo.visible_from(points_from_depth(planar(1 / inverse), CAMERA), centre).all()
 
 
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_post_hides_what_geometry_says(side):
     """From 0.15 m aside the post's edge at 0.9 m hides 0.15 m of the wall at 1.8 m: 5 px."""
-    seen = stereo.visible_from(post().depth, CAMERA, (side * 0.15, 0, 0))
+    seen = stereo.visible_from(points_from_depth(post().depth, CAMERA), (side * 0.15, 0, 0))
     hidden = np.flatnonzero(~seen[15])
     edge = range(10, 15) if side > 0 else range(25, 30)
     assert 4 <= len(hidden) <= 6
@@ -248,7 +248,8 @@ def test_labels_of_a_simulated_scan_are_right_and_silent_where_hidden():
     phase = np.mod(phase_from_depth(frame.depth, FREQUENCY_SINGLE), TAU)
     spots = stereo.scan_spots(frame, RIG, rng=np.random.default_rng(3))
     truth = stereo.truth_from_spots(spots, RIG, phase=phase)
-    seen = np.all([stereo.visible_from(frame.depth, CAMERA, c) for c in RIG.centres], axis=0)
+    points = points_from_depth(frame.depth, CAMERA)
+    seen = np.all([stereo.visible_from(points, c) for c in RIG.centres], axis=0)
     assert not truth.mask[~seen].any() and truth.mask.mean() > 0.6
     # k = 3: at most 0.3 % of labels may err
     assert (truth.wraps == frame.depth // WRAP)[truth.mask].mean() > 0.99

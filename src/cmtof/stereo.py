@@ -16,6 +16,7 @@ from scipy.special import erf, ndtr
 
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH
 from cmtof.correlation import TAU, consistent_wrap_count, depth_from_wraps, wrap_length
+from cmtof.instrument.targets import MeshTarget
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof.scenes.frame import Frame
 
@@ -223,14 +224,10 @@ def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, fl
             f"Expected corners (2, views, {len(BOARD)}, 2) of at least 3 views, got "
             f"{corners.shape}. Show the whole board to both cameras, each time tilted otherwise."
         )
-    board, size = [BOARD.astype(np.float32)] * corners.shape[1], shape[::-1]
-    flags, lenses = cv2.CALIB_FIX_K3, []
-    for seen in corners:
-        one = cv2.calibrateCamera(board, list(seen), size, np.eye(3), np.zeros(5), flags=flags)
-        lenses += one[1:3]
-    rms, *found = cv2.stereoCalibrate(
-        board, *map(list, corners), *lenses, size, flags=flags | cv2.CALIB_USE_INTRINSIC_GUESS
-    )
+    board = [BOARD.astype(np.float32)] * corners.shape[1]
+    blank = (np.eye(3), np.zeros(5)) * 2  # it starts from each camera by itself
+    views = map(list, corners)
+    rms, *found = cv2.stereoCalibrate(board, *views, *blank, shape[::-1], flags=cv2.CALIB_FIX_K3)
     between = RigidTransform.from_components(found[5].ravel(), Rotation.from_matrix(found[4]))
     distortions = np.stack([found[1].ravel()[:5], found[3].ravel()[:5]])
     poses = (RigidTransform.identity(), between)
@@ -302,27 +299,16 @@ def place_spots(windows: ArrayLike, sensor: Sensor, *, width: float = 1.3) -> tu
     return np.where(lost[:, None], np.nan, centre), np.where(lost, np.nan, sigma)
 
 
-def visible_from(depth: ArrayLike, camera: ArrayLike, centre: ArrayLike) -> NDArray[np.bool_]:
-    """Pixels (H, W) of a frame whose line to a place (3,), m, nothing in the frame blocks.
-
-    Each line is followed from pixel to pixel. Inverse depth is linear along a line and over a plane
-    alike, so that no plane hides itself.
-    """
-    from scipy.ndimage import map_coordinates
-
-    points, centre = points_from_depth(depth, camera), np.asarray(centre, float)
+def visible_from(points: ArrayLike, centre: ArrayLike) -> NDArray[np.bool_]:
+    """Points (H, W, 3), m, of a scan that nothing hides from a place (3,), neighbours joined."""
+    points = np.asarray(points, float)
     known = np.isfinite(points).all(-1)
-    fx, fy, cx, cy = np.asarray(camera, float)[:4]
-    inverse = np.where(known, 1 / np.where(known, points[..., 2], 1.0), 0.0)
-    steps = int(2 * np.abs(centre[:2] * [fx, fy]).max() * inverse.max()) + 4
-    hidden = ~known
-    for share in np.linspace(0, 1, steps)[1:]:
-        level = inverse + share * (1.02 * inverse.max() - inverse)
-        along = (points[..., 2] - 1 / level) / (points[..., 2] - centre[2])
-        x, y, z = np.moveaxis(points + along[..., None] * (centre - points), -1, 0)
-        place = np.nan_to_num([fy * y / z + cy - 0.5, fx * x / z + cx - 0.5], nan=-9.0)
-        hidden |= map_coordinates(inverse, place, order=1) > 1.002 * level
-    return ~hidden
+    number = np.arange(known.size).reshape(known.shape)
+    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
+    faces = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))])
+    faces = faces[known.ravel()[faces].all(1)]
+    points = np.nan_to_num(points)
+    return known & ~MeshTarget(points.reshape(-1, 3), faces).hidden(points, centre)
 
 
 def scan_spots(
@@ -347,7 +333,7 @@ def scan_spots(
         rate = np.clip(frame.intensity, 0, 1) * cosine / distance**2
         width = np.hypot(sensor.blur, sensor.beam * rig.matrices[k, 0, 0] / distance)
         rate *= 0.7 * sensor.full_well / np.nanpercentile(rate / TAU / width**2, 99)
-        rate[~visible_from(frame.depth, frame.camera, centre)] = 0
+        rate[~visible_from(points, centre)] = 0
         inside = ((pixels[k] > WINDOW) & (pixels[k] < np.array(rig.shape[::-1]) - WINDOW)).all(-1)
         corner = np.floor(pixels[k][inside]) - WINDOW // 2
         true = pixels[k][inside] - corner + sensor.speckle * rng.standard_normal(corner.shape)
