@@ -99,6 +99,19 @@ def test_rendered_boards_calibrate_the_rig(corners):
     np.testing.assert_allclose(between(found)[3:], between(SMALL_RIG)[3:], atol=2e-3)  # m
 
 
+def test_without_noise_each_camera_is_recovered(rng):
+    """Corners are single precision, 1e-4 px; the two lenses differ."""
+    rig = replace(RIG, matrices=RIG.matrices * np.array([1.0, 1.02])[:, None, None])
+    rig.matrices[:, 2, 2] = 1
+    poses = stereo.board_poses(rig, 4, rng=rng)
+    seen = np.stack([rig.project(p.apply(stereo.BOARD)) for p in poses], axis=1)
+    found, rms = stereo.calibrate(seen, rig.shape)
+    assert rms < 1e-3
+    np.testing.assert_allclose(found.matrices, rig.matrices, atol=0.05)
+    np.testing.assert_allclose(found.distortions, rig.distortions, atol=1e-3)
+    np.testing.assert_allclose(between(found), between(rig), atol=1e-4)
+
+
 def test_redrawn_calibrations_scatter_as_far_as_they_err():
     """Ranges of 12 rigs, each with corners of its own noise, and the scatter that one redraws."""
     rng = np.random.default_rng(3)

@@ -225,9 +225,9 @@ def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, fl
             f"{corners.shape}. Show the whole board to both cameras, each time tilted otherwise."
         )
     board = [BOARD.astype(np.float32)] * corners.shape[1]
-    blank = (np.eye(3), np.zeros(5)) * 2  # it starts from each camera by itself
+    lenses = np.eye(3), np.zeros(5), np.eye(3), np.zeros(5)  # it writes into them
     views = map(list, corners)
-    rms, *found = cv2.stereoCalibrate(board, *views, *blank, shape[::-1], flags=cv2.CALIB_FIX_K3)
+    rms, *found = cv2.stereoCalibrate(board, *views, *lenses, shape[::-1], flags=cv2.CALIB_FIX_K3)
     between = RigidTransform.from_components(found[5].ravel(), Rotation.from_matrix(found[4]))
     distortions = np.stack([found[1].ravel()[:5], found[3].ravel()[:5]])
     poses = (RigidTransform.identity(), between)
