@@ -90,6 +90,8 @@ def test_a_result_is_reproduced_inside_its_tolerance_and_contradicted_outside(
     finite = [value for value in outside if math.isfinite(value)]
     assert {Verdict(number, value).outcome for value in finite} == {"contradicted"}
     assert Verdict(number, math.nan).outcome == "untested"
+    # 0.0165 ± 0.0005 holds 0.017, though their floats differ by a last bit
+    assert replace(PLAIN, value=0.0165, tolerance=0.0005).holds(0.017)
 
 
 @pytest.mark.parametrize(
@@ -111,11 +113,6 @@ def test_results_of_the_paper_can_have_both_verdicts(key, reproduced, contradict
 def test_inputs_and_what_cannot_be_tested_stay_so_whatever_the_value(value):
     assert Verdict(replace(PLAIN, untested="other data"), value).outcome == "untested"
     assert Verdict(replace(PLAIN, kind="setting"), value).outcome == "input"
-
-
-def test_a_tolerance_printed_in_decimals_includes_its_edge():
-    """0.0165 ± 0.0005 holds 0.017, though their floats differ by a last bit."""
-    assert replace(PLAIN, value=0.0165, tolerance=0.0005).holds(0.017)
 
 
 def test_unknown_key_names_the_closest():
@@ -160,14 +157,6 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
     assert "contradicted" in row and "0.1\N{NO-BREAK SPACE}×" in row and "02_bad" in row
 
 
-@pytest.mark.parametrize("content", ["", "[1]", '{"fig3'])
-def test_a_broken_record_is_one_clear_line(tmp_path, content):
-    path = tmp_path / paper.CHECKS
-    path.write_text(content)
-    with pytest.raises(ValueError, match=r"Expected .*JSON"):
-        scoreboard.page([path])
-
-
 def test_figures_tables_and_equations_are_found_where_they_stand(tmp_path):
     for name in ("03_wraps", "07_table"):
         (tmp_path / name).mkdir()
@@ -202,10 +191,5 @@ def test_prefixed_text_reads_back(value, unit):
     digits, _, label = quantity_text(value, unit).partition(" ")
     read = float(digits) * 10.0 ** powers[label.removesuffix(unit)]
     assert read == pytest.approx(value, rel=1e-3)
-
-
-def test_text_of_numbers_without_prefix():
-    assert quantity_text(77400, "1") == "77400"
-    assert quantity_text(0.0, "m") == "0 m"
     assert quantity_text(9e-6, "fraction") == "0.0009 %"
     assert NUMBERS["sec8.gain"].text() == "20"

@@ -65,15 +65,6 @@ def test_refusals_leave_nothing_behind(folder: Path, changes: dict[str, object],
     assert not folder.exists() or not list(folder.iterdir())
 
 
-def test_output_folder_is_figures_of_the_checkout(tmp_path, monkeypatch):
-    monkeypatch.delenv(provenance.OUTPUT_VARIABLE)
-    (tmp_path / "src" / "cmtof").mkdir(parents=True)
-    (tmp_path / "pyproject.toml").touch()
-    (tmp_path / "notebooks").mkdir()
-    monkeypatch.chdir(tmp_path / "notebooks")
-    assert provenance.output_folder() == tmp_path / "figures"
-
-
 def test_begin_refuses_what_is_no_seed():
     for seed in (-1, 1.5, True, "0"):
         with pytest.raises(ValueError, match="seed"):

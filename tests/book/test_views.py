@@ -1,10 +1,8 @@
 """Interactive scenes: one whole, small file each, drawn, and where the book looks for it."""
 
-import io
 import re
 import shutil
 
-import browse
 import numpy as np
 import pytest
 
@@ -86,29 +84,6 @@ def test_without_opengl_only_the_still_is_missing(scene, monkeypatch, tmp_path, 
     assert capsys.readouterr().err == interactive.NO_STILL + "\n"
 
 
-def test_without_pyvista_it_says_so(monkeypatch, tmp_path):
-    monkeypatch.setattr(interactive, "still", lambda *_, **__: None)
-    monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
-    points = points_from_depth(ball(), CAMERA)
-    with pytest.raises(RuntimeError, match=r"Expected PyVista and trame .* Install them"):
-        interactive.save_scene("a_b", points, np.zeros(points.shape), title="", longest=0.05)
-
-
-def test_dense_maps_are_thinned(monkeypatch, tmp_path):
-    seen = {}
-
-    def remember(points, colours, *, longest, page, **__):
-        seen.update(shape=points.shape, longest=longest)
-        page.write_text("x", encoding="utf-8")
-
-    monkeypatch.setattr(interactive, "still", remember)
-    monkeypatch.setattr(interactive, "MOST_POINTS", 1300)
-    monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
-    points = points_from_depth(ball(), CAMERA)
-    interactive.save_scene("a_b", points, np.zeros(points.shape), title="", longest=0.05)
-    assert seen == {"shape": (30, 40, 3), "longest": pytest.approx(0.1)}
-
-
 @pytest.mark.parametrize(
     ("points", "colours", "longest", "message"),
     [
@@ -121,18 +96,6 @@ def test_dense_maps_are_thinned(monkeypatch, tmp_path):
 def test_bad_input_is_refused(points, colours, longest, message):
     with pytest.raises(ValueError, match=message):
         interactive.save_scene("a_b", points, colours, title="", longest=longest)
-
-
-def test_a_file_too_large_is_refused(monkeypatch, tmp_path):
-    def large(*_, page, **__):
-        page.write_text("x" * interactive.MOST_BYTES, encoding="utf-8")
-
-    monkeypatch.setattr(interactive, "still", large)
-    monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
-    points = points_from_depth(ball(), CAMERA)
-    with pytest.raises(ValueError, match=r"Expected a scene below 3 MB, got 3\.0 MB"):
-        interactive.save_scene("a_b", points, np.zeros(points.shape), title="", longest=0.05)
-    assert not list(tmp_path.iterdir())
 
 
 def test_the_block_names_and_folds_the_scene():
@@ -160,30 +123,3 @@ def test_the_mesh_is_whole_on_a_surface_and_open_at_edges_and_holes():
     depth[10, 10] = np.nan
     holed = interactive.mesh_triangles(points_from_depth(depth, CAMERA), longest=0.03)
     assert len(holed) == 2 * 59 * 78 - 6 and 10 * 80 + 10 not in holed
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(
-    not (shutil.which("chromium") or shutil.which("chromium-browser")),
-    reason="no Chromium here (Debian: apt-get install chromium)",
-)
-def test_it_opens_in_a_browser_without_a_network(scene):
-    folder, _ = scene
-    page = folder / "ball_scene.html"
-    with browse.chromium() as browser, browse.opened(browser, page, 900) as (tab, problems):
-        drawn = 0.0
-        for _ in range(100):  # the viewer draws once it has unpacked its data
-            drawn = _coloured(tab.screenshot())
-            if drawn > 0.05:
-                break
-            tab.wait_for_timeout(100)
-        assert not problems
-    assert drawn > 0.05
-
-
-def _coloured(shot: bytes) -> float:
-    """Share of a screenshot that is not white."""
-    import matplotlib.pyplot as plt
-
-    image = plt.imread(io.BytesIO(shot))[..., :3]
-    return float((image < 0.9).any(axis=-1).mean())

@@ -27,35 +27,22 @@ _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Published:
-    """One number of the paper, in SI units; percentages are fractions."""
+    """One number of the paper, as ``paper.yml`` explains it; SI units, percentages as fractions."""
 
     key: str
-    """Its name, such as ``table2.proposed.delta_lt_1``."""
     value: float
     unit: str
-    """SI symbol, ``fraction`` for a percentage, ``1`` for a plain number."""
     where: str
     what: str
     relation: Literal["eq", "approx", "lt", "gt"]
-    """How the paper states it."""
     tolerance: float
-    """How far ours may lie from it, in ``unit``."""
     kind: Literal["result", "setting", "cited"]
-    """Whether the paper found it, chose it, or reports it from elsewhere."""
     untested: str = ""
-    """Why no result of ours can be held against it, written before one was known."""
     note: str = ""
     erratum: int | None = None
-    """Its number in the errata chapter."""
 
     def text(self, joint: str = " ") -> str:
-        """Return the number with the sign of its relation and its tolerance.
-
-        Examples
-        --------
-        >>> published("fig14.height_error").text()
-        '12 µm ± 0.5 µm'
-        """
+        """Return the number with the sign of its relation and its tolerance."""
         size, label = _scale(self.value, self.unit)
         text = _SIGNS[self.relation] + _digits(self.value / size) + label
         allowed = _digits(self.tolerance / size, 2) + label
@@ -65,11 +52,10 @@ class Published:
         """Whether a value lies within the tolerance."""
         # the slack keeps a value on the very edge from failing by the last bit of a float
         slack = 4e-16 * (abs(value) + abs(self.value))
-        above, below = value - self.value, self.value - value
-        return {
-            "lt": above < self.tolerance,
-            "gt": below < self.tolerance,
-        }.get(self.relation, abs(above) <= self.tolerance + slack)
+        above = value - self.value
+        if self.relation in ("lt", "gt"):
+            return (above if self.relation == "lt" else -above) < self.tolerance
+        return abs(above) <= self.tolerance + slack
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,16 +92,26 @@ def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
     import yaml
 
-    text = files("cmtof.book").joinpath("paper.yml").read_text(encoding="utf-8")
-    entries = yaml.safe_load(text)
-    return {key: _published(key, fields) for key, fields in entries.items() if key != "_shared"}
+    entries = yaml.safe_load(files("cmtof.book").joinpath("paper.yml").read_text("utf-8"))
+    found: dict[str, Published] = {}
+    for key, fields in entries.items():
+        if "rows" not in fields:
+            found |= {} if key == "_shared" else {key: _published(key, fields)}
+            continue
+        for row, (name, *values) in fields["rows"].items():
+            for column, value in zip(fields["columns"], values, strict=True):
+                label = f"{key}.{row}.{column}"
+                what = f"{name}, {fields['columns'][column]}"
+                found[label] = _published(label, {"value": value, "what": what, **fields["about"]})
+    return found
 
 
 def _published(key: str, fields: dict[str, Any]) -> Published:
-    tolerance = fields.pop("tolerance")
-    scale = abs(fields["value"]) if "relative" in tolerance else 1.0
-    (amount,) = tolerance.values()
-    return Published(key=key, tolerance=amount * scale, **fields)
+    amounts = dict(fields)
+    allowed = amounts.pop("tolerance")
+    scale = {"absolute": 1.0, "relative": abs(fields["value"])}
+    tolerance = min(amount * scale[kind] for kind, amount in allowed.items())
+    return Published(key=key, tolerance=tolerance, **amounts)
 
 
 def published(key: str) -> Published:
@@ -136,12 +132,7 @@ def published(key: str) -> Published:
 def check(key: str, value: float, *, reason: str | None = None) -> None:
     """Hold a result against the paper, print one line, and note it for the scoreboard.
 
-    Parameters
-    ----------
-    key : str
-        Key of ``paper.yml``; ValueError if there is none.
-    value : float
-        Our number, in the unit of the published one.
+    ``value`` is in the unit of the published number; ValueError if ``paper.yml`` lacks the key.
     """
     del reason  # reasons stand in paper.yml
     found = Verdict(published(key), float(value))

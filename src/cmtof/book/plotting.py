@@ -113,13 +113,6 @@ def image(
 
     ``label`` is quantity and unit, as in ``"depth (m)"``; ``limits`` are the values at the ends of
     the colour bar, by default those of the image. Raises ValueError unless ``values`` has two axes.
-
-    Examples
-    --------
-    >>> fig, ax = plt.subplots()
-    >>> image(ax, np.eye(3), label="depth (m)").get_array().shape
-    (3, 3)
-    >>> plt.close(fig)
     """
     array = np.asarray(values)
     if array.ndim != 2:
@@ -157,13 +150,6 @@ def maps(
     ``label``, ``cmap`` and ``limits`` as in `image`, the limits by default those of all images;
     phase takes ``cmap=PHASE_CMAP, limits=TURN``. All panels stand in one row unless ``columns`` is
     given; ``width`` is that of a panel in inches.
-
-    Examples
-    --------
-    >>> fig, axes = maps([np.eye(3), 2 * np.eye(3)], label="depth (m)", titles=["near", "far"])
-    >>> axes[0].images[0].get_clim() == (0.0, 2.0), len(axes)
-    (True, 2)
-    >>> plt.close(fig)
     """
     arrays = [np.asarray(values, float) for values in images]
     columns = columns or len(arrays)
@@ -224,12 +210,6 @@ def sweep(
 
     ``errors`` are half-lengths (N,) or (2, N); ``bound`` is theory at ``x``, or a pair of its own
     settings and values; ``log`` names the axes with a logarithmic scale.
-
-    Examples
-    --------
-    >>> fig, ax = plt.subplots()
-    >>> sweep(ax, [1, 10], [0.3, 0.03], bound=([1, 10], [0.2, 0.02]), label="simulated")
-    >>> plt.close(fig)
     """
     if bound is not None:
         line = bound if isinstance(bound, tuple) else (x, bound)
@@ -249,14 +229,6 @@ def intervals(
     """Dots with interval bars (value, low, high), one row a name, the first on top.
 
     ``colors`` is one colour or one for each name; diamonds show what the paper has ``published``.
-
-    Examples
-    --------
-    >>> fig, ax = plt.subplots()
-    >>> intervals(ax, {"kde": (9.5, 8.0, 11.0), "crt": (4.0, 3.5, 4.5)}, published={"kde": 9.46})
-    >>> [label.get_text() for label in ax.get_yticklabels()]
-    ['kde', 'crt']
-    >>> plt.close(fig)
     """
     theirs = published or {}
     for place, (name, (value, low, high)) in enumerate(rows.items()):
@@ -282,14 +254,6 @@ def bars(
     """Grouped vertical bars: one colour a series of heights (G,), one place for each of G groups.
 
     ``errors`` are half-lengths (G,) or (2, G) by series; ``colors`` by default those of `PALETTE`.
-
-    Examples
-    --------
-    >>> fig, ax = plt.subplots()
-    >>> bars(ax, {"kde": [9, 5], "crt": [4, 1]}, ["bust", "owl"])
-    >>> len(ax.patches)
-    4
-    >>> plt.close(fig)
     """
     place, width = np.arange(len(groups)), 0.8 / len(series)
     for number, (name, heights) in enumerate(series.items()):
@@ -342,15 +306,6 @@ def save(
     ------
     ValueError
         If the name, the format, a text or a number cannot be used.
-
-    Examples
-    --------
-    >>> import os, tempfile
-    >>> os.environ["CMTOF_OUTPUT"] = tempfile.mkdtemp()
-    >>> fig, ax = plt.subplots()
-    >>> save(fig, "fig00_empty", numbers={}, caption="Nothing.", alt="Empty axes.")
-    >>> sorted(os.listdir(os.environ.pop("CMTOF_OUTPUT")))
-    ['fig00_empty.json', 'fig00_empty.svg']
     """
     if not _STEM.fullmatch(name):
         raise ValueError(

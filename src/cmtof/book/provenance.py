@@ -17,9 +17,6 @@ from cmtof.files import written_whole
 OUTPUT_VARIABLE = "CMTOF_OUTPUT"
 """Environment variable that names the folder for figures and checks."""
 
-SIGNIFICANT_DIGITS = 10
-"""Digits kept of a stored number: below them processors and libraries differ."""
-
 
 @dataclass(frozen=True)
 class Run:
@@ -39,11 +36,6 @@ def begin(*, profile: str = "book", seed: int = 0) -> Run:
     """Set the run that everything stored from now on belongs to, and return it.
 
     Raises ValueError if the profile is empty or the seed is no whole number ≥ 0.
-
-    Examples
-    --------
-    >>> begin(profile="ci", seed=7).seed
-    7
     """
     global _current
     if not profile:
@@ -60,23 +52,10 @@ def as_dict() -> dict[str, str | int]:
 
 
 def output_folder() -> Path:
-    """Return the folder for figures and checks, made if need be.
-
-    It is the folder named by the environment variable ``CMTOF_OUTPUT``; without it ``figures/``
-    at the root of the checkout that the working directory lies in, or else beside the caller.
-    """
-    named = os.environ.get(OUTPUT_VARIABLE)
-    folder = Path(named) if named else _checkout() / "figures"
+    """Folder of ``CMTOF_OUTPUT`` for figures and checks, or build/figures, made if need be."""
+    folder = Path(os.environ.get(OUTPUT_VARIABLE) or Path("build", "figures"))
     folder.mkdir(parents=True, exist_ok=True)
     return folder
-
-
-def _checkout() -> Path:
-    here = Path.cwd()
-    for folder in (here, *here.parents):
-        if (folder / "src" / "cmtof").is_dir() and (folder / "pyproject.toml").is_file():
-            return folder
-    return here
 
 
 def processor() -> str:
@@ -92,11 +71,6 @@ def plain(value: Any) -> Any:
 
     Floats are rounded to ten significant digits, so that a file changes only when a result does.
     Raises ValueError if a number is not finite or a value is of another kind.
-
-    Examples
-    --------
-    >>> plain({"ratio": np.float64(1 / 3), "counts": np.array([1, 2])})
-    {'ratio': 0.3333333333, 'counts': [1, 2]}
     """
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
@@ -107,7 +81,7 @@ def plain(value: Any) -> Any:
     if value is None or isinstance(value, str | bool | int):
         return value
     if isinstance(value, float) and math.isfinite(value):
-        return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
+        return float(f"{value:.10g}")
     raise ValueError(
         f"Expected finite numbers, strings or lists of them to store, got {value!r}. "
         "Convert it or leave it out."
@@ -115,16 +89,7 @@ def plain(value: Any) -> Any:
 
 
 def write_json(path: str | Path, value: Any) -> None:
-    """Write what `plain` accepts as JSON, whole or not at all, with the same bytes on every run.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> target = Path(tempfile.mkdtemp()) / "a.json"
-    >>> write_json(target, {"ratio": 2.0})
-    >>> json.loads(target.read_text())
-    {'ratio': 2.0}
-    """
+    """Write what `plain` accepts as JSON, whole or not at all, with the same bytes on every run."""
     text = json.dumps(plain(value), indent=2, ensure_ascii=False) + "\n"
     with written_whole(path) as part:
         part.write_text(text, encoding="utf-8")

@@ -45,31 +45,11 @@ def save_scene(
 ) -> Array | None:
     """Write a surface as ``name.html`` beside the run's figures, and return a still of it.
 
-    Parameters
-    ----------
-    name, title : str
-        File stem, as of a figure, and what the scene is in a few words.
-    points : array_like, shape (H, W, 3)
-        m, x right, y down, z forward, as `cmtof.pointcloud.points_from_depth` gives them; NaN for
-        none.
-    colours : array_like, shape (H, W, 3)
-        Red, green and blue, 0 to 1.
-    longest : float
-        Longest side of a triangle, m: neighbours further apart are not joined.
-    eye : tuple of float
-        Where it is seen from at first, m.
-
-    Returns
-    -------
-    ndarray, shape (h, w, 3), or None
-        Still, 0 to 1, cropped to the surface; None, and a line on stderr, without OpenGL.
-
-    Raises
-    ------
-    ValueError
-        If shapes do not fit, there is no surface, or the file would be too large.
-    RuntimeError
-        If PyVista or trame is missing.
+    Points (H, W, 3) in m are x right, y down, z forward, NaN for none; colours (H, W, 3) red, green
+    and blue, 0 to 1. Neighbours further apart than ``longest``, m, are not joined; ``eye`` is where
+    the surface is seen from at first. The still (h, w, 3) is cropped to the surface; without OpenGL
+    it is None, with a line on stderr. Raises ValueError if shapes do not fit, there is no surface
+    or the file would be too large, RuntimeError if PyVista or trame is missing.
     """
     points, colours = np.asarray(points, float), np.asarray(colours, float)
     _check(points, colours, longest)
@@ -103,13 +83,7 @@ def show_scene(name: str, *, title: str) -> None:
 
 
 def scene_block(name: str, *, title: str) -> str:
-    """HTML by which a page of the book's folder ``notebooks`` shows a scene.
-
-    Examples
-    --------
-    >>> print(scene_block("bust", title="A bust").splitlines()[0])
-    <details class="scene"><summary>Turn it: A bust</summary>
-    """
+    """HTML by which a page of the book's folder ``notebooks`` shows a scene."""
     source, words = f"../{STATIC}/{name}.html", html.escape(title)
     return (
         f'<details class="scene"><summary>Turn it: {words}</summary>\n'
@@ -120,13 +94,7 @@ def scene_block(name: str, *, title: str) -> str:
 
 
 def depth_colours(depth: ArrayLike, *, limits: tuple[float, float], cmap: str) -> Array:
-    """Colours (H, W, 3), 0 to 1, of a map of depths (H, W), m, between two limits.
-
-    Examples
-    --------
-    >>> depth_colours([[1.0, 2.0]], limits=(1.0, 2.0), cmap="gray").round(3).tolist()
-    [[[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]]
-    """
+    """Colours (H, W, 3), 0 to 1, of a map of depths (H, W), m, between two limits."""
     import matplotlib as mpl
 
     low, high = limits
