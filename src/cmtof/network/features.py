@@ -1,13 +1,11 @@
-"""What a network is given of a measurement (Fig. 5): features that no wrap can be seen in.
+"""Inputs of a network, made from a measurement (Fig. 5, Eq. 5).
 
-A wrapped phase jumps by a whole turn where nothing in the scene does. Sines and cosines of it do
-not, nor do differences that are wrapped again; the logarithm brings amplitudes of bright and dark
-surfaces to one scale. Arrays of NumPy and tensors of torch alike, so that training can make its
-inputs on the device that it runs on.
+Sines and cosines of whole multiples do not change where a wrapped phase jumps, and differences of
+neighbours are wrapped again; a logarithm brings bright and dark surfaces to one scale. NumPy arrays
+and torch tensors alike, so that training computes its inputs on the device it runs on.
 """
 
 import sys
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,56 +13,52 @@ import numpy as np
 from cmtof.correlation import TAU
 
 Array = Any
-"""A NumPy array, or a torch tensor; what goes in comes out."""
+"""A NumPy array or a torch tensor; the result is of the same kind."""
 
 ORDER = 5
-"""E_C of Eq. 5, which the paper does not state; the authors' released code ends at 5."""
+"""E_C of Eq. 5. The paper does not state it; the authors' released code ends at 5."""
 
 FEATURE_SETS: dict[str, tuple[str, ...]] = {
     "phase": ("phase", "amplitude"),
     "fourier": ("phase", "fourier", "amplitude"),
     "proposed": ("phase", "fourier", "edges", "amplitude"),
-    "released": ("phase", "fourier"),
     "beat": ("phase", "fourier", "edges", "amplitude", "beat"),
     "correlation": ("correlation",),
 }
-"""Inputs by name: the rows of Table 1, the authors' released code, those of Table 1 with the beat
-besides, which no row of the paper has, and raw correlations at four quadratures."""
+"""Inputs by name: the rows of Table 1, those with the beat besides, and raw correlations."""
 
-CHANNELS = {
-    "phase": 1,
-    "fourier": 2 * (ORDER + 1),
-    "edges": 4,
-    "amplitude": 1,
-    "beat": 1,
-    "correlation": 4,
-}
+CHANNELS = {"phase": 1, "fourier": 2 * ORDER + 2, "edges": 4, "amplitude": 1, "beat": 1}
+CHANNELS["correlation"] = 4
 """Channels of each kind at each of the two frequencies."""
 
 TYPICAL_LOG_AMPLITUDE = 7.5, 0.8
-"""Centre and spread of log amplitudes at the paper's gain, taken off before a network sees them."""
+"""Centre and spread of log amplitudes at the paper's gain."""
 
 FULL_AMPLITUDE = 20 * 1000 / np.pi
-"""Amplitude of a white surface at the paper's gain and time, G T / pi, counts."""
-
-DARK_AMPLITUDE = FULL_AMPLITUDE / 20
-"""Amplitude below which correlations are no longer scaled up, counts."""
+"""Amplitude of a white surface at the paper's gain and integration time, G T / pi, counts."""
 
 
-def channels(name: str, frequencies: int = 2) -> int:
-    """Count the channels of a set of features; raise a ValueError for an unknown name.
+def channels(name: str, before: str | None = None) -> int:
+    """Number of channels of a set of features, or of those that stand before one kind.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name.
 
     Examples
     --------
     >>> [channels(name) for name in FEATURE_SETS]
-    [4, 28, 36, 26, 38, 8]
+    [4, 28, 36, 38, 8]
+    >>> channels("proposed", before="fourier")
+    2
     """
-    return frequencies * sum(CHANNELS[kind] for kind in _kinds(name))
-
-
-def needs_correlation(name: str) -> bool:
-    """Whether a set of features is made of raw correlations."""
-    return "correlation" in _kinds(name)
+    if name not in FEATURE_SETS:
+        raise ValueError(
+            f"Expected features out of {', '.join(FEATURE_SETS)}, got {name}. Choose one."
+        )
+    kinds = FEATURE_SETS[name]
+    return 2 * sum(CHANNELS[kind] for kind in kinds[: kinds.index(before) if before else None])
 
 
 def features(
@@ -74,14 +68,12 @@ def features(
 
     Parameters
     ----------
-    phase : array or tensor, shape (..., F, H, W)
-        Wrapped phases, rad.
-    amplitude : array or tensor, shape (..., F, H, W)
-        Measured coefficients of the cosine, counts.
+    phase, amplitude : array or tensor, shape (..., 2, H, W)
+        Wrapped phases, rad, and coefficients of the cosine, counts.
     name : str
         Out of `FEATURE_SETS`.
-    correlation : array or tensor, shape (..., F, 4, H, W), optional
-        Images at the quadratures 0, 1/2, 1 and 3/2 pi, counts, for the set that is made of them.
+    correlation : array or tensor, shape (..., 2, 4, H, W), optional
+        Images at the quadratures 0, 1/2, 1 and 3/2 pi, counts.
 
     Returns
     -------
@@ -91,18 +83,19 @@ def features(
     Raises
     ------
     ValueError
-        For an unknown name, or without the correlations that the set is made of.
+        For an unknown name, or without the correlations that the set needs.
 
     Examples
     --------
     >>> phase = np.zeros((2, 8, 8), np.float32)
-    >>> features(phase, phase, "released").shape
-    (26, 8, 8)
+    >>> features(phase, phase).shape
+    (36, 8, 8)
     """
-    if correlation is None and needs_correlation(name):
+    channels(name)
+    if correlation is None and name == "correlation":
         raise ValueError(
-            f"Expected raw correlations for the features {name}, got none. Pass them, or choose "
-            "another model."
+            "Expected raw correlations, which this network reads, got phases alone. Keep them in "
+            "the measurement, or choose another method."
         )
     centre, spread = TYPICAL_LOG_AMPLITUDE
     made = {
@@ -113,17 +106,16 @@ def features(
         "beat": lambda: beat_features(phase, amplitude),
         "correlation": lambda: _merged(scaled_correlation(correlation, amplitude)),
     }
-    return _namespace(phase).concatenate([made[kind]() for kind in _kinds(name)], -3)
+    return _namespace(phase).concatenate([made[kind]() for kind in FEATURE_SETS[name]], -3)
 
 
 def fourier_features(phase: Array, order: int = ORDER) -> Array:
-    r"""Fourier features of a wrapped phase (Eq. 5, Sec. 5.1).
+    r"""Fourier features of a wrapped phase (Eq. 5).
 
     .. math:: \gamma(\hat\varphi) = [\cos 2^0\hat\varphi, \sin 2^0\hat\varphi, \ldots,
               \cos 2^{E_C}\hat\varphi, \sin 2^{E_C}\hat\varphi]
 
-    Every multiple is whole, so phases a turn apart have the same features. Each octave is the
-    square of the one below as a phasor, which costs three products in place of two functions.
+    Each octave is the square of the phasor below it: three products instead of two functions.
 
     Parameters
     ----------
@@ -135,21 +127,12 @@ def fourier_features(phase: Array, order: int = ORDER) -> Array:
     Returns
     -------
     array or tensor, shape (..., 2 (order + 1), H, W)
-        In the order of Eq. 5, in the phase's own precision.
-
-    Raises
-    ------
-    ValueError
-        If the phase has no image axes or the order is negative.
 
     Examples
     --------
-    >>> fourier_features([[np.pi / 2]], order=1).ravel().round(6).tolist()
+    >>> fourier_features(np.array([[np.pi / 2]]), order=1).ravel().round(6).tolist()
     [0.0, 1.0, -1.0, 0.0]
     """
-    phase = _images(phase, "phases")
-    if order < 0:
-        raise ValueError(f"Expected a highest octave of 0 or more, got {order}. Try {ORDER}.")
     xp = _namespace(phase)
     cosine, sine = xp.cos(phase), xp.sin(phase)
     pairs = [cosine, sine]
@@ -162,9 +145,7 @@ def fourier_features(phase: Array, order: int = ORDER) -> Array:
 def phase_edges(phase: Array) -> Array:
     """Wrapped differences of a wrapped phase along four directions (Sec. 8.1, Fig. 5).
 
-    Pixel minus its neighbour to the left, above, above left and below left, brought to
-    [-pi, pi]: where depth runs on the difference is small, whether or not a wrap lies between.
-    A slope beyond half a turn a pixel, 5.2 mm at 7.15 GHz, is folded back like any other phase.
+    Pixel minus its neighbour to the left, above, above left and below left, wrapped to [-pi, pi].
 
     Parameters
     ----------
@@ -174,79 +155,40 @@ def phase_edges(phase: Array) -> Array:
     Returns
     -------
     array or tensor, shape (..., 4, H, W)
-        rad; zero where the neighbour lies beyond the image.
-
-    Raises
-    ------
-    ValueError
-        If the phase has no image axes.
+        rad; zero where the neighbour lies outside the image.
 
     Examples
     --------
     A ramp that wraps between its third and fourth pixel:
 
-    >>> phase_edges([[4.0, 5.0, 6.0, 7.0 - 2 * np.pi]])[0].round(6).tolist()
+    >>> phase_edges(np.array([[4.0, 5.0, 6.0, 7.0 - TAU]]))[0].round(6).tolist()
     [[0.0, 1.0, 1.0, 1.0]]
     """
-    phase = _images(phase, "phases")
     xp = _namespace(phase)
-
-    def folded(difference: Array) -> Array:
-        return difference - TAU * xp.round(difference / TAU)
-
     edges = xp.stack([xp.zeros_like(phase)] * 4, -3)
     left, above, falling, rising = (edges[..., k, :, :] for k in range(4))
-    left[..., 1:] = folded(phase[..., 1:] - phase[..., :-1])
-    above[..., 1:, :] = folded(phase[..., 1:, :] - phase[..., :-1, :])
-    falling[..., 1:, 1:] = folded(phase[..., 1:, 1:] - phase[..., :-1, :-1])
-    rising[..., :-1, 1:] = folded(phase[..., :-1, 1:] - phase[..., 1:, :-1])
-    return edges
+    left[..., 1:] = phase[..., 1:] - phase[..., :-1]
+    above[..., 1:, :] = phase[..., 1:, :] - phase[..., :-1, :]
+    falling[..., 1:, 1:] = phase[..., 1:, 1:] - phase[..., :-1, :-1]
+    rising[..., :-1, 1:] = phase[..., :-1, 1:] - phase[..., 1:, :-1]
+    return edges - TAU * xp.round(edges / TAU)
 
 
 def log_amplitude(amplitude: Array) -> Array:
     """Logarithm ``ln(1 + a)`` of an amplitude in counts, finite in the dark.
 
-    Parameters
-    ----------
-    amplitude : array or tensor, shape (..., H, W)
-        Coefficient of the cosine, counts, at least 0.
-
-    Raises
-    ------
-    ValueError
-        If the amplitude has no image axes, or, as an array, is negative or not a number somewhere.
-
     Examples
     --------
-    >>> log_amplitude([[0.0, np.e - 1]]).tolist()
+    >>> log_amplitude(np.array([[0.0, np.e - 1]])).tolist()
     [[0.0, 1.0]]
     """
-    amplitude = _images(amplitude, "amplitudes")
-    xp = _namespace(amplitude)
-    # false for NaN as well; a tensor is not asked, or a GPU would have to be waited for
-    if xp is np and amplitude.size and not amplitude.min() >= 0:
-        raise ValueError(
-            f"Expected amplitudes of 0 counts or more, got {amplitude.min():.4g}. "
-            "Take those that decoding gives."
-        )
-    return xp.log1p(amplitude)
+    return _namespace(amplitude).log1p(amplitude)
 
 
 def beat_features(phase: Array, amplitude: Array) -> Array:
-    """Cosine and sine of the beat ``phi_2 - 2 phi_1``, times the geometric mean of the amplitudes.
+    """Cosine and sine of the beat ``phi_2 - 2 phi_1``, weighted by the mean amplitude (..., 2, H, W).
 
-    A network of sums and clips has to build this product from Fourier features; the paper's does.
-    Their ratio knows the wrap, and their sums over a surface know it better: what is dark weighs
-    little.
-
-    Parameters
-    ----------
-    phase, amplitude : array or tensor, shape (..., 2, H, W)
-        rad and counts.
-
-    Returns
-    -------
-    array or tensor, shape (..., 2, H, W)
+    No row of the paper is given this product; only ``fast-scnn-light`` is.
     """
     xp = _namespace(phase)
     beat = phase[..., 1, :, :] - 2 * phase[..., 0, :, :]
@@ -255,46 +197,19 @@ def beat_features(phase: Array, amplitude: Array) -> Array:
 
 
 def scaled_correlation(correlation: Array, amplitude: Array) -> Array:
-    r"""Correlations over the pixel's amplitude (Su et al. 2018): brightness is taken off.
+    r"""Correlations (..., F, 4, H, W) over the pixel's amplitude (..., F, H, W) (Su et al. 2018).
 
-    .. math:: C_k / \sqrt{a^2 + a_0^2}
-
-    with :math:`a_0` a twentieth of a white surface's amplitude, so that the dark stays finite.
-
-    Parameters
-    ----------
-    correlation : array or tensor, shape (..., F, 4, H, W)
-        Counts.
-    amplitude : array or tensor, shape (..., F, H, W)
-        Counts.
+    .. math:: C_k / \sqrt{a^2 + a_0^2}, \quad a_0 = a_\text{white} / 20
     """
-    xp = _namespace(correlation)
-    scale = xp.sqrt(amplitude * amplitude + DARK_AMPLITUDE**2)
+    scale = _namespace(correlation).sqrt(amplitude * amplitude + (FULL_AMPLITUDE / 20) ** 2)
     return correlation / scale[..., None, :, :]
 
 
-def _kinds(name: str) -> Sequence[str]:
-    if name not in FEATURE_SETS:
-        raise ValueError(
-            f"Expected features out of {', '.join(FEATURE_SETS)}, got {name}. Choose one."
-        )
-    return FEATURE_SETS[name]
-
-
 def _merged(values: Array) -> Array:
-    """Put the frequencies' channels behind each other: (..., F, C, H, W) -> (..., F C, H, W)."""
+    """Frequencies' channels behind each other: (..., F, C, H, W) -> (..., F C, H, W)."""
     return values.reshape(*values.shape[:-4], -1, *values.shape[-2:])
 
 
 def _namespace(array: Array) -> Any:
-    """NumPy, or torch for a tensor: they share the names and the order of arguments used here."""
+    """NumPy, or torch for a tensor: they share the names used here."""
     return sys.modules["torch"] if type(array).__module__.startswith("torch") else np
-
-
-def _images(values: Array, what: str) -> Array:
-    if _namespace(values) is np:
-        array = np.asarray(values)
-        values = array if array.dtype == np.float32 else array.astype(float)
-    if values.ndim < 2:
-        raise ValueError(f"Expected {what} (..., H, W), got shape {values.shape}. Keep the image.")
-    return values
