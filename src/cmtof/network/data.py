@@ -1,193 +1,292 @@
-"""Crops to train on: which, where and how is decided by seed, epoch and number alone.
+"""Training data: dead leaves and crops of rooms, measured on the fly (Sec. 5.3).
 
-So a run that was killed goes on with the crops that it would have seen, on any number of processes.
+Crop k of step s is decided by (seed, s, k) alone: a run that was killed, or that is shared among
+processes, sees the crops it would have seen.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import asdict
+import json
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numba
 import numpy as np
 import torch
-from lightning import LightningDataModule
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.utils.data import DataLoader, Dataset, Sampler
+from torch.utils.data import Dataset
 
-from cmtof.console import progress_bar
-from cmtof.constants import FREQUENCIES
-from cmtof.correlation import wrap_length
-from cmtof.network.configuration import MODELS, Config
-from cmtof.network.frames import Pack, pack_frames
-from cmtof.network.measuring import Batch, normals
-from cmtof.scenes.hypersim import is_hypersim
-from cmtof.simulation import RELEASED_FAR_DEPTH, RELEASED_WRAPS
+from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
+from cmtof.correlation import TAU, wrap_length
+from cmtof.files import written_whole
+from cmtof.measurement import unambiguous_range
+from cmtof.network.features import features
+from cmtof.network.losses import IGNORED
+from cmtof.network.models import wraps_of
+from cmtof.simulation import RELEASED_FAR_DEPTH
 
-LEAST_VALID = 0.2
-"""Share of a crop that should lie in the range; of four draws the best is taken."""
+if TYPE_CHECKING:
+    from cmtof.network.training import Config
+    from cmtof.scenes.hypersim import View
 
-TRIES = 4
+WRAP = float(wrap_length(FREQUENCIES[0]))
+"""Depth of a wrap of the lower frequency, m."""
 
-_TRAIN, _VALIDATE = 0, 1  # streams of random numbers
+REPEATED = unambiguous_range(FREQUENCIES) / WRAP
+"""Wraps of the lower frequency after which the beat repeats: 357.5."""
+
+Crop = tuple[NDArray[np.floating], NDArray[np.floating]]
+"""Depth, m (NaN where unknown), and linear intensity, 0 to 1."""
 
 
-class Crops(Dataset[Batch]):
-    """Random crops of packed frames, staged by the protocol, mirrored and jittered.
+class Batch(NamedTuple):
+    """Crops of frames, and their noise."""
 
-    Indexed by ``epoch * crops + number``; an index always gives the same crop.
+    depth: Tensor
+    """(B, H, W), m; NaN where unknown."""
+    intensity: Tensor
+    """(B, H, W), 0 to 1."""
+    sigma: Tensor
+    """Gaussian noise of a correlation image (B,), counts."""
+    noise: Tensor
+    """Standard normal numbers (B, 4, 2, H, W)."""
+
+
+class Sample(NamedTuple):
+    """Inputs of a network and its answers."""
+
+    inputs: Tensor
+    """(B, C, H, W)"""
+    label: Tensor
+    """Class of the true wrap (B, H, W), `IGNORED` where masked."""
+    phase: Tensor
+    """Measured wrapped phase of the lower frequency (B, H, W), rad."""
+    turns: Tensor
+    """True depth (B, H, W), wraps of the lower frequency above the first class."""
+
+
+def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
+    r"""Decoded measurements, and correlations that decode to them (Eq. 8 and 9).
+
+    At four quadratures decoding leaves a phasor with equal, independent noise of variance
+    :math:`(GTI/2 + \sigma^2)/2` along and across it: two normal numbers a pixel stand for four
+    photon counts. The images' mean and their alternating part have half that variance.
+
+    Returns
+    -------
+    phase, amplitude : Tensor, shape (B, 2, H, W)
+        rad in [0, 2 pi), and counts.
+    correlation : Tensor, shape (B, 2, 4, H, W)
+        Counts, at 0, 1/2, 1 and 3/2 pi.
+    """
+    known = torch.isfinite(batch.depth)
+    signal = GAIN * INTEGRATION_TIME * torch.where(known, batch.intensity, 0.0)[:, None]
+    tones = torch.tensor(FREQUENCIES, dtype=torch.float64, device=signal.device)
+    # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
+    turns = torch.where(known, batch.depth, 0.0).double()[:, None]
+    turns = turns * (2 * tones / SPEED_OF_LIGHT).view(-1, 1, 1)
+    angle = (TAU * (turns - turns.floor())).float()
+    spread = torch.sqrt(signal / 4 + batch.sigma.view(-1, 1, 1, 1) ** 2 / 2)
+    x = signal / torch.pi * torch.cos(angle) + spread * batch.noise[:, 0]
+    y = signal / torch.pi * torch.sin(angle) + spread * batch.noise[:, 1]
+    mean = signal / 2 + spread * batch.noise[:, 2] / 2**0.5
+    alternating = spread * batch.noise[:, 3] / 2**0.5
+    even, odd = mean + alternating, mean - alternating
+    correlation = torch.stack([even + x, odd - y, even - x, odd + y], 2)
+    return torch.remainder(torch.atan2(y, x), TAU), torch.hypot(x, y), correlation
+
+
+def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
+    """Inputs of a network, out of `FEATURE_SETS`, and the wraps it is asked for.
+
+    Masked are pixels outside the protocol's wraps and those whose beat repeats a nearer one's.
+    """
+    first, classes = wraps_of(protocol)
+    phase, amplitude, correlation = phasors(batch)
+    turns = batch.depth / WRAP - first
+    scored = (turns >= 0) & (turns < min(classes, REPEATED - first))  # false for NaN
+    label = torch.where(scored, torch.nan_to_num(turns, nan=-1.0).floor().long(), IGNORED)
+    return Sample(features(phase, amplitude, inputs, correlation), label, phase[:, 0], turns)
+
+
+# --- dead leaves ---------------------------------------------------------------------------------
+
+
+def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> Crop:
+    """Overlapping slanted plates at random depths: the training data of the first stage.
+
+    Depth, brightness and texture are independent, so that nothing but the phases leads to a wrap.
+    Some plates lie nearer than the protocol's range; slopes are those of rooms that the protocol
+    has shrunk, in the median 0.02 wraps a pixel (five times that in ``full``).
+
+    Examples
+    --------
+    >>> depth, intensity = leaves(np.random.default_rng(0), 32)
+    >>> depth.shape, bool((intensity <= 1).all())
+    ((32, 32), True)
+    """
+    first, classes = wraps_of(protocol)
+    count = int(rng.integers(3, 4 + 11 * side // 96))
+    size = side * np.exp(rng.uniform(np.log(0.15), 0, count))
+    plate = np.empty((count, 16))
+    plate[:, 0:2] = rng.uniform(0, side, (count, 2))  # centre
+    turn, way, wave = rng.uniform(0, TAU, (3, count))
+    plate[:, 2], plate[:, 3] = np.cos(turn), np.sin(turn)
+    plate[:, 4], plate[:, 5] = size, size * rng.uniform(0.2, 1, count)
+    plate[0, 4:6] = 4 * side  # background
+    plate[:, 6] = rng.integers(0, 2, count)  # box or ellipse
+    near = rng.uniform(-min(25, first), 0, count)
+    within = rng.uniform(-0.5, classes + 0.5, count)
+    plate[:, 7] = first + np.where(rng.uniform(size=count) < 0.85, within, near)
+    slope = (0.02 if first else 0.1) * np.exp(rng.normal(0, 1, count))
+    plate[:, 8], plate[:, 9] = slope * np.cos(way), slope * np.sin(way)
+    plate[:, 10] = rng.normal(0, 2, count) * (rng.uniform(size=count) < 0.3) / size**2  # bend
+    plate[:, 11] = 0.35 * np.exp(rng.normal(0, 1.1, count))  # brightness
+    plate[:, 12] = rng.uniform(0, 0.8, count) * (rng.uniform(size=count) < 0.6)  # contrast
+    pitch = np.exp(rng.uniform(np.log(4), np.log(60), count))
+    plate[:, 13], plate[:, 14] = TAU * np.cos(wave) / pitch, TAU * np.sin(wave) / pitch
+    plate[:, 15] = rng.integers(0, 3, count)  # stripes, checks, gradient
+    turns, light = _painted(plate, side)
+    grain = 0.15 * rng.standard_normal((side, side)) * (rng.uniform() < 0.5)
+    return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(light * np.exp(grain), 1)
+
+
+@numba.njit(cache=True)
+def _painted(plates, side):  # pragma: no cover
+    """Turns and brightness of plates, the last one in front."""
+    turns, light = np.zeros((side, side)), np.zeros((side, side))
+    for p in plates:
+        reach = int(1.5 * max(p[4], p[5])) + 1
+        for y in range(max(0, int(p[1]) - reach), min(side, int(p[1]) + reach)):
+            for x in range(max(0, int(p[0]) - reach), min(side, int(p[0]) + reach)):
+                dx, dy = x - p[0], y - p[1]
+                u, v = (dx * p[2] + dy * p[3]) / p[4], (dy * p[2] - dx * p[3]) / p[5]
+                if (max(abs(u), abs(v)) if p[6] == 0 else u * u + v * v) > 1:
+                    continue
+                turns[y, x] = p[7] + dx * p[8] + dy * p[9] + p[10] * (dx * dx + dy * dy)
+                wave = np.sin(x * p[13] + y * p[14])
+                if p[15] == 1:
+                    wave = np.sign(wave) * np.sign(np.sin(y * p[13] - x * p[14]))
+                elif p[15] == 2:
+                    wave = min(max(u, -1.0), 1.0)
+                light[y, x] = p[11] * (1 + p[12] * wave)
+    return turns, light
+
+
+# --- rooms ---------------------------------------------------------------------------------------
+
+
+class Pack(NamedTuple):
+    """Frames of one partition, opened for reading by crops."""
+
+    depth: NDArray[np.floating]
+    """Range (V, H, W), m; NaN where unknown."""
+    intensity: NDArray[np.floating]
+    """(V, H, W), 0 to 1."""
+    far: NDArray[np.floating]
+    """99.9th percentile of each frame's depth (V,), m: protocol ``released`` shrinks by it."""
+
+    def staged(self, view: int, protocol: str, window: Any = ...) -> Crop:
+        """Depth as the protocol stages it, and intensity, of a window of one frame."""
+        scale = 1.0
+        if protocol == "released":
+            scale = float(np.clip(RELEASED_FAR_DEPTH / self.far[view], 0.01, 1.0))
+        depth, light = self.depth[view][window], self.intensity[view][window]
+        return depth.astype(float) * scale, light.astype(float)
+
+
+def pack_views(views: Iterable["View"], folder: Path) -> Pack:
+    """Pack views into one array each of depth and intensity, or open what was packed before.
+
+    A Hypersim tree is one compressed file an image; unpacking it for each crop would cost more
+    than a step of training.
+    """
+    views, listing = list(views), folder / "views.json"
+    names = [view.name for view in views]
+    paths = [folder / f"{kind}.npy" for kind in Pack._fields]
+    if not views:
+        raise ValueError(
+            f"Expected views for {folder.name}, got none. Render 10 scenes or more: of ten, one "
+            "validates and one tests."
+        )
+    if not listing.is_file() or json.loads(listing.read_text(encoding="utf-8")) != names:
+        folder.mkdir(parents=True, exist_ok=True)
+        shape, far = (len(views), *views[0].frame().depth.shape), []
+        kinds = (np.float32, np.float16)
+        arrays = [
+            np.lib.format.open_memmap(path, "w+", kind, shape)
+            for path, kind in zip(paths, kinds, strict=False)
+        ]
+        for k, frame in enumerate(view.frame() for view in views):
+            if frame.depth.shape != shape[1:]:
+                raise ValueError(
+                    f"Expected frames of {shape[1:]}, got {frame.depth.shape} in {frame.name}. "
+                    "Train on one size."
+                )
+            arrays[0][k], arrays[1][k] = frame.depth, np.clip(frame.intensity, 0, 1)
+            far.append(np.nanpercentile(frame.depth, 99.9))
+        np.save(paths[2], far)
+        with written_whole(listing) as part:
+            part.write_text(json.dumps(names) + "\n", encoding="utf-8")
+    return Pack(*(np.load(path, mmap_mode="r") for path in paths))
+
+
+def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) -> Crop:
+    """Random crop of a random view, turned, mirrored, and in two of three cases moved in depth.
+
+    The move puts a random pixel into a random class: rooms alone give one or two wraps a crop. Of
+    four draws the one with most pixels in range is taken.
+    """
+    first, classes = wraps_of(protocol)
+    views, height, width = pack.depth.shape
+    share, depth, light = -1.0, np.empty(0), np.empty(0)
+    for _ in range(4):
+        view, y, x = (int(rng.integers(n)) for n in (views, height - side + 1, width - side + 1))
+        found, shade = pack.staged(view, protocol, (slice(y, y + side), slice(x, x + side)))
+        known = found[np.isfinite(found)]
+        if known.size and rng.uniform() < 2 / 3:
+            found += (first + rng.uniform(0, classes)) * WRAP - rng.choice(known)
+            found[found < WRAP] = np.nan
+        scored = float(np.mean((found >= first * WRAP) & (found < (first + classes) * WRAP)))
+        if scored > share:
+            share, depth, light = scored, found, shade
+        if share > 0.3:
+            break
+    turn, mirror = int(rng.integers(4)), 1 - 2 * int(rng.integers(2))
+    depth, light = (np.rot90(image, turn)[:, ::mirror] for image in (depth, light))
+    return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
+
+
+class Steps(Dataset[Batch]):
+    """Batches by the number of their step, through all stages of a configuration.
+
+    ``pack`` holds the views to train on; ``rank`` is the number of this process out of ``world``.
     """
 
-    def __init__(self, pack: Pack, config: Config) -> None:
-        self.pack, self.config = pack, config
-
-    def __getitem__(self, index: int) -> Batch:
-        c = self.config
-        rng = np.random.default_rng([c.seed, _TRAIN, index])
-        depth, intensity = max(
-            self._tries(rng), key=lambda crop: min(in_range(crop[0], c.protocol), LEAST_VALID)
-        )
-        if c.flips and rng.uniform() < 0.5:
-            depth, intensity = depth[:, ::-1], intensity[:, ::-1]
-        brighter, noisier = 1 + rng.uniform(-1, 1, 2) * (c.brightness_jitter, c.noise_jitter)
-        return Batch(
-            _tensor(depth),
-            _tensor(np.clip(intensity.astype(np.float32) * brighter, 0, 1)),
-            torch.tensor(c.noise * np.sqrt(noisier), dtype=torch.float32),
-        )
-
-    def _tries(self, rng: np.random.Generator) -> Iterator[tuple[NDArray, NDArray]]:
-        for _ in range(TRIES):
-            crop = cut(self.pack, int(rng.integers(len(self.pack))), self.config, rng)
-            yield crop
-            if in_range(crop[0], self.config.protocol) >= LEAST_VALID:
-                return
-
-
-class Views(Dataset[tuple[Batch, Tensor]]):
-    """One crop of each frame, at the paper's noise, always the same: to validate on."""
-
-    def __init__(self, pack: Pack, config: Config) -> None:
-        count = min(config.validation_views or len(pack), len(pack))
-        # spread over the set, so that a few views see many scenes
-        self.chosen = np.unique(np.linspace(0, len(pack) - 1, count).round().astype(int))
-        self.pack, self.config = pack, config
+    def __init__(self, config: "Config", pack: Pack | None, rank: int = 0, world: int = 1) -> None:
+        self.config, self.pack, self.rank, self.world = config, pack, rank, world
 
     def __len__(self) -> int:
-        return len(self.chosen)
+        return self.config.steps
 
-    def __getitem__(self, index: int) -> tuple[Batch, Tensor]:
-        rng = np.random.default_rng([self.config.seed, _VALIDATE, index])
-        depth, intensity = cut(self.pack, int(self.chosen[index]), self.config, rng)
-        # further numbers come behind: every model sees the same phasors
-        count = normals(MODELS[self.config.model].features)
-        noise = rng.standard_normal((count, 2, *depth.shape), dtype=np.float32)
-        sigma = torch.tensor(self.config.noise, dtype=torch.float32)
-        return Batch(_tensor(depth), _tensor(intensity), sigma), torch.from_numpy(noise)
-
-
-def cut(
-    pack: Pack, frame: int, config: Config, rng: np.random.Generator
-) -> tuple[NDArray[np.float32], NDArray[np.float16]]:
-    """Depth, m, as the protocol stages it, and intensity of a random crop of one frame."""
-    height, width = pack.depth.shape[1:]
-    y, x = (int(rng.integers(size - config.crop + 1)) for size in (height, width))
-    window = (frame, slice(y, y + config.crop), slice(x, x + config.crop))
-    scale = 1.0
-    if config.protocol == "released":
-        scale = float(np.clip(RELEASED_FAR_DEPTH / pack.far[frame], 0.01, 1.0))
-    return pack.depth[window] * np.float32(scale), pack.intensity[window]
+    def __getitem__(self, step: int) -> Batch:
+        stage, share = self.config.stage_at(step)
+        low, high = stage.noise
+        sigma, crops = low * (high / low) ** min(share / stage.ramp, 1), []
+        for k in range(self.rank, stage.batch, self.world):
+            rng = np.random.default_rng([self.config.seed, step, k])
+            if self.pack is not None and rng.uniform() < stage.rooms:
+                crop = room_crop(rng, self.pack, stage.crop, self.config.protocol)
+            else:
+                crop = leaves(rng, stage.crop, self.config.protocol)
+            crops.append((*crop, sigma * float(np.exp(rng.uniform(-0.2, 0.1))), rng))
+        return batch_of(crops)
 
 
-def in_range(depth: NDArray[np.floating], protocol: str) -> float:
-    """Share of pixels that a protocol scores, as far as its near end goes."""
-    near = RELEASED_WRAPS[0] * float(wrap_length(FREQUENCIES[0])) if protocol == "released" else 0.0
-    return float(np.mean(depth >= near))  # false for NaN
-
-
-class EpochSampler(Sampler[int]):
-    """Numbers of an epoch's crops, every ``world``-th for each process."""
-
-    def __init__(self, count: int, rank: int = 0, world: int = 1) -> None:
-        self.count, self.rank, self.world, self.epoch = count, rank, world, 0
-
-    def set_epoch(self, epoch: int) -> None:
-        """Lightning tells the epoch, after a resumption too."""
-        self.epoch = epoch
-
-    def __len__(self) -> int:
-        return self.count // self.world
-
-    def __iter__(self) -> Iterator[int]:
-        start = self.epoch * self.count
-        yield from range(start + self.rank, start + len(self) * self.world, self.world)
-
-
-class Data(LightningDataModule):
-    """Training and validation frames: rendered if they are not there, packed, cut into crops.
-
-    Parameters
-    ----------
-    tree : Path
-        Hypersim's layout: the data set itself, or a set of rooms, which is rendered or completed.
-    config : Config
-    workers : int
-        Processes that cut crops.
-    quiet : bool
-        No progress bar.
-    """
-
-    def __init__(self, tree: Path, config: Config, *, workers: int = 0, quiet: bool = False):
-        super().__init__()
-        self.tree, self.config, self.workers, self.quiet = tree, config, workers, quiet
-        self.packed = tree.with_name(f"{tree.name}.packed")
-
-    def prepare_data(self) -> None:
-        """Render and pack; Lightning asks one process a node for it."""
-        from cmtof.scenes.rooms.rendering import SETTINGS, Settings, render_rooms
-
-        if (self.tree / SETTINGS).is_file() or not is_hypersim(self.tree):
-            settings = Settings(**asdict(self.config.rooms))
-            with progress_bar(self.quiet) as bar:
-                task = bar.add_task("rooms", total=settings.scenes)
-                render_rooms(self.tree, settings, progress=lambda _: bar.update(task, advance=1))
-        with progress_bar(self.quiet) as bar:
-            task = bar.add_task("packing", total=None)
-            for partition in ("train", "val"):
-                self._pack(partition, lambda name: bar.update(task, advance=1, description=name))
-
-    def setup(self, stage: str) -> None:
-        """Open what is packed."""
-        self.train, self.validate = self._pack("train"), self._pack("val")
-
-    def train_dataloader(self) -> DataLoader[Batch]:
-        """Crops of an epoch; the batch is shared out among the processes."""
-        rank, world = self._place()
-        sampler = EpochSampler(self.config.crops, rank, world)
-        size = max(self.config.batch // world, 1)
-        return self._loader(Crops(self.train, self.config), size, sampler=sampler)
-
-    def val_dataloader(self) -> DataLoader[tuple[Batch, Tensor]]:
-        """The same crops every time; each process takes its share."""
-        views, (rank, world) = Views(self.validate, self.config), self._place()
-        return self._loader(views, 1, sampler=range(rank, len(views), world))
-
-    def _pack(self, partition: str, progress: Callable[[str], None] = lambda name: None) -> Pack:
-        return pack_frames(self.tree, self.packed, partition, progress)
-
-    def _place(self) -> tuple[int, int]:
-        """Number of this process, and how many there are."""
-        return (self.trainer.global_rank, self.trainer.world_size) if self.trainer else (0, 1)
-
-    def _loader(self, crops: Dataset, size: int, **options) -> DataLoader:
-        return DataLoader(
-            crops,
-            batch_size=size,
-            num_workers=self.workers,
-            pin_memory=torch.cuda.is_available(),
-            persistent_workers=self.workers > 0,
-            **options,
-        )
-
-
-def _tensor(array: NDArray) -> Tensor:
-    return torch.from_numpy(np.ascontiguousarray(array, np.float32))
+def batch_of(crops: list[tuple]) -> Batch:
+    """Batch of crops (depth, intensity, sigma, generator of their noise)."""
+    depth, light, sigma, rngs = zip(*crops, strict=True)
+    shape = (4, 2, *depth[0].shape)
+    noise = np.stack([rng.standard_normal(shape, dtype=np.float32) for rng in rngs])
+    images = (np.stack(depth), np.stack(light).astype(np.float32), np.float32(sigma), noise)
+    return Batch(*(torch.from_numpy(image) for image in images))

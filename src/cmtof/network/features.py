@@ -1,8 +1,8 @@
 """Inputs of a network, made from a measurement (Fig. 5, Eq. 5).
 
 Sines and cosines of whole multiples do not change where a wrapped phase jumps, and differences of
-neighbours are wrapped again; a logarithm brings bright and dark surfaces to one scale. NumPy arrays
-and torch tensors alike, so that training computes its inputs on the device it runs on.
+neighbours are wrapped again. NumPy arrays and torch tensors alike, so that training computes its
+inputs on the device it runs on.
 """
 
 import sys
@@ -27,8 +27,7 @@ FEATURE_SETS: dict[str, tuple[str, ...]] = {
 }
 """Inputs by name: the rows of Table 1, those with the beat besides, and raw correlations."""
 
-CHANNELS = {"phase": 1, "fourier": 2 * ORDER + 2, "edges": 4, "amplitude": 1, "beat": 1}
-CHANNELS["correlation"] = 4
+CHANNELS = {"phase": 1, "fourier": 12, "edges": 4, "amplitude": 1, "beat": 1, "correlation": 4}
 """Channels of each kind at each of the two frequencies."""
 
 TYPICAL_LOG_AMPLITUDE = 7.5, 0.8
@@ -38,27 +37,15 @@ FULL_AMPLITUDE = 20 * 1000 / np.pi
 """Amplitude of a white surface at the paper's gain and integration time, G T / pi, counts."""
 
 
-def channels(name: str, before: str | None = None) -> int:
-    """Number of channels of a set of features, or of those that stand before one kind.
-
-    Raises
-    ------
-    ValueError
-        For an unknown name.
+def channels(name: str) -> int:
+    """Number of channels of a set of features.
 
     Examples
     --------
     >>> [channels(name) for name in FEATURE_SETS]
     [4, 28, 36, 38, 8]
-    >>> channels("proposed", before="fourier")
-    2
     """
-    if name not in FEATURE_SETS:
-        raise ValueError(
-            f"Expected features out of {', '.join(FEATURE_SETS)}, got {name}. Choose one."
-        )
-    kinds = FEATURE_SETS[name]
-    return 2 * sum(CHANNELS[kind] for kind in kinds[: kinds.index(before) if before else None])
+    return 2 * sum(CHANNELS[kind] for kind in FEATURE_SETS[name])
 
 
 def features(
@@ -78,7 +65,7 @@ def features(
     Returns
     -------
     array or tensor, shape (..., C, H, W)
-        Kind by kind, within a kind frequency by frequency; `channels` counts them.
+        Kind by kind, within a kind frequency by frequency.
 
     Raises
     ------
@@ -91,7 +78,10 @@ def features(
     >>> features(phase, phase).shape
     (36, 8, 8)
     """
-    channels(name)
+    if name not in FEATURE_SETS:
+        raise ValueError(
+            f"Expected features out of {', '.join(FEATURE_SETS)}, got {name}. Choose one."
+        )
     if correlation is None and name == "correlation":
         raise ValueError(
             "Expected raw correlations, which this network reads, got phases alone. Keep them in "
@@ -103,8 +93,8 @@ def features(
         "fourier": lambda: _merged(fourier_features(phase)),
         "edges": lambda: _merged(phase_edges(phase)),
         "amplitude": lambda: (log_amplitude(amplitude) - centre) / spread,
-        "beat": lambda: beat_features(phase, amplitude),
-        "correlation": lambda: _merged(scaled_correlation(correlation, amplitude)),
+        "beat": lambda: _beat(phase, amplitude),
+        "correlation": lambda: _merged(_scaled(correlation, amplitude)),
     }
     return _namespace(phase).concatenate([made[kind]() for kind in FEATURE_SETS[name]], -3)
 
@@ -116,17 +106,7 @@ def fourier_features(phase: Array, order: int = ORDER) -> Array:
               \cos 2^{E_C}\hat\varphi, \sin 2^{E_C}\hat\varphi]
 
     Each octave is the square of the phasor below it: three products instead of two functions.
-
-    Parameters
-    ----------
-    phase : array or tensor, shape (..., H, W)
-        Wrapped phase, rad.
-    order : int
-        Highest octave E_C, at least 0.
-
-    Returns
-    -------
-    array or tensor, shape (..., 2 (order + 1), H, W)
+    Phases (..., H, W), rad, become (..., 2 (order + 1), H, W).
 
     Examples
     --------
@@ -145,17 +125,9 @@ def fourier_features(phase: Array, order: int = ORDER) -> Array:
 def phase_edges(phase: Array) -> Array:
     """Wrapped differences of a wrapped phase along four directions (Sec. 8.1, Fig. 5).
 
-    Pixel minus its neighbour to the left, above, above left and below left, wrapped to [-pi, pi].
-
-    Parameters
-    ----------
-    phase : array or tensor, shape (..., H, W)
-        Wrapped phase, rad.
-
-    Returns
-    -------
-    array or tensor, shape (..., 4, H, W)
-        rad; zero where the neighbour lies outside the image.
+    Pixel minus its neighbour to the left, above, above left and below left, wrapped to [-pi, pi];
+    zero where the neighbour lies outside the image. Phases (..., H, W), rad, become
+    (..., 4, H, W), rad.
 
     Examples
     --------
@@ -175,32 +147,26 @@ def phase_edges(phase: Array) -> Array:
 
 
 def log_amplitude(amplitude: Array) -> Array:
-    """Logarithm ``ln(1 + a)`` of an amplitude in counts, finite in the dark.
+    """Logarithm ``ln(1 + a)`` of an amplitude in counts: bright and dark surfaces on one scale.
 
     Examples
     --------
-    >>> log_amplitude(np.array([[0.0, np.e - 1]])).tolist()
-    [[0.0, 1.0]]
+    >>> log_amplitude(np.array([0.0, np.e - 1])).tolist()
+    [0.0, 1.0]
     """
     return _namespace(amplitude).log1p(amplitude)
 
 
-def beat_features(phase: Array, amplitude: Array) -> Array:
-    """Cosine and sine of the beat ``phi_2 - 2 phi_1``, weighted by the mean amplitude (..., 2, H, W).
-
-    No row of the paper is given this product; only ``fast-scnn-light`` is.
-    """
+def _beat(phase: Array, amplitude: Array) -> Array:
+    """Cosine and sine of ``phi_2 - 2 phi_1``, weighted by the mean amplitude; no row of Table 1."""
     xp = _namespace(phase)
     beat = phase[..., 1, :, :] - 2 * phase[..., 0, :, :]
     weight = xp.sqrt(amplitude[..., 0, :, :] * amplitude[..., 1, :, :]) / FULL_AMPLITUDE
     return xp.stack([weight * xp.cos(beat), weight * xp.sin(beat)], -3)
 
 
-def scaled_correlation(correlation: Array, amplitude: Array) -> Array:
-    r"""Correlations (..., F, 4, H, W) over the pixel's amplitude (..., F, H, W) (Su et al. 2018).
-
-    .. math:: C_k / \sqrt{a^2 + a_0^2}, \quad a_0 = a_\text{white} / 20
-    """
+def _scaled(correlation: Array, amplitude: Array) -> Array:
+    """Correlations (..., F, 4, H, W) over the amplitude (Su et al. 2018), dark ones less."""
     scale = _namespace(correlation).sqrt(amplitude * amplitude + (FULL_AMPLITUDE / 20) ** 2)
     return correlation / scale[..., None, :, :]
 

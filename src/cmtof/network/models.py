@@ -1,14 +1,12 @@
 """Networks that unwrap: the paper's (Fig. 5), the rows of Table 1, and the learned baselines.
 
-Layers follow the published articles; sizes are our reading where none are published (the paper's
-stand in a supplement that could not be obtained), and the baselines are narrowed to about the 1.2
-million weights of the paper's own network.
+Layers follow the published articles. Sizes are our reading (the paper's stand in a supplement that
+could not be obtained); the baselines are narrowed to about the 1.2 million weights of the paper's
+own network.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal
 
 import numpy as np
 import torch
@@ -19,7 +17,7 @@ from torch.nn import functional
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, wrap_length
 from cmtof.measurement import unambiguous_range
-from cmtof.network.features import FEATURE_SETS, channels
+from cmtof.network.features import CHANNELS, FEATURE_SETS, channels
 from cmtof.simulation import RELEASED_WRAPS
 
 BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
@@ -29,33 +27,25 @@ BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
 def wraps_of(protocol: str) -> tuple[int, int]:
     """First wrap that a protocol distinguishes, and how many: its classes.
 
-    Raises
-    ------
-    ValueError
-        For an unknown protocol.
-
     Examples
     --------
     >>> wraps_of("released"), wraps_of("full")
     ((36, 21), (0, 358))
     """
+    if protocol not in ("released", "full"):
+        raise ValueError(f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one.")
     if protocol == "released":
         return RELEASED_WRAPS[0], RELEASED_WRAPS[1] - RELEASED_WRAPS[0]
-    if protocol == "full":
-        return 0, int(np.ceil(unambiguous_range(FREQUENCIES) / wrap_length(FREQUENCIES[0])))
-    raise ValueError(f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one.")
+    return 0, int(np.ceil(unambiguous_range(FREQUENCIES) / wrap_length(FREQUENCIES[0])))
 
 
 # --- blocks --------------------------------------------------------------------------------------
 
 
-def conv(
-    i: int, o: int, kernel: int = 3, stride: int = 1, *, groups: int = 1, dilation: int = 1,
-    relu: bool = True,
-) -> nn.Sequential:  # fmt: skip
+def conv(i: int, o: int, kernel: int = 3, stride: int = 1, relu: bool = True, **more: int):
     """Convolution, batch norm, ReLU."""
-    padding = dilation * (kernel // 2)
-    layer = nn.Conv2d(i, o, kernel, stride, padding, dilation, groups=groups, bias=False)
+    padding = more.get("dilation", 1) * (kernel // 2)
+    layer = nn.Conv2d(i, o, kernel, stride, padding, bias=False, **more)
     return nn.Sequential(layer, nn.BatchNorm2d(o), *([nn.ReLU(inplace=True)] if relu else []))
 
 
@@ -75,9 +65,8 @@ class Bottleneck(nn.Module):
     def __init__(self, i: int, o: int, stride: int, expansion: int) -> None:
         super().__init__()
         wide = expansion * i
-        self.body = nn.Sequential(
-            conv(i, wide, 1), conv(wide, wide, 3, stride, groups=wide), conv(wide, o, 1, relu=False)
-        )
+        middle = conv(wide, wide, 3, stride, groups=wide)
+        self.body = nn.Sequential(conv(i, wide, 1), middle, conv(wide, o, 1, relu=False))
         self.residual = stride == 1 and i == o
 
     def forward(self, x: Tensor) -> Tensor:
@@ -125,19 +114,23 @@ class Network(nn.Module):
 
     Attributes
     ----------
-    stride : int
-        Of the coarsest features, px; images are padded to a multiple by repeating their border.
-    reach : int
-        Distance that an output pixel sees, px, a multiple of the stride.
+    target : {"wraps", "depth"}
+    stride, reach : int
+        Of the coarsest features, and how far an output pixel sees, px, a multiple of the stride.
     """
 
-    stride = 1
-    reach = 0
+    target = "wraps"
+    stride = reach = 1
 
-    def __init__(self, inputs: int, classes: int, target: str) -> None:
+    def __init__(self, inputs: int, classes: int) -> None:
         super().__init__()
-        self.inputs, self.classes, self.target = inputs, classes, target
-        self.outputs = classes if target == "wraps" else 1
+        self.inputs, self.classes = inputs, classes
+        self.outputs = classes if self.target == "wraps" else 1
+        self.build()
+
+    def build(self) -> None:
+        """Make the layers."""
+        raise NotImplementedError
 
     def body(self, x: Tensor) -> Tensor:
         """Output for sides that are multiples of the stride."""
@@ -159,48 +152,35 @@ class FastSCNN(Network):
 
     The stem at full resolution goes to the output as well (the paper's skip); pools are local, so
     that the receptive field is narrower than the original's, which pools over the whole image.
-
-    Parameters
-    ----------
-    stem : int
-        Channels at full resolution.
-    down : (int, int)
-        Channels of the learning to down-sample, at 1/2 and 1/4.
-    widths, repeats, expansion
-        Bottlenecks of the global feature extractor at 1/8: channels, blocks each, widening.
-    pools : tuple of int
-        Sides of the pyramid's pools, px at 1/8.
-    context, head : int
-        Channels of the fused features at 1/4, and of the last layer.
     """
 
     stride, reach = 8, 160
+    stem_width, head_width = 32, 64  # at full resolution
+    down_widths = 48, 64  # at 1/2 and 1/4
+    widths, repeats, expansion = (64, 96, 128), 3, 6  # bottlenecks at 1/8
+    pools = 3, 5, 9, 17  # sides, px at 1/8
+    context = 128  # fused features, at 1/4
 
-    def __init__(
-        self, inputs: int, classes: int, target: str = "wraps", *, stem: int = 32,
-        down: tuple[int, int] = (48, 64), widths: tuple[int, ...] = (64, 96, 128), repeats: int = 3,
-        expansion: int = 6, pools: tuple[int, ...] = (3, 5, 9, 17), context: int = 128,
-        head: int = 64,
-    ) -> None:  # fmt: skip
-        super().__init__(inputs, classes, target)
-        self.stem = conv(inputs, stem)
-        self.down = nn.Sequential(conv(stem, down[0], 3, 2), separable(down[0], down[1], 2))
-        stages, i = [], down[1]
-        for stage, width in enumerate(widths):
-            for block in range(repeats):
-                stages.append(Bottleneck(i, width, 2 if stage == block == 0 else 1, expansion))
+    def build(self) -> None:
+        half, quarter = self.down_widths
+        self.stem = conv(self.inputs, self.stem_width)
+        self.down = nn.Sequential(conv(self.stem_width, half, 3, 2), separable(half, quarter, 2))
+        stages, i = [], quarter
+        for width in self.widths:
+            for _ in range(self.repeats):
+                stages.append(Bottleneck(i, width, 1 if stages else 2, self.expansion))
                 i = width
         self.extract = nn.Sequential(*stages)
-        self.pyramid = Pyramid(i, pools)
-        self.deep = conv(i, context, 1, relu=False)
-        self.fine = conv(down[1], context, 1, relu=False)
-        narrow = nn.Conv2d(context, head, 1, bias=False)
+        self.pyramid = Pyramid(i, self.pools)
+        self.deep = conv(i, self.context, 1, relu=False)
+        self.fine = conv(quarter, self.context, 1, relu=False)
+        fused = [separable(self.context, self.context) for _ in range(2)]
         self.classify = nn.Sequential(
-            separable(context, context), separable(context, context), narrow
+            *fused, nn.Conv2d(self.context, self.head_width, 1, bias=False)
         )
-        self.skip = nn.Conv2d(stem, head, 3, padding=1, bias=False)
-        self.norm = nn.BatchNorm2d(head)
-        self.output = nn.Conv2d(head, self.outputs, 1)
+        self.skip = nn.Conv2d(self.stem_width, self.head_width, 3, padding=1, bias=False)
+        self.norm = nn.BatchNorm2d(self.head_width)
+        self.output = nn.Conv2d(self.head_width, self.outputs, 1)
 
     def body(self, x: Tensor) -> Tensor:
         skip = self.stem(x)  # (B, 32, H, W)
@@ -211,54 +191,83 @@ class FastSCNN(Network):
 
     @torch.no_grad()
     def see_the_beat(self, features: str, first: int) -> None:
-        r"""Initialise half of the stem's filters so that the beat can be read after the ReLU.
+        r"""Initialise half of the stem, and a path to the pyramid, so that the beat is seen.
 
         .. math:: |\cos(\varphi_2 + \alpha) - \cos(2\varphi_1 + \alpha + \beta)|
                   = 2\,|\sin\tfrac{b - \beta}{2}|\;|\sin(\ldots)|, \quad
                   b = \varphi_2 - 2\varphi_1
 
-        Both cosines are linear in the octaves of Eq. 5. Over eight angles alpha the mean of the
-        rectified differences depends on the beat b alone: at two beta a quarter turn below and
-        above the middle of the range, at four all round where the range is a whole turn.
+        Both cosines are octaves of Eq. 5, and the mean of the rectified differences over angles
+        alpha depends on the beat b alone. beta lies a quarter turn below and above the middle of
+        the range, or at four places where the range is a whole turn. The path carries the sums over
+        alpha and their differences, averaged, through the layers. Its weights are eight times
+        larger than need be: norms divide the factor out again, and steps of the optimiser, as long
+        for every weight, disturb the sums less.
         """
-        weight = self.stem[0].weight
-        half, span = weight.shape[0] // 2, self.classes * BEAT
-        low = channels(features, before="fourier")  # cos, sin of phi_1, 2 phi_1, 4 phi_1, ...
-        high = low + (channels("fourier") - channels("phase")) // 2
-        quarters = (1, -1) if span < TAU / 2 else (0, 1, 2, 3)
-        kernel = torch.tensor([1.0, 2.0, 1.0]).outer(torch.tensor([1.0, 2.0, 1.0])) * 3**0.5 / 16
-        weight[:half] = 0
-        for k in range(half):
-            angles = half // len(quarters)
-            alpha = TAU * (k % angles) / angles
-            beta = BEAT * (first + self.classes / 2) + TAU / 4 * quarters[k // angles]
-            weight[k, high] = float(np.cos(alpha)) * kernel
-            weight[k, high + 1] = -float(np.sin(alpha)) * kernel
-            weight[k, low + 2] = -float(np.cos(alpha + beta)) * kernel
-            weight[k, low + 3] = float(np.sin(alpha + beta)) * kernel
+        weight, kinds, large = self.stem[0].weight, FEATURE_SETS[features], 8.0
+        low = 2 * sum(CHANNELS[kind] for kind in kinds[: kinds.index("fourier")])
+        high = low + CHANNELS["fourier"]
+        quarters = (1, -1) if self.classes * BEAT < TAU / 2 else (0, 1, 2, 3)
+        angles = weight.shape[0] // 2 // len(quarters)
+        alpha = TAU / angles * torch.arange(angles)
+        sums = torch.zeros(2 * len(quarters), weight.shape[0])
+        weight[: angles * len(quarters)] = 0
+        for k, quarter in enumerate(quarters):
+            beta, own = (
+                BEAT * (first + self.classes / 2) + TAU / 4 * quarter,
+                slice(angles * k, None),
+            )
+            for channel, value in (
+                (high, torch.cos(alpha)),
+                (high + 1, -torch.sin(alpha)),
+                (low + 2, -torch.cos(alpha + beta)),
+                (low + 3, torch.sin(alpha + beta)),
+            ):
+                weight[own][:angles, channel, 1, 1] = large * value
+            sums[k, own][:angles] = large / (2 * angles)
+        sums[len(quarters) :] = sums[: len(quarters)] - sums[: len(quarters)].roll(1, 0)
+        sums = sums.repeat(8 // len(sums), 1)
+        (enter, norm, _), (depthwise, pointwise) = self.down
+        enter.weight[:8], norm.bias[:8] = sums[..., None, None], 2.0
+        path = [depthwise, pointwise, *self.pyramid.branches]
+        for block in self.extract:
+            if block.residual:
+                block.body[-1][1].weight.zero_()
+            else:
+                path += block.body
+        for layer in path:
+            kernel, size = layer[0].weight, layer[0].kernel_size[0]
+            kernel[:8] = 0
+            for k in range(8):
+                kernel[k, k if kernel.shape[1] > 1 else 0] = large / size
+            layer[1].bias[:8] = (
+                2.0 if len(layer) > 2 else 0.0
+            )  # two spreads above the ReLU's corner
+
+
+class LightFastSCNN(FastSCNN):
+    """A tenth of the weights."""
+
+    stem_width, head_width, context = 16, 32, 64
+    down_widths = 24, 32
+    widths, repeats, expansion = (48, 64), 2, 3
 
 
 class UNet(Network):
-    """U-Net (Ronneberger, Fischer and Brox 2015) with same-size convolutions and batch norms.
-
-    Published widths: 64 to 1024.
-    """
+    """U-Net (Ronneberger, Fischer and Brox 2015; 64 to 1024 wide there), with batch norms."""
 
     stride, reach = 16, 192
+    widths = 24, 48, 72, 104, 128
 
-    def __init__(
-        self, inputs: int, classes: int, target: str = "wraps", *,
-        widths: tuple[int, ...] = (24, 48, 72, 104, 128),
-    ) -> None:  # fmt: skip
-        super().__init__(inputs, classes, target)
-        steps = list(pairwise(widths))
-        self.down = nn.ModuleList(self.level(i, o) for i, o in pairwise((inputs, *widths)))
+    def build(self) -> None:
+        steps = list(pairwise(self.widths))
+        levels = pairwise((self.inputs, *self.widths))
+        self.down = nn.ModuleList(self.level(i, o) for i, o in levels)
         self.rise = nn.ModuleList(nn.ConvTranspose2d(o, i, 2, 2) for i, o in reversed(steps))
         self.up = nn.ModuleList(self.level(2 * i, i) for i, _ in reversed(steps))
-        self.output = nn.Conv2d(widths[0], self.outputs, 1)
+        self.output = nn.Conv2d(self.widths[0], self.outputs, 1)
 
-    @staticmethod
-    def level(i: int, o: int) -> nn.Module:
+    def level(self, i: int, o: int) -> nn.Module:
         """Layers at one resolution, on the way down or up."""
         return nn.Sequential(conv(i, o), conv(o, o))
 
@@ -279,17 +288,11 @@ class OneStep(UNet):
     A regression answers with neither of two likely wraps but with what lies between them.
     """
 
+    target = "depth"
     reach = 256
+    widths = 16, 32, 56, 72, 96
 
-    def __init__(
-        self, inputs: int, classes: int, target: str = "depth", *,
-        widths: tuple[int, ...] = (16, 32, 56, 72, 96),
-    ) -> None:  # fmt: skip
-        super().__init__(inputs, classes, target, widths=widths)
-
-    @staticmethod
-    def level(i: int, o: int) -> nn.Module:
-        """Convolution, residual block, convolution."""
+    def level(self, i: int, o: int) -> nn.Module:
         return nn.Sequential(conv(i, o), Residual(o, o), conv(o, o))
 
 
@@ -300,24 +303,20 @@ class DeepToF(Network):
     two correlations at each of two frequencies, ours four; its adversarial loss is left out.
     """
 
+    target = "depth"
     stride, reach = 4, 96
+    widths, blocks, kernel = (16, 32, 80), 9, 7
 
-    def __init__(
-        self, inputs: int, classes: int, target: str = "depth", *,
-        widths: tuple[int, ...] = (16, 32, 80), blocks: int = 9, kernel: int = 7,
-    ) -> None:  # fmt: skip
-        super().__init__(inputs, classes, target)
-        steps = list(pairwise(widths))
-        self.stem = conv(inputs, widths[0], kernel)
+    def build(self) -> None:
+        steps, last = list(pairwise(self.widths)), self.widths[-1]
+        self.stem = conv(self.inputs, self.widths[0], self.kernel)
         self.down = nn.ModuleList(conv(i, o, stride=2) for i, o in steps)
-        self.middle = nn.Sequential(*(Residual(widths[-1], widths[-1]) for _ in range(blocks)))
+        self.middle = nn.Sequential(*(Residual(last, last) for _ in range(self.blocks)))
         self.up = nn.ModuleList(
-            nn.Sequential(
-                nn.ConvTranspose2d(o, i, 4, 2, 1, bias=False), nn.BatchNorm2d(i), nn.ReLU()
-            )
+            nn.Sequential(nn.ConvTranspose2d(o, i, 4, 2, 1), nn.BatchNorm2d(i), nn.ReLU())
             for i, o in reversed(steps)
         )
-        self.output = nn.Conv2d(widths[0], self.outputs, kernel, padding=kernel // 2)
+        self.output = nn.Conv2d(self.widths[0], 1, self.kernel, padding=self.kernel // 2)
 
     def body(self, x: Tensor) -> Tensor:
         x, skips = self.stem(x), []
@@ -339,28 +338,24 @@ class Rapid(Network):
     """
 
     stride, reach = 16, 448
+    backbone, pyramid, skip_width, decoder_width = (32, 48, 80, 112), 80, 24, 64
 
-    def __init__(
-        self, inputs: int, classes: int, target: str = "wraps", *,
-        backbone: tuple[int, ...] = (32, 48, 80, 112), blocks: int = 2,
-        rates: tuple[int, ...] = (6, 12, 18), pyramid: int = 80, skip: int = 24, decoder: int = 64,
-    ) -> None:  # fmt: skip
-        super().__init__(inputs, classes, target)
-
-        def stage(i: int, o: int) -> nn.Sequential:
-            more = (Residual(o, o) for _ in range(blocks - 1))
-            return nn.Sequential(Residual(i, o, stride=2), *more)
-
-        self.stem = conv(inputs, backbone[0], stride=2)
-        self.fine, *coarse = (stage(i, o) for i, o in pairwise(backbone))
-        self.coarse = nn.Sequential(*coarse)
-        self.near = conv(backbone[-1], pyramid, 1)
-        self.far = nn.ModuleList(conv(backbone[-1], pyramid, dilation=rate) for rate in rates)
-        self.whole = nn.Conv2d(backbone[-1], pyramid, 1)
-        self.join = conv((len(rates) + 2) * pyramid, pyramid, 1)
-        self.skip = conv(backbone[1], skip, 1)
-        self.decoder = nn.Sequential(conv(pyramid + skip, decoder), conv(decoder, decoder))
-        self.output = nn.Conv2d(decoder, self.outputs, 1)
+    def build(self) -> None:
+        wide, last = self.pyramid, self.backbone[-1]
+        self.stem = conv(self.inputs, self.backbone[0], stride=2)
+        stages = [
+            nn.Sequential(Residual(i, o, stride=2), Residual(o, o))
+            for i, o in pairwise(self.backbone)
+        ]
+        self.fine, self.coarse = stages[0], nn.Sequential(*stages[1:])
+        self.near = conv(last, wide, 1)
+        self.far = nn.ModuleList(conv(last, wide, dilation=rate) for rate in (6, 12, 18))
+        self.whole = nn.Conv2d(last, wide, 1)  # one pixel of one crop bears no norm
+        self.join = conv(5 * wide, wide, 1)
+        self.skip = conv(self.backbone[1], self.skip_width, 1)
+        width = self.decoder_width
+        self.decoder = nn.Sequential(conv(wide + self.skip_width, width), conv(width, width))
+        self.output = nn.Conv2d(width, self.outputs, 1)
 
     def body(self, x: Tensor) -> Tensor:
         fine = self.fine(self.stem(x))
@@ -379,30 +374,20 @@ def mended(
 
     Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`:
     on a surface whose phase is continuous all votes agree, on both sides of a wrap line. Among
-    equals the lowest wins.
-
-    Parameters
-    ----------
-    wraps, phase : ndarray, shape (H, W)
-        Wrap counts, and the measured wrapped phase they belong to, rad, finite.
-    side : int
-        Of the neighbourhood, odd, px.
+    equals the lowest wins. Both images (H, W), the phase finite and in rad; the side is odd, px.
 
     Examples
     --------
-    >>> mended(np.array([[3, 9, 4]]), np.array([[5.9, 6.1, 0.1]]), 5).tolist()
+    >>> mended(np.array([[3, 9, 4]]), np.array([[5.9, 6.1, 0.1]])).tolist()
     [[3, 3, 4]]
     """
     turns, pad = np.asarray(phase) / TAU, side // 2
     around = [np.pad(np.asarray(a, float), pad, constant_values=np.nan) for a in (wraps, turns)]
-    height, width = turns.shape
-    votes = np.stack([
-        n[y : y + height, x : x + width] + np.rint(t[y : y + height, x : x + width] - turns)
-        for n, t in [around] for y in range(side) for x in range(side)
-    ])  # fmt: skip
-    count = np.stack([(votes == vote).sum(0) for vote in votes])
-    leading = count == count.max(0)
-    return np.where(leading, votes, np.inf).min(0).astype(np.int64)
+    around = [np.lib.stride_tricks.sliding_window_view(a, (side, side)) for a in around]
+    votes = (around[0] + np.rint(around[1] - turns[..., None, None])).reshape(*turns.shape, -1)
+    count = np.stack([(votes == votes[..., [k]]).sum(-1) for k in range(side * side)], -1)
+    leading = count == count.max(-1, keepdims=True)
+    return np.where(leading, votes, np.inf).min(-1).astype(np.int64)
 
 
 # --- models --------------------------------------------------------------------------------------
@@ -410,75 +395,44 @@ def mended(
 
 @dataclass(frozen=True)
 class Model:
-    """A network by name: its inputs, its sizes and what it is trained for.
+    """A network by name: its inputs, out of `FEATURE_SETS`, and the weights of its loss.
 
-    Attributes
-    ----------
-    summary : str
-    network : type
-    features : str
-        Out of `cmtof.network.features.FEATURE_SETS`.
-    sizes : dict
-        Differences from the network's default sizes.
-    target : {"wraps", "depth"}
-        Classes of wraps, or a regression of depth.
-    depth_weight : float
-        w of Eq. 7, for wraps.
-    smoothness : float
-        Weight of the depth's gradient, for depth.
-    mended : bool
-        Whether `mended` follows.
+    ``depth_weight`` is w of Eq. 7; ``smoothness`` weighs the gradient of a regressed depth;
+    `mended` follows where ``mend`` is set.
     """
 
     summary: str
-    network: Callable[..., Network] = FastSCNN
+    network: type[Network] = FastSCNN
     features: str = "proposed"
-    sizes: Mapping[str, Any] = field(default_factory=dict)
-    target: Literal["wraps", "depth"] = "wraps"
     depth_weight: float = 0.1
     smoothness: float = 0.0
-    mended: bool = False
+    mend: bool = False
 
-
-LIGHT = {"stem": 16, "down": (24, 32), "widths": (48, 64), "repeats": 2, "expansion": 3}
 
 MODELS = {
     "fast-scnn": Model("the paper's network: Fourier features, edges, both losses"),
     "fast-scnn-ce": Model("the paper's network without the loss on depth", depth_weight=0.0),
     "fast-scnn-fourier": Model("the paper's network without phase edges", features="fourier"),
     "fast-scnn-phase": Model("the paper's network on phases and amplitudes", features="phase"),
-    "fast-scnn-light": Model(
-        "a lighter network that is given the beat of the two phases",
-        features="beat",
-        sizes=LIGHT | {"context": 64, "head": 32},
-    ),
-    "u-net": Model("U-Net on phases and amplitudes", UNet, "phase", depth_weight=0.0),
-    "one-step": Model("residual U-Net that regresses depth", OneStep, "phase", target="depth"),
-    "deep-tof": Model(
-        "encoder and decoder from raw correlations to depth",
-        DeepToF, "correlation", target="depth", smoothness=1e-4,
-    ),
-    "rapid": Model(
-        "DeepLabV3+ on phases and amplitudes, wraps mended afterwards",
-        Rapid, "phase", depth_weight=0.0, mended=True,
-    ),
-}  # fmt: skip
+    "fast-scnn-light": Model("a lighter network that is given the beat", LightFastSCNN, "beat"),
+    "u-net": Model("U-Net on phases and amplitudes", UNet, "phase", 0.0),
+    "one-step": Model("residual U-Net that regresses depth", OneStep, "phase"),
+    "deep-tof": Model("raw correlations to depth", DeepToF, "correlation", smoothness=1e-4),
+    "rapid": Model("DeepLabV3+ on phases and amplitudes", Rapid, "phase", 0.0, mend=True),
+}
 """The rows of Table 1, one that costs less, and the paper's learned baselines."""
 
 
-def build_network(name: str, classes: int, first: int | None = None) -> Network:
-    """Network of a model out of `MODELS`, with fresh weights.
-
-    With the wrap of the first class, a stem that reads Fourier features is initialised by
-    `FastSCNN.see_the_beat`.
+def build_network(name: str, protocol: str = "released") -> Network:
+    """Network of a model with fresh weights; a stem that reads Fourier features sees the beat.
 
     Examples
     --------
-    >>> sum(weight.numel() for weight in build_network("fast-scnn", 21).parameters())
+    >>> sum(weight.numel() for weight in build_network("fast-scnn").parameters())
     1183493
     """
-    model = MODELS[name]
-    network = model.network(channels(model.features), classes, model.target, **model.sizes)
-    if first is not None and "fourier" in FEATURE_SETS[model.features]:
+    model, (first, classes) = MODELS[name], wraps_of(protocol)
+    network = model.network(channels(model.features), classes)
+    if isinstance(network, FastSCNN) and "fourier" in FEATURE_SETS[model.features]:
         network.see_the_beat(model.features, first)
     return network

@@ -1,43 +1,116 @@
-"""Trained weights: safetensors, and a card beside each that says where it comes from.
+"""Trained networks: their cards, their state, and unwrapping with them.
 
-A card is plain JSON: how it was trained, on what, on which machine, how validation went, and the
-hash of the weights. Loading checks the hash; nothing is ever unpickled.
+Weights are safetensors in half precision; nothing is ever unpickled. The card beside them says how
+they were trained and what they reached on validation rooms, beside answers that look at nothing.
 """
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError
+
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import centred, depth_from_wraps, wrap_length
 from cmtof.files import written_whole
+from cmtof.measurement import Measurement
+from cmtof.simulation import QUADRATURES
 
 if TYPE_CHECKING:
     from torch import Tensor
-    from torch.nn import Module
+
+    from cmtof.network.models import Model, Network
 
 FOLDER = Path(str(files("cmtof"))) / "weights"
 """Weights that travel with the package."""
 
+MOST_PIXELS = 2_000_000
+"""Pixels that a network sees at once; a larger image is unwrapped in bands of rows."""
+
+
+class Strict(BaseModel):
+    """Plain values with checked names and kinds."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Rates(Strict):
+    """Shares of pixels whose wrap count is wrong by less than 1, 2, 3, and by 10 or more."""
+
+    delta_lt_1: float = Field(ge=0, le=1)
+    delta_lt_2: float = Field(ge=0, le=1)
+    delta_lt_3: float = Field(ge=0, le=1)
+    delta_ge_10: float = Field(ge=0, le=1)
+
+
+class Card(Strict):
+    """Origin of weights, and what they reached on whole views of rooms that they never saw."""
+
+    model: str
+    protocol: Literal["released", "full"]
+    classes: int = Field(ge=1, le=4096)
+    first_wrap: int = Field(ge=0)
+    parameters: PositiveInt
+    configuration: dict[str, Any]
+    """Of the training, all of it."""
+    data: str
+    crops: int = Field(ge=0)
+    """Seen so far, in all."""
+    steps: int = Field(ge=0)
+    minutes: float
+    hardware: str
+    versions: dict[str, str]
+    curve: list[dict[str, float]]
+    """Validation while training."""
+    views: PositiveInt
+    """Number of validation views."""
+    validation: Rates
+    trivial: dict[str, Rates]
+    """Rates of answers that look at nothing, over the same pixels."""
+    gain: tuple[float, float, float]
+    """Difference in δ < 1 to the best of them, paired by view, and its 95 % interval."""
+    note: str = ""
+    fine_tuned: dict[str, float] | None = None
+    sha256: str = ""
+
+
+Kind = TypeVar("Kind", bound=BaseModel)
+
+
+def checked(kind: type[Kind], values: Any, source: object) -> Kind:
+    """Values as a model of their kind; a ValueError names the first fault in one sentence."""
+    try:
+        return kind.model_validate(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"]) or "names and values"
+        found = str(first["input"])[:60]
+        raise ValueError(
+            f"Expected {where} in {source} to be valid, got {found!r}: {first['msg']}. Correct it."
+        ) from error
+
 
 class Trained(NamedTuple):
-    """A network with its weights, ready to use."""
+    """A network with its weights, in evaluation mode, and its card."""
 
-    network: Any
-    """As `cmtof.network.building.build_network` made it, in eval mode."""
-    card: dict[str, Any]
-
-    @property
-    def first(self) -> int:
-        """Wrap of the first class."""
-        return self.card["first_wrap"]
+    network: "Network"
+    card: Card
 
     @property
-    def validated(self) -> float:
-        """Share of validation pixels whose wrap was right; that of a guess if the card has none."""
-        rates = self.card.get("validation_in_half_precision", {})
-        return float(rates.get("delta_lt_1", 1 / self.card["classes"]))
+    def model(self) -> "Model":
+        """The network's entry in `cmtof.network.models.MODELS`."""
+        from cmtof.network.models import MODELS
+
+        return MODELS[self.card.model]
+
+
+# --- files ---------------------------------------------------------------------------------------
 
 
 def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
@@ -45,10 +118,21 @@ def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
     return folder / f"{model}.{protocol}.safetensors"
 
 
-def shipped(folder: Path = FOLDER) -> dict[tuple[str, str], Path]:
-    """Weights that are there, by model and protocol."""
-    found = sorted(folder.glob("*.safetensors"))
-    return {(p.name.split(".")[0], p.name.split(".")[1]): p for p in found}
+def state(model: str, protocol: str = "released", folder: Path = FOLDER) -> str:
+    """State of a model: ``"trained"``, ``"untrained"`` or ``"no weights"``.
+
+    Trained are weights whose gain over the best trivial answer is above zero with 95 % confidence,
+    by the validation in their card.
+
+    Examples
+    --------
+    >>> state("fast-scnn", "released", Path("nowhere"))
+    'no weights'
+    """
+    path = weights_path(model, protocol, folder)
+    if not path.is_file():
+        return "no weights"
+    return "trained" if read_card(path).gain[1] > 0 else "untrained"
 
 
 def state(model: str, protocol: str) -> str:
@@ -61,123 +145,222 @@ def state(model: str, protocol: str) -> str:
 
 
 def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Path:
-    """Shipped weights of a model with the fewest classes that know the wraps first to last.
-
-    Raises
-    ------
-    ValueError
-        If there are none.
-    """
-    cards = {path: read_card(path) for (name, _), path in shipped(folder).items() if name == model}
-    known = {p: (c["first_wrap"], c["first_wrap"] + c["classes"] - 1) for p, c in cards.items()}
-    fitting = [p for p, (low, high) in known.items() if low <= first and last <= high]
+    """Shipped weights of a model with the fewest classes that hold the wraps first to last."""
+    cards = {path: read_card(path) for path in sorted(folder.glob(f"{model}.*.safetensors"))}
+    spans = {p: (c.first_wrap, c.first_wrap + c.classes - 1) for p, c in cards.items()}
+    fitting = [p for p, (low, high) in spans.items() if low <= first and last <= high]
     if not fitting:
-        shown = ", ".join(f"{low} to {high}" for low, high in known.values()) or "none"
+        shown = ", ".join(f"{low} to {high}" for low, high in spans.values()) or "none"
         raise ValueError(
             f"Expected weights of {model} for the wraps {first} to {last}, got {shown}. Narrow the "
             "range, or train them with cmtof train."
         )
-    return min(fitting, key=lambda path: cards[path]["classes"])
+    return min(fitting, key=lambda path: cards[path].classes)
 
 
-def save_weights(path: Path, network: "Module", card: dict[str, Any]) -> dict[str, Any]:
-    """Write weights in half precision, and their card.
-
-    Returns
-    -------
-    dict
-        The card as written: with the hash and the size of the file.
-    """
-    from safetensors.torch import save
-
-    content = save(halved(network.state_dict()))
-    card = card | {"sha256": hashlib.sha256(content).hexdigest(), "bytes": len(content)}
-    with written_whole(path) as part:
-        part.write_bytes(content)
-    write_card(path, card)
-    return card
-
-
-def halved(state: Mapping[str, "Tensor"]) -> dict[str, "Tensor"]:
-    """Weights in half precision, on the CPU.
-
-    Running means and variances may exceed what half precision holds, and stay in single.
-    """
+def halved(weights: Mapping[str, "Tensor"]) -> dict[str, "Tensor"]:
+    """Weights in half precision; running variances may exceed its range and stay in single."""
 
     def stored(name: str, tensor: "Tensor") -> "Tensor":
         half = tensor.is_floating_point() and "running" not in name
         return (tensor.half() if half else tensor).cpu().contiguous()
 
-    return {name: stored(name, tensor) for name, tensor in state.items()}
+    return {name: stored(name, tensor) for name, tensor in weights.items()}
 
 
-def write_card(weights: Path, card: dict[str, Any]) -> None:
-    """Write the card that belongs to a file of weights."""
-    with written_whole(weights.with_suffix(".json")) as part:
-        part.write_text(json.dumps(card, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+def save_weights(path: Path, network: "Network", card: Card) -> Card:
+    """Write weights in half precision and their card; return the card with the file's hash."""
+    from safetensors.torch import save
 
-
-def read_card(weights: Path) -> dict[str, Any]:
-    """Card of a file of weights.
-
-    Raises
-    ------
-    ValueError
-        If there is none, or it is no card.
-    """
-    path = weights.with_suffix(".json")
-    try:
-        card = json.loads(path.read_text(encoding="utf-8"))
-        needed = {"model", "classes", "first_wrap", "protocol", "sha256"}
-        if not needed <= card.keys():
-            raise KeyError(", ".join(sorted(needed - card.keys())))
-    except (OSError, ValueError, KeyError, AttributeError) as error:
-        raise ValueError(
-            f"Expected the card of {weights.name} in {path}, got {error!r}. Keep both together."
-        ) from error
+    content = save(halved(network.state_dict()))
+    card = card.model_copy(update={"sha256": hashlib.sha256(content).hexdigest()})
+    with written_whole(path) as part:
+        part.write_bytes(content)
+    with written_whole(path.with_suffix(".json")) as part:
+        part.write_text(card.model_dump_json(indent=1) + "\n", encoding="utf-8")
     return card
 
 
-def load_weights(path: Path) -> Trained:
-    """Load a network for inference.
+def read_card(weights: Path) -> Card:
+    """Card of a file of weights; a ValueError if there is none, or it is no card."""
+    path = weights.with_suffix(".json")
+    try:
+        held = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ValueError(
+            f"Expected the card of {weights.name} in {path}, got {error}. Keep both together."
+        ) from error
+    return checked(Card, held, path)
 
-    Parameters
-    ----------
-    path : Path
-        The ``.safetensors``; its card lies beside it.
+
+def load_weights(path: Path) -> Trained:
+    """Load a network for inference; its card lies beside it.
 
     Raises
     ------
     ValueError
-        If a file is missing, the hash does not agree, or the weights fit another network.
+        If a file is missing or damaged, or the weights fit another network.
     """
     from safetensors import SafetensorError
     from safetensors.torch import load
 
-    from cmtof.network.building import build_network
-    from cmtof.network.configuration import MODELS
+    from cmtof.network.models import MODELS, build_network, wraps_of
 
     card = read_card(path)
+    if card.model not in MODELS or (card.first_wrap, card.classes) != wraps_of(card.protocol):
+        raise ValueError(
+            f"Expected a model out of {', '.join(MODELS)} with its protocol's classes, got "
+            f"{card.model} with {card.classes} in the card of {path}. Take the card it came with."
+        )
     if not path.is_file():
         raise ValueError(f"Expected weights in {path}, got none. Fetch or train them.")
     content = path.read_bytes()
     found = hashlib.sha256(content).hexdigest()
-    if found != card["sha256"]:
+    if found != card.sha256:
         raise ValueError(
-            f"Expected weights with the hash {card['sha256'][:12]}… in {path}, got {found[:12]}…. "
+            f"Expected weights with the hash {card.sha256[:12]}… in {path}, got {found[:12]}…. "
             "Fetch them again."
         )
-    if card["model"] not in MODELS:
-        raise ValueError(
-            f"Expected a model out of {', '.join(MODELS)}, got {card['model']} in {path}. Use the "
-            "version that trained it."
-        )
-    network = build_network(card["model"], card["classes"])
+    network = build_network(card.model, card.protocol)
     try:
-        network.load_state_dict({k: v.float() for k, v in load(content).items()})
+        held = {name: tensor.float() for name, tensor in load(content).items()}
+        network.load_state_dict(held)
+        if not all(bool(tensor.isfinite().all()) for tensor in held.values()):
+            raise RuntimeError("NaN or infinity")
     except (RuntimeError, SafetensorError) as error:
         raise ValueError(
-            f"Expected weights of {card['model']} with {card['classes']} classes in {path}, got "
-            f"others ({str(error).splitlines()[0]}). Train them anew."
+            f"Expected finite weights of {card.model} in {path}, got others "
+            f"({str(error).splitlines()[0]}). Train them again."
         ) from error
     return Trained(network.eval(), card)
+
+
+# --- unwrapping ----------------------------------------------------------------------------------
+
+
+def unwrap_with_network(
+    measurement: Measurement, *, model: str = "fast-scnn", weights: str | Path | None = None
+) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    """Depth by a network that classifies each pixel's wrap (Sec. 5) or regresses its depth.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        At the two frequencies of the prototype.
+    model : str
+        Out of `cmtof.network.models.MODELS`.
+    weights : str or Path, optional
+        One's own ``.safetensors``; by default the shipped ones that hold every wrap in range.
+
+    Returns
+    -------
+    depth, confidence : ndarray, shape (H, W)
+        m within the measurement's range, and the probability of the chosen class; of a regression
+        the share of right wraps in validation.
+
+    Raises
+    ------
+    ValueError
+        If no weights hold the range, the frequencies are others, or the network reads raw
+        correlations and the measurement has none at the four quadratures.
+    """
+    tones = np.asarray(measurement.frequencies, float)
+    if tones.size < 2 or not np.allclose(tones[:2], FREQUENCIES, rtol=1e-6):
+        raise ValueError(
+            f"Expected {' and '.join(f'{f / 1e9:g}' for f in FREQUENCIES)} GHz, which the weights "
+            f"were trained at, got {', '.join(f'{f / 1e9:g}' for f in tones)} GHz. Choose the "
+            "method beat."
+        )
+    (low, high), wrap = measurement.range, wrap_length(FREQUENCIES[0])
+    # limits that are whole wraps but for rounding belong to the wrap that they begin
+    first, last = int(low / wrap + 1e-9), int(np.ceil(high / wrap - 1e-9)) - 1
+    path = Path(weights) if weights is not None else find_weights(model, first, last)
+    trained = _loaded(path, path.stat().st_mtime_ns if path.is_file() else 0)
+    if trained.network.target == "depth":
+        turns = _in_bands(trained, measurement, lambda found, phase: found[0])
+        depth = (trained.card.first_wrap + turns) * wrap
+        sure = np.full(depth.shape, trained.card.validation.delta_lt_1)
+    else:
+        wraps, sure = classify(trained, measurement, first, last)
+        phase = np.nan_to_num(measurement.phase[0]).astype(float)
+        depth = depth_from_wraps(phase, wraps, FREQUENCIES[0])
+    return np.clip(depth, low, np.nextafter(high, low)), sure
+
+
+def classify(
+    trained: Trained, measurement: Measurement, first: int, last: int
+) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
+    """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W).
+
+    Where mending (`cmtof.network.models.mended`) chooses another wrap, its probability is at most
+    what the likeliest one left. A ValueError if the network does not distinguish all these wraps.
+    """
+    import torch
+
+    from cmtof.network.models import mended
+
+    start, stop = first - trained.card.first_wrap, last - trained.card.first_wrap + 1
+    if start < 0 or stop > trained.card.classes:
+        raise ValueError(
+            f"Expected wraps within {trained.card.first_wrap} to "
+            f"{trained.card.first_wrap + trained.card.classes - 1}, which {trained.card.model} "
+            f"distinguishes, got {first} to {last}. Narrow the range."
+        )
+
+    def chosen(found: "Tensor", phase: NDArray) -> "Tensor":
+        odds, likeliest = torch.softmax(found[start:stop], 0).max(0)
+        if trained.model.mend:
+            voted = torch.from_numpy(mended(likeliest.numpy(), phase)).clamp(0, last - first)
+            odds = torch.where(voted == likeliest, odds, torch.minimum(odds, 1 - odds))
+            likeliest = voted
+        return torch.stack([likeliest.to(odds.dtype), odds])
+
+    likeliest, odds = _in_bands(trained, measurement, chosen)
+    return first + likeliest.astype(np.int64), odds
+
+
+def network_inputs(
+    measurement: Measurement, model: "Model", rows: slice = slice(None)
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Features (C, H, W) of a measurement's rows, and the phases (H, W) of its lower frequency."""
+    from cmtof.network.features import features
+
+    # a masked pixel may be NaN; the network gets a dark one, or its neighbours would be NaN too
+    images = [measurement.phase[:2, rows], measurement.amplitude[:2, rows]]
+    if model.features == "correlation" and "correlation" in measurement.dataset:
+        psi = measurement.dataset["psi"].to_numpy()[:2]
+        off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
+        if (off.min(1) > 1e-6).any():
+            raise ValueError(
+                "Expected correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was "
+                f"trained on, got psi = {np.round(psi[0], 3).tolist()} rad. Choose another method."
+            )
+        held = measurement.dataset["correlation"]
+        images.append(np.stack([held[f, k, rows].to_numpy() for f, k in enumerate(off.argmin(1))]))
+    phase, amplitude, *more = (np.nan_to_num(np.asarray(x, np.float32)) for x in images)
+    return features(phase, amplitude, model.features, *more), phase[0]
+
+
+def _in_bands(
+    trained: Trained, measurement: Measurement, reduce: Callable[["Tensor", NDArray], "Tensor"]
+) -> NDArray[np.floating]:
+    """``reduce(output, phase)`` of a whole image, by bands of rows that overlap by what it sees."""
+    import torch
+
+    network, (height, width) = trained.network, measurement.shape
+    step, reach, bands = network.stride, network.reach, []
+    rows = max(MOST_PIXELS // width - 2 * reach, 2 * step) // step * step
+    for start in range(0, height, rows):
+        top, stop = max(start - reach, 0), min(start + rows, height)
+        inputs, phase = network_inputs(measurement, trained.model, slice(top, stop + reach))
+        with torch.inference_mode():
+            image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
+            found = network(image)[0, :, start - top : stop - top]
+            bands.append(reduce(found, phase[start - top : stop - top]).numpy())
+    return np.concatenate(bands, -2)
+
+
+@cache
+def _loaded(path: Path, changed: int) -> Trained:
+    """Weights, read again when their file has changed."""
+    return load_weights(path)
