@@ -264,10 +264,8 @@ notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), row
 # to weights, and no more: one half of one scan cannot do what the paper's «diverse dataset» does.
 
 # %%
-from cmtof.network.features import features
-from cmtof.network.finetuning import Labelled, fine_tune
-from cmtof.network.inference import classify
-from cmtof.network.weights import load_weights, weights_path
+from cmtof.network.training import Labelled, fine_tune
+from cmtof.network.weights import classify, load_weights, weights_path
 
 trained = load_weights(weights_path("fast-scnn", "released"))
 half = frame.depth.shape[1] // 2
@@ -283,11 +281,10 @@ tuned = fine_tune(trained, [examples["trained on"]], steps=steps, crop=crop, bat
 # %%
 def rate(network, example):
     """Share of labelled pixels within the network's classes whose wrap is right."""
-    images = (example.measurement.phase, example.measurement.amplitude)
-    phase, amplitude = (np.asarray(image[:2], np.float32) for image in images)
-    wraps = network.first + classify(network, features(phase, amplitude))[0]
-    last = network.first + network.card["classes"]
-    scored = example.mask & (example.wraps >= network.first) & (example.wraps < last)
+    first = network.card.first_wrap
+    last = first + network.card.classes
+    wraps = classify(network, example.measurement, first, last - 1)[0]
+    scored = example.mask & (example.wraps >= first) & (example.wraps < last)
     return float((wraps == example.wraps)[scored].mean())
 
 

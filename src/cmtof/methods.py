@@ -78,9 +78,9 @@ def _learned(name: str, source: str, summary: str) -> Method:
     """A learned method, named as its model."""
 
     def run(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
-        from cmtof.network.inference import unwrap_with_network
+        from cmtof.network.weights import unwrap_with_network
 
-        return unwrap_with_network(measurement, model=name, weights=weights)
+        return Estimate(*unwrap_with_network(measurement, model=name, weights=weights))
 
     return Method(name, "learned", source, summary, run)
 

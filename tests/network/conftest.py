@@ -1,43 +1,75 @@
-"""A tiny tree, a tiny training and tiny weights, made once for all tests of a module."""
+"""Small networks and measurements that the tests of the learned unwrapping share."""
 
-from collections.abc import Callable
-from pathlib import Path
-
+import numpy as np
 import pytest
 import torch
-from tiny_rooms import SIDE, VIEWS, write_rooms
 
-from cmtof.network.building import build_network
-from cmtof.network.configuration import Config, Rooms, wraps_of
-from cmtof.network.weights import save_weights, weights_path
-
-
-@pytest.fixture(scope="session")
-def tiny_tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Ten scenes of two views of 64 x 64 px: 16 train, 2 validate, 1 tests."""
-    return write_rooms(tmp_path_factory.mktemp("tiny") / "rooms")
+import cmtof
+from cmtof.network.models import build_network, wraps_of
+from cmtof.network.training import Config, Rooms, Stage
+from cmtof.network.weights import Card, Rates, save_weights, weights_path
+from cmtof.scenes import Frame
 
 
-@pytest.fixture(scope="session")
-def tiny() -> Config:
-    """Three epochs of two steps."""
-    return Config(
-        name="tiny", model="fast-scnn-light", rooms=Rooms(1, 10, len(VIEWS), SIDE, SIDE),
-        epochs=3, crops=4, batch=2, crop=32, learning_rate=3e-3,
-    )  # fmt: skip
+@pytest.fixture(autouse=True)
+def one_thread():
+    """Keep torch to one thread, and its random state as it was."""
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    with torch.random.fork_rng():
+        yield
+    torch.set_num_threads(threads)
 
 
 @pytest.fixture
-def fresh(tmp_path: Path) -> Callable[..., Path]:
-    """Write the weights of a network that was never trained; return their path."""
+def frame():
+    """A slanted wall within the released wraps, with a step in the middle."""
+    y, x = np.mgrid[:40, :56]
+    depth = 0.9 + 0.0004 * x + 0.0002 * y + 0.12 * (x > 30)
+    return Frame(depth * 1.195 / np.percentile(depth, 99.9), 0.6 + 0.004 * y, None, "wall", "")
 
-    def write(model: str = "fast-scnn-light", protocol: str = "released", **changes) -> Path:
-        first, classes = wraps_of(protocol)
+
+@pytest.fixture
+def measurement(frame):
+    return cmtof.simulate(frame, noise=300.0, seed=1)
+
+
+@pytest.fixture
+def config():
+    """Two stages of a few steps, without rooms."""
+    first = Stage(name="a", crops=6, crop=32, batch=2, noise=(30, 60), rate=(2e-3, 1e-3), warm=2)
+    last = Stage(name="b", crops=4, crop=48, batch=2, noise=(60, 60), rate=(1e-3, 1e-4), warm=1)
+    return Config(
+        model="fast-scnn-light", stages=(first, last), rooms=None, save_every=2, validate_every=2,
+        validation_views=3, seed=3,
+    )  # fmt: skip
+
+
+def card(model="fast-scnn-light", protocol="released", gain=(0.1, 0.05, 0.15), **changes):
+    """Card of made-up weights."""
+    first, classes = wraps_of(protocol)
+    rates = Rates(delta_lt_1=0.3, delta_lt_2=0.6, delta_lt_3=0.7, delta_ge_10=0.05)
+    held = Card(
+        model=model, protocol=protocol, classes=classes, first_wrap=first, parameters=1,
+        configuration={}, data="none", crops=1, steps=1, minutes=0.1, hardware="none", versions={},
+        curve=[], views=3, validation=rates, trivial={"middle": rates}, gain=gain,
+    )  # fmt: skip
+    return held.model_copy(update=changes)
+
+
+@pytest.fixture
+def stored(tmp_path):
+    """Maker of stored weights: a model with fresh weights and a made-up card, or another one."""
+
+    def store(model="fast-scnn-light", protocol="released", **changes):
         torch.manual_seed(0)
-        card = {"model": model, "protocol": protocol, "classes": classes, "first_wrap": first}
-        card |= changes
         path = weights_path(model, protocol, tmp_path)
-        save_weights(path, build_network(model, classes), card)
+        save_weights(path, build_network(model, protocol), card(model, protocol, **changes))
         return path
 
-    return write
+    return store
+
+
+@pytest.fixture
+def small_rooms():
+    return Rooms(seed=5, scenes=10, views=1, height=64, width=64)

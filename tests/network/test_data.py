@@ -1,241 +1,158 @@
-"""Crops: decided by their number alone, staged as the simulator stages, shared out exactly."""
-
-from dataclasses import replace
+"""Training data: measurements with the simulator's statistics, leaves, rooms, sharing."""
 
 import numpy as np
 import pytest
 import torch
-from hypothesis import given
-from hypothesis import strategies as st
-from tiny_rooms import write_rooms
 
-from cmtof.constants import FREQUENCIES
-from cmtof.network.configuration import Config, Rooms
-from cmtof.network.data import LEAST_VALID, Crops, Data, EpochSampler, Views, cut, in_range
-from cmtof.network.frames import Pack
-from cmtof.scenes.hypersim import Hypersim
-from cmtof.simulation import Protocol, staged_depth
+import cmtof
+from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME
+from cmtof.correlation import TAU, centred, wrap_length
+from cmtof.network.data import (
+    Batch,
+    Pack,
+    Steps,
+    batch_of,
+    leaves,
+    measure,
+    pack_views,
+    phasors,
+    room_crop,
+)
+from cmtof.network.losses import IGNORED
+from cmtof.network.models import BEAT, wraps_of
+from cmtof.scenes import Frame
 
-H, W, CROP = 24, 32, 12
-CONFIG = Config(rooms=Rooms(height=H, width=W), crop=CROP, crops=10, batch=2)
-CALM = replace(CONFIG, flips=False, brightness_jitter=0.0, noise_jitter=0.0)
-
-
-def pack(count: int = 5) -> Pack:
-    """Frames whose every pixel is told apart by its depth: frame, row and column."""
-    frame, y, x = np.meshgrid(*(np.arange(n) for n in (count, H, W)), indexing="ij")
-    depth = (1 + frame + y / 100 + x / 10_000).astype(np.float32)
-    depth[:, 0, 0] = np.nan
-    intensity = np.full(depth.shape, 0.5, np.float16)
-    far = np.array([np.nanpercentile(one, 99.9) for one in depth])
-    return Pack(depth, intensity, far, [str(n) for n in range(count)])
+WRAP = float(wrap_length(FREQUENCIES[0]))
 
 
-PACK = pack()
+def flat(depth, intensity, sigma, side=200, seed=0):
+    rng = np.random.default_rng(seed)
+    return batch_of([(np.full((side, side), depth), np.full((side, side), intensity), sigma, rng)])
 
 
-def unstaged(depth: torch.Tensor, config: Config, frame: int) -> np.ndarray:
-    """Depth as it was before the protocol shrunk it."""
-    scale = min(1.195 / PACK.far[frame], 1.0) if config.protocol == "released" else 1.0
-    return depth.numpy() / scale
+def test_noise_free_phasors_are_those_of_the_depth():
+    batch = flat(0.91, 0.7, 0.0, 8)._replace(noise=torch.zeros(1, 4, 2, 8, 8))
+    phase, amplitude, images = phasors(batch)
+    for f, tone in enumerate(FREQUENCIES):
+        expected = TAU * 0.91 / wrap_length(tone) % TAU
+        assert phase[0, f].numpy() == pytest.approx(expected, abs=1e-4)
+    full = GAIN * INTEGRATION_TIME
+    assert amplitude.numpy() == pytest.approx(0.7 * full / np.pi, rel=1e-5)
+    k = torch.arange(4).view(-1, 1, 1) * TAU / 4
+    closed = 0.7 * full * (0.5 + torch.cos(phase[:, :, None] + k) / np.pi)
+    assert torch.allclose(images, closed, rtol=1e-4)
 
 
-def same(one, other) -> bool:
-    return all(
-        torch.equal(a.nan_to_num(-1), b.nan_to_num(-1)) for a, b in zip(one, other, strict=True)
+@pytest.mark.parametrize(("intensity", "sigma"), [(1.0, 300.0), (0.4, 1200.0)])
+def test_images_have_the_simulators_mean_and_noise(intensity, sigma):
+    """Means within 5 standard errors, variances within 4 %, of images drawn one by one."""
+    frame = Frame(np.full((200, 200), 0.93), np.full((200, 200), intensity), None, "", "")
+    # its farthest depth is brought to 1.195 m if it lies beyond, and 0.93 m does not
+    drawn = cmtof.simulate(frame, noise=sigma, seed=2).dataset["correlation"].to_numpy()
+    ours = phasors(flat(0.93, intensity, sigma))[2][0].numpy()
+    error = np.sqrt(ours.var((-2, -1)) / ours[0, 0].size * 2)
+    assert (np.abs(ours.mean((-2, -1)) - drawn.mean((-2, -1))) < 5 * error).all()
+    pooled = (ours.var((-2, -1)).mean(1), drawn.var((-2, -1)).mean(1))
+    assert pooled[0] == pytest.approx(pooled[1], rel=0.04)
+
+
+def test_images_decode_to_their_phasor():
+    phase, amplitude, images = phasors(flat(0.93, 0.5, 800.0, 30))
+    z = images[:, :, 0] - images[:, :, 2] + 1j * (images[:, :, 3] - images[:, :, 1])
+    assert np.abs(centred(np.angle(z.numpy()) - phase.numpy())).max() < 1e-3
+    assert np.allclose(np.abs(z.numpy()) / 2, amplitude.numpy(), rtol=1e-3)
+
+
+@pytest.mark.parametrize("protocol", ["released", "full"])
+def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
+    first, classes = wraps_of(protocol)
+    depth = torch.tensor([[first * WRAP - 1e-4, (first + 3.5) * WRAP, 7.6, np.nan]])
+    batch = Batch(
+        depth[None].double(), torch.ones(1, 1, 4), torch.ones(1), torch.zeros(1, 4, 2, 1, 4)
     )
-
-
-def test_an_index_always_gives_the_same_crop():
-    for index in (0, 3, 12_345):
-        assert same(Crops(PACK, CONFIG)[index], Crops(pack(), replace(CONFIG))[index])
-
-
-def test_indices_and_seeds_give_different_crops():
-    crops = [Crops(PACK, CONFIG)[index] for index in range(40)]
-    assert len({float(one.depth.nan_to_num(0).sum()) for one in crops}) > 35
-    assert len({float(one.sigma) for one in crops}) == 40
-    other = Crops(PACK, replace(CONFIG, seed=1))
-    assert not any(same(crops[index], other[index]) for index in range(40))
+    sample = measure(batch, inputs="phase", protocol=protocol)
+    assert sample.label[0, 0].tolist() == [IGNORED, 3, IGNORED, IGNORED]
+    assert float(sample.turns[0, 0, 1]) == pytest.approx(3.5)
+    assert torch.isfinite(sample.inputs).all()
 
 
 @pytest.mark.parametrize("protocol", ["released", "full"])
-@pytest.mark.parametrize("frame", range(5))
-def test_a_crop_is_a_window_of_its_frame(protocol: Protocol, frame: int):
-    config = replace(CALM, protocol=protocol)
-    for seed in range(8):
-        depth, intensity = cut(PACK, frame, config, np.random.default_rng(seed))
-        assert depth.shape == intensity.shape == (CROP, CROP)
-        assert depth.dtype == np.float32
-        found = unstaged(torch.from_numpy(depth), config, frame)
-        last = round(float(found[-1, -1] - 1 - frame) * 10_000)
-        y, x = (corner - CROP + 1 for corner in divmod(last, 100))
-        window = PACK.depth[frame, y : y + CROP, x : x + CROP]
-        np.testing.assert_allclose(found, window, rtol=1e-6)
+def test_leaves_cover_all_classes_and_hide_them_from_brightness(protocol):
+    first, classes = wraps_of(protocol)
+    turns, light = [], []
+    for k in range(150):
+        depth, shade = leaves(np.random.default_rng(k), 48, protocol)
+        turns.append(depth[::8, ::8].ravel() / WRAP - first)
+        light.append(np.log(shade[::8, ::8].ravel() + 1e-3))
+    turns, light = np.concatenate(turns), np.concatenate(light)
+    inside = (turns >= 0) & (turns < classes)
+    assert inside.mean() > 0.5
+    counts = np.histogram(turns[inside], 7, (0, classes))[0]
+    assert counts.max() < 2.5 * counts.min()
+    assert abs(np.corrcoef(turns[inside], light[inside])[0, 1]) < 0.2
 
 
-def test_crops_reach_every_corner_of_every_frame():
-    corners = set()
-    for seed in range(600):
-        depth, _ = cut(PACK, seed % 5, replace(CALM, protocol="full"), np.random.default_rng(seed))
-        corners.add(round(float(depth[-1, 0]) * 10_000))
-    rows = {(value % 10_000) // 100 for value in corners}
-    assert rows == set(range(CROP - 1, H))
-    assert {value % 100 for value in corners} == set(range(W - CROP + 1))
-    assert {value // 10_000 for value in corners} == {1, 2, 3, 4, 5}
+def made_pack(rng, views=3, side=80):
+    depth = (
+        rng.uniform(2, 6, (views, 1, 1)) + 0.01 * np.arange(side) + np.zeros((views, side, side))
+    )
+    light = rng.uniform(0, 1, depth.shape)
+    return Pack(depth.astype(np.float32), light.astype(np.float16), depth.max((1, 2)))
 
 
-def test_half_of_the_crops_are_mirrored_left_to_right():
-    crops = Crops(PACK, replace(CONFIG, protocol="full"))
-    rising = [
-        float(one.depth[-1, -1] - one.depth[-1, 0]) > 0
-        for one in map(crops.__getitem__, range(400))
-    ]
-    assert 160 < sum(rising) < 240  # four sigma of a fair coin
-    kept = Crops(PACK, replace(CONFIG, protocol="full", flips=False))
-    assert all(float(kept[i].depth[-1, -1] - kept[i].depth[-1, 0]) > 0 for i in range(50))
-    assert all(float(crops[i].depth[-1, 0] - crops[i].depth[1, 0]) > 0 for i in range(50))
+def test_room_crops_are_staged_and_mostly_in_range():
+    rng = np.random.default_rng(0)
+    pack = made_pack(rng)
+    first, classes = wraps_of("released")
+    depth, _ = pack.staged(0, "released")
+    assert depth.max() == pytest.approx(1.195, rel=1e-3)
+    crops = [room_crop(rng, pack, 32, "released") for _ in range(30)]
+    turns = np.concatenate([depth.ravel() / WRAP - first for depth, _ in crops])
+    assert np.mean((turns >= 0) & (turns < classes)) > 0.6
+    assert all(depth.shape == light.shape == (32, 32) for depth, light in crops)
+    assert max(light.max() for _, light in crops) <= 1
 
 
-def test_a_mirrored_crop_is_the_same_crop_turned():
-    mirrored, kept = (Crops(PACK, replace(CONFIG, flips=f)) for f in (True, False))
-    alike = turned = 0
-    for index in range(20):
-        one, other = mirrored[index].depth.nan_to_num(0), kept[index].depth.nan_to_num(0)
-        alike += torch.equal(one, other)
-        turned += torch.equal(one, other.flip(1))
-    assert alike + turned == 20 and alike and turned
+def test_steps_depend_on_their_number_alone_and_share_out(config):
+    alone, again = Steps(config, None)[3], Steps(config, None)[3]
+    shares = [Steps(config, None, rank, 2)[3] for rank in (0, 1)]
+    for whole, same, *parts in zip(alone, again, *shares, strict=True):
+        assert torch.equal(whole.nan_to_num(), same.nan_to_num())
+        assert torch.equal(whole.nan_to_num(), torch.cat(parts).nan_to_num())
+    assert not torch.equal(alone.noise, Steps(config, None)[4].noise)
 
 
-def test_jitter_is_a_quarter_to_either_side():
-    """Of the noise's variance, and of the intensity."""
-    crops = [Crops(PACK, CONFIG)[index] for index in range(400)]
-    variance = np.array([float(one.sigma) for one in crops]) ** 2 / 1200**2
-    brightness = np.array([float(one.intensity[5, 5]) for one in crops]) / 0.5
-    for jitter in (variance, brightness):
-        assert 0.75 <= jitter.min() < 0.77 and 1.23 < jitter.max() <= 1.25
-        assert jitter.mean() == pytest.approx(1, abs=0.03)  # four sigma
-    assert abs(np.corrcoef(variance, brightness)[0, 1]) < 0.2
+class View:
+    """View of a made-up tree."""
+
+    def __init__(self, name, size=(10, 12)):
+        self.name, self.size, self.opened = name, size, 0
+
+    def frame(self):
+        self.opened += 1
+        depth = np.full(self.size, 2.0)
+        depth[0, 0] = np.nan
+        return Frame(depth, np.full(self.size, 1.7), None, self.name, "")
 
 
-def test_without_jitter_there_is_none():
-    one = Crops(PACK, CALM)[3]
-    assert float(one.sigma) == 1200
-    assert torch.equal(one.intensity, torch.full((CROP, CROP), 0.5))
-
-
-def test_brightened_intensities_stay_below_one():
-    bright = replace_intensity(1.0)
-    found = torch.stack([Crops(bright, CONFIG)[index].intensity for index in range(50)])
-    assert found.max() == 1 and found.min() >= 0.75
-
-
-def replace_intensity(value: float) -> Pack:
-    intensity = np.full(PACK.depth.shape, value, np.float16)
-    return Pack(PACK.depth, intensity, PACK.far, PACK.names)
-
-
-# --- protocols ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("protocol", ["released", "full"])
-@pytest.mark.parametrize("scale", [0.8, 1.0, 9.0])
-def test_a_whole_frame_is_staged_as_the_simulator_stages_it(protocol: Protocol, scale: float):
-    depth = np.linspace(0.5, 1.5, 400).reshape(20, 20).astype(np.float32) * np.float32(scale)
-    depth[3, 3] = np.nan
-    far = np.array([float(np.nanpercentile(depth, 99.9))])
-    one = Pack(depth[None], np.ones((1, 20, 20), np.float16), far, ["one"])
-    config = Config(rooms=Rooms(height=20, width=20), crop=20, protocol=protocol)
-    found, _ = cut(one, 0, config, np.random.default_rng(0))
-    tones = np.asarray(FREQUENCIES)
-    expected, mask, limits = staged_depth(depth, protocol=protocol, frequencies=tones)
-    np.testing.assert_allclose(found, expected, rtol=3e-7)
-    if found[~np.isnan(found)].max() < limits[1]:
-        assert in_range(found, protocol) == pytest.approx(mask.mean(), abs=1 / 400)
-
-
-def test_of_four_draws_one_with_enough_in_range_is_taken():
-    """Half of each frame is unknown: crops of nothing are drawn again."""
-    depth = PACK.depth.copy()
-    depth[:, :, : W // 2] = np.nan
-    sparse = Pack(depth, PACK.intensity, PACK.far, PACK.names)
-    config = replace(CONFIG, protocol="full")
-    rates = [in_range(Crops(sparse, config)[i].depth.numpy(), "full") for i in range(200)]
-    once = [
-        in_range(cut(sparse, i % 5, config, np.random.default_rng(i))[0], "full")
-        for i in range(200)
-    ]
-    assert np.mean(np.array(once) < LEAST_VALID) > 0.2
-    assert np.mean(np.array(rates) < LEAST_VALID) < 0.03
-
-
-# --- validation --------------------------------------------------------------------------------
-
-
-def test_views_are_the_same_every_time():
-    for index in range(5):
-        (one, noise), (other, again) = (Views(pack(), CONFIG)[index] for _ in range(2))
-        assert same(one, other) and torch.equal(noise, again)
-        assert noise.shape == (2, 2, CROP, CROP) and float(one.sigma) == 1200
-        assert torch.equal(one.intensity, torch.full((CROP, CROP), 0.5))  # no jitter
-
-
-def test_noise_of_each_view_is_its_own():
-    views = Views(PACK, CONFIG)
-    assert len({float(views[index][1].sum()) for index in range(len(views))}) == 5
-    assert not torch.equal(Views(PACK, replace(CONFIG, seed=1))[0][1], views[0][1])
+def test_views_are_packed_once(tmp_path):
+    views = [View("a"), View("b")]
+    pack_views(views, tmp_path / "train")
+    opened = views[1].opened
+    pack = pack_views(views, tmp_path / "train")
+    assert views[1].opened == opened
+    assert pack.depth.shape == (2, 10, 12) and np.isnan(pack.depth[0, 0, 0])
+    assert float(pack.intensity.max()) == 1 and pack.far.tolist() == [2, 2]
 
 
 @pytest.mark.parametrize(
-    ("wanted", "chosen"), [(0, range(5)), (9, range(5)), (1, [0]), (2, [0, 4]), (3, [0, 2, 4])]
+    ("views", "message"),
+    [([], "Expected views for train"), ([View("a"), View("b", (8, 8))], "Train on one size")],
 )
-def test_few_views_are_spread_over_the_set(wanted: int, chosen):
-    views = Views(PACK, replace(CONFIG, validation_views=wanted))
-    assert views.chosen.tolist() == list(chosen) and len(views) == len(list(chosen))
+def test_views_that_cannot_be_packed_are_refused(tmp_path, views, message):
+    with pytest.raises(ValueError, match=message):
+        pack_views(views, tmp_path / "train")
 
 
-# --- processes ---------------------------------------------------------------------------------
-
-
-@given(st.integers(1, 60), st.integers(1, 8), st.integers(0, 9))
-def test_processes_share_an_epoch_out_exactly(count: int, world: int, epoch: int):
-    samplers = [EpochSampler(count, rank, world) for rank in range(world)]
-    for one in samplers:
-        one.set_epoch(epoch)
-    shares = [list(one) for one in samplers]
-    assert {len(share) for share in shares} == {count // world} == {len(one) for one in samplers}
-    together = sorted(index for share in shares for index in share)
-    first = epoch * count
-    assert together == list(range(first, first + count // world * world))
-
-
-def test_steps_of_many_processes_see_the_crops_of_one():
-    """The k-th batch of all processes together is the k-th batch of a single one."""
-    alone = list(EpochSampler(12))
-    shares = [list(EpochSampler(12, rank, 2)) for rank in range(2)]
-    for k in range(3):
-        together = {index for share in shares for index in share[2 * k : 2 * k + 2]}
-        assert together == set(alone[4 * k : 4 * k + 4])
-
-
-def test_no_crop_is_seen_twice():
-    sampler, seen = EpochSampler(7), []
-    for epoch in range(4):
-        sampler.set_epoch(epoch)
-        seen += list(sampler)
-    assert seen == list(range(28))
-
-
-def test_a_tree_that_is_there_is_packed_and_not_rendered(tmp_path):
-    data = Data(write_rooms(tmp_path / "rooms", (H, W)), CONFIG, quiet=True)
-    data.prepare_data()
-    data.setup("fit")
-    assert (len(data.train), len(data.validate)) == (16, 2)
-    assert data.packed == tmp_path / "rooms.packed"
-    batches = list(data.train_dataloader())
-    assert [len(batch.depth) for batch in batches] == [2] * 5
-    assert batches[0].sigma.shape == (2,)
-    validation = list(data.val_dataloader())
-    assert [noise.shape for _, noise in validation] == [(1, 2, 2, CROP, CROP)] * 2
-    tested = Hypersim(data.tree).split()["test"][0].name
-    assert tested not in {*data.train.names, *data.validate.names}
+def test_beat_step_is_that_of_the_frequencies():
+    assert BEAT == pytest.approx(TAU * 20e6 / 7.15e9, rel=1e-6)

@@ -1,255 +1,205 @@
-"""Training: a falling loss, the same end however it was interrupted, and a card that tells it all.
+"""Training: configurations, the same bits after a kill, learning, fine-tuning."""
 
-The killed run and the one on two processes are other processes, as they are for a user.
-"""
-
-import csv
-import hashlib
-import json
-import signal
-import subprocess
-import sys
-from dataclasses import asdict, replace
-from pathlib import Path
-
+import numpy as np
 import pytest
 import torch
-import yaml
-from safetensors.torch import load_file
 
-from cmtof.network.building import build_network
-from cmtof.network.configuration import Config
-from cmtof.network.training import train
-from cmtof.network.weights import load_weights
-
-CPU = {"quiet": True, "accelerator": "cpu", "devices": 1}
-
-pytestmark = pytest.mark.filterwarnings(
-    # Lightning of the loaders, which read little and from memory
-    "ignore:The '.*_dataloader' does not have many workers",
-    "ignore:.*isinstance.treespec, LeafSpec.* is deprecated",
+from cmtof.network.features import channels
+from cmtof.network.models import MODELS, build_network
+from cmtof.network.training import (
+    Config,
+    Labelled,
+    Stage,
+    Unwrapping,
+    fine_tune,
+    loss_of,
+    open_rooms,
+    presets,
+    read_config,
+    train,
 )
+from cmtof.network.weights import load_weights, read_card
+
+CPU = {"accelerator": "cpu", "devices": 1, "quiet": True}
 
 
-@pytest.fixture(scope="module")
-def whole(tiny: Config, tiny_tree: Path, tmp_path_factory) -> Path:
-    """Weights of a run that nothing interrupted."""
-    path = train(tiny, tmp_path_factory.mktemp("whole"), tree=tiny_tree, **CPU)
-    assert path is not None
-    return path
+@pytest.mark.parametrize("name", presets())
+def test_presets_are_configurations(name):
+    config = read_config(name, model="rapid", seed=4)
+    assert (config.name, config.model, config.seed) == (name, "rapid", 4)
+    assert config.stage_at(config.steps - 1)[0] is config.stages[-1]
+    rates = [config.rate_at(step) for step in range(0, config.steps + 1, config.steps // 10)]
+    assert min(rates) > 0 and rates[-1] < 0.1 * max(rates)
 
 
-def card(path: Path) -> dict:
-    return json.loads(path.with_suffix(".json").read_text())
+def test_paper_preset_is_what_the_paper_states():
+    stage = read_config("paper").stages[0]
+    assert (stage.crops, stage.batch, stage.crop) == (1000 * 500, 12, 512)
+    assert stage.rate[0] == 1e-3 and stage.noise == (1200, 1200)
 
 
-def assert_same_end(path: Path, other: Path) -> None:
-    """Equal to the last bit: the shipped weights, the best ones in full, the whole curve."""
-    assert path.read_bytes() == other.read_bytes()
-    best, same = (load_file(p.parent / "best.safetensors") for p in (path, other))
-    assert best.keys() == same.keys()
-    assert all(torch.equal(best[key], same[key]) for key in best)
-    assert card(path)["validation"] == card(other)["validation"]
-    assert card(path)["sha256"] == card(other)["sha256"]
-
-
-# --- a run -------------------------------------------------------------------------------------
-
-
-def test_a_run_leaves_weights_card_checkpoint_and_logs(whole: Path):
-    assert whole.name == "fast-scnn-light.released.safetensors"
-    assert {path.name for path in whole.parent.iterdir()} == {
-        whole.name, whole.with_suffix(".json").name, "last.ckpt", "best.safetensors", "leg_0",
-    }  # fmt: skip
-    with (whole.parent / "leg_0" / "metrics.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    losses = [float(row["loss"]) for row in rows if row["loss"]]
-    assert losses and all(0 < loss < 50 for loss in losses)
-
-
-def test_the_curve_tells_each_validation(whole: Path):
-    curve = card(whole)["validation"]
-    assert [point["epoch"] for point in curve] == [1, 2, 3]
-    assert [point["step"] for point in curve] == [2, 4, 6]
-    for point in curve:
-        assert 0 < point["loss"] < 50 and 0 < point["validation_loss"] < 50
-        rates = [point[f"delta_lt_{k}"] for k in (1, 2, 3, 10)]
-        assert rates[0] >= 0 and rates == sorted(rates) and rates[-1] <= 1
-    assert curve[0]["loss"] > curve[-1]["loss"]
-
-
-def test_the_card_says_how_it_was_made(whole: Path, tiny: Config):
-    found = card(whole)
-    assert found["configuration"] == asdict(tiny)
-    assert (found["model"], found["protocol"]) == ("fast-scnn-light", "released")
-    assert (found["classes"], found["first_wrap"]) == (21, 36)
-    assert (found["training_frames"], found["validation_frames"]) == (16, 2)
-    assert found["steps"] == tiny.steps == 6
-    best = max(found["validation"], key=lambda point: point["delta_lt_1"])
-    assert found["best_step"] == best["step"]
-    network = build_network("fast-scnn-light", 21)
-    assert found["parameters"] == sum(weight.numel() for weight in network.parameters())
-    assert found["hardware"].startswith("1 x CPU, ")
-    assert found["command"].startswith("cmtof train tiny --model fast-scnn-light --protocol rel")
-    assert found["versions"].keys() == {"cmtof", "torch"}
-    assert 0 <= found["share_waiting_for_data"] <= 1 and found["minutes"] >= 0
-    assert found["sha256"] == hashlib.sha256(whole.read_bytes()).hexdigest()
-    half = found["validation_in_half_precision"]
-    assert half["delta_lt_1"] == pytest.approx(best["delta_lt_1"], abs=0.05)
-
-
-def test_the_weights_are_trained(whole: Path, tiny: Config):
-    trained = load_weights(whole)
-    torch.manual_seed(tiny.seed)
-    fresh = build_network("fast-scnn-light", 21).state_dict()
-    moved = [k for k, v in trained.network.state_dict().items() if not torch.equal(v, fresh[k])]
-    assert len(moved) == len(fresh)
-    assert trained.first == 36
-
-
-def test_the_same_seed_ends_alike_and_another_does_not(tiny, tiny_tree, tmp_path):
-    short = replace(tiny, epochs=1)
-    ends = [
-        train(replace(short, seed=seed), tmp_path / f"{number}", tree=tiny_tree, **CPU)
-        for number, seed in enumerate((0, 0, 1))
-    ]
-    first, again, other = (path for path in ends if path is not None)
-    assert_same_end(first, again)
-    assert first.read_bytes() != other.read_bytes()
-
-
-def test_a_loss_falls(tiny, tiny_tree, tmp_path):
-    """On little noise, within a few steps."""
-    easy = replace(tiny, epochs=4, crops=8, noise=100.0)
-    path = train(easy, tmp_path, tree=tiny_tree, **CPU)
-    assert path is not None
-    losses = [point["loss"] for point in card(path)["validation"]]
-    assert losses[-1] < losses[0] - 0.1
-
-
-# --- interrupted -------------------------------------------------------------------------------
-
-
-def test_legs_end_as_one_run_does(tiny, tiny_tree, tmp_path):
-    """Between two validations: the loss since the last one is carried over."""
-    config = replace(tiny, validate_every=3)
-    legs = tmp_path / "legs"
-    for leg in range(2):
-        ended = train(config, legs, tree=tiny_tree, minutes=0.0, resume=leg > 0, **CPU)
-        assert ended is None
-        assert not list(legs.glob("fast-scnn*"))
-    path = train(config, legs, tree=tiny_tree, resume=True, **CPU)
-    straight = train(config, tmp_path / "straight", tree=tiny_tree, **CPU)
-    assert path is not None and straight is not None
-    assert_same_end(straight, path)
-    assert sorted(p.name for p in legs.glob("leg_*")) == ["leg_0", "leg_1", "leg_2"]
-
-
-KILLED = """
-import os, signal, sys
-from pathlib import Path
-from cmtof.network.configuration import read_config
-from cmtof.network.module import Unwrapping
-from cmtof.network.training import train
-step = Unwrapping.training_step
-
-def deadly(self, batch, index):
-    if self.global_step == 3:  # the second of the second epoch
-        os.kill(os.getpid(), signal.SIGKILL)
-    return step(self, batch, index)
-
-Unwrapping.training_step = deadly
-train(read_config(sys.argv[1]), Path(sys.argv[2]), tree=Path(sys.argv[3]), quiet=True,
-      accelerator="cpu", devices=1)
-"""
-
-
-@pytest.fixture
-def tiny_file(tiny: Config, tmp_path: Path) -> Path:
-    path = tmp_path / "tiny.yml"
-    path.write_text(yaml.safe_dump(tiny.as_dict()))
-    return path
-
-
-@pytest.mark.slow
-def test_a_killed_run_goes_on_to_the_same_end(whole, tiny, tiny_tree, tiny_file, tmp_path):
-    folder = tmp_path / "killed"
-    arguments = [str(one) for one in (tiny_file, folder, tiny_tree)]
-    killed = subprocess.run([sys.executable, "-c", KILLED, *arguments], capture_output=True)
-    assert killed.returncode == -signal.SIGKILL, killed.stderr.decode()
-    assert (folder / "last.ckpt").is_file()
-    assert not list(folder.glob("fast-scnn*"))
-    path = train(tiny, folder, tree=tiny_tree, resume=True, **CPU)
-    assert path is not None
-    assert_same_end(whole, path)
-
-
-def test_parts_of_a_checkpoint_are_no_checkpoint(tiny, tiny_tree, tmp_path):
-    """Killed while it wrote its first one, a run starts anew."""
-    (tmp_path / ".last.part-1.ckpt").write_bytes(b"half")
-    config = replace(tiny, epochs=1, crops=2)
-    assert train(config, tmp_path, tree=tiny_tree, resume=True, **CPU) is not None
-
-
-def test_a_finished_run_may_be_resumed_and_stays(whole, tiny, tiny_tree, tmp_path):
-    folder = tmp_path / "copy"
-    folder.mkdir()
-    for name in ("last.ckpt", "best.safetensors"):
-        (folder / name).write_bytes((whole.parent / name).read_bytes())
-    path = train(tiny, folder, tree=tiny_tree, resume=True, **CPU)
-    assert path is not None
-    assert path.read_bytes() == whole.read_bytes()
-    assert card(path)["validation"] == card(whole)["validation"]
-
-
-def test_a_run_is_not_written_over(whole, tiny, tiny_tree):
-    before = whole.read_bytes()
-    with pytest.raises(ValueError, match=r"a new folder, got a run in .*Pass --resume, or choose"):
-        train(tiny, whole.parent, tree=tiny_tree, **CPU)
-    assert whole.read_bytes() == before
-
-
-def test_another_configuration_does_not_go_on(whole, tiny, tiny_tree):
-    other = replace(tiny, seed=5, learning_rate=1e-3)
-    with pytest.raises(ValueError, match=r"got another learning_rate, seed\. Choose another"):
-        train(other, whole.parent, tree=tiny_tree, resume=True, **CPU)
-
-
-# --- otherwise ---------------------------------------------------------------------------------
-
-
-def test_mixed_precision_trains(tiny, tiny_tree, tmp_path):
-    config = replace(tiny, epochs=1, precision="bf16-mixed")
-    path = train(config, tmp_path, tree=tiny_tree, **CPU)
-    assert path is not None
-    trained = load_weights(path)
-    assert all(torch.isfinite(weight).all() for weight in trained.network.parameters())
-    assert all(0 < point["loss"] < 50 for point in trained.card["validation"])
-
-
-def test_the_full_protocol_tells_358_wraps_apart(tiny, tiny_tree, tmp_path):
-    config = replace(tiny, epochs=1, protocol="full")
-    path = train(config, tmp_path, tree=tiny_tree, **CPU)
-    assert path is not None and path.name == "fast-scnn-light.full.safetensors"
-    trained = load_weights(path)
-    assert (trained.card["classes"], trained.first) == (358, 0)
-    assert trained.network.classes == 358
-
-
-@pytest.mark.parametrize("model", ["fast-scnn-ce", "fast-scnn-phase", "fast-scnn-released"])
-def test_every_kind_of_model_trains(tiny, tiny_tree, tmp_path, model: str):
-    config = replace(tiny, epochs=1, crops=2, model=model)
-    path = train(config, tmp_path, tree=tiny_tree, **CPU)
-    assert path is not None
-    assert load_weights(path).card["model"] == model
+def test_stages_follow_each_other(config):
+    assert config.steps == 5
+    assert [config.stage_at(step)[0].name for step in range(5)] == ["a", "a", "a", "b", "b"]
+    assert config.rate_at(0) == pytest.approx(1e-3)  # half of the way up
+    assert config.rate_at(1) == pytest.approx(2e-3 - 1e-3 / 3)
 
 
 @pytest.mark.parametrize(
-    ("flags", "got"),
-    [({"accelerator": "gpu"}, "gpu"), ({"devices": 0}, "devices"), ({"devices": "x"}, "devices")],
+    ("text", "message"),
+    [
+        ("- 1", "Expected YAML with names and values"),
+        ("{", "Expected YAML with names and values"),
+        ("stages: []", "Expected stages .* at least 1 item"),
+        ("colour: red", "Expected stages .* Field required"),
+        ("model: nobody\nstages: [{S}]", "expected a model out of fast-scnn"),
+        ("protocol: half\nstages: [{S}]", "Expected protocol 'released' or 'full', got 'half'"),
+        ("seed: 1.5\nstages: [{S}]", "Expected seed .* got '1.5'"),
+        ("stages: [{S, batch: 0}]", "Expected stages.0.batch .* greater than 0"),
+        ("stages: [{S, rooms: 2}]", "Expected stages.0.rooms .* less than or equal to 1"),
+        ("stages: [{S, rooms: 1, crop: 600}]", "expected crops within rooms of 512 px"),
+    ],
 )
-def test_machines_that_are_not_there_are_refused(tiny, tiny_tree, tmp_path, flags, got: str):
-    if flags == {"accelerator": "gpu"} and torch.cuda.is_available():
-        pytest.skip("there is one")
-    with pytest.raises(ValueError, match=f"accelerator, devices and strategy .*{got}.*Choose oth"):
-        train(tiny, tmp_path, tree=tiny_tree, **(CPU | flags))
+def test_bad_configurations_are_refused_in_one_line(tmp_path, text, message):
+    usual = "name: a, crops: 4, crop: 32, batch: 2, noise: [9, 9], rate: [1.0e-3, 1.0e-4]"
+    stage = text.partition("{S")[2].partition("}")[0]
+    kept = ", ".join(
+        part for part in usual.split(", ") if f"{part.partition(':')[0]}:" not in stage
+    )
+    path = tmp_path / "own.yml"
+    path.write_text(text.replace("{S", "{" + kept))
+    with pytest.raises(ValueError, match=message) as caught:
+        read_config(path)
+    assert "\n" not in str(caught.value).replace("\n ", " ") or "YAML" in message
+
+
+def test_unknown_configuration_is_refused():
+    with pytest.raises(FileNotFoundError, match="out of miniature, cpu, gpu, paper"):
+        read_config("nowhere")
+
+
+def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config):
+    whole = train(config, tmp_path / "whole", **CPU)
+    parts = tmp_path / "parts"
+    assert train(config, parts, minutes=0, **CPU) is None
+    assert train(config, parts, minutes=0, resume=True, **CPU) is None
+    second = train(config, parts, resume=True, **CPU)
+    assert whole.read_bytes() == second.read_bytes()
+    card = read_card(whole)
+    assert (card.steps, card.crops, card.views) == (5, 10, 3)
+    assert [found["step"] for found in card.curve] == [4]
+    assert card.curve == read_card(second).curve
+    with pytest.raises(ValueError, match="Expected a new folder"):
+        train(config, parts, **CPU)
+    other = config.model_copy(update={"seed": 9})
+    with pytest.raises(ValueError, match="Expected the configuration that"):
+        train(other, parts, resume=True, **CPU)
+
+
+def test_training_goes_on_from_given_weights(tmp_path, config, stored):
+    path = stored()
+    module = Unwrapping(config, path)
+    held = load_weights(path).network.state_dict()
+    assert all(torch.equal(held[k], v) for k, v in module.network.state_dict().items())
+
+
+def test_device_that_is_not_there_is_refused(tmp_path, config):
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    with pytest.raises(ValueError, match="Expected accelerator, devices and strategy"):
+        train(config, tmp_path, quiet=True, accelerator="gpu")
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_model_learns_a_batch_by_heart(name):
+    """Ten steps on one batch bring its loss down."""
+    stage = Stage(name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1)
+    module = Unwrapping(Config(model=name, stages=(stage,), rooms=None, validation_views=2))
+    from cmtof.network.data import Steps
+
+    sample = module.measured(Steps(module.config, None)[0])
+    assert sample.inputs.shape[1] == channels(MODELS[name].features)
+    (optimizer,), _ = module.configure_optimizers()
+    losses = []
+    for _ in range(10):
+        loss = loss_of(name, module.network.train(), sample)
+        optimizer.zero_grad()
+        loss.backward()
+        for group in optimizer.param_groups:
+            group["lr"] = 3e-3
+        optimizer.step()
+        losses.append(float(loss.detach()))
+    assert losses[-1] < 0.9 * losses[0]
+
+
+def test_validation_scores_a_perfect_and_a_blind_network(config):
+    module = Unwrapping(config)
+    _, pack = open_rooms(config, None)
+
+    class Truth(torch.nn.Module):
+        target, classes = "wraps", 21
+
+        def forward(self, inputs):
+            return self.answer(inputs)
+
+    blind = Truth()
+    blind.answer = lambda x: torch.eye(21)[10].view(1, 21, 1, 1).expand(1, 21, *x.shape[-2:])
+    module.average = blind
+    found = module.validated(pack)
+    assert found["validation"] == found["trivial"]["middle"]
+    assert found["gain"][1] <= 0
+    assert sum(found["trivial"]["mode"].delta_lt_1 >= found["validation"].delta_lt_1 for _ in "a")
+
+
+# --- fine-tuning ---------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def example(measurement):
+    wraps = np.floor(measurement.depth / 0.0209646).astype(int)
+    return Labelled(measurement, wraps, measurement.mask, measurement.depth)
+
+
+def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(stored, example):
+    trained = load_weights(stored())
+    before = {name: tensor.clone() for name, tensor in trained.network.state_dict().items()}
+    tuned = fine_tune(trained, [example], steps=12, learning_rate=2e-3, crop=32, seed=1)
+    assert np.mean(tuned.losses[-3:]) < np.mean(tuned.losses[:3])
+    after = tuned.trained.network.state_dict()
+    for name, tensor in trained.network.state_dict().items():
+        assert torch.equal(tensor, before[name])
+        assert "running" not in name or torch.equal(tensor, after[name])
+    assert tuned.trained.card.fine_tuned["steps"] == 12
+    again = fine_tune(trained, [example], steps=12, learning_rate=2e-3, crop=32, seed=1)
+    assert again.losses == tuned.losses
+
+
+def test_unlabelled_pixels_teach_nothing(stored, example):
+    trained = load_weights(stored())
+    mask = example.mask & (np.arange(56) < 28)
+    wrong = np.where(mask, example.wraps, 0)
+    first, second = (
+        fine_tune(trained, [Labelled(example.measurement, w, mask, example.depth)], steps=2)
+        for w in (example.wraps, wrong)
+    )
+    assert first.losses == second.losses
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "message"),
+    [
+        ({}, {"steps": 0}, "Expected examples, steps, crop"),
+        ({"wraps": np.zeros((3, 3), int)}, {}, "Expected wraps, mask and depth"),
+        ({"mask": np.zeros((40, 56), bool)}, {}, "got none in 1 measurements"),
+    ],
+)
+def test_fine_tuning_refuses_what_cannot_teach(stored, example, change, options, message):
+    with pytest.raises(ValueError, match=message):
+        fine_tune(load_weights(stored()), [example._replace(**change)], **options)
+
+
+def test_fresh_networks_of_one_seed_are_equal():
+    first, second = (torch.manual_seed(2) and build_network("u-net") for _ in range(2))
+    assert all(
+        torch.equal(a, b) for a, b in zip(first.parameters(), second.parameters(), strict=True)
+    )

@@ -1,207 +1,153 @@
-"""Weights on disk: what is loaded is what was saved, or nothing is."""
+"""Weights: cards, hashes, states; unwrapping whole images and bands alike, bad input refused."""
 
-import hashlib
 import json
-import pickle
-from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
-from safetensors.torch import load_file
 
-from cmtof.network.building import build_network
+import cmtof
+from cmtof.correlation import TAU
+from cmtof.network import weights
+from cmtof.network.models import MODELS, build_network
 from cmtof.network.weights import (
+    classify,
     find_weights,
-    halved,
     load_weights,
     read_card,
     save_weights,
-    shipped,
+    state,
+    unwrap_with_network,
     weights_path,
 )
-
-LIGHT = "fast-scnn-light"
-
-
-def rewrite(path: Path, content: bytes) -> None:
-    """Put other bytes in the place of weights, with a card that vouches for them."""
-    path.write_bytes(content)
-    card = read_card(path) | {"sha256": hashlib.sha256(content).hexdigest()}
-    path.with_suffix(".json").write_text(json.dumps(card))
+from tests.network.conftest import card
 
 
-def change_card(path: Path, **changes) -> None:
-    card = read_card(path) | changes
-    kept = {key: value for key, value in card.items() if value is not None}
-    path.with_suffix(".json").write_text(json.dumps(kept))
-
-
-def test_the_card_tells_the_file(fresh):
-    path = fresh(note="never trained")
-    card = read_card(path)
-    assert card["sha256"] == hashlib.sha256(path.read_bytes()).hexdigest()
-    assert card["bytes"] == path.stat().st_size
-    assert (card["model"], card["classes"], card["first_wrap"]) == (LIGHT, 21, 36)
-    assert card["note"] == "never trained"
-    assert sorted(p.suffix for p in path.parent.iterdir()) == [".json", ".safetensors"]
-
-
-def test_equal_weights_give_equal_bytes(fresh):
-    path = fresh()
-    once = path.read_bytes()
-    assert fresh().read_bytes() == once
-
-
-@pytest.mark.parametrize("name", [LIGHT, "fast-scnn", "fast-scnn-released"])
-def test_half_precision_costs_little(fresh, name: str):
-    """Half a part in 2048 of each weight: some hundredths of the logits' spread at most."""
-    path = fresh(name)
-    torch.manual_seed(0)
-    network = build_network(name, 21).eval()
+def test_weights_come_back_in_half_precision_with_their_card(stored):
+    path = stored()
     trained = load_weights(path)
-    assert not trained.network.training
-    assert {p.dtype for p in trained.network.parameters()} == {torch.float32}
-    image = torch.randn(1, network.inputs, 40, 40, generator=torch.Generator().manual_seed(2))
-    with torch.inference_mode():
-        expected, found = network(image), trained.network(image)
-    assert not torch.equal(expected, found)
-    assert (expected - found).std() < 0.03 * expected.std()
+    torch.manual_seed(0)
+    for name, fresh in build_network("fast-scnn-light").state_dict().items():
+        back = trained.network.state_dict()[name]
+        assert torch.allclose(back.float(), fresh.float(), rtol=1e-3, atol=1e-4)
+    assert trained.card == read_card(path) and not trained.network.training
 
 
-def test_saving_what_was_loaded_changes_nothing(fresh, tmp_path):
-    path = fresh()
-    again = tmp_path / "again" / path.name
-    again.parent.mkdir()
-    save_weights(again, load_weights(path).network, read_card(path))
-    assert again.read_bytes() == path.read_bytes()
+@pytest.mark.parametrize(
+    ("gain", "expected"), [((0.1, 0.05, 0.15), "trained"), ((0.1, -0.01, 0.2), "untrained")]
+)
+def test_state_is_computed_from_the_gain(stored, gain, expected):
+    path = stored(gain=gain)
+    assert state("fast-scnn-light", "released", path.parent) == expected
+    assert state("fast-scnn-light", "full", path.parent) == "no weights"
 
 
-def test_norms_beyond_half_precision_stay_what_they_are(fresh):
-    path = fresh()
-    network = load_weights(path).network
-    network.state_dict()["down.0.1.running_var"].fill_(1e6)
-    save_weights(path, network, read_card(path))
-    stored = load_file(path)
-    assert stored["down.0.1.running_var"].dtype == torch.float32
-    assert stored["down.0.0.weight"].dtype == torch.float16
-    assert float(load_weights(path).network.state_dict()["down.0.1.running_var"][0]) == 1e6
+def test_weights_with_the_fewest_classes_are_found(stored):
+    narrow, wide = stored(), stored(protocol="full")
+    assert find_weights("fast-scnn-light", 40, 50, narrow.parent) == narrow
+    assert find_weights("fast-scnn-light", 3, 50, narrow.parent) == wide
+    with pytest.raises(ValueError, match="for the wraps 0 to 400, got 0 to 357, 36 to 56"):
+        find_weights("fast-scnn-light", 0, 400, narrow.parent)
 
 
-def test_halving_keeps_counts_whole():
-    state = build_network(LIGHT, 21).state_dict()
-    kept = halved(state)
-    assert kept.keys() == state.keys()
-    counts = {kept[key].dtype for key in kept if "num_batches" in key}
-    assert counts == {torch.int64}
-
-
-# --- what is refused ---------------------------------------------------------------------------
-
-
-def test_other_bytes_than_the_cards_are_refused(fresh):
-    path = fresh()
-    content = bytearray(path.read_bytes())
-    content[-1] ^= 1
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"with the hash \w{12}… in .*, got \w{12}…\. Fetch them"):
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"classes": -3}, "Expected classes .* greater than or equal to 1"),
+        ({"classes": 20.5}, "Expected classes .* valid integer"),
+        ({"classes": "many"}, "Expected classes .* valid integer"),
+        ({"classes": 20}, "with its protocol's classes, got fast-scnn-light with 20"),
+        ({"first_wrap": True and -1}, "Expected first_wrap"),
+        ({"protocol": "half"}, "Expected protocol .* 'released' or 'full'"),
+        ({"gain": [0.1, float("nan"), 1]}, "Expected gain.1 .* finite number"),
+        ({"validation": {"delta_lt_1": 2}}, "Expected validation.delta_lt_1"),
+        ({"model": "nobody"}, "Expected a model out of fast-scnn"),
+        ({"model": "fast-scnn"}, "Expected finite weights of fast-scnn"),
+        ({"sha256": "0" * 64}, "Expected weights with the hash 000000000000"),
+        ({"colour": "red"}, "Expected colour .* not permitted"),
+    ],
+)
+def test_cards_that_do_not_fit_are_refused(stored, changes, message):
+    path = stored()
+    held = json.loads(path.with_suffix(".json").read_text())
+    path.with_suffix(".json").write_text(json.dumps(held | changes))
+    with pytest.raises(ValueError, match=message) as caught:
         load_weights(path)
+    assert "\n" not in str(caught.value)
 
 
-def test_weights_without_a_card_are_refused(fresh):
-    path = fresh()
+@pytest.mark.parametrize("text", [None, "[1, 2]", "{", '"card"'])
+def test_missing_and_broken_cards_are_refused(stored, text):
+    path = stored()
     path.with_suffix(".json").unlink()
-    with pytest.raises(ValueError, match=r"the card of .* in .*\.json, got .*Keep both together"):
+    if text is not None:
+        path.with_suffix(".json").write_text(text)
+    with pytest.raises(ValueError, match="Expected"):
+        read_card(path)
+
+
+def test_weights_that_are_not_numbers_or_not_there_are_refused(tmp_path):
+    path = weights_path("fast-scnn-light", "released", tmp_path)
+    network = build_network("fast-scnn-light")
+    network.output.bias.data[3] = torch.nan
+    save_weights(path, network, card())
+    with pytest.raises(ValueError, match="NaN or infinity"):
         load_weights(path)
-
-
-@pytest.mark.parametrize("text", ["", "{", "[]", "3", "{}", '{"model": "fast-scnn"}'])
-def test_what_is_no_card_is_refused(fresh, text: str):
-    path = fresh()
-    path.with_suffix(".json").write_text(text)
-    with pytest.raises(ValueError, match="Keep both together"):
-        load_weights(path)
-
-
-def test_a_card_without_weights_is_refused(fresh):
-    path = fresh()
     path.unlink()
-    with pytest.raises(ValueError, match=r"Expected weights in .*, got none\. Fetch or train"):
+    with pytest.raises(ValueError, match="got none. Fetch or train them"):
         load_weights(path)
 
 
-def test_weights_of_an_unknown_model_are_refused(fresh):
-    path = fresh()
-    change_card(path, model="v-net")
-    with pytest.raises(ValueError, match=r"out of fast-scnn, .* got v-net .*version that trained"):
-        load_weights(path)
+@pytest.mark.parametrize("name", ["fast-scnn-light", "one-step", "deep-tof", "rapid"])
+def test_methods_answer_within_the_range(stored, measurement, name):
+    depth, sure = unwrap_with_network(measurement, weights=stored(name))
+    low, high = measurement.range
+    assert ((depth >= low) & (depth < high)).all() and ((sure >= 0) & (sure <= 1)).all()
+    if MODELS[name].network.target == "depth":
+        assert (sure == 0.3).all()
 
 
-@pytest.mark.parametrize("changes", [{"model": "fast-scnn"}, {"classes": 22}])
-def test_weights_that_fit_another_network_are_refused(fresh, changes):
-    path = fresh()
-    change_card(path, **changes)
-    with pytest.raises(ValueError, match=r"Expected weights of .* classes .*, got others .*Train"):
-        load_weights(path)
+def test_classes_agree_with_the_measured_phase(stored, measurement):
+    depth, _ = unwrap_with_network(measurement, weights=stored())
+    turns = depth / cmtof.correlation.wrap_length(measurement.frequencies[0])
+    off = np.exp(1j * TAU * turns) * np.exp(-1j * measurement.phase[0])
+    assert np.abs(np.angle(off)).max() < 1e-4
 
 
-class Trap:
-    """Leaves a file where it is unpickled."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-
-    def __reduce__(self):
-        return Path.touch, (self.path,)
-
-
-@pytest.mark.parametrize("kind", ["pickle", "torch"])
-def test_a_pickle_is_refused_and_not_run(fresh, tmp_path, kind: str):
-    path, sprung = fresh(), tmp_path / "sprung"
-    if kind == "pickle":
-        content = pickle.dumps(Trap(sprung))
-    else:
-        torch.save(Trap(sprung), tmp_path / "trap.pt")
-        content = (tmp_path / "trap.pt").read_bytes()
-    rewrite(path, content)
-    with pytest.raises(ValueError, match="got others"):
-        load_weights(path)
-    assert not sprung.exists()
-    pickle.loads(pickle.dumps(Trap(sprung)))
-    assert sprung.exists()  # it would have
+@pytest.mark.parametrize("name", ["fast-scnn", "u-net", "deep-tof"])
+def test_bands_equal_the_whole(monkeypatch, stored, name):
+    frame = cmtof.scenes.Frame(np.full((600, 24), 0.93), np.full((600, 24), 0.5), None, "", "")
+    trained, measured = load_weights(stored(name)), cmtof.simulate(frame, noise=500.0)
+    monkeypatch.setattr(weights, "MOST_PIXELS", 10**9)
+    whole = weights._in_bands(trained, measured, lambda found, phase: found)
+    monkeypatch.setattr(weights, "MOST_PIXELS", 24 * 450)
+    bands = weights._in_bands(trained, measured, lambda found, phase: found)
+    assert np.abs(whole - bands).max() < 2e-5 * np.abs(whole).max()
 
 
-# --- which are found ---------------------------------------------------------------------------
+def test_masked_pixels_do_not_spread(stored, measurement):
+    measurement.dataset["mask"][5:9, 5:9] = False
+    measurement.dataset["correlation"][:, :, 5:9, 5:9] = np.nan
+    depth, sure = unwrap_with_network(measurement, weights=stored())
+    assert np.isfinite(depth[~np.isnan(depth)]).all() and np.isfinite(sure[20:]).all()
+    assert np.isfinite(depth[20:]).all()
 
 
-def test_weights_are_listed_by_model_and_protocol(fresh, tmp_path):
-    for model, protocol in ((LIGHT, "released"), (LIGHT, "full"), ("fast-scnn", "released")):
-        fresh(model, protocol)
-    assert set(shipped(tmp_path)) == {
-        (LIGHT, "released"), (LIGHT, "full"), ("fast-scnn", "released"),
-    }  # fmt: skip
-    assert shipped(tmp_path / "none") == {}
+def test_range_and_frequencies_that_do_not_fit_are_refused(stored, frame, measurement):
+    trained = load_weights(stored())
+    with pytest.raises(ValueError, match="Expected wraps within 36 to 56"):
+        classify(trained, measurement, 30, 50)
+    other = cmtof.simulate(frame, frequencies=(7.15e9, 7.16e9))
+    with pytest.raises(ValueError, match=r"Expected 7.15 and 14.32 GHz, .* got 7.15, 7.16 GHz"):
+        unwrap_with_network(other, weights=stored())
 
 
-def test_those_with_the_fewest_classes_are_found(fresh, tmp_path):
-    small, large = fresh(), fresh(protocol="full")
-    assert find_weights(LIGHT, 36, 56, tmp_path) == small
-    assert find_weights(LIGHT, 40, 41, tmp_path) == small
-    for first, last in ((35, 56), (36, 57), (0, 357), (100, 100)):
-        assert find_weights(LIGHT, first, last, tmp_path) == large
-
-
-def test_wraps_that_no_weights_know_are_refused(fresh, tmp_path):
-    fresh()
-    with pytest.raises(ValueError, match=r"for the wraps 30 to 40, got 36 to 56\. Narrow"):
-        find_weights(LIGHT, 30, 40, tmp_path)
-    with pytest.raises(ValueError, match=r"of fast-scnn for .*, got none\. .*cmtof train"):
-        find_weights("fast-scnn", 36, 56, tmp_path)
-
-
-def test_every_shipped_file_is_whole_and_all_are_small():
-    found = shipped()
-    for (model, protocol), path in found.items():
-        trained = load_weights(path)
-        assert (trained.card["model"], trained.card["protocol"]) == (model, protocol)
-        assert path == weights_path(model, protocol)
-    assert sum(path.stat().st_size for path in found.values()) < 40e6
+def test_raw_correlations_are_taken_by_their_psi(stored, frame):
+    path = stored("deep-tof")
+    usual = cmtof.simulate(frame, noise_free=True)
+    turned = cmtof.simulate(frame, noise_free=True, psi=np.array([0, 3, 1, 2]) * TAU / 4)
+    first, second = (unwrap_with_network(one, weights=path)[0] for one in (usual, turned))
+    assert np.allclose(first, second, atol=1e-5)
+    skewed = cmtof.simulate(frame, psi=np.arange(4) * TAU / 4 + 0.1)
+    with pytest.raises(ValueError, match=r"Expected correlations at psi = 0, 1/2"):
+        unwrap_with_network(skewed, weights=path)

@@ -1,0 +1,100 @@
+"""Networks: sizes, any shape, how far they see, what their first layer sees, mending."""
+
+import numpy as np
+import pytest
+import torch
+
+from cmtof.correlation import TAU
+from cmtof.network.features import channels, features
+from cmtof.network.models import BEAT, MODELS, build_network, mended, wraps_of
+
+CLOSE = ["fast-scnn", "fast-scnn-light", "u-net", "one-step", "deep-tof"]
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_networks_take_images_of_any_size(name):
+    network = build_network(name).eval()
+    outputs = 21 if network.target == "wraps" else 1
+    for size in ((33, 50), (8, 8), (1, 3)):
+        found = network(torch.randn(1, channels(MODELS[name].features), *size))
+        assert found.shape == (1, outputs, *size) and torch.isfinite(found).all()
+
+
+def test_compared_networks_have_about_as_many_weights():
+    counts = {name: sum(w.numel() for w in build_network(name).parameters()) for name in MODELS}
+    light = counts.pop("fast-scnn-light")
+    assert max(counts.values()) < 1.1 * min(counts.values())
+    assert light < 0.11 * counts["fast-scnn"]
+
+
+@pytest.mark.parametrize("name", CLOSE)
+def test_output_depends_on_nothing_beyond_the_reach(name):
+    torch.manual_seed(1)
+    network = build_network(name).eval()
+    side = 2 * network.reach + 3 * network.stride
+    image = torch.randn(1, network.inputs, 16, side)
+    changed = image.clone()
+    changed[..., network.reach + network.stride :] += 3
+    with torch.inference_mode():
+        difference = (network(image) - network(changed)).abs()
+    assert not difference[..., : network.stride].any()
+    assert difference[..., network.reach + network.stride :].any()
+
+
+def test_regression_spans_the_range_in_single_precision():
+    network = build_network("one-step", "full").eval()
+    with torch.no_grad(), torch.autocast("cpu", torch.bfloat16):
+        for layer in (network.output.weight, network.output.bias):
+            layer.zero_()
+        found = network(torch.randn(1, 4, 32, 32))
+    assert found.dtype == torch.float32 and (found == 179).all()
+
+
+@pytest.mark.parametrize(("protocol", "spans"), [("released", 2), ("full", 4)])
+def test_fresh_stem_sees_the_beat(protocol, spans):
+    """Mean of the rectified filters of each beta follows |sin((b - beta)/2)|, whatever the phase."""
+    first, classes = wraps_of(protocol)
+    network, rng = build_network("fast-scnn", protocol), np.random.default_rng(0)
+    angles = 16 // spans
+    for wrap in np.linspace(first, first + classes, 7):
+        low = rng.uniform(0, TAU, (1, 4000))
+        phase = torch.from_numpy(np.stack([low, (2 * low + BEAT * wrap) % TAU])).float()
+        inputs = features(phase, torch.full_like(phase, 3000.0))[None]
+        seen = torch.relu(torch.nn.functional.conv2d(inputs, network.stem[0].weight[..., 1:2, 1:2]))
+        for k in range(spans):
+            quarter = ((1, -1) if spans == 2 else (0, 1, 2, 3))[k]
+            beta = BEAT * (first + classes / 2) + TAU / 4 * quarter
+            mean = float(seen[0, angles * k : angles * (k + 1)].mean())
+            expected = 8 * 2 * abs(np.sin((BEAT * wrap - beta) / 2)) / np.pi
+            assert mean == pytest.approx(expected, abs=0.25)
+
+
+def test_path_to_the_pyramid_carries_the_beat_from_the_start():
+    """A linear reading of the fresh network's pooled features finds the wrap of a flat wall."""
+    torch.manual_seed(0)
+    network, held = build_network("fast-scnn").train(), []
+    network.pyramid.join.register_forward_pre_hook(lambda module, given: held.append(given[0]))
+    wraps = torch.linspace(36, 57, 16)
+    low = TAU * torch.rand(16, 64, 64)
+    noise = 0.3 * torch.randn(16, 2, 64, 64)
+    phase = torch.stack([low, 2 * low + BEAT * wraps[:, None, None]], 1) + noise
+    inputs = features(torch.remainder(phase, TAU), torch.full_like(phase, 3000.0))
+    with torch.no_grad():
+        network(inputs)
+    carried = held[0].mean((-2, -1)).double().numpy()
+    difference = carried[:, 128 + 2]  # first pool, third channel: sum at one beta minus the other
+    assert abs(np.corrcoef(difference, wraps)[0, 1]) > 0.95
+
+
+def test_unknown_protocol_is_refused():
+    with pytest.raises(ValueError, match="Expected protocol 'released' or 'full', got 'half'"):
+        wraps_of("half")
+
+
+def test_mending_takes_specks_out_and_keeps_wrap_lines():
+    turns = np.linspace(3.2, 6.9, 60) + np.zeros((20, 1))
+    true, phase = np.floor(turns).astype(int), TAU * (turns % 1)
+    wrong = true.copy()
+    wrong[::5, ::6] += 4
+    assert (mended(wrong, phase) == true).all()
+    assert (mended(true, phase) == true).all()
