@@ -149,7 +149,6 @@ def test_spots_locate_the_scanner(rng):
         (lambda: stereo.calibrate(np.zeros((2, 2, 54, 2)), RIG.shape), "at least 3 views, got"),
         (lambda: stereo.locate_scanner(RIG, np.zeros((2, 3, 2)), np.ones((3, 3))), "least 6 spots"),
         (lambda: stereo.scan_spots(Frame(planar(1.5), np.ones(SHAPE)), RIG, rng=None), "a camera"),
-        (lambda: stereo.truth_from_spots(exact(wall()), RIG, phase=np.zeros(3)), "Expected phase"),
     ],
 )
 def test_bad_input_is_named(call, message):

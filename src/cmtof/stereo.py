@@ -22,22 +22,20 @@ from cmtof.scenes.frame import Frame
 
 Array = NDArray[np.floating]
 
-COLUMNS, ROWS, SQUARE = 9, 6, 0.04
-"""Inner corners of the checkerboard, and the side of a square, m."""
+COLUMNS, ROWS, SQUARE = 9, 6, 0.04  # inner corners of the checkerboard; side of a square, m
 
 BOARD = SQUARE * (np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3) - [4, 2.5, 0])
 """Inner corners (54, 3), m, row by row about the middle of the board."""
 
-WINDOW = 11
-"""Side of the window in which a spot is placed, px."""
+WINDOW = 11  # side of the window in which a spot is placed, px
 
 
 @dataclass(frozen=True)
 class Sensor:
     """Camera, lens and laser spot; *assumed* is what the paper does not state.
 
-    The pixel is that of Sony's IMX252; that the GS3-U3-32S4C of Sec. 6.4 holds it was not verified.
-    Its colour mosaic is left out: these spots are limited by speckle, not by photons.
+    The pixel is that of Sony's IMX252 (that the GS3-U3-32S4C of Sec. 6.4 holds it was not verified)
+    without its colour mosaic: these spots are limited by speckle, not by photons.
     """
 
     shape: tuple[int, int] = (1536, 2048)  # height and width, px
@@ -53,12 +51,11 @@ class Sensor:
 
     @property
     def speckle(self) -> float:
-        r"""Standard deviation of a spot's centroid by speckle, px, whatever its size and distance.
+        r"""Deviation of a spot's centroid by grains of area A and contrast C, px, at any size.
 
-        .. math:: \sigma = C\sqrt{A / 8\pi} = C\lambda N / \sqrt2\,\pi
+        .. math:: \sigma = C\sqrt{A / 8\pi} = C\lambda N / \sqrt2\,\pi, \quad A = 4(\lambda N)^2/\pi
 
-        with grains of area :math:`A = 4(\lambda N)^2/\pi` and contrast C (the limit found by
-        Dorsch, Haeusler and Herrmann, Applied Optics 33, 1306, 1994).
+        (Dorsch, Haeusler and Herrmann, Applied Optics 33, 1306, 1994, found this limit.)
         """
         grain = LASER_WAVELENGTH * self.f_number / self.pitch
         return self.contrast * grain / float(np.sqrt(2) * np.pi)
@@ -71,14 +68,10 @@ class Sensor:
 class StereoRig:
     """Left and right camera, seen from the scanner between them."""
 
-    matrices: Array
-    """(2, 3, 3): focal lengths and centres, px."""
-    distortions: Array
-    """(2, 5), Brown's."""
-    poses: tuple[RigidTransform, RigidTransform]
-    """From the scanner's frame, m, to each camera's; x right, y down, z forward."""
-    shape: tuple[int, int]
-    """Height and width of the images, px."""
+    matrices: Array  # (2, 3, 3): focal lengths and centres, px
+    distortions: Array  # (2, 5): Brown's, in OpenCV's order
+    poses: tuple[RigidTransform, RigidTransform]  # from the scanner's frame, m, to each camera's
+    shape: tuple[int, int]  # height and width of the images, px
 
     @property
     def centres(self) -> Array:
@@ -108,14 +101,7 @@ class StereoRig:
         return cv2.undistortPoints(pixels, *lens, criteria=stop).reshape(-1, 2)
 
     def triangulate(self, pixels: ArrayLike) -> Array:
-        """Points (..., 3), m, of pairs of pixels (2, ..., 2); NaN without a pair.
-
-        Examples
-        --------
-        >>> rig = simulated_rig()
-        >>> rig.triangulate(rig.project([0.1, -0.2, 2.0])).round(6).tolist()
-        [0.1, -0.2, 2.0]
-        """
+        """Points (..., 3), m, of pairs of pixels (2, ..., 2); NaN without a pair."""
         import cv2
 
         pixels = np.asarray(pixels, float)
@@ -135,8 +121,7 @@ def simulated_rig(
 ) -> StereoRig:
     """Rig like Fig. 9a: a camera on either side of the scanner, turned inwards.
 
-    The paper states neither the baseline, m, nor the distance where both axes meet, m. Both lenses
-    are distorted like a common one, the right one by 5 % more.
+    Baseline and distance to where both axes meet, m, are assumed, like the distortion.
     """
     sensor = sensor or Sensor()
     focal, (height, width) = sensor.focal_length / sensor.pitch, sensor.shape
@@ -172,10 +157,8 @@ def board_image(
     rig: StereoRig, k: int, pose: RigidTransform, *, rng: np.random.Generator
 ) -> NDArray[np.uint8]:
     """Picture (H, W) of a lit checkerboard in camera k, by its pose before the rig (simulated)."""
-    outline = rig.project(pose.apply(1.7 * BOARD))[k]
-    low, high = (
-        np.clip(side, 0, rig.shape[::-1]).astype(int) for side in (outline.min(0), outline.max(0))
-    )
+    outline = rig.project(pose.apply(1.7 * BOARD))[k].clip(0, rig.shape[::-1]).astype(int)
+    low, high = outline.min(0), outline.max(0)
     x, y = np.meshgrid(*(np.arange(*ends) + 0.5 for ends in zip(low, high, strict=True)))
     plane = rig.undistorted(np.column_stack([x.ravel(), y.ravel()]), k)
     onto = (rig.poses[k] * pose).as_matrix()[:3, [0, 1, 3]]
@@ -209,12 +192,8 @@ def find_corners(image: NDArray[np.uint8]) -> Array:
 def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, float]:
     """Rig in the left camera's frame, and the rms of a corner's residual, px (Zhang 2000).
 
-    Parameters
-    ----------
-    corners : array_like, shape (2, V, 54, 2)
-        Of the board in V >= 3 views of both cameras, px; else ValueError.
-    shape : (int, int)
-        Height and width of the images, px.
+    From corners (2, V, 54, 2), px, of V >= 3 views, and the images' height and width; ValueError
+    for fewer.
     """
     import cv2
 
@@ -237,13 +216,8 @@ def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, fl
 def locate_scanner(rig: StereoRig, pixels: ArrayLike, directions: ArrayLike) -> StereoRig:
     """Rig in the scanner's frame, by resection from the spots that its beams made.
 
-    Parameters
-    ----------
-    rig : StereoRig
-    pixels : array_like, shape (2, ..., 2)
-        Spots in both images, px; at least 6 pairs, or ValueError.
-    directions : array_like, shape (..., 3)
-        Of the beams in the scanner's frame, any length.
+    From at least 6 pairs of pixels (2, ..., 2), or ValueError, and the directions (..., 3) of their
+    beams in the scanner's frame.
     """
     import cv2
 
@@ -314,11 +288,10 @@ def visible_from(points: ArrayLike, centre: ArrayLike) -> NDArray[np.bool_]:
 def scan_spots(
     frame: Frame, rig: StereoRig, *, rng: np.random.Generator, sensor: Sensor | None = None
 ) -> Spots:
-    """Spots (H, W) that both cameras find while a frame is scanned (simulated).
+    """Spots (H, W) that both cameras find while a frame with a camera is scanned (simulated).
 
-    A Lambertian spot is as bright as its reflectance times cosine over squared distance; the 99th
-    percentile peaks at 70 % of the full well. Speckle, shot and read noise are drawn in a window
-    about each spot. The frame needs a camera, the rays of the scan, or ValueError.
+    Lambertian spots; the 99th percentile peaks at 70 % of the full well. Speckle, shot and read
+    noise are drawn in a window about each spot.
     """
     if frame.camera is None:
         raise ValueError("Expected a frame with a camera, got none. State fx, fy, cx, cy.")
@@ -351,18 +324,13 @@ def scan_spots(
 
 
 class PseudoTruth(NamedTuple):
-    """Labels from stereo, all (H, W)."""
+    """Labels (H, W) from stereo."""
 
-    wraps: NDArray[np.int64]
-    """Wrap count of the frequency; -1 without a label."""
-    mask: NDArray[np.bool_]
-    """True where a pixel is labelled."""
-    range: Array
-    """Along the scanner's ray, m, from stereo alone; NaN without a pair of spots."""
-    uncertainty: Array
-    """Standard deviation of that range, m."""
-    depth: Array
-    """Best range, m: by the phase within the labelled wrap; NaN without a label."""
+    wraps: NDArray[np.int64]  # -1 without a label
+    mask: NDArray[np.bool_]  # True where a pixel is labelled
+    range: Array  # m along the scanner's ray, from stereo alone; NaN without a pair of spots
+    uncertainty: Array  # standard deviation of that range, m
+    depth: Array  # best range, m: by the phase within the labelled wrap; NaN without a label
 
 
 def truth_from_spots(
@@ -375,25 +343,12 @@ def truth_from_spots(
     sigmas: float = 3.0,
     draws: Sequence[StereoRig] = (),
 ) -> PseudoTruth:
-    """Wrap map of the spots of a scan, where the number of wraps is beyond doubt.
+    """Wrap map of the spots (H, W) of a scan, where the number of wraps is beyond doubt.
 
-    Parameters
-    ----------
-    spots : Spots
-        (H, W).
-    rig : StereoRig
-        Calibrated, in the scanner's frame.
-    frequency : float
-        Hz.
-    phase, phase_noise : array_like, shape (H, W), optional
-        Wrapped phase at this frequency and its standard deviation, rad. With it the label is the
-        wrap that brings the phase nearest to the stereo range, and k standard deviations must fit
-        into half a wrap; without it the label is floor(2 f z / c), and they must not reach into
-        another wrap. ValueError for another shape.
-    sigmas : float
-        k.
-    draws : sequence of StereoRig
-        Calibrations that noise could have given as well: the scatter of their ranges counts, too.
+    The label is floor(2 f z / c) where k = ``sigmas`` standard deviations reach into no other wrap.
+    With a measured phase (H, W) and its standard deviation, rad, it is the wrap that brings the
+    phase nearest to the stereo range, where k of both fit into half a wrap. ``draws`` are rigs that
+    the calibration's noise could have given as well: the scatter of their ranges counts, too.
 
     Examples
     --------
@@ -404,11 +359,6 @@ def truth_from_spots(
     1.5
     """
     found, spread = _ranges(spots, rig)
-    if phase is not None and np.shape(phase) != found.shape:
-        raise ValueError(
-            f"Expected phase of the spots' shape {found.shape}, got {np.shape(phase)}. Take both "
-            "from one scan."
-        )
     if draws:
         others = [np.linalg.norm(one.triangulate(spots.pixels), axis=-1) for one in draws]
         spread = np.hypot(spread, np.std(others, axis=0, ddof=1))

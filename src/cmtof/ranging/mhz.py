@@ -10,6 +10,7 @@ error, fixed pattern, leak and late taps are calibrated to below a millimetre in
 left out.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,20 +26,15 @@ from cmtof.instrument.targets import Hits
 
 Array = NDArray[np.floating]
 
-STEPS = 4
-"""Phase steps of an image; their exposures add up to the whole."""
-
+STEPS = 4  # phase steps of an image; their exposures add up to the whole
 PSI = TAU * np.arange(STEPS) / STEPS
-"""Reference phases, rad."""
 
 
 class Light(NamedTuple):
     """Charge of one step in both taps of each pixel (H, W), electrons."""
 
-    phasor: NDArray[np.complexfloating]
-    """F, of all light of the emitter."""
-    total: Array
-    """S, with the light of the room."""
+    phasor: NDArray[np.complexfloating]  # F, of all light of the emitter
+    total: Array  # S, with the light of the room
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,18 +127,13 @@ class MhzCamera:
         """
         from scipy.ndimage import gaussian_filter
 
-        def phasor(part: Hits) -> Array:
-            phase = phase_from_depth(np.nan_to_num(part.range), self.frequency)
-            return self.signal(part) * np.exp(-1j * phase)
+        def mixed(part: Callable[[Hits], Array]) -> Array:
+            near = gaussian_filter(part(view), self.blur, mode="nearest")
+            return (1 - self.veil) * near + self.veil * part(field).mean()
 
-        def total(part: Hits) -> Array:
-            return self.signal(part) + self.room(part)
-
-        def mixed(own: Array, all_of_it: Array) -> Array:
-            near = gaussian_filter(own, self.blur, mode="nearest")
-            return (1 - self.veil) * near + self.veil * all_of_it.mean()
-
-        return Light(*(mixed(part(view), part(field)) for part in (phasor, total)))
+        turn = TAU / self.wrap
+        phasor = mixed(lambda v: self.signal(v) * np.exp(-1j * turn * np.nan_to_num(v.range)))
+        return Light(phasor, mixed(lambda v: self.signal(v) + self.room(v)))
 
     def differences(self, light: Light) -> Array:
         """Mean of A - B in each step, electrons, (4, H, W)."""
