@@ -15,7 +15,8 @@ from trimesh import Trimesh
 
 from cmtof.scenes.rooms.materials import Material, Palette
 
-Array = NDArray[np.float32]
+Array = NDArray[np.floating]
+Vector = tuple[float, float, float] | NDArray[np.floating]
 
 
 class Part(NamedTuple):
@@ -35,12 +36,12 @@ class Thing(NamedTuple):
 class Light(NamedTuple):
     """A rectangular light, m; a ``normal`` of zeros shines to all sides."""
 
-    centre: ArrayLike
-    half_u: ArrayLike
-    half_v: ArrayLike
-    normal: ArrayLike
+    centre: Vector
+    half_u: Vector
+    half_v: Vector
+    normal: Vector
     power: float
-    colour: ArrayLike = (1.0, 1.0, 1.0)
+    colour: Vector = (1.0, 1.0, 1.0)
 
 
 class Picture(NamedTuple):
@@ -279,7 +280,7 @@ class World:
         found, within = found.reshape(*shape, 6, 3), within.reshape(shape)
         if within.any() and not within.all():  # a place inside a solid takes its neighbour's light
             nearest = distance_transform_edt(within, return_distances=False, return_indices=True)
-            found = found[tuple(nearest)]
+            found = found[tuple(np.asarray(nearest))]
         return found.astype(np.float32)
 
 

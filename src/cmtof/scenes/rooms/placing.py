@@ -40,7 +40,7 @@ def household(rng: np.random.Generator) -> Kit:
             scale = float(rng.uniform(*drawn["scale"]))
             several.append(Material(tuple(first), tuple(second * 0.8), name, scale))
         palette[role] = several
-    return Kit(rng, palette)
+    return Kit(rng, palette, presets()["profiles"])
 
 
 def overlap(a: Rectangle, b: Rectangle) -> bool:
@@ -109,7 +109,7 @@ class Furnishing:
         for other, (low, high) in kind.get("around", {}).items():
             count = int(self.kit.rng.integers(low, high + 1))
             self._around(other, count, (x, y), turn, size)
-        self._decorate(made, kind.get("on", {}), (x, y, z), turn)
+        self._decorate(made, kind.get("upon", {}), (x, y, z), turn)
         return True
 
     def _size(self, kind: dict[str, Any]) -> tuple[float, float, float]:
@@ -163,11 +163,11 @@ class Furnishing:
             area = wall.footprint(x, x + w, -d - gap, -gap)
             reach = kind.get("clear", 0.0)
             before = wall.footprint(x, x + w, -d - gap - reach, -gap)
-            if hung and foot + h <= self.shell.headroom(area):
-                pass
-            elif hung or not self._fits(area, h, before):
+            if hung and foot + h > self.shell.headroom(area):
                 continue
-            if not hung:
+            if foot < 0.5:  # what hangs higher leaves the floor free
+                if not self._fits(area, h, before):
+                    continue
                 self._take(area, h)
                 self.clear += [wall.footprint(x, x + w, -d - gap - reach, -d - gap)] * (reach > 0)
             wall.taken.append((x - 0.03, x + w + 0.03, foot - 0.03, foot + h + 0.05))

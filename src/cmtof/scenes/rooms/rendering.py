@@ -3,8 +3,9 @@
 import json
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from time import process_time
@@ -100,7 +101,7 @@ class Scene:
 
         Together ``views``; the first ones stay the same when more are asked for.
         """
-        close = close_views(self.index, views) if len(self.furniture) else 0
+        close = close_views(self.index, views)
         across, near = (stream(self.seed, self.index, use) for use in (_VIEWS, _CLOSE))
         where = {"floor": self.floor, "height": self.height}
         return {
@@ -192,7 +193,7 @@ def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
     kit = household(rng)
     shell = build_shell(kit, rooms[kind])
     inside = Furnishing(shell, kit)
-    tidy = kit.between(0.5, 1.3)
+    tidy = kit.between(0.7, 1.5)
     inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
     for wall in shell.beyond:
         room = Shell(0.0, 0.0, 2.0, [wall], [(-99.0, 99.0, -99.0, 99.0)])
@@ -203,7 +204,7 @@ def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
     things = shell.things + inside.things
     low, high = (0.1, 0.1, 0.1), (shell.width - 0.1, shell.depth - 0.1, shell.height - 0.1)
     world = World(things, _chosen(shell, inside.lights), (low, high), sky=shell.sky)
-    numbers = range(first, len(things) + 1)
+    numbers = range(first if inside.things else 1, len(things) + 1)
     return Scene(seed, index, kind, world, shell.floor, shell.height, numbers)
 
 
@@ -341,25 +342,17 @@ def render_rooms(
     for done in _each(root, settings, workers or os.cpu_count() or 1):
         progress(done)
         results.append(done)
-    return sorted(results)
+    return results
 
 
 def _each(root: Path, settings: Settings, workers: int) -> Iterator[Done]:
-    """Scenes as they are done; a few are under way at a time, so that Ctrl-C stops soon."""
+    """Scenes in order, by one process or several; an interrupted run begins no other."""
     if workers == 1:
         yield from (render_scene(root, settings, i) for i in range(settings.scenes))
         return
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        waiting: set[Future[Done]] = set()
         try:
-            for index in range(settings.scenes):
-                waiting.add(pool.submit(render_scene, root, settings, index))
-                if len(waiting) > workers:
-                    ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-                    yield from (future.result() for future in ready)
-            while waiting:
-                ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-                yield from (future.result() for future in ready)
+            yield from pool.map(partial(render_scene, root, settings), range(settings.scenes))
         finally:
             pool.shutdown(cancel_futures=True)
 

@@ -10,6 +10,11 @@ from trimesh import Trimesh
 Array = NDArray[np.float64]
 
 
+def raw(vertices: NDArray, faces: NDArray) -> Trimesh:
+    """Mesh of these vertices and faces as they are."""
+    return Trimesh(vertices, faces, process=False)
+
+
 def box(size: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
     """Box of full ``size`` (x, y, z) about ``centre``, m.
 
@@ -19,7 +24,7 @@ def box(size: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
     6.0
     """
     corners = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
-    return Trimesh(corners * np.asarray(size, float) + np.asarray(centre, float), _BOX, **_RAW)
+    return raw(corners * np.asarray(size, float) + np.asarray(centre, float), _BOX)
 
 
 def slab(x0: float, x1: float, y0: float, y1: float, z0: float, z1: float) -> Trimesh:
@@ -134,7 +139,7 @@ def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
             np.stack([np.full(sections, len(vertices) - 1), last + ring, last + after], 1),
         ]
     )
-    return Trimesh(vertices, faces, **_RAW)
+    return raw(vertices, faces)
 
 
 def ball(
@@ -171,7 +176,7 @@ def ball(
     if rng is not None and noise:
         waves, phase = rng.normal(0, 3.0, (6, 3)), rng.uniform(0, 2 * np.pi, 6)
         points *= 1 + noise * np.cos(points @ waves.T + phase).mean(axis=1, keepdims=True)
-    return Trimesh(points * np.broadcast_to(radius, 3), unit.faces, **_RAW)
+    return raw(points * np.broadcast_to(radius, 3), unit.faces)
 
 
 def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
@@ -198,8 +203,8 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     side = np.concatenate([np.stack([p, p + n * m, q], 1), np.stack([q, p + n * m, q + n * m], 1)])
     vertices = np.concatenate([points.reshape(-1, 3), back.reshape(-1, 3)])
     faces = np.concatenate([front, front[:, ::-1] + n * m, side])
-    solid = Trimesh(vertices, faces, **_RAW)
-    return solid if solid.volume > 0 else Trimesh(vertices, faces[:, ::-1], **_RAW)
+    solid = raw(vertices, faces)
+    return solid if solid.volume > 0 else raw(vertices, faces[:, ::-1])
 
 
 def joined(meshes: Iterable[Trimesh]) -> Trimesh:
@@ -207,17 +212,16 @@ def joined(meshes: Iterable[Trimesh]) -> Trimesh:
     several = list(meshes)
     start = np.cumsum([0] + [len(one.vertices) for one in several[:-1]])
     faces = [one.faces + k for one, k in zip(several, start, strict=True)]
-    return Trimesh(np.vstack([one.vertices for one in several]), np.vstack(faces), **_RAW)
+    return raw(np.vstack([one.vertices for one in several]), np.vstack(faces))
 
 
 def moved(mesh: Trimesh, shift: ArrayLike, turn: float = 0.0) -> Trimesh:
     """Copy turned by ``turn``, rad, about z, then shifted, m."""
     c, s = np.cos(turn), np.sin(turn)
     axes = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return Trimesh(mesh.vertices @ axes + np.asarray(shift, float), mesh.faces, **_RAW)
+    return raw(mesh.vertices @ axes + np.asarray(shift, float), mesh.faces)
 
 
-_RAW = {"process": False, "validate": False}  # trimesh leaves vertices and faces as they are
 _BOX = np.array(
     [
         [0, 1, 3],
