@@ -1,6 +1,6 @@
 """Methods side by side on the same scenes (Fig. 10): the wraps of each and their errors."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ class Scene(NamedTuple):
 
     frame: Frame
     measurement: Measurement
-    answers: Mapping[str, xr.Dataset]
+    answers: dict[str, xr.Dataset]
 
     @property
     def true_count(self) -> NDArray[np.floating]:
