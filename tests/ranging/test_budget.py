@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cmtof.correlation import depth_from_phase
 from cmtof.instrument.drift import Drift
 from cmtof.instrument.settings import TwinSettings
 from cmtof.ranging.budget import AGE, VISITS, budget_terms, drift_spread, only, simulated
@@ -48,13 +47,6 @@ def test_noise_meets_its_part_of_the_bound():
     assert rms(errors) == pytest.approx(whole, rel=0.12)
 
 
-def test_an_imbalance_is_nothing_in_the_doubled_mode():
-    errors = simulated(only("drive.iq_imbalance"), MIRROR, "doubled", days=6, seed=0, **STILL)
-    floor = simulated(TwinSettings.ideal(), MIRROR, "doubled", days=6, seed=0, **STILL)
-    assert rms(errors) < 1.3 * rms(floor)
-    assert budget_terms(MIRROR, "doubled", days=1)["I/Q imbalance"] == 0
-
-
 def test_leakage_averages_out_in_the_single_mode_alone():
     terms = {
         mode: budget_terms(PLATE, mode, days=6)["RF leakage"] for mode in ("single", "doubled")
@@ -76,9 +68,3 @@ def test_drift_spread_is_that_of_many_days():
     found = rms([(day(times) - day(zero).mean()) / Drift.RMS for day in days])
     assert found == pytest.approx(drift_spread(times, zero), rel=0.03)
     assert drift_spread([0.0], [0.0]) == 0
-
-
-def test_sizes_follow_the_settings():
-    drive = TwinSettings().drive
-    term = budget_terms(PLATE, days=1)["phase codes"]
-    assert term == pytest.approx(depth_from_phase(drive.phase_step_error / np.sqrt(32), 7.15e9))

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from cmtof.bounds import phase_spread
-from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE
+from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import centred, depth_from_phase
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Hits, Plane
-from cmtof.modulator import TwoPassModulator
 from cmtof.ranging.rf import RfRanger, rf_image, skewed, straightened
 from cmtof.ranging.sweep import POSITIONS, StageTarget, collected_power
 
@@ -39,18 +38,6 @@ def test_noise_is_the_closed_form_of_thermal_and_shot_noise():
 def test_friis_by_hand():
     receiver = RfRanger(amplifier_gain=10.0, filter_loss=0.0, mixer_noise_figure=10.0)
     assert receiver.noise_factor == pytest.approx(10**0.3 + 9 / 10)
-
-
-def test_detector_damps_the_doubled_mode():
-    ratio = RfRanger(mode="doubled").envelope(1.0) / RfRanger().envelope(1.0)
-    damped = np.hypot(1, FREQUENCY_SINGLE / 12e9) / np.hypot(1, FREQUENCY_DOUBLED / 12e9)
-    depths = []
-    for angle, order in ((11.25, 1), (22.5, 2)):
-        eta = TwinSettings().drive.eta
-        plate = np.deg2rad(angle)
-        waves = TwoPassModulator(half_wave_angle=plate, eta=eta, frequency=7.15e9).harmonics(4)
-        depths.append(abs(waves[order]) / waves[0].real)
-    assert ratio == pytest.approx(damped * depths[1] / depths[0], rel=1e-3)
 
 
 @pytest.mark.parametrize(("gain", "error"), [(1.06, 0.09), (0.9, -0.2)])

@@ -14,7 +14,6 @@ N samples behind the filters. Uniform phases see the density's mean only (K > 3)
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,22 +44,12 @@ ORDER = {"single": 1, "doubled": 2}
 _PLATE = {"single": HALF_WAVE_PLATE_SINGLE, "doubled": HALF_WAVE_PLATE_DOUBLED}
 
 
-class Levels(NamedTuple):
-    """Light of a target on the detector, and its noise; arrays (...)."""
-
-    light: Array  # the laser's mean, W
-    room: float  # W
-    amplitude: Array  # of the correlation's cosine, W
-    dimming: Array  # transmission of the grey filter that keeps the crest within the range
-    phase_noise: Array  # standard deviation of one burst's phase behind it, linearised, rad
-
-
 @dataclass(frozen=True)
 class OpticalRanger:
     """All-optical correlation at 7.15 ("single") or 14.32 GHz ("doubled") (Sec. 7, 8.2).
 
     ``visits`` readings at known ranges set the zero: one stands at stage position 0; more are
-    spread over one wrap, as in a scan; 0 takes the phase of an instrument without errors.
+    spread over one wrap, as in a scan.
 
     Examples
     --------
@@ -85,11 +74,6 @@ class OpticalRanger:
     def __post_init__(self) -> None:
         if self.mode not in FREQUENCY:
             raise ValueError(f"Expected mode single or doubled, got {self.mode!r}. Choose one.")
-        if not 0 <= self.settle < self.samples or self.phases < 3:
-            raise ValueError(
-                f"Expected at least 3 phases and fewer than {self.samples} dropped samples, got "
-                f"{self.phases} and {self.settle}. Change `phases` or `settle`."
-            )
 
     @property
     def frequency(self) -> float:
@@ -114,7 +98,7 @@ class OpticalRanger:
     def before(self, target: StageTarget) -> TwinSettings:
         """Settings with the target on the stage; the grey filter is a lower quantum efficiency."""
         light = collected_power(self.settings, target, target.distance, self.mode)
-        efficiency = self.settings.detector.efficiency * float(self.levels(light).dimming)
+        efficiency = self.settings.detector.efficiency * float(self.dimming_and_noise(light)[0])
         reference = replace(self.settings.reference, **vars(target))
         detector = replace(self.settings.detector, efficiency=efficiency)
         return replace(self.settings, detector=detector, reference=reference)
@@ -145,7 +129,7 @@ class OpticalRanger:
         speckle; ranges are unwrapped to the known wrap.
         """
         offsets, settings = checked_positions(positions, repeats), self.before(target)
-        spread = (np.arange(self.visits) + 0.5) / max(self.visits, 1) - 0.5
+        spread = (np.arange(self.visits) + 0.5) / self.visits - 0.5
         stated = np.append(float(wrap_length(self.frequency)) * spread, offsets)
         later = self.age + self.step_time * np.arange(offsets.size)
         times = np.append(self.step_time * np.arange(self.visits), later)
@@ -159,9 +143,7 @@ class OpticalRanger:
             warmer, denser = rng.standard_normal(2) * self.air_change
             at = stated + self.stage_error * rng.standard_normal(stated.size)
             error = self.phase(self.counts(world, at, labels)) - expected
-            zero = (
-                np.angle(np.exp(1j * error[: self.visits]).sum()) if self.visits else self._zero()
-            )
+            zero = np.angle(np.exp(1j * error[: self.visits]).sum())
             off = depth_from_phase(centred(error[self.visits :] - zero), self.frequency) / index
             # the lab divides by the index of the zero
             thicker = (index - 1) * (denser / max(air.pressure, 1.0) - warmer / air.temperature)
@@ -176,34 +158,29 @@ class OpticalRanger:
         """
         ranges = target.distance + checked_positions(positions)
         light = collected_power(self.settings, target, ranges, self.mode)
-        noise = self.levels(light).phase_noise * np.sqrt(
-            1 + (self.visits > 0) / max(self.visits, 1)
-        )
+        noise = self.dimming_and_noise(light)[1] * np.sqrt(1 + 1 / self.visits)
         return np.asarray(depth_from_phase(noise, self.frequency), float)
 
-    def levels(self, collected: ArrayLike) -> Levels:
-        """Light and phase noise of collected light (...), W (`collected_power`), no speckle."""
+    def dimming_and_noise(self, collected: ArrayLike) -> tuple[Array, Array]:
+        """Grey filter's transmission for collected light (...), W, and noise of a phase, rad.
+
+        The filter keeps the crest within the detector's range; no speckle.
+        """
         settings, detector = self.settings, self.settings.detector
         wave = World(settings).light.emission(self.panel())  # the detection's is alike
         opened = np.asarray(collected, float) / emission_mean(settings, self.mode)
-        light, amplitude = opened * wave[0].real ** 2, opened * 2 * abs(wave[ORDER[self.mode]]) ** 2
-        room = float(free_space.ambient(settings.optics) * wave[0].real)
+        mean = opened * wave[0].real ** 2 + free_space.ambient(settings.optics) * wave[0].real
+        amplitude = opened * 2 * abs(wave[ORDER[self.mode]]) ** 2
         conversion = Conversion(detector, settings.laser.wavelength)
-        crest = conversion.volts_per_watt * (light + room + amplitude)
+        crest = conversion.volts_per_watt * (mean + amplitude)
         dimming = np.minimum(1.0, self.level * detector.saturation / crest)
         per_watt = conversion.volts_per_watt * dimming
-        variance = conversion.density(per_watt * (light + room)) * _bandwidth(
-            detector, self.phases, self.samples, self.settle
-        )
+        bandwidth = _bandwidth(detector, self.phases, self.samples, self.settle)
         counts = detector.converter_noise**2 + 4.0 ** (16 - detector.bits) / 12
         kept = self.phases * (self.samples - self.settle)
+        variance = conversion.density(per_watt * mean) * bandwidth
         variance = variance + 2 / kept * counts * slope(10.0) ** 2
-        return Levels(light, room, amplitude, dimming, np.sqrt(variance) / (per_watt * amplitude))
-
-    def _zero(self) -> float:
-        """Phase, rad, of inner path and cable: the constant of an instrument without errors."""
-        inside = phase_from_depth(self.settings.optics.internal_path, self.frequency)
-        return float(inside) - ORDER[self.mode] * self.settings.drive.phase_offset
+        return dimming, np.sqrt(variance) / (per_watt * amplitude)
 
 
 @lru_cache(maxsize=64)
