@@ -1,6 +1,5 @@
 """Things that several tests lean on."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,8 @@ from hypothesis import settings
 
 import cmtof
 from cmtof.cli import main
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import phase_from_depth
 from cmtof.scenes.captures import data_root
 from cmtof.scenes.frame import Frame
 
@@ -78,3 +79,16 @@ def fails(run):
         return err
 
     return runner
+
+
+@pytest.fixture(scope="session")
+def exact():
+    """Measurement of exact phases of depths; another truth may be claimed."""
+
+    def measure(depth, frequencies=FREQUENCIES, truth=None, **attributes):
+        depth = np.atleast_2d(np.asarray(depth, float))
+        phase = np.stack([phase_from_depth(depth, f) for f in frequencies])
+        truth = depth if truth is None else truth
+        return cmtof.Measurement.from_phase(phase, frequencies, depth=truth, **attributes)
+
+    return measure

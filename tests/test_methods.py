@@ -127,8 +127,6 @@ def test_what_a_method_needs_is_asked_for(measured):
         ({"method": "beat-guided", "smoothing": 0.0}, "smoothing > 0"),
         ({"method": "kde", "kernel": np.nan}, "kernel of 0.01 wraps or more"),
         ({"method": "kde", "radius": -1}, "radius of 0 px or more"),
-        ({"method": "mrf", "jump": 2.0, "most": 1.0}, "0 < jump <= most"),
-        ({"method": "mrf", "radius": -1}, "widths of 0 px or more"),
         ({"method": "mrf-graphcut", "jump": -1.0}, "jump > 0"),
         ({"method": "reference-field", "side": 2}, "odd side"),
         ({"method": "reference-offset", "step": 0.0}, "step > 0"),

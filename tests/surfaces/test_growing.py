@@ -2,7 +2,16 @@
 
 import numpy as np
 import pytest
-from exact_scenes import CAMERA, NOTHING, SHAPE, WRAP, exact_field, plane_depth, plane_frame
+from exact_scenes import (
+    CAMERA,
+    NOTHING,
+    SHAPE,
+    WRAP,
+    corner_scene,
+    exact_field,
+    plane_depth,
+    plane_frame,
+)
 
 from cmtof.bounds import simulated_phase_noise
 from cmtof.constants import FREQUENCIES
@@ -144,8 +153,9 @@ def test_a_plane_is_one_surface_whatever_its_noise(rng):
         assert np.std(found - depth) < 0.02 * WRAP
 
 
-def test_the_corner_has_a_surface_for_each_of_its_parts(corner):
+def test_the_corner_has_a_surface_for_each_of_its_parts():
     """Cells within one part belong to one large surface that hardly any other part shares."""
+    corner = corner_scene()
     field = exact_field(corner.frame.depth, camera=CAMERA)
     owner, _ = grown_surfaces(field)
     part = corner.part.reshape(CELLS[0], CELL, CELLS[1], CELL).swapaxes(1, 2).reshape(*CELLS, -1)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from exact_scenes import CAMERA, SHAPE, WRAP, plane_depth, plane_frame
+from exact_scenes import CAMERA, SHAPE, WRAP, corner_scene, plane_depth, plane_frame
 
 import cmtof
 from cmtof.constants import FREQUENCIES
@@ -35,6 +35,16 @@ def rebuilt(measurement, correlation=None, psi=None, **more):
         measurement.frequencies,
         **{**held, "range_min": low, "range_max": high, **more},
     )
+
+
+@pytest.fixture(scope="module")
+def corner():
+    return corner_scene()
+
+
+@pytest.fixture(scope="module")
+def clean_corner(corner):
+    return simulate(corner.frame, protocol="full", noise_free=True)
 
 
 @pytest.fixture(scope="module")

@@ -25,14 +25,11 @@ SMOOTHING = 0.02
 
 
 class Synthetic(NamedTuple):
-    """The synthetic frequency of a pair."""
+    """The synthetic frequency of a pair: ``multiple`` k, |f_2 - k f_1| in Hz, and its sign."""
 
     multiple: int
-    """k: how many times the lower phase is subtracted."""
     frequency: float
-    """|f_2 - k f_1|, Hz."""
     sign: int
-    """Sign of f_2 - k f_1."""
 
 
 def synthetic_frequency(low: float, high: float) -> Synthetic:
@@ -68,17 +65,7 @@ def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
 
     The confidence takes the noise of the beat from its coherence within the window.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        At two frequencies.
-    window : int
-        Odd side of the window, px; 1 leaves every pixel alone.
-
-    Raises
-    ------
-    ValueError
-        If the window is not an odd number of at least 1.
+    Raises a ValueError if the window is not an odd number of pixels.
     """
     _check_window(window)
     phasor = beat_phasor(measurement)
@@ -97,22 +84,9 @@ def beat_guided(
     .. math:: a = (\Sigma_w + \epsilon 1)^{-1}\,\mathrm{cov}_w(g, e^{i\theta}),\quad
               b = \bar e - a \cdot \bar g,\quad q = \overline{a}\cdot g + \overline{b}
 
-    with the `guides` g, and all means weighted by ``|p_1| |p_2|``, the inverse variance of the
-    phase theta of the beat. The confidence is that of a plain average over as many pixels.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        At two frequencies.
-    window : int
-        Odd side of the windows, px.
-    smoothing : float
-        epsilon: the guides are a logarithm and numbers within the unit circle.
-
-    Raises
-    ------
-    ValueError
-        If the window is not odd or the smoothing not positive.
+    with the `guides` g, epsilon the smoothing, and all means weighted by ``|p_1| |p_2|``, the
+    inverse variance of the phase theta of the beat. The confidence is that of a plain average over
+    as many pixels. Raises a ValueError if the window is not odd or the smoothing not positive.
     """
     _check_window(window)
     if not smoothing > 0:
@@ -203,10 +177,7 @@ def _coherence(
     window: int,
     measurement: Measurement,
 ) -> NDArray[np.floating]:
-    """Odds that the averaged beat lies within half a wrap, from the scatter about its mean.
-
-    A single pixel has no scatter and gets that of pure noise.
-    """
+    """Odds that the averaged beat lies within half a wrap, from the scatter about its mean."""
     low, high = (float(f) for f in measurement.frequencies[:2])
     coherent = np.abs(mean) ** 2
     scatter = np.maximum(power - coherent, 0) if window > 1 else power

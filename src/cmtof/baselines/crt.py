@@ -31,11 +31,7 @@ def crt(measurement: Measurement) -> Estimate:
 
 
 def crt_ml(measurement: Measurement) -> Estimate:
-    """Maximum likelihood (Wang et al. 2015): the wraps of `crt`, the depth fused from both phases.
-
-    For each integer the misfit of the best depth grows with the remainder alone, so the likeliest
-    integer is the one of the smallest remainder.
-    """
+    """Maximum likelihood (Wang et al. 2015): wraps of `crt`, the depth fused from both phases."""
     wraps, residual = nearest_wrap(measurement)
     depth = fused_depth(measurement, wraps, residual)
     return Estimate(depth, _posterior(measurement, wraps, residual))
@@ -47,10 +43,6 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     ``q = round((r_2 - r_1) / M)``, ``n_1 = q k_2^{-1} mod k_1``. Depths run over the whole
     ``c / 2g``, 15 m for the prototype, whatever the range.
 
-    Raises
-    ------
-    ValueError
-        If the frequencies have no useful common divisor.
     """
     low, high = (round(f) for f in measurement.frequencies[:2])
     common = gcd(low, high)
@@ -74,9 +66,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
 
 
 def remainder_bound(frequencies: tuple[float, float]) -> float:
-    """Largest phase error at the lower frequency that the closed form survives, rad.
-
-    A remainder error below M/4 leaves every rounding right (Wang and Xia 2010).
+    """Largest phase error at the lower frequency that the closed form survives, M/4, in rad.
 
     Examples
     --------
@@ -94,13 +84,11 @@ def nearest_wrap(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[n
     From wrap to wrap the remainder moves by the fraction of ``f_2 / f_1`` of a turn, so that each
     turn has one best wrap: its zero, or the end of the range that lies nearest to it.
     """
-    low, high = measurement.frequencies[:2]
+    ratio = measurement.frequencies[1] / measurement.frequencies[0]
     first, last = wraps_in_range(measurement)
     phase = np.nan_to_num(measurement.phase[:2].astype(float)) / TAU
-    ratio = high / low
     step = ratio - round(ratio)
-    start = phase[1] - ratio * phase[0] - round(ratio) * first  # turns, at the first wrap
-    start = start - step * first
+    start = phase[1] - ratio * phase[0] - step * first  # turns, at the first wrap
     start -= np.rint(start)
     wraps, best = np.zeros(start.shape, np.int64), np.full(start.shape, np.inf)
     turns = ceil(abs(step) * (last - first)) + 1
@@ -133,11 +121,7 @@ def fused_depth(
 def _posterior(
     measurement: Measurement, wraps: NDArray[np.int64], residual: NDArray[np.float64]
 ) -> NDArray[np.floating]:
-    """Share of the chosen wrap in the likelihood of all wraps in range.
-
-    The remainders of neighbouring wraps lie ``2 pi frac(f_2 / f_1)`` apart (17.6 mrad for the
-    prototype), so close that their sum is an integral of the normal law.
-    """
+    """Share of the chosen wrap in the likelihood of all in range, whose sum is an integral."""
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
     ratio, count = high / low, last - first + 1

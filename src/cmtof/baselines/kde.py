@@ -7,16 +7,14 @@ good hypotheses at the same depth (their equation for the Kinect v2, three tones
 
 Adapted to two frequencies a GHz apart:
 
-- All N wraps in range are hypotheses. The original keeps the best two of 30; here they hold the
-  truth in less than one pixel of twenty.
+- All N wraps in range are hypotheses, where the original keeps the best two of 30.
 - ``w_j = exp(-r_j^2 / 2 s^2) exp(-(s_1^2 + s_2^2) / 2 s_0^2)``: the likelihood of the misfit
   ``r_j = phi_2 - (f_2 / f_1)(phi_1 + 2 pi j)`` of variance ``s^2 = s_2^2 + (f_2 / f_1)^2 s_1^2``,
   and their weight by phase variance with ``s_0^2 = 3``; phase noise from the residual of the fit.
-- Depths d are in wraps of the lower frequency and come from its phase alone, which noise moves by
-  far less than h = 0.25 wraps (theirs, 0.32 m, is a quarter of their shortest wrap). The answer
-  fuses both phases by inverse variances.
-- 11 x 11 px with a sigma of 2.5 px, as theirs; beyond the border there is nothing. Nothing is
-  rejected; the confidence is the share of the winner in the density of all wraps.
+- Depths d are those of the lower phase, in wraps, and h = 0.25 (theirs, 0.32 m, is a quarter of
+  their shortest wrap). The answer fuses both phases by inverse variances.
+- 11 x 11 px with a sigma of 2.5 px, as theirs. Nothing is rejected; the confidence is the share of
+  the winner in the density of all wraps.
 """
 
 from collections import deque
@@ -44,19 +42,8 @@ _FINEST = 0.01  # least misfit, rad, that counts as one sigma
 def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIUS) -> Estimate:
     """Wrap of each pixel whose depth is the densest among those of its neighbours.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        At two frequencies.
-    kernel : float
-        Width h of the kernel along depth, wraps of the lower frequency, 0.01 or more.
-    radius : int
-        Radius of the Gaussian window, px; its sigma is half of it; 0 leaves every pixel alone.
-
-    Raises
-    ------
-    ValueError
-        If an option is out of its bounds.
+    ``kernel`` is the width h along depth, wraps of the lower frequency; ``radius`` that of the
+    Gaussian window, px, with half of it as sigma. Raises a ValueError if one is out of bounds.
     """
     if not (0.01 <= kernel < np.inf and radius >= 0):
         raise ValueError(

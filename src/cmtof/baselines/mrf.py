@@ -2,16 +2,14 @@
 
 Wraps n minimise ``E(n) = sum_p U_p(n_p) + sum_pq min(jump |n_q - n_p - d_pq|, most)``.
 
-The unary cost ``U_p(n) = kappa_p (1 - cos r_p(n))`` is the von Mises law of the beat, where r is
-the wrapped remainder that n leaves of it: to second order ``r^2 / 2 sigma^2`` with ``kappa = 1 /
-sigma^2`` and ``sigma^2 = (s_2 / a_2)^2 + (k s_1 / a_1)^2`` from noise s and amplitudes a.
-``d_pq = round((phi_p - phi_q) / 2 pi)`` lets the wraps follow the phase across its jumps, so that a
-smooth surface costs nothing, however steep, up to half a wrap per pixel.
+The unary cost ``U_p(n) = kappa_p (1 - cos r_p(n))`` is the von Mises law of the beat, r the
+remainder that n leaves of it and ``1 / kappa = (s_2 / a_2)^2 + (k s_1 / a_1)^2`` from noise s and
+amplitudes a. ``d_pq = round((phi_p - phi_q) / 2 pi)`` lets the wraps follow the phase across its
+jumps, so that a smooth surface costs nothing up to half a wrap per pixel.
 
-`mrf` lowers the energy along eight directions (semi-global matching, Hirschmüller 2008);
-`mrf_graphcut` goes on with a convex prior by moves of all pixels at once. Each move is a minimum
-cut; moves by one wrap are those of PUMA (Bioucas-Dias and Valadão 2007), larger ones leap over the
-ripples of unary costs that are not convex.
+`mrf` lowers the energy along eight directions (Hirschmüller 2008). `mrf_graphcut` goes on with a
+convex prior by moves of all pixels at once, each a minimum cut; moves by one wrap are those of PUMA
+(Bioucas-Dias and Valadão 2007).
 """
 
 from typing import NamedTuple
@@ -21,18 +19,17 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, uniform_filter
 
-from cmtof.baselines import Estimate, within_range, wraps_in_range
+from cmtof.baselines import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.baselines.beat import synthetic_frequency
-from cmtof.correlation import TAU, centred, depth_from_wraps, wrapped
+from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.measurement import Measurement
 
 JUMP, MOST = 0.03, 0.1
 """Cost of a step by one wrap that the phase does not show, and of the largest step: the best of 13
-settings on six views of validation rooms. Costs that are right for a single pair are 200 times
-higher: lines across a surface hold far less information than all of its pixels."""
+settings on six views of validation rooms, as are the following."""
 RADIUS, POOLING = 2, 6.0
 """Half side, px, of the square over which phasors are summed, turned back by the slope, and
-standard deviation, px, of the Gaussian over which the beat is averaged; chosen with them."""
+standard deviation, px, of the Gaussian over which the beat is averaged."""
 MOVES = (4, -4, 2, -2, 1, -1)
 """Moves of a round of graph cuts, wraps."""
 _TEMPERATURE = 0.08  # of the softmax: on the same views its mean is 0.36, where 33 % are right
@@ -44,16 +41,16 @@ _FAR = np.int32(2**30)
 
 
 class Field(NamedTuple):
-    """The random field of a measurement."""
+    """The random field of a measurement.
+
+    Smoothed ``phase`` (H, W), rad, which the labels belong to; ``beat`` (H, W, 2), kappa (cos, sin)
+    of what label 0 leaves of it; its ``angles`` (N,) at each label; wrap of the ``first`` label.
+    """
 
     phase: NDArray[np.float32]
-    """Smoothed phase of the lower frequency (H, W), rad, which the labels belong to."""
     beat: NDArray[np.float32]
-    """kappa (cos, sin) of the beat that the label 0 leaves, (H, W, 2)."""
     angles: NDArray[np.float64]
-    """Angle of the beat at each label (N,), rad."""
     first: int
-    """Wrap of the label 0."""
 
     def unary(self, labels: NDArray[np.integer]) -> NDArray[np.floating]:
         """Cost (H, W) of labels (H, W), but for a constant."""
@@ -66,57 +63,22 @@ class Field(NamedTuple):
         return within_range(depth_from_wraps(phase, labels + self.first, frequency), measurement)
 
 
-def mrf(
-    measurement: Measurement,
-    *,
-    jump: float = JUMP,
-    most: float = MOST,
-    radius: int = RADIUS,
-    pooling: float = POOLING,
-) -> Estimate:
-    """Semi-global matching of the wraps of the field along eight directions.
+def mrf(measurement: Measurement) -> Estimate:
+    """Wraps of least cost summed over eight paths.
 
     Each path is a chain whose best costs up to a pixel follow from the pixel before,
-    ``L(q, n) = U_q(n) + min_m [L(p, m) + min(jump |n - m - d_pq|, most)] - min_m L(p, m)``;
-    the wrap of least cost summed over the paths is taken.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        At two frequencies.
-    jump, most : float
-        Cost of a step by one wrap that the phase does not show, and of the largest step.
-    radius, pooling
-        See `RADIUS`.
-
-    Raises
-    ------
-    ValueError
-        Unless ``0 < jump <= most``, and for a negative width.
+    ``L(q, n) = U_q(n) + min_m [L(p, m) + min(jump |n - m - d_pq|, most)] - min_m L(p, m)``.
     """
-    if not 0 < jump <= most < np.inf:
-        raise ValueError(
-            f"Expected costs 0 < jump <= most, got {jump:g} and {most:g}. "
-            f"Try {JUMP:g} and {MOST:g}."
-        )
-    field = wrap_field(measurement, radius=radius, pooling=pooling)
-    labels, odds = semi_global_labels(field, jump=jump, most=most)
+    field = wrap_field(measurement)
+    labels, odds = semi_global_labels(field)
     return Estimate(field.depth(labels, measurement), odds)
 
 
 def mrf_graphcut(measurement: Measurement, *, jump: float = JUMP, rounds: int = 2) -> Estimate:
     """Graph cuts with the convex prior ``jump |n_q - n_p - d_pq|``, from where `mrf` ends.
 
-    The confidence is that of the matching, inverted where the cuts disagree with it.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        At two frequencies.
-    jump : float
-        Cost of a step by one wrap that the phase does not show.
-    rounds : int
-        Rounds of `MOVES` at most; it ends before if none of them helps.
+    Ends after ``rounds`` of `MOVES` or when none helps. The confidence is that of the matching,
+    inverted where the cuts disagree with it.
     """
     if not 0 < jump < np.inf:
         raise ValueError(f"Expected a cost jump > 0, got {jump:g}. Try {JUMP:g}.")
@@ -127,25 +89,17 @@ def mrf_graphcut(measurement: Measurement, *, jump: float = JUMP, rounds: int = 
     return Estimate(field.depth(labels, measurement), changed)
 
 
-def wrap_field(
-    measurement: Measurement, *, radius: int = RADIUS, pooling: float = POOLING
-) -> Field:
-    """Smoothed phases and beat of a measurement, weighted by their noise; see `RADIUS`."""
-    if radius < 0 or pooling < 0:
-        raise ValueError(
-            f"Expected widths of 0 px or more, got {radius} and {pooling:g}. Try {RADIUS} and "
-            f"{POOLING:g}."
-        )
+def wrap_field(measurement: Measurement) -> Field:
+    """Smoothed phases and beat of a measurement, weighted by their noise."""
     low, high = measurement.frequencies[:2]
     synthetic = synthetic_frequency(low, high)
     phase, amplitude = measurement.phase[:2].astype(float), measurement.amplitude[:2].astype(float)
     known = (np.isfinite(phase) & np.isfinite(amplitude)).all(axis=0)
     phasors = np.where(known, amplitude, 0) * np.exp(1j * np.where(known, phase, 0))
-    slope = _slope(phasors[0], 2 * max(radius, 1) + 1)
-    smooth, narrow = np.empty_like(phasors), np.empty_like(phasors)
-    _coherent_mean(*phasors, *slope, high / low, radius, smooth)
-    _coherent_mean(*phasors, *slope, high / low, 1, narrow)
-    noise = [_noise(*pair) for pair in zip(phasors, narrow, strict=True)]
+    slope, smooth = _slope(phasors[0], 2 * RADIUS + 1), np.empty_like(phasors)
+    _coherent_mean(*phasors, *slope, high / low, RADIUS, smooth)
+    spread = np.where(known & (amplitude > 0), phase_noise(measurement) * amplitude, np.nan)
+    noise = np.nanmedian(spread, axis=(1, 2)) if np.isfinite(spread).any() else (0.0, 0.0)
     mean_phase = wrapped(np.angle(smooth[0]))
     beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * mean_phase)
     # neighbours share what smoothing gained, so each gets the variance of a single pixel
@@ -155,7 +109,7 @@ def wrap_field(
     kappa = np.where((size > 0).all(axis=0), 1 / np.maximum(variance, 1 / _SHARPEST), 0)
     first, last = wraps_in_range(measurement)
     share = synthetic.frequency / low
-    turned = _pooled(kappa, beat, share * slope, pooling)
+    turned = _pooled(kappa, beat, share * slope)
     turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
     return Field(
         mean_phase.astype(np.float32),
@@ -178,32 +132,18 @@ def _slope(phasor: NDArray[np.complex128], window: int) -> NDArray[np.float64]:
 
 
 def _pooled(
-    kappa: NDArray[np.float64], beat: NDArray[np.float64], slope: NDArray[np.float64], width: float
+    kappa: NDArray[np.float64], beat: NDArray[np.float64], slope: NDArray[np.float64]
 ) -> NDArray[np.complex128]:
-    """Gaussian mean of ``kappa exp(i beat)``, moved from the centre of its weights to the pixel.
-
-    Next to borders and dark surfaces the bright pixels lie to one side, where a slanted surface
-    has another beat: by its slope (2, H, W), rad/px, times the distance of their centre.
-    """
+    """Gaussian mean of ``kappa exp(i beat)``, moved by the slope from the centre of its weights."""
 
     def mean(image: NDArray[np.float64]) -> NDArray[np.float64]:
-        return gaussian_filter(image, width, mode="constant")
+        return gaussian_filter(image, POOLING, mode="constant")
 
     total = np.maximum(mean(kappa), np.finfo(float).tiny)
     place = np.indices(kappa.shape, sparse=True)
     off = sum(s * (mean(kappa * at) / total - at) for s, at in zip(slope, place, strict=True))
     phasor = mean(kappa * np.cos(beat)) + 1j * mean(kappa * np.sin(beat))
     return phasor * np.exp(-1j * off)
-
-
-def _noise(phasor: NDArray[np.complex128], mean: NDArray[np.complex128]) -> float:
-    """Noise of one phasor across its direction, counts: the median of what smoothing removed."""
-    size = np.abs(phasor)
-    known = size > 0
-    if not known.any():
-        return 0.0
-    turn = centred(np.angle(phasor[known] * np.conj(mean[known])))
-    return float(1.4826 * np.median(size[known] * np.abs(np.sin(turn))))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -230,9 +170,8 @@ def semi_global_labels(
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     """Labels (H, W) of least aggregated cost over eight paths, and their softmax; see `mrf`.
 
-    The costs of all rows at once would take H W N floats. So the downward sweep runs through and
-    leaves its state at the head of every strip of ``rows``; then, from the last strip up, it runs
-    through each strip again, where the upward sweep meets it. ``rows`` changes no result.
+    To keep memory small the downward sweep leaves its state at the head of every strip of ``rows``
+    and runs through each strip again, where the upward sweep meets it; that changes no result.
     """
     height, width = field.phase.shape
     count = field.angles.size
@@ -263,10 +202,9 @@ def semi_global_labels(
 def _sweep(
     beat, phase, cosine, sine, jump, most, start, stop, step, above, total
 ):  # pragma: no cover - compiled
-    """Four of the eight paths through rows start, start + step, ... before stop.
+    """Four of the paths through rows start, start + step, ..., added to total (rows, W, N).
 
-    ``above`` (3, W, N) holds the costs of the row before and is replaced by those of the last row;
-    ``total`` (rows, W, N) gains the sum over the four paths.
+    ``above`` (3, W, N) holds the costs of the row before and is replaced by those of the last row.
     """
     height, width = phase.shape
     labels = cosine.size
@@ -305,8 +243,7 @@ def _sweep(
 def _cheapest(before, wide, spare, jump, most):  # pragma: no cover - compiled
     """Min over m of ``before(m) - least + min(jump |n - m|, most)``, a label more at each end.
 
-    Cones of 1, 2, 4, ... steps one after the other make up a cone as wide as ``most`` lets it
-    count; slices of one length make each a loop that becomes vector code.
+    Cones of 1, 2, 4, ... steps one after the other make up one as wide as ``most`` lets it count.
     """
     labels = before.size
     least = before[0]
@@ -382,8 +319,8 @@ def best_move(
 ) -> NDArray[np.bool_]:
     """Pixels (H, W) whose move by ``step`` wraps, all at once, lowers the energy most.
 
-    The costs ``A, B, C, A`` of a pair for the choices 00, 01, 10, 11 are ``A + (C - A) x_p
-    + (A - C) x_q + (B + C - 2 A) (1 - x_p) x_q``, and a convex prior keeps the last factor >= 0.
+    The costs ``A, B, C, A`` of a pair for the choices 00, 01, 10, 11 are ``A + (C - A) (x_p - x_q)
+    + (B + C - 2 A) (1 - x_p) x_q``, and a convex prior keeps the last factor >= 0.
     """
     target = labels + step
     inside = (target >= 0) & (target < field.angles.size)
@@ -416,15 +353,9 @@ def minimum_cut(
 ) -> NDArray[np.bool_]:
     """Binary x (H, W) of least ``sum e_p x_p + sum c_pq (1 - x_p) x_q`` on a grid, c >= 0.
 
-    Preflow-push (Goldberg and Tarjan 1988): excess is the cost of choosing x = 1, deficit its gain,
-    and x = 1 is chosen where a deficit can still be reached when no more flow can. Of equal minima
-    the one with the fewest ones is found.
-
-    Parameters
-    ----------
-    excess : ndarray of int64, shape (H, W)
-    right, down : ndarray of int64, shape (H, W)
-        c_pq to the pixel right of or below p; ignored beyond the border.
+    Preflow-push (Goldberg and Tarjan 1988): excess e is the cost of x = 1, deficit its gain, and
+    x = 1 where a deficit can still be reached when no more flow can; c (H, W) leads to the pixel
+    ``right`` of or ``down`` from p. SciPy's maximum flow is fifteen times slower on such grids.
     """
     rows, width = excess.shape
     stride = width + 1  # a column without edges keeps rows apart

@@ -25,13 +25,8 @@ from cmtof.measurement import Measurement
 def phasor(measurement: Measurement) -> Estimate:
     """Depth in range whose pair of phasors is the nearest to the measured pair.
 
-    The confidence is the odds that noise leaves the beat within half a wrap,
-    ``erf(1 / (2 sqrt2 sigma_n))`` with ``sigma_n = 161 sigma_phi`` at 7.15 and 7.16 GHz.
-
-    Raises
-    ------
-    ValueError
-        If the two frequencies are so far apart that their beat repeats within the range.
+    The confidence is the odds that noise leaves the beat within half a wrap. Raises a ValueError if
+    the two frequencies are so far apart that their beat repeats within the range.
     """
     low, high = (float(f) for f in measurement.frequencies[:2])
     covered, extent = float(wrap_length(high - low)), measurement.range[1] - measurement.range[0]

@@ -26,12 +26,10 @@ SMALLEST = 100
 
 
 class Pooled(NamedTuple):
-    """Angles of summed phasors, each array one value a region (..., S)."""
+    """Angles of summed phasors, rad, and their standard deviation; infinite for a single pixel."""
 
     phase: NDArray[np.floating]
-    """Angle of the sum, rad."""
     spread: NDArray[np.floating]
-    """Standard deviation of that angle, rad; infinite for a single pixel."""
 
 
 def spatial(measurement: Measurement) -> Estimate:
@@ -51,33 +49,12 @@ def spatial(measurement: Measurement) -> Estimate:
     return Estimate(depth, np.full(measurement.shape, guess))
 
 
-def region(
-    measurement: Measurement,
-    *,
-    step: float = STEP,
-    edge: float = EDGE,
-    coherence: float = COHERENCE,
-    smallest: int = SMALLEST,
-) -> Estimate:
+def region(measurement: Measurement) -> Estimate:
     """Place each region of the spatially unwrapped phase by its pooled beat.
 
     Neighbours belong together unless the unwrapped phase or the amplitude steps between them. The
     phasors of the beat, demodulated by the relative depth, are summed over each region; the angle
     of the sum gives its whole wraps.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        At two frequencies.
-    step, edge, coherence : float
-        See `STEP`, `EDGE` and `COHERENCE`.
-    smallest : int
-        Smaller regions, px, take the depth of the nearest pixel of a larger one, if there is any.
-
-    Raises
-    ------
-    ValueError
-        If the frequencies are multiples of each other.
     """
     low, high = (float(f) for f in measurement.frequencies[:2])
     synthetic, mask = synthetic_frequency(low, high), measurement.mask
@@ -86,11 +63,11 @@ def region(
         return Estimate(np.full(mask.shape, middle), np.zeros(mask.shape))
     phase = relative_phase(measurement)
     bright, coherent = guides(measurement)[:2]
-    inside = mask & (coherent >= coherence)
+    inside = mask & (coherent >= COHERENCE)
     links = []
     for axis in (0, 1):
-        gentle = abs(np.diff(phase, axis=axis)) <= step
-        gentle &= abs(np.diff(bright, axis=axis)) <= edge
+        gentle = abs(np.diff(phase, axis=axis)) <= STEP
+        gentle &= abs(np.diff(bright, axis=axis)) <= EDGE
         links.append(gentle & np.delete(inside, -1, axis) & np.delete(inside, 0, axis))
     number = components(*links)
     shape = depth_from_phase(phase, low)
@@ -98,7 +75,7 @@ def region(
     pooled = pool(np.where(mask, beat, 0), number)
     offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
     odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=(low, high)))
-    near = nearest(inside & (np.bincount(number.ravel())[number] >= smallest))
+    near = nearest(inside & (np.bincount(number.ravel())[number] >= SMALLEST))
     depth, confidence = (shape + offset[number])[near], odds[number][near]
     return Estimate(within_range(depth, measurement), np.where(mask, confidence, 0))
 
@@ -155,17 +132,10 @@ def whole_wraps(
     measurement: Measurement,
     fraction: NDArray[np.floating] | float = 0.0,
 ) -> NDArray[np.floating]:
-    """Offset of each region, m: whole wraps and a known fraction, nearest to that of the beat.
+    """Offset of each region (S,), m: whole wraps and a known fraction, nearest to that of the beat.
 
-    Parameters
-    ----------
-    beat : ndarray, shape (S,)
-        Phase of the demodulated beat, rad.
-    middle : ndarray, shape (S,)
-        Mean relative depth of the region, m; with its offset it lies in the measurement's range.
-    measurement : Measurement
-    fraction : ndarray, shape (S,)
-        Part of the offset that is known, m, modulo one wrap.
+    ``beat`` is the phase of the demodulated beat, rad; ``middle`` the mean relative depth, m, which
+    lies in range with its offset.
     """
     low, high = measurement.frequencies[:2]
     turned = phase_from_depth(middle, synthetic_frequency(low, high).frequency)
