@@ -96,14 +96,14 @@ def test_stored_counts_are_read_and_give_rates_with_intervals(tmp_path, tilted_w
     held = read_counts(path)
     assert held == counts
     found = rates(held, "crt", draws=200)
-    whole = sum(frame["pixels"] for frame in counts)
+    whole = sum(frame["methods"]["crt"]["pixels"] for frame in counts)
     right = sum(frame["methods"]["crt"]["below"][0] for frame in counts)
     assert found.value[0] == pytest.approx(right / whole)
     assert (found.low <= found.value).all()
     assert (found.high >= found.value).all()
     apart = rates(held, "crt", against="middle", draws=200)
     np.testing.assert_allclose(apart.value, found.value - rates(held, "middle", draws=50).value)
-    counts[0]["pixels"] += 1
+    counts[0]["frame"] = "another"
     path.write_text(json.dumps({"frames": counts, "sha256": evaluation.digest(held)}))
     with pytest.raises(ValueError, match="edited ones. Count again"):
         read_counts(path)

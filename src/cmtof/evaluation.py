@@ -30,18 +30,11 @@ _EDGES = np.geomspace(1e-7, 1e2, 18_001)  # of depth errors, m, 0.12 % apart: me
 
 
 def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDArray]:
-    """A result and its truth over the valid pixels that have a depth.
+    """A result and its truth over the valid pixels that have a depth, each of shape (P,).
 
-    Returns
-    -------
-    dict of ndarray, shape (P,)
-        ``wrap_count``, ``true_count`` (the paper's floor), ``consistent``, ``true_consistent``
-        (the wraps that turn the measured phase into depth), ``depth_error`` (m), ``confidence``.
-
-    Raises
-    ------
-    ValueError
-        If the measurement holds no true depth or no valid pixel.
+    ``wrap_count``, ``true_count`` (the paper's floor), ``consistent``, ``true_consistent`` (the
+    wraps that turn the measured phase into depth), ``depth_error`` (m), ``confidence``. Raises a
+    ValueError if the measurement holds no true depth or no valid pixel.
     """
     truth = measurement.depth
     if truth is None:
@@ -71,16 +64,12 @@ class Tally:
         self._errors = np.zeros(_EDGES.size + 1, np.int64)
 
     def add(self, pixels: Mapping[str, NDArray]) -> dict[str, Any]:
-        """Count the `scored_pixels` of a frame; return its counts.
-
-        ``pixels``, ``below`` (pixels with a wrap error below each of `LIMITS`), ``consistent``.
-        """
+        """Counts of the `scored_pixels` of a frame; ``below`` each of `LIMITS` by wrap error."""
         delta = np.abs(pixels["wrap_count"] - pixels["true_count"])
         right = pixels["consistent"] == pixels["true_consistent"]
         error = np.abs(pixels["depth_error"])
         self._squares += float(np.sum(error**2))
-        place = np.searchsorted(_EDGES, error)
-        self._errors += np.bincount(place, minlength=_EDGES.size + 1)
+        self._errors += np.bincount(np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1)
         counts = {
             "pixels": delta.size,
             "below": [int((delta < limit).sum()) for limit in LIMITS],
@@ -109,16 +98,7 @@ class Tally:
 
 
 def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> dict[str, float]:
-    """Rates and depth errors over the `scored_pixels` of one or more frames.
-
-    Examples
-    --------
-    >>> import cmtof
-    >>> measurement = cmtof.simulate(cmtof.load_frame("still_life"), noise_free=True)
-    >>> result = cmtof.unwrap(measurement, method="crt")
-    >>> score(scored_pixels(result, measurement))["delta_lt_1"]
-    1.0
-    """
+    """Rates and depth errors over the `scored_pixels` of one or more frames."""
     tally = Tally()
     for pixels in [frames] if isinstance(frames, Mapping) else frames:
         tally.add(pixels)
@@ -128,18 +108,10 @@ def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> di
 def measured(
     frame: Frame, methods: Iterable[str], *, number: int = 0, **conditions: Any
 ) -> dict[str, Measurement]:
-    """What each method is given of a frame: the same noise and the same scored pixels.
+    """Measurement of a frame for each method: the same noise and the same scored pixels.
 
-    Methods of other frequencies get a measurement of their own, of the same seed.
-
-    Parameters
-    ----------
-    frame : Frame
-    methods : iterable of str
-    number : int
-        The noise is drawn from (seed, number).
-    **conditions
-        Options of `cmtof.simulation.simulate`.
+    Methods of other frequencies get one of their own. ``conditions`` are options of
+    `cmtof.simulation.simulate`; the noise is drawn from (seed, number).
     """
     usual = simulate(frame, frame_number=number, **conditions)
     _ = usual.decoded  # shared, so that no method is charged for it
@@ -160,15 +132,8 @@ class Evaluation:
     """Scores of several methods over several frames.
 
     Call `add` for each frame, in order; the noise of frame i is drawn from (seed, i), and every
-    method sees the same.
-
-    Parameters
-    ----------
-    methods : sequence of str
-    options : dict of dict
-        Of each method that shall not run with its defaults.
-    **conditions
-        Options of `cmtof.simulation.simulate`.
+    method sees the same. ``options`` are those of each method that shall not run with its defaults,
+    ``conditions`` those of `cmtof.simulation.simulate`.
     """
 
     def __init__(
@@ -206,30 +171,21 @@ class Evaluation:
         return self
 
     def counts(self) -> list[dict[str, Any]]:
-        """Counts of every frame: its name, its scored pixels, and those of each method."""
+        """Counts of every frame: its name, and those of each method."""
         return [
-            {
-                "frame": name,
-                "pixels": next(iter(self._tallies.values())).frames[i]["pixels"],
-                "methods": {
-                    method: {key: tally.frames[i][key] for key in ("below", "consistent")}
-                    for method, tally in self._tallies.items()
-                },
-            }
+            {"frame": name, "methods": {m: t.frames[i] for m, t in self._tallies.items()}}
             for i, name in enumerate(self.frames)
         ]
 
     def report(self) -> dict[str, Any]:
         """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them."""
-        if not self.frames:
-            raise ValueError("Expected at least one frame, got none. Add frames first.")
         noise = 0.0 if self.conditions.get("noise_free") else self.conditions.get("noise")
         return {
             "protocol": self.conditions.get("protocol", "released"),
             "noise": float(NOISE_SIGMA if noise is None else noise),
             "seed": self.conditions.get("seed", 0),
             "frames": self.frames,
-            "coverage": self._coverage / len(self.frames),
+            "coverage": self._coverage / max(len(self.frames), 1),
             "methods": {
                 name: tally.score() | {"seconds_per_frame": self._seconds[name] / len(self.frames)}
                 for name, tally in self._tallies.items()
@@ -246,10 +202,7 @@ def digest(counts: Sequence[Mapping[str, Any]]) -> str:
 def read_counts(path: str | Path) -> list[dict[str, Any]]:
     """Counts of every test frame as ``tools/tables.py`` has stored them; empty without a file.
 
-    Raises
-    ------
-    ValueError
-        If the counts were changed after they were written.
+    Raises a ValueError if the counts were changed after they were written.
     """
     path = Path(path)
     if not path.is_file():
@@ -263,18 +216,11 @@ def read_counts(path: str | Path) -> list[dict[str, Any]]:
 def rates(
     counts: Sequence[Mapping[str, Any]], method: str, *, against: str = "", draws: int = 2000
 ) -> Interval:
-    """`RATES` (5,) of a method over counted frames, with 95 % intervals over frames.
+    """`RATES` (5,) of a method over counted frames, with 95 % intervals over redrawn frames.
 
-    Parameters
-    ----------
-    counts : sequence of dict
-        Of `Evaluation.counts` or `read_counts`.
-    method, against : str
-        A method, and one whose rates are subtracted, on the same redrawn frames.
-    draws : int
-        Sets of frames redrawn.
+    Less those of the method ``against``, on the same redrawn frames.
     """
-    whole = np.array([frame["pixels"] for frame in counts])
+    whole = np.array([frame["methods"][method]["pixels"] for frame in counts])
 
     def parts(name: str) -> NDArray[np.int64]:
         held = [frame["methods"][name] for frame in counts]

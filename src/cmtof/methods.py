@@ -16,20 +16,11 @@ from cmtof.surfaces import surfaces
 
 @dataclass(frozen=True)
 class Method:
-    """An unwrapping method.
+    """An unwrapping method; ``run(measurement, **options)`` returns an `Estimate`.
 
-    Attributes
-    ----------
-    name, kind, source, summary : str
-        Kind is classical, learned, trivial or reference; source is whom to cite.
-    run : callable
-        ``run(measurement, **options)`` returns an `Estimate`.
-    frequencies : int
-        Modulation frequencies that it needs.
-    tones : tuple of float
-        Frequencies, Hz, to measure a frame with, where those of the prototype do not serve.
-    knows_truth : bool
-        Reads the true depth: no method, but a reference for others.
+    Its kind is classical, learned, trivial or reference, its source whom to cite. It needs so many
+    ``frequencies``, or the ``tones``, Hz, where those of the prototype do not serve. A reference
+    ``knows_truth``: it reads the true depth.
     """
 
     name: str
@@ -163,12 +154,7 @@ DEFAULT = "surfaces"
 
 
 def find_method(name: str) -> Method:
-    """Method of that name or alias.
-
-    Raises
-    ------
-    ValueError
-        For an unknown name; the message lists all.
+    """Method of that name or alias; a ValueError for an unknown one lists all.
 
     Examples
     --------

@@ -81,14 +81,12 @@ def unwrap(
     depth = depth_from_wraps(phase, wraps, frequency)
     count, sure = wrap_count_from_depth(believed, frequency), estimate.confidence
     dims = ("y", "x")
-    result = xr.Dataset(
-        {
-            "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
-            "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
-            "confidence": (dims, np.where(mask, sure, 0).astype(np.float32)),
-        }
-    )
-    result.attrs = {
+    images = {
+        "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
+        "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
+        "confidence": (dims, np.where(mask, sure, 0).astype(np.float32)),
+    }
+    attributes = {
         "method": chosen.name,
         "method_source": chosen.source,
         "frequency": float(frequency),
@@ -97,4 +95,4 @@ def unwrap(
         **{f"option_{k}": str(v) if isinstance(v, Path) else v for k, v in options.items()},
         "version": measurement.dataset.attrs.get("version", ""),
     }
-    return result
+    return xr.Dataset(images, attrs=attributes)

@@ -135,15 +135,6 @@ def state(model: str, protocol: str = "released", folder: Path = FOLDER) -> str:
     return "trained" if read_card(path).gain[1] > 0 else "untrained"
 
 
-def state(model: str, protocol: str) -> str:
-    """Whether the weights of a model are trained, untrained (no gain) or not there."""
-    path = weights_path(model, protocol)
-    if not path.is_file():
-        return "no weights"
-    rates = read_card(path).get("validation_in_half_precision", {})
-    return "trained" if rates.get("delta_lt_1", 0.0) > 0.2 else "untrained"
-
-
 def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Path:
     """Shipped weights of a model with the fewest classes that hold the wraps first to last."""
     cards = {path: read_card(path) for path in sorted(folder.glob(f"{model}.*.safetensors"))}
