@@ -13,6 +13,9 @@ Vector = NDArray[np.float64]
 TRIES = 28
 """Places drawn for each view."""
 
+MIDDLE, SPREAD, SQUARE = 6.5, 0.8, 0.8
+"""Median of a view's median range, m; its spread, log; share of views that face a wall."""
+
 _PROBE = 16  # a candidate is judged by that many rays squared
 _AIR = 0.22  # m, free about a camera
 _CLOSE = (0.5, 1.2)  # m
@@ -75,19 +78,9 @@ def room_cameras(
 
     Of the places drawn for each view, those without air around them or with something right before
     them are left out; the one whose median range is nearest to a drawn one is taken. Those ranges
-    are spread as Hypersim's are: log-normal about 4.8 m. Half of the cameras face a wall squarely,
-    as interiors are often photographed.
-
-    Parameters
-    ----------
-    count : int
-        Views.
-    world : World
-    lens : Lens
-    floor : list of (x0, x1, y0, y1)
-        Rectangles where a camera may stand, m.
-    height : float
-        Of the ceiling, m.
+    are spread as Hypersim's are, log-normal. Four of five cameras face a wall squarely,
+    as interiors are often photographed. ``floor`` holds rectangles (x0, x1, y0, y1) where a camera
+    may stand, ``height`` is the ceiling's, m.
     """
     area = np.array([(x1 - x0) * (y1 - y0) for x0, x1, y0, y1 in floor])
     views: list[Camera] = []
@@ -109,22 +102,10 @@ def room_cameras(
     return views
 
 
-MIDDLE, SPREAD, SQUARE = 6.5, 0.8, 0.8
-"""Median of a view's median range, m; its spread, log; share of views that face a wall."""
-
-
 def close_cameras(
     count: int, world: World, lens: Lens, *, things: NDArray, rng: np.random.Generator
 ) -> list[Camera]:
-    """Views of single things from 0.5 to 1.2 m away.
-
-    Parameters
-    ----------
-    count : int
-        Views.
-    things : ndarray of int
-        Instances worth a look.
-    """
+    """Views from 0.5 to 1.2 m away of single ``things``, given by their numbers."""
     boxes = [np.stack([part.mesh.bounds for part in world.things[k - 1].parts]) for k in things]
     low = np.array([box[:, 0].min(axis=0) for box in boxes])
     high = np.array([box[:, 1].max(axis=0) for box in boxes])

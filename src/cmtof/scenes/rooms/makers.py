@@ -293,16 +293,10 @@ def vessel(kit: Kit, size: Size, *, profile: str = "vase", material: str = "cera
 
 
 def blob(
-    kit: Kit,
-    size: Size,
-    *,
-    material: str = "fabric",
-    noise: float = 0.1,
-    squareness: float = 0.0,
-    fineness: int = 3,
+    kit: Kit, size: Size, *, material: str = "fabric", noise: float = 0.1, squareness: float = 0.0
 ) -> Made:
     """Something soft or grown: cushion, fruit, stone, toy."""
-    body = ball(1.0, noise=noise, rng=kit.rng, squareness=squareness, fineness=fineness)
+    body = ball(1.0, noise=noise, rng=kit.rng, squareness=squareness, fineness=3)
     low, high = body.bounds
     body.vertices = (body.vertices - (low + high) / 2) * np.array(size) / (high - low)
     return Made().add(kit.material(material), moved(body, (0, 0, size[2] / 2)))

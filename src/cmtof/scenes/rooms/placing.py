@@ -13,6 +13,15 @@ from cmtof.scenes.rooms.materials import Material
 from cmtof.scenes.rooms.shell import Rectangle, Shell, Wall
 from cmtof.scenes.rooms.solids import moved
 
+Kind = dict[str, Any]
+Extents = tuple[float, float, float]
+"""Width, depth, height, m."""
+Place = tuple[float, float, float, float]
+"""x, y, z of the foot, m, and turn, rad."""
+
+WARM = (1.0, 0.93, 0.82)
+"""Colour of lamps."""
+
 TRIES = 14
 """Places that are tried for one thing before it is left out."""
 
@@ -79,10 +88,7 @@ class Furnishing:
         """Place kinds, each about as often as asked for, the largest first."""
         kinds = presets()["kinds"]
         order = {"wall": 0, "corner": 0, "free": 1, "hung": 2, "flat": 3, "ceiling": 4}
-        drawn = [
-            (name, int(min(self.kit.rng.poisson(mean), 2 * mean + 1)))
-            for name, mean in counts.items()
-        ]
+        drawn = [(name, self._times(mean)) for name, mean in counts.items()]
         drawn.sort(key=lambda one: (order[kinds[one[0]]["at"]], -_area(kinds[one[0]])))
         for name, count in drawn:
             for _ in range(count):
@@ -92,61 +98,61 @@ class Furnishing:
         """Make one thing of a kind and find a place for it, with what belongs to it."""
         kind = presets()["kinds"][name]
         size = self._size(kind)
-        place = {
-            "wall": self._wall,
-            "corner": self._wall,
-            "hung": self._wall,
-            "free": self._free,
-            "flat": self._free,
-            "ceiling": self._ceiling,
-        }[kind["at"]]
-        found = place(kind, size)
-        if found is None:
+        find = {"free": self._free, "flat": self._free, "ceiling": self._ceiling}
+        place = find.get(kind["at"], self._wall)(kind, size)
+        if place is None:
             return False
-        x, y, z, turn = found
         made = self._made(kind, size)
-        self._stand(name, made, (x, y, z), turn)
-        for other, (low, high) in kind.get("around", {}).items():
-            count = int(self.kit.rng.integers(low, high + 1))
-            self._around(other, count, (x, y), turn, size)
-        self._decorate(made, kind.get("upon", {}), (x, y, z), turn)
+        self._stand(name, made, place)
+        for other, count in kind.get("around", {}).items():
+            self._around(other, self.kit.count(count), place, size)
+        self._decorate(made, kind.get("upon", {}), place)
         return True
 
-    def _size(self, kind: dict[str, Any]) -> tuple[float, float, float]:
+    def _times(self, mean: float) -> int:
+        return int(min(self.kit.rng.poisson(mean), 2 * mean + 1))
+
+    def _size(self, kind: Kind) -> Extents:
         w, d, h = (self.kit.between(*pair) for pair in kind["size"])
         return w, d, min(h, self.shell.height - self.shell.lowest - 0.01)
 
-    def _made(self, kind: dict[str, Any], size: tuple[float, float, float]) -> Made:
+    def _made(self, kind: Kind, size: Extents) -> Made:
         return MAKERS[kind["maker"]](self.kit, size, **kind.get("make", {}))
 
-    def _stand(self, name: str, made: Made, at: tuple[float, float, float], turn: float) -> None:
-        parts = [Part(moved(part.mesh, at, turn), part.material) for part in made.parts]
+    def _stand(self, name: str, made: Made, place: Place) -> None:
+        x, y, z, turn = place
+        parts = [Part(moved(part.mesh, (x, y, z), turn), part.material) for part in made.parts]
         self.things.append(Thing(name, parts))
         if made.glow is not None:
-            z, half, way, power = made.glow
-            centre = (at[0], at[1], at[2] + z)
-            self.lights.append(
-                Light(centre, (half, 0, 0), (0, half, 0), (0, 0, way), power, (1.0, 0.93, 0.82))
-            )
+            up, half, way, power = made.glow
+            square = (x, y, z + up), (half, 0, 0), (0, half, 0), (0, 0, way)
+            self.lights.append(Light(*square, power, WARM))
 
     def _take(self, area: Rectangle, height: float) -> None:
         self.taken.append(area)
         if height > 1.8:
             self.tall.append(area)
 
-    def _fits(self, area: Rectangle, height: float, before: Rectangle | None = None) -> bool:
+    def _fits(
+        self,
+        area: Rectangle,
+        height: float,
+        *,
+        before: Rectangle | None = None,
+        clear: list[Rectangle] | None = None,
+    ) -> bool:
         """Whether floor and height are free, also where something opens or people pass."""
         x0, x1, y0, y1 = area
         inside = any(x0 >= a and x1 <= b and y0 >= c and y1 <= d for a, b, c, d in self.shell.floor)
         if not inside or height > self.shell.headroom(area):
             return False
-        if any(overlap(area, other) for other in self.taken + self.clear):
+        if any(
+            overlap(area, other) for other in self.taken + (self.clear if clear is None else clear)
+        ):
             return False
         return before is None or not any(overlap(before, other) for other in self.taken)
 
-    def _wall(
-        self, kind: dict[str, Any], size: tuple[float, float, float]
-    ) -> tuple[float, float, float, float] | None:
+    def _wall(self, kind: Kind, size: Extents) -> Place | None:
         w, d, h = size
         hung = kind["at"] == "hung"
         foot = self.kit.between(*kind["over"]) if hung else 0.0
@@ -166,7 +172,7 @@ class Furnishing:
             if hung and foot + h > self.shell.headroom(area):
                 continue
             if foot < 0.5:  # what hangs higher leaves the floor free
-                if not self._fits(area, h, before):
+                if not self._fits(area, h, before=before):
                     continue
                 self._take(area, h)
                 self.clear += [wall.footprint(x, x + w, -d - gap - reach, -d - gap)] * (reach > 0)
@@ -179,9 +185,7 @@ class Furnishing:
         length = np.array([wall.length for wall in self.shell.walls])
         return self.shell.walls[int(self.kit.rng.choice(len(length), p=length / length.sum()))]
 
-    def _free(
-        self, kind: dict[str, Any], size: tuple[float, float, float]
-    ) -> tuple[float, float, float, float] | None:
+    def _free(self, kind: Kind, size: Extents) -> Place | None:
         w, d, h = size
         flat, margin = kind["at"] == "flat", kind.get("clear", 0.15)
         for _ in range(TRIES):
@@ -204,7 +208,7 @@ class Furnishing:
             if flat:
                 if any(overlap(area, other) for other in self.shell.keep):
                     continue
-            elif not self._fits(area, h, wide):
+            elif not self._fits(area, h, before=wide):
                 continue
             else:
                 self._take(area, h)
@@ -214,9 +218,7 @@ class Furnishing:
     def _some_floor(self) -> Rectangle:
         return self.shell.floor[int(self.kit.rng.integers(len(self.shell.floor)))]
 
-    def _ceiling(
-        self, kind: dict[str, Any], size: tuple[float, float, float]
-    ) -> tuple[float, float, float, float] | None:
+    def _ceiling(self, kind: Kind, size: Extents) -> Place | None:
         w, d, h = size
         if self.shell.open:
             return None
@@ -233,15 +235,9 @@ class Furnishing:
                 return float(x), float(y), float(z), 0.0
         return None
 
-    def _around(
-        self,
-        name: str,
-        count: int,
-        middle: tuple[float, float],
-        turn: float,
-        size: tuple[float, float, float],
-    ) -> None:
+    def _around(self, name: str, count: int, place: Place, size: Extents) -> None:
         """Seats along the two long sides of a table, or at the front of a desk."""
+        *middle, _, turn = place
         kind = presets()["kinds"][name]
         sides = 1 if count == 1 else 2
         each = -(-count // sides)
@@ -259,42 +255,30 @@ class Furnishing:
             reach = 0.5 * (w * abs(np.cos(facing)) + d * abs(np.sin(facing)))
             depth = 0.5 * (d * abs(np.cos(facing)) + w * abs(np.sin(facing)))
             area = (at[0] - reach, at[0] + reach, at[1] - depth, at[1] + depth)
-            if self._seat_fits(area, h):
+            # a seat may stand where its table keeps the floor clear
+            if self._fits(area, h, clear=self.shell.keep):
                 self.taken.append(area)
-                self._stand(name, self._made(kind, seat), (*at, 0.0), facing)
+                self._stand(name, self._made(kind, seat), (*at, 0.0, facing))
 
-    def _seat_fits(self, area: Rectangle, height: float) -> bool:
-        """As `_fits`, but a seat may stand where its table keeps the floor clear."""
-        kept, self.clear = self.clear, list(self.shell.keep)
-        fits = self._fits(area, height)
-        self.clear = kept
-        return fits
-
-    def _decorate(
-        self,
-        made: Made,
-        counts: dict[str, float],
-        at: tuple[float, float, float],
-        turn: float,
-    ) -> None:
+    def _decorate(self, made: Made, counts: dict[str, float], place: Place) -> None:
         """Things on the tops of another."""
         kinds, used = presets()["kinds"], [[] for _ in made.tops]
+        x0, y0, z0, turn = place
         c, s = np.cos(turn), np.sin(turn)
-        for name, mean in counts.items():
+        for name, mean in counts.items() if made.tops else ():
             kind = kinds[name]
-            for _ in range(int(min(self.kit.rng.poisson(mean), 2 * mean + 1)) if made.tops else 0):
+            for _ in range(self._times(mean)):
                 number = int(self.kit.rng.integers(len(made.tops)))
                 spot = self._spot(made.tops[number], kind, used[number])
                 if spot is None:
                     continue
                 size, x, y = spot
-                z = made.tops[number].z
-                where = (at[0] + c * x - s * y, at[1] + s * x + c * y, at[2] + z)
-                self._stand(name, self._made(kind, size), where, turn)
+                where = x0 + c * x - s * y, y0 + s * x + c * y, z0 + made.tops[number].z
+                self._stand(name, self._made(kind, size), (*where, turn))
 
     def _spot(
-        self, top: Top, kind: dict[str, Any], used: list[Rectangle]
-    ) -> tuple[tuple[float, float, float], float, float] | None:
+        self, top: Top, kind: Kind, used: list[Rectangle]
+    ) -> tuple[Extents, float, float] | None:
         for _ in range(4):
             w, d, h = self._size(kind)
             if w > top.x1 - top.x0 or d > top.y1 - top.y0 or h > top.room - 0.02:
@@ -308,6 +292,6 @@ class Furnishing:
         return None
 
 
-def _area(kind: dict[str, Any]) -> float:
+def _area(kind: Kind) -> float:
     (a, b), (c, d), _ = kind["size"]
     return (a + b) * (c + d)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtri
 
-from cmtof.files import written_whole
+from cmtof.files import read_document, written_whole
 from cmtof.scenes.frame import Frame, brightness
 from cmtof.scenes.hypersim import view_exists, write_metadata, write_scene, write_view
 from cmtof.scenes.rooms.cameras import Camera, Lens, close_cameras, room_cameras
@@ -169,27 +169,11 @@ def shape_from_text(text: str) -> tuple[int, int]:
     return height, width
 
 
-def build(seed: int, index: int, *, kind: str | None = None) -> Scene:
-    """Build, furnish and light one room.
-
-    Parameters
-    ----------
-    seed, index : int
-        The same pair gives the same room.
-    kind : str, optional
-        One of the ``rooms`` of `presets.yml`; drawn by default.
-
-    Raises
-    ------
-    ValueError
-        If there is no such kind.
-    """
+def build(seed: int, index: int) -> Scene:
+    """Build, furnish and light one room; the same pair of numbers gives the same room."""
     rng, rooms = stream(seed, index, _ROOM), presets()["rooms"]
     odds = np.array([room["weight"] for room in rooms.values()], float)
-    drawn = str(rng.choice(list(rooms), p=odds / odds.sum()))
-    kind = kind or drawn
-    if kind not in rooms:
-        raise ValueError(f"Expected a room out of {', '.join(rooms)}, got {kind}. Choose one.")
+    kind = str(rng.choice(list(rooms), p=odds / odds.sum()))
     kit = household(rng)
     shell = build_shell(kit, rooms[kind])
     inside = Furnishing(shell, kit)
@@ -368,12 +352,7 @@ def _claim(root: Path, settings: Settings) -> None:
     wanted = asdict(settings) | {"version": __version__}
     free = ("scenes", "views")  # a set may grow
     if path.is_file():
-        try:
-            found = json.loads(path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise ValueError(
-                f"Expected settings in {path}, got {error}. Choose an empty folder."
-            ) from error
+        found = read_document(path)
         if any(found.get(k) != v for k, v in wanted.items() if k not in free):
             raise ValueError(
                 f"Expected an empty folder or one with {wanted}, got {found} in {path}. "

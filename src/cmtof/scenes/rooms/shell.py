@@ -124,7 +124,9 @@ def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
     notch = (0.0, 0.0)  # size of the block that is cut off
     if not is_open and min(w, d) >= 3.6 and kit.chance(0.25):
         notch = kit.between(0.2, 0.45) * w, kit.between(0.2, 0.45) * d
-    shell = Shell(w, d, height, _walls(w, d, notch), _floor(w, d, notch), open=is_open, day=day)
+    a, b = notch
+    floor = [(0.0, w, 0.0, d - b), (0.0, w - a, 0.0, d)][0 if a else 1 :]
+    shell = Shell(w, d, height, _walls(w, d, notch), floor, open=is_open, day=day)
     outer = shell.walls[:4]
     order = [outer[k] for k in kit.rng.permutation(4)]
     _doorway(kit, shell, order[0])
@@ -162,14 +164,6 @@ def _walls(width: float, depth: float, notch: tuple[float, float]) -> list[Wall]
         walls.append(Wall((width - a, depth - b), 0.0, a))
         walls.append(Wall((width - a, depth), -quarter, b))
     return walls
-
-
-def _floor(width: float, depth: float, notch: tuple[float, float]) -> list[Rectangle]:
-    """One rectangle, or two of an L that overlap."""
-    a, b = notch
-    if not a:
-        return [(0.0, width, 0.0, depth)]
-    return [(0.0, width, 0.0, depth - b), (0.0, width - a, 0.0, depth)]
 
 
 def _doorway(kit: Kit, shell: Shell, wall: Wall) -> None:
