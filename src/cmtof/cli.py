@@ -425,11 +425,7 @@ def scan(
         int | None, Option(min=0, help="Seed of the simulated instrument. Default: 0.")
     ] = None,
     size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
-    points: Annotated[
-        Path | None, Option(help="CSV of directions instead: x,y in rad or x_deg,y_deg.")
-    ] = None,
     resume: Annotated[bool, Option("--resume", help="Go on with a scan that was stopped.")] = False,
-    dry_run: Annotated[bool, Option("--dry-run", help="Print the plan and touch nothing.")] = False,
     quiet: Quiet = False,
 ) -> None:
     """Scan with the instrument, or with its simulation, into a measurement.
@@ -446,17 +442,12 @@ def scan(
         what = "--scene" if seed is None else "--seed"
         raise ValueError(f"Expected {what} with --twin only, got a RIG file. Leave it out.")
     from cmtof.hardware.journal import journal_path
-    from cmtof.hardware.plan import points_from_csv
     from cmtof.hardware.rig import Rig, open_instruments, simulated
-    from cmtof.hardware.scan import check_scan_output, description, planned
+    from cmtof.hardware.scan import check_scan_output, planned
     from cmtof.hardware.scan import scan as run_scan
 
     settings = Rig.default() if rig is None else Rig.load(rig)
-    directions = None if points is None else points_from_csv(points)
-    plan = planned(settings, size=size, points=directions)
-    if dry_run:
-        print("\n".join(description(plan, settings)))
-        return
+    plan = planned(settings, size=size)
     check_scan_output(output, resume=resume)
     seed, scene = (seed or 0, scene or "still_life") if twin else (None, None)
 

@@ -69,7 +69,6 @@ def motor(controller):
 
 
 def test_bytes_are_those_of_the_public_protocol():
-    """Home, and move to 10 mm at 34554.96 counts/mm (APT Communications Protocol; checked)."""
     counts = round(0.010 * MOTORS["mts50-z8"].scale)
     assert apt_bytes.mot_move_home(0x50, 0x01, 1).hex(" ") == "43 04 01 00 50 01"
     wanted = "53 04 06 00 d0 01 01 00 ce 45 05 00"
@@ -77,7 +76,6 @@ def test_bytes_are_those_of_the_public_protocol():
 
 
 def test_a_move_ends_where_it_should(controller, motor):
-    """Unasked messages are passed over; the position is read back."""
     assert motor.identify()["serial_number"] == "27000001"
     assert motor.homed
     assert motor.move_to(0.010) == pytest.approx(0.010, abs=2e-8)
@@ -85,7 +83,6 @@ def test_a_move_ends_where_it_should(controller, motor):
 
 
 def test_homing(controller, motor):
-    """The home position is 0 and known."""
     controller.position, controller.status = 1000, HOMED
     motor.home()
     assert motor.position == 0
@@ -95,12 +92,10 @@ def test_homing(controller, motor):
     ("kind", "turns"), [("k10cr1", 409600 * 120 / 360), ("prm1-z8", 1919.6418578623391)]
 )
 def test_degrees_become_counts(kind, turns):
-    """As the public drivers have them."""
     assert MOTORS[kind].scale * 3.141592653589793 / 180 == pytest.approx(turns)
 
 
 def test_a_move_beyond_the_travel_is_not_sent(controller, motor):
-    """Nor one before homing."""
     with pytest.raises(ValueError, match=r"Expected 0 to 0\.05 m"):
         motor.move_to(0.06)
     controller.status = 0
@@ -110,7 +105,6 @@ def test_a_move_beyond_the_travel_is_not_sent(controller, motor):
 
 
 def test_a_motor_that_does_not_hear_is_refused(controller, motor):
-    """It rests elsewhere; the move is sent once."""
     controller.deaf = True
     with pytest.raises(Refused, match="got it at rest at 0 m"):
         motor.move_to(0.01)
@@ -118,7 +112,6 @@ def test_a_motor_that_does_not_hear_is_refused(controller, motor):
 
 
 def test_a_motor_that_does_not_arrive_is_stopped(controller, motor, monkeypatch):
-    """After distance over speed and two seconds."""
     controller.looks = 10**6
     clock = iter(range(10**6))
     monkeypatch.setattr("cmtof.hardware.apt.time.monotonic", lambda: float(next(clock)))
@@ -129,7 +122,6 @@ def test_a_motor_that_does_not_arrive_is_stopped(controller, motor, monkeypatch)
 
 
 def test_a_motion_error_stops_the_motor(controller, motor):
-    """And is named."""
     controller.status |= ERROR
     with pytest.raises(InstrumentError, match="got a motion error"):
         motor.move_to(0.01)
@@ -137,14 +129,12 @@ def test_a_motion_error_stops_the_motor(controller, motor):
 
 @pytest.mark.parametrize(("model", "number"), [(b"TDC999", 27000001), (b"KDC101", 27000002)])
 def test_another_controller_is_refused(model, number):
-    """By model and by serial number."""
     other = Motor(Port(Controller(model, number)), MOTORS["mts50-z8"], "stage", "27000001")
     with pytest.raises(Refused, match="Check the address"):
         other.identify()
 
 
 def test_garbage_before_a_message_is_skipped(controller):
-    """The library finds the next message; nothing but garbage is an error."""
     answer = Controller()
     motor = Motor(Port(lambda data: b"\xff\xfe\xfd" + answer(data)), MOTORS["k10cr1"], "plate")
     assert motor.position == 0

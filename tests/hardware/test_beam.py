@@ -27,37 +27,29 @@ class Recorder:
 
 
 def test_volts_are_those_of_half_the_optical_angle():
-    """0.5 V a mechanical degree; the beam turns by twice that."""
-    writes, wait = Galvo(Recorder(), GalvoSettings()).aim(0.0, np.deg2rad(8.0))
-    assert writes == {"TDAC2": 0.0, "TDAC3": 2.0}
-    assert wait > 0
+    daq = Recorder()
+    Galvo(daq, GalvoSettings()).move_to(0.0, np.deg2rad(8.0))
+    assert daq.written == [{"TDAC2": 0.0, "TDAC3": 2.0}]
 
 
 @pytest.mark.parametrize("angle", [1.0, np.nan])
 def test_mirrors_stay_within_their_limit(angle):
-    """Before anything is written."""
     with pytest.raises(ValueError, match="Expected the mirrors within 10 V"):
         Galvo(Recorder(), GalvoSettings()).registers(angle, 0.0)
 
 
 def test_a_long_step_takes_longer():
-    """0.4 ms to 0.2 mechanical degrees, 5 ms over the whole range."""
     assert settling_time(np.deg2rad(0.4), 4e-4) == pytest.approx(4e-4)
     assert settling_time(np.deg2rad(80), 4e-4) == pytest.approx(5e-3)
-    galvo = Galvo(Recorder(), GalvoSettings())
-    galvo.aim(0.0, 0.0)
-    assert galvo.aim(np.deg2rad(0.2), 0.0, room=7e-4)[1] == 0.0
 
 
 def test_parking_is_sent_twice():
-    """The LJTick-DAC cannot be read back."""
     daq = Recorder()
     Galvo(daq, GalvoSettings(offset_x_volts=0.3)).safe_state()
     assert daq.written == [{"TDAC2": 0.0, "TDAC3": 0.0}] * 2
 
 
 def test_light_needs_a_closed_interlock():
-    """Laser and shutter; what makes it darker is always allowed."""
     daq = Recorder()
     interlock = Interlock(daq, LineSettings())
     interlock.laser(True)
@@ -72,7 +64,6 @@ def test_light_needs_a_closed_interlock():
 
 
 def test_safe_state_does_each_act_even_if_another_fails():
-    """The stuck line is named."""
     daq = Recorder("FIO1")
     interlock = Interlock(daq, LineSettings())
     interlock.laser(True)
@@ -82,7 +73,6 @@ def test_safe_state_does_each_act_even_if_another_fails():
 
 
 def test_safe_acts_are_repeated():
-    """One lost answer does not leave the shutter open."""
     daq, failures = Recorder(), [InstrumentTimeout("late")]
     follow = daq.set_line
 

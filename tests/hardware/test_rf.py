@@ -58,7 +58,6 @@ def rf(firmware):
 
 
 def test_settings_arrive_and_are_read_back(firmware, rf):
-    """Frequency in whole Hz, power, phase as a code, table with its checksum."""
     assert rf.identify()["serial_number"] == "R0001"
     rf.set_frequency(7.15e9)
     rf.set_power(30.0)
@@ -70,7 +69,6 @@ def test_settings_arrive_and_are_read_back(firmware, rf):
 
 
 def test_rf_comes_on_only_behind_a_dead_man_s_time(firmware, rf):
-    """Otherwise a host that dies would leave it on."""
     with pytest.raises(Unsafe, match="Expected a dead man's time"):
         rf.output(True)
     rf.set_dead_man(5.0)
@@ -79,7 +77,6 @@ def test_rf_comes_on_only_behind_a_dead_man_s_time(firmware, rf):
 
 
 def test_rf_goes_off_where_no_lock_is_found(firmware, rf):
-    """Within the time that the caller gives."""
     firmware.locked = False
     rf.set_dead_man(5.0)
     with pytest.raises(Unsafe, match=r"Expected rf to lock within 0\.05 s, got no lock"):
@@ -88,14 +85,12 @@ def test_rf_goes_off_where_no_lock_is_found(firmware, rf):
 
 
 def test_a_trip_that_comes_unasked_is_remembered():
-    """The next ping raises it."""
     port = script((framed(">0 PING"), framed("!TRIP DEADMAN") + framed("<0 OK")))
     with pytest.raises(Unsafe, match="got a trip \\(DEADMAN\\)"):
         RfDriver(port, "rf").ping()
 
 
 def test_late_answers_are_passed_over():
-    """An answer belongs to the request of its number."""
     port = script((framed(">0 STAT?"), framed("<99 OK 1") + framed("<0 OK ON 1 3 4 0")))
     assert RfDriver(port, "rf").status() == (True, True, 3, 4, False)
     port.finish()
@@ -115,7 +110,6 @@ def test_late_answers_are_passed_over():
     ],
 )
 def test_a_setting_that_goes_wrong_is_sent_once(reply, error, text):
-    """Each way that the dialogue can end; nothing is left over."""
     port = script((framed(">0 FREQ 7150000000"), reply))
     with pytest.raises(error, match=text):
         RfDriver(port, "rf").set_frequency(7.15e9)
@@ -123,7 +117,6 @@ def test_a_setting_that_goes_wrong_is_sent_once(reply, error, text):
 
 
 def test_safe_is_sent_again():
-    """Up to three times: it only ever switches off."""
     garbage = b"\x00" * 5 + b"\n"
     port = script(
         (framed(">0 SAFE"), garbage),
@@ -136,7 +129,6 @@ def test_safe_is_sent_again():
 
 
 def test_rf_that_stays_on_is_unsafe():
-    """The status is read behind SAFE."""
     port = script(
         (framed(">0 SAFE"), framed("<0 OK")), (framed(">1 STAT?"), framed("<1 OK ON 1 0 0 0"))
     )
@@ -145,7 +137,6 @@ def test_rf_that_stays_on_is_unsafe():
 
 
 def test_a_table_that_arrived_otherwise_is_refused(firmware, rf):
-    """By its checksum."""
     answer = firmware.answer
     firmware.answer = lambda word, arguments: answer(
         word, arguments if word != "TABL" else ["1", "5"]
@@ -158,5 +149,4 @@ def test_a_table_that_arrived_otherwise_is_refused(firmware, rf):
 
 @pytest.mark.parametrize(("phase", "code"), [(0.0, 0), (np.pi, 32768), (-np.pi / 2, 49152)])
 def test_phase_codes(phase, code):
-    """65536 a turn, wrapped."""
     assert code_from_phase(phase) == code

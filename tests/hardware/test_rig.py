@@ -17,7 +17,6 @@ def load(tmp_path, text):
 
 
 def test_the_default_rig_holds_every_device_of_section_7():
-    """Paper's settings: 16 phases of 20 samples at 24 kS/s, both drive frequencies."""
     rig = Rig.default()
     assert set(rig.devices) == set(rig_module.DRIVERS)
     assert rig.detection.duration == pytest.approx(13.3e-3, rel=5e-3)
@@ -25,7 +24,6 @@ def test_the_default_rig_holds_every_device_of_section_7():
 
 
 def test_numbers_of_yaml_1_2_are_numbers(tmp_path):
-    """7.15e9 has no sign behind its e."""
     assert load(tmp_path, "drive: {frequency_single: 7.15e9}").drive.frequency_single == 7.15e9
 
 
@@ -65,7 +63,6 @@ HOSTILE = {
 
 @pytest.mark.parametrize("what", HOSTILE)
 def test_a_file_that_cannot_be_is_one_line(tmp_path, what):
-    """Key, rule and value."""
     text, words = HOSTILE[what]
     with pytest.raises(ValueError, match="Expected") as error:
         load(tmp_path, text)
@@ -75,7 +72,6 @@ def test_a_file_that_cannot_be_is_one_line(tmp_path, what):
 
 
 def test_a_rig_without_an_instrument_is_refused():
-    """Before any is opened."""
     devices = dict(Rig.default().devices)
     del devices["clock"]
     with pytest.raises(ValueError, match="got none of clock"):
@@ -83,7 +79,6 @@ def test_a_rig_without_an_instrument_is_refused():
 
 
 def test_instruments_that_were_reached_are_closed_when_one_is_not(monkeypatch):
-    """So the next try finds them free."""
     closed = []
 
     class Opened:
@@ -105,7 +100,6 @@ def test_instruments_that_were_reached_are_closed_when_one_is_not(monkeypatch):
 
 
 def test_the_light_is_stopped_first():
-    """Then RF, then what moves."""
     names = [one.name for one in simulated(Rig.default()).in_order_of_stopping()]
     assert names[:4] == ["interlock", "galvo", "rf emission", "rf detection"]
     assert len(names) == 10
@@ -113,7 +107,6 @@ def test_the_light_is_stopped_first():
 
 @pytest.mark.parametrize("role", ["rf_emission", "daq", "stage"])
 def test_nothing_at_an_address_is_one_line(role):
-    """For every library that opens."""
     device = Rig.default().devices[role]
     address = "127.0.0.1:9" if role == "daq" else "/no/port"
     with pytest.raises(ConnectionLost, match="Expected .* at"):

@@ -56,7 +56,6 @@ def outcome(inside, number=None, *, fails=False, during=None):
     ids=["end", "exception", "sys.exit", "Ctrl-C", "SIGTERM", "SIGHUP", "SIGQUIT"],
 )
 def test_every_end_is_safe(inside, number, code, words):
-    """A closed terminal included; the exit code stays what it was."""
     lines, err, found = outcome(inside, number)
     assert (lines, found) == (SAFE + ["after"] * (code == 0), code)
     assert words in err
@@ -64,14 +63,12 @@ def test_every_end_is_safe(inside, number, code, words):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_during_the_stop_waits_for_its_end(number):
-    """No device is left out."""
     lines, _, code = outcome("pass", during=int(number))
     assert lines == SAFE
     assert code == (128 + number if number == signal.SIGTERM else -number)
 
 
 def test_a_device_that_fails_keeps_no_other_from_its_safe_state():
-    """And what failed stands on stderr."""
     lines, err, code = outcome("raise OSError('first')", fails=True)
     assert lines == ["safe shutter", "safe stage"]
     assert "first Then: Expected every device in its safe state, got 1" in err
@@ -88,7 +85,6 @@ class Lamp:
 
 
 def test_in_another_thread_signals_stay_where_they_are():
-    """Only the main thread may take them; the stop itself works."""
     lamp, before = Lamp(), signal.getsignal(signal.SIGTERM)
 
     def work():
@@ -102,7 +98,6 @@ def test_in_another_thread_signals_stay_where_they_are():
 
 
 def test_an_error_of_the_stop_alone_is_raised():
-    """Nobody may overlook it."""
     lamp = Lamp()
     lamp.safe_state = lambda: (_ for _ in ()).throw(InstrumentTimeout("Expected, got none."))
     with pytest.raises(Unsafe, match="Switch them off by hand"), EmergencyStop([lamp]):

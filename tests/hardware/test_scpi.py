@@ -18,7 +18,6 @@ def simulated(kind, name, address):
 
 
 def test_generator_of_pyvisa_sim_becomes_the_clock():
-    """Load, sine, phase lock with the second spelling, output; and off again."""
     clock = simulated(SignalGenerator, "sdg2042x.yaml", "TCPIP0::127.0.0.1::5025::SOCKET")
     assert clock.identify()["serial_number"] == "SDG2XCAX1R0001"
     for channel in (1, 2):
@@ -31,7 +30,6 @@ def test_generator_of_pyvisa_sim_becomes_the_clock():
 
 
 def test_power_meter_of_pyvisa_sim():
-    """Identity with its head, wavelength within the head's reach, averaging, zero, power."""
     meter = simulated(PowerMeter, "pm100d.yaml", "USB0::0x1313::0x8078::P0012345::INSTR")
     assert meter.identify()["sensor"] == "S140C"
     meter.wavelength = 532e-9
@@ -46,7 +44,6 @@ def test_power_meter_of_pyvisa_sim():
 
 
 def test_an_address_where_nothing_is():
-    """One line."""
     with pytest.raises(ConnectionLost, match="Expected"):
         SignalGenerator(open_visa("TCPIP::127.0.0.1::9::SOCKET"), "clock").identify()
     with pytest.raises(ConnectionLost, match="Expected an instrument at nonsense"):
@@ -62,7 +59,6 @@ def test_an_address_where_nothing_is():
     ],
 )
 def test_a_clamped_setting_is_refused(reply, text):
-    """The generator clamps silently; the dialogue is that of its programming guide."""
     talk = Dialogue(
         ("C1:OUTP LOAD,50", None),
         ("C1:OUTP?", "C1:OUTP OFF,LOAD,50,PLRT,NOR"),
@@ -75,7 +71,6 @@ def test_a_clamped_setting_is_refused(reply, text):
 
 
 def test_keys_are_read_by_name():
-    """Some firmware adds keys and units."""
     talk = Dialogue(
         ("C2:OUTP LOAD,50", None),
         ("C2:OUTP?", "C2:OUTP ON,LOAD,50,PLRT,NOR"),
@@ -88,7 +83,6 @@ def test_keys_are_read_by_name():
 
 
 def test_after_a_lost_answer_old_lines_are_dropped():
-    """*IDN? is asked until its own reply comes, then the question once more."""
     talk = Dialogue(
         ("MEAS:POW?", timeout()),
         ("*IDN?", "3.0E-3"),
@@ -113,13 +107,11 @@ def test_after_a_lost_answer_old_lines_are_dropped():
     "maker", ["RIGOL TECHNOLOGIES,DG4162,1,2", "Siglent Technologies,SSA3,1,2"]
 )
 def test_another_device_is_refused(maker):
-    """By maker and by model."""
     with pytest.raises(Refused, match="Expected a siglent SDG2 at clock"):
         SignalGenerator(Dialogue(("*IDN?", maker)), "clock").identify()
 
 
 def test_a_generator_that_locks_by_neither_spelling():
-    """MODE is read back."""
     talk = Dialogue(
         ("MODE PHASE-LOCKED", None),
         ("MODE?", "MODE INDEPENDENT"),
@@ -131,7 +123,6 @@ def test_a_generator_that_locks_by_neither_spelling():
 
 
 def test_safe_state_switches_the_second_output_off_even_if_the_first_fails():
-    """And names the one that did not follow."""
     talk = Dialogue(
         ("C1:OUTP OFF", None),
         ("C1:OUTP?", "C1:OUTP ON,LOAD,50,PLRT,NOR"),
@@ -147,13 +138,11 @@ def test_safe_state_switches_the_second_output_off_even_if_the_first_fails():
 
 @pytest.mark.parametrize("text", ["9.9E+37", "nan", "volts", ""])
 def test_what_is_no_number(text):
-    """Overload included."""
     with pytest.raises(BadReply, match="Expected a number"):
         number(text)
 
 
 def test_a_device_that_stays_silent():
-    """After the repeated question a time-out is an error."""
     talk = Dialogue(
         ("MEAS:POW?", timeout()), ("*IDN?", "THORLABS,PM100D,1,2"), ("MEAS:POW?", timeout())
     )

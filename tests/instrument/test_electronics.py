@@ -17,14 +17,12 @@ STEP = 1 / 24000
 
 
 def test_conversion_follows_the_data_sheet():
-    """At 800 nm, M = 100 and 82 % the detector gives 2.65e9 V/W, to its saturation."""
     sheet = Conversion(Detector(gain=100.0, efficiency=0.8215), 800e-9)
     assert sheet.volts_per_watt == pytest.approx(2.65e9, rel=2e-3)
     assert sheet.volts([1e-10, 1.0]).tolist() == pytest.approx([0.265, 4.1], rel=2e-3)
 
 
 def test_shot_noise_grows_with_the_output():
-    """Density is the amplifier's and 2 e M F R_T U (McIntyre)."""
     detector = Detector()
     conversion = Conversion(detector, 532e-9)
     excess = detector.gain**detector.excess_index
@@ -36,7 +34,6 @@ def test_shot_noise_grows_with_the_output():
 
 @pytest.mark.parametrize("rc_time", [20e-6, 2e-3])
 def test_step_response_is_that_of_three_poles(rc_time):
-    """Partial fractions of 1 / prod(1 + s t_i)."""
     detector = Detector(rc_time=rc_time)
     light = np.r_[0.0, np.ones(199)][None]
     found = chain(detector, STEP).run(light, np.ones_like(light), None)[0, 1:]
@@ -48,7 +45,6 @@ def test_step_response_is_that_of_three_poles(rc_time):
 
 
 def test_filtered_noise_has_its_variance_and_correlation():
-    """2e4 chains of 12 samples: the covariance of the state, within 4 standard errors."""
     filters = chain(Detector(rc_time=1e-4), STEP)
     normals = np.random.default_rng(1).standard_normal((20000, 13, 3))
     still = np.zeros((20000, 12))
@@ -64,14 +60,12 @@ def test_filtered_noise_has_its_variance_and_correlation():
 
 
 def test_noise_bandwidth_of_one_slow_pole():
-    """A single RC passes 1 / (4 RC) of a one-sided density."""
     slow = Detector(rc_time=1e-2, bandwidth=1e8, low_pass=1e8)
     assert chain(slow, STEP).noise_bandwidth == pytest.approx(25.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("volts_range", [10.0, 1.0, 0.1, 0.01])
 def test_counts_and_volts_invert_each_other(volts_range):
-    """Rounding leaves half a count, clipping leaves the ends."""
     volts = np.linspace(-1, 0.99, 101) * volts_range
     counts = counts_from_volts(volts, Detector(), volts_range=volts_range)
     back = volts_from_counts(counts, volts_range=volts_range)
@@ -81,12 +75,10 @@ def test_counts_and_volts_invert_each_other(volts_range):
 
 
 def test_converter_of_fewer_bits():
-    """14 bits leave every fourth count."""
     counts = counts_from_volts(np.linspace(0, 1, 500), replace(Detector(), bits=14))
     assert not (counts % 4).any()
 
 
 def test_unknown_range_is_refused():
-    """The T7 has four."""
     with pytest.raises(ValueError, match="Expected a range out of"):
         counts_from_volts(0.0, Detector(), volts_range=5.0)

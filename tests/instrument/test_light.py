@@ -26,7 +26,6 @@ def phase_of(settings, z, mode, **knobs):
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("step", [1e-3, 4e-3, 12e-3])
 def test_phase_grows_with_the_range(mode, step):
-    """A step dz turns the phase by 4 pi f dz / c at the frequency of the modulation."""
     wanted = 4 * np.pi * ORDER[mode] * DRIVE[mode] * step / SPEED_OF_LIGHT
     turned = phase_of(IDEAL, 0.6 + step, mode) - phase_of(IDEAL, 0.6, mode)
     assert centred(turned - wanted) == pytest.approx(0, abs=3e-3)
@@ -34,7 +33,6 @@ def test_phase_grows_with_the_range(mode, step):
 
 @pytest.mark.parametrize("mode", MODES)
 def test_air_slows_the_light(mode):
-    """In air the phase grows by the group index: 0.28 mm in 1 m."""
     excess = World(replace(IDEAL, air=Air())).light.group_index - 1
     wanted = 4 * np.pi * ORDER[mode] * DRIVE[mode] * excess * 1.0 / SPEED_OF_LIGHT
     turned = phase_of(replace(IDEAL, air=Air()), 1.0, mode) - phase_of(IDEAL, 1.0, mode)
@@ -43,7 +41,6 @@ def test_air_slows_the_light(mode):
 
 @pytest.mark.parametrize("mode", MODES)
 def test_contrast_is_that_of_the_closed_form(mode):
-    """Amplitude over mean is 2 |W_m|^2 / W_0^2, with W_k = J_k(2 eta)."""
     two_eta = 2 * IDEAL.drive.eta
     wanted = 2 * jv(1, two_eta) ** 2
     if mode == "doubled":
@@ -54,7 +51,6 @@ def test_contrast_is_that_of_the_closed_form(mode):
 
 
 def test_amplitude_follows_power_and_resonance():
-    """-6.02 dB halve the drive; both default frequencies lie equally far off resonance."""
     drive = Drive()
     full = abs(amplitude(drive, 30.0, 7.15e9))
     assert full == pytest.approx(drive.eta) == pytest.approx(abs(amplitude(drive, 30.0, 7.16e9)))
@@ -70,18 +66,15 @@ def test_amplitude_follows_power_and_resonance():
     ids=lambda knobs: next(iter(knobs)),
 )
 def test_no_light_without(knobs):
-    """Laser, shutter and interlock each darken the detector."""
     assert not profile(World(IDEAL, Plane(0.6)), ready("single", **knobs)).round(3).any()
 
 
 def test_without_the_clock_only_the_mean_is_left():
-    """Drives that run at different frequencies do not correlate."""
     seen = profile(World(IDEAL, Plane(0.6)), ready("single", clock_on=False))
     assert np.ptp(seen) < 1e-3 < seen.mean()
 
 
 def test_drivers_make_the_errors_that_they_are_said_to_have():
-    """The phase shifts by sin(2 phi) of the imbalance; the codes' errors have their spread."""
     skewed = replace(IDEAL, drive=replace(IDEAL.drive, iq_imbalance=0.02))
     light, phases = World(skewed).light, np.linspace(0, 6, 50)
     np.testing.assert_allclose(
@@ -94,7 +87,6 @@ def test_drivers_make_the_errors_that_they_are_said_to_have():
 
 
 def test_back_reflection_adds_a_constant_phasor():
-    """Light from the splitter shifts the phase by the ratio of amplitudes at most, as a sine."""
     strong = replace(IDEAL, optics=replace(IDEAL.optics, back_fraction=2e-8, back_range=-0.1))
     wrap = SPEED_OF_LIGHT / (2 * DRIVE["single"])
     ranges = 0.6 + wrap * np.arange(16) / 16
@@ -105,7 +97,6 @@ def test_back_reflection_adds_a_constant_phasor():
 
 
 def test_drift_follows_the_clock_of_the_labels():
-    """The phase between two bursts differs by the drift at their times."""
     drifting = replace(IDEAL, drive=replace(IDEAL.drive, phase_drift=0.1))
     world = World(drifting, Plane(0.6), seed=2)
     labels = np.array([1, 2000, 40000])
@@ -118,7 +109,6 @@ def test_drift_follows_the_clock_of_the_labels():
 
 @pytest.mark.parametrize("mode", MODES)
 def test_reference_target_moves_with_the_stage(mode):
-    """Behind the flip mirror the range is the target's, whatever the scene."""
     world, panel = World(IDEAL, Plane(3.0)), ready(mode, flip_mirror_in=True)
     zero = IDEAL.reference.stage_zero
     seen = profile(world, panel, np.zeros((2, 2)), stage=[zero, zero + 2e-3])
@@ -128,7 +118,6 @@ def test_reference_target_moves_with_the_stage(mode):
 
 
 def test_fast_detector_sees_both_modulation_rates():
-    """Fig. 8: one period of the drive in the single mode, two in the doubled one."""
     theta = 2 * np.pi * np.arange(64) / 64
     for mode in MODES:
         seen = np.abs(np.fft.rfft(World(IDEAL).fast_detector(ready(mode), theta)))[1:6]

@@ -20,7 +20,6 @@ ANGLES = np.random.default_rng(0).uniform(-0.1, 0.1, (40, 2))
 
 
 def test_a_burst_depends_on_its_label_alone():
-    """Neither order, number nor earlier bursts change a count: so a resumed scan is equal."""
     world, panel = World(TwinSettings(), Plane(0.8), seed=3), ready("single")
     labels = np.arange(5, 45)
     together = world.bursts(panel, ANGLES, labels=labels, pulses=EDGES)
@@ -34,7 +33,6 @@ def test_a_burst_depends_on_its_label_alone():
 
 @pytest.mark.parametrize("mode", MODES)
 def test_phase_noise_of_a_point_meets_the_closed_form(mode):
-    """sqrt(2/16) sigma / a of 3000 points, within 4 standard errors of a standard deviation."""
     world, count = World(NOISY, Plane(0.8, reflectance=0.3), seed=1), 3000
     seen = profile(world, ready(mode), np.zeros((count, 2)))
     found = decode(np.moveaxis(seen, 1, 0), psi())
@@ -55,13 +53,11 @@ def test_phase_noise_of_a_point_meets_the_closed_form(mode):
 
 
 def test_saturation_flattens_the_correlation():
-    """A bare mirror drives the detector to its end."""
     world = World(TwinSettings(), {"kind": "mirror", "distance": 0.6, "reflectance": 0.9})
     assert profile(world, ready("single")).max() == pytest.approx(4.1, abs=0.02)
 
 
 def test_ranges_are_the_scene_s():
-    """And NaN without a scene."""
     world = World(TwinSettings(), Plane(0.8))
     np.testing.assert_allclose(world.ranges([[0.0, 0.0], [0.1, 0.0]]), [0.8, 0.8 / np.cos(0.1)])
     assert np.isnan(World(TwinSettings()).ranges(ANGLES)).all()
@@ -69,7 +65,6 @@ def test_ranges_are_the_scene_s():
 
 @pytest.mark.parametrize("bad", [{"pulses": np.arange(3)}, {"stage": [0.0]}])
 def test_numbers_that_do_not_fit_are_refused(bad):
-    """One edge a sample, one position a burst."""
     with pytest.raises(ValueError, match="Expected 320 trigger edges and 40 stage positions"):
         World(TwinSettings()).bursts(ready("single"), ANGLES, **{"pulses": EDGES} | bad)
 
@@ -86,7 +81,6 @@ def test_numbers_that_do_not_fit_are_refused(bad):
     ids=lambda kind: kind.__name__,
 )
 def test_simulated_devices_have_the_drivers_interfaces(driver, simulated):
-    """Every public name is one of the driver, with the same parameters."""
     own = {name for name in vars(simulated) if name[0] not in "_" and name.islower()}
     for name in own - {"edges", "knobs", "homed"}:
         theirs = getattr(driver, name)

@@ -2,8 +2,8 @@
 
 import time
 from functools import partial
-from math import hypot, pi
-from typing import Any, Protocol
+from math import pi
+from typing import Any
 
 from cmtof.hardware.device import Unsafe, insist, insist_on_all
 
@@ -27,7 +27,6 @@ class Galvo:
 
     def __init__(self, daq: Any, settings: Any) -> None:
         self._daq, self._settings = daq, settings
-        self._angles = (0.0, 0.0)
 
     def registers(self, x: float, y: float) -> dict[str, float]:
         """Register writes that turn the beam to optical angles, rad.
@@ -50,25 +49,14 @@ class Galvo:
                 )
         return volts
 
-    def aim(self, x: float, y: float, room: float = 0.0) -> tuple[dict[str, float], float]:
-        """Writes that turn the beam, and the time, s, to wait for it beyond ``room``, s."""
-        step = hypot(x - self._angles[0], y - self._angles[1])
-        self._angles = (x, y)
-        settling = settling_time(step, self._settings.settling)
-        return self.registers(x, y), settling if settling > room + 1e-9 else 0.0
-
     def move_to(self, x: float, y: float) -> None:
-        """Turn the beam to optical angles, rad, and wait until the mirrors have settled."""
-        writes, wait = self.aim(x, y)
-        self._daq.write_many(writes)
-        time.sleep(wait)
+        """Turn the beam to optical angles, rad, and wait as long as the longest step takes."""
+        self._daq.write_many(self.registers(x, y))
+        time.sleep(settling_time(pi, self._settings.settling))
 
     def park(self) -> None:
         """Bring both mirrors to 0 V, where they also rest without power."""
         self._daq.write_many({self._settings.x: 0.0, self._settings.y: 0.0})
-        offset = self._settings.offset_x_volts, self._settings.offset_y_volts
-        x, y = (-volts / self._settings.volts_per_radian for volts in offset)
-        self._angles = (x, y)
 
     def safe_state(self) -> None:
         """Park twice: the LJTick-DAC cannot be read back, so nobody sees a write that was lost."""
@@ -82,21 +70,11 @@ def settling_time(step: float, small: float) -> float:
     ``small``, s, holds to 0.2 mechanical degrees; beyond, 100 Hz full-scale square waves (GVS012
     specifications) set the pace: 5 ms for 40 degrees. Between, a straight line (not verified).
     """
+    if not small:  # simulated mirrors
+        return 0.0
     near, far = 2 * 0.2 * pi / 180, 2 * 40 * pi / 180
     share = min(max((step - near) / (far - near), 0.0), 1.0)
     return small + share * max(5e-3 - small, 0.0)
-
-
-class DigitalLines(Protocol):
-    """What has digital lines: the read-out, real or simulated."""
-
-    def set_line(self, dio: str, high: bool) -> None:
-        """Make a line an output at that level."""
-        ...
-
-    def line(self, dio: str) -> bool:
-        """Level of an input."""
-        ...
 
 
 SAFE_LEVELS = {"laser": False, "shutter": False, "beam_block": False}
@@ -114,7 +92,7 @@ class Interlock:
 
     name = "interlock"
 
-    def __init__(self, daq: DigitalLines, lines: Any) -> None:
+    def __init__(self, daq: Any, lines: Any) -> None:
         self._daq, self._lines = daq, lines
 
     def check(self) -> None:

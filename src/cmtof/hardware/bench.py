@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import LASER_WAVELENGTH
-from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe
+from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
 from cmtof.hardware.plan import REFERENCE_BURSTS, Line, Plan, Record
 from cmtof.hardware.reduction import Sampling, drive_phases
 from cmtof.hardware.rig import Instruments, Rig
@@ -137,13 +137,7 @@ class Bench:
 
     def begin_line(self) -> None:
         """Bring the phase table to its first entry; that may be sent twice, as nothing moves."""
-        for attempt in range(ATTEMPTS):
-            try:
-                self.instruments.rf_detection.arm()
-                break
-            except (BadReply, InstrumentTimeout):
-                if attempt == ATTEMPTS - 1:
-                    raise
+        insist(self.instruments.rf_detection.arm, ATTEMPTS)
         self._edges = 0
 
     def bursts(
@@ -154,15 +148,12 @@ class Bench:
         ``directions`` (N, 2) are optical angles, rad; without them the mirrors stay. A burst whose
         samples were lost is taken again, ``ATTEMPTS`` times at most.
         """
-        held = self.instruments
-        room = self.sampling.settle_first / self.rig.detection.rate
-        requests: list[tuple[dict[str, float], float]] = []
-        for n, label in enumerate(labels):
-            mirrors, wait = {}, 0.0
-            if directions is not None:
-                x, y = np.asarray(directions, float)[n]
-                mirrors, wait = held.galvo.aim(float(x), float(y), room)
-            requests.append(({"USER_RAM0_U32": label, **mirrors}, wait))
+        held, requests = self.instruments, [{"USER_RAM0_U32": float(label)} for label in labels]
+        if directions is not None:
+            aims = np.asarray(directions, float).tolist()
+            held.galvo.move_to(*aims[0])  # from the end of the last line
+            for request, aim in zip(requests, aims, strict=True):
+                request.update(held.galvo.registers(*aim))
         taken: list[NDArray[np.uint16]] = []
         failures = 0
         while len(taken) < len(requests):
@@ -226,7 +217,7 @@ class Bench:
                     parts.append(self.bursts(line.labels[first : first + REFERENCE_BURSTS]))
                 counts = np.concatenate(parts)
             else:
-                aims = plan.points(line) if line.kind == "scan" else None
+                aims = plan.angles[line.row] if line.kind == "scan" else None
                 counts = self.bursts(line.labels, aims)
             self.check()
             if self.stepped():

@@ -222,8 +222,7 @@ def measurement_from_records(header: Mapping[str, Any], records: Sequence[Record
     )
     if "power_meter" in header["settings"]["devices"]:
         dataset["laser_power"] = (image, stacked("power"), {"units": "W"})
-    if plan.camera is not None:
-        dataset["camera"] = ("parameter", plan.camera)
+    dataset["camera"] = ("parameter", plan.camera)
     found = [mode["calibrated"] for mode in modes]
     texts = {"settings": "settings", "instruments": "instruments", "calibration": "gain"}
     dataset.attrs = {
@@ -266,13 +265,13 @@ def _mode(
     correlation, raw = np.zeros(steps, np.float32), np.zeros(steps, np.float32)
     power, time, valid = np.zeros(shape), np.zeros(shape), np.zeros(shape, bool)
     for line, record in image:
-        at = line.row, line.columns
-        raw[:, *at] = counts[line.index].T
-        correlation[:, *at] = volts(line.index, record.power).T
-        power[at], valid[at] = record.power, record.clipped == 0
+        row = line.row
+        raw[:, row] = counts[line.index].T
+        correlation[:, row] = volts(line.index, record.power).T
+        power[row], valid[row] = record.power, record.clipped == 0
     for line in lines:
         if line.kind == "scan":
-            time[line.row, line.columns] = SLOT * np.array(line.labels)
+            time[line.row] = SLOT * np.array(line.labels)
     frequency, visits = float(header["frequencies"][mode]), []
     if darks:
         visits = [(line, record) for line, record in done if line.kind == "reference"]

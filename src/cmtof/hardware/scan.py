@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cmtof import __version__
 from cmtof.constants import SPEED_OF_LIGHT
@@ -25,7 +24,7 @@ from cmtof.hardware.beam import settling_time
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.journal import Journal, journal_path, read_journal
 from cmtof.hardware.plan import Line, Plan, Record, raster
-from cmtof.hardware.reduction import SLOT, Gain, Sampling, measurement_from_records
+from cmtof.hardware.reduction import Gain, Sampling, measurement_from_records
 from cmtof.hardware.rig import Instruments, Rig, simulated
 from cmtof.instrument.optics import group_index
 from cmtof.instrument.settings import TwinSettings
@@ -36,12 +35,10 @@ Report = Callable[[Line], None]
 
 SWEEP = 8
 """Positions of the reference target, spread over one wrap of the single mode."""
-MODE_OVERHEAD, MOVE = 30.0, 2.0
-"""Time to turn the plates and to lock, and of a move of the target, s (estimated)."""
 
 
-def planned(rig: Rig, *, size: int | tuple[int, int] = 64, points: ArrayLike | None = None) -> Plan:
-    """Plan of a rig's scan: an image of ``size`` (height and width), or directions (N, 2), rad.
+def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
+    """Plan of a rig's scan: an image of ``size`` (height and width).
 
     With a stage the reference target is taken at positions over one wrap of the single mode, which
     is two of the doubled one.
@@ -56,17 +53,14 @@ def planned(rig: Rig, *, size: int | tuple[int, int] = 64, points: ArrayLike | N
         wrap = SPEED_OF_LIGHT / (2 * rig.drive.frequency_single * group_index())
         sweep = tuple(float(s) for s in wrap * ((np.arange(SWEEP) + 0.5) / SWEEP - 0.5))
     modes = rig.scan.modes
-    if points is None:
-        plan = raster(size, field_of_view=rig.scan.field_of_view, modes=modes, sweep=sweep)
-    else:
-        plan = Plan(np.atleast_2d(np.asarray(points, float))[None], None, modes, sweep)
+    plan = raster(size, field_of_view=rig.scan.field_of_view, modes=modes, sweep=sweep)
     galvo = rig.galvo
     offset = np.array([galvo.offset_x_volts, galvo.offset_y_volts])
     volts = np.abs(plan.angles * galvo.volts_per_radian + offset).max()
     if volts > galvo.limit_volts:
         raise ValueError(
             f"Expected directions within {galvo.limit_volts:g} V of the mirrors, got {volts:.3g}. "
-            "Reduce the field of view or leave those points out."
+            "Reduce the field of view."
         )
     return plan
 
@@ -74,7 +68,7 @@ def planned(rig: Rig, *, size: int | tuple[int, int] = 64, points: ArrayLike | N
 def sampling_of(rig: Rig, plan: Plan) -> Sampling:
     """Layout of a burst: in its first phase the mirrors settle from one column to the next, too."""
     detection, step = rig.detection, 0.0
-    if plan.camera is not None and plan.shape[1] > 1:
+    if plan.shape[1] > 1:
         step = float(np.abs(np.diff(plan.angles[..., 0], axis=1)).max())
     settling = ceil(settling_time(step, rig.galvo.settling) * detection.rate - 1e-9)
     first = max(detection.settle_samples, min(settling, detection.samples_per_phase - 1))
@@ -144,7 +138,7 @@ def scan(
     output, path = Path(output), journal_path(output)
     check_scan_output(output, resume=resume)
     if resume and output.exists() and not path.exists():
-        return _finished(output, rig, plan, seed)
+        return open_measurement(output)  # the journal goes when the file is whole
     with ExitStack() as held:
         with instruments() as opened:
             bench = Bench(opened, rig, sampling_of(rig, plan))
@@ -192,24 +186,6 @@ def export(journal: str | Path, output: str | Path) -> Measurement:
     return measurement
 
 
-def _finished(output: Path, rig: Rig, plan: Plan, seed: int | None) -> Measurement:
-    """Open the file of a scan that is over: its journal goes when the file is whole."""
-    measurement = open_measurement(output)
-    held = measurement.dataset
-    same = (
-        held.attrs.get("settings") == json.dumps(rig.as_dict(), sort_keys=True)
-        and held.attrs.get("seed") == seed
-        and "angle" in held
-        and np.array_equal(held["angle"], plan.angles)
-    )
-    if not same:
-        raise ValueError(
-            f"Expected a scan of these settings in {output}, got another one that is finished. "
-            "Name another output, or leave --resume out to scan again."
-        )
-    return measurement
-
-
 def check_scan_output(output: Path, *, resume: bool) -> None:
     """Raise an error where a scan cannot be written, before anything is started."""
     if output.suffix != ".nc":
@@ -224,26 +200,6 @@ def check_scan_output(output: Path, *, resume: bool) -> None:
             f"Expected no scan begun, got {len(read_journal(path)[1])} lines in {path}. "
             "Go on with --resume, or remove it to begin again."
         )
-
-
-def description(plan: Plan, rig: Rig) -> list[str]:
-    """What a scan would do and how long it would take, for a dry run."""
-    (height, width), detection = plan.shape, rig.detection
-    moves = len(plan.sweep) * sum(line.kind == "reference" for line in plan.lines)
-    total = plan.bursts * SLOT + moves * MOVE + len(plan.modes) * MODE_OVERHEAD
-    text = [
-        f"{rig.name}: {height} x {width} directions, {len(plan.modes)} modes, "
-        f"{len(plan.lines)} lines, {plan.bursts} bursts",
-        f"a burst: {detection.phases} phases x {detection.samples_per_phase} samples at "
-        f"{detection.rate:g} samples/s, {1e3 * detection.duration:.1f} ms",
-    ]
-    for mode in plan.modes:
-        angles = np.rad2deg(rig.plates.mount_angles(mode))
-        text.append(
-            f"{mode}: drive {rig.drive.frequency(mode) / 1e9:g} GHz, plates at {angles[0]:g} and "
-            f"{angles[1]:g} deg"
-        )
-    return [*text, f"about {total:.0f} s on the instrument (overheads estimated)"]
 
 
 def scan_scene(

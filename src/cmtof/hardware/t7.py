@@ -15,7 +15,6 @@ import logging
 import socket
 import struct
 import time
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any, TypeVar
@@ -31,15 +30,9 @@ from cmtof.hardware.device import (
     Refused,
     insist,
 )
-from cmtof.hardware.reduction import NOMINAL_GAIN, RANGES, Gain
+from cmtof.hardware.reduction import RANGES, Gain
 
 T = TypeVar("T")
-Request = tuple[Mapping[str, float], float]
-"""Register writes ahead of a burst, and a time to wait behind them, s."""
-
-LABEL = "USER_RAM0_U32"
-"""Register that carries the number of a burst."""
-
 REGISTERS = {
     "STREAM_SCANRATE_HZ": (4002, "f"),
     "STREAM_NUM_ADDRESSES": (4004, "I"),
@@ -260,28 +253,17 @@ class LabJackT7(Device):
         }
 
     def gain(self, volts_range: float) -> Gain:
-        """Calibration of an input range, V, of the converter that streams, from the flash.
-
-        A blank flash gives nominal values and a warning: they are off by up to 1 % of the range.
-        """
+        """Calibration of an input range, V, of the converter that streams, from the flash."""
         pointer = CALIBRATION_POINTER + 16 * RANGES.index(volts_range)
         ask = write("INTERNAL_FLASH_READ_POINTER", pointer)
         ask += struct.pack(">BHB", 0, REGISTERS["INTERNAL_FLASH_READ"][0], 8)
-        data = self._read(lambda: self._feedback(ask, 16))
-        if not data.strip(b"\xff") or not data.strip(b"\0"):
-            warnings.warn(
-                f"Expected a calibration in the flash of {self.name}, got a blank one. "
-                "Nominal values are used; have the device calibrated.",
-                RuntimeWarning,
-                stacklevel=2,
-            )
-            factor = volts_range / 10
-            return Gain(*(value * factor for value in NOMINAL_GAIN[:2]), NOMINAL_GAIN.centre)
-        gain = Gain(*struct.unpack(">3f", data[:12]))
-        scale = volts_range / 10
-        nominal = (3.158e-4 * scale, -3.158e-4 * scale, 33523.0)
+        gain = Gain(*struct.unpack(">3f", self._read(lambda: self._feedback(ask, 16))[:12]))
+        nominal = (3.158e-5 * volts_range, -3.158e-5 * volts_range, 33523.0)
         if not all(abs(a / b - 1) < 0.1 for a, b in zip(gain, nominal, strict=True)):
-            raise BadReply(f"Expected a calibration of {self.name}, got {gain}. Read it again.")
+            raise BadReply(
+                f"Expected a calibration in the flash of {self.name}, got {gain}. "
+                "Have the device calibrated."
+            )
         return gain
 
     def line(self, dio: str) -> bool:
@@ -368,7 +350,7 @@ class LabJackT7(Device):
         self._stream.flush()
         self._ready = True
 
-    def bursts(self, requests: Iterable[Request]) -> Iterator[NDArray[np.uint16]]:
+    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
         """Counts (scans,) of a burst for each request, in their order; nothing is repeated here.
 
         Raises
@@ -380,10 +362,7 @@ class LabJackT7(Device):
         ConnectionLost
             If a connection ended.
         """
-        for registers, wait in requests:
-            if wait:
-                self.write_many(registers)
-                time.sleep(wait)
+        for registers in requests:
             yield self._one_burst(registers)
 
     def _one_burst(self, registers: Mapping[str, float]) -> NDArray[np.uint16]:

@@ -217,12 +217,10 @@ class SimulatedReadOut(SimulatedDevice):
         edges = np.arange(scans) // pulse
         self._burst = {"scans": scans, "rate": rate, "volts_range": range, "pulses": edges}
 
-    def bursts(
-        self, requests: Iterable[tuple[Mapping[str, float], float]]
-    ) -> Iterator[NDArray[np.uint16]]:
+    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
         """Counts (scans,) of a burst for each request, all computed at once."""
         angles, labels = [], []
-        for registers, _ in requests:
+        for registers in requests:
             self.write_many(registers)
             angles.append(self.world.angles(self.panel))
             labels.append(int(registers["USER_RAM0_U32"]))

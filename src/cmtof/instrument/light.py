@@ -125,8 +125,7 @@ class Light:
         Optical angles (N, 2), rad; ``stage`` (N,), m, stands for the panel's stage position.
         """
         optics = self.settings.optics
-        arm_open = not panel.beam_block_in
-        paths = free_space.with_stray(self.paths(panel, angles, stage), optics, arm_open=arm_open)
+        paths = free_space.with_stray(self.paths(panel, angles, stage), optics)
         way = self.group_index * paths.range + optics.internal_path
         phase = 4 * np.pi * configuration.frequency / SPEED_OF_LIGHT * way
         times = starts[:, None] + configuration.middle

@@ -20,8 +20,6 @@ SPECULAR_LOBE = 3e-3
 """1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)."""
 SPECULAR_DIFFUSE = 0.02
 """Share of a polished surface's reflectance that is diffuse (assumed)."""
-RETRO_LOBE = 5e-3
-"""1/e^2 half angle into which a retro-reflector returns light, rad (assumed: sheeting)."""
 
 _HEXAGON = np.arange(6) * np.pi / 3
 # Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
@@ -90,9 +88,8 @@ def returned_fraction(optics: Optics, material: str, hits: Hits) -> Array:
     """Share of the light on a surface that enters the aperture, polarisation included; 0 for NaN.
 
     Diffuse: ``rho cos A / (pi z^2)``, half of it in the polarisation that the splitter passes.
-    Specular and retro: a Gaussian lobe that spreads over the range, cut by the aperture, and for
-    specular turned away by twice the tilt; the polarisation is kept. Mixed: both laws, weighted
-    with ``hits.mirrored``.
+    Specular: a Gaussian lobe that spreads over the range, cut by the aperture and turned away by
+    twice the tilt; the polarisation is kept. Mixed: both laws, weighted with ``hits.mirrored``.
     """
     rough, polished = _returned(optics, material, hits)
     return rough + polished
@@ -107,15 +104,12 @@ def _returned(optics: Optics, material: str, hits: Hits) -> tuple[Array, Array]:
         share = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
         rough, polished = share, np.zeros_like(share)
         if material != "diffuse":
-            lobe = RETRO_LOBE if material == "retro" else SPECULAR_LOBE
-            lobe = np.hypot(lobe, 2 * optics.divergence)
+            lobe = np.hypot(SPECULAR_LOBE, 2 * optics.divergence)
             caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
             turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
             polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * share
             weight = hits.mirrored if material == "mixed" else 1.0
             rough, polished = (1 - weight) * share, weight * polished
-            if material == "retro":
-                rough, polished = caught, np.zeros_like(share)
     rough, polished = (np.where(z > 0, hits.reflectance * part, 0.0) for part in (rough, polished))
     return rough, polished
 
@@ -143,10 +137,10 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
     return Paths(distance, rough + polished)
 
 
-def with_stray(paths: Paths, optics: Optics, *, arm_open: bool = False) -> Paths:
-    """Paths and the coaxial back-reflection, and the interferometer's arm without its block."""
-    fraction = optics.back_fraction + optics.arm_fraction * arm_open
-    more = (np.full((len(paths.range), 1), value) for value in (optics.back_range, fraction))
+def with_stray(paths: Paths, optics: Optics) -> Paths:
+    """Paths and the coaxial back-reflection."""
+    stray = (optics.back_range, optics.back_fraction)
+    more = (np.full((len(paths.range), 1), value) for value in stray)
     return Paths(*(np.concatenate(pair, axis=1) for pair in zip(paths, more, strict=True)))
 
 

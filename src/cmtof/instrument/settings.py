@@ -14,7 +14,7 @@ from pydantic.dataclasses import dataclass
 
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH, SPEED_OF_LIGHT
 
-Material = Literal["diffuse", "specular", "retro"]
+Material = Literal["diffuse", "specular"]
 STRICT = ConfigDict(extra="forbid", strict=True)
 """Unknown names and values of another kind are errors."""
 
@@ -117,8 +117,6 @@ class Optics:
     back_range: float = number(-0.10, -5, 50)
     # Share of the emitted light that comes back from there and enters the aperture (assumed)
     back_fraction: float = number(1e-9, 0, 1)
-    # The same for the interferometer's arm while its beam block is out (assumed)
-    arm_fraction: float = number(0.2, 0, 1)
     # Full angle that the detector sees, rad: 1 mm behind LA1951-A (f = 25.4 mm, known), 1.6x
     field_of_view: float = number(1e-3 / 25.4e-3 / 1.6, 0, 1)
     # Room light that the detector sees, W/(m^2 sr) (assumed: a white wall in 150 lux)
@@ -166,15 +164,6 @@ class Detector:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class Galvo:
-    """Scan mirrors GVS012."""
-
-    volts_per_degree: float = number(0.5, 1e-3, 100)  # V per mechanical degree (GVS012 manual: 0.5)
-    offset_x: float = number(0.0, -10, 10)  # V at which the beam leaves along +z
-    offset_y: float = number(0.0, -10, 10)
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Reference:
     """Target on the stage behind the flip mirror (Sec. 8.2: 60 cm)."""
 
@@ -202,7 +191,6 @@ class TwinSettings:
     optics: Optics = Optics()
     air: Air = Air()
     detector: Detector = Detector()
-    galvo: Galvo = Galvo()
     reference: Reference = Reference()
     # Whether photons, amplifier and converter are noisy; rounding and clipping stay
     noise: bool = True

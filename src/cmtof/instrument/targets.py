@@ -1,4 +1,4 @@
-"""What a beam can meet: plane, corner cube, frame, mesh.
+"""What a beam can meet: plane, frame, mesh.
 
 Coordinates of the camera: x right, y down, z forward; the galvo stands at the origin and its beam
 leaves along +z at zero volts. A target says where a ray ends, not how much light comes back.
@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,17 +38,9 @@ class Hits(NamedTuple):
     """Of a "mixed" target: weight of the law of a specular surface, 0 to 1."""
 
 
-class Target(Protocol):
-    """Something that sends light back."""
-
-    @property
-    def material(self) -> str:
-        """Return "diffuse", "specular", "retro", or "mixed" where each hit carries a weight."""
-        ...
-
-    def look(self, directions: Array) -> Hits:
-        """Trace unit rays (..., 3) from the origin."""
-        ...
+Target = Any
+"""What has a ``material`` ("diffuse", "specular", or "mixed" with a weight for each hit) and
+``look(directions)``, which traces unit rays (..., 3) from the origin to `Hits`."""
 
 
 @dataclass(frozen=True)
@@ -72,27 +64,6 @@ class Plane:
             reach = np.where(along > 0, self.distance / along, np.nan)
         cosine = along / np.linalg.norm(normal)
         return Hits(reach, cosine, np.full(reach.shape, self.reflectance))
-
-
-@dataclass(frozen=True)
-class Corner:
-    """Corner cube with its apex on the z axis at ``distance``, m; ``radius`` of its opening, m.
-
-    Whatever ray enters, the way to and fro is that to the plane through the apex across the ray.
-    """
-
-    distance: float
-    radius: float = 0.0127
-    reflectance: float = 0.9
-    material: str = "retro"
-
-    def look(self, directions: Array) -> Hits:
-        """Trace unit rays (..., 3) from the origin."""
-        reach = self.distance * directions[..., 2]
-        off = np.sqrt(np.maximum(self.distance**2 - reach**2, 0))
-        inside = (reach > 0) & (off <= self.radius)
-        bright = np.full(reach.shape, self.reflectance)
-        return Hits(np.where(inside, reach, np.nan), directions[..., 2], bright)
 
 
 class FrameTarget:
@@ -255,7 +226,6 @@ def _frame(file: str, material: str = "diffuse") -> FrameTarget:
 KINDS: dict[str, Any] = {
     "plane": Plane,
     "mirror": _mirror,
-    "corner": Corner,
     "frame": _frame,
     "object": _object,
 }
@@ -290,24 +260,8 @@ def scene_from(source: Any) -> Target | None:
             f"Expected twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys, "
             f"got {source!r}. Correct it."
         ) from None
-    if target.material not in ("diffuse", "specular", "retro", "mixed"):
+    if target.material not in ("diffuse", "specular", "mixed"):
         raise ValueError(
-            f"Expected a material diffuse, specular or retro, got {target.material!r}. Choose one."
+            f"Expected a material diffuse or specular, got {target.material!r}. Choose one."
         )
     return target
-
-
-def assembled(parts: Any) -> MeshTarget:
-    """Meshes of several materials as one "mixed" target; a ray ends at the nearest of them."""
-    starts = np.cumsum([0] + [len(part.vertices) for part in parts[:-1]])
-    polished = {"diffuse": 0.0, "specular": 1.0}
-    weights = [polished.get(part.material, part.mirrored) for part in parts]
-    return MeshTarget(
-        np.concatenate([np.asarray(part.vertices, float) for part in parts]),
-        np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=True)]),
-        np.concatenate([np.broadcast_to(p.reflectance, len(p.vertices)) for p in parts]),
-        "mixed",
-        np.concatenate(
-            [np.broadcast_to(w, len(p.vertices)) for w, p in zip(weights, parts, strict=True)]
-        ),
-    )

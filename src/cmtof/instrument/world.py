@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 LABEL_TIME = 0.02
 """Virtual time from one burst to the next, s: 13.3 ms and its dialogue."""
 
+VOLTS_PER_DEGREE = 0.5
+"""Scan mirrors GVS012, V per mechanical degree (its manual)."""
+
 FAST_BANDWIDTH = 12e9
 """-3 dB of the fast detector ET-4000, Hz (Sec. 7.4)."""
 
@@ -128,9 +131,7 @@ class World:
 
     def angles(self, panel: Panel) -> Array:
         """Optical angles (2,), rad, of the panel's galvo; twice the mechanical ones."""
-        galvo = self.settings.galvo
-        volts = np.array(panel.galvo_volts, float) - [galvo.offset_x, galvo.offset_y]
-        return np.deg2rad(2 * volts / galvo.volts_per_degree)
+        return np.deg2rad(2 * np.array(panel.galvo_volts) / VOLTS_PER_DEGREE)
 
     def ranges(self, angles: ArrayLike) -> Array:
         """True ranges (N,), m, of the scene at optical angles (N, 2), rad; NaN for nothing."""
