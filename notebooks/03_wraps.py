@@ -12,14 +12,13 @@ frame_name: str = "still_life"  # embedded frame
 column: int = 300  # image column along which wraps are counted, px
 odds_side: int = 1024  # side of the flat targets on which odds are counted, px
 flat_depth: float = 3.7  # their range, m
-window: int = 41  # side of the averaging window, px
 
 # %% tags=["hide-input"]
 import matplotlib.pyplot as plt
 import numpy as np
 
 import cmtof
-from cmtof import bounds, evaluation
+from cmtof import bounds
 from cmtof.baselines.beat import beat_depth, beat_phasor
 from cmtof.book import notes, paper, plotting
 from cmtof.constants import FREQUENCIES
@@ -100,8 +99,8 @@ beat_range = unambiguous_range(FREQUENCIES)
 beat_wraps = beat_range / float(wrap_length(f1))
 white = float(bounds.simulated_phase_noise(1.0))
 wrap_spread = float(bounds.wrap_noise(white, white, frequencies=FREQUENCIES))
-print(f"range {beat_range:.3f} m, {beat_wraps:.1f} wraps of "
-      f"{1e3 * phase_from_depth(wrap_length(f1), f2 - 2 * f1):.1f} mrad of beat each")  # fmt: skip
+step = 1e3 * phase_from_depth(wrap_length(f1), f2 - 2 * f1)
+print(f"range {beat_range:.3f} m, {beat_wraps:.1f} wraps of {step:.1f} mrad of beat each")
 print(f"at full brightness the count of one pixel has a standard deviation of {wrap_spread:.1f}")
 
 # %% [markdown]
@@ -128,9 +127,7 @@ noise = bounds.simulated_phase_noise(brightness)
 formula = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
 law = np.array([bounds.wrap_probability_law(s, s, frequencies=FREQUENCIES) for s in noise])
 targets = {value: flat(value) for value in brightness}
-counted = np.array(
-    [share_right(t.phase[0], np.angle(beat_phasor(t)), t) for t in targets.values()]
-)
+counted = np.array([share_right(t.phase[0], np.angle(beat_phasor(t)), t) for t in targets.values()])
 error = np.sqrt(law * (1 - law)) / odds_side
 
 # %% [markdown]
@@ -165,8 +162,8 @@ need = {v: bounds.pixels_needed(s, s, frequencies=FREQUENCIES) for v, s in pool_
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(10.2, 4.3))
-plotting.sweep(axes[0], brightness, 100 * counted, errors=200 * error, bound=100 * law,
-               label="counted", bound_label="exact law", color=colours["vermillion"])  # fmt: skip
+names = {"label": "counted", "bound_label": "exact law", "color": colours["vermillion"]}
+plotting.sweep(axes[0], brightness, 100 * counted, errors=200 * error, bound=100 * law, **names)
 axes[0].plot(brightness, 100 * formula, color=plotting.GREY, ls="--", label="small-noise formula")
 plotting.mark(axes[0], y=100 / beat_wraps, text="a guess among all wraps")
 axes[0].set(xlabel="brightness I", ylabel="wrap right, one pixel (%)", title="one pixel")
@@ -175,8 +172,9 @@ for level, colour in ((1.0, "blue"), (0.3, "orange")):
     spread = pool_noise[level] / side_axis
     theory = 100 * bounds.wrap_probability(spread, spread, frequencies=FREQUENCIES)
     by_phasor, by_beat = (100 * np.array([pooled[level, s][k] for s in sides]) for k in (0, 1))
-    plotting.sweep(axes[1], sides, by_phasor, bound=(side_axis, theory), color=colours[colour],
-                   label="phasors pooled", bound_label=f"I = {level:g}, formula", log="x")  # fmt: skip
+    names = {"label": "phasors pooled", "bound_label": f"I = {level:g}, formula"}
+    names |= {"color": colours[colour], "log": "x"}
+    plotting.sweep(axes[1], sides, by_phasor, bound=(side_axis, theory), **names)
     axes[1].plot(sides, by_beat, "x", color=colours[colour], mew=2, label="beats pooled")
     axes[1].plot(np.sqrt(need[level]), 95, "D", mfc="white", mec=colours[colour], ms=7)
 plotting.mark(axes[1], y=95, text="95 %")
@@ -220,63 +218,6 @@ notes.tell(big_phasor=100 * pooled[0.3, 64][0], big_product=100 * pooled[0.3, 64
 # Real surfaces are not flat: before the phasors of neighbours may be added, their phases must be
 # brought in line, which takes knowledge of the surface. That is the difficulty of unwrapping at
 # these frequencies.
-#
-# ## First tries on a whole frame
-#
-# **released** is what the authors' released code does: the scene is shrunk to at most 1.195 m and
-# only 21 wraps are allowed; pixels outside them are not scored. **full** leaves the scene as it is,
-# with 358 wraps. δ is the error of the paper's count $n=\lfloor\varphi/2\pi\rfloor$; "consistent"
-# counts a pixel as right when the *measured* phase gets the whole turns that belong to it.
-
-# %%
-tries = {
-    "crt": ("crt", {}),
-    "beat, one pixel": ("beat", {"window": 1}),
-    f"beat, {window}×{window}": ("beat", {"window": window}),
-}
-scores, wrong = {}, {}
-for protocol in ("released", "full"):
-    measurement = cmtof.simulate(frame, protocol=protocol, seed=seed)
-    true_count = wrap_count_from_depth(np.nan_to_num(measurement.depth), f1)
-    for name, (method, options) in tries.items():
-        result = cmtof.unwrap(measurement, method=method, **options)
-        scores[protocol, name] = evaluation.score(evaluation.scored_pixels(result, measurement))
-        off = result["wrap_count"].to_numpy() - true_count
-        wrong[protocol, name] = np.where(measurement.mask, off, np.nan)
-    print(f"{protocol}: {measurement.mask.mean():.0%} of the pixels are scored")
-keys = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_10", "consistent_lt_1")
-notes.table(
-    ["protocol, method", "δ < 1", "δ < 2", "δ < 3", "δ ≥ 10", "consistent"],
-    [(", ".join(key), *(f"{100 * s[k]:.1f} %" for k in keys)) for key, s in scores.items()],
-)
-
-# %% tags=["hide-input"]
-titles = [f"{p}: {m}, {100 * scores[p, m]['delta_lt_1']:.0f} %" for p, m in wrong]
-figure, axes = plotting.maps(
-    list(wrong.values()), label="error of the wrap count", titles=titles, cmap="RdBu_r",
-    limits=(-10, 10), columns=3, width=3.4,
-)  # fmt: skip
-plotting.label_panels(axes)
-plotting.save(
-    figure,
-    "wraps_beat",
-    format="png",
-    numbers={
-        f"{protocol}_delta_lt_1": [scores[protocol, name]["delta_lt_1"] for name in tries]
-        for protocol in ("released", "full")
-    },
-    caption=f"Error of the wrap count on `{frame_name}`, simulated, at the paper's noise; in the "
-    "titles the share of scored pixels with δ < 1. White is right, grey is not scored. Top: the "
-    "released code's setting; bottom: the full range.",
-    alt="Six error maps. Per-pixel methods give saturated red and blue salt and pepper, denser in "
-    "the full range. The averaged beat gives smooth blotches, pale inside surfaces and strongly "
-    "coloured along the outlines of objects.",
-)
-
-# %% [markdown]
-# The Chinese remainder theorem and the beat hold the same information, and score alike: one pixel
-# at a time they hardly beat a constant answer (1 in 21 in the released setting). Averaging over a
-# window helps as far as surfaces are larger than the window, and fails at every outline.
 #
 # ## Against the paper
 

@@ -12,7 +12,6 @@ seed: int = 0  # of the instrument's errors, and of the photodiode's noise in Fi
 eta: float = 0.26  # drive amplitude in one pass, rad; 50 % contrast in the single mode
 bandwidth: float = 12e9  # -3 dB bandwidth of the photodiode, Hz
 noise: float = 0.01  # standard deviation of its noise, in units of the light that enters
-points: int = 81  # settings along each axis of the tolerance figure
 turns: int = 46  # angles of the half-wave plate, 0 to 45 degrees
 powers: int = 21  # settings of the RF power
 
@@ -49,17 +48,17 @@ SERIES = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 DRIVE_COLOURS = (plotting.PALETTE["sky"], black, plotting.PALETTE["orange"])  # V = −η, 0, +η
 
 # %% tags=["hide-input"]
-PLACES = {3.3: ("PBS in", "HWP back"), 5.0: ("HWP", "QWP back"), 6.9: ("QWP", "EOM back"),
-          9.9: ("EOM", "mirror")}  # fmt: skip
+PLACES = {3.3: ("PBS in", "HWP back"), 5.0: ("HWP", "QWP back"), 6.9: ("QWP", "EOM back")}
+PLACES[9.9] = ("EOM", "mirror")
+BOXES = {"PBS": (1.6, 1, 1), "HWP": (4.0, 0.2, 1.3), "QWP": (5.8, 0.2, 1.3), "EOM": (7.6, 1.6, 0.9)}
+BOXES["mirror"] = (11.1, 0.16, 1.3)  # left end, width, height
 
 
 def draw_path(ax):
     """Folded light path: the laser enters at the splitter, the mirror sends the light back."""
     ax.plot([2.1, 2.1, 11.1], [1.3, 0.1, 0.1], color="#00A86B", lw=3, zorder=0)
     ax.plot([11.1, 0.3], [-0.1, -0.1], color="#00A86B", lw=3, alpha=0.5, zorder=0)
-    for x, width, height, name in ((1.6, 1, 1, "PBS"), (4.0, 0.2, 1.3, "HWP"),
-                                   (5.8, 0.2, 1.3, "QWP"), (7.6, 1.6, 0.9, "EOM"),
-                                   (11.1, 0.16, 1.3, "mirror")):  # fmt: skip
+    for name, (x, width, height) in BOXES.items():
         ax.add_patch(Rectangle((x, -height / 2), width, height, fc="#DCEBF7", ec="#6B8CA8"))
         ax.text(x + width / 2 - (name == "PBS"), 0.75, name, ha="center", weight="bold")
     ax.text(2.25, 1.2, "laser", va="center")
@@ -72,11 +71,14 @@ def draw_states(ax, mode, top, name):
     """Polarisation ellipses for three drive voltages: the way out above, the way back below."""
     states = mode.states(eta * np.array([-1.0, 0.0, 1.0]))
     circle = np.exp(1j * np.linspace(0, 2 * np.pi, 121))
-    spots = [((x, top - 1.15 * row), states[key]) for x, keys in PLACES.items()
-             for row, key in enumerate(keys)]  # fmt: skip
-    for (x, y), field in [*spots, ((0.6, top - 1.15), states["PBS out"])]:
+    spots = {(0.6, top - 1.15): "PBS out"}
+    for x, (out, back) in PLACES.items():
+        spots |= {(x, top): out, (x, top - 1.15): back}
+    for (x, y), place in spots.items():
         ax.add_patch(Circle((x, y), 0.45, fc="#F4F4F4", ec="#C8C8C8", lw=0.8))
-        for vector, colour in zip(np.broadcast_to(field, (3, 2)), DRIVE_COLOURS, strict=True):
+        for vector, colour in zip(
+            np.broadcast_to(states[place], (3, 2)), DRIVE_COLOURS, strict=True
+        ):
             turn = 0.45 * np.real(vector[:, None] * circle)
             ax.plot(x + turn[0], y + turn[1], color=colour, lw=1.8)
     ax.text(0.0, top, name, va="center")
@@ -242,8 +244,8 @@ plotting.save(
 
 # %%
 shared = replace(modes["doubled"], mirror_distance=SPEED_OF_LIGHT / (2 * SINGLE.frequency))
-print(f"doubled drive on the single mode's spacing: {1e3 * shared.pass_delay:.1f} mrad late, "
-      f"{1 - shared.effective_eta / eta:.1e} of the drive lost")  # fmt: skip
+late, lost = 1e3 * shared.pass_delay, 1 - shared.effective_eta / eta
+print(f"doubled drive on the single mode's spacing: {late:.1f} mrad late, {lost:.1e} of it lost")
 
 # %% [markdown]
 # ## Doubling, and a factor of two
@@ -377,8 +379,8 @@ plotting.save(
     "falls slowly from one half with dark bias. The signals peak near 0.9 and 1.5.",
 )
 print(f"contrast of two modules at η = {eta}: {contrast[0]:.3f} single, {contrast[1]:.2f} doubled")
-print(f"signal, doubled over single: {100 * signal_ratio[0]:.1f} % at η = {eta}, "
-      f"{100 * signal_ratio[1]:.0f} % at π/4")  # fmt: skip
+weak, strong = signal_ratio
+print(f"signal, doubled over single: {weak:.1%} at η = {eta}, {strong:.0%} at π/4")
 
 # %% [markdown]
 # The doubled mode has the better contrast and far less signal. With bright bias the same swing
@@ -397,63 +399,29 @@ def depth_and_leak(name, **errors):
     return 2 * w[ORDER[name]] / w[0], w[1] / w[2]
 
 
-# %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 4, figsize=(12.4, 3.4), sharey=True)
-angles, ratios = np.linspace(-2, 2, points), np.geomspace(10, 1e4, points)
-retardances, distances = np.linspace(-15, 15, points), np.linspace(0, 1.25, points)
-for ax, label, error, shown, values in (
-    (axes[0], "half-wave plate error (°)", "half_wave_angle_error", angles, np.deg2rad(angles)),
-    (axes[1], "static retardance (°)", "static_retardance", retardances, np.deg2rad(retardances)),
-    (axes[2], "extinction ratio of the output", "transmitted_extinction", ratios, ratios),
-):
-    for name in modes:
-        found = np.array([depth_and_leak(name, **{error: float(v)}) for v in values])
-        ax.plot(shown, found[:, 0], color=COLOURS[name], label=f"{name}, depth")
-        if name == "doubled" and ax is not axes[2]:
-            ax.plot(shown, found[:, 1], "--", color=COLOURS[name], label="doubled, leak")
-    ax.set(xlabel=label, ylim=(0, 1.08))
-axes[2].set_xscale("log")
-for name, mode in modes.items():
-    places = distances * SPEED_OF_LIGHT / mode.frequency
-    moved = [replace(mode, mirror_distance=float(d)).harmonics(2)[ORDER[name]] for d in places]
-    axes[3].plot(distances, np.abs(moved) / abs(moved[0]), color=COLOURS[name])
-axes[3].set(xlabel="mirror distance (wavelengths)", title="signal")
-plotting.mark(axes[3], x=0.5)
-axes[0].legend(fontsize="small", loc="lower center", frameon=True)
-plotting.label_panels(axes)
-tolerance = {
-    "doubled_depth_ideal": depth_and_leak("doubled")[0],
-    "doubled_leak_tenth_degree": depth_and_leak("doubled", half_wave_angle_error=np.deg2rad(0.1))[
-        1
-    ],
-    "doubled_depth_extinction_1000": depth_and_leak("doubled", transmitted_extinction=1e3)[0],
-    "doubled_depth_extinction_100": depth_and_leak("doubled", transmitted_extinction=1e2)[0],
-}
+# %%
+def table_of(error, values, unit):
+    """Depth of both modes, and leak of the doubled one, at some sizes of one error."""
+    rows = []
+    for value in values:
+        changed = {error: float(np.deg2rad(value) if unit == "°" else value)}
+        (depth, _), (doubled_depth, leak) = (depth_and_leak(name, **changed) for name in modes)
+        rows.append((f"{value:g}{unit}", *(f"{x:.2f}" for x in (depth, doubled_depth, leak))))
+    return rows
 
-# %% tags=["hide-input"]
-plotting.save(
-    figure,
-    "modulator_tolerance",
-    numbers=tolerance,
-    caption="Alignment errors at η = 0.26 (simulated). (a–c) Modulation depth of both modes, and "
-    "the drive's frequency leaking into the doubled one; (d) signal against the mirror's distance, "
-    "1 for a matched mirror, the paper's spacing dotted.",
-    alt="Four panels. The single mode's depth of one half tilts gently with plate angle and static "
-    "retardance. The doubled mode's depth falls from one on both sides, and its leak rises in a "
-    "V. It needs an extinction ratio of several hundred. Both signals vanish with the mirror at a "
-    "quarter and three quarters of a wavelength.",
-)
-notes.tell(tenth=tolerance["doubled_leak_tenth_degree"])
-notes.tell(
-    hundred=tolerance["doubled_depth_extinction_100"], ideal=tolerance["doubled_depth_ideal"]
-)
+
+head = ["error", "single, depth", "doubled, depth", "doubled, leak"]
+tenth = [0, 0.1, 0.5, 1]
+rows = [(f"half-wave plate {a}", *b) for a, *b in table_of("half_wave_angle_error", tenth, "°")]
+rows += [(f"static retardance {a}", *b) for a, *b in table_of("static_retardance", [1, 5], "°")]
+ratios = [1e2, 1e3]
+rows += [(f"extinction ratio {a}", *b) for a, *b in table_of("transmitted_extinction", ratios, "")]
+notes.table(head, rows)
 
 # %% [markdown]
 # The single mode sits on a slope and is tolerant. The doubled mode sits in a dark minimum of which
 # it fills only a little: with a tenth of a degree of error in the half-wave plate the drive's own
-# frequency reaches {glue:text}`tenth:.2f` of the doubled one, and an extinction ratio of 100 leaves
-# a depth of {glue:text}`hundred:.2f` of {glue:text}`ideal:.2f`. On a bench the plate is turned
-# until the drive's frequency vanishes.
+# frequency is already strong. On a bench the plate is turned until it vanishes.
 #
 # ## The simulated instrument before a fast detector
 #
@@ -483,11 +451,10 @@ def light_depth(
 plate = np.deg2rad(np.linspace(0, 45, turns))
 by_plate = {order: np.array([light_depth(order, angle=a) for a in plate]) for order in (1, 2)}
 steps = np.linspace(10, 30, powers).round(1)
-by_power = {
-    name: np.array([light_depth(ORDER[name], frequency=mode.frequency,
-                                angle=mode.half_wave_angle, dbm=p) for p in steps])
-    for name, mode in modes.items()
-}  # fmt: skip
+by_power = {}
+for name, mode in modes.items():
+    knobs = {"frequency": mode.frequency, "angle": mode.half_wave_angle}
+    by_power[name] = np.array([light_depth(ORDER[name], dbm=p, **knobs) for p in steps])
 
 # %% tags=["hide-input"]
 j0, j1, j2 = (jv(n, 2 * drive.eta) for n in range(3))
@@ -507,8 +474,8 @@ for order, size, wave, colour in ((1, j1, np.sin, blue), (2, j2, np.cos, vermill
     line = np.rad2deg(fine), closed(fine)
     plotting.sweep(axes[0], np.rad2deg(plate), by_plate[order], bound=line, **look)
 for name in modes:
-    plotting.sweep(axes[1], steps, by_power[name], bound=law[name], color=COLOURS[name], log="",
-                   label=f"{name}, simulated", bound_label=f"{name}, closed form")  # fmt: skip
+    look = {"color": COLOURS[name], "log": "", "label": name, "bound_label": "closed form"}
+    plotting.sweep(axes[1], steps, by_power[name], bound=law[name], **look)
 axes[0].set(xlabel="angle of the half-wave plate (°)", ylabel="amplitude over the mean")
 axes[1].set(xlabel="RF power (dBm)", ylim=(0, 1.6))
 for ax in axes:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from cmtof import correlation as co
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
-from cmtof.modulator import DOUBLED, SINGLE
+from cmtof.modulator import SINGLE
 from cmtof.waveform import gate, sinusoid, waveform_from_harmonics
 
 QUADRATURES = np.arange(4) * np.pi / 2
@@ -45,13 +45,6 @@ def test_real_modulator_pair_departs_from_equation_4_by_its_harmonics():
     assert full - first == pytest.approx(rest, abs=1e-15)
 
 
-def test_paper_sinusoids_peak_at_psi_equal_minus_phase():
-    p, r = sinusoid(1.0, 1.0), sinusoid(0.5, 1.0)
-    psi = np.linspace(0, 2 * np.pi, 3601)
-    c = co.correlation_from_harmonics(p, r, phase=2.0, psi=psi)
-    assert psi[c.argmax()] == pytest.approx(2 * np.pi - 2.0, abs=2e-3)
-
-
 @pytest.mark.parametrize(
     ("emitted", "reference", "contrast"),
     [
@@ -62,22 +55,6 @@ def test_paper_sinusoids_peak_at_psi_equal_minus_phase():
 )
 def test_contrast_of_pairs(emitted, reference, contrast):
     assert co.correlation_contrast(emitted, reference) == pytest.approx(contrast, rel=1e-12)
-
-
-def test_gate_against_raised_cosine_is_the_pixel_of_equation_8():
-    psi = np.linspace(0, 2 * np.pi, 50)
-    c = co.correlation_from_harmonics(sinusoid(1.0, 1.0), gate(5), phase=1.0, psi=psi)
-    np.testing.assert_allclose(c, 0.5 + np.cos(1.0 + psi) / np.pi, atol=1e-12)
-
-
-def test_heterodyne_sweeps_the_phase_and_a_whole_beat_in_the_exposure_removes_it():
-    p = sinusoid(0.5, 0.5)
-    sweep = np.linspace(0, 2 * np.pi, 7)
-    moving = co.correlation_from_harmonics(p, p, phase=0.3, psi=0.0, beat_phase=sweep)
-    still = co.correlation_from_harmonics(p, p, phase=0.3, psi=sweep)
-    np.testing.assert_allclose(moving, still)
-    gone = co.correlation_from_harmonics(p, p, phase=0.3, psi=0.0, beat_cycles=1.0)
-    assert gone == pytest.approx(0.25, abs=1e-15)
 
 
 def test_heterodyne_damping_equals_the_time_average_over_the_exposure():
@@ -166,14 +143,6 @@ def test_two_frequencies_decode_each_with_its_own_steps(rng):
     np.testing.assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
 
 
-def test_one_set_of_steps_serves_every_frequency_of_a_stack(rng):
-    stack = rng.normal(100, 10, (2, 4, 6, 7))
-    np.testing.assert_array_equal(
-        co.phase_from_correlation(stack, QUADRATURES),
-        co.phase_from_correlation(stack, np.tile(QUADRATURES, (2, 1))),
-    )
-
-
 @pytest.mark.parametrize(
     ("psi", "message"),
     [
@@ -234,15 +203,6 @@ def test_four_samples_alias_the_third_harmonic_and_sixteen_do_not(eta, error):
     sixteen = co.cyclic_error(waveform, waveform, phase=phase, samples=16)
     assert np.abs(four).max() == pytest.approx(error, rel=0.05)
     assert np.abs(sixteen).max() < 1e-9
-
-
-def test_pure_sinusoids_have_no_cyclic_error():
-    p = sinusoid(1.0, 1.0)
-    assert np.abs(co.cyclic_error(p, p, phase=np.linspace(0, 6, 50), samples=4)).max() < 1e-12
-
-
-def test_doubled_mode_has_no_line_at_the_drive_frequency():
-    assert abs(DOUBLED.harmonics(3)[1]) < 1e-12
 
 
 # --- depth -------------------------------------------------------------------------------------

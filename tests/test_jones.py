@@ -73,15 +73,6 @@ def test_quarter_wave_plate_at_45_degrees_makes_circular_light():
     np.testing.assert_allclose(np.abs(jones.stokes(out)), [1, 0, 0, 1], atol=1e-15)
 
 
-def test_retardance_error_is_retardance_on_the_axis():
-    np.testing.assert_allclose(
-        jones.half_wave_plate(0.3, retardance_error=0.02), jones.retarder(np.pi + 0.02, 0.3)
-    )
-    np.testing.assert_allclose(
-        jones.quarter_wave_plate(0.3, retardance_error=0.02), jones.retarder(np.pi / 2 + 0.02, 0.3)
-    )
-
-
 @given(vector)
 def test_stokes_vector_of_pure_light_lies_on_the_sphere(field):
     s = jones.stokes(field)
@@ -125,10 +116,6 @@ def test_a_turned_beam_splitter_obeys_malus(axis, tilt):
     assert jones.intensity(out) == pytest.approx(np.cos(axis - tilt) ** 2, abs=1e-14)
 
 
-def test_mirror_keeps_its_reflectance_and_turns_the_vertical():
-    np.testing.assert_allclose(jones.mirror(0.81), np.diag([0.9, -0.9]), atol=1e-16)
-
-
 def test_parameters_broadcast_against_each_other():
     drive, axis = np.zeros((4, 1, 3)), np.zeros((5, 1))
     product = jones.compose(
@@ -137,11 +124,6 @@ def test_parameters_broadcast_against_each_other():
     assert product.shape == (4, 5, 3, 2, 2)
     assert product.dtype == np.complex128
     assert jones.apply(product, jones.linear_polarisation(axis)).shape == (4, 5, 3, 2)
-
-
-def test_compose_takes_elements_in_the_order_of_the_light():
-    first, second = jones.retarder(0.3, 0.2), rotation(0.5)
-    np.testing.assert_array_equal(jones.compose(first, second), second @ first)
 
 
 @pytest.mark.parametrize(

@@ -31,23 +31,10 @@ def test_coefficients_follow_the_convention_with_their_sign():
     np.testing.assert_allclose(harmonics_from_waveform(samples, 3), [2, 1.5, 2j, 0], atol=1e-14)
 
 
-def test_batches_and_phase_arrays_keep_their_shapes():
-    coefficients = np.ones((5, 2, 4), complex)
-    assert waveform_from_harmonics(coefficients, np.zeros((3, 7))).shape == (5, 2, 3, 7)
-    assert waveform_from_harmonics([1.0], 0.3) == 1.0
-
-
 @pytest.mark.parametrize("count", [-1, 4, 9])
 def test_harmonics_that_the_samples_cannot_tell_apart_are_refused(count):
     with pytest.raises(ValueError, match="below N/2 = 4"):
         harmonics_from_waveform(np.zeros(8), count)
-
-
-def test_sinusoid_has_its_mean_and_amplitude():
-    theta = np.linspace(0, 6, 50)
-    np.testing.assert_allclose(
-        waveform_from_harmonics(sinusoid(0.5, 0.2), theta), 0.5 + 0.2 * np.cos(theta), atol=1e-15
-    )
 
 
 def test_gate_is_the_series_of_the_square_wave():

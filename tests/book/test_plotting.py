@@ -81,19 +81,6 @@ def test_phase_image_is_cyclic_and_marks_missing_pixels():
     assert shown.cmap.get_bad()[0] == pytest.approx(0xB0 / 255)
 
 
-def test_image_refuses_a_stack():
-    _, ax = plt.subplots()
-    with pytest.raises(ValueError, match="shape"):
-        plotting.image(ax, np.zeros((2, 3, 4)), label="depth (m)")
-
-
-def test_panels_are_lettered_in_order():
-    _, axes = plt.subplots(1, 2)
-    axes[0].set_title("near")
-    plotting.label_panels(axes)
-    assert [ax.get_title(loc="left") for ax in axes] == ["(a) near", "(b)"]
-
-
 def test_maps_share_one_scale_and_one_bar_and_leave_no_empty_panel():
     images = [np.full((4, 6), 1.0), np.full((4, 6), np.nan), np.full((4, 6), 3.0)]
     images[1][0, 0] = 2.0
