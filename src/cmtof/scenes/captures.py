@@ -36,12 +36,7 @@ def read_capture(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.floa
     """Wrapped phase (H, W), rad, of ``phase/scene_NAME_phase.csv``, and the reference depth, m.
 
     The reference is None where ``depth/scene_NAME_depth.csv`` is missing. It is coarser than a
-    wrap on the objects and no truth for them.
-
-    Raises
-    ------
-    ValueError
-        If a file is empty, ragged, not numeric, of another shape, or holds no wrapped phases.
+    wrap on the objects and no truth for them. ValueError if a file holds no such map.
     """
     path = Path(path)
     phase = _read_map(path)

@@ -31,11 +31,6 @@ def load_frame(
     camera : array_like, shape (4,) or (5,), optional
         In place of what the source states.
 
-    Raises
-    ------
-    FileNotFoundError, ValueError
-        If a file is missing, cut short or of another kind.
-
     Examples
     --------
     >>> load_frame("still_life").depth.shape
@@ -71,27 +66,16 @@ def frames_in(
 ) -> list[Source]:
     """Frames of a file, an embedded name or a folder, listed without loading any.
 
-    Parameters
-    ----------
-    source : str or Path
-        A file or name for `load_frame`, or a folder: a Hypersim tree or one scene of it (its test
-        frames, or every view without the table of partitions); ``*.npz``; or ``depth/NAME.png``
-        with ``rgb`` or ``color`` ``/NAME.png`` or ``.jpg``, as NYU and ScanNet are exported.
-    depth_scale, planar, camera
-        As in `load_frame`, of each pair of images.
-
-    Raises
-    ------
-    FileNotFoundError, ValueError
-        If there is no such source, or no frame in it.
+    A folder is a Hypersim tree or one scene of it (its test frames, or every view without the table
+    of partitions), holds ``*.npz``, or ``depth/NAME.png`` with ``rgb`` or ``color`` ``/NAME.png``
+    or ``.jpg``, as NYU and ScanNet are exported; options as in `load_frame`.
     """
     path = Path(source)
     given: dict[str, Any] = {"depth_scale": depth_scale, "planar": planar, "camera": camera}
     if str(source) in embedded_frames() or not path.is_dir():
         return [Source(str(source), partial(load_frame, source, **given))]
     if is_hypersim(path):
-        tree = Hypersim(path)
-        return tree.sources(tree.test_views() or tree.views, blank=True)
+        return Hypersim(path).sources(blank=True)
     found = [Source(p.stem, partial(frame_from_npz, p, camera)) for p in sorted(path.glob("*.npz"))]
     colours = {p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")}
     found += [

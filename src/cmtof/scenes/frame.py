@@ -17,7 +17,6 @@ EMBEDDED = Path(__file__).parents[1] / "frames"
 
 HELD_OUT = EMBEDDED / "test" / "rooms.npz"
 """The test set: 32 views of rooms on which nothing was trained or validated."""
-
 HELD_OUT_STEP = 5e-5
 """Step of its stored depth, m."""
 
@@ -40,8 +39,7 @@ class Frame:
     Raises
     ------
     ValueError
-        If something is no number, shapes differ, no pixel has a depth, intensities are negative or
-        not finite, or the camera is impossible.
+        If something is no number, shapes differ, or no such scene is possible.
 
     Examples
     --------
@@ -76,11 +74,11 @@ class Frame:
             )
         if self.camera is not None:
             camera = numbers(self.camera, f"camera of {where}")
-            known = camera.shape in ((4,), (5,)) and bool(np.isfinite(camera).all())
-            if not known or not (camera[:2] > 0).all():
+            known = camera.shape in ((4,), (5,)) and np.isfinite(camera).all()
+            if not (known and (camera[:2] > 0).all()):
                 raise ValueError(
-                    f"Expected camera fx fy cx cy, px, with fx, fy > 0 (and a skew where there is "
-                    f"one), got {camera.tolist()} in {where}. Correct it."
+                    f"Expected camera fx fy cx cy (skew), px, with fx, fy > 0, got "
+                    f"{camera.tolist()} in {where}. Correct it."
                 )
             object.__setattr__(self, "camera", camera)
         object.__setattr__(self, "depth", depth)
@@ -97,21 +95,15 @@ class Frame:
             np.savez_compressed(part, **arrays)
 
     def middle(self, height: int, width: int) -> "Frame":
-        """Middle of the frame, at most that large; the camera moves with it.
-
-        Examples
-        --------
-        >>> Frame(np.ones((5, 8)), np.ones((5, 8)), np.array([9, 9, 4, 2.5])).middle(3, 4).camera
-        array([9. , 9. , 2. , 1.5])
-        """
+        """Middle of the frame, at most that large; the camera moves with it."""
         top, left = (
-            max(0, (n - m) // 2) for n, m in zip(self.depth.shape, (height, width), strict=True)
+            max(0, (len(self.depth) - height) // 2),
+            max(0, (self.depth.shape[1] - width) // 2),
         )
         part = (slice(top, top + height), slice(left, left + width))
         camera = self.camera
         if camera is not None:
-            camera = camera.copy()
-            camera[2:4] -= left, top
+            camera = camera - [0, 0, left, top, 0][: len(camera)]
         return Frame(self.depth[part], self.intensity[part], camera, self.name, self.note)
 
 
@@ -124,19 +116,7 @@ class Source(NamedTuple):
 
 @dataclass
 class Frames:
-    """Frames of some sources in their order, without those that cannot be loaded.
-
-    ``skipped`` holds name and reason of each frame left out since the latest start.
-
-    Examples
-    --------
-    >>> def broken() -> Frame:
-    ...     raise ValueError("Expected a whole file, got a part. Fetch it again.")
-    >>> good = Source("good", lambda: Frame([[1.0]], [[0.5]], name="good"))
-    >>> frames = Frames([good, Source("bad", broken)])
-    >>> [frame.name for frame in frames], frames.skipped
-    (['good'], {'bad': 'Expected a whole file, got a part. Fetch it again.'})
-    """
+    """Frames of some sources; ``skipped`` holds name and reason of those that do not load."""
 
     sources: Iterable[Source]
     skipped: dict[str, str] = field(default_factory=dict)
@@ -217,17 +197,8 @@ def frame_from_pair(
 ) -> Frame:
     """Frame of a 16-bit depth image and the colour or grey image (PNG or JPEG) of its size.
 
-    Level 0 is no depth; the green channel is made linear (sRGB).
-
-    Parameters
-    ----------
-    depth, intensity : path
-    depth_scale : float
-        Levels per metre.
-    planar : bool
-        True if depth is along the optical axis, to be turned into range; needs ``camera``.
-    camera : array_like, shape (4,) or (5,), optional
-        As in `Frame`.
+    ``depth_scale`` are levels per metre, level 0 is no depth. ``planar`` depth, along the optical
+    axis, is turned into range by the ``camera`` (as in `Frame`). The green channel is made linear.
 
     Raises
     ------
@@ -240,26 +211,25 @@ def frame_from_pair(
         )
     if not 0 < depth_scale < np.inf:
         raise ValueError(
-            f"Expected a depth scale > 0 levels per metre, got {depth_scale}. "
-            "Common ones are 1000 and 5000."
+            f"Expected a depth scale > 0 levels per metre, got {depth_scale}. Try 1000."
         )
     levels, image = read_image(depth), read_image(Path(intensity))
     if levels.ndim != 2:
         raise ValueError(
-            f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name the depth "
-            "image first."
+            f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name depth first."
         )
     distance = levels / depth_scale
     if planar:
         if camera is None:
             raise ValueError(
-                f"Expected camera fx fy cx cy to turn planar depth of {depth.name} into range, "
-                "got none. Give it."
+                f"Expected camera for the planar depth {depth.name}, got none. Give it."
             )
         distance = distance * ray_lengths(distance.shape, camera)
     green = image if image.ndim == 2 else image[..., 1 if image.shape[-1] > 2 else 0]
     stated = None if camera is None else np.asarray(camera)
-    return Frame(distance, linear_from_srgb(green), stated, depth.stem)
+    encoded = green / np.iinfo(green.dtype).max  # sRGB, IEC 61966-2-1
+    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+    return Frame(distance, linear, stated, depth.stem)
 
 
 def read_image(path: Path) -> NDArray:
@@ -284,12 +254,7 @@ def read_image(path: Path) -> NDArray:
 def rays_from_camera(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.float64]:
     """Rays (H, W, 3) through the pixel centres: x right, y down, z = 1.
 
-    Parameters
-    ----------
-    shape : (int, int)
-        H, W.
-    camera : array_like, shape (4,) or (5,)
-        fx, fy, cx, cy, px, and the skew s: column u = fx x + s y + cx, row v = fy y + cy.
+    With the camera fx, fy, cx, cy, px, and a skew s: column u = fx x + s y + cx, row v = fy y + cy.
 
     Examples
     --------
@@ -312,16 +277,3 @@ def brightness(color: ArrayLike) -> NDArray[np.floating]:
     """Linear brightness 0.3 R + 0.59 G + 0.11 B of colours (..., 3), as Hypersim defines it."""
     color = np.asarray(color)
     return color @ np.array([0.3, 0.59, 0.11], color.dtype)
-
-
-def linear_from_srgb(pixels: ArrayLike) -> NDArray[np.float64]:
-    """Linear light, 0 to 1, of sRGB levels of 8 or 16 bits (IEC 61966-2-1).
-
-    Examples
-    --------
-    >>> linear_from_srgb(np.array([0, 188, 255], np.uint8)).round(3).tolist()
-    [0.0, 0.503, 1.0]
-    """
-    levels = np.asarray(pixels)
-    encoded = levels / np.iinfo(levels.dtype).max
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)

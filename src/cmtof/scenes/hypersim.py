@@ -61,21 +61,11 @@ class View(NamedTuple):
 
     @property
     def is_authors_test(self) -> bool:
-        """Whether the paper tests on it: 0042 of camera 00 of an ai_VVV_001.
-
-        Of the 49 such views 46 were published; 34 of them lie in the official training partition.
-        """
-        first = re.fullmatch(r"ai_\d{3}_001", self.scene) is not None
-        return first and self[1:3] == ("cam_00", 42)
+        """Whether the paper tests on it: 0042 of camera 00 of an ai_VVV_001 (46 were published)."""
+        return bool(re.fullmatch(r"ai_\d{3}_001", self.scene)) and self[1:3] == ("cam_00", 42)
 
     def file(self, root: str | Path, kind: str) -> Path:
-        """File of an array below the root of a tree; ``kind`` is a key of `FILES`.
-
-        Examples
-        --------
-        >>> View("ai_001_001", "cam_00", 42).file("tree", "color").as_posix()
-        'tree/ai_001_001/images/scene_cam_00_final_hdf5/frame.0042.color.hdf5'
-        """
+        """File of an array below the root of a tree; ``kind`` is a key of `FILES`."""
         folder, name, _ = FILES[kind]
         images = Path(root) / self.scene / "images" / f"scene_{self.camera}_{folder}_hdf5"
         return images / f"frame.{self.number:04d}.{name}.hdf5"
@@ -84,16 +74,9 @@ class View(NamedTuple):
 class Hypersim:
     """A tree of scenes.
 
-    Parameters
-    ----------
-    root : str or Path
-        Folder that holds the scenes, or one scene. The two tables are looked for in it, beside it,
-        and in the folders ``metadata`` and ``analysis`` of either.
-
-    Raises
-    ------
-    FileNotFoundError, ValueError
-        If there is no such folder, or no scene in it.
+    ``root`` is the folder that holds the scenes, or one scene. The two tables are looked for in it,
+    beside it, and in the folders ``metadata`` and ``analysis`` of either. FileNotFoundError or
+    ValueError if there is no such folder, or no scene in it.
     """
 
     def __init__(self, root: str | Path):
@@ -102,8 +85,7 @@ class Hypersim:
             raise FileNotFoundError(f"Expected a folder of scenes, got {path}. Check the path.")
         if not is_hypersim(path):
             raise ValueError(
-                f"Expected scenes such as ai_001_001/images in {path}, got none. Name the folder "
-                "that holds them."
+                f"Expected scenes such as ai_001_001/images in {path}, got none. Name their folder."
             )
         alone = (path / "images").is_dir()
         self.root = path.resolve().parent if alone else path
@@ -129,12 +111,8 @@ class Hypersim:
         """A view as the simulator takes it: linear green as intensity, range as depth.
 
         Its ``note`` names the steps of float16 depth. With ``blank`` the intensity is 1 everywhere
-        if the colour file is missing.
-
-        Raises
-        ------
-        FileNotFoundError, ValueError
-            If a file is missing or broken, or the sizes differ.
+        if the colour file is missing. FileNotFoundError or ValueError if a file is missing or
+        broken, or the sizes differ.
         """
         depth, notes = self.array(view, "depth"), []
         if depth.dtype == np.float16:
@@ -151,31 +129,21 @@ class Hypersim:
         return Frame(depth, intensity, camera, view.name, "; ".join(notes))
 
     def sources(self, views: Iterable[View] | None = None, *, blank: bool = False) -> list[Source]:
-        """Views (all by default) as frames to be loaded, for `cmtof.scenes.frame.Frames`."""
-        chosen = self.views if views is None else views
-        return [Source(view.name, partial(self.frame, view, blank=blank)) for view in chosen]
+        """Frames of views to be loaded; by default the test frames, without partitions all."""
+        if views is None:
+            views = (self.split()["test"] if self._table(SPLIT) else []) or self.views
+        return [Source(view.name, partial(self.frame, view, blank=blank)) for view in views]
 
     def split(self, rule: str = "scenes") -> dict[str, list[View]]:
-        """Views on disk that train, validate and test, by a rule of `split_views`.
-
-        Raises
-        ------
-        FileNotFoundError
-            If the table of partitions is not there.
-        """
+        """Views on disk that train, validate and test, by a rule of `split_views`."""
         table = self._table(SPLIT)
         if table is None:
             raise FileNotFoundError(
-                f"Expected {SPLIT} in or beside {self.root}, got none. Fetch it from the data "
-                "set's repository, or write it with write_metadata."
+                f"Expected {SPLIT} in or beside {self.root}, got none. Fetch it from the data set."
             )
         parts = split_views(_read_table(table, _listed), rule)
         there = {view[:3] for view in self.views}
         return {name: [view for view in parts[name] if view[:3] in there] for name in PARTITIONS}
-
-    def test_views(self) -> list[View]:
-        """Test frames by the default rule; none without the table of partitions."""
-        return self.split()["test"] if self._table(SPLIT) else []
 
     def _table(self, name: str) -> Path | None:
         root = self.root.resolve()
@@ -190,7 +158,7 @@ def is_hypersim(folder: Path) -> bool:
 
 
 def frame_of_file(path: Path) -> Frame:
-    """Frame of a depth file, wherever its tree lies; ValueError if it lies in none."""
+    """Frame of a depth file, wherever its tree lies."""
     path = path.resolve()
     view = _view_from(path) if len(path.parts) > 4 and path.parts[-3] == "images" else None
     if view is None:
@@ -206,8 +174,7 @@ def _projection(row: dict[str, str]) -> tuple[str, NDArray[np.float64]]:
 
 
 def _listed(row: dict[str, str]) -> View:
-    scene, camera, number, partition = (row[name] for name in _LISTED)
-    return View(scene, camera, int(number), partition)
+    return View(*(row[k] for k in _LISTED[:2]), int(row[_LISTED[2]]), row[_LISTED[3]])
 
 
 def _view_from(path: Path) -> View | None:
@@ -226,23 +193,9 @@ def camera_from_projection(
     a rotation R: with D = diag(1, -1, -1) and N the step from pixels to (u, v), the QR
     decomposition of D M N is R' K^-1, and R = D R'.
 
-    Parameters
-    ----------
-    projection : array_like, shape (3, 3)
-    shape : (int, int)
-        H, W.
-
-    Returns
-    -------
-    camera : ndarray, shape (4,) or (5,)
-        fx, fy, cx, cy, px, and the skew where it exceeds 1e-6 of fx.
-    rotation : ndarray, shape (3, 3)
-        From that camera's rays (x right, y down, z forward) to Hypersim's camera axes.
-
-    Raises
-    ------
-    ValueError
-        If the matrix is singular, or shows the scene mirrored.
+    Returned are fx, fy, cx, cy, px, and the skew where it exceeds 1e-6 of fx, and the rotation from
+    that camera's rays (x right, y down, z forward) to Hypersim's camera axes. ValueError if the
+    matrix is singular, or shows the scene mirrored.
 
     Examples
     --------
@@ -268,20 +221,11 @@ def camera_from_projection(
 def split_views(listed: Iterable[View], rule: str = "scenes") -> dict[str, list[View]]:
     """Published views parted into train, val and test; each list is sorted.
 
-    Parameters
-    ----------
-    listed : iterable of View
-        With their official partitions.
-    rule : {"scenes", "official", "authors"}
-        ``scenes``: test are the paper's test frames or, in sets rendered here, the first view of
-        each test scene; train and val are the official partitions without any scene that holds a
-        test frame. ``official``: as the table has them. ``authors``: the paper's test frames, and
-        everything else trains, neighbouring views of the tested scenes included.
-
-    Raises
-    ------
-    ValueError
-        If there is no such rule.
+    By the rule ``scenes`` test are the paper's test frames or, in sets rendered here, the first
+    view of each test scene; train and val are the official partitions without any scene that holds
+    a test frame. ``official``: as the table has them. ``authors``: the paper's test frames, and
+    everything else trains, neighbouring views of the tested scenes included: 34 of its 46 test
+    frames lie in official training scenes.
 
     Examples
     --------
@@ -311,20 +255,11 @@ def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
 
 
 def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: ArrayLike) -> None:
-    """Write the four files of a view, each whole or not at all; equal input gives equal bytes.
+    """Write color, depth, normal and instance of a view; equal input gives equal bytes.
 
-    Parameters
-    ----------
-    root, scene, camera, frame
-        Folder of the scenes, and the view's name; folders are made.
-    color, depth, normal, instance : array_like
-        Linear radiance (H, W, 3), range (H, W) in m, unit normals (H, W, 3), numbers of things
-        (H, W). Stored in the types of `FILES`: the official ones, but depth in float32.
-
-    Raises
-    ------
-    ValueError
-        If the shapes do not fit together.
+    Linear radiance (H, W, 3), range (H, W) in m, unit normals (H, W, 3) and numbers of things
+    (H, W), each whole or not at all, in the types of `FILES`: the official ones, but depth in
+    float32. ValueError if the shapes do not fit together.
     """
     shape = np.shape(arrays["depth"])
     for kind, (_, _, dtype) in FILES.items():
@@ -340,25 +275,6 @@ def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: 
         _write_array(View(scene, camera, frame).file(root, kind), stored)
 
 
-def write_scene(
-    root: str | Path, scene: str, *, cameras: Mapping[str, tuple[ArrayLike, ArrayLike]]
-) -> None:
-    """Write a scene's ``_detail`` folder: its scale and the pose of every view.
-
-    ``cameras`` holds for each camera positions (K, 3), m, and orientations (K, 3, 3), world from
-    camera, whose columns are the camera's axes: right, up, backwards. The world's z points up.
-    """
-    detail = Path(root) / scene / "_detail"
-    scale = [("parameter_name", "parameter_value"), ("meters_per_asset_unit", 1.0)]
-    _write_table(detail / "metadata_scene.csv", scale)
-    _write_table(detail / "metadata_cameras.csv", [("camera_name",), *((n,) for n in cameras)])
-    for name, (positions, orientations) in cameras.items():
-        begin = f"{name}/camera_keyframe_"
-        _write_array(detail / f"{begin}positions.hdf5", np.asarray(positions, float))
-        _write_array(detail / f"{begin}orientations.hdf5", np.asarray(orientations, float))
-        _write_array(detail / f"{begin}frame_indices.hdf5", np.arange(len(np.asarray(positions))))
-
-
 def write_metadata(
     root: str | Path,
     split: Mapping[str, str],
@@ -369,18 +285,8 @@ def write_metadata(
 ) -> None:
     """Write both tables of a rendered set.
 
-    Parameters
-    ----------
-    root : str or Path
-        Folder of the scenes; made where it is missing.
-    split : mapping
-        Partition of each scene: train, val or test.
-    shape : (int, int)
-        H, W of the views, px.
-    focal : float or mapping
-        Focal length, px, of all scenes or of each.
-    views : mapping
-        Camera and frame number of each view of each scene.
+    ``split`` is the partition of each scene, ``shape`` H, W of the views in px, ``focal`` the focal
+    length in px of all scenes or of each, ``views`` camera and frame number of each view of each.
     """
     cameras: list[Sequence[object]] = [("scene_name", *_MATRIX)]
     listed: list[Sequence[object]] = [_LISTED]
@@ -415,8 +321,8 @@ def _read_array(path: Path, dimensions: int) -> NDArray:
     fits = array.ndim == dimensions and (dimensions < 3 or array.shape[-1] == 3)
     if not fits or array.dtype.kind not in "iuf" or array.size == 0:
         raise ValueError(
-            f"Expected numbers on {dimensions} axes{', the last of 3' * (dimensions == 3)}, got "
-            f"{array.dtype} {array.shape} in {path}. Fetch or render it again."
+            f"Expected numbers on {dimensions} axes (the third of 3), got {array.dtype} "
+            f"{array.shape} in {path}. Fetch or render it again."
         )
     return array
 

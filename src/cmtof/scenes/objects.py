@@ -29,25 +29,17 @@ DISTANCE = 1.0
 WIDTH, HEIGHT = 9e-3, 30e-3
 """Face of a gauge block, m (known: 9 mm by 30 mm up to 10 mm of length)."""
 GRADE_2 = 0.45e-6
-"""Greatest deviation of a block's length from nominal, m, up to 10 mm (DIN 861, grade 2; tables of
-two makers and dealers agree, the standard itself was not seen)."""
+"""Greatest deviation of a block's length from nominal, m (DIN 861, grade 2, up to 10 mm; by tables
+of makers and dealers, the standard itself was not seen)."""
 MIRRORED = 0.7
 """Weight of a block's specular law (assumed): lapping leaves a matt sheen beside the image."""
 
 
 @lru_cache(maxsize=4)
 def object_mesh(name: str) -> "Trimesh":
-    """Mesh of an object about 1 m before the instrument, on a table with a wall behind it.
+    """Mesh of one of `OBJECTS` about 1 m before the instrument, on a table with a wall behind it.
 
-    Parameters
-    ----------
-    name : {"bust", "helmet", "owl", "table"}
-        Diffuse plaster, specular metal, textured plumage, a cluttered table.
-
-    Raises
-    ------
-    ValueError
-        For another name.
+    Diffuse plaster, specular metal, textured plumage, a cluttered table.
     """
     from trimesh.util import concatenate
 
@@ -78,19 +70,10 @@ def gage_blocks(
 
     The left face meets the axis at ``distance``; beside the faces nothing returns.
 
-    Parameters
-    ----------
-    step : float
-        Difference of their nominal lengths, m; the right one stands nearer by it.
-    distance : float
-        From the instrument to the left block's face, m.
-    tilt : float
-        By which both faces are turned about the upright axis, rad, so that the mirror image of the
-        beam misses the instrument (assumed).
-    mirrored : float
-        Weight of the specular law, 0 to 1.
-    errors : tuple of float
-        Deviations of both lengths from nominal, m.
+    The right one stands nearer by ``step``, the difference of their nominal lengths, from which
+    both deviate by ``errors``, m. Both are turned about the upright axis by ``tilt``, rad, so that
+    the mirror image of the beam misses the instrument (assumed). ``mirrored`` is the weight of the
+    specular law, 0 to 1.
     """
     corners = []
     for side, length in ((-1, errors[0]), (1, step + errors[1])):
@@ -207,9 +190,9 @@ def _bust() -> list["Trimesh"]:
         nose = np.clip((0.234 - z) / 0.03, 0, 1) / (1 + np.exp((0.2 - z) / 0.0015))
         out = 0.019 * nose * _bump((x, 0.0075))
         out += 0.004 * _bump((apart - 0.01, 0.005), (z - 0.203, 0.004))  # nostrils
-        out -= 0.008 * _bump((apart - 0.021, 0.01), (z - 0.225, 0.007))
+        out -= 0.008 * _bump((apart - 0.021, 0.01), (z - 0.225, 0.007))  # sockets, eyes, brows
         out += 0.0055 * _bump((apart - 0.021, 0.008), (z - 0.2235, 0.0042))
-        out += 0.004 * _bump((apart - 0.02, 0.016), (z - 0.2365 + 0.05 * (apart - 0.02), 0.004))
+        out += 0.004 * _bump((apart - 0.02, 0.016), (z - 0.2365, 0.004))
         for height, depth in ((0.1905, 0.003), (0.187, -0.003), (0.1835, 0.003)):
             out += depth * _bump((x, 0.015), (z - height, 0.0022))
         out += 0.006 * _bump((x, 0.014), (z - 0.172, 0.006))
@@ -242,18 +225,13 @@ def _helmet() -> list["Trimesh"]:
         keel = 0.012 * np.exp(-np.abs(x) / 0.012) * face * np.sqrt(np.clip(1 - z / 0.185, 0, 1))
         return comb + brow + keel + 0.003 * _bump((z - 0.006, 0.004))
 
-    def slot(u: Array, v: Array, breadth: float, tall: float) -> NDArray[np.bool_]:
-        r = min(breadth, tall)
-        across, up = (np.maximum(np.abs(w) - (h - r), 0) for w, h in ((u, breadth), (v, tall)))
-        return np.hypot(across, up) < r
-
     def holes(x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
-        x = np.abs(x)
-        ahead = slot(x - 0.042, z - 0.171 - 0.12 * (x - 0.042), 0.028, 0.0085)
+        u, slits = np.abs(x) - 0.02, np.zeros(x.shape, bool)
         for k in range(4):
-            ahead |= slot(x - 0.02 - 0.015 * k, z - 0.095 + 0.002 * k, 0.0042, 0.03 - 0.003 * k)
-        ahead |= (np.hypot(x - 0.03, z - 0.04) < 0.0055) | (np.hypot(x - 0.05, z - 0.042) < 0.0055)
-        return (ahead & (y < -0.01)) | ((y > 0.02) & (z < 0.78 * height))
+            slits |= ((u - 0.015 * k) / 0.0042) ** 2 + ((z - 0.095) / (0.03 - 0.003 * k)) ** 4 < 1
+        eyes = ((u - 0.022) / 0.028) ** 4 + ((z - 0.171 - 0.12 * (u - 0.022)) / 0.0085) ** 2 < 1
+        breaths = (np.hypot(u - 0.01, z - 0.04) < 0.0055) | (np.hypot(u - 0.03, z - 0.042) < 0.0055)
+        return ((eyes | slits | breaths) & (y < -0.01)) | ((y > 0.02) & (z < 0.78 * height))
 
     shell = _body(sections, relief, holes=holes, grid=(440, 720))
     block = _piece(_box((0.26, 0.3, 0.02)), 0.18, 0.03)
@@ -277,39 +255,33 @@ def _owl() -> list["Trimesh"]:
     def relief(x: Array, y: Array, z: Array) -> Array:
         return 7e-4 * feathers(x, y, z)[0]
 
+    def speckled(base: Array, spot: float, tip: Array, which: Array) -> Array:
+        return base + (spot - base) * np.clip(6 * (tip - 0.5), 0, 1) * (which < 0.6)
+
     def breast(x: Array, y: Array, z: Array) -> Array:
         tip, which = feathers(x, y, z)
-        plain = _mix(0.12, pale, np.clip(0.5 - y / 0.04, 0, 1) * (0.8 + 0.4 * tip))
-        return plain + (dark - plain) * np.clip(6 * (tip - 0.5), 0, 1) * (which < 0.75)
+        base = _mix(0.12, pale, np.clip(0.5 - y / 0.04, 0, 1) * (0.8 + 0.4 * tip))
+        return speckled(base, dark, tip, which)
 
     def wing(x: Array, y: Array, z: Array) -> Array:
         tip, which = feathers(x, y, z)
-        base = _mix(0.04, 0.16, which)
-        return base + (pale - base) * np.clip(6 * (tip - 0.5), 0, 1) * (which < 0.4)
+        return speckled(_mix(0.04, 0.16, which), pale, tip, which)
 
     def face(x: Array, y: Array, z: Array) -> Array:
-        """Two pale discs with rings and a dark rim; a speckled brown crown."""
-        tip, which = feathers(x, y, z)
-        far = np.hypot(np.abs(x) - 0.03, (z - 0.001) * 1.05)
+        """Two pale discs with rings and a dark rim under a brown crown."""
+        far = np.hypot(np.abs(x) - 0.03, z)
         disc = _mix(0.45, pale, 0.5 + 0.5 * np.cos(2 * np.pi * far / 0.0075))
-        crown = _mix(0.07, 0.3, which)
-        crown += (0.7 - crown) * np.clip(6 * (tip - 0.6), 0, 1) * (which < 0.35)
-        seen = crown + (disc - crown) * np.clip((0.036 - far) / 0.0015, 0, 1) * (y < 0)
-        return np.clip(seen + (dark - seen) * _bump((far - 0.036, 0.0035)) * (y < 0), dark, pale)
+        seen = np.where((far < 0.036) & (y < 0), disc, wing(x, y, z))
+        return seen + (dark - seen) * _bump((far - 0.036, 0.0035)) * (y < 0)
 
     def iris(x: Array, y: Array, z: Array) -> Array:
-        off = np.hypot(x, z)
-        return np.where(off < 0.0072, dark, np.where(off < 0.0145, 0.5, 0.05))
-
-    def tufts(x: Array, y: Array, z: Array) -> Array:
-        ears = 0.02 * _bump((np.abs(x) - 0.055, 0.014), (z - 0.042, 0.012), (y, 0.03))
-        return relief(x, y, z) + ears
+        return np.where(np.hypot(x, z) < 0.0072, dark, np.where(np.hypot(x, z) < 0.0145, 0.5, 0.05))
 
     from trimesh.creation import cylinder, icosphere
 
     pieces = [
         _piece(_ellipsoid((0.08, 0.068, 0.105), relief), breast, at=(0, 0, 0.125)),
-        _piece(_ellipsoid((0.073, 0.059, 0.058), tufts), face, at=(0, -0.004, 0.232)),
+        _piece(_ellipsoid((0.073, 0.059, 0.058), relief), face, at=(0, -0.004, 0.232)),
         _piece(_ellipsoid((0.008, 0.015, 0.017)), 0.06, 0.05, at=(0, -0.064, 0.214)),
     ]
     for side in (-1, 1):
@@ -318,8 +290,8 @@ def _owl() -> list["Trimesh"]:
             _piece(_ellipsoid((0.015, 0.023, 0.01)), 0.35, 0.02, at=(0.028 * side, -0.045, 0.022)),
             _piece(icosphere(6, 0.0165), iris, 0.04, at=(0.031 * side, -0.046, 0.236)),
         ]
-    upright = np.array([[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]])
-    branch = cylinder(0.012, 1.0, sections=240, transform=upright)
+    ends = [(-0.5, 0, 0), (0.5, 0, 0)]
+    branch = cylinder(0.012, sections=240, segment=ends)
     return [*pieces, _piece(branch, 0.15, at=(0, -0.02, 0.012))]
 
 
@@ -348,8 +320,8 @@ def _table() -> list["Trimesh"]:
     def stripes(x: Array, y: Array, z: Array) -> Array:
         return _mix(0.1, 0.65, np.floor((0.8 * x + 0.2 * y + 0.56 * z) / 0.0125) % 2)
 
-    def ribs(depth: float, count: int) -> Callable[..., Array]:
-        return lambda x, y, z: depth * np.cos(count * np.arctan2(x, -y))
+    def ribs(x: Array, y: Array, z: Array) -> Array:
+        return 0.003 * np.cos(14 * np.arctan2(x, -y))
 
     upright = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
     handle = torus(0.024, 0.0052, 160, 96, upright)
@@ -360,12 +332,12 @@ def _table() -> list["Trimesh"]:
         _piece(icosphere(6, 0.034), stripes, 0.02, at=(0.14, -0.07, 0.034)),
         _piece(_box((0.11, 0.09, 0.085)), 0.4, at=(-0.14, 0.11, 0), turn=0.35),
         _piece(_box((0.06, 0.07, 0.03)), 0.05, 0.1, at=(-0.145, 0.105, 0.085), turn=-0.25),
-        _piece(_body(apple, ribs(0.001, 5)), 0.22, 0.06, at=(0.085, -0.17, 0)),
+        _piece(_body(apple), 0.22, 0.06, at=(0.085, -0.17, 0)),
         _piece(_box((0.15, 0.11, 0.022)), 0.3, at=(-0.13, -0.05, 0), turn=0.2),
         _piece(_box((0.14, 0.1, 0.015)), 0.62, at=(-0.132, -0.048, 0.022), turn=-0.1),
         _piece(_box((0.12, 0.085, 0.028)), 0.1, 0.1, at=(-0.128, -0.052, 0.037), turn=0.45),
         _piece(_body(pot), 0.5, at=(0.15, 0.11, 0)),
-        _piece(_body(cactus, ribs(0.003, 14)), 0.15, at=(0.15, 0.11, 0)),
+        _piece(_body(cactus, ribs), 0.15, at=(0.15, 0.11, 0)),
     ]
 
 

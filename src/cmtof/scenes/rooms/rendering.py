@@ -16,7 +16,7 @@ from scipy.special import ndtri
 
 from cmtof.files import read_document, written_whole
 from cmtof.scenes.frame import Frame, brightness
-from cmtof.scenes.hypersim import view_exists, write_metadata, write_scene, write_view
+from cmtof.scenes.hypersim import view_exists, write_metadata, write_view
 from cmtof.scenes.rooms.cameras import Camera, Lens, close_cameras, room_cameras
 from cmtof.scenes.rooms.engine import Light, Picture, World
 from cmtof.scenes.rooms.placing import Furnishing, household, presets
@@ -269,12 +269,6 @@ def render_scene(root: Path, settings: Settings, index: int) -> Done:
     scene = build(settings.seed, index)
     built = process_time()
     cameras = scene.cameras(settings.views, lens)
-    poses = {
-        c: (np.stack([p.position for p in v]), np.stack([p.orientation for p in v]))
-        for c, v in cameras.items()
-        if v
-    }
-    write_scene(root, name, cameras=poses)
     writing = 0.0
     for camera, frame in missing:
         seen = render_view(scene, cameras[camera][frame], lens, _number(camera, frame))
