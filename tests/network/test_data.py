@@ -128,7 +128,7 @@ class View:
     def __init__(self, name, size=(10, 12)):
         self.name, self.size, self.opened = name, size, 0
 
-    def frame(self):
+    def load(self):
         self.opened += 1
         depth = np.full(self.size, 2.0)
         depth[0, 0] = np.nan

@@ -27,7 +27,7 @@ from cmtof.simulation import RELEASED_FAR_DEPTH
 
 if TYPE_CHECKING:
     from cmtof.network.training import Config
-    from cmtof.scenes.hypersim import View
+    from cmtof.scenes.frame import Source
 
 WRAP = float(wrap_length(FREQUENCIES[0]))
 """Depth of a wrap of the lower frequency, m."""
@@ -195,7 +195,7 @@ class Pack(NamedTuple):
         return depth.astype(float) * scale, light.astype(float)
 
 
-def pack_views(views: Iterable["View"], folder: Path) -> Pack:
+def pack_views(views: Iterable["Source"], folder: Path) -> Pack:
     """Pack views into one array each of depth and intensity, or open what was packed before.
 
     A Hypersim tree is one compressed file an image; unpacking it for each crop would cost more
@@ -211,13 +211,13 @@ def pack_views(views: Iterable["View"], folder: Path) -> Pack:
         )
     if not listing.is_file() or json.loads(listing.read_text(encoding="utf-8")) != names:
         folder.mkdir(parents=True, exist_ok=True)
-        shape, far = (len(views), *views[0].frame().depth.shape), []
+        shape, far = (len(views), *views[0].load().depth.shape), []
         kinds = (np.float32, np.float16)
         arrays = [
             np.lib.format.open_memmap(path, "w+", kind, shape)
             for path, kind in zip(paths, kinds, strict=False)
         ]
-        for k, frame in enumerate(view.frame() for view in views):
+        for k, frame in enumerate(view.load() for view in views):
             if frame.depth.shape != shape[1:]:
                 raise ValueError(
                     f"Expected frames of {shape[1:]}, got {frame.depth.shape} in {frame.name}. "

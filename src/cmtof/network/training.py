@@ -346,8 +346,9 @@ def open_rooms(config: Config, tree: Path) -> tuple[Pack | None, Pack]:
 
     if not tree.is_dir() or (tree / SETTINGS).is_file():
         render_rooms(tree, Settings(**config.rooms.model_dump()))
-    views, packed = Hypersim(tree).split(), tree.with_name(f"{tree.name}.packed")
-    return pack_views(views["train"], packed / "train"), pack_views(views["val"], packed / "val")
+    scenes, packed = Hypersim(tree), tree.with_name(f"{tree.name}.packed")
+    train, val = (scenes.sources(scenes.split()[part]) for part in ("train", "val"))
+    return pack_views(train, packed / "train"), pack_views(val, packed / "val")
 
 
 def train(
