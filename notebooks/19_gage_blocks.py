@@ -22,8 +22,7 @@ plane_view: float = 0.2  # angle across and down the plane, rad
 plane_tilts: list[float] = [0.02, 0.1, 0.2, 0.35, 0.5, 0.7]  # rad
 
 # %% tags=["hide-input"]
-from dataclasses import replace
-from typing import NamedTuple
+from collections import namedtuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -65,18 +64,11 @@ COLOURS = {
 
 
 # %%
-class Planes(NamedTuple):
-    """Parallel planes through groups of points, by least squares in z."""
-
-    slopes: np.ndarray  # dz/dx and dz/dy
-    offsets: np.ndarray  # of each group on the axis, m
-    covariance: np.ndarray  # of the offsets, m^2
-    residual: np.ndarray  # m
-    r_squared: float
+Planes = namedtuple("Planes", "slopes offsets covariance residual r_squared")
 
 
 def fit_planes(points, group):
-    """Planes of points (N, 3), m, with the number (N,) of each point's group."""
+    """Parallel planes through points (N, 3), m, each in a numbered group (N,)."""
     design = np.column_stack([points[:, :2], group[:, None] == np.arange(group.max() + 1)])
     found = np.linalg.lstsq(design, points[:, 2], rcond=None)[0]
     residual = points[:, 2] - design @ found
@@ -94,10 +86,10 @@ def step_height(planes):
 
 
 # %%
-def points_of(target, number, settings=base, **how):
+def points_of(target, number, **how):
     """Points (mode, H, W, 3), m, of one scan, with the wraps of the true range."""
     own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
-    measured = scan_scene(settings, target, seed=own, **how)
+    measured = scan_scene(base, target, seed=own, **how)
     optical = measured.dataset["depth"].to_numpy()
     volts = measured.dataset["angle"].to_numpy() * Rig.default().galvo.volts_per_radian
     steered = np.rint(volts / TDAC_STEP) * TDAC_STEP / Rig.default().galvo.volts_per_radian
@@ -114,11 +106,11 @@ view = {"size": (rows, columns),
         "field_of_view": (1.85 * WIDTH / distance, 0.85 * HEIGHT / distance)}  # fmt: skip
 
 
-def scanned_blocks(number, settings=base):
+def scanned_blocks(number):
     """Points of repeat ``number``, whose blocks have lengths of their own."""
     lengths = np.random.default_rng([seed, number]).uniform(-GRADE_2, GRADE_2, 2)
     blocks = gage_blocks(step, distance, tilt=mount_tilt, errors=tuple(lengths))
-    return points_of(MeshTarget.from_mesh(blocks), number, settings, **view)
+    return points_of(MeshTarget.from_mesh(blocks), number, **view)
 
 
 def usable(points):
@@ -240,32 +232,9 @@ print(f"with a fitted tilt {1e6 * errors[0, 0]:.2f} µm")
 print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 
 # %% [markdown]
-# Most systematic errors are the same for both faces and cancel. To see what is left, some scans are
-# repeated with one cause switched off and all else equal, the noise included; the table has the
-# root mean square of the change. A back-reflection of constant phase moves the step with the same
-# sign in every repeat, so that averaging does not remove it.
-
-# %%
-quiet = dict.fromkeys(("phase_drift", "phase_step_error", "iq_imbalance", "leakage"), 0.0)
-WITHOUT = {
-    "back-reflection": replace(base, optics=replace(base.optics, back_fraction=0.0)),
-    "drivers and drift": replace(base, drive=replace(base.drive, **quiet)),
-    "speckle": replace(base, optics=replace(base.optics, speckle=False)),
-}
-paired = max(2, repeats // 4)
-changes = {
-    "independent noise": errors.mean(0),
-    "block lengths": np.full(3, GRADE_2 * (2 / 3) ** 0.5),
-}
-for cause, settings in WITHOUT.items():
-    other = [measured_step(scanned_blocks(k, settings))[0] for k in range(paired)]
-    changes[cause] = np.sqrt(np.mean((heights[:paired] - other) ** 2, axis=0))
-notes.table(
-    ("change of the step (µm)", *NAMES),
-    [(cause, *(f"{1e6 * v:.2f}" for v in change)) for cause, change in changes.items()],
-)
-
-# %% [markdown]
+# Most systematic errors are the same for both faces and cancel. A back-reflection of constant phase
+# moves the step with the same sign in every repeat ({doc}`18_error_budget` has its size).
+#
 # ## What R² measures
 #
 # For the slanted plane the paper gives no error but the share of the variance of depth that a

@@ -17,7 +17,6 @@ repeats: int = 60  # images of a card for the noise
 
 # %% tags=["hide-input"]
 from dataclasses import replace
-from itertools import pairwise
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -205,21 +204,12 @@ notes.table(("median error of normals", "100 MHz", "strong", "GHz"),
             [(n, *(f"{a:.0f}°" for a in angles[n])) for n in NAMES])  # fmt: skip
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, 5, figsize=(13.6, 5.6), width_ratios=[1, 1, 1, 1, 1.5])
-for row, name, share in zip(axes, NAMES, (0.33, 0.455), strict=True):
-    for ax, (title, values) in zip(row, maps[name].items(), strict=False):
+figure, axes = plt.subplots(2, 4, figsize=(11.0, 5.6))
+for row, name in zip(axes, NAMES, strict=True):
+    for ax, (title, values) in zip(row, maps[name].items(), strict=True):
         ax.imshow((1 + values * [1, -1, -1]) / 2)
-        ax.axhline(share * len(values), color="black", lw=0.8, ls=":")
         ax.set_title(f"{name}, {title}")
         ax.axis("off")
-    for depth, how, label in (
-        (mhz[name][0], "b.", "100 MHz"), (bright[name][0], "c-", "strong"),
-        (ghz[name], "r.", "GHz"), (truth[name], "k-", "truth"),
-    ):  # fmt: skip
-        across = np.linspace(-1, 1, len(depth)) * np.rad2deg(field_of_view(name) / 2)
-        row[4].plot(across, depth[int(share * len(depth))], how, ms=3, lw=1, label=label)
-    row[4].set(ylim=(1.5, 0.8), xlabel="angle (degrees)", ylabel="range (m)", title="on the line")
-axes[0, 4].legend(fontsize=8)
 plotting.label_panels(axes.flat)
 plotting.save(
     figure,
@@ -230,8 +220,7 @@ plotting.save(
     },
     caption=(
         "Normals as colours, of the filtered 100 MHz image at the stated power and with strong "
-        "light, of the GHz scan and of the truth; ranges of single images along the dotted lines. "
-        "All simulated."
+        "light, of the GHz scan and of the truth; all simulated."
     ),
     alt=(
         "The 100 MHz normals are a coloured grain in which the object is hard to see, a rough "
@@ -261,7 +250,6 @@ electrons = 4 * float(camera.signal(card(0.5))[0, 0])
 sent = sent_power(twin) * time, camera.power * camera.exposure / pixels
 notes.table(("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"), [
     ("light sent", f"{1e3 * sent_power(twin):.1f} mW", f"{1e3 * camera.power:.0f} mW"),
-    ("time of a point or an image", f"{1e3 * time:.1f} ms", f"{1e3 * camera.exposure:.0f} ms"),
     ("sent to a pixel", f"{1e6 * sent[0]:.0f} µJ", f"{1e12 * sent[1]:.0f} pJ"),
     ("photo-electrons of a pixel", "", f"{electrons:.0f}"),
     ("an image of 640 × 480", f"{2 * time * pixels / 60:.0f} min", "8 ms"),
@@ -307,33 +295,13 @@ print(f"or noise at {1e3 * weak:.1f} mW; 1 mm on white: {strong.power:.1f} W")
 
 
 # %% tags=["hide-input"]
-def by_albedo(values):
-    """Rms on smooth places of the owl in bins of its reflectance."""
-    bins = [
-        flat["owl"] & (owl.reflectance >= a) & (owl.reflectance < b) for a, b in pairwise(edges)
-    ]
-    return np.array([rms(values[one]) if one.sum() > 4 else np.nan for one in bins])
-
-
-edges = np.geomspace(0.03, 0.8, 8)
-middles = np.sqrt(edges[1:] * edges[:-1])
-curves = {
-    "one image": by_albedo(error["owl"]),
-    "one image, strong light": by_albedo(camera.error(bright["owl"][0], owl.range)),
-    "without noise": by_albedo(bias["owl"]),
-}
-figure, (ax, right_ax) = plt.subplots(1, 2, figsize=(10.2, 3.9))
+figure, ax = plt.subplots(figsize=(6.4, 3.9))
 for watts, colour in powers.items():
     plotting.sweep(ax, sizes, 1e3 * drawn[watts], bound=1e3 * bound[watts], color=colour,
                    label=f"{1e3 * watts:.0f} mW")  # fmt: skip
 ax.set(xlabel="reflectance", ylabel="noise of the range (mm)", title="a card at 1 m")
-for (name, values), colour in zip(curves.items(), (BLUE, RED, "black"), strict=True):
-    right_ax.loglog(middles, 1e3 * values, "o-", ms=4, color=colour, label=name)
-right_ax.set(xlabel="reflectance", ylabel="rms error (mm)", title="smooth places of the owl")
-for one in (ax, right_ax):
-    plotting.mark(one, y=200, text="the paper's 200 mm")
-    one.legend(fontsize=9)
-plotting.label_panels((ax, right_ax))
+plotting.mark(ax, y=200, text="the paper's 200 mm")
+ax.legend(fontsize=9)
 plotting.save(
     figure,
     "mhz_noise",
@@ -341,20 +309,15 @@ plotting.save(
         "reflectance": sizes,
         "bound_m": bound[camera.power],
         "monte_carlo_over_bound": ratio,
-        "owl_reflectance": middles,
-        "owl_errors_m": {k: np.nan_to_num(v, nan=-1) for k, v in curves.items()},
     },
     caption=(
-        "Noise of the simulated 100 MHz camera. (a) One image of a card (dots) and its closed form "
+        "Noise of one image of a card by the simulated 100 MHz camera (dots) and its closed form "
         "(lines), at the stated power and at a hundred times it; where noise is a large part of a "
-        "wrap a phase is no longer Gaussian. (b) Errors on the owl by reflectance."
+        "wrap a phase is no longer Gaussian."
     ),
     alt=(
-        f"Left, noise falls from {1e3 * bound[camera.power][0]:.0f} to "
-        f"{1e3 * bound[camera.power][-1]:.0f} mm as reflectance grows, dots on the line. Right, "
-        f"one image errs by {1e3 * curves['one image'][0]:.0f} mm on the darkest feathers, strong "
-        f"light by {1e3 * curves['one image, strong light'][0]:.0f} mm; without noise it is "
-        f"{1e3 * curves['without noise'][0]:.1f} mm."
+        f"Noise falls from {1e3 * bound[camera.power][0]:.0f} to "
+        f"{1e3 * bound[camera.power][-1]:.0f} mm as reflectance grows, dots on the line."
     ),
 )
 

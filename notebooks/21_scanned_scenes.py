@@ -90,9 +90,6 @@ notes.tell(ours=mean["ordinary"]["surfaces"], kde=mean["ordinary"]["kde"])
 rows = [(n, *(f"{right[n, 'ordinary', m]:.0f}" for m in names)) for n in objects]
 rows += [(f"mean, {room}", *(f"{mean[room][m]:.0f}" for m in names)) for room in rooms]
 notes.table(("right wraps (%)", *names), rows)
-rows = [(n, *(f"{1e3 * scores[n, 'ordinary', m]['depth_rmse_m']:.0f}" for m in names))
-        for n in objects]  # fmt: skip
-notes.table(("rms error of depth (mm)", *names), rows)
 
 
 # %% tags=["hide-input"]
@@ -370,22 +367,6 @@ plotting.save(
 # Neighbours are joined only where they lie close, so a pixel with a wrong wrap leaves a hole, and a
 # patch with a wrong wrap floats before or behind its place. What lies flat along the beam tears,
 # for its points are sparse.
-
-# %% tags=["hide-input"]
-figure, grid = plt.subplots((len(objects) + 1) // 2, 2, figsize=(9.6, 2.1 * len(objects)))
-for ax in grid.flat:
-    ax.axis("off")
-for ax, name in zip(grid.flat, objects, strict=False):
-    still(ax, name, f"{name}, {best[name]}")
-plotting.label_panels(grid.flat[: len(objects)])
-plotting.save(
-    figure,
-    "scenes_solid",
-    numbers={"right_percent": {n: right[n, "ordinary", best[n]] for n in objects}},
-    caption="Stills of the scanned scenes, simulated, seen from above left; yellow is near.",
-    alt="Shaded surfaces in space, each before its wall, with holes at edges and wrong wraps.",
-    format="png",
-)
 
 # %% tags=["remove-input"]
 for name in objects:
