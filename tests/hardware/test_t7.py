@@ -13,7 +13,8 @@ from cmtof.hardware.device import (
     InstrumentTimeout,
     Refused,
 )
-from cmtof.hardware.t7 import LabJackT7, StreamPort, open_modbus
+from cmtof.hardware.rf import open_serial
+from cmtof.hardware.t7 import LabJackT7, open_modbus
 
 BURST = {
     "channel": "AIN0",
@@ -35,7 +36,9 @@ def peer():
 @pytest.fixture
 def daq(peer):
     safe = {"FIO0": False, "FIO1": False}
-    one = LabJackT7(open_modbus(peer.address, 0.2), StreamPort(peer.stream), "daq", safe)
+    one = LabJackT7(
+        open_modbus(peer.address, 0.2), open_serial(f"socket://{peer.stream}"), "daq", safe
+    )
     yield one
     one.close()
 

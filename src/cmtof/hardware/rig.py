@@ -415,8 +415,9 @@ def _opened(name: str, settings: DeviceSettings, lines: LineSettings) -> Any:
     address, driver = settings.address, settings.driver
     if driver == "labjack-t7":
         safe = {getattr(lines, role): level for role, level in SAFE_LEVELS.items()}
-        stream = t7.StreamPort(settings.stream or address.partition(":")[0])
-        return t7.LabJackT7(t7.open_modbus(address), stream, name, safe)
+        client, host = t7.open_modbus(address), address.partition(":")[0]
+        stream = rf.open_serial(f"socket://{settings.stream or host + ':702'}")
+        return t7.LabJackT7(client, stream, name, safe)
     if driver in ("kdc101", "k10cr1"):
         kind = apt.MOTORS[settings.stage or driver]
         if scale := settings.counts_per_unit:

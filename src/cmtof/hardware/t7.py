@@ -12,9 +12,7 @@ Datasheet, 3.2.3 Stream-Out, 3.2.4 Low-Level Stream); they stand here:
 """
 
 import logging
-import socket
 import struct
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any, TypeVar
@@ -31,6 +29,7 @@ from cmtof.hardware.device import (
     insist,
 )
 from cmtof.hardware.reduction import RANGES, Gain
+from cmtof.hardware.rf import port_errors
 
 T = TypeVar("T")
 REGISTERS = {
@@ -147,70 +146,12 @@ def open_modbus(address: str, timeout: float = 1.0) -> Any:
     from pymodbus.client import ModbusTcpClient
 
     logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # our errors say it once
-    host, port = host_and_port(address, 502)
-    client = ModbusTcpClient(host, port=port, timeout=timeout, retries=0)
+    host, _, port = address.partition(":")
+    client = ModbusTcpClient(host, port=int(port or 502), timeout=timeout, retries=0)
     client.register(feedback_class())
     if not client.connect():
         raise ConnectionLost(f"Expected a T7 at {address}, got none. Check address and cable.")
     return client
-
-
-def host_and_port(address: str, default: int) -> tuple[str, int]:
-    """Host and port of ``HOST`` or ``HOST:PORT``."""
-    host, _, port = address.partition(":")
-    return host, int(port or default)
-
-
-class StreamPort:
-    """Connection to port 702, on which stream packets come unasked; opened when it is needed."""
-
-    def __init__(self, address: str) -> None:
-        self._address = address
-        self._socket: socket.socket | None = None
-
-    def flush(self) -> None:
-        """Drop what has arrived; open the connection if there is none."""
-        try:
-            if self._socket is None:
-                self._socket = socket.create_connection(host_and_port(self._address, 702), 1.0)
-            self._socket.setblocking(False)
-            while self._socket.recv(65536):
-                pass
-        except BlockingIOError:
-            return
-        except OSError as error:
-            self.close()
-            raise ConnectionLost(
-                f"Expected a stream at {self._address}, got {error}. Check the cable."
-            ) from None
-        self.close()
-        raise ConnectionLost(f"Expected a stream at {self._address}, got its end. Try again.")
-
-    def read(self, size: int, deadline: float) -> bytes:
-        """Exactly ``size`` bytes until a time of `time.monotonic`."""
-        data = b""
-        while len(data) < size:
-            assert self._socket is not None
-            self._socket.settimeout(max(deadline - time.monotonic(), 1e-3))
-            try:
-                part = self._socket.recv(size - len(data))
-            except TimeoutError:
-                raise InstrumentTimeout(
-                    "Expected all samples of a burst in time, got fewer. Take the burst again."
-                ) from None
-            except OSError:
-                part = b""
-            if not part:
-                self.close()
-                raise ConnectionLost("Expected a stream, got its end. Check the cable.")
-            data += part
-        return data
-
-    def close(self) -> None:
-        """Close the connection."""
-        if self._socket is not None:
-            self._socket.close()
-            self._socket = None
 
 
 class LabJackT7(Device):
@@ -220,7 +161,8 @@ class LabJackT7(Device):
     ----------
     client
         From `open_modbus`.
-    stream : StreamPort
+    stream
+        pyserial port ``socket://HOST:702``, on which stream packets come unasked.
     name : str
     safe_levels : mapping of str to bool
         FIO lines and the levels that the device's own watchdog gives them.
@@ -347,7 +289,6 @@ class LabJackT7(Device):
         self._feedback(b"".join(parts))
         for name, wanted in values.items():
             self._expect(name, wanted, self._value(name), 1e-3 * abs(wanted))
-        self._stream.flush()
         self._ready = True
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
@@ -373,21 +314,22 @@ class LabJackT7(Device):
         if not self._ready:
             self._prepare(burst)
         self._ready = False
-        self._stream.flush()
+        port_errors(self.name, self._stream.reset_input_buffer)
+        self._stream.timeout = burst["duration"] + 1.0
         self.write_many({**registers, "STREAM_ENABLE": 1})
         try:
-            counts = self._samples(burst["scans"], time.monotonic() + burst["duration"] + 1.0)
+            counts = port_errors(self.name, lambda: self._samples(burst["scans"]))
         finally:
             self._stop()
         self._ready = True
         return counts
 
-    def _samples(self, scans: int, deadline: float) -> NDArray[np.uint16]:
+    def _samples(self, scans: int) -> NDArray[np.uint16]:
         """Counts (scans,) of the packets of a burst that has been started."""
         parts: list[NDArray[np.uint16]] = []
         found, last, status = 0, -1, 0
         while found < scans and status != COMPLETE:
-            number, status, counts = parse_packet(self._stream, deadline)
+            number, status, counts = parse_packet(self._stream.read)
             if not parts and not counts.size:
                 status = 0  # the end of an earlier burst, sent as a packet of its own
                 continue
@@ -500,26 +442,29 @@ class LabJackT7(Device):
         self._client.close()  # the next request connects again
 
 
-def parse_packet(stream: Any, deadline: float) -> tuple[int, int, NDArray[np.uint16]]:
+def parse_packet(read: Callable[[int], bytes]) -> tuple[int, int, NDArray[np.uint16]]:
     """Transaction number, status and raw samples of the next stream packet.
 
     Raises
     ------
     BadReply
-        If it is no stream packet, or says that the burst is broken.
+        If it is no stream packet, or reports that the burst is broken.
+    InstrumentTimeout
+        If it does not come whole.
     """
-    header = stream.read(16, deadline)
-    number, protocol, length, _, function, kind, _, _, status, _ = struct.unpack(
-        ">HHHBBBBHHH", header
-    )
+    late = InstrumentTimeout("Expected all samples of a burst in time, got fewer. Take it again.")
+    header = read(16)
+    if len(header) < 16:
+        raise late
+    number, protocol, length, function, kind, status = struct.unpack(">HHHxBBx2xH2x", header)
     if protocol or function != 76 or kind != 16 or length % 2 or not 10 <= length <= 1034:
         raise BadReply(f"Expected a stream packet, got {header.hex()}. Set the burst up again.")
-    samples = np.frombuffer(stream.read(length - 10, deadline), ">u2").astype(np.uint16)
+    samples = np.frombuffer(data := read(length - 10), ">u2", len(data) // 2).astype(np.uint16)
+    if len(data) < length - 10:
+        raise late
     if status not in (0, COMPLETE):
-        raise BadReply(
-            f"Expected an unbroken burst, got {_BREAKS.get(status, 'status')} ({status}). "
-            "Take the burst again, or scan slower."
-        )
+        reason = _BREAKS.get(status, "status")
+        raise BadReply(f"Expected an unbroken burst, got {reason} ({status}). Take it again.")
     return number, status, samples
 
 
