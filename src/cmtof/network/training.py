@@ -395,6 +395,10 @@ def train(
     ValueError
         If the folder holds a run that is not to be resumed, or one of another configuration.
     """
+    if tree is not None and not tree.is_dir():
+        raise FileNotFoundError(
+            f"Expected a folder of frames in Hypersim's layout, got {tree}. Check the path."
+        )
     folder.mkdir(parents=True, exist_ok=True)
     last = _checkpoint(folder, config, resume)
     _keep_freed_memory()
@@ -412,7 +416,7 @@ def train(
             callbacks=[Keeper(folder, held_out, minutes)],
             logger=False,
             use_distributed_sampler=False,
-            sync_batchnorm=True,
+            sync_batchnorm=torch.cuda.is_available() and flags.get("accelerator") != "cpu",
             enable_checkpointing=False,
             enable_progress_bar=not quiet,
             enable_model_summary=False,
