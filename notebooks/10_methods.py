@@ -17,7 +17,7 @@
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of the noise
-places: list = [0, 9]  # test frames drawn on this page
+places: list = [6, 16]  # test frames drawn on this page
 height: int = 256  # of those frames, px: their middle
 width: int = 256
 draws: int = 2000  # sets of scenes drawn for the intervals

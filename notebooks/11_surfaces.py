@@ -17,7 +17,7 @@
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of the noise
-place: int = 1  # test frame shown step by step
+place: int = 6  # test frame shown step by step
 places: list = [1, 6, 11, 16, 21, 26]  # test frames of the ablation
 height: int = 384  # of those frames, px: their middle
 width: int = 512

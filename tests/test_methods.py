@@ -129,7 +129,6 @@ def test_what_a_method_needs_is_asked_for(measured):
         ({"method": "kde", "radius": -1}, "radius of 0 px or more"),
         ({"method": "mrf-graphcut", "jump": -1.0}, "jump > 0"),
         ({"method": "reference-field", "side": 2}, "odd side"),
-        ({"method": "reference-offset", "step": 0.0}, "step > 0"),
         ({"method": "phasor"}, "two close frequencies whose beat covers"),
     ],
 )

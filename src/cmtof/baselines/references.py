@@ -1,9 +1,8 @@
 """References that know a part of the truth: what is left to find, and how well it can be found.
 
 `reference_depth` reads the true depth against the measured phase. The others know the shape of
-every true surface but not where it lies, and pool the phasors of a surface to find that. They are
-references and no bounds: boundaries are lost, and so are small or dark surfaces that their
-neighbours could place.
+every true surface but not where it lies, and pool its phasors. They are references and no bounds:
+boundaries are lost, and so are small or dark surfaces that their neighbours could place.
 """
 
 from collections.abc import Iterator
@@ -44,47 +43,39 @@ def reference_depth(measurement: Measurement) -> Estimate:
     return Estimate(within_range(depth, measurement), known.astype(float))
 
 
-def reference_offset(measurement: Measurement, *, step: float = STEP) -> Estimate:
+def reference_offset(measurement: Measurement) -> Estimate:
     """True surfaces, one unknown offset each, found by the beat of the summed phasors.
 
     Both phasors are demodulated by the true depth, ``a_i exp(i (phi_i - 4 pi f_i z / c))``, and
     summed over each surface. The low frequency's sum gives the offset within a wrap, the beat of
     both sums the whole wraps. A pixel of a boundary belongs to no surface and has its own beat.
-    ``step`` is the second difference of depth that ends a surface, m.
     """
-    return _placed(measurement, _shape(measurement), surfaces(_truth(measurement), step)[0])
+    truth = _truth(measurement)
+    return _placed(measurement, np.nan_to_num(truth), surfaces(truth)[0])
 
 
-def reference_contact(measurement: Measurement, *, step: float = STEP) -> Estimate:
+def reference_contact(measurement: Measurement) -> Estimate:
     """True bodies, across creases, one unknown offset each: as `reference_offset` for `bodies`."""
-    return _placed(measurement, _shape(measurement), bodies(_truth(measurement), step))
+    truth = _truth(measurement)
+    return _placed(measurement, np.nan_to_num(truth), bodies(truth))
 
 
-def reference_plane(measurement: Measurement, *, step: float = STEP) -> Estimate:
-    """True surfaces, one unknown offset and tilt each.
-
-    Each true shape is tilted by an unknown plane, found as the joint peak of both spectra: a tilt
-    of nu at the lower frequency is a tilt of (f_2 / f_1) nu at the other.
-    """
+def reference_plane(measurement: Measurement) -> Estimate:
+    """True surfaces, one unknown offset and tilt each; the tilt is that of `tilt_of`."""
     low, high = (float(f) for f in measurement.frequencies[:2])
-    shape, tilt = _shape(measurement), np.zeros(measurement.shape)
-    phasors = _demodulated(measurement, shape)
-    for place, inside in _pieces(surfaces(_truth(measurement), step)[0]):
-        ours = np.stack([np.where(inside, phasor[place], 0) for phasor in phasors])
+    shape, surface = np.nan_to_num(_truth(measurement)), surfaces(_truth(measurement))[0]
+    tilt, phasors = np.zeros(shape.shape), _demodulated(measurement, shape)
+    for place, inside in _pieces(surface):
+        ours = np.where(inside, phasors[:, *place], 0)
         tilt[place][inside] = tilt_of(ours, high / low)[inside]
-    tilted = shape + depth_from_phase(tilt, low)
-    return _placed(measurement, tilted, surfaces(_truth(measurement), step)[0])
+    return _placed(measurement, shape + depth_from_phase(tilt, low), surface)
 
 
-def reference_field(measurement: Measurement, *, side: int = SIDE, step: float = STEP) -> Estimate:
-    """True surfaces, seen by each pixel through a square of an odd ``side``, px.
-
-    A network sees no further than its receptive field: each pixel pools those pixels of its surface
-    that lie within the square about it.
-    """
+def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
+    """True surfaces, of which each pixel pools those within a square of an odd ``side``, px."""
     if side < 1 or side % 2 == 0:
         raise ValueError(f"Expected an odd side of 1 px or more, got {side}. Try {SIDE}.")
-    surface, shape = surfaces(_truth(measurement), step)[0], _shape(measurement)
+    shape, surface = np.nan_to_num(_truth(measurement)), surfaces(_truth(measurement))[0]
     first, second = (_pool_within(p, surface, side) for p in _demodulated(measurement, shape))
     return _located(measurement, shape, first, second, shape)
 
@@ -94,13 +85,11 @@ def surfaces(
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Number of each pixel's surface (H, W), every boundary pixel one of its own, and which are.
 
-    A surface is a connected component (4 neighbours) of pixels whose second differences
-    ``|z(x-1) - 2 z(x) + z(x+1)|`` along both axes stay within ``step``, m. Pixels of unknown depth
-    are boundaries.
+    A surface is a connected component of pixels whose second differences of depth stay within
+    ``step``, m, along both axes. Pixels of unknown depth are boundaries.
     """
     from scipy.ndimage import label
 
-    _check(step)
     smooth = np.isfinite(depth)
     for axis in (0, 1):
         if depth.shape[axis] > 2:
@@ -115,11 +104,9 @@ def surfaces(
 def bodies(depth: NDArray[np.floating], step: float = STEP) -> NDArray[np.intp]:
     """Number of each pixel's body (H, W): components of pixels without a jump between them.
 
-    Two neighbours belong together if the step from one to the other differs by no more than
-    ``step``, m, from none, or from the one before or behind it: across a crease it does from one of
-    the two, across a jump from neither.
+    A step between neighbours is no jump if it differs by at most ``step``, m, from none, or from
+    the step before or behind it: across a crease it does from one of them.
     """
-    _check(step)
     links = []
     for axis in (0, 1):
         steps = np.diff(depth, axis=axis)
@@ -138,15 +125,8 @@ def tilt_of(phasors: NDArray[np.complexfloating], ratio: float) -> NDArray[np.fl
     """Plane (H, W), rad at the lower frequency, zero at the centroid, on which two phasors lie.
 
     It is the peak over slopes nu of ``sum_i |sum_x p_i(x) exp(-i r_i nu x)|^2 / sum_x |p_i|^2``
-    with r_i = 1 and ``ratio``, the likelihood where noise prevails: the largest bin of both
-    spectra, then Newton steps.
-
-    Parameters
-    ----------
-    phasors : ndarray, shape (2, H, W)
-        Zero outside of the surface.
-    ratio : float
-        Higher frequency over the lower one.
+    with r_i = 1 and ``ratio`` = f_2 / f_1: the largest bin of both spectra, then Newton steps. The
+    ``phasors`` (2, H, W) are zero outside of the surface.
     """
     from scipy.fft import fft2, fftfreq, next_fast_len
 
@@ -183,16 +163,6 @@ def _truth(measurement: Measurement) -> NDArray[np.floating]:
     return measurement.depth.astype(float)
 
 
-def _shape(measurement: Measurement) -> NDArray[np.floating]:
-    """True depth (H, W), m, zero where unknown."""
-    return np.nan_to_num(_truth(measurement))
-
-
-def _check(step: float) -> None:
-    if not step > 0:
-        raise ValueError(f"Expected a step > 0 m, got {step:g}. Try {STEP:g}.")
-
-
 def _demodulated(
     measurement: Measurement, depth: NDArray[np.floating]
 ) -> NDArray[np.complexfloating]:
@@ -220,10 +190,7 @@ def _located(
     second: Pooled,
     middle: NDArray[np.floating],
 ) -> Estimate:
-    """Estimate of a shape (H, W), m, from what was pooled of both frequencies about each pixel.
-
-    ``middle`` (H, W), m, is the part of the shape that lies in range with its offset.
-    """
+    """Estimate of a shape (H, W), m, from the pooled phasors; its ``middle`` lies in range."""
     known = np.isfinite(_truth(measurement))
     low, high = (float(f) for f in measurement.frequencies[:2])
     synthetic = synthetic_frequency(low, high)

@@ -16,7 +16,7 @@ PLANE, BENT = 3, 6
 
 _U = np.array([1, 0, 0, 2, 1, 0])  # powers of u of the six functions
 _V = np.array([0, 1, 0, 0, 1, 2])
-_FARTHEST = 0.02  # smallest 1 / z, 1 / m, of a surface
+FARTHEST = 0.02  # smallest 1 / z, 1 / m, of a surface
 
 
 @njit(inline="always", fastmath=True)
@@ -37,7 +37,7 @@ def depth_at(field, q, y, x):  # pragma: no cover - compiled
     u, v, cosine = field[5], field[6], field[7]
     inverse = q[2] + q[0] * u[x] + q[1] * v[y]
     inverse += q[3] * u[x] * u[x] + q[4] * u[x] * v[y] + q[5] * v[y] * v[y]
-    return 1.0 / max(cosine[y, x] * inverse, _FARTHEST)
+    return 1.0 / max(cosine[y, x] * inverse, FARTHEST)
 
 
 @njit(inline="always", fastmath=True)
@@ -80,7 +80,7 @@ def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compi
         for x in range(box[2], box[3]):
             counts = 1.0 if only < 0 or label[y, x] == only else 0.0
             inverse = cosine[y, x] * (none + u[x] * (first + q[3] * u[x]))
-            z = 1.0 / max(inverse, _FARTHEST)
+            z = 1.0 / max(inverse, FARTHEST)
             slope = -z * z * cosine[y, x]
             c1, s1 = _turn(f1 * z)
             c2, s2 = _turn(f2 * z)
@@ -176,7 +176,7 @@ def moved(field, q, boxes, size, distance):  # pragma: no cover - compiled
                 for j in range(BENT):
                     basis[j] = across[_U[j]] * below[_V[j]]
                 value = np.sum(q * basis)
-                z = max(1 / max(cosine[y, x] * value, _FARTHEST) + distance, 0.05)
+                z = max(1 / max(cosine[y, x] * value, FARTHEST) + distance, 0.05)
                 weight = z**4 * cosine[y, x] ** 2
                 for i in range(size):
                     wanted[i] += weight * basis[i] / (z * cosine[y, x])

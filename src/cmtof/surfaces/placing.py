@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter, minimum_filter
+from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Field
-from cmtof.surfaces.fitting import depth_at, pixel_likelihood, select
+from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood, select
 from cmtof.surfaces.growing import FLAT, GAIN, around, boxes_of_cells, possible
 
 RADIUS = 2
@@ -81,13 +81,16 @@ class Tied(NamedTuple):
 def pixel_labels(
     field: Field, owner: NDArray[np.int64], surfaces: NDArray[np.float64]
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """Likeliest surface of each pixel among those about its cell, and its share S / E.
+    """Likeliest surface (H, W) of each pixel among those about its cell, and its share S / E.
 
-    Returns the labels (H, W), -1 where none explains the pixel, and the shares (H, W).
+    Both are compared over a square about the pixel; -1 where no surface explains it.
     """
-    shape = field.cosine.shape
-    label, share = np.full(shape, -1, np.int32), np.zeros(shape, np.float32)
-    _label(field.arrays(), owner, surfaces, label, share)
+    side = 2 * RADIUS + 1
+    both = field.information.sum(axis=0, dtype=float)
+    told = side**2 * uniform_filter(both, side, mode="constant")
+    label, best = np.full(both.shape, -1, np.int32), np.full(both.shape, -np.inf)
+    _label(field.arrays(), owner, surfaces, label, best)
+    share = np.where(label < 0, 0, best / np.maximum(told, 1e-9)).astype(np.float32)
     return np.where(share > EXPLAINED, label, -1).astype(np.int32), share
 
 
@@ -107,66 +110,38 @@ def depth_of_labels(
 ) -> NDArray[np.float64]:
     """Depth (H, W), m, of each pixel on its surface; NaN without one."""
     out = np.full(label.shape, np.nan)
-    if len(surfaces):
-        _depth(field.arrays(), label, surfaces, out)
+    known = label >= 0
+    if known.any():
+        q = surfaces[label[known]].T
+        u, v = (np.broadcast_to(x, label.shape)[known] for x in (field.u, field.v[:, None]))
+        inverse = q[0] * u + q[1] * v + q[2] + q[3] * u * u + q[4] * u * v + q[5] * v * v
+        out[known] = 1 / np.maximum(field.cosine[known] * inverse, FARTHEST)
     return out
 
 
-@njit(cache=True, nogil=True)
-def _depth(field, label, surfaces, out):  # pragma: no cover - compiled
-    for y in range(label.shape[0]):
-        for x in range(label.shape[1]):
-            if label[y, x] >= 0:
-                out[y, x] = depth_at(field, surfaces[label[y, x]], y, x)
-
-
 @njit(cache=True, nogil=True, fastmath=True)
-def _label(field, owner, surfaces, label, share):  # pragma: no cover - compiled
-    information = field[2]
+def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
+    """Sum S of every surface about a cell over squares about its pixels; keep the largest."""
     height, width = label.shape
-    side = CELL + 2 * RADIUS
-    found = np.empty(9, np.int64)
-    patch = np.zeros((side, side))
-    best, told = np.empty((CELL, CELL)), np.empty((CELL, CELL))
-    summed = np.empty((CELL, CELL))
-    for row in range(owner.shape[0]):
-        for column in range(owner.shape[1]):
-            count = around(owner, row, column, found)
-            top, left = row * CELL - RADIUS, column * CELL - RADIUS
-            best[:] = -np.inf
-            for i in range(-1, count):
-                patch[:] = 0.0
-                for y in range(max(top, 0), min(top + side, height)):
-                    for x in range(max(left, 0), min(left + side, width)):
-                        if i < 0:
-                            patch[y - top, x - left] = information[0, y, x] + information[1, y, x]
-                        else:
-                            value = pixel_likelihood(field, surfaces[found[i]], y, x)
-                            patch[y - top, x - left] = value
-                _box(patch, summed)
-                if i < 0:
-                    told[:] = summed
-                    continue
-                for y in range(CELL):
-                    for x in range(CELL):
-                        if summed[y, x] > best[y, x]:
-                            best[y, x] = summed[y, x]
-                            at = (row * CELL + y, column * CELL + x)
-                            label[at] = found[i]
-                            share[at] = summed[y, x] / max(told[y, x], 1e-9)
-
-
-@njit(cache=True, nogil=True, fastmath=True)
-def _box(patch, out):  # pragma: no cover - compiled
-    """Sum over squares of 2 RADIUS + 1 px about each pixel of a cell."""
     side = 2 * RADIUS + 1
-    for y in range(CELL):
-        for x in range(CELL):
-            total = 0.0
-            for a in range(side):
-                for b in range(side):
-                    total += patch[y + a, x + b]
-            out[y, x] = total
+    found, patch = np.empty(9, np.int64), np.zeros((CELL + 2 * RADIUS, CELL + 2 * RADIUS))
+    for cell in range(owner.size):
+        row, column = cell // owner.shape[1], cell % owner.shape[1]
+        top, left = row * CELL - RADIUS, column * CELL - RADIUS
+        for i in range(around(owner, row, column, found)):
+            patch[:] = 0.0
+            for y in range(max(top, 0), min(top + patch.shape[0], height)):
+                for x in range(max(left, 0), min(left + patch.shape[1], width)):
+                    patch[y - top, x - left] = pixel_likelihood(field, surfaces[found[i]], y, x)
+            for y in range(CELL):
+                for x in range(CELL):
+                    total = 0.0
+                    for a in range(side):
+                        for b in range(side):
+                            total += patch[y + a, x + b]
+                    at = (row * CELL + y, column * CELL + x)
+                    if total > best[at]:
+                        best[at], label[at] = total, found[i]
 
 
 # --- offsets ---------------------------------------------------------------------------------
@@ -243,11 +218,17 @@ def pooled_beats(
     A surface is no better than its six functions. So each cell is first turned back by what its
     neighbourhood's phasors say at both frequencies together, and then all are summed.
     """
-    count = len(surfaces)
-    shape = tuple(n // CELL for n in inner.shape)
-    sums, told = np.zeros((2, *shape), np.complex128), np.zeros((2, *shape))
-    main = np.full(shape, -1, np.int64)
-    _sum_cells(field.arrays(), inner, surfaces, sums, told, main)
+    count, shape = len(surfaces), tuple(n // CELL for n in inner.shape)
+    main = _main_surfaces(inner, count)
+    chosen = np.kron(main, np.ones((CELL, CELL), int)) == inner
+    depth = np.nan_to_num(depth_of_labels(field, inner, surfaces))
+    phasors = (field.real + 1j * field.imaginary) * np.exp(
+        -1j * field.wavenumber[:, None, None] * depth
+    )
+    blocks = (2, shape[0], CELL, shape[1], CELL)
+    chosen &= inner >= 0
+    sums = np.where(chosen, phasors, 0).reshape(blocks).sum(axis=(2, 4))
+    told = np.where(chosen, field.information, 0).astype(float).reshape(blocks).sum(axis=(2, 4))
     near, reached = sums.copy(), told.sum(axis=0)
     for radius in (1, 2, 4):
         weak = reached < _ENOUGH
@@ -276,37 +257,17 @@ def pooled_beats(
     return beat, noise, (length / most).min(axis=0)
 
 
-@njit(cache=True, nogil=True)
-def _sum_cells(field, inner, surfaces, sums, told, main):  # pragma: no cover - compiled
-    """Sum the phasors of each cell's main surface, turned back by it."""
-    real, imaginary, information, wavenumber = field[:4]
-    for row in range(main.shape[0]):
-        for column in range(main.shape[1]):
-            most = 0
-            for y in range(row * CELL, row * CELL + CELL):
-                for x in range(column * CELL, column * CELL + CELL):
-                    one = inner[y, x]
-                    if one < 0 or one == main[row, column]:
-                        continue
-                    count = np.sum(
-                        inner[row * CELL : row * CELL + CELL, column * CELL : column * CELL + CELL]
-                        == one
-                    )
-                    if count > most:
-                        most = count
-                        main[row, column] = one
-            if most == 0:
-                continue
-            one = main[row, column]
-            for y in range(row * CELL, row * CELL + CELL):
-                for x in range(column * CELL, column * CELL + CELL):
-                    if inner[y, x] != one:
-                        continue
-                    z = depth_at(field, surfaces[one], y, x)
-                    for f in range(2):
-                        phasor = complex(real[f, y, x], imaginary[f, y, x])
-                        sums[f, row, column] += phasor * np.exp(-1j * wavenumber[f] * z)
-                        told[f, row, column] += information[f, y, x]
+def _main_surfaces(inner: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+    """Surface of most pixels in each cell (h, w), -1 for none."""
+    shape = tuple(n // CELL for n in inner.shape)
+    y, x = np.nonzero(inner >= 0)
+    cell = y // CELL * shape[1] + x // CELL
+    pairs, pixels = np.unique(cell * max(count, 1) + inner[y, x], return_counts=True)
+    order = np.argsort(pixels, kind="stable")  # the last one written has most
+    main = np.full(shape[0] * shape[1], -1, np.int64)
+    cells, owners = np.divmod(pairs[order], max(count, 1))
+    main[cells] = owners
+    return main.reshape(shape)
 
 
 def _same(images: NDArray, main: NDArray[np.int64], radius: int) -> NDArray:
