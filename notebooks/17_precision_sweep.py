@@ -6,7 +6,7 @@
 # {glue:text}`ours_mirror:.1f` µm before a mirror and {glue:text}`ours_plate:.1f` µm before a
 # diffuse plate on the median day; the paper measured 33.5 and 34.6 µm, once. RF demodulation fails
 # before the plate ({glue:text}`rf_plate:.1f` mm), as the paper reports; before a mirror it is
-# as good as the all-optical reading, against the paper.
+# no worse than the all-optical reading, against the paper.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -279,7 +279,7 @@ plotting.save(
 #   that are all alike come from a phase that does not move with the target, in a wrong wrap.
 # - **Interferometer**: tens of fringes of constant error, which counting does not make.
 #
-# Erratum 15 in {doc}`07_errata` has the arithmetic; {doc}`18_error_budget` takes our errors term by
+# Erratum 15 in {doc}`22_errata` has the arithmetic; {doc}`18_error_budget` takes our errors term by
 # term.
 #
 # ## RF demodulation
@@ -524,10 +524,10 @@ plotting.save(
 # %% [markdown]
 # Near and bright, the detector's range ends it: more light has to be filtered away. Far and dark,
 # the amplifier's noise takes over from that of the photons, and precision goes with $z^2$. But the
-# wrap fails first: the beat of both modes names it from one pixel at 60 cm, and hardly beyond 2 m,
-# where many pixels of a surface have to be pooled. Room light of 0.1 W/(m² sr) is assumed; a
-# hundred times that, a wall in the sun, would rule the noise. Error in range goes as $1/f$; what
-# ends that are crystals, drivers and the wraps.
+# wrap fails first: the beat of both modes names it from one pixel at 60 cm, and in fewer than half
+# of all cases at 2 m, where many pixels of a surface have to be pooled. Room light of 0.1 W/(m² sr)
+# is assumed; a hundred times that would rule the noise. Error in range goes as $1/f$; what ends
+# that are crystals, drivers and the wraps.
 #
 # ## Against the paper
 

@@ -22,8 +22,13 @@ from cmtof.instrument import optics as free_space
 from cmtof.instrument.electronics import SLOPE, Conversion, chain
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.world import SAMPLE_RATE
-from cmtof.ranging.rf import _circular
-from cmtof.ranging.sweep import STAGE_ERROR, StageTarget, checked_positions, collected_power
+from cmtof.ranging.sweep import (
+    STAGE_ERROR,
+    StageTarget,
+    checked_positions,
+    circular_normals,
+    collected_power,
+)
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -140,14 +145,14 @@ class Interferometer:
         found = np.zeros((repeats, stops.size))
         for repeat in range(repeats):
             rng = np.random.default_rng([seed, repeat])
-            speckle = root @ _circular(rng, stops.size) if rough else np.ones(stops.size)
+            speckle = root @ circular_normals(rng, stops.size) if rough else np.ones(stops.size)
             colour = self.wavelength_error * rng.standard_normal()
             at = stops + self.stage_error * rng.standard_normal(stops.size)
             way = np.interp(place, stations, at - at[0]) + self.vibration(rng, place.size)
             slow = _carried(rng.standard_normal(place.size), -self.reading_time / self.drift_time)
             way += warmth * (slow - slow[0])
             field = amplitude * np.interp(place, stations, speckle)
-            noise = np.sqrt(2 * variance / self.steps) * _circular(rng, place.size)
+            noise = np.sqrt(2 * variance / self.steps) * circular_normals(rng, place.size)
             read = field * np.exp(4j * np.pi / self.wavelength * way) + noise
             start = np.angle(field[0])  # the plate's own phase belongs to the known range, too
             counted = np.unwrap(np.append(start, np.angle(read)))[1:] - start
@@ -168,7 +173,7 @@ class Interferometer:
         """Displacement (count,), m, at successive readings: a resonance under white forcing."""
         rate = 2 * np.pi * self.resonance * self.reading_time
         decay = rate * (1j - 1 / (2 * self.quality))
-        return self.shaking * _carried(_circular(rng, count), decay).real
+        return self.shaking * _carried(circular_normals(rng, count), decay).real
 
     def lost_fringes(self) -> float:
         r"""Mean number of fringes that one reading loses, in the direction of the move.

@@ -30,7 +30,6 @@ from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.electronics import Conversion, chain, slope
 from cmtof.instrument.light import Panel, RfKnobs
-from cmtof.instrument.optics import emission_mean
 from cmtof.instrument.settings import Detector, TwinSettings
 from cmtof.instrument.world import LABEL_TIME, SAMPLE_RATE, World
 from cmtof.ranging.sweep import STAGE_ERROR, StageTarget, checked_positions, collected_power
@@ -168,7 +167,7 @@ class OpticalRanger:
         """
         settings, detector = self.settings, self.settings.detector
         wave = World(settings).light.emission(self.panel())  # the detection's is alike
-        opened = np.asarray(collected, float) / emission_mean(settings, self.mode)
+        opened = np.asarray(collected, float) / free_space.emission_mean(settings, self.mode)
         mean = opened * wave[0].real ** 2 + free_space.ambient(settings.optics) * wave[0].real
         amplitude = opened * 2 * abs(wave[ORDER[self.mode]]) ** 2
         conversion = Conversion(detector, settings.laser.wavelength)

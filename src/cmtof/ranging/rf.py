@@ -21,13 +21,18 @@ from scipy.constants import Boltzmann, elementary_charge
 from cmtof.correlation import centred, phase_from_depth, wrapped
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.drift import Drift
-from cmtof.instrument.optics import sent_power
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Target
 from cmtof.instrument.world import SAMPLE_RATE
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.ranging.optical import FREQUENCY, ORDER
-from cmtof.ranging.sweep import STAGE_ERROR, StageTarget, checked_positions, collected_power
+from cmtof.ranging.sweep import (
+    STAGE_ERROR,
+    StageTarget,
+    checked_positions,
+    circular_normals,
+    collected_power,
+)
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -178,14 +183,14 @@ class RfRanger:
             cells = free_space.speckle_cells(settings.optics, laser.wavelength, ranges)
             light = light * rng.gamma(cells, 1 / cells)
         light, true = (np.concatenate([one[:1], one, [0.0]]) for one in (light, true))
-        stray = sent_power(settings, self.mode) * free_space.inward(settings.optics)
+        stray = free_space.sent_power(settings, self.mode) * free_space.inward(settings.optics)
         stray *= settings.optics.back_fraction * (times > 0)
         ways = (light, true), (stray, settings.optics.back_range)
         signal = constant + sum(
             self.envelope(power * fibre) * np.exp(1j * (self.phase(z) + turn)) for power, z in ways
         )
         many = np.array([self.points, *np.ones(ranges.size), self.points])
-        noise = self.noise(light) / np.sqrt(many) * _circular(rng, many.size)
+        noise = self.noise(light) / np.sqrt(many) * circular_normals(rng, many.size)
         gain, error = self.skew + self.drift * rng.standard_normal(2)
         read = skewed(signal + noise, gain, error)
         # the blocked beam is read, and the imbalance known, before they drift
@@ -227,19 +232,14 @@ def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> R
     """
     settings, shape = ranger.settings, np.shape(angles)[:-1]
     paths = free_space.trace(target, np.reshape(angles, (-1, 2)), settings, seed)
-    sent = sent_power(settings, ranger.mode) * free_space.inward(settings.optics)
+    sent = free_space.sent_power(settings, ranger.mode) * free_space.inward(settings.optics)
     power = sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     signal = (ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))).sum(-1)
     total = power.sum(-1)
     rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
-    read = signal + ranger.noise(total) * _circular(rng, total.size)
+    read = signal + ranger.noise(total) * circular_normals(rng, total.size)
     phase = np.asarray(wrapped(np.angle(read)), float)
     with np.errstate(divide="ignore"):
         bound = ranger.noise(total) / np.abs(signal)
     return RfImage(*(one.reshape(shape) for one in (phase, total, bound)))
-
-
-def _circular(rng: np.random.Generator, count: int) -> Complex:
-    """Circular complex normals (count,) whose real and imaginary parts have unit variance."""
-    return rng.standard_normal((count, 2)).view(complex)[:, 0]

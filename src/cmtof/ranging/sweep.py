@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.optics import sent_power
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Hits, Plane
 
@@ -64,7 +63,7 @@ def collected_power(
     smooth = replace(settings, optics=replace(settings.optics, speckle=False))
     plane = Plane(target.distance, reflectance=target.reflectance, material=target.material)
     whole = free_space.trace(plane, np.zeros((1, 2)), smooth, 0).fraction.sum()
-    power = sent_power(settings, mode) * free_space.inward(settings.optics) * whole
+    power = free_space.sent_power(settings, mode) * free_space.inward(settings.optics) * whole
     return (power * share[1:] / share[0]).reshape(np.shape(ranges))
 
 
@@ -78,6 +77,11 @@ def checked_positions(positions: ArrayLike, repeats: int = 1) -> Array:
     if repeats < 1:
         raise ValueError(f"Expected at least 1 repeat, got {repeats}. Ask for more.")
     return stops
+
+
+def circular_normals(rng: np.random.Generator, count: int) -> NDArray[np.complex128]:
+    """Circular complex normals (count,) whose real and imaginary parts have unit variance."""
+    return rng.standard_normal((count, 2)).view(complex)[:, 0]
 
 
 class Parts(NamedTuple):
