@@ -84,20 +84,6 @@ def test_without_opengl_only_the_still_is_missing(scene, monkeypatch, tmp_path, 
     assert capsys.readouterr().err == interactive.NO_STILL + "\n"
 
 
-@pytest.mark.parametrize(
-    ("points", "colours", "longest", "message"),
-    [
-        (np.zeros((4, 5)), np.zeros((4, 5)), 1, r"Expected points and colours \(H, W, 3\)"),
-        (np.zeros((4, 5, 3)), np.zeros((4, 4, 3)), 1, "Give one colour a point"),
-        (np.zeros((4, 5, 3)), np.full((4, 5, 3), 255.0), 1, "Divide by 255 or clip"),
-        (np.full((4, 5, 3), np.nan), np.zeros((4, 5, 3)), 1, "Raise `longest`"),
-    ],
-)
-def test_bad_input_is_refused(points, colours, longest, message):
-    with pytest.raises(ValueError, match=message):
-        interactive.save_scene("a_b", points, colours, title="", longest=longest)
-
-
 def test_the_block_names_and_folds_the_scene():
     block = interactive.scene_block("ball_scene", title='A "ball"')
     assert block.startswith("<details")

@@ -77,11 +77,6 @@ _STYLE: Any = {
 }
 
 _STEM = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)+")
-# without these a file would carry the date or the version of the library that drew it
-_FORMATS: dict[str, tuple[str, dict[str, None]]] = {
-    "svg": ("image/svg+xml", {"Date": None, "Creator": None}),
-    "png": ("image/png", {"Software": None}),
-}
 
 
 def begin(*, profile: str = "book", seed: int = 0) -> provenance.Run:
@@ -312,7 +307,7 @@ def save(
             f"Expected a stem like 'fig03_precision', got {name!r}. "
             "Use lower-case words joined by underscores."
         )
-    if format not in _FORMATS:
+    if format not in ("svg", "png"):
         raise ValueError(f"Expected the format 'svg' or 'png', got {format!r}. Choose one of them.")
     for role, text in (("caption", caption), ("alternative text", alt)):
         if not text.strip():
@@ -325,15 +320,16 @@ def save(
         "provenance": provenance.as_dict(),
     }
     folder = provenance.output_folder()
-    mime, metadata = _FORMATS[format]
+    # without this a file would carry the date or the version of the library that drew it
+    metadata = {"Date": None, "Creator": None} if format == "svg" else {"Software": None}
     with written_whole(folder / f"{name}.{format}") as part:
         fig.savefig(part, format=format, metadata=metadata)
     provenance.write_json(folder / f"{name}.json", record)
     plt.close(fig)
-    _display(folder / f"{name}.{format}", mime, name=name, caption=caption, alt=alt)
+    _display(folder / f"{name}.{format}", name=name, caption=caption, alt=alt)
 
 
-def _display(target: Path, mime: str, *, name: str, caption: str, alt: str) -> None:
+def _display(target: Path, *, name: str, caption: str, alt: str) -> None:
     """Show the saved file in a running notebook, with what the book needs to place it."""
     if "IPython" not in sys.modules:
         return
@@ -342,7 +338,9 @@ def _display(target: Path, mime: str, *, name: str, caption: str, alt: str) -> N
 
     if get_ipython() is None:
         return
-    raw = target.read_bytes()
-    data = raw.decode("utf-8") if mime == "image/svg+xml" else raw
-    about = {"name": name, "caption": caption, "alt": alt}
-    publish_display_data({mime: data, "text/plain": alt}, {"cmtof": about})
+    about = {"cmtof": {"name": name, "caption": caption, "alt": alt}}
+    if target.suffix == ".svg":
+        shown = {"image/svg+xml": target.read_text("utf-8"), "text/plain": alt}
+    else:
+        shown = {"image/png": target.read_bytes(), "text/plain": alt}
+    publish_display_data(shown, about)

@@ -48,11 +48,10 @@ def save_scene(
     Points (H, W, 3) in m are x right, y down, z forward, NaN for none; colours (H, W, 3) red, green
     and blue, 0 to 1. Neighbours further apart than ``longest``, m, are not joined; ``eye`` is where
     the surface is seen from at first. The still (h, w, 3) is cropped to the surface; without OpenGL
-    it is None, with a line on stderr. Raises ValueError if shapes do not fit, there is no surface
-    or the file would be too large, RuntimeError if PyVista or trame is missing.
+    it is None, with a line on stderr. Raises ValueError if the file would be too large, and
+    RuntimeError if PyVista or trame is missing.
     """
     points, colours = np.asarray(points, float), np.asarray(colours, float)
-    _check(points, colours, longest)
     step = int(np.ceil(np.sqrt(points[..., 0].size / MOST_POINTS)))
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "scene.html"
@@ -173,21 +172,6 @@ def _draw(job: Path, target: Path) -> None:
     drawn = np.argwhere((image < 250).any(axis=-1))
     (top, left), (bottom, right) = drawn.min(0), drawn.max(0) + 1  # without the empty margins
     plt.imsave(target, image[top:bottom, left:right])
-
-
-def _check(points: Array, colours: Array, longest: float) -> None:
-    """Raise a ValueError unless points and colours make a surface."""
-    if points.ndim != 3 or points.shape[2] != 3 or colours.shape != points.shape:
-        raise ValueError(
-            f"Expected points and colours (H, W, 3), got {points.shape} and {colours.shape}. "
-            "Give one colour a point."
-        )
-    if not (np.isfinite(colours).all() and colours.min() >= 0 and colours.max() <= 1):
-        raise ValueError("Expected colours from 0 to 1, got others. Divide by 255 or clip.")
-    if not (np.linalg.norm(np.diff(points, axis=1), axis=-1) < longest).any():
-        raise ValueError(
-            f"Expected neighbours nearer than {longest:g} m, got none. Raise `longest`."
-        )
 
 
 def _write(target: Path, text: str, title: str) -> None:
