@@ -1,4 +1,4 @@
-"""The scoreboard page of the book: every published number, ours, and the verdict.
+"""The scoreboard page of the book: the published numbers, ours, and the verdicts.
 
 Written from the ``checks.json`` of each run and from the figures and equations of the chapters.
 Where several runs checked one number, the worst verdict is shown.
@@ -40,7 +40,7 @@ SPACE = "\N{NO-BREAK SPACE}"
 
 HEAD = """# Scoreboard
 
-Every number that the paper {{cite}}`baek2023` prints, and what this book found instead of it.
+The numbers that the paper {{cite}}`baek2023` prints, and what this book found instead of it.
 The page is written with each build, from the checks of {runs} runs.
 
 {summary}

@@ -1,6 +1,6 @@
 """The published numbers, and how a result of ours is held against them.
 
-Every number that the paper prints stands in ``paper.yml``. A notebook calls `check` for each one
+The numbers that the paper prints stand in ``paper.yml``. A notebook calls `check` for each one
 that it touches; the verdict never stops a run. ``tools/scoreboard.py`` writes the book's page.
 """
 
@@ -36,7 +36,7 @@ class Published:
     what: str
     relation: Literal["eq", "approx", "lt", "gt"]
     tolerance: float
-    kind: Literal["result", "setting", "cited"]
+    kind: Literal["result", "setting"]
     untested: str = ""
     note: str = ""
     erratum: int | None = None
