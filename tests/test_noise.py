@@ -46,7 +46,7 @@ def interval(freedom):
 # --- fits and averages
 
 
-@pytest.mark.parametrize(("sigma", "window"), [(0.05, 5), (0.134, 7), (0.3, 5)])
+@pytest.mark.parametrize(("sigma", "window"), [(0.05, 5), (0.3, 7)])
 def test_local_noise_is_the_known_noise(sigma, window):
     """Disjoint windows are independent: their sum of squares is chi-squared."""
     noise = local_phase_noise(noisy(sigma, 1, surface()), window=window)
@@ -57,7 +57,7 @@ def test_local_noise_is_the_known_noise(sigma, window):
     assert low < np.mean(apart**2) / sigma**2 < high
 
 
-@pytest.mark.parametrize(("sigma", "window"), [(0.134, 3), (0.134, 5), (0.4, 5), (0.134, 9)])
+@pytest.mark.parametrize(("sigma", "window"), [(0.134, 3), (0.4, 5)])
 def test_averaging_brings_white_noise_down_by_the_window(sigma, window):
     """On a plane the error is sigma / window (of the phasor's transverse part)."""
     plane = np.add.outer(-0.27 * np.arange(300), 0.61 * np.arange(300))
@@ -87,7 +87,7 @@ def test_coherence_falls_with_noise_and_at_edges():
     assert coherence[50, 150] < 0.9 < coherence[50, 20]
 
 
-@pytest.mark.parametrize("window", [5, 9])
+@pytest.mark.parametrize("window", [9])
 def test_surfaces_up_to_third_order_leave_nothing_and_ripples_their_response(window):
     y, x = np.mgrid[:96, :96]
     cubic = 1e-5 * (x - 48.0) ** 3 - 2e-5 * (x - 48.0) * y * y + 0.5 * y - 1.1 * x
@@ -131,10 +131,8 @@ def test_spectrum_of_white_noise_is_flat_and_its_mean_is_the_mean_square():
 @pytest.mark.parametrize(
     ("noise", "lag", "correlation"),
     [
-        (LineNoise(0.1, 0.0, 0.4, 0.3), (1, 0), 0.4),
         (LineNoise(0.1, 0.0, 0.4, 0.3), (1, 1), 0.12),
         (LineNoise(0.3, 0.4, 0.0, 0.0), (17, 0), 0.64),
-        (LineNoise(0.3, 0.4, 0.0, 0.0), (0, 1), 0.0),
     ],
 )
 def test_line_noise_correlates_as_its_numbers(noise, lag, correlation):
@@ -160,8 +158,7 @@ def test_line_noise_is_found_again(known):
 # --- the simulator's noise
 
 
-@pytest.mark.parametrize("intensity", [0.3, 1.0])
-@pytest.mark.parametrize("sigma", [300.0, 2000.0])
+@pytest.mark.parametrize(("sigma", "intensity"), [(300.0, 1.0), (2000.0, 0.3)])
 def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity):
     noise = phase_spread(float(simulated_phase_noise(intensity, sigma=sigma)))
     assert sigma_from_phase_noise(noise, intensity=intensity) == pytest.approx(sigma, rel=1e-8)
