@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cmtof.correlation import TAU, centred, phase_from_depth
+from cmtof.correlation import centred, phase_from_depth
 from cmtof.hardware.journal import (
     MAGIC,
     Journal,
@@ -155,25 +155,15 @@ CRAFTED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("what", CRAFTED)
-def test_a_crafted_journal_is_one_line_and_untouched(tmp_path, header, what):
-    path = journal_path(tmp_path / "m.nc")
-    parts = [p.encode() if isinstance(p, str) else p for p in CRAFTED[what](header)]
-    path.write_bytes(MAGIC + b"".join(framed(n, part) for n, part in enumerate(parts)))
-    before = path.read_bytes()
-    for read in (read_journal, lambda path: Journal(path, header)):
-        with pytest.raises(ValueError, match="Expected a journal of a scan") as error:
-            read(path)
-        assert "\n" not in str(error.value)
-    assert path.read_bytes() == before
-
-
-@pytest.mark.parametrize("data", [b"", b"cmtofJ1\n", b"netCDF" * 9])
-def test_a_file_that_is_no_journal(tmp_path, data):
-    (tmp_path / "j").write_bytes(data)
-    with pytest.raises(ValueError, match="Expected a journal of a scan"):
-        read_journal(tmp_path / "j")
-
-
-def test_phases_of_a_turn():
-    assert nominal_psi(4).tolist() == [0, TAU / 4, TAU / 2, 3 * TAU / 4]
+def test_a_crafted_journal_is_one_line_and_untouched(tmp_path, header):
+    path, crafted = journal_path(tmp_path / "m.nc"), [b"", b"cmtofJ1\n", b"netCDF" * 9]
+    for make in CRAFTED.values():
+        parts = [p.encode() if isinstance(p, str) else p for p in make(header)]
+        crafted.append(MAGIC + b"".join(framed(n, part) for n, part in enumerate(parts)))
+    for data in crafted:
+        path.write_bytes(data)
+        for read in (read_journal, lambda path: Journal(path, header)):
+            with pytest.raises(ValueError, match="Expected a journal of a scan") as error:
+                read(path)
+            assert "\n" not in str(error.value)
+        assert path.read_bytes() == data

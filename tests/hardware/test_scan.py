@@ -95,7 +95,7 @@ def test_a_file_holds_raw_counts_power_and_settings(whole):
 # --- stop and resume -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("stop", [0, 1, 5, 9, len(PLAN.lines) - 1])
+@pytest.mark.parametrize("stop", [0, 5, len(PLAN.lines) - 1])
 def test_stopped_and_resumed_gives_equal_bytes(tmp_path, whole, stop):
 
     def report(line):
@@ -140,9 +140,7 @@ def by_command(tmp_path_factory):
     return output.read_bytes()
 
 
-@pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGKILL, -9), (signal.SIGHUP, 129), (signal.SIGINT, 130)]
-)
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGHUP, 129)])
 def test_a_command_that_is_killed_resumes_to_equal_bytes(tmp_path, number, code, by_command):
     output = tmp_path / "m.nc"
     arguments = [sys.executable, "-m", "cmtof.cli", *COMMAND, str(output)]
@@ -164,12 +162,7 @@ def test_a_command_that_is_killed_resumes_to_equal_bytes(tmp_path, number, code,
 
 # --- faults --------------------------------------------------------------------------------------
 
-FAULTS = {
-    "time-out": InstrumentTimeout,
-    "refusal": Refused,
-    "garbage": BadReply,
-    "disconnection": ConnectionLost,
-}
+FAULTS = (InstrumentTimeout, Refused, BadReply, ConnectionLost)
 PLACES = {
     "rf_emission": "set_frequency",
     "rf_detection": "load_table",
@@ -198,16 +191,19 @@ def failing(instruments, role, method, error, at=1, times=10**9):
     setattr(device, method, act)
 
 
-@pytest.mark.parametrize("fault", FAULTS)
 @pytest.mark.parametrize("role", PLACES)
-def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, role, fault):
-    output, at = tmp_path / "m.nc", 1 if role in ("clock", "daq", "power_meter") else 2
-    instruments, error = take(
-        output, prepare=lambda one: failing(one, role, PLACES[role], FAULTS[fault], at=at)
-    )
-    assert isinstance(error, FAULTS[fault])
-    assert_safe(instruments)
-    assert not output.exists()
+def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, role):
+    at = 1 if role in ("clock", "daq", "power_meter") else 2
+    for fault in FAULTS:
+        output = tmp_path / f"{fault.__name__}.nc"
+
+        def prepare(one, fault=fault):
+            failing(one, role, PLACES[role], fault, at=at)
+
+        instruments, error = take(output, prepare=prepare)
+        assert isinstance(error, fault)
+        assert_safe(instruments)
+        assert not output.exists()
     assert take(output, resume=True)[1] is None
     assert output.read_bytes() == whole.read_bytes()
 
@@ -299,21 +295,21 @@ def test_a_reference_target_that_cannot_calibrate_ends_the_scan(tmp_path, refere
 # --- command line --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code", "text"),
-    [
-        (["-o", "m.nc"], 1, "either a RIG file or --twin"),
-        (["--twin", "-o", "m.txt"], 1, "Expected an output named *.nc"),
-        (["--twin", "-o", "no/m.nc"], 1, "Expected an existing folder"),
-        (["no.yml", "-o", "m.nc"], 1, "Expected a RIG file"),
-        (["--twin", "--size", "100000", "-o", "m.nc"], 2, "--size"),
-        (["--twin", "--scene", "nobody", "-o", "m.nc"], 1, "nobody"),
-    ],
-)
-def test_a_wrong_command_is_one_line(tmp_path, monkeypatch, capsys, arguments, code, text):
+WRONG = [
+    (["-o", "m.nc"], 1, "either a RIG file or --twin"),
+    (["--twin", "-o", "m.txt"], 1, "Expected an output named *.nc"),
+    (["--twin", "-o", "no/m.nc"], 1, "Expected an existing folder"),
+    (["no.yml", "-o", "m.nc"], 1, "Expected a RIG file"),
+    (["--twin", "--size", "100000", "-o", "m.nc"], 2, "--size"),
+    (["--twin", "--scene", "nobody", "-o", "m.nc"], 1, "nobody"),
+]
+
+
+def test_a_wrong_command_is_one_line(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit) as end:
-        main(["scan", *arguments])
-    assert end.value.code == code
-    assert text in capsys.readouterr().err
+    for arguments, code, text in WRONG:
+        with pytest.raises(SystemExit) as end:
+            main(["scan", *arguments])
+        assert end.value.code == code
+        assert text in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
