@@ -249,8 +249,7 @@ micron_per_mrad = 1e6 * float(depth_from_phase(1e-3, frequency))
 table4 = 1e6 * paper.published("table4.proposed.rmse_mirror").value
 figure, axes = plt.subplots(1, 2, figsize=(9.6, 4.0))
 for (eta, steps), values in error.items():
-    if (eta, steps) != (eta_weak, 16):
-        axes[0].plot(angle, values, label=f"η = {eta:.2f}, K = {steps}")
+    axes[0].plot(angle, values, label=f"η = {eta:.2f}, K = {steps}")
 axes[0].set(xlabel="true phase φ", ylabel="cyclic error (mrad)", ylim=(-18, 26))
 axes[0].set_title("over the phase")
 axes[0].set_xticks(*quarter_ticks)
