@@ -80,6 +80,9 @@ class Stage(Strict):
     """Learning rate at the beginning, and at the end, which it approaches after ``flat``."""
     flat: Annotated[float, Field(ge=0, lt=1)] = 0.0
     warm: PositiveInt = 100
+    freeze: Share = 1.0
+    """Share of the stage after which norms keep their running statistics: those of a few crops
+    take a part of the label away."""
 
     @property
     def steps(self) -> int:
@@ -219,6 +222,10 @@ class Unwrapping(LightningModule):
         self.network.to(memory_format=torch.channels_last)  # pyright: ignore
 
     def training_step(self, batch: Batch, index: int) -> Tensor:
+        stage, share = self.config.stage_at(self.global_step)
+        for layer in self.network.modules():
+            if isinstance(layer, nn.BatchNorm2d):
+                layer.train(share < stage.freeze)
         loss = loss_of(self.config.model, self.network, self.measured(batch))
         self.log("loss", loss, prog_bar=True)
         return loss
@@ -338,7 +345,7 @@ def open_rooms(config: Config, tree: Path) -> tuple[Pack | None, Pack]:
     """
     if config.rooms is None:
         rngs = (np.random.default_rng([99, k]) for k in range(config.validation_views))
-        crops = [leaves(rng, 128, config.protocol) for rng in rngs]
+        crops = [leaves(rng, config.stages[-1].crop, config.protocol) for rng in rngs]
         depth, light = (np.stack(images) for images in zip(*crops, strict=True))
         return None, Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
     from cmtof.scenes.hypersim import Hypersim
