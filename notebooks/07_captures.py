@@ -56,9 +56,8 @@ WRAP = float(wrap_length(FREQUENCY_SINGLE))
 # %% [markdown]
 # ## Same surface, measured and simulated
 #
-# The files hold phases without amplitudes and a reference without angles. The stand-in is a piece
-# of an embedded frame, shrunk to the captures' distances, with photon and electronic noise; its
-# «reference» is the true range blurred and tilted by millimetres.
+# The stand-in is a piece of an embedded frame, shrunk to the captures' distances, with photon and
+# electronic noise; its «reference» is the true range blurred and tilted by millimetres.
 
 
 # %%
@@ -233,10 +232,9 @@ for name, value in sigma.items():
 # %% [markdown]
 # ## From phase to depth
 #
-# One frequency gives depth within a wrap, and neighbours give the next wrap as long as the surface
-# goes on; over an occlusion nothing does. So wall and objects are unwrapped apart
-# {cite}`herraez2002`, where the average is coherent. Each connected piece takes the whole number of
-# wraps that brings its median nearest to the reference; the fraction of a wrap is never touched.
+# Neighbours give the next wrap as long as a surface goes on; over an occlusion nothing does. So
+# wall and objects are unwrapped apart {cite}`herraez2002`, where the average is coherent. Each
+# connected piece takes the whole wraps that bring its median nearest to the reference.
 
 
 # %%
@@ -266,9 +264,9 @@ for name in names:
     print(f"{name}: unwrapped in one piece, {misled[name]:.0%} of the pixels differ by wraps")
 
 # %% [markdown]
-# On the wall, measured and reference phase should differ by one constant, up to whole wraps: the
-# length of $\langle e^{i(\hat\varphi-\varphi_\mathrm{ref})}\rangle$ is 1 for a constant and 0 for
-# no relation. A slow tilt is fitted and taken out in a second step.
+# On the wall, measured and reference phase should differ by one constant: the length of
+# $\langle e^{i(\hat\varphi-\varphi_\mathrm{ref})}\rangle$ is 1 for a constant and 0 for no
+# relation. A slow tilt is taken out in a second step.
 
 # %%
 y, x = np.mgrid[:1:100j, :1:100j]
@@ -321,11 +319,10 @@ plotting.save(
 )
 
 # %% [markdown]
-# In the published captures the reference of the wall is one and the same measurement behind every
-# object, digit by digit, while its measured phase moves from scan to scan by a millimetre or two:
-# the instrument drifts. On the objects the comparison ends. A reference can name the wrap only
-# where it errs by less than half a wrap; on the published objects its differences run through
-# about a whole one within a single smooth surface. It is no truth for them.
+# In the published captures the reference of the wall is the same behind every object, digit by
+# digit, while its measured phase moves from scan to scan by a millimetre or two: the instrument
+# drifts. On the objects the reference errs by about a whole wrap within a single smooth surface. It
+# is no truth for them.
 
 # %% tags=["hide-input"]
 drawn = min(count, stills)
@@ -363,9 +360,8 @@ plotting.save(
 # \;+\;H\,\sigma_\mathrm{l}^2\,\delta_{k_y}.
 # ```
 #
-# The four numbers are those under which the residual's spectrum is likeliest, seen through the fit
-# and the mask. A ρ of ½ is a running mean of two samples, or a scan sampled twice as finely as it
-# is resolved.
+# The four numbers are those under which the residual's spectrum is likeliest. A ρ of ½ is a running
+# mean of two samples, or a scan sampled twice as finely as it is resolved.
 
 # %%
 lines, with_lines = {}, {}
@@ -438,16 +434,13 @@ plotting.save(
 def described(phase, r, where):
     """What is compared, of a phase map, its residual and the mask."""
     down, across = where[:-1] & where[1:], where[:, :-1] & where[:, 1:]
-    low, middle, high = np.percentile(
-        noise.local_phase_noise(phase, window=fit_window)[where], [5, 50, 95]
-    )
+    around = noise.local_phase_noise(phase, window=fit_window)[where]
     limit = 3.5 * 1.4826 * np.median(np.abs(r[where]))
     return {
         f"rms about {window}×{window} fits (rad)": r[where].std(),
         "correlation with the pixel below": np.corrcoef(r[:-1][down], r[1:][down])[0, 1],
         "correlation with the pixel beside": np.corrcoef(r[:, :-1][across], r[:, 1:][across])[0, 1],
-        f"noise of a typical {fit_window}×{fit_window} window (rad)": middle,
-        "noisiest over quietest windows (95 % / 5 %)": high / low,
+        f"noise of a typical {fit_window}×{fit_window} window (rad)": np.median(around),
         "outliers on the wall, beyond 3.5 σ (%)": 100 * np.mean(np.abs(r[where]) > limit),
         "the same, whole map (%)": 100 * np.mean(np.abs(r[np.isfinite(r)]) > limit),
     }
