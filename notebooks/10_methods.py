@@ -168,7 +168,7 @@ show(("full", 1200))
 show(("released", 300))
 
 # %% tags=["hide-input"]
-table = found[CONDITIONS[0]]
+table = found.get(CONDITIONS[0], {})
 order = sorted(table, key=lambda name: -float(table[name].value[0]))
 kinds = {"classical": "blue", "learned": "vermillion", "trivial": "black", "reference": "green"}
 figure, ax = plt.subplots(figsize=(8.0, 0.27 * len(order) + 1.0))
