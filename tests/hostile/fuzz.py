@@ -214,7 +214,7 @@ def run(case: int) -> list[str]:
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
                 os.dup2(err.fileno(), 2)
                 sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w", buffering=1)
-                signal.alarm(2 * SECONDS)
+                signal.setitimer(signal.ITIMER_PROF, 2 * SECONDS)  # of the processor
                 main(command)
                 code = 0
             except SystemExit as stop:

@@ -48,8 +48,8 @@ def test_stages_follow_each_other(config):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("- 1", "Expected YAML with names and values"),
-        ("{", "Expected YAML with names and values"),
+        ("- 1", "Expected YAML|Expected names and values"),
+        ("{", "Expected YAML|Expected names and values"),
         ("stages: []", "Expected stages .* at least 1 item"),
         ("colour: red", "Expected stages .* Field required"),
         ("model: nobody\nstages: [{S}]", "expected a model out of fast-scnn"),

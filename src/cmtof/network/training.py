@@ -29,7 +29,7 @@ from torch.utils.data import DataLoader, Sampler
 
 from cmtof import __version__
 from cmtof.correlation import wrap_length
-from cmtof.files import written_whole
+from cmtof.files import read_document, written_whole
 from cmtof.measurement import Measurement
 from cmtof.network.data import Batch, Pack, Sample, Steps, batch_of, leaves, measure, pack_views
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
@@ -170,12 +170,7 @@ def read_config(source: str | Path, **changes: Any) -> Config:
                 f"Expected a configuration out of {', '.join(presets())}, or a YAML file, got "
                 f"{source}. Choose one."
             )
-        try:
-            held = {"name": path.stem} | dict(yaml.safe_load(path.read_text(encoding="utf-8")))
-        except (yaml.YAMLError, ValueError, TypeError) as error:
-            raise ValueError(
-                f"Expected YAML with names and values in {path}, got {error}. Correct it."
-            ) from error
+        held = {"name": path.stem} | read_document(path)
     given = {key: value for key, value in changes.items() if value is not None}
     return checked(Config, held | given, f"the configuration {source}")
 
