@@ -19,7 +19,6 @@ from cmtof.scenes.rooms.rendering import (
     Settings,
     close_views,
     expose,
-    frame_of,
     render_rooms,
     rendered_views,
     shape_from_text,
@@ -136,15 +135,6 @@ def test_statistics_come_near_to_hypersims():
 def test_of_ten_scenes_eight_train_and_one_in_twenty_views_is_close():
     assert Counter(map(split_of, range(200))) == {"train": 160, "val": 20, "test": 20}
     assert sum(close_views(index, 5) for index in range(100)) == 25
-    names = [view.camera for view in rendered_views(Settings(3, 4, 5, 8, 8))]
-    assert Counter(names) == {"cam_00": 19, "cam_01": 1}
-
-
-def test_frames_carry_linear_green_and_their_camera():
-    view = next(rendered_views(Settings(3, 1, 1, 24, 32, 30.0)))
-    frame = frame_of(view.picture, Settings(3, 1, 1, 24, 32, 30.0).lens(0), "one")
-    assert np.array_equal(frame.intensity, view.picture.color[..., 1])
-    np.testing.assert_allclose(frame.camera, [30, 30, 16, 12])
 
 
 @pytest.mark.parametrize(

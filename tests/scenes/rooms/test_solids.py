@@ -32,12 +32,11 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_solids_are_closed_and_have_their_volume(name):
-    solid, volume = CASES[name]
-    assert solid.is_watertight
-    assert solid.is_winding_consistent
-    assert solid.volume == pytest.approx(volume, rel=2e-3)
+def test_solids_are_closed_and_have_their_volume():
+    for name, (solid, volume) in CASES.items():
+        assert solid.is_watertight, name
+        assert solid.is_winding_consistent, name
+        assert solid.volume == pytest.approx(volume, rel=2e-3), name
 
 
 def test_noise_keeps_a_ball_closed_and_follows_the_seed():
@@ -47,12 +46,6 @@ def test_noise_keeps_a_ball_closed_and_follows_the_seed():
     assert one.is_watertight
     assert np.array_equal(one.vertices, two.vertices)
     assert not np.array_equal(one.vertices, other.vertices)
-
-
-def test_a_cushion_fills_more_of_its_box_than_an_ellipsoid():
-    plain, cushion = ball(1.0), ball(1.0, squareness=0.8)
-    np.testing.assert_allclose(cushion.bounds, plain.bounds, atol=0.06)
-    assert plain.volume < cushion.volume < 8
 
 
 def test_solids_are_turned_then_shifted_and_joined_without_loss():
