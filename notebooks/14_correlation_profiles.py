@@ -213,7 +213,9 @@ for (top, middle, low), (mode, fit) in zip(axes.T, fits.items(), strict=True):
     band = 1e3 * np.stack([model[mode] - noise[mode], model[mode] + noise[mode]])
     middle.fill_between(psi, *band, color=colour, alpha=0.3, lw=0, label="expected, ± noise")
     middle.plot(psi, 1e3 * left[mode], ".", color="k", label="residual of the fit")
-    middle.set(xlabel="reference phase ψ (rad)", ylabel="residual (mV)")
+    reach = 1e3 * np.abs(left[mode]).max()
+    middle.set(xlabel="reference phase ψ (rad)", ylabel="residual (mV)",
+               ylim=(-1.2 * reach, 1.7 * reach))  # fmt: skip
     low.vlines(orders, 1e-7, closed_form[mode], color=colour, lw=9, alpha=0.35, label="closed form")
     low.plot(orders, harmonic[mode], "o", mfc="none", color="k", label="of the profile")
     low.axhline(floor[mode], color="#5A646D", ls="--", label="noise and codes, rms")

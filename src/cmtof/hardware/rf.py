@@ -12,7 +12,7 @@ from binascii import crc_hqx
 from collections.abc import Callable, Sequence
 from math import pi
 from numbers import Integral
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from cmtof.hardware.device import (
     BadReply,
@@ -24,6 +24,7 @@ from cmtof.hardware.device import (
     insist,
     number,
 )
+from cmtof.instrument.devices import Lock, Status
 
 T = TypeVar("T")
 CODES = 65536
@@ -31,24 +32,6 @@ CODES = 65536
 TABLE_SIZE = 64
 """Entries of the phase table at most."""
 _UNSAFE = ("TRIPPED", "LOCK", "UNLOCKED", "INTERLOCK")
-
-
-class RfLock(NamedTuple):
-    """Frequency lock: detuning from the resonance, Hz; reflected power, dBm."""
-
-    locked: bool
-    detuning: float
-    reflected: float
-
-
-class RfStatus(NamedTuple):
-    """Whether RF is on and locked, entry that plays, edges since arming, whether RF tripped."""
-
-    on: bool
-    locked: bool
-    index: int
-    edges: int
-    tripped: bool
 
 
 def open_serial(address: str, *, rtscts: bool = False) -> Any:
@@ -181,16 +164,16 @@ class RfDriver(Device):
             self.safe_state()
             raise
 
-    def lock(self) -> RfLock:
+    def lock(self) -> Lock:
         """State of the frequency lock."""
         locked, detuning, reflected = self._question("LOCK?", 3)
-        return RfLock(_truth(locked), number(detuning), number(reflected))
+        return Lock(_truth(locked), number(detuning), number(reflected))
 
-    def status(self) -> RfStatus:
+    def status(self) -> Status:
         """Output, lock, table and trip in one answer."""
         on, locked, index, edges, tripped = self._question("STAT?", 5)
         places = int(number(index)), int(number(edges))
-        return RfStatus(_truth(on), _truth(locked), *places, _truth(tripped))
+        return Status(_truth(on), _truth(locked), *places, _truth(tripped))
 
     def clear_trip(self) -> None:
         """Allow RF again after a trip; it stays off until `output`."""

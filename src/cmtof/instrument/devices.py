@@ -27,7 +27,7 @@ class Lock(NamedTuple):
 
 
 class Status(NamedTuple):
-    """As `cmtof.hardware.rf.RfStatus`."""
+    """Whether RF is on and locked, entry that plays, edges since arming, whether RF tripped."""
 
     on: bool
     locked: bool
