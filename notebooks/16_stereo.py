@@ -193,7 +193,7 @@ print(f"                truth {rig.matrices[0, 0, 0]:.1f} px")
 # %% [markdown]
 # ## How far it reaches
 #
-# The same rig before a room, whose walls stand two to seven metres away.
+# The same rig before a room, which reaches from two to five metres.
 
 # %%
 far_frame = thinned(far_scene, far_stride)
@@ -216,6 +216,7 @@ ax.plot(places, 1e3 * ideal * places**2, "k-", lw=1.2, label="speckle alone, on 
 ax.set(xscale="log", yscale="log", ylim=(0.1, 60), xlim=(0.5, 8))
 ax.set(xlabel="range (m)", ylabel="uncertainty of the range (mm)")
 ax.set_xticks([0.5, 1, 2, 4, 8], ["0.5", "1", "2", "4", "8"])
+ax.minorticks_off()
 plotting.mark(ax, y=1e3 * WRAP, text="one wrap")
 plotting.mark(ax, y=1e3 * reach, text=f"half a wrap in {sigmas:g} σ")
 ax.legend(loc="lower right", markerscale=5)

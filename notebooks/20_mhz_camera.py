@@ -173,7 +173,8 @@ def averaged(found, area=5):
     """Range of phasors averaged over squares of pixels."""
     phase = phase_from_depth(np.nan_to_num(found[0]), camera.frequency)
     x, y = (uniform_filter(found[1] * part(phase), area) for part in (np.cos, np.sin))
-    return depth_from_phase(np.mod(np.arctan2(y, x), TAU), camera.frequency)
+    turn = np.mod(np.arctan2(y, x), TAU)
+    return depth_from_phase(np.where(turn > 0, turn, np.nan), camera.frequency)
 
 
 def normals(depth, name):

@@ -358,8 +358,9 @@ plotting.save(
 # %% [markdown]
 # Edges fail for all methods: where the spot lies across an outline, the phases of both modes are
 # those of neither surface, and the neighbours have other wraps, so that pooling misleads. `crt-ml`
-# pools nothing; what it gains without noise is what noise costs. `surfaces` decides for a surface
-# as a whole, so a wrong decision costs many pixels at once.
+# pools nothing; what it gains without noise is what noise costs. KDE struggles on the paper's
+# scenes and does well on these, whose noise is lower. `surfaces` decides for a surface as a whole,
+# so a wrong decision costs many pixels at once.
 #
 # ## To turn
 #
