@@ -78,15 +78,7 @@ class Measurement:
 
     @classmethod
     def from_arrays(
-        cls,
-        correlation: ArrayLike,
-        psi: ArrayLike,
-        frequencies: ArrayLike,
-        *,
-        depth: ArrayLike | None = None,
-        mask: ArrayLike | None = None,
-        camera: ArrayLike | None = None,
-        **attributes: Any,
+        cls, correlation: ArrayLike, psi: ArrayLike, frequencies: ArrayLike, **more: Any
     ) -> "Measurement":
         """Measurement made of one's own arrays.
 
@@ -98,13 +90,10 @@ class Measurement:
             Reference phase of every image, rad.
         frequencies : array_like, shape (F,)
             Modulation frequencies, lowest first, Hz.
-        depth, mask : array_like, shape (H, W)
-            True range, m, and validity.
-        camera : array_like, shape (4,) or (5,)
-            fx, fy, cx, cy, px, and the skew where there is one.
-        **attributes
-            ``range_min`` and ``range_max``, the depths to choose from, m (by default from 0 to
-            where two frequencies repeat themselves), and anything else that the file should hold.
+        **more
+            ``depth`` (H, W), m, ``mask`` (H, W) and ``camera`` (4,) or (5,), px; ``range_min`` and
+            ``range_max``, the depths to choose from, m (by default from 0 to where two frequencies
+            repeat themselves); and anything else that the file should hold as an attribute.
         """
         frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
         correlation = np.asarray(correlation)
@@ -123,7 +112,7 @@ class Measurement:
         )
         variables = {"correlation": (_STACK, correlation)}
         coordinates = {"frequency": frequencies, "psi": (_STACK[:2], psi)}
-        return cls(_dataset(variables, coordinates, depth, mask, camera, attributes))
+        return cls(_dataset(variables, coordinates, more))
 
     @classmethod
     def from_phase(
@@ -132,10 +121,7 @@ class Measurement:
         frequencies: ArrayLike,
         *,
         amplitude: ArrayLike | None = None,
-        depth: ArrayLike | None = None,
-        mask: ArrayLike | None = None,
-        camera: ArrayLike | None = None,
-        **attributes: Any,
+        **more: Any,
     ) -> "Measurement":
         """Measurement of phase maps (F, H, W), rad, where correlations were not kept."""
         frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
@@ -143,7 +129,7 @@ class Measurement:
         if amplitude is not None:
             variables["amplitude"] = (_IMAGES, numbers(amplitude, "amplitude"))
         coordinates = {"frequency": frequencies}
-        return cls(_dataset(variables, coordinates, depth, mask, camera, attributes))
+        return cls(_dataset(variables, coordinates, more))
 
     @property
     def frequencies(self) -> NDArray[np.float64]:
@@ -216,24 +202,17 @@ class Measurement:
 
 
 def _dataset(
-    variables: dict[str, Any],
-    coordinates: Mapping[str, Any],
-    depth: ArrayLike | None,
-    mask: ArrayLike | None,
-    camera: ArrayLike | None,
-    attributes: Mapping[str, Any],
+    variables: dict[str, Any], coordinates: Mapping[str, Any], more: dict[str, Any]
 ) -> xr.Dataset:
     """Assemble variables that are there; the range ends by default where the phases repeat."""
     from cmtof import __version__
 
-    if depth is not None:
-        variables["depth"] = (("y", "x"), np.asarray(depth))
-    if mask is not None:
-        variables["mask"] = (("y", "x"), numbers(mask, "mask", np.int8))
-    if camera is not None:
-        variables["camera"] = (("parameter",), numbers(camera, "camera"))
+    for name, dtype in (("depth", None), ("mask", np.int8), ("camera", float)):
+        if (values := more.pop(name, None)) is not None:
+            array = np.asarray(values) if dtype is None else numbers(values, name, dtype)
+            variables[name] = (_VARIABLES[name][1], array)
     check_frequencies(coordinates["frequency"])
-    kept = {key: value for key, value in attributes.items() if value is not None}
+    kept = {key: value for key, value in more.items() if value is not None}
     limits = {"range_min": 0.0, "range_max": unambiguous_range(coordinates["frequency"])}
     try:
         dataset = xr.Dataset(variables, coordinates)
