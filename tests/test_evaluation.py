@@ -66,12 +66,12 @@ def test_scores_need_a_truth_and_a_pixel(measured):
 
 
 def test_every_method_sees_the_same_noise(tilted_wall):
-    both = Evaluation(["crt", "beat"], seed=4, options={"beat": {"window": 1}})
+    both = Evaluation(["crt", "crt-ml"], seed=4)
     report = both.add_all([tilted_wall, tilted_wall]).report()
     assert report["frames"] == ["wall", "wall"]
     assert (report["protocol"], report["noise"], report["seed"]) == ("released", 1200.0, 4)
-    crt, beat = report["methods"]["crt"], report["methods"]["beat"]
-    assert crt["consistent_lt_1"] == pytest.approx(beat["consistent_lt_1"], abs=0.01)
+    crt, fused = report["methods"]["crt"], report["methods"]["crt-ml"]
+    assert crt["delta_lt_3"] == pytest.approx(fused["delta_lt_3"], abs=0.01)
     alone = Evaluation(["crt"], seed=4).add_all([tilted_wall, tilted_wall]).counts()
     assert [frame["methods"]["crt"] for frame in alone] == [
         frame["methods"]["crt"] for frame in both.counts()

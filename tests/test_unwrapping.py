@@ -21,7 +21,7 @@ def answering(monkeypatch):
         def run(measurement):
             return Estimate(np.broadcast_to(depth, measurement.shape), np.ones(measurement.shape))
 
-        monkeypatch.setitem(METHODS, "given", Method("given", "trivial", "", "", run))
+        monkeypatch.setitem(METHODS, "given", Method("given", "trivial", "", run))
         return "given"
 
     return method

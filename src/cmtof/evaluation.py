@@ -132,19 +132,12 @@ class Evaluation:
     """Scores of several methods over several frames.
 
     Call `add` for each frame, in order; the noise of frame i is drawn from (seed, i), and every
-    method sees the same. ``options`` are those of each method that shall not run with its defaults,
-    ``conditions`` those of `cmtof.simulation.simulate`.
+    method sees the same. ``conditions`` are options of `cmtof.simulation.simulate`.
     """
 
-    def __init__(
-        self,
-        methods: Sequence[str],
-        *,
-        options: Mapping[str, Mapping[str, Any]] | None = None,
-        **conditions: Any,
-    ) -> None:
+    def __init__(self, methods: Sequence[str], **conditions: Any) -> None:
         self.methods = [find_method(name).name for name in methods]
-        self.options, self.conditions = options or {}, conditions
+        self.conditions = conditions
         self.frames: list[str] = []
         self._tallies = {name: Tally() for name in self.methods}
         self._seconds = dict.fromkeys(self.methods, 0.0)
@@ -158,7 +151,7 @@ class Evaluation:
         self._coverage += float(usual.mask.mean())
         for name, measurement in given.items():
             start = perf_counter()
-            result = unwrap(measurement, method=name, **self.options.get(name, {}))
+            result = unwrap(measurement, method=name)
             self._seconds[name] += perf_counter() - start
             self._tallies[name].add(scored_pixels(result, measurement))
             yield name

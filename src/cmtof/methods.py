@@ -26,11 +26,16 @@ class Method:
     name: str
     kind: str
     source: str
-    summary: str
     run: Callable[..., Estimate]
     frequencies: int = 2
     tones: tuple[float, ...] = ()
     knows_truth: bool = False
+    about: str = ""
+
+    @property
+    def summary(self) -> str:
+        """One line on the method: that of its function, unless told otherwise."""
+        return self.about or (self.run.__doc__ or "").partition("\n")[0].rstrip(".")
 
     def __call__(self, measurement: Measurement, **options: Any) -> Estimate:
         """Run the method; raise a ValueError if the measurement or an option does not fit it."""
@@ -65,7 +70,7 @@ class Method:
         return state(self.name, protocol)
 
 
-def _learned(name: str, source: str, summary: str) -> Method:
+def _learned(name: str, source: str, about: str) -> Method:
     """A learned method, named as its model."""
 
     def run(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
@@ -73,74 +78,48 @@ def _learned(name: str, source: str, summary: str) -> Method:
 
         return Estimate(*unwrap_with_network(measurement, model=name, weights=weights))
 
-    return Method(name, "learned", source, summary, run)
+    return Method(name, "learned", source, run, about=about)
 
 
-def _reference(
-    what: str, run: Callable[..., Estimate], summary: str, frequencies: int = 2
-) -> Method:
-    name = f"reference-{what}"
-    return Method(name, "reference", "", summary, run, frequencies, knows_truth=True)
+def _reference(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
+    """A reference, named as its function."""
+    name = run.__name__.replace("_", "-")
+    return Method(name, "reference", "", run, frequencies, knows_truth=True)
 
 
 _BAEK = "Baek et al. 2023"
 
 _ALL = (
-    Method("crt", "classical", "Xia and Wang 2007",
-           "search over the wraps in range for the smallest remainder, pixel by pixel", crt.crt),
-    Method("crt-closed-form", "classical", "Wang and Xia 2010",
-           "strict Chinese remainder theorem over the full 15 m, pixel by pixel",
-           crt.crt_closed_form),
-    Method("crt-ml", "classical", "Wang et al. 2015",
-           "search in range, both phases fused by inverse variance, pixel by pixel", crt.crt_ml),
-    Method("phasor", "classical", "Gupta et al. 2015",
-           "look-up of two close frequencies' phases in two stages, pixel by pixel",
-           phasor, tones=(7.15e9, 7.16e9)),
-    Method("kde", "classical", "Järemo Lawin et al. 2016",
-           "kernel density of every wrap in range over 11x11 px, as published", kde.kde),
-    Method("kde-tuned", "classical", "Järemo Lawin et al. 2016",
-           "the same with kernel and window chosen on validation rooms", kde.kde_tuned),
-    Method("beat", "classical", "Jongenelen et al. 2010",
-           "coherent average of the 20 MHz beat over a window, nearest wrap in range", beat),
-    Method("beat-guided", "classical", "He et al. 2013",
-           "average of the beat that stops at edges of amplitude and of phase", beat_guided),
-    Method("spatial", "classical", "Herraez et al. 2002",
-           "reliability-sorted unwrapping of one frequency, its offset set to mid-range",
-           region.spatial, frequencies=1),
-    Method("region", "classical", "Herraez et al. 2002",
-           "spatial unwrapping cut into regions, one pooled offset each", region.region),
-    Method("mrf", "classical", "Hirschmüller 2008",
-           "random field over wraps, its energy lowered along eight directions", mrf.mrf),
-    Method("mrf-graphcut", "classical", "Bioucas-Dias and Valadão 2007",
-           "the same field with a convex prior, its energy lowered by graph cuts",
-           mrf.mrf_graphcut),
-    Method("surfaces", "classical", "this project",
-           "planes and bent surfaces in true geometry, grown, pooled and tied to each other",
-           surfaces),
+    Method("crt", "classical", "Xia and Wang 2007", crt.crt),
+    Method("crt-closed-form", "classical", "Wang and Xia 2010", crt.crt_closed_form),
+    Method("crt-ml", "classical", "Wang et al. 2015", crt.crt_ml),
+    Method("phasor", "classical", "Gupta et al. 2015", phasor, tones=(7.15e9, 7.16e9)),
+    Method("kde", "classical", "Järemo Lawin et al. 2016", kde.kde),
+    Method("kde-tuned", "classical", "Järemo Lawin et al. 2016", kde.kde_tuned),
+    Method("beat", "classical", "Jongenelen et al. 2010", beat),
+    Method("beat-guided", "classical", "He et al. 2013", beat_guided),
+    Method("spatial", "classical", "Herraez et al. 2002", region.spatial, frequencies=1),
+    Method("region", "classical", "Herraez et al. 2002", region.region),
+    Method("mrf", "classical", "Hirschmüller 2008", mrf.mrf),
+    Method("mrf-graphcut", "classical", "Bioucas-Dias and Valadão 2007", mrf.mrf_graphcut),
+    Method("surfaces", "classical", "this project", surfaces),
     _learned("u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"),
-    _learned("one-step", "Wang et al. 2019", "residual U-Net, narrowed: regression of depth"),
-    _learned("deep-tof", "Su et al. 2018", "encoder and decoder on raw correlations, narrowed"),
+    _learned("one-step", "Wang et al. 2019", "Residual U-Net, narrowed: regression of depth"),
+    _learned("deep-tof", "Su et al. 2018", "Encoder and decoder on raw correlations, narrowed"),
     _learned("rapid", "Zhang et al. 2019", "DeepLabV3+, narrowed, its wraps mended afterwards"),
-    _learned("fast-scnn", _BAEK, "the paper's network: segmentation into wraps"),
-    _learned("fast-scnn-ce", _BAEK, "the paper's network, trained by cross-entropy alone"),
-    _learned("fast-scnn-fourier", _BAEK, "the paper's network without phase edges"),
-    _learned("fast-scnn-phase", _BAEK, "the paper's network on bare phases"),
-    Method("middle", "trivial", "", "the middle of the range for every pixel",
-           trivial.middle, frequencies=1),
-    Method("uniform", "trivial", "", "a random wrap, all in range equally likely",
-           trivial.uniform, frequencies=1),
-    Method("mode", "trivial", "", "the most frequent true wrap of the image",
-           trivial.mode, frequencies=1, knows_truth=True),
-    _reference("depth", references.reference_depth,
-               "the true depth, read against the measured phase", frequencies=1),
-    _reference("offset", references.reference_offset, "true surfaces, one unknown offset each"),
-    _reference("contact", references.reference_contact,
-               "true bodies, across creases, one unknown offset each"),
-    _reference("plane", references.reference_plane,
-               "true surfaces, one unknown offset and tilt each"),
-    _reference("field", references.reference_field,
-               "true surfaces, seen through a window of 281 px"),
-)  # fmt: skip
+    _learned("fast-scnn", _BAEK, "The paper's network: segmentation into wraps"),
+    _learned("fast-scnn-ce", _BAEK, "The paper's network, trained by cross-entropy alone"),
+    _learned("fast-scnn-fourier", _BAEK, "The paper's network without phase edges"),
+    _learned("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
+    Method("middle", "trivial", "", trivial.middle, frequencies=1),
+    Method("uniform", "trivial", "", trivial.uniform, frequencies=1),
+    Method("mode", "trivial", "", trivial.mode, frequencies=1, knows_truth=True),
+    _reference(references.reference_depth, frequencies=1),
+    _reference(references.reference_offset),
+    _reference(references.reference_contact),
+    _reference(references.reference_plane),
+    _reference(references.reference_field),
+)
 
 METHODS = {method.name: method for method in _ALL}
 """Every method by name."""

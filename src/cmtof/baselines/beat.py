@@ -79,7 +79,7 @@ def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
 def beat_guided(
     measurement: Measurement, *, window: int = WINDOW, smoothing: float = SMOOTHING
 ) -> Estimate:
-    r"""Depth of the beat after a guided filter (He et al. 2013), which stops at edges.
+    r"""Depth of the beat after a guided filter, which stops at edges.
 
     .. math:: a = (\Sigma_w + \epsilon 1)^{-1}\,\mathrm{cov}_w(g, e^{i\theta}),\quad
               b = \bar e - a \cdot \bar g,\quad q = \overline{a}\cdot g + \overline{b}

@@ -24,21 +24,21 @@ from cmtof.measurement import Measurement
 
 
 def crt(measurement: Measurement) -> Estimate:
-    """Range-limited search (Xia and Wang 2007): the wrap in range with the smallest remainder."""
+    """Range-limited search for the wrap with the smallest remainder, pixel by pixel."""
     wraps, residual = nearest_wrap(measurement)
     depth = depth_from_wraps(measurement.phase[0].astype(float), wraps, measurement.frequencies[0])
     return Estimate(depth, _posterior(measurement, wraps, residual))
 
 
 def crt_ml(measurement: Measurement) -> Estimate:
-    """Maximum likelihood (Wang et al. 2015): wraps of `crt`, the depth fused from both phases."""
+    """Maximum likelihood: wraps of `crt`, the depth fused from both phases."""
     wraps, residual = nearest_wrap(measurement)
     depth = fused_depth(measurement, wraps, residual)
     return Estimate(depth, _posterior(measurement, wraps, residual))
 
 
 def crt_closed_form(measurement: Measurement) -> Estimate:
-    """Strict closed form (Wang and Xia 2010): exact below its bound, arbitrary above.
+    """Strict closed form: exact below its bound, arbitrary above.
 
     ``q = round((r_2 - r_1) / M)``, ``n_1 = q k_2^{-1} mod k_1``. Depths run over the whole
     ``c / 2g``, 15 m for the prototype, whatever the range.

@@ -33,7 +33,7 @@ class Pooled(NamedTuple):
 
 
 def spatial(measurement: Measurement) -> Estimate:
-    """Reliability-sorted unwrapping (Herraez et al. 2002) of the lowest frequency's phase.
+    """Reliability-sorted unwrapping of the lowest frequency's phase.
 
     One frequency leaves the absolute wrap open: the whole image is moved by whole wraps until its
     median lies nearest to mid-range, and the confidence is that of a guess among the wraps. Depth
@@ -50,7 +50,7 @@ def spatial(measurement: Measurement) -> Estimate:
 
 
 def region(measurement: Measurement) -> Estimate:
-    """Place each region of the spatially unwrapped phase by its pooled beat.
+    """Regions of the spatially unwrapped phase, one pooled beat each.
 
     Neighbours belong together unless the unwrapped phase or the amplitude steps between them. The
     phasors of the beat, demodulated by the relative depth, are summed over each region; the angle
