@@ -129,12 +129,11 @@ def published(key: str) -> Published:
     return numbers[key]
 
 
-def check(key: str, value: float, *, reason: str | None = None) -> None:
+def check(key: str, value: float) -> None:
     """Hold a result against the paper, print one line, and note it for the scoreboard.
 
     ``value`` is in the unit of the published number; ValueError if ``paper.yml`` lacks the key.
     """
-    del reason  # reasons stand in paper.yml
     found = Verdict(published(key), float(value))
     print(found)
     path = provenance.output_folder() / CHECKS
