@@ -51,6 +51,7 @@ from cmtof.scenes.frame import held_out_frames
 
 run = plotting.begin(profile=profile, seed=seed)
 torch.manual_seed(seed)
+torch.set_num_threads(1)
 first, classes = wraps_of("released")
 blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "green"))
 
@@ -268,9 +269,7 @@ for level in (1.0, 0.3, 0.1):
 # %%
 config = read_config("miniature", seed=seed)
 folder = Path(tempfile.mkdtemp())
-torch.set_num_threads(max(torch.get_num_threads(), 2))
 miniature = read_card(train(config, folder, quiet=True, accelerator="cpu", devices=1))
-torch.set_num_threads(1)
 best = max(miniature.trivial.values(), key=lambda found: found.delta_lt_1)
 reached, gain = 100 * miniature.validation.delta_lt_1, [100 * x for x in miniature.gain]
 print(f"δ < 1 after {miniature.steps} steps: {reached:.1f} %")
