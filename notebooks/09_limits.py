@@ -16,10 +16,10 @@
 profile: str = "book"  # size profile
 seed: int = 0  # of the noise
 places: list = [1, 6, 11, 16, 21, 26]  # test frames of this page
-height: int = 256  # of those frames, px: their middle
-width: int = 256
+height: int = 384  # of those frames, px: their middle
+width: int = 512
 sides: list = [5, 11, 21, 41, 81, 161, 321]  # windows, px
-repeats: int = 8  # measurements of each frame in the last section
+repeats: int = 4  # measurements of each frame in the last section
 draws: int = 2000  # sets of scenes drawn for the intervals
 results: str = "../book/results"  # folder of counts over all test frames
 

@@ -18,8 +18,8 @@
 profile: str = "book"  # size profile
 seed: int = 0  # of the noise
 places: list = [6, 16]  # test frames drawn on this page
-height: int = 256  # of those frames, px: their middle
-width: int = 256
+height: int = 384  # of those frames, px: their middle
+width: int = 512
 draws: int = 2000  # sets of scenes drawn for the intervals
 results: str = "../book/results"  # folder of counts over all test frames
 

@@ -13,7 +13,7 @@ seed: int = 0  # of all noise
 methods: list = ["beat", "mrf", "surfaces", "crt", "middle"]
 slow: list = ["mrf", "surfaces"]  # those run at a few points of the curves only
 places: list = [6, 16]  # test frames
-side: int = 256  # of those frames, px: their middle
+side: int = 384  # of those frames, px: their middle
 wall_side: int = 384  # of the wall on which the beat is tried, px
 wall_draws: int = 4  # draws of its noise
 offsets_high: list = [-50, -35, -20, -5, 5, 20, 35, 50]  # on 14.32 GHz, mrad
@@ -530,6 +530,8 @@ for name, f in known.items():
     ax.annotate(name, (abs(f[1] - round(f[1] / f[0]) * f[0]) / 1e6, pixels[name]), (6, 4),
                 textcoords="offset points", fontsize="small")  # fmt: skip
 ax.set(xlabel="beat Δ (MHz)", ylabel="pixels for 95 %")
+ax.set_xticks([5, 10, 20, 40], ["5", "10", "20", "40"])
+ax.minorticks_off()
 ax.legend(fontsize="small")
 ends = (-10.5, 10.5, -10.5, 10.5)
 for ax, (z, needed) in zip(axes[1:], maps.items(), strict=True):
