@@ -115,7 +115,7 @@ def main(seeds: Sequence[int], stems: Sequence[str] = ()) -> int:
         }
         for key, entry in entries.items():
             distance = moved.get((name, key), 0.0)
-            if distance > TOLERANCE * abs(float(entry["value"] or 0)):
+            if distance and distance > TOLERANCE * abs(float(entry["value"] or 0)):
                 entry["atol"] = float(f"{2 * distance:.2g}")
         text = json.dumps(entries, indent=1, ensure_ascii=False) + "\n"
         (REFERENCE / name).write_text(text, encoding="utf-8")
