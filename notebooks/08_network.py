@@ -44,7 +44,8 @@ from cmtof.network.data import batch_of, leaves, measure
 from cmtof.network.features import ORDER, features, fourier_features
 from cmtof.network.losses import IGNORED, WRAP_MM, soft_argmax, unwrapping_loss
 from cmtof.network.models import FEATURE_SETS, MODELS, build_network, wraps_of
-from cmtof.network.training import read_config, train
+from cmtof.network.recipe import read_config
+from cmtof.network.training import train
 from cmtof.network.weights import FOLDER, read_card, state, weights_path
 from cmtof.scenes.frame import held_out_frames
 

@@ -392,7 +392,7 @@ def train(
 
     Example: [bold]cmtof train smoke -o runs/smoke[/bold]
     """
-    from cmtof.network.training import read_config
+    from cmtof.network.recipe import read_config
     from cmtof.network.training import train as train_network
 
     chosen = read_config(config, model=model, protocol=protocol, seed=seed)

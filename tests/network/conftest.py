@@ -6,7 +6,7 @@ import torch
 
 import cmtof
 from cmtof.network.models import build_network, wraps_of
-from cmtof.network.training import Config, Rooms, Stage
+from cmtof.network.recipe import Config, Rooms, Stage
 from cmtof.network.weights import Card, Rates, save_weights, weights_path
 from cmtof.scenes import Frame
 

@@ -65,7 +65,7 @@ def test_images_decode_to_their_phasor():
 
 @pytest.mark.parametrize("protocol", ["released", "full"])
 def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
-    first, classes = wraps_of(protocol)
+    first, _ = wraps_of(protocol)
     depth = torch.tensor([[first * WRAP - 1e-4, (first + 3.5) * WRAP, 7.6, np.nan]])
     batch = Batch(
         depth[None].double(), torch.ones(1, 1, 4), torch.ones(1), torch.zeros(1, 4, 2, 1, 4)
@@ -155,4 +155,4 @@ def test_views_that_cannot_be_packed_are_refused(tmp_path, views, message):
 
 
 def test_beat_step_is_that_of_the_frequencies():
-    assert BEAT == pytest.approx(TAU * 20e6 / 7.15e9, rel=1e-6)
+    assert pytest.approx(TAU * 20e6 / 7.15e9, rel=1e-6) == BEAT

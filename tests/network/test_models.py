@@ -6,7 +6,8 @@ import torch
 
 from cmtof.correlation import TAU
 from cmtof.network.features import channels, features
-from cmtof.network.models import BEAT, MODELS, build_network, mended, wraps_of
+from cmtof.network.models import BEAT, MODELS, build_network, wraps_of
+from cmtof.network.weights import mended
 
 CLOSE = ["fast-scnn", "fast-scnn-light", "u-net", "one-step", "deep-tof"]
 
@@ -52,7 +53,7 @@ def test_regression_spans_the_range_in_single_precision():
 
 @pytest.mark.parametrize(("protocol", "spans"), [("released", 2), ("full", 4)])
 def test_fresh_stem_sees_the_beat(protocol, spans):
-    """Mean of the rectified filters of each beta follows |sin((b - beta)/2)|, whatever the phase."""
+    """Means of the rectified filters follow |sin((b - beta)/2)|, whatever the phase."""
     first, classes = wraps_of(protocol)
     network, rng = build_network("fast-scnn", protocol), np.random.default_rng(0)
     angles = 16 // spans
@@ -64,7 +65,7 @@ def test_fresh_stem_sees_the_beat(protocol, spans):
         for k in range(spans):
             quarter = ((1, -1) if spans == 2 else (0, 1, 2, 3))[k]
             beta = BEAT * (first + classes / 2) + TAU / 4 * quarter
-            mean = float(seen[0, angles * k : angles * (k + 1)].mean())
+            mean = float(seen.detach()[0, angles * k : angles * (k + 1)].mean())
             expected = 8 * 2 * abs(np.sin((BEAT * wrap - beta) / 2)) / np.pi
             assert mean == pytest.approx(expected, abs=0.25)
 

@@ -4,20 +4,11 @@ import numpy as np
 import pytest
 import torch
 
+from cmtof.network.data import Steps, open_rooms
 from cmtof.network.features import channels
 from cmtof.network.models import MODELS, build_network
-from cmtof.network.training import (
-    Config,
-    Labelled,
-    Stage,
-    Unwrapping,
-    fine_tune,
-    loss_of,
-    open_rooms,
-    presets,
-    read_config,
-    train,
-)
+from cmtof.network.recipe import Config, Stage, presets, read_config
+from cmtof.network.training import Labelled, Unwrapping, fine_tune, loss_of, train
 from cmtof.network.weights import load_weights, read_card
 
 CPU = {"accelerator": "cpu", "devices": 1, "quiet": True}
@@ -115,8 +106,6 @@ def test_every_model_learns_a_batch_by_heart(name):
     """Ten steps on one batch bring its loss down."""
     stage = Stage(name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1)
     module = Unwrapping(Config(model=name, stages=(stage,), rooms=None, validation_views=2))
-    from cmtof.network.data import Steps
-
     sample = module.measured(Steps(module.config, None)[0])
     assert sample.inputs.shape[1] == channels(MODELS[name].features)
     (optimizer,), _ = module.configure_optimizers()

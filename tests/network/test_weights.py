@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import torch
+from tests.network.conftest import card
 
 import cmtof
 from cmtof.correlation import TAU
@@ -20,7 +21,6 @@ from cmtof.network.weights import (
     unwrap_with_network,
     weights_path,
 )
-from tests.network.conftest import card
 
 
 def test_weights_come_back_in_half_precision_with_their_card(stored):

@@ -5,7 +5,7 @@ processes, sees the crops it would have seen.
 """
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,7 +14,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.utils.data import Dataset
+from torch.utils.data import Dataset, Sampler
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, wrap_length
@@ -23,10 +23,10 @@ from cmtof.measurement import unambiguous_range
 from cmtof.network.features import features
 from cmtof.network.losses import IGNORED
 from cmtof.network.models import wraps_of
+from cmtof.network.recipe import Config
 from cmtof.simulation import RELEASED_FAR_DEPTH
 
 if TYPE_CHECKING:
-    from cmtof.network.training import Config
     from cmtof.scenes.frame import Source
 
 WRAP = float(wrap_length(FREQUENCIES[0]))
@@ -231,6 +231,26 @@ def pack_views(views: Iterable["Source"], folder: Path) -> Pack:
     return Pack(*(np.load(path, mmap_mode="r") for path in paths))
 
 
+def open_rooms(config: Config, tree: Path) -> tuple[Pack | None, Pack]:
+    """Frames to train and to validate on, rendered if they are not there, packed.
+
+    Without rooms none, and leaves of a seed of their own.
+    """
+    if config.rooms is None:
+        rngs = (np.random.default_rng([99, k]) for k in range(config.validation_views))
+        crops = [leaves(rng, config.stages[-1].crop, config.protocol) for rng in rngs]
+        depth, light = (np.stack(images) for images in zip(*crops, strict=True))
+        return None, Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
+    from cmtof.scenes.hypersim import Hypersim
+    from cmtof.scenes.rooms.rendering import SETTINGS, Settings, render_rooms
+
+    if not tree.is_dir() or (tree / SETTINGS).is_file():
+        render_rooms(tree, Settings(**config.rooms.model_dump()))
+    scenes, packed = Hypersim(tree), tree.with_name(f"{tree.name}.packed")
+    train, val = (scenes.sources(scenes.split()[part]) for part in ("train", "val"))
+    return pack_views(train, packed / "train"), pack_views(val, packed / "val")
+
+
 def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) -> Crop:
     """Random crop of a random view, turned, mirrored, and in two of three cases moved in depth.
 
@@ -263,7 +283,7 @@ class Steps(Dataset[Batch]):
     ``pack`` holds the views to train on; ``rank`` is the number of this process out of ``world``.
     """
 
-    def __init__(self, config: "Config", pack: Pack | None, rank: int = 0, world: int = 1) -> None:
+    def __init__(self, config: Config, pack: Pack | None, rank: int = 0, world: int = 1) -> None:
         self.config, self.pack, self.rank, self.world = config, pack, rank, world
 
     def __len__(self) -> int:
@@ -281,6 +301,24 @@ class Steps(Dataset[Batch]):
                 crop = leaves(rng, stage.crop, self.config.protocol)
             crops.append((*crop, sigma * float(np.exp(rng.uniform(-0.2, 0.1))), rng))
         return batch_of(crops)
+
+
+class Block(Sampler[int]):
+    """Numbers of an epoch's steps: an epoch is what lies between two checkpoints."""
+
+    def __init__(self, config: Config) -> None:
+        self.config, self.epoch = config, 0
+
+    def set_epoch(self, epoch: int) -> None:
+        """Lightning sets the epoch, also after a resumption."""
+        self.epoch = epoch
+
+    def __iter__(self) -> Iterator[int]:
+        start = self.epoch * self.config.save_every
+        yield from range(start, min(start + self.config.save_every, self.config.steps))
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
 
 
 def batch_of(crops: list[tuple]) -> Batch:

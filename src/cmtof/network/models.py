@@ -10,7 +10,6 @@ from itertools import pairwise
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -130,7 +129,6 @@ class Network(nn.Module):
 
     def build(self) -> None:
         """Make the layers."""
-        raise NotImplementedError
 
     def body(self, x: Tensor) -> Tensor:
         """Output for sides that are multiples of the stride."""
@@ -365,29 +363,6 @@ class Rapid(Network):
         atrous = self.join(torch.cat([*branches, mean.expand_as(branches[0])], 1))
         decoded = self.decoder(torch.cat([resized(atrous, fine), self.skip(fine)], 1))
         return self.output(resized(decoded, x))
-
-
-def mended(
-    wraps: NDArray[np.integer], phase: NDArray[np.floating], side: int = 5
-) -> NDArray[np.int64]:
-    r"""Wraps by the vote of their neighbourhood, consistent with the wrapped phase.
-
-    Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`:
-    on a surface whose phase is continuous all votes agree, on both sides of a wrap line. Among
-    equals the lowest wins. Both images (H, W), the phase finite and in rad; the side is odd, px.
-
-    Examples
-    --------
-    >>> mended(np.array([[3, 9, 4]]), np.array([[5.9, 6.1, 0.1]])).tolist()
-    [[3, 3, 4]]
-    """
-    turns, pad = np.asarray(phase) / TAU, side // 2
-    around = [np.pad(np.asarray(a, float), pad, constant_values=np.nan) for a in (wraps, turns)]
-    around = [np.lib.stride_tricks.sliding_window_view(a, (side, side)) for a in around]
-    votes = (around[0] + np.rint(around[1] - turns[..., None, None])).reshape(*turns.shape, -1)
-    count = np.stack([(votes == votes[..., [k]]).sum(-1) for k in range(side * side)], -1)
-    leading = count == count.max(-1, keepdims=True)
-    return np.where(leading, votes, np.inf).min(-1).astype(np.int64)
 
 
 # --- models --------------------------------------------------------------------------------------

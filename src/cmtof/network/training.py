@@ -9,171 +9,42 @@ import logging
 import sys
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from copy import deepcopy
-from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
-import yaml
 from lightning import Callback, LightningModule, Trainer
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from numpy.typing import NDArray
-from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 from scipy.stats import ttest_1samp
 from torch import Tensor, nn
-from torch.utils.data import DataLoader, Sampler
+from torch.utils.data import DataLoader
 
 from cmtof import __version__
 from cmtof.correlation import wrap_length
-from cmtof.files import read_document, written_whole
+from cmtof.files import written_whole
 from cmtof.measurement import Measurement
-from cmtof.network.data import Batch, Pack, Sample, Steps, batch_of, leaves, measure, pack_views
+from cmtof.network.data import Batch, Block, Pack, Sample, Steps, batch_of, measure, open_rooms
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import MODELS, Network, build_network, wraps_of
+from cmtof.network.recipe import Config, Rooms
 from cmtof.network.weights import (
     Card,
     Rates,
-    Strict,
     Trained,
-    checked,
     halved,
     load_weights,
     network_inputs,
     save_weights,
     weights_path,
 )
-from cmtof.simulation import RELEASED_FAR_DEPTH
 
 LAST = "last.ckpt"
 """File of a run with all that it needs to go on."""
-
-Share = Annotated[float, Field(ge=0, le=1)]
-
-
-class Rooms(Strict):
-    """Rendered frames to train on, as ``cmtof render`` makes them."""
-
-    seed: int = 1
-    scenes: PositiveInt = 100
-    views: PositiveInt = 6
-    height: PositiveInt = 512
-    width: PositiveInt = 512
-
-
-class Stage(Strict):
-    """A part of a training: crops in all, their side in px, and how many make a step."""
-
-    name: str
-    crops: PositiveInt
-    crop: PositiveInt
-    batch: PositiveInt
-    noise: tuple[PositiveFloat, PositiveFloat]
-    """Gaussian sigma, counts, rising geometrically over the first ``ramp`` of the stage."""
-    ramp: Annotated[float, Field(gt=0, le=1)] = 1.0
-    rooms: Share = 0.0
-    """Share of crops that come from rooms; the others are dead leaves."""
-    rate: tuple[PositiveFloat, PositiveFloat]
-    """Learning rate at the beginning, and at the end, which it approaches after ``flat``."""
-    flat: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    warm: PositiveInt = 100
-    freeze: Share = 1.0
-    """Share of the stage after which norms keep their running statistics: those of a few crops
-    take a part of the label away."""
-
-    @property
-    def steps(self) -> int:
-        """Optimisation steps."""
-        return max(self.crops // self.batch, 1)
-
-
-class Config(Strict):
-    """One training: everything that decides its outcome.
-
-    ``noise`` of the last stage is also that of validation; without rooms it validates on leaves.
-    ``average`` is kept of the averaged weights at each step. ``save_every`` counts steps,
-    ``validate_every`` checkpoints. ``precision`` is Lightning's.
-    """
-
-    name: str = "own"
-    model: str = "fast-scnn"
-    protocol: str = "released"
-    stages: tuple[Stage, ...] = Field(min_length=1)
-    rooms: Rooms | None = Rooms()
-    weight_decay: float = 1e-3
-    average: Share = 0.998
-    precision: str = "32-true"
-    save_every: PositiveInt = 250
-    validate_every: PositiveInt = 4
-    validation_views: PositiveInt = 32
-    seed: Annotated[int, Field(ge=0)] = 0
-
-    @model_validator(mode="after")
-    def _fits(self) -> "Config":
-        if self.model not in MODELS:
-            raise ValueError(f"expected a model out of {', '.join(MODELS)}")
-        wraps_of(self.protocol)
-        side = min(self.rooms.height, self.rooms.width) if self.rooms else 0
-        if any(stage.rooms and stage.crop > side for stage in self.stages):
-            raise ValueError(f"expected crops within rooms of {side} px")
-        return self
-
-    @property
-    def steps(self) -> int:
-        """Optimisation steps of the whole training."""
-        return sum(stage.steps for stage in self.stages)
-
-    def stage_at(self, step: int) -> tuple[Stage, float]:
-        """Stage of a step, and the share of the stage that lies before it."""
-        for stage in self.stages:
-            if step < stage.steps:
-                return stage, step / stage.steps
-            step -= stage.steps
-        return self.stages[-1], 1.0
-
-    def rate_at(self, step: int) -> float:
-        """Learning rate of a step."""
-        stage, share = self.stage_at(step)
-        fall = max(share - stage.flat, 0) / (1 - stage.flat)
-        rate = stage.rate[0] + (stage.rate[1] - stage.rate[0]) * fall
-        return rate * min(1.0, (share * stage.steps + 1) / stage.warm)
-
-
-def presets() -> dict[str, Any]:
-    """Configurations that travel with the package, by name."""
-    text = (files("cmtof.network") / "train.yml").read_text(encoding="utf-8")
-    return {name: {"name": name} | held for name, held in yaml.safe_load(text).items()}
-
-
-def read_config(source: str | Path, **changes: Any) -> Config:
-    """Configuration by the name of a preset or from a YAML file.
-
-    ``changes`` stand in place of the file's values; None changes nothing.
-
-    Raises
-    ------
-    FileNotFoundError, ValueError
-        If there is no such configuration, or a name or value in it is wrong.
-
-    Examples
-    --------
-    >>> read_config("paper").steps
-    41666
-    """
-    held, path = presets().get(str(source)), Path(source)
-    if held is None:
-        if not path.is_file():
-            raise FileNotFoundError(
-                f"Expected a configuration out of {', '.join(presets())}, or a YAML file, got "
-                f"{source}. Choose one."
-            )
-        held = {"name": path.stem} | read_document(path)
-    given = {key: value for key, value in changes.items() if value is not None}
-    return checked(Config, held | given, f"the configuration {source}")
-
 
 # --- one step ------------------------------------------------------------------------------------
 
@@ -294,24 +165,6 @@ def _rates(delta: NDArray[np.integer]) -> Rates:
 # --- runs ----------------------------------------------------------------------------------------
 
 
-class Block(Sampler[int]):
-    """Numbers of an epoch's steps: an epoch is what lies between two checkpoints."""
-
-    def __init__(self, config: Config) -> None:
-        self.config, self.epoch = config, 0
-
-    def set_epoch(self, epoch: int) -> None:
-        """Lightning sets the epoch, also after a resumption."""
-        self.epoch = epoch
-
-    def __iter__(self) -> Iterator[int]:
-        start = self.epoch * self.config.save_every
-        yield from range(start, min(start + self.config.save_every, self.config.steps))
-
-    def __len__(self) -> int:
-        return len(list(iter(self)))
-
-
 class Keeper(Callback):
     """Checkpoint, validation and the clock, between two blocks of steps."""
 
@@ -333,26 +186,6 @@ class Keeper(Callback):
             trainer.save_checkpoint(part)
 
 
-def open_rooms(config: Config, tree: Path) -> tuple[Pack | None, Pack]:
-    """Frames to train and to validate on, rendered if they are not there, packed.
-
-    Without rooms none, and leaves of a seed of their own.
-    """
-    if config.rooms is None:
-        rngs = (np.random.default_rng([99, k]) for k in range(config.validation_views))
-        crops = [leaves(rng, config.stages[-1].crop, config.protocol) for rng in rngs]
-        depth, light = (np.stack(images) for images in zip(*crops, strict=True))
-        return None, Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
-    from cmtof.scenes.hypersim import Hypersim
-    from cmtof.scenes.rooms.rendering import SETTINGS, Settings, render_rooms
-
-    if not tree.is_dir() or (tree / SETTINGS).is_file():
-        render_rooms(tree, Settings(**config.rooms.model_dump()))
-    scenes, packed = Hypersim(tree), tree.with_name(f"{tree.name}.packed")
-    train, val = (scenes.sources(scenes.split()[part]) for part in ("train", "val"))
-    return pack_views(train, packed / "train"), pack_views(val, packed / "val")
-
-
 def train(
     config: Config,
     folder: Path,
@@ -369,21 +202,14 @@ def train(
 
     Parameters
     ----------
-    config : Config
-    folder : Path
-        Of the run: its checkpoint, at last the weights.
-    tree : Path, optional
-        Frames in Hypersim's layout; a set of rooms is rendered where it is missing.
-    init : Path, optional
-        Weights to begin with.
-    resume : bool
-        Go on from the folder's checkpoint.
-    minutes : float, optional
-        End this leg at the first checkpoint after.
-    workers : int
-        Processes that cut crops.
-    quiet : bool
-        No progress bars.
+    config, folder
+        Of the run: its recipe, and where its checkpoint, at last the weights, are kept.
+    tree, init
+        Frames in Hypersim's layout (by default rooms are rendered), and weights to begin with.
+    resume, minutes
+        Go on from the folder's checkpoint; end this leg at the first checkpoint after.
+    workers, quiet
+        Processes that cut crops; no progress bars.
     **flags
         For Lightning's `Trainer`: accelerator, devices, num_nodes, strategy.
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError
 
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import centred, depth_from_wraps, wrap_length
+from cmtof.correlation import TAU, centred, depth_from_wraps, wrap_length
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement
 from cmtof.simulation import QUADRATURES
@@ -283,12 +283,10 @@ def classify(
 ) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
     """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W).
 
-    Where mending (`cmtof.network.models.mended`) chooses another wrap, its probability is at most
+    Where mending (`mended`) chooses another wrap, its probability is at most
     what the likeliest one left. A ValueError if the network does not distinguish all these wraps.
     """
     import torch
-
-    from cmtof.network.models import mended
 
     start, stop = first - trained.card.first_wrap, last - trained.card.first_wrap + 1
     if start < 0 or stop > trained.card.classes:
@@ -308,6 +306,29 @@ def classify(
 
     likeliest, odds = _in_bands(trained, measurement, chosen)
     return first + likeliest.astype(np.int64), odds
+
+
+def mended(
+    wraps: NDArray[np.integer], phase: NDArray[np.floating], side: int = 5
+) -> NDArray[np.int64]:
+    r"""Wraps by the vote of their neighbourhood, consistent with the wrapped phase.
+
+    Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`:
+    on a surface whose phase is continuous all votes agree, on both sides of a wrap line. Among
+    equals the lowest wins. Both images (H, W), the phase finite and in rad; the side is odd, px.
+
+    Examples
+    --------
+    >>> mended(np.array([[3, 9, 4]]), np.array([[5.9, 6.1, 0.1]])).tolist()
+    [[3, 3, 4]]
+    """
+    turns, pad = np.asarray(phase) / TAU, side // 2
+    around = [np.pad(np.asarray(a, float), pad, constant_values=np.nan) for a in (wraps, turns)]
+    around = [np.lib.stride_tricks.sliding_window_view(a, (side, side)) for a in around]
+    votes = (around[0] + np.rint(around[1] - turns[..., None, None])).reshape(*turns.shape, -1)
+    count = np.stack([(votes == votes[..., [k]]).sum(-1) for k in range(side * side)], -1)
+    leading = count == count.max(-1, keepdims=True)
+    return np.where(leading, votes, np.inf).min(-1).astype(np.int64)
 
 
 def network_inputs(
