@@ -8,7 +8,7 @@ import cmtof
 from cmtof import bounds
 from cmtof.baselines import region
 from cmtof.baselines.beat import box, guided_filter
-from cmtof.baselines.kde import _densest, hypotheses, kde
+from cmtof.baselines.kde import _densest, hypotheses
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.evaluation import score, scored_pixels
@@ -43,17 +43,6 @@ def test_guided_filter_passes_linear_functions_and_tends_to_the_mean(rng):
     np.testing.assert_allclose(found, linear, atol=1e-5)
     smooth = guided_filter(linear, guide, np.ones((40, 50)), 11, 1e9)
     np.testing.assert_allclose(smooth, box(box(linear, 11), 11), atol=1e-6)
-
-
-def test_guides_stop_the_average_at_a_step_of_amplitude():
-    left = np.broadcast_to(np.arange(80) < 40, (60, 80))
-    depth = np.where(left, 0.9, 1.0)
-    m = simulate(Frame(depth, np.where(left, 1.0, 0.3)), noise_free=True)
-    plain, guided = (
-        np.abs(cmtof.unwrap(m, method=name).depth - depth).to_numpy()[:, 30:50].mean()
-        for name in ("beat", "beat-guided")
-    )
-    assert guided < 0.6 * plain
 
 
 # --- kernel density ----------------------------------------------------------------------------
@@ -95,12 +84,6 @@ def test_without_window_and_with_a_thin_kernel_it_is_the_search():
     m = simulate(Frame(0.85 + 0.002 * x + 0.002 * y, np.ones((40, 60))), seed=1)
     alone = cmtof.unwrap(m, method="kde", kernel=0.05, radius=0).wrap_count
     assert np.mean(alone == cmtof.unwrap(m, method="crt").wrap_count) > 0.98
-
-
-def test_more_neighbours_help():
-    m = simulate(Frame(np.full((60, 60), 0.97), np.ones((60, 60))), seed=1)
-    wrong = [np.abs(kde(m, radius=r, kernel=0.5).depth - 0.97).mean() for r in (0, 5, 11, 20)]
-    assert wrong == sorted(wrong, reverse=True)
 
 
 # --- regions -----------------------------------------------------------------------------------

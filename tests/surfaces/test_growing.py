@@ -24,7 +24,6 @@ from cmtof.surfaces.growing import (
     grown_surfaces,
     plane_in_window,
     spectral_slopes,
-    windows,
 )
 from cmtof.surfaces.placing import depth_of_labels
 
@@ -102,22 +101,6 @@ def test_slopes_are_those_of_a_ramp(kind, rng):
             for got, true in zip(found, (down, right), strict=True):
                 off = np.abs((got - true + np.pi) % TAU - np.pi)
                 assert off.max() <= 1.01 * TAU / (finer * core)
-
-
-@pytest.mark.parametrize("kind", WINDOWS)
-def test_windows_are_free_and_the_best_come_first(kind, rng):
-    depth, _ = plane_depth((0.2, 0.1, 1), 2.5)
-    bright = np.linspace(9, 3, SHAPE[1]) * (np.arange(SHAPE[1]) < 80)
-    field = exact_field(depth, information=np.broadcast_to(bright, SHAPE), noise_of=rng)
-    top, left, side, _, _ = windows(field, np.ones(CELLS, bool), *kind)
-    assert top.size
-    assert (top + side <= SHAPE[0]).all()
-    assert (left < 80).all()
-    told = [bright[x : x + kind[0]].sum() for x in left]
-    assert (np.diff(told) < 1e-3).all()
-    assert windows(field, np.zeros(CELLS, bool), *kind)[0].size == 0
-    dark = exact_field(depth, information=0.0)
-    assert windows(dark, np.ones(CELLS, bool), *kind)[0].size == 0
 
 
 @pytest.mark.parametrize("turns", [0.0, 0.3, -0.6, 0.7])

@@ -68,16 +68,6 @@ def test_each_surface_has_its_own_beat():
         np.testing.assert_allclose(beat, [0, -wraps], atol=0.1)
 
 
-def test_a_small_curvature_leaves_the_beat_unbiased():
-    """Cells are turned back by their own phasors before they are pooled."""
-    depth, q = plane_depth((0, 0, 1), 2.5)
-    y, x = np.indices(SHAPE)
-    bumpy = depth + 0.2 * WRAP * np.sin(x / 15) * np.cos(y / 20)
-    beat, _, coherence = pooled_beats(exact_field(bumpy, information=10.0), INNER, q[None])
-    assert abs(beat[0]) < 0.3
-    assert coherence[0] > 0.9
-
-
 def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
     depth, q = plane_depth((0.2, 0.1, 1), 2.5)
     field = exact_field(depth)
