@@ -1,0 +1,10 @@
+"""A hundred hostile inputs; `make fuzz` runs five thousand."""
+
+import pytest
+
+import fuzz
+
+
+@pytest.mark.parametrize("first", range(0, 100, 10))
+def test_hostile_inputs_end_in_one_line(first):
+    assert not [line for case in range(first, first + 10) for line in fuzz.run(case)]
