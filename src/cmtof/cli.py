@@ -390,7 +390,7 @@ def train(
     A run that was killed and resumed ends with the same weights. Needs the extras
     [bold]train[/bold] and [bold]rooms[/bold].
 
-    Example: [bold]cmtof train smoke -o runs/smoke[/bold]
+    Example: [bold]cmtof train miniature -o runs/miniature[/bold]
     """
     from cmtof.network.recipe import read_config
     from cmtof.network.training import train as train_network
