@@ -382,9 +382,9 @@ plotting.save(
 # %% [markdown]
 # ## What it looks like
 #
-# Two test frames: the true wraps, those of the trained rows and those of a plain average of the
-# beat. A network of an hour's training is no better than that average
-# everywhere: on dark and on small surfaces it answers with a neighbour's wrap.
+# Test frames: the true wraps, those of the trained rows, and those of a plain average of the beat.
+# On large and bright surfaces both are mostly right. The network keeps edges that a window smears;
+# on dark and on small surfaces it answers with a neighbour's wrap.
 
 # %%
 trained = [name for name in ROWS.values() if state(name) == "trained"]
