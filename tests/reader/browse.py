@@ -74,7 +74,7 @@ def opened(browser: Browser, page: Path, width: int) -> Iterator[tuple[Page, lis
     tab.on("requestfailed", lambda r: problems.append(f"could not load {r.url}"))
     tab.on("pageerror", lambda error: problems.append(f"script: {error}"))
     tab.on("console", lambda m: m.type == "error" and problems.append(f"console: {m.text}"))
-    tab.goto(page.as_uri())
+    tab.goto(page.resolve().as_uri())
     yield tab, problems
     tab.close()
 
