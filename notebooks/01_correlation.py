@@ -68,8 +68,8 @@ for psi, colour, name in ((-phi, "vermillion", "ψ = −φ"), (np.pi - phi, "pur
     ax.plot(period * turns, product, color=colours[colour], label=f"product, {name}")
     ax.axhline(product[:-1].mean(), color=colours[colour], ls="--")
 ax.set(title="their product and its average", xlabel="time (ps)", ylabel=r"$\tilde p\,r$")
-ax.set(ylim=(0, 0.8))
 ax.legend(ncols=2, loc="upper right", fontsize="small")
+_ = ax.set(ylim=(0, 0.8))
 
 # %% tags=["hide-input"]
 ax, sweep = axes[1, 0], np.linspace(0, TAU, 361)

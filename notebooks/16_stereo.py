@@ -131,7 +131,7 @@ axes[0].set_box_aspect(sides, zoom=1.6)
 axes[0].view_init(15, 150)
 axes[0].set_axis_off()
 axes[0].legend(fontsize=8, loc="upper left")
-axes[0].set_title("stereo rig, to scale")
+_ = axes[0].set_title("stereo rig, to scale")
 
 # %% tags=["hide-input"]
 plotting.phase_image(axes[1], measurement.phase[0], title="7.15 GHz phase")
