@@ -41,6 +41,12 @@ def test_every_chapter_has_a_page_that_states_how_it_was_made():
 
 
 @needs_build
+def test_no_figure_table_or_equation_of_the_paper_is_missing():
+    page = (BUILD / "stage" / "book" / "scoreboard.md").read_text(encoding="utf-8")
+    assert "None of them is missing." in page
+
+
+@needs_build
 @each_page
 def test_a_page_is_whole(page: Path):
     """Resources lie beside it, links lead somewhere, images have a text."""
