@@ -27,7 +27,7 @@ def linear(intensity):
     return float(bounds.linear_phase_noise(signal / np.pi, signal / 2 + 1200**2, 4))
 
 
-@pytest.mark.parametrize("phase", [0.0, 0.9, 2.5, 5.0])
+@pytest.mark.parametrize("phase", [0.0, 2.5])
 def test_phase_noise_meets_the_bound_where_it_is_small(rng, phase):
     signal = 20_000.0
     bound = bounds.phase_bound(signal / np.pi, signal / 2, PSI, sigma=1200.0, phase=phase)
@@ -35,13 +35,13 @@ def test_phase_noise_meets_the_bound_where_it_is_small(rng, phase):
     assert errors(1.0, rng, phase=phase).std() == pytest.approx(float(bound), rel=0.02)
 
 
-@pytest.mark.parametrize("intensity", [1.0, 0.7, 0.5, 0.3, 0.2, 0.1, 0.05])
+@pytest.mark.parametrize("intensity", [1.0, 0.3, 0.1, 0.05])
 def test_phase_noise_follows_the_exact_law_everywhere(rng, intensity):
     law = bounds.phase_spread(linear(intensity))
     assert errors(intensity, rng).std() == pytest.approx(law, rel=0.03)
 
 
-@pytest.mark.parametrize("noise", [0.05, 0.134, 0.445, 1.3, 8.0])
+@pytest.mark.parametrize("noise", [0.05, 0.445, 8.0])
 def test_phase_density_is_a_probability(noise):
     inside = [0.0] if noise > 0.3 else [-5 * noise, 0.0, 5 * noise]
     total = integrate.quad(bounds.phase_density, -np.pi, np.pi, args=(noise,), points=inside)[0]
@@ -51,13 +51,6 @@ def test_phase_density_is_a_probability(noise):
 def test_phase_spread_tends_to_the_linear_and_to_the_uniform_limit():
     assert bounds.phase_spread(0.01) == pytest.approx(0.01, rel=1e-3)
     assert bounds.phase_spread(1e4) == pytest.approx(np.pi / np.sqrt(3), rel=1e-3)
-
-
-@pytest.mark.parametrize(("intensity", "factor"), [(1.0, 1.01), (0.5, 1.05), (0.3, 1.18)])
-def test_spread_exceeds_the_linear_formula_as_stated(intensity, factor):
-    assert bounds.phase_spread(linear(intensity)) / linear(intensity) == pytest.approx(
-        factor, abs=6e-3
-    )
 
 
 def test_fisher_information_is_the_curvature_of_the_likelihood(rng):
@@ -98,20 +91,6 @@ def test_more_steps_and_less_noise_never_hurt():
     assert many == pytest.approx(few / 2, rel=1e-3)
 
 
-@pytest.mark.parametrize("intensity", [1.0, 0.7])
-def test_odds_of_one_pixel_equal_counting(rng, intensity):
-    """Draw phases by the Gaussian phasor's law and let the beat choose the wrap."""
-    low, high = FREQUENCIES
-    draws = 2_000_000
-    noise = linear(intensity)
-    phasor = 1 + noise * (rng.normal(size=(2, draws)) + 1j * rng.normal(size=(2, draws)))
-    error = np.angle(phasor)
-    beat = error[1] - 2 * error[0]
-    wraps = np.rint((low / (high - 2 * low)) * beat / TAU - error[0] / TAU)
-    theory = float(bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES))
-    assert np.mean(wraps == 0) == pytest.approx(theory, rel=0.05)
-
-
 def test_odds_and_pixels_of_the_paper_settings():
     noise = linear(1.0)
     odds = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
@@ -131,9 +110,9 @@ def test_pooling_the_needed_pixels_gives_the_stated_odds():
     )
 
 
-@pytest.mark.parametrize("intensity", [0.3, 0.1])
-def test_odds_of_a_dark_pixel_equal_counting_by_the_exact_law(rng, intensity):
-    """Where the small-noise formula fails, the law still tells what the beat gets right."""
+@pytest.mark.parametrize("intensity", [1.0, 0.1])
+def test_odds_of_one_pixel_equal_counting(rng, intensity):
+    """The beat chooses the wrap of drawn phases; in the dark only the exact law still holds."""
     low, high = FREQUENCIES
     draws = 2_000_000
     noise = linear(intensity)
@@ -143,6 +122,9 @@ def test_odds_of_a_dark_pixel_equal_counting_by_the_exact_law(rng, intensity):
     wraps = np.rint((low / (high - 2 * low)) * beat / TAU - error[0] / TAU)
     law = bounds.wrap_probability_law(noise, noise, frequencies=FREQUENCIES)
     assert np.mean(wraps == 0) == pytest.approx(law, rel=0.04)
+    if intensity == 1:
+        formula = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
+        assert float(formula) == pytest.approx(law, rel=0.05)
 
 
 def test_the_law_of_the_odds_meets_the_formula_in_small_noise_and_a_guess_in_darkness():

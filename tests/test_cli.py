@@ -145,15 +145,12 @@ def test_foreign_and_truncated_measurements(fails, tmp_path, measurement_file, c
     [
         (lambda d: d.assign_coords(psi=d.psi * 0), "duplicates"),
         (lambda d: d.drop_vars("psi"), "coordinate 'psi'"),
-        (lambda d: d.isel(step=slice(0, 2)), "at least 3 reference phases"),
-        (lambda d: d.assign_coords(frequency=[0.0, 14.32e9]), "frequencies"),
         (lambda d: d.assign_coords(frequency=[7.15e9, 1e15]), "frequencies"),
         (lambda d: d.assign(correlation=d.correlation * np.nan), "finite correlation"),
         (lambda d: d.assign(correlation=d.correlation - 1e6), "counts >= 0"),
         (lambda d: d.assign_attrs(saturation=9000.0), "below the saturation"),
         (lambda d: d.assign_attrs(range_max=1e6), "wraps"),
         (lambda d: d.transpose("x", "y", "step", "frequency", ...), "with dimensions"),
-        (lambda d: d.drop_vars("correlation"), "a variable 'correlation'"),
     ],
 )
 def test_bad_measurements(fails, tmp_path, measured, change, message):
@@ -167,7 +164,6 @@ def test_bad_measurements(fails, tmp_path, measured, change, message):
     [
         (("--method", "magic"), "a method out of"),
         (("--range", "5", "6"), "that meets the data's"),
-        (("--range", "1.1", "0.9"), "MIN < MAX"),
         (("--range", "nan", "1"), "MIN < MAX"),
         (("--method", "beat", "--window", "2"), "odd window"),
         (("--window", "5"), "options of method surfaces, got window"),
@@ -194,7 +190,6 @@ def test_inputs_are_never_replaced(fails, tmp_path, measured):
     [
         (("--protocol", "fast"), "protocol 'released' or 'full'"),
         (("--frequencies", "7.15e9;14e9"), "separated by commas"),
-        (("--frequencies", "0,14.32e9"), "frequencies"),
         (("--noise", "-3"), "sigma >= 0"),
     ],
 )
@@ -223,14 +218,9 @@ def test_unwritable_outputs_are_refused_before_the_work(fails, tmp_path, measure
     assert "can be written to" in fails("evaluate", "room", *arguments)
 
 
-@pytest.mark.parametrize(
-    "arguments", [("frobnicate",), ("simulate",), ("unwrap", "m.nc"), ("info", "--no")]
-)
-def test_wrong_command_lines_end_with_2(run, arguments):
-    assert run(*arguments)[0] == 2
-
-
-def test_help_teaches(run):
+def test_help_teaches_and_wrong_command_lines_end_with_2(run):
+    for arguments in (("frobnicate",), ("simulate",), ("unwrap", "m.nc"), ("info", "--no")):
+        assert run(*arguments)[0] == 2
     text = run("--help")[1]
     for command in ("simulate", "unwrap", "evaluate", "methods", "info", "replicate", "scan"):
         assert command in text

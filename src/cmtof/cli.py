@@ -28,10 +28,7 @@ app = Typer(
 
 Output = Annotated[Path, Option("--output", "-o", help="File to write, [bold]*.nc[/bold].")]
 Protocol = Annotated[
-    str,
-    Option(
-        help="released: scene shrunk to 1.195 m, 21 wraps; full: every wrap of the 7.5 m range."
-    ),
+    str, Option(help="released: scene shrunk to 1.195 m, 21 wraps; full: all of the 7.5 m range.")
 ]
 Noise = Annotated[float, Option(help="Gaussian noise, counts; photon noise stays on.")]
 NoiseFree = Annotated[bool, Option("--noise-free", help="No noise of either kind.")]
@@ -78,11 +75,7 @@ def _line(error: Exception) -> str:
 @app.command()
 def simulate(
     frame: Annotated[
-        str,
-        Argument(
-            help="Frame .npz, depth .png, Hypersim depth .hdf5, a folder of frames (its first is "
-            "taken), or an embedded one (see `cmtof info`)."
-        ),
+        str, Argument(help=".npz, depth .png, Hypersim .hdf5, folder (its first), or embedded.")
     ],
     output: Output,
     protocol: Protocol = "released",
@@ -92,18 +85,14 @@ def simulate(
     noise: Noise = 1200.0,
     noise_free: NoiseFree = False,
     seed: Seed = 0,
-    intensity: Annotated[
-        Path | None, Option(help="Colour or grey PNG that belongs to a depth PNG.")
-    ] = None,
+    intensity: Annotated[Path | None, Option(help="Image that belongs to a depth PNG.")] = None,
     depth_scale: Annotated[float, Option(help="Depth PNG: levels per metre.")] = 1000.0,
-    planar: Annotated[
-        bool, Option("--planar", help="Depth PNG holds distance along the optical axis.")
-    ] = False,
+    planar: Annotated[bool, Option("--planar", help="Depth PNG is along the axis.")] = False,
     camera: Annotated[
         tuple[float, float, float, float] | None, Option(help="fx fy cx cy in pixels.")
     ] = None,
 ) -> None:
-    """Turn an RGB-D frame into correlation images.
+    """Turn an RGB-D frame into correlation images. `cmtof info` lists the embedded ones.
 
     Example: [bold]cmtof simulate still_life -o m.nc --protocol full --seed 3[/bold]
     """
@@ -117,8 +106,9 @@ def simulate(
             f"Expected frequencies in Hz separated by commas, got {frequencies}. "
             "Try 7.15e9,14.32e9."
         ) from error
-    image = {"intensity": intensity, "depth_scale": depth_scale, "planar": planar}
-    loaded = load_frame(frame, camera=camera, **image)  # type: ignore[arg-type]
+    loaded = load_frame(
+        frame, camera=camera, intensity=intensity, depth_scale=depth_scale, planar=planar
+    )
     conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
     measurement = simulate_frame(loaded, frequencies=tones, **conditions)  # type: ignore[arg-type]
     measurement.save(output)
@@ -133,18 +123,11 @@ def unwrap(
     output: Output,
     method: Annotated[str, Option(help="Name out of `cmtof methods`.")] = "surfaces",
     range: Annotated[
-        tuple[float, float] | None,
-        Option(metavar="MIN MAX", help="Depths to choose from in m, MIN <= z < MAX."),
+        tuple[float, float] | None, Option(metavar="MIN MAX", help="Depths, m: MIN <= z < MAX.")
     ] = None,
-    window: Annotated[
-        int | None, Option(help="Side of the averaging window in px (method beat).")
-    ] = None,
-    weights: Annotated[
-        Path | None, Option(help="Own trained .safetensors (learned methods).")
-    ] = None,
-    ply: Annotated[
-        Path | None, Option(help="Also write a point cloud; the file needs a camera.")
-    ] = None,
+    window: Annotated[int | None, Option(help="Side of the window, px (method beat).")] = None,
+    weights: Annotated[Path | None, Option(help="Own .safetensors (learned methods).")] = None,
+    ply: Annotated[Path | None, Option(help="Also a point cloud; needs a camera.")] = None,
 ) -> None:
     """Turn correlation images into wrap count, depth and confidence.
 
@@ -166,21 +149,17 @@ def unwrap(
         raise ValueError(
             f"Expected a camera in {measurement} for --ply, got none. Leave --ply out or add it."
         )
-    given = {"window": window, "weights": weights}
-    chosen = {name: value for name, value in given.items() if value is not None}
+    chosen = {"window": window} if window is not None else {}
+    chosen |= {"weights": weights} if weights is not None else {}
     result = unwrap_measurement(opened, method=method, range=range, **chosen)
     save_dataset(result, output)
     print(f"{output}: method {method}, {int(opened.mask.sum())} of {opened.mask.size} pixels")
     if ply is not None and opened.camera is not None:
         from cmtof.pointcloud import write_ply
 
-        count = write_ply(
-            ply,
-            result["depth"].to_numpy(),
-            opened.camera,
-            brightness=opened.amplitude[0],
-            confidence=result["confidence"].to_numpy(),
-        )
+        depth, sure = (result[name].to_numpy() for name in ("depth", "confidence"))
+        light = opened.amplitude[0]
+        count = write_ply(ply, depth, opened.camera, brightness=light, confidence=sure)
         print(f"{ply}: {count} points")
     if opened.depth is not None:
         from cmtof.evaluation import score, scored_pixels
@@ -192,21 +171,14 @@ def unwrap(
 def evaluate(
     frames: Annotated[
         list[str],
-        Argument(
-            help="Frames: files, embedded names, or folders (TUM, NYU and ScanNet style, .npz, "
-            "Hypersim trees: their test frames)."
-        ),
+        Argument(help="Files, embedded names, folders (TUM, NYU, ScanNet, .npz, Hypersim's tests)"),
     ],
-    method: Annotated[
-        str, Option(help="Names out of `cmtof methods`, separated by commas, or all.")
-    ] = "all",
+    method: Annotated[str, Option(help="Out of `cmtof methods`, with commas, or all.")] = "all",
     protocol: Protocol = "released",
     noise: Noise = 1200.0,
     noise_free: NoiseFree = False,
     seed: Seed = 0,
-    json_file: Annotated[
-        Path | None, Option("--json", metavar="FILE", help="Write the table as JSON.")
-    ] = None,
+    json_file: Annotated[Path | None, Option("--json", help="Write the table as JSON.")] = None,
     quiet: Quiet = False,
 ) -> None:
     """Compare methods on the same frames and the same noise.
@@ -243,9 +215,7 @@ def evaluate(
 
 
 @app.command()
-def methods(
-    as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False,
-) -> None:
+def methods(as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False) -> None:
     """List every unwrapping method with its kind, source and state."""
     from cmtof.methods import DEFAULT, METHODS
 
@@ -268,8 +238,8 @@ def methods(
 def info(
     file: Annotated[Path | None, Argument(help="Measurement, result or frame.")] = None,
 ) -> None:
-    """Print version, devices and embedded frames, or what a file holds."""
-    from importlib.util import find_spec
+    """Print versions and embedded frames, or what a file holds."""
+    from importlib.metadata import PackageNotFoundError, version
 
     from cmtof import __version__
     from cmtof.scenes.captures import data_root
@@ -279,12 +249,9 @@ def info(
         _describe(embedded_frames().get(str(file), file))
         return
     print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
-    if find_spec("torch"):
-        import torch
-
-        gpus = [torch.cuda.get_device_name(i) for i in range(torch.cuda.device_count())]
-        print(f"torch {torch.__version__}, {', '.join(gpus) if gpus else 'no GPU'}")
-    else:
+    try:
+        print(f"torch {version('torch')}")
+    except PackageNotFoundError:
         print("torch is not installed (only learned methods need it)")
     print(f"embedded frames: {', '.join(embedded_frames())}")
     print(f"published captures: {data_root() or 'not on this machine'}")
@@ -337,10 +304,7 @@ def render(
     views: Annotated[int, Option(min=1, max=1000, help="Views of each.")] = 5,
     seed: Annotated[int, Option(min=0, help="Seed of the set.")] = 0,
     size: Annotated[str, Option(help="Height x width, px.")] = "512x512",
-    focal: Annotated[
-        float | None,
-        Option(help="Focal length, px. Default: each scene has its own, 35 to 60° across."),
-    ] = None,
+    focal: Annotated[float | None, Option(help="Focal length, px. Default: 35 to 60°.")] = None,
     workers: Annotated[int | None, Option(min=1, help="Processes. Default: one a core.")] = None,
     quiet: Quiet = False,
 ) -> None:
@@ -355,9 +319,8 @@ def render(
 
     settings = Settings(seed, scenes, views, *shape_from_text(size), focal)
     with progress(scenes, quiet) as advance:
-        done = render_rooms(
-            output, settings, workers=workers, progress=lambda one: advance(one.scene)
-        )
+        options = {"workers": workers, "progress": lambda one: advance(one.scene)}
+        done = render_rooms(output, settings, **options)
     rendered = sum(one.rendered for one in done)
     print(f"{output}: {scenes} rooms, {views} views each; {rendered} views rendered")
 
@@ -368,16 +331,10 @@ def train(
     output: Annotated[Path | None, Option("--output", "-o", help="Folder of the run.")] = None,
     model: Annotated[str | None, Option(help="Learned method, such as fast-scnn.")] = None,
     protocol: Annotated[str | None, Option(help="released or full.")] = None,
-    data: Annotated[
-        Path | None, Option(help="Frames in Hypersim's layout. Default: rooms, rendered.")
-    ] = None,
+    data: Annotated[Path | None, Option(help="Hypersim's layout. Default: rooms.")] = None,
     init: Annotated[Path | None, Option(help="Weights to begin with.")] = None,
-    resume: Annotated[
-        bool, Option("--resume", help="Go on from the run's last checkpoint.")
-    ] = False,
-    minutes: Annotated[
-        float | None, Option(help="Stop after so many minutes; --resume goes on.")
-    ] = None,
+    resume: Annotated[bool, Option("--resume", help="Go on from its checkpoint.")] = False,
+    minutes: Annotated[float | None, Option(help="Stop after; --resume goes on.")] = None,
     seed: Annotated[int | None, Option(min=0, help="Of weights, crops, noise.")] = None,
     accelerator: Annotated[str, Option(help="Lightning's: auto, cpu, gpu.")] = "auto",
     devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
@@ -417,13 +374,9 @@ def train(
 def scan(
     output: Output,
     rig: Annotated[Path | None, Argument(help="RIG file, *.yml.")] = None,
-    twin: Annotated[bool, Option("--twin", help="Scan with the simulated instrument.")] = (False),
-    scene: Annotated[
-        str | None, Option(help="Frame before the simulated instrument. Default: still_life.")
-    ] = None,
-    seed: Annotated[
-        int | None, Option(min=0, help="Seed of the simulated instrument. Default: 0.")
-    ] = None,
+    twin: Annotated[bool, Option("--twin", help="Scan with the simulated instrument.")] = False,
+    scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
+    seed: Annotated[int | None, Option(min=0, help="Its seed. Default: 0.")] = None,
     size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
     resume: Annotated[bool, Option("--resume", help="Go on with a scan that was stopped.")] = False,
     quiet: Quiet = False,

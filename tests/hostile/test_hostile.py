@@ -1,8 +1,7 @@
 """A hundred hostile inputs; `make fuzz` runs five thousand."""
 
-import pytest
-
 import fuzz
+import pytest
 
 
 @pytest.mark.parametrize("first", range(0, 100, 10))
