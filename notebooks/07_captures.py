@@ -330,7 +330,8 @@ figure, axes = plt.subplots(1, drawn, figsize=(4.4 * drawn, 4.8), squeeze=False)
 for ax, name in zip(axes[0], names, strict=False):
     points = points_from_depth(depths[name], walls[name][1])
     low, high = np.nanpercentile(depths[name], [1, 99])
-    colours = views.depth_colours(depths[name], limits=(low, high), cmap="cividis_r")
+    shades = plt.cm.ScalarMappable(plt.Normalize(low, high), "cividis_r")
+    colours = shades.to_rgba(depths[name])[..., :3]
     still = views.still(points, colours, longest=0.015, eye=(-0.12, -0.1, -0.02))
     ax.imshow(colours if still is None else still, interpolation="antialiased")
     ax.set_title(f"{name}, {source}")

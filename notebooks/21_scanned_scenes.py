@@ -139,14 +139,16 @@ TONES = [f"{f / 1e9:.2f} GHz" for f in first.frequencies]
 # The teaser of the paper (Fig. 1): fringes of two wrapped phases become a surface.
 
 # %% tags=["hide-input"]
-stills, residual, tilt = {}, {}, {}
+stills, flat, residual, tilt = {}, {}, {}, {}
 for name in objects:
     depth = depth_of(name, best[name])
+    shades = plt.cm.ScalarMappable(plt.Normalize(*limits[name]), "cividis_r")
+    flat[name] = shades.to_rgba(depth)[..., :3]
     points = points_from_depth(depth, camera[name])
     stills[name] = views.save_scene(
         f"scene_{name}",
         points,
-        views.depth_colours(depth, limits=limits[name], cmap="cividis_r"),
+        flat[name],
         title=f"The {name}: depth of a simulated scan",
         longest=3 * field_of_view(name) / size,  # three pitches of the points at 1 m
         eye=(-0.3, -0.22, -0.1),
@@ -160,8 +162,7 @@ for name in objects:
 
 def still(ax, name, title):
     """Shaded surface of a scene, or its depth in the same colours where none can be drawn."""
-    flat = views.depth_colours(depth_of(name, best[name]), limits=limits[name], cmap="cividis_r")
-    bare(ax, flat if stills[name] is None else stills[name], title)
+    bare(ax, flat[name] if stills[name] is None else stills[name], title)
 
 
 # %% tags=["hide-input"]

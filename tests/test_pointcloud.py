@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cmtof.pointcloud import points_from_depth, write_ply
+from cmtof.pointcloud import mesh_triangles, points_from_depth, write_ply
 
 CAMERA = [50.0, 60.0, 8.0, 6.0]
 
@@ -32,3 +32,12 @@ def test_ply_holds_every_finite_pixel(tmp_path, rng):
     np.testing.assert_allclose(np.linalg.norm(vertices["xyz"], axis=1), held, rtol=1e-6)
     np.testing.assert_allclose(vertices["confidence"], held / 4, rtol=1e-6)
     assert (vertices["rgb"] == 255).all()
+
+
+def test_the_mesh_is_whole_on_a_surface_and_open_at_edges_and_holes():
+    depth = np.full((12, 16), 1.2)
+    assert len(mesh_triangles(points_from_depth(depth, CAMERA), longest=0.05)) == 2 * 11 * 15
+    depth[:, 8:] += 0.1
+    depth[5, 3] = np.nan
+    cut = mesh_triangles(points_from_depth(depth, CAMERA), longest=0.05)
+    assert len(cut) == 2 * 11 * 14 - 6 and 5 * 16 + 3 not in cut

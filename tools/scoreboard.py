@@ -4,17 +4,17 @@ Written from the ``checks.json`` of each run and from the figures and equations 
 Where several runs checked one number, the worst verdict is shown.
 """
 
+import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from cmtof.book.paper import (
     Outcome,
     Published,
-    Verdict,
     published,
     published_numbers,
     quantity_text,
@@ -74,8 +74,8 @@ def chapter_link(notebook: str) -> str:
     return f"{{doc}}`{notebook[:2]} <../notebooks/{notebook}>`"
 
 
-Found = dict[str, tuple[Verdict, Run]]
-"""Our number and its verdict, and the run that made it, by key."""
+Found = dict[str, tuple[float, Run]]
+"""Our number and the run that made it, by key."""
 
 
 def page(
@@ -101,35 +101,23 @@ def page(
 
 
 def found_in(checks: Iterable[Path]) -> Found:
-    """Return the verdicts of runs, the worst where several checked one number."""
+    """Return the numbers of runs, that of the worst verdict where several checked one."""
     found: Found = {}
     for path in checks:
         for key, record in read_checks(path).items():
-            new = judged(key, record)
-            rank = WORST_FIRST.index(new.outcome)
-            if key not in found or rank < WORST_FIRST.index(found[key][0].outcome):
+            value = math.nan if record["value"] is None else record["value"]
+            said = published(key).outcome  # computed again
+            rank = WORST_FIRST.index(said(value))
+            if key not in found or rank < WORST_FIRST.index(said(found[key][0])):
                 run = Run(path.parent.name, record["profile"], record["seed"], record["version"])
-                found[key] = (new, run)
+                found[key] = (value, run)
     return found
-
-
-def judged(key: str, record: Mapping[str, Any]) -> Verdict:
-    """Return the verdict on a stored value, computed again."""
-    value = record["value"]
-    return Verdict(published(key), float("nan") if value is None else value)
-
-
-def outcome(number: Published, found: Found) -> Outcome:
-    """Return the verdict on a number: that of its run, or what it has without one."""
-    if number.key in found:
-        return found[number.key][0].outcome
-    return Verdict(number, float("nan")).outcome
 
 
 def summary(found: Found) -> str:
     """Return the table of verdicts; inputs are counted apart."""
     numbers = published_numbers().values()
-    counts = Counter(outcome(number, found) for number in numbers)
+    counts = Counter(number.outcome(*found.get(number.key, ())[:1]) for number in numbers)
     rows = [f"| {name} | {counts[name]} |" for name in MEANING if name != "input"]
     results = len(numbers) - counts["input"]
     apart = [f"| **results** | **{results}** |", f"| inputs, apart | {counts['input']} |"]
@@ -148,16 +136,17 @@ def section(group: str, numbers: list[Published], found: Found) -> str:
 
 def row(number: Published, found: Found, notes: dict[str, str]) -> str:
     """Return the row of a number; a note that it needs joins ``notes``."""
-    said: str = outcome(number, found)
-    missing = NO_CHECK if number.key not in found and said == "untested" else ""
+    value, run = found.get(number.key, (math.nan, None))
+    said: str = number.outcome(value)
+    missing = NO_CHECK if run is None and said == "untested" else ""
     texts = [number.untested or missing, number.note]
     texts.append(f"Erratum {number.erratum}." if number.erratum is not None else "")
     if note := " ".join(filter(None, texts)):
         said += f"{SPACE}<sup>{notes.setdefault(note, chr(ord('a') + len(notes)))}</sup>"
-    if number.key in found:
-        verdict, run = found[number.key]
-        ours = quantity_text(verdict.value, number.unit)
-        ours += f"<br>{verdict.ratio}" if verdict.ratio and said != "input" else ""
+    if run:
+        ours = quantity_text(value, number.unit)
+        ratio = "" if number.kind == "setting" else number.ratio(value)
+        ours += f"<br>{ratio}" if ratio else ""
         said = f"{ours.replace(' ', SPACE)}<br>{said}<br>{run.link()}"
     # the key may break over lines, or a phone would have to scroll sideways
     key = re.sub(r"(\.|_(?!\d))", r"\1<wbr>", number.key.partition(".")[2])

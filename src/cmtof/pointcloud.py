@@ -97,3 +97,17 @@ def write_ply(
     with written_whole(path) as part:
         part.write_bytes(header.encode("ascii") + vertices.tobytes())
     return vertices.size
+
+
+def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> NDArray[np.int64]:
+    """Triangles (T, 3) between neighbouring pixels of a map of points (H, W, 3), m; NaN for none.
+
+    Longer sides than ``longest``, m, bridge an edge and are left out.
+    """
+    points = np.asarray(points, float)
+    number = np.arange(points[..., 0].size).reshape(points.shape[:2])
+    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
+    triangles = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))])
+    corners = points.reshape(-1, 3)[triangles]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1)
+    return triangles[(sides < longest).all(axis=1)]  # false for NaN as well

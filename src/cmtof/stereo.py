@@ -17,7 +17,7 @@ from scipy.special import erf, ndtr
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH
 from cmtof.correlation import TAU, consistent_wrap_count, depth_from_wraps, wrap_length
 from cmtof.instrument.targets import MeshTarget
-from cmtof.pointcloud import normals_from_points, points_from_depth
+from cmtof.pointcloud import mesh_triangles, normals_from_points, points_from_depth
 from cmtof.scenes.frame import Frame
 
 Array = NDArray[np.floating]
@@ -276,11 +276,7 @@ def place_spots(windows: ArrayLike, sensor: Sensor, *, width: float = 1.3) -> tu
 def visible_from(points: ArrayLike, centre: ArrayLike) -> NDArray[np.bool_]:
     """Points (H, W, 3), m, of a scan that nothing hides from a place (3,), neighbours joined."""
     points = np.asarray(points, float)
-    known = np.isfinite(points).all(-1)
-    number = np.arange(known.size).reshape(known.shape)
-    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
-    faces = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))])
-    faces = faces[known.ravel()[faces].all(1)]
+    known, faces = np.isfinite(points).all(-1), mesh_triangles(points)
     points = np.nan_to_num(points)
     return known & ~MeshTarget(points.reshape(-1, 3), faces).hidden(points, centre)
 

@@ -34,7 +34,7 @@ def scene(tmp_path_factory):
         still = interactive.save_scene(
             "ball_scene",
             points_from_depth(depth, CAMERA),
-            interactive.depth_colours(depth, limits=(0.8, 1.2), cmap="cividis_r"),
+            (1.2 - depth[..., None]) * [2.5, 2.0, 1.0],
             title="A ball & a wall",
             longest=0.05,
             eye=(-0.3, -0.3, 0.0),
@@ -67,25 +67,22 @@ def test_without_opengl_only_the_still_is_missing(scene, monkeypatch, tmp_path, 
     folder, _ = scene
     held = (folder / "ball_scene.html").read_text(encoding="utf-8")
 
-    def crashed(*arguments, page, **options):
+    def crashed(*surface, page, **options):
         page.write_text(held, encoding="utf-8")
 
     monkeypatch.setattr(interactive, "still", crashed)
     monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
-    depth = ball()
-    still = interactive.save_scene(
-        "ball_scene",
-        points_from_depth(depth, CAMERA),
-        np.zeros((*depth.shape, 3)),
-        title="A ball",
-        longest=0.05,
-    )
+    surface = points_from_depth(ball(), CAMERA)
+    still = interactive.save_scene("ball_scene", surface, surface, title="A ball", longest=0.05)
     assert still is None and (tmp_path / "ball_scene.html").is_file()
     assert capsys.readouterr().err == interactive.NO_STILL + "\n"
 
 
-def test_the_block_names_and_folds_the_scene():
-    block = interactive.scene_block("ball_scene", title='A "ball"')
+def test_the_page_names_and_folds_the_scene(monkeypatch):
+    shown = []
+    monkeypatch.setattr("IPython.display.display", shown.append)
+    interactive.show_scene("ball_scene", title='A "ball"')
+    block = shown[0].data
     assert block.startswith("<details")
     assert 'title="A &quot;ball&quot;, interactive"' in block and 'loading="lazy"' in block
     assert block.count("../_static/scenes/ball_scene.html") == 2
@@ -97,15 +94,3 @@ def test_the_book_finds_the_scene_where_its_pages_look(scene, tmp_path):
     stage.place_scenes(tmp_path / "build", tmp_path)
     placed = tmp_path / "book" / "_static" / "scenes" / "ball_scene.html"
     assert placed.read_bytes() == (folder / "ball_scene.html").read_bytes()
-
-
-def test_the_mesh_is_whole_on_a_surface_and_open_at_edges_and_holes():
-    depth = np.full((60, 80), 1.2)
-    whole = interactive.mesh_triangles(points_from_depth(depth, CAMERA), longest=0.03)
-    assert len(whole) == 2 * 59 * 79
-    depth[:, 40:] += 0.1
-    cut = interactive.mesh_triangles(points_from_depth(depth, CAMERA), longest=0.03)
-    assert len(cut) == 2 * 59 * 78
-    depth[10, 10] = np.nan
-    holed = interactive.mesh_triangles(points_from_depth(depth, CAMERA), longest=0.03)
-    assert len(holed) == 2 * 59 * 78 - 6 and 10 * 80 + 10 not in holed

@@ -1,18 +1,18 @@
 """Methods side by side on the same scenes (Fig. 10): the wraps of each and their errors."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from cmtof.book.plotting import DEPTH_CMAP, image
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.measurement import Measurement
 from cmtof.scenes import Frame
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 class Scene(NamedTuple):
@@ -22,71 +22,41 @@ class Scene(NamedTuple):
     measurement: Measurement
     answers: dict[str, xr.Dataset]
 
-    @property
-    def true_count(self) -> NDArray[np.floating]:
-        """Wraps of the true depth (H, W), NaN where not scored."""
+    def count(self, label: str = "") -> NDArray[np.floating]:
+        """Wraps (H, W) by one method or of the true depth, NaN where not scored."""
         depth = np.nan_to_num(self.measurement.depth).astype(float)
-        count = wrap_count_from_depth(depth, self.measurement.frequencies[0])
-        return np.where(self.measurement.mask, count, np.nan)
-
-    def found_count(self, label: str) -> NDArray[np.floating]:
-        """Wraps by one method (H, W), NaN where not scored."""
-        return np.where(self.measurement.mask, self.answers[label]["wrap_count"], np.nan)
+        truth = wrap_count_from_depth(depth, self.measurement.frequencies[0])
+        found = self.answers[label]["wrap_count"] if label else truth
+        return np.where(self.measurement.mask, found, np.nan)
 
     def error(self, label: str) -> NDArray[np.floating]:
         """Wraps off, |n - n_true| (H, W), NaN where not scored."""
-        return np.abs(self.found_count(label) - self.true_count)
+        return np.abs(self.count(label) - self.count())
 
     def right(self, label: str) -> float:
-        """Share of the scored pixels in the right wrap; NaN if none is scored."""
-        error = self.error(label)[self.measurement.mask]
-        return float(np.mean(error < 1)) if error.size else float("nan")
+        """Share of the scored pixels in the right wrap."""
+        return float(np.mean(self.error(label)[self.measurement.mask] < 1))
 
 
-def comparison_figure(scenes: Sequence[Scene], labels: Sequence[str]) -> "Figure":
-    """Fig. 10: two rows a scene, its brightness and true wraps, then methods and their errors.
-
-    Raises
-    ------
-    ValueError
-        If there is no scene or no label.
-    """
-    import matplotlib.pyplot as plt
-
-    if not scenes or not labels:
-        raise ValueError(
-            f"Expected at least one scene and method, got {len(scenes)} and {len(labels)}. "
-            "Load a frame, name a method."
-        )
+def comparison_figure(scenes: Sequence[Scene], labels: Sequence[str]) -> Figure:
+    """Fig. 10: two rows a scene, its brightness and true wraps, then methods and their errors."""
     height, width = scenes[0].measurement.shape
-    columns, side = 1 + len(labels), 1.35
-    size = (side * columns + 0.6, 2 * len(scenes) * (side * height / width + 0.17) + 0.2)
+    columns, side = 1 + len(labels), 1.5
+    size = (side * columns + 0.6, 2 * len(scenes) * (side * height / width + 0.2) + 0.2)
     figure, axes = plt.subplots(2 * len(scenes), columns, figsize=size, squeeze=False)
     for scene, (above, below) in zip(scenes, axes.reshape(len(scenes), 2, columns), strict=True):
-        truth = scene.true_count
-        limits = tuple(np.nanpercentile(truth, (1, 99))) if scene.measurement.mask.any() else (0, 1)
+        truth = scene.count()
+        low, high = np.nanpercentile(truth, (1, 99))
+        wraps = {"label": "wraps n", "cmap": DEPTH_CMAP, "limits": (low, high)}
+        errors = {"label": "error δ", "cmap": "magma", "limits": (0, 10)}
         brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
-        _tile(above[0], brightness, "gray", (0, 1), scene.frame.name)
-        wraps = errors = _tile(below[0], truth, "cividis", limits, "true wraps")
-        for column, label in enumerate(labels, start=1):
-            _tile(above[column], scene.found_count(label), "cividis", limits, label)
+        image(above[0], brightness, label="", cmap="gray", title=scene.frame.name, bar=False)
+        image(below[0], truth, **wraps, title="true wraps", bar=False)
+        for up, down, label in zip(above[1:], below[1:], labels, strict=True):
+            last = label == labels[-1]
+            image(up, scene.count(label), **wraps, title=label, bar=last)
             share = f"{100 * scene.right(label):.0f} % right"
-            errors = _tile(below[column], scene.error(label), "magma", (0, 10), share)
-        for ax, drawn, label in ((above[-1], wraps, "wraps n"), (below[-1], errors, "error δ")):
-            bar = figure.colorbar(drawn, cax=ax.inset_axes((1.04, 0, 0.05, 1)))
-            bar.set_label(label, fontsize=7)
-            bar.ax.tick_params(labelsize=7)
+            image(down, scene.error(label), **errors, title=share, bar=last)
+    for ax in figure.axes:
+        ax.title.set_size(7)
     return figure
-
-
-def _tile(ax, image, cmap, limits, title):  # type: ignore[no-untyped-def]
-    """One picture of the grid, without a frame; NaN is grey."""
-    import matplotlib as mpl
-
-    colours = mpl.colormaps[cmap].with_extremes(bad="#E6E9EC")
-    drawn = ax.imshow(image, cmap=colours, vmin=limits[0], vmax=limits[1], interpolation="nearest")
-    ax.set(xticks=[], yticks=[])
-    ax.set_title(title, fontsize=7, pad=2)
-    ax.grid(visible=False)
-    ax.spines[:].set_visible(False)
-    return drawn

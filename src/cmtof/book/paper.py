@@ -7,12 +7,15 @@ that it touches; the verdict never stops a run. ``tools/scoreboard.py`` writes t
 import json
 import math
 from dataclasses import dataclass
-from decimal import Decimal
 from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal
+
+import numpy as np
+import yaml
+from matplotlib.ticker import EngFormatter
 
 from cmtof.book import provenance
 
@@ -25,7 +28,7 @@ CHECKS = "checks.json"
 _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Published:
     """One number of the paper, as ``paper.yml`` explains it; SI units, percentages as fractions."""
 
@@ -43,75 +46,49 @@ class Published:
 
     def text(self, joint: str = " ") -> str:
         """Return the number with the sign of its relation and its tolerance."""
-        size, label = _scale(self.value, self.unit)
-        text = _SIGNS[self.relation] + _digits(self.value / size) + label
-        allowed = _digits(self.tolerance / size, 2) + label
+        text = _SIGNS[self.relation] + quantity_text(self.value, self.unit)
+        allowed = quantity_text(self.tolerance, self.unit, 2)
         return f"{text}{joint}± {allowed}" if self.tolerance else text
 
-    def holds(self, value: float) -> bool:
-        """Whether a value lies within the tolerance."""
-        # the slack keeps a value on the very edge from failing by the last bit of a float
-        slack = 4e-16 * (abs(value) + abs(self.value))
-        above = value - self.value
-        if self.relation in ("lt", "gt"):
-            return (above if self.relation == "lt" else -above) < self.tolerance
-        return abs(above) <= self.tolerance + slack
-
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """A result beside the published number; ``str`` gives the line that `check` prints."""
-
-    published: Published
-    value: float
-
-    @property
-    def outcome(self) -> Outcome:
+    def outcome(self, value: float = math.nan) -> Outcome:
         """Computed from value and tolerance, unless the number is an input or cannot be tested."""
-        if self.published.kind == "setting":
+        if self.kind == "setting":
             return "input"
-        if self.published.untested or not math.isfinite(self.value):
+        if self.untested or not math.isfinite(value):
             return "untested"
-        return "reproduced" if self.published.holds(self.value) else "contradicted"
+        above = value - self.value
+        # the slack keeps a value on the very edge from failing by the last bit of a float
+        holds = abs(above) <= self.tolerance + 4e-16 * (abs(value) + abs(self.value))
+        if self.relation in ("lt", "gt"):
+            holds = (above if self.relation == "lt" else -above) < self.tolerance
+        return "reproduced" if holds else "contradicted"
 
-    @property
-    def ratio(self) -> str:
+    def ratio(self, value: float) -> str:
         """Ours over the paper's, such as ``0.43 ×``; empty where there is none."""
-        if self.published.value == 0 or not math.isfinite(self.value):
-            return ""
-        return f"{_digits(self.value / self.published.value, 3)} ×"
-
-    def __str__(self) -> str:
-        number, ratio = self.published, f" ({self.ratio})" if self.ratio else ""
-        ours = quantity_text(self.value, number.unit)
-        return f"{number.key}: paper {number.text()}, ours {ours}{ratio}: {self.outcome}"
+        known = self.value != 0 and math.isfinite(value)
+        return f"{_digits(value / self.value, 3)} ×" if known else ""
 
 
 @cache
 def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
-    import yaml
-
     entries = yaml.safe_load(files("cmtof.book").joinpath("paper.yml").read_text("utf-8"))
-    found: dict[str, Published] = {}
+    flat: dict[str, dict[str, Any]] = {}
     for key, fields in entries.items():
         if "rows" not in fields:
-            found |= {} if key == "_shared" else {key: _published(key, fields)}
+            flat[key] = fields
             continue
         for row, (name, *values) in fields["rows"].items():
-            for column, value in zip(fields["columns"], values, strict=True):
-                label = f"{key}.{row}.{column}"
-                what = f"{name}, {fields['columns'][column]}"
-                found[label] = _published(label, {"value": value, "what": what, **fields["about"]})
+            for (column, title), value in zip(fields["columns"].items(), values, strict=True):
+                one = {"value": value, "what": f"{name}, {title}", **fields["about"]}
+                flat[f"{key}.{row}.{column}"] = one
+    del flat["_shared"]
+    found = {}
+    for key, fields in flat.items():
+        scale = {"absolute": 1.0, "relative": abs(fields["value"])}
+        tolerance = min(amount * scale[kind] for kind, amount in fields["tolerance"].items())
+        found[key] = Published(key=key, **fields | {"tolerance": tolerance})
     return found
-
-
-def _published(key: str, fields: dict[str, Any]) -> Published:
-    amounts = dict(fields)
-    allowed = amounts.pop("tolerance")
-    scale = {"absolute": 1.0, "relative": abs(fields["value"])}
-    tolerance = min(amount * scale[kind] for kind, amount in allowed.items())
-    return Published(key=key, tolerance=tolerance, **amounts)
 
 
 def published(key: str) -> Published:
@@ -134,34 +111,27 @@ def check(key: str, value: float) -> None:
 
     ``value`` is in the unit of the published number; ValueError if ``paper.yml`` lacks the key.
     """
-    found = Verdict(published(key), float(value))
-    print(found)
+    number, value = published(key), float(value)
+    said, ratio = number.outcome(value), number.ratio(value)
+    ours = quantity_text(value, number.unit) + (f" ({ratio})" if ratio else "")
+    print(f"{key}: paper {number.text()}, ours {ours}: {said}")
     path = provenance.output_folder() / CHECKS
     records = read_checks(path) if path.exists() else {}
-    kept = found.value if math.isfinite(found.value) else None
-    records[key] = {"value": kept, "verdict": found.outcome, **provenance.as_dict()}
+    kept = value if math.isfinite(value) else None
+    records[key] = {"value": kept, "verdict": said, **provenance.as_dict()}
     provenance.write_json(path, dict(sorted(records.items())))
 
 
 def read_checks(path: Path) -> dict[str, dict[str, Any]]:
-    """Records by key of what a run checked; ValueError if the file is no JSON object."""
+    """Records by key of what a run checked; ValueError if the file is no JSON."""
     try:
-        records = json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(path.read_text(encoding="utf-8"))
     except json.JSONDecodeError as error:
         raise ValueError(f"Expected JSON in {path}, got {error}. Delete it, run again.") from error
-    if not isinstance(records, dict):
-        kind = type(records).__name__
-        raise ValueError(f"Expected a JSON object in {path}, got a {kind}. Delete it, run again.")
-    return records
 
 
-# --- numbers with their units -------------------------------------------------------------------
-
-_PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n", -12: "p", -15: "f"}
-
-
-def quantity_text(value: float, unit: str) -> str:
-    """Number with four digits and its unit: ``fraction`` in percent, ``1`` as a plain number.
+def quantity_text(value: float, unit: str, digits: int = 4) -> str:
+    """Number with its unit: ``fraction`` in percent, ``1`` as a plain number.
 
     Examples
     --------
@@ -170,23 +140,13 @@ def quantity_text(value: float, unit: str) -> str:
     """
     if not math.isfinite(value):
         return "not finite"
-    size, label = _scale(value, unit)
-    return _digits(value / size) + label
-
-
-def _scale(value: float, unit: str) -> tuple[float, str]:
-    """Size of the prefixed unit, and its name."""
+    if unit in {"m", "s", "Hz", "W"}:
+        return EngFormatter(unit)(float(f"{value:.{digits}g}"))
     if unit == "fraction":
-        return 0.01, " %"
-    if unit not in {"m", "s", "Hz", "W"} or value == 0:
-        return 1.0, "" if unit == "1" else f" {unit}"
-    # read from the decimal form: 999.96 Hz rounds to 1 kHz, and 1e-3 is no less than a milli
-    exponent = int(f"{value:.3e}".partition("e")[2])
-    power = min(max(3 * (exponent // 3), min(_PREFIXES)), max(_PREFIXES))
-    return float(f"1e{power}"), f" {_PREFIXES[power]}{unit}"
+        return f"{_digits(100 * value, digits)} %"
+    return _digits(value, digits) + ("" if unit == "1" else f" {unit}")
 
 
-def _digits(value: float, count: int = 4) -> str:
-    """Digits of a number, without an exponent where a reader would not write one."""
-    text = f"{value:.{count}g}"
-    return format(Decimal(text), "f") if 1e-6 < abs(value) < 1e7 else text
+def _digits(value: float, count: int) -> str:
+    """So many significant digits of a number, without an exponent."""
+    return np.format_float_positional(value, precision=count, fractional=False, trim="-")

@@ -4,8 +4,8 @@ import json
 import math
 import os
 import platform
+import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,38 +17,20 @@ from cmtof.files import written_whole
 OUTPUT_VARIABLE = "CMTOF_OUTPUT"
 """Environment variable that names the folder for figures and checks."""
 
-
-@dataclass(frozen=True)
-class Run:
-    """What has to be known to draw a result again."""
-
-    profile: str = "book"
-    """Name of the size profile, a file of ``configs/``."""
-    seed: int = 0
-    """Seed of every random draw of the run."""
-    version: str = __version__
+_run: dict[str, str | int] = {}
 
 
-_current = Run()
+def begin(*, profile: str = "book", seed: int = 0) -> None:
+    """Set the profile, a file of ``configs/``, and the seed of everything stored from now on."""
+    _run.update(profile=profile, seed=seed, version=__version__)
 
 
-def begin(*, profile: str = "book", seed: int = 0) -> Run:
-    """Set the run that everything stored from now on belongs to, and return it.
-
-    Raises ValueError if the profile is empty or the seed is no whole number ≥ 0.
-    """
-    global _current
-    if not profile:
-        raise ValueError("Expected the name of a profile, got ''. Pass 'ci', 'book' or 'paper'.")
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise ValueError(f"Expected a whole seed ≥ 0, got {seed!r}. Pass an int.")
-    _current = Run(profile=profile, seed=int(seed))
-    return _current
+begin()
 
 
 def as_dict() -> dict[str, str | int]:
     """Profile, seed and version of the current run, to be stored beside a result."""
-    return asdict(_current)
+    return dict(_run)
 
 
 def output_folder() -> Path:
@@ -61,9 +43,9 @@ def output_folder() -> Path:
 def processor() -> str:
     """What the operating system calls the processor."""
     found = Path("/proc/cpuinfo")
-    lines = found.read_text(encoding="utf-8").splitlines() if found.is_file() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
+    text = found.read_text(encoding="utf-8") if found.is_file() else ""
+    named = re.search(r"model name\s*: (.+)", text)
+    return named[1] if named else platform.processor() or platform.machine()
 
 
 def plain(value: Any) -> Any:
@@ -82,10 +64,7 @@ def plain(value: Any) -> Any:
         return value
     if isinstance(value, float) and math.isfinite(value):
         return float(f"{value:.10g}")
-    raise ValueError(
-        f"Expected finite numbers, strings or lists of them to store, got {value!r}. "
-        "Convert it or leave it out."
-    )
+    raise ValueError(f"Expected finite numbers or strings, got {value!r}. Convert or omit it.")
 
 
 def write_json(path: str | Path, value: Any) -> None:
