@@ -211,7 +211,7 @@ def predicted(frame, measurement, number):
 
 
 # %%
-groups = {"reference-offset": lambda depth: surfaces(depth)[0], "reference-contact": bodies}
+groups = {"reference-offset": surfaces, "reference-contact": bodies}
 rows = []
 for protocol in PROTOCOLS:
     for name, group in groups.items():

@@ -123,12 +123,6 @@ def test_what_a_method_needs_is_asked_for(measured):
         ({"range": (1.1, 0.9)}, "MIN < MAX"),
         ({"range": (-1.0, 0.9)}, "MIN < MAX"),
         ({"method": "beat", "window": 4}, "odd window"),
-        ({"method": "beat-guided", "window": 0}, "odd window"),
-        ({"method": "beat-guided", "smoothing": 0.0}, "smoothing > 0"),
-        ({"method": "kde", "kernel": np.nan}, "kernel of 0.01 wraps or more"),
-        ({"method": "kde", "radius": -1}, "radius of 0 px or more"),
-        ({"method": "mrf-graphcut", "jump": -1.0}, "jump > 0"),
-        ({"method": "reference-field", "side": 2}, "odd side"),
         ({"method": "phasor"}, "two close frequencies whose beat covers"),
     ],
 )

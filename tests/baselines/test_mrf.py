@@ -26,52 +26,48 @@ def plane(height, width):
 def random_field(rng, height, width, labels):
     return mrf.Field(
         rng.uniform(0, TAU, (height, width)).astype(np.float32),
-        rng.normal(size=(height, width, 2)).astype(np.float32),
+        (2 * mrf.JUMP * rng.normal(size=(height, width, 2))).astype(np.float32),
         np.linspace(0, 2.5, labels),
         0,
     )
 
 
-def viterbi(cost, step, jump, most):
+def viterbi(cost, step):
     """Least cost of a chain through each label at each of its pixels (W, N), pair by pair."""
     n, ends = np.arange(cost.shape[1]), []
     for order in (1, -1):
         total, signed = [cost[::order][0]], step if order == 1 else -step[::-1]
         for own, d in zip(cost[::order][1:], signed, strict=True):
-            pair = np.minimum(jump * np.abs(n[None, :] - n[:, None] - d), most)
+            pair = np.minimum(mrf.JUMP * np.abs(n[None, :] - n[:, None] - d), mrf.MOST)
             total.append(own + (total[-1][:, None] + pair).min(axis=0))
         ends.append(np.array(total)[::order])
     return ends[0] + ends[1] - cost
 
 
-@pytest.mark.parametrize(("jump", "most"), [(0.3, 0.3), (0.3, 1.0), (0.1, 2.0), (5.0, 6.0)])
-def test_one_row_is_the_best_chain(rng, jump, most):
-    for shape, labels in product([(1, 40), (40, 1)], [1, 2, 7, 21]):
+@pytest.mark.parametrize("shape", [(1, 40), (40, 1)])
+def test_one_row_is_the_best_chain(rng, shape):
+    for labels in (1, 2, 7, 21):
         field = random_field(rng, *shape, labels)
         phase = field.phase.ravel()
         step = np.rint((phase[:-1] - phase[1:]) / TAU)
         every = np.broadcast_to(np.arange(labels)[:, None, None], (labels, *shape))
         unary = np.stack([field.unary(one) for one in every], axis=-1).astype(float)
-        cost = viterbi(unary.reshape(40, labels), step, jump, most)
-        found, odds = mrf.semi_global_labels(field, jump=jump, most=most)
+        cost = viterbi(unary.reshape(40, labels), step)
+        found, odds = mrf.semi_global_labels(field)
         chosen = np.take_along_axis(cost, found.reshape(40, 1), 1)[:, 0]
-        np.testing.assert_allclose(chosen, cost.min(axis=1), atol=1e-4)
+        np.testing.assert_allclose(chosen, cost.min(axis=1), atol=1e-5)
         share = np.exp(-(cost - cost.min(axis=1, keepdims=True)) / mrf._TEMPERATURE).sum(axis=1)
-        np.testing.assert_allclose(odds.ravel(), 1 / share, rtol=0.2)
+        np.testing.assert_allclose(odds.ravel(), 1 / share, rtol=1e-3)
 
 
-def test_turning_the_image_turns_the_labels_and_strips_change_nothing(rng):
+def test_turning_the_image_turns_the_labels(rng):
     field = random_field(rng, 12, 17, 15)
-    found, _ = mrf.semi_global_labels(field, jump=0.3, most=1.0)
-    for rows in (1, 7):
-        again, _ = mrf.semi_global_labels(field, jump=0.3, most=1.0, rows=rows)
-        np.testing.assert_array_equal(found, again)
+    found, _ = mrf.semi_global_labels(field)
     for transform in (np.transpose, np.flipud, np.rot90):
         beat = np.stack([transform(field.beat[..., i]) for i in (0, 1)], axis=-1)
         phase = np.ascontiguousarray(transform(field.phase))
         turned = field._replace(phase=phase, beat=np.ascontiguousarray(beat))
-        again, _ = mrf.semi_global_labels(turned, jump=0.3, most=1.0)
-        np.testing.assert_array_equal(transform(found), again)
+        np.testing.assert_array_equal(transform(found), mrf.semi_global_labels(turned)[0])
 
 
 @pytest.mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9), (7.15e9, 7.16e9)])
@@ -100,16 +96,16 @@ def test_it_pools_more_than_a_pixel():
 
 
 def cut_cost(x, excess, right, down):
-    pairs = (right[:, :-1] * (1 - x[:, :-1]) * x[:, 1:]).sum()
-    return (excess * x).sum() + pairs + (down[:-1] * (1 - x[:-1]) * x[1:]).sum()
+    pairs = (right * (1 - x[:, :-1]) * x[:, 1:]).sum() + (down * (1 - x[:-1]) * x[1:]).sum()
+    return (excess * x).sum() + pairs
 
 
 @given(seeds)
 def test_minimum_cut_is_the_least_of_all(seed):
     rng = np.random.default_rng(seed)
-    shape = tuple(rng.integers(1, 4, 2))
+    height, width = shape = tuple(rng.integers(1, 4, 2))
     excess = rng.integers(-9, 10, shape)
-    right, down = rng.integers(0, 6, (2, *shape))
+    right, down = rng.integers(0, 6, (height, width - 1)), rng.integers(0, 6, (height - 1, width))
     every = [np.reshape(x, shape) for x in product((0, 1), repeat=excess.size)]
     least = min(cut_cost(x, excess, right, down) for x in every)
     found = mrf.minimum_cut(excess, right, down).astype(int)
@@ -119,20 +115,16 @@ def test_minimum_cut_is_the_least_of_all(seed):
 @given(seeds, st.sampled_from([1, -1, 2]))
 def test_a_move_is_the_best_of_all(seed, step):
     rng = np.random.default_rng(seed)
-    field, jump = random_field(rng, 2, 4, 5), rng.uniform(0.1, 2)
+    field = random_field(rng, 2, 4, 5)
     labels = rng.integers(0, 5, (2, 4))
-    moved = labels + step * mrf.best_move(field, labels, step, jump=jump)
+    moved = labels + step * mrf.best_move(field, labels, step)
     others = [labels + step * np.reshape(x, (2, 4)) for x in product((0, 1), repeat=8)]
     inside = [x for x in others if x.min() >= 0 and x.max() < 5]
-    least = min(mrf.energy(field, x, jump=jump) for x in inside)
-    assert mrf.energy(field, moved, jump=jump) == pytest.approx(least, abs=1e-5)
+    least = min(mrf.energy(field, x) for x in inside)
+    assert mrf.energy(field, moved) == pytest.approx(least, abs=1e-6)
 
 
 def test_cuts_lower_the_energy_of_a_measurement(measured):
     field = mrf.wrap_field(measured)
     start, _ = mrf.semi_global_labels(field)
-    before = mrf.energy(field, start, jump=mrf.JUMP)
-    once = mrf.lowered(field, start, jump=mrf.JUMP, rounds=1)
-    twice = mrf.lowered(field, start, jump=mrf.JUMP, rounds=2)
-    after = [mrf.energy(field, one, jump=mrf.JUMP) for one in (once, twice)]
-    assert after[1] <= after[0] <= before
+    assert mrf.energy(field, mrf.lowered(field, start)) < mrf.energy(field, start)

@@ -21,7 +21,7 @@ WINDOW = 41
 of validation rooms (released 18.0 %, full 10.5 % of delta < 1)."""
 
 SMOOTHING = 0.02
-"""Variance of a guide below which a window is averaged rather than fitted."""
+"""Variance of a guide, epsilon, below which a window is averaged rather than fitted."""
 
 
 class Synthetic(NamedTuple):
@@ -63,51 +63,38 @@ def beat_phasor(measurement: Measurement) -> NDArray[np.complexfloating]:
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
     """Depth of the beat averaged over a ``window`` x ``window`` square, borders reflected.
 
-    The confidence takes the noise of the beat from its coherence within the window.
-
-    Raises a ValueError if the window is not an odd number of pixels.
+    The confidence takes the noise of the beat from its coherence within the window. Raises a
+    ValueError if the window is not an odd number of pixels.
     """
-    _check_window(window)
+    if window < 1 or window % 2 == 0:
+        raise ValueError(f"Expected an odd window of 1 px or more, got {window}. Try {WINDOW}.")
     phasor = beat_phasor(measurement)
-    mean = box(phasor, window)
-    power = box(np.abs(phasor) ** 2, window)
-    return Estimate(
-        beat_depth(np.angle(mean), measurement), _coherence(mean, power, window, measurement)
-    )
+    return _averaged(box(phasor, window), np.abs(phasor), window, measurement)
 
 
-def beat_guided(
-    measurement: Measurement, *, window: int = WINDOW, smoothing: float = SMOOTHING
-) -> Estimate:
+def beat_guided(measurement: Measurement) -> Estimate:
     r"""Depth of the beat after a guided filter, which stops at edges.
 
     .. math:: a = (\Sigma_w + \epsilon 1)^{-1}\,\mathrm{cov}_w(g, e^{i\theta}),\quad
               b = \bar e - a \cdot \bar g,\quad q = \overline{a}\cdot g + \overline{b}
 
-    with the `guides` g, epsilon the smoothing, and all means weighted by ``|p_1| |p_2|``, the
-    inverse variance of the phase theta of the beat. The confidence is that of a plain average over
-    as many pixels. Raises a ValueError if the window is not odd or the smoothing not positive.
+    with the `guides` g and all means weighted by ``|p_1| |p_2|``, the inverse variance of the phase
+    theta of the beat. The confidence is that of a plain average over as many pixels.
     """
-    _check_window(window)
-    if not smoothing > 0:
-        raise ValueError(f"Expected a smoothing > 0, got {smoothing:g}. Try {SMOOTHING:g}.")
     phasor = beat_phasor(measurement).astype(complex)  # the fit needs double precision
     size = np.abs(phasor)
     weight = size / (size.mean() or 1.0) + 1e-6
     unit = np.divide(phasor, size, out=np.zeros_like(phasor), where=size > 0)
-    filtered = guided_filter(unit, guides(measurement), weight, window, smoothing)
-    mean, power = filtered * box(size, window), box(size**2, window)
-    return Estimate(
-        beat_depth(np.angle(filtered), measurement), _coherence(mean, power, window, measurement)
-    )
+    filtered = guided_filter(unit, guides(measurement), weight, WINDOW, SMOOTHING)
+    return _averaged(filtered * box(size, WINDOW), size, WINDOW, measurement)
 
 
-def guides(measurement: Measurement, *, window: int = 11) -> NDArray[np.floating]:
+def guides(measurement: Measurement) -> NDArray[np.floating]:
     """Guides (6, H, W): log amplitude, coherence, and the cosine and sine of both slopes.
 
     The wrapped phase steps at every wrap and cannot guide. Its slope can: along an axis, the angle
-    of ``sum p(x+1) conj p(x)`` over a window, p the phasor of the lowest frequency. The coherence,
-    the length of that sum over the sum of lengths, sinks at edges.
+    of ``sum p(x+1) conj p(x)`` over 11 x 11 px, p the phasor of the lowest frequency. Coherence, the
+    length of that sum over the sum of lengths, sinks at edges.
     """
     amplitude = np.nan_to_num(measurement.amplitude[:2].astype(float), posinf=0, neginf=0)
     phase = np.nan_to_num(measurement.phase[0].astype(float), posinf=0, neginf=0)
@@ -117,7 +104,7 @@ def guides(measurement: Measurement, *, window: int = 11) -> NDArray[np.floating
         pairs = np.zeros_like(phasor)
         ahead, behind = np.moveaxis(phasor, axis, 0)[1:], np.moveaxis(phasor, axis, 0)[:-1]
         np.moveaxis(pairs, axis, 0)[:-1] = ahead * np.conj(behind)
-        total, length = box(pairs, window), box(np.abs(pairs), window)
+        total, length = box(pairs, 11), box(np.abs(pairs), 11)
         coherence *= np.divide(np.abs(total), length, out=np.zeros_like(length), where=length > 0)
         slope = np.divide(total, np.abs(total), out=np.zeros_like(total), where=total != 0)
         slopes += [slope.real, slope.imag]
@@ -140,16 +127,14 @@ def guided_filter(
     def mean(image: NDArray[Any]) -> NDArray[Any]:
         return box(weight * image, window) / total
 
-    middle, centre = np.stack([mean(one) for one in guide]), mean(values)
-    count = len(guide)
-    spread = np.empty((*values.shape, count, count))
+    middle, centre, count = np.stack([mean(one) for one in guide]), mean(values), len(guide)
+    spread = smoothing * np.broadcast_to(np.eye(count), (*values.shape, count, count))
     for i in range(count):
-        for j in range(i, count):
-            spread[..., i, j] = mean(guide[i] * guide[j]) - middle[i] * middle[j]
+        for j in range(i + 1):
+            spread[..., i, j] += mean(guide[i] * guide[j]) - middle[i] * middle[j]
             spread[..., j, i] = spread[..., i, j]
-    spread[..., range(count), range(count)] += smoothing
     shared = np.stack([mean(g * values) - m * centre for g, m in zip(guide, middle, strict=True)])
-    both = np.stack([np.moveaxis(shared.real, 0, -1), np.moveaxis(shared.imag, 0, -1)], axis=-1)
+    both = np.moveaxis(np.stack([shared.real, shared.imag], axis=-1), 0, -2)
     fit = np.linalg.solve(spread, both)  # (H, W, G, 2)
     slope = np.moveaxis(fit[..., 0] + 1j * fit[..., 1], -1, 0)
     result = mean(centre - (slope * middle).sum(axis=0))
@@ -171,21 +156,17 @@ def beat_depth(phase: NDArray[np.floating], measurement: Measurement) -> NDArray
     return within_range(middle + turns * wrap_length(synthetic.frequency), measurement)
 
 
-def _coherence(
+def _averaged(
     mean: NDArray[np.complexfloating],
-    power: NDArray[np.floating],
+    size: NDArray[np.floating],
     window: int,
     measurement: Measurement,
-) -> NDArray[np.floating]:
-    """Odds that the averaged beat lies within half a wrap, from the scatter about its mean."""
+) -> Estimate:
+    """Estimate of an averaged beat; its scatter gives the odds that it is right to half a wrap."""
     low, high = (float(f) for f in measurement.frequencies[:2])
-    coherent = np.abs(mean) ** 2
+    coherent, power = np.abs(mean) ** 2, box(size**2, window)
     scatter = np.maximum(power - coherent, 0) if window > 1 else power
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.sqrt(scatter / (2 * window**2) / coherent)
-    return np.nan_to_num(wrap_probability(0, spread, frequencies=(low, high)), nan=0.0)
-
-
-def _check_window(window: int) -> None:
-    if window < 1 or window % 2 == 0:
-        raise ValueError(f"Expected an odd window of 1 px or more, got {window}. Try {WINDOW}.")
+    odds = np.nan_to_num(wrap_probability(0, spread, frequencies=(low, high)), nan=0.0)
+    return Estimate(beat_depth(np.angle(mean), measurement), odds)

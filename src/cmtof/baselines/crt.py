@@ -13,13 +13,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from cmtof.baselines import Estimate, phase_noise, within_range, wraps_in_range
-from cmtof.correlation import (
-    TAU,
-    depth_from_phase,
-    depth_from_wraps,
-    phase_from_depth,
-    wrap_length,
-)
+from cmtof.correlation import TAU, depth_from_phase, depth_from_wraps, wrap_length
 from cmtof.measurement import Measurement
 
 
@@ -42,7 +36,6 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
 
     ``q = round((r_2 - r_1) / M)``, ``n_1 = q k_2^{-1} mod k_1``. Depths run over the whole
     ``c / 2g``, 15 m for the prototype, whatever the range.
-
     """
     low, high = (round(f) for f in measurement.frequencies[:2])
     common = gcd(low, high)
@@ -63,19 +56,6 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     spread = np.maximum(np.hypot(*noise), 1e-12)
     off = (second - first) - q * unit
     return Estimate(depth, ndtr((unit / 2 - off) / spread) - ndtr((-unit / 2 - off) / spread))
-
-
-def remainder_bound(frequencies: tuple[float, float]) -> float:
-    """Largest phase error at the lower frequency that the closed form survives, M/4, in rad.
-
-    Examples
-    --------
-    >>> round(1e3 * remainder_bound((7.15e9, 14.32e9)), 2)  # mrad
-    1.1
-    """
-    low, high = (round(f) for f in frequencies)
-    unit = wrap_length(low) / (high // gcd(low, high))
-    return float(phase_from_depth(unit / 4, low))
 
 
 def nearest_wrap(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

@@ -17,9 +17,7 @@ Adapted to two frequencies a GHz apart:
   the winner in the density of all wraps.
 """
 
-from collections import deque
 from collections.abc import Iterator
-from itertools import chain, repeat
 from math import ceil
 
 import numpy as np
@@ -43,13 +41,8 @@ def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIU
     """Wrap of each pixel whose depth is the densest among those of its neighbours.
 
     ``kernel`` is the width h along depth, wraps of the lower frequency; ``radius`` that of the
-    Gaussian window, px, with half of it as sigma. Raises a ValueError if one is out of bounds.
+    Gaussian window, px, with half of it as sigma.
     """
-    if not (0.01 <= kernel < np.inf and radius >= 0):
-        raise ValueError(
-            f"Expected a kernel of 0.01 wraps or more and a radius of 0 px or more, got "
-            f"{kernel:g} and {radius}. Try {KERNEL} and {RADIUS}."
-        )
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
     label, best, total = _densest(measurement, kernel, radius)
@@ -62,11 +55,9 @@ def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIU
     return Estimate(fused_depth(measurement, wraps, residual), confidence)
 
 
-def kde_tuned(
-    measurement: Measurement, *, kernel: float = TUNED_KERNEL, radius: int = TUNED_RADIUS
-) -> Estimate:
+def kde_tuned(measurement: Measurement) -> Estimate:
     """The method `kde` with the kernel and the window that did best on validation rooms."""
-    return kde(measurement, kernel=kernel, radius=radius)
+    return kde(measurement, kernel=TUNED_KERNEL, radius=TUNED_RADIUS)
 
 
 def hypotheses(measurement: Measurement) -> Iterator[NDArray[np.float32]]:
@@ -106,25 +97,25 @@ def _densest(
     cubic = _cubic_shares(u * nodes, nodes)
     taps = cv2.getGaussianKernel(2 * radius + 1, max(radius / 2, 0.5), cv2.CV_32F)
     none = np.zeros_like(u)
-    label, best, total = np.zeros(u.shape, np.int64), none.copy(), none.copy()
-    weights = deque([none] * (2 * reach + 1), 2 * reach + 1)
-    here, ahead = [none] * nodes, [none] * nodes
-    coming = chain(hypotheses(measurement), repeat(none, reach + 2))
-    for n, weight in enumerate(coming, start=-reach):
-        weights.append(weight)
-        if n < -1:
-            continue
-        last, here = here[-1], ahead
-        around = np.stack(weights)
+    beyond = [none] * (reach + 1)
+    weights = [*beyond, *hypotheses(measurement), *beyond]
+
+    def images_of(n: int) -> list[NDArray[np.float32]]:
+        """Blurred images of the nodes of wrap n."""
+        around = np.stack(weights[n + 1 : n + 2 * reach + 2])
         images = (np.einsum("khw,khw->hw", around, one) for one in kernels)
         edge = cv2.BORDER_CONSTANT
-        ahead = [cv2.sepFilter2D(one, -1, taps, taps, borderType=edge) for one in images]
-        if n < 1:
-            continue  # the nodes of the wrap n - 1 are complete with the first ones of n
-        density = np.einsum("mhw,mhw->hw", cubic, np.stack([last, *here, *ahead[:2]]))
+        return [cv2.sepFilter2D(one, -1, taps, taps, borderType=edge) for one in images]
+
+    label, best, total = np.zeros(u.shape, np.int64), none.copy(), none.copy()
+    before, here = images_of(-1), images_of(0)
+    for n in range(len(weights) - 2 * reach - 2):
+        ahead = images_of(n + 1)
+        density = np.einsum("mhw,mhw->hw", cubic, np.stack([before[-1], *here, *ahead[:2]]))
         density = np.maximum(density, 0)
-        label[density > best] = n - 1
+        label[density > best] = n
         best, total = np.maximum(best, density), total + density
+        before, here = here, ahead
     return label, best, total
 
 

@@ -1,7 +1,9 @@
 """References that know a part of the truth: what is left to find, and how well it can be found.
 
 `reference_depth` reads the true depth against the measured phase. The others know the shape of
-every true surface but not where it lies, and pool its phasors. They are references and no bounds:
+every true surface but not where it lies: both phasors are demodulated by the true depth,
+``a_i exp(i (phi_i - 4 pi f_i z / c))``, and summed over the surface. The low frequency's sum gives
+the offset within a wrap, the beat of both sums the whole wraps. They are references and no bounds:
 boundaries are lost, and so are small or dark surfaces that their neighbours could place.
 """
 
@@ -9,6 +11,8 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import fft2, fftfreq, next_fast_len
+from scipy.ndimage import find_objects, label
 
 from cmtof.baselines import Estimate, within_range
 from cmtof.baselines.beat import box, synthetic_frequency
@@ -22,9 +26,8 @@ from cmtof.correlation import (
     phase_from_depth,
 )
 from cmtof.measurement import Measurement
+from cmtof.scenes.statistics import BEND, bends
 
-STEP = 4e-3
-"""Second difference of depth that ends a surface, m."""
 SIDE = 281
 """Receptive field of the paper's network as built here, px."""
 
@@ -44,80 +47,56 @@ def reference_depth(measurement: Measurement) -> Estimate:
 
 
 def reference_offset(measurement: Measurement) -> Estimate:
-    """True surfaces, one unknown offset each, found by the beat of the summed phasors.
-
-    Both phasors are demodulated by the true depth, ``a_i exp(i (phi_i - 4 pi f_i z / c))``, and
-    summed over each surface. The low frequency's sum gives the offset within a wrap, the beat of
-    both sums the whole wraps. A pixel of a boundary belongs to no surface and has its own beat.
-    """
-    truth = _truth(measurement)
-    return _placed(measurement, np.nan_to_num(truth), surfaces(truth)[0])
+    """True surfaces, one unknown offset each, found by the beat of the summed phasors."""
+    return _pooled(measurement, surfaces(_truth(measurement)))
 
 
 def reference_contact(measurement: Measurement) -> Estimate:
     """True bodies, across creases, one unknown offset each: as `reference_offset` for `bodies`."""
-    truth = _truth(measurement)
-    return _placed(measurement, np.nan_to_num(truth), bodies(truth))
+    return _pooled(measurement, bodies(_truth(measurement)))
 
 
 def reference_plane(measurement: Measurement) -> Estimate:
     """True surfaces, one unknown offset and tilt each; the tilt is that of `tilt_of`."""
     low, high = (float(f) for f in measurement.frequencies[:2])
-    shape, surface = np.nan_to_num(_truth(measurement)), surfaces(_truth(measurement))[0]
-    tilt, phasors = np.zeros(shape.shape), _demodulated(measurement, shape)
+    surface, phasors = surfaces(_truth(measurement)), _demodulated(measurement)
+    tilt = np.zeros(measurement.shape)
     for place, inside in _pieces(surface):
-        ours = np.where(inside, phasors[:, *place], 0)
-        tilt[place][inside] = tilt_of(ours, high / low)[inside]
-    return _placed(measurement, shape + depth_from_phase(tilt, low), surface)
+        tilt[place][inside] = tilt_of(np.where(inside, phasors[:, *place], 0), high / low)[inside]
+    return _pooled(measurement, surface, depth_from_phase(tilt, low))
 
 
 def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
     """True surfaces, of which each pixel pools those within a square of an odd ``side``, px."""
-    if side < 1 or side % 2 == 0:
-        raise ValueError(f"Expected an odd side of 1 px or more, got {side}. Try {SIDE}.")
-    shape, surface = np.nan_to_num(_truth(measurement)), surfaces(_truth(measurement))[0]
-    first, second = (_pool_within(p, surface, side) for p in _demodulated(measurement, shape))
+    surface, shape = surfaces(_truth(measurement)), np.nan_to_num(_truth(measurement))
+    first, second = (_pool_within(p, surface, side) for p in _demodulated(measurement))
     return _located(measurement, shape, first, second, shape)
 
 
-def surfaces(
-    depth: NDArray[np.floating], step: float = STEP
-) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Number of each pixel's surface (H, W), every boundary pixel one of its own, and which are.
+def surfaces(depth: NDArray[np.floating]) -> NDArray[np.intp]:
+    """Number of each pixel's surface (H, W): pixels connected between `bends`, or one that bends.
 
-    A surface is a connected component of pixels whose second differences of depth stay within
-    ``step``, m, along both axes. Pixels of unknown depth are boundaries.
+    A pixel of a boundary belongs to no surface and has its own beat.
     """
-    from scipy.ndimage import label
-
-    smooth = np.isfinite(depth)
-    for axis in (0, 1):
-        if depth.shape[axis] > 2:
-            inner = (slice(None),) * axis + (slice(1, -1),)
-            smooth[inner] &= np.abs(np.diff(depth, n=2, axis=axis)) <= step
-    numbers = np.zeros(depth.shape, np.intp)
-    label(smooth, output=numbers)
-    numbers[~smooth] = numbers.max() + 1 + np.arange(np.count_nonzero(~smooth))
-    return numbers - 1, ~smooth
+    boundary, numbers = bends(depth), np.zeros(depth.shape, np.intp)
+    label(~boundary, output=numbers)
+    numbers[boundary] = numbers.max() + 1 + np.arange(np.count_nonzero(boundary))
+    return numbers - 1
 
 
-def bodies(depth: NDArray[np.floating], step: float = STEP) -> NDArray[np.intp]:
+def bodies(depth: NDArray[np.floating]) -> NDArray[np.intp]:
     """Number of each pixel's body (H, W): components of pixels without a jump between them.
 
-    A step between neighbours is no jump if it differs by at most ``step``, m, from none, or from
-    the step before or behind it: across a crease it does from one of them.
+    A step between neighbours is no jump if it differs by at most 4 mm from none, or from the step
+    before or behind it: across a crease it does from one of them.
     """
     links = []
     for axis in (0, 1):
-        steps = np.diff(depth, axis=axis)
-        least = abs(steps)
-        if steps.shape[axis] > 1:
-            bend = abs(np.diff(steps, axis=axis))
-            for side in ((1, 0), (0, 1)):
-                width = [(0, 0), (0, 0)]
-                width[axis] = side
-                least = np.fmin(least, np.pad(bend, width, constant_values=np.inf))
-        links.append(least <= step)
+        steps = np.moveaxis(np.diff(depth, axis=axis), axis, 0)
+        least, bend = abs(steps), abs(np.diff(steps, axis=0))
+        for side in (np.s_[1:], np.s_[:-1]):
+            least[side] = np.fmin(least[side], bend)
+        links.append(np.moveaxis(least <= BEND, 0, axis))
     return components(*links)
 
 
@@ -128,34 +107,31 @@ def tilt_of(phasors: NDArray[np.complexfloating], ratio: float) -> NDArray[np.fl
     with r_i = 1 and ``ratio`` = f_2 / f_1: the largest bin of both spectra, then Newton steps. The
     ``phasors`` (2, H, W) are zero outside of the surface.
     """
-    from scipy.fft import fft2, fftfreq, next_fast_len
-
-    power = np.sum(np.abs(phasors) ** 2, axis=(1, 2))
-    scaled = phasors / np.sqrt(np.where(power > 0, power, 1))[:, None, None]
-    weight = np.sum(np.abs(scaled), axis=0)
+    power = np.sum(np.abs(phasors) ** 2, axis=(1, 2), keepdims=True)
+    scaled = phasors / np.sqrt(np.where(power > 0, power, 1))
+    weight, ratios = np.sum(np.abs(scaled), axis=0), np.array([1.0, ratio])
     mass = weight.sum() or 1.0
-    axes = [x - (weight * x).sum() / mass for x in np.indices(weight.shape, dtype=float)]
+    axes = np.stack([x - (weight * x).sum() / mass for x in np.indices(weight.shape, dtype=float)])
     sizes = [int(next_fast_len(2 * n) or 1) for n in weight.shape]
     first, second = np.abs(np.asarray(fft2(scaled.astype(np.complex64), sizes))) ** 2
     whole = [np.rint(fftfreq(n) * n) for n in sizes]
     rows, columns = (np.rint(ratio * k).astype(int) % n for k, n in zip(whole, sizes, strict=True))
     best = np.unravel_index(int(np.argmax(first + second[np.ix_(rows, columns)])), sizes)
     slopes = np.array([TAU * k[i] / n for k, i, n in zip(whole, best, sizes, strict=True)])
+    longest = np.pi / np.array(weight.shape)
     for _ in range(10):
-        gradient, bends = np.zeros(2), np.zeros((2, 2, 2))
-        for phasor, r in zip(scaled, (1.0, ratio), strict=True):
-            turned = phasor * np.exp(-1j * r * (slopes[0] * axes[0] + slopes[1] * axes[1]))
-            along = turned * np.conj(turned.sum())
-            for i, one in enumerate(axes):
-                gradient[i] += r * np.sum(along.imag * one)
-                for j, other in enumerate(axes):
-                    both = r**2 * one * other
-                    bends[:, i, j] += np.sum(along.real * both), np.sum(np.abs(along) * both)
+        plane = np.tensordot(slopes, axes, 1)
+        turned = scaled * np.exp(-1j * ratios[:, None, None] * plane)
+        along = turned * np.conj(turned.sum(axis=(1, 2), keepdims=True))
+        gradient = np.einsum("f,fyx,iyx->i", ratios, along.imag, axes)
+        curved = [
+            np.einsum("yx,iyx,jyx->ij", np.tensordot(ratios**2, part, 1), axes, axes)
+            for part in (along.real, np.abs(along))
+        ]
         # off the summit the curvature may change sign; that of aligned phasors never does
-        bend = next((b for b in bends if np.linalg.eigvalsh(b)[0] > 0), np.eye(2))
-        longest = np.pi / np.array(weight.shape)
+        bend = next((b for b in curved if np.linalg.eigvalsh(b)[0] > 0), np.eye(2))
         slopes = slopes + np.clip(np.linalg.solve(bend, gradient), -longest, longest)
-    return slopes[0] * axes[0] + slopes[1] * axes[1]
+    return np.tensordot(slopes, axes, 1)
 
 
 def _truth(measurement: Measurement) -> NDArray[np.floating]:
@@ -164,20 +140,24 @@ def _truth(measurement: Measurement) -> NDArray[np.floating]:
 
 
 def _demodulated(
-    measurement: Measurement, depth: NDArray[np.floating]
+    measurement: Measurement, tilt: NDArray[np.floating] | float = 0.0
 ) -> NDArray[np.complexfloating]:
-    """Phasors (2, H, W) turned back by a depth, counts; zero where not finite."""
-    turned = phase_from_depth(depth, measurement.frequencies[:2, None, None])
+    """Phasors (2, H, W) turned back by the true depth and a tilt, m; zero where not finite."""
+    shape = np.nan_to_num(_truth(measurement)) + tilt
+    turned = phase_from_depth(shape, measurement.frequencies[:2, None, None])
     with np.errstate(invalid="ignore"):
         phasors = measurement.amplitude[:2] * np.exp(1j * (measurement.phase[:2] - turned))
     return np.where(np.isfinite(phasors), phasors, 0)
 
 
-def _placed(
-    measurement: Measurement, shape: NDArray[np.floating], surface: NDArray[np.intp]
+def _pooled(
+    measurement: Measurement,
+    surface: NDArray[np.intp],
+    tilt: NDArray[np.floating] | float = 0.0,
 ) -> Estimate:
-    """Estimate of shapes (H, W), m, each surface moved to where its summed phasors place it."""
-    phasors = _demodulated(measurement, shape)
+    """Estimate of true shapes and tilts, m: each surface where its summed phasors place it."""
+    shape = np.nan_to_num(_truth(measurement)) + tilt
+    phasors = _demodulated(measurement, tilt)
     first, second = (Pooled(*(one[surface] for one in pool(p, surface))) for p in phasors)
     counted = np.isfinite(_truth(measurement)) & measurement.mask
     return _located(measurement, shape, first, second, mean_over(shape, surface, counted)[surface])
@@ -226,8 +206,6 @@ def _pieces(
     surface: NDArray[np.intp],
 ) -> Iterator[tuple[tuple[slice, slice], NDArray[np.bool_]]]:
     """Bounding box of each surface of two pixels and more, and which pixels in it are its own."""
-    from scipy.ndimage import find_objects
-
     size = np.bincount(surface.ravel())
     number = np.where(size > 1, np.cumsum(size > 1), 0)[surface]  # single pixels need no box
     for k, place in enumerate(find_objects(number), start=1):

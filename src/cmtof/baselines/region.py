@@ -9,6 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from cmtof.baselines import Estimate, within_range
 from cmtof.baselines.beat import beat_depth, beat_phasor, guides, synthetic_frequency
@@ -58,9 +61,6 @@ def region(measurement: Measurement) -> Estimate:
     """
     low, high = (float(f) for f in measurement.frequencies[:2])
     synthetic, mask = synthetic_frequency(low, high), measurement.mask
-    if not mask.any():
-        middle = sum(measurement.range) / 2
-        return Estimate(np.full(mask.shape, middle), np.zeros(mask.shape))
     phase = relative_phase(measurement)
     bright, coherent = guides(measurement)[:2]
     inside = mask & (coherent >= COHERENCE)
@@ -86,9 +86,7 @@ def relative_phase(measurement: Measurement) -> NDArray[np.floating]:
 
     mask = measurement.mask
     phase = np.where(mask, np.nan_to_num(measurement.phase[0]), 0.0).astype(float)
-    if not mask.any():
-        return phase
-    if 1 in mask.shape:  # scikit-image unwraps no lines
+    if 1 in mask.shape or not mask.any():  # scikit-image unwraps no lines
         phase[mask] = np.unwrap(phase[mask])
         return phase
     return np.asarray(np.ma.filled(unwrap_phase(np.ma.masked_array(phase, ~mask), rng=0), 0.0))
@@ -103,9 +101,6 @@ def components(down: NDArray[np.bool_], across: NDArray[np.bool_]) -> NDArray[np
     array([[0, 0, 1],
            [0, 0, 1]])
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     shape = (across.shape[0], down.shape[1])
     index = np.arange(shape[0] * shape[1]).reshape(shape)
     rows = np.concatenate([index[:-1][down], index[:, :-1][across]])
@@ -159,10 +154,6 @@ def mean_over(
 
 def nearest(wanted: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Row and column (H, W) of the wanted pixel nearest to each; its own if none is wanted."""
-    from scipy.ndimage import distance_transform_edt
-
     if not wanted.any():
-        row, column = np.indices(wanted.shape)
-    else:
-        row, column = distance_transform_edt(~wanted, return_distances=False, return_indices=True)
-    return row, column
+        return tuple(np.indices(wanted.shape))
+    return tuple(distance_transform_edt(~wanted, return_distances=False, return_indices=True))
