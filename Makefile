@@ -42,7 +42,7 @@ figures: book ## Accept the figures and numbers of the build into figures/
 
 test: setup ## Build the book with the small ci profile, then run the tests
 	@$(call build,ci)
-	@$(BIN)/python -m pytest -m "not slow"
+	@$(BIN)/python -m pytest -m "not slow" -n $(CORES)
 
 test-slow: setup ## The long tests: kills at random moments, sweeps over seeds, every page
 	@$(BIN)/python -m pytest -m slow
