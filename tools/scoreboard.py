@@ -13,20 +13,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cmtof.book.paper import (
+    WORST_FIRST,
     Outcome,
     Published,
+    claims,
     published,
     published_numbers,
     quantity_text,
     read_checks,
+    training_text,
 )
-
-# from the one that must not be missed to the one that needs no look
-WORST_FIRST: tuple[Outcome, ...] = ("contradicted", "untested", "reproduced", "input")
 
 MEANING: dict[Outcome, str] = {
     "reproduced": "Ours lies within the tolerance of the paper's number.",
-    "contradicted": "Ours, in simulation, lies outside; the ratio tells by how much. "
+    "contradicted": "Ours, in simulation, lies outside; the ratio says by how much. "
     "Where the paper is at fault, the {doc}`errata <../notebooks/22_errata>` say so.",
     "untested": "No result of ours can be held against it; the note says why.",
     "input": "A setting of the paper, typed in. It is no result of either side.",
@@ -40,12 +40,17 @@ SPACE = "\N{NO-BREAK SPACE}"
 
 HEAD = """# Scoreboard
 
-The numbers that the paper {{cite}}`baek2023` prints, and what this book found instead of it.
+The paper's {{cite}}`baek2023` ten main claims, and what this book found, in simulation.
+A claim has the worst verdict of the numbers on which it rests.
+
+{claims}
+
+{meanings}
+
+The numbers below fold out: all that the paper prints, a heading for each figure and table.
 The page is written with each build, from the checks of {runs} runs.
 
 {summary}
-
-{meanings}
 
 The tolerance stands beside the paper's number, the ratio of ours to the paper's beside ours.
 Unless a note says otherwise the tolerance is half a unit of the last digit printed.
@@ -61,6 +66,7 @@ class Run:
     profile: str
     seed: int
     version: str
+    crops: int
 
     def link(self) -> str:
         """Return a link to the chapter, or a plain name for a folder that is none."""
@@ -91,13 +97,34 @@ def page(
         groups.setdefault(number.key.partition(".")[0], []).append(number)
     runs = {run for _, run in found.values()}
     meanings = "\n".join(f"- **{name}**: {text}" for name, text in MEANING.items())
-    parts = [HEAD.format(runs=len(runs), summary=summary(found), meanings=meanings)]
-    parts.append(coverage_section(results, notebooks))
+    filled = {"summary": summary(found), "claims": claims_table(found)}
+    parts = [HEAD.format(runs=len(runs), meanings=meanings, **filled)]
     parts += [section(name, groups[name], found) for name in sorted(groups, key=_order)]
-    ordered = sorted(runs, key=lambda run: (run.notebook, run.profile, run.seed, run.version))
+    parts.append(coverage_section(results, notebooks))
+    rows = {f"| {run.link()} | {run.profile} | {run.seed} | {run.version} |" for run in runs}
     head = ["## Runs", "", "| chapter | profile | seed | version |", "| :-- | :-- | --: | :-- |"]
-    rows = [f"| {run.link()} | {run.profile} | {run.seed} | {run.version} |" for run in ordered]
-    return "\n".join([*parts, *head, *rows, ""])
+    return "\n".join([*parts, *head, *sorted(rows), ""])
+
+
+def claims_table(found: Found) -> str:
+    """Return the table of claims: what the paper says, what we found, and where."""
+    values, rows = {key: value for key, (value, _) in found.items()}, []
+    for claim in claims():
+        ours, places = [], []
+        for key in claim.keys:
+            if key in found:
+                value, run = found[key]
+                ours.append(quantity_text(value, published(key).unit) + training_text(run.crops))
+                places.append(run.link())
+        cells = "<br>".join(ours) or NO_CHECK, ", ".join(dict.fromkeys(places))
+        rows.append(f"| {claim.text} | {cells[0]} | {badge(claim.outcome(values))} | {cells[1]} |")
+    head = ["| the paper | this book | verdict | chapter |", "| :-- | :-- | :-- | :-- |"]
+    return "\n".join([*head, *rows])
+
+
+def badge(said: str) -> str:
+    """Return a verdict as a word in its colour."""
+    return f'<span class="verdict {said}">{said}</span>'
 
 
 def found_in(checks: Iterable[Path]) -> Found:
@@ -109,7 +136,8 @@ def found_in(checks: Iterable[Path]) -> Found:
             said = published(key).outcome  # computed again
             rank = WORST_FIRST.index(said(value))
             if key not in found or rank < WORST_FIRST.index(said(found[key][0])):
-                run = Run(path.parent.name, record["profile"], record["seed"], record["version"])
+                about = (record[name] for name in ("profile", "seed", "version", "crops"))
+                run = Run(path.parent.name, *about)
                 found[key] = (value, run)
     return found
 
@@ -129,9 +157,11 @@ def section(group: str, numbers: list[Published], found: Found) -> str:
     notes: dict[str, str] = {}
     rows = [row(number, found, notes) for number in numbers]
     name, digits = _split(group)
-    head = [f"## {GROUPS[name]} {digits}".rstrip(), "", "```{table}", ":class: scoreboard", ""]
-    table = ["| number | paper | ours |", "| :-- | :-- | :-- |", *rows, "```", ""]
-    return "\n".join([*head, *table, *(f"**{c}** {text}\n" for text, c in notes.items())])
+    said = Counter(number.outcome(*found.get(number.key, ())[:1]) for number in numbers)
+    counted = ", ".join(f"{said[one]} {one}" for one in WORST_FIRST if said[one])
+    head = [f":::{{dropdown}} {GROUPS[name]} {digits}".rstrip() + f": {counted}", ""]
+    table = ["| number | paper | ours | verdict |", "| :-- | :-- | :-- | :-- |", *rows, ""]
+    return "\n".join([*head, *table, *(f"**{c}** {text}\n" for text, c in notes.items()), ":::\n"])
 
 
 def row(number: Published, found: Found, notes: dict[str, str]) -> str:
@@ -141,18 +171,19 @@ def row(number: Published, found: Found, notes: dict[str, str]) -> str:
     missing = NO_CHECK if run is None and said == "untested" else ""
     texts = [number.untested or missing, number.note]
     texts.append(f"Erratum {number.erratum}." if number.erratum is not None else "")
+    verdict, ours = badge(said), ""
     if note := " ".join(filter(None, texts)):
-        said += f"{SPACE}<sup>{notes.setdefault(note, chr(ord('a') + len(notes)))}</sup>"
+        verdict += f"{SPACE}<sup>{notes.setdefault(note, chr(ord('a') + len(notes)))}</sup>"
     if run:
-        ours = quantity_text(value, number.unit)
         ratio = "" if number.kind == "setting" else number.ratio(value)
-        ours += f"<br>{ratio}" if ratio else ""
-        said = f"{ours.replace(' ', SPACE)}<br>{said}<br>{run.link()}"
+        lines = filter(None, (quantity_text(value, number.unit), ratio))
+        ours = "<br>".join([*(line.replace(" ", SPACE) for line in lines), run.link()])
+        verdict += training_text(run.crops)
     # the key may break over lines, or a phone would have to scroll sideways
     key = re.sub(r"(\.|_(?!\d))", r"\1<wbr>", number.key.partition(".")[2])
     what = re.sub(r" ([<≥]) (?=\d)", rf"{SPACE}\1{SPACE}", number.what)
     paper = number.text(joint="<br>").replace(" ", SPACE)
-    return f"| {what}<br><code>{key}</code> | {paper} | {said} |"
+    return f"| {what}<br><code>{key}</code> | {paper} | {ours} | {verdict} |"
 
 
 def _split(group: str) -> tuple[str, str]:

@@ -6,6 +6,7 @@ that it touches; the verdict never stops a run. ``tools/scoreboard.py`` writes t
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -19,8 +20,14 @@ from matplotlib.ticker import EngFormatter
 
 from cmtof.book import provenance
 
+CROPS = 500_000
+"""On which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)."""
+
 Outcome = Literal["reproduced", "contradicted", "untested", "input"]
 """What came of holding a result against a published number."""
+
+WORST_FIRST: tuple[Outcome, ...] = ("contradicted", "untested", "reproduced", "input")
+"""From the one that must not be missed to the one that needs no look."""
 
 CHECKS = "checks.json"
 """Name of the file, in a run's output folder, that holds what was checked."""
@@ -69,10 +76,33 @@ class Published:
         return f"{_digits(value / self.value, 3)} ×" if known else ""
 
 
+@dataclass(frozen=True)
+class Claim:
+    """One of the paper's ten main claims, and the published numbers on which it rests."""
+
+    text: str
+    keys: tuple[str, ...]
+
+    def outcome(self, values: Mapping[str, float]) -> Outcome:
+        """Worst verdict of its numbers; one that no run computed is untested."""
+        said = (published(key).outcome(values.get(key, math.nan)) for key in self.keys)
+        return min(said, key=WORST_FIRST.index)
+
+
+@cache
+def _document() -> dict[str, Any]:
+    return yaml.safe_load(files("cmtof.book").joinpath("paper.yml").read_text("utf-8"))
+
+
+def claims() -> list[Claim]:
+    """The ten claims, in the order of the paper."""
+    return [Claim(text, tuple(keys)) for text, keys in _document()["_claims"].items()]
+
+
 @cache
 def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
-    entries = yaml.safe_load(files("cmtof.book").joinpath("paper.yml").read_text("utf-8"))
+    entries = {key: held for key, held in _document().items() if not key.startswith("_")}
     flat: dict[str, dict[str, Any]] = {}
     for key, fields in entries.items():
         if "rows" not in fields:
@@ -82,7 +112,6 @@ def published_numbers() -> dict[str, Published]:
             for (column, title), value in zip(fields["columns"].items(), values, strict=True):
                 one = {"value": value, "what": f"{name}, {title}", **fields["about"]}
                 flat[f"{key}.{row}.{column}"] = one
-    del flat["_shared"]
     found = {}
     for key, fields in flat.items():
         scale = {"absolute": 1.0, "relative": abs(fields["value"])}
@@ -106,20 +135,26 @@ def published(key: str) -> Published:
     return numbers[key]
 
 
-def check(key: str, value: float) -> None:
+def check(key: str, value: float, *, crops: int = 0) -> None:
     """Hold a result against the paper, print one line, and note it for the scoreboard.
 
     ``value`` is in the unit of the published number; ValueError if ``paper.yml`` lacks the key.
+    ``crops`` are those that a network was trained on; the verdict names them beside the paper's.
     """
     number, value = published(key), float(value)
     said, ratio = number.outcome(value), number.ratio(value)
     ours = quantity_text(value, number.unit) + (f" ({ratio})" if ratio else "")
-    print(f"{key}: paper {number.text()}, ours {ours}: {said}")
+    print(f"{key}: paper {number.text()}, ours {ours}: {said}{training_text(crops)}")
     path = provenance.output_folder() / CHECKS
     records = read_checks(path) if path.exists() else {}
     kept = value if math.isfinite(value) else None
-    records[key] = {"value": kept, "verdict": said, **provenance.as_dict()}
+    records[key] = {"value": kept, "verdict": said, "crops": crops, **provenance.as_dict()}
     provenance.write_json(path, dict(sorted(records.items())))
+
+
+def training_text(crops: int) -> str:
+    """Addition to the verdict on a network: its training beside the paper's."""
+    return f" after {crops:,} crops of the paper's {CROPS:,}" if crops else ""
 
 
 def read_checks(path: Path) -> dict[str, dict[str, Any]]:
