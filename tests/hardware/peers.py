@@ -1,11 +1,13 @@
-"""Other ends for the drivers: strict dialogues, and a T7 on pymodbus' own server."""
+"""Other ends for the drivers: small models of the devices, behind wires that can fail."""
 
 import asyncio
 import gc
-import socket
 import struct
 import threading
 import warnings
+from binascii import crc_hqx
+from contextlib import contextmanager
+from types import SimpleNamespace
 
 import numpy as np
 import serial
@@ -16,245 +18,268 @@ from pymodbus.simulator import DataType, SimData, SimDevice
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 
-from cmtof.hardware.t7 import REGISTERS, feedback_class
+from cmtof.hardware.rf import framed
+from cmtof.hardware.t7 import REGISTERS, Feedback
 
 
-class Dialogue:
-    """A VISA resource that expects one dialogue, (sent, replies) pairs in their order.
+class Wire:
+    """Requests to a model; those that hold ``marker`` meet a fault, so many times."""
 
-    A reply is text, or an exception that is raised in its place; `finish` fails on leftovers.
-    """
+    def __init__(self, answer):
+        self.answer, self.sent, self.marker, self.fault, self.times = answer, [], b"", b"", 0
 
-    timeout = 1000
+    def fail(self, marker, fault, times=10**9):
+        self.marker, self.fault, self.times = marker, fault, times
 
-    def __init__(self, *pairs):
-        self.pairs, self.replies, self.closed = list(pairs), [], False
-
-    def write(self, text):
-        assert not self.replies, f"{text} sent while {self.replies} was not read"
-        assert self.pairs, f"{text} sent behind the end of the dialogue"
-        wanted, reply = self.pairs.pop(0)
-        assert text == wanted
-        if isinstance(reply, Exception):
-            raise reply
-        self.replies = [] if reply is None else [reply]
-
-    def read(self):
-        if not self.replies:
-            raise VisaIOError(StatusCode.error_timeout)
-        reply = self.replies.pop(0)
-        if isinstance(reply, Exception):
-            raise reply
-        return reply
-
-    def close(self):
-        self.closed = True
-
-    def finish(self):
-        assert not self.pairs
-        assert not self.replies
+    def __call__(self, request):
+        self.sent.append(request)
+        if not self.times or self.marker not in request:
+            return self.answer(request)
+        self.times -= 1
+        if isinstance(self.fault, Exception):
+            raise self.fault
+        return self.fault
 
 
 class Port:
     """A serial port on pyserial's ``loop://``: what is written is answered by a function."""
 
     def __init__(self, answer):
-        self._loop = serial.serial_for_url("loop://", timeout=0.02)
-        self._answer, self.sent = answer, []
+        self._loop, self._answer = serial.serial_for_url("loop://", timeout=0.02), answer
 
     def write(self, data):
-        self.sent.append(data)
-        reply = self._answer(data)
-        if isinstance(reply, Exception):
-            raise reply
-        self._loop.write(reply)
+        self._loop.write(self._answer(data))
 
     def __getattr__(self, name):
         return getattr(self._loop, name)
 
 
-def script(*pairs):
-    """Port that expects one dialogue; `finish` fails on leftovers."""
-    left = list(pairs)
+class Visa:
+    """A VISA resource: what is written is answered by a function, in bytes too."""
 
-    def answer(data):
-        assert left, f"{data!r} sent behind the end of the dialogue"
-        wanted, reply = left.pop(0)
-        assert data == wanted
-        return reply
+    def __init__(self, answer):
+        self._answer, self.lines = lambda text: answer(text.encode()), []
 
-    port = Port(answer)
-    port.finish = lambda: not left or (_ for _ in ()).throw(AssertionError(left))
-    return port
+    def write(self, text):
+        self.lines += [line for line in self._answer(text).decode().split("\n") if line]
 
+    def read(self):
+        if not self.lines:
+            raise VisaIOError(StatusCode.error_timeout)
+        return self.lines.pop(0)
 
-def timeout():
-    """What pyvisa raises when nothing comes."""
-    return VisaIOError(StatusCode.error_timeout)
+    def close(self):
+        self.lines = []
 
 
-def lost():
-    """What pyvisa raises when the other end has gone."""
-    return VisaIOError(StatusCode.error_connection_lost)
+class Modbus:
+    """A pymodbus client of a T7 in process: function 76 is answered by a function."""
+
+    def __init__(self, answer):
+        self._answer = answer
+
+    def execute(self, no_response, request):
+        return SimpleNamespace(data=self._answer(request.data), isError=lambda: False)
+
+    def close(self):
+        """Nothing is open."""
 
 
-class T7Peer:
-    """A T7: its map on pymodbus' server, function 76, and stream packets on a second port.
+@contextmanager
+def dialogue(kind, *pairs):
+    """Port or resource that holds one dialogue of (sent, reply), and no other."""
+    heard, replies = [], [reply for _, reply in pairs]
 
-    ``fault`` may be "drop" (answer nothing), "garbage", "refuse" or "hang up" for the next
-    requests, or "lost packet", "skipped", "short" for the next burst.
+    def answer(request):
+        heard.append(request)
+        return replies.pop(0) if replies else b""
+
+    yield kind(answer)
+    assert heard == [sent for sent, _ in pairs]
+
+
+class Firmware:
+    """An RF driver's firmware: switches, numbers, lock, table."""
+
+    model = "CMTOF-RF"
+
+    def __init__(self):
+        self.state, self.values = {"RF": "OFF", "TRIG": "OFF"}, {}
+        self.locked, self.table = True, []
+
+    def __call__(self, line):
+        head, word, *arguments = line.decode().rpartition("*")[0].split()
+        return framed(f"<{head[1:]} OK {self.answer(word, arguments)}".strip())
+
+    def answer(self, word, arguments):
+        if word in self.state:
+            self.state[word] = arguments[0]
+        elif word == "TABL":
+            self.table = [int(code) for code in arguments[1:]]
+        elif word == "SAFE":
+            self.state = {"RF": "OFF", "TRIG": "OFF"}
+        elif arguments:
+            self.values[word] = arguments[0]
+        check = crc_hqx(b"".join(code.to_bytes(2, "big") for code in self.table), 0xFFFF)
+        lock = int(self.locked and self.state["RF"] == "ON")
+        replies = {
+            "ID?": f"{self.model},R0001,1.2",
+            "LOCK?": f"{lock} -5e6 10.0",
+            "STAT?": f"{self.state['RF']} {lock} 0 16 0",
+            "TABL?": f"{len(self.table)} {check:04X}",
+        }
+        return replies.get(word, arguments[0] if arguments else "")
+
+
+HOMED, MOVING, ERROR = 1 << 10, 1 << 4, 1 << 14
+
+
+class Controller:
+    """A KDC101: position, status bits, and messages that come unasked."""
+
+    model, serial = b"KDC101", 27000001
+
+    def __init__(self):
+        self.position, self.status, self.looks = 0, HOMED | 1 << 31, 0
+        self.deaf, self.moves = False, []
+
+    def __call__(self, data):
+        (number,) = struct.unpack_from("<H", data)
+        info = (self.serial, self.model, 16, 1, 1, 1, 1, b"", 1, 1, 1)
+        moving = MOVING if self.looks else 0
+        self.looks -= bool(self.looks and number == 0x0490)
+        answers = {
+            0x0005: (0x0006, "<l8sH4B60sHHH", *info),
+            0x0411: (0x0412, "<Hl", 1, self.position),
+            0x0414: (0x0415, "<H3l", 1, 0, 100, 10**8),
+            0x0490: (0x0491, "<HlhHL", 1, self.position, 0, 0, self.status | moving),
+        }
+        if number in (0x0443, 0x0453):
+            goal = struct.unpack_from("<Hl", data, 6)[1] if number == 0x0453 else 0
+            self.moves.append(goal)
+            if not self.deaf:
+                self.position, self.looks = goal, max(self.looks, 1)
+            return struct.pack("<HBBBB", 0x0464, 1, 0, 0x01, 0x50)  # comes unasked
+        if number == 0x0465:
+            self.looks = 0
+        if number not in answers:
+            return b""
+        reply, layout, *values = answers[number]
+        body = struct.pack(layout, *values)
+        return struct.pack("<HHBB", reply, len(body), 0x81, 0x50) + body
+
+
+class T7:
+    """Registers of a T7, function 76, and a burst's packets on ``stream``.
+
+    ``fault`` may be "lost", "skipped" or "short" for the next burst.
     """
 
     def __init__(self):
-        self.registers, self.written, self.fault, self.pulses = {}, [], "", 0
+        self.words, self.written, self.fault, self.pulses = {2007: 1}, [], "", 0
+        self.stream = serial.serial_for_url("loop://", timeout=0.02)
         self.set("PRODUCT_ID", 7.0)
-        self.set("TEST", 0x00112233)
         self.set("SERIAL_NUMBER", 470010001)
         self.set("FIRMWARE_VERSION", 1.0292)
-        self.flash = {0x3C4000: struct.pack(">4f", 3.16e-4, -3.16e-4, 33520.0, -10.6)}
-        self.registers[2000 + 7] = 1  # the interlock is closed
-        self._stream = socket.create_server(("127.0.0.1", 0))
-        self.stream = f"127.0.0.1:{self._stream.getsockname()[1]}"
-        self._clients = []
-        self._loop = asyncio.new_event_loop()
-        self._ready, self._connected = threading.Event(), threading.Event()
-        self._threads = [
-            threading.Thread(target=one, daemon=True) for one in (self._serve, self._accept)
-        ]
-        for thread in self._threads:
-            thread.start()
-        assert self._ready.wait(10)
+        self.set("INTERNAL_FLASH_READ", 3.16e-4, -3.16e-4, 33520.0)
 
-    def set(self, name, value):
+    def set(self, name, *values):
         """Set a register by name."""
         address, kind = REGISTERS[name]
-        words = struct.unpack(f">{struct.calcsize(kind) // 2}H", struct.pack(f">{kind}", value))
-        self.registers.update({address + n: word for n, word in enumerate(words)})
+        data = struct.pack(f">{kind}", *values)
+        words = struct.unpack(f">{len(data) // 2}H", data)
+        self.words.update({address + n: word for n, word in enumerate(words)})
 
     def get(self, name):
         """Value of a register by name."""
         address, kind = REGISTERS[name]
-        words = [self.registers.get(address + n, 0) for n in range(struct.calcsize(kind) // 2)]
+        words = [self.words.get(address + n, 0) for n in range(struct.calcsize(kind) // 2)]
         return struct.unpack(f">{kind}", struct.pack(f">{len(words)}H", *words))[0]
 
-    def _serve(self):
-        asyncio.set_event_loop(self._loop)
-        peer = self
-
-        class Feedback(feedback_class()):
-            async def datastore_update(self, context, device_id):
-                return peer.feedback(self)
-
-        async def values(function, start, address, count, registers, written):
-            if written is None:
-                return [self.registers.get(address + n, 0) for n in range(count)]
-            return None
-
-        async def start():
-            device = SimDevice(
-                1,
-                simdata=SimData(0, values=0, count=65535, datatype=DataType.REGISTERS),
-                action=values,
-            )
-            self._server = ModbusTcpServer(
-                device,
-                address=("127.0.0.1", 0),
-                custom_pdu=[Feedback],
-                trace_packet=self._trace,
-            )
-            await self._server.serve_forever(background=True)
-            port = self._server.transport.sockets[0].getsockname()[1]
-            self.address = f"127.0.0.1:{port}"
-            self._ready.set()
-
-        self._loop.create_task(start())
-        self._loop.run_forever()
-
-    def _trace(self, sending, data):
-        """Drop or garble what is sent."""
-        if sending and self.fault in ("drop", "garbage"):
-            fault, self.fault = self.fault, ""
-            return b"" if fault == "drop" else b"\xff" * len(data)
-        return data
-
-    def feedback(self, request):
-        """Do reads and writes in their order."""
-        if self.fault == "refuse":
-            self.fault = ""
-            self.set("LAST_ERR_DETAIL", 2605)
-            return ExceptionResponse(76, ExcCodes.DEVICE_BUSY)
-        data, reply, at = request.data, b"", 0
-        while at < len(data):
-            writes, address, count = struct.unpack_from(">BHB", data, at)
+    def __call__(self, frame):
+        reply, at = b"", 0
+        while at < len(frame):
+            writes, address, count = struct.unpack_from(">BHB", frame, at)
             at += 4
             if writes:
-                words = struct.unpack_from(f">{count}H", data, at)
+                self.write(address, struct.unpack_from(f">{count}H", frame, at))
                 at += 2 * count
-                self._write(address, words)
-            elif address == REGISTERS["INTERNAL_FLASH_READ"][0]:
-                block = self.flash.get(self.get("INTERNAL_FLASH_READ_POINTER"), b"\xff" * 16)
-                reply += block[: 2 * count]
-        return feedback_class()(reply)
+            else:
+                words = [self.words.get(address + n, 0) for n in range(count)]
+                reply += struct.pack(f">{count}H", *words)
+        return reply
 
-    def _write(self, address, words):
-        self.registers.update({address + n: word for n, word in enumerate(words)})
+    def write(self, address, words):
+        """Write neighbouring registers, and do what hangs on them."""
+        self.words.update({address + n: word for n, word in enumerate(words)})
         self.written.append((address, words))
         if 2000 <= address < 2008:
             bit = 1 << (address - 2000)
-            state = self.registers.get(2500, 0) & ~bit | bit * words[0]
-            self.registers[2500] = state
+            self.words[2500] = self.words.get(2500, 0) & ~bit | bit * words[0]
         if address == REGISTERS["STREAM_ENABLE"][0] and words[-1]:
             self._send_burst()
-
-    def _accept(self):
-        while True:
-            try:
-                self._clients.append(self._stream.accept()[0])
-                self._connected.set()
-            except OSError:
-                return
 
     def _send_burst(self):
         """Packets of a ramp that starts at the label of the burst."""
         scans, size = self.get("STREAM_NUM_SCANS"), self.get("STREAM_SAMPLES_PER_PACKET")
         counts = (np.arange(scans) + self.get("USER_RAM0_U32")).astype(">u2")
-        self.pulses += scans // max(self.get("STREAM_OUT0_LOOP_NUM_VALUES"), 1)
-        fault, packets = self.fault, []
+        self.pulses += scans // self.get("STREAM_OUT0_LOOP_NUM_VALUES")
+        fault, self.fault = self.fault, ""
         for n, start in enumerate(range(0, scans, size)):
             part = counts[start : start + size].tobytes()
-            status = 2944 if start + size >= scans else 0
-            if fault == "skipped" and n == 1:
-                status = 2941
-            number = n + (fault == "lost packet" and n > 0)
+            status = 2941 if fault == "skipped" and n else 2944 if start + size >= scans else 0
+            number = n + bool(fault == "lost" and n)
             head = struct.pack(">HHHBBBBHHH", number, 0, 10 + len(part), 1, 76, 16, 0, 0, status, 0)
-            packets.append(head + part)
-        if fault in ("skipped", "lost packet", "short"):
-            self.fault = ""
-        assert self._connected.wait(5)
-        for client in self._clients:
-            client.sendall(b"".join(packets[: 1 if fault == "short" else None]))
+            self.stream.write(head + part if not (fault == "short" and n) else b"")
 
-    def close(self):
-        """Stop serving; may be called again."""
-        if self._loop.is_closed():
-            return
 
-        async def shutdown():
-            for connection in list(self._server.active_connections.values()):
-                if connection.transport:
-                    connection.transport.abort()
-            await self._server.shutdown()
-            await asyncio.sleep(0.02)  # transports close on the next turns of the loop
+@contextmanager
+def served(model):
+    """Address of a T7 on pymodbus' own server; ``model.fault`` "drop" or "refuse" meets requests.
 
-        asyncio.run_coroutine_threadsafe(shutdown(), self._loop).result(5)
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._stream.shutdown(socket.SHUT_RDWR)
-        for thread in self._threads:
-            thread.join(5)
-        self._loop.close()
-        for one in (self._stream, *self._clients):
-            one.close()
-        with warnings.catch_warnings():  # pymodbus leaves the transports of its server open
-            warnings.simplefilter("ignore", ResourceWarning)
-            del self._server
-            gc.collect()
+    The server's transports stay open when it ends, so that warnings about them are ignored.
+    """
+    loop, ready, found = asyncio.new_event_loop(), threading.Event(), []
+
+    class Answer(Feedback):
+        async def datastore_update(self, context, device_id):
+            if model.fault == "refuse":
+                return ExceptionResponse(76, ExcCodes.DEVICE_BUSY)
+            reply = Feedback()
+            reply.data = model(self.data)
+            return reply
+
+    def trace(sending, data):
+        return b"" if sending and model.fault == "drop" else data
+
+    async def start():
+        data = SimData(0, values=0, count=65535, datatype=DataType.REGISTERS)
+        server = ModbusTcpServer(
+            SimDevice(1, simdata=data),
+            address=("127.0.0.1", 0),
+            custom_pdu=[Answer],
+            trace_packet=trace,
+        )
+        await server.serve_forever(background=True)
+        found.append(server)
+        ready.set()
+
+    async def stop():
+        for connection in found[0].active_connections.values():
+            connection.transport.abort()
+        await found.pop().shutdown()
+        await asyncio.sleep(0.02)  # transports close on the next turns of the loop
+
+    loop.create_task(start())
+    thread = threading.Thread(target=loop.run_forever, daemon=True)
+    thread.start()
+    assert ready.wait(10)
+    host, port = found[0].transport.sockets[0].getsockname()
+    yield f"{host}:{port}"
+    asyncio.run_coroutine_threadsafe(stop(), loop).result(5)
+    loop.call_soon_threadsafe(loop.stop)
+    thread.join(5)
+    loop.close()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        gc.collect()

@@ -5,259 +5,161 @@ MOVE_HOMED), so what is not the awaited reply is passed over: the end of a move 
 status bits, and the position is read back. Moves are sent once.
 """
 
-import struct
 import time
 from math import pi
 from typing import Any, NamedTuple
 
-from cmtof.hardware.device import (
-    BadReply,
-    Device,
-    InstrumentError,
-    InstrumentTimeout,
-    Refused,
-    insist,
-)
-from cmtof.hardware.rf import port_errors
+import thorlabs_apt_protocol as apt
 
-HOME_TIMEOUT = 60.0
-"""How long homing may take, s."""
+from cmtof.hardware import device
+from cmtof.hardware.device import one_error
+
 _HOST, _UNIT, _CHANNEL = 0x01, 0x50, 1
 _POLL = 0.05  # s, between looks at the status bits
 _MOVING = ("moving_forward", "moving_reverse", "jogging_forward", "jogging_reverse", "homing")
-_ERRORS = {
-    "motion_error": "a motion error (position error too large)",
-    "motor_current_limit_reached": "the motor's current limit",
-}
 
 
 class MotorKind(NamedTuple):
-    """A motor: counts per m or rad, speed unit, tolerance, travel, and its status message."""
+    """A motor: counts per m or rad, unit of speed (counts/s), tolerance, travel, controllers."""
 
-    unit: str
     scale: float
-    velocity_scale: float
+    speed: float
     tolerance: float
     travel: tuple[float, float]
-    models: tuple[str, ...]
+    models: tuple[str, ...] = ("KDC101", "TDC001")
     status: str = "dcstatusupdate"
 
 
+_SERVO = 2048 / 6e6 * 65536  # APT Communications Protocol: a cycle of 2048 / 6 MHz
+_TURNS = (-1e3, 1e3)  # rad
 MOTORS = {
     # APT Communications Protocol, 28 November 2022: 34554.96 counts/mm. Older drivers (pylablib,
-    # kinesis.py) have 34304, 0.73 % less: command 10 mm and measure. Velocity is
-    # counts * T * 65536 with T = 2048 / 6 MHz.
-    "mts50-z8": MotorKind("m", 34554960.0, 772981370.0, 5e-6, (0.0, 0.05), ("KDC101", "TDC001")),
+    # kinesis.py) have 34304, 0.73 % less: command 10 mm and measure.
+    "mts50-z8": MotorKind(34554960.0, 1 / _SERVO, 5e-6, (0.0, 0.05)),
     # pylablib, kinesis.py: 1919.6418578623391 counts/degree
-    "prm1-z8": MotorKind(
-        "rad",
-        1919.6418578623391 * 180 / pi,
-        42941.66 * 180 / pi,
-        0.02 * pi / 180,
-        (-1e3, 1e3),
-        ("KDC101", "TDC001"),
-    ),
+    "prm1-z8": MotorKind(1919.6418578623391 * 180 / pi, 1 / _SERVO, 3.5e-4, _TURNS),
     # pylablib, kinesis.py: 409600 microsteps a turn, gear 120:1; velocity 53.68 a microstep/s
     "k10cr1": MotorKind(
-        "rad",
-        409600 * 120 / (2 * pi),
-        7329109 * 180 / pi,
-        0.02 * pi / 180,
-        (-1e3, 1e3),
-        ("K10CR",),
-        "statusupdate",
+        409600 * 120 / (2 * pi), 1 / 53.68, 3.5e-4, _TURNS, ("K10CR",), "statusupdate"
     ),
 }
 """Motors by the name in a RIG file."""
 
 
-class Motor(Device):
-    """A motor; positions in m or rad, from home.
-
-    Parameters
-    ----------
-    port
-        pyserial port, with RTS/CTS on a real controller.
-    kind : MotorKind
-    name : str
-    serial_number : str
-        Refuse another controller than this one; empty takes any.
-    """
+class Motor(device.Device):
+    """A motor on a pyserial port, with RTS/CTS on a real controller; m or rad from home."""
 
     def __init__(self, port: Any, kind: MotorKind, name: str, serial_number: str = "") -> None:
-        from thorlabs_apt_protocol import Unpacker
-
-        super().__init__(name)
-        self.kind, self._port, self._serial_number = kind, port, serial_number
-        self._unpacker = Unpacker(port)
-        self._ready = False
-
-    def close(self) -> None:
-        """Close the port."""
-        self._port.close()
-
-    def identify(self) -> dict[str, str]:
-        """Model and serial number; `Refused` if it is another controller."""
-        self._prepare()
-        info = self._ask("hw_req_info", "hw_get_info")
-        model = info.model_number.split(b"\0")[0].decode("ascii", "replace")
-        if not model.startswith(self.kind.models) or self._serial_number not in (
-            "",
-            str(info.serial_number),
-        ):
-            raise Refused(
-                f"Expected {' or '.join(self.kind.models)} {self._serial_number} at {self.name}, "
-                f"got {model} {info.serial_number}. Check the address."
-            )
-        return {"model": model, "serial_number": str(info.serial_number)}
+        super().__init__(port, name, serial_number)
+        self.kind, self.MODELS, self.LIMITS = kind, kind.models, {"position": kind.travel}
+        self._unpacker = apt.Unpacker(port)
 
     @property
     def position(self) -> float:
         """Position, m or rad."""
-        found = self._ask("mot_req_poscounter", "mot_get_poscounter", _CHANNEL)
-        return found.position / self.kind.scale
+        return self._ask("mot_req_poscounter", _CHANNEL).position / self.kind.scale
 
     @property
     def homed(self) -> bool:
         """Whether the home position is known."""
         return bool(self._status().homed)
 
-    def home(self, timeout: float = HOME_TIMEOUT) -> None:
+    def home(self, timeout: float = 60.0) -> None:
         """Find the home position; the shaft or carriage travels."""
-        self._prepare()
-        self._send("mot_move_home", _CHANNEL)
-        self._wait(timeout, lambda: self.homed and abs(self.position) <= self.kind.tolerance)
+        self._go("mot_move_home", 0.0, timeout)
 
     def move_to(self, position: float) -> float:
-        """Move to a position, m or rad, and wait; return where it ended.
+        """Move to a position, m or rad, and wait, 2 s longer than it takes; return the position.
 
-        Raises
-        ------
-        ValueError
-            If the position is beyond the travel.
-        Refused
-            If the motor is not homed, or ended elsewhere.
-        InstrumentTimeout
-            If it takes longer than distance over speed and 2 s; the motor is stopped.
+        `Refused` if the motor is not homed or ends elsewhere; on any error it is stopped.
         """
-        low, high = self.kind.travel
-        if not low <= position <= high:
-            raise ValueError(
-                f"Expected {low:g} to {high:g} {self.kind.unit} for {self.name}, got "
-                f"{position:g}. Stay within the travel."
-            )
+        self._within("position", position)
         if not self.homed:
-            raise Refused(f"Expected {self.name} homed before a move, got it not. Home it.")
-        speed = self._ask("mot_req_velparams", "mot_get_velparams", _CHANNEL).max_velocity
-        seconds = abs(position - self.position) * self.kind.velocity_scale / max(speed, 1)
-        self._prepare()
-        self._send("mot_move_absolute", _CHANNEL, round(position * self.kind.scale))
-        arrived = lambda: abs(self.position - position) <= self.kind.tolerance  # noqa: E731
-        self._wait(seconds + 2.0, arrived)
+            self._fail(device.Refused, "be homed before a move", "it not", "Home it.")
+        speed = self._ask("mot_req_velparams", _CHANNEL).max_velocity * self.kind.speed
+        seconds = abs(position - self.position) * self.kind.scale / max(speed, 1.0)
+        counts = round(position * self.kind.scale)
+        self._go("mot_move_absolute", position, seconds + 2.0, counts)
         return self.position
 
     def stop(self) -> None:
         """Stop at once, and wait for it."""
         self._send("mot_move_stop", _CHANNEL, 1)
-        deadline = time.monotonic() + 1.0
-        while self._moving(self._status()):
-            if time.monotonic() >= deadline:
-                raise InstrumentTimeout(
-                    f"Expected {self.name} to stop within 1 s, got it moving. Switch it off."
-                )
+        for _ in range(20):
+            if not self._moving(self._status()):
+                return
             time.sleep(_POLL)
+        self._fail(device.InstrumentTimeout, "stop", "it moving", "Switch it off.")
 
     def safe_state(self) -> None:
         """Stop."""
-        insist(self.stop)
+        device.insist(self.stop)
 
-    # --- dialogue ------------------------------------------------------------------------------
+    def _identity(self) -> dict[str, str]:
+        info = self._ask("hw_req_info")
+        model = info.model_number.split(b"\0")[0].decode("ascii", "replace")
+        return {"model": model, "serial_number": str(info.serial_number)}
 
-    def _prepare(self) -> None:
-        """Enable the channel and silence the updates; once a connection."""
-        if self._ready:
-            return
-        self._send("hw_no_flash_programming")
-        self._send("hw_stop_updatemsgs")
+    def _go(self, message: str, position: float, seconds: float, *arguments: int) -> None:
+        """Send a move, and wait until the motor rests where it should; else stop it."""
         self._send("mod_set_chanenablestate", _CHANNEL, 1)
-        found = self._ask("mod_req_chanenablestate", "mod_get_chanenablestate", _CHANNEL)
-        if not found.enabled:
-            raise Refused(f"Expected {self.name} enabled, got it disabled. Enable it by hand.")
-        self._ready = True
-
-    def _wait(self, seconds: float, arrived: Any) -> None:
-        """Wait until the motor rests where it should; it is stopped before an error is raised."""
+        self._send(message, _CHANNEL, *arguments)
         deadline, looks = time.monotonic() + seconds, 0
         while looks < 3:  # at rest three times in a row elsewhere: it did not hear, or was stopped
             status = self._status()
-            if errors := [text for name, text in _ERRORS.items() if getattr(status, name)]:
+            if status.motion_error or status.motor_current_limit_reached:
                 self.stop()
-                raise InstrumentError(
-                    f"Expected {self.name} to move freely, got {' and '.join(errors)}. "
-                    "Free the stage and home it."
-                )
+                got = "a motion error or its current limit"
+                self._fail(device.InstrumentError, "move freely", got, "Free it and home it.")
             if not self._moving(status):
-                if arrived():
+                if status.homed and abs(self.position - position) <= self.kind.tolerance:
                     return
                 looks += 1
             elif time.monotonic() >= deadline:
                 self.stop()
-                raise InstrumentTimeout(
-                    f"Expected {self.name} to arrive within {seconds:.1f} s, got it moving. "
-                    "Free the stage."
-                )
+                wish = f"arrive within {seconds:.1f} s"
+                self._fail(device.InstrumentTimeout, wish, "it moving", "Free the stage.")
             time.sleep(_POLL)
-        raise Refused(
-            f"Expected {self.name} to arrive, got it at rest at {self.position:.6g} "
-            f"{self.kind.unit}. Home it and try again."
-        )
+        got = f"it at rest at {self.position:.6g}"
+        self._fail(device.Refused, f"arrive at {position:.6g}", got, "Home it and try again.")
 
     def _status(self) -> Any:
-        kind = self.kind.status
-        return self._ask(f"mot_req_{kind}", f"mot_get_{kind}", _CHANNEL)
+        return self._ask(f"mot_req_{self.kind.status}", _CHANNEL)
 
     @staticmethod
     def _moving(status: Any) -> bool:
         return any(getattr(status, name) for name in _MOVING)
 
     def _send(self, message: str, *arguments: int) -> None:
-        import thorlabs_apt_protocol as apt
+        with one_error(self.name):
+            self._connection.write(getattr(apt, message)(_UNIT, _HOST, *arguments))
 
-        request = getattr(apt, message)(_UNIT, _HOST, *arguments)
-        port_errors(self.name, lambda: self._port.write(request))
-
-    def _ask(self, request: str, reply: str, *arguments: int) -> Any:
+    def _ask(self, request: str, *arguments: int) -> Any:
         """Reply to a request, asked once more; what comes unasked is passed over."""
 
         def ask() -> Any:
             self._send(request, *arguments)
             for _ in range(256):
-                message = port_errors(self.name, self._next)
-                if message.msg == reply:
+                message = self._message()
+                if message.msg == request.replace("_req_", "_get_"):
                     return message
                 if message.msg in ("hw_response", "hw_richresponse"):
-                    raise Refused(
-                        f"Expected {self.name} to obey {request}, got a fault. "
-                        "Look at the controller."
-                    )
-            raise BadReply(f"Expected {reply} of {self.name}, got other messages. Restart it.")
+                    self._fail(device.Refused, f"obey {request}", "a fault", "Look at it.")
+            raise device.BadReply(f"Expected {self.name} to answer, got none. Restart it.")
 
         return self._read(ask)
 
-    def _next(self) -> Any:
-        """Next whole message."""
-        try:
-            for message in self._unpacker:
-                return message
-            while self._port.in_waiting:  # garbage was dropped; a message may follow it
-                for message in self._unpacker:
-                    return message
-        except (struct.error, AssertionError, KeyError, ValueError):
-            raise BadReply(f"Expected a whole message of {self.name}, got garbage.") from None
-        raise InstrumentTimeout(
-            f"Expected a message of {self.name} in time, got none. Check power and cable."
-        )
+    def _message(self) -> Any:
+        """Next whole message; garbage before it is dropped."""
+        with one_error(self.name):
+            message = next(self._unpacker, None)
+            while message is None and self._connection.in_waiting:
+                message = next(self._unpacker, None)
+        if message is None:
+            self._fail(device.InstrumentTimeout, "answer in time", "nothing", "Check power.")
+        return message
 
     def _resynchronise(self) -> None:
-        port_errors(self.name, self._port.reset_input_buffer)
+        with one_error(self.name):
+            self._connection.reset_input_buffer()
         self._unpacker.buf = b""

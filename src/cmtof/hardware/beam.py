@@ -5,7 +5,7 @@ from functools import partial
 from math import pi
 from typing import Any
 
-from cmtof.hardware.device import Unsafe, insist, insist_on_all
+from cmtof.hardware.device import Unsafe, insist
 
 
 class Galvo:
@@ -126,4 +126,4 @@ class Interlock:
     def safe_state(self) -> None:
         """Shut the shutter, switch the laser off, put the block in; each even if another fails."""
         acts = ((self.shutter, False), (self.laser, False), (self.beam_block, True))
-        insist_on_all([partial(act, safe) for act, safe in acts])
+        insist(*(partial(act, safe) for act, safe in acts))

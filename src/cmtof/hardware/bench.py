@@ -137,7 +137,7 @@ class Bench:
 
     def begin_line(self) -> None:
         """Bring the phase table to its first entry; that may be sent twice, as nothing moves."""
-        insist(self.instruments.rf_detection.arm, ATTEMPTS)
+        insist(self.instruments.rf_detection.arm, tries=ATTEMPTS)
         self._edges = 0
 
     def bursts(

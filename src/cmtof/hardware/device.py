@@ -1,7 +1,9 @@
-"""What every driver shares: errors, one repeated question, read-back of settings, a safe end."""
+"""What every driver shares: one error pattern, limits, one repeated question, read-back."""
 
-from collections.abc import Callable
-from typing import TypeVar
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, ClassVar, NoReturn, TypeVar
 
 T = TypeVar("T")
 
@@ -30,17 +32,57 @@ class Unsafe(InstrumentError):
     """The interlock is open, the lock is lost, or a watchdog has tripped."""
 
 
-class Device:
-    """An instrument with a name, a safe state and a connection to close."""
+_LATE = {"SerialTimeoutException", "ModbusIOException"}
+_GONE = {"OSError", "ConnectionException", "VisaIOError", "InvalidSession"}
+_PATTERNS = {
+    InstrumentTimeout: "Expected an answer of {} in time, got none. Check power and cable.",
+    ConnectionLost: "Expected {} to be there, got {}. Check address and cable.",
+    BadReply: "Expected a whole answer of {}, got {}. Ask again.",
+}
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+
+@contextmanager
+def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterator[None]:
+    """Errors of pyserial, PyVISA, pymodbus and of parsing as one `InstrumentError`."""
+    try:
+        yield
+    except InstrumentError:
+        raise
+    except Exception as error:
+        names = {kind.__name__ for kind in type(error).__mro__}  # no library is imported for this
+        late = names & _LATE or "VI_ERROR_TMO" in str(error)
+        kind = InstrumentTimeout if late else ConnectionLost if names & _GONE else otherwise
+        line = " ".join(str(error).split())
+        raise kind(_PATTERNS[kind].format(name, line[:200])) from None
+
+
+class Device:
+    """An instrument on a library's connection; ``serial_number`` refuses any other."""
+
+    MODELS: ClassVar[tuple[str, ...]] = ()
+    """Beginnings of the model names that the driver takes."""
+    LIMITS: ClassVar[Mapping[str, tuple[float, float]]] = {}
+    """Least and greatest value of each setting, in SI units."""
+
+    def __init__(self, connection: Any, name: str, serial_number: str = "") -> None:
+        self._connection, self.name, self._serial_number = connection, name, serial_number
+
+    def close(self) -> None:
+        """Close the connection; may be called again."""
+        self._connection.close()
 
     def safe_state(self) -> None:
         """Bring the device to where it can hurt nobody; may be called at any time, and again."""
 
-    def close(self) -> None:
-        """Close the connection; may be called again."""
+    def identify(self) -> dict[str, str]:
+        """What the device calls itself; `Refused` if it is another one."""
+        found: dict[str, str] = self._identity()  # type: ignore[attr-defined]
+        model, serial_number = found["model"], found["serial_number"]
+        same = self._serial_number in ("", serial_number)
+        if not (same and model.startswith(self.MODELS)):
+            wanted = f"be {' or '.join(self.MODELS)} {self._serial_number}"
+            self._fail(Refused, wanted, f"{model} {serial_number}", "Check the address.")
+        return found
 
     def _resynchronise(self) -> None:
         """Make sure that the next answer is that to the next question."""
@@ -53,36 +95,38 @@ class Device:
             self._resynchronise()
         return ask()
 
+    def _within(self, what: str, value: float) -> None:
+        """Raise a ValueError for a setting beyond its limits."""
+        low, high = self.LIMITS[what]
+        if not low <= value <= high:
+            raise ValueError(
+                f"Expected {what} of {self.name} from {low:g} to {high:g}, got {value:g}. "
+                "Stay within."
+            )
+
     def _expect(self, what: str, wanted: float, found: float, tolerance: float = 0.0) -> None:
         """Raise `Refused` unless a device reads back what was set."""
         if not abs(found - wanted) <= tolerance:  # a comparison that NaN fails
-            raise Refused(
-                f"Expected {self.name} to set its {what} to {wanted:.9g}, got {found:.9g}. "
-                "Give a value that the device takes."
-            )
+            wish = f"set its {what} to {wanted:.9g}"
+            self._fail(Refused, wish, f"{found:.9g}", "Check value and wiring.")
+
+    def _fail(self, kind: type[InstrumentError], wish: str, got: str, remedy: str) -> NoReturn:
+        raise kind(f"Expected {self.name} to {wish}, got {got[:80]}. {remedy}")
 
 
-def insist(act: Callable[[], object], tries: int = 2) -> None:
-    """Do what only ever makes things safer, again after a failure; the last failure is raised."""
-    for left in reversed(range(tries)):
-        try:
-            act()
-            return
-        except OSError:
-            if not left:
-                raise
-
-
-def insist_on_all(acts: list[Callable[[], object]]) -> None:
-    """Do each of some safe acts, even if another fails; then raise `Refused` for those that did."""
-    failed = []
+def insist(*acts: Callable[[], object], tries: int = 2) -> None:
+    """Do what only ever makes things safer: every act, each again after a failure; then raise."""
+    failures = []
     for act in acts:
-        try:
-            insist(act)
-        except OSError as failure:
-            failed.append(str(failure))
-    if failed:
-        raise Refused(" ".join(failed))
+        for left in reversed(range(tries)):
+            try:
+                act()
+                break
+            except OSError as failure:
+                if not left:
+                    failures.append(failure)
+    if failures:
+        raise failures[0] if len(failures) == 1 else Refused(" ".join(map(str, failures)))
 
 
 def number(text: str) -> float:
@@ -93,11 +137,8 @@ def number(text: str) -> float:
     >>> number("1.5E+7HZ"), number(" -0.25")
     (15000000.0, -0.25)
     """
-    digits = text.strip().rstrip("ABCDFGHIJKLMNOPQRSTUVWXYZabcdfghijklmnopqrstuvwxyz")
-    try:
-        value = float(digits)
-    except ValueError:
-        value = float("nan")
+    found = re.match(r"\s*[-+]?\d+\.?\d*([eE][-+]?\d+)?", text)
+    value = float(found[0]) if found else float("nan")
     if not abs(value) < 9e36:  # 9.9E+37 stands for overload
         raise BadReply(f"Expected a number, got {text[:60]!r}. Ask again.")
     return value

@@ -11,65 +11,26 @@ import time
 from binascii import crc_hqx
 from collections.abc import Callable, Sequence
 from math import pi
-from numbers import Integral
-from typing import Any, TypeVar
+from typing import Any, ClassVar
 
-from cmtof.hardware.device import (
-    BadReply,
-    ConnectionLost,
-    Device,
-    InstrumentTimeout,
-    Refused,
-    Unsafe,
-    insist,
-    number,
-)
+import serial
+
+from cmtof.hardware import device
+from cmtof.hardware.device import number, one_error
 from cmtof.instrument.devices import Lock, Status
 
-T = TypeVar("T")
 CODES = 65536
 """Phase codes of one turn of the drive."""
-TABLE_SIZE = 64
-"""Entries of the phase table at most."""
 _UNSAFE = ("TRIPPED", "LOCK", "UNLOCKED", "INTERLOCK")
+_truth = {"ON": True, "1": True, "OFF": False, "0": False}.__getitem__
 
 
 def open_serial(address: str, *, rtscts: bool = False) -> Any:
-    """Open a serial port of pyserial, a path or URL, at 115200 baud with 1 s to answer.
-
-    Raises
-    ------
-    ConnectionLost
-        If there is no such port.
-    """
-    import serial
-
-    try:
+    """Open a serial port, a path or URL, at 115200 baud, or raise `ConnectionLost`."""
+    with one_error(f"a serial port at {address}", device.ConnectionLost):
         return serial.serial_for_url(
             address, baudrate=115200, timeout=1.0, write_timeout=1.0, rtscts=rtscts
         )
-    except (OSError, ValueError) as error:
-        raise ConnectionLost(
-            f"Expected a serial port at {address}, got {error}. Check address and cable."
-        ) from None
-
-
-def port_errors(name: str, act: Callable[[], T]) -> T:
-    """Do something with a serial port; errors of pyserial become ours."""
-    import serial
-
-    try:
-        return act()
-    except (BadReply, InstrumentTimeout):
-        raise
-    except serial.SerialTimeoutException:
-        raise InstrumentTimeout(
-            f"Expected {name} to take bytes, got none taken. Check it."
-        ) from None
-    except OSError as error:
-        raise ConnectionLost(
-            f"Expected {name} to be there, got {error}. Check the cable."
-        ) from None
 
 
 def framed(text: str) -> bytes:
@@ -89,31 +50,18 @@ def code_from_phase(phase: float) -> int:
     return round(phase / (2 * pi) * CODES) % CODES
 
 
-class RfDriver(Device):
-    """An RF driver; ``trip`` is the reason that it last gave unasked for switching RF off."""
+class RfDriver(device.Device):
+    """An RF driver; it sends unasked why it switched RF off by itself, a trip."""
 
-    MODEL = "CMTOF-RF"
-
-    def __init__(self, port: Any, name: str) -> None:
-        super().__init__(name)
-        self._port = port
-        self._sequence = -1
-        self._guarded = False
-        self.trip = ""
-
-    def close(self) -> None:
-        """Close the port."""
-        self._port.close()
-
-    def identify(self) -> dict[str, str]:
-        """Model, serial number and firmware; `Refused` if it is another device."""
-        parts = " ".join(self._question("ID?")).split(",")
-        if len(parts) != 3 or parts[0] != self.MODEL:
-            raise Refused(
-                f"Expected a {self.MODEL} at {self.name}, got {','.join(parts)[:60]}. "
-                "Check the address."
-            )
-        return dict(zip(("model", "serial_number", "firmware"), parts, strict=True))
+    MODELS = ("CMTOF-RF",)
+    LIMITS: ClassVar = {
+        "FREQ": (7.14e9, 7.17e9),
+        "POWR": (-30.0, 35.0),
+        "PHAS": (0, CODES - 1),
+        "DEAD": (0.1, 60.0),
+        "TABL": (1, 64),
+    }
+    _trip, _sequence, _guarded = "", -1, False
 
     def set_frequency(self, hz: float) -> None:
         """Set the frequency of the drive, whole Hz."""
@@ -121,44 +69,31 @@ class RfDriver(Device):
 
     def set_power(self, dbm: float) -> None:
         """Set the power, dBm."""
-        self._set("POWR", float(dbm), 0.051)
+        self._set("POWR", dbm, 0.051)
 
     def set_phase(self, rad: float) -> float:
         """Set the phase of the drive outside the table; return what was set, rad in [0, 2 pi)."""
         code = code_from_phase(rad)
-        self._set("PHAS", code, 0.0)
+        self._set("PHAS", code)
         return 2 * pi * code / CODES
 
     def set_dead_man(self, seconds: float) -> None:
-        """Have RF turned off when no request comes for so long, 0.1 to 60 s."""
-        self._set("DEAD", float(seconds), 1e-3)
+        """Have RF turned off when no request comes for so long."""
+        self._set("DEAD", seconds, 1e-3)
         self._guarded = True
 
     def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
-        """Switch RF; when switching on, wait for the lock.
-
-        Raises
-        ------
-        Unsafe
-            If no dead man's time was set, or no lock is found: then RF is off again.
-        """
+        """Switch RF; on needs a dead man's time, and a lock in time, or RF is off again."""
         if on and not self._guarded:
-            raise Unsafe(
-                f"Expected a dead man's time in {self.name} before RF is switched on, got none. "
-                "Call set_dead_man first."
-            )
+            self._fail(device.Unsafe, "have a dead man's time", "none", "Call set_dead_man first.")
         self._switch("RF", on)
-        if not on:
-            return
         deadline = time.monotonic() + lock_timeout
         try:
-            while not (lock := self.lock()).locked:
-                if self.trip or time.monotonic() >= deadline:
-                    raise Unsafe(
-                        f"Expected {self.name} to lock within {lock_timeout:g} s, got "
-                        f"{self.trip or 'no lock'} ({lock.detuning:g} Hz off). "
-                        "Check frequency and cable."
-                    )
+            while on and not (lock := self.lock()).locked:
+                if self._trip or time.monotonic() >= deadline:
+                    got = f"{self._trip or 'no lock'} ({lock.detuning:g} Hz off)"
+                    wish = f"lock within {lock_timeout:g} s"
+                    self._fail(device.Unsafe, wish, got, "Check frequency and cable.")
                 time.sleep(0.02)
         except OSError:
             self.safe_state()
@@ -166,41 +101,32 @@ class RfDriver(Device):
 
     def lock(self) -> Lock:
         """State of the frequency lock."""
-        locked, detuning, reflected = self._question("LOCK?", 3)
-        return Lock(_truth(locked), number(detuning), number(reflected))
+        return Lock(*self._question("LOCK?", _truth, number, number))
 
     def status(self) -> Status:
         """Output, lock, table and trip in one answer."""
-        on, locked, index, edges, tripped = self._question("STAT?", 5)
-        places = int(number(index)), int(number(edges))
-        return Status(_truth(on), _truth(locked), *places, _truth(tripped))
+        return Status(*self._question("STAT?", _truth, _truth, int, int, _truth))
 
     def clear_trip(self) -> None:
         """Allow RF again after a trip; it stays off until `output`."""
         self._ask("CLR")
-        self.trip = ""
+        self._trip = ""
 
     def ping(self) -> None:
         """Feed the dead man's timer; `Unsafe` if the driver reported a trip since."""
         self._question("PING")
-        if self.trip:
-            raise Unsafe(
-                f"Expected {self.name} to keep RF on, got a trip ({self.trip}). Find the cause."
-            )
+        if self._trip:
+            self._fail(device.Unsafe, "keep RF on", f"a trip ({self._trip})", "Find the cause.")
 
     def load_table(self, phases: Sequence[float]) -> None:
-        """Load 1 to 64 phases of the drive, rad, that the trigger steps through; checked."""
-        if not 1 <= len(phases) <= TABLE_SIZE:
-            raise ValueError(f"Expected 1 to 64 phases, got {len(phases)}. Send fewer.")
+        """Load phases of the drive, rad, that the trigger steps through; checked."""
+        self._within("TABL", len(phases))
         codes = [code_from_phase(phase) for phase in phases]
         self._ask("TABL", len(codes), *codes)
-        count, check = self._question("TABL?", 2)
-        wanted = crc_hqx(b"".join(code.to_bytes(2, "big") for code in codes), 0xFFFF)
-        if (count, check.upper()) != (str(len(codes)), f"{wanted:04X}"):
-            raise Refused(
-                f"Expected {self.name} to hold the table of {len(codes)} phases, got another. "
-                "Load it again."
-            )
+        check = crc_hqx(b"".join(code.to_bytes(2, "big") for code in codes), 0xFFFF)
+        count, found = self._question("TABL?", int, lambda word: int(word, 16))
+        self._expect("number of phases", len(codes), count)
+        self._expect("table's checksum", check, found)
 
     def trigger(self, on: bool) -> None:
         """Let rising edges at the trigger input step the table, or not."""
@@ -212,82 +138,62 @@ class RfDriver(Device):
 
     def safe_state(self) -> None:
         """Turn RF and trigger off, up to three times: the one request that is sent again."""
-        insist(lambda: self._ask("SAFE"), 3)
+        device.insist(lambda: self._ask("SAFE"), tries=3)
         if self.status().on:
-            raise Unsafe(f"Expected RF off at {self.name}, got on. Switch it off by hand.")
+            self._fail(device.Unsafe, "turn RF off", "it on", "Switch it off by hand.")
 
-    # --- dialogue ------------------------------------------------------------------------------
+    def _identity(self) -> dict[str, str]:
+        words = ("model", "serial_number", "firmware")
+        parse = lambda word: dict(zip(words, word.split(","), strict=True))  # noqa: E731
+        return self._question("ID?", parse)[0]
 
-    def _set(self, word: str, value: float, tolerance: float) -> None:
-        (found,) = self._counted(self._ask(word, value), word, 1)
-        self._expect(word, value, number(found), tolerance)
+    def _set(self, word: str, value: float, tolerance: float = 0.0) -> None:
+        self._within(word, value)
+        (found,) = self._parsed(self._ask(word, value), [number])
+        self._expect(word, value, found, tolerance)
 
     def _switch(self, word: str, on: bool) -> None:
-        (found,) = self._counted(self._ask(word, "ON" if on else "OFF"), word, 1)
-        if _truth(found) != on:
-            raise Refused(f"Expected {self.name} to switch {word}, got {found}. Check its status.")
+        (found,) = self._parsed(self._ask(word, "ON" if on else "OFF"), [_truth])
+        self._expect(word, on, found)
 
-    def _question(self, word: str, count: int | None = None) -> list[str]:
+    def _question(self, word: str, *parsers: Callable[[str], Any]) -> list[Any]:
         """Values of an answer; asked once more after a lost or garbled one."""
-        return self._read(lambda: self._counted(self._ask(word), word, count))
+        return self._read(lambda: self._parsed(self._ask(word), parsers))
 
-    def _counted(self, values: list[str], word: str, count: int | None) -> list[str]:
-        if count is not None and len(values) != count:
-            raise BadReply(
-                f"Expected {count} values of {word} from {self.name}, got {len(values)}. "
-                "Check its firmware."
-            )
-        return values
+    def _parsed(self, words: list[str], parsers: Sequence[Callable[[str], Any]]) -> list[Any]:
+        with one_error(self.name):
+            return [parse(word) for parse, word in zip(parsers, words, strict=True)]
 
     def _ask(self, word: str, *arguments: float | str) -> list[str]:
-        """Values of the answer to one request; answers to earlier ones are passed over."""
+        """Words of the answer to one request; answers to earlier ones are passed over."""
         self._sequence = (self._sequence + 1) % 100
-        text = " ".join([f">{self._sequence}", word, *map(_text, arguments)])
-        port_errors(self.name, lambda: self._port.write(framed(text)))
+        texts = [one if isinstance(one, str) else f"{one:.12g}" for one in arguments]
+        with one_error(self.name):
+            self._connection.write(framed(" ".join([f">{self._sequence}", word, *texts])))
         for _ in range(100):
             head, *words = self._line()
-            if head.startswith("!"):
-                if head == "!TRIP":
-                    self.trip = " ".join(words) or "unnamed"
-            elif head == "<??" or words[:1] not in (["OK"], ["ERR"]):
-                raise BadReply(f"Expected the request to arrive whole, got {head}. Ask again.")
+            if head == "!TRIP":
+                self._trip = " ".join(words) or "unnamed"
+            elif head == "<??":
+                break
             elif head == f"<{self._sequence}":
-                return self._obeyed(words)
-        raise BadReply(f"Expected an answer of {self.name}, got other lines. Ask again.")
-
-    def _obeyed(self, words: list[str]) -> list[str]:
-        if words[0] == "OK":
-            return words[1:]
-        kind = Unsafe if words[1:] and words[1] in _UNSAFE else Refused
-        raise kind(
-            f"Expected {self.name} to obey, got {' '.join(words)}. Check its state and limits."
-        )
+                if words[:1] == ["OK"]:
+                    return words[1:]
+                kind = device.Unsafe if words[1:2] and words[1] in _UNSAFE else device.Refused
+                self._fail(kind, f"obey {word}", " ".join(words), "Check its state and limits.")
+        raise device.BadReply(f"Expected {self.name} to answer, got other lines. Ask again.")
 
     def _line(self) -> list[str]:
         """Words of the next line whose checksum is right."""
-        line = port_errors(self.name, lambda: self._port.read_until(b"\n", 1024))
+        with one_error(self.name):
+            line = self._connection.read_until(b"\n", 1024)
         if not line.endswith(b"\n"):
-            raise InstrumentTimeout(
-                f"Expected a line of {self.name} in time, got {line[:40]!r}. Check power and cable."
-            )
-        body, _, check = line.strip().rpartition(b"*")
-        if check != b"%04X" % crc_hqx(body, 0xFFFF) or not body.isascii():
-            raise BadReply(f"Expected a line with its checksum, got {line[:40]!r}. Ask again.")
-        return body.decode("ascii").split()
+            self._fail(device.InstrumentTimeout, "send a line in time", repr(line), "Check power.")
+        body, _, _ = line.rpartition(b"*")
+        if not body or not body.isascii() or line != framed(body.decode("ascii")):
+            self._fail(device.BadReply, "send a line with its checksum", repr(line), "Ask again.")
+        return body.decode("ascii").split() or [""]
 
     def _resynchronise(self) -> None:
-        port_errors(self.name, self._port.reset_input_buffer)
-
-
-def _text(argument: float | str) -> str:
-    """Argument that reads back the same; a float of NumPy would print its type."""
-    if isinstance(argument, str):
-        return argument
-    return str(int(argument)) if isinstance(argument, Integral) else repr(float(argument))
-
-
-def _truth(word: str) -> bool:
-    """Truth of ON, OFF, 1 or 0."""
-    if word not in ("ON", "OFF", "1", "0"):
-        raise BadReply(f"Expected ON, OFF, 1 or 0, got {word!r}. Ask again.")
-    return word in ("ON", "1")
+        with one_error(self.name):
+            self._connection.reset_input_buffer()

@@ -17,7 +17,7 @@ from pydantic.dataclasses import dataclass
 
 from cmtof.hardware.beam import SAFE_LEVELS, Galvo, Interlock
 from cmtof.hardware.plan import MODES
-from cmtof.hardware.safety import EmergencyStop, SafeDevice
+from cmtof.hardware.safety import EmergencyStop
 from cmtof.instrument.settings import TwinSettings, number
 
 T = TypeVar("T")
@@ -340,7 +340,7 @@ class Instruments:
     def __post_init__(self) -> None:
         self._stop = EmergencyStop(self.in_order_of_stopping())
 
-    def in_order_of_stopping(self) -> list[SafeDevice]:
+    def in_order_of_stopping(self) -> list[Any]:
         """Every instrument: first the light, then RF, then what moves."""
         names = "interlock galvo rf_emission rf_detection plate_emission plate_detection stage"
         order = [getattr(self, name) for name in (names + " daq clock power_meter").split()]
@@ -421,8 +421,7 @@ def _opened(name: str, settings: DeviceSettings, lines: LineSettings) -> Any:
     if driver in ("kdc101", "k10cr1"):
         kind = apt.MOTORS[settings.stage or driver]
         if scale := settings.counts_per_unit:
-            factor = scale / kind.scale
-            kind = kind._replace(scale=scale, velocity_scale=kind.velocity_scale * factor)
+            kind = kind._replace(scale=scale)
         port = rf.open_serial(address, rtscts="://" not in address)
         return apt.Motor(port, kind, name, settings.serial_number)
     if driver == "rf-driver":

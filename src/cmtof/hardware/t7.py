@@ -13,25 +13,19 @@ Datasheet, 3.2.3 Stream-Out, 3.2.4 Low-Level Stream); they stand here:
 
 import logging
 import struct
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import cache
-from typing import Any, TypeVar
+from collections.abc import Iterable, Iterator, Mapping
+from math import gcd
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from pymodbus.client import ModbusTcpClient
+from pymodbus.pdu import ModbusPDU
 
-from cmtof.hardware.device import (
-    BadReply,
-    ConnectionLost,
-    Device,
-    InstrumentTimeout,
-    Refused,
-    insist,
-)
+from cmtof.hardware import device
+from cmtof.hardware.device import one_error
 from cmtof.hardware.reduction import RANGES, Gain
-from cmtof.hardware.rf import port_errors
 
-T = TypeVar("T")
 REGISTERS = {
     "STREAM_SCANRATE_HZ": (4002, "f"),
     "STREAM_NUM_ADDRESSES": (4004, "I"),
@@ -56,10 +50,7 @@ REGISTERS = {
     "STREAM_ENABLE": (4990, "I"),
     "FIO_STATE": (2500, "H"),
     "USER_RAM0_U32": (46100, "I"),
-    "LAST_ERR_DETAIL": (55000, "H"),
-    "TEST": (55100, "I"),
     "PRODUCT_ID": (60000, "f"),
-    "HARDWARE_VERSION": (60002, "f"),
     "FIRMWARE_VERSION": (60004, "f"),
     "SERIAL_NUMBER": (60028, "I"),
     "WATCHDOG_ENABLE_DEFAULT": (61600, "I"),
@@ -69,7 +60,7 @@ REGISTERS = {
     "WATCHDOG_DIO_DIRECTION_DEFAULT": (61634, "I"),
     "WATCHDOG_DIO_INHIBIT_DEFAULT": (61636, "I"),
     "INTERNAL_FLASH_READ_POINTER": (61810, "I"),
-    "INTERNAL_FLASH_READ": (61812, "I"),
+    "INTERNAL_FLASH_READ": (61812, "fff"),
     **{f"FIO{n}": (2000 + n, "H") for n in range(8)},
     **{f"TDAC{n}": (30000 + 2 * n, "f") for n in range(8)},
     **{f"AIN{n}": (2 * n, "f") for n in range(14)},
@@ -78,31 +69,16 @@ REGISTERS = {
 }
 """Address and format of each register in use."""
 
-CALIBRATION_POINTER = 0x3C4000
+CALIBRATION = 0x3C4000
 """Where the calibration begins in the flash: four floats for each input range."""
 PACKET = 160
 """Samples of a packet at most: two or more packets a point, so that a lost one is seen at once."""
-LARGEST_LOOP = 250
-"""Values of the pulse's loop at most, which travel in one frame."""
 COMPLETE = 2944
-"""Status of the last packet of a burst."""
-_BREAKS = {
-    2940: "a full buffer",
-    2941: "skipped scans",
-    2942: "overlapping scans",
-    2943: "65535 or more skipped scans",
-}
-_NOT_RUNNING = 2620  # STREAM_NOT_RUNNING: stopping a stream that has ended by itself
+"""Status of the last packet of a burst; 2940 to 2943 stand for scans that were skipped."""
 
 
-class DeviceRefusal(Refused):
-    """The T7 answered with an exception; ``detail`` is LabJack's own code."""
-
-    detail = 0
-
-
-def write(name: str, value: float) -> bytes:
-    """Part of a feedback frame that writes a register.
+def write(name: str, value: ArrayLike) -> bytes:
+    """Part of a feedback frame that writes a register, or values one after another.
 
     Examples
     --------
@@ -110,123 +86,82 @@ def write(name: str, value: float) -> bytes:
     '0175340240200000'
     """
     address, kind = REGISTERS[name]
-    data = struct.pack(f">{kind}", value if kind == "f" else int(value))
+    data = np.atleast_1d(value).astype(f">{np.dtype(kind).str[1:]}").tobytes()
     return struct.pack(">BHB", 1, address, len(data) // 2) + data
 
 
-@cache
-def feedback_class() -> Any:
-    """Request and answer of function 76 for pymodbus; ``data`` is what follows the function."""
-    from pymodbus.pdu import ModbusPDU
+class Feedback(ModbusPDU):
+    """Request and answer of function 76; ``data`` is what follows the function."""
 
-    class Feedback(ModbusPDU):  # type: ignore[misc]
-        function_code = 76
+    function_code, data = 76, b""
 
-        def __init__(self, data: bytes = b"", dev_id: int = 1, transaction_id: int = 0) -> None:
-            super().__init__(dev_id=dev_id, transaction_id=transaction_id)
-            self.data = data
+    def encode(self) -> bytes:
+        """Bytes that are sent."""
+        return self.data
 
-        def encode(self) -> bytes:
-            return self.data
-
-        def decode(self, data: bytes) -> None:
-            self.data = bytes(data)
-
-    return Feedback
+    def decode(self, data: bytes) -> None:
+        """Take the bytes that have come."""
+        self.data = bytes(data)
 
 
 def open_modbus(address: str, timeout: float = 1.0) -> Any:
-    """Open a Modbus TCP client to ``HOST`` or ``HOST:PORT`` that asks once and waits a second.
-
-    Raises
-    ------
-    ConnectionLost
-        If nothing answers there.
-    """
-    from pymodbus.client import ModbusTcpClient
-
+    """Open a client to ``HOST`` or ``HOST:PORT`` that asks once, or raise `ConnectionLost`."""
     logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # our errors say it once
     host, _, port = address.partition(":")
     client = ModbusTcpClient(host, port=int(port or 502), timeout=timeout, retries=0)
-    client.register(feedback_class())
+    client.register(Feedback)
     if not client.connect():
-        raise ConnectionLost(f"Expected a T7 at {address}, got none. Check address and cable.")
+        raise device.ConnectionLost(f"Expected a T7 at {address}, got none. Check the address.")
     return client
 
 
-class LabJackT7(Device):
+class LabJackT7(device.Device):
     """A T7 with its two connections.
 
-    Parameters
-    ----------
-    client
-        From `open_modbus`.
-    stream
-        pyserial port ``socket://HOST:702``, on which stream packets come unasked.
-    name : str
-    safe_levels : mapping of str to bool
-        FIO lines and the levels that the device's own watchdog gives them.
+    ``client`` is from `open_modbus`; stream packets come unasked on ``stream``, a pyserial port
+    ``socket://HOST:702``. ``safe_levels`` of FIO lines are set by the device's own watchdog.
     """
+
+    MODELS = ("T7",)
+    LIMITS: ClassVar = {"rate": (1.0, 50e3), "pulse": (2, 250)}
 
     def __init__(
         self, client: Any, stream: Any, name: str = "daq", safe_levels: Mapping[str, bool] = {}
     ) -> None:
-        super().__init__(name)
-        self._client, self._stream = client, stream
-        self._safe_levels = dict(safe_levels)
-        self._burst: dict[str, Any] | None = None
-        self._ready = False
+        super().__init__(client, name)
+        self._stream, self._safe_levels = stream, dict(safe_levels)
+        self._settings: dict[str, float] = {}
+        self._waveform: dict[str, ArrayLike] = {}
+        self._line, self._scans, self._ready = "", 0, False
 
     def close(self) -> None:
         """Close both connections."""
         self._stream.close()
-        self._client.close()
-
-    def identify(self) -> dict[str, Any]:
-        """Serial number and versions; `Refused` if it is no T7, or its words are swapped."""
-        if self._value("PRODUCT_ID") != 7 or self._value("TEST") != 0x00112233:
-            raise Refused(
-                f"Expected a LabJack T7 at {self.name}, got another device. Check the address."
-            )
-        return {
-            "serial_number": int(self._value("SERIAL_NUMBER")),
-            "firmware": round(self._value("FIRMWARE_VERSION"), 4),
-            "hardware": round(self._value("HARDWARE_VERSION"), 4),
-        }
+        self._connection.close()
 
     def gain(self, volts_range: float) -> Gain:
         """Calibration of an input range, V, of the converter that streams, from the flash."""
-        pointer = CALIBRATION_POINTER + 16 * RANGES.index(volts_range)
-        ask = write("INTERNAL_FLASH_READ_POINTER", pointer)
-        ask += struct.pack(">BHB", 0, REGISTERS["INTERNAL_FLASH_READ"][0], 8)
-        gain = Gain(*struct.unpack(">3f", self._read(lambda: self._feedback(ask, 16))[:12]))
+        place = CALIBRATION + 16 * RANGES.index(volts_range)
+        self.write_many({"INTERNAL_FLASH_READ_POINTER": place})
+        gain = Gain(*self._values("INTERNAL_FLASH_READ"))
         nominal = (3.158e-5 * volts_range, -3.158e-5 * volts_range, 33523.0)
-        if not all(abs(a / b - 1) < 0.1 for a, b in zip(gain, nominal, strict=True)):
-            raise BadReply(
-                f"Expected a calibration in the flash of {self.name}, got {gain}. "
-                "Have the device calibrated."
-            )
+        if not np.allclose(gain, nominal, rtol=0.1, atol=0.0):
+            self._fail(device.BadReply, "hold its calibration", str(gain), "Have it calibrated.")
         return gain
 
     def line(self, dio: str) -> bool:
         """Level of a digital line, which this makes an input."""
-        return bool(self._value(dio))
+        return bool(self._values(dio)[0])
 
     def set_line(self, dio: str, high: bool) -> None:
         """Make a digital line an output at that level, and check it at the terminal."""
-        self._feedback(write(dio, high))
-        found = bool(int(self._value("FIO_STATE")) >> int(dio[-1]) & 1)
-        if found != high:
-            raise Refused(
-                f"Expected {dio} of {self.name} to go {'high' if high else 'low'}, got the other "
-                "level. Look for a short or another output on that line."
-            )
+        self.write_many({dio: high})
+        (state,) = self._values("FIO_STATE")
+        self._expect(dio, high, int(state) >> int(dio[-1]) & 1)
 
-    def write_many(self, values: Mapping[str, float]) -> None:
+    def write_many(self, values: Mapping[str, ArrayLike]) -> None:
         """Write registers in their order in one frame, once."""
         self._feedback(b"".join(write(name, value) for name, value in values.items()))
-
-    # --- bursts --------------------------------------------------------------------------------
 
     def configure_burst(
         self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
@@ -236,119 +171,110 @@ class LabJackT7(Device):
         ``pulse_line`` is high for the first half of every ``pulse`` samples; ``rate`` is in Hz and
         the input's ``range`` in V.
         """
-        if pulse > LARGEST_LOOP or scans % pulse or not 0 < rate <= 50e3:
-            raise ValueError(
-                f"Expected whole pulses to {LARGEST_LOOP} samples at up to 50000 scans/s, got "
-                f"{scans} samples of {pulse} at {rate:g}. Change `detection`."
-            )
-        self._burst = {
-            "scans": scans,
-            "duration": scans / rate,
-            "line": pulse_line,
-            "pulse": pulse,
-            "registers": {
-                f"{channel}_RANGE": range,
-                f"{channel}_NEGATIVE_CH": 199,  # single-ended
-                "STREAM_SCANRATE_HZ": rate,
-                "STREAM_NUM_ADDRESSES": 2,
-                "STREAM_SAMPLES_PER_PACKET": max(n for n in _upto(PACKET) if scans % n == 0),
-                "STREAM_RESOLUTION_INDEX": 1,
-                "STREAM_BUFFER_SIZE_BYTES": min(32768, _power_of_2(4 * scans)),
-                "STREAM_CLOCK_SOURCE": 0,
-                "STREAM_AUTO_TARGET": 1,  # port 702
-                "STREAM_NUM_SCANS": scans,
-                "STREAM_TRIGGER_INDEX": 0,
-                # the pulse before the sample, so that an edge precedes it
-                "STREAM_SCANLIST_ADDRESS0": REGISTERS["STREAM_OUT0"][0],
-                "STREAM_SCANLIST_ADDRESS1": REGISTERS[channel][0],
-            },
+        self._within("rate", rate)
+        self._within("pulse", pulse)
+        if scans % pulse:
+            raise ValueError(f"Expected pulses of {pulse} samples, got {scans}. Change one.")
+        bit = 1 << int(pulse_line[-1])
+        inhibit = (0xFF & ~bit) << 8
+        self._line, self._scans = pulse_line, scans
+        self._stream.timeout = scans / rate + 1.0
+        self._settings = {
+            f"{channel}_RANGE": range,
+            f"{channel}_NEGATIVE_CH": 199,  # single-ended
+            "STREAM_SCANRATE_HZ": rate,
+            "STREAM_NUM_ADDRESSES": 2,
+            "STREAM_SAMPLES_PER_PACKET": gcd(scans, PACKET),
+            "STREAM_RESOLUTION_INDEX": 1,
+            "STREAM_BUFFER_SIZE_BYTES": 32768,
+            "STREAM_CLOCK_SOURCE": 0,
+            "STREAM_AUTO_TARGET": 1,  # port 702
+            "STREAM_NUM_SCANS": scans,
+            "STREAM_TRIGGER_INDEX": 0,
+            # the pulse before the sample, so that an edge precedes it
+            "STREAM_SCANLIST_ADDRESS0": REGISTERS["STREAM_OUT0"][0],
+            "STREAM_SCANLIST_ADDRESS1": REGISTERS[channel][0],
         }
-        self._prepare(self._burst)
+        self._waveform = {
+            pulse_line: 0,  # also makes it an output
+            "STREAM_OUT0_TARGET": REGISTERS["FIO_STATE"][0],
+            "STREAM_OUT0_BUFFER_ALLOCATE_NUM_BYTES": 1024,
+            "STREAM_OUT0_ENABLE": 1,
+            "STREAM_OUT0_LOOP_NUM_VALUES": pulse,
+            "STREAM_OUT0_BUFFER_U16": [inhibit | bit] * (pulse // 2)
+            + [inhibit] * (pulse - pulse // 2),
+            "STREAM_OUT0_SET_LOOP": 1,
+        }
+        self._prepare()
 
-    def _prepare(self, burst: Mapping[str, Any]) -> None:
-        """Write everything that a burst depends on, and read it back."""
+    def _prepare(self) -> None:
+        """Write everything that a burst depends on, and read back what can be."""
         self._ready = False
         self._stop()
-        values = burst["registers"]
-        # not read back: 0 stands for an automatic settling; the datasheet demands STREAM_DATATYPE 0
-        self.write_many(values | {"STREAM_SETTLING_US": 0.0, "STREAM_DATATYPE": 0})
-        number, pulse = int(burst["line"][-1]), burst["pulse"]
-        inhibit = (0xFF & ~(1 << number)) << 8
-        states = [inhibit | 1 << number] * (pulse // 2) + [inhibit] * (pulse - pulse // 2)
-        loop = struct.pack(">BHB", 1, REGISTERS["STREAM_OUT0_BUFFER_U16"][0], pulse)
-        parts = [
-            write(burst["line"], 0),  # also makes it an output
-            write("STREAM_OUT0_ENABLE", 0),
-            write("STREAM_OUT0_TARGET", REGISTERS["FIO_STATE"][0]),
-            write("STREAM_OUT0_BUFFER_ALLOCATE_NUM_BYTES", _power_of_2(4 * pulse)),
-            write("STREAM_OUT0_ENABLE", 1),
-            write("STREAM_OUT0_LOOP_NUM_VALUES", pulse),
-            loop + struct.pack(f">{pulse}H", *states),
-            write("STREAM_OUT0_SET_LOOP", 1),
-        ]
-        self._feedback(b"".join(parts))
-        for name, wanted in values.items():
-            self._expect(name, wanted, self._value(name), 1e-3 * abs(wanted))
+        self._set(self._settings)
+        # an automatic settling, and what the datasheet demands without a register map
+        self.write_many({"STREAM_SETTLING_US": 0, "STREAM_DATATYPE": 0, "STREAM_OUT0_ENABLE": 0})
+        self.write_many(self._waveform)
         self._ready = True
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
         """Counts (scans,) of a burst for each request, in their order; nothing is repeated here.
 
-        Raises
-        ------
-        BadReply
-            If a packet was lost or the device skipped scans.
-        InstrumentTimeout
-            If samples are missing.
-        ConnectionLost
-            If a connection ended.
+        A request's registers are written in the frame that starts its burst. `BadReply` stands for
+        lost packets and skipped scans, `InstrumentTimeout` for missing samples.
         """
         for registers in requests:
-            yield self._one_burst(registers)
+            if not self._ready:
+                self._prepare()
+            self._ready = False
+            with one_error(self.name):
+                self._stream.reset_input_buffer()
+            self.write_many({**registers, "STREAM_ENABLE": 1})
+            try:
+                counts = self._samples()
+            finally:
+                self._stop()
+            self._ready = True
+            yield counts
 
-    def _one_burst(self, registers: Mapping[str, float]) -> NDArray[np.uint16]:
-        """Write registers and start a burst in one frame, and read its samples."""
-        burst = self._burst
-        if burst is None:
-            raise ValueError("Expected a burst to be set up, got none. Call configure_burst first.")
-        if not self._ready:
-            self._prepare(burst)
-        self._ready = False
-        port_errors(self.name, self._stream.reset_input_buffer)
-        self._stream.timeout = burst["duration"] + 1.0
-        self.write_many({**registers, "STREAM_ENABLE": 1})
-        try:
-            counts = port_errors(self.name, lambda: self._samples(burst["scans"]))
-        finally:
-            self._stop()
-        self._ready = True
-        return counts
-
-    def _samples(self, scans: int) -> NDArray[np.uint16]:
+    def _samples(self) -> NDArray[np.uint16]:
         """Counts (scans,) of the packets of a burst that has been started."""
         parts: list[NDArray[np.uint16]] = []
-        found, last, status = 0, -1, 0
-        while found < scans and status != COMPLETE:
-            number, status, counts = parse_packet(self._stream.read)
+        found, last = 0, -1
+        while found < self._scans:
+            number, counts = self._packet()
             if not parts and not counts.size:
-                status = 0  # the end of an earlier burst, sent as a packet of its own
-                continue
-            if parts and number != (last + 1) % 0x10000:
-                raise BadReply("Expected unbroken packets, got some missing. Take it again.")
+                continue  # the end of an earlier burst, sent as a packet of its own
+            found += counts.size
+            if (parts and number != (last + 1) % 0x10000) or found > self._scans:
+                self._fail(device.BadReply, "send every packet", "some missing", "Take it again.")
             parts.append(counts)
-            found, last = found + counts.size, number
-        if found != scans:
-            raise BadReply(f"Expected {scans} samples, got {found}. Take the burst again.")
+            last = number
         return np.concatenate(parts)
 
+    def _packet(self) -> tuple[int, NDArray[np.uint16]]:
+        """Transaction number and raw samples of the next stream packet."""
+        header = self._received(16)
+        number, protocol, length, function, kind, status = struct.unpack(">HHHxBBx2xH2x", header)
+        if (protocol, function, kind) != (0, 76, 16) or not 10 <= length <= 1034:
+            self._fail(device.BadReply, "send a stream packet", header.hex(), "Take it again.")
+        if status not in (0, COMPLETE):
+            self._fail(device.BadReply, "skip no scan", f"status {status}", "Take it again.")
+        return number, np.frombuffer(self._received(length - 10), ">u2").astype(np.uint16)
+
+    def _received(self, size: int) -> bytes:
+        with one_error(self.name):
+            data = self._stream.read(size)
+        if len(data) < size:
+            self._fail(device.InstrumentTimeout, "send all samples", "fewer", "Take it again.")
+        return data
+
     def _stop(self) -> None:
+        """Stop a stream; the T7 refuses that where none runs."""
         try:
             self.write_many({"STREAM_ENABLE": 0})
-        except DeviceRefusal as refusal:
-            if refusal.detail != _NOT_RUNNING:
-                raise
-
-    # --- safety --------------------------------------------------------------------------------
+        except device.Refused:
+            self._expect("STREAM_ENABLE", 0, *self._values("STREAM_ENABLE"))
 
     def watchdog(self, seconds: int) -> None:
         """Let the device set its safe lines when no host speaks for so many seconds; 0 ends that.
@@ -361,117 +287,55 @@ class LabJackT7(Device):
         enable = "WATCHDOG_ENABLE_DEFAULT"
         wanted = {
             "WATCHDOG_TIMEOUT_S_DEFAULT": int(seconds),
-            "WATCHDOG_DIO_STATE_DEFAULT": sum(high << number for number, high in numbers.items()),
+            "WATCHDOG_DIO_STATE_DEFAULT": sum(high << n for n, high in numbers.items()),
             "WATCHDOG_DIO_DIRECTION_DEFAULT": used,
             "WATCHDOG_DIO_INHIBIT_DEFAULT": 0x7FFFFF & ~used,
-            "WATCHDOG_DIO_ENABLE_DEFAULT": int(bool(numbers)),
+            "WATCHDOG_DIO_ENABLE_DEFAULT": 1,
+            enable: 1,
         }
-        changed = {name: value for name, value in wanted.items() if self._value(name) != value}
-        if changed and seconds:
-            # nothing else of it can be written while it runs
-            self.write_many({enable: 0, **changed})
-        if self._value(enable) != bool(seconds):
-            self.write_many({enable: bool(seconds)})
-        for name, value in ({**wanted, enable: 1} if seconds else {enable: 0}).items():
-            self._expect(name, value, self._value(name))
+        wanted = wanted if seconds else {enable: 0}
+        if self._values(*wanted) != tuple(wanted.values()):
+            self.write_many({enable: 0})  # nothing else of it can be written while it runs
+            self._set(wanted)
 
     def safe_state(self) -> None:
         """Stop a running stream, and pull the pulse line low."""
         self._ready = False
-        insist(self._stop)
-        if self._burst is not None:
-            insist(lambda: self.set_line(self._burst["line"], False))  # type: ignore[index]
+        device.insist(self._stop, lambda: self._line and self.set_line(self._line, False))
 
-    # --- dialogue ------------------------------------------------------------------------------
+    def _identity(self) -> dict[str, str]:
+        product, serial, firmware = self._values("PRODUCT_ID", "SERIAL_NUMBER", "FIRMWARE_VERSION")
+        words = {"model": f"T{product:g}", "serial_number": str(serial)}
+        return words | {"firmware": f"{firmware:.4f}"}
 
-    def _value(self, name: str) -> float:
-        """Value of a register (function 3); asked once more after a lost answer."""
-        address, kind = REGISTERS[name]
-        count = struct.calcsize(kind) // 2
+    def _set(self, values: Mapping[str, float]) -> None:
+        """Write registers, and compare what the device holds then."""
+        self.write_many(values)
+        for (name, wanted), found in zip(values.items(), self._values(*values), strict=True):
+            self._expect(name, wanted, found, 1e-3 * wanted if isinstance(wanted, float) else 0)
 
-        def ask() -> bytes:
-            client = self._client
-            found = self._exchange(
-                lambda: client.read_holding_registers(address, count=count, device_id=1)
-            ).registers
-            if len(found) != count:
-                raise BadReply(f"Expected {count} registers of {self.name}, got {len(found)}.")
-            return struct.pack(f">{count}H", *found)
+    def _values(self, *names: str) -> tuple[float, ...]:
+        """Values of registers, read in one frame, asked once more after a lost answer."""
+        frame, kinds = b"", ">"
+        for address, kind in map(REGISTERS.__getitem__, names):
+            frame += struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
+            kinds += kind
+        size = struct.calcsize(kinds)
+        return struct.unpack(kinds, self._read(lambda: self._feedback(frame, size)))
 
-        return struct.unpack(f">{kind}", self._read(ask))[0]
-
-    def _feedback(self, parts: bytes, size: int = 0) -> bytes:
-        """Bytes of the reads of a feedback frame."""
-        data = self._exchange(lambda: self._client.execute(False, feedback_class()(parts))).data
-        if len(data) != size:
-            raise BadReply(f"Expected {size} bytes of {self.name}, got {len(data)}. Ask again.")
-        return data
-
-    def _exchange(self, act: Callable[[], Any]) -> Any:
-        """Answer to a request; the T7's exceptions are raised with LabJack's own code."""
-        answer = self._talk(act)
-        if not answer.isError():
-            return answer
-        address = REGISTERS["LAST_ERR_DETAIL"][0]
-        more = self._talk(lambda: self._client.read_holding_registers(address, device_id=1))
-        refusal = DeviceRefusal(
-            f"Expected {self.name} to accept a request, got exception {answer.exception_code}, "
-            f"LabJack {more.registers or 'unknown'}. Check address and value."
-        )
-        refusal.detail = more.registers[0] if more.registers else 0
-        raise refusal
-
-    def _talk(self, act: Callable[[], T]) -> T:
-        """Do something with the client; errors of pymodbus become ours."""
-        from pymodbus.exceptions import ConnectionException, ModbusException, ModbusIOException
-
+    def _feedback(self, frame: bytes, size: int = 0) -> bytes:
+        """Bytes of the reads in a feedback frame."""
+        request = Feedback(dev_id=1)
+        request.data = frame
         try:
-            return act()
-        except ConnectionException as error:
-            raise ConnectionLost(
-                f"Expected {self.name} to be there, got {error}. Check the cable."
-            ) from None
-        except ModbusIOException:
-            raise InstrumentTimeout(
-                f"Expected an answer of {self.name} in time, got none. Check it, try again."
-            ) from None
-        except (ModbusException, struct.error, ValueError, IndexError, AttributeError) as error:
-            raise BadReply(f"Expected Modbus of {self.name}, got {error}. Ask again.") from None
-
-    def _resynchronise(self) -> None:
-        self._client.close()  # the next request connects again
-
-
-def parse_packet(read: Callable[[int], bytes]) -> tuple[int, int, NDArray[np.uint16]]:
-    """Transaction number, status and raw samples of the next stream packet.
-
-    Raises
-    ------
-    BadReply
-        If it is no stream packet, or reports that the burst is broken.
-    InstrumentTimeout
-        If it does not come whole.
-    """
-    late = InstrumentTimeout("Expected all samples of a burst in time, got fewer. Take it again.")
-    header = read(16)
-    if len(header) < 16:
-        raise late
-    number, protocol, length, function, kind, status = struct.unpack(">HHHxBBx2xH2x", header)
-    if protocol or function != 76 or kind != 16 or length % 2 or not 10 <= length <= 1034:
-        raise BadReply(f"Expected a stream packet, got {header.hex()}. Set the burst up again.")
-    samples = np.frombuffer(data := read(length - 10), ">u2", len(data) // 2).astype(np.uint16)
-    if len(data) < length - 10:
-        raise late
-    if status not in (0, COMPLETE):
-        reason = _BREAKS.get(status, "status")
-        raise BadReply(f"Expected an unbroken burst, got {reason} ({status}). Take it again.")
-    return number, status, samples
-
-
-def _upto(most: int) -> range:
-    return range(1, most + 1)
-
-
-def _power_of_2(least: int) -> int:
-    """Power of 2 from ``least`` on, 64 or more."""
-    return 1 << (max(least, 64) - 1).bit_length()
+            with one_error(self.name):
+                answer = self._connection.execute(False, request)
+            if answer.isError():
+                got = f"Modbus exception {answer.exception_code}"
+                self._fail(device.Refused, "accept a request", got, "Check address and value.")
+            if len(answer.data) != size:
+                self._fail(device.BadReply, f"send {size} bytes", f"{answer.data!r}", "Ask again.")
+        except (device.InstrumentTimeout, device.BadReply):
+            self._connection.close()  # and connect again: a late answer would be the next one's
+            raise
+        return answer.data

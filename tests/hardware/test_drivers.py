@@ -1,0 +1,175 @@
+"""The contract of every driver: faults, limits, other devices, safe states."""
+
+from types import SimpleNamespace
+
+import pytest
+import serial
+from peers import T7, Controller, Firmware, Modbus, Port, Visa, Wire
+from pymodbus.exceptions import ConnectionException, ModbusIOException
+from pyvisa import VisaIOError
+from pyvisa.constants import StatusCode
+
+from cmtof.hardware.apt import MOTORS, Motor
+from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, number
+from cmtof.hardware.rf import RfDriver
+from cmtof.hardware.scpi import PowerMeter, SignalGenerator
+from cmtof.hardware.t7 import LabJackT7
+
+LOST = serial.SerialException("gone")
+VISA_LOST = VisaIOError(StatusCode.error_connection_lost)
+
+
+class Scpi:
+    """A device of SCPI: answers by question, and outputs that follow."""
+
+    def __init__(self, model, **answers):
+        self.model, self.answers = model, answers
+
+    def __call__(self, text):
+        words = text.decode().split()
+        if words[0] == "*IDN?":
+            return f"MAKER,{self.model},1,2".encode()
+        if words[0].endswith("OUTP"):
+            self.answers[f"{words[0]}?"] = f"{text.decode()},LOAD,50"
+        return self.answers.get(words[0], "").encode()
+
+
+def daq(wire):
+    """Read-out on a stream that nobody writes to."""
+    return LabJackT7(Modbus(wire), serial.serial_for_url("loop://", timeout=0.02), "device")
+
+
+# model, driver, question and what is sent for it, change and what is sent for it, silence, garbage,
+# the other end gone, a value beyond the limits, and a method that may fail
+CONTRACTS = {
+    "rf": SimpleNamespace(
+        model=Firmware,
+        driver=lambda wire: RfDriver(Port(wire), "device"),
+        ask=lambda one: one.status().edges == 16,
+        question=b"STAT?",
+        change=lambda one: one.set_power(30.0),
+        command=b"POWR",
+        faults=(b"", b"\xff\xfe\n", LOST),
+        beyond=lambda one: one.set_frequency(8e9),
+    ),
+    "clock": SimpleNamespace(
+        model=lambda: Scpi("SDG2042X", **{"C1:OUTP?": "C1:OUTP OFF,LOAD,50"}),
+        driver=lambda wire: SignalGenerator(Visa(wire), "device"),
+        ask=lambda one: one.output(1, True) is None,
+        question=b"C1:OUTP?",
+        change=lambda one: one.output(1, True),
+        command=b"C1:OUTP ON",
+        faults=(b"", b"C1:BSWV ON", VISA_LOST),
+        beyond=lambda one: one.sine(1, frequency=41e6, amplitude=1.0),
+    ),
+    "meter": SimpleNamespace(
+        model=lambda: Scpi("PM100D", **{"MEAS:POW?": "2.5E-3", "SYST:SENS:IDN?": "S140C,1"}),
+        driver=lambda wire: PowerMeter(Visa(wire), "device"),
+        ask=lambda one: one.power == 2.5e-3,
+        question=b"MEAS:POW?",
+        change=lambda one: setattr(one, "averaging", 10),
+        command=b"SENS:AVER:COUN 10",
+        faults=(b"", b"nonsense", VISA_LOST),
+        beyond=None,
+    ),
+    "motor": SimpleNamespace(
+        model=Controller,
+        driver=lambda wire: Motor(Port(wire), MOTORS["mts50-z8"], "device"),
+        ask=lambda one: one.position == 0,
+        question=b"\x11\x04",
+        change=lambda one: one.move_to(0.01),
+        command=b"\x53\x04",
+        faults=(b"", b"\xff" * 12, LOST),
+        beyond=lambda one: one.move_to(0.06),
+    ),
+    "daq": SimpleNamespace(
+        model=T7,
+        driver=daq,
+        ask=lambda one: one.line("FIO7"),
+        question=b"\x00\x07\xd7",
+        change=lambda one: one.set_line("FIO0", True),
+        command=b"\x01\x07\xd0",
+        faults=(ModbusIOException(), b"\xff", ConnectionException()),
+        beyond=lambda one: one.configure_burst(
+            channel="AIN0", rate=1e6, scans=20, range=10.0, pulse_line="FIO4", pulse=20
+        ),
+    ),
+}
+
+
+@pytest.fixture(params=CONTRACTS)
+def contract(request):
+    return CONTRACTS[request.param]
+
+
+def opened(contract):
+    wire = Wire(contract.model())
+    return wire, contract.driver(wire)
+
+
+def sent(wire, request):
+    return sum(request in one for one in wire.sent)
+
+
+def test_a_question_is_asked_once_more(contract):
+    for fault in contract.faults[:2]:
+        wire, one = opened(contract)
+        wire.fail(contract.question, fault, times=1)
+        assert contract.ask(one)
+        assert sent(wire, contract.question) == 2
+
+
+def test_a_fault_that_stays_is_one_error(contract):
+    for fault, errors in zip(
+        contract.faults,
+        (InstrumentTimeout, (BadReply, InstrumentTimeout), ConnectionLost),
+        strict=True,
+    ):
+        wire, one = opened(contract)
+        wire.fail(contract.question, fault)
+        with pytest.raises(errors, match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
+            contract.ask(one)
+        assert "\n" not in str(found.value)
+
+
+def test_a_change_is_sent_once(contract):
+    for fault in contract.faults:
+        wire, one = opened(contract)
+        wire.fail(contract.command, fault)
+        with pytest.raises(OSError, match="Expected"):
+            contract.change(one)
+        assert sent(wire, contract.command) == 1
+
+
+def test_another_device_is_refused(contract):
+    wire, one = opened(contract)
+    assert one.identify()["model"].startswith(one.MODELS)
+    model = wire.answer
+    if isinstance(model, T7):
+        model.set("PRODUCT_ID", 4.0)
+    else:
+        model.model = b"TDC9" if isinstance(model, Controller) else "OTHER"
+    with pytest.raises(Refused, match="Expected device to be .* Check the address"):
+        one.identify()
+
+
+@pytest.mark.parametrize("name", [name for name in CONTRACTS if CONTRACTS[name].beyond])
+def test_a_value_beyond_the_limits_is_not_sent(name):
+    wire, one = opened(CONTRACTS[name])
+    with pytest.raises(ValueError, match="Expected .* of device from .* Stay within"):
+        CONTRACTS[name].beyond(one)
+    assert not wire.sent
+
+
+def test_a_safe_state_is_tried_again(contract):
+    wire, one = opened(contract)
+    wire.fail(b"", contract.faults[2], times=1)
+    one.safe_state()
+    one.close()
+    one.close()
+
+
+@pytest.mark.parametrize("text", ["9.9E+37", "nan", "volts", ""])
+def test_what_is_no_number(text):
+    with pytest.raises(BadReply, match="Expected a number"):
+        number(text)
