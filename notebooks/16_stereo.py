@@ -40,7 +40,7 @@ from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import load_frame
 from cmtof.scenes.frame import Frame
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
 WRAP = float(wrap_length(FREQUENCY_SINGLE))
 LEFT, RIGHT, BEAM = plotting.PALETTE["blue"], plotting.PALETTE["vermillion"], "#00A86B"
@@ -48,10 +48,9 @@ LEFT, RIGHT, BEAM = plotting.PALETTE["blue"], plotting.PALETTE["vermillion"], "#
 # %% [markdown]
 # ## The labels of one scan
 #
-# Two FLIR Grasshopper3 GS3-U3-32S4C with 8 mm lenses stand on either side of the scanner. Pictures
-# of a checkerboard calibrate them, the frame is scanned, and each pixel's spot is seen by a camera
-# unless something stands before it. The spots also locate the scanner: its beams leave in known
-# directions, so it is found like a third camera.
+# Pictures of a checkerboard calibrate both cameras, the frame is scanned, and each pixel's spot is
+# seen unless something stands before it. The spots also locate the scanner: its beams leave in
+# known directions, so it is found like a third camera.
 
 # %%
 sensor = stereo.Sensor()
@@ -77,25 +76,18 @@ def thinned(name, stride):
     return Frame(whole.depth[::stride, ::stride], whole.intensity[::stride, ::stride], camera, name)
 
 
-def located(cameras, frame, spots):
-    """Cameras with the scanner found from its spots."""
-    beams = points_from_depth(np.ones(frame.depth.shape), frame.camera)
-    return stereo.locate_scanner(cameras, spots.pixels, beams)
-
-
 def measured_phase(measurement):
     """Wrapped phase of the low frequency and its standard deviation, rad."""
     images, psi = (measurement.dataset[k].to_numpy()[0] for k in ("correlation", "psi"))
     noise = residual_noise(images, psi) * np.sqrt(2 / psi.size)
-    return {
-        "phase": measurement.phase[0],
-        "phase_noise": noise / np.maximum(measurement.amplitude[0], 1e-6),
-    }
+    noise = noise / np.maximum(measurement.amplitude[0], 1e-6)
+    return {"phase": measurement.phase[0], "phase_noise": noise}
 
 
 def labels(frame, spots, cameras, others=(), **phase):
-    """Pseudo ground truth of a scan by calibrated cameras."""
-    found = [located(one, frame, spots) for one in (cameras, *others)]
+    """Pseudo ground truth of a scan by calibrated cameras, the scanner found from its spots."""
+    beams = points_from_depth(np.ones(frame.depth.shape), frame.camera)
+    found = [stereo.locate_scanner(one, spots.pixels, beams) for one in (cameras, *others)]
     return stereo.truth_from_spots(spots, found[0], draws=found[1:], sigmas=sigmas, **phase)
 
 
@@ -106,17 +98,14 @@ spots = stereo.scan_spots(frame, rig, rng=rng, sensor=sensor)
 alone = labels(frame, spots, cameras, redrawn)
 truth = labels(frame, spots, cameras, redrawn, **measured_phase(measurement))
 wrong = float((np.abs(truth.depth - frame.depth) > WRAP / 2)[truth.mask].mean())
-right_alone = float((alone.wraps == np.floor(frame.depth / WRAP))[alone.mask].mean())
-offset = located(cameras, frame, spots).centres.mean(0) - rig.centres.mean(0)
 print(f"labelled: stereo alone {alone.mask.mean():.1%}, with the phase {truth.mask.mean():.1%}")
-print(f"scanner found to {1e3 * np.linalg.norm(offset):.2f} mm")
 notes.tell(both=100 * truth.mask.mean(), wrong=100 * wrong)
 
 
 # %% tags=["hide-input"]
 figure = plt.figure(figsize=(11.0, 3.5))
-axes = [figure.add_subplot(1, 3, 1, projection="3d", computed_zorder=False)]
-axes += [figure.add_subplot(1, 3, k) for k in (2, 3)]
+axes = [figure.add_subplot(131, projection="3d", computed_zorder=False)]
+axes += [figure.add_subplot(place) for place in (132, 133)]
 points = points_from_depth(frame.depth, frame.camera) @ [[0, -1, 0], [0, 0, -1], [1, 0, 0]]
 target = points[points.shape[0] // 2, int(0.45 * points.shape[1])]
 places = [*rig.centres @ [[0, -1, 0], [0, 0, -1], [1, 0, 0]], np.zeros(3)]
@@ -177,23 +166,22 @@ plotting.save(
 #
 # $$\sigma = \frac{C\lambda N}{\sqrt2\,\pi}$$
 #
-# on the sensor, whatever the size of the spot, for a larger spot holds more grains but spreads them
-# farther {cite}`dorsch1994`. Only a wider lens (smaller $N$) or less coherent light helps. The
-# calibration {cite}`zhang2000` counts too: it is repeated with its corners redrawn, and the scatter
-# of the ranges is added to that of the spots.
+# on the sensor, whatever the size of the spot {cite}`dorsch1994`. Only a wider lens (smaller $N$)
+# or less coherent light helps. The calibration {cite}`zhang2000` counts too: it is repeated with
+# its corners redrawn, and the scatter of the ranges is added to that of the spots.
 
 # %%
 focal = float(cameras.matrices[0, 0, 0]) * sensor.pitch
 paper.check("sec6.lens_focal_length", focal)
 scatter = np.std([one.matrices[0, 0, 0] for one in redrawn], ddof=1)
 print(f"speckle {sensor.speckle:.3f} px; all noise {np.nanmedian(spots.sigma):.3f} px")
-print(f"focal length {cameras.matrices[0, 0, 0]:.1f} ± {scatter:.1f} px")
-print(f"                truth {rig.matrices[0, 0, 0]:.1f} px")
+print(
+    f"focal length {cameras.matrices[0, 0, 0]:.1f} ± {scatter:.1f} px, in truth",
+    rig.matrices[0, 0, 0],
+)
 
 # %% [markdown]
-# ## How far it reaches
-#
-# The same rig before a room, which reaches from two to five metres.
+# ## How far it reaches: the same rig before a room
 
 # %%
 far_frame = thinned(far_scene, far_stride)
@@ -213,8 +201,8 @@ for one, name, colour in ((truth, scene, LEFT), (far, far_scene, RIGHT)):
             label=name.replace("_", " "), rasterized=True)  # fmt: skip
 places = np.geomspace(0.5, 8, 60)
 ax.plot(places, 1e3 * ideal * places**2, "k-", lw=1.2, label="speckle alone, on axis")
-ax.set(xscale="log", yscale="log", ylim=(0.1, 60), xlim=(0.5, 8))
-ax.set(xlabel="range (m)", ylabel="uncertainty of the range (mm)")
+ax.set(xscale="log", yscale="log", ylim=(0.1, 60), xlim=(0.5, 8), xlabel="range (m)",
+       ylabel="uncertainty of the range (mm)")  # fmt: skip
 ax.set_xticks([0.5, 1, 2, 4, 8], ["0.5", "1", "2", "4", "8"])
 ax.minorticks_off()
 plotting.mark(ax, y=1e3 * WRAP, text="one wrap")
@@ -225,8 +213,8 @@ plotting.save(
     "stereo_uncertainty",
     numbers={
         "speckle_limit_m": limit,
-        "near_share": float(truth.mask.mean()),
-        "far_share": float(far.mask.mean()),
+        "near_share": truth.mask.mean(),
+        "far_share": far.mask.mean(),
     },
     caption="Uncertainty of the range from stereo, of every pixel of two simulated scans.",
     alt=(
@@ -239,14 +227,13 @@ plotting.save(
 # %% [markdown]
 # ## What a bad calibration does
 #
-# The noise of a spot is its own; an error of the calibration is shared by all pixels and shifts a
-# whole surface. What lifts a spot off its epipolar line is seen and masked, what moves it along
-# the line is not. Below the true rig is changed without notice: labels keep being given, and some
-# are wrong.
+# An error of the calibration is shared by all pixels and shifts a whole surface. What lifts a spot
+# off its epipolar line is seen and masked, what moves it along the line is not: labels keep being
+# given, and some are wrong. A rig that has been knocked has to be calibrated again.
 
 # %%
 rows = []
-for name, vector in (("none", [0, 0, 0]), ("about y", [0, 5e-4, 0]), ("about x", [5e-4, 0, 0])):
+for name, vector in {"none": [0, 0, 0], "about y": [0, 5e-4, 0], "about x": [5e-4, 0, 0]}.items():
     turn = RigidTransform.from_rotation(Rotation.from_rotvec(vector))
     knocked = replace(rig, poses=(rig.poses[0], turn * rig.poses[1]))
     got = labels(far_frame, far_spots, knocked, **far_phase)
@@ -255,14 +242,12 @@ for name, vector in (("none", [0, 0, 0]), ("about y", [0, 5e-4, 0]), ("about x",
 notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), rows)
 
 # %% [markdown]
-# So a rig that has been knocked has to be calibrated again.
-#
 # ## Fine-tuning
 #
-# The labels go where they are meant to: into a few more steps of training. The left half of the
-# scan is trained on, the right half is withheld; only labelled pixels within the network's classes
-# count, and the normalisation keeps its statistics. This shows that the path is whole, from spots
-# to weights, and no more: one half of one scan cannot do what the paper's «diverse dataset» does.
+# The labels go into a few more steps of training. The left half of the scan is trained on, the
+# right half is withheld; only labelled pixels within the network's classes count, and the
+# normalisation keeps its statistics. This shows that the path is whole, from spots to weights, and
+# no more: one half of one scan cannot do what the paper's «diverse dataset» does.
 
 # %%
 from cmtof.network.training import Labelled, fine_tune

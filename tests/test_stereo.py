@@ -43,9 +43,6 @@ def exact(frame, sigma=0.05):
     return stereo.Spots(pixels, np.full(pixels.shape[:-1], sigma))
 
 
-# --- geometry and calibration ------------------------------------------------------------------
-
-
 @given(st.floats(-0.3, 0.3), st.floats(-0.25, 0.25), st.floats(0.6, 8))
 def test_triangulation_inverts_projection(x, y, z):
     point = np.array([x * z, y * z, z])
@@ -59,8 +56,7 @@ def test_points_behind_and_missing_spots_are_nan():
     assert np.isnan(RIG.triangulate(pixels)).all(axis=-1).tolist() == [True, False]
 
 
-@pytest.mark.parametrize("z", [1.0, 4.0])
-def test_depth_noise_follows_the_closed_form(z, rng):
+def test_depth_noise_follows_the_closed_form(rng, z=4.0):
     """sigma_z = sqrt(2) z^2 sigma / (f b): 4000 draws know it to 1.1 %; the margin is 5 %."""
     exact_pixels = RIG.project([0.0, 0.0, z])[:, None]
     found = RIG.triangulate(exact_pixels + 0.1 * rng.standard_normal((2, 4000, 2)))
@@ -112,26 +108,6 @@ def test_without_noise_each_camera_is_recovered(rng):
     np.testing.assert_allclose(between(found), between(rig), atol=1e-4)
 
 
-def test_redrawn_calibrations_scatter_as_far_as_they_err():
-    """Ranges of 12 rigs, each with corners of its own noise, and the scatter that one redraws."""
-    rng = np.random.default_rng(3)
-    poses = stereo.board_poses(RIG, 8, rng=rng)
-    clean = np.stack([RIG.project(p.apply(stereo.BOARD)) for p in poses], axis=1)
-    target = np.array([[0.2, 0.1, 2.0], [-0.3, -0.2, 3.0]])
-    seen = RIG.poses[0].apply(target), RIG.project(target)
-
-    def ranges(corners):
-        noisy = corners + 0.05 * rng.standard_normal(corners.shape)
-        rig = stereo.calibrate(noisy, RIG.shape)[0]
-        return noisy, np.linalg.norm(rig.triangulate(seen[1]), axis=-1)
-
-    draws = [ranges(clean) for _ in range(12)]
-    error = np.std([r - np.linalg.norm(seen[0], axis=-1) for _, r in draws], axis=0)
-    redrawn = np.std([ranges(draws[0][0])[1] for _ in range(12)], axis=0)
-    # two deviations of 12 draws each are known to 21 %; three of that
-    np.testing.assert_allclose(redrawn, error, rtol=0.65)
-
-
 def test_spots_locate_the_scanner(rng):
     rig = replace(RIG, poses=(RIG.poses[0] * RIG.poses[0].inv(), RIG.poses[1] * RIG.poses[0].inv()))
     beams = points_from_depth(planar(1.5 + 0.01 * np.arange(40)), CAMERA)
@@ -146,7 +122,7 @@ def test_spots_locate_the_scanner(rng):
     ("call", "message"),
     [
         (lambda: stereo.find_corners(np.full((90, 120), 9, np.uint8)), "board of 9 x 6 corners"),
-        (lambda: stereo.calibrate(np.zeros((2, 2, 54, 2)), RIG.shape), "at least 3 views, got"),
+        (lambda: stereo.calibrate(np.zeros((2, 2, 54, 2)), RIG.shape), "at least 3 views, got 2"),
         (lambda: stereo.locate_scanner(RIG, np.zeros((2, 3, 2)), np.ones((3, 3))), "least 6 spots"),
         (lambda: stereo.scan_spots(Frame(planar(1.5), np.ones(SHAPE)), RIG, rng=None), "a camera"),
     ],
@@ -154,9 +130,6 @@ def test_spots_locate_the_scanner(rng):
 def test_bad_input_is_named(call, message):
     with pytest.raises(ValueError, match=message):
         call()
-
-
-# --- spots and occlusion -----------------------------------------------------------------------
 
 
 def windows(rng, brightness, sigma, count=1500, shift=0.5):
@@ -205,13 +178,11 @@ def test_speckle_moves_a_centroid_as_the_formula_says(rng, width=1.6):
     assert np.std(centroids) == pytest.approx(sensor.speckle, rel=0.15)
 
 
-@pytest.mark.parametrize(
-    ("centre", "slope"), [((-0.15, 0, 0), (0.6, 0)), ((0.0, 0.2, 0.1), (-0.5, 0.5))]
-)
-def test_no_plane_hides_itself(centre, slope):
+def test_no_plane_hides_itself():
     y, x = np.indices(SHAPE)
-    inverse = 0.6 + slope[0] * (x - 20) / 60 + slope[1] * (y - 15) / 60
-    assert stereo.visible_from(points_from_depth(planar(1 / inverse), CAMERA), centre).all()
+    inverse = 0.6 - 0.5 * (x - 20) / 60 + 0.5 * (y - 15) / 60
+    points = points_from_depth(planar(1 / inverse), CAMERA)
+    assert stereo.visible_from(points, (0.0, 0.2, 0.1)).all()
 
 
 @pytest.mark.parametrize("side", [-1, 1])
@@ -222,9 +193,6 @@ def test_a_post_hides_what_geometry_says(side):
     edge = range(10, 15) if side > 0 else range(25, 30)
     assert 4 <= len(hidden) <= 6
     assert len(set(hidden) & set(edge)) >= 4
-
-
-# --- labels ------------------------------------------------------------------------------------
 
 
 def test_stereo_alone_is_in_doubt_near_a_wraps_boundary():

@@ -20,11 +20,7 @@ from cmtof.simulation import simulate
 from cmtof.statistics import Interval, ratio_interval
 from cmtof.unwrapping import unwrap
 
-LIMITS = (1, 2, 3, 10)
-"""Wraps off below which pixels are counted, Tables 1 to 3."""
-
-RATES = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_10", "consistent_lt_1")
-"""Rates of `rates`, in order."""
+LIMITS = (1, 2, 3, 10)  # wraps off below which pixels are counted, Tables 1 to 3
 
 _EDGES = np.geomspace(1e-7, 1e2, 18_001)  # of depth errors, m, 0.12 % apart: medians
 
@@ -70,18 +66,13 @@ class Tally:
         error = np.abs(pixels["depth_error"])
         self._squares += float(np.sum(error**2))
         self._errors += np.bincount(np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1)
-        counts = {
-            "pixels": delta.size,
-            "below": [int((delta < limit).sum()) for limit in LIMITS],
-            "consistent": int(right.sum()),
-        }
+        below = [int((delta < limit).sum()) for limit in LIMITS]
+        counts = {"pixels": delta.size, "below": below, "consistent": int(right.sum())}
         self.frames.append(counts)
         return counts
 
     def score(self) -> dict[str, float]:
         """Rates and depth errors over all pixels of all frames, as ``cmtof evaluate`` has them."""
-        if not self.frames:
-            raise ValueError("Expected at least one frame, got none. Add frames first.")
         whole = sum(frame["pixels"] for frame in self.frames)
         below = np.sum([frame["below"] for frame in self.frames], axis=0) / whole
         median = int(np.searchsorted(np.cumsum(self._errors), whole / 2))
@@ -113,19 +104,15 @@ def measured(
     Methods of other frequencies get one of their own. ``conditions`` are options of
     `cmtof.simulation.simulate`; the noise is drawn from (seed, number).
     """
-    usual = simulate(frame, frame_number=number, **conditions)
-    _ = usual.decoded  # shared, so that no method is charged for it
-    given = {}
-    held: dict[tuple[float, ...], Measurement] = {(): usual}
-    for name in methods:
-        tones = find_method(name).tones
-        if tones not in held:
-            other = simulate(frame, frame_number=number, **conditions | {"frequencies": tones})
-            scored = (("y", "x"), other.mask & usual.mask)
-            held[tones] = Measurement(other.dataset.assign(mask=scored))
-            _ = held[tones].decoded
-        given[name] = held[tones]
-    return given
+    tones = {name: find_method(name).tones for name in methods}
+    held = {(): simulate(frame, frame_number=number, **conditions)}
+    for other in set(tones.values()) - {()}:
+        found = simulate(frame, frame_number=number, **conditions | {"frequencies": other})
+        scored = (("y", "x"), found.mask & held[()].mask)
+        held[other] = Measurement(found.dataset.assign(mask=scored))
+    for one in held.values():
+        _ = one.decoded  # shared, so that no method is charged for it
+    return {name: held[tones[name]] for name in tones}
 
 
 class Evaluation:
@@ -209,9 +196,9 @@ def read_counts(path: str | Path) -> list[dict[str, Any]]:
 def rates(
     counts: Sequence[Mapping[str, Any]], method: str, *, against: str = "", draws: int = 2000
 ) -> Interval:
-    """`RATES` (5,) of a method over counted frames, with 95 % intervals over redrawn frames.
+    """Rates (5,) of a method over counted frames, with 95 % intervals over redrawn frames.
 
-    Less those of the method ``against``, on the same redrawn frames.
+    δ < 1, δ < 2, δ < 3, δ ≥ 10 and consistent, less those of the method ``against``.
     """
     whole = np.array([frame["methods"][method]["pixels"] for frame in counts])
 

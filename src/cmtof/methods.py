@@ -3,7 +3,6 @@
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -16,20 +15,15 @@ from cmtof.surfaces import surfaces
 
 @dataclass(frozen=True)
 class Method:
-    """An unwrapping method; ``run(measurement, **options)`` returns an `Estimate`.
-
-    Its kind is classical, learned, trivial or reference, its source whom to cite. It needs so many
-    ``frequencies``, or the ``tones``, Hz, where those of the prototype do not serve. A reference
-    ``knows_truth``: it reads the true depth.
-    """
+    """An unwrapping method; ``run(measurement, **options)`` returns an `Estimate`."""
 
     name: str
-    kind: str
-    source: str
+    kind: str  # classical, learned, trivial or reference
+    source: str  # whom to cite
     run: Callable[..., Estimate]
-    frequencies: int = 2
-    tones: tuple[float, ...] = ()
-    knows_truth: bool = False
+    frequencies: int = 2  # least number
+    tones: tuple[float, ...] = ()  # Hz, where those of the prototype do not serve
+    knows_truth: bool = False  # whether it reads the true depth
     about: str = ""
 
     @property
@@ -50,11 +44,6 @@ class Method:
                 f"Expected a measurement with its true depth for method {self.name}, got none. "
                 "Simulate one, or choose another method."
             )
-        if unknown := set(options) - set(signature(self.run).parameters):
-            raise ValueError(
-                f"Expected options of method {self.name}, got {', '.join(sorted(unknown))}. Leave "
-                "it out or choose another method."
-            )
         protocol = str(measurement.dataset.attrs.get("protocol", "released"))
         if "weights" not in options and self.state(protocol) == "untrained":
             message = f"{self.name} is untrained: its card shows no gain over a trivial answer."
@@ -71,8 +60,6 @@ class Method:
 
 
 def _learned(name: str, source: str, about: str) -> Method:
-    """A learned method, named as its model."""
-
     def run(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
         from cmtof.network.weights import unwrap_with_network
 
@@ -82,7 +69,6 @@ def _learned(name: str, source: str, about: str) -> Method:
 
 
 def _reference(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
-    """A reference, named as its function."""
     name = run.__name__.replace("_", "-")
     return Method(name, "reference", "", run, frequencies, knows_truth=True)
 
@@ -122,14 +108,13 @@ _ALL = (
 )
 
 METHODS = {method.name: method for method in _ALL}
-"""Every method by name."""
 
-ALIASES = {"cmtof": "surfaces"} | {
+DEFAULT = "surfaces"
+
+ALIASES = {"cmtof": DEFAULT} | {
     name.replace("reference", "oracle"): name for name in METHODS if name.startswith("reference")
 }
 """Older names, still understood."""
-
-DEFAULT = "surfaces"
 
 
 def find_method(name: str) -> Method:

@@ -25,18 +25,11 @@ def unwrap(
     range: tuple[float, float] | None = None,
     **options: Any,
 ) -> xr.Dataset:
-    """Wrap count, depth and confidence of a measurement.
+    """Wrap count, depth and confidence of a measurement, by a method out of `METHODS`.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        From `cmtof.open`, `cmtof.simulate` or one's own arrays.
-    method : str
-        A name out of `cmtof.methods.METHODS`.
-    range : (float, float), optional
-        Depths to choose from, ``min <= z < max``, m; by default the measurement's own.
-    **options
-        Passed on to the method, for instance ``window=81`` to ``beat``.
+    ``range`` holds the depths to choose from, ``min <= z < max``, m, by default the measurement's
+    own; ``options`` are the method's, for instance ``window=81`` of ``beat``. ValueError for an
+    unknown method, a bad range, or a measurement that the method cannot use.
 
     Returns
     -------
@@ -44,11 +37,6 @@ def unwrap(
         On (y, x): ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest frequency,
         -1 where masked or without a phase; ``depth``, m, of the measured phase with the wraps
         consistent with it, NaN there; ``confidence`` in [0, 1].
-
-    Raises
-    ------
-    ValueError
-        For an unknown method, a bad range, or a measurement that the method cannot use.
 
     Examples
     --------
