@@ -110,14 +110,13 @@ def claims_table(found: Found) -> str:
     """Return the table of claims: what the paper says, what we found, and where."""
     values, rows = {key: value for key, (value, _) in found.items()}, []
     for claim in claims():
-        ours, places = [], []
-        for key in claim.keys:
-            if key in found:
-                value, run = found[key]
-                ours.append(quantity_text(value, published(key).unit) + training_text(run.crops))
-                places.append(run.link())
-        cells = "<br>".join(ours) or NO_CHECK, ", ".join(dict.fromkeys(places))
-        rows.append(f"| {claim.text} | {cells[0]} | {badge(claim.outcome(values))} | {cells[1]} |")
+        runs = [(key, *found[key]) for key in claim.keys if key in found]
+        ours = {quantity_text(value, published(key).unit): None for key, value, _ in runs}
+        places = {run.link(): None for _, _, run in runs}
+        said = badge(claim.outcome(values)) + max(
+            (training_text(r.crops) for *_, r in runs), default=""
+        )
+        rows.append(f"| {claim.text} | {'<br>'.join(ours)} | {said} | {', '.join(places)} |")
     head = ["| the paper | this book | verdict | chapter |", "| :-- | :-- | :-- | :-- |"]
     return "\n".join([*head, *rows])
 

@@ -139,6 +139,10 @@ def main(build: Path, stage: Path) -> None:
     chapters = sorted((build / "notebooks").glob("*.ipynb"))
     page = scoreboard.page(checks, sorted((build / "results").iterdir()), chapters)
     (stage / "book" / "scoreboard.md").write_text(page, encoding="utf-8")
+    table = scoreboard.claims_table(scoreboard.found_in(checks))
+    (stage / "book" / "claims.md").write_text(table, encoding="utf-8")
+    for name in re.findall(r"\w+\.(?:png|svg)$", (ROOT / "book/intro.md").read_text(), re.M):
+        shutil.copyfile(next(build.glob(f"results/*/{name}")), stage / "book" / name)
 
 
 if __name__ == "__main__":
