@@ -27,9 +27,8 @@ from scipy.special import jv
 from cmtof.book import notes, paper, plotting
 from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE, SPEED_OF_LIGHT
 from cmtof.correlation import correlation_contrast
-from cmtof.instrument.light import Panel, RfKnobs
 from cmtof.instrument.settings import TwinSettings
-from cmtof.instrument.world import FAST_BANDWIDTH, World
+from cmtof.instrument.world import Panel, RfKnobs, World
 from cmtof.modulator import (
     DOUBLED,
     SINGLE,
@@ -38,7 +37,7 @@ from cmtof.modulator import (
     single_mode_harmonics,
     single_mode_taylor,
 )
-from cmtof.waveform import harmonics_from_waveform, low_pass_harmonics, waveform_from_harmonics
+from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
 
 plotting.begin(profile=profile, seed=seed)
 blue, vermillion, black = (plotting.PALETTE[c] for c in ("blue", "vermillion", "black"))
@@ -430,7 +429,7 @@ notes.table(["error", "single, depth", "doubled, depth", "doubled, leak"], rows)
 # %%
 settings = TwinSettings()
 world, drive = World(settings, seed=seed), settings.drive
-phase = 2 * np.pi * np.arange(96) / 96
+FAST_BANDWIDTH = 12e9  # Hz, of the fast detector ET-4000 (Sec. 7.4)
 
 
 def light_depth(
@@ -438,9 +437,9 @@ def light_depth(
 ):
     """Amplitude of a harmonic over the mean, the detector's bandwidth divided out."""
     knobs = RfKnobs(on=True, frequency=frequency, power=float(dbm))
-    panel = Panel(emission=knobs, plate_angle=[angle, 0.0], laser_on=True, shutter_open=True)
-    w = np.abs(harmonics_from_waveform(world.fast_detector(panel, phase), 8))
-    return 2 * w[order] / w[0] * abs(1 + 1j * order * frequency / FAST_BANDWIDTH)
+    w = world.emission(Panel(emission=knobs, plate_emission=angle))
+    seen = np.abs(low_pass_harmonics(w, frequency=frequency, cutoff=FAST_BANDWIDTH))
+    return 2 * seen[order] / seen[0] * abs(1 + 1j * order * frequency / FAST_BANDWIDTH)
 
 
 plate = np.deg2rad(np.linspace(0, 45, turns))

@@ -19,6 +19,7 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Circle, Ellipse, FancyBboxPatch, Rectangle
+from scipy.constants import h
 
 from cmtof.book import notes, paper, plotting
 from cmtof.book.paper import quantity_text
@@ -26,7 +27,7 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
 from cmtof.hardware.rig import Rig
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import PLANCK, SLOPE, Conversion, chain
+from cmtof.instrument.electronics import SLOPE, Conversion, chain
 from cmtof.instrument.targets import Hits
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
@@ -179,7 +180,7 @@ def budget(mode, z, rho, twin=twin):
     volts = float(conversion.volts(light + room))
     noise = np.sqrt(conversion.density(volts) / (2 * phase_time) + converter**2)
     amplitude = contrast * float(conversion.volts(light))
-    photon = PLANCK * SPEED_OF_LIGHT / twin.laser.wavelength
+    photon = h * SPEED_OF_LIGHT / twin.laser.wavelength
     return {
         "share": float(share), "path": path, "light": light, "room": room, "volts": volts,
         "photons": light / photon * phase_time * reading.phases, "contrast": contrast,

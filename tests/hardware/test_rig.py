@@ -57,7 +57,6 @@ HOSTILE = {
     "driver": ("devices: {daq: {driver: pm100d, address: x}}", "daq: pm100d"),
     "no address": ("devices: {daq: {driver: labjack-t7}}", "devices.daq.address to be there"),
     "twin": ("twin: {laser: {power: -1}}", "twin.laser.power"),
-    "fibre": ("twin: {laser: {fibre_low: 0.5}}", "fibre_high"),
 }
 
 

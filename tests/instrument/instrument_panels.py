@@ -2,31 +2,23 @@
 
 import numpy as np
 
-from cmtof.instrument.light import Panel, RfKnobs
+from cmtof.instrument.world import Panel, RfKnobs
 
 ORDER = {"single": 1, "doubled": 2}
 DRIVE = {"single": 7.15e9, "doubled": 7.16e9}
 PLATE = {"single": np.deg2rad(11.25), "doubled": np.deg2rad(22.5)}
 MODES = ("single", "doubled")
 EDGES = np.arange(320) // 20
-
-
-def psi(steps=16):
-    """Reference phases that the panel's table makes, rad."""
-    return 2 * np.pi * np.arange(steps) / steps
+PSI = 2 * np.pi * np.arange(16) / 16
 
 
 def ready(mode, **knobs):
     """Everything on; the table steps psi upwards, so the drive steps downwards."""
     rf = {"on": True, "frequency": DRIVE[mode], "power": 30.0}
-    table = np.mod(-psi() / ORDER[mode], 2 * np.pi)
+    table = np.mod(-PSI / ORDER[mode], 2 * np.pi)
     on = {"laser_on": True, "shutter_open": True, "clock_on": True} | knobs
-    return Panel(
-        emission=RfKnobs(**rf),
-        detection=RfKnobs(**rf, table=table),
-        plate_angle=[PLATE[mode]] * 2,
-        **on,
-    )
+    drives = RfKnobs(**rf), RfKnobs(**rf, table=table)
+    return Panel(*drives, plate_emission=PLATE[mode], plate_detection=PLATE[mode], **on)
 
 
 def profile(world, panel, angles=((0.0, 0.0),), **options):

@@ -75,14 +75,12 @@ def test_scenes_by_name_file_and_mapping():
     "source",
     [
         {"kind": "cat"},
-        {"kind": "plane"},
         {"kind": "plane", "distance": 1.0, "colour": 2},
         {"kind": "plane", "distance": 1.0, "material": "velvet"},
-        3,
     ],
 )
 def test_nonsense_is_refused(source):
-    with pytest.raises(ValueError, match=r"Expected (twin\.scene|a material)"):
+    with pytest.raises(ValueError, match=r"Expected twin\.scene"):
         scene_from(source)
 
 

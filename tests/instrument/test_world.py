@@ -1,27 +1,129 @@
-"""Bursts of the whole instrument: numbers, noise, and the devices' interfaces."""
+"""Bursts of the whole instrument: modulators, drives, drift and noise against closed forms."""
 
-import inspect
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from instrument_panels import EDGES, MODES, profile, psi, ready
+from instrument_panels import DRIVE, EDGES, MODES, ORDER, PSI, profile, ready
+from scipy.special import jv
 
+from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import centred, decode
-from cmtof.hardware import apt, rf, scpi, t7
-from cmtof.instrument import devices
 from cmtof.instrument.electronics import chain
-from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.settings import Air, Drive, TwinSettings
 from cmtof.instrument.targets import Plane
-from cmtof.instrument.world import World
+from cmtof.instrument.world import (
+    DRIFT_RMS,
+    LABEL,
+    LABEL_TIME,
+    World,
+    amplitude,
+    drift,
+    keyed_generator,
+)
 
-NOISY = replace(TwinSettings.ideal(), noise=True)
+IDEAL = TwinSettings.ideal()
+NOISY = replace(IDEAL, noise=True)
 ANGLES = np.random.default_rng(0).uniform(-0.1, 0.1, (40, 2))
 
 
+def phase_of(settings, z, mode):
+    """Decoded phase, rad, of a plane at a distance, m."""
+    return decode(profile(World(settings, Plane(z)), ready(mode))[0], PSI).phase
+
+
+def expected_phase(mode, z):
+    return 4 * np.pi * ORDER[mode] * DRIVE[mode] * z / SPEED_OF_LIGHT
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_phase_grows_with_the_range_and_with_air(mode):
+    near = phase_of(IDEAL, 0.6, mode)
+    for step in (1e-3, 12e-3):
+        turned = phase_of(IDEAL, 0.6 + step, mode) - near
+        assert centred(turned - expected_phase(mode, step)) == pytest.approx(0, abs=3e-3)
+    excess = World(replace(IDEAL, air=Air())).group_index - 1
+    slowed = phase_of(replace(IDEAL, air=Air()), 0.6, mode) - near
+    assert centred(slowed - expected_phase(mode, 0.6 * excess)) == pytest.approx(0, abs=3e-3)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_reference_target_moves_with_the_stage(mode):
+    zero = IDEAL.reference.stage_zero
+    stage = {"stage": [zero, zero + 2e-3]}
+    seen = profile(World(IDEAL), ready(mode, flip_mirror_in=True), np.zeros((2, 2)), **stage)
+    turned = np.diff([decode(one, PSI).phase for one in seen])
+    assert centred(turned - expected_phase(mode, 2e-3)) == pytest.approx(0, abs=3e-3)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_contrast_is_that_of_the_closed_form(mode):
+    two_eta = 2 * IDEAL.drive.eta
+    wanted = 2 * jv(1, two_eta) ** 2
+    if mode == "doubled":
+        wanted = 2 * jv(2, two_eta) ** 2 / (1 - jv(0, two_eta)) ** 2
+    found = decode(profile(World(IDEAL, Plane(0.6)), ready(mode))[0], PSI)
+    assert found.amplitude / found.offset == pytest.approx(wanted, rel=2e-2)
+
+
+def test_amplitude_follows_power_and_resonance():
+    drive = Drive()
+    full = abs(amplitude(drive, 30.0, 7.15e9))
+    assert full == pytest.approx(drive.eta) == pytest.approx(abs(amplitude(drive, 30.0, 7.16e9)))
+    assert abs(amplitude(drive, 30.0 - 20 * np.log10(2), 7.15e9)) == pytest.approx(full / 2)
+    edge = drive.resonance + drive.width / 2
+    at_peak, at_edge = (abs(amplitude(drive, 30.0, f)) for f in (drive.resonance, edge))
+    assert at_edge / at_peak == pytest.approx(np.sqrt(0.5))
+
+
+def test_light_and_modulation_need_their_switches():
+    world = World(IDEAL, Plane(0.6))
+    for knob in ("laser_on", "shutter_open", "interlock_closed"):
+        assert not profile(world, ready("single", **{knob: False})).round(3).any()
+    seen = profile(world, ready("single", clock_on=False))
+    assert np.ptp(seen) < 1e-3 < seen.mean()
+
+
+def test_drivers_make_the_errors_that_they_are_said_to_have():
+    phases, every = np.linspace(0, 6, 50), np.arange(65536) * 2 * np.pi / 65536
+    skewed = World(replace(IDEAL, drive=replace(IDEAL.drive, iq_imbalance=0.02)))
+    error = skewed._made_phase(0, phases) - phases
+    np.testing.assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
+    coded = World(replace(IDEAL, drive=replace(IDEAL.drive, phase_step_error=5e-4)), seed=4)
+    assert (coded._made_phase(1, every) - every).std() == pytest.approx(5e-4, rel=0.02)
+
+
+def test_back_reflection_adds_a_constant_phasor():
+    strong = replace(IDEAL, optics=replace(IDEAL.optics, back_fraction=2e-8, back_range=-0.1))
+    ranges = 0.6 + SPEED_OF_LIGHT / (2 * DRIVE["single"]) * np.arange(16) / 16
+    error = [centred(phase_of(strong, z, "single") - phase_of(IDEAL, z, "single")) for z in ranges]
+    spectrum = 2 * np.abs(np.fft.rfft(error)) / 16
+    assert spectrum[1] > 5 * spectrum[2:].max()
+    assert abs(np.mean(error)) < 0.2 * spectrum[1]
+
+
+def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
+    long = drift(0, 1, np.linspace(0, 36000, 200001))
+    assert np.abs(long).max() <= 1
+    assert long.std() == pytest.approx(DRIFT_RMS, rel=0.05)
+    drifting = replace(IDEAL, drive=replace(IDEAL.drive, phase_drift=0.1))
+    labels = np.array([1, 2000, 40000])
+    world = World(drifting, Plane(0.6), seed=2)
+    seen = profile(world, ready("single"), np.zeros((3, 2)), labels=labels)
+    lag = 0.1 / DRIFT_RMS * drift(2, 1, LABEL_TIME * labels + EDGES.size / 24000 / 2)
+    phases = [decode(one, PSI).phase for one in seen]
+    np.testing.assert_allclose(centred(np.diff(phases) + np.diff(lag)), 0, atol=5e-3)
+
+
+def test_random_numbers_depend_on_keys_alone():
+    first, again, other = (keyed_generator(3, LABEL, key).standard_normal(8) for key in (7, 7, 8))
+    assert np.array_equal(first, again)
+    assert not np.isin(first, other).any()
+
+
 def test_a_burst_depends_on_its_label_alone():
-    world, panel = World(TwinSettings(), Plane(0.8), seed=3), ready("single")
-    labels = np.arange(5, 45)
+    panel, labels = ready("single"), np.arange(5, 45)
+    world = World(TwinSettings(), Plane(0.8), seed=3)
     together = world.bursts(panel, ANGLES, labels=labels, pulses=EDGES)
     for n in (39, 0, 17):
         fresh = World(TwinSettings(), Plane(0.8), seed=3)
@@ -35,21 +137,14 @@ def test_a_burst_depends_on_its_label_alone():
 def test_phase_noise_of_a_point_meets_the_closed_form(mode):
     world, count = World(NOISY, Plane(0.8, reflectance=0.3), seed=1), 3000
     seen = profile(world, ready(mode), np.zeros((count, 2)))
-    found = decode(np.moveaxis(seen, 1, 0), psi())
-    detector = NOISY.detector
-    mean = seen.mean(0)
-    filters = chain(detector, 1 / 24000)
-    settled, carried, lags = filters.settled @ filters.settled.T, np.eye(3), []
-    for _ in range(12):
-        lags.append((carried @ settled)[-1, -1])
-        carried = filters.transition @ carried
+    found, detector = decode(np.moveaxis(seen, 1, 0), PSI), NOISY.detector
     weights = np.where(np.arange(12) == 0, 1, 2) * (12 - np.arange(12)) / 144
-    variance = world.conversion.density(mean) * (weights @ lags)
+    variance = weights @ chain(detector, 1 / 24000).memory(12)
+    variance = world.conversion.density(seen.mean(0)) * variance
     variance += (detector.converter_noise**2 + 1 / 12) * 3.158e-4**2 / 12
-    turn = np.sin(psi() + np.angle(np.exp(1j * found.phase).mean()))
-    wanted = np.sqrt((variance * turn**2).sum()) * 2 / 16 / found.amplitude.mean()
-    spread = centred(found.phase - np.angle(np.exp(1j * found.phase).mean())).std()
-    assert spread == pytest.approx(wanted, rel=4 / np.sqrt(2 * count))
+    middle = np.angle(np.exp(1j * found.phase).mean())
+    wanted = np.sqrt((variance * np.sin(PSI + middle) ** 2).sum()) / 8 / found.amplitude.mean()
+    assert centred(found.phase - middle).std() == pytest.approx(wanted, rel=4 / np.sqrt(2 * count))
 
 
 def test_saturation_flattens_the_correlation():
@@ -61,32 +156,3 @@ def test_ranges_are_the_scene_s():
     world = World(TwinSettings(), Plane(0.8))
     np.testing.assert_allclose(world.ranges([[0.0, 0.0], [0.1, 0.0]]), [0.8, 0.8 / np.cos(0.1)])
     assert np.isnan(World(TwinSettings()).ranges(ANGLES)).all()
-
-
-@pytest.mark.parametrize("bad", [{"pulses": np.arange(3)}, {"stage": [0.0]}])
-def test_numbers_that_do_not_fit_are_refused(bad):
-    with pytest.raises(ValueError, match="Expected 320 trigger edges and 40 stage positions"):
-        World(TwinSettings()).bursts(ready("single"), ANGLES, **{"pulses": EDGES} | bad)
-
-
-@pytest.mark.parametrize(
-    ("driver", "simulated"),
-    [
-        (rf.RfDriver, devices.SimulatedRf),
-        (scpi.SignalGenerator, devices.SimulatedClock),
-        (scpi.PowerMeter, devices.SimulatedPowerMeter),
-        (apt.Motor, devices.SimulatedMotor),
-        (t7.LabJackT7, devices.SimulatedReadOut),
-    ],
-    ids=lambda kind: kind.__name__,
-)
-def test_simulated_devices_have_the_drivers_interfaces(driver, simulated):
-    own = {name for name in vars(simulated) if name[0] not in "_" and name.islower()}
-    for name in own - {"edges", "knobs", "homed"}:
-        theirs = getattr(driver, name)
-        if inspect.isfunction(theirs) and getattr(simulated, name).__name__ != "nothing":
-            wanted = list(inspect.signature(theirs).parameters)
-            assert list(inspect.signature(getattr(simulated, name)).parameters) == wanted, name
-    missing = {"stop", "close", "lock_phases" if driver is rf.RfDriver else "stop"}
-    public = {name for name in vars(driver) if name[0] not in "_" and name.islower()}
-    assert public - set(dir(simulated)) <= missing

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cmtof.instrument.drift import Drift
 from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.world import DRIFT_RMS, drift
 from cmtof.ranging.budget import AGE, VISITS, budget_terms, drift_spread, only, simulated
 from cmtof.ranging.sweep import StageTarget
 
@@ -64,7 +64,7 @@ def test_the_sum_of_squares_is_the_whole(mode):
 
 def test_drift_spread_is_that_of_many_days():
     times, zero = np.arange(21.0) + AGE, np.arange(float(VISITS))
-    days = [Drift(seed, 0) for seed in range(3000)]
-    found = rms([(day(times) - day(zero).mean()) / Drift.RMS for day in days])
+    days = [drift(seed, 0, np.append(times, zero)) / DRIFT_RMS for seed in range(3000)]
+    found = rms([day[:21] - day[21:].mean() for day in days])
     assert found == pytest.approx(drift_spread(times, zero), rel=0.03)
     assert drift_spread([0.0], [0.0]) == 0

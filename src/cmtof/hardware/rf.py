@@ -11,18 +11,26 @@ import time
 from binascii import crc_hqx
 from collections.abc import Callable, Sequence
 from math import pi
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import serial
 
 from cmtof.hardware import device
 from cmtof.hardware.device import number, one_error
-from cmtof.instrument.devices import Lock, Status
+from cmtof.instrument.devices import Status
 
 CODES = 65536
 """Phase codes of one turn of the drive."""
 _UNSAFE = ("TRIPPED", "LOCK", "UNLOCKED", "INTERLOCK")
 _truth = {"ON": True, "1": True, "OFF": False, "0": False}.__getitem__
+
+
+class Lock(NamedTuple):
+    """Frequency lock: detuning from the resonance, Hz; reflected power, dBm."""
+
+    locked: bool
+    detuning: float
+    reflected: float
 
 
 def open_serial(address: str, *, rtscts: bool = False) -> Any:

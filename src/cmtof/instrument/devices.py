@@ -11,19 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.instrument.electronics import CENTRE, SLOPE
-from cmtof.instrument.light import CODES, Panel, RfKnobs
-from cmtof.instrument.world import LABEL_TIME, World
+from cmtof.instrument.world import CODES, LABEL_TIME, Panel, RfKnobs, World
 
 TDAC_STEP = 20.0 / 2**14
 """Step of the LJTick-DAC, 14 bit, V."""
-
-
-class Lock(NamedTuple):
-    """Frequency lock: detuning from the resonance, Hz; reflected power, dBm."""
-
-    locked: bool
-    detuning: float
-    reflected: float
 
 
 class Status(NamedTuple):
@@ -37,12 +28,13 @@ class Status(NamedTuple):
 
 
 class SimulatedDevice:
-    """A device with a name; ``identify`` marks it as simulated."""
+    """A device by its role; ``identify`` marks it as simulated."""
 
     MODEL = ""
 
-    def __init__(self, panel: Panel, world: World, name: str) -> None:
-        self.panel, self.world, self.name = panel, world, name
+    def __init__(self, panel: Panel, world: World, role: str) -> None:
+        self.panel, self.world, self.role = panel, world, role
+        self.name = role.replace("_", " ")
 
     def identify(self) -> dict[str, str]:
         """Model, and a serial number that says what it is."""
@@ -51,7 +43,7 @@ class SimulatedDevice:
     def nothing(self, *values: float, **options: float) -> None:
         """Nothing: what takes its time or can fail on a real device does not here."""
 
-    safe_state = nothing
+    safe_state = close = nothing
 
 
 class SimulatedRf(SimulatedDevice):
@@ -64,7 +56,7 @@ class SimulatedRf(SimulatedDevice):
     @property
     def knobs(self) -> RfKnobs:
         """Knobs of this driver."""
-        return self.panel.detection if "detection" in self.name else self.panel.emission
+        return getattr(self.panel, self.role.removeprefix("rf_"))
 
     def set_frequency(self, hz: float) -> None:
         """Set the frequency, whole Hz."""
@@ -76,30 +68,23 @@ class SimulatedRf(SimulatedDevice):
 
     def set_phase(self, rad: float) -> float:
         """Set the phase outside the table; return what was set, rad."""
-        self.knobs.phase = float(_coded(np.array(rad)))
+        self.knobs.phase = float(_coded(rad))
         return self.knobs.phase
 
     def output(self, on: bool, *, lock_timeout: float = 0.0) -> None:
         """Switch RF."""
         self.knobs.on = on
 
-    def lock(self) -> Lock:
-        """Lock: on, clocked and within its range; reflection of a matched resonance."""
-        drive, knobs = self.world.settings.drive, self.knobs
-        detuning = knobs.frequency - drive.resonance
-        ratio = (2 * detuning / drive.width) ** 2
-        reflected = knobs.power + 10 * np.log10(ratio / (1 + ratio) + 1e-3)  # no match is ideal
-        locked = knobs.on and self.panel.clock_on and abs(detuning) <= drive.lock_range
-        return Lock(bool(locked), detuning, float(reflected) if knobs.on else -np.inf)
-
     def status(self) -> Status:
-        """Output, lock, table and trip."""
-        last = (self.edges - 1) % max(len(self.knobs.table), 1)
-        return Status(self.knobs.on, self.lock().locked, last, self.edges, False)
+        """Output, lock (on, clocked and near the resonance), table and trip."""
+        drive, knobs = self.world.settings.drive, self.knobs
+        near = abs(knobs.frequency - drive.resonance) <= drive.lock_range
+        last = (self.edges - 1) % max(len(knobs.table), 1)
+        return Status(knobs.on, knobs.on and self.panel.clock_on and near, last, self.edges, False)
 
     def load_table(self, phases: NDArray[np.float64]) -> None:
         """Load phases of the drive, rad, that the trigger steps through."""
-        self.knobs.table = _coded(np.asarray(phases, float))
+        self.knobs.table = _coded(phases)
 
     def trigger(self, on: bool) -> None:
         """Let edges step the table, or not."""
@@ -142,18 +127,13 @@ class SimulatedMotor(SimulatedDevice):
 
     def move_to(self, position: float) -> float:
         """Move to a position; return it."""
-        if "plate" in self.name:
-            self.panel.plate_angle["detection" in self.name] = float(position)
-        else:
-            self.panel.stage_position = float(position)
+        setattr(self.panel, self.role, float(position))
         return self.position
 
     @property
     def position(self) -> float:
         """Position, m or rad."""
-        if "plate" in self.name:
-            return self.panel.plate_angle["detection" in self.name]
-        return self.panel.stage_position
+        return getattr(self.panel, self.role)
 
 
 class SimulatedPowerMeter(SimulatedDevice):
@@ -173,18 +153,9 @@ class SimulatedReadOut(SimulatedDevice):
 
     MODEL = "T7"
     watchdog = SimulatedDevice.nothing
-
-    def __init__(
-        self,
-        panel: Panel,
-        world: World,
-        roles: Mapping[str, str],
-        mirrors: tuple[str, str],
-        triggered: SimulatedRf,
-    ) -> None:
-        super().__init__(panel, world, "daq")
-        self._roles, self._mirrors, self._triggered = roles, mirrors, triggered
-        self._burst: dict[str, Any] = {}
+    roles: Mapping[str, str]
+    mirrors: tuple[str, str]
+    triggered: SimulatedRf
 
     def gain(self, volts_range: float) -> tuple[float, float, float]:
         """Nominal slopes, V per count, and count of 0 V."""
@@ -193,20 +164,23 @@ class SimulatedReadOut(SimulatedDevice):
 
     def line(self, dio: str) -> bool:
         """Level of a digital line; the interlock's is high while it is closed."""
-        return self._roles[dio] == "interlock" and self.panel.interlock_closed
+        return self.roles[dio] == "interlock" and self.panel.interlock_closed
 
     def set_line(self, dio: str, high: bool) -> None:
         """Set a digital line, and with it what hangs on it."""
-        role = self._roles[dio]
-        if role == "beam_block":
-            self.panel.beam_block_in = not high
-        knobs = {"laser": "laser_on", "shutter": "shutter_open", "flip_mirror": "flip_mirror_in"}
-        if role in knobs:
-            setattr(self.panel, knobs[role], high)
+        match self.roles[dio]:
+            case "laser":
+                self.panel.laser_on = high
+            case "shutter":
+                self.panel.shutter_open = high
+            case "flip_mirror":
+                self.panel.flip_mirror_in = high
+            case "beam_block":
+                self.panel.beam_block_in = not high
 
     def write_many(self, values: Mapping[str, float]) -> None:
         """Write registers: those of the mirrors count."""
-        for axis, name in enumerate(self._mirrors):
+        for axis, name in enumerate(self.mirrors):
             if name in values:
                 self.panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
 
@@ -225,11 +199,22 @@ class SimulatedReadOut(SimulatedDevice):
             angles.append(self.world.angles(self.panel))
             labels.append(int(registers["USER_RAM0_U32"]))
         counts = self.world.bursts(self.panel, angles, labels=labels, **self._burst)
-        steps = int(self._burst["pulses"][-1]) + 1
         for label, one in zip(labels, counts, strict=True):
             self.panel.time = LABEL_TIME * label + self._burst["scans"] / self._burst["rate"]
-            self._triggered.edges += steps
+            self.triggered.edges += int(self._burst["pulses"][-1]) + 1
             yield one
+
+
+DEVICES: dict[str, type[SimulatedDevice]] = {
+    "rf_emission": SimulatedRf,
+    "rf_detection": SimulatedRf,
+    "clock": SimulatedClock,
+    "daq": SimulatedReadOut,
+    "plate_emission": SimulatedMotor,
+    "plate_detection": SimulatedMotor,
+    "stage": SimulatedMotor,
+    "power_meter": SimulatedPowerMeter,
+}
 
 
 def simulated_devices(
@@ -237,19 +222,12 @@ def simulated_devices(
 ) -> dict[str, Any]:
     """Every device by role; ``roles`` of the read-out's lines, and the mirrors' registers."""
     panel = Panel()
-    detection = SimulatedRf(panel, world, "rf detection")
-    return {
-        "rf_emission": SimulatedRf(panel, world, "rf emission"),
-        "rf_detection": detection,
-        "clock": SimulatedClock(panel, world, "clock"),
-        "daq": SimulatedReadOut(panel, world, roles, mirrors, detection),
-        "plate_emission": SimulatedMotor(panel, world, "plate emission"),
-        "plate_detection": SimulatedMotor(panel, world, "plate detection"),
-        "stage": SimulatedMotor(panel, world, "stage"),
-        "power_meter": SimulatedPowerMeter(panel, world, "power meter"),
-    }
+    devices: dict[str, Any] = {role: kind(panel, world, role) for role, kind in DEVICES.items()}
+    daq = devices["daq"]
+    daq.roles, daq.mirrors, daq.triggered = roles, mirrors, devices["rf_detection"]
+    return devices
 
 
-def _coded(phases: NDArray[np.float64]) -> NDArray[np.float64]:
+def _coded(phases: Any) -> NDArray[np.float64]:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
-    return np.rint(phases * CODES / (2 * np.pi)) % CODES * (2 * np.pi / CODES)
+    return np.rint(np.asarray(phases) * CODES / (2 * np.pi)) % CODES * (2 * np.pi / CODES)

@@ -5,25 +5,17 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import expm, solve_continuous_lyapunov
-from scipy.signal import lfilter
+from scipy.constants import c, e, h
+from scipy.linalg import solve_continuous_lyapunov
+from scipy.signal import cont2discrete, lfilter
 
-from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.instrument.settings import Detector
 
 Array = NDArray[np.float64]
 
-ELEMENTARY_CHARGE = 1.602176634e-19
-"""C (exact, SI)."""
-PLANCK = 6.62607015e-34
-"""J s (exact, SI)."""
-
 SLOPE, CENTRE = 3.15805780e-4, 33523.0
 """V per count at +-10 V and the count of 0 V: the T7's nominal calibration (T-Series Datasheet,
-20.0.1)."""
-RANGES = (10.0, 1.0, 0.1, 0.01)
-"""Input ranges of the T7, V (T-Series Datasheet, AIN#_RANGE)."""
-
+20.0.1). The ranges 1, 0.1 and 0.01 V scale it."""
 POLES = 3
 
 
@@ -37,8 +29,7 @@ class Conversion:
     @property
     def volts_per_watt(self) -> float:
         """Output of the detector, V/W: responsivity, avalanche gain and transimpedance."""
-        photon = PLANCK * SPEED_OF_LIGHT / self.wavelength
-        responsivity = self.detector.efficiency * ELEMENTARY_CHARGE / photon
+        responsivity = self.detector.efficiency * e / (h * c / self.wavelength)
         return responsivity * self.detector.gain * self.detector.transimpedance
 
     def volts(self, power: ArrayLike) -> Array:
@@ -52,7 +43,7 @@ class Conversion:
         sheet's own.
         """
         gain, excess = self.detector.gain, self.detector.gain**self.detector.excess_index
-        shot = 2 * ELEMENTARY_CHARGE * excess * (gain * self.detector.transimpedance)
+        shot = 2 * e * excess * (gain * self.detector.transimpedance)
         return shot * np.asarray(volts, float) + self.detector.noise_density**2
 
 
@@ -64,19 +55,18 @@ class Chain:
     carried on exactly: ``x -> transition x + entry light + sqrt(density) root normal``.
     """
 
-    transition: Array
-    """(3, 3), lower triangular."""
-    entry: Array
-    """(3,)."""
-    root: Array
-    """(3, 3), root of the covariance that unit one-sided density adds in an interval."""
-    settled: Array
-    """(3, 3), root of the covariance under unit density for ever."""
+    transition: Array  # (3, 3), lower triangular
+    entry: Array  # (3,)
+    root: Array  # (3, 3), root of the covariance that unit one-sided density adds in an interval
+    settled: Array  # (3, 3), root of the covariance under unit density for ever
 
-    @property
-    def noise_bandwidth(self) -> float:
-        """Variance of the output, V^2, per one-sided density, V^2/Hz."""
-        return float(self.settled[-1] @ self.settled[-1])
+    def memory(self, count: int) -> Array:
+        """Autocovariance (count,) of the output, V^2, at successive samples for unit density."""
+        row, found = np.eye(POLES)[-1], np.empty(count)
+        for lag in range(count):  # cov(x_{t+l}, x_t) = e^T T^l P e
+            found[lag] = row @ self.settled @ self.settled[-1]
+            row = row @ self.transition
+        return found
 
     def run(self, light: Array, density: Array, normals: Array | None) -> Array:
         """Output (N, T), V, at the start of each interval.
@@ -87,26 +77,18 @@ class Chain:
         """
         state = np.repeat(light[:, :1], POLES, axis=1)
         push = light[..., None] * self.entry
-        if normals is not None:
-            spread = np.sqrt(density)
-            state = state + spread[:, :1] * _times(normals[:, 0], self.settled)
-            push = push + spread[..., None] * _times(normals[:, 1:], self.root)
+        if normals is not None:  # a product a row: one burst or many give the same bits
+            spread = np.sqrt(density)[..., None]
+            state = state + spread[:, 0] * (normals[:, :1] @ self.settled.T)[:, 0]
+            push = push + spread * (normals[:, 1:] @ self.root.T)
         outputs: list[Array] = []
-        for i in range(POLES):
-            into = push[..., i]
-            for j, earlier in enumerate(outputs):
-                into = into + self.transition[i, j] * earlier
-            keep = [1.0, -self.transition[i, i]]
-            outputs.append(lfilter([0.0, 1.0], keep, into, axis=-1, zi=state[:, i : i + 1])[0])
+        for i, row in enumerate(self.transition):
+            into = push[..., i] + sum(
+                one * factor for one, factor in zip(outputs, row, strict=False)
+            )
+            keep, start = [1.0, -row[i]], state[:, i : i + 1]
+            outputs.append(lfilter([0.0, 1.0], keep, into, axis=-1, zi=start)[0])
         return outputs[-1]
-
-
-def _times(normals: Array, root: Array) -> Array:
-    """``root @ normal`` by sums in a fixed order: one row or many give the same bits."""
-    total = normals[..., :1] * root[:, 0]
-    for j in range(1, POLES):
-        total = total + normals[..., j : j + 1] * root[:, j]
-    return total
 
 
 @lru_cache(maxsize=64)
@@ -115,14 +97,13 @@ def chain(detector: Detector, interval: float) -> Chain:
     rates = np.array(
         [2 * np.pi * detector.bandwidth, 2 * np.pi * detector.low_pass, 1 / detector.rc_time]
     )
-    matrix = np.diag(-rates) + np.diag(rates[1:], -1)
-    push = np.array([rates[0], 0.0, 0.0])
-    transition = np.tril(np.asarray(expm(matrix * interval), float))
-    entry = np.asarray(np.linalg.solve(matrix, (transition - np.eye(POLES)) @ push), float)
+    matrix, push = np.diag(-rates) + np.diag(rates[1:], -1), rates[:1] * np.eye(POLES)[:, :1]
+    system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
+    transition, entry = cont2discrete(system, interval)[:2]
     # one-sided density 1 is two-sided 1/2
-    settled = solve_continuous_lyapunov(matrix, -0.5 * np.outer(push, push))
+    settled = solve_continuous_lyapunov(matrix, -0.5 * push @ push.T)
     added = settled - transition @ settled @ transition.T
-    return Chain(transition, entry, _root(added), _root(settled))
+    return Chain(np.tril(transition), entry[:, 0], _root(added), _root(settled))
 
 
 def _root(covariance: Array) -> Array:
@@ -143,20 +124,12 @@ def counts_from_volts(
     >>> counts_from_volts([0.0, 10.0, 99.0], Detector()).tolist()
     [33523, 65188, 65535]
     """
-    raw = np.asarray(volts) / slope(volts_range) + CENTRE
+    raw = np.asarray(volts) / (SLOPE * volts_range / 10) + CENTRE
     raw = raw + detector.converter_noise * np.asarray(normals)
     level = 2 ** (16 - detector.bits)
-    rounded = np.rint(raw / level) * level
-    return np.maximum(np.minimum(rounded, 65536 - level), 0).astype(np.uint16)
-
-
-def slope(volts_range: float) -> float:
-    """Volts per count of an input range, V."""
-    if volts_range not in RANGES:
-        raise ValueError(f"Expected a range out of {RANGES} V, got {volts_range}. Choose one.")
-    return SLOPE * volts_range / 10
+    return np.clip(np.rint(raw / level) * level, 0, 65536 - level).astype(np.uint16)
 
 
 def volts_from_counts(counts: ArrayLike, *, volts_range: float = 10.0) -> Array:
     """Volts of raw stream counts by the nominal calibration."""
-    return (np.asarray(counts, float) - CENTRE) * slope(volts_range)
+    return (np.asarray(counts, float) - CENTRE) * (SLOPE * volts_range / 10)

@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammaincinv
 
 from cmtof.constants import LASER_WAVELENGTH
-from cmtof.instrument.drift import uniform_from_places
 from cmtof.instrument.settings import Air, Optics, TwinSettings
 from cmtof.instrument.targets import Hits, Target
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
@@ -21,9 +20,9 @@ SPECULAR_LOBE = 3e-3
 SPECULAR_DIFFUSE = 0.02
 """Share of a polished surface's reflectance that is diffuse (assumed)."""
 
-_HEXAGON = np.arange(6) * np.pi / 3
 # Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
 # degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
+_HEXAGON = np.arange(6) * np.pi / 3
 _SPOT = np.concatenate([[[0.0, 0.0]], np.stack([np.cos(_HEXAGON), np.sin(_HEXAGON)], -1)])
 _WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
 
@@ -31,18 +30,15 @@ _WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
 class Paths(NamedTuple):
     """Ways of the light to the detector and back, M for each of N directions."""
 
-    range: Array
-    """(N, M), m; negative before the galvo."""
-    fraction: Array
-    """(N, M), share of the emitted light that enters the aperture and the splitter's axis."""
+    range: Array  # (N, M), m; negative before the galvo
+    fraction: Array  # (N, M), share of the emitted light that enters aperture and splitter's axis
 
 
 def group_index(air: Air = Air(), wavelength: float = LASER_WAVELENGTH) -> float:  # noqa: B008
     """Group index of dry air, ``n_g = n - lambda dn/dlambda``.
 
-    Dispersion of standard air (15 C, 101325 Pa, 450 ppm CO2) by P. E. Ciddor, Appl. Opt. 35, 1566
-    (1996), eq. 1, scaled with the density of an ideal gas; water vapour, below 5e-7 in a room, is
-    left out.
+    Standard air (15 C, 101325 Pa, 450 ppm CO2) of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1,
+    scaled with the density of an ideal gas; water vapour, below 5e-7 in a room, is left out.
 
     Examples
     --------
@@ -91,27 +87,22 @@ def returned_fraction(optics: Optics, material: str, hits: Hits) -> Array:
     Specular: a Gaussian lobe that spreads over the range, cut by the aperture and turned away by
     twice the tilt; the polarisation is kept. Mixed: both laws, weighted with ``hits.mirrored``.
     """
-    rough, polished = _returned(optics, material, hits)
-    return rough + polished
+    return sum(_rough_and_polished(optics, material, hits), np.float64(0.0))
 
 
-def _returned(optics: Optics, material: str, hits: Hits) -> tuple[Array, Array]:
+def _rough_and_polished(optics: Optics, material: str, hits: Hits) -> list[Array]:
     """Both parts of `returned_fraction`: what speckles, and what a polished surface returns."""
-    z = hits.range
-    radius = optics.aperture / 2
+    z, radius = hits.range, optics.aperture / 2
+    weight = {"diffuse": 0.0, "specular": 1.0}.get(material, hits.mirrored)
+    lobe = np.hypot(SPECULAR_LOBE, 2 * optics.divergence)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         # half of the hemisphere's light at the very most, for ranges within the aperture
-        share = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
-        rough, polished = share, np.zeros_like(share)
-        if material != "diffuse":
-            lobe = np.hypot(SPECULAR_LOBE, 2 * optics.divergence)
-            caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
-            turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
-            polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * share
-            weight = hits.mirrored if material == "mixed" else 1.0
-            rough, polished = (1 - weight) * share, weight * polished
-    rough, polished = (np.where(z > 0, hits.reflectance * part, 0.0) for part in (rough, polished))
-    return rough, polished
+        rough = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
+        caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
+        turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
+        polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * rough
+        parts = (1 - weight) * rough, weight * polished
+    return [np.where(z > 0, hits.reflectance * part, 0.0) for part in parts]
 
 
 def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> Paths:
@@ -122,13 +113,12 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
     only, the same in both modes.
     """
     optics = settings.optics
-    tangent = np.tan(angles)[:, None, :]
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
     angle = float(spot_radius(optics, 1.0))
-    weights = _WEIGHTS if angle else np.ones(1)
-    hits = target.look(_unit(tangent + angle * _SPOT if angle else tangent))
+    weights, spot = (_WEIGHTS, angle * _SPOT) if angle else (np.ones(1), np.zeros((1, 2)))
+    hits = target.look(_unit(np.tan(angles)[:, None, :] + spot))
     distance = np.where(hits.range > 0, hits.range, 0.0)
-    rough, polished = (weights * part for part in _returned(optics, target.material, hits))
+    rough, polished = (weights * one for one in _rough_and_polished(optics, target.material, hits))
     if optics.speckle and target.material != "specular":
         far = np.maximum(distance, 1e-3)
         cells = speckle_cells(optics, settings.laser.wavelength, far) * weights
@@ -137,18 +127,30 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
     return Paths(distance, rough + polished)
 
 
-def with_stray(paths: Paths, optics: Optics) -> Paths:
-    """Paths and the coaxial back-reflection."""
-    stray = (optics.back_range, optics.back_fraction)
-    more = (np.full((len(paths.range), 1), value) for value in stray)
-    return Paths(*(np.concatenate(pair, axis=1) for pair in zip(paths, more, strict=True)))
+def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
+    """Uniform numbers (N, count) in (0, 1) that depend on the seed and on places (N, 2) only.
+
+    Places (integers from -2^31 to 2^31 - 1) and columns are mixed by the finaliser of SplitMix64
+    (Steele et al., OOPSLA 2014).
+    """
+    pair = np.asarray(places).astype(np.int64).view(np.uint64)
+    start = _mixed(np.array([seed & (2**64 - 1), 7], np.uint64))
+    # arrays of unsigned integers wrap round without a warning
+    word = (pair[:, :1] << np.uint64(32)) ^ (pair[:, 1:] & np.uint64(0xFFFFFFFF))
+    column = np.arange(1, count + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+    mixed = _mixed(_mixed(word ^ start[:1]) + start[1:] + column)
+    return ((mixed >> np.uint64(11)).astype(float) + 0.5) / 2.0**53
+
+
+def _mixed(word: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Bits of 64-bit words, mixed."""
+    word = (word ^ (word >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    word = (word ^ (word >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return word ^ (word >> np.uint64(31))
 
 
 def outward(optics: Optics) -> float:
-    """Transmission from the fibre to the scene, modulator apart (Sec. 7.1).
-
-    Two lenses, a mirror, two splitters, the mirror to the galvo and its two mirrors.
-    """
+    """Transmission from fibre to scene, modulator apart (Sec. 7.1): lenses, mirrors, splitters."""
     return optics.lens**2 * optics.mirror**4 * optics.splitter**2
 
 
@@ -158,10 +160,9 @@ def to_power_meter(optics: Optics) -> float:
 
 
 def inward(optics: Optics) -> float:
-    """Transmission from the aperture to the detector, modulator apart (Sec. 7.2).
+    """Transmission from aperture to detector, modulator apart (Sec. 7.2).
 
-    Two galvo mirrors and the mirror behind them, the splitter's second passage, the expander's two
-    lenses, a mirror, and the lens before the detector.
+    Three mirrors at the galvo, one behind the 1.6x expander, the splitter, three lenses.
     """
     return optics.mirror**4 * optics.splitter * optics.lens**3
 

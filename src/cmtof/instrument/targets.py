@@ -6,7 +6,7 @@ leaves along +z at zero volts. A target says where a ray ends, not how much ligh
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 
 LARGEST_STEP = 0.02
 """Neighbouring pixels whose depths differ by less than this share belong to one surface."""
-
 SURFACE = 3e-3
 """How near to a point its own surface may be met, m."""
 
@@ -28,14 +27,10 @@ SURFACE = 3e-3
 class Hits(NamedTuple):
     """Where rays (...) ended; NaN range where they met nothing."""
 
-    range: Array
-    """m."""
-    cosine: Array
-    """Cosine between the ray and the surface's normal, 0 to 1."""
-    reflectance: Array
-    """0 to 1."""
-    mirrored: Array | float = 1.0
-    """Of a "mixed" target: weight of the law of a specular surface, 0 to 1."""
+    range: Array  # m
+    cosine: Array  # between the ray and the surface's normal, 0 to 1
+    reflectance: Array  # 0 to 1
+    mirrored: Array | float = 1.0  # of a "mixed" target: weight of the specular law, 0 to 1
 
 
 Target = Any
@@ -74,13 +69,14 @@ class FrameTarget:
     reflectance. Outside the frame nothing returns.
     """
 
-    def __init__(self, frame: Frame, material: str = "diffuse") -> None:
+    material = "diffuse"
+
+    def __init__(self, frame: Frame) -> None:
         if frame.camera is None:
             raise ValueError(
                 f"Expected a frame with a camera, got none in {frame.name or 'the frame'}. "
                 "Store fx, fy, cx, cy."
             )
-        self.material = material
         self._camera = np.asarray(frame.camera, float)
         self._reflectance = np.clip(np.asarray(frame.intensity, float), 0, 1)
         planar = np.asarray(frame.depth, float) / ray_lengths(frame.depth.shape, self._camera)
@@ -97,75 +93,60 @@ class FrameTarget:
             u, v = fx * x + sum(skew) * y + cx, fy * y + cy
             seen = (forward > 0) & (u >= 0) & (u < width) & (v >= 0) & (v < height)
             u, v = np.where(seen, u, 0.0), np.where(seen, v, 0.0)
-            row, column = v.astype(int), u.astype(int)
-            reach = 1 / (self._between(u, v, row, column) * forward)
-        reach = np.where(seen, reach, np.nan)
-        return Hits(reach, self._cosine[row, column], self._reflectance[row, column])
+            reach = np.where(seen, 1 / (self._inverse_at(u, v) * forward), np.nan)
+        nearest = v.astype(int), u.astype(int)
+        return Hits(reach, self._cosine[nearest], self._reflectance[nearest])
 
-    def _between(self, u: Array, v: Array, row: NDArray, column: NDArray) -> Array:
+    def _inverse_at(self, u: Array, v: Array) -> Array:
         """Inverse depth at pixel positions: bilinear within a surface, else the nearest."""
         height, width = self._inverse.shape
-        nearest = self._inverse[row, column]
-        if height < 2 or width < 2:
-            return nearest
-        i = np.minimum(np.maximum(v - 0.5, 0).astype(int), height - 2)
-        j = np.minimum(np.maximum(u - 0.5, 0).astype(int), width - 2)
+        i = np.clip(v - 0.5, 0, height - 2).astype(int)
+        j = np.clip(u - 0.5, 0, width - 2).astype(int)
         s, t = v - 0.5 - i, u - 0.5 - j
-        a, b, c, d = (self._inverse[i + m, j + n] for m in (0, 1) for n in (0, 1))
-        low = np.minimum(np.minimum(a, b), np.minimum(c, d))
-        high = np.maximum(np.maximum(a, b), np.maximum(c, d))
+        corners = np.stack([self._inverse[i + m, j + n] for m in (0, 1) for n in (0, 1)])
+        a, b, c, d = corners
         above, below = a + t * (b - a), c + t * (d - c)
-        return np.where(high - low < LARGEST_STEP * low, above + s * (below - above), nearest)
+        flat = np.ptp(corners, axis=0) < LARGEST_STEP * corners.min(axis=0)
+        nearest = self._inverse[v.astype(int), u.astype(int)]
+        return np.where(flat, above + s * (below - above), nearest)
 
 
 def _cosines(planar: Array, rays: Array) -> Array:
-    """Cosine of incidence (H, W) from the smaller of the steps to either neighbour."""
+    """Cosine of incidence (H, W) from the steps to neighbours."""
     points = rays * planar[..., None]
-    normal = np.cross(_smaller_step(points, 1), _smaller_step(points, 0))
+    down = _smaller_step(points.swapaxes(0, 1)).swapaxes(0, 1)
+    normal = np.cross(_smaller_step(points), down)
     with np.errstate(invalid="ignore", divide="ignore"):
         size = np.linalg.norm(normal, axis=-1) * np.linalg.norm(rays, axis=-1)
         cosine = np.abs((normal * rays).sum(-1)) / size
     return np.clip(np.nan_to_num(cosine, nan=1.0), 0, 1)
 
 
-def _smaller_step(points: Array, axis: int) -> Array:
-    """The smaller of the steps (H, W, 3) to both neighbours along an axis, by depth."""
-    if points.shape[axis] < 2:
-        return np.zeros_like(points)
-    step = np.diff(points, axis=axis)
-    blank = np.full_like(np.take(points, [0], axis=axis), np.nan)
-    before, after = np.concatenate([blank, step], axis), np.concatenate([step, blank], axis)
-    size = [np.nan_to_num(np.abs(s[..., 2]), nan=np.inf) for s in (before, after)]
-    return np.where((size[0] < size[1])[..., None], before, after)
+def _smaller_step(points: Array) -> Array:
+    """The smaller of the steps (H, W, 3) to the left and to the right neighbour, by depth."""
+    step = np.diff(points, axis=1, prepend=np.nan, append=np.nan)
+    size = np.nan_to_num(np.abs(step[..., 2:]), nan=np.inf)
+    return np.where(size[:, :-1] < size[:, 1:], step[:, :-1], step[:, 1:])
 
 
 @dataclass(frozen=True, eq=False)
 class MeshTarget:
-    """Triangles, traced by Embree.
+    """Triangles, traced by Embree; what the vertices hold is interpolated across each triangle.
 
-    Parameters
-    ----------
-    vertices, faces : ndarray, shape (V, 3), (F, 3)
-        m, in the camera's coordinates; numbers of vertices.
-    reflectance : float or ndarray, shape (V,)
-        0 to 1; that of the vertices is interpolated across each triangle.
-    material : str
-        As `Target.material`.
-    mirrored : float or ndarray, shape (V,), or None
-        Of "mixed" alone, interpolated alike.
+    ``vertices`` (V, 3), m, in the camera's coordinates; ``faces`` (F, 3), numbers of vertices;
+    ``reflectance`` and, of "mixed" alone, ``mirrored``: a number or (V,), 0 to 1.
     """
 
     vertices: NDArray
     faces: NDArray
     reflectance: float | Array = 0.5
     material: str = "diffuse"
-    mirrored: float | Array | None = None
+    mirrored: float | Array = 1.0
 
     @classmethod
     def from_mesh(cls, mesh: Any) -> "MeshTarget":
         """Target of a trimesh with the vertex attributes ``reflectance`` and ``mirrored``."""
-        held = mesh.vertex_attributes
-        bright, mirrored = np.asarray(held["reflectance"]), np.asarray(held["mirrored"])
+        bright, mirrored = (mesh.vertex_attributes[name] for name in ("reflectance", "mirrored"))
         return cls(np.asarray(mesh.vertices), np.asarray(mesh.faces), bright, "mixed", mirrored)
 
     @cached_property
@@ -177,7 +158,7 @@ class MeshTarget:
 
     def look(self, directions: Array) -> Hits:
         """Trace unit rays (..., 3) from the origin."""
-        shape, exact = directions.shape[:-1], directions.reshape(-1, 3)
+        exact = directions.reshape(-1, 3)
         rays = np.ascontiguousarray(exact, np.float32)
         hits = self._tracer.nearest(np.zeros_like(rays), rays)
         met = hits.triangle >= 0
@@ -190,14 +171,9 @@ class MeshTarget:
             reach = np.where(met, (a * normal).sum(-1) / along, np.nan)
             cosine = np.nan_to_num(np.abs(along) / np.linalg.norm(normal, axis=-1))
         u, v = np.where(met, hits.u, 0.0), np.where(met, hits.v, 0.0)
-        share = np.stack([1 - u - v, u, v], -1)
-
-        def there(values: float | Array) -> Array:
-            each = np.broadcast_to(np.asarray(values, float), len(self.vertices))
-            return (each[corners] * share).sum(-1).reshape(shape)
-
-        mirrored = 1.0 if self.mirrored is None else there(self.mirrored)
-        return Hits(reach.reshape(shape), cosine.reshape(shape), there(self.reflectance), mirrored)
+        held = [np.broadcast_to(x, len(self.vertices)) for x in (self.reflectance, self.mirrored)]
+        there = [(x[corners] * np.stack([1 - u - v, u, v], -1)).sum(-1) for x in held]
+        return Hits(*(one.reshape(directions.shape[:-1]) for one in (reach, cosine, *there)))
 
     def hidden(self, points: Array, eye: ArrayLike) -> NDArray[np.bool_]:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
@@ -215,18 +191,9 @@ def _object(name: str) -> MeshTarget:
     return MeshTarget.from_mesh(object_mesh(name))
 
 
-def _mirror(**options: Any) -> Plane:
-    return Plane(material="specular", **options)
-
-
-def _frame(file: str, material: str = "diffuse") -> FrameTarget:
-    return FrameTarget(load_frame(file), material)
-
-
 KINDS: dict[str, Any] = {
     "plane": Plane,
-    "mirror": _mirror,
-    "frame": _frame,
+    "mirror": partial(Plane, material="specular"),
     "object": _object,
 }
 """Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments."""
@@ -235,11 +202,6 @@ KINDS: dict[str, Any] = {
 def scene_from(source: Any) -> Target | None:
     """Target of a frame, its file or embedded name, a mapping with `KINDS`, or a target itself.
 
-    Raises
-    ------
-    ValueError
-        For unknown kinds, keys or materials.
-
     Examples
     --------
     >>> scene_from({"kind": "mirror", "distance": 0.6, "reflectance": 1e-6}).material
@@ -247,21 +209,18 @@ def scene_from(source: Any) -> Target | None:
     """
     if source is None or hasattr(source, "look"):
         return source
+    if isinstance(source, (str, Path)):
+        source = load_frame(source)
     if isinstance(source, Frame):
         return FrameTarget(source)
-    if isinstance(source, (str, Path)):
-        return FrameTarget(load_frame(source))
     options = dict(source) if isinstance(source, Mapping) else {}
-    kind = options.pop("kind", None)
     try:
-        target = KINDS[kind](**options)
+        target = KINDS[options.pop("kind", None)](**options)
     except (KeyError, TypeError):
+        target = None
+    if target is None or target.material not in ("diffuse", "specular", "mixed"):
         raise ValueError(
-            f"Expected twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys, "
-            f"got {source!r}. Correct it."
-        ) from None
-    if target.material not in ("diffuse", "specular", "mixed"):
-        raise ValueError(
-            f"Expected a material diffuse or specular, got {target.material!r}. Choose one."
+            f"Expected twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys "
+            f"and a material diffuse or specular, got {source!r}. Correct it."
         )
     return target

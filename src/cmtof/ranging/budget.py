@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, depth_from_phase, wrap_length
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.drift import Drift
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Hits
+from cmtof.instrument.world import DRIFT_OCTAVES
 from cmtof.ranging.optical import FREQUENCY, ORDER, OpticalRanger
 from cmtof.ranging.sweep import POSITIONS, STAGE_ERROR, StageTarget
 
@@ -88,7 +88,7 @@ def budget_terms(
 
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
     """Rms of the drift at ``times`` less its mean at ``reference``, s, in units of its own rms."""
-    rate = TAU * 1e-3 * 2.0 ** np.arange(Drift.COUNT)
+    rate = TAU * DRIFT_OCTAVES
     now = np.exp(1j * np.multiply.outer(np.asarray(times, float), rate))
     then = np.exp(1j * np.multiply.outer(np.asarray(reference, float), rate)).mean(0)
     return float(np.sqrt(np.mean(np.abs(now - then) ** 2)))

@@ -120,7 +120,7 @@ class Interferometer:
         amplitude = conversion.volts_per_watt * 2 * coherence * field
         offset = conversion.volts_per_watt * (self.arm_power + scene)
         # a mean over a step averages white noise over 1 / (2 T), unless the filters pass less
-        passed = chain(detector, 1 / SAMPLE_RATE).noise_bandwidth
+        passed = chain(detector, 1 / SAMPLE_RATE).memory(1)[0]
         variance = conversion.density(offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
         variance = variance + (detector.converter_noise * SLOPE) ** 2 / self.samples
         variance = variance + (self.intensity_noise * offset) ** 2

@@ -28,10 +28,9 @@ from cmtof.constants import (
 from cmtof.correlation import centred, decode, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import Conversion, chain, slope
-from cmtof.instrument.light import Panel, RfKnobs
+from cmtof.instrument.electronics import SLOPE, Conversion, chain
 from cmtof.instrument.settings import Detector, TwinSettings
-from cmtof.instrument.world import LABEL_TIME, SAMPLE_RATE, World
+from cmtof.instrument.world import LABEL_TIME, SAMPLE_RATE, Panel, RfKnobs, World
 from cmtof.ranging.sweep import STAGE_ERROR, StageTarget, checked_positions, collected_power
 
 Array = NDArray[np.float64]
@@ -88,9 +87,9 @@ class OpticalRanger:
             RfKnobs(on=True, frequency=drive, power=self.settings.drive.power) for _ in range(2)
         )
         detection.table = drive_phases(self.phases, self.mode)
-        modules, turned = (self.settings.emission, self.settings.detection), _PLATE[self.mode]
+        turned = _PLATE[self.mode]
         panel = Panel(emission=emission, detection=detection)
-        panel.plate_angle = [float(np.deg2rad(turned) + module.plate_zero) for module in modules]
+        panel.plate_emission = panel.plate_detection = float(np.deg2rad(turned))
         panel.laser_on = panel.shutter_open = panel.flip_mirror_in = panel.clock_on = True
         return panel
 
@@ -166,7 +165,7 @@ class OpticalRanger:
         The filter keeps the crest within the detector's range; no speckle.
         """
         settings, detector = self.settings, self.settings.detector
-        wave = World(settings).light.emission(self.panel())  # the detection's is alike
+        wave = World(settings).emission(self.panel())  # the detection's is alike
         opened = np.asarray(collected, float) / free_space.emission_mean(settings, self.mode)
         mean = opened * wave[0].real ** 2 + free_space.ambient(settings.optics) * wave[0].real
         amplitude = opened * 2 * abs(wave[ORDER[self.mode]]) ** 2
@@ -178,7 +177,7 @@ class OpticalRanger:
         counts = detector.converter_noise**2 + 4.0 ** (16 - detector.bits) / 12
         kept = self.phases * (self.samples - self.settle)
         variance = conversion.density(per_watt * mean) * bandwidth
-        variance = variance + 2 / kept * counts * slope(10.0) ** 2
+        variance = variance + 2 / kept * counts * SLOPE**2
         return dimming, np.sqrt(variance) / (per_watt * amplitude)
 
 
@@ -186,10 +185,7 @@ class OpticalRanger:
 def _bandwidth(detector: Detector, phases: int, samples: int, settle: int) -> float:
     """Variance, V^2, of one quadrature of the fundamental per one-sided density, V^2/Hz."""
     filters, place = chain(detector, 1 / SAMPLE_RATE), np.arange(phases * samples)
-    memory, row = np.empty(place.size), np.eye(len(filters.settled))[-1]
-    for lag in place:  # cov(x_{t+l}, x_t) = e^T T^l P e
-        memory[lag] = row @ filters.settled @ filters.settled[-1]
-        row = row @ filters.transition
+    memory = filters.memory(place.size)
     tone = np.exp(-1j * nominal_psi(phases))[place // samples] * (place % samples >= settle)
     overlap = correlate(tone, tone)[place.size - 1 :].real
     scale = 2 / (phases * (samples - settle))

@@ -20,10 +20,9 @@ from scipy.constants import Boltzmann, elementary_charge
 
 from cmtof.correlation import centred, phase_from_depth, wrapped
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.drift import Drift
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Target
-from cmtof.instrument.world import SAMPLE_RATE
+from cmtof.instrument.world import DRIFT_RMS, SAMPLE_RATE, drift
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.ranging.optical import FREQUENCY, ORDER
 from cmtof.ranging.sweep import (
@@ -172,11 +171,11 @@ class RfRanger:
         settings, laser, key = self.settings, self.settings.laser, int(rng.integers(2**62))
         times = self.age + self.step_time * np.append(0, np.arange(ranges.size))
         times = np.append(times, 0.0)  # the last with the beam blocked
-        slow = [Drift(key, channel)(times) / Drift.RMS for channel in range(4)]
+        slow = [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
         constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
         constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
         swing = (laser.fibre_high - laser.fibre_low) / (laser.fibre_high + laser.fibre_low)
-        fibre, turn = 1 + swing * Drift.RMS * slow[3], settings.drive.phase_drift * slow[2]
+        fibre, turn = 1 + swing * DRIFT_RMS * slow[3], settings.drive.phase_drift * slow[2]
         true = ranges + self.stage_error * rng.standard_normal(ranges.size)
         light = self.power(target, ranges)
         if settings.optics.speckle and target.material == "diffuse":
