@@ -2,6 +2,7 @@
 
 import asyncio
 import gc
+import queue
 import struct
 import threading
 import warnings
@@ -19,7 +20,7 @@ from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 
 from cmtof.hardware.rf import framed
-from cmtof.hardware.t7 import REGISTERS, Feedback
+from cmtof.hardware.t7 import Feedback
 
 
 class Wire:
@@ -99,36 +100,30 @@ def dialogue(kind, *pairs):
 
 
 class Firmware:
-    """An RF driver's firmware: switches, numbers, lock, table."""
+    """An RF driver's firmware: numbers and switches by word, lock, table."""
 
-    model = "CMTOF-RF"
+    model, locked, codes = "CMTOF-RF", True, ()
 
     def __init__(self):
-        self.state, self.values = {"RF": "OFF", "TRIG": "OFF"}, {}
-        self.locked, self.table = True, []
+        self.values = {"RF": "OFF"}
 
     def __call__(self, line):
         head, word, *arguments = line.decode().rpartition("*")[0].split()
-        return framed(f"<{head[1:]} OK {self.answer(word, arguments)}".strip())
-
-    def answer(self, word, arguments):
-        if word in self.state:
-            self.state[word] = arguments[0]
-        elif word == "TABL":
-            self.table = [int(code) for code in arguments[1:]]
-        elif word == "SAFE":
-            self.state = {"RF": "OFF", "TRIG": "OFF"}
+        if word == "SAFE":
+            self.values["RF"] = "OFF"
+        if word == "TABL":
+            self.codes = [int(code) for code in arguments[1:]]
         elif arguments:
             self.values[word] = arguments[0]
-        check = crc_hqx(b"".join(code.to_bytes(2, "big") for code in self.table), 0xFFFF)
-        lock = int(self.locked and self.state["RF"] == "ON")
-        replies = {
+        check = crc_hqx(b"".join(code.to_bytes(2, "big") for code in self.codes), 0xFFFF)
+        lock = int(self.locked and self.values["RF"] == "ON")
+        replies = self.values | {
             "ID?": f"{self.model},R0001,1.2",
             "LOCK?": f"{lock} -5e6 10.0",
-            "STAT?": f"{self.state['RF']} {lock} 0 16 0",
-            "TABL?": f"{len(self.table)} {check:04X}",
+            "STAT?": f"{self.values['RF']} {lock} 0 16 0",
+            "TABL": f"{len(self.codes)} {check:04X}",
         }
-        return replies.get(word, arguments[0] if arguments else "")
+        return framed(f"<{head[1:]} OK {replies.get(word, '')}".strip())
 
 
 HOMED, MOVING, ERROR = 1 << 10, 1 << 4, 1 << 14
@@ -178,23 +173,20 @@ class T7:
     def __init__(self):
         self.words, self.written, self.fault, self.pulses = {2007: 1}, [], "", 0
         self.stream = serial.serial_for_url("loop://", timeout=0.02)
-        self.set("PRODUCT_ID", 7.0)
-        self.set("SERIAL_NUMBER", 470010001)
-        self.set("FIRMWARE_VERSION", 1.0292)
-        self.set("INTERNAL_FLASH_READ", 3.16e-4, -3.16e-4, 33520.0)
+        self.set(60000, "f", 7.0)  # PRODUCT_ID
+        self.set(60004, "f", 1.0292)  # FIRMWARE_VERSION
+        self.set(60028, "I", 470010001)  # SERIAL_NUMBER
+        self.set(61812, "fff", 3.16e-4, -3.16e-4, 33520.0)  # INTERNAL_FLASH_READ
 
-    def set(self, name, *values):
-        """Set a register by name."""
-        address, kind = REGISTERS[name]
+    def set(self, address, kind, *values):
+        """Set registers from an address on."""
         data = struct.pack(f">{kind}", *values)
         words = struct.unpack(f">{len(data) // 2}H", data)
         self.words.update({address + n: word for n, word in enumerate(words)})
 
-    def get(self, name):
-        """Value of a register by name."""
-        address, kind = REGISTERS[name]
-        words = [self.words.get(address + n, 0) for n in range(struct.calcsize(kind) // 2)]
-        return struct.unpack(f">{kind}", struct.pack(f">{len(words)}H", *words))[0]
+    def get(self, address):
+        """Value of a register of 32 bits."""
+        return self.words.get(address, 0) << 16 | self.words.get(address + 1, 0)
 
     def __call__(self, frame):
         reply, at = b"", 0
@@ -216,14 +208,14 @@ class T7:
         if 2000 <= address < 2008:
             bit = 1 << (address - 2000)
             self.words[2500] = self.words.get(2500, 0) & ~bit | bit * words[0]
-        if address == REGISTERS["STREAM_ENABLE"][0] and words[-1]:
+        if address == 4990 and words[-1]:
             self._send_burst()
 
     def _send_burst(self):
         """Packets of a ramp that starts at the label of the burst."""
-        scans, size = self.get("STREAM_NUM_SCANS"), self.get("STREAM_SAMPLES_PER_PACKET")
-        counts = (np.arange(scans) + self.get("USER_RAM0_U32")).astype(">u2")
-        self.pulses += scans // self.get("STREAM_OUT0_LOOP_NUM_VALUES")
+        scans, size = self.get(4020), self.get(4006)
+        counts = (np.arange(scans) + self.get(46100)).astype(">u2")
+        self.pulses += scans // self.get(4060)
         fault, self.fault = self.fault, ""
         for n, start in enumerate(range(0, scans, size)):
             part = counts[start : start + size].tobytes()
@@ -239,7 +231,7 @@ def served(model):
 
     The server's transports stay open when it ends, so that warnings about them are ignored.
     """
-    loop, ready, found = asyncio.new_event_loop(), threading.Event(), []
+    ready = queue.Queue()
 
     class Answer(Feedback):
         async def datastore_update(self, context, device_id):
@@ -252,34 +244,25 @@ def served(model):
     def trace(sending, data):
         return b"" if sending and model.fault == "drop" else data
 
-    async def start():
+    async def serve():
         data = SimData(0, values=0, count=65535, datatype=DataType.REGISTERS)
-        server = ModbusTcpServer(
-            SimDevice(1, simdata=data),
-            address=("127.0.0.1", 0),
-            custom_pdu=[Answer],
-            trace_packet=trace,
-        )
+        place = {"address": ("127.0.0.1", 0), "trace_packet": trace, "custom_pdu": [Answer]}
+        server = ModbusTcpServer(SimDevice(1, simdata=data), **place)
         await server.serve_forever(background=True)
-        found.append(server)
-        ready.set()
-
-    async def stop():
-        for connection in found[0].active_connections.values():
+        end = asyncio.Event()
+        ready.put((server.transport.sockets[0].getsockname()[1], asyncio.get_running_loop(), end))
+        await end.wait()
+        for connection in server.active_connections.values():
             connection.transport.abort()
-        await found.pop().shutdown()
+        await server.shutdown()
         await asyncio.sleep(0.02)  # transports close on the next turns of the loop
 
-    loop.create_task(start())
-    thread = threading.Thread(target=loop.run_forever, daemon=True)
+    thread = threading.Thread(target=lambda: asyncio.run(serve()), daemon=True)
     thread.start()
-    assert ready.wait(10)
-    host, port = found[0].transport.sockets[0].getsockname()
-    yield f"{host}:{port}"
-    asyncio.run_coroutine_threadsafe(stop(), loop).result(5)
-    loop.call_soon_threadsafe(loop.stop)
+    port, loop, end = ready.get(timeout=10)
+    yield f"127.0.0.1:{port}"
+    loop.call_soon_threadsafe(end.set)
     thread.join(5)
-    loop.close()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ResourceWarning)
         gc.collect()

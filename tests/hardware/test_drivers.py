@@ -39,8 +39,8 @@ def daq(wire):
     return LabJackT7(Modbus(wire), serial.serial_for_url("loop://", timeout=0.02), "device")
 
 
-# model, driver, question and what is sent for it, change and what is sent for it, silence, garbage,
-# the other end gone, a value beyond the limits, and a method that may fail
+# model, driver, a question and a change with the bytes sent for them, faults (silence, garbage, the
+# other end gone), a value beyond the limits
 CONTRACTS = {
     "rf": SimpleNamespace(
         model=Firmware,
@@ -146,7 +146,7 @@ def test_another_device_is_refused(contract):
     assert one.identify()["model"].startswith(one.MODELS)
     model = wire.answer
     if isinstance(model, T7):
-        model.set("PRODUCT_ID", 4.0)
+        model.set(60000, "f", 4.0)
     else:
         model.model = b"TDC9" if isinstance(model, Controller) else "OTHER"
     with pytest.raises(Refused, match="Expected device to be .* Check the address"):
@@ -171,5 +171,6 @@ def test_a_safe_state_is_tried_again(contract):
 
 @pytest.mark.parametrize("text", ["9.9E+37", "nan", "volts", ""])
 def test_what_is_no_number(text):
+    assert [number("1.5E+7HZ"), number(" -0.25")] == [1.5e7, -0.25]
     with pytest.raises(BadReply, match="Expected a number"):
         number(text)

@@ -73,7 +73,7 @@ class Motor(device.Device):
 
         `Refused` if the motor is not homed or ends elsewhere; on any error it is stopped.
         """
-        self._within("position", position)
+        self._within(position=position)
         if not self.homed:
             self._fail(device.Refused, "be homed before a move", "it not", "Home it.")
         speed = self._ask("mot_req_velparams", _CHANNEL).max_velocity * self.kind.speed
@@ -136,28 +136,22 @@ class Motor(device.Device):
 
     def _ask(self, request: str, *arguments: int) -> Any:
         """Reply to a request, asked once more; what comes unasked is passed over."""
+        reply = request.replace("_req_", "_get_")
 
         def ask() -> Any:
             self._send(request, *arguments)
+            message = None
             for _ in range(256):
-                message = self._message()
-                if message.msg == request.replace("_req_", "_get_"):
-                    return message
-                if message.msg in ("hw_response", "hw_richresponse"):
-                    self._fail(device.Refused, f"obey {request}", "a fault", "Look at it.")
-            raise device.BadReply(f"Expected {self.name} to answer, got none. Restart it.")
+                with one_error(self.name):
+                    message = next(self._unpacker, None)
+                    silent = message is None and not self._connection.in_waiting
+                if silent or (message is not None and message.msg == reply):
+                    break
+            if message is None or message.msg != reply:
+                self._fail(device.InstrumentTimeout, f"answer {request}", "nothing", "Restart it.")
+            return message
 
         return self._read(ask)
-
-    def _message(self) -> Any:
-        """Next whole message; garbage before it is dropped."""
-        with one_error(self.name):
-            message = next(self._unpacker, None)
-            while message is None and self._connection.in_waiting:
-                message = next(self._unpacker, None)
-        if message is None:
-            self._fail(device.InstrumentTimeout, "answer in time", "nothing", "Check power.")
-        return message
 
     def _resynchronise(self) -> None:
         with one_error(self.name):

@@ -95,14 +95,13 @@ class Device:
             self._resynchronise()
         return ask()
 
-    def _within(self, what: str, value: float) -> None:
+    def _within(self, **settings: float) -> None:
         """Raise a ValueError for a setting beyond its limits."""
-        low, high = self.LIMITS[what]
-        if not low <= value <= high:
-            raise ValueError(
-                f"Expected {what} of {self.name} from {low:g} to {high:g}, got {value:g}. "
-                "Stay within."
-            )
+        for what, value in settings.items():
+            low, high = self.LIMITS[what]
+            if not low <= value <= high:
+                got = f"{low:g} to {high:g}, got {value:g}"
+                raise ValueError(f"Expected {what} of {self.name} from {got}. Stay within.")
 
     def _expect(self, what: str, wanted: float, found: float, tolerance: float = 0.0) -> None:
         """Raise `Refused` unless a device reads back what was set."""
@@ -130,13 +129,7 @@ def insist(*acts: Callable[[], object], tries: int = 2) -> None:
 
 
 def number(text: str) -> float:
-    """Finite number at the start of a reply, its unit behind it ignored.
-
-    Examples
-    --------
-    >>> number("1.5E+7HZ"), number(" -0.25")
-    (15000000.0, -0.25)
-    """
+    """Finite number at the start of a reply such as ``1.5E+7HZ``; its unit is ignored."""
     found = re.match(r"\s*[-+]?\d+\.?\d*([eE][-+]?\d+)?", text)
     value = float(found[0]) if found else float("nan")
     if not abs(value) < 9e36:  # 9.9E+37 stands for overload

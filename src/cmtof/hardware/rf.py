@@ -10,6 +10,7 @@ timer turns RF off when the host falls silent, and loss of lock does the same.
 import time
 from binascii import crc_hqx
 from collections.abc import Callable, Sequence
+from functools import partial
 from math import pi
 from typing import Any, ClassVar, NamedTuple
 
@@ -21,7 +22,7 @@ from cmtof.instrument.devices import Status
 
 CODES = 65536
 """Phase codes of one turn of the drive."""
-_UNSAFE = ("TRIPPED", "LOCK", "UNLOCKED", "INTERLOCK")
+_UNSAFE = {"TRIPPED", "LOCK", "UNLOCKED", "INTERLOCK"}
 _truth = {"ON": True, "1": True, "OFF": False, "0": False}.__getitem__
 
 
@@ -42,13 +43,7 @@ def open_serial(address: str, *, rtscts: bool = False) -> Any:
 
 
 def framed(text: str) -> bytes:
-    """Line with checksum and newline.
-
-    Examples
-    --------
-    >>> framed(">7 PING")
-    b'>7 PING*9555\\n'
-    """
+    """Line with checksum and newline."""
     body = text.encode("ascii")
     return b"%s*%04X\n" % (body, crc_hqx(body, 0xFFFF))
 
@@ -94,7 +89,7 @@ class RfDriver(device.Device):
         """Switch RF; on needs a dead man's time, and a lock in time, or RF is off again."""
         if on and not self._guarded:
             self._fail(device.Unsafe, "have a dead man's time", "none", "Call set_dead_man first.")
-        self._switch("RF", on)
+        self._set("RF", on)
         deadline = time.monotonic() + lock_timeout
         try:
             while on and not (lock := self.lock()).locked:
@@ -128,17 +123,17 @@ class RfDriver(device.Device):
 
     def load_table(self, phases: Sequence[float]) -> None:
         """Load phases of the drive, rad, that the trigger steps through; checked."""
-        self._within("TABL", len(phases))
         codes = [code_from_phase(phase) for phase in phases]
-        self._ask("TABL", len(codes), *codes)
+        self._within(TABL=len(codes))
+        hexadecimal = partial(int, base=16)
+        found = self._ask("TABL", *map(str, [len(codes), *codes]), parsers=[int, hexadecimal])
+        self._expect("number of phases", len(codes), found[0])
         check = crc_hqx(b"".join(code.to_bytes(2, "big") for code in codes), 0xFFFF)
-        count, found = self._question("TABL?", int, lambda word: int(word, 16))
-        self._expect("number of phases", len(codes), count)
-        self._expect("table's checksum", check, found)
+        self._expect("table's checksum", check, found[1])
 
     def trigger(self, on: bool) -> None:
         """Let rising edges at the trigger input step the table, or not."""
-        self._switch("TRIG", on)
+        self._set("TRIG", on)
 
     def arm(self) -> None:
         """Count no edges yet; the first edge plays entry 0."""
@@ -156,28 +151,25 @@ class RfDriver(device.Device):
         return self._question("ID?", parse)[0]
 
     def _set(self, word: str, value: float, tolerance: float = 0.0) -> None:
-        self._within(word, value)
-        (found,) = self._parsed(self._ask(word, value), [number])
+        """Set a number within its limits, or a switch, and compare what was really set."""
+        if isinstance(value, bool):
+            (found,) = self._ask(word, "ON" if value else "OFF", parsers=[_truth])
+        else:
+            self._within(**{word: value})
+            (found,) = self._ask(word, f"{value:.12g}", parsers=[number])
         self._expect(word, value, found, tolerance)
-
-    def _switch(self, word: str, on: bool) -> None:
-        (found,) = self._parsed(self._ask(word, "ON" if on else "OFF"), [_truth])
-        self._expect(word, on, found)
 
     def _question(self, word: str, *parsers: Callable[[str], Any]) -> list[Any]:
         """Values of an answer; asked once more after a lost or garbled one."""
-        return self._read(lambda: self._parsed(self._ask(word), parsers))
+        return self._read(lambda: self._ask(word, parsers=parsers))
 
-    def _parsed(self, words: list[str], parsers: Sequence[Callable[[str], Any]]) -> list[Any]:
-        with one_error(self.name):
-            return [parse(word) for parse, word in zip(parsers, words, strict=True)]
-
-    def _ask(self, word: str, *arguments: float | str) -> list[str]:
-        """Words of the answer to one request; answers to earlier ones are passed over."""
+    def _ask(
+        self, word: str, *arguments: str, parsers: Sequence[Callable[[str], Any]] = ()
+    ) -> list[Any]:
+        """Values of the answer to one request; answers to earlier ones are passed over."""
         self._sequence = (self._sequence + 1) % 100
-        texts = [one if isinstance(one, str) else f"{one:.12g}" for one in arguments]
         with one_error(self.name):
-            self._connection.write(framed(" ".join([f">{self._sequence}", word, *texts])))
+            self._connection.write(framed(" ".join([f">{self._sequence}", word, *arguments])))
         for _ in range(100):
             head, *words = self._line()
             if head == "!TRIP":
@@ -185,10 +177,11 @@ class RfDriver(device.Device):
             elif head == "<??":
                 break
             elif head == f"<{self._sequence}":
-                if words[:1] == ["OK"]:
-                    return words[1:]
-                kind = device.Unsafe if words[1:2] and words[1] in _UNSAFE else device.Refused
-                self._fail(kind, f"obey {word}", " ".join(words), "Check its state and limits.")
+                if words[:1] != ["OK"]:
+                    kind = device.Unsafe if _UNSAFE & set(words[1:2]) else device.Refused
+                    self._fail(kind, f"obey {word}", " ".join(words), "Check state and limits.")
+                with one_error(self.name):
+                    return [parse(one) for parse, one in zip(parsers, words[1:], strict=True)]
         raise device.BadReply(f"Expected {self.name} to answer, got other lines. Ask again.")
 
     def _line(self) -> list[str]:

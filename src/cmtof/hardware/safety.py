@@ -24,21 +24,11 @@ class EmergencyStop:
     out light first. A signal does no work itself: it raises in the main thread, so that no request
     is sent into the middle of another, and the stop runs while the context is left; signals that
     come then wait for its end. Against SIGKILL stand the devices' own timers.
-
-    Examples
-    --------
-    >>> class Lamp:
-    ...     name, safe_state = "lamp", lambda self: print("lamp off")
-    >>> with EmergencyStop([Lamp()]):
-    ...     print("working")
-    working
-    lamp off
     """
 
     def __init__(self, devices: Sequence[Any]) -> None:
         self._devices = list(devices)
         self._previous: dict[int, Any] = {}
-        self._stopping, self._pending = False, 0
 
     def __enter__(self) -> Self:
         self._stopping, self._pending = False, 0

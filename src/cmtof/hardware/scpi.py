@@ -81,9 +81,7 @@ class SignalGenerator(ScpiInstrument):
 
     def sine(self, channel: int, *, frequency: float, amplitude: float) -> None:
         """Set a sine, Hz and V peak to peak into 50 Ohm, which the amplitude depends on."""
-        self._within("channel", channel)
-        self._within("frequency", frequency)
-        self._within("amplitude", amplitude)
+        self._within(channel=channel, frequency=frequency, amplitude=amplitude)
         self._write(f"C{channel}:OUTP LOAD,50")
         wave = f"FRQ,{frequency:.10g},AMP,{amplitude:.6g},OFST,0,PHSE,0"
         self._write(f"C{channel}:BSWV WVTP,SINE,{wave}")

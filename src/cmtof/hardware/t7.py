@@ -26,49 +26,16 @@ from cmtof.hardware import device
 from cmtof.hardware.device import one_error
 from cmtof.hardware.reduction import RANGES, Gain
 
-REGISTERS = {
-    "STREAM_SCANRATE_HZ": (4002, "f"),
-    "STREAM_NUM_ADDRESSES": (4004, "I"),
-    "STREAM_SAMPLES_PER_PACKET": (4006, "I"),
-    "STREAM_SETTLING_US": (4008, "f"),
-    "STREAM_RESOLUTION_INDEX": (4010, "I"),
-    "STREAM_BUFFER_SIZE_BYTES": (4012, "I"),
-    "STREAM_CLOCK_SOURCE": (4014, "I"),
-    "STREAM_AUTO_TARGET": (4016, "I"),
-    "STREAM_DATATYPE": (4018, "I"),
-    "STREAM_NUM_SCANS": (4020, "I"),
-    "STREAM_TRIGGER_INDEX": (4024, "I"),
-    "STREAM_OUT0_TARGET": (4040, "I"),
-    "STREAM_OUT0_BUFFER_ALLOCATE_NUM_BYTES": (4050, "I"),
-    "STREAM_OUT0_LOOP_NUM_VALUES": (4060, "I"),
-    "STREAM_OUT0_SET_LOOP": (4070, "I"),
-    "STREAM_OUT0_ENABLE": (4090, "I"),
-    "STREAM_SCANLIST_ADDRESS0": (4100, "I"),
-    "STREAM_SCANLIST_ADDRESS1": (4102, "I"),
-    "STREAM_OUT0_BUFFER_U16": (4420, "H"),
-    "STREAM_OUT0": (4800, "H"),
-    "STREAM_ENABLE": (4990, "I"),
+Register = tuple[int, str]
+REGISTERS: dict[str, Register] = {
     "FIO_STATE": (2500, "H"),
+    "STREAM_ENABLE": (4990, "I"),
     "USER_RAM0_U32": (46100, "I"),
-    "PRODUCT_ID": (60000, "f"),
-    "FIRMWARE_VERSION": (60004, "f"),
-    "SERIAL_NUMBER": (60028, "I"),
     "WATCHDOG_ENABLE_DEFAULT": (61600, "I"),
-    "WATCHDOG_TIMEOUT_S_DEFAULT": (61604, "I"),
-    "WATCHDOG_DIO_ENABLE_DEFAULT": (61630, "I"),
-    "WATCHDOG_DIO_STATE_DEFAULT": (61632, "I"),
-    "WATCHDOG_DIO_DIRECTION_DEFAULT": (61634, "I"),
-    "WATCHDOG_DIO_INHIBIT_DEFAULT": (61636, "I"),
-    "INTERNAL_FLASH_READ_POINTER": (61810, "I"),
-    "INTERNAL_FLASH_READ": (61812, "fff"),
     **{f"FIO{n}": (2000 + n, "H") for n in range(8)},
     **{f"TDAC{n}": (30000 + 2 * n, "f") for n in range(8)},
-    **{f"AIN{n}": (2 * n, "f") for n in range(14)},
-    **{f"AIN{n}_RANGE": (40000 + 2 * n, "f") for n in range(14)},
-    **{f"AIN{n}_NEGATIVE_CH": (41000 + n, "H") for n in range(14)},
 }
-"""Address and format of each register in use."""
-
+"""Address and format of the registers that are used more than once; the others stand in place."""
 CALIBRATION = 0x3C4000
 """Where the calibration begins in the flash: four floats for each input range."""
 PACKET = 160
@@ -77,15 +44,9 @@ COMPLETE = 2944
 """Status of the last packet of a burst; 2940 to 2943 stand for scans that were skipped."""
 
 
-def write(name: str, value: ArrayLike) -> bytes:
-    """Part of a feedback frame that writes a register, or values one after another.
-
-    Examples
-    --------
-    >>> write("TDAC2", 2.5).hex()
-    '0175340240200000'
-    """
-    address, kind = REGISTERS[name]
+def write(register: str | Register, value: ArrayLike) -> bytes:
+    """Part of a feedback frame that writes a register, or values one after another."""
+    address, kind = REGISTERS.get(register, register)  # type: ignore[arg-type]
     data = np.atleast_1d(value).astype(f">{np.dtype(kind).str[1:]}").tobytes()
     return struct.pack(">BHB", 1, address, len(data) // 2) + data
 
@@ -130,8 +91,8 @@ class LabJackT7(device.Device):
     ) -> None:
         super().__init__(client, name)
         self._stream, self._safe_levels = stream, dict(safe_levels)
-        self._settings: dict[str, float] = {}
-        self._waveform: dict[str, ArrayLike] = {}
+        self._settings: dict[Register, float] = {}
+        self._waveform: dict[str | Register, ArrayLike] = {}
         self._line, self._scans, self._ready = "", 0, False
 
     def close(self) -> None:
@@ -142,8 +103,8 @@ class LabJackT7(device.Device):
     def gain(self, volts_range: float) -> Gain:
         """Calibration of an input range, V, of the converter that streams, from the flash."""
         place = CALIBRATION + 16 * RANGES.index(volts_range)
-        self.write_many({"INTERNAL_FLASH_READ_POINTER": place})
-        gain = Gain(*self._values("INTERNAL_FLASH_READ"))
+        self.write_many({(61810, "I"): place})  # INTERNAL_FLASH_READ_POINTER
+        gain = Gain(*self._values((61812, "fff")))  # INTERNAL_FLASH_READ
         nominal = (3.158e-5 * volts_range, -3.158e-5 * volts_range, 33523.0)
         if not np.allclose(gain, nominal, rtol=0.1, atol=0.0):
             self._fail(device.BadReply, "hold its calibration", str(gain), "Have it calibrated.")
@@ -159,51 +120,48 @@ class LabJackT7(device.Device):
         (state,) = self._values("FIO_STATE")
         self._expect(dio, high, int(state) >> int(dio[-1]) & 1)
 
-    def write_many(self, values: Mapping[str, ArrayLike]) -> None:
+    def write_many(self, values: Mapping[Any, ArrayLike]) -> None:
         """Write registers in their order in one frame, once."""
         self._feedback(b"".join(write(name, value) for name, value in values.items()))
 
     def configure_burst(
         self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
     ) -> None:
-        """Set up bursts of ``scans`` samples of an input, with a trigger pulse.
+        """Set up bursts of ``scans`` samples of an input at a rate, Hz, within a range, V.
 
-        ``pulse_line`` is high for the first half of every ``pulse`` samples; ``rate`` is in Hz and
-        the input's ``range`` in V.
+        ``pulse_line`` is high for the first half of every ``pulse`` samples.
         """
-        self._within("rate", rate)
-        self._within("pulse", pulse)
+        self._within(rate=rate, pulse=pulse)
         if scans % pulse:
             raise ValueError(f"Expected pulses of {pulse} samples, got {scans}. Change one.")
-        bit = 1 << int(pulse_line[-1])
+        number, bit = int(channel.removeprefix("AIN")), 1 << int(pulse_line[-1])
         inhibit = (0xFF & ~bit) << 8
         self._line, self._scans = pulse_line, scans
         self._stream.timeout = scans / rate + 1.0
         self._settings = {
-            f"{channel}_RANGE": range,
-            f"{channel}_NEGATIVE_CH": 199,  # single-ended
-            "STREAM_SCANRATE_HZ": rate,
-            "STREAM_NUM_ADDRESSES": 2,
-            "STREAM_SAMPLES_PER_PACKET": gcd(scans, PACKET),
-            "STREAM_RESOLUTION_INDEX": 1,
-            "STREAM_BUFFER_SIZE_BYTES": 32768,
-            "STREAM_CLOCK_SOURCE": 0,
-            "STREAM_AUTO_TARGET": 1,  # port 702
-            "STREAM_NUM_SCANS": scans,
-            "STREAM_TRIGGER_INDEX": 0,
+            (40000 + 2 * number, "f"): range,  # AIN_RANGE
+            (41000 + number, "H"): 199,  # AIN_NEGATIVE_CH: single-ended
+            (4002, "f"): rate,  # STREAM_SCANRATE_HZ
+            (4004, "I"): 2,  # STREAM_NUM_ADDRESSES
+            (4006, "I"): gcd(scans, PACKET),  # STREAM_SAMPLES_PER_PACKET
+            (4010, "I"): 1,  # STREAM_RESOLUTION_INDEX
+            (4012, "I"): 32768,  # STREAM_BUFFER_SIZE_BYTES
+            (4014, "I"): 0,  # STREAM_CLOCK_SOURCE
+            (4016, "I"): 1,  # STREAM_AUTO_TARGET: port 702
+            (4020, "I"): scans,  # STREAM_NUM_SCANS
+            (4024, "I"): 0,  # STREAM_TRIGGER_INDEX
             # the pulse before the sample, so that an edge precedes it
-            "STREAM_SCANLIST_ADDRESS0": REGISTERS["STREAM_OUT0"][0],
-            "STREAM_SCANLIST_ADDRESS1": REGISTERS[channel][0],
+            (4100, "I"): 4800,  # STREAM_SCANLIST_ADDRESS0: STREAM_OUT0
+            (4102, "I"): 2 * number,  # STREAM_SCANLIST_ADDRESS1: AIN
         }
         self._waveform = {
             pulse_line: 0,  # also makes it an output
-            "STREAM_OUT0_TARGET": REGISTERS["FIO_STATE"][0],
-            "STREAM_OUT0_BUFFER_ALLOCATE_NUM_BYTES": 1024,
-            "STREAM_OUT0_ENABLE": 1,
-            "STREAM_OUT0_LOOP_NUM_VALUES": pulse,
-            "STREAM_OUT0_BUFFER_U16": [inhibit | bit] * (pulse // 2)
-            + [inhibit] * (pulse - pulse // 2),
-            "STREAM_OUT0_SET_LOOP": 1,
+            (4040, "I"): REGISTERS["FIO_STATE"][0],  # STREAM_OUT0_TARGET
+            (4050, "I"): 1024,  # STREAM_OUT0_BUFFER_ALLOCATE_NUM_BYTES
+            (4090, "I"): 1,  # STREAM_OUT0_ENABLE
+            (4060, "I"): pulse,  # STREAM_OUT0_LOOP_NUM_VALUES
+            (4420, "H"): np.repeat([inhibit | bit, inhibit], [pulse // 2, pulse - pulse // 2]),
+            (4070, "I"): 1,  # STREAM_OUT0_SET_LOOP
         }
         self._prepare()
 
@@ -212,8 +170,8 @@ class LabJackT7(device.Device):
         self._ready = False
         self._stop()
         self._set(self._settings)
-        # an automatic settling, and what the datasheet demands without a register map
-        self.write_many({"STREAM_SETTLING_US": 0, "STREAM_DATATYPE": 0, "STREAM_OUT0_ENABLE": 0})
+        # STREAM_SETTLING_US (0 is automatic), STREAM_DATATYPE (in no map), STREAM_OUT0_ENABLE
+        self.write_many({(4008, "f"): 0, (4018, "I"): 0, (4090, "I"): 0})
         self.write_many(self._waveform)
         self._ready = True
 
@@ -239,35 +197,24 @@ class LabJackT7(device.Device):
 
     def _samples(self) -> NDArray[np.uint16]:
         """Counts (scans,) of the packets of a burst that has been started."""
-        parts: list[NDArray[np.uint16]] = []
-        found, last = 0, -1
-        while found < self._scans:
-            number, counts = self._packet()
-            if not parts and not counts.size:
-                continue  # the end of an earlier burst, sent as a packet of its own
-            found += counts.size
-            if (parts and number != (last + 1) % 0x10000) or found > self._scans:
-                self._fail(device.BadReply, "send every packet", "some missing", "Take it again.")
-            parts.append(counts)
-            last = number
-        return np.concatenate(parts)
-
-    def _packet(self) -> tuple[int, NDArray[np.uint16]]:
-        """Transaction number and raw samples of the next stream packet."""
-        header = self._received(16)
-        number, protocol, length, function, kind, status = struct.unpack(">HHHxBBx2xH2x", header)
-        if (protocol, function, kind) != (0, 76, 16) or not 10 <= length <= 1034:
-            self._fail(device.BadReply, "send a stream packet", header.hex(), "Take it again.")
-        if status not in (0, COMPLETE):
-            self._fail(device.BadReply, "skip no scan", f"status {status}", "Take it again.")
-        return number, np.frombuffer(self._received(length - 10), ">u2").astype(np.uint16)
-
-    def _received(self, size: int) -> bytes:
+        size = gcd(self._scans, PACKET)
+        layout = np.dtype(f">u2, >u2, >u2, u1, u1, >u2, >u2, >u2, >u2, ({size},)>u2")
+        wanted = self._scans // size * layout.itemsize
         with one_error(self.name):
-            data = self._stream.read(size)
-        if len(data) < size:
+            data = self._stream.read(wanted)
+        packets = np.frombuffer(data, layout, len(data) // layout.itemsize)
+        number, _, length, _, function, kind, _, status, _, counts = (
+            packets[name] for name in layout.names
+        )
+        if not np.isin(status, (0, COMPLETE)).all():
+            got = f"status {status.max()}"
+            self._fail(device.BadReply, "skip no scan", got, "Take it again.")
+        if len(data) < wanted:
             self._fail(device.InstrumentTimeout, "send all samples", "fewer", "Take it again.")
-        return data
+        known = (function == 76) & (kind == 0x1000) & (length == 10 + 2 * size)
+        if not known.all() or (np.diff(number) != 1).any():
+            self._fail(device.BadReply, "send every packet", "some missing", "Take it again.")
+        return counts.ravel().astype(np.uint16)
 
     def _stop(self) -> None:
         """Stop a stream; the T7 refuses that where none runs."""
@@ -284,18 +231,17 @@ class LabJackT7(device.Device):
         """
         numbers = {int(name[-1]): high for name, high in self._safe_levels.items()}
         used = sum(1 << number for number in numbers)
-        enable = "WATCHDOG_ENABLE_DEFAULT"
         wanted = {
-            "WATCHDOG_TIMEOUT_S_DEFAULT": int(seconds),
-            "WATCHDOG_DIO_STATE_DEFAULT": sum(high << n for n, high in numbers.items()),
-            "WATCHDOG_DIO_DIRECTION_DEFAULT": used,
-            "WATCHDOG_DIO_INHIBIT_DEFAULT": 0x7FFFFF & ~used,
-            "WATCHDOG_DIO_ENABLE_DEFAULT": 1,
-            enable: 1,
+            (61604, "I"): int(seconds),  # WATCHDOG_TIMEOUT_S_DEFAULT
+            (61630, "I"): 1,  # WATCHDOG_DIO_ENABLE_DEFAULT
+            (61632, "I"): sum(high << n for n, high in numbers.items()),  # _STATE
+            (61634, "I"): used,  # _DIRECTION
+            (61636, "I"): 0x7FFFFF & ~used,  # _INHIBIT
+            "WATCHDOG_ENABLE_DEFAULT": 1,
         }
-        wanted = wanted if seconds else {enable: 0}
+        wanted = wanted if seconds else {"WATCHDOG_ENABLE_DEFAULT": 0}
         if self._values(*wanted) != tuple(wanted.values()):
-            self.write_many({enable: 0})  # nothing else of it can be written while it runs
+            self.write_many({"WATCHDOG_ENABLE_DEFAULT": 0})  # the others are locked while it runs
             self._set(wanted)
 
     def safe_state(self) -> None:
@@ -304,20 +250,23 @@ class LabJackT7(device.Device):
         device.insist(self._stop, lambda: self._line and self.set_line(self._line, False))
 
     def _identity(self) -> dict[str, str]:
-        product, serial, firmware = self._values("PRODUCT_ID", "SERIAL_NUMBER", "FIRMWARE_VERSION")
+        # PRODUCT_ID, FIRMWARE_VERSION, SERIAL_NUMBER
+        product, firmware, serial = self._values((60000, "f"), (60004, "f"), (60028, "I"))
         words = {"model": f"T{product:g}", "serial_number": str(serial)}
         return words | {"firmware": f"{firmware:.4f}"}
 
-    def _set(self, values: Mapping[str, float]) -> None:
+    def _set(self, values: Mapping[Any, float]) -> None:
         """Write registers, and compare what the device holds then."""
         self.write_many(values)
-        for (name, wanted), found in zip(values.items(), self._values(*values), strict=True):
-            self._expect(name, wanted, found, 1e-3 * wanted if isinstance(wanted, float) else 0)
+        for (register, wanted), found in zip(values.items(), self._values(*values), strict=True):
+            address, kind = REGISTERS.get(register, register)
+            tolerance = 1e-3 * wanted if kind == "f" else 0.0
+            self._expect(f"register {address}", wanted, found, tolerance)
 
-    def _values(self, *names: str) -> tuple[float, ...]:
+    def _values(self, *registers: str | Register) -> tuple[float, ...]:
         """Values of registers, read in one frame, asked once more after a lost answer."""
         frame, kinds = b"", ">"
-        for address, kind in map(REGISTERS.__getitem__, names):
+        for address, kind in (REGISTERS.get(one, one) for one in registers):  # type: ignore
             frame += struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
             kinds += kind
         size = struct.calcsize(kinds)
