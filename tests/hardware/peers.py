@@ -43,13 +43,22 @@ class Wire:
 
 
 class Port:
-    """A serial port on pyserial's ``loop://``: what is written is answered by a function."""
+    """A serial port on pyserial's ``loop://``: what is written is answered by a function at once.
 
-    def __init__(self, answer):
-        self._loop, self._answer = serial.serial_for_url("loop://", timeout=0.02), answer
+    So nothing waits for it, whatever ``timeout`` a driver sets.
+    """
+
+    def __init__(self, answer=lambda data: data):
+        self._loop, self._answer = serial.serial_for_url("loop://", timeout=0), answer
 
     def write(self, data):
         self._loop.write(self._answer(data))
+
+    def read_until(self, end, size):
+        line = b""
+        while not line.endswith(end) and len(line) < size and (byte := self._loop.read(1)):
+            line += byte
+        return line
 
     def __getattr__(self, name):
         return getattr(self._loop, name)
@@ -172,7 +181,7 @@ class T7:
 
     def __init__(self):
         self.words, self.written, self.fault, self.pulses = {2007: 1}, [], "", 0
-        self.stream = serial.serial_for_url("loop://", timeout=0.02)
+        self.stream = Port()
         self.set(60000, "f", 7.0)  # PRODUCT_ID
         self.set(60004, "f", 1.0292)  # FIRMWARE_VERSION
         self.set(60028, "I", 470010001)  # SERIAL_NUMBER

@@ -34,11 +34,6 @@ class Scpi:
         return self.answers.get(words[0], "").encode()
 
 
-def daq(wire):
-    """Read-out on a stream that nobody writes to."""
-    return LabJackT7(Modbus(wire), serial.serial_for_url("loop://", timeout=0.02), "device")
-
-
 # model, driver, a question and a change with the bytes sent for them, faults (silence, garbage, the
 # other end gone), a value beyond the limits
 CONTRACTS = {
@@ -84,7 +79,7 @@ CONTRACTS = {
     ),
     "daq": SimpleNamespace(
         model=T7,
-        driver=daq,
+        driver=lambda wire: LabJackT7(Modbus(wire), Port(), "device"),
         ask=lambda one: one.line("FIO7"),
         question=b"\x00\x07\xd7",
         change=lambda one: one.set_line("FIO0", True),
