@@ -119,8 +119,8 @@ def test_replicate_fails_on_a_number_out_of_tolerance(run, tmp_path, monkeypatch
     from cmtof import replication
 
     def one_bad(figure):
-        yield replication.Outcome("a", "a quantity", 2.0, 1.0, 0.5)
-        yield replication.Outcome("b", "not a number", float("nan"), 1.0, 0.5)
+        yield replication.Outcome("a quantity", 2.0, 1.0, 0.5)
+        yield replication.Outcome("not a number", float("nan"), 1.0, 0.5)
 
     monkeypatch.setattr(replication, "replicate", one_bad)
     code, text, err = run("replicate", "-o", tmp_path / "f.png")

@@ -6,18 +6,19 @@ Each line compares what this machine computed with a stored value and tolerance
 
 from collections.abc import Iterator
 from importlib.resources import files
+from itertools import chain
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from cmtof.book import paper
+from cmtof.book import plotting
 from cmtof.book.comparison import Scene, comparison_figure
 from cmtof.bounds import phase_spread, simulated_phase_noise, wrap_probability
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_phase, phase_from_depth
 from cmtof.evaluation import Evaluation, measured, score, scored_pixels
-from cmtof.files import written_whole
+from cmtof.files import read_document, written_whole
 from cmtof.scenes import Frame, load_frame
 from cmtof.scenes.frame import embedded_frames
 from cmtof.simulation import simulate
@@ -31,7 +32,6 @@ METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
 class Outcome(NamedTuple):
     """One line of the replication: ours, what was expected, and how far they may lie apart."""
 
-    name: str
     what: str
     value: float
     expected: float
@@ -43,32 +43,16 @@ class Outcome(NamedTuple):
         return bool(abs(self.value - self.expected) <= self.tolerance)
 
     def __str__(self) -> str:
-        return (
-            f"{'PASS' if self.passed else 'FAIL'}  {self.what}: {self.value:.4g} "
-            f"(expected {self.expected:.4g} ± {self.tolerance:.2g})"
-        )
+        said = f"{'PASS' if self.passed else 'FAIL'}  {self.what}: {self.value:.4g}"
+        return f"{said} (expected {self.expected:.4g} ± {self.tolerance:.2g})"
 
 
 def replicate(figure: Path) -> Iterator[Outcome]:
-    """Run every check in turn, and draw Fig. 10 to ``figure`` on the way.
-
-    Yields
-    ------
-    Outcome
-    """
-    import yaml
-
-    stored = yaml.safe_load(files("cmtof").joinpath("replication.yml").read_text("utf-8"))
-    number = paper.published("fig3.precision_ratio")
-    stored[number.key] = {
-        "what": "Fig. 3, precision gained from 100 MHz to 10 GHz (paper)",
-        "value": number.value,
-        "tolerance": number.tolerance,
-    }
-    for values in (_noise(), _methods(figure)):
-        for name, value in values:
-            entry: dict[str, Any] = stored[name]
-            yield Outcome(name, entry["what"], value, entry["value"], entry["tolerance"])
+    """Every check in turn; Fig. 10 is drawn to ``figure`` on the way."""
+    stored = read_document(Path(str(files("cmtof"))) / "replication.yml")
+    for name, value in chain(_noise(), _methods(figure)):
+        held = stored[name]
+        yield Outcome(held["what"], value, held["value"], held["tolerance"])
 
 
 def _noise() -> Iterator[tuple[str, float]]:
@@ -78,7 +62,7 @@ def _noise() -> Iterator[tuple[str, float]]:
     noisy = simulate(wall, protocol="full", frequencies=tones, seed=SEED)
     error = centred(noisy.phase[:, 0] - phase_from_depth(0.6, tones)[:, None])
     spread = depth_from_phase(error.std(axis=1), tones)
-    yield "fig3.precision_ratio", float(spread[0] / spread[-1])
+    yield "precision_ratio", float(spread[0] / spread[-1])
     law = phase_spread(float(simulated_phase_noise(0.5)))
     yield "phase_noise_ratio", float(error.std(axis=1).mean()) / law
     noise = float(simulated_phase_noise(1.0))
@@ -96,12 +80,8 @@ def _methods(figure: Path) -> Iterator[tuple[str, float]]:
         for scene, given in zip(scenes, taken, strict=True):
             scene.answers[method] = unwrap(given[method], method=method)
         pairs = zip(scenes, taken, strict=True)
-        yield (
-            method,
-            score(scored_pixels(s.answers[method], m[method]) for s, m in pairs)["delta_lt_1"],
-        )
-    from cmtof.book import plotting
-
+        pixels = (scored_pixels(s.answers[method], given[method]) for s, given in pairs)
+        yield method, score(pixels)["delta_lt_1"]
     plotting.begin()
     with written_whole(figure) as part:
         comparison_figure(scenes, METHODS).savefig(part)
