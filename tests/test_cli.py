@@ -79,7 +79,7 @@ def test_methods_and_info(run, measurement_file, tmp_path):
     assert [name for name, entry in listed.items() if entry["default"]] == ["surfaces"]
     learned = {entry["state"] for entry in listed.values() if entry["kind"] == "learned"}
     assert learned <= {"trained", "untrained", "no weights"}
-    assert "surfaces *" in run("methods")[1]
+    assert "Default: surfaces." in run("methods")[1]
     assert f"cmtof {cmtof.__version__}" in run("info")[1]
     text = run("info", measurement_file)[1]
     assert "correlation (frequency 2, step 4, y 48, x 64) float32 count" in text

@@ -219,19 +219,18 @@ def methods(as_json: Annotated[bool, Option("--json", help="Print JSON.")] = Fal
     """List every unwrapping method with its kind, source and state."""
     from cmtof.methods import DEFAULT, METHODS
 
-    keys = ("name", "kind", "source", "summary", "frequencies", "tones", "knows_truth")
+    keys = ("kind", "source", "summary", "frequencies", "tones", "knows_truth")
     rows = [
-        {key: getattr(entry, key) for key in keys}
-        | {"state": entry.state(), "default": entry.name == DEFAULT}
-        for entry in METHODS.values()
+        {"name": name, "state": entry.state(), "default": name == DEFAULT}
+        | {key: getattr(entry, key) for key in keys}
+        for name, entry in METHODS.items()
     ]
     if as_json:
         print(json.dumps(rows, indent=2, ensure_ascii=False))
         return
-    shown = ("kind", "state", "summary", "source")
-    marked = ([row["name"] + " *" * row["default"], *map(row.get, shown)] for row in rows)
-    _print_table("", ("method", "kind", "state", "what it does", "source"), marked)
-    print("* the default; state: of weights for the released protocol")
+    head = ("name", "kind", "state", "summary", "source")
+    _print_table("", head, ([row[key] for key in head] for row in rows))
+    print(f"Default: {DEFAULT}. State: of weights for the released protocol.")
 
 
 @app.command()
@@ -391,9 +390,8 @@ def scan(
     if twin == (rig is not None):
         got = "both" if twin else "neither"
         raise ValueError(f"Expected either a RIG file or --twin, got {got}. Name one.")
-    if not twin and (seed is not None or scene is not None):
-        what = "--scene" if seed is None else "--seed"
-        raise ValueError(f"Expected {what} with --twin only, got a RIG file. Leave it out.")
+    if not twin and (seed, scene) != (None, None):
+        raise ValueError("Expected --scene and --seed with --twin, got a RIG file. Leave them out.")
     from cmtof.hardware.journal import journal_path
     from cmtof.hardware.rig import Rig, open_instruments, simulated
     from cmtof.hardware.scan import check_scan_output, planned
@@ -447,9 +445,8 @@ def _print_table(title: str, head: Any, rows: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(title=title or None)
-    for number, name in enumerate(head):
-        table.add_column(name, no_wrap=number == 0)
+    table = Table(*head, title=title or None)
+    table.columns[0].no_wrap = True
     for row in rows:
         table.add_row(*row)
     Console().print(table)
@@ -470,19 +467,13 @@ def _rates(scores: dict[str, float]) -> str:
 
 
 def _print_report(report: dict[str, Any]) -> None:
-    title = (
-        f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
-        f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
-    )
-    rows = (
-        [
-            name,
-            *(f"{scores[key]:.1%}" for key in RATES.values()),
-            f"{1e3 * scores['depth_median_error_m']:.1f} mm",
-            f"{scores['seconds_per_frame']:.2f}",
-        ]
-        for name, scores in report["methods"].items()
-    )
+    title = f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
+    title += f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
+    rows = []
+    for name, scores in report["methods"].items():
+        shares = [f"{scores[key]:.1%}" for key in RATES.values()]
+        error = f"{1e3 * scores['depth_median_error_m']:.1f} mm"
+        rows.append([name, *shares, error, f"{scores['seconds_per_frame']:.2f}"])
     _print_table(title, ("method", *RATES, "median error", "s/frame"), rows)
 
 
