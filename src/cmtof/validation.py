@@ -1,10 +1,42 @@
 """What numbers must be before anything is computed from them; each fault in one sentence."""
 
+import json
+from typing import Any, TypeVar
+
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+T = TypeVar("T")
 HIGHEST_FREQUENCY = 1e12
 """Greatest modulation frequency, Hz."""
+
+
+def checked(kind: type[T], values: Any, source: object) -> T:
+    """Plain values as a checked type of pydantic; a ValueError of one line names the first fault.
+
+    Examples
+    --------
+    >>> checked(tuple[int, int], [1, "x"], "a.yml")
+    Traceback (most recent call last):
+    ...
+    ValueError: Expected 1 in a.yml to be a valid integer, ..., got 'x'. Correct it.
+    """
+    from pydantic import TypeAdapter, ValidationError
+
+    try:
+        # as JSON a mapping may stand for a section, and a list for a tuple, and nothing else
+        return TypeAdapter(kind).validate_json(json.dumps(values, default=str))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        rule = first["msg"].removeprefix("Value error, ").removeprefix("Input should ")
+        if first["type"] == "value_error":
+            raise ValueError(f"{rule} ({source})") from None
+        place = ".".join(map(str, first["loc"])) or "names and values"
+        rule = {"missing": "to be there", "unexpected_keyword_argument": "to be a known key"}.get(
+            first["type"], f"to {rule}"
+        )
+        found = repr(first["input"])[:60]
+        raise ValueError(f"Expected {place} in {source} {rule}, got {found}. Correct it.") from None
 
 
 def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDArray[np.floating]:

@@ -1,211 +1,123 @@
 """What a scan has measured so far: an append-only file that a kill at any moment cannot spoil.
 
-Layout, little-endian: the eight bytes ``cmtofJ1\\n``, then records. A record is its length (u32), a
-CRC-32 of its number, its length and its content (u32), and the content. Record 0 is the header, a
-JSON object; record n + 1 is line n of the plan: a JSON object, a newline, and arrays. Every record
-is on the disk (fsync) before the scan goes on. A reader stops at the first record that is torn or
-does not match its checksum, so what it gives back is always what was written.
+A line of text each: the CRC-32 of what follows, a space, and a JSON object. The first is the
+header, everything that the result depends on; the others are the lines of the plan. Each is on the
+disk (fsync) before the scan goes on. What follows a line that is torn or damaged does not count.
 """
 
 import json
 import os
-import struct
 import zlib
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from math import inf
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from pydantic import ConfigDict, TypeAdapter, ValidationError
-from pydantic.dataclasses import dataclass
 
 from cmtof.files import written_whole
-from cmtof.hardware.plan import Plan, Record
-from cmtof.hardware.reduction import Sampling
-
-MAGIC = b"cmtofJ1\n"
-"""First bytes of a journal; the digit is the version of the layout."""
-PREFIX = struct.Struct("<II")
-"""Length and checksum of a record."""
-
-
-@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", strict=True))
-class Header:
-    """Everything that the result of a scan depends on, as JSON has it; no address, no clock."""
-
-    version: str
-    source: str
-    seed: int | None
-    scene: str | None
-    plan: dict[str, Any]
-    sampling: dict[str, int]
-    gain: dict[str, float]
-    group_index: float
-    frequencies: dict[str, float]
-    settings: dict[str, Any]
-    instruments: dict[str, Any]
-
-
-def framed(number: int, content: bytes) -> bytes:
-    """A record with its length and checksum."""
-    return PREFIX.pack(len(content), _checksum(number, content)) + content
-
-
-def contents(data: bytes) -> Iterator[tuple[bytes, int]]:
-    """Whole records of a journal's bytes, each with the place where it ends.
-
-    Examples
-    --------
-    >>> data = MAGIC + framed(0, b"{}") + framed(1, b"line")
-    >>> [content for content, end in contents(data[:-1])]
-    [b'{}']
-    """
-    at, number = len(MAGIC), 0
-    while data.startswith(MAGIC) and at + PREFIX.size <= len(data):
-        length, checksum = PREFIX.unpack_from(data, at)
-        content = data[at + PREFIX.size : at + PREFIX.size + length]
-        if len(content) < length or _checksum(number, content) != checksum:
-            return
-        at, number = at + PREFIX.size + length, number + 1
-        yield content, at
-
-
-def _checksum(number: int, content: bytes) -> int:
-    return zlib.crc32(content, zlib.crc32(struct.pack("<II", number, len(content))))
-
-
-def bytes_from_record(record: Record) -> bytes:
-    """Content of a record."""
-    shape = list(record.sums.shape)
-    about = {"line": record.line, "power": float(record.power), "shape": shape}
-    arrays = record.sums.astype("<u4").tobytes() + record.clipped.astype("<u2").tobytes()
-    return json.dumps(about).encode() + b"\n" + arrays
-
-
-def record_from_bytes(content: bytes, plan: Plan, number: int, phases: int) -> Record:
-    """Record of a line of a plan; a ValueError where it does not fit."""
-    head, _, arrays = content.partition(b"\n")
-    about, shape = json.loads(head), (plan.lines[number].bursts, phases)
-    power, at = float(about["power"]), 4 * shape[0] * phases
-    if (about["line"], tuple(about["shape"]), len(arrays)) != (number, shape, at + 2 * shape[0]):
-        raise ValueError("another size")
-    if not 0 < power < 1e3:
-        raise ValueError("a power that cannot be")
-    sums = np.frombuffer(arrays[:at], "<u4").reshape(shape)
-    return Record(number, power, sums, np.frombuffer(arrays[at:], "<u2"))
+from cmtof.hardware.plan import Line, Plan, Record
 
 
 def journal_path(output: str | Path) -> Path:
-    """Where the journal of an output lies: beside it.
+    """Where the journal of an output lies: beside it, ``m.nc.journal``."""
+    return Path(f"{output}.journal")
+
+
+def framed(content: Mapping[str, Any]) -> bytes:
+    """Line of a journal.
 
     Examples
     --------
-    >>> journal_path("scans/m.nc").name
-    'm.nc.journal'
+    >>> framed({"line": 0})
+    b'2f19f8c1 {"line": 0}\\n'
     """
-    output = Path(output)
-    return output.with_name(output.name + ".journal")
+    return _framed(json.dumps(content, sort_keys=True).encode())
 
 
-def read_journal(path: str | Path) -> tuple[dict[str, Any], list[Record]]:
-    """Header and whole records of a journal; a torn tail is left out.
-
-    Raises
-    ------
-    ValueError
-        If the file is no journal, or what is in it does not fit its own plan.
-    """
-    header, records, _ = _read(Path(path))
-    return header, records
+def _framed(content: bytes) -> bytes:
+    return b"%08x %s\n" % (zlib.crc32(content), content)
 
 
-def _read(path: Path) -> tuple[dict[str, Any], list[Record], int]:
-    """Header, records and the place where the last whole record ends."""
-    whole = list(contents(path.read_bytes()))
-    try:
-        header = json.loads(whole[0][0])
-        TypeAdapter(Header).validate_json(whole[0][0])
-        plan, sampling = Plan.from_dict(header["plan"]), Sampling(**header["sampling"])
-        records = [
-            record_from_bytes(content, plan, number, sampling.phases)
-            for number, (content, _) in enumerate(whole[1:])
-        ]
-        float(header["settings"]["reference"]["distance"])
-        float(header["settings"]["detection"]["limit_volts"])
-        dict(header["settings"]["devices"])
-        if {*plan.modes} != {*header["frequencies"]} or len(header["gain"]) != 3:
-            raise ValueError("other modes")
-    except (ValueError, KeyError, IndexError, TypeError, RecursionError) as error:
-        reason = "a damaged header" if isinstance(error, ValidationError) else str(error)[:80]
-        raise ValueError(
-            f"Expected a journal of a scan, whole and fitting its plan, got {path} "
-            f"({' '.join(reason.split()) or 'no header'}). Remove it, or restore it from a copy."
-        ) from None
-    return header, records, whole[-1][1]
+def whole_lines(path: str | Path) -> list[bytes]:
+    """JSON of the header and of every line that is whole; nothing of a file that is no journal."""
+    found = []
+    for line in Path(path).read_bytes().splitlines(keepends=True):
+        if line != _framed(line[9:-1]):
+            break
+        found.append(line[9:-1])
+    return found
 
 
 class Journal:
-    """A journal that is open for writing, by one process at a time.
+    """A journal that is open for writing, with the records that it holds."""
 
-    Parameters
-    ----------
-    path : Path
-        The file; made with the header where there is none.
-    header : mapping
-        What the scan depends on. An existing journal must hold the same.
+    def __init__(self, file: BinaryIO, records: list[Record]) -> None:
+        self._file, self.records = file, records
+
+    def append(self, record: Record) -> None:
+        """Add the next line; it is on the disk when this returns."""
+        arrays = {"sums": record.sums.tolist(), "clipped": record.clipped.tolist()}
+        self._file.write(framed({"line": record.line, "power": record.power, **arrays}))
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        self.records.append(record)
+
+
+@contextmanager
+def open_journal(path: Path, header: Mapping[str, Any], plan: Plan) -> Iterator[Journal]:
+    """Journal of a plan, by one process at a time; made with the header where there is none.
 
     Raises
     ------
     ValueError
-        If the journal belongs to other settings, is none, or another process writes it.
+        If it belongs to other settings, is no journal, or another process writes it.
     """
-
-    def __init__(self, path: str | Path, header: Mapping[str, Any]) -> None:
-        self.path = Path(path)
-        content = json.dumps(header, sort_keys=True).encode()
-        if not self.path.exists():
-            with written_whole(self.path) as part:
-                part.write_bytes(MAGIC + framed(0, content))
-        self._file = self.path.open("r+b")
+    if not path.exists():
+        with written_whole(path) as part:
+            part.write_bytes(framed(header))
+    with path.open("r+b") as file:
+        _lock(file, path)
+        lines = whole_lines(path)
         try:
-            _lock(self._file, self.path)
-            self.header, self.records, end = _read(self.path)
-            check_same(self.header, json.loads(content), self.path)
-            self._file.truncate(end)  # the torn tail
-            self._file.seek(end)
-            self._settle()
-        except BaseException:
-            self._file.close()
-            raise
-
-    def append(self, record: Record) -> None:
-        """Add the next line; it is on the disk when this returns."""
-        if record.line != len(self.records):
+            other = difference(json.loads(lines[0]), json.loads(json.dumps(header)))
+            rows = [] if other else lines[1:]
+            records = [_record(row, plan.lines[n], plan.kept.size) for n, row in enumerate(rows)]
+        except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
             raise ValueError(
-                f"Expected line {len(self.records)} next, got {record.line}. Keep the plan's order."
+                f"Expected a journal of this scan, got another file or a damaged one, {path}. "
+                "Remove it, or restore it from a copy."
+            ) from None
+        if other:
+            raise ValueError(
+                f"Expected {path} to belong to these settings, got {other}. Scan with its "
+                "settings, or remove it to begin again."
             )
-        self._file.write(framed(record.line + 1, bytes_from_record(record)))
-        self._settle()
-        self.records.append(record)
+        file.truncate(sum(len(_framed(line)) for line in lines))  # without a torn end
+        file.seek(0, os.SEEK_END)
+        yield Journal(file, records)
 
-    def _settle(self) -> None:
-        self._file.flush()
-        os.fsync(self._file.fileno())
 
-    def __enter__(self) -> "Journal":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._file.close()
+def _record(content: bytes, line: Line, phases: int) -> Record:
+    """Record of a line of the plan; an error of any kind where it does not fit."""
+    found = json.loads(content)
+    sums = np.array(found["sums"], np.uint32)
+    clipped = np.array(found["clipped"], np.uint16)
+    right = sums.shape == (len(line.labels), phases) and clipped.shape == (len(line.labels),)
+    if not (right and found["line"] == line.index and 0 < found["power"] < inf):
+        raise ValueError("another line")
+    return Record(line.index, float(found["power"]), sums, clipped)
 
 
 def _lock(file: BinaryIO, path: Path) -> None:
+    """Keep other processes out until the file is closed."""
     try:
         import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except ImportError:  # Windows has no advisory locks of this kind
         return
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise ValueError(
             f"Expected {path} for this scan alone, got one that another scan writes. "
@@ -213,20 +125,16 @@ def _lock(file: BinaryIO, path: Path) -> None:
         ) from None
 
 
-def check_same(found: Mapping[str, Any], wanted: Mapping[str, Any], path: Path) -> None:
-    """Raise a ValueError that names the first setting in which a journal differs."""
-    for key, old, new in _differences(found, wanted):
-        old, new = json.dumps(old)[:60], json.dumps(new)[:60]
-        raise ValueError(
-            f"Expected {path} to belong to these settings, got {key} = {old} where now it "
-            f"is {new}. Scan with its settings, or remove it to begin again."
-        )
+def difference(old: Any, new: Any, name: str = "") -> str:
+    """Name and values of the first setting that differs; empty where none does.
 
-
-def _differences(old: Any, new: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Names and values of the settings that differ."""
-    if isinstance(old, Mapping) and isinstance(new, Mapping):
-        for key in sorted({*old, *new}):
-            yield from _differences(old.get(key), new.get(key), f"{name}.{key}".lstrip("."))
-    elif old != new:
-        yield name, old, new
+    Examples
+    --------
+    >>> difference({"drive": {"power": 30}}, {"drive": {"power": 29}})
+    'drive.power = 30 where now it is 29'
+    """
+    if isinstance(old, dict) and isinstance(new, dict):
+        inside = (difference(old.get(k), new.get(k), f"{name}.{k}") for k in sorted({*old, *new}))
+        return next(filter(None, inside), "")
+    texts = json.dumps(old)[:60], json.dumps(new)[:60]
+    return "" if old == new else f"{name[1:]} = {texts[0]} where now it is {texts[1]}"

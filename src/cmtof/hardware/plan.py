@@ -8,15 +8,15 @@ calibration around it, so that neither the plates turn nor the phases drift more
     dark, reference target, every line of the image, reference target again
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from itertools import accumulate
-from typing import Any, NamedTuple
+from math import ceil, pi
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.hardware.rig import Rig
+from cmtof.instrument.optics import group_index
 from cmtof.scenes.frame import rays_from_camera
 
 Array = NDArray[np.float64]
@@ -27,27 +27,20 @@ DARK_BURSTS = 16
 """Bursts behind the closed shutter, each mode."""
 REFERENCE_BURSTS = 8
 """Bursts at each position of the reference target."""
+SWEEP = 8
+"""Positions of the reference target, over one wrap of the single mode, two of the doubled one."""
 LARGEST = 4096
 """Height and width of an image at most, px."""
 
 
 class Line(NamedTuple):
-    """Bursts that are recorded together: a "reference", "dark" or "scan" line of a mode.
-
-    ``first`` is the label of the first of ``bursts``; ``row`` is that of the image.
-    """
+    """Bursts that are recorded together: "dark", "reference" or a "scan" line of the image."""
 
     index: int
-    kind: str
     mode: str
-    first: int
-    bursts: int
-    row: int = 0
-
-    @property
-    def labels(self) -> range:
-        """Labels of the bursts."""
-        return range(self.first, self.first + self.bursts)
+    kind: str
+    row: int
+    labels: range
 
 
 class Record(NamedTuple):
@@ -63,34 +56,20 @@ class Record(NamedTuple):
     clipped: NDArray[np.uint16]
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """Directions, modes and calibration of a scan.
+class Plan(NamedTuple):
+    """Lines of a scan, and what they share.
 
-    Parameters
-    ----------
-    angles : ndarray, shape (H, W, 2)
-        Optical angles x and y of the mirrors, rad.
-    camera : ndarray, shape (4,)
-        fx, fy, cx, cy, px, of the pinhole with the same rays.
-    modes : tuple of str
-        Modes in the order in which they are taken.
-    sweep : tuple of float
-        Positions of the reference target from its zero, m.
+    ``angles`` (H, W, 2) of the beam, optical, rad; ``camera`` fx, fy, cx, cy, px, of the pinhole
+    with the same rays; ``sweep``, positions of the reference target from its zero, m; ``kept``
+    (K,), how many samples of each phase are summed: the last ones.
     """
 
+    rig: Rig
     angles: Array
     camera: Array
-    modes: tuple[str, ...] = MODES
-    sweep: tuple[float, ...] = (0.0,)
-
-    def __post_init__(self) -> None:
-        modes = set(self.modes)
-        if not np.isfinite(self.angles).all() or not modes <= {*MODES} or not modes:
-            raise ValueError(
-                f"Expected finite angles and modes out of {MODES}, got {self.modes}. Correct them."
-            )
-        self.angles.setflags(write=False)
+    sweep: Array
+    kept: NDArray[np.int64]
+    lines: list[Line]
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -102,71 +81,57 @@ class Plan:
         """Number of bursts, which is the label of the last one."""
         return self.lines[-1].labels[-1]
 
-    @cached_property
-    def lines(self) -> tuple[Line, ...]:
-        """Every line, in order."""
-        height, width = self.shape
-        image = [("scan", width, row) for row in range(height)]
-        reference = ("reference", REFERENCE_BURSTS * len(self.sweep), 0)
-        once = [("dark", DARK_BURSTS, 0), reference, *image, reference]
-        parts = [(mode, *part) for mode in self.modes for part in once]
-        firsts = accumulate((part[2] for part in parts), initial=1)
-        return tuple(
-            Line(index, kind, mode, first, bursts, row)
-            for index, ((mode, kind, bursts, row), first) in enumerate(
-                zip(parts, firsts, strict=False)
-            )
-        )
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values from which `from_dict` makes the same plan."""
-        held = {"modes": list(self.modes), "sweep": list(self.sweep), "shape": list(self.shape)}
-        return held | {"camera": self.camera.tolist()}
+def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
+    """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole.
 
-    @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> "Plan":
-        """Plan of what `as_dict` gave."""
-        calibration = tuple(values["modes"]), tuple(float(s) for s in values["sweep"])
-        height, width = (int(size) for size in values["shape"])
-        camera = np.asarray(values["camera"], float)
-        if not (1 <= height <= LARGEST and 1 <= width <= LARGEST) or camera.shape != (4,):
-            raise ValueError(f"Expected 1 to {LARGEST} px, got {height} x {width}. Change --size.")
-        angles = angles_from_rays(rays_from_camera((height, width), camera))
-        return cls(angles, camera, *calibration)
-
-
-def raster(
-    size: int | tuple[int, int],
-    *,
-    field_of_view: Sequence[float],
-    modes: Sequence[str] = MODES,
-    sweep: Sequence[float] = (0.0,),
-) -> Plan:
-    """Plan of an image whose rays are those of a pinhole: uniform in the tangent of the angle.
-
-    Parameters
-    ----------
-    size : int or (int, int)
-        Height and width, px; one number for both.
-    field_of_view : (float, float)
-        Full optical angles across and down, rad, from edge to edge of the pixels.
-    modes, sweep
-        As in `Plan`.
+    Raises
+    ------
+    ValueError
+        If it is too large, or a direction is beyond what the mirrors reach.
 
     Examples
     --------
-    >>> plan = raster(4, field_of_view=(0.4, 0.4))
+    >>> plan = planned(Rig.default(), size=4)
     >>> plan.shape, len(plan.lines), plan.bursts
-    ((4, 4), 14, 96)
+    ((4, 4), 14, 320)
     """
     height, width = (size, size) if isinstance(size, int) else size
-    focal = np.array([width, height]) / 2 / np.tan(np.asarray(field_of_view) / 2)
-    camera = [*focal.tolist(), width / 2, height / 2]
-    held = {"modes": modes, "sweep": sweep, "shape": (height, width), "camera": camera}
-    return Plan.from_dict(held)
+    if not (1 <= height <= LARGEST and 1 <= width <= LARGEST):
+        raise ValueError(f"Expected 1 to {LARGEST} px, got {height} x {width}. Change --size.")
+    view = np.deg2rad(rig.galvo.field_of_view_deg)
+    focal = np.array([width, height]) / 2 / np.tan(view / 2)
+    camera = np.array([*focal, width / 2, height / 2])
+    x, y, z = np.moveaxis(rays_from_camera((height, width), camera), -1, 0)
+    angles = np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)
+    rig.galvo.volts(angles)  # raises beyond the mirrors' reach
+    wrap = SPEED_OF_LIGHT / (2 * rig.drive.frequency_single * group_index())
+    sweep = wrap * ((np.arange(SWEEP) + 0.5) / SWEEP - 0.5)
+    lines, label = [], 1
+    for mode in MODES:
+        reference = ("reference", 0, REFERENCE_BURSTS * SWEEP)
+        image = [("scan", row, width) for row in range(height)]
+        for kind, row, bursts in [("dark", 0, DARK_BURSTS), reference, *image, reference]:
+            lines.append(Line(len(lines), mode, kind, row, range(label, label + bursts)))
+            label += bursts
+    return Plan(rig, angles, camera, sweep, _kept(rig, angles), lines)
 
 
-def angles_from_rays(rays: ArrayLike) -> Array:
-    """Optical angles (..., 2), rad, of rays (..., 3), x right, y down, z forward."""
-    x, y, z = np.moveaxis(np.asarray(rays, float), -1, 0)
-    return np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)
+def _kept(rig: Rig, angles: Array) -> NDArray[np.int64]:
+    """Samples (K,) kept of each phase: in the first one the mirrors settle, too."""
+    detection, step = rig.detection, np.abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0)
+    settle = np.full(detection.phases, detection.settle_samples)
+    mirrors = ceil(settling_time(float(step), rig.galvo.settling) * detection.rate - 1e-9)
+    settle[0] = max(settle[0], min(mirrors, detection.samples_per_phase - 1))
+    return detection.samples_per_phase - settle
+
+
+def settling_time(step: float, small: float) -> float:
+    """Time, s, that the mirrors take for a step of optical angle, rad.
+
+    ``small``, s, holds to 0.2 mechanical degrees; beyond, 100 Hz full-scale square waves (GVS012
+    specifications) set the pace: 5 ms for 40 degrees. Between, a straight line (not verified).
+    """
+    near, far = 2 * 0.2 * pi / 180, 2 * 40 * pi / 180
+    share = min(max((step - near) / (far - near), 0.0), 1.0)
+    return small + share * max(5e-3 - small, 0.0)

@@ -1,13 +1,13 @@
 r"""From the converter's counts to a calibrated measurement: pure functions, no instrument.
 
-A burst holds K phases of S samples. The first samples of each phase, while the filters settle, are
-dropped and the rest summed; sums, not means, so that nothing is rounded. Then
+The last samples of each phase, when the filters have settled, are summed; sums, so that nothing is
+rounded. With their means n, the converter's calibration U, V, and the laser power P of the line,
+P_1 of the mode's first line,
 
-.. math:: C_k = \frac{P_1}{P} \left( U(\bar n_k) - U(\bar n_{dark}) \right)
+.. math:: C_k = \frac{P_1}{P} \left( U(\bar n_k) - U(\bar n_{dark}) \right).
 
-with U the converter's calibration, V, and P the laser power of the line, P_1 of the first line of
-the mode. The reference phase that the file states is the nominal one plus the offset that the
-reference target showed, ``psi_k = 2 pi k / K + psi_0``.
+The reference phase that the file states is the nominal one plus the offset that the reference
+target showed, ``psi_k = 2 pi k / K + psi_0``.
 
 Ranges are optical: light is slower in air, and a frequency in Hz and the speed of light in vacuum
 make ``n_g z`` out of a phase. So the reference target is held against ``n_g`` times its distance,
@@ -21,11 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from pydantic import ConfigDict
-from pydantic.dataclasses import dataclass
 
 from cmtof.correlation import TAU, centred, decode, phase_from_depth
-from cmtof.hardware.plan import Plan, Record
+from cmtof.hardware.plan import MODES, Line, Plan, Record
 from cmtof.measurement import Measurement, unambiguous_range
 
 Array = NDArray[np.float64]
@@ -49,69 +47,9 @@ class Gain(NamedTuple):
     centre: float
 
     def volts_from_counts(self, counts: ArrayLike) -> Array:
-        """Volts of 16-bit stream counts, same shape (LabJack's calibration.c).
-
-        Examples
-        --------
-        >>> NOMINAL_GAIN.volts_from_counts([33523, 65187, 1859]).round(3).tolist()
-        [0.0, 10.0, -10.0]
-        """
-        raw = np.asarray(counts, float)
-        below = (self.centre - raw) * self.negative_slope
-        return np.where(raw < self.centre, below, (raw - self.centre) * self.positive_slope)
-
-
-NOMINAL_GAIN = Gain(0.000315805780, -0.000315805800, 33523.0)
-"""Nominal values of the 10 V range (T-Series Datasheet, 20.0.1)."""
-
-
-@dataclass(frozen=True, config=ConfigDict(extra="forbid", strict=True))
-class Sampling:
-    """Layout of a burst: K phases of S samples, and how many are dropped at the start of each.
-
-    ``settle_first`` are dropped in the first phase, while the mirrors still move.
-    """
-
-    phases: int
-    samples_per_phase: int
-    settle_samples: int
-    settle_first: int
-
-    def __post_init__(self) -> None:
-        for settle in (self.settle_samples, self.settle_first):
-            if not 0 <= settle < self.samples_per_phase <= 1000 or not 3 <= self.phases <= 64:
-                raise ValueError(
-                    f"Expected fewer than {self.samples_per_phase} samples of a phase to be "
-                    f"dropped, got {settle}. Raise `samples_per_phase` or lower `settling`."
-                )
-
-    @property
-    def scans(self) -> int:
-        """Samples of a burst."""
-        return self.phases * self.samples_per_phase
-
-    @property
-    def kept(self) -> NDArray[np.int64]:
-        """Samples of each phase (K,) that are summed."""
-        kept = np.full(self.phases, self.samples_per_phase - self.settle_samples)
-        kept[0] = self.samples_per_phase - max(self.settle_first, self.settle_samples)
-        return kept
-
-    def sums(self, counts: ArrayLike) -> tuple[NDArray[np.uint32], NDArray[np.uint16]]:
-        """Sum of each phase (N, K) of bursts (N, K S), and how many summed samples clip (N,).
-
-        Examples
-        --------
-        >>> sums, clipped = Sampling(3, 3, 1, 2).sums([[9, 9, 1, 9, 2, 65535, 9, 3, 3]])
-        >>> sums.tolist(), clipped.tolist()
-        ([[1, 65537, 6]], [1])
-        """
-        samples = np.asarray(counts, np.uint32)
-        samples = samples.reshape(-1, self.phases, self.samples_per_phase)
-        used = np.arange(self.samples_per_phase) >= (self.samples_per_phase - self.kept)[:, None]
-        clips = ((samples == 0) | (samples == FULL_SCALE)) & used
-        sums = np.where(used, samples, 0).sum(axis=2, dtype=np.uint32)
-        return sums, clips.sum(axis=(1, 2)).astype(np.uint16)
+        """Volts of 16-bit stream counts, same shape (LabJack's calibration.c)."""
+        above = np.asarray(counts, float) - self.centre
+        return above * np.where(above < 0, -self.negative_slope, self.positive_slope)
 
 
 def nominal_psi(phases: int) -> Array:
@@ -129,6 +67,28 @@ def drive_phases(phases: int, mode: str) -> Array:
     return np.mod(-nominal_psi(phases) / (2 if mode == "doubled" else 1), TAU)
 
 
+def sums_from_counts(
+    counts: ArrayLike, kept: ArrayLike
+) -> tuple[NDArray[np.uint32], NDArray[np.uint16]]:
+    """Sums (N, K) of the last samples of each phase, and how many of them clip (N,).
+
+    Counts (N, K S) of bursts; of each phase's S samples the last ``kept`` (K,) are summed.
+
+    Examples
+    --------
+    >>> sums, clipped = sums_from_counts([[9, 9, 1, 9, 2, 65535, 9, 3, 3]], [1, 2, 2])
+    >>> sums.tolist(), clipped.tolist()
+    ([[1, 65537, 6]], [1])
+    """
+    kept = np.asarray(kept)
+    samples = np.asarray(counts, np.uint32)
+    samples = samples.reshape(len(samples), kept.size, -1)
+    used = np.arange(samples.shape[2]) >= (samples.shape[2] - kept)[:, None]
+    clips = ((samples == 0) | (samples == FULL_SCALE)) & used
+    sums = np.where(used, samples, 0).sum(axis=2, dtype=np.uint32)
+    return sums, clips.sum(axis=(1, 2)).astype(np.uint16)
+
+
 class Calibrated(NamedTuple):
     """What the reference target shows of one mode.
 
@@ -144,31 +104,11 @@ class Calibrated(NamedTuple):
 def calibrate(
     correlation: ArrayLike, ranges: ArrayLike, *, frequency: float, group_index: float
 ) -> Calibrated:
-    """Offset of the reference phase from a target at known distances.
+    """Offset of the reference phase from R visits of a target at N known ranges, m.
 
-    The phasors are turned back by what their distance predicts and added up. Over a whole number of
-    wraps a constant phasor, light that comes back from the optics, adds up to nothing.
-
-    Parameters
-    ----------
-    correlation : array_like, shape (R, N, K)
-        Correlations of R visits of the target, N bursts each, at the nominal psi.
-    ranges : array_like, shape (N,)
-        Distance along the ray of each burst, m.
-    frequency, group_index : float
-        Modulation frequency, Hz, and of the air.
-
-    Raises
-    ------
-    ValueError
-        If the target shows no modulation.
-
-    Examples
-    --------
-    >>> z, psi = np.linspace(0.6, 0.61, 5), nominal_psi(8)
-    >>> seen = 3 + np.cos(phase_from_depth(z, 7.15e9)[:, None] + psi + 0.25)
-    >>> round(calibrate(seen[None], z, frequency=7.15e9, group_index=1.0).offset, 6)
-    0.25
+    Phasors of the correlations (R, N, K) at the nominal psi are turned back by what their range
+    predicts and added up. Over a whole number of wraps a constant phasor, light that comes back
+    from the optics, adds up to nothing. Raises ValueError if the target shows no modulation.
     """
     correlation = np.asarray(correlation, float)
     seen = decode(np.moveaxis(correlation, -1, 0), nominal_psi(correlation.shape[-1]))
@@ -185,130 +125,104 @@ def calibrate(
     return Calibrated(float(centred(np.angle(total))), float(contrast), float(drift))
 
 
-def measurement_from_records(header: Mapping[str, Any], records: Sequence[Record]) -> Measurement:
-    """Measurement of a journal's header and the records that there are.
+class Mode:
+    """Records of one modulation mode, from its dark level and first look at the target on.
+
+    Of the header of `cmtof.hardware.scan` the converter's calibration and ``group_index`` count.
+    """
+
+    def __init__(
+        self, plan: Plan, mode: str, header: Mapping[str, Any], records: Sequence[Record]
+    ) -> None:
+        done = zip(plan.lines, records, strict=False)
+        self.lines = [(line, record) for line, record in done if line.mode == mode]
+        self.plan, self.group_index = plan, header["group_index"]
+        self.frequency = plan.rig.drive.frequency(mode) * (2 if mode == "doubled" else 1)
+        self.gain = Gain(*header["calibration"])
+        self.dark = float(self.counts(self.of_kind("dark")[0][1]).mean())
+
+    def of_kind(self, kind: str) -> list[tuple[Line, Record]]:
+        """Lines of a kind with their records."""
+        return [(line, record) for line, record in self.lines if line.kind == kind]
+
+    def counts(self, record: Record) -> Array:
+        """Mean counts (N, K) of the kept samples."""
+        return record.sums / self.plan.kept
+
+    def volts(self, record: Record, power: float) -> Array:
+        """Volts (N, K) above the dark, as at a laser power, W."""
+        dark = self.gain.volts_from_counts(self.dark)
+        return (self.gain.volts_from_counts(self.counts(record)) - dark) * (power / record.power)
+
+    def calibrated(self) -> Calibrated:
+        """Calibration by the reference target; a ValueError where it saturates or is not seen."""
+        visits = [record for _, record in self.of_kind("reference")]
+        highest = max(self.gain.volts_from_counts(self.counts(one)).max() for one in visits)
+        clipped = sum(int(one.clipped.sum()) for one in visits)
+        if clipped or highest > self.plan.rig.detection.limit_volts:
+            raise ValueError(
+                f"Expected a reference target within the detector's range, got {highest:.2f} V and "
+                f"{clipped} clipped samples: it saturates. Put a grey filter before it."
+            )
+        sweep = np.repeat(self.plan.sweep, len(visits[0].sums) // len(self.plan.sweep))
+        ranges = self.plan.rig.reference.distance + sweep
+        seen = [self.volts(one, visits[0].power) for one in visits]
+        return calibrate(seen, ranges, frequency=self.frequency, group_index=self.group_index)
+
+    def images(self) -> dict[str, Any]:
+        """Arrays and calibration of the mode, by their names in the file."""
+        image, found = self.of_kind("scan"), self.calibrated()
+        first = image[0][1].power
+        volts = np.stack([self.volts(record, first).T for _, record in image], axis=1)
+        raw = np.stack([self.counts(record).T for _, record in image], axis=1)
+        return {
+            "frequency": self.frequency,
+            "psi": np.mod(nominal_psi(len(raw)) + found.offset, TAU),
+            "correlation": volts.astype(np.float32),
+            "raw_counts": raw.astype(np.float32),
+            "dark": self.dark,
+            "laser_power": np.array([np.full(raw.shape[2], one.power) for _, one in image]),
+            "time": SLOT * np.array([line.labels for line, _ in image]),
+            "phase_offset": found.offset,
+            "phase_drift": found.drift,
+            "reference_contrast": found.contrast,
+            "valid": np.array([record.clipped == 0 for _, record in image]),
+        }
+
+
+def measurement_from_records(
+    plan: Plan, header: Mapping[str, Any], records: Sequence[Record]
+) -> Measurement:
+    """Measurement of the records of every line of a plan.
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,
-    ``laser_power`` (W), ``angle`` (rad), ``time`` (s, on the plan's clock). Pixels that are not
-    measured yet, or where the converter clips, are masked.
+    ``laser_power`` (W), ``angle`` (rad), ``time`` (s, on the plan's clock), and of each frequency
+    what the reference target showed. Pixels where the converter clips are masked.
 
     Raises
     ------
     ValueError
         If the reference target shows no modulation, or saturates detector or converter.
     """
-    plan = Plan.from_dict(header["plan"])
-    modes = [_mode(header, plan, mode, records) for mode in plan.modes]
-    modes.sort(key=lambda mode: mode["frequency"])
-
-    def stacked(name: str) -> NDArray[Any]:
-        return np.stack([mode[name] for mode in modes])
-
-    frequencies = stacked("frequency")
-    names, image = ("frequency", "step", "y", "x"), ("frequency", "y", "x")
-    dataset = xr.Dataset(
-        {
-            "correlation": (names, stacked("correlation"), {"units": "V"}),
-            "raw_counts": (names, stacked("raw_counts")),
-            "dark": ("frequency", stacked("dark")),
-            "mask": (("y", "x"), stacked("valid").all(axis=0).astype(np.int8)),
-            "angle": (("y", "x", "axis"), plan.angles, {"units": "rad"}),
-        },
-        {
-            "frequency": frequencies,
-            "psi": (("frequency", "step"), stacked("psi")),
-            "time": (image, stacked("time")),
-        },
-    )
-    if "power_meter" in header["settings"]["devices"]:
-        dataset["laser_power"] = (image, stacked("power"), {"units": "W"})
-    dataset["camera"] = ("parameter", plan.camera)
-    found = [mode["calibrated"] for mode in modes]
-    texts = {"settings": "settings", "instruments": "instruments", "calibration": "gain"}
-    dataset.attrs = {
-        "version": header["version"],
-        "source": header["source"],
+    modes = [Mode(plan, mode, header, records).images() for mode in MODES]
+    dims = {1: (), 2: ("step",), 3: ("y", "x"), 4: ("step", "y", "x")}
+    arrays = {name: np.stack([mode[name] for mode in modes]) for name in modes[0]}
+    valid = arrays.pop("valid").all(axis=0)
+    data = xr.Dataset({n: (("frequency", *dims[a.ndim]), a) for n, a in arrays.items()})
+    data = data.set_coords(["psi", "time"])
+    data["mask"] = (("y", "x"), valid.astype(np.int8))
+    data["angle"] = (("y", "x", "axis"), plan.angles, {"units": "rad"})
+    data["camera"] = ("parameter", plan.camera)
+    data["correlation"].attrs["units"] = "V"
+    data["laser_power"].attrs["units"] = "W"
+    data.attrs = {
         "protocol": "scan",
-        **{name: json.dumps(header[key], sort_keys=True) for name, key in texts.items()},
-        "group_index": header["group_index"],
         "saturation": FULL_SCALE,
-        "complete": int(len(records) == len(plan.lines)),
-        "phase_offset": [one.offset for one in found],
-        "phase_drift": [one.drift for one in found],
-        "reference_contrast": [one.contrast for one in found],
-        **{key: header[key] for key in ("seed", "scene") if header[key] is not None},
         "range_min": 0.0,
-        "range_max": unambiguous_range(frequencies),
+        "range_max": unambiguous_range(arrays["frequency"]),
     }
-    return Measurement(dataset)
-
-
-def _mode(
-    header: Mapping[str, Any], plan: Plan, mode: str, records: Sequence[Record]
-) -> dict[str, Any]:
-    """Arrays and calibration of one modulation mode as far as it was recorded."""
-    sampling, gain = Sampling(**header["sampling"]), Gain(**header["gain"])
-    lines = [line for line in plan.lines if line.mode == mode]
-    done = [(line, records[line.index]) for line in lines if line.index < len(records)]
-    counts = {line.index: record.sums / sampling.kept for line, record in done}
-    darks = [counts[line.index].mean() for line, _ in done if line.kind == "dark"]
-    dark = float(darks[0]) if darks else 0.0
-    image = [(line, record) for line, record in done if line.kind == "scan"]
-    first = image[0][1].power if image else 1.0
-
-    def volts(index: int, power: float) -> Array:
-        """Calibrated, above the dark, as at the power of the mode's first line."""
-        above = gain.volts_from_counts(counts[index]) - gain.volts_from_counts(dark)
-        return above * (first / power)
-
-    shape, steps = plan.shape, (sampling.phases, *plan.shape)
-    correlation, raw = np.zeros(steps, np.float32), np.zeros(steps, np.float32)
-    power, time, valid = np.zeros(shape), np.zeros(shape), np.zeros(shape, bool)
-    for line, record in image:
-        row = line.row
-        raw[:, row] = counts[line.index].T
-        correlation[:, row] = volts(line.index, record.power).T
-        power[row], valid[row] = record.power, record.clipped == 0
-    for line in lines:
-        if line.kind == "scan":
-            time[line.row] = SLOT * np.array(line.labels)
-    frequency, visits = float(header["frequencies"][mode]), []
-    if darks:
-        visits = [(line, record) for line, record in done if line.kind == "reference"]
-    calibrated = Calibrated(0.0, 0.0, 0.0)
-    if visits:
-        _check_level(visits, counts, gain, header["settings"]["detection"]["limit_volts"])
-        bursts = len(visits[0][1].sums) // len(plan.sweep)
-        ranges = header["settings"]["reference"]["distance"] + np.repeat(plan.sweep, bursts)
-        seen = [volts(line.index, record.power) for line, record in visits]
-        index = header["group_index"]
-        calibrated = calibrate(seen, ranges, frequency=frequency, group_index=index)
-    else:
-        valid[:] = False
-    return {
-        "frequency": frequency,
-        "correlation": correlation,
-        "raw_counts": raw,
-        "dark": dark,
-        "power": power,
-        "time": time,
-        "valid": valid,
-        "psi": np.mod(nominal_psi(sampling.phases) + calibrated.offset, TAU),
-        "calibrated": calibrated,
-    }
-
-
-def _check_level(
-    visits: Sequence[tuple[Any, Record]],
-    counts: Mapping[int, Array],
-    gain: Gain,
-    limit: float,
-) -> None:
-    """Raise a ValueError where the reference target drives detector or converter to their end."""
-    clipped = sum(int(record.clipped.sum()) for _, record in visits)
-    highest = max(float(gain.volts_from_counts(counts[line.index]).max()) for line, _ in visits)
-    if clipped or highest > limit:
-        raise ValueError(
-            f"Expected a reference target within the detector's range, got {highest:.2f} V and "
-            f"{clipped} clipped samples: it saturates. Put a grey filter before it."
-        )
+    for name, value in header.items():
+        if value is not None and name != "size":
+            plain = isinstance(value, str | int | float)
+            data.attrs[name] = value if plain else json.dumps(value, sort_keys=True)
+    return Measurement(data)
