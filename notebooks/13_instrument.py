@@ -65,27 +65,25 @@ PIECES = {  # kind: places and names
              (11.65, 4.4, "HWP"), (12.2, 4.4, "QWP"), (10.6, 3.45, "")],
     "mirror": [(9.6, 9, ""), (14.8, 4.4, ""), (5.4, 6.7, ""), (9.4, 7.95, ""),
                (9.4, 4.4, ""), (12.7, 6.7, ""), (12.7, 8, "galvo"), (11.3, 6.7, "")],
-    "line": [(0.7, 8.25, rig.lines.laser), (2.2, 8.25, rig.lines.shutter),
-             (8.2, 7.45, f"{rig.lines.beam_block} beam block"),
-             (11.0, 6.1, f"{rig.lines.flip_mirror} flip mirror"),
-             (15.6, 5.2, f"{rig.lines.trigger} trigger"), (1.0, 9.75, rig.lines.interlock),
-             (13.9, 8.9, f"{rig.galvo.x} · {rig.galvo.y}")],
+    "line": [(0.7, 8.25, "FIO0"), (2.2, 8.25, "FIO1"), (8.2, 7.45, "FIO6 beam block"),
+             (11.0, 6.1, "FIO5 flip mirror"), (15.6, 5.2, "FIO4 trigger"), (1.0, 9.75, "FIO7"),
+             (13.9, 8.9, "TDAC2 · TDAC3")],
 }  # fmt: skip
 
 # %% tags=["hide-input"]
-reading, spacing = rig.detection, f"{1e3 * twin.emission.mirror_distance:.0f} mm to the mirror"
-drives = " or ".join(f"{rig.drive.frequency(m) / 1e9:.2f}" for m in COLOURS)
+spacing = f"{1e3 * twin.emission.mirror_distance:.0f} mm to the mirror"
+drives = " or ".join(f"{rig.drive_frequency(m) / 1e9:.2f}" for m in COLOURS)
 BOXES = (  # place, width, text, number of the device
     (1.0, 9, 1.7, f"laser, 532 nm\n{1e3 * twin.laser.power:.0f} mW", 0),
     (3.1, 9, 1.1, "fibre\n20–30 %", 0),
     (8.15, 9, 1.3, "EOM", 0), (13.35, 4.4, 1.3, "EOM", 0),
     (7.2, 5.5, 1.6, "power meter", 8), (15.9, 8, 1.0, "scene", 0),
-    (11.3, 8.7, 1.6, f"target, {rig.reference.distance:.2f} m", 7),
+    (11.3, 8.7, 1.6, f"target, {rig.reference_distance:.2f} m", 7),
     (10.6, 2.72, 1.5, f"APD\nM = {twin.detector.gain:.0f}", 0),
     (8.55, 2.72, 1.35, f"low pass\n{twin.detector.low_pass / 1e3:.0f} kHz", 0),
     (6.85, 2.72, 1.15, f"RC\n{1e6 * twin.detector.rc_time:.0f} µs", 0),
-    (4.0, 2.72, 3.2, f"LabJack T7, {reading.channel}: {reading.phases} phases\n"
-     f"× {reading.samples_per_phase} samples at {reading.rate / 1e3:.0f} kS/s", 4),
+    (4.0, 2.72, 3.2, f"LabJack T7, AIN0: {rig.phases} phases\n"
+     f"× {rig.samples_per_phase} samples at {rig.rate / 1e3:.0f} kS/s", 4),
     (8.15, 10.45, 3.1, f"RF driver, {drives} GHz", 1),
     (13.35, 5.68, 3.1, f"RF driver, {drives} GHz", 2),
     (13.4, 10.45, 1.9, "clock, 10 MHz", 3),
@@ -128,7 +126,7 @@ plotting.save(
     numbers={
         "devices": list(rig.devices),
         "mirror_distance": [twin.emission.mirror_distance, twin.detection.mirror_distance],
-        "drive_frequencies": [rig.drive.frequency_single, rig.drive.frequency_doubled],
+        "drive_frequencies": [rig.frequency_single, rig.frequency_doubled],
     },
     caption=(
         "The instrument of the default rig file, not to scale: path of the light out (dark green) "
@@ -161,9 +159,9 @@ plotting.save(
 
 # %%
 conversion = Conversion(twin.detector, twin.laser.wavelength)
-filters = chain(twin.detector, 1 / reading.rate)
-phase_time = reading.samples_per_phase / reading.rate
-converter = twin.detector.converter_noise * SLOPE / np.sqrt(reading.samples_per_phase)
+filters = chain(twin.detector, 1 / rig.rate)
+phase_time = rig.samples_per_phase / rig.rate
+converter = twin.detector.converter_noise * SLOPE / np.sqrt(rig.samples_per_phase)
 
 
 def budget(mode, z, rho, twin=twin):
@@ -183,8 +181,8 @@ def budget(mode, z, rho, twin=twin):
     photon = h * SPEED_OF_LIGHT / twin.laser.wavelength
     return {
         "share": float(share), "path": path, "light": light, "room": room, "volts": volts,
-        "photons": light / photon * phase_time * reading.phases, "contrast": contrast,
-        "amplitude": amplitude, "phase_noise": np.sqrt(2 / reading.phases) * noise / amplitude,
+        "photons": light / photon * phase_time * rig.phases, "contrast": contrast,
+        "amplitude": amplitude, "phase_noise": np.sqrt(2 / rig.phases) * noise / amplitude,
     }  # fmt: skip
 
 
@@ -251,10 +249,10 @@ plotting.save(
 output = np.geomspace(1e-4, twin.detector.saturation, points)
 shot = np.sqrt((conversion.density(output) - conversion.density(0)) / (2 * phase_time))
 amplifier = float(np.sqrt(conversion.density(0) / (2 * phase_time)))
-quantum = (20 / 2**14) / np.sqrt(12) / np.sqrt(reading.samples_per_phase)
+quantum = (20 / 2**14) / np.sqrt(12) / np.sqrt(rig.samples_per_phase)
 even = float(np.interp(1.0, shot / amplifier, output))
 ranges = np.geomspace(0.2, 8.0, points)
-frequency = {"single": rig.drive.frequency_single, "doubled": 2 * rig.drive.frequency_doubled}
+frequency = {"single": rig.frequency_single, "doubled": 2 * rig.frequency_doubled}
 micron = {mode: 1e6 * wrap_length(f) / (2 * np.pi) for mode, f in frequency.items()}
 curves = {(m, rho): [budget(m, z, rho) for z in ranges] for rho in (reflectance, 0.05)
           for m in COLOURS}  # fmt: skip
@@ -326,18 +324,18 @@ falls = [budget(m, distance, reflectance, weak)["amplitude"] for m in COLOURS]
 print(f"at η = 0.26 the doubled signal is {falls[0] / falls[1]:.0f} times below the single one")
 reached = {
     "sec6.laser_wavelength": twin.laser.wavelength,
-    "sec6.eom_frequency": rig.drive.frequency_single,
+    "sec6.eom_frequency": rig.frequency_single,
     "sec6.eom_bandwidth": twin.drive.width,
     "sec7.fibre_throughput_low": twin.laser.fibre_low,
     "sec7.fibre_throughput_high": twin.laser.fibre_high,
     "sec7.beam_after": 2 * twin.optics.exit_radius,
     "sec7.laser_power": sent["single"],
     "sec7.lowpass": twin.detector.low_pass,
-    "sec7.sample_rate": reading.rate,
-    "sec7.samples_per_phase": reading.samples_per_phase,
-    "sec7.phase_steps": reading.phases,
-    "sec7.integration_time": reading.duration,
-    "sec8.target_distance": rig.reference.distance,
+    "sec7.sample_rate": rig.rate,
+    "sec7.samples_per_phase": rig.samples_per_phase,
+    "sec7.phase_steps": rig.phases,
+    "sec7.integration_time": rig.scans / rig.rate,
+    "sec8.target_distance": rig.reference_distance,
 }
 for key, value in reached.items():
     paper.check(key, value)

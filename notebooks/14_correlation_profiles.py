@@ -23,9 +23,9 @@ import numpy as np
 
 from cmtof.book import notes, paper, plotting
 from cmtof.correlation import TAU, centred, correlation_from_harmonics, decode
-from cmtof.hardware.bench import Bench
-from cmtof.hardware.reduction import Gain, Sampling, drive_phases, nominal_psi
-from cmtof.hardware.rig import Rig, simulated
+from cmtof.hardware.bench import CHANNEL, VOLTS_RANGE, simulated
+from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
+from cmtof.hardware.rig import LINES, Rig
 from cmtof.instrument.electronics import Conversion, chain
 from cmtof.instrument.settings import Detector
 from cmtof.instrument.world import LABEL_TIME
@@ -63,27 +63,17 @@ known = base.twin
 
 
 # %%
-def rig_of(phases, **twin):
-    """Default rig with so many phases; `twin` changes the simulation."""
-    detection = replace(base.detection, phases=phases)
-    return replace(base, detection=detection, twin=replace(known, **twin))
-
-
-def bench_of(rig):
-    """Bench before a mirror at 60 cm; every phase drops its first samples."""
+def bench_of(phases, **twin):
+    """Bench of so many phases before a mirror at 60 cm; `twin` changes the simulation."""
     mirror = {"kind": "mirror", "distance": 0.6, "reflectance": reflectance}
-    detection = rig.detection
-    layout = Sampling(
-        detection.phases, detection.samples_per_phase, *2 * [detection.settle_samples]
-    )
-    bench = Bench(simulated(rig, mirror, seed=seed), rig, layout)
+    rig = replace(base, phases=phases, twin=replace(known, **twin))
+    bench = simulated(rig, mirror, seed=seed)
     bench.set_up()
     return bench
 
 
-bench, labels = bench_of(rig_of(PHASES)), count(TICKS, TICKS)
-reading, instruments = bench.rig.detection, bench.instruments
-gain = Gain(*instruments.daq.gain(reading.range))
+bench, labels = bench_of(PHASES), count(TICKS, TICKS)
+reading, gain = bench.rig, Gain(*bench.daq.gain(VOLTS_RANGE))
 
 
 def sweep():
@@ -101,14 +91,13 @@ def sweep():
 taken, dark, power, programmed = {}, {}, {}, {}
 for mode in ORDER:
     bench.choose_mode(mode)
-    bench.begin_line()
     dark[mode] = np.mean([sweep() for _ in range(8)])
     bench.look_at("scan")
     sweep()  # sets the clock; its laser power is the first
     power[mode], taken[mode], programmed[mode] = [bench.power()], [], []
     steps = TAU * np.arange(settings) / settings / ORDER[mode]
     for step in [0.0] * bursts + steps.tolist():
-        programmed[mode].append(instruments.rf_emission.set_phase(step))
+        programmed[mode].append(bench.rf_emission.set_phase(step))
         taken[mode].append(sweep())
         power[mode].append(bench.power())
 bench.check()
@@ -301,18 +290,17 @@ plotting.save(
 # %%
 runs, paper_rc, ours = {}, paper.published("sec7.rc_time").value, known.detector.rc_time
 for rc in (ours, paper_rc):
-    slow = bench_of(rig_of(16, detector=Detector(rc_time=rc)))
+    slow = bench_of(16, detector=Detector(rc_time=rc))
     slow.choose_mode("single")
     slow.look_at("scan")
-    long = Sampling(16, reading.samples_per_phase, 0, 0)
-    slow.instruments.daq.configure_burst(
-        channel=reading.channel, rate=reading.rate, scans=sweeps * long.scans, range=reading.range,
-        pulse_line=base.lines.trigger, pulse=reading.samples_per_phase,
+    slow.daq.configure_burst(
+        channel=CHANNEL, rate=base.rate, scans=sweeps * base.scans, range=VOLTS_RANGE,
+        pulse_line=LINES["trigger"], pulse=base.samples_per_phase,
     )  # fmt: skip
-    runs[rc] = gain.volts_from_counts(slow.bursts([5])[0])
+    runs[rc] = gain.volts_from_counts(next(slow.daq.bursts([{"USER_RAM0_U32": 5.0}])))
     slow.shut()
-sweep_rate = reading.rate / long.scans
-times = np.arange(sweeps * long.scans) / reading.rate
+sweep_rate = reading.rate / base.scans
+times = np.arange(sweeps * base.scans) / reading.rate
 late = times > times[-1] - min(20, sweeps // 2) / sweep_rate
 since = (times[late] - times[late].mean()) * sweep_rate
 cycle = TAU * sweep_rate * times[late]
@@ -328,7 +316,7 @@ figure, axes = plt.subplots(1, 2, figsize=(10.2, 3.7), width_ratios=[1.35, 1])
 for rc, colour, name in ((ours, COLOURS["single"], f"{1e6 * ours:.0f} µs"),
                          (paper_rc, plotting.PALETTE["orange"], "100 ms, as printed")):  # fmt: skip
     axes[0].plot(1e3 * times, runs[rc], color=colour, lw=0.8, rasterized=True)
-    axes[1].plot(1e3 * times[: 2 * long.scans], runs[rc][-2 * long.scans :], color=colour,
+    axes[1].plot(1e3 * times[: 2 * base.scans], runs[rc][-2 * base.scans :], color=colour,
                  label=f"RC {name}")  # fmt: skip
 for ax, title in zip(axes, (f"{sweeps} sweeps in a row", "the last two"), strict=True):
     ax.set(xlabel="time (ms)", title=title, ylim=(0, 1.3 * runs[ours].max()))
@@ -371,8 +359,8 @@ reached = {
     "fig12.psi_range": PHASES * (psi[1] - psi[0]),
     "sec7.rc_time": known.detector.rc_time,
     "sec7.samples_per_phase": reading.samples_per_phase,
-    "sec8.scan_phase_steps": base.detection.phases,
-    "sec8.scan_integration_time": base.detection.duration,
+    "sec8.scan_phase_steps": base.phases,
+    "sec8.scan_integration_time": base.scans / base.rate,
 }
 for key, value in reached.items():
     paper.check(key, value)

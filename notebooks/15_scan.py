@@ -33,11 +33,12 @@ import cmtof
 from cmtof.book import notes, plotting
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU, centred, decode, phase_from_depth, wrap_length
-from cmtof.hardware.bench import Bench
-from cmtof.hardware.journal import journal_path, read_journal
-from cmtof.hardware.reduction import measurement_from_records
-from cmtof.hardware.rig import Rig, simulated
-from cmtof.hardware.scan import header_of, measured, planned, sampling_of, scan
+from cmtof.hardware.bench import simulated
+from cmtof.hardware.journal import journal_path, whole_lines
+from cmtof.hardware.plan import MODES, planned
+from cmtof.hardware.reduction import sums_from_counts
+from cmtof.hardware.rig import Rig
+from cmtof.hardware.scan import scan, scan_scene
 from cmtof.instrument.electronics import SLOPE, Conversion, volts_from_counts
 from cmtof.measurement import Measurement
 
@@ -60,19 +61,17 @@ def typical(error):
 # Between the modes both half-wave plates turn.
 
 # %%
-rig = Rig.default()
-view = replace(rig.scan, field_of_view_deg=(field_of_view_deg, field_of_view_deg))
-rig = replace(rig, scan=view)
-plan, modes = planned(rig, size=size), rig.scan.modes
-measurement = scan(rig, lambda: simulated(rig, scene, seed=seed), plan, here / "m.nc",
+rig = replace(Rig.default(), field_of_view_deg=(field_of_view_deg, field_of_view_deg))
+plan = planned(rig, size=size)
+measurement = scan(plan, lambda: simulated(rig, scene, seed=seed), here / "m.nc",
                    seed=seed, scene=scene)  # fmt: skip
-data, sampling, given = measurement.dataset, sampling_of(rig, plan), rig.twin
-print(measurement, f"{plan.bursts} bursts in {len(plan.lines)} lines")
+data, given = measurement.dataset, rig.twin
+print(measurement, f"{plan.lines[-1].labels[-1]} bursts in {len(plan.lines)} lines")
 
 # %%
-instruments = simulated(rig, scene, seed=seed)
+bench = simulated(rig, scene, seed=seed)
 index = float(data.attrs["group_index"])
-truth = instruments.daq.world.ranges(plan.angles).reshape(plan.shape)
+truth = bench.daq.world.ranges(plan.angles).reshape(size, size)
 ideal_phase = np.stack([phase_from_depth(index * truth, f) for f in measurement.frequencies])
 error = centred(measurement.phase - ideal_phase)
 period = float(wrap_length(measurement.frequencies[0])) / index
@@ -110,24 +109,23 @@ plotting.save(
 # and drift depend on the number of the burst alone, so its sums are those of the file, bit for bit.
 
 # %%
-row, column = plan.shape[0] // 3, plan.shape[1] // 3
-lines = {m: [one for one in plan.lines if (one.mode, one.kind) == (m, "scan")] for m in modes}
-bench, raw, same = Bench(instruments, rig, sampling), {}, []
+row = column = size // 3
+raw, same = {}, []
 bench.set_up()
-for number, mode in enumerate(modes):
+for number, mode in enumerate(MODES):
     bench.choose_mode(mode)
     bench.look_at("scan")
-    label = lines[mode][row].labels[column]
+    label = next(one for one in plan.lines if one[1:4] == (mode, "scan", row)).labels[column]
     raw[mode] = bench.bursts([label], plan.angles[row, column][None])
-    means = (sampling.sums(raw[mode])[0][0] / sampling.kept).astype(np.float32)
+    means = (sums_from_counts(raw[mode], plan.kept)[0][0] / plan.kept).astype(np.float32)
     same.append(np.array_equal(means, data["raw_counts"].to_numpy()[number, :, row, column]))
 bench.shut()
 print("the same sums as in the file:", all(same))
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(9.6, 3.5))
-instant, turn, contrasts = 1e3 * np.arange(sampling.scans) / rig.detection.rate, TAU / 200, {}
-for number, (mode, colour) in enumerate(zip(modes, COLOURS, strict=True)):
+instant, turn, contrasts = 1e3 * np.arange(rig.scans) / rig.rate, TAU / 200, {}
+for number, (mode, colour) in enumerate(zip(MODES, COLOURS, strict=True)):
     axes[0].plot(instant, raw[mode][0], ".", ms=2.5, color=colour, label=mode)
     values, psi = (
         data["correlation"].to_numpy()[number, :, row, column],
@@ -145,7 +143,7 @@ plotting.save(
     figure, "scan_point",
     numbers={
         "contrast": contrasts, "reproduced": all(same),
-        "mean_counts": {mode: float(np.mean(raw[mode])) for mode in modes},
+        "mean_counts": {mode: float(np.mean(raw[mode])) for mode in MODES},
     },
     caption="(a) The samples of one point in both modes. (b) Means of its phases, and their fit.",
     alt="Left: samples of two bursts in 16 steps through one period of a cosine; right: their "
@@ -166,14 +164,14 @@ plotting.save(
 # wrap is only 17.6 mrad.
 
 # %%
-found, drift = (np.array(data.attrs[name]) for name in ("phase_offset", "phase_drift"))
+found, drift = (data[name].to_numpy() for name in ("phase_offset", "phase_drift"))
 paths = 4 * np.pi * measurement.frequencies * given.optics.internal_path / SPEED_OF_LIGHT
 wanted = centred(paths - np.array([1, 2]) * given.drive.phase_offset)
 off = centred(found - wanted)
 notes.table(
     ["", "put in (rad)", "found (rad)", "off by (mrad)", "drift during the image (mrad)"],
     [[mode, f"{wanted[n]:.4f}", f"{found[n]:.4f}", f"{1e3 * off[n]:+.2f}", f"{1e3 * drift[n]:+.2f}"]
-     for n, mode in enumerate(modes)],
+     for n, mode in enumerate(MODES)],
 )  # fmt: skip
 beat_off = float(centred(off[1] - 2 * off[0]))
 print(f"the beat is off by {1e3 * beat_off:.2f} mrad, {beat_off / wrap_in_beat:.3f} wraps")
@@ -190,12 +188,9 @@ print(f"the beat is off by {1e3 * beat_off:.2f} mrad, {beat_off / wrap_in_beat:.
 # %%
 def scanned(settings, shift=0):
     """Correlations (mode, step, H, W) of the instrument with other settings, V."""
-    other, records = replace(rig, twin=settings), []
-    bench = Bench(simulated(other, scene, seed=seed + shift), other, sampling)
-    header = header_of(bench, plan, seed=seed, scene=scene)
-    for record in measured(bench, plan, header, records):
-        records.append(record)
-    return measurement_from_records(header, records).dataset["correlation"].to_numpy()
+    view = float(np.deg2rad(field_of_view_deg))
+    one = scan_scene(settings, scene, size=size, field_of_view=view, seed=seed + shift)
+    return one.dataset["correlation"].to_numpy()
 
 
 quiet = replace(given, noise=False)
@@ -218,11 +213,11 @@ sizes = {
     name: [1e3 * typical(e) for e in (e[0], e[1], centred(e[1] - 2 * e[0]))]
     for name, e in causes.items()
 }
-kept_time = (sampling.samples_per_phase - sampling.settle_samples) / rig.detection.rate
+kept_time = (rig.samples_per_phase - rig.settle_samples) / rig.rate
 level = measurement.decoded.offset + volts_from_counts(data["dark"].to_numpy())[:, None, None]
 density = Conversion(given.detector, given.laser.wavelength).density(np.maximum(level, 0))
-converter = (given.detector.converter_noise * SLOPE) ** 2 / (kept_time * rig.detection.rate)
-expected = np.sqrt(2 / sampling.phases * (density / (2 * kept_time) + converter))
+converter = (given.detector.converter_noise * SLOPE) ** 2 / (kept_time * rig.rate)
+expected = np.sqrt(2 / rig.phases * (density / (2 * kept_time) + converter))
 expected = expected / measurement.amplitude
 pulls = [float(np.median(np.abs(p)) / 0.6745) for p in causes["noise"] / expected]
 print(f"scatter of the noise over its prediction: {pulls[0]:.2f} and {pulls[1]:.2f}")
@@ -378,7 +373,7 @@ killed, whole = here / "k.nc", here / "whole.nc"
 half = len(planned(Rig.default(), size=killed_size).lines) // 2
 victim = subprocess.Popen([*command, killed])
 while victim.poll() is None and not (
-    journal_path(killed).exists() and len(read_journal(journal_path(killed))[1]) >= half
+    journal_path(killed).exists() and len(whole_lines(journal_path(killed))) > half
 ):
     time.sleep(0.005)
 victim.send_signal(signal.SIGKILL)

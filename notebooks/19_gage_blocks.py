@@ -30,7 +30,7 @@ from scipy.stats import t as student
 
 from cmtof.book import notes, paper, plotting
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
-from cmtof.hardware.rig import Rig
+from cmtof.hardware.plan import VOLTS_PER_RADIAN
 from cmtof.hardware.scan import scan_scene
 from cmtof.instrument.devices import TDAC_STEP
 from cmtof.instrument.optics import directions_from_angles, speckle_cells, spot_radius
@@ -91,8 +91,8 @@ def points_of(target, number, **how):
     own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
     measured = scan_scene(base, target, seed=own, **how)
     optical = measured.dataset["depth"].to_numpy()
-    volts = measured.dataset["angle"].to_numpy() * Rig.default().galvo.volts_per_radian
-    steered = np.rint(volts / TDAC_STEP) * TDAC_STEP / Rig.default().galvo.volts_per_radian
+    volts = measured.dataset["angle"].to_numpy() * VOLTS_PER_RADIAN
+    steered = np.rint(volts / TDAC_STEP) * TDAC_STEP / VOLTS_PER_RADIAN
     ranges = [
         optical + centred(phase - phase_from_depth(optical, f)) * wrap_length(f) / TAU
         for phase, f in zip(measured.phase, measured.frequencies, strict=True)

@@ -392,9 +392,11 @@ def scan(
         raise ValueError(f"Expected either a RIG file or --twin, got {got}. Name one.")
     if not twin and (seed, scene) != (None, None):
         raise ValueError("Expected --scene and --seed with --twin, got a RIG file. Leave them out.")
+    from cmtof.hardware.bench import Bench, opened, simulated
     from cmtof.hardware.journal import journal_path
-    from cmtof.hardware.rig import Rig, open_instruments, simulated
-    from cmtof.hardware.scan import check_scan_output, planned
+    from cmtof.hardware.plan import planned
+    from cmtof.hardware.rig import Rig
+    from cmtof.hardware.scan import check_scan_output
     from cmtof.hardware.scan import scan as run_scan
 
     settings = Rig.default() if rig is None else Rig.load(rig)
@@ -402,15 +404,14 @@ def scan(
     check_scan_output(output, resume=resume)
     seed, scene = (seed or 0, scene or "still_life") if twin else (None, None)
 
-    def instruments() -> Any:
-        return simulated(settings, scene, seed=seed or 0) if twin else open_instruments(settings)
+    def bench() -> Bench:
+        return simulated(settings, scene, seed=seed or 0) if twin else opened(settings)
 
     try:
         with progress(len(plan.lines), quiet) as advance:
             measurement = run_scan(
-                settings,
-                instruments,
                 plan,
+                bench,
                 output,
                 resume=resume,
                 report=lambda line: advance(f"{line.mode}: {line.kind}"),

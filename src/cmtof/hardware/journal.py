@@ -25,18 +25,8 @@ def journal_path(output: str | Path) -> Path:
     return Path(f"{output}.journal")
 
 
-def framed(content: Mapping[str, Any]) -> bytes:
-    """Line of a journal.
-
-    Examples
-    --------
-    >>> framed({"line": 0})
-    b'2f19f8c1 {"line": 0}\\n'
-    """
-    return _framed(json.dumps(content, sort_keys=True).encode())
-
-
-def _framed(content: bytes) -> bytes:
+def framed(content: bytes) -> bytes:
+    """Line of a journal."""
     return b"%08x %s\n" % (zlib.crc32(content), content)
 
 
@@ -44,7 +34,7 @@ def whole_lines(path: str | Path) -> list[bytes]:
     """JSON of the header and of every line that is whole; nothing of a file that is no journal."""
     found = []
     for line in Path(path).read_bytes().splitlines(keepends=True):
-        if line != _framed(line[9:-1]):
+        if line != framed(line[9:-1]):
             break
         found.append(line[9:-1])
     return found
@@ -59,7 +49,7 @@ class Journal:
     def append(self, record: Record) -> None:
         """Add the next line; it is on the disk when this returns."""
         arrays = {"sums": record.sums.tolist(), "clipped": record.clipped.tolist()}
-        self._file.write(framed({"line": record.line, "power": record.power, **arrays}))
+        self._file.write(framed(json.dumps(record._asdict() | arrays).encode()))
         self._file.flush()
         os.fsync(self._file.fileno())
         self.records.append(record)
@@ -76,7 +66,7 @@ def open_journal(path: Path, header: Mapping[str, Any], plan: Plan) -> Iterator[
     """
     if not path.exists():
         with written_whole(path) as part:
-            part.write_bytes(framed(header))
+            part.write_bytes(framed(json.dumps(header).encode()))
     with path.open("r+b") as file:
         _lock(file, path)
         lines = whole_lines(path)
@@ -94,7 +84,7 @@ def open_journal(path: Path, header: Mapping[str, Any], plan: Plan) -> Iterator[
                 f"Expected {path} to belong to these settings, got {other}. Scan with its "
                 "settings, or remove it to begin again."
             )
-        file.truncate(sum(len(_framed(line)) for line in lines))  # without a torn end
+        file.truncate(sum(len(framed(line)) for line in lines))  # without a torn end
         file.seek(0, os.SEEK_END)
         yield Journal(file, records)
 

@@ -23,16 +23,13 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, centred, decode, phase_from_depth
-from cmtof.hardware.plan import MODES, Line, Plan, Record
+from cmtof.hardware.plan import MODES, REFERENCE_BURSTS, SLOT, Plan, Record
 from cmtof.measurement import Measurement, unambiguous_range
 
 Array = NDArray[np.float64]
 
 FULL_SCALE = 65535
 """Highest count of a 16-bit stream sample; it and 0 mean that the converter clips."""
-SLOT = 20e-3
-"""Time from one burst to the next on the plan's clock, s: 13.3 ms for the paper's burst, and what
-the devices need between."""
 MIN_CONTRAST = 1e-3
 """Contrast of the reference target below which there is no phase to calibrate on."""
 RANGES = (10.0, 1.0, 0.1, 0.01)
@@ -80,8 +77,7 @@ def sums_from_counts(
     >>> sums.tolist(), clipped.tolist()
     ([[1, 65537, 6]], [1])
     """
-    kept = np.asarray(kept)
-    samples = np.asarray(counts, np.uint32)
+    samples, kept = np.asarray(counts, np.uint32), np.asarray(kept)
     samples = samples.reshape(len(samples), kept.size, -1)
     used = np.arange(samples.shape[2]) >= (samples.shape[2] - kept)[:, None]
     clips = ((samples == 0) | (samples == FULL_SCALE)) & used
@@ -101,93 +97,51 @@ class Calibrated(NamedTuple):
     drift: float
 
 
-def calibrate(
-    correlation: ArrayLike, ranges: ArrayLike, *, frequency: float, group_index: float
-) -> Calibrated:
-    """Offset of the reference phase from R visits of a target at N known ranges, m.
+def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Calibrated:
+    """Offset of the reference phase from R visits of a target at N optical ranges, m.
 
     Phasors of the correlations (R, N, K) at the nominal psi are turned back by what their range
     predicts and added up. Over a whole number of wraps a constant phasor, light that comes back
     from the optics, adds up to nothing. Raises ValueError if the target shows no modulation.
     """
-    correlation = np.asarray(correlation, float)
     seen = decode(np.moveaxis(correlation, -1, 0), nominal_psi(correlation.shape[-1]))
-    expected = phase_from_depth(group_index * np.asarray(ranges, float), frequency)
-    visits = np.sum(seen.amplitude * np.exp(1j * (seen.phase - expected)), axis=1)
+    turned = np.exp(1j * (seen.phase - phase_from_depth(ranges, frequency)))
+    visits = np.sum(seen.amplitude * turned, axis=1)
     total, mean = visits.sum(), float(seen.offset.mean())
-    contrast = abs(total) / seen.offset.size / mean if mean > 0 else 0.0
+    contrast = float(abs(total) / seen.offset.size / mean) if mean > 0 else 0.0
     if not contrast > MIN_CONTRAST:
         raise ValueError(
             f"Expected a reference target with a contrast above {MIN_CONTRAST:g}, got "
             f"{contrast:.2g}. Check that both modulators run and that its light comes back."
         )
     drift = centred(np.angle(visits[-1]) - np.angle(visits[0]))
-    return Calibrated(float(centred(np.angle(total))), float(contrast), float(drift))
+    return Calibrated(float(centred(np.angle(total))), contrast, float(drift))
 
 
-class Mode:
-    """Records of one modulation mode, from its dark level and first look at the target on.
+def calibrated(
+    plan: Plan, header: Mapping[str, Any], mode: str, records: Sequence[Record]
+) -> Calibrated:
+    """Calibration of a mode by the whole visits of the reference target that are recorded.
 
-    Of the header of `cmtof.hardware.scan` the converter's calibration and ``group_index`` count.
+    Of the header of `cmtof.hardware.scan` the converter's ``calibration`` and ``group_index``
+    count. Raises a ValueError if the target saturates detector or converter, or shows no
+    modulation.
     """
-
-    def __init__(
-        self, plan: Plan, mode: str, header: Mapping[str, Any], records: Sequence[Record]
-    ) -> None:
-        done = zip(plan.lines, records, strict=False)
-        self.lines = [(line, record) for line, record in done if line.mode == mode]
-        self.plan, self.group_index = plan, header["group_index"]
-        self.frequency = plan.rig.drive.frequency(mode) * (2 if mode == "doubled" else 1)
-        self.gain = Gain(*header["calibration"])
-        self.dark = float(self.counts(self.of_kind("dark")[0][1]).mean())
-
-    def of_kind(self, kind: str) -> list[tuple[Line, Record]]:
-        """Lines of a kind with their records."""
-        return [(line, record) for line, record in self.lines if line.kind == kind]
-
-    def counts(self, record: Record) -> Array:
-        """Mean counts (N, K) of the kept samples."""
-        return record.sums / self.plan.kept
-
-    def volts(self, record: Record, power: float) -> Array:
-        """Volts (N, K) above the dark, as at a laser power, W."""
-        dark = self.gain.volts_from_counts(self.dark)
-        return (self.gain.volts_from_counts(self.counts(record)) - dark) * (power / record.power)
-
-    def calibrated(self) -> Calibrated:
-        """Calibration by the reference target; a ValueError where it saturates or is not seen."""
-        visits = [record for _, record in self.of_kind("reference")]
-        highest = max(self.gain.volts_from_counts(self.counts(one)).max() for one in visits)
-        clipped = sum(int(one.clipped.sum()) for one in visits)
-        if clipped or highest > self.plan.rig.detection.limit_volts:
-            raise ValueError(
-                f"Expected a reference target within the detector's range, got {highest:.2f} V and "
-                f"{clipped} clipped samples: it saturates. Put a grey filter before it."
-            )
-        sweep = np.repeat(self.plan.sweep, len(visits[0].sums) // len(self.plan.sweep))
-        ranges = self.plan.rig.reference.distance + sweep
-        seen = [self.volts(one, visits[0].power) for one in visits]
-        return calibrate(seen, ranges, frequency=self.frequency, group_index=self.group_index)
-
-    def images(self) -> dict[str, Any]:
-        """Arrays and calibration of the mode, by their names in the file."""
-        image, found = self.of_kind("scan"), self.calibrated()
-        first = image[0][1].power
-        volts = np.stack([self.volts(record, first).T for _, record in image], axis=1)
-        raw = np.stack([self.counts(record).T for _, record in image], axis=1)
-        return {
-            "frequency": self.frequency,
-            "psi": np.mod(nominal_psi(len(raw)) + found.offset, TAU),
-            "correlation": volts.astype(np.float32),
-            "raw_counts": raw.astype(np.float32),
-            "dark": self.dark,
-            "laser_power": np.array([np.full(raw.shape[2], one.power) for _, one in image]),
-            "time": SLOT * np.array([line.labels for line, _ in image]),
-            "phase_offset": found.offset,
-            "phase_drift": found.drift,
-            "reference_contrast": found.contrast,
-            "valid": np.array([record.clipped == 0 for _, record in image]),
-        }
+    rig, gain = plan.rig, Gain(*header["calibration"])
+    visits = _lines(plan, records, mode, "reference")
+    volts = gain.volts_from_counts(_means(plan, visits))
+    clipped = sum(int(one.clipped.sum()) for one in visits)
+    if clipped or volts.max() > rig.limit_volts:
+        raise ValueError(
+            f"Expected a reference target within the detector's range, got {volts.max():.2f} V and "
+            f"{clipped} clipped samples: it saturates. Put a grey filter before it."
+        )
+    dark = _means(plan, _lines(plan, records, mode, "dark")).mean()
+    power = np.array([one.power for one in visits])[:, None, None]
+    above = (volts - gain.volts_from_counts(dark)) / power
+    ranges = rig.reference_distance + np.repeat(plan.sweep, REFERENCE_BURSTS)
+    seen = above.reshape(-1, ranges.size, rig.phases)
+    return calibrate(seen, header["group_index"] * ranges, frequency_of(plan, mode))
 
 
 def measurement_from_records(
@@ -197,14 +151,10 @@ def measurement_from_records(
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,
     ``laser_power`` (W), ``angle`` (rad), ``time`` (s, on the plan's clock), and of each frequency
-    what the reference target showed. Pixels where the converter clips are masked.
-
-    Raises
-    ------
-    ValueError
-        If the reference target shows no modulation, or saturates detector or converter.
+    what the reference target showed. Pixels where the converter clips are masked. Raises as
+    `calibrated` does.
     """
-    modes = [Mode(plan, mode, header, records).images() for mode in MODES]
+    modes = [_images(plan, header, mode, records) for mode in MODES]
     dims = {1: (), 2: ("step",), 3: ("y", "x"), 4: ("step", "y", "x")}
     arrays = {name: np.stack([mode[name] for mode in modes]) for name in modes[0]}
     valid = arrays.pop("valid").all(axis=0)
@@ -222,7 +172,46 @@ def measurement_from_records(
         "range_max": unambiguous_range(arrays["frequency"]),
     }
     for name, value in header.items():
-        if value is not None and name != "size":
-            plain = isinstance(value, str | int | float)
+        plain = isinstance(value, str | int | float)
+        if value is not None:
             data.attrs[name] = value if plain else json.dumps(value, sort_keys=True)
     return Measurement(data)
+
+
+def _images(
+    plan: Plan, header: Mapping[str, Any], mode: str, records: Sequence[Record]
+) -> dict[str, Any]:
+    """Arrays and calibration of a mode, by their names in the file."""
+    found, gain = calibrated(plan, header, mode, records), Gain(*header["calibration"])
+    image = _lines(plan, records, mode, "scan")
+    dark = _means(plan, _lines(plan, records, mode, "dark")).mean()
+    counts, power = _means(plan, image), np.array([one.power for one in image])[:, None, None]
+    volts = (gain.volts_from_counts(counts) - gain.volts_from_counts(dark)) * (power[0] / power)
+    return {
+        "frequency": frequency_of(plan, mode),
+        "psi": np.mod(nominal_psi(plan.rig.phases) + found.offset, TAU),
+        "correlation": np.moveaxis(volts, -1, 0).astype(np.float32),
+        "raw_counts": np.moveaxis(counts, -1, 0).astype(np.float32),
+        "dark": dark,
+        "laser_power": np.broadcast_to(power[..., 0], counts.shape[:2]),
+        "time": SLOT * np.array([plan.lines[one.line].labels for one in image]),
+        "phase_offset": found.offset,
+        "phase_drift": found.drift,
+        "reference_contrast": found.contrast,
+        "valid": np.array([one.clipped == 0 for one in image]),
+    }
+
+
+def frequency_of(plan: Plan, mode: str) -> float:
+    """Modulation frequency of a mode, Hz."""
+    return plan.rig.drive_frequency(mode) * (2 if mode == "doubled" else 1)
+
+
+def _lines(plan: Plan, records: Sequence[Record], mode: str, kind: str) -> list[Record]:
+    """Records of a kind of line in a mode."""
+    return [one for one in records if plan.lines[one.line][1:3] == (mode, kind)]
+
+
+def _means(plan: Plan, records: Sequence[Record]) -> Array:
+    """Mean counts (L, N, K) of the kept samples of L lines."""
+    return np.array([one.sums for one in records]) / plan.kept

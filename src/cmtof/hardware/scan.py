@@ -7,7 +7,7 @@ is not in the journal.
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from glob import escape
@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from cmtof import __version__
-from cmtof.hardware.bench import Bench, Instruments, simulated
+from cmtof.hardware.bench import VOLTS_RANGE, Bench, simulated
 from cmtof.hardware.journal import journal_path, open_journal, whole_lines
-from cmtof.hardware.plan import Line, Plan, Record, planned
-from cmtof.hardware.reduction import Mode, measurement_from_records
-from cmtof.hardware.rig import ReferenceSettings, Rig
+from cmtof.hardware.plan import SWEEP, Line, Plan, Record, planned
+from cmtof.hardware.reduction import calibrated, measurement_from_records
+from cmtof.hardware.rig import Rig
 from cmtof.instrument.optics import group_index
 from cmtof.instrument.settings import TwinSettings
 from cmtof.measurement import Measurement, open_measurement
@@ -29,7 +29,7 @@ from cmtof.measurement import Measurement, open_measurement
 
 def scan(
     plan: Plan,
-    instruments: Callable[[], Instruments],
+    bench: Callable[[], Bench],
     output: str | Path,
     *,
     resume: bool = False,
@@ -37,22 +37,12 @@ def scan(
     scene: str | None = None,
     report: Callable[[Line], None] = lambda line: None,
 ) -> Measurement:
-    """Scan, and write the measurement.
+    """Scan, and write the measurement ``*.nc``; a journal lies beside it until that is done.
 
-    Parameters
-    ----------
-    plan : Plan
-        From `cmtof.hardware.plan.planned`.
-    instruments : callable
-        Opens them: ``lambda: open_instruments(rig)`` or ``lambda: simulated(rig, scene)``.
-    output : str or Path
-        The file to write, ``*.nc``; the journal lies beside it until that is done.
-    resume : bool
-        Go on with the journal that is there.
-    seed, scene : int and str, optional
-        Of the simulated instrument; they stand in the file.
-    report : callable
-        Called with each line that is on the disk; of an earlier run's with the last.
+    ``bench`` opens the instruments: ``lambda: opened(rig)`` or ``lambda: simulated(rig, scene)``,
+    whose ``seed`` and ``scene`` stand in the file. ``resume`` goes on with the journal that is
+    there. ``report`` is called with each line that is on the disk; of an earlier run's with the
+    last.
 
     Raises
     ------
@@ -67,18 +57,14 @@ def scan(
     if resume and output.exists() and not path.exists():
         return open_measurement(output)  # the journal goes when the file is whole
     with ExitStack() as held:
-        with instruments() as opened:
-            bench = Bench(opened, plan.rig)
-            header = header_of(bench, plan, seed=seed, scene=scene)
+        with bench() as instruments:
+            header = header_of(instruments, plan, seed=seed, scene=scene)
             journal = held.enter_context(open_journal(path, header, plan))
             if journal.records:
                 report(plan.lines[len(journal.records) - 1])
-
-            def keep(record: Record) -> None:
+            for record in measured(instruments, plan, header, journal.records):
                 journal.append(record)
                 report(plan.lines[record.line])
-
-            measure(bench, plan, header, journal.records, keep)
         measurement = measurement_from_records(plan, header, journal.records)
         measurement.save(output)
         with output.open("rb") as written:  # it is on the disk before the journal goes
@@ -90,16 +76,12 @@ def scan(
     return measurement
 
 
-def measure(
-    bench: Bench,
-    plan: Plan,
-    header: dict[str, Any],
-    records: list[Record],
-    keep: Callable[[Record], None],
-) -> None:
-    """Measure every line behind ``records``, which ``keep`` appends to; shut the beam at the end.
+def measured(
+    bench: Bench, plan: Plan, header: dict[str, Any], records: list[Record]
+) -> Iterator[Record]:
+    """Next records of a plan; the caller adds each to ``records``. The beam is shut at the end.
 
-    A target that shows nothing or saturates raises its ValueError at once, before it is kept.
+    A target that shows nothing or saturates raises its ValueError after its first visit.
     """
     mode = None
     for line in plan.lines[len(records) :]:
@@ -108,28 +90,27 @@ def measure(
         if line.mode != mode:
             bench.choose_mode(mode := line.mode)
         record = bench.measure(plan, line)
-        if line.kind == "reference":
-            Mode(plan, line.mode, header, [*records, record]).calibrated()
-        keep(record)
+        if (line.kind, line.row) == ("reference", SWEEP - 1):
+            calibrated(plan, header, mode, [*records, record])
+        yield record
     if mode is not None:
         bench.shut()
 
 
 def header_of(bench: Bench, plan: Plan, *, seed: int | None, scene: str | None) -> dict[str, Any]:
     """Everything that the result depends on, as JSON has it; no address, no clock."""
-    held, rig = bench.instruments, plan.rig
     roles = ("rf_emission", "rf_detection", "clock", "daq", "power_meter")
-    identities = {role: getattr(held, role).identify() for role in roles}
+    identities = {role: bench.devices[role].identify() for role in roles}
     twin = identities["daq"]["serial_number"].startswith("TWIN")
     return {
         "version": __version__,
         "source": "simulated instrument" if twin else "instrument",
         "seed": seed,
         "scene": scene,
-        "size": list(plan.shape),
-        "calibration": list(held.daq.gain(rig.detection.range)),
-        "group_index": group_index(rig.twin.air) if twin else group_index(),
-        "settings": rig.as_dict(),
+        "size": list(plan.angles.shape[:2]),
+        "calibration": list(bench.daq.gain(VOLTS_RANGE)),
+        "group_index": group_index(plan.rig.twin.air) if twin else group_index(),
+        "settings": plan.rig.as_dict(),
         "instruments": identities,
     }
 
@@ -166,18 +147,9 @@ def scan_scene(
     Ranges are optical, ``n_g z`` with the attribute ``group_index``, as in every scan: divide what
     comes out of the measurement, its true ``depth`` included, to have metres along the ray.
 
-    Parameters
-    ----------
-    settings : TwinSettings
-        The instrument; its ``reference`` is what calibrates psi in both modes.
-    target : Target, Frame, str or mapping
-        As `cmtof.instrument.targets.scene_from` takes it.
-    size, field_of_view : number or (number, number)
-        Height and width, px; full optical angles across and down, rad.
-    seed, phases : int
-        Of the simulated instrument; steps of psi over a turn.
-    range_min, range_max : float
-        Depths to choose from, m; the default ends where both frequencies repeat themselves.
+    The target is one of `cmtof.instrument.targets.scene_from`, ``size`` height and width, px,
+    ``field_of_view`` the full optical angles across and down, rad. Depths to choose from are
+    ``range_min`` to ``range_max``, m; the default ends where both frequencies repeat themselves.
 
     Examples
     --------
@@ -186,20 +158,20 @@ def scan_scene(
     <Measurement 2x2 px at 7.15, 14.32 GHz, 0.000-7.495 m>
     """
     across, down = np.rad2deg(np.broadcast_to(field_of_view, 2)).tolist()
-    rig, known = Rig.default(), settings.reference
     rig = replace(
-        rig,
+        Rig.default(),
         twin=settings,
-        galvo=replace(rig.galvo, field_of_view_deg=(across, down)),
-        detection=replace(rig.detection, phases=phases),
-        reference=ReferenceSettings(distance=known.distance, stage_zero=known.stage_zero),
+        field_of_view_deg=(across, down),
+        phases=phases,
+        reference_distance=settings.reference.distance,
+        stage_zero=settings.reference.stage_zero,
     )
     plan, records = planned(rig, size=size), []
-    with simulated(rig, target, seed=seed) as instruments:
-        bench = Bench(instruments, rig)
+    with simulated(rig, target, seed=seed) as bench:
         header = header_of(bench, plan, seed=seed, scene=None)
-        measure(bench, plan, header, records, records.append)
-        ranges = instruments.daq.world.ranges(plan.angles).reshape(plan.shape)
+        for record in measured(bench, plan, header, records):
+            records.append(record)
+        ranges = bench.daq.world.ranges(plan.angles).reshape(plan.angles.shape[:2])
     data = measurement_from_records(plan, header, records).dataset
     data["depth"] = (("y", "x"), header["group_index"] * ranges, {"units": "m"})
     data["mask"] = data["mask"] * np.isfinite(ranges).astype(np.int8)
