@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import LASER_WAVELENGTH
-from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist, insist_on_all
+from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
 from cmtof.hardware.plan import FULL_STEP, VOLTS_PER_RADIAN, Line, Plan, Record
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
-from cmtof.hardware.rig import DRIVERS, LINES, MIRRORS, Device, Rig
+from cmtof.hardware.rig import DRIVERS, LINES, MIRRORS, DeviceSettings, Rig
 from cmtof.hardware.safety import EmergencyStop
 from cmtof.instrument.devices import simulated_devices
 from cmtof.instrument.world import World
@@ -77,7 +77,7 @@ class Beam:
 
         The mirrors park twice: they cannot be read back, so nobody sees a write that was lost.
         """
-        insist_on_all([*(partial(self.switch, part, False) for part in LIGHT), *2 * [self.park]])
+        insist(*(partial(self.switch, part, False) for part in LIGHT), self.park, self.park)
 
 
 class Bench(EmergencyStop):
@@ -199,7 +199,7 @@ class Bench(EmergencyStop):
                 request.update(self.beam.registers(*aim))
             self.daq.write_many({name: requests[0][name] for name in MIRRORS})
             sleep(self._flyback)  # from the end of the last line
-        insist(self.rf_detection.arm, ATTEMPTS)  # may be sent twice, as nothing moves
+        insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
         counts = []
         for burst in self.daq.bursts(requests):
             counts.append(burst)
@@ -282,7 +282,7 @@ def simulated(rig: Rig, scene: Any = None, *, seed: int = 0) -> Bench:
     return Bench(rig, simulated_devices(world, parts, MIRRORS), flyback=0.0)
 
 
-def driver(name: str, device: Device) -> Any:
+def driver(name: str, device: DeviceSettings) -> Any:
     """Driver of a device, connected."""
     from cmtof.hardware import apt, rf, scpi, t7
 

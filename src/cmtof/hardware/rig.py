@@ -38,7 +38,7 @@ CHECKED = ConfigDict(extra="forbid")
 
 
 @dataclass(frozen=True, config=CHECKED)
-class Device:
+class DeviceSettings:
     """Driver and address; the serial number it must have; a motor's own counts per m or rad."""
 
     driver: str
@@ -58,7 +58,7 @@ class Rig:
     (320, 'labjack-t7')
     """
 
-    devices: dict[str, Device]
+    devices: dict[str, DeviceSettings]
     field_of_view_deg: tuple[Angle, Angle] = (20.0, 20.0)
     power_dbm: float = Field(default=30.0, ge=-50, le=50)
     frequency_single: float = Field(default=7.15e9, ge=7.14e9, le=7.17e9)
