@@ -62,7 +62,7 @@ class Motor(device.Device):
     @property
     def homed(self) -> bool:
         """Whether the home position is known."""
-        return bool(self._status().homed)
+        return bool(self._status()[0].homed)
 
     def home(self, timeout: float = 60.0) -> None:
         """Find the home position; the shaft or carriage travels."""
@@ -71,7 +71,7 @@ class Motor(device.Device):
     def move_to(self, position: float) -> float:
         """Move to a position, m or rad, and wait, 2 s longer than it takes; return the position.
 
-        `Refused` if the motor is not homed or ends elsewhere; on any error it is stopped.
+        `Refused` if the motor is not homed or ends elsewhere; after an error it is stopped.
         """
         self._within(position=position)
         if not self.homed:
@@ -86,7 +86,7 @@ class Motor(device.Device):
         """Stop at once, and wait for it."""
         self._send("mot_move_stop", _CHANNEL, 1)
         for _ in range(20):
-            if not self._moving(self._status()):
+            if not self._status()[1]:
                 return
             time.sleep(_POLL)
         self._fail(device.InstrumentTimeout, "stop", "it moving", "Switch it off.")
@@ -101,34 +101,35 @@ class Motor(device.Device):
         return {"model": model, "serial_number": str(info.serial_number)}
 
     def _go(self, message: str, position: float, seconds: float, *arguments: int) -> None:
-        """Send a move, and wait until the motor rests where it should; else stop it."""
+        """Send a move, and wait until the motor rests where it should; after an error it stops."""
         self._send("mod_set_chanenablestate", _CHANNEL, 1)
         self._send(message, _CHANNEL, *arguments)
-        deadline, looks = time.monotonic() + seconds, 0
+        try:
+            self._arrive(position, time.monotonic() + seconds)
+        except device.InstrumentError:
+            self.stop()
+            raise
+
+    def _arrive(self, position: float, deadline: float) -> None:
+        looks, wish = 0, f"arrive at {position:.6g}"
         while looks < 3:  # at rest three times in a row elsewhere: it did not hear, or was stopped
-            status = self._status()
+            status, moving = self._status()
             if status.motion_error or status.motor_current_limit_reached:
-                self.stop()
                 got = "a motion error or its current limit"
-                self._fail(device.InstrumentError, "move freely", got, "Free it and home it.")
-            if not self._moving(status):
+                self._fail(device.InstrumentError, wish, got, "Free it and home it.")
+            if moving and time.monotonic() >= deadline:
+                self._fail(device.InstrumentTimeout, wish, "it moving", "Free the stage.")
+            if not moving:
                 if status.homed and abs(self.position - position) <= self.kind.tolerance:
                     return
                 looks += 1
-            elif time.monotonic() >= deadline:
-                self.stop()
-                wish = f"arrive within {seconds:.1f} s"
-                self._fail(device.InstrumentTimeout, wish, "it moving", "Free the stage.")
             time.sleep(_POLL)
-        got = f"it at rest at {self.position:.6g}"
-        self._fail(device.Refused, f"arrive at {position:.6g}", got, "Home it and try again.")
+        self._fail(device.Refused, wish, f"it at rest at {self.position:.6g}", "Home it.")
 
-    def _status(self) -> Any:
-        return self._ask(f"mot_req_{self.kind.status}", _CHANNEL)
-
-    @staticmethod
-    def _moving(status: Any) -> bool:
-        return any(getattr(status, name) for name in _MOVING)
+    def _status(self) -> tuple[Any, bool]:
+        """Status bits by name, and whether the motor moves."""
+        status = self._ask(f"mot_req_{self.kind.status}", _CHANNEL)
+        return status, any(getattr(status, name) for name in _MOVING)
 
     def _send(self, message: str, *arguments: int) -> None:
         with one_error(self.name):
@@ -140,16 +141,17 @@ class Motor(device.Device):
 
         def ask() -> Any:
             self._send(request, *arguments)
-            message = None
             for _ in range(256):
                 with one_error(self.name):
                     message = next(self._unpacker, None)
-                    silent = message is None and not self._connection.in_waiting
-                if silent or (message is not None and message.msg == reply):
+                    more = self._connection.in_waiting
+                if message is not None and message.msg == reply:
+                    return message
+                if message is None and not more:
                     break
-            if message is None or message.msg != reply:
-                self._fail(device.InstrumentTimeout, f"answer {request}", "nothing", "Restart it.")
-            return message
+            raise device.InstrumentTimeout(
+                f"Expected {self.name} to answer {request}, got nothing. Check power and cable."
+            )
 
         return self._read(ask)
 

@@ -12,7 +12,7 @@ from binascii import crc_hqx
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import pi
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import serial
 
@@ -24,14 +24,6 @@ CODES = 65536
 """Phase codes of one turn of the drive."""
 _UNSAFE = {"TRIPPED", "LOCK", "UNLOCKED", "INTERLOCK"}
 _truth = {"ON": True, "1": True, "OFF": False, "0": False}.__getitem__
-
-
-class Lock(NamedTuple):
-    """Frequency lock: detuning from the resonance, Hz; reflected power, dBm."""
-
-    locked: bool
-    detuning: float
-    reflected: float
 
 
 def open_serial(address: str, *, rtscts: bool = False) -> Any:
@@ -92,19 +84,18 @@ class RfDriver(device.Device):
         self._set("RF", on)
         deadline = time.monotonic() + lock_timeout
         try:
-            while on and not (lock := self.lock()).locked:
+            while on:
+                locked, detuning, _ = self._question("LOCK?", _truth, number, number)
+                if locked:
+                    return
                 if self._trip or time.monotonic() >= deadline:
-                    got = f"{self._trip or 'no lock'} ({lock.detuning:g} Hz off)"
+                    got = f"{self._trip or 'no lock'} ({detuning:g} Hz off)"
                     wish = f"lock within {lock_timeout:g} s"
                     self._fail(device.Unsafe, wish, got, "Check frequency and cable.")
                 time.sleep(0.02)
         except OSError:
             self.safe_state()
             raise
-
-    def lock(self) -> Lock:
-        """State of the frequency lock."""
-        return Lock(*self._question("LOCK?", _truth, number, number))
 
     def status(self) -> Status:
         """Output, lock, table and trip in one answer."""

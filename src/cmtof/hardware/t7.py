@@ -1,14 +1,10 @@
 """Read-out LabJack T7 over Modbus TCP (pymodbus): digital lines, bursts of samples, watchdog.
 
-Registers are those of LabJack's ljm_constants.json. Function 76 (feedback), which does reads and
-writes in their order in one frame, and the packets of the stream are LabJack's own (T-Series
-Datasheet, 3.2.3 Stream-Out, 3.2.4 Low-Level Stream); they stand here:
-
-- A stream-out puts one value a scan into its target; targets are whole ports (FIO_STATE), whose
-  upper byte keeps the other lines from changing.
-- Its waveform goes on where it stopped when the stream starts again, so a burst holds whole pulses,
-  and the stream-out is set up again after a burst that broke off.
-- Packets come unasked on a connection of their own; a missing transaction number is a lost packet.
+Registers are those of LabJack's ljm_constants.json. Function 76 (feedback), reads and writes in
+their order in one frame, and the packets of the stream are LabJack's own (T-Series Datasheet, 3.2.3
+Stream-Out, 3.2.4 Low-Level Stream). A stream-out puts one value a scan into a whole port, whose
+upper byte keeps the other lines from changing. Its waveform goes on where it stopped when the
+stream starts again: so a burst holds whole pulses, and one that broke off is set up again.
 """
 
 import logging
