@@ -188,7 +188,7 @@ def evaluate(
     from cmtof.evaluation import Evaluation
     from cmtof.files import check_output, written_whole
     from cmtof.methods import names_of
-    from cmtof.scenes.folders import frames_in
+    from cmtof.scenes import frames_in
     from cmtof.scenes.frame import Frames
 
     if json_file is not None:

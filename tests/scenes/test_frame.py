@@ -25,15 +25,15 @@ def test_rays_of_a_skewed_camera_land_on_their_pixels(fx, fy, cx, cy, skew):
     np.testing.assert_allclose(rays @ pinhole.T, np.stack([u, v, ONES], axis=-1), atol=1e-9)
 
 
-@pytest.mark.parametrize("camera", [None, [9.0, 9, 4, 3, 0.1]])
-def test_frames_survive_their_file(tmp_path, rng, camera):
-    frame = Frame(rng.uniform(1, 2, (6, 8)), rng.uniform(0, 2, (6, 8)), camera, note="float16")
-    frame.save(tmp_path / "a.npz")
-    read = load_frame(tmp_path / "a.npz")
-    np.testing.assert_array_equal(read.depth, frame.depth)
-    np.testing.assert_array_equal(read.intensity, frame.intensity)
-    assert (read.note, read.name) == ("float16", "a")
-    assert read.camera is None if camera is None else read.camera.tolist() == camera
+def test_frames_survive_their_file(tmp_path, rng):
+    for camera in (None, [9.0, 9, 4, 3, 0.1]):
+        frame = Frame(rng.uniform(1, 2, (6, 8)), rng.uniform(0, 2, (6, 8)), camera, note="float16")
+        frame.save(tmp_path / "a.npz")
+        read = load_frame(tmp_path / "a.npz")
+        np.testing.assert_array_equal(read.depth, frame.depth)
+        np.testing.assert_array_equal(read.intensity, frame.intensity)
+        assert (read.note, read.name) == ("float16", "a")
+        assert read.camera is None if camera is None else read.camera.tolist() == camera
 
 
 @pytest.mark.parametrize(
@@ -44,10 +44,7 @@ def test_frames_survive_their_file(tmp_path, rng, camera):
         (ONES, -ONES, None, "intensities >= 0"),
         (ONES, ONES, [0.0, 1, 1, 1], "camera fx fy cx cy"),
         (ONES.astype(str), ONES, None, "numbers as depth"),
-        (ONES, ONES.astype(complex), None, "numbers as intensity"),
-        (ONES.astype("M8[s]"), ONES, None, "numbers as depth"),
-        (ONES.astype("V4"), ONES, None, "numbers as depth"),
-        (ONES.astype([("a", float)]), ONES, None, "numbers as depth"),
+        (ONES, ONES.astype([("a", float)]), None, "numbers as intensity"),
         (ONES, ONES, ["a"] * 4, "numbers as camera"),
     ],
 )
@@ -102,18 +99,17 @@ def pairs(tmp_path):
     return tmp_path, depth
 
 
-@pytest.mark.parametrize("planar", [False, True])
-def test_a_pair_of_images_loads_with_its_scale(pairs, planar):
+def test_a_pair_of_images_loads_with_its_scale(pairs):
     folder, depth = pairs
-    how = {"depth_scale": 5000, "planar": planar, "camera": CAMERA}
-    frame = load_frame(folder / "depth" / "2.png", intensity=folder / "rgb" / "2.png", **how)
-    truth = depth * ray_lengths((12, 16), CAMERA) if planar else depth
-    assert np.isnan(frame.depth[0, 0])
-    np.testing.assert_allclose(frame.depth[1:], truth[1:], atol=1.2e-4)
-    np.testing.assert_allclose(frame.intensity, 0.5, atol=0.005)
-    listed = frames_in(folder, **how)
-    assert [source.name for source in listed] == [f"{folder.name}/2", f"{folder.name}/10"]
-    np.testing.assert_array_equal(listed[0].load().depth, frame.depth)
+    for planar, shape in ((False, 1.0), (True, ray_lengths((12, 16), CAMERA))):
+        how = {"depth_scale": 5000, "planar": planar, "camera": CAMERA}
+        frame = load_frame(folder / "depth" / "2.png", intensity=folder / "rgb" / "2.png", **how)
+        assert np.isnan(frame.depth[0, 0])
+        np.testing.assert_allclose(frame.depth[1:], (depth * shape)[1:], atol=1.2e-4)
+        np.testing.assert_allclose(frame.intensity, 0.5, atol=0.005)
+        listed = frames_in(folder, **how)
+        assert [source.name for source in listed] == [f"{folder.name}/2", f"{folder.name}/10"]
+        np.testing.assert_array_equal(listed[0].load().depth, frame.depth)
 
 
 def test_pairs_that_lack_something(pairs):
@@ -121,7 +117,7 @@ def test_pairs_that_lack_something(pairs):
     (pairs[0] / "fake.png").write_bytes(b"no image")
     for known, message in (
         ({}, "intensity image beside"),
-        ({"intensity": colour, "planar": True}, "Expected camera"),
+        ({"intensity": colour, "planar": True}, "for planar depth a camera"),
         ({"intensity": colour, "depth_scale": 0}, "depth scale > 0"),
         ({"intensity": pairs[0] / "fake.png"}, "Expected a PNG image"),
     ):
@@ -153,32 +149,30 @@ def write_capture(folder, phase, depth=None):
     return folder / "phase" / "scene_x_phase.csv"
 
 
-@pytest.mark.parametrize("inside", [False, True])
-def test_a_capture_opens_from_everywhere(tmp_path, rng, monkeypatch, inside):
+def test_a_capture_opens_from_everywhere(tmp_path, rng, monkeypatch):
     """In its own folder as well, where its path has no parents."""
     depth = rng.uniform(0.6, 0.8, (7, 9))
     path = write_capture(tmp_path, phase_from_depth(depth, 7.15e9) % (2 * np.pi), 1000 * depth)
     monkeypatch.chdir(path.parent)
-    measurement = cmtof.open(path.name if inside else path)
-    np.testing.assert_allclose(measurement.dataset["reference_depth"], depth)
-    assert np.abs(centred(measurement.phase[0] - phase_from_depth(depth, 7.15e9))).max() < 1e-5
-    assert measurement.frequencies.tolist() == [7.15e9]
+    for place in (path, path.name):
+        measurement = cmtof.open(place)
+        np.testing.assert_allclose(measurement.dataset["reference_depth"], depth)
+        error = centred(measurement.phase[0] - phase_from_depth(depth, 7.15e9))
+        assert np.abs(error).max() < 1e-5
+        assert measurement.frequencies.tolist() == [7.15e9]
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
+def test_broken_captures_end_in_one_sentence(tmp_path):
+    path = write_capture(tmp_path, ONES, 700 * ONES)
+    for text, message in (
         ("", "got none"),
-        ("1,x\n3,4\n", "rows of numbers"),
+        ("1,x\n3,4\n", "rows of finite numbers"),
         ("1,700\n3,4\n", "Is it a depth map"),
         ("1,2,3\n", "reference depth of shape"),
-    ],
-)
-def test_broken_captures_end_in_one_sentence(tmp_path, text, message):
-    path = write_capture(tmp_path, ONES, 700 * ONES)
-    path.write_text(text)
-    with pytest.raises(ValueError, match=message):
-        captures.read_capture(path)
+    ):
+        path.write_text(text)
+        with pytest.raises(ValueError, match=message):
+            captures.read_capture(path)
 
 
 def test_published_captures_agree_with_their_reference_on_the_background(shared_data):

@@ -1,6 +1,85 @@
 """Where RGB-D comes from: files, folders, Hypersim, rooms from a seed, real captures."""
 
-from cmtof.scenes.folders import frames_in, load_frame
-from cmtof.scenes.frame import Frame, Frames, embedded_frames
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from cmtof.scenes.frame import (
+    Frame,
+    Frames,
+    Source,
+    embedded_frames,
+    frame_from_npz,
+    frame_from_pair,
+)
+from cmtof.scenes.hypersim import Hypersim, frame_of_file, is_hypersim
 
 __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
+
+
+def load_frame(source: str | Path, *, intensity: str | Path | None = None, **given: Any) -> Frame:
+    """Frame of a file or of an embedded name, or the first one of a folder.
+
+    Parameters
+    ----------
+    source : str or Path
+        An ``.npz`` with ``depth`` (m), ``intensity`` and optionally ``camera``; a 16-bit depth
+        ``.png``; a Hypersim file ``frame.IIII.depth_meters.hdf5`` in its tree; a name out of
+        `embedded_frames`; or a folder for `frames_in` (of a Hypersim tree the first test frame).
+    intensity : str or Path, optional
+        Image beside a depth PNG.
+    **given
+        ``camera`` in place of what the source states, and for a depth PNG ``depth_scale`` and
+        ``planar``, as in `cmtof.scenes.frame.frame_from_pair`.
+
+    Examples
+    --------
+    >>> load_frame("still_life").depth.shape
+    (240, 320)
+    """
+    known = embedded_frames()
+    path = known.get(str(source), Path(source))
+    if path.is_dir():
+        return frames_in(path, **given)[0].load()
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"Expected a frame file or one of {', '.join(known)}, got {source}. Check the name."
+        )
+    if path.suffix == ".hdf5":
+        return frame_of_file(path)
+    if path.suffix == ".png":
+        return frame_from_pair(path, intensity, **given)
+    if path.suffix != ".npz":
+        raise ValueError(
+            f"Expected a frame named *.npz, *.png or *.depth_meters.hdf5, got {path.name}. "
+            "Convert it."
+        )
+    return frame_from_npz(path, given.get("camera"))
+
+
+def frames_in(source: str | Path, **given: Any) -> list[Source]:
+    """Frames of a file, an embedded name or a folder, listed without loading any.
+
+    A folder is a Hypersim tree or one scene of it (its test frames, or every view without the table
+    of partitions), holds ``*.npz``, or ``depth/NAME.png`` with ``rgb`` or ``color`` ``/NAME.png``
+    or ``.jpg``, as NYU and ScanNet are exported; options as in `load_frame`.
+    """
+    path = Path(source)
+    if str(source) in embedded_frames() or not path.is_dir():
+        return [Source(str(source), partial(load_frame, source, **given))]
+    if is_hypersim(path):
+        return Hypersim(path).sources(blank=True)
+    camera = given.get("camera")
+    found = [Source(p.stem, partial(frame_from_npz, p, camera)) for p in sorted(path.glob("*.npz"))]
+    colours = {p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")}
+    found += [
+        Source(f"{path.name}/{p.stem}", partial(frame_from_pair, p, colours[p.stem], **given))
+        for p in sorted((path / "depth").glob("*.png"), key=lambda p: (len(p.stem), p))
+        if p.stem in colours
+    ]
+    if not found:
+        raise ValueError(
+            f"Expected frames in {path} (a Hypersim tree, depth beside rgb or color, or *.npz), "
+            "got none. Name the folder that holds them."
+        )
+    return found

@@ -38,18 +38,15 @@ def read_capture(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.floa
     The reference is None where ``depth/scene_NAME_depth.csv`` is missing. It is coarser than a
     wrap on the objects and no truth for them. ValueError if a file holds no such map.
     """
-    path = Path(path)
-    phase = _read_map(path)
+    path = Path(path).resolve()
+    phase, depth = _read_map(path), None
     if not (phase.min() >= -1e-6 and phase.max() <= 2 * np.pi + 1e-6):
         raise ValueError(
             f"Expected wrapped phases from 0 to 2 pi rad in {path}, got {phase.min():.4g} to "
             f"{phase.max():.4g}. Is it a depth map?"
         )
-    other = path.resolve().parent.parent / "depth" / path.name.replace("_phase", "_depth")
-    if not other.is_file():
-        return phase, None
-    depth = _read_map(other) / 1000
-    if depth.shape != phase.shape:
+    other = path.parent.parent / "depth" / path.name.replace("_phase", "_depth")
+    if other.is_file() and (depth := _read_map(other) / 1000).shape != phase.shape:
         raise ValueError(
             f"Expected a reference depth of shape {phase.shape}, got {depth.shape} in {other}. "
             "Take the one of the same scene."
@@ -62,11 +59,10 @@ def _read_map(path: Path) -> NDArray[np.float64]:
     try:
         with warnings.catch_warnings(action="ignore"):  # of no data: the error below names it
             table = np.loadtxt(path, delimiter=",", ndmin=2)
+        if table.size == 0 or not np.isfinite(table).all():
+            raise ValueError("NaN or inf" if table.size else "none")
     except ValueError as error:
         raise ValueError(
-            f"Expected rows of numbers parted by commas in {path}, got {error}. Check the file."
+            f"Expected rows of finite numbers parted by commas in {path}, got {error}. Check it."
         ) from error
-    if table.size == 0 or not np.isfinite(table).all():
-        found = "NaN or inf" if table.size else "none"
-        raise ValueError(f"Expected finite numbers in {path}, got {found}. Check the file.")
     return table

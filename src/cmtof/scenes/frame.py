@@ -4,7 +4,7 @@ import zipfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,23 +23,17 @@ HELD_OUT_STEP = 5e-5
 
 @dataclass(frozen=True)
 class Frame:
-    """One view of a scene.
+    """One view of a scene; a ValueError says what is no number or no possible scene.
 
     Attributes
     ----------
-    depth : ndarray of float32, shape (H, W)
-        Range along the ray, m; NaN where invalid.
-    intensity : ndarray of float32, shape (H, W)
-        Linear radiance >= 0; the simulator clips it to 1.
+    depth, intensity : ndarray of float32, shape (H, W)
+        Range along the ray, m, NaN where invalid; linear radiance >= 0, clipped to 1 by the
+        simulator.
     camera : ndarray, shape (4,) or (5,), optional
         fx, fy, cx, cy, px, pixel centres at +0.5, and the skew where there is one.
     name, note : str
         Source of the frame, and what a user should know of it (empty if nothing).
-
-    Raises
-    ------
-    ValueError
-        If something is no number, shapes differ, or no such scene is possible.
 
     Examples
     --------
@@ -55,53 +49,42 @@ class Frame:
 
     def __post_init__(self) -> None:
         where = self.name or "the frame"
+
+        def expect(holds: object, what: str, got: object, advice: str) -> None:
+            if not holds:
+                raise ValueError(f"Expected {what}, got {got} in {where}. {advice}")
+
         depth = numbers(self.depth, f"depth of {where}", np.float32)
-        intensity = numbers(self.intensity, f"intensity of {where}", np.float32)
-        if depth.ndim != 2 or depth.shape != intensity.shape or depth.size == 0:
-            raise ValueError(
-                f"Expected depth and intensity of one shape (H, W), got {depth.shape} and "
-                f"{intensity.shape} in {where}. Resample one of them."
-            )
+        light = numbers(self.intensity, f"intensity of {where}", np.float32)
+        alike = depth.ndim == 2 and depth.shape == light.shape and depth.size
+        what, got = "depth and intensity of one shape (H, W)", f"{depth.shape} and {light.shape}"
+        expect(alike, what, got, "Resample one of them.")
         depth[~(np.isfinite(depth) & (depth > 0))] = np.nan
-        if np.isnan(depth).all():
-            raise ValueError(
-                f"Expected depths in metres, got none above 0 in {where}. Check the depth scale."
-            )
-        if not (np.isfinite(intensity).all() and intensity.min() >= 0):
-            raise ValueError(
-                f"Expected finite intensities >= 0, got some that are not in {where}. "
-                "Use linear radiance and fill its holes with 0."
-            )
+        held = not np.isnan(depth).all()
+        expect(held, "depths in metres", "none above 0", "Check the depth scale.")
+        bright, advice = np.isfinite(light).all() and light.min() >= 0, "Fill its holes with 0."
+        expect(bright, "finite intensities >= 0", "some that are not", advice)
         if self.camera is not None:
             camera = numbers(self.camera, f"camera of {where}")
             known = camera.shape in ((4,), (5,)) and np.isfinite(camera).all()
-            if not (known and (camera[:2] > 0).all()):
-                raise ValueError(
-                    f"Expected camera fx fy cx cy (skew), px, with fx, fy > 0, got "
-                    f"{camera.tolist()} in {where}. Correct it."
-                )
+            what = "camera fx fy cx cy (skew), px, with fx, fy > 0"
+            expect(known and (camera[:2] > 0).all(), what, camera.tolist(), "Correct it.")
             object.__setattr__(self, "camera", camera)
         object.__setattr__(self, "depth", depth)
-        object.__setattr__(self, "intensity", intensity)
+        object.__setattr__(self, "intensity", light)
 
     def save(self, path: str | Path) -> None:
         """Write a compressed ``.npz`` (float32)."""
-        arrays: dict[str, Any] = {"depth": self.depth, "intensity": self.intensity}
-        if self.camera is not None:
-            arrays["camera"] = self.camera
-        if self.note:
-            arrays["note"] = np.array(self.note)
+        arrays = {"depth": self.depth, "intensity": self.intensity, "camera": self.camera}
+        arrays["note"] = np.array(self.note) if self.note else None
         with written_whole(path) as part:
-            np.savez_compressed(part, **arrays)
+            np.savez_compressed(part, **{k: v for k, v in arrays.items() if v is not None})
 
     def middle(self, height: int, width: int) -> "Frame":
         """Middle of the frame, at most that large; the camera moves with it."""
-        top, left = (
-            max(0, (len(self.depth) - height) // 2),
-            max(0, (self.depth.shape[1] - width) // 2),
-        )
-        part = (slice(top, top + height), slice(left, left + width))
-        camera = self.camera
+        top = max(0, (self.depth.shape[0] - height) // 2)
+        left = max(0, (self.depth.shape[1] - width) // 2)
+        part, camera = np.s_[top : top + height, left : left + width], self.camera
         if camera is not None:
             camera = camera - [0, 0, left, top, 0][: len(camera)]
         return Frame(self.depth[part], self.intensity[part], camera, self.name, self.note)
@@ -183,8 +166,9 @@ def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
             f"Expected arrays depth and intensity in {path}, got {sorted(arrays)}. Add them."
         )
     stored = arrays.get("camera") if camera is None else np.asarray(camera)
-    note = str(arrays.get("note", ""))
-    return Frame(arrays["depth"], arrays["intensity"], stored, path.stem, note)
+    return Frame(
+        arrays["depth"], arrays["intensity"], stored, path.stem, str(arrays.get("note", ""))
+    )
 
 
 def frame_from_pair(
@@ -199,40 +183,29 @@ def frame_from_pair(
 
     ``depth_scale`` are levels per metre, level 0 is no depth. ``planar`` depth, along the optical
     axis, is turned into range by the ``camera`` (as in `Frame`). The green channel is made linear.
-
-    Raises
-    ------
-    ValueError
-        If something is missing, no image, or of another size.
+    ValueError if something is missing, no image, or of another size.
     """
-    if intensity is None:
+    if intensity is None or (planar and camera is None) or not 0 < depth_scale < np.inf:
         raise ValueError(
-            f"Expected an intensity image beside the depth image {depth.name}, got none. Name it."
+            "Expected an intensity image beside the depth image, a depth scale > 0 levels per "
+            f"metre, and for planar depth a camera, got {intensity}, {depth_scale}, {camera} for "
+            f"{depth.name}. Give what is missing."
         )
-    if not 0 < depth_scale < np.inf:
-        raise ValueError(
-            f"Expected a depth scale > 0 levels per metre, got {depth_scale}. Try 1000."
-        )
-    levels, image = read_image(depth), read_image(Path(intensity))
+    levels, image = _read_image(depth), _read_image(Path(intensity))
     if levels.ndim != 2:
         raise ValueError(
             f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name depth first."
         )
-    distance = levels / depth_scale
+    distance, stated = levels / depth_scale, None if camera is None else np.asarray(camera)
     if planar:
-        if camera is None:
-            raise ValueError(
-                f"Expected camera for the planar depth {depth.name}, got none. Give it."
-            )
-        distance = distance * ray_lengths(distance.shape, camera)
+        distance = distance * ray_lengths(distance.shape, stated)
     green = image if image.ndim == 2 else image[..., 1 if image.shape[-1] > 2 else 0]
-    stated = None if camera is None else np.asarray(camera)
     encoded = green / np.iinfo(green.dtype).max  # sRGB, IEC 61966-2-1
     linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
     return Frame(distance, linear, stated, depth.stem)
 
 
-def read_image(path: Path) -> NDArray:
+def _read_image(path: Path) -> NDArray:
     """Pixels of a PNG of 8 or 16 bits or a JPEG as stored: (H, W) or (H, W, channels)."""
     from PIL import Image
 

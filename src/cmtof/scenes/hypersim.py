@@ -59,11 +59,6 @@ class View(NamedTuple):
         """Name such as ``ai_001_001/cam_00/0042``."""
         return f"{self.scene}/{self.camera}/{self.number:04d}"
 
-    @property
-    def is_authors_test(self) -> bool:
-        """Whether the paper tests on it: 0042 of camera 00 of an ai_VVV_001 (46 were published)."""
-        return bool(re.fullmatch(r"ai_\d{3}_001", self.scene)) and self[1:3] == ("cam_00", 42)
-
     def file(self, root: str | Path, kind: str) -> Path:
         """File of an array below the root of a tree; ``kind`` is a key of `FILES`."""
         folder, name, _ = FILES[kind]
@@ -75,14 +70,12 @@ class Hypersim:
     """A tree of scenes.
 
     ``root`` is the folder that holds the scenes, or one scene. The two tables are looked for in it,
-    beside it, and in the folders ``metadata`` and ``analysis`` of either. FileNotFoundError or
-    ValueError if there is no such folder, or no scene in it.
+    beside it, and in the folders ``metadata`` and ``analysis`` of either. ValueError if there is no
+    scene in it.
     """
 
     def __init__(self, root: str | Path):
         path = Path(root)
-        if not path.is_dir():
-            raise FileNotFoundError(f"Expected a folder of scenes, got {path}. Check the path.")
         if not is_hypersim(path):
             raise ValueError(
                 f"Expected scenes such as ai_001_001/images in {path}, got none. Name their folder."
@@ -103,10 +96,6 @@ class Hypersim:
         table = self._table(CAMERAS)
         return dict(_read_table(table, _projection)) if table else {}
 
-    def array(self, view: View, kind: str) -> NDArray:
-        """Color, depth, normal or instance of a view as stored."""
-        return _read_array(view.file(self.root, kind), 3 if kind in ("color", "normal") else 2)
-
     def frame(self, view: View, *, blank: bool = False) -> Frame:
         """A view as the simulator takes it: linear green as intensity, range as depth.
 
@@ -114,15 +103,15 @@ class Hypersim:
         if the colour file is missing. FileNotFoundError or ValueError if a file is missing or
         broken, or the sizes differ.
         """
-        depth, notes = self.array(view, "depth"), []
+        depth, notes = read_array(view.file(self.root, "depth"), 2), []
         if depth.dtype == np.float16:
             step = 1000 * float(np.spacing(np.max(depth, where=np.isfinite(depth), initial=0)))
             notes.append(f"float16 depth in steps of up to {step:.1f} mm")
-        if blank and not view.file(self.root, "color").is_file():
-            intensity = np.ones(depth.shape, np.float32)
+        color, intensity = view.file(self.root, "color"), np.ones(depth.shape, np.float32)
+        if blank and not color.is_file():
             notes.append("no colour file: intensity 1 everywhere")
         else:
-            green = self.array(view, "color")[..., 1].astype(np.float32)
+            green = read_array(color, 3)[..., 1].astype(np.float32)
             intensity = np.nan_to_num(green, nan=0.0, posinf=_BRIGHTEST, neginf=0.0).clip(0)
         projection = self.projections.get(view.scene)
         camera = None if projection is None else camera_from_projection(projection, depth.shape)[0]
@@ -134,16 +123,15 @@ class Hypersim:
             views = (self.split()["test"] if self._table(SPLIT) else []) or self.views
         return [Source(view.name, partial(self.frame, view, blank=blank)) for view in views]
 
-    def split(self, rule: str = "scenes") -> dict[str, list[View]]:
-        """Views on disk that train, validate and test, by a rule of `split_views`."""
+    def split(self) -> dict[str, list[View]]:
+        """Views on disk that train, validate and test, as `split_views` has them."""
         table = self._table(SPLIT)
         if table is None:
             raise FileNotFoundError(
                 f"Expected {SPLIT} in or beside {self.root}, got none. Fetch it from the data set."
             )
-        parts = split_views(_read_table(table, _listed), rule)
-        there = {view[:3] for view in self.views}
-        return {name: [view for view in parts[name] if view[:3] in there] for name in PARTITIONS}
+        parts, there = split_views(_read_table(table, _listed)), {view[:3] for view in self.views}
+        return {name: [v for v in part if v[:3] in there] for name, part in parts.items()}
 
     def _table(self, name: str) -> Path | None:
         root = self.root.resolve()
@@ -186,16 +174,13 @@ def _view_from(path: Path) -> View | None:
 def camera_from_projection(
     projection: ArrayLike, shape: tuple[int, ...]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Camera numbers and rotation of a projection M_cam_from_uv, tilt and shift included.
+    """Camera fx, fy, cx, cy (and skew), px, and rotation of a projection M_cam_from_uv.
 
     A pixel at (x, y), centres at +0.5, has u = 2x/W - 1 and v = 1 - 2y/H. Its ray in the camera's
-    axes (right, up, backwards) is M (u, v, 1). The rays of any M are those of a pinhole K turned by
-    a rotation R: with D = diag(1, -1, -1) and N the step from pixels to (u, v), the QR
-    decomposition of D M N is R' K^-1, and R = D R'.
-
-    Returned are fx, fy, cx, cy, px, and the skew where it exceeds 1e-6 of fx, and the rotation from
-    that camera's rays (x right, y down, z forward) to Hypersim's camera axes. ValueError if the
-    matrix is singular, or shows the scene mirrored.
+    axes (right, up, backwards) is M (u, v, 1). The rays of any M, tilt and shift included, are
+    those of a pinhole K turned by a rotation R: with D = diag(1, -1, -1) and N the step from pixels
+    to (u, v), the QR decomposition of D M N is R' K^-1, and R = D R'. The skew stands there if it
+    exceeds 1e-6 of fx. ValueError if the matrix is singular, or shows the scene mirrored.
 
     Examples
     --------
@@ -218,14 +203,12 @@ def camera_from_projection(
     return (camera if skewed else camera[:4]), flip @ (turned * signs)
 
 
-def split_views(listed: Iterable[View], rule: str = "scenes") -> dict[str, list[View]]:
+def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
     """Published views parted into train, val and test; each list is sorted.
 
-    By the rule ``scenes`` test are the paper's test frames or, in sets rendered here, the first
-    view of each test scene; train and val are the official partitions without any scene that holds
-    a test frame. ``official``: as the table has them. ``authors``: the paper's test frames, and
-    everything else trains, neighbouring views of the tested scenes included: 34 of its 46 test
-    frames lie in official training scenes.
+    Test are the paper's test frames or, in sets rendered here, the first view of each test scene;
+    train and val are the official partitions without any scene that holds a test frame: 34 of the
+    paper's 46 lie in official training scenes.
 
     Examples
     --------
@@ -234,19 +217,12 @@ def split_views(listed: Iterable[View], rule: str = "scenes") -> dict[str, list[
     [0]
     """
     views = sorted(view for view in listed if view.partition in PARTITIONS)
-    parts = {name: [view for view in views if view.partition == name] for name in PARTITIONS}
-    if rule == "official":
-        return parts
-    authors = [view for view in views if view.is_authors_test]
-    if rule == "authors":
-        return {"train": [v for v in views if not v.is_authors_test], "val": [], "test": authors}
-    if rule != "scenes":
-        raise ValueError(f"Expected a rule out of scenes, official, authors, got {rule}. Choose.")
-    ours = [view for view in parts["test"] if not re.fullmatch(r"ai_\d{3}_\d{3}", view.scene)]
-    test = sorted([*authors, *{view.scene: view for view in reversed(ours)}.values()])
-    tested = {view.scene for view in test}
-    kept = {name: [v for v in parts[name] if v.scene not in tested] for name in ("train", "val")}
-    return {**kept, "test": test}
+    theirs = [v for v in views if re.fullmatch(r"ai_\d{3}_001/cam_00/0042", v.name)]
+    ours = [v for v in views if v.partition == "test" and not re.match(r"ai_\d{3}_", v.scene)]
+    test = sorted([*theirs, *{view.scene: view for view in reversed(ours)}.values()])
+    left = [view for view in views if view.scene not in {tested.scene for tested in test}]
+    parts = {name: [v for v in left if v.partition == name] for name in ("train", "val")}
+    return {**parts, "test": test}
 
 
 def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
@@ -259,20 +235,20 @@ def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: 
 
     Linear radiance (H, W, 3), range (H, W) in m, unit normals (H, W, 3) and numbers of things
     (H, W), each whole or not at all, in the types of `FILES`: the official ones, but depth in
-    float32. ValueError if the shapes do not fit together.
+    float32.
     """
-    shape = np.shape(arrays["depth"])
+    import h5py
+
     for kind, (_, _, dtype) in FILES.items():
-        expected = (*shape, 3) if kind in ("color", "normal") else shape
-        array = np.asarray(arrays[kind])
-        if len(shape) != 2 or array.shape != expected:
-            raise ValueError(
-                f"Expected {kind} of shape {expected}, got {array.shape} for {scene} {camera} "
-                f"frame {frame}. Render them with one size."
-            )
+        memory, path = io.BytesIO(), View(scene, camera, frame).file(root, kind)
         with np.errstate(over="ignore"):  # light beyond float16 is infinite, as in the original
-            stored = array.astype(dtype)
-        _write_array(View(scene, camera, frame).file(root, kind), stored)
+            stored = np.asarray(arrays[kind]).astype(dtype)
+        with h5py.File(memory, "w") as file:
+            packed: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+            file.create_dataset("dataset", data=stored, track_times=False, **packed)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with written_whole(path) as part:
+            part.write_bytes(memory.getvalue())
 
 
 def write_metadata(
@@ -280,27 +256,26 @@ def write_metadata(
     split: Mapping[str, str],
     *,
     shape: tuple[int, int],
-    focal: float | Mapping[str, float],
+    focal: Mapping[str, float],
     views: Mapping[str, Sequence[tuple[str, int]]],
 ) -> None:
     """Write both tables of a rendered set.
 
-    ``split`` is the partition of each scene, ``shape`` H, W of the views in px, ``focal`` the focal
-    length in px of all scenes or of each, ``views`` camera and frame number of each view of each.
+    For each scene ``split`` has the partition, ``focal`` the focal length in px, ``views`` camera
+    and frame number of each view; ``shape`` is H, W of all of them.
     """
     cameras: list[Sequence[object]] = [("scene_name", *_MATRIX)]
     listed: list[Sequence[object]] = [_LISTED]
     for scene, partition in split.items():
-        length = focal[scene] if isinstance(focal, Mapping) else focal
-        matrix = np.diag([shape[1] / (2 * length), shape[0] / (2 * length), -1.0])
-        cameras.append((scene, *matrix.ravel().tolist()))
+        half = np.array(shape) / (2 * focal[scene])
+        cameras.append((scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist()))
         listed += [(scene, camera, frame, partition) for camera, frame in views[scene]]
     _write_table(Path(root) / CAMERAS, cameras)
     _write_table(Path(root) / SPLIT, listed)
 
 
-def _read_array(path: Path, dimensions: int) -> NDArray:
-    """The array of one file: numbers, on that many axes."""
+def read_array(path: Path, dimensions: int) -> NDArray:
+    """The array of one file: numbers, on that many axes, the third of 3."""
     import h5py
 
     if not path.is_file():
@@ -312,32 +287,15 @@ def _read_array(path: Path, dimensions: int) -> NDArray:
             stored: Any = file["dataset"]
             check_claim(stored.nbytes, path.stat().st_size)
             array = np.asarray(stored[()])
+        if array.dtype.kind not in "iuf" or array.shape[2:] != (3,) * (dimensions - 2):
+            raise ValueError(f"{array.dtype} {array.shape}, no numbers on {dimensions} axes")
     except Exception as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
         reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
         raise ValueError(
             f"Expected a whole HDF5 file with the key dataset, got {path} ({reason}). "
             "Fetch or render it again."
         ) from error
-    fits = array.ndim == dimensions and (dimensions < 3 or array.shape[-1] == 3)
-    if not fits or array.dtype.kind not in "iuf" or array.size == 0:
-        raise ValueError(
-            f"Expected numbers on {dimensions} axes (the third of 3), got {array.dtype} "
-            f"{array.shape} in {path}. Fetch or render it again."
-        )
     return array
-
-
-def _write_array(path: Path, array: NDArray) -> None:
-    """Write one HDF5 file, made in memory; no times in it, so equal arrays give equal bytes."""
-    import h5py
-
-    memory = io.BytesIO()
-    with h5py.File(memory, "w") as file:
-        packed: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-        file.create_dataset("dataset", data=array, track_times=False, **packed)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with written_whole(path) as part:
-        part.write_bytes(memory.getvalue())
 
 
 def _read_table(path: Path, parse: Callable[[dict[str, str]], Any]) -> list[Any]:

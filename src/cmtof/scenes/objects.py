@@ -12,13 +12,14 @@ to ``L^2 / (8 R)`` off it, 2 um for 1 mm on 6 cm.
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-if TYPE_CHECKING:
-    from trimesh import Trimesh
+from scipy.interpolate import PchipInterpolator
+from trimesh import Trimesh
+from trimesh.creation import box, cylinder, icosphere, torus
+from trimesh.util import concatenate
 
 Array = NDArray[np.float64]
 
@@ -36,13 +37,11 @@ MIRRORED = 0.7
 
 
 @lru_cache(maxsize=4)
-def object_mesh(name: str) -> "Trimesh":
+def object_mesh(name: str) -> Trimesh:
     """Mesh of one of `OBJECTS` about 1 m before the instrument, on a table with a wall behind it.
 
     Diffuse plaster, specular metal, textured plumage, a cluttered table.
     """
-    from trimesh.util import concatenate
-
     pieces, _, middle, pitch = _known(name)
     board = _piece(_box((1.2, 0.9, 0.01)), 0.4, at=(0, -0.15, -0.01))
     wall = _piece(_box((1.2, 0.01, 1.3)), 0.55, at=(0, 0.305, -0.1))
@@ -59,21 +58,14 @@ def field_of_view(name: str) -> float:
 
 
 def gage_blocks(
-    step: float = 0.5e-3,
-    distance: float = 1.0,
-    *,
-    tilt: float = 0.02,
-    mirrored: float = MIRRORED,
-    errors: tuple[float, float] = (0.0, 0.0),
-) -> "Trimesh":
+    step: float, distance: float, *, tilt: float, errors: tuple[float, float]
+) -> Trimesh:
     """Measuring faces of two gauge blocks, wrung on a mount side by side (Fig. 14).
 
-    The left face meets the axis at ``distance``; beside the faces nothing returns.
-
-    The right one stands nearer by ``step``, the difference of their nominal lengths, from which
-    both deviate by ``errors``, m. Both are turned about the upright axis by ``tilt``, rad, so that
-    the mirror image of the beam misses the instrument (assumed). ``mirrored`` is the weight of the
-    specular law, 0 to 1.
+    The left face meets the axis at ``distance``; beside the faces nothing returns. The right one
+    stands nearer by ``step``, the difference of their nominal lengths, from which both deviate by
+    ``errors``, m. Both are turned about the upright axis by ``tilt``, rad, so that the mirror image
+    of the beam misses the instrument (assumed).
     """
     corners = []
     for side, length in ((-1, errors[0]), (1, step + errors[1])):
@@ -82,34 +74,27 @@ def gage_blocks(
         # the step is the distance of the two parallel faces, along their normal
         corners.append(np.stack([x, y, distance + np.tan(tilt) * x - length / np.cos(tilt)], -1))
     faces = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]
-    return _mesh(np.concatenate(corners), faces, STEEL, mirrored)
+    return _piece(Trimesh(np.concatenate(corners), faces, process=False), STEEL, MIRRORED)
 
 
 # --- pieces, standing on z = 0 with their front towards -y ----------------------------------------
 
 
-def _mesh(vertices: ArrayLike, faces: ArrayLike, bright: ArrayLike, mirrored: float) -> "Trimesh":
-    from trimesh import Trimesh
-
-    count = len(np.asarray(vertices))
-    material = {"reflectance": bright, "mirrored": mirrored}
-    held = {k: np.broadcast_to(np.asarray(v, float), count).copy() for k, v in material.items()}
-    return Trimesh(vertices, faces, process=False, vertex_attributes=held)
-
-
 def _piece(
-    shape: "Trimesh",
+    shape: Trimesh,
     bright: float | Callable[..., ArrayLike],
     mirrored: float = 0.0,
     *,
     at: ArrayLike = (0, 0, 0),
     turn: float = 0.0,
-) -> "Trimesh":
+) -> Trimesh:
     """A shape of a material (a number, or a function of x, y, z), turned upright and moved."""
     points = np.asarray(shape.vertices)
     cos, sin = np.cos(turn), np.sin(turn)
     moved = points @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) + np.asarray(at, float)
-    return _mesh(moved, shape.faces, bright(*points.T) if callable(bright) else bright, mirrored)
+    seen = bright(*points.T) if callable(bright) else np.full(len(points), float(bright))
+    held = {"reflectance": np.asarray(seen, float), "mirrored": np.full(len(points), mirrored)}
+    return Trimesh(moved, shape.faces, process=False, vertex_attributes=held)
 
 
 def _body(
@@ -118,15 +103,12 @@ def _body(
     *,
     holes: Callable[..., NDArray[np.bool_]] | None = None,
     grid: tuple[int, int] = (240, 400),
-) -> "Trimesh":
+) -> Trimesh:
     """A smooth body about the upright axis, by its sections (N, 2) or (N, 4) along the surface.
 
     They hold height and half breadth, m, and for other than round bodies the reach to the front and
     to the back. The surface stands out by ``relief`` (x, y, z), m, and is open at ``holes``.
     """
-    from scipy.interpolate import PchipInterpolator
-    from trimesh import Trimesh
-
     path = np.asarray(sections, float)
     path = path[:, [0, 1, 2, 3] if path.shape[1] == 4 else [0, 1, 1, 1]]
     along = np.concatenate([[0], np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1).cumsum()])
@@ -147,17 +129,15 @@ def _body(
     return Trimesh(points, faces, process=False)
 
 
-def _ellipsoid(size: ArrayLike, relief: Callable[..., Array] | None = None) -> "Trimesh":
+def _ellipsoid(size: ArrayLike, relief: Callable[..., Array] | None = None) -> Trimesh:
     """An ellipsoid about the origin with half axes x, y, z, m."""
-    a = np.linspace(-np.pi / 2, np.pi / 2, 81)
-    half = np.asarray(size, float)
-    round_ = [np.cos(a) * half[k] for k in (0, 1, 1)]
-    return _body(np.column_stack([half[2] * np.sin(a), *round_]), relief)
+    a, half = np.linspace(-np.pi / 2, np.pi / 2, 81), np.asarray(size, float)
+    return _body(
+        np.stack([half[2] * np.sin(a), *(np.cos(a) * half[k] for k in (0, 1, 1))], -1), relief
+    )
 
 
-def _box(size: ArrayLike) -> "Trimesh":
-    from trimesh.creation import box
-
+def _box(size: ArrayLike) -> Trimesh:
     return box(size).apply_translation([0, 0, np.asarray(size, float)[2] / 2])
 
 
@@ -173,7 +153,7 @@ def _mix(dark: float, pale: float, share: ArrayLike) -> Array:
 # --- the objects ----------------------------------------------------------------------------------
 
 
-def _bust() -> list["Trimesh"]:
+def _bust() -> list[Trimesh]:
     """Plaster (0.8 to 0.9 when clean): a head on its shoulders, on a turned socle."""
     sections = [
         (0.0, 0.048, 0.048, 0.048), (0.012, 0.048, 0.048, 0.048), (0.018, 0.036, 0.036, 0.036),
@@ -205,7 +185,7 @@ def _bust() -> list["Trimesh"]:
     return [_piece(_body(sections, relief, grid=(800, 600)), 0.8, turn=0.35)]
 
 
-def _helmet() -> list["Trimesh"]:
+def _helmet() -> list[Trimesh]:
     """Polished steel, open behind, with slits and holes that show the wall.
 
     Almost all light is mirrored away from the instrument; what comes back is a faint diffuse rest.
@@ -238,14 +218,14 @@ def _helmet() -> list["Trimesh"]:
     return [_piece(shell, STEEL, 0.97, at=(0, 0, 0.02)), block]
 
 
-def _owl() -> list["Trimesh"]:
+def _owl() -> list[Trimesh]:
     """Plumage from nearly black (0.03) to white (0.8), relief and all; eyes, a beak, a branch."""
     dark, pale = 0.03, 0.8
 
-    def feathers(x: Array, y: Array, z: Array, columns: int = 24) -> tuple[Array, Array]:
+    def feathers(x: Array, y: Array, z: Array) -> tuple[Array, Array]:
         """How near a point is to the tip of a feather, 0 to 1, and a fixed number of each."""
         level = np.floor(z / 0.0135)
-        across = np.arctan2(x, -y) * columns / (2 * np.pi) + 0.5 * (level % 2)
+        across = np.arctan2(x, -y) * 24 / (2 * np.pi) + 0.5 * (level % 2)
         column = np.floor(across)
         s, t = across - column - 0.5, z / 0.0135 - level  # t is 0 at the tip
         inside = np.clip(1 - (2 * s) ** 2, 0, 1)
@@ -275,9 +255,8 @@ def _owl() -> list["Trimesh"]:
         return seen + (dark - seen) * _bump((far - 0.036, 0.0035)) * (y < 0)
 
     def iris(x: Array, y: Array, z: Array) -> Array:
-        return np.where(np.hypot(x, z) < 0.0072, dark, np.where(np.hypot(x, z) < 0.0145, 0.5, 0.05))
-
-    from trimesh.creation import cylinder, icosphere
+        far = np.hypot(x, z)
+        return np.select([far < 0.0072, far < 0.0145], [dark, 0.5], 0.05)
 
     pieces = [
         _piece(_ellipsoid((0.08, 0.068, 0.105), relief), breast, at=(0, 0, 0.125)),
@@ -290,15 +269,12 @@ def _owl() -> list["Trimesh"]:
             _piece(_ellipsoid((0.015, 0.023, 0.01)), 0.35, 0.02, at=(0.028 * side, -0.045, 0.022)),
             _piece(icosphere(6, 0.0165), iris, 0.04, at=(0.031 * side, -0.046, 0.236)),
         ]
-    ends = [(-0.5, 0, 0), (0.5, 0, 0)]
-    branch = cylinder(0.012, sections=240, segment=ends)
+    branch = cylinder(0.012, sections=240, segment=[(-0.5, 0, 0), (0.5, 0, 0)])
     return [*pieces, _piece(branch, 0.15, at=(0, -0.02, 0.012))]
 
 
-def _table() -> list["Trimesh"]:
+def _table() -> list[Trimesh]:
     """Things of many materials, half hidden by each other; reflectances are assumed."""
-    from trimesh.creation import icosphere, torus
-
     mug = [(0, 0), (0, 0.036), (0.004, 0.04), (0.09, 0.041), (0.095, 0.039), (0.09, 0.037),
            (0.02, 0.036), (0.008, 0.03), (0.008, 0)]  # fmt: skip
     bottle = np.array([(0, 0), (0, 0.9), (0.02, 0.99), (0.06, 1), (0.5, 1), (0.58, 0.99),
@@ -307,9 +283,6 @@ def _table() -> list["Trimesh"]:
              (0.052, 0.004), (0.048, 0)]  # fmt: skip
     pot = [(0, 0), (0, 0.026), (0.045, 0.034), (0.047, 0.036), (0.05, 0.034), (0.044, 0)]
     cactus = [(0.04, 0.016), (0.06, 0.028), (0.09, 0.031), (0.115, 0.022), (0.125, 0)]
-
-    def glazed(x: Array, y: Array, z: Array) -> Array:
-        return np.where(np.abs(z - 0.057) < 0.012, 0.08, 0.7)
 
     def label(x: Array, y: Array, z: Array) -> Array:
         turn = np.arctan2(x, -y)
@@ -320,13 +293,15 @@ def _table() -> list["Trimesh"]:
     def stripes(x: Array, y: Array, z: Array) -> Array:
         return _mix(0.1, 0.65, np.floor((0.8 * x + 0.2 * y + 0.56 * z) / 0.0125) % 2)
 
-    def ribs(x: Array, y: Array, z: Array) -> Array:
-        return 0.003 * np.cos(14 * np.arctan2(x, -y))
-
     upright = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
     handle = torus(0.024, 0.0052, 160, 96, upright)
     return [
-        _piece(_body(mug), glazed, 0.05, at=(0, -0.13, 0)),
+        _piece(
+            _body(mug),
+            lambda x, y, z: np.where(abs(z - 0.057) < 0.012, 0.08, 0.7),
+            0.05,
+            at=(0, -0.13, 0),
+        ),
         _piece(handle, 0.7, 0.05, at=(0.04, -0.145, 0.05)),
         _piece(_body(bottle * [0.235, 0.036], grid=(600, 600)), label, 0.2, at=(0.055, 0.05, 0)),
         _piece(icosphere(6, 0.034), stripes, 0.02, at=(0.14, -0.07, 0.034)),
@@ -337,11 +312,15 @@ def _table() -> list["Trimesh"]:
         _piece(_box((0.14, 0.1, 0.015)), 0.62, at=(-0.132, -0.048, 0.022), turn=-0.1),
         _piece(_box((0.12, 0.085, 0.028)), 0.1, 0.1, at=(-0.128, -0.052, 0.037), turn=0.45),
         _piece(_body(pot), 0.5, at=(0.15, 0.11, 0)),
-        _piece(_body(cactus, ribs), 0.15, at=(0.15, 0.11, 0)),
+        _piece(
+            _body(cactus, lambda x, y, z: 0.003 * np.cos(14 * np.arctan2(x, -y))),
+            0.15,
+            at=(0.15, 0.11, 0),
+        ),
     ]
 
 
-_OBJECTS: dict[str, tuple[Callable[[], list], float, float, float]] = {
+_OBJECTS: dict[str, tuple[Callable[[], list[Trimesh]], float, float, float]] = {
     "bust": (_bust, 0.36, 0.145, 0.1),
     "helmet": (_helmet, 0.34, 0.155, 0.08),
     "owl": (_owl, 0.34, 0.15, 0.08),

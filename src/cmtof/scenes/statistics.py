@@ -19,8 +19,8 @@ BEND = 0.004
 """Second difference of depth at which one surface ends, m."""
 
 
-def bends(depth: ArrayLike, threshold: float = BEND) -> NDArray[np.bool_]:
-    """Pixels (H, W) where a surface ends: depth bends by more than ``threshold``, m, or is NaN.
+def bends(depth: ArrayLike) -> NDArray[np.bool_]:
+    """Pixels (H, W) where a surface ends: depth bends by more than 4 mm, or is NaN.
 
     Examples
     --------
@@ -32,19 +32,20 @@ def bends(depth: ArrayLike, threshold: float = BEND) -> NDArray[np.bool_]:
     ends = ~np.isfinite(depth)
     for axis in (0, 1):
         second = np.moveaxis(np.abs(np.diff(depth, n=2, axis=axis)), axis, 0)
-        np.moveaxis(ends, axis, 0)[1:-1] |= ~(second <= threshold)  # NaN counts as an end
+        np.moveaxis(ends, axis, 0)[1:-1] |= ~(second <= BEND)  # NaN counts as an end
     return ends
 
 
 class Hardness(NamedTuple):
-    """Samples of what makes a depth map hard to unwrap, for 7.15 GHz."""
+    """Samples of what makes a depth map hard to unwrap, for 7.15 GHz.
+
+    Change of depth from a pixel to its neighbour within a surface (``slope``) and where one ends
+    (``jump``), wraps; ``size`` of the surface of each valid pixel, px, one where a surface ends.
+    """
 
     slope: Array
-    """Change of depth from a pixel to its neighbour within a surface, wraps."""
     jump: Array
-    """Change of depth between neighbours where a surface ends, wraps."""
     size: Array
-    """Size of the surface that each valid pixel lies in, px; one where a surface ends."""
 
 
 def hardness(depth: ArrayLike) -> Hardness:
