@@ -65,13 +65,13 @@ class Port:
 
 
 class Visa:
-    """A VISA resource: what is written is answered by a function, in bytes too."""
+    """A VISA resource: what is written is answered by a function of bytes."""
 
     def __init__(self, answer):
-        self._answer, self.lines = lambda text: answer(text.encode()), []
+        self._answer, self.lines = answer, []
 
     def write(self, text):
-        self.lines += [line for line in self._answer(text).decode().split("\n") if line]
+        self.lines += self._answer(text.encode()).decode().splitlines()
 
     def read(self):
         if not self.lines:
@@ -82,17 +82,13 @@ class Visa:
         self.lines = []
 
 
-class Modbus:
+def modbus(answer):
     """A pymodbus client of a T7 in process: function 76 is answered by a function."""
 
-    def __init__(self, answer):
-        self._answer = answer
+    def execute(no_response, request):
+        return SimpleNamespace(data=answer(request.data), isError=lambda: False)
 
-    def execute(self, no_response, request):
-        return SimpleNamespace(data=self._answer(request.data), isError=lambda: False)
-
-    def close(self):
-        """Nothing is open."""
+    return SimpleNamespace(execute=execute, close=lambda: None)
 
 
 @contextmanager
@@ -174,10 +170,7 @@ class Controller:
 
 
 class T7:
-    """Registers of a T7, function 76, and a burst's packets on ``stream``.
-
-    ``fault`` may be "lost", "skipped" or "short" for the next burst.
-    """
+    """Registers of a T7, function 76, and a burst's packets on ``stream``; a burst may fail."""
 
     def __init__(self):
         self.words, self.written, self.fault, self.pulses = {2007: 1}, [], "", 0
@@ -211,7 +204,6 @@ class T7:
         return reply
 
     def write(self, address, words):
-        """Write neighbouring registers, and do what hangs on them."""
         self.words.update({address + n: word for n, word in enumerate(words)})
         self.written.append((address, words))
         if 2000 <= address < 2008:
@@ -236,10 +228,7 @@ class T7:
 
 @contextmanager
 def served(model):
-    """Address of a T7 on pymodbus' own server; ``model.fault`` "drop" or "refuse" meets requests.
-
-    The server's transports stay open when it ends, so that warnings about them are ignored.
-    """
+    """Address of a T7 on pymodbus' own server, which leaves its transports open at the end."""
     ready = queue.Queue()
 
     class Answer(Feedback):

@@ -62,7 +62,6 @@ def test_a_trip_comes_unasked_and_late_answers_are_passed_over():
         (framed("<0 OK"), BadReply, "a whole answer"),
         (framed("<?? ERR CHECKSUM"), BadReply, "got other lines"),
         (b"<0 OK 7150000000*0000\n", BadReply, "with its checksum"),
-        (b"*FFFF\n", BadReply, "with its checksum"),
         (b"<0 OK 71", InstrumentTimeout, "got b'<0 OK 71'"),
     ],
 )

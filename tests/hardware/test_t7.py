@@ -4,7 +4,7 @@ import struct
 
 import numpy as np
 import pytest
-from peers import T7, Modbus, served
+from peers import T7, modbus, served
 
 from cmtof.hardware.device import (
     BadReply,
@@ -26,7 +26,7 @@ def peer():
 
 @pytest.fixture
 def daq(peer):
-    return LabJackT7(Modbus(peer), peer.stream, "daq", {"FIO0": False, "FIO1": False})
+    return LabJackT7(modbus(peer), peer.stream, "daq", {"FIO0": False, "FIO1": False})
 
 
 def test_identity_and_calibration(peer, daq):

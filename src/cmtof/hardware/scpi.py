@@ -87,14 +87,9 @@ class SignalGenerator(ScpiInstrument):
         self._write(f"C{channel}:BSWV WVTP,SINE,{wave}")
         found = self._pairs(f"C{channel}:OUTP?") | self._pairs(f"C{channel}:BSWV?")
         self._expect("sine", True, found.get("WVTP") == "SINE")
-        for key, wanted, tolerance in (
-            ("LOAD", 50.0, 0.5),
-            ("FRQ", frequency, 1e-6 + 1e-9 * frequency),
-            ("AMP", amplitude, 1e-3 + 1e-3 * amplitude),
-            ("OFST", 0.0, 1e-3),
-            ("PHSE", 0.0, 0.06),
-        ):
-            self._expect(key, wanted, number(found.get(key, "")), tolerance)
+        settings = {"LOAD": 50.0, "FRQ": frequency, "AMP": amplitude, "OFST": 0.0, "PHSE": 0.0}
+        for key, wanted in settings.items():
+            self._expect(key, wanted, number(found.get(key, "")), 1e-3 + 1e-9 * wanted)
 
     def output(self, channel: int, on: bool) -> None:
         """Switch a channel's output, and check it."""
