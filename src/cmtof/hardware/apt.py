@@ -104,26 +104,23 @@ class Motor(device.Device):
         """Send a move, and wait until the motor rests where it should; after an error it stops."""
         self._send("mod_set_chanenablestate", _CHANNEL, 1)
         self._send(message, _CHANNEL, *arguments)
+        deadline, looks, wish = time.monotonic() + seconds, 0, f"arrive at {position:.6g}"
         try:
-            self._arrive(position, time.monotonic() + seconds)
+            while looks < 3:  # thrice at rest elsewhere: it did not hear, or was stopped
+                status, moving = self._status()
+                if status.motion_error or status.motor_current_limit_reached:
+                    got = "a motion error or its current limit"
+                    self._fail(device.InstrumentError, wish, got, "Free it and home it.")
+                if moving and time.monotonic() >= deadline:
+                    self._fail(device.InstrumentTimeout, wish, "it moving", "Free the stage.")
+                if not moving:
+                    if status.homed and abs(self.position - position) <= self.kind.tolerance:
+                        return
+                    looks += 1
+                time.sleep(_POLL)
         except device.InstrumentError:
             self.stop()
             raise
-
-    def _arrive(self, position: float, deadline: float) -> None:
-        looks, wish = 0, f"arrive at {position:.6g}"
-        while looks < 3:  # at rest three times in a row elsewhere: it did not hear, or was stopped
-            status, moving = self._status()
-            if status.motion_error or status.motor_current_limit_reached:
-                got = "a motion error or its current limit"
-                self._fail(device.InstrumentError, wish, got, "Free it and home it.")
-            if moving and time.monotonic() >= deadline:
-                self._fail(device.InstrumentTimeout, wish, "it moving", "Free the stage.")
-            if not moving:
-                if status.homed and abs(self.position - position) <= self.kind.tolerance:
-                    return
-                looks += 1
-            time.sleep(_POLL)
         self._fail(device.Refused, wish, f"it at rest at {self.position:.6g}", "Home it.")
 
     def _status(self) -> tuple[Any, bool]:

@@ -89,7 +89,7 @@ class LabJackT7(device.Device):
         self._stream, self._safe_levels = stream, dict(safe_levels)
         self._settings: dict[Register, float] = {}
         self._waveform: dict[str | Register, ArrayLike] = {}
-        self._line, self._scans, self._ready = "", 0, False
+        self._line, self._scans = "", 0
 
     def close(self) -> None:
         """Close both connections."""
@@ -163,24 +163,20 @@ class LabJackT7(device.Device):
 
     def _prepare(self) -> None:
         """Write everything that a burst depends on, and read back what can be."""
-        self._ready = False
         self._stop()
         self._set(self._settings)
         # STREAM_SETTLING_US (0 is automatic), STREAM_DATATYPE (in no map), STREAM_OUT0_ENABLE
         self.write_many({(4008, "f"): 0, (4018, "I"): 0, (4090, "I"): 0})
         self.write_many(self._waveform)
-        self._ready = True
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
-        """Counts (scans,) of a burst for each request, in their order; nothing is repeated here.
+        """Counts (scans,) of a burst for each request; nothing is repeated here.
 
         A request's registers are written in the frame that starts its burst. `BadReply` stands for
         lost packets and skipped scans, `InstrumentTimeout` for missing samples.
         """
+        self._prepare()  # an earlier burst may have broken off
         for registers in requests:
-            if not self._ready:
-                self._prepare()
-            self._ready = False
             with one_error(self.name):
                 self._stream.reset_input_buffer()
             self.write_many({**registers, "STREAM_ENABLE": 1})
@@ -188,7 +184,6 @@ class LabJackT7(device.Device):
                 counts = self._samples()
             finally:
                 self._stop()
-            self._ready = True
             yield counts
 
     def _samples(self) -> NDArray[np.uint16]:
@@ -242,7 +237,6 @@ class LabJackT7(device.Device):
 
     def safe_state(self) -> None:
         """Stop a running stream, and pull the pulse line low."""
-        self._ready = False
         device.insist(self._stop, lambda: self._line and self.set_line(self._line, False))
 
     def _identity(self) -> dict[str, str]:
