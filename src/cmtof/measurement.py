@@ -1,22 +1,7 @@
 """Measurement: the noun that simulator and instrument hand over. Open, validate, save.
 
-A thin wrap around an `xarray.Dataset`:
-
-=================  ============================  ==========================================
-variable           dimensions                    meaning, unit
-=================  ============================  ==========================================
-``correlation``    frequency, step, y, x         correlation images, counts
-``phase``          frequency, y, x               instead of ``correlation``: wrapped phase, rad
-``amplitude``      frequency, y, x               optional beside ``phase``, counts
-``frequency``      frequency                     coordinate: modulation frequency, Hz
-``psi``            frequency, step               coordinate: reference phase, rad
-``depth``          y, x                          optional: true range along the ray, m
-``mask``           y, x                          optional: True where a pixel is valid
-``camera``         parameter                     optional: fx, fy, cx, cy (and skew), pixels
-``raw_counts``     frequency, step, y, x         optional: ADC counts of a scan, >= 0
-``dark``           any of the above              optional: dark frame, counts
-=================  ============================  ==========================================
-
+A thin wrap around an `xarray.Dataset` of the variables in `_VARIABLES`: ``correlation`` or
+``phase``, with the coordinates ``frequency`` and ``psi`` (of correlations); the rest is optional.
 Attributes: ``range_min``, ``range_max`` (m), ``source``, ``protocol``, ``seed``, ``version``, and
 ``saturation``, the count at which the converter clips. Stored as netCDF4 (``.nc``).
 """
@@ -39,16 +24,16 @@ from cmtof.validation import check_claim, check_frequencies, numbers
 
 _STACK, _IMAGES = ("frequency", "step", "y", "x"), ("frequency", "y", "x")
 _VARIABLES: dict[str, tuple[str, tuple[str, ...] | None]] = {
-    "correlation": ("count", _STACK),
-    "raw_counts": ("count", _STACK),
-    "dark": ("count", None),
-    "phase": ("rad", _IMAGES),
-    "amplitude": ("count", _IMAGES),
-    "frequency": ("Hz", ("frequency",)),
-    "psi": ("rad", _STACK[:2]),
-    "depth": ("m", ("y", "x")),
-    "mask": ("1", ("y", "x")),
-    "camera": ("px", ("parameter",)),
+    "correlation": ("count", _STACK),  # correlation images
+    "raw_counts": ("count", _STACK),  # of the converter in a scan, >= 0
+    "dark": ("count", None),  # dark frame
+    "phase": ("rad", _IMAGES),  # wrapped, instead of correlations
+    "amplitude": ("count", _IMAGES),  # beside a phase
+    "frequency": ("Hz", ("frequency",)),  # of the modulation
+    "psi": ("rad", _STACK[:2]),  # reference phase
+    "depth": ("m", ("y", "x")),  # true range along the ray
+    "mask": ("1", ("y", "x")),  # True where a pixel is valid
+    "camera": ("px", ("parameter",)),  # fx, fy, cx, cy (and skew)
     "time": ("s", None),
 }  # unit and dimensions
 
@@ -59,15 +44,8 @@ MOST_WRAPS = 10_000
 class Measurement:
     """Correlation images with all that is needed to turn them into depth.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        As described at the top of this module; it is validated.
-
-    Raises
-    ------
-    ValueError
-        If something is missing, misshapen, no number, not finite, negative or saturated.
+    ``dataset`` is described at the top of this module; a ValueError says if something in it is
+    missing, misshapen, no number, not finite, negative or saturated.
     """
 
     def __init__(self, dataset: xr.Dataset) -> None:
@@ -80,36 +58,20 @@ class Measurement:
     def from_arrays(
         cls, correlation: ArrayLike, psi: ArrayLike, frequencies: ArrayLike, **more: Any
     ) -> "Measurement":
-        """Measurement made of one's own arrays.
+        """Measurement of correlation images (F, K, H, W), counts, at ``psi`` (K,) or (F, K), rad.
 
-        Parameters
-        ----------
-        correlation : array_like, shape (F, K, H, W)
-            Correlation images, counts.
-        psi : array_like, shape (K,) or (F, K)
-            Reference phase of every image, rad.
-        frequencies : array_like, shape (F,)
-            Modulation frequencies, lowest first, Hz.
-        **more
-            ``depth`` (H, W), m, ``mask`` (H, W) and ``camera`` (4,) or (5,), px; ``range_min`` and
-            ``range_max``, the depths to choose from, m (by default from 0 to where two frequencies
-            repeat themselves); and anything else that the file should hold as an attribute.
+        Frequencies (F,), Hz, lowest first. ``more`` are ``depth`` (H, W), m, ``mask`` (H, W) and
+        ``camera`` (4,) or (5,), px; ``range_min`` and ``range_max``, the depths to choose from, m
+        (by default from 0 to where two frequencies repeat themselves); and anything else that the
+        file should hold as an attribute.
         """
         frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
-        correlation = np.asarray(correlation)
-        psi = numbers(psi, "psi")
+        correlation, psi = np.asarray(correlation), numbers(psi, "psi")
         if psi.ndim == 1:
             psi = np.broadcast_to(psi, (frequencies.size, psi.size))
-        right, what = (
-            correlation.shape[:2] == psi.shape,
-            f"correlation (F, K, H, W), psi {psi.shape}",
-        )
-        _expect(
-            right and correlation.ndim == 4,
-            what,
-            correlation.shape,
-            "Put frequency and step first.",
-        )
+        right = correlation.ndim == 4 and correlation.shape[:2] == psi.shape
+        what = f"correlation (F, K, H, W), psi {psi.shape}"
+        _expect(right, what, correlation.shape, "Put frequency and step first.")
         variables = {"correlation": (_STACK, correlation)}
         coordinates = {"frequency": frequencies, "psi": (_STACK[:2], psi)}
         return cls(_dataset(variables, coordinates, more))
@@ -128,8 +90,7 @@ class Measurement:
         variables = {"phase": (_IMAGES, np.mod(numbers(phase, "phase"), TAU))}
         if amplitude is not None:
             variables["amplitude"] = (_IMAGES, numbers(amplitude, "amplitude"))
-        coordinates = {"frequency": frequencies}
-        return cls(_dataset(variables, coordinates, more))
+        return cls(_dataset(variables, {"frequency": frequencies}, more))
 
     @property
     def frequencies(self) -> NDArray[np.float64]:
@@ -169,7 +130,7 @@ class Measurement:
 
     @property
     def camera(self) -> NDArray[np.floating] | None:
-        """fx, fy, cx, cy, px, where the file holds them."""
+        """Camera fx, fy, cx, cy (and skew), px, where the file holds it."""
         return self._image("camera")
 
     @property
@@ -207,9 +168,11 @@ def _dataset(
     """Assemble variables that are there; the range ends by default where the phases repeat."""
     from cmtof import __version__
 
-    for name, dtype in (("depth", None), ("mask", np.int8), ("camera", float)):
+    for name in ("depth", "mask", "camera"):
         if (values := more.pop(name, None)) is not None:
-            array = np.asarray(values) if dtype is None else numbers(values, name, dtype)
+            array = np.asarray(values)
+            if name != "depth":
+                array = numbers(values, name, np.int8 if name == "mask" else float)
             variables[name] = (_VARIABLES[name][1], array)
     check_frequencies(coordinates["frequency"])
     kept = {key: value for key, value in more.items() if value is not None}
@@ -217,9 +180,7 @@ def _dataset(
     try:
         dataset = xr.Dataset(variables, coordinates)
     except ValueError as error:
-        raise ValueError(
-            f"Expected arrays of one image size, got {_reason(error)}. Check shapes."
-        ) from error
+        _expect(False, "arrays of one image size", str(error).splitlines()[0], "Check shapes.")
     dataset.attrs = {"version": __version__, **limits, **kept}
     return dataset
 
@@ -327,18 +288,9 @@ def save_dataset(dataset: xr.Dataset, path: str | Path) -> None:
 def open_measurement(path: str | Path) -> Measurement:
     """Open a measurement: ``.nc``, ``.npz`` with the same names, or a GHz-FMCW ``*_phase.csv``.
 
-    Parameters
-    ----------
-    path : str or Path
-        An ``.npz`` holds ``correlation`` (F, K, H, W), ``psi``, ``frequency`` and optionally
-        ``depth``, ``mask``, ``camera``, ``range_min``, ``range_max``.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If it is empty, truncated, of another kind, or its content is not a measurement.
+    An ``.npz`` holds ``correlation`` (F, K, H, W), ``psi``, ``frequency`` and optionally ``depth``,
+    ``mask``, ``camera``, ``range_min``, ``range_max``. FileNotFoundError if there is no such file,
+    ValueError if it is empty, truncated, of another kind, or holds no measurement.
     """
     path = Path(path)
     if not path.is_file():
@@ -361,7 +313,7 @@ def read_dataset(path: str | Path) -> xr.Dataset:
             check_claim(handle.nbytes, Path(path).stat().st_size)
             return handle.load()
     except Exception as error:
-        reason = _reason(error)
+        reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
     finally:
         if reason:
             gc.collect()
@@ -393,8 +345,3 @@ def _open_capture(path: Path) -> Measurement:
     if reference is not None:
         measurement.dataset["reference_depth"] = (("y", "x"), reference, {"units": "m"})
     return measurement
-
-
-def _reason(error: BaseException) -> str:
-    """First line of an error, short enough for one line."""
-    return (str(error).splitlines() or [type(error).__name__])[0][:120]

@@ -25,27 +25,21 @@ _LARGEST = 50.0  # linear phase noise, rad, beyond which the phase is uniform ov
 
 
 class Denoised(NamedTuple):
-    """A phase map after local coherent averaging; arrays of shape (H, W)."""
+    """A wrapped phase map (H, W), rad, after local coherent averaging, and its coherence.
+
+    That is the length of the mean phasor, 0 to 1: ``exp(-sigma^2 / 2)`` for phase noise sigma on a
+    smooth surface, low across edges.
+    """
 
     phase: Array
-    """Wrapped phase in [0, 2 pi), rad."""
     coherence: Array
-    """Length of the mean phasor, 0 to 1: ``exp(-sigma^2 / 2)`` for phase noise sigma on a smooth
-    surface, low across edges."""
 
 
 def denoise(phase: ArrayLike, *, window: int = 5) -> Denoised:
-    """Mean phasor of each window, turned back by the local slope.
+    """Mean phasor of each window of an odd side, turned back by the local slope.
 
     White noise falls by ``window``. A plane is kept as it is; curvature kappa (rad/px^2, each way)
     moves the phase by about ``kappa (window^2 - 1) / 12``.
-
-    Parameters
-    ----------
-    phase : array_like, shape (H, W)
-        Wrapped phase, rad.
-    window : int
-        Odd side of the window, px, at least 3.
 
     Examples
     --------
@@ -64,7 +58,7 @@ def local_phase_noise(phase: ArrayLike, *, window: int = 5) -> Array:
 
     The sum of squares is divided by the ``window^2 - 6`` degrees of freedom. Smooth surfaces cancel
     up to their third derivative; edges, and noise beyond about 0.6 rad, do not. NaN where the
-    window reaches beyond the map. Parameters as in `denoise`.
+    window reaches beyond the map.
     """
     flat = np.angle(_flattened(phase, window))
     residual = flat.reshape(*flat.shape[:2], -1) @ _left_over(window)
@@ -74,13 +68,7 @@ def local_phase_noise(phase: ArrayLike, *, window: int = 5) -> Array:
 def local_residual(phase: ArrayLike, *, window: int = 9) -> Array:
     """Phase (H, W) of each pixel minus the quadratic fitted to the window around it, rad.
 
-    NaN where the window reaches beyond the map. Parameters as in `denoise`.
-
-    Examples
-    --------
-    >>> y, x = np.mgrid[:15, :15]
-    >>> float(np.nanmax(np.abs(local_residual((0.02 * x**2 + 0.5 * y) % (2 * np.pi))))) < 1e-12
-    True
+    NaN where the window reaches beyond the map.
     """
     flat = np.angle(_flattened(phase, window))
     return _inner(np.einsum("yxij,ij->yx", flat, _fit_kernel(window)), window)
@@ -89,8 +77,8 @@ def local_residual(phase: ArrayLike, *, window: int = 9) -> Array:
 def typical_phase_noise(phase: ArrayLike, where: ArrayLike, *, window: int = 5) -> float:
     """Phase noise of a typical window of a map, rad.
 
-    The median of `local_phase_noise` over the centres in ``where`` (H, W), divided by the median
-    that white noise of one radian has there: edges and outliers do not count.
+    The median of `local_phase_noise` over the centres in ``where`` (H, W), over that of white noise
+    of one radian: edges and outliers do not count.
     """
     held = local_phase_noise(phase, window=window)[np.asarray(where, bool)]
     held = held[np.isfinite(held)]
@@ -143,8 +131,7 @@ def _inner(values: Array, window: int) -> Array:
 def fit_response(shape: tuple[int, int], *, window: int = 9) -> Array:
     """Response (H, W) of `local_residual` at the frequencies of a Fourier transform, 0 to 1.3.
 
-    About one beyond ``1 / window`` per pixel. The residual's spectrum is the noise's times its
-    square.
+    About one beyond ``1 / window`` per pixel; spectra are multiplied by its square.
     """
     kernel = np.zeros(shape)
     kernel[:window, :window] = _fit_kernel(window)
@@ -178,18 +165,15 @@ def noise_from_spectrum(spectrum: ArrayLike, *, rng: Generator) -> Array:
 class LineNoise(NamedTuple):
     """Phase noise of a scan: a grain whose neighbours may correlate, and drift between lines.
 
-    ``white^2 (1 + 2 rho_d cos k_y) (1 + 2 rho_a cos k_x)`` plus an offset common to each column.
-    A running mean of two samples, or beam spots that overlap by half, have rho = 1/2.
+    ``white^2 (1 + 2 down cos k_y) (1 + 2 across cos k_x)`` plus an offset common to each column of
+    standard deviation ``line``, both in rad. ``down`` and ``across`` are the correlations of the
+    grain with its neighbours in column and row: 1/2 for a running mean of two samples.
     """
 
     white: float
-    """Standard deviation of the grain, rad."""
     line: float
-    """Standard deviation of the columns' offsets, rad."""
     down: float
-    """Correlation of the grain with its neighbour in the column, -1/2 to 1/2."""
     across: float
-    """Correlation of the grain with its neighbour in the row, -1/2 to 1/2."""
 
     def spectrum(self, shape: tuple[int, int]) -> Array:
         """Power spectrum (H, W) at the frequencies of a Fourier transform, rad^2."""

@@ -46,28 +46,19 @@ def simulate(
     frame : Frame
         Range, m, and linear intensity, clipped to [0, 1].
     protocol : {"released", "full"}
-        ``"released"``: the scene is shrunk to at most 1.195 m and pixels outside wraps 36 to 56
-        are masked, as the authors' released code does. ``"full"``: nothing is scaled, pixels
-        beyond the beat's range (7.495 m) are masked. Masked pixels keep their signal.
-    frequencies : array_like, shape (F,)
-        Modulation frequencies, Hz, lowest first.
+        As in `staged_depth`. Pixels out of its range are masked, and keep their signal.
+    frequencies, psi : array_like, shape (F,), (K,)
+        Modulation frequencies, Hz, lowest first; reference phases, rad.
     noise, noise_free : float, bool
         Gaussian sigma, counts, beside which photon noise stays on; or neither.
     gain, integration_time : float
         G and T of Eq. 8.
-    psi : array_like, shape (K,)
-        Reference phases, rad.
     order : {"paper", "released"}
         Order of the two noises, see `cmtof.detector.poisson_gaussian`.
     phase_offset : array_like, shape (F,) or ()
         Error of calibration added to every phase of a frequency, rad (Table 3).
     seed, frame_number : int
         The noise is drawn from ``default_rng([seed, frame_number])``.
-
-    Raises
-    ------
-    ValueError
-        For an unknown protocol, bad frequencies, or no pixel within the range.
     """
     frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
     check_frequencies(frequencies)
@@ -131,8 +122,10 @@ def staged_depth(
 ) -> tuple[NDArray[np.floating], NDArray[np.bool_], tuple[float, float]]:
     """Depth (H, W) as a protocol sees it, m, the mask of pixels it scores, and its range, m.
 
-    The depth is NaN where unknown; the range is ``min <= z < max``. Raises ValueError for another
-    protocol, or if no pixel lies in the range.
+    ``"released"``: the scene is shrunk to at most 1.195 m and pixels outside wraps 36 to 56 are
+    masked, as the authors' released code does. ``"full"``: nothing is scaled, pixels beyond the
+    beat's range (7.495 m) are masked. The depth is NaN where unknown; the range is
+    ``min <= z < max``. ValueError for another protocol, or if no pixel lies in the range.
     """
     depth = np.asarray(depth, float)
     known = np.isfinite(depth)

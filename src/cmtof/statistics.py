@@ -31,23 +31,12 @@ def ratio_interval(
 ) -> Interval:
     """Interval of a ratio of sums over frames, by percentiles over redrawn sets of frames.
 
-    With few frames (under ten or so) such intervals are too narrow; with one they are NaN. A
-    difference of two rates is ``ratio_interval(part - other, whole)``: frames that are hard for one
-    method are hard for the other, so a difference is known better than its two rates.
-
-    Parameters
-    ----------
-    part, whole : array_like, shape (..., F)
-        Numerator and denominator of each frame, such as pixels right and pixels scored.
-    level : float
-        Share of the drawn sets inside.
-    draws, seed : int
-        Sets drawn; the same frames for the same seed.
-
-    Returns
-    -------
-    Interval
-        Each of shape (...); NaN where no frame has anything in the denominator.
+    ``part`` and ``whole`` (..., F) are numerator and denominator of each frame, such as pixels
+    right and pixels scored; ``level`` is the share of the drawn sets inside. With few frames (under
+    ten or so) such intervals are too narrow; with one they are NaN, as where no frame has anything
+    in the denominator. A difference of two rates is ``ratio_interval(part - other, whole)``: frames
+    that are hard for one method are hard for the other, so a difference is known better than its
+    two rates.
 
     Examples
     --------
@@ -83,14 +72,11 @@ def ratio_interval(
 
 
 class Reliability(NamedTuple):
-    """Answers sorted by their confidence into B bins of equal width over [0, 1]."""
+    """Answers in B bins of confidence: its mean, the share of right ones (NaN if empty), count."""
 
     confidence: Array
-    """Mean confidence (B,); NaN in an empty bin."""
     right: Array
-    """Share of right answers (B,); NaN in an empty bin."""
     answers: NDArray[np.int64]
-    """Answers (B,)."""
 
     @property
     def calibration_error(self) -> float:
@@ -104,17 +90,8 @@ class Reliability(NamedTuple):
 def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> Reliability:
     """Answers sorted by confidence, and how many of each bin are right.
 
-    Parameters
-    ----------
-    confidence : array_like
-        Probabilities in [0, 1], of any shape.
-    right : array_like of bool
-        Whether each answer is right, of the same shape.
-
-    Raises
-    ------
-    ValueError
-        If shapes differ or a confidence is no probability.
+    ``confidence`` are probabilities in [0, 1], ``right`` whether each answer is right, of the same
+    shape. ValueError if shapes differ or a confidence is no probability.
 
     Examples
     --------
@@ -138,12 +115,10 @@ def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> R
 
 
 class RiskCoverage(NamedTuple):
-    """Share of wrong answers against the share of answers given, surest first."""
+    """Share of pixels answered (N,), surest first, and that of wrong ones among them."""
 
     coverage: Array
-    """Share of pixels answered (N,)."""
     risk: Array
-    """Share of wrong ones among them (N,)."""
 
 
 def risk_coverage(confidence: ArrayLike, right: ArrayLike, *, points: int = 200) -> RiskCoverage:

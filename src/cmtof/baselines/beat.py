@@ -93,8 +93,8 @@ def guides(measurement: Measurement) -> NDArray[np.floating]:
     """Guides (6, H, W): log amplitude, coherence, and the cosine and sine of both slopes.
 
     The wrapped phase steps at every wrap and cannot guide. Its slope can: along an axis, the angle
-    of ``sum p(x+1) conj p(x)`` over 11 x 11 px, p the phasor of the lowest frequency. Coherence, the
-    length of that sum over the sum of lengths, sinks at edges.
+    of ``sum p(x+1) conj p(x)`` over 11 x 11 px, p the phasor of the lowest frequency. Its length
+    over the sum of lengths, the coherence, sinks at edges.
     """
     amplitude = np.nan_to_num(measurement.amplitude[:2].astype(float), posinf=0, neginf=0)
     phase = np.nan_to_num(measurement.phase[0].astype(float), posinf=0, neginf=0)
