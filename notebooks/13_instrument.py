@@ -18,7 +18,6 @@ from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.patches import Circle, Ellipse, FancyBboxPatch, Rectangle
 from scipy.constants import h
 
 from cmtof.book import notes, paper, plotting
@@ -27,100 +26,83 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
 from cmtof.hardware.rig import Rig
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import SLOPE, Conversion, chain
+from cmtof.instrument.electronics import SLOPE, Conversion
 from cmtof.instrument.targets import Hits
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
 plotting.begin(profile=profile, seed=seed)
-PALETTE, INK = plotting.PALETTE, "#3C454C"
+PALETTE = plotting.PALETTE
 COLOURS = {"single": PALETTE["blue"], "doubled": PALETTE["vermillion"]}
 LAWS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 rig = Rig.default()
 twin = rig.twin
 
 # %% tags=["hide-input"]
-BEAM, BACK, RF, CLOCK, SIGNAL = (
-    "#00A86B",
-    "#8FD9BC",
-    *(PALETTE[c] for c in ("vermillion", "blue", "purple")),
-)
-LINES = (  # colour, width, opacity, corners
-    (BEAM, 2.4, 1.0, [(1.8, 9), (9.6, 9)]),
-    (BEAM, 2.4, 0.7, [(5.4, 9), (5.4, 6.78), (12.6, 6.78), (12.6, 8.08), (15.4, 8.08)]),
-    (BEAM, 2.4, 0.5, [(7.2, 6.78), (7.2, 5.8)]),
+BEAM, BACK = "#00A86B", "#8FD9BC"
+RF, CLOCK, SIGNAL = (PALETTE[c] for c in ("vermillion", "blue", "purple"))
+PATHS = (  # colour, width, opacity, corners
+    (BEAM, 2.4, 1.0, [(1.0, 9), (9.6, 9)]),
+    (BEAM, 2.4, 0.7, [(5.4, 9), (5.4, 6.78), (12.6, 6.78), (12.6, 8.08), (15.9, 8.08)]),
+    (BEAM, 2.4, 0.5, [(7.2, 6.78), (7.2, 5.5)]),
     (BEAM, 2.4, 0.3, [(9.4, 6.78), (9.4, 7.9)]),
-    (BEAM, 2.4, 0.3, [(11.3, 6.78), (11.3, 8.5)]),
-    (BACK, 2.4, 1.0, [(15.4, 7.92), (12.8, 7.92), (12.8, 6.62), (9.4, 6.62), (9.4, 4.4),
+    (BEAM, 2.4, 0.3, [(11.3, 6.78), (11.3, 8.7)]),
+    (BACK, 2.4, 1.0, [(15.9, 7.92), (12.8, 7.92), (12.8, 6.62), (9.4, 6.62), (9.4, 4.4),
                       (14.8, 4.4)]),
-    (BACK, 2.4, 1.0, [(10.6, 4.4), (10.6, 3.1)]),
-    (SIGNAL, 1.5, 1.0, [(9.85, 2.72), (5.6, 2.72)]),
-    (RF, 1.5, 1.0, [(8.15, 10.2), (8.15, 9.35)]),
-    (RF, 1.5, 1.0, [(13.35, 5.4), (13.35, 4.75)]),
-    (CLOCK, 1.5, 1.0, [(9.7, 10.45), (16.8, 10.45), (16.8, 5.68), (14.9, 5.68)]),
-    (INK, 1.4, 1.0, [(0.2, 1.7), (17.0, 1.7)]),
+    (BACK, 2.4, 1.0, [(10.6, 4.4), (10.6, 2.72)]),
+    (SIGNAL, 1.5, 1.0, [(10.6, 2.72), (4.0, 2.72)]),
+    (RF, 1.5, 1.0, [(8.15, 10.45), (8.15, 9)]),
+    (RF, 1.5, 1.0, [(13.35, 5.68), (13.35, 4.4)]),
+    (CLOCK, 1.5, 1.0, [(8.15, 10.45), (16.8, 10.45), (16.8, 5.68), (13.35, 5.68)]),
 )  # fmt: skip
-PIECES = {  # kind: places and names
-    "splitter": [(5.4, 9, "PBS"), (10.6, 4.4, "PBS"), (7.2, 6.7, "NBS"), (9.4, 6.7, "NBS")],
-    "lens": [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, "1.6×"), (6.45, 9, "HWP"), (7.0, 9, "QWP"),
-             (11.65, 4.4, "HWP"), (12.2, 4.4, "QWP"), (10.6, 3.45, "")],
-    "mirror": [(9.6, 9, ""), (14.8, 4.4, ""), (5.4, 6.7, ""), (9.4, 7.95, ""),
-               (9.4, 4.4, ""), (12.7, 6.7, ""), (12.7, 8, "galvo"), (11.3, 6.7, "")],
-    "line": [(0.7, 8.25, "FIO0"), (2.2, 8.25, "FIO1"), (8.2, 7.45, "FIO6 beam block"),
-             (11.0, 6.1, "FIO5 flip mirror"), (15.6, 5.2, "FIO4 trigger"), (1.0, 9.75, "FIO7"),
-             (13.9, 8.9, "TDAC2 · TDAC3")],
-}  # fmt: skip
+GLASS = {"mfc": "#DCEBF7", "mec": "#6B8CA8", "ls": "", "zorder": 3}
+PARTS = (  # marker, places and names
+    ({**GLASS, "marker": "s", "ms": 22},
+     [(5.4, 9, "PBS"), (10.6, 4.4, "PBS"), (7.2, 6.7, "NBS"), (9.4, 6.7, "NBS")]),
+    ({**GLASS, "marker": "d", "ms": 22},
+     [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, "1.6×"), (6.45, 9, "HWP ⑤"), (7.0, 9, "QWP"),
+      (11.65, 4.4, "HWP ⑥"), (12.2, 4.4, "QWP"), (10.6, 3.45, "")]),
+    ({"marker": (2, 2, -45), "ms": 22, "mew": 5, "mec": "#9AA4AD", "ls": "", "zorder": 3},
+     [(9.6, 9, ""), (14.8, 4.4, ""), (5.4, 6.7, ""), (9.4, 7.95, ""), (9.4, 4.4, ""),
+      (12.7, 6.7, ""), (12.7, 8, "galvo"), (11.3, 6.7, "")]),
+)  # fmt: skip
+TERMINALS = (
+    (0.7, 8.25, "FIO0"), (2.2, 8.25, "FIO1"), (8.2, 7.45, "FIO6 beam block"), (1.0, 9.75, "FIO7"),
+    (11.0, 6.1, "FIO5 flip mirror"), (15.6, 5.2, "FIO4 trigger"), (13.9, 8.9, "TDAC2 · TDAC3"),
+)  # fmt: skip
 
 # %% tags=["hide-input"]
-spacing = f"{1e3 * twin.emission.mirror_distance:.0f} mm to the mirror"
 drives = " or ".join(f"{rig.drive_frequency(m) / 1e9:.2f}" for m in COLOURS)
-BOXES = (  # place, width, text, number of the device
-    (1.0, 9, 1.7, f"laser, 532 nm\n{1e3 * twin.laser.power:.0f} mW", 0),
-    (3.1, 9, 1.1, "fibre\n20–30 %", 0),
-    (8.15, 9, 1.3, "EOM", 0), (13.35, 4.4, 1.3, "EOM", 0),
-    (7.2, 5.5, 1.6, "power meter", 8), (15.9, 8, 1.0, "scene", 0),
-    (11.3, 8.7, 1.6, f"target, {rig.reference_distance:.2f} m", 7),
-    (10.6, 2.72, 1.5, f"APD\nM = {twin.detector.gain:.0f}", 0),
-    (8.55, 2.72, 1.35, f"low pass\n{twin.detector.low_pass / 1e3:.0f} kHz", 0),
-    (6.85, 2.72, 1.15, f"RC\n{1e6 * twin.detector.rc_time:.0f} µs", 0),
-    (4.0, 2.72, 3.2, f"LabJack T7, AIN0: {rig.phases} phases\n"
-     f"× {rig.samples_per_phase} samples at {rig.rate / 1e3:.0f} kS/s", 4),
-    (8.15, 10.45, 3.1, f"RF driver, {drives} GHz", 1),
-    (13.35, 5.68, 3.1, f"RF driver, {drives} GHz", 2),
-    (13.4, 10.45, 1.9, "clock, 10 MHz", 3),
+BOXES = (
+    (1.0, 9, f"laser, 532 nm\n{1e3 * twin.laser.power:.0f} mW"), (3.1, 9, "fibre\n20–30 %"),
+    (8.15, 9, f"EOM, {1e3 * twin.emission.mirror_distance:.0f} mm\nto its mirror"),
+    (13.35, 4.4, "EOM"), (7.2, 5.5, "⑧ power meter"), (15.9, 8, "scene"),
+    (11.3, 8.7, f"⑦ target, {rig.reference_distance:.2f} m"),
+    (10.6, 2.72, f"APD\nM = {twin.detector.gain:.0f}"),
+    (8.55, 2.72, f"low pass\n{twin.detector.low_pass / 1e3:.0f} kHz"),
+    (6.85, 2.72, f"RC\n{1e6 * twin.detector.rc_time:.0f} µs"),
+    (4.0, 2.72, f"④ LabJack T7, AIN0: {rig.phases} phases\n"
+     f"× {rig.samples_per_phase} samples at {rig.rate / 1e3:.0f} kS/s"),
+    (8.15, 10.45, f"① RF driver, {drives} GHz"), (13.35, 5.68, f"② RF driver, {drives} GHz"),
+    (13.4, 10.45, "③ clock, 10 MHz"),
 )  # fmt: skip
 figure, ax = plt.subplots(figsize=(11.0, 6.7))
 ax.set(xlim=(0, 17.2), ylim=(0.4, 10.9), aspect="equal")
 ax.axis("off")
-small = {"fontsize": 7.3, "ha": "center", "va": "center"}
-for colour, width, alpha, corners in LINES:
+small = {"fontsize": 7.3, "ha": "center", "va": "center", "zorder": 6}
+for colour, width, alpha, corners in PATHS:
     ax.plot(*zip(*corners, strict=True), color=colour, lw=width, alpha=alpha, zorder=2)
-for x, y, name in PIECES["splitter"]:
-    ax.add_patch(Rectangle((x - 0.36, y - 0.36), 0.72, 0.72, fc="#DCEBF7", ec="#6B8CA8", zorder=3))
-    ax.plot([x - 0.36, x + 0.36], [y - 0.36, y + 0.36], color="#6B8CA8", zorder=4)
-    ax.text(x - 0.5, y + 0.52, name, weight="bold", **small)
-for x, y, name in PIECES["lens"]:
-    ax.add_patch(Ellipse((x, y), 0.16, 0.8, fc="#DCEBF7", ec="#6B8CA8", zorder=3))
-    ax.text(x, y + 0.55, name, **small)
-for x, y, name in PIECES["mirror"]:
-    ax.plot([x - 0.28, x + 0.28], [y - 0.28, y + 0.28], color="#9AA4AD", lw=5, zorder=5)
-    ax.text(x - 0.2, y + 0.5, name, **small)
-tag = {"boxstyle": "round,pad=0.2", "fc": "#FFF6E0", "ec": PALETTE["orange"]}
-for x, y, name in PIECES["line"]:
-    ax.text(x, y, name, bbox=tag, zorder=7, **small)
-for x, y, width, text, number in BOXES:
-    outline = {"boxstyle": "round,pad=0,rounding_size=0.1", "fc": "#F3F5F7", "ec": "#7C8A96"}
-    ax.add_patch(FancyBboxPatch((x - width / 2, y - 0.34), width, 0.68, zorder=3, **outline))
-    ax.text(x, y, text, zorder=6, **small)
-    if number:
-        ax.add_patch(Circle((x - width / 2, y - 0.34), 0.19, fc=PALETTE["blue"], zorder=7))
-        ax.text(x - width / 2, y - 0.35, str(number), color="white", zorder=8, **small)
-for x, y, name in ((8.15, 8.5, spacing), (8.6, 7.9, "reference arm"), (6.45, 8.4, "plate: 5"),
-                   (11.65, 3.8, "plate: 6")):  # fmt: skip
-    ax.text(x, y, name, **small)
-for number, (role, device) in enumerate(rig.devices.items(), 1):
-    address = device.address.replace("::", "::\n", 2)
-    text = f"{number}  {role.replace('_', ' ')}\n{device.driver}\n{address}"
-    ax.text((number - 0.5) * 2.15, 1.55, text, fontsize=6.6, ha="center", va="top")
+for look, places in PARTS:
+    ax.plot(*zip(*(place[:2] for place in places), strict=True), **look)
+    for x, y, name in places:
+        ax.text(x, y + 0.55, name, **small)
+for places, face, edge in ((BOXES, "#F3F5F7", "#7C8A96"), (TERMINALS, "#FFF6E0", "#E69F00")):
+    for x, y, name in places:
+        ax.text(x, y, name, bbox={"boxstyle": "round", "fc": face, "ec": edge}, **small)
+ax.text(8.6, 7.9, "reference arm", **small)
+for number, (role, device) in enumerate(rig.devices.items()):
+    text = f"{'①②③④⑤⑥⑦⑧'[number]} {role.replace('_', ' ')}\n{device.driver}\n{device.address}"
+    ax.text((number + 0.5) * 2.15, 1.55, text.replace("::", "::\n", 2), fontsize=6.6, ha="center",
+            va="top")  # fmt: skip
 plotting.save(
     figure, "fig06_instrument",
     numbers={
@@ -159,7 +141,6 @@ plotting.save(
 
 # %%
 conversion = Conversion(twin.detector, twin.laser.wavelength)
-filters = chain(twin.detector, 1 / rig.rate)
 phase_time = rig.samples_per_phase / rig.rate
 converter = twin.detector.converter_noise * SLOPE / np.sqrt(rig.samples_per_phase)
 
@@ -279,10 +260,8 @@ for values, name, style in ((shot, "shot noise", "-"), (0 * shot + amplifier, "a
 axes[1].set(xlabel="output of the detector (mV)", ylabel="noise of one phase (µV)")
 axes[1].legend(fontsize=8.5)
 plotting.label_panels(axes)
-crossing = [
-    float(np.interp(-even, [-one["volts"] for one in curves[m, reflectance]], ranges))
-    for m in COLOURS
-]
+crossing = [float(np.interp(-even, [-one["volts"] for one in curves[m, reflectance]], ranges))
+            for m in COLOURS]  # fmt: skip
 plotting.save(
     figure, "instrument_photons",
     numbers={

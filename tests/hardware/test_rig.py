@@ -69,7 +69,7 @@ def test_instruments_that_were_reached_are_closed_when_one_is_not(monkeypatch):
     monkeypatch.setattr(bench_module, "driver", connect)
     with pytest.raises(ConnectionLost):
         opened(RIG)
-    assert closed == ["rf emission", "rf detection", "clock"]
+    assert closed == ["clock", "rf detection", "rf emission"]
 
 
 @pytest.mark.parametrize("role", ["rf_emission", "daq", "stage"])

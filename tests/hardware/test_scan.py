@@ -26,6 +26,7 @@ from cmtof.measurement import open_measurement
 RIG = replace(Rig.default(), phases=4, samples_per_phase=14)
 PLAN = planned(RIG, size=4)
 WALL = Plane(0.9, tilt_x=0.3, reflectance=0.8)
+MIRROR = Reference(material="specular", reflectance=0.9)
 DARK = replace(
     TwinSettings.ideal(reference=Reference(reflectance=0.0)),
     optics=replace(TwinSettings.ideal().optics, ambient_radiance=0.1),
@@ -157,7 +158,6 @@ def test_a_command_that_is_killed_resumes_to_equal_bytes(tmp_path, number, code,
 
 # --- faults --------------------------------------------------------------------------------------
 
-FAULTS = (InstrumentTimeout, Refused, BadReply, ConnectionLost)
 PLACES = {
     "rf_emission": "set_frequency",
     "rf_detection": "load_table",
@@ -185,99 +185,73 @@ def failing(bench, role, method, error, at=1, times=10**9):
     setattr(device, method, act)
 
 
-@pytest.mark.parametrize("role", PLACES)
-def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, role):
-    at = 1 if role in ("clock", "daq", "power_meter") else 2
-    for fault in FAULTS:
-        output = tmp_path / f"{fault.__name__}.nc"
-
-        def prepare(one, fault=fault):
-            failing(one, role, PLACES[role], fault, at=at)
-
-        bench, error = take(output, prepare=prepare)
-        assert isinstance(error, fault)
+@pytest.mark.parametrize("fault", [InstrumentTimeout, Refused, BadReply, ConnectionLost])
+def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, fault):
+    for role, method in PLACES.items():
+        output, at = tmp_path / f"{role}.nc", 1 if role in ("clock", "daq", "power_meter") else 2
+        bench, error = take(output, prepare=lambda one: failing(one, role, method, fault, at=at))  # noqa: B023
+        assert isinstance(error, fault), role
         assert_safe(bench)
         assert not output.exists()
     assert take(output, resume=True)[1] is None
     assert output.read_bytes() == whole.read_bytes()
 
 
-@pytest.mark.parametrize("fault", [InstrumentTimeout, BadReply])
-def test_lost_samples_are_taken_again(tmp_path, whole, fault):
+def after_lines(bench, act):
+    """Have something happen after the bursts of each line, by its number."""
+    works, calls = bench.daq.bursts, itertools.count()
+
+    def bursts(requests):
+        yield from works(requests)
+        act(next(calls))
+
+    bench.daq.bursts = bursts
+
+
+def lose_samples(bench, times):
+    failing(bench, "daq", "bursts", InstrumentTimeout, at=4, times=times)
+
+
+def miss_edges(bench, times):
+    rf = bench.rf_detection
+    after_lines(bench, lambda n: setattr(rf, "edges", rf.edges - (4 <= n < 4 + times)))
+
+
+@pytest.mark.parametrize("lose", [lose_samples, miss_edges])
+def test_bursts_with_lost_samples_or_edges_are_taken_again(tmp_path, whole, lose):
     output = tmp_path / "m.nc"
-    prepare = lambda one: failing(one, "daq", "bursts", fault, at=4, times=2)  # noqa: E731
-    assert take(output, prepare=prepare)[1] is None
+    assert take(output, prepare=lambda bench: lose(bench, 2))[1] is None
     assert output.read_bytes() == whole.read_bytes()
-    bench, error = take(
-        tmp_path / "n.nc", prepare=lambda one: failing(one, "daq", "bursts", fault, at=4, times=3)
-    )
-    assert isinstance(error, fault)
+    bench, error = take(tmp_path / "n.nc", prepare=lambda bench: lose(bench, 3))
+    assert isinstance(error, InstrumentTimeout | BadReply)
     assert_safe(bench)
 
 
-@pytest.mark.parametrize(("times", "good"), [(1, True), (10**9, False)])
-def test_a_missed_edge_is_seen_at_the_end_of_a_line(tmp_path, whole, times, good):
-
-    def prepare(bench):
-        rf, calls = bench.rf_detection, itertools.count()
-        status = rf.status
-
-        def missed():
-            found = status()
-            lost = next(calls) > 0 and found.edges and next(calls) < 2 * times + 2
-            return found._replace(edges=found.edges - 1) if lost else found
-
-        rf.status = missed
-
-    output = tmp_path / "m.nc"
-    bench, error = take(output, prepare=prepare)
-    if good:
-        assert error is None
-        assert output.read_bytes() == whole.read_bytes()
-    else:
-        assert isinstance(error, BadReply)
-        assert "Check the trigger line" in str(error)
-        assert_safe(bench)
+def open_the_door(bench):
+    after_lines(bench, lambda n: setattr(bench.daq.panel, "interlock_closed", n < 20))
 
 
-def test_an_interlock_that_opens_ends_the_scan(tmp_path):
+def lose_the_lock(bench):
+    after_lines(bench, lambda n: setattr(bench.daq.panel, "clock_on", n < 20))
 
-    def prepare(bench):
-        panel, works = bench.daq.panel, bench.daq.bursts
 
-        def bursts(requests):
-            panel.interlock_closed = len(requests) != 4
-            return works(requests)
-
-        bench.daq.bursts = bursts
-
-    bench, error = take(tmp_path / "m.nc", prepare=prepare)
+@pytest.mark.parametrize("spoil", [open_the_door, lose_the_lock])
+def test_an_open_interlock_and_a_lost_lock_end_the_scan(tmp_path, spoil):
+    bench, error = take(tmp_path / "m.nc", prepare=spoil)
     assert isinstance(error, Unsafe)
     assert_safe(bench)
-
-
-def test_a_lock_that_is_lost_ends_the_scan(tmp_path):
-    prepare = lambda one: setattr(one.rf_emission, "set_frequency", lambda hz: None)  # noqa: E731
-    bench, error = take(
-        tmp_path / "m.nc",
-        rig=replace(RIG, twin=TwinSettings(drive=replace(TwinSettings().drive, resonance=7.3e9))),
-        prepare=prepare,
-    )
-    assert isinstance(error, Unsafe)
-    assert_safe(bench)
+    assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 21  # the line is not recorded
 
 
 @pytest.mark.parametrize(
-    ("reference", "text"),
+    ("twin", "text"),
     [
-        (Reference(material="specular", reflectance=0.9), "it saturates. Put a grey filter"),
-        (None, "Expected a reference target with a contrast"),
+        (TwinSettings(reference=MIRROR), "it saturates. Put a grey filter"),
+        (DARK, "Expected a reference target with a contrast"),
     ],
 )
-def test_a_reference_target_that_cannot_calibrate_ends_the_scan(tmp_path, reference, text):
-    twin = TwinSettings(reference=reference) if reference else DARK
-    rig = replace(RIG, twin=twin)
-    bench, error = take(tmp_path / "m.nc", rig=rig)
+def test_a_reference_target_that_cannot_calibrate_ends_the_scan(tmp_path, twin, text):
+    bench, error = take(tmp_path / "m.nc", rig=replace(RIG, twin=twin))
     assert isinstance(error, ValueError)
     assert text in str(error)
     assert "\n" not in str(error)

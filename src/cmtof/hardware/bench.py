@@ -1,6 +1,7 @@
 """The bench: instruments of a rig, real or simulated, and the steps of a scan, each checked."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack, closing
 from functools import partial
 from math import ceil
 from time import monotonic, sleep
@@ -20,7 +21,7 @@ from cmtof.instrument.world import World
 
 LIGHT = ("laser", "shutter", "beam_block")  # low is safe: laser off, shutter shut, block in
 CHANNEL, VOLTS_RANGE = "AIN0", 10.0  # input of the detector, V
-CLOCK_FREQUENCY, CLOCK_AMPLITUDE = 10e6, 1.0  # of both RF drivers, Hz; V peak to peak into 50 Ohm
+CLOCK = {"frequency": 10e6, "amplitude": 1.0}  # of both RF drivers, Hz, V peak to peak
 PLATES = {"single": 11.25, "doubled": 22.5}  # theta_h in the modes, degrees (Sec. 6.2)
 LOCK_SHARE = 0.5  # of the dead man's time to look for a resonance: the other driver waits
 WATCHDOG = 30  # s of silence after which the read-out's own watchdog acts
@@ -33,10 +34,8 @@ ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 class Beam:
     """What steers and releases the beam, on the read-out's outputs; angles are optical, rad.
 
-    All outputs are wired so that a low line, a cut cable or a read-out without power is safe. The
-    interlock's loop of door contacts brings the T7's supply to its line, and a resistor of 10 kOhm
-    pulls that line down against the T7's own pull-up of 100 kOhm (T-Series Datasheet, 13.0): an
-    open door or a cut cable reads low.
+    All are wired so that a low line, a cut cable or a read-out without power is safe; an open
+    interlock reads low (the book's hardware guide).
     """
 
     name = "beam"
@@ -53,10 +52,7 @@ class Beam:
             )
 
     def switch(self, part: str, on: bool) -> None:
-        """Switch the laser, open the shutter, put in the flip mirror or take out the beam block.
-
-        Light comes on only with the interlock closed.
-        """
+        """Switch one of `LINES` of the rig; light comes on only with the interlock closed."""
         if on and part in ("laser", "shutter"):
             self.check()
         self._daq.set_line(LINES[part], on)
@@ -69,14 +65,12 @@ class Beam:
         return dict(zip(MIRRORS, volts, strict=True))
 
     def park(self) -> None:
-        """Bring both mirrors to 0 V, where they also rest without power."""
+        """Bring both mirrors to 0 V."""
         self._daq.write_many(dict.fromkeys(MIRRORS, 0.0))
 
     def safe_state(self) -> None:
-        """Bring all to where it is safe, each even if another fails.
-
-        The mirrors park twice: they cannot be read back, so nobody sees a write that was lost.
-        """
+        """Bring all to where it is safe, each even if another fails."""
+        # parked twice: the mirrors cannot be read back, so nobody sees a write that was lost
         insist(*(partial(self.switch, part, False) for part in LIGHT), self.park, self.park)
 
 
@@ -123,7 +117,7 @@ class Bench(EmergencyStop):
             pulse=rig.samples_per_phase,
         )
         for channel in (1, 2):
-            self.clock.sine(channel, frequency=CLOCK_FREQUENCY, amplitude=CLOCK_AMPLITUDE)
+            self.clock.sine(channel, **CLOCK)
         self.clock.lock_phases()
         for channel in (1, 2):
             self.clock.output(channel, True)
@@ -141,14 +135,11 @@ class Bench(EmergencyStop):
         self.beam.switch("laser", True)
 
     def choose_mode(self, mode: str) -> None:
-        """Turn both plates and run both modulators at the mode's frequency; the shutter is closed.
-
-        RF is off while plates turn: that may take longer than the dead man's time.
-        """
+        """Turn both plates and run both modulators as a mode wants it; the shutter is closed."""
         self.shut()
         rig = self.rig
         for rf in self.rf:
-            rf.output(False)
+            rf.output(False)  # plates may take longer than the dead man's time
         self.plate_emission.move_to(float(np.deg2rad(PLATES[mode] + rig.plate_zero_emission_deg)))
         self.plate_detection.move_to(float(np.deg2rad(PLATES[mode] + rig.plate_zero_detection_deg)))
         for rf in self.rf:
@@ -166,17 +157,12 @@ class Bench(EmergencyStop):
 
     def look_at(self, kind: str) -> None:
         """Send the beam to the "scan", to the "reference" target, or nowhere ("dark")."""
-        if kind == "dark":
-            self.shut()
-            return
         self.beam.switch("flip_mirror", kind == "reference")
-        self.beam.switch("shutter", True)
+        self.beam.switch("shutter", kind != "dark")
 
     def move_target(self, offset: float) -> None:
-        """Bring the reference target to an offset (m) from its zero, always from below.
-
-        The steps are so short that the dead man's timers are fed between them.
-        """
+        """Bring the reference target to an offset (m) from its zero, always from below."""
+        # in steps so short that the dead man's timers are fed between them
         goal, step = self.rig.stage_zero + offset, STAGE_SPEED * self.rig.dead_man / 3
         below = [goal - BACKLASH] if self.stage.position > goal - BACKLASH else []
         for end in [*below, goal]:
@@ -265,13 +251,10 @@ def opened(rig: Rig) -> Bench:
     Raises `InstrumentError` if one cannot be reached; those that could are closed again.
     """
     devices: dict[str, Any] = {}
-    try:
+    with ExitStack() as reached:
         for role, device in rig.devices.items():
-            devices[role] = driver(role.replace("_", " "), device)
-    except BaseException:
-        for one in devices.values():
-            one.close()
-        raise
+            devices[role] = reached.enter_context(closing(driver(role.replace("_", " "), device)))
+        reached.pop_all()
     return Bench(rig, devices)
 
 

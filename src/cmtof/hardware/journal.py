@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from math import inf
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -40,18 +40,18 @@ def whole_lines(path: str | Path) -> list[bytes]:
     return found
 
 
-class Journal:
+class Journal(NamedTuple):
     """A journal that is open for writing, with the records that it holds."""
 
-    def __init__(self, file: BinaryIO, records: list[Record]) -> None:
-        self._file, self.records = file, records
+    file: BinaryIO
+    records: list[Record]
 
     def append(self, record: Record) -> None:
         """Add the next line; it is on the disk when this returns."""
-        arrays = {"sums": record.sums.tolist(), "clipped": record.clipped.tolist()}
-        self._file.write(framed(json.dumps(record._asdict() | arrays).encode()))
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        content = json.dumps(record._asdict(), default=np.ndarray.tolist)
+        self.file.write(framed(content.encode()))
+        self.file.flush()
+        os.fsync(self.file.fileno())
         self.records.append(record)
 
 
@@ -59,10 +59,7 @@ class Journal:
 def open_journal(path: Path, header: Mapping[str, Any], plan: Plan) -> Iterator[Journal]:
     """Journal of a plan, by one process at a time; made with the header where there is none.
 
-    Raises
-    ------
-    ValueError
-        If it belongs to other settings, is no journal, or another process writes it.
+    Raises ValueError if it belongs to other settings, is none, or another process writes it.
     """
     if not path.exists():
         with written_whole(path) as part:
@@ -116,13 +113,7 @@ def _lock(file: BinaryIO, path: Path) -> None:
 
 
 def difference(old: Any, new: Any, name: str = "") -> str:
-    """Name and values of the first setting that differs; empty where none does.
-
-    Examples
-    --------
-    >>> difference({"drive": {"power": 30}}, {"drive": {"power": 29}})
-    'drive.power = 30 where now it is 29'
-    """
+    """Name and values of the first setting that differs; empty where none does."""
     if isinstance(old, dict) and isinstance(new, dict):
         inside = (difference(old.get(k), new.get(k), f"{name}.{k}") for k in sorted({*old, *new}))
         return next(filter(None, inside), "")

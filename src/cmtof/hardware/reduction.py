@@ -28,12 +28,9 @@ from cmtof.measurement import Measurement, unambiguous_range
 
 Array = NDArray[np.float64]
 
-FULL_SCALE = 65535
-"""Highest count of a 16-bit stream sample; it and 0 mean that the converter clips."""
-MIN_CONTRAST = 1e-3
-"""Contrast of the reference target below which there is no phase to calibrate on."""
-RANGES = (10.0, 1.0, 0.1, 0.01)
-"""Input ranges of the T7, V, in the order of its gains."""
+FULL_SCALE = 65535  # of a 16-bit stream sample; it and 0 mean that the converter clips
+MIN_CONTRAST = 1e-3  # of the reference target; below there is no phase to calibrate on
+RANGES = (10.0, 1.0, 0.1, 0.01)  # of the T7's inputs, V, in the order of its gains
 
 
 class Gain(NamedTuple):
@@ -118,63 +115,76 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Calibr
     return Calibrated(float(centred(np.angle(total))), contrast, float(drift))
 
 
+class Lines(NamedTuple):
+    """Lines of a kind in a mode: counts (L, N, K), power (L, 1, 1), W, clips and labels (L, N)."""
+
+    counts: Array
+    power: Array
+    clipped: NDArray[np.uint16]
+    labels: NDArray[np.int64]
+
+
+def lines_of(plan: Plan, records: Sequence[Record], mode: str, kind: str) -> Lines:
+    """Means of the kept samples of every recorded line of a kind."""
+    found = [one for one in records if plan.lines[one.line][1:3] == (mode, kind)]
+    return Lines(
+        np.array([one.sums for one in found]) / plan.kept,
+        np.array([one.power for one in found])[:, None, None],
+        np.array([one.clipped for one in found]),
+        np.array([plan.lines[one.line].labels for one in found]),
+    )
+
+
 def calibrated(
     plan: Plan, header: Mapping[str, Any], mode: str, records: Sequence[Record]
 ) -> Calibrated:
     """Calibration of a mode by the whole visits of the reference target that are recorded.
 
     Of the header of `cmtof.hardware.scan` the converter's ``calibration`` and ``group_index``
-    count. Raises a ValueError if the target saturates detector or converter, or shows no
-    modulation.
+    count. Raises a ValueError if the target saturates, or shows no modulation.
     """
-    rig, gain = plan.rig, Gain(*header["calibration"])
-    visits = _lines(plan, records, mode, "reference")
-    volts = gain.volts_from_counts(_means(plan, visits))
-    clipped = sum(int(one.clipped.sum()) for one in visits)
-    if clipped or volts.max() > rig.limit_volts:
+    gain, seen = Gain(*header["calibration"]), lines_of(plan, records, mode, "reference")
+    volts, clipped = gain.volts_from_counts(seen.counts), int(seen.clipped.sum())
+    if clipped or volts.max() > plan.rig.limit_volts:
         raise ValueError(
             f"Expected a reference target within the detector's range, got {volts.max():.2f} V and "
             f"{clipped} clipped samples: it saturates. Put a grey filter before it."
         )
-    dark = _means(plan, _lines(plan, records, mode, "dark")).mean()
-    power = np.array([one.power for one in visits])[:, None, None]
-    above = (volts - gain.volts_from_counts(dark)) / power
-    ranges = rig.reference_distance + np.repeat(plan.sweep, REFERENCE_BURSTS)
-    seen = above.reshape(-1, ranges.size, rig.phases)
-    return calibrate(seen, header["group_index"] * ranges, frequency_of(plan, mode))
+    dark = gain.volts_from_counts(lines_of(plan, records, mode, "dark").counts.mean())
+    ranges = plan.rig.reference_distance + np.repeat(plan.sweep, REFERENCE_BURSTS)
+    visits = ((volts - dark) / seen.power).reshape(-1, ranges.size, plan.rig.phases)
+    return calibrate(visits, header["group_index"] * ranges, _frequency(plan, mode))
 
 
 def measurement_from_records(
     plan: Plan, header: Mapping[str, Any], records: Sequence[Record]
 ) -> Measurement:
-    """Measurement of the records of every line of a plan.
+    """Measurement of the records of every line of a plan; raises as `calibrated` does.
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,
     ``laser_power`` (W), ``angle`` (rad), ``time`` (s, on the plan's clock), and of each frequency
-    what the reference target showed. Pixels where the converter clips are masked. Raises as
-    `calibrated` does.
+    what the reference target showed. Pixels where the converter clips are masked.
     """
     modes = [_images(plan, header, mode, records) for mode in MODES]
     dims = {1: (), 2: ("step",), 3: ("y", "x"), 4: ("step", "y", "x")}
     arrays = {name: np.stack([mode[name] for mode in modes]) for name in modes[0]}
-    valid = arrays.pop("valid").all(axis=0)
+    clipped = arrays.pop("clipped").any(axis=0)
     data = xr.Dataset({n: (("frequency", *dims[a.ndim]), a) for n, a in arrays.items()})
     data = data.set_coords(["psi", "time"])
-    data["mask"] = (("y", "x"), valid.astype(np.int8))
+    data["mask"] = (("y", "x"), (~clipped).astype(np.int8))
     data["angle"] = (("y", "x", "axis"), plan.angles, {"units": "rad"})
     data["camera"] = ("parameter", plan.camera)
-    data["correlation"].attrs["units"] = "V"
-    data["laser_power"].attrs["units"] = "W"
+    data["correlation"].attrs["units"], data["laser_power"].attrs["units"] = "V", "W"
+    about = {name: value for name, value in header.items() if value is not None}
     data.attrs = {
+        name: value if isinstance(value, str | int | float) else json.dumps(value, sort_keys=True)
+        for name, value in about.items()
+    } | {
         "protocol": "scan",
         "saturation": FULL_SCALE,
         "range_min": 0.0,
         "range_max": unambiguous_range(arrays["frequency"]),
     }
-    for name, value in header.items():
-        plain = isinstance(value, str | int | float)
-        if value is not None:
-            data.attrs[name] = value if plain else json.dumps(value, sort_keys=True)
     return Measurement(data)
 
 
@@ -183,35 +193,25 @@ def _images(
 ) -> dict[str, Any]:
     """Arrays and calibration of a mode, by their names in the file."""
     found, gain = calibrated(plan, header, mode, records), Gain(*header["calibration"])
-    image = _lines(plan, records, mode, "scan")
-    dark = _means(plan, _lines(plan, records, mode, "dark")).mean()
-    counts, power = _means(plan, image), np.array([one.power for one in image])[:, None, None]
-    volts = (gain.volts_from_counts(counts) - gain.volts_from_counts(dark)) * (power[0] / power)
+    image = lines_of(plan, records, mode, "scan")
+    dark = lines_of(plan, records, mode, "dark").counts.mean()
+    volts = gain.volts_from_counts(image.counts) - gain.volts_from_counts(dark)
+    volts = volts * (image.power[0] / image.power)
     return {
-        "frequency": frequency_of(plan, mode),
+        "frequency": _frequency(plan, mode),
         "psi": np.mod(nominal_psi(plan.rig.phases) + found.offset, TAU),
         "correlation": np.moveaxis(volts, -1, 0).astype(np.float32),
-        "raw_counts": np.moveaxis(counts, -1, 0).astype(np.float32),
+        "raw_counts": np.moveaxis(image.counts, -1, 0).astype(np.float32),
         "dark": dark,
-        "laser_power": np.broadcast_to(power[..., 0], counts.shape[:2]),
-        "time": SLOT * np.array([plan.lines[one.line].labels for one in image]),
+        "laser_power": np.broadcast_to(image.power[..., 0], image.labels.shape),
+        "time": SLOT * image.labels,
         "phase_offset": found.offset,
         "phase_drift": found.drift,
         "reference_contrast": found.contrast,
-        "valid": np.array([one.clipped == 0 for one in image]),
+        "clipped": image.clipped > 0,
     }
 
 
-def frequency_of(plan: Plan, mode: str) -> float:
+def _frequency(plan: Plan, mode: str) -> float:
     """Modulation frequency of a mode, Hz."""
     return plan.rig.drive_frequency(mode) * (2 if mode == "doubled" else 1)
-
-
-def _lines(plan: Plan, records: Sequence[Record], mode: str, kind: str) -> list[Record]:
-    """Records of a kind of line in a mode."""
-    return [one for one in records if plan.lines[one.line][1:3] == (mode, kind)]
-
-
-def _means(plan: Plan, records: Sequence[Record]) -> Array:
-    """Mean counts (L, N, K) of the kept samples of L lines."""
-    return np.array([one.sums for one in records]) / plan.kept

@@ -10,13 +10,13 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
-from glob import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cmtof import __version__
+from cmtof.files import check_output
 from cmtof.hardware.bench import VOLTS_RANGE, Bench, simulated
 from cmtof.hardware.journal import journal_path, open_journal, whole_lines
 from cmtof.hardware.plan import SWEEP, Line, Plan, Record, planned
@@ -39,18 +39,11 @@ def scan(
 ) -> Measurement:
     """Scan, and write the measurement ``*.nc``; a journal lies beside it until that is done.
 
-    ``bench`` opens the instruments: ``lambda: opened(rig)`` or ``lambda: simulated(rig, scene)``,
-    whose ``seed`` and ``scene`` stand in the file. ``resume`` goes on with the journal that is
-    there. ``report`` is called with each line that is on the disk; of an earlier run's with the
-    last.
-
-    Raises
-    ------
-    ValueError
-        If there is a journal and ``resume`` was not asked for, it belongs to other settings, or the
-        reference target saturates the detector or shows no modulation.
-    InstrumentError
-        For whatever an instrument did not do; what was measured stays in the journal.
+    ``bench`` opens the instruments, `opened` or `simulated`, whose ``seed`` and ``scene`` stand in
+    the file; ``report`` is called with each line that is on the disk, of an earlier run's with the
+    last. Raises ValueError for a journal of other settings or a reference target that saturates or
+    shows no modulation, and InstrumentError for whatever an instrument did not do; what was
+    measured stays in the journal.
     """
     output, path = Path(output), journal_path(output)
     check_scan_output(output, resume=resume)
@@ -69,9 +62,6 @@ def scan(
         measurement.save(output)
         with output.open("rb") as written:  # it is on the disk before the journal goes
             os.fsync(written.fileno())
-        # what a kill during an export has left; the journal's lock keeps others out
-        for part in output.parent.glob(f".{escape(output.stem)}.part-*.nc"):
-            part.unlink(missing_ok=True)
         path.unlink()
     return measurement
 
@@ -99,8 +89,7 @@ def measured(
 
 def header_of(bench: Bench, plan: Plan, *, seed: int | None, scene: str | None) -> dict[str, Any]:
     """Everything that the result depends on, as JSON has it; no address, no clock."""
-    roles = ("rf_emission", "rf_detection", "clock", "daq", "power_meter")
-    identities = {role: bench.devices[role].identify() for role in roles}
+    identities = {role: device.identify() for role, device in bench.devices.items()}
     twin = identities["daq"]["serial_number"].startswith("TWIN")
     return {
         "version": __version__,
@@ -119,11 +108,7 @@ def check_scan_output(output: Path, *, resume: bool) -> None:
     """Raise an error where a scan cannot be written, before anything is started."""
     if output.suffix != ".nc":
         raise ValueError(f"Expected an output named *.nc, got {output.name}. Rename it.")
-    if not output.parent.is_dir():
-        raise FileNotFoundError(
-            f"Expected an existing folder to write into, got {output.parent}. Create it first."
-        )
-    path = journal_path(output)
+    path = journal_path(check_output(output))
     if path.exists() and not resume:
         raise ValueError(
             f"Expected no scan begun, got {max(len(whole_lines(path)) - 1, 0)} lines in {path}. "
@@ -145,11 +130,9 @@ def scan_scene(
     """Scan of a target by the simulated instrument, in memory, with its true depth.
 
     Ranges are optical, ``n_g z`` with the attribute ``group_index``, as in every scan: divide what
-    comes out of the measurement, its true ``depth`` included, to have metres along the ray.
-
-    The target is one of `cmtof.instrument.targets.scene_from`, ``size`` height and width, px,
-    ``field_of_view`` the full optical angles across and down, rad. Depths to choose from are
-    ``range_min`` to ``range_max``, m; the default ends where both frequencies repeat themselves.
+    comes out of the measurement, its true ``depth`` included, to have metres along the ray. The
+    target is one of `cmtof.instrument.targets.scene_from`; ``size`` is height and width, px,
+    ``field_of_view`` the full optical angles across and down, rad.
 
     Examples
     --------
