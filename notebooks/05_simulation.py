@@ -33,7 +33,7 @@ from cmtof.correlation import (
     wrapped,
 )
 from cmtof.detector import poisson_gaussian
-from cmtof.network.features import fourier_features, log_amplitude, phase_edges
+from cmtof.network.features import fourier_features, phase_edges
 from cmtof.scenes import embedded_frames
 from cmtof.simulation import QUADRATURES, true_phase
 
@@ -372,7 +372,7 @@ plotting.save(
 # released code has the phases and their octaves only.
 
 # %%
-parts = log_amplitude(measured.amplitude)[:, None], fourier_features(measured.phase, order)
+parts = np.log1p(measured.amplitude)[:, None], fourier_features(measured.phase, order)
 inputs = np.concatenate([*parts, phase_edges(measured.phase)], axis=1)
 channels = inputs.shape[0] * inputs.shape[1]
 ranges = {protocol: quiet[frame_name, protocol].range for protocol in ("released", "full")}

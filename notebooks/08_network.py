@@ -41,9 +41,9 @@ from cmtof.constants import FREQUENCIES, NOISE_SIGMA
 from cmtof.correlation import TAU, depth_from_wraps
 from cmtof.evaluation import measured, rates, read_counts, scored_pixels
 from cmtof.network.data import batch_of, leaves, measure
-from cmtof.network.features import ORDER, features, fourier_features
+from cmtof.network.features import CLASSES, FEATURE_SETS, ORDER, features, fourier_features
 from cmtof.network.losses import IGNORED, WRAP_MM, soft_argmax, unwrapping_loss
-from cmtof.network.models import FEATURE_SETS, MODELS, build_network, wraps_of
+from cmtof.network.models import MODELS, build_network
 from cmtof.network.recipe import read_config
 from cmtof.network.training import train
 from cmtof.network.weights import FOLDER, read_card, state, weights_path
@@ -52,7 +52,7 @@ from cmtof.scenes.frame import held_out_frames
 run = plotting.begin(profile=profile, seed=seed)
 torch.manual_seed(seed)
 torch.set_num_threads(1)
-first, classes = wraps_of("released")
+first, classes = CLASSES["released"]
 blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "green"))
 
 # %% [markdown]
@@ -175,7 +175,7 @@ w = MODELS["fast-scnn"].depth_weight
 
 
 def slope(depth_weight):
-    loss = unwrapping_loss(logits, label, phase, turns, depth_weight=depth_weight).total
+    loss = unwrapping_loss(logits, label, phase, turns, depth_weight=depth_weight)
     return torch.autograd.grad(loss, logits)[0]
 
 
@@ -187,7 +187,7 @@ where, step, moved = (0, 7, 2, 1), 1e-4, []
 for sign in (1, -1):
     shifted = logits.detach().clone()
     shifted[where] += sign * step
-    moved.append(float(unwrapping_loss(shifted, label, phase, turns, depth_weight=w).total))
+    moved.append(float(unwrapping_loss(shifted, label, phase, turns, depth_weight=w)))
 finite, exact = (moved[0] - moved[1]) / (2 * step), float(slope(w)[where])
 error, masked = (slope(0.0) - closed).abs().max(), slope(w)[0, :, 0].abs().max()
 print(f"slope of the cross-entropy against p − onehot: {float(error):.0e}")
@@ -240,7 +240,7 @@ def reading(network, sigma, count=12):
 
 
 # %%
-plain = MODELS["fast-scnn"].network(network.inputs, classes)
+plain = type(network)(network.model, classes)
 for sigma in (100.0, NOISE_SIGMA):
     print(f"σ = {sigma:4.0f} counts: correlation {reading(build_network('fast-scnn'), sigma):.2f} "
           f"with the initialisation, {reading(plain, sigma):.2f} with random filters")  # fmt: skip

@@ -261,7 +261,7 @@ examples = {
                    truth.mask[:, part], truth.depth[:, part])
     for name, part in sides.items()
 }  # fmt: skip
-tuned = fine_tune(trained, [examples["trained on"]], steps=steps, crop=crop, batch=1, seed=seed)
+tuned = fine_tune(trained, [examples["trained on"]], steps=steps, crop=crop, seed=seed)
 
 
 # %%

@@ -5,8 +5,9 @@ import pytest
 import torch
 
 import cmtof
-from cmtof.network.models import build_network, wraps_of
-from cmtof.network.recipe import Config, Rooms, Stage
+from cmtof.network.features import CLASSES
+from cmtof.network.models import build_network
+from cmtof.network.recipe import Config, Stage
 from cmtof.network.weights import Card, Rates, save_weights, weights_path
 from cmtof.scenes import Frame
 
@@ -47,7 +48,7 @@ def config():
 
 def card(model="fast-scnn-light", protocol="released", gain=(0.1, 0.05, 0.15), **changes):
     """Card of made-up weights."""
-    first, classes = wraps_of(protocol)
+    first, classes = CLASSES[protocol]
     rates = Rates(delta_lt_1=0.3, delta_lt_2=0.6, delta_lt_3=0.7, delta_ge_10=0.05)
     held = Card(
         model=model, protocol=protocol, classes=classes, first_wrap=first, parameters=1,
@@ -68,8 +69,3 @@ def stored(tmp_path):
         return path
 
     return store
-
-
-@pytest.fixture
-def small_rooms():
-    return Rooms(seed=5, scenes=10, views=1, height=64, width=64)

@@ -18,9 +18,10 @@ from cmtof.network.data import (
     phasors,
     room_crop,
 )
+from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED
-from cmtof.network.models import BEAT, wraps_of
 from cmtof.scenes import Frame
+from cmtof.scenes.frame import Source
 
 WRAP = float(wrap_length(FREQUENCIES[0]))
 
@@ -65,7 +66,7 @@ def test_images_decode_to_their_phasor():
 
 @pytest.mark.parametrize("protocol", ["released", "full"])
 def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
-    first, _ = wraps_of(protocol)
+    first, _ = CLASSES[protocol]
     depth = torch.tensor([[first * WRAP - 1e-4, (first + 3.5) * WRAP, 7.6, np.nan]])
     batch = Batch(
         depth[None].double(), torch.ones(1, 1, 4), torch.ones(1), torch.zeros(1, 4, 2, 1, 4)
@@ -78,7 +79,7 @@ def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
 
 @pytest.mark.parametrize("protocol", ["released", "full"])
 def test_leaves_cover_all_classes_and_hide_them_from_brightness(protocol):
-    first, classes = wraps_of(protocol)
+    first, classes = CLASSES[protocol]
     turns, light = [], []
     for k in range(150):
         depth, shade = leaves(np.random.default_rng(k), 48, protocol)
@@ -103,7 +104,7 @@ def made_pack(rng, views=3, side=80):
 def test_room_crops_are_staged_and_mostly_in_range():
     rng = np.random.default_rng(0)
     pack = made_pack(rng)
-    first, classes = wraps_of("released")
+    first, classes = CLASSES["released"]
     depth, _ = pack.staged(0, "released")
     assert depth.max() == pytest.approx(1.195, rel=1e-3)
     crops = [room_crop(rng, pack, 32, "released") for _ in range(30)]
@@ -122,37 +123,31 @@ def test_steps_depend_on_their_number_alone_and_share_out(config):
     assert not torch.equal(alone.noise, Steps(config, None)[4].noise)
 
 
-class View:
+def source(name, size=(10, 12), fill=2.0):
     """View of a made-up tree."""
-
-    def __init__(self, name, size=(10, 12)):
-        self.name, self.size, self.opened = name, size, 0
-
-    def load(self):
-        self.opened += 1
-        depth = np.full(self.size, 2.0)
-        depth[0, 0] = np.nan
-        return Frame(depth, np.full(self.size, 1.7), None, self.name, "")
+    depth = np.full(size, fill)
+    depth[0, 0] = np.nan
+    return Source(name, lambda: Frame(depth, np.full(size, 1.7), None, name, ""))
 
 
-def test_views_are_packed_once(tmp_path):
-    views = [View("a"), View("b")]
-    pack_views(views, tmp_path / "train")
-    opened = views[1].opened
-    pack = pack_views(views, tmp_path / "train")
-    assert views[1].opened == opened
-    assert pack.depth.shape == (2, 10, 12) and np.isnan(pack.depth[0, 0, 0])
-    assert float(pack.intensity.max()) == 1 and pack.far.tolist() == [2, 2]
+def broken():
+    raise OSError("Expected HDF5, got a torn file.")
 
 
-@pytest.mark.parametrize(
-    ("views", "message"),
-    [([], "Expected views for train"), ([View("a"), View("b", (8, 8))], "Train on one size")],
-)
-def test_views_that_cannot_be_packed_are_refused(tmp_path, views, message):
-    with pytest.raises(ValueError, match=message):
-        pack_views(views, tmp_path / "train")
+def test_views_are_packed_once_and_without_the_broken_ones(tmp_path):
+    views = [source("a"), Source("torn", broken), source("b"), source("small", (8, 8))]
+    views.append(source("empty", fill=np.nan))
+    with pytest.warns(UserWarning) as caught:
+        first = pack_views(views, tmp_path / "train.npz")
+    said = [str(one.message) for one in caught]
+    assert said[0] == "torn is left out. Expected HDF5, got a torn file."
+    assert [line.split()[0] for line in said] == ["torn", "small", "empty"]
+    unopened = [Source(view.name, broken) for view in views]
+    for pack in (first, pack_views(unopened, tmp_path / "train.npz")):
+        assert pack.depth.shape == (2, 10, 12) and np.isnan(pack.depth[0, 0, 0])
+        assert float(pack.intensity.max()) == 1 and pack.far.tolist() == [2, 2]
 
 
-def test_beat_step_is_that_of_the_frequencies():
-    assert pytest.approx(TAU * 20e6 / 7.15e9, rel=1e-6) == BEAT
+def test_no_views_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="Expected views for train"):
+        pack_views([], tmp_path / "train.npz")

@@ -1,26 +1,30 @@
 """Training: configurations, the same bits after a kill, learning, fine-tuning."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
 
 from cmtof.network.data import Steps, open_rooms
-from cmtof.network.features import channels
-from cmtof.network.models import MODELS, build_network
-from cmtof.network.recipe import Config, Stage, presets, read_config
+from cmtof.network.recipe import PRESETS, Config, Stage, read_config
 from cmtof.network.training import Labelled, Unwrapping, fine_tune, loss_of, train
 from cmtof.network.weights import load_weights, read_card
 
 CPU = {"accelerator": "cpu", "devices": 1, "quiet": True}
 
 
-@pytest.mark.parametrize("name", presets())
-def test_presets_are_configurations(name):
-    config = read_config(name, model="rapid", seed=4)
-    assert (config.name, config.model, config.seed) == (name, "rapid", 4)
-    assert config.stage_at(config.steps - 1)[0] is config.stages[-1]
-    rates = [config.rate_at(step) for step in range(0, config.steps + 1, config.steps // 10)]
-    assert min(rates) > 0 and rates[-1] < 0.1 * max(rates)
+def unwrapping(config, init=None):
+    return Unwrapping(config, open_rooms(config, None, Path()), Path(), init, 0)
+
+
+def test_presets_are_configurations():
+    for name in PRESETS:
+        config = read_config(name, model="rapid", seed=4)
+        assert (config.name, config.model, config.seed) == (name, "rapid", 4)
+        assert config.stage_at(config.steps - 1)[0] is config.stages[-1]
+        rates = [config.rate_at(step) for step in range(0, config.steps + 1, config.steps // 10)]
+        assert min(rates) > 0 and rates[-1] < 0.1 * max(rates)
 
 
 def test_paper_preset_is_what_the_paper_states():
@@ -40,13 +44,10 @@ def test_stages_follow_each_other(config):
     ("text", "message"),
     [
         ("- 1", "Expected YAML|Expected names and values"),
-        ("{", "Expected YAML|Expected names and values"),
         ("stages: []", "Expected stages .* at least 1 item"),
-        ("colour: red", "Expected stages .* Field required"),
         ("model: nobody\nstages: [{S}]", "expected a model out of fast-scnn"),
-        ("protocol: half\nstages: [{S}]", "Expected protocol 'released' or 'full', got 'half'"),
+        ("protocol: half\nstages: [{S}]", "Expected protocol .* 'released' or 'full'"),
         ("seed: 1.5\nstages: [{S}]", "Expected seed .* got '1.5'"),
-        ("stages: [{S, batch: 0}]", "Expected stages.0.batch .* greater than 0"),
         ("stages: [{S, rooms: 2}]", "Expected stages.0.rooms .* less than or equal to 1"),
         ("stages: [{S, rooms: 1, crop: 600}]", "expected crops within rooms of 512 px"),
     ],
@@ -89,7 +90,7 @@ def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config):
 
 def test_training_goes_on_from_given_weights(tmp_path, config, stored):
     path = stored()
-    module = Unwrapping(config, path)
+    module = unwrapping(config, path)
     held = load_weights(path).network.state_dict()
     assert all(torch.equal(held[k], v) for k, v in module.network.state_dict().items())
 
@@ -101,17 +102,16 @@ def test_device_that_is_not_there_is_refused(tmp_path, config):
         train(config, tmp_path, quiet=True, accelerator="gpu")
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", ["fast-scnn", "u-net", "one-step", "deep-tof", "rapid"])
 def test_every_model_learns_a_batch_by_heart(name):
     """Ten steps on one batch bring its loss down."""
     stage = Stage(name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1)
-    module = Unwrapping(Config(model=name, stages=(stage,), rooms=None, validation_views=2))
+    module = unwrapping(Config(model=name, stages=(stage,), rooms=None, validation_views=2))
     sample = module.measured(Steps(module.config, None)[0])
-    assert sample.inputs.shape[1] == channels(MODELS[name].features)
     (optimizer,), _ = module.configure_optimizers()
     losses = []
     for _ in range(10):
-        loss = loss_of(name, module.network.train(), sample)
+        loss = loss_of(module.network.train(), sample)
         optimizer.zero_grad()
         loss.backward()
         for group in optimizer.param_groups:
@@ -121,23 +121,13 @@ def test_every_model_learns_a_batch_by_heart(name):
     assert losses[-1] < 0.9 * losses[0]
 
 
-def test_validation_scores_a_perfect_and_a_blind_network(config):
-    module = Unwrapping(config)
-    _, pack = open_rooms(config, None)
-
-    class Truth(torch.nn.Module):
-        target, classes = "wraps", 21
-
-        def forward(self, inputs):
-            return self.answer(inputs)
-
-    blind = Truth()
-    blind.answer = lambda x: torch.eye(21)[10].view(1, 21, 1, 1).expand(1, 21, *x.shape[-2:])
-    module.average = blind
-    found = module.validated(pack)
+def test_validation_scores_a_network_that_answers_with_the_middle(config):
+    module, middle = unwrapping(config), torch.eye(21)[10].view(1, 21, 1, 1)
+    module.average.forward = lambda x: middle.expand(1, 21, *x.shape[-2:])
+    found = module.validated()
     assert found["validation"] == found["trivial"]["middle"]
     assert found["gain"][1] <= 0
-    assert sum(found["trivial"]["mode"].delta_lt_1 >= found["validation"].delta_lt_1 for _ in "a")
+    assert found["trivial"]["mode"].delta_lt_1 >= found["validation"].delta_lt_1
 
 
 # --- fine-tuning ---------------------------------------------------------------------------------
@@ -174,21 +164,8 @@ def test_unlabelled_pixels_teach_nothing(stored, example):
     assert first.losses == second.losses
 
 
-@pytest.mark.parametrize(
-    ("change", "options", "message"),
-    [
-        ({}, {"steps": 0}, "Expected examples, steps, crop"),
-        ({"wraps": np.zeros((3, 3), int)}, {}, "Expected wraps, mask and depth"),
-        ({"mask": np.zeros((40, 56), bool)}, {}, "got none in 1 measurements"),
-    ],
-)
-def test_fine_tuning_refuses_what_cannot_teach(stored, example, change, options, message):
-    with pytest.raises(ValueError, match=message):
-        fine_tune(load_weights(stored()), [example._replace(**change)], **options)
-
-
-def test_fresh_networks_of_one_seed_are_equal():
-    first, second = (torch.manual_seed(2) and build_network("u-net") for _ in range(2))
-    assert all(
-        torch.equal(a, b) for a, b in zip(first.parameters(), second.parameters(), strict=True)
-    )
+def test_fine_tuning_refuses_what_has_no_labels(stored, example):
+    blank = example._replace(mask=np.zeros((40, 56), bool))
+    for examples in ([blank], []):
+        with pytest.raises(ValueError, match=f"got none in {len(examples)} measurements"):
+            fine_tune(load_weights(stored()), examples)

@@ -10,7 +10,7 @@ from tests.network.conftest import card
 import cmtof
 from cmtof.correlation import TAU
 from cmtof.network import weights
-from cmtof.network.models import MODELS, build_network
+from cmtof.network.models import build_network
 from cmtof.network.weights import (
     classify,
     find_weights,
@@ -33,12 +33,10 @@ def test_weights_come_back_in_half_precision_with_their_card(stored):
     assert trained.card == read_card(path) and not trained.network.training
 
 
-@pytest.mark.parametrize(
-    ("gain", "expected"), [((0.1, 0.05, 0.15), "trained"), ((0.1, -0.01, 0.2), "untrained")]
-)
-def test_state_is_computed_from_the_gain(stored, gain, expected):
-    path = stored(gain=gain)
-    assert state("fast-scnn-light", "released", path.parent) == expected
+def test_state_is_computed_from_the_gain(stored):
+    for gain, expected in (((0.1, 0.05, 0.15), "trained"), ((0.1, -0.01, 0.2), "untrained")):
+        path = stored(gain=gain)
+        assert state("fast-scnn-light", "released", path.parent) == expected
     assert state("fast-scnn-light", "full", path.parent) == "no weights"
 
 
@@ -46,7 +44,7 @@ def test_weights_with_the_fewest_classes_are_found(stored):
     narrow, wide = stored(), stored(protocol="full")
     assert find_weights("fast-scnn-light", 40, 50, narrow.parent) == narrow
     assert find_weights("fast-scnn-light", 3, 50, narrow.parent) == wide
-    with pytest.raises(ValueError, match="for the wraps 0 to 400, got 0 to 357, 36 to 56"):
+    with pytest.raises(ValueError, match="for the wraps 0 to 400, got 36 to 56, 0 to 357"):
         find_weights("fast-scnn-light", 0, 400, narrow.parent)
 
 
@@ -55,15 +53,11 @@ def test_weights_with_the_fewest_classes_are_found(stored):
     [
         ({"classes": -3}, "Expected classes .* greater than or equal to 1"),
         ({"classes": 20.5}, "Expected classes .* valid integer"),
-        ({"classes": "many"}, "Expected classes .* valid integer"),
-        ({"classes": 20}, "with its protocol's classes, got fast-scnn-light with 20"),
-        ({"first_wrap": True and -1}, "Expected first_wrap"),
-        ({"protocol": "half"}, "Expected protocol .* 'released' or 'full'"),
+        ({"classes": 20}, "no such model with 20 classes"),
         ({"gain": [0.1, float("nan"), 1]}, "Expected gain.1 .* finite number"),
-        ({"validation": {"delta_lt_1": 2}}, "Expected validation.delta_lt_1"),
-        ({"model": "nobody"}, "Expected a model out of fast-scnn"),
+        ({"model": "nobody"}, "Expected finite weights of nobody"),
         ({"model": "fast-scnn"}, "Expected finite weights of fast-scnn"),
-        ({"sha256": "0" * 64}, "Expected weights with the hash 000000000000"),
+        ({"sha256": "0" * 64}, "the hash .* instead of 000000000000"),
         ({"colour": "red"}, "Expected colour .* not permitted"),
     ],
 )
@@ -76,14 +70,15 @@ def test_cards_that_do_not_fit_are_refused(stored, changes, message):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("text", [None, "[1, 2]", "{", '"card"'])
-def test_missing_and_broken_cards_are_refused(stored, text):
+def test_missing_and_broken_cards_are_refused(stored):
     path = stored()
     path.with_suffix(".json").unlink()
-    if text is not None:
-        path.with_suffix(".json").write_text(text)
-    with pytest.raises(ValueError, match="Expected"):
-        read_card(path)
+    for text in (None, "[1, 2]", "{", '"card"', "[" * 10**5):
+        if text is not None:
+            path.with_suffix(".json").write_text(text)
+        with pytest.raises(ValueError, match="Expected") as caught:
+            read_card(path)
+        assert len(str(caught.value)) < 600
 
 
 def test_weights_that_are_not_numbers_or_not_there_are_refused(tmp_path):
@@ -94,17 +89,16 @@ def test_weights_that_are_not_numbers_or_not_there_are_refused(tmp_path):
     with pytest.raises(ValueError, match="NaN or infinity"):
         load_weights(path)
     path.unlink()
-    with pytest.raises(ValueError, match="got none. Fetch or train them"):
+    with pytest.raises(ValueError, match="no file"):
         load_weights(path)
 
 
-@pytest.mark.parametrize("name", ["fast-scnn-light", "one-step", "deep-tof", "rapid"])
+@pytest.mark.parametrize("name", ["fast-scnn-light", "one-step", "rapid"])
 def test_methods_answer_within_the_range(stored, measurement, name):
     depth, sure = unwrap_with_network(measurement, weights=stored(name))
     low, high = measurement.range
     assert ((depth >= low) & (depth < high)).all() and ((sure >= 0) & (sure <= 1)).all()
-    if MODELS[name].network.target == "depth":
-        assert (sure == 0.3).all()
+    assert (sure == 0.3).all() == (name == "one-step")
 
 
 def test_classes_agree_with_the_measured_phase(stored, measurement):
@@ -114,15 +108,15 @@ def test_classes_agree_with_the_measured_phase(stored, measurement):
     assert np.abs(np.angle(off)).max() < 1e-4
 
 
-@pytest.mark.parametrize("name", ["fast-scnn", "u-net", "deep-tof"])
+@pytest.mark.parametrize("name", ["fast-scnn", "deep-tof"])
 def test_bands_equal_the_whole(monkeypatch, stored, name):
     frame = cmtof.scenes.Frame(np.full((600, 24), 0.93), np.full((600, 24), 0.5), None, "", "")
     trained, measured = load_weights(stored(name)), cmtof.simulate(frame, noise=500.0)
-    monkeypatch.setattr(weights, "MOST_PIXELS", 10**9)
-    whole = weights._in_bands(trained, measured, lambda found, phase: found)
+    (whole, _), *more = weights._bands(trained, measured)
     monkeypatch.setattr(weights, "MOST_PIXELS", 24 * 450)
-    bands = weights._in_bands(trained, measured, lambda found, phase: found)
-    assert np.abs(whole - bands).max() < 2e-5 * np.abs(whole).max()
+    bands = torch.cat([found for found, _ in weights._bands(trained, measured)], -2)
+    assert not more
+    assert (whole - bands).abs().max() < 2e-5 * whole.abs().max()
 
 
 def test_masked_pixels_do_not_spread(stored, measurement):

@@ -4,30 +4,28 @@ Crop k of step s is decided by (seed, s, k) alone: a run that was killed, or tha
 processes, sees the crops it would have seen.
 """
 
-import json
-from collections.abc import Iterable, Iterator
+import warnings
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.utils.data import Dataset, Sampler
+from torch.utils.data import Dataset
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, wrap_length
 from cmtof.files import written_whole
 from cmtof.measurement import unambiguous_range
-from cmtof.network.features import features
+from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED
-from cmtof.network.models import wraps_of
 from cmtof.network.recipe import Config
+from cmtof.scenes.frame import Source
+from cmtof.scenes.hypersim import Hypersim
 from cmtof.simulation import RELEASED_FAR_DEPTH
-
-if TYPE_CHECKING:
-    from cmtof.scenes.frame import Source
 
 WRAP = float(wrap_length(FREQUENCIES[0]))
 """Depth of a wrap of the lower frequency, m."""
@@ -40,29 +38,29 @@ Crop = tuple[NDArray[np.floating], NDArray[np.floating]]
 
 
 class Batch(NamedTuple):
-    """Crops of frames, and their noise."""
+    """Crops of frames: depth (B, H, W), m, NaN where unknown, and intensity (B, H, W), 0 to 1.
+
+    Their noise: Gaussian sigma of a correlation image (B,), counts, and standard normal numbers
+    (B, 4, 2, H, W).
+    """
 
     depth: Tensor
-    """(B, H, W), m; NaN where unknown."""
     intensity: Tensor
-    """(B, H, W), 0 to 1."""
     sigma: Tensor
-    """Gaussian noise of a correlation image (B,), counts."""
     noise: Tensor
-    """Standard normal numbers (B, 4, 2, H, W)."""
 
 
 class Sample(NamedTuple):
-    """Inputs of a network and its answers."""
+    """Inputs of a network (B, C, H, W) and its answers (B, H, W).
+
+    Class of the true wrap, `IGNORED` where masked; measured wrapped phase of the lower frequency,
+    rad; true depth, wraps of the lower frequency above the first class.
+    """
 
     inputs: Tensor
-    """(B, C, H, W)"""
     label: Tensor
-    """Class of the true wrap (B, H, W), `IGNORED` where masked."""
     phase: Tensor
-    """Measured wrapped phase of the lower frequency (B, H, W), rad."""
     turns: Tensor
-    """True depth (B, H, W), wraps of the lower frequency above the first class."""
 
 
 def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
@@ -70,14 +68,9 @@ def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
 
     At four quadratures decoding leaves a phasor with equal, independent noise of variance
     :math:`(GTI/2 + \sigma^2)/2` along and across it: two normal numbers a pixel stand for four
-    photon counts. The images' mean and their alternating part have half that variance.
-
-    Returns
-    -------
-    phase, amplitude : Tensor, shape (B, 2, H, W)
-        rad in [0, 2 pi), and counts.
-    correlation : Tensor, shape (B, 2, 4, H, W)
-        Counts, at 0, 1/2, 1 and 3/2 pi.
+    photon counts. The images' mean and their alternating part have half that variance. Returned
+    are phase, rad, and amplitude, counts, (B, 2, H, W), and the images at 0, 1/2, 1 and 3/2 pi
+    (B, 2, 4, H, W), counts.
     """
     known = torch.isfinite(batch.depth)
     signal = GAIN * INTEGRATION_TIME * torch.where(known, batch.intensity, 0.0)[:, None]
@@ -101,7 +94,7 @@ def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
 
     Masked are pixels outside the protocol's wraps and those whose beat repeats a nearer one's.
     """
-    first, classes = wraps_of(protocol)
+    first, classes = CLASSES[protocol]
     phase, amplitude, correlation = phasors(batch)
     turns = batch.depth / WRAP - first
     scored = (turns >= 0) & (turns < min(classes, REPEATED - first))  # false for NaN
@@ -125,66 +118,69 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
     >>> depth.shape, bool((intensity <= 1).all())
     ((32, 32), True)
     """
-    first, classes = wraps_of(protocol)
+    first, classes = CLASSES[protocol]
     count = int(rng.integers(3, 4 + 11 * side // 96))
     size = side * np.exp(rng.uniform(np.log(0.15), 0, count))
-    plate = np.empty((count, 16))
-    plate[:, 0:2] = rng.uniform(0, side, (count, 2))  # centre
+    x, y = rng.uniform(0, side, (count, 2)).T
     turn, way, wave = rng.uniform(0, TAU, (3, count))
-    plate[:, 2], plate[:, 3] = np.cos(turn), np.sin(turn)
-    plate[:, 4], plate[:, 5] = size, size * rng.uniform(0.2, 1, count)
-    plate[0, 4:6] = 4 * side  # background
-    plate[:, 6] = rng.integers(0, 2, count)  # box or ellipse
+    extent = np.array([size, size * rng.uniform(0.2, 1, count)])
+    extent[:, 0] = 4 * side  # background
+    box = rng.integers(0, 2, count) == 0
     near = rng.uniform(-min(25, first), 0, count)
     within = rng.uniform(-0.5, classes + 0.5, count)
-    plate[:, 7] = first + np.where(rng.uniform(size=count) < 0.85, within, near)
+    level = first + np.where(rng.uniform(size=count) < 0.85, within, near)
     slope = (0.02 if first else 0.1) * np.exp(rng.normal(0, 1, count))
-    plate[:, 8], plate[:, 9] = slope * np.cos(way), slope * np.sin(way)
-    plate[:, 10] = rng.normal(0, 2, count) * (rng.uniform(size=count) < 0.3) / size**2  # bend
-    plate[:, 11] = 0.35 * np.exp(rng.normal(0, 1.1, count))  # brightness
-    plate[:, 12] = rng.uniform(0, 0.8, count) * (rng.uniform(size=count) < 0.6)  # contrast
+    bend = rng.normal(0, 2, count) * (rng.uniform(size=count) < 0.3) / size**2
+    bright = 0.35 * np.exp(rng.normal(0, 1.1, count))
+    contrast = rng.uniform(0, 0.8, count) * (rng.uniform(size=count) < 0.6)
     pitch = np.exp(rng.uniform(np.log(4), np.log(60), count))
-    plate[:, 13], plate[:, 14] = TAU * np.cos(wave) / pitch, TAU * np.sin(wave) / pitch
-    plate[:, 15] = rng.integers(0, 3, count)  # stripes, checks, gradient
-    turns, light = _painted(plate, side)
+    texture = rng.integers(0, 3, count)  # stripes, checks, gradient
+    turns, light = np.zeros((2, side, side))
+    for plate in zip(
+        *(x, y, np.cos(turn), np.sin(turn), *extent, box),
+        *(level, slope * np.cos(way), slope * np.sin(way), bend),
+        *(bright, contrast, TAU * np.cos(wave) / pitch, TAU * np.sin(wave) / pitch, texture),
+        strict=True,
+    ):
+        _paint(turns, light, *plate)
     grain = 0.15 * rng.standard_normal((side, side)) * (rng.uniform() < 0.5)
     return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(light * np.exp(grain), 1)
 
 
 @numba.njit(cache=True)
-def _painted(plates, side):  # pragma: no cover
-    """Turns and brightness of plates, the last one in front."""
-    turns, light = np.zeros((side, side)), np.zeros((side, side))
-    for p in plates:
-        reach = int(1.5 * max(p[4], p[5])) + 1
-        for y in range(max(0, int(p[1]) - reach), min(side, int(p[1]) + reach)):
-            for x in range(max(0, int(p[0]) - reach), min(side, int(p[0]) + reach)):
-                dx, dy = x - p[0], y - p[1]
-                u, v = (dx * p[2] + dy * p[3]) / p[4], (dy * p[2] - dx * p[3]) / p[5]
-                if (max(abs(u), abs(v)) if p[6] == 0 else u * u + v * v) > 1:
-                    continue
-                turns[y, x] = p[7] + dx * p[8] + dy * p[9] + p[10] * (dx * dx + dy * dy)
-                wave = np.sin(x * p[13] + y * p[14])
-                if p[15] == 1:
-                    wave = np.sign(wave) * np.sign(np.sin(y * p[13] - x * p[14]))
-                elif p[15] == 2:
-                    wave = min(max(u, -1.0), 1.0)
-                light[y, x] = p[11] * (1 + p[12] * wave)
-    return turns, light
+def _paint(  # pragma: no cover
+    turns, light, x, y, cosine, sine, long, wide, box,
+    level, right, down, bend, bright, contrast, wave_x, wave_y, texture,
+):  # fmt: skip
+    """Put a plate in front of turns and brightness."""
+    reach, side = int(1.5 * max(long, wide)) + 1, len(turns)
+    for i in range(max(0, int(y) - reach), min(side, int(y) + reach)):
+        for j in range(max(0, int(x) - reach), min(side, int(x) + reach)):
+            dx, dy = j - x, i - y
+            u, v = (dx * cosine + dy * sine) / long, (dy * cosine - dx * sine) / wide
+            if (max(abs(u), abs(v)) if box else u * u + v * v) > 1:
+                continue
+            turns[i, j] = level + dx * right + dy * down + bend * (dx * dx + dy * dy)
+            wave = np.sin(j * wave_x + i * wave_y)
+            if texture == 1:
+                wave = np.sign(wave) * np.sign(np.sin(i * wave_x - j * wave_y))
+            elif texture == 2:
+                wave = min(max(u, -1.0), 1.0)
+            light[i, j] = bright * (1 + contrast * wave)
 
 
 # --- rooms ---------------------------------------------------------------------------------------
 
 
 class Pack(NamedTuple):
-    """Frames of one partition, opened for reading by crops."""
+    """Frames of one partition: depth and intensity (V, H, W).
+
+    ``far`` is the 99.9th percentile of each depth (V,), m, by which ``released`` shrinks it.
+    """
 
     depth: NDArray[np.floating]
-    """Range (V, H, W), m; NaN where unknown."""
     intensity: NDArray[np.floating]
-    """(V, H, W), 0 to 1."""
     far: NDArray[np.floating]
-    """99.9th percentile of each frame's depth (V,), m: protocol ``released`` shrinks by it."""
 
     def staged(self, view: int, protocol: str, window: Any = ...) -> Crop:
         """Depth as the protocol stages it, and intensity, of a window of one frame."""
@@ -195,60 +191,67 @@ class Pack(NamedTuple):
         return depth.astype(float) * scale, light.astype(float)
 
 
-def pack_views(views: Iterable["Source"], folder: Path) -> Pack:
-    """Pack views into one array each of depth and intensity, or open what was packed before.
+Packs = tuple[Pack | None, Pack]
+"""To train and to validate on."""
+
+
+def pack_views(views: Iterable[Source], path: Path) -> Pack:
+    """Pack views into one file, or open what was packed before.
 
     A Hypersim tree is one compressed file an image; unpacking it for each crop would cost more
-    than a step of training.
+    than a step of training. A frame that is broken, empty, or of another size than the first is
+    left out with a warning; a ValueError if none is left.
     """
-    views, listing = list(views), folder / "views.json"
-    names = [view.name for view in views]
-    paths = [folder / f"{kind}.npy" for kind in Pack._fields]
-    if not views:
+    views, far = list(views), []
+    names, images = [view.name for view in views], ([], [])
+    if path.is_file():
+        with np.load(path) as held:
+            if held["names"].tolist() == names:
+                return Pack(*(held[key] for key in Pack._fields))
+    for view in views:
+        try:
+            depth, light = (frame := view.load()).depth, frame.intensity
+            shape = images[0][0].shape if far else depth.shape
+            if depth.shape != shape or not np.isfinite(depth).any():
+                raise ValueError(f"Expected depths of {shape} px, got {depth.shape} or none.")
+        except (OSError, ValueError) as error:
+            warnings.warn(f"{view.name} is left out. {error}", stacklevel=2)
+            continue
+        images[0].append(depth.astype(np.float32))
+        images[1].append(np.clip(light, 0, 1).astype(np.float16))
+        far.append(np.nanpercentile(depth, 99.9))
+    if not far:
         raise ValueError(
-            f"Expected views for {folder.name}, got none. Render 10 scenes or more: of ten, one "
+            f"Expected views for {path.stem}, got none. Render 10 scenes or more: of ten, one "
             "validates and one tests."
         )
-    if not listing.is_file() or json.loads(listing.read_text(encoding="utf-8")) != names:
-        folder.mkdir(parents=True, exist_ok=True)
-        shape, far = (len(views), *views[0].load().depth.shape), []
-        kinds = (np.float32, np.float16)
-        arrays = [
-            np.lib.format.open_memmap(path, "w+", kind, shape)
-            for path, kind in zip(paths, kinds, strict=False)
-        ]
-        for k, frame in enumerate(view.load() for view in views):
-            if frame.depth.shape != shape[1:]:
-                raise ValueError(
-                    f"Expected frames of {shape[1:]}, got {frame.depth.shape} in {frame.name}. "
-                    "Train on one size."
-                )
-            arrays[0][k], arrays[1][k] = frame.depth, np.clip(frame.intensity, 0, 1)
-            far.append(np.nanpercentile(frame.depth, 99.9))
-        np.save(paths[2], far)
-        with written_whole(listing) as part:
-            part.write_text(json.dumps(names) + "\n", encoding="utf-8")
-    return Pack(*(np.load(path, mmap_mode="r") for path in paths))
+    pack = Pack(np.stack(images[0]), np.stack(images[1]), np.array(far))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with written_whole(path) as part:
+        np.savez(part, names=names, **pack._asdict())
+    return pack
 
 
-def open_rooms(config: Config, tree: Path) -> tuple[Pack | None, Pack]:
-    """Frames to train and to validate on, rendered if they are not there, packed.
+def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
+    """Frames of a tree to train and to validate on, by default of rooms rendered into a folder.
 
-    Without rooms none, and leaves of a seed of their own.
+    Without rooms none to train on, and leaves of a seed of their own.
     """
     if config.rooms is None:
         rngs = (np.random.default_rng([99, k]) for k in range(config.validation_views))
         crops = [leaves(rng, config.stages[-1].crop, config.protocol) for rng in rngs]
         depth, light = (np.stack(images) for images in zip(*crops, strict=True))
         return None, Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
-    from cmtof.scenes.hypersim import Hypersim
-    from cmtof.scenes.rooms.rendering import SETTINGS, Settings, render_rooms
+    if tree is None:
+        from cmtof.scenes.rooms.rendering import Settings, render_rooms
 
-    if not tree.is_dir() or (tree / SETTINGS).is_file():
-        render_rooms(tree, Settings(**config.rooms.model_dump()))
+        rooms = Settings(**config.rooms.model_dump())
+        name = f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_{rooms.height}x{rooms.width}"
+        render_rooms(tree := folder / name, rooms)
     scenes, packed = Hypersim(tree), tree.with_name(f"{tree.name}.packed")
-    train, val = (scenes.sources(scenes.split()[part]) for part in ("train", "val"))
-    return pack_views(train, packed / "train"), pack_views(val, packed / "val")
+    parts = (("train", scenes.split()["train"]), ("val", scenes.split()["val"]))
+    train, val = (pack_views(scenes.sources(views), packed / f"{k}.npz") for k, views in parts)
+    return train, val
 
 
 def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) -> Crop:
@@ -257,7 +260,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     The move puts a random pixel into a random class: rooms alone give one or two wraps a crop. Of
     four draws the one with most pixels in range is taken.
     """
-    first, classes = wraps_of(protocol)
+    first, classes = CLASSES[protocol]
     views, height, width = pack.depth.shape
     share, depth, light = -1.0, np.empty(0), np.empty(0)
     for _ in range(4):
@@ -286,9 +289,6 @@ class Steps(Dataset[Batch]):
     def __init__(self, config: Config, pack: Pack | None, rank: int = 0, world: int = 1) -> None:
         self.config, self.pack, self.rank, self.world = config, pack, rank, world
 
-    def __len__(self) -> int:
-        return self.config.steps
-
     def __getitem__(self, step: int) -> Batch:
         stage, share = self.config.stage_at(step)
         low, high = stage.noise
@@ -301,24 +301,6 @@ class Steps(Dataset[Batch]):
                 crop = leaves(rng, stage.crop, self.config.protocol)
             crops.append((*crop, sigma * float(np.exp(rng.uniform(-0.2, 0.1))), rng))
         return batch_of(crops)
-
-
-class Block(Sampler[int]):
-    """Numbers of an epoch's steps: an epoch is what lies between two checkpoints."""
-
-    def __init__(self, config: Config) -> None:
-        self.config, self.epoch = config, 0
-
-    def set_epoch(self, epoch: int) -> None:
-        """Lightning sets the epoch, also after a resumption."""
-        self.epoch = epoch
-
-    def __iter__(self) -> Iterator[int]:
-        start = self.epoch * self.config.save_every
-        yield from range(start, min(start + self.config.save_every, self.config.steps))
-
-    def __len__(self) -> int:
-        return len(list(iter(self)))
 
 
 def batch_of(crops: list[tuple]) -> Batch:

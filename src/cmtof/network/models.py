@@ -14,29 +14,11 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import TAU, wrap_length
-from cmtof.measurement import unambiguous_range
-from cmtof.network.features import CHANNELS, FEATURE_SETS, channels
-from cmtof.simulation import RELEASED_WRAPS
+from cmtof.correlation import TAU
+from cmtof.network.features import CHANNELS, CLASSES, FEATURE_SETS, channels
 
 BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
 """Change of the beat ``phi_2 - 2 phi_1`` from one wrap of the lower frequency to the next, rad."""
-
-
-def wraps_of(protocol: str) -> tuple[int, int]:
-    """First wrap that a protocol distinguishes, and how many: its classes.
-
-    Examples
-    --------
-    >>> wraps_of("released"), wraps_of("full")
-    ((36, 21), (0, 358))
-    """
-    if protocol not in ("released", "full"):
-        raise ValueError(f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one.")
-    if protocol == "released":
-        return RELEASED_WRAPS[0], RELEASED_WRAPS[1] - RELEASED_WRAPS[0]
-    return 0, int(np.ceil(unambiguous_range(FREQUENCIES) / wrap_length(FREQUENCIES[0])))
-
 
 # --- blocks --------------------------------------------------------------------------------------
 
@@ -105,25 +87,35 @@ class Pyramid(nn.Module):
 # --- networks ------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class Model:
+    """A network by name: its inputs, out of `FEATURE_SETS`, and the weights of its loss.
+
+    ``depth_weight`` is w of Eq. 7; ``smoothness`` weighs the gradient of a regressed depth;
+    `cmtof.network.weights.mended` follows where ``mend`` is set.
+    """
+
+    network: "type[Network]"
+    features: str = "proposed"
+    depth_weight: float = 0.1
+    smoothness: float = 0.0
+    mend: bool = False
+
+
 class Network(nn.Module):
     """Network from features (B, C, H, W) of any size to weights of classes (B, N, H, W).
 
     For the target ``"depth"`` it gives turns (B, 1, H, W) instead: depth in wraps of the lower
-    frequency above the first class.
-
-    Attributes
-    ----------
-    target : {"wraps", "depth"}
-    stride, reach : int
-        Of the coarsest features, and how far an output pixel sees, px, a multiple of the stride.
+    frequency above the first class. ``stride`` is that of the coarsest features, px, ``reach`` how
+    far an output pixel sees, a multiple of the stride.
     """
 
     target = "wraps"
     stride = reach = 1
 
-    def __init__(self, inputs: int, classes: int) -> None:
+    def __init__(self, model: Model, classes: int) -> None:
         super().__init__()
-        self.inputs, self.classes = inputs, classes
+        self.model, self.inputs, self.classes = model, channels(model.features), classes
         self.outputs = classes if self.target == "wraps" else 1
         self.build()
 
@@ -164,18 +156,16 @@ class FastSCNN(Network):
         self.stem = conv(self.inputs, self.stem_width)
         self.down = nn.Sequential(conv(self.stem_width, half, 3, 2), separable(half, quarter, 2))
         stages, i = [], quarter
-        for width in self.widths:
-            for _ in range(self.repeats):
-                stages.append(Bottleneck(i, width, 1 if stages else 2, self.expansion))
-                i = width
+        for o in np.repeat(self.widths, self.repeats).tolist():
+            stages.append(Bottleneck(i, o, 1 if stages else 2, self.expansion))
+            i = o
         self.extract = nn.Sequential(*stages)
         self.pyramid = Pyramid(i, self.pools)
         self.deep = conv(i, self.context, 1, relu=False)
         self.fine = conv(quarter, self.context, 1, relu=False)
         fused = [separable(self.context, self.context) for _ in range(2)]
-        self.classify = nn.Sequential(
-            *fused, nn.Conv2d(self.context, self.head_width, 1, bias=False)
-        )
+        narrow = nn.Conv2d(self.context, self.head_width, 1, bias=False)
+        self.classify = nn.Sequential(*fused, narrow)
         self.skip = nn.Conv2d(self.stem_width, self.head_width, 3, padding=1, bias=False)
         self.norm = nn.BatchNorm2d(self.head_width)
         self.output = nn.Conv2d(self.head_width, self.outputs, 1)
@@ -188,7 +178,7 @@ class FastSCNN(Network):
         return self.output(functional.relu(self.norm(resized(context, skip) + self.skip(skip))))
 
     @torch.no_grad()
-    def see_the_beat(self, features: str, first: int) -> None:
+    def see_the_beat(self, first: int) -> None:
         r"""Initialise half of the stem, and a path to the pyramid, so that the beat is seen.
 
         .. math:: |\cos(\varphi_2 + \alpha) - \cos(2\varphi_1 + \alpha + \beta)|
@@ -197,50 +187,39 @@ class FastSCNN(Network):
 
         Both cosines are octaves of Eq. 5, and the mean of the rectified differences over angles
         alpha depends on the beat b alone. beta lies a quarter turn below and above the middle of
-        the range, or at four places where the range is a whole turn. The path carries the sums over
-        alpha and their differences, averaged, through the layers. Its weights are eight times
-        larger than need be: norms divide the factor out again, and steps of the optimiser, as long
-        for every weight, disturb the sums less.
+        the range, or at four places where the range is a whole turn.
         """
-        weight, kinds, large = self.stem[0].weight, FEATURE_SETS[features], 8.0
-        low = 2 * sum(CHANNELS[kind] for kind in kinds[: kinds.index("fourier")])
-        high = low + CHANNELS["fourier"]
         quarters = (1, -1) if self.classes * BEAT < TAU / 2 else (0, 1, 2, 3)
-        angles = weight.shape[0] // 2 // len(quarters)
+        angles = self.stem_width // 2 // len(quarters)
+        # large: norms divide it out again, and steps of the optimiser, as long for every weight,
+        # disturb the sums less
+        count, large, kinds = angles * len(quarters), 8.0, FEATURE_SETS[self.model.features]
         alpha = TAU / angles * torch.arange(angles)
-        sums = torch.zeros(2 * len(quarters), weight.shape[0])
-        weight[: angles * len(quarters)] = 0
-        for k, quarter in enumerate(quarters):
-            beta, own = (
-                BEAT * (first + self.classes / 2) + TAU / 4 * quarter,
-                slice(angles * k, None),
-            )
-            for channel, value in (
-                (high, torch.cos(alpha)),
-                (high + 1, -torch.sin(alpha)),
-                (low + 2, -torch.cos(alpha + beta)),
-                (low + 3, torch.sin(alpha + beta)),
-            ):
-                weight[own][:angles, channel, 1, 1] = large * value
-            sums[k, own][:angles] = large / (2 * angles)
-        sums[len(quarters) :] = sums[: len(quarters)] - sums[: len(quarters)].roll(1, 0)
-        sums = sums.repeat(8 // len(sums), 1)
-        (enter, norm, _), (depthwise, pointwise) = self.down
-        enter.weight[:8], norm.bias[:8] = sums[..., None, None], 2.0
-        path = [depthwise, pointwise, *self.pyramid.branches]
+        middle = BEAT * (first + self.classes / 2)
+        moved = torch.cat([alpha + (middle + TAU / 4 * quarter) for quarter in quarters])
+        alpha = alpha.repeat(len(quarters))
+        low = 2 * sum(CHANNELS[kind] for kind in kinds[: kinds.index("fourier")])
+        octaves = [low + CHANNELS["fourier"], low + CHANNELS["fourier"] + 1, low + 2, low + 3]
+        filters = torch.stack([alpha.cos(), -alpha.sin(), -moved.cos(), moved.sin()], 1)
+        self.stem[0].weight[:count] = 0
+        self.stem[0].weight[:count, octaves, 1, 1] = large * filters
+        # eight channels for the sums over alpha and their differences
+        sums = torch.eye(len(quarters)).repeat_interleave(angles, 1) * (large / (2 * angles))
+        sums = torch.cat([sums, sums - sums.roll(1, 0)]).repeat(4 // len(quarters), 1)
+        (enter, norm, _), *path = self.down[0], *self.down[1], *self.pyramid.branches
+        enter.weight[:8] = 0
+        enter.weight[:8, :count], norm.bias[:8] = sums[..., None, None], 2.0
+        # from there on each goes alone, averaged, two spreads above the ReLU's corner
         for block in self.extract:
             if block.residual:
                 block.body[-1][1].weight.zero_()
             else:
                 path += block.body
-        for layer in path:
-            kernel, size = layer[0].weight, layer[0].kernel_size[0]
-            kernel[:8] = 0
+        for kernel, norm, *relu in path:
+            kernel.weight[:8] = 0
             for k in range(8):
-                kernel[k, k if kernel.shape[1] > 1 else 0] = large / size
-            layer[1].bias[:8] = (
-                2.0 if len(layer) > 2 else 0.0
-            )  # two spreads above the ReLU's corner
+                kernel.weight[k, 0 if kernel.groups > 1 else k] = large / kernel.kernel_size[0]
+            norm.bias[:8] = 2.0 if relu else 0.0
 
 
 class LightFastSCNN(FastSCNN):
@@ -286,8 +265,7 @@ class OneStep(UNet):
     A regression answers with neither of two likely wraps but with what lies between them.
     """
 
-    target = "depth"
-    reach = 256
+    target, reach = "depth", 256
     widths = 16, 32, 56, 72, 96
 
     def level(self, i: int, o: int) -> nn.Module:
@@ -301,8 +279,7 @@ class DeepToF(Network):
     two correlations at each of two frequencies, ours four; its adversarial loss is left out.
     """
 
-    target = "depth"
-    stride, reach = 4, 96
+    target, stride, reach = "depth", 4, 96
     widths, blocks, kernel = (16, 32, 80), 9, 7
 
     def build(self) -> None:
@@ -331,15 +308,15 @@ class Rapid(Network):
     """Rapid and robust unwrapping (Zhang, Jiang, Zhao et al. 2019): DeepLabV3+ on a ResNet.
 
     The paper calls its "Zhang et al. 2019" a regression; two articles of that year fit the name,
-    and this one segments. Its published code was not available. `mended` is its last step. The mean
-    over the image is one over each band where a large image is unwrapped in bands.
+    and this one segments. Its published code was not available. The mean over the image is one over
+    each band where a large image is unwrapped in bands.
     """
 
     stride, reach = 16, 448
     backbone, pyramid, skip_width, decoder_width = (32, 48, 80, 112), 80, 24, 64
 
     def build(self) -> None:
-        wide, last = self.pyramid, self.backbone[-1]
+        wide, last, width = self.pyramid, self.backbone[-1], self.decoder_width
         self.stem = conv(self.inputs, self.backbone[0], stride=2)
         stages = [
             nn.Sequential(Residual(i, o, stride=2), Residual(o, o))
@@ -351,7 +328,6 @@ class Rapid(Network):
         self.whole = nn.Conv2d(last, wide, 1)  # one pixel of one crop bears no norm
         self.join = conv(5 * wide, wide, 1)
         self.skip = conv(self.backbone[1], self.skip_width, 1)
-        width = self.decoder_width
         self.decoder = nn.Sequential(conv(wide + self.skip_width, width), conv(width, width))
         self.output = nn.Conv2d(width, self.outputs, 1)
 
@@ -365,35 +341,16 @@ class Rapid(Network):
         return self.output(resized(decoded, x))
 
 
-# --- models --------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Model:
-    """A network by name: its inputs, out of `FEATURE_SETS`, and the weights of its loss.
-
-    ``depth_weight`` is w of Eq. 7; ``smoothness`` weighs the gradient of a regressed depth;
-    `mended` follows where ``mend`` is set.
-    """
-
-    summary: str
-    network: type[Network] = FastSCNN
-    features: str = "proposed"
-    depth_weight: float = 0.1
-    smoothness: float = 0.0
-    mend: bool = False
-
-
 MODELS = {
-    "fast-scnn": Model("the paper's network: Fourier features, edges, both losses"),
-    "fast-scnn-ce": Model("the paper's network without the loss on depth", depth_weight=0.0),
-    "fast-scnn-fourier": Model("the paper's network without phase edges", features="fourier"),
-    "fast-scnn-phase": Model("the paper's network on phases and amplitudes", features="phase"),
-    "fast-scnn-light": Model("a lighter network that is given the beat", LightFastSCNN, "beat"),
-    "u-net": Model("U-Net on phases and amplitudes", UNet, "phase", 0.0),
-    "one-step": Model("residual U-Net that regresses depth", OneStep, "phase"),
-    "deep-tof": Model("raw correlations to depth", DeepToF, "correlation", smoothness=1e-4),
-    "rapid": Model("DeepLabV3+ on phases and amplitudes", Rapid, "phase", 0.0, mend=True),
+    "fast-scnn": Model(FastSCNN),
+    "fast-scnn-ce": Model(FastSCNN, depth_weight=0.0),
+    "fast-scnn-fourier": Model(FastSCNN, "fourier"),
+    "fast-scnn-phase": Model(FastSCNN, "phase"),
+    "fast-scnn-light": Model(LightFastSCNN, "beat"),
+    "u-net": Model(UNet, "phase", 0.0),
+    "one-step": Model(OneStep, "phase"),
+    "deep-tof": Model(DeepToF, "correlation", smoothness=1e-4),
+    "rapid": Model(Rapid, "phase", 0.0, mend=True),
 }
 """The rows of Table 1, one that costs less, and the paper's learned baselines."""
 
@@ -406,8 +363,8 @@ def build_network(name: str, protocol: str = "released") -> Network:
     >>> sum(weight.numel() for weight in build_network("fast-scnn").parameters())
     1183493
     """
-    model, (first, classes) = MODELS[name], wraps_of(protocol)
-    network = model.network(channels(model.features), classes)
+    model, (first, classes) = MODELS[name], CLASSES[protocol]
+    network = model.network(model, classes)
     if isinstance(network, FastSCNN) and "fourier" in FEATURE_SETS[model.features]:
-        network.see_the_beat(model.features, first)
+        network.see_the_beat(first)
     return network

@@ -2,16 +2,18 @@
 
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import yaml
 from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
 from cmtof.files import read_document
-from cmtof.network.models import MODELS, wraps_of
+from cmtof.network.models import MODELS
 from cmtof.network.weights import Strict, checked
 
 Share = Annotated[float, Field(ge=0, le=1)]
+PRESETS: dict[str, Any] = yaml.safe_load((files("cmtof.network") / "train.yml").read_text("utf-8"))
+"""Configurations that travel with the package, by name."""
 
 
 class Rooms(Strict):
@@ -25,24 +27,25 @@ class Rooms(Strict):
 
 
 class Stage(Strict):
-    """A part of a training: crops in all, their side in px, and how many make a step."""
+    """A part of a training: crops in all, their side in px, and how many make a step.
+
+    Noise (Gaussian sigma, counts) rises geometrically over the first ``ramp`` of the stage;
+    ``rooms`` is the share of crops from rooms, the others are dead leaves. The learning rate rises
+    for ``warm`` steps and falls from ``flat`` on. After ``freeze`` norms keep their running
+    statistics: those of a few crops take a part of the label away.
+    """
 
     name: str
     crops: PositiveInt
     crop: PositiveInt
     batch: PositiveInt
     noise: tuple[PositiveFloat, PositiveFloat]
-    """Gaussian sigma, counts, rising geometrically over the first ``ramp`` of the stage."""
     ramp: Annotated[float, Field(gt=0, le=1)] = 1.0
     rooms: Share = 0.0
-    """Share of crops that come from rooms; the others are dead leaves."""
     rate: tuple[PositiveFloat, PositiveFloat]
-    """Learning rate at the beginning, and at the end, which it approaches after ``flat``."""
     flat: Annotated[float, Field(ge=0, lt=1)] = 0.0
     warm: PositiveInt = 100
     freeze: Share = 1.0
-    """Share of the stage after which norms keep their running statistics: those of a few crops
-    take a part of the label away."""
 
     @property
     def steps(self) -> int:
@@ -53,14 +56,14 @@ class Stage(Strict):
 class Config(Strict):
     """One training: everything that decides its outcome.
 
-    ``noise`` of the last stage is also that of validation; without rooms it validates on leaves.
+    The last stage's noise is also that of validation; without rooms it validates on leaves.
     ``average`` is kept of the averaged weights at each step. ``save_every`` counts steps,
     ``validate_every`` checkpoints. ``precision`` is Lightning's.
     """
 
     name: str = "own"
     model: str = "fast-scnn"
-    protocol: str = "released"
+    protocol: Literal["released", "full"] = "released"
     stages: tuple[Stage, ...] = Field(min_length=1)
     rooms: Rooms | None = Rooms()
     weight_decay: float = 1e-3
@@ -75,7 +78,6 @@ class Config(Strict):
     def _fits(self) -> "Config":
         if self.model not in MODELS:
             raise ValueError(f"expected a model out of {', '.join(MODELS)}")
-        wraps_of(self.protocol)
         side = min(self.rooms.height, self.rooms.width) if self.rooms else 0
         if any(stage.rooms and stage.crop > side for stage in self.stages):
             raise ValueError(f"expected crops within rooms of {side} px")
@@ -102,34 +104,22 @@ class Config(Strict):
         return rate * min(1.0, (share * stage.steps + 1) / stage.warm)
 
 
-def presets() -> dict[str, Any]:
-    """Configurations that travel with the package, by name."""
-    text = (files("cmtof.network") / "train.yml").read_text(encoding="utf-8")
-    return {name: {"name": name} | held for name, held in yaml.safe_load(text).items()}
-
-
 def read_config(source: str | Path, **changes: Any) -> Config:
-    """Configuration by the name of a preset or from a YAML file.
+    """Configuration by the name of a preset or from a YAML file; changes that are not None win.
 
-    ``changes`` stand in place of the file's values; None changes nothing.
-
-    Raises
-    ------
-    FileNotFoundError, ValueError
-        If there is no such configuration, or a name or value in it is wrong.
+    Raises FileNotFoundError or ValueError if there is none, or a name or value in it is wrong.
 
     Examples
     --------
     >>> read_config("paper").steps
     41666
     """
-    held, path = presets().get(str(source)), Path(source)
-    if held is None:
-        if not path.is_file():
-            raise FileNotFoundError(
-                f"Expected a configuration out of {', '.join(presets())}, or a YAML file, got "
-                f"{source}. Choose one."
-            )
-        held = {"name": path.stem} | read_document(path)
+    held, path = PRESETS.get(str(source)), Path(source)
+    if held is None and not path.is_file():
+        raise FileNotFoundError(
+            f"Expected a configuration out of {', '.join(PRESETS)}, or a YAML file, got {source}. "
+            "Choose one."
+        )
+    held = {"name": path.stem} | (read_document(path) if held is None else held)
     given = {key: value for key, value in changes.items() if value is not None}
-    return checked(Config, held | given, f"the configuration {source}")
+    return checked(Config.model_validate, held | given, f"the configuration {source}")

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import torch
-from lightning import Callback, LightningModule, Trainer
+from lightning import LightningModule, Trainer
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from numpy.typing import NDArray
 from scipy.stats import ttest_1samp
@@ -28,10 +28,11 @@ from cmtof import __version__
 from cmtof.correlation import wrap_length
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement
-from cmtof.network.data import Batch, Block, Pack, Sample, Steps, batch_of, measure, open_rooms
+from cmtof.network.data import Batch, Packs, Sample, Steps, batch_of, measure, open_rooms
+from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
-from cmtof.network.models import MODELS, Network, build_network, wraps_of
-from cmtof.network.recipe import Config, Rooms
+from cmtof.network.models import Network, build_network
+from cmtof.network.recipe import Config
 from cmtof.network.weights import (
     Card,
     Rates,
@@ -42,45 +43,57 @@ from cmtof.network.weights import (
     save_weights,
     weights_path,
 )
+from cmtof.scenes.hypersim import Hypersim
 
 LAST = "last.ckpt"
 """File of a run with all that it needs to go on."""
 
-# --- one step ------------------------------------------------------------------------------------
+
+def loss_of(network: Network, sample: Sample) -> Tensor:
+    """Loss of a network on a sample (Eq. 7, or that of a regression)."""
+    model, found, (_, label, phase, turns) = network.model, network(sample.inputs), sample
+    if network.target == "wraps":
+        return unwrapping_loss(found, label, phase, turns, depth_weight=model.depth_weight)
+    scale = {"classes": network.classes, "smoothness": model.smoothness}
+    return regression_loss(found, label, turns, **scale)
 
 
-def loss_of(name: str, network: Network, sample: Sample) -> Tensor:
-    """Loss of a model (Eq. 7, or that of a regression)."""
-    model, found = MODELS[name], network(sample.inputs)
-    if network.target == "depth":
-        scale = {"classes": network.classes, "smoothness": model.smoothness}
-        return regression_loss(found, sample.label, sample.turns, **scale).total
-    weight = model.depth_weight
-    return unwrapping_loss(
-        found, sample.label, sample.phase, sample.turns, depth_weight=weight
-    ).total
+def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
+    """Batch norms of a network."""
+    return [layer for layer in network.modules() if isinstance(layer, nn.BatchNorm2d)]
 
 
 class Unwrapping(LightningModule):
-    """Network, loss and schedule of one configuration, and the average of its weights."""
+    """Network, loss and schedule of one configuration, and the average of its weights.
 
-    def __init__(self, config: Config, init: Path | None = None) -> None:
+    An epoch lies between two checkpoints in ``folder``; ``packs`` are trained and validated on.
+    """
+
+    def __init__(
+        self, config: Config, packs: Packs, folder: Path, init: Path | None, minutes: float
+    ) -> None:
         super().__init__()
-        self.config = config
+        self.config, self.folder, (self.seen, self.held_out) = config, folder, packs
         torch.manual_seed(config.seed)
         self.network = build_network(config.model, config.protocol)
         if init is not None:
             self.network.load_state_dict(load_weights(init).network.state_dict())
-        for layer in self.network.modules():
-            if isinstance(layer, nn.BatchNorm2d):
-                layer.momentum = 0.03
+        for layer in norms(self.network):
+            layer.momentum = 0.03
         self.average = deepcopy(self.network).requires_grad_(False)
         self.curve: list[dict[str, float]] = []
-        self.seconds = 0.0
+        self.seconds, self.last = 0.0, time.monotonic()
+        self.end = self.last + 60 * minutes
+
+    def train_dataloader(self) -> DataLoader:
+        steps = Steps(self.config, self.seen, self.global_rank, self.trainer.world_size)
+        start = self.current_epoch * self.config.save_every
+        block = range(start, min(start + self.config.save_every, self.config.steps))
+        return DataLoader(steps, None, sampler=block, num_workers=8 * torch.cuda.is_available())
 
     def measured(self, batch: Batch) -> Sample:
         """Inputs and labels of a batch."""
-        features = MODELS[self.config.model].features
+        features = self.average.model.features
         sample = measure(batch, inputs=features, protocol=self.config.protocol)
         return sample._replace(inputs=sample.inputs.contiguous(memory_format=torch.channels_last))
 
@@ -89,10 +102,9 @@ class Unwrapping(LightningModule):
 
     def training_step(self, batch: Batch, index: int) -> Tensor:
         stage, share = self.config.stage_at(self.global_step)
-        for layer in self.network.modules():
-            if isinstance(layer, nn.BatchNorm2d):
-                layer.train(share < stage.freeze)
-        loss = loss_of(self.config.model, self.network, self.measured(batch))
+        for layer in norms(self.network):
+            layer.train(share < stage.freeze)
+        loss = loss_of(self.network, self.measured(batch))
         self.log("loss", loss, prog_bar=True)
         return loss
 
@@ -102,14 +114,22 @@ class Unwrapping(LightningModule):
         for name, old in self.average.state_dict().items():
             old.lerp_(new[name], 1 - keep) if old.is_floating_point() else old.copy_(new[name])
 
+    def on_train_epoch_end(self) -> None:
+        due = (self.current_epoch + 1) % self.config.validate_every == 0
+        if due and self.trainer.is_global_zero:
+            found = self.validated()["validation"].model_dump()
+            self.curve.append({"step": self.global_step} | found)
+        now = time.monotonic()
+        self.seconds, self.last = self.seconds + now - self.last, now
+        self.trainer.should_stop = now > self.end
+        with written_whole(self.folder / LAST) as part:
+            self.trainer.save_checkpoint(part)
+
     def configure_optimizers(self) -> Any:
-        weights = list(self.network.parameters())
-        kernels = {"params": [w for w in weights if w.ndim > 1]}
+        weights, decay = list(self.network.parameters()), self.config.weight_decay
+        kernels = {"params": [w for w in weights if w.ndim > 1], "weight_decay": decay}
         others = {"params": [w for w in weights if w.ndim < 2], "weight_decay": 0.0}
-        decay = self.config.weight_decay
-        optimizer = torch.optim.AdamW(
-            [kernels, others], lr=1.0, betas=(0.9, 0.99), weight_decay=decay
-        )
+        optimizer = torch.optim.AdamW([kernels, others], lr=1.0, betas=(0.9, 0.99))
         schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, self.config.rate_at)
         return [optimizer], [{"scheduler": schedule, "interval": "step"}]
 
@@ -118,16 +138,15 @@ class Unwrapping(LightningModule):
         checkpoint["cmtof"] = held | {"seconds": self.seconds}
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        held = checkpoint["cmtof"]
-        self.curve, self.seconds = held["curve"], held["seconds"]
+        self.curve, self.seconds = checkpoint["cmtof"]["curve"], checkpoint["cmtof"]["seconds"]
 
-    def validated(self, pack: Pack) -> dict[str, Any]:
+    def validated(self) -> dict[str, Any]:
         """Fields of a card: rates of the averaged weights and of trivial answers, and the gain.
 
         Trivial are the middle class, and the one that is most frequent in these views. The gain's
         interval is Student's, over views: pixels of one view are right or wrong together.
         """
-        config, network = self.config, self.average.eval()
+        config, network, pack = self.config, self.average.eval(), self.held_out
         chosen = np.unique(np.linspace(0, len(pack.far) - 1, config.validation_views).round())
         answers, labels = [], []
         for view in chosen.astype(int):
@@ -143,47 +162,27 @@ class Unwrapping(LightningModule):
                 answers.append(wraps[scored].cpu().numpy())
                 labels.append(sample.label[scored].cpu().numpy())
         mode = int(np.bincount(np.concatenate(labels)).argmax())
-        deltas = {"ours": [abs(a - true) for a, true in zip(answers, labels, strict=True)]}
-        for name, constant in (("middle", network.classes // 2), ("mode", mode)):
-            deltas[name] = [abs(constant - true) for true in labels]
-        rates = {name: _rates(np.concatenate(delta)) for name, delta in deltas.items()}
-        ours = rates.pop("ours")
-        best = max(rates, key=lambda name: rates[name].delta_lt_1)
-        pairs = zip(deltas["ours"], deltas[best], strict=True)
-        test = ttest_1samp([np.mean(a < 1) - np.mean(b < 1) for a, b in pairs], 0.0)
-        interval = test.confidence_interval(0.95) if len(labels) > 1 else (-1.0, 1.0)
-        gain = (float(np.mean(interval)), float(interval[0]), float(interval[1]))
-        return {"views": len(labels), "validation": ours, "trivial": rates, "gain": gain}
+        ours = [abs(a - true) for a, true in zip(answers, labels, strict=True)]
+        others = {
+            name: [abs(wrap - true) for true in labels]
+            for name, wrap in (("middle", network.classes // 2), ("mode", mode))
+        }
+        trivial = {name: _rates(delta) for name, delta in others.items()}
+        best = others[max(trivial, key=lambda name: trivial[name].delta_lt_1)]
+        gains = [np.mean(a < 1) - np.mean(b < 1) for a, b in zip(ours, best, strict=True)]
+        test = ttest_1samp(gains, 0.0).confidence_interval() if len(gains) > 1 else (-1.0, 1.0)
+        gain = tuple(float(x) for x in (np.mean(test), *test))
+        return {"views": len(gains), "validation": _rates(ours), "trivial": trivial, "gain": gain}
 
 
-def _rates(delta: NDArray[np.integer]) -> Rates:
-    """Rates of wrap errors."""
+def _rates(deltas: list[NDArray[np.integer]]) -> Rates:
+    """Rates of wrap errors over all views."""
+    delta = np.concatenate(deltas)
     below = {f"delta_lt_{k}": float((delta < k).mean()) for k in (1, 2, 3)}
     return Rates(**below, delta_ge_10=float((delta >= 10).mean()))
 
 
 # --- runs ----------------------------------------------------------------------------------------
-
-
-class Keeper(Callback):
-    """Checkpoint, validation and the clock, between two blocks of steps."""
-
-    def __init__(self, folder: Path, pack: Pack, minutes: float | None) -> None:
-        self.folder, self.pack, self.minutes = folder, pack, minutes
-
-    def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        self.began = self.last = time.monotonic()
-
-    def on_train_epoch_end(self, trainer: Trainer, pl_module: Any) -> None:
-        now, done = time.monotonic(), trainer.current_epoch + 1
-        pl_module.seconds, self.last = pl_module.seconds + now - self.last, now
-        if trainer.is_global_zero and done % pl_module.config.validate_every == 0:
-            found = pl_module.validated(self.pack)["validation"].model_dump()
-            pl_module.curve.append({"step": trainer.global_step} | found)
-        if self.minutes is not None and now - self.began > 60 * self.minutes:
-            trainer.should_stop = True
-        with written_whole(self.folder / LAST) as part:
-            trainer.save_checkpoint(part)
 
 
 def train(
@@ -194,57 +193,35 @@ def train(
     init: Path | None = None,
     resume: bool = False,
     minutes: float | None = None,
-    workers: int = 0,
     quiet: bool = False,
     **flags: Any,
 ) -> Path | None:
-    """Train, or go on training, and write the averaged weights with their card.
+    """Train, or go on training, and write the averaged weights with their card into a folder.
 
-    Parameters
-    ----------
-    config, folder
-        Of the run: its recipe, and where its checkpoint, at last the weights, are kept.
-    tree, init
-        Frames in Hypersim's layout (by default rooms are rendered), and weights to begin with.
-    resume, minutes
-        Go on from the folder's checkpoint; end this leg at the first checkpoint after.
-    workers, quiet
-        Processes that cut crops; no progress bars.
-    **flags
-        For Lightning's `Trainer`: accelerator, devices, num_nodes, strategy.
-
-    Returns
-    -------
-    Path or None
-        The weights; None while steps are left.
-
-    Raises
-    ------
-    ValueError
-        If the folder holds a run that is not to be resumed, or one of another configuration.
+    ``tree`` holds frames in Hypersim's layout (by default rooms are rendered), ``init`` weights to
+    begin with, ``resume`` goes on from the folder's checkpoint. A leg ends at the first checkpoint
+    after some ``minutes``. ``flags`` are Lightning's: accelerator, devices, num_nodes, strategy.
+    Returned is the file of weights, or None while steps are left. A ValueError if the folder holds
+    a run that is not to be resumed, or one of another configuration.
     """
-    if tree is not None and not tree.is_dir():
-        raise FileNotFoundError(
-            f"Expected a folder of frames in Hypersim's layout, got {tree}. Check the path."
-        )
+    if tree is not None:
+        Hypersim(tree)  # refused before anything is written
     folder.mkdir(parents=True, exist_ok=True)
     last = _checkpoint(folder, config, resume)
     _keep_freed_memory()
     logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module="lightning.*")
-    rooms = config.rooms or Rooms()
-    name = f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_{rooms.height}x{rooms.width}"
-    pack, held_out = open_rooms(config, tree or folder.parent / name)
-    module = Unwrapping(config, init)
+    packs = open_rooms(config, tree, folder.parent)
+    module = Unwrapping(config, packs, folder, init, np.inf if minutes is None else minutes)
     try:
         trainer = Trainer(
             max_epochs=-(-config.steps // config.save_every),
             precision=config.precision,  # type: ignore[arg-type]
             gradient_clip_val=2.0,
-            callbacks=[Keeper(folder, held_out, minutes)],
-            logger=False,
+            reload_dataloaders_every_n_epochs=1,
             use_distributed_sampler=False,
             sync_batchnorm=torch.cuda.is_available() and flags.get("accelerator") != "cpu",
+            logger=False,
             enable_checkpointing=False,
             enable_progress_bar=not quiet,
             enable_model_summary=False,
@@ -255,41 +232,36 @@ def train(
             f"Expected accelerator, devices and strategy that this machine has, got «{error}». "
             "Choose others."
         ) from error
-    steps = Steps(config, pack, trainer.global_rank, trainer.world_size)
-    loader = DataLoader(steps, None, sampler=Block(config), num_workers=workers)
-    trainer.fit(module, loader, ckpt_path=last, weights_only=True)
+    trainer.fit(module, ckpt_path=last, weights_only=True)
     if trainer.global_step < config.steps:
         return None
     path = weights_path(config.model, config.protocol, folder)
     if trainer.is_global_zero:
-        half = {
-            name: weight.float() for name, weight in halved(module.average.state_dict()).items()
-        }
-        module.average.load_state_dict(half)  # validated as they are stored
-        save_weights(path, module.average, _card(module, held_out))
+        half = halved(module.average.state_dict())  # validated as they are stored
+        module.average.load_state_dict({key: weight.float() for key, weight in half.items()})
+        save_weights(path, module.average, _card(module))
     return path
 
 
-def _card(module: Unwrapping, pack: Pack) -> Card:
+def _card(module: Unwrapping) -> Card:
     """Card of a finished training."""
-    config, (first, classes) = module.config, wraps_of(module.config.protocol)
-    on = f"; {config.rooms.scenes}x{config.rooms.views} views of rooms" if config.rooms else ""
-    gpu = torch.cuda.is_available()
+    config, rooms, gpu = module.config, module.config.rooms, torch.cuda.is_available()
+    first, classes = CLASSES[config.protocol]
     return Card(
         model=config.model,
-        protocol=config.protocol,  # type: ignore[arg-type]
+        protocol=config.protocol,
         classes=classes,
         first_wrap=first,
         parameters=sum(weight.numel() for weight in module.average.parameters()),
         configuration=config.model_dump(mode="json"),
-        data=f"dead leaves{on}",
+        data="dead leaves" + (f"; {rooms.scenes}x{rooms.views} views of rooms" if rooms else ""),
         crops=sum(stage.steps * stage.batch for stage in config.stages),
         steps=config.steps,
         minutes=round(module.seconds / 60, 1),
         hardware=torch.cuda.get_device_name() if gpu else f"CPU, {torch.get_num_threads()} threads",
         versions={"cmtof": __version__, "torch": torch.__version__.partition("+")[0]},
         curve=module.curve,
-        **module.validated(pack),
+        **module.validated(),
     )
 
 
@@ -324,15 +296,15 @@ def _keep_freed_memory() -> None:
 
 
 class Labelled(NamedTuple):
-    """A measurement and the wraps that are known of it."""
+    """A measurement and what is known of it: images (H, W).
+
+    Wrap counts of the lowest frequency, a mask where they are known, and there the range, m.
+    """
 
     measurement: Measurement
     wraps: NDArray[np.integer]
-    """Wrap count of the lowest frequency (H, W)."""
     mask: NDArray[np.bool_]
-    """Pixels (H, W) whose wrap is known."""
     depth: NDArray[np.floating]
-    """Best range (H, W), m; finite where the mask is True."""
 
 
 class FineTuned(NamedTuple):
@@ -349,43 +321,35 @@ def fine_tune(
     steps: int = 20,
     learning_rate: float = 1e-4,
     crop: int = 128,
-    batch: int = 2,
     seed: int = 0,
 ) -> FineTuned:
     """Continue the training of a network on labelled measurements of an instrument (Sec. 6.4).
 
-    Running means of the norms stay as they are: a few scans are too few to estimate them. Crops
-    are drawn until a twentieth of each is labelled, ten times at most; ``trained`` is left as it
-    is.
-
-    Raises
-    ------
-    ValueError
-        If there is no example, shapes disagree, or no label lies among the network's classes.
+    A step is one crop, drawn until a twentieth of it is labelled, ten times at most. Running means
+    of the norms stay as they are: a few scans are too few to estimate them. A ValueError if no
+    label lies among the network's classes.
     """
-    if not examples or min(steps, crop, batch) < 1 or not learning_rate > 0:
-        raise ValueError(
-            f"Expected examples, steps, crop, batch and learning rate above 0, got "
-            f"{len(examples)}, {steps}, {crop}, {batch}, {learning_rate}. Correct them."
-        )
-    prepared = [_prepared(one, trained) for one in examples]
-    known = sum(int((sample.label != IGNORED).sum()) for sample in prepared)
+    samples = [_sample(one, trained) for one in examples]
+    known = sum(int((sample.label != IGNORED).sum()) for sample in samples)
     if not known:
         first = trained.card.first_wrap
         raise ValueError(
             f"Expected labels among the wraps {first} to {first + trained.card.classes - 1}, got "
-            f"none in {len(prepared)} measurements. Choose other weights, or label more."
+            f"none in {len(samples)} measurements. Choose other weights, or label more."
         )
     network = deepcopy(trained.network).train()
-    for layer in network.modules():
-        if isinstance(layer, nn.BatchNorm2d):
-            layer.eval()
+    for layer in norms(network):
+        layer.eval()
     rng, losses = np.random.default_rng(seed), []
     optimizer = torch.optim.Adam(network.parameters(), learning_rate)
     for _ in range(steps):
-        chosen = [prepared[k] for k in rng.integers(len(prepared), size=batch)]
-        drawn = [_cropped(sample, rng, crop) for sample in chosen]
-        loss = torch.stack([loss_of(trained.card.model, network, one) for one in drawn]).mean()
+        sample = samples[int(rng.integers(len(samples)))]
+        for _ in range(10):
+            y, x = (int(rng.integers(max(n - crop, 0) + 1)) for n in sample.label.shape[-2:])
+            piece = Sample(*(image[..., y : y + crop, x : x + crop] for image in sample))
+            if (piece.label != IGNORED).float().mean() >= 0.05:
+                break
+        loss = loss_of(network, piece)
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
@@ -395,16 +359,10 @@ def fine_tune(
     return FineTuned(Trained(network.eval(), card), losses)
 
 
-def _prepared(example: Labelled, trained: Trained) -> Sample:
+def _sample(example: Labelled, trained: Trained) -> Sample:
     """Inputs and labels (1, ...) of one example; unknown pixels are `IGNORED`."""
     measurement, wraps, mask, depth = example
-    shapes = [np.shape(image) for image in (wraps, mask, depth)]
-    if shapes != [measurement.shape] * 3:
-        raise ValueError(
-            f"Expected wraps, mask and depth of the measurement's shape {measurement.shape}, got "
-            f"{shapes}. Take them from one scan."
-        )
-    inputs, phase = network_inputs(measurement, trained.model)
+    inputs, phase = network_inputs(measurement, trained.network.model.features)
     label = np.asarray(wraps, np.int64) - trained.card.first_wrap
     turns = np.asarray(depth, float) / wrap_length(measurement.frequencies[0])
     known = np.asarray(mask, bool) & np.isfinite(turns) & measurement.mask
@@ -412,14 +370,3 @@ def _prepared(example: Labelled, trained: Trained) -> Sample:
     turns = np.where(known, turns - trained.card.first_wrap, 0.0)
     images = (inputs, np.where(known, label, IGNORED), phase, turns)
     return Sample(*(torch.from_numpy(np.ascontiguousarray(image)[None]) for image in images))
-
-
-def _cropped(sample: Sample, rng: np.random.Generator, crop: int) -> Sample:
-    """A square crop, drawn until it holds labels."""
-    height, width = sample.label.shape[-2:]
-    for _ in range(10):
-        y, x = (int(rng.integers(max(size - crop, 0) + 1)) for size in (height, width))
-        piece = Sample(*(image[..., y : y + crop, x : x + crop] for image in sample))
-        if (piece.label != IGNORED).float().mean() >= 0.05:
-            break
-    return piece

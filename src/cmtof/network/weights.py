@@ -1,12 +1,12 @@
 """Trained networks: their cards, their state, and unwrapping with them.
 
-Weights are safetensors in half precision; nothing is ever unpickled. The card beside them says how
-they were trained and what they reached on validation rooms, beside answers that look at nothing.
+Weights are safetensors in half precision; nothing is ever unpickled. The card beside them states
+how they were trained and what they reached on validation rooms, beside answers that look at
+nothing. torch is imported when a network is loaded.
 """
 
 import hashlib
-import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -20,12 +20,13 @@ from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, centred, depth_from_wraps, wrap_length
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement
+from cmtof.network.features import CLASSES, features
 from cmtof.simulation import QUADRATURES
 
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from cmtof.network.models import Model, Network
+    from cmtof.network.models import Network
 
 FOLDER = Path(str(files("cmtof"))) / "weights"
 """Weights that travel with the package."""
@@ -50,7 +51,12 @@ class Rates(Strict):
 
 
 class Card(Strict):
-    """Origin of weights, and what they reached on whole views of rooms that they never saw."""
+    """Origin of weights, and what they reached on whole views of rooms that they never saw.
+
+    ``trivial`` are rates of answers that look at nothing, over the same pixels, ``gain`` the
+    difference in δ < 1 to the best of them, paired by view, and its 95 % interval; ``curve`` is the
+    validation while training.
+    """
 
     model: str
     protocol: Literal["released", "full"]
@@ -58,35 +64,29 @@ class Card(Strict):
     first_wrap: int = Field(ge=0)
     parameters: PositiveInt
     configuration: dict[str, Any]
-    """Of the training, all of it."""
     data: str
     crops: int = Field(ge=0)
-    """Seen so far, in all."""
     steps: int = Field(ge=0)
     minutes: float
     hardware: str
     versions: dict[str, str]
     curve: list[dict[str, float]]
-    """Validation while training."""
     views: PositiveInt
-    """Number of validation views."""
     validation: Rates
     trivial: dict[str, Rates]
-    """Rates of answers that look at nothing, over the same pixels."""
     gain: tuple[float, float, float]
-    """Difference in δ < 1 to the best of them, paired by view, and its 95 % interval."""
     note: str = ""
     fine_tuned: dict[str, float] | None = None
     sha256: str = ""
 
 
-Kind = TypeVar("Kind", bound=BaseModel)
+T = TypeVar("T")
 
 
-def checked(kind: type[Kind], values: Any, source: object) -> Kind:
-    """Values as a model of their kind; a ValueError names the first fault in one sentence."""
+def checked(validate: Callable[[Any], T], values: Any, source: object) -> T:
+    """Values validated by pydantic; a ValueError names the first fault in one sentence."""
     try:
-        return kind.model_validate(values)
+        return validate(values)
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"]) or "names and values"
@@ -96,21 +96,14 @@ def checked(kind: type[Kind], values: Any, source: object) -> Kind:
         ) from error
 
 
+# --- files ---------------------------------------------------------------------------------------
+
+
 class Trained(NamedTuple):
     """A network with its weights, in evaluation mode, and its card."""
 
     network: "Network"
     card: Card
-
-    @property
-    def model(self) -> "Model":
-        """The network's entry in `cmtof.network.models.MODELS`."""
-        from cmtof.network.models import MODELS
-
-        return MODELS[self.card.model]
-
-
-# --- files ---------------------------------------------------------------------------------------
 
 
 def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
@@ -121,13 +114,7 @@ def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
 def state(model: str, protocol: str = "released", folder: Path = FOLDER) -> str:
     """State of a model: ``"trained"``, ``"untrained"`` or ``"no weights"``.
 
-    Trained are weights whose gain over the best trivial answer is above zero with 95 % confidence,
-    by the validation in their card.
-
-    Examples
-    --------
-    >>> state("fast-scnn", "released", Path("nowhere"))
-    'no weights'
+    Trained are weights whose gain over the best trivial answer is above zero with 95 % confidence.
     """
     path = weights_path(model, protocol, folder)
     if not path.is_file():
@@ -136,31 +123,32 @@ def state(model: str, protocol: str = "released", folder: Path = FOLDER) -> str:
 
 
 def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Path:
-    """Shipped weights of a model with the fewest classes that hold the wraps first to last."""
-    cards = {path: read_card(path) for path in sorted(folder.glob(f"{model}.*.safetensors"))}
-    spans = {p: (c.first_wrap, c.first_wrap + c.classes - 1) for p, c in cards.items()}
-    fitting = [p for p, (low, high) in spans.items() if low <= first and last <= high]
-    if not fitting:
-        shown = ", ".join(f"{low} to {high}" for low, high in spans.values()) or "none"
-        raise ValueError(
-            f"Expected weights of {model} for the wraps {first} to {last}, got {shown}. Narrow the "
-            "range, or train them with cmtof train."
-        )
-    return min(fitting, key=lambda path: cards[path].classes)
+    """Weights of a model with the fewest classes that hold the wraps first to last."""
+    shown = []
+    for protocol, (low, count) in CLASSES.items():
+        path = weights_path(model, protocol, folder)
+        if path.is_file():
+            shown.append(f"{low} to {low + count - 1}")
+            if low <= first and last < low + count:
+                return path
+    raise ValueError(
+        f"Expected weights of {model} for the wraps {first} to {last}, got "
+        f"{', '.join(shown) or 'none'}. Narrow the range, or train them with cmtof train."
+    )
 
 
 def halved(weights: Mapping[str, "Tensor"]) -> dict[str, "Tensor"]:
     """Weights in half precision; running variances may exceed its range and stay in single."""
+    return {
+        name: (x.half() if x.is_floating_point() and "running" not in name else x)
+        .cpu()
+        .contiguous()
+        for name, x in weights.items()
+    }
 
-    def stored(name: str, tensor: "Tensor") -> "Tensor":
-        half = tensor.is_floating_point() and "running" not in name
-        return (tensor.half() if half else tensor).cpu().contiguous()
 
-    return {name: stored(name, tensor) for name, tensor in weights.items()}
-
-
-def save_weights(path: Path, network: "Network", card: Card) -> Card:
-    """Write weights in half precision and their card; return the card with the file's hash."""
+def save_weights(path: Path, network: "Network", card: Card) -> None:
+    """Write weights in half precision and their card, with the hash of the weights' file."""
     from safetensors.torch import save
 
     content = save(halved(network.state_dict()))
@@ -169,59 +157,44 @@ def save_weights(path: Path, network: "Network", card: Card) -> Card:
         part.write_bytes(content)
     with written_whole(path.with_suffix(".json")) as part:
         part.write_text(card.model_dump_json(indent=1) + "\n", encoding="utf-8")
-    return card
 
 
 def read_card(weights: Path) -> Card:
     """Card of a file of weights; a ValueError if there is none, or it is no card."""
     path = weights.with_suffix(".json")
-    try:
-        held = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise ValueError(
-            f"Expected the card of {weights.name} in {path}, got {error}. Keep both together."
-        ) from error
-    return checked(Card, held, path)
+    if not path.is_file():
+        raise ValueError(f"Expected the card of {weights.name} in {path}, got none. Keep both.")
+    return checked(Card.model_validate_json, path.read_bytes(), path)
 
 
 def load_weights(path: Path) -> Trained:
     """Load a network for inference; its card lies beside it.
 
-    Raises
-    ------
-    ValueError
-        If a file is missing or damaged, or the weights fit another network.
+    Raises a ValueError if a file is missing or damaged, or the weights fit another network.
     """
     from safetensors import SafetensorError
     from safetensors.torch import load
 
-    from cmtof.network.models import MODELS, build_network, wraps_of
+    from cmtof.network.models import MODELS, build_network
 
-    card = read_card(path)
-    if card.model not in MODELS or (card.first_wrap, card.classes) != wraps_of(card.protocol):
-        raise ValueError(
-            f"Expected a model out of {', '.join(MODELS)} with its protocol's classes, got "
-            f"{card.model} with {card.classes} in the card of {path}. Take the card it came with."
-        )
-    if not path.is_file():
-        raise ValueError(f"Expected weights in {path}, got none. Fetch or train them.")
-    content = path.read_bytes()
+    card, content = read_card(path), path.read_bytes() if path.is_file() else b""
     found = hashlib.sha256(content).hexdigest()
-    if found != card.sha256:
-        raise ValueError(
-            f"Expected weights with the hash {card.sha256[:12]}… in {path}, got {found[:12]}…. "
-            "Fetch them again."
-        )
-    network = build_network(card.model, card.protocol)
     try:
+        if card.model not in MODELS or (card.first_wrap, card.classes) != CLASSES[card.protocol]:
+            raise RuntimeError(f"no such model with {card.classes} classes")
+        if not content:
+            raise RuntimeError("no file")
+        if found != card.sha256:
+            raise RuntimeError(f"the hash {found[:12]}… instead of {card.sha256[:12]}…")
         held = {name: tensor.float() for name, tensor in load(content).items()}
+        network = build_network(card.model, card.protocol)
         network.load_state_dict(held)
         if not all(bool(tensor.isfinite().all()) for tensor in held.values()):
             raise RuntimeError("NaN or infinity")
     except (RuntimeError, SafetensorError) as error:
         raise ValueError(
-            f"Expected finite weights of {card.model} in {path}, got others "
-            f"({str(error).splitlines()[0]}). Train them again."
+            f"Expected finite weights of {card.model} in {path} that fit their card, got others "
+            f"({str(error).splitlines()[0]}). Fetch or train them again."
         ) from error
     return Trained(network.eval(), card)
 
@@ -234,26 +207,10 @@ def unwrap_with_network(
 ) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
     """Depth by a network that classifies each pixel's wrap (Sec. 5) or regresses its depth.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        At the two frequencies of the prototype.
-    model : str
-        Out of `cmtof.network.models.MODELS`.
-    weights : str or Path, optional
-        One's own ``.safetensors``; by default the shipped ones that hold every wrap in range.
-
-    Returns
-    -------
-    depth, confidence : ndarray, shape (H, W)
-        m within the measurement's range, and the probability of the chosen class; of a regression
-        the share of right wraps in validation.
-
-    Raises
-    ------
-    ValueError
-        If no weights hold the range, the frequencies are others, or the network reads raw
-        correlations and the measurement has none at the four quadratures.
+    Weights are the shipped ones that hold every wrap in range, or a ``.safetensors`` of one's own.
+    Returned are depth, m, within the measurement's range, and the probability of the chosen class;
+    of a regression the share of right wraps in validation; both (H, W). A ValueError if no weights
+    hold the range, the frequencies are others, or correlations at the four quadratures are missing.
     """
     tones = np.asarray(measurement.frequencies, float)
     if tones.size < 2 or not np.allclose(tones[:2], FREQUENCIES, rtol=1e-6):
@@ -268,7 +225,7 @@ def unwrap_with_network(
     path = Path(weights) if weights is not None else find_weights(model, first, last)
     trained = _loaded(path, path.stat().st_mtime_ns if path.is_file() else 0)
     if trained.network.target == "depth":
-        turns = _in_bands(trained, measurement, lambda found, phase: found[0])
+        turns = np.concatenate([found[0].numpy() for found, _ in _bands(trained, measurement)])
         depth = (trained.card.first_wrap + turns) * wrap
         sure = np.full(depth.shape, trained.card.validation.delta_lt_1)
     else:
@@ -283,35 +240,31 @@ def classify(
 ) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
     """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W).
 
-    Where mending (`mended`) chooses another wrap, its probability is at most
-    what the likeliest one left. A ValueError if the network does not distinguish all these wraps.
+    Where mending (`mended`) chooses another wrap, its probability is at most what the likeliest one
+    left. A ValueError if the network does not distinguish all these wraps.
     """
-    import torch
-
-    start, stop = first - trained.card.first_wrap, last - trained.card.first_wrap + 1
-    if start < 0 or stop > trained.card.classes:
+    low, stop = trained.card.first_wrap, trained.card.first_wrap + trained.card.classes
+    if first < low or last >= stop:
         raise ValueError(
-            f"Expected wraps within {trained.card.first_wrap} to "
-            f"{trained.card.first_wrap + trained.card.classes - 1}, which {trained.card.model} "
-            f"distinguishes, got {first} to {last}. Narrow the range."
+            f"Expected wraps within {low} to {stop - 1}, which {trained.card.model} distinguishes, "
+            f"got {first} to {last}. Narrow the range."
         )
-
-    def chosen(found: "Tensor", phase: NDArray) -> "Tensor":
-        odds, likeliest = torch.softmax(found[start:stop], 0).max(0)
-        if trained.model.mend:
-            voted = torch.from_numpy(mended(likeliest.numpy(), phase)).clamp(0, last - first)
-            odds = torch.where(voted == likeliest, odds, torch.minimum(odds, 1 - odds))
-            likeliest = voted
-        return torch.stack([likeliest.to(odds.dtype), odds])
-
-    likeliest, odds = _in_bands(trained, measurement, chosen)
-    return first + likeliest.astype(np.int64), odds
+    bands = []
+    for found, phase in _bands(trained, measurement):
+        odds, wraps = (x.numpy() for x in found[first - low : last - low + 1].softmax(0).max(0))
+        if trained.network.model.mend:
+            voted = mended(wraps, phase).clip(0, last - first)
+            odds = np.where(voted == wraps, odds, np.minimum(odds, 1 - odds))
+            wraps = voted
+        bands.append((wraps, odds))
+    wraps, odds = (np.concatenate(parts) for parts in zip(*bands, strict=True))
+    return first + wraps, odds
 
 
 def mended(
     wraps: NDArray[np.integer], phase: NDArray[np.floating], side: int = 5
 ) -> NDArray[np.int64]:
-    r"""Wraps by the vote of their neighbourhood, consistent with the wrapped phase.
+    r"""Wraps by the vote of their neighbourhood, consistent with the wrapped phase (Zhang 2019).
 
     Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`:
     on a surface whose phase is continuous all votes agree, on both sides of a wrap line. Among
@@ -332,14 +285,12 @@ def mended(
 
 
 def network_inputs(
-    measurement: Measurement, model: "Model", rows: slice = slice(None)
+    measurement: Measurement, kind: str, rows: slice = slice(None)
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Features (C, H, W) of a measurement's rows, and the phases (H, W) of its lower frequency."""
-    from cmtof.network.features import features
-
     # a masked pixel may be NaN; the network gets a dark one, or its neighbours would be NaN too
     images = [measurement.phase[:2, rows], measurement.amplitude[:2, rows]]
-    if model.features == "correlation" and "correlation" in measurement.dataset:
+    if kind == "correlation" and "correlation" in measurement.dataset:
         psi = measurement.dataset["psi"].to_numpy()[:2]
         off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
         if (off.min(1) > 1e-6).any():
@@ -350,26 +301,24 @@ def network_inputs(
         held = measurement.dataset["correlation"]
         images.append(np.stack([held[f, k, rows].to_numpy() for f, k in enumerate(off.argmin(1))]))
     phase, amplitude, *more = (np.nan_to_num(np.asarray(x, np.float32)) for x in images)
-    return features(phase, amplitude, model.features, *more), phase[0]
+    return features(phase, amplitude, kind, *more), phase[0]
 
 
-def _in_bands(
-    trained: Trained, measurement: Measurement, reduce: Callable[["Tensor", NDArray], "Tensor"]
-) -> NDArray[np.floating]:
-    """``reduce(output, phase)`` of a whole image, by bands of rows that overlap by what it sees."""
+def _bands(trained: Trained, measurement: Measurement) -> Iterator[tuple["Tensor", NDArray]]:
+    """Output (C, h, W) and phase (h, W) of bands of rows, as if the image had been seen whole."""
     import torch
 
     network, (height, width) = trained.network, measurement.shape
-    step, reach, bands = network.stride, network.reach, []
+    step, reach = network.stride, network.reach
     rows = max(MOST_PIXELS // width - 2 * reach, 2 * step) // step * step
     for start in range(0, height, rows):
         top, stop = max(start - reach, 0), min(start + rows, height)
-        inputs, phase = network_inputs(measurement, trained.model, slice(top, stop + reach))
+        seen = slice(top, stop + reach)
+        inputs, phase = network_inputs(measurement, network.model.features, seen)
+        image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
         with torch.inference_mode():
-            image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
             found = network(image)[0, :, start - top : stop - top]
-            bands.append(reduce(found, phase[start - top : stop - top]).numpy())
-    return np.concatenate(bands, -2)
+        yield found, phase[start - top : stop - top]
 
 
 @cache
