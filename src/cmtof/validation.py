@@ -32,11 +32,12 @@ def checked(kind: type[T], values: Any, source: object) -> T:
         if first["type"] == "value_error":
             raise ValueError(f"{rule} ({source})") from None
         place = ".".join(map(str, first["loc"])) or "names and values"
-        rule = {"missing": "to be there", "unexpected_keyword_argument": "to be a known key"}.get(
-            first["type"], f"to {rule}"
-        )
+        words = dict.fromkeys(("unexpected_keyword_argument", "extra_forbidden"), "be a known key")
+        rule = (words | {"missing": "be there"}).get(first["type"], rule)
         found = repr(first["input"])[:60]
-        raise ValueError(f"Expected {place} in {source} {rule}, got {found}. Correct it.") from None
+        raise ValueError(
+            f"Expected {place} in {source} to {rule}, got {found}. Correct it."
+        ) from None
 
 
 def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDArray[np.floating]:

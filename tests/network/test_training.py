@@ -45,11 +45,11 @@ def test_stages_follow_each_other(config):
     [
         ("- 1", "Expected YAML|Expected names and values"),
         ("stages: []", "Expected stages .* at least 1 item"),
-        ("model: nobody\nstages: [{S}]", "expected a model out of fast-scnn"),
+        ("model: nobody\nstages: [{S}]", "Expected a model out of fast-scnn"),
         ("protocol: half\nstages: [{S}]", "Expected protocol .* 'released' or 'full'"),
-        ("seed: 1.5\nstages: [{S}]", "Expected seed .* got '1.5'"),
+        ("seed: 1.5\nstages: [{S}]", "Expected seed .* got 1.5"),
         ("stages: [{S, rooms: 2}]", "Expected stages.0.rooms .* less than or equal to 1"),
-        ("stages: [{S, rooms: 1, crop: 600}]", "expected crops within rooms of 512 px"),
+        ("stages: [{S, rooms: 1, crop: 600}]", "Expected crops within rooms of 512 px"),
     ],
 )
 def test_bad_configurations_are_refused_in_one_line(tmp_path, text, message):

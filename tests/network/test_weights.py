@@ -58,7 +58,7 @@ def test_weights_with_the_fewest_classes_are_found(stored):
         ({"model": "nobody"}, "Expected finite weights of nobody"),
         ({"model": "fast-scnn"}, "Expected finite weights of fast-scnn"),
         ({"sha256": "0" * 64}, "the hash .* instead of 000000000000"),
-        ({"colour": "red"}, "Expected colour .* not permitted"),
+        ({"colour": "red"}, "Expected colour .* known key"),
     ],
 )
 def test_cards_that_do_not_fit_are_refused(stored, changes, message):

@@ -9,7 +9,8 @@ from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
 from cmtof.files import read_document
 from cmtof.network.models import MODELS
-from cmtof.network.weights import Strict, checked
+from cmtof.network.weights import Strict
+from cmtof.validation import checked
 
 Share = Annotated[float, Field(ge=0, le=1)]
 PRESETS: dict[str, Any] = yaml.safe_load((files("cmtof.network") / "train.yml").read_text("utf-8"))
@@ -77,10 +78,11 @@ class Config(Strict):
     @model_validator(mode="after")
     def _fits(self) -> "Config":
         if self.model not in MODELS:
-            raise ValueError(f"expected a model out of {', '.join(MODELS)}")
+            known = ", ".join(MODELS)
+            raise ValueError(f"Expected a model out of {known}, got {self.model}. Choose one.")
         side = min(self.rooms.height, self.rooms.width) if self.rooms else 0
         if any(stage.rooms and stage.crop > side for stage in self.stages):
-            raise ValueError(f"expected crops within rooms of {side} px")
+            raise ValueError(f"Expected crops within rooms of {side} px, got larger. Crop less.")
         return self
 
     @property
@@ -122,4 +124,4 @@ def read_config(source: str | Path, **changes: Any) -> Config:
         )
     held = {"name": path.stem} | (read_document(path) if held is None else held)
     given = {key: value for key, value in changes.items() if value is not None}
-    return checked(Config.model_validate, held | given, f"the configuration {source}")
+    return checked(Config, held | given, f"the configuration {source}")

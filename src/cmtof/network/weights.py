@@ -6,15 +6,16 @@ nothing. torch is imported when a network is loaded.
 """
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping
+import json
+from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, centred, depth_from_wraps, wrap_length
@@ -22,6 +23,7 @@ from cmtof.files import written_whole
 from cmtof.measurement import Measurement
 from cmtof.network.features import CLASSES, features
 from cmtof.simulation import QUADRATURES
+from cmtof.validation import checked
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -78,22 +80,6 @@ class Card(Strict):
     note: str = ""
     fine_tuned: dict[str, float] | None = None
     sha256: str = ""
-
-
-T = TypeVar("T")
-
-
-def checked(validate: Callable[[Any], T], values: Any, source: object) -> T:
-    """Values validated by pydantic; a ValueError names the first fault in one sentence."""
-    try:
-        return validate(values)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "names and values"
-        found = str(first["input"])[:60]
-        raise ValueError(
-            f"Expected {where} in {source} to be valid, got {found!r}: {first['msg']}. Correct it."
-        ) from error
 
 
 # --- files ---------------------------------------------------------------------------------------
@@ -162,9 +148,12 @@ def save_weights(path: Path, network: "Network", card: Card) -> None:
 def read_card(weights: Path) -> Card:
     """Card of a file of weights; a ValueError if there is none, or it is no card."""
     path = weights.with_suffix(".json")
-    if not path.is_file():
-        raise ValueError(f"Expected the card of {weights.name} in {path}, got none. Keep both.")
-    return checked(Card.model_validate_json, path.read_bytes(), path)
+    try:
+        held = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError) as error:
+        message = f"Expected the card of {weights.name} in {path}, got {error}. Keep both together."
+        raise ValueError(message) from error
+    return checked(Card, held, path)
 
 
 def load_weights(path: Path) -> Trained:
