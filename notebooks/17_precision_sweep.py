@@ -31,12 +31,12 @@ from cmtof.bounds import phase_spread, wrap_probability
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_phase, wrap_length
 from cmtof.instrument.optics import sent_power
-from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.settings import Reference, TwinSettings
 from cmtof.instrument.world import SAMPLE_RATE
 from cmtof.ranging.interferometer import Interferometer
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger
 from cmtof.ranging.rf import RfRanger
-from cmtof.ranging.sweep import POSITIONS, StageTarget, collected_power, parts
+from cmtof.ranging.sweep import POSITIONS, collected_power, parts
 
 run = plotting.begin(profile=profile, seed=seed)
 COLOURS = {
@@ -53,7 +53,7 @@ rangers = {
     "RF": RfRanger(),
     "interferometer": Interferometer(),
 }
-targets = {"mirror": StageTarget.mirror(), "diffuse": StageTarget()}
+targets = {"mirror": Reference.mirror(), "diffuse": Reference()}
 
 
 def errors_of(ranger, what, days=repeats):
@@ -468,10 +468,10 @@ axis, some = np.geomspace(0.3, 5, 41), [0.3, 0.6, 1.2, 2.5, 5.0]
 lines, noisy, whole, noise, pulls = {}, {}, {}, [], []
 for mode, frequency in FREQUENCY.items():
     one, full = OpticalRanger(silent, mode, **alone), OpticalRanger(settings, mode)
-    light = collected_power(silent, StageTarget(), axis, mode)
+    light = collected_power(silent, Reference(), axis, mode)
     noise.append(one.dimming_and_noise(light)[1])
     lines[mode] = depth_from_phase(noise[-1], frequency)
-    plates = [StageTarget(distance=z) for z in some]
+    plates = [Reference(distance=z) for z in some]
     still = [one.sweep(plate, np.zeros(bursts), repeats=1, seed=seed) for plate in plates]
     noisy[mode] = np.std(still, axis=(1, 2))
     pulls += [*np.sqrt(2 * bursts) * (noisy[mode] / np.interp(some, axis, lines[mode]) - 1)]

@@ -23,13 +23,13 @@ from scipy.special import jv
 from cmtof.book import notes, paper, plotting
 from cmtof.correlation import depth_from_phase, phase_from_depth, wrap_length
 from cmtof.instrument.optics import group_index, speckle_cells, spot_radius
-from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.settings import Reference, TwinSettings
 from cmtof.ranging.budget import VISITS, back_ratio, budget_terms, only, simulated
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger
-from cmtof.ranging.sweep import StageTarget, parts
+from cmtof.ranging.sweep import parts
 
 run = plotting.begin(profile=profile, seed=seed)
-known, target, mirror = TwinSettings(), StageTarget(), StageTarget.mirror()
+known, target, mirror = TwinSettings(), Reference(), Reference.mirror()
 MODES = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
 
 # %%

@@ -5,14 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cmtof.correlation import correlation_from_phase, decode
 from cmtof.instrument.optics import group_index
-from cmtof.instrument.settings import Optics, TwinSettings
+from cmtof.instrument.settings import Optics, Reference, TwinSettings
 from cmtof.ranging.interferometer import Interferometer, _gaussian_root
-from cmtof.ranging.sweep import StageTarget
 
 SILENT = replace(TwinSettings(), noise=False, optics=Optics(speckle=False))
-MIRROR, PLATE = StageTarget.mirror(), StageTarget()
+MIRROR, PLATE = Reference.mirror(), Reference()
 STEADY = {
     "wavelength_error": 0.0,
     "stage_error": 0.0,
@@ -51,19 +49,6 @@ def test_modes_that_match():
     assert narrow.matched_share(PLATE) == pytest.approx(2 * np.pi * 1e-10 / area, rel=0.01)
 
 
-@pytest.mark.parametrize("target", [MIRROR, PLATE])
-def test_a_reading_by_steps_reaches_the_bound(target):
-    """20 000 readings of eight steps each fix a standard deviation to 0.5 %."""
-    ruler, rng = Interferometer(), np.random.default_rng(0)
-    amplitude, offset, variance = ruler.fringes(target, 0.6)
-    assert offset + amplitude < TwinSettings().detector.saturation
-    psi = 2 * np.pi * np.arange(ruler.steps) / ruler.steps
-    clean = correlation_from_phase(np.full(20_000, 1.0), psi, amplitude=amplitude, offset=offset)
-    read = decode(clean + np.sqrt(variance) * rng.standard_normal(clean.shape), psi)
-    spread = np.std(read.phase) * ruler.wavelength / (4 * np.pi)
-    assert spread == pytest.approx(ruler.bound(target, [0.0])[0], rel=0.02)
-
-
 def test_sweep_reaches_the_bound():
     settings = replace(TwinSettings(), optics=Optics(speckle=False))
     ruler = Interferometer(settings=settings, **STEADY)
@@ -72,7 +57,7 @@ def test_sweep_reaches_the_bound():
     assert error[:, 1:].std() == pytest.approx(ruler.bound(PLATE, [0.0])[0], rel=0.04)
 
 
-@pytest.mark.parametrize("margin", [0.2, 0.99, 1.01, 1.6])
+@pytest.mark.parametrize("margin", [0.99, 1.01])
 def test_a_move_is_counted_right_below_a_quarter_wavelength_and_backwards_above(margin):
     ruler = Interferometer(settings=SILENT, **STEADY)
     ruler = replace(ruler, speed=margin * ruler.wavelength / 4 / ruler.reading_time)

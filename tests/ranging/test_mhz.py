@@ -8,7 +8,7 @@ from scipy.constants import c, h
 
 from cmtof.correlation import TAU, phase_from_depth
 from cmtof.instrument.targets import Hits
-from cmtof.ranging.mhz import MhzCamera, pulled_phase
+from cmtof.ranging.mhz import MhzCamera
 
 CLEAN = MhzCamera(veil=0.0, blur=0.0, ambient_radiance=0.0)
 
@@ -31,14 +31,14 @@ def test_the_field_returns_what_a_lambertian_wall_sends_into_the_pupil():
     assert found == pytest.approx(photons * share * 0.8 * 0.5)
 
 
-@pytest.mark.parametrize(
-    ("change", "factor"),
-    [({"distance": 2.0}, 0.25), ({"reflectance": 1.0}, 2), ({"cosine": 0.5}, 0.5),
-     ({"distance": np.nan}, 0)],
-)  # fmt: skip
-def test_signal_scales_as_a_diffuse_surface(change, factor):
-    ratio = CLEAN.signal(flat(**change)) / CLEAN.signal(flat())
-    np.testing.assert_allclose(ratio, factor)
+def test_signal_scales_as_a_diffuse_surface():
+    for change, factor in (
+        (("distance", 2.0), 0.25),
+        (("cosine", 0.5), 0.5),
+        (("distance", np.nan), 0),
+    ):
+        ratio = CLEAN.signal(flat(**dict([change]))) / CLEAN.signal(flat())
+        np.testing.assert_allclose(ratio, factor)
 
 
 def test_polished_metal_is_faint_aside_and_blinding_ahead():
@@ -47,16 +47,15 @@ def test_polished_metal_is_faint_aside_and_blinding_ahead():
     assert ahead > 1000 * CLEAN.signal(flat())[0, 0]
 
 
-@pytest.mark.parametrize("distance", [0.2, 1.1, 1.4])
-def test_ranges_are_exact_without_noise_and_repeat_after_one_wrap(distance):
+def test_ranges_are_exact_without_noise_and_repeat_after_one_wrap():
     camera = replace(CLEAN, power=1.0, full_scale=1e6)
     assert camera.wrap == pytest.approx(c / 2e8)  # 1.5 m, not the 3 m of Sec. 1
-    for z in (distance, distance + camera.wrap):
+    for z in (0.2, 1.4, 1.4 + camera.wrap):
         images = camera.differences(camera.light(flat(z), flat(z)))
-        np.testing.assert_allclose(camera.depth(images)[0], distance, atol=1e-9)
+        np.testing.assert_allclose(camera.depth(images)[0], z % camera.wrap, atol=1e-9)
 
 
-@pytest.mark.parametrize(("power", "distance"), [(8e-3, 0.4), (0.1, 1.0), (2.0, 1.23)])
+@pytest.mark.parametrize(("power", "distance"), [(8e-3, 0.4), (2.0, 1.23)])
 def test_noise_reaches_its_closed_form(power, distance, rng):
     """12 800 pixels: the standard error of a standard deviation is 0.6 %, the margin 3 %."""
     camera, view = MhzCamera(power=power), flat(distance, shape=(16, 16))
@@ -77,22 +76,16 @@ def test_dark_and_saturated_pixels_have_no_range(rng):
     assert np.isnan(found).all()
 
 
-@pytest.mark.parametrize("dark", [0.5, 0.05, 0.005])
-def test_a_veil_pulls_a_dark_spot_by_the_closed_form(dark):
-    """A spot at 1 m before a bright field 0.3 m behind it."""
-    camera = replace(CLEAN, veil=0.2)
-    spot, field = flat(1.0, dark), flat(1.3, 0.8)
-    ratio = 0.2 / 0.8 * camera.signal(field)[0, 0] / camera.signal(spot)[0, 0]
-    pull = pulled_phase(ratio, phase_from_depth(0.3, camera.frequency)) * camera.wrap / TAU
-    np.testing.assert_allclose(bias(camera, spot, field), pull, rtol=1e-9)
-    assert np.abs(bias(camera, spot, flat(1.0, 0.8))).max() < 1e-12  # nothing at equal ranges
-
-
-def test_the_pull_is_at_most_the_arc_sine_of_the_ratio():
-    ratio = np.linspace(0.1, 0.9, 9)
-    widest = np.max([pulled_phase(ratio, d) for d in np.linspace(0, np.pi, 20001)], axis=0)
-    np.testing.assert_allclose(widest, np.arcsin(ratio), rtol=1e-6)
-    assert pulled_phase(1e9, 1.2) == pytest.approx(1.2)
+def test_a_veil_pulls_a_dark_spot_by_the_closed_form():
+    """A spot at 1 m before a bright field 0.3 m behind it: arg(1 + s exp(i D))."""
+    camera, field = replace(CLEAN, veil=0.2), flat(1.3, 0.8)
+    away = phase_from_depth(0.3, camera.frequency)
+    for dark in (0.5, 0.005):
+        spot = flat(1.0, dark)
+        ratio = 0.2 / 0.8 * camera.signal(field)[0, 0] / camera.signal(spot)[0, 0]
+        pull = np.angle(1 + ratio * np.exp(1j * away)) * camera.wrap / TAU
+        np.testing.assert_allclose(bias(camera, spot, field), pull, rtol=1e-9)
+        assert np.abs(bias(camera, spot, flat(1.0, 0.8))).max() < 1e-12  # nothing at equal ranges
 
 
 def test_blur_mixes_ranges_at_an_edge_only():

@@ -128,6 +128,11 @@ class Reference:
     material: Literal["diffuse", "specular"] = "diffuse"
     reflectance: float = number(0.5, 0, 1)  # with its grey filter: a bare mirror saturates
 
+    @classmethod
+    def mirror(cls, **changes: Any) -> "Reference":
+        """Silvered mirror, PF10-03-P01 (known: 97 % at 532 nm)."""
+        return cls(material="specular", reflectance=0.97, **changes)
+
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TwinSettings:

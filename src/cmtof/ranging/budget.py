@@ -18,11 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, depth_from_phase, wrap_length
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.settings import Reference, TwinSettings
 from cmtof.instrument.targets import Hits
 from cmtof.instrument.world import DRIFT_OCTAVES
 from cmtof.ranging.optical import FREQUENCY, ORDER, OpticalRanger
-from cmtof.ranging.sweep import POSITIONS, STAGE_ERROR, StageTarget
+from cmtof.ranging.sweep import POSITIONS, STAGE_ERROR
 
 Array = NDArray[np.float64]
 
@@ -33,19 +33,18 @@ VISITS = 8
 
 
 def budget_terms(
-    target: StageTarget, mode: str = "single", *, days: int = 12, seed: int = 0
+    target: Reference, mode: str = "single", *, days: int = 12, seed: int = 0
 ) -> dict[str, float]:
     r"""Rms error of each term, m, at the sizes that `TwinSettings` assumes.
 
-    Noise: parts of the Cramer-Rao bound. RF phase: an octave w of its drift leaves
-    :math:`|e^{iwt} - \langle e^{iwt_r}\rangle|`. Codes: :math:`ms/\sqrt{2K}` of K random ones.
-    I/Q imbalance e: :math:`(e/2)\sin 2\phi`, nothing in the doubled mode. Back-reflection of the
-    power ratio r: :math:`r\sin(\phi_b-\phi)`. RF leakage and laser drift: ``days`` of Monte Carlo
-    before a mirror, which leaves little of the converter's rounding.
+    Noise: parts of the Cramer-Rao bound. Codes: :math:`ms/\sqrt{2K}` of K random ones. I/Q
+    imbalance e: :math:`(e/2)\sin 2\phi`, nothing in the doubled mode. Back-reflection of the power
+    ratio r: :math:`r\sin(\phi_b-\phi)`. RF leakage and laser drift: ``days`` of Monte Carlo before
+    a mirror, which leaves little of the converter's rounding.
 
     Examples
     --------
-    >>> round(budget_terms(StageTarget(), days=1)["I/Q imbalance"] * 1e6, 2)
+    >>> round(budget_terms(Reference(), days=1)["I/Q imbalance"] * 1e6, 2)
     1.18
     """
     real, order = TwinSettings(), ORDER[mode]
@@ -65,7 +64,10 @@ def budget_terms(
     warmer, denser = OpticalRanger.air_change
     weather = np.hypot(warmer / air.temperature, denser / air.pressure)
     excess = free_space.group_index(air, real.laser.wavelength) - 1
-    mirror, still = StageTarget.mirror(target.distance), {"stage_error": 0.0, "air_change": (0, 0)}
+    mirror, still = (
+        Reference.mirror(distance=target.distance),
+        {"stage_error": 0.0, "air_change": (0, 0)},
+    )
     alone = {
         "RF leakage": ("drive.leakage",),
         "laser drift": ("laser.fibre_low", "laser.fibre_high"),
@@ -87,14 +89,17 @@ def budget_terms(
 
 
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
-    """Rms of the drift at ``times`` less its mean at ``reference``, s, in units of its own rms."""
+    r"""Rms of the drift at ``times`` less its mean at ``reference``, s, in units of its own rms.
+
+    An octave w leaves :math:`|e^{iwt} - \langle e^{iwt_r}\rangle|`.
+    """
     rate = TAU * DRIFT_OCTAVES
     now = np.exp(1j * np.multiply.outer(np.asarray(times, float), rate))
     then = np.exp(1j * np.multiply.outer(np.asarray(reference, float), rate)).mean(0)
     return float(np.sqrt(np.mean(np.abs(now - then) ** 2)))
 
 
-def back_ratio(settings: TwinSettings, target: StageTarget) -> float:
+def back_ratio(settings: TwinSettings, target: Reference) -> float:
     """Power of the coaxial back-reflection over that of the target."""
     hits = Hits(*(np.array(x) for x in (target.distance, 1.0, target.reflectance)))
     share = free_space.returned_fraction(settings.optics, target.material, hits)
@@ -102,13 +107,7 @@ def back_ratio(settings: TwinSettings, target: StageTarget) -> float:
 
 
 def only(*names: str) -> TwinSettings:
-    """Instrument without errors but for fields such as ``drive.leakage``, which are real.
-
-    Examples
-    --------
-    >>> only("drive.leakage").drive.leakage
-    0.0001
-    """
+    """Instrument without errors but for fields such as ``drive.leakage``, which are real."""
     settings, real = TwinSettings.ideal(), TwinSettings()
     for name in names:
         section, _, entry = name.partition(".")
@@ -119,7 +118,7 @@ def only(*names: str) -> TwinSettings:
 
 
 def simulated(
-    settings: TwinSettings, target: StageTarget, mode: str, *, days: int, seed: int, **lab: Any
+    settings: TwinSettings, target: Reference, mode: str, *, days: int, seed: int, **lab: Any
 ) -> Array:
     """Errors (days, P), m, of the sweep of Fig. 13; ``lab`` are fields of `OpticalRanger`.
 

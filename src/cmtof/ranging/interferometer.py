@@ -20,15 +20,9 @@ from cmtof.bounds import linear_phase_noise
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.electronics import SLOPE, Conversion, chain
-from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.settings import Reference, TwinSettings
 from cmtof.instrument.world import SAMPLE_RATE
-from cmtof.ranging.sweep import (
-    STAGE_ERROR,
-    StageTarget,
-    checked_positions,
-    circular_normals,
-    collected_power,
-)
+from cmtof.ranging.sweep import STAGE_ERROR, circular_normals, collected_power
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -40,13 +34,7 @@ AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
 class Interferometer:
     """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters.
 
-    *Known*: from general knowledge, not verified; *assumed*: the paper does not say.
-
-    Examples
-    --------
-    >>> found = Interferometer().sweep(StageTarget.mirror(), [0.0, 2e-6], repeats=1, seed=0)
-    >>> bool(abs(found[0, 1] - found[0, 0] - 2e-6) < 0.4e-6)
-    True
+    *Known*, *assumed*: as in `cmtof.instrument.settings`.
     """
 
     settings: TwinSettings = field(default_factory=TwinSettings)
@@ -89,7 +77,7 @@ class Interferometer:
 
     # --- light -----------------------------------------------------------------------------------
 
-    def matched_share(self, target: StageTarget) -> float:
+    def matched_share(self, target: Reference) -> float:
         """Share m of the collected light in the reference beam's mode, Gaussian of radius w_r.
 
         Rough plate: speckle of the coherence ``exp(-(pi w d / lambda z)^2 / 2)`` in the aperture A,
@@ -106,7 +94,7 @@ class Interferometer:
         turned = np.pi * optics.divergence / (width * vacuum)  # curvature of the wavefront
         return float(4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2))
 
-    def fringes(self, target: StageTarget, ranges: ArrayLike) -> tuple[Array, Array, Array]:
+    def fringes(self, target: Reference, ranges: ArrayLike) -> tuple[Array, Array, Array]:
         """Amplitude and offset, V, of the interferogram at ranges (...), m; noise of a step, V^2.
 
         Of a diffuse plate the amplitude is the root of the mean square over its speckle.
@@ -128,12 +116,12 @@ class Interferometer:
 
     # --- instrument ------------------------------------------------------------------------------
 
-    def sweep(self, target: StageTarget, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+    def sweep(self, target: Reference, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
 
         A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn anew.
         """
-        stops = checked_positions(positions, repeats)
+        stops = np.asarray(positions, float)
         strides = np.abs(np.diff(stops)) / self.stride - 1e-9
         stations = np.append(0, np.cumsum(np.maximum(1, np.ceil(strides)))).astype(int)
         place = np.arange(stations[-1] + 1)
@@ -160,9 +148,9 @@ class Interferometer:
             found[repeat, 1:] = metres[1:]
         return target.distance + stops[0] + found
 
-    def bound(self, target: StageTarget, positions: ArrayLike) -> Array:
+    def bound(self, target: Reference, positions: ArrayLike) -> Array:
         """Cramer-Rao least standard deviation (P,), m, by noise alone, speckle at its mean."""
-        ranges = target.distance + checked_positions(positions)
+        ranges = target.distance + np.asarray(positions, float)
         amplitude, _, variance = self.fringes(target, ranges)
         noise = linear_phase_noise(amplitude, variance, self.steps)
         return np.asarray(self.wavelength / (4 * np.pi) * noise, float)

@@ -71,7 +71,7 @@ class MhzCamera:
 
     @property
     def focal_length(self) -> float:
-        """Of the lens, px."""
+        """Focal length of the lens, px."""
         return self.shape[1] / 2 / float(np.tan(self.field_of_view / 2))
 
     @property
@@ -94,8 +94,8 @@ class MhzCamera:
 
         .. math:: N = \frac{P T}{4\,h\nu}\,\frac{\eta\,t}{n}\,\frac{\varrho\cos\theta\,A}{\pi z^2}
 
-        with n pixels in the field, the opening A and transmission t; the focal length drops out. A
-        polished surface keeps a small diffuse share, and mirrors where it faces lens and source.
+        with n pixels in the field, opening A and transmission t. A polished surface keeps a small
+        diffuse share, and mirrors where it faces lens and source.
         """
         z, weight = view.range, np.asarray(view.mirrored)
         sent = self._electrons(self.power) / (self.shape[0] * self.shape[1])
@@ -110,7 +110,7 @@ class MhzCamera:
         return sent * np.where(z > 0, share, 0.0)
 
     def room(self, view: Hits) -> Array:
-        """Charge of one step from the room's light behind the band-pass, electrons, (H, W)."""
+        """Charge of one step from the room's light, electrons, (H, W)."""
         etendue = self.pupil_area / self.focal_length**2
         charge = self._electrons(self.ambient_radiance * etendue) * view.reflectance
         return np.where(view.range > 0, charge, 0.0)
@@ -182,16 +182,3 @@ class MhzCamera:
         """Range less truth, m, modulo the wrap."""
         off = phase_from_depth(np.subtract(found, truth), self.frequency)
         return depth_from_phase(centred(off), self.frequency)
-
-
-def pulled_phase(ratio: ArrayLike, difference: ArrayLike) -> Array:
-    r"""Phase error by scattered light of s times the own amplitude: ``arg(1 + s exp(i D))``, rad.
-
-    D is its phase less the pixel's, rad: at most ``asin(s)`` while s < 1, all of D if black.
-
-    Examples
-    --------
-    >>> round(float(pulled_phase(0.1, np.pi / 2)), 4)  # atan(0.1)
-    0.0997
-    """
-    return np.angle(1 + np.asarray(ratio, float) * np.exp(1j * np.asarray(difference, float)))

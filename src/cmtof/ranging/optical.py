@@ -29,9 +29,9 @@ from cmtof.correlation import centred, decode, depth_from_phase, phase_from_dept
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.electronics import SLOPE, Conversion, chain
-from cmtof.instrument.settings import Detector, TwinSettings
+from cmtof.instrument.settings import Detector, Reference, TwinSettings
 from cmtof.instrument.world import LABEL_TIME, SAMPLE_RATE, Panel, RfKnobs, World
-from cmtof.ranging.sweep import STAGE_ERROR, StageTarget, checked_positions, collected_power
+from cmtof.ranging.sweep import STAGE_ERROR, collected_power
 
 Array = NDArray[np.float64]
 
@@ -48,13 +48,6 @@ class OpticalRanger:
 
     ``visits`` readings at known ranges set the zero: one stands at stage position 0; more are
     spread over one wrap, as in a scan.
-
-    Examples
-    --------
-    >>> ranger = OpticalRanger(TwinSettings.ideal())
-    >>> error = ranger.sweep(StageTarget(), [0.0, 1e-3], repeats=1, seed=0) - [[0.6, 0.601]]
-    >>> bool((abs(error) < 2e-6).all())
-    True
     """
 
     settings: TwinSettings = field(default_factory=TwinSettings)
@@ -69,10 +62,6 @@ class OpticalRanger:
     stage_error: float = STAGE_ERROR
     level: float = 0.5  # share of the detector's range that the crest may reach (assumed)
 
-    def __post_init__(self) -> None:
-        if self.mode not in FREQUENCY:
-            raise ValueError(f"Expected mode single or doubled, got {self.mode!r}. Choose one.")
-
     @property
     def frequency(self) -> float:
         """Modulation frequency, Hz."""
@@ -83,29 +72,21 @@ class OpticalRanger:
     def panel(self) -> Panel:
         """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
         drive = self.frequency / ORDER[self.mode]
-        emission, detection = (
-            RfKnobs(on=True, frequency=drive, power=self.settings.drive.power) for _ in range(2)
-        )
-        detection.table = drive_phases(self.phases, self.mode)
-        turned = _PLATE[self.mode]
-        panel = Panel(emission=emission, detection=detection)
-        panel.plate_emission = panel.plate_detection = float(np.deg2rad(turned))
-        panel.laser_on = panel.shutter_open = panel.flip_mirror_in = panel.clock_on = True
-        return panel
+        rf = {"on": True, "frequency": drive, "power": self.settings.drive.power}
+        knobs = RfKnobs(**rf), RfKnobs(**rf, table=drive_phases(self.phases, self.mode))
+        plates = 2 * [float(np.deg2rad(_PLATE[self.mode]))]
+        on = ("laser_on", "shutter_open", "flip_mirror_in", "clock_on")
+        return Panel(*knobs, *plates, **dict.fromkeys(on, True))
 
-    def before(self, target: StageTarget) -> TwinSettings:
+    def before(self, target: Reference) -> TwinSettings:
         """Settings with the target on the stage; the grey filter is a lower quantum efficiency."""
         light = collected_power(self.settings, target, target.distance, self.mode)
         efficiency = self.settings.detector.efficiency * float(self.dimming_and_noise(light)[0])
-        reference = replace(self.settings.reference, **vars(target))
         detector = replace(self.settings.detector, efficiency=efficiency)
-        return replace(self.settings, detector=detector, reference=reference)
+        return replace(self.settings, detector=detector, reference=target)
 
     def counts(self, world: World, positions: Array, labels: ArrayLike) -> NDArray[np.uint16]:
-        """Raw counts (P, phases x samples) at stage positions (P,), m from the target's distance.
-
-        Bursts begin at the times ``label * LABEL_TIME`` for labels (P,).
-        """
+        """Raw counts (P, K x N) of bursts with labels (P,) at stage positions (P,), m."""
         scans, stage = self.phases * self.samples, positions + self.settings.reference.stage_zero
         edges, beam = np.arange(scans) // self.samples, np.zeros((stage.size, 2))
         return world.bursts(
@@ -113,20 +94,19 @@ class OpticalRanger:
         )
 
     def phase(self, counts: ArrayLike) -> Array:
-        """Wrapped phases (P,), rad, of raw counts (P, phases x samples)."""
+        """Wrapped phases (P,), rad, of raw counts (P, K x N)."""
         bursts = np.asarray(counts, float).reshape(-1, self.phases, self.samples)
         means = bursts[..., self.settle :].mean(-1).T
         return np.asarray(decode(means, nominal_psi(self.phases)).phase, float)
 
     # --- inverse: ranges -------------------------------------------------------------------------
 
-    def sweep(self, target: StageTarget, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+    def sweep(self, target: Reference, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.
 
-        Each repeat is another instrument on another day, with its own noise, drift, phase codes and
-        speckle; ranges are unwrapped to the known wrap.
+        Each repeat is another instrument on another day; ranges are unwrapped to the known wrap.
         """
-        offsets, settings = checked_positions(positions, repeats), self.before(target)
+        offsets, settings = np.asarray(positions, float), self.before(target)
         spread = (np.arange(self.visits) + 0.5) / self.visits - 0.5
         stated = np.append(float(wrap_length(self.frequency)) * spread, offsets)
         later = self.age + self.step_time * np.arange(offsets.size)
@@ -148,13 +128,9 @@ class OpticalRanger:
             ranges[repeat] = (target.distance + offsets) * (1 + thicker / index) + off
         return ranges
 
-    def bound(self, target: StageTarget, positions: ArrayLike) -> Array:
-        """Cramer-Rao bound on one estimate (P,), m: least standard deviation by noise alone.
-
-        As many unknowns as phases leave one unbiased estimate, the Fourier coefficient (Eq. 9), and
-        its variance *is* the bound. The noise of the zero's own readings counts.
-        """
-        ranges = target.distance + checked_positions(positions)
+    def bound(self, target: Reference, positions: ArrayLike) -> Array:
+        """Cramer-Rao bound on one estimate (P,), m: noise alone, that of the zero included."""
+        ranges = target.distance + np.asarray(positions, float)
         light = collected_power(self.settings, target, ranges, self.mode)
         noise = self.dimming_and_noise(light)[1] * np.sqrt(1 + 1 / self.visits)
         return np.asarray(depth_from_phase(noise, self.frequency), float)

@@ -20,18 +20,12 @@ from scipy.constants import Boltzmann, elementary_charge
 
 from cmtof.correlation import centred, phase_from_depth, wrapped
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.settings import Reference, TwinSettings
 from cmtof.instrument.targets import Target
 from cmtof.instrument.world import DRIFT_RMS, SAMPLE_RATE, drift
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.ranging.optical import FREQUENCY, ORDER
-from cmtof.ranging.sweep import (
-    STAGE_ERROR,
-    StageTarget,
-    checked_positions,
-    circular_normals,
-    collected_power,
-)
+from cmtof.ranging.sweep import STAGE_ERROR, circular_normals, collected_power
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -41,18 +35,9 @@ Complex = NDArray[np.complex128]
 class RfRanger:
     """RF demodulation with laser, emission and optics of the all-optical instrument.
 
-    The paper names the photodiode only, the rest are catalogue parts in SI units and dB. *Known*:
-    from general knowledge of the part, not verified; *assumed*: such a part could have it. The
-    offset is read with the beam blocked, and the imbalance from a sweep of the phase, ``age``
-    before; the known first position sets the zero. Each averages over ``points``.
-
-    Examples
-    --------
-    Electrical power goes with the square of the light:
-
-    >>> weak, strong = RfRanger().snr([1e-9, 1e-8])
-    >>> round(float(strong / weak))
-    100
+    The paper names the photodiode only, the rest are catalogue parts (*known*, *assumed*: as in
+    `cmtof.instrument.settings`). The offset is read with the beam blocked, and the imbalance from a
+    sweep of the phase, ``age`` before; the first position sets the zero. Each averages ``points``.
     """
 
     settings: TwinSettings = field(default_factory=TwinSettings)
@@ -83,10 +68,6 @@ class RfRanger:
     drive_power: float = 30.0  # dBm, of the crystal (assumed)
     isolation: float = 100.0  # dB, from that drive into the photodiode's cable (assumed)
     drift: float = 1e-3  # of offsets and imbalances since the calibration, relative, rms (assumed)
-
-    def __post_init__(self) -> None:
-        if self.mode not in FREQUENCY:
-            raise ValueError(f"Expected mode single or doubled, got {self.mode!r}. Choose one.")
 
     # --- circuit: everything as envelopes at the amplifier's input -------------------------------
 
@@ -132,16 +113,13 @@ class RfRanger:
     # --- instrument ------------------------------------------------------------------------------
 
     def seen_share(self, ranges: ArrayLike) -> Array:
-        """Share of a diffuse target's collected light that falls on the small photodiode.
-
-        The lens images the Gaussian spot of 1/e^2 radius w at range z as one of angular radius w/z.
-        """
+        """Share of a diffuse target's light on the small photodiode: a Gaussian image w/z wide."""
         optics, z = self.settings.optics, np.asarray(ranges, float)
         half = optics.field_of_view / 2 * self.diameter / self.reference_diameter
         with np.errstate(divide="ignore"):
             return 1 - np.exp(-2 * (half * z / free_space.spot_radius(optics, z)) ** 2)
 
-    def power(self, target: StageTarget, ranges: ArrayLike) -> Array:
+    def power(self, target: Reference, ranges: ArrayLike) -> Array:
         """Mean light on the photodiode, W; a mirror's beam is focused to a point (assumed)."""
         whole = collected_power(self.settings, target, ranges, self.mode)
         return whole * (1.0 if target.material == "specular" else self.seen_share(ranges))
@@ -151,9 +129,9 @@ class RfRanger:
         index = free_space.group_index(self.settings.air, self.settings.laser.wavelength)
         return np.asarray(phase_from_depth(np.multiply(index, ranges), FREQUENCY[self.mode]), float)
 
-    def sweep(self, target: StageTarget, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+    def sweep(self, target: Reference, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
-        ranges = target.distance + checked_positions(positions, repeats)
+        ranges = target.distance + np.asarray(positions, float)
         found = np.empty((repeats, ranges.size))
         for repeat in range(repeats):
             read = self.readings(target, ranges, np.random.default_rng([seed, repeat]))
@@ -161,12 +139,12 @@ class RfRanger:
             found[repeat] = ranges + off / self.phase(1.0)
         return found
 
-    def bound(self, target: StageTarget, positions: ArrayLike) -> Array:
+    def bound(self, target: Reference, positions: ArrayLike) -> Array:
         """Cramer-Rao bound (P,), m: noise of one reading at the mean light, nothing else."""
-        light = self.power(target, target.distance + checked_positions(positions))
+        light = self.power(target, target.distance + np.asarray(positions, float))
         return self.noise(light) / self.envelope(light) / self.phase(1.0)
 
-    def readings(self, target: StageTarget, ranges: Array, rng: np.random.Generator) -> Complex:
+    def readings(self, target: Reference, ranges: Array, rng: np.random.Generator) -> Complex:
         """One day's envelopes (1 + P,), V: the zero at the first of ranges (P,), m, then all."""
         settings, laser, key = self.settings, self.settings.laser, int(rng.integers(2**62))
         times = self.age + self.step_time * np.append(0, np.arange(ranges.size))
@@ -218,17 +196,7 @@ class RfImage(NamedTuple):
 
 
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> RfImage:
-    """RF demodulation at optical angles (..., 2), rad, of a scan (Fig. 16); noise alone.
-
-    Speckle is that of a scan of the same seed.
-
-    Examples
-    --------
-    >>> from cmtof.instrument.targets import Plane
-    >>> seen = rf_image(RfRanger(), Plane(1.0), np.zeros((1, 2)), seed=0)
-    >>> bool(seen.bound[0] > 0.3)  # rad: of little use
-    True
-    """
+    """RF demodulation at optical angles (..., 2), rad, of a scan of the same seed; noise alone."""
     settings, shape = ranger.settings, np.shape(angles)[:-1]
     paths = free_space.trace(target, np.reshape(angles, (-1, 2)), settings, seed)
     sent = free_space.sent_power(settings, ranger.mode) * free_space.inward(settings.optics)
