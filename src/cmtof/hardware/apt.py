@@ -51,7 +51,8 @@ class Motor(device.Device):
 
     def __init__(self, port: Any, kind: MotorKind, name: str, serial_number: str = "") -> None:
         super().__init__(port, name, serial_number)
-        self.kind, self.MODELS, self.LIMITS = kind, kind.models, {"position": kind.travel}
+        self.kind, self.MODELS = kind, kind.models  # type: ignore[misc]
+        self.LIMITS = {"position": kind.travel}  # type: ignore[misc]
         self._unpacker = apt.Unpacker(port)
 
     @property

@@ -195,7 +195,7 @@ class LabJackT7(device.Device):
             data = self._stream.read(wanted)
         packets = np.frombuffer(data, layout, len(data) // layout.itemsize)
         number, _, length, _, function, kind, _, status, _, counts = (
-            packets[name] for name in layout.names
+            packets[name] for name in layout.names or ()
         )
         if not np.isin(status, (0, COMPLETE)).all():
             got = f"status {status.max()}"
@@ -249,14 +249,14 @@ class LabJackT7(device.Device):
         """Write registers, and compare what the device holds then."""
         self.write_many(values)
         for (register, wanted), found in zip(values.items(), self._values(*values), strict=True):
-            address, kind = REGISTERS.get(register, register)
+            address, kind = REGISTERS.get(register) or register
             tolerance = 1e-3 * wanted if kind == "f" else 0.0
             self._expect(f"register {address}", wanted, found, tolerance)
 
     def _values(self, *registers: str | Register) -> tuple[float, ...]:
         """Values of registers, read in one frame, asked once more after a lost answer."""
         frame, kinds = b"", ">"
-        for address, kind in (REGISTERS.get(one, one) for one in registers):  # type: ignore
+        for address, kind in (REGISTERS.get(one, one) for one in registers):  # type: ignore[misc]
             frame += struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
             kinds += kind
         size = struct.calcsize(kinds)
