@@ -13,23 +13,21 @@ from cmtof.surfaces.field import CELL, Field, field_from_measurement
 
 SHAPE = (128, 160)
 CAMERA = (140.0, 138.0, 81.0, 62.5)
+WRAP = float(wrap_length(FREQUENCIES[0]))
+NOTHING = np.zeros((1, 1), np.int32)  # labels where a fit looks at whole rectangles
 
+# Normals and distances, m, of two walls and the floor about a camera at the origin; nearest and
+# furthest corner, m, of a box on the floor, turned about the vertical; the camera looks down.
 _ROOM = (((0.6, 0.0, 0.8), 2.1), ((-0.8, 0.0, 0.6), 2.0), ((0.0, 1.0, 0.0), 2.1))
-"""Normals and distances, m, of two walls and the floor about a camera at the origin."""
-
 _BOX = ((0.95, 1.5, 0.75), (1.55, 2.1, 1.45))
-"""Nearest and furthest corner, m, of a box on the floor, along axes turned as below."""
-
 _TURN, _PITCH = np.deg2rad(40), np.deg2rad(42)
-"""Of the box about the vertical, and of the camera towards the floor."""
 
 
 class Scene(NamedTuple):
     """A frame, and which surface each of its pixels shows."""
 
     frame: Frame
-    part: NDArray[np.int64]
-    """0 and 1 the walls, 2 the floor, 3 to 5 the box's faces across x, y and z."""
+    part: NDArray[np.int64]  # 0 and 1 the walls, 2 the floor, 3 to 5 the box's faces
 
 
 def unit_rays(shape: tuple[int, int], camera=CAMERA) -> NDArray[np.float64]:
@@ -37,7 +35,7 @@ def unit_rays(shape: tuple[int, int], camera=CAMERA) -> NDArray[np.float64]:
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
-def corner_scene(shape: tuple[int, int] = SHAPE, camera=CAMERA) -> Scene:
+def corner_scene(shape=SHAPE, camera=CAMERA) -> Scene:
     """Two walls, a floor and a box before them, hit by formula."""
     x, y, z = np.moveaxis(unit_rays(shape, camera), -1, 0)
     c, s = np.cos(_PITCH), np.sin(_PITCH)
@@ -99,9 +97,3 @@ def whole_boxes(shape: tuple[int, int]) -> NDArray[np.int64]:
     """Every cell of an image as a rectangle (N, 4)."""
     y, x = (CELL * i.ravel() for i in np.indices((shape[0] // CELL, shape[1] // CELL)))
     return np.stack([y, y + CELL, x, x + CELL], axis=1)
-
-
-NOTHING = np.zeros((1, 1), np.int32)
-"""Labels where a fit looks at whole rectangles."""
-
-WRAP = float(wrap_length(FREQUENCIES[0]))

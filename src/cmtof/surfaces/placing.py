@@ -11,22 +11,17 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from cmtof.correlation import TAU
-from cmtof.surfaces.field import CELL, Field
-from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood, select
-from cmtof.surfaces.growing import FLAT, GAIN, around, boxes_of_cells, possible
+from cmtof.surfaces.field import CELL, Array, Field, Labels
+from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood
+from cmtof.surfaces.growing import GAIN, around, fit_all
 
-RADIUS = 2
-"""Half side, px, of the square over which a pixel compares surfaces."""
-
-EXPLAINED = 0.4
-"""Share S / E within that square below which a pixel lies on none of them."""
-
+RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
+EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on none of them
 _INSIDE, _CERTAIN = 4, 0.6  # fits use pixels without another surface this near, and this S / E
-_CELLS, _STEPS, _HOPS = 400, 6, 60  # cells, steps and wraps of the last fit
+_STEPS, _CELLS = np.int64(6), np.int64(400)  # of the last fit
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
 _FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
 _BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
@@ -45,42 +40,29 @@ _MEET, _LOOSE = 0.3, 0.05  # odds from which on two surfaces are tied; variance,
 class Offsets(NamedTuple):
     """Offset of each surface (N,), wraps to add, and its standard deviation."""
 
-    mean: NDArray[np.float64]
-    spread: NDArray[np.float64]
+    mean: Array
+    spread: Array
 
 
 class Borders(NamedTuple):
-    """Pairs of surfaces with a common border, one entry (B,) each.
+    """Pairs of surfaces with a common border, one entry (B,) each."""
 
-    ``step`` is the whole wraps by which the first lies behind the second along most of the border,
-    ``odds`` that the two meet there, before anything is known of their offsets.
-    """
-
-    first: NDArray[np.int64]
-    second: NDArray[np.int64]
-    step: NDArray[np.float64]
-    odds: NDArray[np.float64]
+    first: Labels
+    second: Labels
+    step: Array  # whole wraps by which the first lies behind along most of it
+    odds: Array  # that both meet there, before their offsets are known
 
 
 class Tied(NamedTuple):
-    """Surfaces after the ties, one entry (N,) each.
+    """Surfaces after the ties, one entry (N,) each."""
 
-    ``wraps`` to add, whole; number of the ``group``; its offset ``mean``, wraps, before rounding,
-    and the standard deviation ``spread`` of that.
-    """
-
-    wraps: NDArray[np.float64]
-    group: NDArray[np.int64]
-    mean: NDArray[np.float64]
-    spread: NDArray[np.float64]
+    wraps: Array  # whole, to add
+    group: Labels
+    mean: Array  # offset of the group before rounding, wraps
+    spread: Array  # standard deviation of that
 
 
-# --- pixels ------------------------------------------------------------------------------------
-
-
-def pixel_labels(
-    field: Field, owner: NDArray[np.int64], surfaces: NDArray[np.float64]
-) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+def pixel_labels(field: Field, owner: Labels, surfaces: Array) -> tuple[Labels, Array]:
     """Likeliest surface (H, W) of each pixel among those about its cell, and its share S / E.
 
     Both are compared over a square about the pixel; -1 where no surface explains it.
@@ -94,7 +76,7 @@ def pixel_labels(
     return np.where(share > EXPLAINED, label, -1).astype(np.int32), share
 
 
-def interiors(label: NDArray[np.int32], share: NDArray[np.float32]) -> NDArray[np.int32]:
+def interiors(label: Labels, share: Array) -> Labels:
     """The labels without the borders of surfaces, unless little else would be left of one."""
     side = 2 * _INSIDE + 1
     inner = (minimum_filter(label, side) == maximum_filter(label, side)) & (share > _CERTAIN)
@@ -105,18 +87,19 @@ def interiors(label: NDArray[np.int32], share: NDArray[np.float32]) -> NDArray[n
     return np.where(inner | thin[label], label, -1).astype(np.int32)
 
 
-def depth_of_labels(
-    field: Field, label: NDArray[np.integer], surfaces: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def depth_of_labels(field: Field, label: Labels, surfaces: Array) -> Array:
     """Depth (H, W), m, of each pixel on its surface; NaN without one."""
     out = np.full(label.shape, np.nan)
-    known = label >= 0
-    if known.any():
-        q = surfaces[label[known]].T
-        u, v = (np.broadcast_to(x, label.shape)[known] for x in (field.u, field.v[:, None]))
-        inverse = q[0] * u + q[1] * v + q[2] + q[3] * u * u + q[4] * u * v + q[5] * v * v
-        out[known] = 1 / np.maximum(field.cosine[known] * inverse, FARTHEST)
+    y, x = np.nonzero(label >= 0)
+    out[y, x] = _depth(field, surfaces, label[y, x], y, x)
     return out
+
+
+def _depth(field: Field, surfaces: Array, which: Labels, y: Labels, x: Labels) -> Array:
+    """Depth (P,), m, of surfaces by their number (P,) at pixels (P,)."""
+    q, u, v = surfaces[which].T, field.u[x], field.v[y]
+    inverse = q[0] * u + q[1] * v + q[2] + q[3] * u * u + q[4] * u * v + q[5] * v * v
+    return 1 / np.maximum(field.cosine[y, x] * inverse, FARTHEST)
 
 
 @njit(cache=True, nogil=True, fastmath=True)
@@ -144,57 +127,24 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
                         best[at], label[at] = total, found[i]
 
 
-# --- offsets ---------------------------------------------------------------------------------
-
-
 def fitted(
-    field: Field, inner: NDArray[np.int32], surfaces: NDArray[np.float64], *, bent: bool = True
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Fit every surface (N, 6) to its interior; its fit (N, 5) as well.
-
-    The fit holds: offset that is lacking, wraps; its inverse variance; functions used; what a plane
-    misses, m (rms); by how much a plane is bent by a wrap, m (rms).
-    """
+    field: Field, inner: Labels, surfaces: Array, *, bent: bool = True
+) -> tuple[Array, Array]:
+    """Fit every surface (N, 6) to its interior; its fit (N, 5) as `growing.fit_all` has it."""
     rows, columns = (n // CELL for n in inner.shape)
     # one entry for each cell and surface that share pixels
     cell = (np.arange(inner.shape[0]) // CELL)[:, None] * columns
     cell = cell + np.arange(inner.shape[1]) // CELL
     known = inner >= 0
     pairs = np.unique(inner[known].astype(np.int64) * (rows * columns) + cell[known])
-    of, cells = np.divmod(pairs, rows * columns)
-    starts = np.searchsorted(of, np.arange(len(surfaces) + 1))
-    out, fit = surfaces.copy(), np.zeros((len(surfaces), 5))
+    of, order = np.divmod(pairs, rows * columns)
+    cells = order, np.searchsorted(of, np.arange(len(surfaces) + 1)), columns
     farthest, gain = float(field.limits[1]), GAIN if bent else np.inf
-    _fit(field.arrays(), inner, cells, starts, columns, farthest, gain, out, fit)
-    return out, fit
-
-
-@njit(cache=True, nogil=True)
-def _fit(field, inner, cells, starts, columns, farthest, gain, surfaces, fit):  # pragma: no cover
-    k = field[3]
-    for n in range(surfaces.shape[0]):
-        own = cells[starts[n] : starts[n + 1]]
-        if own.size == 0:
-            continue
-        boxes = boxes_of_cells(own, columns, _CELLS)
-        weight = own.size / boxes.shape[0]
-        found = select(field, inner, n, surfaces[n], boxes, _STEPS, _HOPS, gain, FLAT, weight)
-        q, _, most, offset, known, size, missed = found
-        if not possible(field, q, boxes[0], farthest):
-            continue
-        surfaces[n] = q
-        stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
-        bend = np.sqrt(known / stiff)
-        fit[n] = np.array([offset, known * weight, float(size), missed, bend])
+    return fit_all(field.arrays(), inner, cells, surfaces, (_STEPS, _CELLS), farthest, gain)
 
 
 def offsets(
-    field: Field,
-    inner: NDArray[np.int32],
-    surfaces: NDArray[np.float64],
-    fit: NDArray[np.float64],
-    *,
-    shape: bool = True,
+    field: Field, inner: Labels, surfaces: Array, fit: Array, *, shape: bool = True
 ) -> Offsets:
     """Offset of each fitted surface from its shape and from its beat.
 
@@ -210,9 +160,7 @@ def offsets(
     return Offsets(mean, 1 / np.sqrt(by_shape + by_beat))
 
 
-def pooled_beats(
-    field: Field, inner: NDArray[np.int32], surfaces: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, Array, Array]:
     """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on.
 
     A surface is no better than its six functions. So each cell is first turned back by what its
@@ -222,9 +170,8 @@ def pooled_beats(
     main = _main_surfaces(inner, count)
     chosen = np.kron(main, np.ones((CELL, CELL), int)) == inner
     depth = np.nan_to_num(depth_of_labels(field, inner, surfaces))
-    phasors = (field.real + 1j * field.imaginary) * np.exp(
-        -1j * field.wavenumber[:, None, None] * depth
-    )
+    back = np.exp(-1j * field.wavenumber[:, None, None] * depth)
+    phasors = (field.real + 1j * field.imaginary) * back
     blocks = (2, shape[0], CELL, shape[1], CELL)
     chosen &= inner >= 0
     sums = np.where(chosen, phasors, 0).reshape(blocks).sum(axis=(2, 4))
@@ -244,10 +191,10 @@ def pooled_beats(
     turns = np.array([1, multiple])[:, None, None]
     turned = sums * np.exp(-1j * turns * residual)
 
-    def summed(image: NDArray) -> NDArray[np.float64]:
+    def summed(image: Array) -> Array:
         return np.bincount(main[known], image[known], count).astype(float)
 
-    total = np.stack([summed(np.real(one)) + 1j * summed(np.imag(one)) for one in turned])
+    total = np.stack([summed(one.real) + 1j * summed(one.imag) for one in turned])
     most = np.maximum(np.stack([summed(told[f]) for f in (0, 1)]), 1e-9)
     length = np.maximum(np.abs(total), 1e-9)
     wrap = TAU * field.excess
@@ -257,7 +204,7 @@ def pooled_beats(
     return beat, noise, (length / most).min(axis=0)
 
 
-def _main_surfaces(inner: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+def _main_surfaces(inner: Labels, count: int) -> Labels:
     """Surface of most pixels in each cell (h, w), -1 for none."""
     shape = tuple(n // CELL for n in inner.shape)
     y, x = np.nonzero(inner >= 0)
@@ -270,7 +217,7 @@ def _main_surfaces(inner: NDArray[np.int32], count: int) -> NDArray[np.int64]:
     return main.reshape(shape)
 
 
-def _same(images: NDArray, main: NDArray[np.int64], radius: int) -> NDArray:
+def _same(images: Array, main: Labels, radius: int) -> Array:
     """Sum of images (N, h, w) over the cells of the same surface within a radius."""
     height, width = main.shape
     edge = (radius, radius)
@@ -284,35 +231,26 @@ def _same(images: NDArray, main: NDArray[np.int64], radius: int) -> NDArray:
     return out
 
 
-# --- ties ------------------------------------------------------------------------------------
-
-
-def borders(field: Field, label: NDArray[np.int32], surfaces: NDArray[np.float64]) -> Borders:
+def borders(field: Field, label: Labels, surfaces: Array) -> Borders:
     """Compare surfaces across every border between labels (H, W)."""
     count = len(surfaces)
     keys, steps, slopes = [], [], []
-    for axis in (0, 1):
-        here, ahead = np.delete(label, -1, axis), np.delete(label, 0, axis)
-        between = (here != ahead) & (here >= 0) & (ahead >= 0)
-        low, high = np.minimum(here, ahead), np.maximum(here, ahead)
-        pad = [(0, 0), (0, 0)]
-        depths = []  # of both surfaces at both pixels
-        for one in (low, high):
-            for side in ((0, 1), (1, 0)):
-                pad[axis] = side
-                at = np.pad(np.where(between, one, -1), pad, constant_values=-1)
-                found = depth_of_labels(field, at, surfaces)
-                depths.append(np.delete(found, -1 if side == (0, 1) else 0, axis)[between])
-        first, second = depths[0] - depths[2], depths[1] - depths[3]
-        keys.append(low[between].astype(np.int64) * count + high[between])
+    for down, right in ((1, 0), (0, 1)):
+        here = label[: len(label) - down, : label.shape[1] - right]
+        ahead = label[down:, right:]
+        y, x = np.nonzero((here != ahead) & (here >= 0) & (ahead >= 0))
+        low, high = np.sort([here[y, x], ahead[y, x]], axis=0)
+        first, second = (  # differences of depth on this side of the border and on the other
+            _depth(field, surfaces, low, *at) - _depth(field, surfaces, high, *at)
+            for at in ((y, x), (y + down, x + right))
+        )
+        keys.append(low.astype(np.int64) * count + high)
         steps.append((first + second) / 2 / field.period)
         slopes.append(np.abs(first - second) / field.period)
     return _judged(np.concatenate(keys), np.concatenate(steps), np.concatenate(slopes), count)
 
 
-def _judged(
-    keys: NDArray[np.int64], steps: NDArray[np.float64], slopes: NDArray[np.float64], count: int
-) -> Borders:
+def _judged(keys: Labels, steps: Array, slopes: Array, count: int) -> Borders:
     """Odds that the two surfaces of each border meet."""
     order = np.argsort(keys, kind="stable")
     cuts = np.flatnonzero(np.diff(keys[order])) + 1
@@ -362,9 +300,8 @@ def tied(found: Offsets, borders: Borders) -> Tied:
             break
         keep, join = a[n], b[n]
         weights = 1 / variance[[keep, join]]
-        mean[keep] = (
-            mean[keep] * weights[0] + (mean[join] + apart[n]) * weights[1]
-        ) / weights.sum()
+        both = mean[keep] * weights[0] + (mean[join] + apart[n]) * weights[1]
+        mean[keep] = both / weights.sum()
         variance[keep] = 1 / weights.sum()
         members = group == join
         group[members] = keep
