@@ -1,5 +1,6 @@
 """Every unwrapping method by name: its function, where it comes from, and what state it is in."""
 
+import inspect
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -33,6 +34,11 @@ class Method:
 
     def __call__(self, measurement: Measurement, **options: Any) -> Estimate:
         """Run the method; raise a ValueError if the measurement or an option does not fit it."""
+        known = inspect.signature(self.run).parameters
+        if not options.keys() <= known.keys():
+            raise ValueError(
+                f"Expected options of method {self.name}, got {', '.join(options)}. Leave them out."
+            )
         count = measurement.frequencies.size
         if count < self.frequencies:
             raise ValueError(
