@@ -187,17 +187,10 @@ def test_what_cannot_be_is_refused_in_one_line():
     flat = np.zeros((30, 30))
     for call, message in (
         (lambda: sigma_from_phase_noise(1.9), r"phase noise between 0 and 1\.81 rad"),
-        (
-            lambda: sigma_from_phase_noise(0.1, intensity=[0.01, 1]),
-            r"brightness of 0\.0\d+ or more",
-        ),
+        (lambda: sigma_from_phase_noise(0.1, intensity=[0.01, 1]), r"brightness of 0\.0\d+ or"),
         (lambda: typical_phase_noise(flat, flat > 0), "whole windows of 5 px"),
         (lambda: denoise(flat, window=4), "odd window of 3 px or more, got 4"),
         (lambda: local_phase_noise(np.zeros((2, 9, 9))), r"phase map \(H, W\)"),
-        (
-            lambda: power_spectrum(flat / np.where(flat, 1, np.nan), flat == 0),
-            "finite values within",
-        ),
         (lambda: power_spectrum(flat, np.ones((4, 5), bool)), "finite values within"),
     ):
         with pytest.raises(ValueError, match=f"Expected .*{message}"):

@@ -36,9 +36,9 @@ def test_frames_survive_their_file(tmp_path, rng):
         assert read.camera is None if camera is None else read.camera.tolist() == camera
 
 
-@pytest.mark.parametrize(
-    ("depth", "intensity", "camera", "message"),
-    [
+@pytest.mark.filterwarnings("error")
+def test_impossible_frames_are_refused_alike_from_arrays_and_files(tmp_path):
+    for depth, intensity, camera, message in (
         (ONES, ONES.T, None, "one shape"),
         (0 * ONES, ONES, None, "none above 0"),
         (ONES, -ONES, None, "intensities >= 0"),
@@ -46,18 +46,13 @@ def test_frames_survive_their_file(tmp_path, rng):
         (ONES.astype(str), ONES, None, "numbers as depth"),
         (ONES, ONES.astype([("a", float)]), None, "numbers as intensity"),
         (ONES, ONES, ["a"] * 4, "numbers as camera"),
-    ],
-)
-@pytest.mark.filterwarnings("error")
-def test_impossible_frames_are_refused_alike_from_arrays_and_files(
-    tmp_path, depth, intensity, camera, message
-):
-    with pytest.raises(ValueError, match=message):
-        Frame(depth, intensity, camera)
-    given = {} if camera is None else {"camera": camera}
-    np.savez(tmp_path / "a.npz", depth=depth, intensity=intensity, **given)
-    with pytest.raises(ValueError, match=message):
-        load_frame(tmp_path / "a.npz")
+    ):
+        with pytest.raises(ValueError, match=message):
+            Frame(depth, intensity, camera)
+        given = {} if camera is None else {"camera": camera}
+        np.savez(tmp_path / "a.npz", depth=depth, intensity=intensity, **given)
+        with pytest.raises(ValueError, match=message):
+            load_frame(tmp_path / "a.npz")
 
 
 def test_an_archive_that_claims_more_than_it_holds_is_refused_before_it_is_read(tmp_path):

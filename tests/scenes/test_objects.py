@@ -26,24 +26,20 @@ def looked_at(name, size=96):
     return rays, MeshTarget.from_mesh(object_mesh(name)).look(rays)
 
 
-@pytest.mark.parametrize("name", OBJECTS)
-def test_an_object_stands_a_metre_away_before_a_wall(name):
-    rays, hits = looked_at(name)
-    assert 0.75 < hits.range.min() < DISTANCE < hits.range.max() < 1.4
-    assert 0.85 < np.median(hits.range[40:56, 40:56]) < 1.2
-    corner = (rays * hits.range[..., None])[0, [0, -1]]
-    assert (corner[:, 2] > 1.2).all()
-    assert hits.reflectance.min() >= 0 and hits.reflectance.max() <= 1
-
-
-def test_materials_are_those_of_the_paper():
-    seen = {name: looked_at(name)[1] for name in OBJECTS}
-    front = {name: hits.range < 1.1 for name, hits in seen.items()}
-    assert np.median(seen["bust"].reflectance[front["bust"]]) == pytest.approx(0.8)
-    owl = seen["owl"].reflectance[front["owl"]]
-    assert owl.min() < 0.05 and owl.max() > 0.75
-    assert len(np.unique(seen["table"].reflectance.round(2))) > 8
-    assert np.mean(seen["helmet"].mirrored > 0.9) > 0.2
+def test_objects_stand_a_metre_away_before_a_wall_and_are_made_as_in_the_paper():
+    front = {}
+    for name in OBJECTS:
+        rays, hits = looked_at(name)
+        assert 0.75 < hits.range.min() < DISTANCE < hits.range.max() < 1.4
+        assert 0.85 < np.median(hits.range[40:56, 40:56]) < 1.2
+        corner = (rays * hits.range[..., None])[0, [0, -1]]
+        assert (corner[:, 2] > 1.2).all()
+        assert hits.reflectance.min() >= 0 and hits.reflectance.max() <= 1
+        front[name] = hits.reflectance[hits.range < 1.1]
+        assert name != "helmet" or np.mean(hits.mirrored > 0.9) > 0.2
+        assert name != "table" or len(np.unique(hits.reflectance.round(2))) > 8
+    assert np.median(front["bust"]) == pytest.approx(0.8)
+    assert front["owl"].min() < 0.05 and front["owl"].max() > 0.75
 
 
 def test_holes_of_the_helmet_show_the_wall():
