@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cmtof.hardware import bench as bench_module
-from cmtof.hardware.bench import Beam, driver, opened, simulated
+from cmtof.hardware.bench import Bench, driver, opened, registers, simulated
 from cmtof.hardware.device import ConnectionLost, InstrumentTimeout, Refused, Unsafe
 from cmtof.hardware.plan import settling_time
 from cmtof.hardware.rig import DRIVERS, Rig
@@ -82,7 +82,7 @@ def test_nothing_at_an_address_is_one_line(role):
 def test_the_light_is_stopped_first_and_everything_is_closed():
     calls = []
     with simulated(RIG) as bench:
-        for name, device in {"beam": bench.beam, **bench.devices}.items():
+        for name, device in {"beam": bench, **bench.devices}.items():
             device.safe_state = lambda name=name: calls.append(name)
             device.close = lambda name=name: calls.append(f"close {name}")
     assert calls[:9] == ["beam", *DRIVERS]
@@ -114,18 +114,23 @@ class Recorder:
         self.written.append(dict(values))
 
 
+def bench_on(daq):
+    """Bench whose only device is a read-out."""
+    return Bench(RIG, dict.fromkeys(DRIVERS, daq))
+
+
 def test_volts_are_those_of_half_the_optical_angle():
-    assert Beam(Recorder()).registers(0.0, np.deg2rad(8.0)) == {"TDAC2": 0.0, "TDAC3": 2.0}
+    assert registers(0.0, np.deg2rad(8.0)) == {"TDAC2": 0.0, "TDAC3": 2.0}
     for angle in (1.0, np.nan):
         with pytest.raises(ValueError, match="Expected mirrors within 10 V"):
-            Beam(Recorder()).registers(0.0, angle)
+            registers(0.0, angle)
     for degrees, seconds in ((0.4, 4e-4), (80, 5e-3)):
         assert settling_time(np.deg2rad(degrees)) == pytest.approx(seconds)
 
 
 def test_light_needs_a_closed_interlock():
     daq = Recorder()
-    beam = Beam(daq)
+    beam = bench_on(daq)
     for part in ("laser", "shutter"):
         beam.switch(part, True)
     assert daq.lines == {"FIO0": True, "FIO1": True}
@@ -141,8 +146,8 @@ def test_light_needs_a_closed_interlock():
 def test_the_safe_state_does_and_repeats_each_act_even_if_another_fails(daq):
     if daq.stuck:
         with pytest.raises(Refused, match="Expected FIO1 to follow"):
-            Beam(daq).safe_state()
+            bench_on(daq).safe_state()
     else:
-        Beam(daq).safe_state()
+        bench_on(daq).safe_state()
     assert daq.lines == {line: False for line in ("FIO0", "FIO1", "FIO6") if line not in daq.stuck}
     assert daq.written == [{"TDAC2": 0.0, "TDAC3": 0.0}] * 2

@@ -167,7 +167,6 @@ PLACES = {
     "plate_detection": "move_to",
     "stage": "move_to",
     "power_meter": "zero",
-    "beam": "check",
 }
 
 

@@ -31,61 +31,21 @@ BACKLASH = 1e-3  # how far below its first position the target turns round, m
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 
 
-class Beam:
-    """What steers and releases the beam, on the read-out's outputs; angles are optical, rad.
+class Bench(EmergencyStop):
+    """Instruments of a rig, by role; as a context manager their emergency stop, and closed.
 
-    All are wired so that a low line, a cut cable or a read-out without power is safe; an open
-    interlock reads low (the book's hardware guide).
+    First it stops the light and parks the mirrors, then RF, then what moves. All lines are wired so
+    that low, a cut cable or a read-out without power is safe; an open interlock reads low.
+    ``flyback`` is how long the longest step of the mirrors takes, s. Angles are optical, rad.
     """
 
     name = "beam"
 
-    def __init__(self, daq: Any) -> None:
-        self._daq = daq
-
-    def check(self) -> None:
-        """Raise `Unsafe` when the interlock is open."""
-        if not self._daq.line(LINES["interlock"]):
-            raise Unsafe(
-                f"Expected the interlock at {LINES['interlock']} closed, got it open. "
-                "Close doors and covers."
-            )
-
-    def switch(self, part: str, on: bool) -> None:
-        """Switch one of `LINES` of the rig; light comes on only with the interlock closed."""
-        if on and part in ("laser", "shutter"):
-            self.check()
-        self._daq.set_line(LINES[part], on)
-
-    def registers(self, x: float, y: float) -> dict[str, float]:
-        """Register writes that turn the mirrors; a ValueError beyond 10 V."""
-        volts = [round(VOLTS_PER_RADIAN * angle, 6) for angle in (x, y)]
-        if not all(abs(value) <= 10 for value in volts):  # a comparison that NaN fails
-            raise ValueError(f"Expected mirrors within 10 V, got {volts}. Turn them less.")
-        return dict(zip(MIRRORS, volts, strict=True))
-
-    def park(self) -> None:
-        """Bring both mirrors to 0 V."""
-        self._daq.write_many(dict.fromkeys(MIRRORS, 0.0))
-
-    def safe_state(self) -> None:
-        """Bring all to where it is safe, each even if another fails."""
-        # parked twice: the mirrors cannot be read back, so nobody sees a write that was lost
-        insist(*(partial(self.switch, part, False) for part in LIGHT), self.park, self.park)
-
-
-class Bench(EmergencyStop):
-    """Instruments of a rig, by role; as a context manager their emergency stop, and closed.
-
-    The light is stopped first, then RF, then what moves. ``flyback`` is how long the longest step
-    of the mirrors takes, s.
-    """
-
     def __init__(self, rig: Rig, devices: Mapping[str, Any], flyback: float = FULL_STEP[1]) -> None:
-        self.rig, self.devices, self.beam = rig, devices, Beam(devices["daq"])
+        self.rig, self.devices = rig, devices
         self.rf = (devices["rf_emission"], devices["rf_detection"])
         self._flyback, self._fed = flyback, monotonic()
-        super().__init__([self.beam, *(devices[role] for role in DRIVERS)])
+        super().__init__([self, *(devices[role] for role in DRIVERS)])
 
     def __getattr__(self, role: str) -> Any:
         if role not in DRIVERS:
@@ -99,11 +59,34 @@ class Bench(EmergencyStop):
             for device in self.devices.values():
                 device.close()
 
+    def safe_state(self) -> None:
+        """Laser off, shutter shut, block in, mirrors parked; each even if another fails."""
+        # parked twice: the mirrors cannot be read back, so nobody sees a write that was lost
+        insist(*(partial(self.switch, part, False) for part in LIGHT), self.park, self.park)
+
+    def switch(self, part: str, on: bool) -> None:
+        """Switch one of `LINES` of the rig; light comes on only with the interlock closed."""
+        if on and part in ("laser", "shutter"):
+            self.check_interlock()
+        self.daq.set_line(LINES[part], on)
+
+    def check_interlock(self) -> None:
+        """Raise `Unsafe` when the interlock is open."""
+        if not self.daq.line(LINES["interlock"]):
+            raise Unsafe(
+                f"Expected the interlock at {LINES['interlock']} closed, got it open. "
+                "Close doors and covers."
+            )
+
+    def park(self) -> None:
+        """Bring both mirrors to 0 V."""
+        self.daq.write_many(dict.fromkeys(MIRRORS, 0.0))
+
     def set_up(self) -> None:
         """Bring everything but light and RF to where a scan begins."""
         rig = self.rig
-        self.beam.safe_state()
-        self.beam.check()
+        self.safe_state()
+        self.check_interlock()
         for motor in (self.plate_emission, self.plate_detection, self.stage):
             if not motor.homed:
                 motor.home()
@@ -132,7 +115,7 @@ class Bench(EmergencyStop):
         self.power_meter.wavelength = LASER_WAVELENGTH
         self.power_meter.averaging = POWER_READINGS
         self.power_meter.zero()
-        self.beam.switch("laser", True)
+        self.switch("laser", True)
 
     def choose_mode(self, mode: str) -> None:
         """Turn both plates and run both modulators as a mode wants it; the shutter is closed."""
@@ -152,13 +135,13 @@ class Bench(EmergencyStop):
 
     def shut(self) -> None:
         """Close the shutter and park the beam."""
-        self.beam.switch("shutter", False)
-        self.beam.park()
+        self.switch("shutter", False)
+        self.park()
 
     def look_at(self, kind: str) -> None:
         """Send the beam to the "scan", to the "reference" target, or nowhere ("dark")."""
-        self.beam.switch("flip_mirror", kind == "reference")
-        self.beam.switch("shutter", kind != "dark")
+        self.switch("flip_mirror", kind == "reference")
+        self.switch("shutter", kind != "dark")
 
     def move_target(self, offset: float) -> None:
         """Bring the reference target to an offset (m) from its zero, always from below."""
@@ -182,7 +165,7 @@ class Bench(EmergencyStop):
         requests = [{"USER_RAM0_U32": float(label)} for label in labels]
         if directions is not None:
             for request, aim in zip(requests, np.asarray(directions, float).tolist(), strict=True):
-                request.update(self.beam.registers(*aim))
+                request.update(registers(*aim))
             self.daq.write_many({name: requests[0][name] for name in MIRRORS})
             sleep(self._flyback)  # from the end of the last line
         insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
@@ -207,7 +190,7 @@ class Bench(EmergencyStop):
                     f"Expected {rf.name} on and locked at the end of a line, got {status}. "
                     "Wait until the crystal is warm, then go on with --resume."
                 )
-        self.beam.check()
+        self.check_interlock()
 
     def power(self) -> float:
         """Laser power behind the emission module, W."""
@@ -243,6 +226,14 @@ class Bench(EmergencyStop):
         self.check()
         power = 1.0 if line.kind == "dark" else self.power()
         return Record(line.index, power, *sums_from_counts(counts, plan.kept))
+
+
+def registers(x: float, y: float) -> dict[str, float]:
+    """Register writes that turn the mirrors to optical angles, rad; a ValueError beyond 10 V."""
+    volts = [round(VOLTS_PER_RADIAN * angle, 6) for angle in (x, y)]
+    if not all(abs(value) <= 10 for value in volts):  # a comparison that NaN fails
+        raise ValueError(f"Expected mirrors within 10 V, got {volts}. Turn them less.")
+    return dict(zip(MIRRORS, volts, strict=True))
 
 
 def opened(rig: Rig) -> Bench:

@@ -5,6 +5,7 @@ header, everything that the result depends on; the others are the lines of the p
 disk (fsync) before the scan goes on. What follows a line that is torn or damaged does not count.
 """
 
+import fcntl
 import json
 import os
 import zlib
@@ -65,7 +66,11 @@ def open_journal(path: Path, header: Mapping[str, Any], plan: Plan) -> Iterator[
         with written_whole(path) as part:
             part.write_bytes(framed(json.dumps(header).encode()))
     with path.open("r+b") as file:
-        _lock(file, path)
+        if not _locked(file):
+            raise ValueError(
+                f"Expected {path} for this scan alone, got one that another scan writes. "
+                "Wait for it, or name another output."
+            )
         lines = whole_lines(path)
         try:
             other = difference(json.loads(lines[0]), json.loads(json.dumps(header)))
@@ -97,19 +102,13 @@ def _record(content: bytes, line: Line, phases: int) -> Record:
     return Record(line.index, float(found["power"]), sums, clipped)
 
 
-def _lock(file: BinaryIO, path: Path) -> None:
-    """Keep other processes out until the file is closed."""
+def _locked(file: BinaryIO) -> bool:
+    """Whether other processes are kept out until the file is closed."""
     try:
-        import fcntl
-
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except ImportError:  # Windows has no advisory locks of this kind
-        return
     except BlockingIOError:
-        raise ValueError(
-            f"Expected {path} for this scan alone, got one that another scan writes. "
-            "Wait for it, or name another output."
-        ) from None
+        return False
+    return True
 
 
 def difference(old: Any, new: Any, name: str = "") -> str:

@@ -88,9 +88,9 @@ def measured(
 
 
 def header_of(bench: Bench, plan: Plan, *, seed: int | None, scene: str | None) -> dict[str, Any]:
-    """Everything that the result depends on, as JSON has it; no address, no clock."""
+    """Everything that the result depends on, as JSON has it; a ``seed`` is a simulation's."""
     identities = {role: device.identify() for role, device in bench.devices.items()}
-    twin = identities["daq"]["serial_number"].startswith("TWIN")
+    twin = seed is not None
     return {
         "version": __version__,
         "source": "simulated instrument" if twin else "instrument",
