@@ -10,7 +10,6 @@ timer turns RF off when the host falls silent, and loss of lock does the same.
 import time
 from binascii import crc_hqx
 from collections.abc import Callable, Sequence
-from functools import partial
 from math import pi
 from typing import Any, ClassVar
 
@@ -116,11 +115,10 @@ class RfDriver(device.Device):
         """Load phases of the drive, rad, that the trigger steps through; checked."""
         codes = [code_from_phase(phase) for phase in phases]
         self._within(TABL=len(codes))
-        hexadecimal = partial(int, base=16)
-        found = self._ask("TABL", *map(str, [len(codes), *codes]), parsers=[int, hexadecimal])
-        self._expect("number of phases", len(codes), found[0])
         check = crc_hqx(b"".join(code.to_bytes(2, "big") for code in codes), 0xFFFF)
-        self._expect("table's checksum", check, found[1])
+        found = self._ask("TABL", *map(str, [len(codes), *codes]), parsers=[int, str])
+        if found != [len(codes), f"{check:04X}"]:
+            self._fail(device.Refused, "take the table's checksum", str(found), "Load it again.")
 
     def trigger(self, on: bool) -> None:
         """Let rising edges at the trigger input step the table, or not."""
