@@ -41,18 +41,11 @@ from cmtof import bounds
 from cmtof.baselines.region import relative_phase
 from cmtof.book import notes, paper, plotting
 from cmtof.constants import FREQUENCIES, INTEGRATION_TIME, NOISE_SIGMA
-from cmtof.correlation import (
-    TAU,
-    centred,
-    consistent_wrap_count,
-    phase_from_depth,
-    wrap_length,
-    wrapped,
-)
+from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length, wrapped
 from cmtof.evaluation import score, scored_pixels
 from cmtof.scenes.frame import Frame, held_out_frames, rays_from_camera
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 colour, grey = plotting.PALETTE, plotting.GREY
 colours = dict(zip(methods, (colour[n] for n in ("blue", "vermillion", "green", "purple", "black")),
                    strict=False))  # fmt: skip
@@ -64,9 +57,8 @@ frames = [every[place].middle(side, side) for place in places]
 # %% [markdown]
 # ## The table
 #
-# A few test frames at reduced size: the table is one of differences, what the same frame loses when
-# the noise is another. «With phase offset» is the mean of four runs, ±0.01 rad on either frequency;
-# «with ambient light» raises the Gaussian noise from 1200 to 2000 counts.
+# A few test frames at reduced size. «With phase offset» is the mean of four runs, ±0.01 rad on
+# either frequency; «with ambient light» raises the Gaussian noise from 1200 to 2000 counts.
 
 
 # %%
@@ -86,26 +78,20 @@ quick = [name for name in methods if name not in slow]
 usual, answers = ask()
 four = [(0.0, 0.01), (0.0, -0.01), (0.01, 0.0), (-0.01, 0.0)]
 runs = {offset: ask(phase_offset=offset) for offset in four}
-ambient, _ = ask(noise=2000.0)
-moved_by_offset = {
-    name: {key: np.mean([found[name][key] for found, _ in runs.values()]) for key in LIMITS}
-    for name in methods
-}
-table3 = {"conventional": usual, "phase_offset": moved_by_offset, "ambient": ambient}
+table3 = {"conventional": usual, "phase_offset": {}, "ambient": ask(noise=2000.0)[0]}
+for name in methods:
+    four = [found[name] for found, _ in runs.values()]
+    table3["phase_offset"][name] = {key: np.mean([one[key] for one in four]) for key in LIMITS}
 
 # %% tags=["hide-input"]
+for row, found in table3.items():
+    found["*the paper's network*"] = {k: paper.published(f"table3.{row}.{k}").value for k in LIMITS}
 rows = [
     [name, row.replace("_", " "), *(f"{100 * table3[row][name][key]:.1f}" for key in LIMITS)]
-    for name in methods
+    for name in usual
     for row in table3
 ]
-rows += [
-    ["*the paper's network*", row.replace("_", " "),
-     *(f"{100 * paper.published(f'table3.{row}.{key}').value:.1f}" for key in LIMITS)]
-    for row in table3
-]  # fmt: skip
 notes.table(["%", "noise", "δ < 1", "δ < 2", "δ < 3", "δ ≥ 3"], rows)
-print(f"{len(frames)} frames of {side} px; the paper's rates are those of its own scenes")
 
 # %% [markdown]
 # ## The cost of an offset
@@ -118,9 +104,9 @@ print(f"{len(frames)} frames of {side} px; the paper's rates are those of its ow
 # m = \frac{(d_2 - 2d_1)\,f_1}{2\pi\,(f_2 - 2f_1)}
 # ```
 #
-# wraps, everywhere and to the same side: 0.01 rad on f₂ makes 0.57, on f₁ 1.14. Averaging only
-# makes the reader surer. If its error is Gaussian with spread s wraps and a surface lies anywhere
-# in its wrap, the rate δ < 1 is a triangle of the error, blurred by s: a closed form for a wall.
+# wraps, everywhere and to the same side: 0.01 rad on f₂ makes 0.57, on f₁ 1.14. If the reader's
+# error is Gaussian with spread s wraps and a surface lies anywhere in its wrap, the rate δ < 1 is a
+# triangle of the error, blurred by s: a closed form for a wall.
 
 # %%
 low, high = FREQUENCIES
@@ -169,14 +155,11 @@ for place, offset in enumerate(wall_offsets):
         scored.append(scored_pixels(cmtof.unwrap(m, method="beat", window=window), m))
     wall_rates.append(score(scored))
 theory = count_odds(wall_moved, spread)
-print(
-    "counted − formula, points:",
-    np.round([100 * (r["delta_lt_1"] - t) for r, t in zip(wall_rates, theory, strict=True)], 1),
-)
+off = np.array([rate["delta_lt_1"] for rate in wall_rates]) - theory
+print("counted − formula, points:", np.round(100 * off, 1))
 
 # %% [markdown]
-# For rooms there is no formula for the rate without an offset, but there is one for its change. If
-# a method reads the beat, all of its answers move by m; if it does not, they stay.
+# For rooms: if a method reads the beat, all of its answers move by m; if it does not, they stay.
 
 # %%
 for column, values in ((1, offsets_high), (0, offsets_low)):
@@ -192,8 +175,7 @@ for offset, (found, counts) in runs.items():
 curve = {name: np.array(sorted(points)) for name, points in curve.items()}
 gain = {}
 for name in methods:
-    near = np.abs(curve[name][:, 0]) < 2.5
-    applied, _, moved = curve[name][near].T
+    applied, _, moved = curve[name][np.abs(curve[name][:, 0]) < 2.5].T
     gain[name] = float(np.sum(applied * moved) / np.sum(applied**2))
 print("moves per wrap of offset:", {name: round(x, 2) for name, x in gain.items()})
 
@@ -210,10 +192,9 @@ for name in methods:
     axes[1].plot(moved, 100 * rate, marks[name] + "-", ms=4, lw=1, color=colours[name], label=name)
     axes[2].plot(moved, answer, marks[name] + "-", ms=4, lw=1, color=colours[name])
 axes[2].plot([-6, 6], [-6, 6], color=grey, ls=":")
-for ax, title, label in zip(axes, ("a wall", "rooms", "who follows"),
-                            ("share (%)", "δ < 1 (%)", "mean move of the answers (wraps)"),
-                            strict=True):  # fmt: skip
-    ax.set(xlabel="offset (wraps)", ylabel=label, title=title)
+axes[0].set(title="a wall", ylabel="share (%)", xlabel="offset (wraps)")
+axes[1].set(title="rooms", ylabel="δ < 1 (%)", xlabel="offset (wraps)")
+axes[2].set(title="mean move of the answers", ylabel="wraps", xlabel="offset (wraps)")
 for ax in axes[:2]:
     ax.set_ylim(bottom=0)
     ax.legend(fontsize="small")
@@ -228,28 +209,23 @@ plotting.save(
         "gain": gain,
     },
     caption="A phase offset, in wraps of the beat. (a) Averages of the beat over 41×41 px on a "
-    "simulated white wall: points counted, lines by the formula. (b) Rooms. (c) How far the "
-    "answers move on average; dotted, all the way.",
+    "simulated white wall: points counted, lines by the formula. (b) Rooms. (c) Mean move.",
     alt="Left, three bell-shaped curves over the offset with points on them. Middle, rates of the "
-    "methods, peaked for those that read the beat. Right, lines of slope one for those that read "
-    "the beat alone and a level one for the middle.",
+    "methods, peaked for those that read the beat. Right, lines of slope one and a level one.",
 )
 
 # %% [markdown]
-# A method that is right because it reads the beat falls by what the offset takes. Pixel by pixel
-# the answers follow as well, but they are spread over the whole range, and a spread-out estimate
-# loses nothing by being moved. The paper's network is right in 51.6 % without and 51.0 % with an
-# offset; had its answers come from the beat, its own table (errors even to both sides) would leave
-# 27 % for 0.01 rad on f₂ and 8 % for one on f₁. What it is right by must come from the picture:
-# shapes, amplitudes, likely depths. That is a strength against a drifting clock, and a limit in a
-# room that looks like none of the training.
+# A method that is right because it reads the beat falls by what the offset takes. The paper's
+# network is right in 51.6 % without and 51.0 % with an offset; had its answers come from the beat,
+# its own table (errors even to both sides) would leave 27 % for 0.01 rad on f₂ and 8 % for one on
+# f₁. What it is right by must come from the picture: shapes, amplitudes, likely depths. That is a
+# strength against a drifting clock, and a limit in a room that looks like none of the training.
 #
 # ## More noise, less light, other steps
 #
 # The Gaussian noise σ and the brightness act through one number, the phase noise σ_φ. So does the
-# number K of reference phases when the light is shared among them. With a converter that adds the
-# same noise to each sample, σ_φ grows as √K: few steps are best. Three steps are enough to decode,
-# but leave no residual to estimate the noise from.
+# number K of reference phases when the light is shared among them: with the same noise in each
+# sample σ_φ grows as √K. Three steps are enough, but leave no residual to estimate the noise from.
 
 # %%
 sweeps = {"sigma": [(NOISE_SIGMA, usual)], "level": [(1.0, usual)], "steps": [(4, usual)]}
@@ -282,28 +258,23 @@ plotting.save(
     numbers={"beat": {key: {f"{x:g}".replace(".", "_"): found["beat"]["delta_lt_1"]
                             for x, found in points} for key, points in sweeps.items()}},
     caption="Share of pixels in the right wrap on the simulated rooms (a) against the Gaussian "
-    "noise, (b) against the brightness, which is clipped at 1, (c) against the number of reference "
-    "phases that share the same light, with the same noise in each sample.",
-    alt="Three panels of curves of the rate: falling with the noise, rising with the brightness, "
-    "falling with the number of reference phases.",
+    "noise, (b) against the brightness, (c) against the number of reference phases.",
+    alt="Three panels: falling with the noise, rising with the brightness, falling with the steps.",
 )  # fmt: skip
 
 # %% [markdown]
 # ## The closure: an offset that the instrument finds itself
 #
-# Wraps are whole. Where a surface gives both its beat and the phase within its wrap, the beat must
-# be a whole number of wraps, and what is left over is the closure, the offset modulo one wrap. A
-# smooth surface is fitted to a tile of a white wall at an unknown range, both phasors are turned
-# back by it and added up; a surface that errs moves both sums by one range, so it does not matter.
+# The beat of a surface less the phase within its wrap must be a whole number of wraps; what is left
+# over is the closure, the offset modulo one wrap. A smooth surface is fitted to a tile of a white
+# wall at an unknown range, and both phasors are turned back by it and added up.
 
 
 # %%
 def closures(measurement, tile):
     """Closure and its spread, rad, of every square tile of a smooth, bright target."""
-    relative, phasors = (
-        relative_phase(measurement),
-        measurement.amplitude * np.exp(1j * measurement.phase),
-    )
+    relative = relative_phase(measurement)
+    phasors = measurement.amplitude * np.exp(1j * measurement.phase)
     x = np.linspace(-1, 1, tile)
     v, u = (axis.ravel() for axis in np.meshgrid(x, x, indexing="ij"))
     terms = np.stack([v**i * u**j for i in range(5) for j in range(5 - i)], axis=1)
@@ -377,10 +348,9 @@ plotting.save(
 
 # %% [markdown]
 # Within half a wrap, ±8.8 mrad, the beat is back where it was without an offset. Beyond, every
-# answer is off by the same whole number of wraps, and the paper's 0.01 rad is already beyond. Whole
-# wraps cannot be separated from range by any phase, but a camera has rays: the points of a plane
-# whose ranges are all too long by e lie on no plane. Head-on, over a square of half angle t, the
-# best plane misses them by
+# answer is off by the same whole number of wraps, as with the paper's 0.01 rad. No phase separates
+# whole wraps from range, but a camera has rays: the points of a plane whose ranges are all too long
+# by e lie on no plane. Head-on, over a square of half angle t, the best plane misses them by
 #
 # ```{math}
 # :label: noise-bend
@@ -390,22 +360,12 @@ plotting.save(
 # 1.4 mm for one wrap over 60°. That is how `surfaces` finds whole wraps by shape
 # ({doc}`11_surfaces`). A target at a known range, to half a wrap or 10 mm, settles everything at
 # once: both offsets are the mean phases that its range leaves.
-
-# %%
-m = cmtof.simulate(board, protocol="full", phase_offset=(0.01, -0.02), seed=seed)
-known = phase_from_depth(board.depth.astype(float) + 0.005, m.frequencies[:, None, None])
-phasors = m.amplitude * np.exp(1j * (m.phase - known))
-found = np.angle(phasors[:, m.mask].sum(axis=1))
-left = [(d2 - high / low * d1) / period % 1 for d1, d2 in (found, (0.01, -0.02))]
-print("target 5 mm off; closure in wraps modulo one, found and true:", np.round(left, 2))
-
-# %% [markdown]
+#
 # ## Other frequencies
 #
 # The modulators reach ±10 MHz about 7.15 GHz, and twice that in the doubled mode. A pair beats at
 # Δ = |f₂ − k f₁| with k the nearest whole ratio; by {eq}`wraps-noise` the pixels to be pooled for
-# 95 % right wraps fall as 1/Δ², and the beat repeats after c/2Δ. So range is paid for with
-# pixels, squared. For any set of frequencies, a guess that is off by d wraps leaves residuals
+# 95 % right wraps fall as 1/Δ². For any frequencies, an estimate off by d wraps leaves residuals
 # $\rho_i(d)=2\pi d f_i/f_1$, wrapped to ±π, of which a small shift of the depth absorbs a part. The
 # rest, in units of the noise, is the distance of two wraps,
 #
@@ -483,12 +443,9 @@ for case in ("equal", "doubled mode weak"):
         tones = np.concatenate([tones, 2 * tones])
         sets = tones[np.array(list(combinations(range(tones.size), size)))].T
         sets = sets[:, sets[0] < 1.5 * low]
-        least = np.concatenate(
-            [
-                least_pixels(*distances(part, noise_of(part, case), far))
-                for part in np.array_split(sets, -(-sets.shape[1] // 2000), 1)
-            ]
-        )
+        parts = np.array_split(sets, -(-sets.shape[1] // 2000), 1)
+        least = [least_pixels(*distances(part, noise_of(part, case), far)) for part in parts]
+        least = np.concatenate(least)
         near = sets[:, np.argsort(least)[:64]]  # a close look at the most promising ones
         found = enough_pixels(near, noise_of(near, case), far)
         best[case, size] = (tuple(near[:, found.argmin()]), float(found.min()))
@@ -508,11 +465,10 @@ notes.table([*head, "signal of the highest"], rows)
 
 # %% [markdown]
 # The best sets over the paper's own 7.49 m, white pixels at the paper's noise. The gain is over the
-# paper's pair: with more time for more images; in the same time where photons make the noise (the
-# variance of a phase grows as F/2); and where Gaussian noise of each image does (as (F/2)²). At
-# equal noise the best three are two ends of the doubled mode, which beat with one another, and one
-# single tone, which only decides between 10.5 mm wraps. Where the doubled mode is as weak as the
-# instrument's (J₂/J₁)² it is not used at all.
+# paper's pair: with more time for more images; in the same time where photons make the noise
+# (variance as F/2); and where Gaussian noise of each image does ((F/2)²). At equal noise the best
+# three are two ends of the doubled mode and one single tone, which only decides between 10.5 mm
+# wraps. Where the doubled mode is as weak as the instrument's (J₂/J₁)² it is not used at all.
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(12.4, 4.1), width_ratios=[1.25, 1, 1])
@@ -526,9 +482,9 @@ for label, (k, strength, name) in kinds.items():
 known = {"phasor": (7.15e9, 7.16e9), "paper": FREQUENCIES, "wide": (7.14e9, 14.32e9)}
 pixels = {n: bounds.pixels_needed(white, white, frequencies=f) for n, f in known.items()}
 for name, f in known.items():
-    ax.plot(abs(f[1] - round(f[1] / f[0]) * f[0]) / 1e6, pixels[name], "kD", mfc="white")
-    ax.annotate(name, (abs(f[1] - round(f[1] / f[0]) * f[0]) / 1e6, pixels[name]), (6, 4),
-                textcoords="offset points", fontsize="small")  # fmt: skip
+    place = abs(f[1] - round(f[1] / f[0]) * f[0]) / 1e6, pixels[name]
+    ax.plot(*place, "kD", mfc="white")
+    ax.annotate(name, place, (6, 4), textcoords="offset points", fontsize="small")
 ax.set(xlabel="beat Δ (MHz)", ylabel="pixels for 95 %")
 ax.set_xticks([5, 10, 20, 40], ["5", "10", "20", "40"])
 ax.minorticks_off()
@@ -545,10 +501,7 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "frequencies_pairs",
-    numbers={
-        "pixels": pixels,
-        "best_of_map": {f"{z:.2f}": float(p.min()) for z, p in maps.items()},
-    },
+    numbers={"pixels": pixels, "best_of_map": {f"{z:.2f}": p.min() for z, p in maps.items()}},
     caption="Pixels to pool for 95 % right wraps, white and at the paper's noise, by theory. (a) "
     "Against the beat of a pair, each at its own range c/2Δ. (b, c) One tone of each mode at equal "
     "noise, for ranges of 3.75 m and 7.49 m; white: two wraps cannot be distinguished.",
@@ -557,9 +510,8 @@ plotting.save(
 )
 
 # %% [markdown]
-# Theory assumes small Gaussian noise. To test it, depths are drawn in 7.49 m, each frequency gets a
-# noisy phasor as if P pixels of known relative depth had been averaged, and all wraps of the range
-# are searched for the likeliest.
+# To test the theory, depths are drawn in 7.49 m, each frequency gets a noisy phasor as if P pixels
+# had been averaged, and all wraps of the range are searched for the likeliest.
 
 
 # %%
@@ -575,7 +527,7 @@ def counted(f, noise, pooled, rng):
         cost = misfit(TAU * (off - np.rint(off)), f[:, None], noise[:, None])
         better = (cost < least) & ((turns[0] + n) * wrap_length(f[0]) < far)
         least, wraps = np.where(better, cost, least), np.where(better, n, wraps)
-    right = int(np.sum(wraps == consistent_wrap_count(depth, phase[0], f[0])))
+    right = int(np.sum(wraps == np.rint(depth / wrap_length(f[0]) - turns[0])))
     interval = binomtest(right, draws).proportion_ci(method="wilson")
     return right / draws, interval.low, interval.high
 
@@ -598,16 +550,9 @@ for ax, case in zip(axes, pooled, strict=True):
         lower, upper = np.maximum(1 - tails.sum(-1), 0), 1 - tails.max(-1)
         rate, below, above = odds[case, key].T
         met += int(np.sum((below <= upper) & (above >= lower)))
-        plotting.sweep(
-            ax,
-            pooled[case],
-            100 * rate,
-            bound=100 * upper,
-            color=colour[name],
-            errors=100 * np.stack([rate - below, above - rate]),
-            label=key,
-            log="x",
-        )
+        bars = 100 * np.stack([rate - below, above - rate])
+        plotting.sweep(ax, pooled[case], 100 * rate, bound=100 * upper, errors=bars,
+                       color=colour[name], label=key, log="x")  # fmt: skip
     ax.set(xlabel="pixels pooled", title=case, ylim=(0, 103))
 axes[0].set_ylabel("wrap right (%)")
 axes[0].legend(fontsize="small")
@@ -615,10 +560,8 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "frequencies_odds",
-    numbers={
-        "best_three_ghz": [f / 1e9 for f in sets["best three"][0]],
-        **{f"{case}: {key}": share[:, 0] for (case, key), share in odds.items()},
-    },
+    numbers={"best_three_ghz": [f / 1e9 for f in sets["best three"][0]]}
+    | {f"{case}: {key}": share[:, 0] for (case, key), share in odds.items()},
     caption="Odds of the right wrap within 7.49 m against the pixels pooled, white pixels at the "
     "paper's noise. Lines, the upper bound of theory; dots, counted, with 95 % intervals.",
     alt="Two panels of rising curves with dots on them. Left, the best three frequencies come "
@@ -627,17 +570,15 @@ plotting.save(
 print(f"{met} of {sum(len(o) for o in odds.values())} counted intervals meet the bounds")
 
 # %% [markdown]
-# In the right panel the order is another one: at η = 0.26 the doubled mode has 2 % of the single
-# mode's signal, at π/4 19 %, and any set that relies on it is lost. None of these sets makes one
-# pixel enough: other frequencies shrink the surface that has to be pooled, and each brings an
-# offset of its own.
+# At η = 0.26 the doubled mode has 2 % of the single mode's signal, at π/4 19 %, and any set that
+# relies on it is lost. None of these sets makes one pixel enough: other frequencies shrink the
+# surface that has to be pooled, and each brings an offset of its own.
 
 # %%
 for row in table3:
     for key in LIMITS:
         paper.check(f"table3.{row}.{key}", table3[row]["beat"][key])
-paper.check("sec8.frequency_low", low)
-paper.check("sec8.frequency_high", high)
-paper.check("sec8.phasor_frequency_low", known["phasor"][0])
-paper.check("sec8.phasor_frequency_high", known["phasor"][1])
+for key, (low, high) in {"": FREQUENCIES, "phasor_": known["phasor"]}.items():
+    paper.check(f"sec8.{key}frequency_low", low)
+    paper.check(f"sec8.{key}frequency_high", high)
 paper.check("sec5.bandwidth_half", float(np.ptp(grid)) / 2)
