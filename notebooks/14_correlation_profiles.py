@@ -110,9 +110,7 @@ place = ((np.arange(PHASES) + 0.5) / PHASES * burst_time + between - burst_time)
 profiles, moved, fits = {}, {}, {}
 for mode in ORDER:
     meter = np.array(power[mode])
-    light = (
-        meter[:-1, None] + np.diff(meter)[:, None] * place
-    )  # the laser drifts in a straight line
+    light = meter[:-1, None] + np.diff(meter)[:, None] * place  # the laser drifts in a line
     level = (np.array(taken[mode]) - dark[mode]) * meter.mean() / light
     profiles[mode], moved[mode] = level[:bursts], level[bursts:]
     fits[mode] = decode(profiles[mode].mean(axis=0), psi)
@@ -132,11 +130,7 @@ for mode in ORDER:
 # %%
 def expected_noise(volts, samples):
     """Standard deviation of the mean over successive samples at an output, V."""
-    filters = chain(known.detector, 1 / reading.rate)
-    settled, carried, lags = filters.settled @ filters.settled.T, np.eye(3), []
-    for _ in range(samples):
-        lags.append((carried @ settled)[-1, -1])
-        carried = filters.transition @ carried
+    lags = chain(known.detector, 1 / reading.rate).memory(samples)
     weight = np.where(np.arange(samples) == 0, 1, 2) * (samples - np.arange(samples)) / samples**2
     density = Conversion(known.detector, known.laser.wavelength).density(volts)
     converter = (known.detector.converter_noise**2 + 1 / 12) * gain.positive_slope**2 / samples
@@ -302,8 +296,7 @@ for rc in (ours, paper_rc):
 sweep_rate = reading.rate / base.scans
 times = np.arange(sweeps * base.scans) / reading.rate
 late = times > times[-1] - min(20, sweeps // 2) / sweep_rate
-since = (times[late] - times[late].mean()) * sweep_rate
-cycle = TAU * sweep_rate * times[late]
+since, cycle = (times[late] - times[late].mean()) * sweep_rate, TAU * sweep_rate * times[late]
 design = np.stack([0 * since + 1, since, since**2, np.cos(cycle), np.sin(cycle)], axis=1)
 swing = {rc: np.hypot(*np.linalg.lstsq(design, volts[late], rcond=None)[0][3:])
          for rc, volts in runs.items()}  # fmt: skip
@@ -339,20 +332,6 @@ plotting.save(
 # Noise from before the RC falls with the signal, so the phase would survive in principle. The image
 # would not: most of a reading would belong to the points before. With 20 µs the filter settles
 # within the samples that are dropped.
-#
-# ## Both terms grow with T
-#
-# Of each phase's kept samples the first few are added up: offset and amplitude grow alike.
-
-# %%
-levels = runs[ours].reshape(sweeps, 16, reading.samples_per_phase)[..., reading.settle_samples :]
-rows = []
-for samples in (4, 8, 16):
-    totals = levels[..., :samples].sum(axis=-1).mean(axis=0) / reading.rate
-    fit = decode(totals, nominal_psi(16))
-    rows.append([f"{1e6 * samples / reading.rate:.0f}", f"{1e6 * fit.offset:.0f}",
-                 f"{1e6 * fit.amplitude:.0f}", f"{fit.amplitude / fit.offset:.3f}"])  # fmt: skip
-notes.table(["T (µs)", "TK (µV s)", "amplitude (µV s)", "their ratio"], rows)
 
 # %%
 reached = {
