@@ -80,9 +80,9 @@ class Stages(NamedTuple):
     distance: Array  # to the nearest pixel that a surface explains, px
 
 
-def surfaces(measurement: Measurement, **parts: bool) -> Estimate:
-    """Depths by surfaces, each pooled over all of its pixels; ``parts`` are those of `stages`."""
-    found = stages(measurement, **parts)
+def surfaces(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=True) -> Estimate:
+    """Depths by surfaces, each pooled over all of its pixels; parts as in `stages`."""
+    found = stages(measurement, bent=bent, shape=shape, ties=ties, fill=fill)
     height, width = measurement.shape
     odds = np.interp(found.odds, *CALIBRATION) * np.where(
         found.distance > 0,
@@ -95,14 +95,7 @@ def surfaces(measurement: Measurement, **parts: bool) -> Estimate:
     return Estimate(depth, np.where(measurement.mask, odds[:height, :width], 0))
 
 
-def stages(
-    measurement: Measurement,
-    *,
-    bent: bool = True,
-    shape: bool = True,
-    ties: bool = True,
-    fill: bool = True,
-) -> Stages:
+def stages(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=True) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
     Parts that may be left out: ``bent`` surfaces beside planes; offsets by the ``shape`` beside
