@@ -146,7 +146,7 @@ print(f"{len(counts)} test frames; 95 % over scenes; window of reference-field: 
 for protocol in PROTOCOLS:
     steps = []
     for m in measured[protocol]:
-        surface, _ = surfaces(m.depth.astype(float))
+        surface = surfaces(m.depth.astype(float))
         phase = phase_from_depth(m.depth.astype(float), FREQUENCIES[0])
         for axis in (0, 1):
             inside = np.delete(m.mask, -1, axis) & (np.diff(surface, axis=axis) == 0)

@@ -144,8 +144,8 @@ def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:
     .. math:: P(\mathbf k) = \Bigl|\sum_{\mathbf x} m(\mathbf x)\,r(\mathbf x)\,
               e^{-i\mathbf k\mathbf x}\Bigr|^2 \Big/ \sum_{\mathbf x} m(\mathbf x)
 
-    Its mean is the mean square within the mask (Parseval); white noise has the flat expectation
-    sigma^2. ValueError if the shapes differ or a value within the mask is not finite.
+    Its mean is the mean square within the mask (Parseval); that of white noise is flat, sigma^2.
+    ValueError if the shapes differ or a value within the mask is not finite.
     """
     values, mask = np.asarray(values, float), np.asarray(mask, bool)
     if values.shape != mask.shape or not (mask.any() and np.isfinite(values[mask]).all()):
@@ -188,9 +188,8 @@ def fit_line_noise(residual: ArrayLike, mask: ArrayLike, *, window: int = 9) -> 
     """Line noise that is likeliest for the residual (H, W), rad, of `local_residual`.
 
     The periodogram of Gaussian noise follows an exponential law at each frequency (Whittle's
-    likelihood): ``sum(log E + P / E)`` is least for the expectation E sought, which is the model's
-    spectrum times that of the fit, convolved with the mask's. Only frequencies that the fit lets
-    pass count: in the others surface and noise cannot be told apart.
+    likelihood): ``sum(log E + P / E)`` is least for the expectation E, the model's spectrum times
+    that of the fit, convolved with the mask's. Only frequencies that the fit lets pass count.
     """
     mask = np.asarray(mask, bool)
     measured = power_spectrum(residual, mask)
@@ -233,9 +232,8 @@ def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) ->
 
     .. math:: \sigma^2 = 2 (\ell\,GTI/\pi)^2 - GTI/2
 
-    with brightness I, four correlation images and the linear phase noise l of
-    `linear_from_spread`: the inverse of `cmtof.bounds.simulated_phase_noise`. ValueError if photon
-    noise alone spreads the phase further.
+    with brightness I and the linear phase noise l of `linear_from_spread`: the inverse of
+    `cmtof.bounds.simulated_phase_noise`. ValueError if photon noise alone spreads it further.
 
     Examples
     --------
@@ -257,8 +255,7 @@ def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) ->
 def intensity_from_phase_noise(phase_noise: float, sigma: ArrayLike) -> Array:
     """Brightness at which Gaussian noise of sigma counts gives a phase noise.
 
-    The positive root I of `sigma_from_phase_noise`. Beyond 1 the surface measured is less noisy
-    than white paper simulated.
+    The positive root I of `sigma_from_phase_noise`; beyond 1 less noisy than simulated white paper.
     """
     square = 2 * (linear_from_spread(phase_noise) / np.pi) ** 2
     signal = (0.5 + np.sqrt(0.25 + 4 * square * np.asarray(sigma, float) ** 2)) / (2 * square)

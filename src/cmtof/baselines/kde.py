@@ -7,14 +7,13 @@ good hypotheses at the same depth (their equation for the Kinect v2, three tones
 
 Adapted to two frequencies a GHz apart:
 
-- All N wraps in range are hypotheses, where the original keeps the best two of 30.
-- ``w_j = exp(-r_j^2 / 2 s^2) exp(-(s_1^2 + s_2^2) / 2 s_0^2)``: the likelihood of the misfit
+- All N wraps in range are hypotheses, where the original keeps the best two of 30, with weights
+  ``w_j = exp(-r_j^2 / 2 s^2) exp(-(s_1^2 + s_2^2) / 2 s_0^2)``: the likelihood of the misfit
   ``r_j = phi_2 - (f_2 / f_1)(phi_1 + 2 pi j)`` of variance ``s^2 = s_2^2 + (f_2 / f_1)^2 s_1^2``,
-  and their weight by phase variance with ``s_0^2 = 3``; phase noise from the residual of the fit.
+  and the phase variance with ``s_0^2 = 3``.
 - Depths d are those of the lower phase, in wraps, and h = 0.25 (theirs, 0.32 m, is a quarter of
-  their shortest wrap). The answer fuses both phases by inverse variances.
-- 11 x 11 px with a sigma of 2.5 px, as theirs. Nothing is rejected; the confidence is the share of
-  the winner in the density of all wraps.
+  their shortest wrap). The answer fuses both phases; its confidence is the winner's share in the
+  density of all wraps.
 """
 
 from collections.abc import Iterator

@@ -1,15 +1,13 @@
 """Two close frequencies and a look-up of their phases (Gupta et al. 2015), pixel by pixel.
 
 Light that took detours vanishes at high frequencies, so both are high, and their beat is low. The
-look-up goes through all depths z of the range for the vector
-``[cos phi_1, sin phi_1, cos phi_2, sin phi_2]`` nearest to the measured one. Weighted by the
-amplitudes a, and but for a constant, the squared distance is minus twice the match
+look-up finds the depth in range whose phasors match the measured ones best, weighted by amplitudes:
 
     F(z) = a_1 cos(phi_1(z) - phi_1) + a_2 cos(phi_2(z) - phi_2)
 
-which is also the likelihood of z. F has one peak for each wrap, and the less the wrap's misfit of
-the beat, the higher it is. So two stages find the depth of a table of tens of thousands of entries:
-the beat selects a few wraps, the high-frequency phases give the depth of each.
+F has one peak for each wrap, and the less the wrap's misfit of the beat, the higher it is. So two
+stages replace a table of tens of thousands of entries: the beat selects a few wraps, the
+high-frequency phases give the depth of each.
 """
 
 import numpy as np
@@ -78,8 +76,7 @@ def _peak(
 ) -> NDArray[np.floating]:
     """Depth (H, W), m, of the peak of F within half a wrap of the lower frequency's phase.
 
-    At equal frequencies the sum of the two phasors points to it; one Newton step corrects for the
-    difference.
+    The sum of the two phasors points to it, but for one Newton step for unequal frequencies.
     """
     depth = depth_from_phase(phase[0] + TAU * np.asarray(wraps), low)
     apart = phase[1] - phase_from_depth(depth, high)

@@ -68,9 +68,7 @@ def reference_plane(measurement: Measurement) -> Estimate:
 
 def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
     """True surfaces, of which each pixel pools those within a square of an odd ``side``, px."""
-    surface, shape = surfaces(_truth(measurement)), np.nan_to_num(_truth(measurement))
-    first, second = (_pool_within(p, surface, side) for p in _demodulated(measurement))
-    return _located(measurement, shape, first, second, shape)
+    return _pooled(measurement, surfaces(_truth(measurement)), side=side)
 
 
 def surfaces(depth: NDArray[np.floating]) -> NDArray[np.intp]:
@@ -139,9 +137,7 @@ def _truth(measurement: Measurement) -> NDArray[np.floating]:
     return measurement.depth.astype(float)
 
 
-def _demodulated(
-    measurement: Measurement, tilt: NDArray[np.floating] | float = 0.0
-) -> NDArray[np.complexfloating]:
+def _demodulated(measurement: Measurement, tilt: NDArray | float = 0) -> NDArray:
     """Phasors (2, H, W) turned back by the true depth and a tilt, m; zero where not finite."""
     shape = np.nan_to_num(_truth(measurement)) + tilt
     turned = phase_from_depth(shape, measurement.frequencies[:2, None, None])
@@ -153,25 +149,17 @@ def _demodulated(
 def _pooled(
     measurement: Measurement,
     surface: NDArray[np.intp],
-    tilt: NDArray[np.floating] | float = 0.0,
+    tilt: NDArray | float = 0,
+    side: int | None = None,
 ) -> Estimate:
-    """Estimate of true shapes and tilts, m: each surface where its summed phasors place it."""
-    shape = np.nan_to_num(_truth(measurement)) + tilt
-    phasors = _demodulated(measurement, tilt)
-    first, second = (Pooled(*(one[surface] for one in pool(p, surface))) for p in phasors)
-    counted = np.isfinite(_truth(measurement)) & measurement.mask
-    return _located(measurement, shape, first, second, mean_over(shape, surface, counted)[surface])
-
-
-def _located(
-    measurement: Measurement,
-    shape: NDArray[np.floating],
-    first: Pooled,
-    second: Pooled,
-    middle: NDArray[np.floating],
-) -> Estimate:
-    """Estimate of a shape (H, W), m, from the pooled phasors; its ``middle`` lies in range."""
-    known = np.isfinite(_truth(measurement))
+    """Estimate of true shapes and tilts, m, where phasors summed over surfaces place them."""
+    truth, phasors = _truth(measurement), _demodulated(measurement, tilt)
+    known, shape = np.isfinite(truth), np.nan_to_num(truth) + tilt
+    if side:
+        (first, second), middle = (_pool_within(p, surface, side) for p in phasors), shape
+    else:
+        first, second = (Pooled(*(one[surface] for one in pool(p, surface))) for p in phasors)
+        middle = mean_over(shape, surface, known & measurement.mask)[surface]
     low, high = (float(f) for f in measurement.frequencies[:2])
     synthetic = synthetic_frequency(low, high)
     beat = synthetic.sign * (second.phase - synthetic.multiple * first.phase)

@@ -22,14 +22,12 @@ from cmtof.measurement import Measurement
 STEP, EDGE = 1.0, 0.1
 """Steps between neighbours that cut: of the unwrapped phase, rad, and of the smoothed logarithm of
 amplitude; the best of two and three values on eight views of validation rooms."""
-COHERENCE = 0.1
-"""Coherence of the local slope below which a pixel belongs to no region."""
-SMALLEST = 100
-"""Pixels below which a region takes the depth of a larger one beside it."""
+_COHERENCE = 0.1  # of the local slope, below which a pixel belongs to no region
+_SMALLEST = 100  # px, below which a region takes the depth of a larger one beside it
 
 
 class Pooled(NamedTuple):
-    """Angles of summed phasors, rad, and their standard deviation; infinite for a single pixel."""
+    """Angles of summed phasors and their deviation, rad; infinite for a single pixel."""
 
     phase: NDArray[np.floating]
     spread: NDArray[np.floating]
@@ -63,7 +61,7 @@ def region(measurement: Measurement) -> Estimate:
     synthetic, mask = synthetic_frequency(low, high), measurement.mask
     phase = relative_phase(measurement)
     bright, coherent = guides(measurement)[:2]
-    inside = mask & (coherent >= COHERENCE)
+    inside = mask & (coherent >= _COHERENCE)
     links = []
     for axis in (0, 1):
         gentle = abs(np.diff(phase, axis=axis)) <= STEP
@@ -75,7 +73,7 @@ def region(measurement: Measurement) -> Estimate:
     pooled = pool(np.where(mask, beat, 0), number)
     offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
     odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=(low, high)))
-    near = nearest(inside & (np.bincount(number.ravel())[number] >= SMALLEST))
+    near = nearest(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
     depth, confidence = (shape + offset[number])[near], odds[number][near]
     return Estimate(within_range(depth, measurement), np.where(mask, confidence, 0))
 
@@ -129,8 +127,7 @@ def whole_wraps(
 ) -> NDArray[np.floating]:
     """Offset of each region (S,), m: whole wraps and a known fraction, nearest to that of the beat.
 
-    ``beat`` is the phase of the demodulated beat, rad; ``middle`` the mean relative depth, m, which
-    lies in range with its offset.
+    ``beat`` is its demodulated phase, rad; the ``middle`` depth, m, is in range with its offset.
     """
     low, high = measurement.frequencies[:2]
     turned = phase_from_depth(middle, synthetic_frequency(low, high).frequency)

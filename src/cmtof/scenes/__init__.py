@@ -20,17 +20,11 @@ __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
 def load_frame(source: str | Path, *, intensity: str | Path | None = None, **given: Any) -> Frame:
     """Frame of a file or of an embedded name, or the first one of a folder.
 
-    Parameters
-    ----------
-    source : str or Path
-        An ``.npz`` with ``depth`` (m), ``intensity`` and optionally ``camera``; a 16-bit depth
-        ``.png``; a Hypersim file ``frame.IIII.depth_meters.hdf5`` in its tree; a name out of
-        `embedded_frames`; or a folder for `frames_in` (of a Hypersim tree the first test frame).
-    intensity : str or Path, optional
-        Image beside a depth PNG.
-    **given
-        ``camera`` in place of what the source states, and for a depth PNG ``depth_scale`` and
-        ``planar``, as in `cmtof.scenes.frame.frame_from_pair`.
+    The source is an ``.npz`` with ``depth`` (m), ``intensity`` and optionally ``camera``; a 16-bit
+    depth ``.png`` beside an ``intensity`` image; a Hypersim file ``frame.IIII.depth_meters.hdf5``
+    in its tree; a name out of `embedded_frames`; or a folder for `frames_in` (of a Hypersim tree
+    the first test frame). ``given`` are a ``camera`` in place of what the source states, and
+    ``depth_scale`` and ``planar`` of a PNG, as in `cmtof.scenes.frame.frame_from_pair`.
 
     Examples
     --------

@@ -7,9 +7,9 @@ One view of a scene is four HDF5 files, each with a single array under the key `
     SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.normal_world.hdf5       (H, W, 3)
     SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.semantic_instance.hdf5  (H, W)
 
-Two tables lie beside the scenes: `CAMERAS`, the projection of each scene, and `SPLIT`, the
-partition of each view. Depth is the range along the ray already. In the official files it is
-float16: between 2 and 4 m its steps are 2 mm, between 4 and 8 m 4 mm, and a plane is a staircase.
+Two tables lie beside the scenes: `CAMERAS`, the projection of each, and `SPLIT`, the partition of
+each view. Depth is the range along the ray already, in the official files in float16: between 2 and
+4 m its steps are 2 mm, between 4 and 8 m 4 mm, and a plane is a staircase.
 
 Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
 """

@@ -1,9 +1,9 @@
 """Objects a metre before the instrument, as Figs. 1 and 14 to 16 show them; all of them our own.
 
 Each is one mesh in the instrument's axes (m; x right, y down, z forward) whose vertices carry, at
-532 nm, ``reflectance`` and ``mirrored``, the weight of the law of a specular surface against that
-of a diffuse one, both 0 to 1. Surfaces are fine: a triangle of side L on a body of radius R lies up
-to ``L^2 / (8 R)`` off it, 2 um for 1 mm on 6 cm.
+532 nm, ``reflectance`` and ``mirrored``, the weight of a specular law against a diffuse one, both 0
+to 1. A triangle of side L on a body of radius R lies up to ``L^2 / (8 R)`` off it, 2 um for 1 mm on
+6 cm.
 
 >>> mesh = object_mesh("owl")
 >>> sorted(mesh.vertex_attributes)
@@ -30,8 +30,7 @@ DISTANCE = 1.0
 WIDTH, HEIGHT = 9e-3, 30e-3
 """Face of a gauge block, m (known: 9 mm by 30 mm up to 10 mm of length)."""
 GRADE_2 = 0.45e-6
-"""Greatest deviation of a block's length from nominal, m (DIN 861, grade 2, up to 10 mm; by tables
-of makers and dealers, the standard itself was not seen)."""
+"""Greatest deviation of a block's length, m (DIN 861, grade 2, up to 10 mm; by makers' tables)."""
 MIRRORED = 0.7
 """Weight of a block's specular law (assumed): lapping leaves a matt sheen beside the image."""
 
