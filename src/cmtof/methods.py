@@ -103,6 +103,7 @@ _ALL = (
     _learned("fast-scnn-ce", _BAEK, "The paper's network, trained by cross-entropy alone"),
     _learned("fast-scnn-fourier", _BAEK, "The paper's network without phase edges"),
     _learned("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
+    _learned("fast-scnn-light", "this project", "A tenth of the paper's network, given the beat"),
     Method("middle", "trivial", "", trivial.middle, frequencies=1),
     Method("uniform", "trivial", "", trivial.uniform, frequencies=1),
     Method("mode", "trivial", "", trivial.mode, frequencies=1, knows_truth=True),
