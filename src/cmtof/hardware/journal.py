@@ -66,11 +66,13 @@ def open_journal(path: Path, header: Mapping[str, Any], plan: Plan) -> Iterator[
         with written_whole(path) as part:
             part.write_bytes(framed(json.dumps(header).encode()))
     with path.open("r+b") as file:
-        if not _locked(file):
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
             raise ValueError(
                 f"Expected {path} for this scan alone, got one that another scan writes. "
                 "Wait for it, or name another output."
-            )
+            ) from None
         lines = whole_lines(path)
         try:
             other = difference(json.loads(lines[0]), json.loads(json.dumps(header)))
@@ -100,15 +102,6 @@ def _record(content: bytes, line: Line, phases: int) -> Record:
     if not (right and found["line"] == line.index and 0 < found["power"] < inf):
         raise ValueError("another line")
     return Record(line.index, float(found["power"]), sums, clipped)
-
-
-def _locked(file: BinaryIO) -> bool:
-    """Whether other processes are kept out until the file is closed."""
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    return True
 
 
 def difference(old: Any, new: Any, name: str = "") -> str:

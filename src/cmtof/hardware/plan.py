@@ -36,44 +36,32 @@ the devices need between."""
 
 
 class Line(NamedTuple):
-    """Bursts that are recorded together: "dark", "reference" or "scan".
-
-    ``row`` is that of the image, or the number of the target's position.
-    """
+    """Bursts that are recorded together."""
 
     index: int
     mode: str
-    kind: str
-    row: int
+    kind: str  # "dark", "reference" or "scan"
+    row: int  # of the image, or the number of the target's position
     labels: range
 
 
 class Record(NamedTuple):
-    """One line as it was measured.
-
-    ``power`` behind the emission module at its end, W; ``sums`` (N, K) of the kept samples of each
-    phase; ``clipped`` (N,) samples at either end of the converter's scale.
-    """
+    """One line as it was measured."""
 
     line: int
-    power: float
-    sums: NDArray[np.uint32]
-    clipped: NDArray[np.uint16]
+    power: float  # behind the emission module at the line's end, W
+    sums: NDArray[np.uint32]  # of the kept samples of each phase (N, K)
+    clipped: NDArray[np.uint16]  # samples at either end of the converter's scale (N,)
 
 
 class Plan(NamedTuple):
-    """Lines of a scan, and what they share.
-
-    ``angles`` (H, W, 2) of the beam, optical, rad; ``camera`` fx, fy, cx, cy, px, of the pinhole
-    with the same rays; ``sweep``, positions of the reference target from its zero, m; ``kept``
-    (K,), how many samples of each phase are summed: the last ones.
-    """
+    """Lines of a scan, and what they share."""
 
     rig: Rig
-    angles: Array
-    camera: Array
-    sweep: Array
-    kept: NDArray[np.int64]
+    angles: Array  # of the beam, optical, rad (H, W, 2)
+    camera: Array  # fx, fy, cx, cy, px, of the pinhole with the same rays
+    sweep: Array  # positions of the reference target from its zero, m
+    kept: NDArray[np.int64]  # how many samples of each phase are summed, the last ones (K,)
     lines: list[Line]
 
 

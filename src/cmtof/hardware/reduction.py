@@ -83,15 +83,11 @@ def sums_from_counts(
 
 
 class Calibrated(NamedTuple):
-    """What the reference target shows of one mode.
+    """What the reference target shows of one mode."""
 
-    ``offset``: psi of the first step, rad, in [-pi, pi); ``contrast``: amplitude over mean;
-    ``drift``: phase after the image minus phase before it, rad, 0 where it was seen once.
-    """
-
-    offset: float
-    contrast: float
-    drift: float
+    offset: float  # psi of the first step, rad, in [-pi, pi)
+    contrast: float  # amplitude over mean
+    drift: float  # phase after the image minus phase before it, rad; 0 where it was seen once
 
 
 def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Calibrated:
@@ -116,16 +112,16 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Calibr
 
 
 class Lines(NamedTuple):
-    """Lines of a kind in a mode: counts (L, N, K), power (L, 1, 1), W, clips and labels (L, N)."""
+    """Recorded lines of a kind in a mode."""
 
-    counts: Array
-    power: Array
-    clipped: NDArray[np.uint16]
-    labels: NDArray[np.int64]
+    counts: Array  # means of the kept samples (L, N, K)
+    power: Array  # W (L, 1, 1)
+    clipped: NDArray[np.uint16]  # samples (L, N)
+    labels: NDArray[np.int64]  # (L, N)
 
 
 def lines_of(plan: Plan, records: Sequence[Record], mode: str, kind: str) -> Lines:
-    """Means of the kept samples of every recorded line of a kind."""
+    """Lines of a kind among records."""
     found = [one for one in records if plan.lines[one.line][1:3] == (mode, kind)]
     return Lines(
         np.array([one.sums for one in found]) / plan.kept,
