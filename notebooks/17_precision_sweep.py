@@ -244,15 +244,12 @@ plotting.save(
 
 # %% [markdown]
 # - **All-optical**: the paper's scatter is within a factor of about two of our days', its offset is
-#   not. It is 10 mrad of phase, a fifth of the error when air is taken for vacuum, or 47 µm of
-#   coaxial cable. As the paper does not say how it was calibrated, none can be singled out. An
-#   offset is no limit of a method, since one more reading at a known place removes it.
+#   not: 10 mrad of phase, or 47 µm of coaxial cable. The paper does not say how it was calibrated.
 # - **RF, plate**: 11.8 mm of offset is more than half a wrap, 10.5 mm, so it is no noise. Errors
 #   that are all alike come from a phase that does not move with the target, in a wrong wrap.
 # - **Interferometer**: tens of fringes of constant error, which counting does not make.
 #
-# Erratum 15 in {doc}`22_errata` has the arithmetic; {doc}`18_error_budget` takes our errors term by
-# term.
+# Erratum 15 in {doc}`22_errata` has the arithmetic, {doc}`18_error_budget` our errors one by one.
 #
 # ## RF demodulation
 #

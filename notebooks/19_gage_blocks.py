@@ -38,7 +38,7 @@ from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import MeshTarget, Plane
 from cmtof.scenes.objects import GRADE_2, HEIGHT, WIDTH, gage_blocks
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 base = TwinSettings()
 MODES, NAMES = ("single", "doubled"), ("single", "doubled", "both")
 COLOURS = {
@@ -48,11 +48,10 @@ COLOURS = {
 # %% [markdown]
 # ## The step
 #
-# The blocks are lapped steel that mirrors most of its light; their base is turned by 20 mrad, or
-# the mirrored beam would saturate the detector, and the faint diffuse rest is measured. DIN 861
-# allows a block of grade 2 ±0.45 µm of deviation, drawn anew for each repeat. Points whose spot
-# meets an edge are left out. The step is a small part of a wrap, so unwrapping does not matter
-# here: the wraps are those of the true range.
+# The blocks are lapped steel; their base is turned by 20 mrad, or the mirrored beam would saturate
+# the detector, and the faint diffuse rest is measured. DIN 861 allows a block of grade 2 ±0.45 µm
+# of deviation, drawn anew for each repeat. Points whose spot meets an edge are left out. The wraps
+# are those of the true range: the step is a small part of one.
 #
 # Both faces are parallel planes, and the step is their distance along the normal. With the points
 # of block $g$ on
@@ -199,29 +198,23 @@ plotting.save(
         "points": int(inside.sum()),
         "plane_residual_um": [1e6 * float(fit.residual.std()) for fit in plane_fits],
     },
-    caption=(
-        "A step of two gauge blocks and a slanted plane at 1 m, simulated (the paper's Fig. 14 is "
-        "a measurement). (a) Height over the left block, edges left out. (b) All points of one "
-        "scan across the blocks. (c) The step in each repeat, with standard errors. (d) Depth of "
-        f"the plane at {np.rad2deg(tilts[shown]):.0f}°, (e, f) what a fitted plane leaves of it."
-    ),
-    alt=(
-        "Two even areas, one higher by half a millimetre; points about two levels, with a scatter "
-        f"of {1e6 * noise[0]:.0f} µm in the single and {1e6 * noise[1]:.0f} µm in the doubled "
-        f"mode; {repeats} heights for each mode and both, with means of "
-        f"{', '.join(f'{1e6 * v:.1f}' for v in mean)} µm. A ramp of depth, and two residuals "
-        "that look alike, since both modes share their speckle."
-    ),
+    caption="A step of two gauge blocks and a slanted plane at 1 m, simulated (the paper's Fig. 14 "
+    "is a measurement). (a) Height over the left block, edges left out. (b) All points of one scan "
+    "across the blocks. (c) The step in each repeat, with standard errors. (d) Depth of the plane "
+    f"at {np.rad2deg(tilts[shown]):.0f}°, (e, f) what a fitted plane leaves of it.",
+    alt="Two even areas, one higher by half a millimetre; points about two levels, with a scatter "
+    f"of {1e6 * noise[0]:.0f} µm in the single and {1e6 * noise[1]:.0f} µm in the doubled mode; "
+    f"{repeats} heights for each mode and both, all near half a millimetre. A ramp of depth, and "
+    "two residuals that look alike, since both modes share their speckle.",
 )
 
 # %% [markdown]
 # ## Why the tilt matters
 #
 # If the tilt of the base were known, the difference of two means of $N/2$ points each would have
-# the standard error $2\sigma/\sqrt N$. It is not known, and the fit has to carry the slope over
-# from within the narrow faces, which makes the error several times larger. To subtract mean depths
-# instead is no remedy: a base that is turned by 1 mrad more than assumed changes their difference
-# by as many micrometres as the middles of both areas are millimetres apart.
+# the standard error $2\sigma/\sqrt N$. It is not, and the fit has to carry the slope over from
+# within the narrow faces, which makes the error several times larger. Subtracting mean depths is no
+# remedy: 1 mrad of tilt shifts them by a micrometre for each millimetre between both middles.
 
 # %%
 middles = [clouds[0][0][inside & (side == k), 0].mean() for k in (0, 1)]
@@ -243,10 +236,9 @@ print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 # $$R^2 = 1 - \frac{\sigma^2}{\mathrm{var}(z)},\qquad
 #   \mathrm{var}(z) = \sigma^2 + \frac{(a L_x)^2 + (b L_y)^2}{12},$$ (eq-r-squared-plane)
 #
-# with the slopes $a$, $b$ and the extent $L_x$ by $L_y$ of the plane. The same noise gives any R²
-# between 0 and 1 if only the plane is turned more or less: R² is a signal-to-noise ratio whose
-# signal is the tilt. The paper states neither tilt nor extent. Solved for the noise, a plane that
-# runs over $L_z$ in depth has $\sigma = L_z\sqrt{(1-R^2)/12R^2}$: 408 µm over 10 cm.
+# with the slopes $a$, $b$ and the extent $L_x$ by $L_y$ of the plane: R² is a signal-to-noise ratio
+# whose signal is the tilt. The paper states neither tilt nor extent. A plane that runs over $L_z$
+# in depth has $\sigma = L_z\sqrt{(1-R^2)/12R^2}$: 408 µm over 10 cm.
 #
 # One error grows with the slope $g$: speckle shifts the centre of the spot, by $w/2\sqrt N$ for a
 # radius $w$ and $N$ speckle cells in the aperture, which a slope turns into range,
@@ -292,16 +284,12 @@ plotting.save(
         "one_minus_r_squared_single": (1 - r_squared[:, 0]).tolist(),
         "speckle_um": 1e6 * speckle,
     },
-    caption=(
-        "A slanted plane at 1 m, simulated. (a) Scatter of a point about the fitted plane, and "
-        "{eq}`eq-slope-noise`. (b) The same scans as 1 − R², with {eq}`eq-r-squared-plane`."
-    ),
-    alt=(
-        f"Left, the scatter grows from {1e6 * left[0, 0]:.0f} µm on a nearly flat plane to "
-        f"{1e6 * left[-1, 0]:.0f} µm at a slope of {slopes[-1]:.2f}, along the predicted curve. "
-        f"Right, 1 − R² falls from {1 - r_squared[0, 0]:.1e} to {1 - r_squared[-1, 0]:.1e} as the "
-        f"spread of depth grows; the paper's value is a level line at {1 - paper_r2:.0e}."
-    ),
+    caption="A slanted plane at 1 m, simulated. (a) Scatter of a point about the fitted plane, and "
+    "{eq}`eq-slope-noise`. (b) The same scans as 1 − R², with {eq}`eq-r-squared-plane`.",
+    alt=f"Left, the scatter grows from {1e6 * left[0, 0]:.0f} µm on a nearly flat plane to "
+    f"{1e6 * left[-1, 0]:.0f} µm at a slope of {slopes[-1]:.2f}, along the predicted curve. Right, "
+    f"1 − R² falls from {1 - r_squared[0, 0]:.1e} to {1 - r_squared[-1, 0]:.1e} as the spread of "
+    f"depth grows; the paper's value is a level line at {1 - paper_r2:.0e}.",
 )
 
 # %% [markdown]
@@ -311,9 +299,8 @@ plotting.save(
 #
 # The paper's 0.4988 mm is 1.2 µm short of the nominal step, not 12 µm as its text has it
 # ({doc}`22_errata`). It does not state how many points were taken, how the tilt was treated or how
-# the value scatters, and one value alone cannot separate a precise instrument from a lucky one. An
-# R² of 0.9998 neither supports nor contradicts any precision as long as tilt and extent are not
-# stated.
+# the value scatters. An R² of 0.9998 neither supports nor contradicts any precision as long as tilt
+# and extent are not stated.
 
 # %%
 near = int((np.abs(heights[:, 2] - step) <= 1.2e-6).sum())

@@ -34,7 +34,7 @@ from cmtof.ranging.mhz import MhzCamera
 from cmtof.scenes.frame import rays_from_camera
 from cmtof.scenes.objects import field_of_view
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 NAMES = ("owl", "helmet")
 DARK, PALE = 0.05, 0.6  # reflectances of dark and pale feathers
 
@@ -142,27 +142,21 @@ plotting.save(
         "ghz_wraps_right": [right[n] for n in NAMES],
         "ghz_phase_error_m": [phase_error[n] for n in NAMES],
     },
-    caption=(
-        "A textured owl and a polished helmet (Fig. 15 of the paper), simulated: amplitude and "
-        "range of one image of the 100 MHz camera at the stated power, the same with strong light, "
-        "the range of the GHz scan as the method `surfaces` unwraps it, and the truth. Grey: no "
-        "answer."
-    ),
-    alt=(
-        "Two rows of five small images, owl above, helmet below. The 100 MHz range is grainy, by "
-        f"{1e3 * rms(error['owl'][pale]):.0f} mm on pale and {1e3 * rms(error['owl'][dark]):.0f} "
-        "mm on dark feathers; with strong light it is clear. The GHz range is smooth, with "
-        f"{100 * right['owl']:.0f} and {100 * right['helmet']:.0f} percent of right wraps."
-    ),
+    caption="A textured owl and a polished helmet (Fig. 15 of the paper), simulated: amplitude and "
+    "range of one image of the 100 MHz camera at the stated power, the same with strong light, the "
+    "range of the GHz scan as the method `surfaces` unwraps it, and the truth. Grey: no answer.",
+    alt="Two rows of five small images, owl above, helmet below. The 100 MHz range is grainy, by "
+    f"{1e3 * rms(error['owl'][pale]):.0f} mm on pale and {1e3 * rms(error['owl'][dark]):.0f} mm on "
+    "dark feathers; with strong light it is clear. The GHz range is smooth, with "
+    f"{100 * right['owl']:.0f} and {100 * right['helmet']:.0f} percent of right wraps.",
     format="png",
 )
 
 # %% [markdown]
 # The GHz instrument measures its phase to a few tens of micrometres; what its picture lacks are
 # wraps, most of all on the helmet, which returns only a faint diffuse remainder. At 100 MHz a wrap
-# is 1.5 m, not the 3 m of the paper's introduction ({doc}`22_errata`), and none is counted here. So
-# no wrong wrap can close the helmet's holes: light of the shell that strays into dark hole pixels
-# and filters that spread it can.
+# is 1.5 m, not the 3 m of the paper's introduction ({doc}`22_errata`), so no wrong wrap can close
+# the helmet's holes: stray light of the shell and filters that spread it can.
 #
 # Normals show what a millimetre is worth. They come from neighbouring points; the software of the
 # camera is taken to average 5 × 5 pixels, the GHz scan is not smoothed.
@@ -217,30 +211,24 @@ plotting.save(
         f"normal_error_{key}_deg": [angles[n][k] for n in NAMES]
         for k, key in enumerate(("mhz", "strong", "ghz"))
     },
-    caption=(
-        "Normals as colours, of the filtered 100 MHz image at the stated power and with strong "
-        "light, of the GHz scan and of the truth; all simulated."
-    ),
-    alt=(
-        "The 100 MHz normals are a coloured grain in which the object is hard to see, a rough "
-        "relief with strong light; those of the GHz scan show feathers and slits, with seams "
-        f"between wraps. Their median errors on the owl are {angles['owl'][0]:.0f}, "
-        f"{angles['owl'][1]:.0f} and {angles['owl'][2]:.0f} degrees."
-    ),
+    caption="Normals as colours, of the filtered 100 MHz image at the stated power and with strong "
+    "light, of the GHz scan and of the truth; all simulated.",
+    alt="The 100 MHz normals are a coloured grain in which the object is hard to see, a rough "
+    "relief with strong light; those of the GHz scan show feathers and slits, with seams between "
+    f"wraps. Median errors on the owl: {', '.join(f'{a:.0f}' for a in angles['owl'])} degrees.",
     format="png",
 )
 
 # %% [markdown]
 # ## How much light a pixel gets
 #
-# The light of the diodes spreads over the whole field, and each of the $n$ pixels sees what was
-# sent towards what it sees. A diffuse surface returns
+# The light of the diodes spreads over the field of $n$ pixels. A diffuse surface returns
 #
 # $$N = \frac{P\,T}{h\nu}\,\frac{\eta\,t}{n}\;\frac{\varrho\cos\theta\,A}{\pi z^2}$$
 #
-# electrons, with the quantum efficiency $\eta$, the transmission $t$ and the opening $A$ of the
-# lens. The scanner obeys the same law with $n = 1$. The paper calls both photon budgets comparable:
-# that is so for the instruments, not for a pixel.
+# electrons to each, with the quantum efficiency $\eta$, transmission $t$ and opening $A$ of the
+# lens; for the scanner $n = 1$. The paper calls both photon budgets comparable: that is so for the
+# instruments, not for a pixel.
 
 # %%
 time = paper.published("sec7.integration_time").value
@@ -285,10 +273,9 @@ print("if all of it comes from a wall 0.3 m behind")
 
 # %% [markdown]
 # So at the stated power the error on dark feathers is noise, and would show as grain that changes
-# from image to image and goes away in their mean. It depends on assumed numbers (lens, quantum
-# efficiency, read noise), and a phase that is all noise gives 433 mm whatever they are: nearness to
-# the paper's 200 mm proves nothing. The paper shows one camera, one owl and no ground truth; which
-# cause it was cannot be determined from here. What holds for both: the scan sends each point
+# from image to image. It depends on assumed numbers (lens, quantum efficiency, read noise), and a
+# phase that is all noise gives 433 mm whatever they are: nearness to the paper's 200 mm proves
+# nothing, and the paper shows no ground truth. What holds for both: the scan sends each point
 # {glue:text}`more_light:.0f` times the light, and at 14.32 GHz a millimetre is 143 times the phase.
 # Only the second is owed to the frequency.
 

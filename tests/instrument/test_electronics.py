@@ -48,12 +48,9 @@ def test_filtered_noise_has_its_memory():
     assert chain(slow, STEP).memory(1)[0] == pytest.approx(25.0, rel=1e-3)
 
 
-@pytest.mark.parametrize("volts_range", [10.0, 0.1])
-def test_counts_and_volts_invert_each_other(volts_range):
-    volts = np.linspace(-1, 0.99, 101) * volts_range
-    counts = counts_from_volts(volts, Detector(), volts_range=volts_range)
-    back = volts_from_counts(counts, volts_range=volts_range)
-    assert np.abs(back - volts).max() <= 0.51 * 3.15805780e-5 * volts_range
-    ends = counts_from_volts([-99, 99], Detector(), volts_range=volts_range)
-    assert ends.tolist() == [0, 65535]
+def test_counts_and_volts_invert_each_other():
+    volts = np.linspace(-10, 9.9, 101)
+    back = volts_from_counts(counts_from_volts(volts, Detector()))
+    assert np.abs(back - volts).max() <= 0.51 * 3.15805780e-4
+    assert counts_from_volts([-99, 99], Detector()).tolist() == [0, 65535]
     assert not (counts_from_volts(volts, Detector(bits=14)) % 4).any()

@@ -158,9 +158,8 @@ class SimulatedReadOut(SimulatedDevice):
     triggered: SimulatedRf
 
     def gain(self, volts_range: float) -> tuple[float, float, float]:
-        """Nominal slopes, V per count, and count of 0 V."""
-        slope = SLOPE * volts_range / 10
-        return slope, -slope, CENTRE
+        """Nominal slopes, V per count, and count of 0 V: those of 10 V, whatever was asked."""
+        return SLOPE, -SLOPE, CENTRE
 
     def line(self, dio: str) -> bool:
         """Level of a digital line; the interlock's is high while it is closed."""
@@ -187,9 +186,8 @@ class SimulatedReadOut(SimulatedDevice):
     def configure_burst(
         self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
     ) -> None:
-        """Set up bursts; ``channel`` is the detector's."""
-        edges = np.arange(scans) // pulse
-        self._burst = {"scans": scans, "rate": rate, "volts_range": range, "pulses": edges}
+        """Set up bursts; ``channel`` is the detector's, ``range`` 10 V."""
+        self._burst = {"scans": scans, "rate": rate, "pulses": np.arange(scans) // pulse}
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
         """Counts (scans,) of a burst for each request, all computed at once."""
@@ -205,24 +203,15 @@ class SimulatedReadOut(SimulatedDevice):
             yield one
 
 
-DEVICES: dict[str, type[SimulatedDevice]] = {
-    "rf_emission": SimulatedRf,
-    "rf_detection": SimulatedRf,
-    "clock": SimulatedClock,
-    "daq": SimulatedReadOut,
-    "plate_emission": SimulatedMotor,
-    "plate_detection": SimulatedMotor,
-    "stage": SimulatedMotor,
-    "power_meter": SimulatedPowerMeter,
-}
-
-
 def simulated_devices(
     world: World, roles: Mapping[str, str], mirrors: tuple[str, str]
 ) -> dict[str, Any]:
     """Every device by role; ``roles`` of the read-out's lines, and the mirrors' registers."""
-    panel = Panel()
-    devices: dict[str, Any] = {role: kind(panel, world, role) for role, kind in DEVICES.items()}
+    panel, motors = Panel(), ("plate_emission", "plate_detection", "stage")
+    kinds = dict.fromkeys(("rf_emission", "rf_detection"), SimulatedRf)
+    kinds |= {"clock": SimulatedClock, "daq": SimulatedReadOut, "power_meter": SimulatedPowerMeter}
+    kinds |= dict.fromkeys(motors, SimulatedMotor)
+    devices: dict[str, Any] = {role: kind(panel, world, role) for role, kind in kinds.items()}
     daq = devices["daq"]
     daq.roles, daq.mirrors, daq.triggered = roles, mirrors, devices["rf_detection"]
     return devices

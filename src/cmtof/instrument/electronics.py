@@ -14,8 +14,7 @@ from cmtof.instrument.settings import Detector
 Array = NDArray[np.float64]
 
 SLOPE, CENTRE = 3.15805780e-4, 33523.0
-"""V per count at +-10 V and the count of 0 V: the T7's nominal calibration (T-Series Datasheet,
-20.0.1). The ranges 1, 0.1 and 0.01 V scale it."""
+"""V per count at +-10 V, count of 0 V: nominal calibration (T-Series Datasheet, 20.0.1)."""
 POLES = 3
 
 
@@ -113,23 +112,21 @@ def _root(covariance: Array) -> Array:
 
 
 def counts_from_volts(
-    volts: ArrayLike, detector: Detector, *, volts_range: float = 10.0, normals: ArrayLike = 0.0
+    volts: ArrayLike, detector: Detector, *, normals: ArrayLike = 0.0
 ) -> NDArray[np.uint16]:
-    """Raw stream counts of the T7, rounded and clipped to what it has.
-
-    ``normals`` are standard normals of the converter's noise.
+    """Raw stream counts of the T7, rounded and clipped; ``normals`` are those of its noise.
 
     Examples
     --------
     >>> counts_from_volts([0.0, 10.0, 99.0], Detector()).tolist()
     [33523, 65188, 65535]
     """
-    raw = np.asarray(volts) / (SLOPE * volts_range / 10) + CENTRE
+    raw = np.asarray(volts) / SLOPE + CENTRE
     raw = raw + detector.converter_noise * np.asarray(normals)
     level = 2 ** (16 - detector.bits)
     return np.clip(np.rint(raw / level) * level, 0, 65536 - level).astype(np.uint16)
 
 
-def volts_from_counts(counts: ArrayLike, *, volts_range: float = 10.0) -> Array:
+def volts_from_counts(counts: ArrayLike) -> Array:
     """Volts of raw stream counts by the nominal calibration."""
-    return (np.asarray(counts, float) - CENTRE) * (SLOPE * volts_range / 10)
+    return (np.asarray(counts, float) - CENTRE) * SLOPE

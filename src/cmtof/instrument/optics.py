@@ -35,10 +35,10 @@ class Paths(NamedTuple):
 
 
 def group_index(air: Air = Air(), wavelength: float = LASER_WAVELENGTH) -> float:  # noqa: B008
-    """Group index of dry air, ``n_g = n - lambda dn/dlambda``.
+    """Group index of dry air, ``n_g = n - lambda dn/dlambda``; vapour, below 5e-7, is left out.
 
     Standard air (15 C, 101325 Pa, 450 ppm CO2) of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1,
-    scaled with the density of an ideal gas; water vapour, below 5e-7 in a room, is left out.
+    scaled with the density of an ideal gas.
 
     Examples
     --------
@@ -130,8 +130,7 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
 def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     """Uniform numbers (N, count) in (0, 1) that depend on the seed and on places (N, 2) only.
 
-    Places (integers from -2^31 to 2^31 - 1) and columns are mixed by the finaliser of SplitMix64
-    (Steele et al., OOPSLA 2014).
+    Places, whole numbers of 32 bits, are mixed as in SplitMix64 (Steele et al., OOPSLA 2014).
     """
     pair = np.asarray(places).astype(np.int64).view(np.uint64)
     start = _mixed(np.array([seed & (2**64 - 1), 7], np.uint64))

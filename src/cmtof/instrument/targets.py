@@ -34,8 +34,7 @@ class Hits(NamedTuple):
 
 
 Target = Any
-"""What has a ``material`` ("diffuse", "specular", or "mixed" with a weight for each hit) and
-``look(directions)``, which traces unit rays (..., 3) from the origin to `Hits`."""
+"""What has a ``material`` ("diffuse", "specular", "mixed": a weight for each hit) and ``look``."""
 
 
 @dataclass(frozen=True)
@@ -62,11 +61,10 @@ class Plane:
 
 
 class FrameTarget:
-    """A frame's depth and intensity, looked up by direction through its camera.
+    """A frame's depth and intensity, clipped to 1 as reflectance, looked up through its camera.
 
     Between pixels of one surface the inverse depth along the axis is interpolated, which is exact
-    on planes; across a step the nearest pixel counts. The intensity, clipped to 1, is taken as
-    reflectance. Outside the frame nothing returns.
+    on planes; across a step the nearest pixel counts.
     """
 
     material = "diffuse"
@@ -131,10 +129,9 @@ def _smaller_step(points: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class MeshTarget:
-    """Triangles, traced by Embree; what the vertices hold is interpolated across each triangle.
+    """Triangles (F, 3) of vertices (V, 3), m, traced by Embree.
 
-    ``vertices`` (V, 3), m, in the camera's coordinates; ``faces`` (F, 3), numbers of vertices;
-    ``reflectance`` and, of "mixed" alone, ``mirrored``: a number or (V,), 0 to 1.
+    ``reflectance`` and, of "mixed" alone, ``mirrored``, a number or (V,), are interpolated.
     """
 
     vertices: NDArray

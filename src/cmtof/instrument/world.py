@@ -51,11 +51,7 @@ _ROWS = 512  # directions computed at a time, to stay within the processor's cac
 
 
 def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
-    """Generator whose numbers depend on the arguments alone, never on history.
-
-    Philox is counter-based (Salmon et al., SC 2011): the key is (seed, purpose), and ``key``
-    starts the counter 2^64 blocks away from its neighbours, so that streams never overlap.
-    """
+    """Philox generator whose numbers depend on the arguments alone (Salmon et al., SC 2011)."""
     words = np.array([seed & (2**64 - 1), purpose], np.uint64)
     return Generator(Philox(key=words, counter=np.array([0, key & (2**64 - 1), 0, 0], np.uint64)))
 
@@ -132,7 +128,6 @@ class World:
         scans: int = 320,
         rate: float = SAMPLE_RATE,
         pulses: ArrayLike | None = None,
-        volts_range: float = 10.0,
         stage: ArrayLike | None = None,
     ) -> NDArray[np.uint16]:
         """Raw stream counts (N, scans) of the detector, a burst for each of N directions.
@@ -157,7 +152,7 @@ class World:
             times = LABEL_TIME * numbers[rows, None] + middle
             volts = self.conversion.volts(self._light(panel, paths, times, *modules))
             held = np.repeat(volts, length, axis=1)
-            counts[rows] = self._read_out(held, numbers[rows], rate, volts_range)
+            counts[rows] = self._read_out(held, numbers[rows], rate)
         return counts
 
     def paths(self, panel: Panel, angles: Array, stage: Array) -> free_space.Paths:
@@ -209,15 +204,12 @@ class World:
         room = free_space.ambient(optics) * detection[:, 0].real
         return self.from_fibre(panel, times) * loss * np.maximum(share, 0.0) + room
 
-    def _read_out(
-        self, volts: Array, labels: NDArray, rate: float, volts_range: float
-    ) -> NDArray[np.uint16]:
+    def _read_out(self, volts: Array, labels: NDArray, rate: float) -> NDArray[np.uint16]:
         """Counts (N, T) of held detector outputs (N, T), V: noise, filters, converter."""
         detector, samples = self.settings.detector, volts.shape[1]
         filters, density = chain(detector, 1 / rate), self.conversion.density(volts)
         if not self.settings.noise:
-            quiet = filters.run(volts, density, None)
-            return counts_from_volts(quiet, detector, volts_range=volts_range)
+            return counts_from_volts(filters.run(volts, density, None), detector)
         # a row: the filters' initial state, then for each sample the filters' noise and the ADC's
         size = POLES + (POLES + 1) * samples
         drawn = np.stack(
@@ -227,8 +219,7 @@ class World:
         normals = np.concatenate([drawn[:, None, :POLES], by_sample[..., :POLES]], axis=1)
         output = filters.run(volts, density, normals)
         output = np.clip(output, -detector.saturation, detector.saturation)
-        last = by_sample[..., POLES]
-        return counts_from_volts(output, detector, volts_range=volts_range, normals=last)
+        return counts_from_volts(output, detector, normals=by_sample[..., POLES])
 
     # --- both modules ----------------------------------------------------------------------------
 
@@ -292,10 +283,7 @@ class World:
 
 
 def amplitude(drive: Drive, power: float, frequency: float) -> complex:
-    """Complex drive amplitude, rad: eta by power and resonance, and the resonance's lag.
-
-    A single resonance of full width G passes ``1 / (1 + 2i d / G)`` of the field at detuning d.
-    """
+    """Complex drive amplitude, rad; a resonance of width G passes ``1 / (1 + 2i d / G)`` at d."""
     stated = abs(1 / (1 + 2j * drive.detuning / drive.width))
     passed = 1 / (1 + 2j * (frequency - drive.resonance) / drive.width)
     return drive.eta * 10 ** ((power - drive.power) / 20) * passed / stated
