@@ -103,20 +103,16 @@ def claims() -> list[Claim]:
 def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
     entries = {key: held for key, held in _document().items() if not key.startswith("_")}
-    flat: dict[str, dict[str, Any]] = {}
-    for key, fields in entries.items():
-        if "rows" not in fields:
-            flat[key] = fields
-            continue
-        for row, (name, *values) in fields["rows"].items():
-            for (column, title), value in zip(fields["columns"].items(), values, strict=True):
-                one = {"value": value, "what": f"{name}, {title}", **fields["about"]}
-                flat[f"{key}.{row}.{column}"] = one
     found = {}
-    for key, fields in flat.items():
-        scale = {"absolute": 1.0, "relative": abs(fields["value"])}
-        tolerance = min(amount * scale[kind] for kind, amount in fields["tolerance"].items())
-        found[key] = Published(key=key, **fields | {"tolerance": tolerance})
+    for name, fields in entries.items():
+        columns = fields.get("columns", {"": ""})  # those of a row of a table
+        values = np.atleast_1d(fields["value"]).tolist()
+        for (column, title), value in zip(columns.items(), values, strict=True):
+            scale = {"absolute": 1.0, "relative": abs(value)}
+            tolerance = min(scale[kind] * size for kind, size in fields["tolerance"].items())
+            key, what = f"{name}.{column}".strip("."), f"{fields['what']}, {title}".strip(", ")
+            one = fields | {"key": key, "what": what, "value": value, "tolerance": tolerance}
+            found[key] = Published(**{k: v for k, v in one.items() if k != "columns"})
     return found
 
 
