@@ -9,7 +9,7 @@ from cmtof.bounds import phase_spread
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import centred, depth_from_phase
 from cmtof.instrument.settings import Reference, TwinSettings
-from cmtof.instrument.targets import Hits, Plane
+from cmtof.instrument.targets import Plane
 from cmtof.ranging.rf import RfRanger, rf_image, skewed, straightened
 from cmtof.ranging.sweep import POSITIONS, collected_power
 
@@ -97,15 +97,3 @@ def test_image_has_the_light_and_the_noise_of_the_ranging_instrument():
     error = centred(seen.phase - ranger.phase(0.3))
     assert seen.bound.max() < 0.1  # small enough for the bound to hold
     assert error.std() == pytest.approx(seen.bound.mean(), rel=0.03)
-
-
-def test_where_nothing_returns_there_is_no_light():
-    class Nothing:
-        material = "diffuse"
-
-        def look(self, directions):
-            gone = np.full(directions.shape[:-1], np.nan)
-            return Hits(gone, np.zeros(gone.shape), np.zeros(gone.shape))
-
-    seen = rf_image(RfRanger(), Nothing(), np.zeros((3, 2)), seed=0)
-    assert not seen.power.any() and np.isinf(seen.bound).all()

@@ -107,11 +107,7 @@ class Panel:
 
 
 class World:
-    """One instrument before one scene.
-
-    ``scene`` is what `cmtof.instrument.targets.scene_from` takes, by default that of the settings;
-    without one nothing returns. ``seed`` is that of noise, drift, errors and speckle.
-    """
+    """One instrument before a scene as `scene_from` takes it, by default that of the settings."""
 
     def __init__(self, settings: TwinSettings, scene: Any = None, *, seed: int = 0) -> None:
         self.settings, self.seed = settings, int(seed)
@@ -221,8 +217,6 @@ class World:
         output = np.clip(output, -detector.saturation, detector.saturation)
         return counts_from_volts(output, detector, normals=by_sample[..., POLES])
 
-    # --- both modules ----------------------------------------------------------------------------
-
     def emission(self, panel: Panel) -> Complex:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
         return self._waveforms(panel, np.full(1, -1))[0][0]
@@ -253,8 +247,6 @@ class World:
         code = np.rint(phase * (CODES / (2 * np.pi))).astype(int) % CODES
         error = drive.phase_step_error * _code_errors(self.seed, module)[code]
         return phase + error + drive.iq_imbalance * np.sin(2 * phase)
-
-    # --- single quantities -----------------------------------------------------------------------
 
     def from_fibre(self, panel: Panel, times: Array) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""

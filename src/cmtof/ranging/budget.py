@@ -1,13 +1,9 @@
 r"""The error budget of the all-optical instrument: a table of terms, and all of them together.
 
 A day begins with a zero from `VISITS` known ranges over one wrap, and `AGE` later comes the sweep.
-With :math:`x_k = \phi + \psi_k` and a correlation :math:`C_k = d + a\cos x_k`, a small change
-:math:`a\,\epsilon_k` of the K readings turns the decoded phase by
-
-.. math:: \delta\phi = -\frac2K\sum_k\epsilon_k\sin x_k ,
-
-and its rms over unknown phases is the closed form of a cyclic error. Errors without one are
-simulated: an instrument without errors, `TwinSettings.ideal`, in which one thing is real.
+A small change :math:`a\,\epsilon_k` of the readings :math:`d + a\cos(\phi + \psi_k)` turns the
+phase by :math:`-\frac2K\sum_k\epsilon_k\sin(\phi+\psi_k)`, and its rms over unknown phases is the
+closed form of a cyclic error. Errors without one are simulated, each alone in `TwinSettings.ideal`.
 """
 
 from dataclasses import replace

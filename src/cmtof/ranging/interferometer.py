@@ -32,10 +32,7 @@ AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
 
 @dataclass(frozen=True, kw_only=True)
 class Interferometer:
-    """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters.
-
-    *Known*, *assumed*: as in `cmtof.instrument.settings`.
-    """
+    """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters."""
 
     settings: TwinSettings = field(default_factory=TwinSettings)
     linewidth: float = 30e9  # Hz, full width at half maximum, several modes (gem 532, known)
@@ -75,8 +72,6 @@ class Interferometer:
         """Travel of the stage from one reading to the next, m."""
         return self.speed * self.reading_time
 
-    # --- light -----------------------------------------------------------------------------------
-
     def matched_share(self, target: Reference) -> float:
         """Share m of the collected light in the reference beam's mode, Gaussian of radius w_r.
 
@@ -113,8 +108,6 @@ class Interferometer:
         variance = variance + (detector.converter_noise * SLOPE) ** 2 / self.samples
         variance = variance + (self.intensity_noise * offset) ** 2
         return amplitude, offset, variance * float(self.settings.noise)
-
-    # --- instrument ------------------------------------------------------------------------------
 
     def sweep(self, target: Reference, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
@@ -155,8 +148,6 @@ class Interferometer:
         noise = linear_phase_noise(amplitude, variance, self.steps)
         return np.asarray(self.wavelength / (4 * np.pi) * noise, float)
 
-    # --- vibration -------------------------------------------------------------------------------
-
     def vibration(self, rng: np.random.Generator, count: int) -> Array:
         """Displacement (count,), m, at successive readings: a resonance under white forcing."""
         rate = 2 * np.pi * self.resonance * self.reading_time
@@ -170,7 +161,7 @@ class Interferometer:
                   Q\!\left(\frac{(2k-1)\lambda/4 - s}{\sigma}\right)
                   - Q\!\left(\frac{(2k-1)\lambda/4 + s}{\sigma}\right)
 
-        for the stride s and a change by vibration of the standard deviation sigma between readings.
+        for the stride s and a change between readings of the standard deviation sigma.
         """
         angle = 2 * np.pi * self.resonance * self.reading_time
         kept = np.exp(-angle / (2 * self.quality)) * np.cos(angle)

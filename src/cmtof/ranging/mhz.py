@@ -5,9 +5,8 @@ Flood light, two taps a pixel, four phase steps. All light of a pixel is one pha
 .. math:: F = \sum_\mathrm{paths} N e^{-i\phi}, \qquad
           A, B = \tfrac12\,\bigl(S \pm m\,\mathrm{Re}\,F e^{-i\psi}\bigr),
 
-with S the charge of both taps and m the modulation of square waves behind a pole each. Cyclic
-error, fixed pattern, leak and late taps are calibrated to below a millimetre in such cameras, and
-left out.
+with S the charge of both taps and m the modulation of square waves behind a pole each. What such
+cameras calibrate to below a millimetre (cyclic error, fixed pattern, late taps) is left out.
 """
 
 from collections.abc import Callable

@@ -1,15 +1,12 @@
 r"""The all-optical range finder: the simulated instrument itself before the target of Fig. 13.
 
-A reading is one burst of 16 phases x 20 samples at 24 kS/s (13.3 ms). With L the light that open
-modulators would let onto the detector, :math:`\bar w` and :math:`w_1` mean and fundamental of the
-product of their waveforms, u the room's light and S volts per watt,
+A reading is one burst of 16 phases x 20 samples at 24 kS/s (13.3 ms). With L the light through open
+modulators, :math:`\bar w` and :math:`w_1` mean and fundamental of the product of their waveforms, u
+the room's light, S volts per watt, d the noise density at the mean output and B the bandwidth of
+the fundamental of K means of N samples behind the filters,
 
 .. math:: U(\psi) = S\,(L\bar w + u) + S L w_1\cos(\phi+\psi), \qquad
-          \sigma_\phi^2 = \frac{1}{(S L w_1)^2}
-          \Big(d\,B + \frac{2}{K}\frac{\sigma_{adc}^2}{N}\Big)
-
-where d is the noise density at the mean output and B the bandwidth of the fundamental of K means of
-N samples behind the filters. Uniform phases see the density's mean only (K > 3).
+          \sigma_\phi^2 = \frac{d\,B + 2\sigma_{adc}^2/KN}{(S L w_1)^2} .
 """
 
 from dataclasses import dataclass, field, replace
@@ -67,8 +64,6 @@ class OpticalRanger:
         """Modulation frequency, Hz."""
         return FREQUENCY[self.mode]
 
-    # --- forward: raw counts and their phase -----------------------------------------------------
-
     def panel(self) -> Panel:
         """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
         drive = self.frequency / ORDER[self.mode]
@@ -98,8 +93,6 @@ class OpticalRanger:
         bursts = np.asarray(counts, float).reshape(-1, self.phases, self.samples)
         means = bursts[..., self.settle :].mean(-1).T
         return np.asarray(decode(means, nominal_psi(self.phases)).phase, float)
-
-    # --- inverse: ranges -------------------------------------------------------------------------
 
     def sweep(self, target: Reference, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.

@@ -7,8 +7,7 @@ in the load R_L; averaged over T each of its quadratures has the noise sigma,
           \sigma^2 = \frac{k_B T_0 F R_L + 2e\,(R P + I_d)\,R_L^2 + e_n^2/2g^2}{T}, \qquad
           \mathrm{SNR} = \frac{|V|^2}{2\sigma^2} = \frac{1}{2\sigma_\phi^2}
 
-with H = 1/(1 + i f/f_c) and the noise e_n of the amplifier behind the mixer, a gain g later. While
-the circuit's noise rules, SNR goes with P squared.
+with H = 1/(1 + i f/f_c) and the noise e_n of the amplifier behind the mixer, a gain g later.
 """
 
 from dataclasses import dataclass, field
@@ -69,8 +68,6 @@ class RfRanger:
     isolation: float = 100.0  # dB, from that drive into the photodiode's cable (assumed)
     drift: float = 1e-3  # of offsets and imbalances since the calibration, relative, rms (assumed)
 
-    # --- circuit: everything as envelopes at the amplifier's input -------------------------------
-
     @property
     def noise_factor(self) -> float:
         """Noise factor F of amplifier, filter and mixer (Friis 1944)."""
@@ -109,8 +106,6 @@ class RfRanger:
     def snr(self, power: ArrayLike) -> Array:
         """Signal over noise of light (...), W, a ratio of electrical powers."""
         return self.envelope(power) ** 2 / (2 * self.noise(power) ** 2)
-
-    # --- instrument ------------------------------------------------------------------------------
 
     def seen_share(self, ranges: ArrayLike) -> Array:
         """Share of a diffuse target's light on the small photodiode: a Gaussian image w/z wide."""
