@@ -152,7 +152,7 @@ def measurement(rng: np.random.Generator) -> Made:
 
 def rig(rng: np.random.Generator) -> Made:
     """A description of an instrument."""
-    known = {"name": "rig", "devices": {}, "detection": {}, "scan": {}, "drive": {}, "twin": {}}
+    known = {"devices": {}, "phases": 16, "field_of_view_deg": [9, 9], "twin": {}}
     return {"rig.yml": document(rng, known)}, ["scan", "rig.yml", "-o", "out.nc", "--size", "2"]
 
 
