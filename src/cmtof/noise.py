@@ -2,9 +2,8 @@
 
 A wrapped phase may be neither averaged nor differenced as it stands: its wraps are no steps. Every
 window of a map is therefore first turned back by the local slope of the phase, which products of
-neighbouring phasors give without unwrapping. What is left is flat, far from a wrap, and may be
-fitted or summed. A local fit is a linear filter of the noise, so the spectrum of its residual
-gives the spectrum of the noise itself wherever the fit lets it pass.
+neighbouring phasors give without unwrapping. What is left is flat and may be fitted or summed. A
+local fit is a linear filter: the spectrum of its residual gives that of the noise it lets pass.
 """
 
 from typing import NamedTuple

@@ -1,8 +1,7 @@
 """How certain a rate is, and whether a confidence is true.
 
-Pixels of one frame are right or wrong together, so a million of them are not a million trials.
-What varies from one test set to the next are its scenes: intervals come from drawing scenes again
-with replacement (the bootstrap of `scipy.stats`).
+Pixels of one frame are right or wrong together, so what varies from one test set to the next are
+its scenes: intervals come from redrawing scenes (the bootstrap of `scipy.stats`).
 """
 
 from typing import NamedTuple

@@ -26,9 +26,8 @@ def crt(measurement: Measurement) -> Estimate:
 
 def crt_ml(measurement: Measurement) -> Estimate:
     """Maximum likelihood: wraps of `crt`, the depth fused from both phases."""
-    wraps, residual = nearest_wrap(measurement)
-    depth = fused_depth(measurement, wraps, residual)
-    return Estimate(depth, _posterior(measurement, wraps, residual))
+    found = nearest_wrap(measurement)
+    return Estimate(fused_depth(measurement, *found), _posterior(measurement, *found))
 
 
 def crt_closed_form(measurement: Measurement) -> Estimate:
