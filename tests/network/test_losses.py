@@ -36,12 +36,6 @@ def test_soft_argmax_is_the_mean_class_and_hardens_to_the_argmax():
     assert float(soft_argmax(weights, 1e3)[0]) == pytest.approx(2)
 
 
-def test_even_weights_cost_the_logarithm_of_the_classes(pixels):
-    _, label, phase, turns = pixels
-    loss = unwrapping_loss(torch.zeros(1, N, 3, 4), label, phase, turns, depth_weight=0)
-    assert float(loss) == pytest.approx(math.log(N))
-
-
 def test_gradient_of_the_cross_entropy_is_probability_minus_truth(pixels):
     weights, label, phase, turns = pixels
     weights.requires_grad_()

@@ -27,12 +27,6 @@ def test_presets_are_configurations():
         assert min(rates) > 0 and rates[-1] < 0.1 * max(rates)
 
 
-def test_paper_preset_is_what_the_paper_states():
-    stage = read_config("paper").stages[0]
-    assert (stage.crops, stage.batch, stage.crop) == (1000 * 500, 12, 512)
-    assert stage.rate[0] == 1e-3 and stage.noise == (1200, 1200)
-
-
 def test_stages_follow_each_other(config):
     assert config.steps == 5
     assert [config.stage_at(step)[0].name for step in range(5)] == ["a", "a", "a", "b", "b"]
@@ -43,11 +37,9 @@ def test_stages_follow_each_other(config):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("- 1", "Expected YAML|Expected names and values"),
         ("stages: []", "Expected stages .* at least 1 item"),
         ("model: nobody\nstages: [{S}]", "Expected a model out of fast-scnn"),
         ("protocol: half\nstages: [{S}]", "Expected protocol .* 'released' or 'full'"),
-        ("seed: 1.5\nstages: [{S}]", "Expected seed .* got 1.5"),
         ("stages: [{S, rooms: 2}]", "Expected stages.0.rooms .* less than or equal to 1"),
         ("stages: [{S, rooms: 1, crop: 600}]", "Expected crops within rooms of 512 px"),
     ],
@@ -84,7 +76,7 @@ def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config):
     with pytest.raises(ValueError, match="Expected a new folder"):
         train(config, parts, **CPU)
     other = config.model_copy(update={"seed": 9})
-    with pytest.raises(ValueError, match="Expected the configuration that"):
+    with pytest.raises(ValueError, match="Expected the configuration of"):
         train(other, parts, resume=True, **CPU)
 
 
@@ -102,7 +94,7 @@ def test_device_that_is_not_there_is_refused(tmp_path, config):
         train(config, tmp_path, quiet=True, accelerator="gpu")
 
 
-@pytest.mark.parametrize("name", ["fast-scnn", "u-net", "one-step", "deep-tof", "rapid"])
+@pytest.mark.parametrize("name", ["fast-scnn", "deep-tof", "rapid"])
 def test_every_model_learns_a_batch_by_heart(name):
     """Ten steps on one batch bring its loss down."""
     stage = Stage(name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1)

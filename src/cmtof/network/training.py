@@ -237,7 +237,7 @@ def train(
         return None
     path = weights_path(config.model, config.protocol, folder)
     if trainer.is_global_zero:
-        half = halved(module.average.state_dict())  # validated as they are stored
+        half = halved(module.average)  # validated as they are stored
         module.average.load_state_dict({key: weight.float() for key, weight in half.items()})
         save_weights(path, module.average, _card(module))
     return path
@@ -271,15 +271,11 @@ def _checkpoint(folder: Path, config: Config, resume: bool) -> Path | None:
     if not last.is_file():
         return None
     if not resume:
-        raise ValueError(
-            f"Expected a new folder, got a run in {folder}. Pass --resume, or choose another."
-        )
+        got = f"got a run in {folder}. Pass --resume, or choose another"
+        raise ValueError(f"Expected a new folder, {got}.")
     held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]["config"]
     if held != config.model_dump_json():
-        raise ValueError(
-            f"Expected the configuration that {last} was made with, got another. Choose another "
-            "folder."
-        )
+        raise ValueError(f"Expected the configuration of {last}, got another. Change the folder.")
     return last
 
 

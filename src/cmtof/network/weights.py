@@ -7,7 +7,7 @@ nothing. torch is imported when a network is loaded.
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -123,21 +123,18 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
     )
 
 
-def halved(weights: Mapping[str, "Tensor"]) -> dict[str, "Tensor"]:
+def halved(network: "Network") -> dict[str, "Tensor"]:
     """Weights in half precision; running variances may exceed its range and stay in single."""
-    return {
-        name: (x.half() if x.is_floating_point() and "running" not in name else x)
-        .cpu()
-        .contiguous()
-        for name, x in weights.items()
-    }
+    weights = {name: tensor.cpu().contiguous() for name, tensor in network.state_dict().items()}
+    halves = {name: w.half() for name, w in weights.items() if w.is_floating_point()}
+    return weights | {name: half for name, half in halves.items() if "running" not in name}
 
 
 def save_weights(path: Path, network: "Network", card: Card) -> None:
     """Write weights in half precision and their card, with the hash of the weights' file."""
     from safetensors.torch import save
 
-    content = save(halved(network.state_dict()))
+    content = save(halved(network))
     card = card.model_copy(update={"sha256": hashlib.sha256(content).hexdigest()})
     with written_whole(path) as part:
         part.write_bytes(content)
