@@ -4,8 +4,8 @@
 # A network is trained on one kind of noise; an instrument has others. The paper's Table 3 adds an
 # offset of ±0.01 rad between the frequencies, and more noise, as strong room light would bring. A
 # method that reads the beat must lose to the offset what a formula predicts, and does; the paper's
-# network hardly loses, so it does not read the beat to a wrap. Other frequencies within the reach
-# of the same modulators need up to several times fewer pixels. Everything here is simulated.
+# network hardly loses, so it does not read the beat to a wrap. Other frequencies of the same
+# modulators need up to several times fewer pixels. Everything here is simulated.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -218,8 +218,7 @@ plotting.save(
 # A method that is right because it reads the beat falls by what the offset takes. The paper's
 # network is right in 51.6 % without and 51.0 % with an offset; had its answers come from the beat,
 # its own table (errors even to both sides) would leave 27 % for 0.01 rad on f₂ and 8 % for one on
-# f₁. What it is right by must come from the picture: shapes, amplitudes, likely depths. That is a
-# strength against a drifting clock, and a limit in a room that looks like none of the training.
+# f₁. What it is right by must come from the picture: shapes, amplitudes, likely depths.
 #
 # ## More noise, less light, other steps
 #
@@ -562,17 +561,16 @@ plotting.save(
     "frequencies_odds",
     numbers={"best_three_ghz": [f / 1e9 for f in sets["best three"][0]]}
     | {f"{case}: {key}": share[:, 0] for (case, key), share in odds.items()},
-    caption="Odds of the right wrap within 7.49 m against the pixels pooled, white pixels at the "
-    "paper's noise. Lines, the upper bound of theory; dots, counted, with 95 % intervals.",
+    caption="Odds of the right wrap within 7.49 m against the white pixels pooled. Lines, the bound "
+    "of theory; dots, counted, with 95 % intervals.",
     alt="Two panels of rising curves with dots on them. Left, the best three frequencies come "
-    "first and the paper's pair last; right, with the doubled mode weak, the single tones lead.",
+    "first; right, with the doubled mode weak, the single tones lead.",
 )
 print(f"{met} of {sum(len(o) for o in odds.values())} counted intervals meet the bounds")
 
 # %% [markdown]
 # At η = 0.26 the doubled mode has 2 % of the single mode's signal, at π/4 19 %, and any set that
-# relies on it is lost. None of these sets makes one pixel enough: other frequencies shrink the
-# surface that has to be pooled, and each brings an offset of its own.
+# relies on it is lost. None of these sets makes one pixel enough.
 
 # %%
 for row in table3:

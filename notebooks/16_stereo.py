@@ -47,9 +47,8 @@ LEFT, RIGHT, BEAM = plotting.PALETTE["blue"], plotting.PALETTE["vermillion"], "#
 # %% [markdown]
 # ## The labels of one scan
 #
-# Pictures of a checkerboard calibrate both cameras, the frame is scanned, and each pixel's spot is
-# seen unless something stands before it. The spots also locate the scanner: its beams leave in
-# known directions, so it is found like a third camera.
+# Pictures of a checkerboard calibrate both cameras. The spots of the scan locate the scanner, whose
+# beams leave in known directions, like a third camera.
 
 # %%
 sensor = stereo.Sensor()
@@ -131,8 +130,8 @@ plotting.save(
     figure,
     "fig09_stereo",
     numbers={
-        "labelled": float(truth.mask.mean()),
-        "labelled_by_stereo_alone": float(alone.mask.mean()),
+        "labelled": truth.mask.mean(),
+        "labelled_by_stereo_alone": alone.mask.mean(),
         "wrong": wrong,
         "least_wrap": least,
         "largest_wrap": largest,
@@ -150,9 +149,8 @@ plotting.save(
 )
 
 # %% [markdown]
-# Stereo alone gives $n = \lfloor 2fz/c \rfloor$ and is in doubt at the boundary of a wrap, however
-# precise it is. The measured phase removes that doubt: it locates the surface within the wrap, and
-# stereo need only be right to half a wrap, 10.5 mm.
+# Stereo alone gives $n = \lfloor 2fz/c \rfloor$ and is in doubt at the boundary of a wrap. The
+# measured phase removes that doubt: stereo need only be right to half a wrap, 10.5 mm.
 #
 # ## What limits a range
 #
@@ -162,9 +160,8 @@ plotting.save(
 #
 # $$\sigma = \frac{C\lambda N}{\sqrt2\,\pi}$$
 #
-# on the sensor, whatever the size of the spot {cite}`dorsch1994`. Only a wider lens (smaller $N$)
-# or less coherent light helps. The calibration {cite}`zhang2000` counts too: it is repeated with
-# its corners redrawn, and the scatter of the ranges is added to that of the spots.
+# on the sensor, whatever the size of the spot {cite}`dorsch1994`. The calibration {cite}`zhang2000`
+# is repeated with its corners redrawn, and the scatter of the ranges is added to that of the spots.
 
 # %%
 focal = float(cameras.matrices[0, 0, 0]) * sensor.pitch
@@ -208,10 +205,8 @@ plotting.save(
         "far_share": far.mask.mean(),
     },
     caption="Uncertainty of the range from stereo, of every pixel of two simulated scans.",
-    alt=(
-        "On logarithmic axes the uncertainty rises with the square of the range, along the line of "
-        f"speckle, which crosses half a wrap in {sigmas:g} sigma at {limit:.1f} m."
-    ),
+    alt="On logarithmic axes the uncertainty rises with the square of the range, along the line of "
+    f"speckle, which crosses half a wrap in {sigmas:g} sigma at {limit:.1f} m.",
     format="png",
 )
 
@@ -235,10 +230,9 @@ notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), row
 # %% [markdown]
 # ## Fine-tuning
 #
-# The labels go into a few more steps of training. The left half of the scan is trained on, the
-# right half is withheld; only labelled pixels within the network's classes count, and the
-# normalisation keeps its statistics. This shows that the path is whole, from spots to weights, and
-# no more: one half of one scan cannot do what the paper's «diverse dataset» does.
+# The left half of the scan is trained on, the right half is withheld; only labelled pixels within
+# the network's classes count. This shows that the path is whole, from spots to weights, and no
+# more: one half of one scan cannot do what the paper's «diverse dataset» does.
 
 # %%
 from cmtof.network.training import Labelled, fine_tune

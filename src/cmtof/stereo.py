@@ -1,8 +1,7 @@
 r"""Stereo supervision (Sec. 6.4, Fig. 9): two cameras triangulate the laser spot of the scan.
 
 A checkerboard calibrates both cameras, the spots of a scan locate the scanner between them, and the
-range of each spot gives its wrap count. What the cameras see is simulated. Geometry is OpenCV's,
-with its distortion k1, k2, p1, p2, k3; pixel centres lie at +0.5, as everywhere here.
+range of each spot gives its wrap count. What the cameras see is simulated; geometry is OpenCV's.
 """
 
 from collections.abc import Sequence
@@ -23,10 +22,8 @@ from cmtof.scenes.frame import Frame
 Array = NDArray[np.floating]
 
 COLUMNS, ROWS, SQUARE = 9, 6, 0.04  # inner corners of the checkerboard; side of a square, m
-
+# those corners (54, 3), m, row by row about the middle of the board
 BOARD = SQUARE * (np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3) - [4, 2.5, 0])
-"""Inner corners (54, 3), m, row by row about the middle of the board."""
-
 WINDOW = 11  # side of the window in which a spot is placed, px
 
 
