@@ -218,11 +218,6 @@ def phase_from_correlation(correlation: ArrayLike, psi: ArrayLike) -> Array:
     return decode(correlation, psi).phase
 
 
-def amplitude_from_correlation(correlation: ArrayLike, psi: ArrayLike) -> Array:
-    """Coefficient of the cosine of correlations, counts (Eq. 9); shapes as in `decode`."""
-    return decode(correlation, psi).amplitude
-
-
 def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
     """Standard deviation of one sample's noise, counts, from what the fit leaves over.
 
@@ -241,23 +236,6 @@ def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
     images = np.asarray(correlation).reshape(psi.size, -1)
     images = images[:, :: max(1, images.shape[1] // 65536)]  # a sample suffices
     return float(1.4826 * np.median(np.abs(null.astype(images.dtype) @ images)))
-
-
-def phase_variance(
-    psi: ArrayLike, *, phase: ArrayLike, amplitude: ArrayLike, variance: ArrayLike
-) -> Array:
-    """Variance of the decoded phase to first order in the noise, rad^2.
-
-    For K uniform steps of equal variance v it is ``2 v / (K a^2)``. Phases ``psi`` (K,) and
-    ``phase`` (...) in rad, ``amplitude`` (...) in counts, ``variance`` of each correlation (K, ...)
-    or one for all, counts^2.
-    """
-    weights = decoding_weights(psi)
-    phase = np.asarray(phase, float)
-    expand = (slice(None),) + (None,) * phase.ndim
-    # phi = atan2(y, x), so d phi = (cos(phi) dy - sin(phi) dx) / a
-    slope = np.cos(phase) * weights[2][expand] - np.sin(phase) * weights[1][expand]
-    return np.sum(slope**2 * np.asarray(variance), axis=0) / np.asarray(amplitude) ** 2
 
 
 # --- phase <-> depth and wraps -----------------------------------------------------------------

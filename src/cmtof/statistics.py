@@ -19,11 +19,6 @@ class Interval(NamedTuple):
     low: Array
     high: Array
 
-    @property
-    def excludes_zero(self) -> NDArray[np.bool_]:
-        """Whether all of the interval lies on one side of 0."""
-        return np.asarray((self.low > 0) | (self.high < 0))
-
 
 def ratio_interval(
     part: ArrayLike, whole: ArrayLike, *, level: float = 0.95, draws: int = 2000, seed: int = 0
