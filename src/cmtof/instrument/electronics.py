@@ -38,8 +38,7 @@ class Conversion:
     def density(self, volts: ArrayLike) -> Array:
         """One-sided noise density, V^2/Hz, at an output, V: shot noise and amplifier.
 
-        ``2 e I F (M R_T)^2`` for the primary current I (McIntyre 1966), F = M^x, and the data
-        sheet's own.
+        ``2 e I F (M R_T)^2`` for the primary current I, F = M^x (McIntyre 1966), and its own.
         """
         gain, excess = self.detector.gain, self.detector.gain**self.detector.excess_index
         shot = 2 * e * excess * (gain * self.detector.transimpedance)
@@ -48,10 +47,10 @@ class Conversion:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Three poles in a row, sampled: detector, EF120 and RC, driven by held light and white noise.
+    """Three poles in a row: detector, EF120 and RC, under held light and white noise.
 
-    The state holds the poles' outputs, ``x' = A x + b (light + noise)``. Between samples it is
-    carried on exactly: ``x -> transition x + entry light + sqrt(density) root normal``.
+    Between samples ``x' = A x + b (light + noise)`` is carried on exactly, as
+    ``x -> transition x + entry light + sqrt(density) root normal``; x are the poles' outputs.
     """
 
     transition: Array  # (3, 3), lower triangular

@@ -72,8 +72,7 @@ def spot_radius(optics: Optics, distance: ArrayLike) -> Array:
 def speckle_cells(optics: Optics, wavelength: float, distance: ArrayLike) -> Array:
     """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt.
 
-    The coherence area of a Gaussian spot of radius w is ``(lambda z)^2 / (pi w^2)`` (Goodman,
-    Speckle Phenomena in Optics, 2007, ch. 4): defocus makes the spot larger and speckle weaker.
+    ``(lambda z)^2 / (pi w^2)`` is a Gaussian spot's coherence area (Goodman, Speckle, 2007, ch. 4).
     """
     z = np.asarray(distance, float)
     area = np.pi * optics.aperture**2 / 4
@@ -153,16 +152,8 @@ def outward(optics: Optics) -> float:
     return optics.lens**2 * optics.mirror**4 * optics.splitter**2
 
 
-def to_power_meter(optics: Optics) -> float:
-    """Transmission from the fibre to the integrating sphere, modulator apart (Sec. 7.1)."""
-    return optics.lens**2 * optics.mirror * optics.splitter
-
-
 def inward(optics: Optics) -> float:
-    """Transmission from aperture to detector, modulator apart (Sec. 7.2).
-
-    Three mirrors at the galvo, one behind the 1.6x expander, the splitter, three lenses.
-    """
+    """Transmission from aperture to detector, modulator apart (Sec. 7.2)."""
     return optics.mirror**4 * optics.splitter * optics.lens**3
 
 

@@ -60,10 +60,7 @@ LABEL, DRIFT, CODE = 1, 5, 6  # purposes
 
 
 def drift(seed: int, channel: int, time: ArrayLike) -> Array:
-    """Drift in [-1, 1] with the rms `DRIFT_RMS` at times (...), s, of one of many channels.
-
-    Ten sinusoids of equal strength, one an octave: a 1/f spectrum, and a function of time alone.
-    """
+    """Drift in [-1, 1] at times (...), s, 1/f in spectrum: ten equal sinusoids, one an octave."""
     rng = keyed_generator(seed, DRIFT, channel)
     # off the exact octaves, or the sum would be periodic
     rate = 2 * np.pi * DRIFT_OCTAVES * rng.uniform(0.9, 1.1, DRIFT_OCTAVES.size)
@@ -271,7 +268,8 @@ class World:
     def laser_power(self, panel: Panel) -> float:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
         power = self.from_fibre(panel, np.array(panel.time)) * self.emission(panel)[0].real
-        return float(power * free_space.to_power_meter(self.settings.optics))
+        optics = self.settings.optics
+        return float(power * (optics.lens**2 * optics.mirror * optics.splitter))
 
 
 def amplitude(drive: Drive, power: float, frequency: float) -> complex:
