@@ -561,8 +561,8 @@ plotting.save(
     "frequencies_odds",
     numbers={"best_three_ghz": [f / 1e9 for f in sets["best three"][0]]}
     | {f"{case}: {key}": share[:, 0] for (case, key), share in odds.items()},
-    caption="Odds of the right wrap within 7.49 m against the white pixels pooled. Lines, the bound "
-    "of theory; dots, counted, with 95 % intervals.",
+    caption="Odds of the right wrap within 7.49 m against the white pixels pooled. Lines, bound "
+    "by theory; dots, counted, with 95 % intervals.",
     alt="Two panels of rising curves with dots on them. Left, the best three frequencies come "
     "first; right, with the doubled mode weak, the single tones lead.",
 )
