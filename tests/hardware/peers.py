@@ -1,12 +1,9 @@
 """Other ends for the drivers: small models of the devices, behind wires that can fail."""
 
 import asyncio
-import gc
 import queue
 import struct
 import threading
-import warnings
-from binascii import crc_hqx
 from contextlib import contextmanager
 from types import SimpleNamespace
 
@@ -107,7 +104,7 @@ def dialogue(kind, *pairs):
 class Firmware:
     """An RF driver's firmware: numbers and switches by word, lock, table."""
 
-    model, locked, codes = "CMTOF-RF", True, ()
+    model, locked = "CMTOF-RF", True
 
     def __init__(self):
         self.values = {"RF": "OFF"}
@@ -116,17 +113,13 @@ class Firmware:
         head, word, *arguments = line.decode().rpartition("*")[0].split()
         if word == "SAFE":
             self.values["RF"] = "OFF"
-        if word == "TABL":
+        if arguments:
             self.codes = [int(code) for code in arguments[1:]]
-        elif arguments:
             self.values[word] = arguments[0]
-        check = crc_hqx(b"".join(code.to_bytes(2, "big") for code in self.codes), 0xFFFF)
-        lock = int(self.locked and self.values["RF"] == "ON")
+        on = int(self.values["RF"] == "ON")
         replies = self.values | {
             "ID?": f"{self.model},R0001,1.2",
-            "LOCK?": f"{lock} -5e6 10.0",
-            "STAT?": f"{self.values['RF']} {lock} 0 16 0",
-            "TABL": f"{len(self.codes)} {check:04X}",
+            "STAT?": f"{on} {int(self.locked and on)} 0 16 0",
         }
         return framed(f"<{head[1:]} OK {replies.get(word, '')}".strip())
 
@@ -151,7 +144,6 @@ class Controller:
         answers = {
             0x0005: (0x0006, "<l8sH4B60sHHH", *info),
             0x0411: (0x0412, "<Hl", 1, self.position),
-            0x0414: (0x0415, "<H3l", 1, 0, 100, 10**8),
             0x0490: (0x0491, "<HlhHL", 1, self.position, 0, 0, self.status | moving),
         }
         if number in (0x0443, 0x0453):
@@ -173,10 +165,9 @@ class T7:
     """Registers of a T7, function 76, and a burst's packets on ``stream``; a burst may fail."""
 
     def __init__(self):
-        self.words, self.written, self.fault, self.pulses = {2007: 1}, [], "", 0
+        self.words, self.written, self.fault = {2007: 1}, [], ""
         self.stream = Port()
         self.set(60000, "f", 7.0)  # PRODUCT_ID
-        self.set(60004, "f", 1.0292)  # FIRMWARE_VERSION
         self.set(60028, "I", 470010001)  # SERIAL_NUMBER
         self.set(61812, "fff", 3.16e-4, -3.16e-4, 33520.0)  # INTERNAL_FLASH_READ
 
@@ -216,7 +207,6 @@ class T7:
         """Packets of a ramp that starts at the label of the burst."""
         scans, size = self.get(4020), self.get(4006)
         counts = (np.arange(scans) + self.get(46100)).astype(">u2")
-        self.pulses += scans // self.get(4060)
         fault, self.fault = self.fault, ""
         for n, start in enumerate(range(0, scans, size)):
             part = counts[start : start + size].tobytes()
@@ -226,9 +216,8 @@ class T7:
             self.stream.write(head + part if not (fault == "short" and n) else b"")
 
 
-@contextmanager
 def served(model):
-    """Address of a T7 on pymodbus' own server, which leaves its transports open at the end."""
+    """Address of a T7 on pymodbus' own server, which ends with the program."""
     ready = queue.Queue()
 
     class Answer(Feedback):
@@ -239,28 +228,13 @@ def served(model):
             reply.data = model(self.data)
             return reply
 
-    def trace(sending, data):
-        return b"" if sending and model.fault == "drop" else data
-
     async def serve():
         data = SimData(0, values=0, count=65535, datatype=DataType.REGISTERS)
-        place = {"address": ("127.0.0.1", 0), "trace_packet": trace, "custom_pdu": [Answer]}
+        place = {"address": ("127.0.0.1", 0), "custom_pdu": [Answer]}
         server = ModbusTcpServer(SimDevice(1, simdata=data), **place)
         await server.serve_forever(background=True)
-        end = asyncio.Event()
-        ready.put((server.transport.sockets[0].getsockname()[1], asyncio.get_running_loop(), end))
-        await end.wait()
-        for connection in server.active_connections.values():
-            connection.transport.abort()
-        await server.shutdown()
-        await asyncio.sleep(0.02)  # transports close on the next turns of the loop
+        ready.put(server.transport.sockets[0].getsockname()[1])
+        await asyncio.Event().wait()
 
-    thread = threading.Thread(target=lambda: asyncio.run(serve()), daemon=True)
-    thread.start()
-    port, loop, end = ready.get(timeout=10)
-    yield f"127.0.0.1:{port}"
-    loop.call_soon_threadsafe(end.set)
-    thread.join(5)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ResourceWarning)
-        gc.collect()
+    threading.Thread(target=lambda: asyncio.run(serve()), daemon=True).start()
+    return f"127.0.0.1:{ready.get(timeout=10)}"

@@ -166,7 +166,7 @@ PLACES = {
     "plate_emission": "move_to",
     "plate_detection": "move_to",
     "stage": "move_to",
-    "power_meter": "zero",
+    "power_meter": "set_up",
 }
 
 

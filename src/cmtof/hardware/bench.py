@@ -112,9 +112,7 @@ class Bench(EmergencyStop):
             rf.set_power(rig.power_dbm)
             rf.set_phase(0.0)
             rf.trigger(False)
-        self.power_meter.wavelength = LASER_WAVELENGTH
-        self.power_meter.averaging = POWER_READINGS
-        self.power_meter.zero()
+        self.power_meter.set_up(wavelength=LASER_WAVELENGTH, readings=POWER_READINGS)
         self.switch("laser", True)
 
     def choose_mode(self, mode: str) -> None:
@@ -264,7 +262,7 @@ def driver(name: str, device: DeviceSettings) -> Any:
     match device.driver:
         case "labjack-t7":
             stream = rf.open_serial(f"socket://{address.partition(':')[0]}:702")
-            safe = {LINES[part]: False for part in LIGHT}
+            safe = [LINES[part] for part in LIGHT]
             return t7.LabJackT7(t7.open_modbus(address), stream, name, safe)
         case "rf-driver":
             return rf.RfDriver(rf.open_serial(address), name)

@@ -3,9 +3,8 @@
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, ClassVar, NoReturn, TypeVar
-
-T = TypeVar("T")
+from functools import wraps
+from typing import Any, ClassVar, NoReturn
 
 
 class InstrumentError(OSError):
@@ -59,10 +58,8 @@ def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterato
 class Device:
     """An instrument on a library's connection; ``serial_number`` refuses any other."""
 
-    MODELS: ClassVar[tuple[str, ...]] = ()
-    """Beginnings of the model names that the driver takes."""
-    LIMITS: ClassVar[Mapping[str, tuple[float, float]]] = {}
-    """Least and greatest value of each setting, in SI units."""
+    MODELS: ClassVar[tuple[str, ...]] = ()  # beginnings of the names that the driver takes
+    LIMITS: ClassVar[Mapping[str, tuple[float, float]]] = {}  # of settings, in SI units
 
     def __init__(self, connection: Any, name: str, serial_number: str = "") -> None:
         self._connection, self.name, self._serial_number = connection, name, serial_number
@@ -87,14 +84,6 @@ class Device:
     def _resynchronise(self) -> None:
         """Make sure that the next answer is that to the next question."""
 
-    def _read(self, ask: Callable[[], T]) -> T:
-        """Ask, and once more after a lost or garbled answer: only where nothing moves by it."""
-        try:
-            return ask()
-        except (InstrumentTimeout, BadReply):
-            self._resynchronise()
-        return ask()
-
     def _within(self, **settings: float) -> None:
         """Raise a ValueError for a setting beyond its limits."""
         for what, value in settings.items():
@@ -111,6 +100,20 @@ class Device:
 
     def _fail(self, kind: type[InstrumentError], wish: str, got: str, remedy: str) -> NoReturn:
         raise kind(f"Expected {self.name} to {wish}, got {got[:80]}. {remedy}")
+
+
+def question(ask: Callable[..., Any]) -> Callable[..., Any]:
+    """Ask once more after a lost or garbled answer: only where nothing moves by it."""
+
+    @wraps(ask)
+    def asked(self: Device, *arguments: Any) -> Any:
+        try:
+            return ask(self, *arguments)
+        except (InstrumentTimeout, BadReply):
+            self._resynchronise()
+        return ask(self, *arguments)
+
+    return asked
 
 
 def insist(*acts: Callable[[], object], tries: int = 2) -> None:

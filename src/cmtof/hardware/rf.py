@@ -1,28 +1,24 @@
 """RF driver of one modulator, over lines of text on a serial port (pyserial).
 
 Request ``>SEQ WORD arg...*CCCC``, reply ``<SEQ OK value...*CCCC`` or ``<SEQ ERR CODE text*CCCC``,
-unasked ``!WORD arg...*CCCC``; every line ends in a newline. SEQ is 0 to 99; CCCC is the
-CRC-16/CCITT-FALSE, in upper-case hexadecimal, of what stands before the asterisk. The words are
-listed in the book's hardware guide. The driver's own safety stands in its firmware: a dead man's
-timer turns RF off when the host falls silent, and loss of lock does the same.
+unasked ``!WORD arg...*CCCC``; SEQ is 0 to 99, CCCC the CRC-16/CCITT-FALSE of what stands before the
+asterisk. The words are listed in the book's hardware guide. The driver's own safety stands in its
+firmware: a dead man's timer turns RF off when the host falls silent, and loss of lock does so too.
 """
 
 import time
 from binascii import crc_hqx
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import pi
 from typing import Any, ClassVar
 
 import serial
 
 from cmtof.hardware import device
-from cmtof.hardware.device import number, one_error
+from cmtof.hardware.device import number, one_error, question
 from cmtof.instrument.devices import Status
 
-CODES = 65536
-"""Phase codes of one turn of the drive."""
-_UNSAFE = {"TRIPPED", "LOCK", "UNLOCKED", "INTERLOCK"}
-_truth = {"ON": True, "1": True, "OFF": False, "0": False}.__getitem__
+CODES = 65536  # of one turn of the drive
 
 
 def open_serial(address: str, *, rtscts: bool = False) -> Any:
@@ -35,7 +31,7 @@ def open_serial(address: str, *, rtscts: bool = False) -> Any:
 
 def framed(text: str) -> bytes:
     """Line with checksum and newline."""
-    body = text.encode("ascii")
+    body = text.encode("latin-1")
     return b"%s*%04X\n" % (body, crc_hqx(body, 0xFFFF))
 
 
@@ -45,7 +41,7 @@ def code_from_phase(phase: float) -> int:
 
 
 class RfDriver(device.Device):
-    """An RF driver; it sends unasked why it switched RF off by itself, a trip."""
+    """An RF driver."""
 
     MODELS = ("CMTOF-RF",)
     LIMITS: ClassVar = {
@@ -55,7 +51,7 @@ class RfDriver(device.Device):
         "DEAD": (0.1, 60.0),
         "TABL": (1, 64),
     }
-    _trip, _sequence, _guarded = "", -1, False
+    _sequence = -1
 
     def set_frequency(self, hz: float) -> None:
         """Set the frequency of the drive, whole Hz."""
@@ -74,23 +70,16 @@ class RfDriver(device.Device):
     def set_dead_man(self, seconds: float) -> None:
         """Have RF turned off when no request comes for so long."""
         self._set("DEAD", seconds, 1e-3)
-        self._guarded = True
 
     def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
-        """Switch RF; on needs a dead man's time, and a lock in time, or RF is off again."""
-        if on and not self._guarded:
-            self._fail(device.Unsafe, "have a dead man's time", "none", "Call set_dead_man first.")
-        self._set("RF", on)
+        """Switch RF; on needs a lock in time, or RF is off again."""
+        self._switch("RF", on)
         deadline = time.monotonic() + lock_timeout
         try:
-            while on:
-                locked, detuning, _ = self._question("LOCK?", _truth, number, number)
-                if locked:
-                    return
-                if self._trip or time.monotonic() >= deadline:
-                    got = f"{self._trip or 'no lock'} ({detuning:g} Hz off)"
+            while on and not (status := self.status()).locked:
+                if status.tripped or time.monotonic() >= deadline:
                     wish = f"lock within {lock_timeout:g} s"
-                    self._fail(device.Unsafe, wish, got, "Check frequency and cable.")
+                    self._fail(device.Unsafe, wish, str(status), "Check frequency and cable.")
                 time.sleep(0.02)
         except OSError:
             self.safe_state()
@@ -98,31 +87,28 @@ class RfDriver(device.Device):
 
     def status(self) -> Status:
         """Output, lock, table and trip in one answer."""
-        return Status(*self._question("STAT?", _truth, _truth, int, int, _truth))
+        with one_error(self.name):
+            return Status(*map(int, self._question("STAT?")))  # type: ignore[arg-type]
 
     def clear_trip(self) -> None:
         """Allow RF again after a trip; it stays off until `output`."""
         self._ask("CLR")
-        self._trip = ""
 
     def ping(self) -> None:
-        """Feed the dead man's timer; `Unsafe` if the driver reported a trip since."""
-        self._question("PING")
-        if self._trip:
-            self._fail(device.Unsafe, "keep RF on", f"a trip ({self._trip})", "Find the cause.")
+        """Feed the dead man's timer; `Unsafe` if the driver has switched RF off by itself."""
+        if self.status().tripped:
+            self._fail(device.Unsafe, "keep RF on", "a trip", "Find the cause.")
 
     def load_table(self, phases: Sequence[float]) -> None:
-        """Load phases of the drive, rad, that the trigger steps through; checked."""
-        codes = [code_from_phase(phase) for phase in phases]
-        self._within(TABL=len(codes))
-        check = crc_hqx(b"".join(code.to_bytes(2, "big") for code in codes), 0xFFFF)
-        found = self._ask("TABL", *map(str, [len(codes), *codes]), parsers=[int, str])
-        if found != [len(codes), f"{check:04X}"]:
-            self._fail(device.Refused, "take the table's checksum", str(found), "Load it again.")
+        """Load phases of the drive, rad, that the trigger steps through."""
+        self._within(TABL=len(phases))
+        codes = [str(code_from_phase(phase)) for phase in phases]
+        found = self._ask("TABL", str(len(codes)), *codes)
+        self._expect("TABL", len(codes), number(" ".join(found)))
 
     def trigger(self, on: bool) -> None:
         """Let rising edges at the trigger input step the table, or not."""
-        self._set("TRIG", on)
+        self._switch("TRIG", on)
 
     def arm(self) -> None:
         """Count no edges yet; the first edge plays entry 0."""
@@ -135,54 +121,46 @@ class RfDriver(device.Device):
             self._fail(device.Unsafe, "turn RF off", "it on", "Switch it off by hand.")
 
     def _identity(self) -> dict[str, str]:
-        words = ("model", "serial_number", "firmware")
-        parse = lambda word: dict(zip(words, word.split(","), strict=True))  # noqa: E731
-        return self._question("ID?", parse)[0]
+        words = "".join(self._question("ID?")).split(",")
+        with one_error(self.name):
+            return dict(zip(("model", "serial_number", "firmware"), words, strict=True))
 
     def _set(self, word: str, value: float, tolerance: float = 0.0) -> None:
-        """Set a number within its limits, or a switch, and compare what was really set."""
-        if isinstance(value, bool):
-            (found,) = self._ask(word, "ON" if value else "OFF", parsers=[_truth])
-        else:
-            self._within(**{word: value})
-            (found,) = self._ask(word, f"{value:.12g}", parsers=[number])
-        self._expect(word, value, found, tolerance)
+        """Set a number within its limits, and compare what was really set."""
+        self._within(**{word: value})
+        found = self._ask(word, f"{value:.12g}")
+        self._expect(word, value, number(" ".join(found)), tolerance)
 
-    def _question(self, word: str, *parsers: Callable[[str], Any]) -> list[Any]:
-        """Values of an answer; asked once more after a lost or garbled one."""
-        return self._read(lambda: self._ask(word, parsers=parsers))
+    def _switch(self, word: str, on: bool) -> None:
+        """Switch, and compare what was really set."""
+        self._expect(word, on, self._ask(word, "ON" if on else "OFF") == ["ON"])
 
-    def _ask(
-        self, word: str, *arguments: str, parsers: Sequence[Callable[[str], Any]] = ()
-    ) -> list[Any]:
-        """Values of the answer to one request; answers to earlier ones are passed over."""
+    @question
+    def _question(self, word: str) -> list[str]:
+        """Words of the answer to a request that changes nothing."""
+        return self._ask(word)
+
+    def _ask(self, word: str, *arguments: str) -> list[str]:
+        """Words of the answer to one request; lines to earlier ones or unasked are passed over."""
         self._sequence = (self._sequence + 1) % 100
         with one_error(self.name):
             self._connection.write(framed(" ".join([f">{self._sequence}", word, *arguments])))
-        for _ in range(100):
-            head, *words = self._line()
-            if head == "!TRIP":
-                self._trip = " ".join(words) or "unnamed"
-            elif head == "<??":
-                break
-            elif head == f"<{self._sequence}":
-                if words[:1] != ["OK"]:
-                    kind = device.Unsafe if _UNSAFE & set(words[1:2]) else device.Refused
-                    self._fail(kind, f"obey {word}", " ".join(words), "Check state and limits.")
-                with one_error(self.name):
-                    return [parse(one) for parse, one in zip(parsers, words[1:], strict=True)]
-        raise device.BadReply(f"Expected {self.name} to answer, got other lines. Ask again.")
+        while (words := self._line())[:1] != [f"<{self._sequence}"]:
+            pass
+        if words[1:2] != ["OK"]:
+            wish, got = f"obey {word}", " ".join(words[1:])
+            self._fail(device.Refused, wish, got, "Check state and limits.")
+        return words[2:]
 
     def _line(self) -> list[str]:
-        """Words of the next line whose checksum is right."""
+        """Words of the next line."""
         with one_error(self.name):
             line = self._connection.read_until(b"\n", 1024)
-        if not line.endswith(b"\n"):
-            self._fail(device.InstrumentTimeout, "send a line in time", repr(line), "Check power.")
-        body, _, _ = line.rpartition(b"*")
-        if not body or not body.isascii() or line != framed(body.decode("ascii")):
-            self._fail(device.BadReply, "send a line with its checksum", repr(line), "Ask again.")
-        return body.decode("ascii").split() or [""]
+        body = line.decode("latin-1").rpartition("*")[0]
+        if line != framed(body):
+            kind = device.BadReply if line.endswith(b"\n") else device.InstrumentTimeout
+            self._fail(kind, "send a whole line in time", repr(line), "Check power and cable.")
+        return body.split()
 
     def _resynchronise(self) -> None:
         with one_error(self.name):

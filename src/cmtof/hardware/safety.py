@@ -9,21 +9,17 @@ from typing import Any, Self
 
 from cmtof.hardware.device import Unsafe
 
-SIGNALS = tuple(
-    getattr(signal, name)
-    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
-    if hasattr(signal, name)  # Windows lacks two of them
-)
-"""Signals that lead to the stop: Ctrl-C, kill, a closed terminal, Ctrl-backslash."""
+_NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")  # Windows lacks the last two
+_SIGNALS = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
 
 
 class EmergencyStop:
-    """Safe states of devices on exit, exception, each of `SIGNALS` and the end of the program.
+    """Safe states of devices on exit, exception, Ctrl-C, kill, and the end of the program.
 
     ``devices`` have a ``name`` and a ``safe_state()`` and are stopped in their order: what sends
     out light first. A signal does no work itself: it raises in the main thread, so that no request
     is sent into the middle of another, and the stop runs while the context is left; signals that
-    come then wait for its end. Against SIGKILL stand the devices' own timers.
+    come then are ignored. Against SIGKILL stand the devices' own timers.
     """
 
     def __init__(self, devices: Sequence[Any]) -> None:
@@ -31,14 +27,14 @@ class EmergencyStop:
         self._previous: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
-        self._stopping, self._pending = False, 0
         atexit.register(self.__exit__, None, None, None)
         if threading.current_thread() is threading.main_thread():
-            self._previous = {one: signal.signal(one, self._on_signal) for one in SIGNALS}
+            self._previous = {one: signal.signal(one, self._on_signal) for one in _SIGNALS}
         return self
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        self._stopping, failed = True, []
+        failed = []
+        self._ignore_signals()
         for device in self._devices:
             try:
                 device.safe_state()
@@ -56,16 +52,12 @@ class EmergencyStop:
             raise Unsafe(f"{error} Then: {message}" if error else message) from error
         if failed:  # Ctrl-C and exit codes go on as they are, but nobody may overlook this
             print(message, file=sys.stderr)
-        if self._pending and error is None:
-            _raise(self._pending)
+
+    def _ignore_signals(self) -> None:
+        for number in self._previous:
+            signal.signal(number, signal.SIG_IGN)
 
     def _on_signal(self, number: int, frame: object) -> None:
-        if self._stopping:
-            self._pending = number
-        else:
-            _raise(number)
-
-
-def _raise(number: int) -> None:
-    """Raise what a signal stands for: exit code 130 for Ctrl-C, else 128 and its number."""
-    raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
+        """Raise what a signal stands for: exit code 130 for Ctrl-C, else 128 and its number."""
+        self._ignore_signals()
+        raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)

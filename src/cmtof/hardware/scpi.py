@@ -1,9 +1,8 @@
 """SCPI instruments on PyVISA: the clock Siglent SDG2042X and the power meter Thorlabs PM100D.
 
-Neither numbers its replies nor has an error queue that helps: what the generator does not like it
-drops or clamps silently (SDG Programming Guide; acceptance of an SDG2122X, firmware
-2.01.01.39R7T2). So every setting is read back, and after a lost answer ``*IDN?`` is asked until its
-reply comes.
+Neither numbers its replies, and what the generator does not like it drops or clamps silently (SDG
+Programming Guide; acceptance of an SDG2122X, firmware 2.01.01.39R7T2). So every setting is read
+back, and after a lost answer ``*IDN?`` is asked until its reply comes.
 """
 
 import re
@@ -11,14 +10,12 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar
 
 import pyvisa
 
 from cmtof.hardware import device
-from cmtof.hardware.device import number, one_error
-
-T = TypeVar("T")
+from cmtof.hardware.device import number, one_error, question
 
 
 def open_visa(address: str, library: str = "@py") -> Any:
@@ -41,15 +38,17 @@ class ScpiInstrument(device.Device):
         with one_error(self.name):
             self._connection.write(command)
 
-    def _ask(self, question: str, parse: Callable[[str], T] = number) -> T:
-        """Parsed answer; asked once more after a lost or garbled one."""
+    def _set(self, command: str, value: float) -> None:
+        """Set a number, and compare what the device holds then."""
+        self._write(f"{command} {value:.9g}")
+        self._expect(command, value, self._ask(f"{command}?"), 1e-3 * abs(value))
 
-        def ask() -> T:
-            self._write(question)
-            with one_error(self.name):
-                return parse(self._connection.read())
-
-        return self._read(ask)
+    @question
+    def _ask(self, command: str, parse: Callable[[str], Any] = number) -> Any:
+        """Parsed answer."""
+        self._write(command)
+        with one_error(self.name):
+            return parse(self._connection.read())
 
     def _resynchronise(self) -> None:
         self._write("*IDN?")
@@ -58,19 +57,6 @@ class ScpiInstrument(device.Device):
                 if self.MODELS[0] in self._connection.read():  # else it is an old reply
                     return
         self._fail(device.InstrumentTimeout, "identify itself", "other answers", "Restart it.")
-
-
-def setting(command: str, meaning: str, scale: float = 1.0) -> Any:
-    """Property that sets a number and reads it back; ``scale`` is the device's unit in SI units."""
-
-    def get(self: ScpiInstrument) -> float:
-        return scale * self._ask(f"{command}?")
-
-    def put(self: ScpiInstrument, value: float) -> None:
-        self._write(f"{command} {value / scale:.9g}")
-        self._expect(command, value, get(self), 1e-3 * abs(value))
-
-    return property(get, put, doc=meaning)
 
 
 class SignalGenerator(ScpiInstrument):
@@ -98,29 +84,27 @@ class SignalGenerator(ScpiInstrument):
         self._expect(f"output {channel}", on, found.get(f"C{channel}:OUTP") == "ON")
 
     def lock_phases(self) -> None:
-        """Lock and align both channels; firmware knows one of two spellings, so both are tried."""
-        for spelling in ("PHASE-LOCKED", "PHASELOCKED"):
-            self._write(f"MODE {spelling}")
-            if "LOCKED" in self._ask("MODE?", str):
-                self._write("EQPHASE")
-                return
-        self._fail(device.Refused, "lock its channels", "neither spelling taken", "Set it by hand.")
+        """Lock and align both channels; firmware takes one of two spellings and drops the other."""
+        self._write("MODE PHASE-LOCKED")
+        self._write("MODE PHASELOCKED")
+        self._expect("phase lock", True, "LOCKED" in self._ask("MODE?", str))
+        self._write("EQPHASE")
 
     def safe_state(self) -> None:
         """Switch both outputs off; the second even if the first does not follow."""
         device.insist(*(partial(self.output, channel, False) for channel in (1, 2)))
 
-    def _pairs(self, question: str) -> dict[str, str]:
+    def _pairs(self, command: str) -> dict[str, str]:
         """Keys and values of an answer such as ``C1:OUTP ON,LOAD,50,PLRT,NOR``."""
 
         def parse(line: str) -> dict[str, str]:
             words = re.split("[ ,]", line.strip())
-            if f"{words[0]}?" != question:
+            if f"{words[0]}?" != command:
                 raise ValueError(line)
             first = len(words) % 2  # the answer of OUTP begins with a value, that of BSWV does not
             return dict(zip(words[first::2], words[first + 1 :: 2], strict=True))
 
-        return self._ask(question, parse)
+        return self._ask(command, parse)
 
 
 class PowerMeter(ScpiInstrument):
@@ -130,26 +114,20 @@ class PowerMeter(ScpiInstrument):
     """
 
     MODELS = ("PM100",)
-    wavelength = setting("SENS:CORR:WAV", "Wavelength that the head is corrected for, m.", 1e-9)
-    averaging = setting("SENS:AVER:COUN", "Readings of 3 ms each that a value is the mean of.")
-
-    def identify(self) -> dict[str, str]:
-        """Identity and head; `Refused` for another device, or a head without power."""
-        found = super().identify()
-        name, *_, flags = self._ask("SYST:SENS:IDN?", lambda line: line.split(","))
-        if not int(number(flags)) & 1:
-            self._fail(device.Refused, "have a head for power", name, "Plug in the S140C.")
-        return found | {"sensor": name}
+    LIMITS: ClassVar = {"wavelength": (350e-9, 1100e-9), "readings": (1, 10000)}
 
     @property
     def power(self) -> float:
         """Power, W; overload of the head raises `BadReply`."""
         return self._ask("MEAS:POW?")
 
-    def zero(self, timeout: float = 30.0) -> None:
-        """Take what the covered head sees now as dark."""
+    def set_up(self, *, wavelength: float, readings: int) -> None:
+        """Correct for a wavelength, m, average readings of 3 ms each, and zero the dark head."""
+        self._within(wavelength=wavelength, readings=readings)
+        self._set("SENS:CORR:WAV", 1e9 * wavelength)
+        self._set("SENS:AVER:COUN", readings)
         self._write("SENS:CORR:COLL:ZERO:INIT")
-        deadline = time.monotonic() + timeout
+        deadline = time.monotonic() + 30.0
         while self._ask("SENS:CORR:COLL:ZERO:STAT?"):
             if time.monotonic() >= deadline:
                 self._fail(device.InstrumentTimeout, "be zeroed", "no end", "Cover the head.")

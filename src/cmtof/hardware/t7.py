@@ -1,15 +1,14 @@
 """Read-out LabJack T7 over Modbus TCP (pymodbus): digital lines, bursts of samples, watchdog.
 
-Registers are those of LabJack's ljm_constants.json. Function 76 (feedback), reads and writes in
+Registers are those of LabJack's ljm_constants.json; function 76 (feedback), reads and writes in
 their order in one frame, and the packets of the stream are LabJack's own (T-Series Datasheet, 3.2.3
 Stream-Out, 3.2.4 Low-Level Stream). A stream-out puts one value a scan into a whole port, whose
-upper byte keeps the other lines from changing. Its waveform goes on where it stopped when the
-stream starts again: so a burst holds whole pulses, and one that broke off is set up again.
+upper byte keeps the other lines from changing.
 """
 
 import logging
 import struct
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import gcd
 from typing import Any, ClassVar
 
@@ -19,7 +18,7 @@ from pymodbus.client import ModbusTcpClient
 from pymodbus.pdu import ModbusPDU
 
 from cmtof.hardware import device
-from cmtof.hardware.device import one_error
+from cmtof.hardware.device import one_error, question
 from cmtof.hardware.reduction import RANGES, Gain
 
 Register = tuple[int, str]
@@ -32,12 +31,9 @@ REGISTERS: dict[str, Register] = {
     **{f"TDAC{n}": (30000 + 2 * n, "f") for n in range(8)},
 }
 """Address and format of the registers that are used more than once; the others stand in place."""
-CALIBRATION = 0x3C4000
-"""Where the calibration begins in the flash: four floats for each input range."""
-PACKET = 160
-"""Samples of a packet at most: two or more packets a point, so that a lost one is seen at once."""
-COMPLETE = 2944
-"""Status of the last packet of a burst; 2940 to 2943 stand for scans that were skipped."""
+CALIBRATION = 0x3C4000  # in the flash: four floats for each input range
+PACKET = 160  # samples at most: two or more packets a point, so that a lost one is seen at once
+COMPLETE = 2944  # status of a burst's last packet; 2940 to 2943 stand for skipped scans
 
 
 def write(register: str | Register, value: ArrayLike) -> bytes:
@@ -76,17 +72,15 @@ class LabJackT7(device.Device):
     """A T7 with its two connections.
 
     ``client`` is from `open_modbus`; stream packets come unasked on ``stream``, a pyserial port
-    ``socket://HOST:702``. ``safe_levels`` of FIO lines are set by the device's own watchdog.
+    ``socket://HOST:702``. The device's own watchdog pulls ``safe_lines`` low.
     """
 
     MODELS = ("T7",)
     LIMITS: ClassVar = {"rate": (1.0, 50e3), "pulse": (2, 250)}
 
-    def __init__(
-        self, client: Any, stream: Any, name: str = "daq", safe_levels: Mapping[str, bool] = {}
-    ) -> None:
+    def __init__(self, client: Any, stream: Any, name: str, safe_lines: Sequence[str] = ()) -> None:
         super().__init__(client, name)
-        self._stream, self._safe_levels = stream, dict(safe_levels)
+        self._stream, self._safe_lines = stream, safe_lines
         self._settings: dict[Register, float] = {}
         self._waveform: dict[str | Register, ArrayLike] = {}
         self._line, self._scans = "", 0
@@ -142,7 +136,7 @@ class LabJackT7(device.Device):
             (4006, "I"): gcd(scans, PACKET),  # STREAM_SAMPLES_PER_PACKET
             (4010, "I"): 1,  # STREAM_RESOLUTION_INDEX
             (4012, "I"): 32768,  # STREAM_BUFFER_SIZE_BYTES
-            (4014, "I"): 0,  # STREAM_CLOCK_SOURCE
+            (4014, "I"): 0,  # STREAM_CLOCK_SOURCE: its own
             (4016, "I"): 1,  # STREAM_AUTO_TARGET: port 702
             (4020, "I"): scans,  # STREAM_NUM_SCANS
             (4024, "I"): 0,  # STREAM_TRIGGER_INDEX
@@ -159,15 +153,6 @@ class LabJackT7(device.Device):
             (4420, "H"): np.repeat([inhibit | bit, inhibit], [pulse // 2, pulse - pulse // 2]),
             (4070, "I"): 1,  # STREAM_OUT0_SET_LOOP
         }
-        self._prepare()
-
-    def _prepare(self) -> None:
-        """Write everything that a burst depends on, and read back what can be."""
-        self._stop()
-        self._set(self._settings)
-        # STREAM_SETTLING_US (0 is automatic), STREAM_DATATYPE (in no map), STREAM_OUT0_ENABLE
-        self.write_many({(4008, "f"): 0, (4018, "I"): 0, (4090, "I"): 0})
-        self.write_many(self._waveform)
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
         """Counts (scans,) of a burst for each request; nothing is repeated here.
@@ -175,7 +160,11 @@ class LabJackT7(device.Device):
         A request's registers are written in the frame that starts its burst. `BadReply` stands for
         lost packets and skipped scans, `InstrumentTimeout` for missing samples.
         """
-        self._prepare()  # an earlier burst may have broken off
+        self._stop()  # a waveform goes on where it stopped: one that broke off is set up again
+        self._set(self._settings)
+        # STREAM_SETTLING_US (0 is automatic), STREAM_DATATYPE (in no map), STREAM_OUT0_ENABLE
+        self.write_many({(4008, "f"): 0, (4018, "I"): 0, (4090, "I"): 0})
+        self.write_many(self._waveform)
         for registers in requests:
             with one_error(self.name):
                 self._stream.reset_input_buffer()
@@ -188,24 +177,19 @@ class LabJackT7(device.Device):
 
     def _samples(self) -> NDArray[np.uint16]:
         """Counts (scans,) of the packets of a burst that has been started."""
-        size = gcd(self._scans, PACKET)
-        layout = np.dtype(f">u2, >u2, >u2, u1, u1, >u2, >u2, >u2, >u2, ({size},)>u2")
-        wanted = self._scans // size * layout.itemsize
+        width = 8 + gcd(self._scans, PACKET)  # words of a packet, 8 of them its head
+        wanted = self._scans // (width - 8) * 2 * width
         with one_error(self.name):
             data = self._stream.read(wanted)
-        packets = np.frombuffer(data, layout, len(data) // layout.itemsize)
-        number, _, length, _, function, kind, _, status, _, counts = (
-            packets[name] for name in layout.names or ()
-        )
-        if not np.isin(status, (0, COMPLETE)).all():
-            got = f"status {status.max()}"
-            self._fail(device.BadReply, "skip no scan", got, "Take it again.")
+        words = np.frombuffer(data, ">u2", len(data) // (2 * width) * width).reshape(-1, width)
+        number, _, length, function, kind, _, status, _ = words[:, :8].T
+        known = (function & 0xFF == 76) & (kind == 0x1000) & (length == 2 * width - 6)
+        if not (known & np.isin(status, (0, COMPLETE))).all() or (np.diff(number) != 1).any():
+            got = f"status {status.max()} or a gap"
+            self._fail(device.BadReply, "send every packet and scan", got, "Take it again.")
         if len(data) < wanted:
             self._fail(device.InstrumentTimeout, "send all samples", "fewer", "Take it again.")
-        known = (function == 76) & (kind == 0x1000) & (length == 10 + 2 * size)
-        if not known.all() or (np.diff(number) != 1).any():
-            self._fail(device.BadReply, "send every packet", "some missing", "Take it again.")
-        return counts.ravel().astype(np.uint16)
+        return words[:, 8:].ravel().astype(np.uint16)
 
     def _stop(self) -> None:
         """Stop a stream; the T7 refuses that where none runs."""
@@ -215,22 +199,20 @@ class LabJackT7(device.Device):
             self._expect("STREAM_ENABLE", 0, *self._values("STREAM_ENABLE"))
 
     def watchdog(self, seconds: int) -> None:
-        """Let the device set its safe lines when no host speaks for so many seconds; 0 ends that.
+        """Let the device pull its safe lines low when no host speaks for so many seconds.
 
-        The settings live in the device's flash, so they are written only where they differ. The
-        LJTick-DAC (TDAC) is not covered: mirrors stay where they are.
+        The settings live in the flash, so they are written only where they differ. The LJTick-DAC
+        is not covered: mirrors stay where they are.
         """
-        numbers = {int(name[-1]): high for name, high in self._safe_levels.items()}
-        used = sum(1 << number for number in numbers)
+        used = sum(1 << int(line[-1]) for line in self._safe_lines)
         wanted = {
             (61604, "I"): int(seconds),  # WATCHDOG_TIMEOUT_S_DEFAULT
             (61630, "I"): 1,  # WATCHDOG_DIO_ENABLE_DEFAULT
-            (61632, "I"): sum(high << n for n, high in numbers.items()),  # _STATE
-            (61634, "I"): used,  # _DIRECTION
-            (61636, "I"): 0x7FFFFF & ~used,  # _INHIBIT
+            (61632, "I"): 0,  # WATCHDOG_DIO_STATE_DEFAULT
+            (61634, "I"): used,  # WATCHDOG_DIO_DIRECTION_DEFAULT
+            (61636, "I"): 0x7FFFFF & ~used,  # WATCHDOG_DIO_INHIBIT_DEFAULT
             "WATCHDOG_ENABLE_DEFAULT": 1,
         }
-        wanted = wanted if seconds else {"WATCHDOG_ENABLE_DEFAULT": 0}
         if self._values(*wanted) != tuple(wanted.values()):
             self.write_many({"WATCHDOG_ENABLE_DEFAULT": 0})  # the others are locked while it runs
             self._set(wanted)
@@ -240,10 +222,8 @@ class LabJackT7(device.Device):
         device.insist(self._stop, lambda: self._line and self.set_line(self._line, False))
 
     def _identity(self) -> dict[str, str]:
-        # PRODUCT_ID, FIRMWARE_VERSION, SERIAL_NUMBER
-        product, firmware, serial = self._values((60000, "f"), (60004, "f"), (60028, "I"))
-        words = {"model": f"T{product:g}", "serial_number": str(serial)}
-        return words | {"firmware": f"{firmware:.4f}"}
+        product, serial = self._values((60000, "f"), (60028, "I"))  # PRODUCT_ID, SERIAL_NUMBER
+        return {"model": f"T{product:g}", "serial_number": str(serial)}
 
     def _set(self, values: Mapping[Any, float]) -> None:
         """Write registers, and compare what the device holds then."""
@@ -253,14 +233,14 @@ class LabJackT7(device.Device):
             tolerance = 1e-3 * wanted if kind == "f" else 0.0
             self._expect(f"register {address}", wanted, found, tolerance)
 
+    @question
     def _values(self, *registers: str | Register) -> tuple[float, ...]:
-        """Values of registers, read in one frame, asked once more after a lost answer."""
+        """Values of registers, read in one frame."""
         frame, kinds = b"", ">"
         for address, kind in (REGISTERS.get(one, one) for one in registers):  # type: ignore[misc]
             frame += struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
             kinds += kind
-        size = struct.calcsize(kinds)
-        return struct.unpack(kinds, self._read(lambda: self._feedback(frame, size)))
+        return struct.unpack(kinds, self._feedback(frame, struct.calcsize(kinds)))
 
     def _feedback(self, frame: bytes, size: int = 0) -> bytes:
         """Bytes of the reads in a feedback frame."""

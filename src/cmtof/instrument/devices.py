@@ -120,7 +120,7 @@ class SimulatedMotor(SimulatedDevice):
 
     MODEL, homed = "APT", False
 
-    def home(self, timeout: float = 0.0) -> None:
+    def home(self) -> None:
         """Find the home position."""
         self.homed = True
         self.move_to(0.0)
@@ -139,8 +139,8 @@ class SimulatedMotor(SimulatedDevice):
 class SimulatedPowerMeter(SimulatedDevice):
     """Integrating sphere behind the first beam splitter; it averages nothing."""
 
-    MODEL, wavelength, averaging = "PM100D", 0.0, 1
-    zero = SimulatedDevice.nothing
+    MODEL = "PM100D"
+    set_up = SimulatedDevice.nothing
 
     @property
     def power(self) -> float:
