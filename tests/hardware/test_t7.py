@@ -28,7 +28,7 @@ def test_identity_and_calibration(peer, daq):
     assert daq.gain(10.0) == pytest.approx((3.16e-4, -3.16e-4, 33520.0))
     assert peer.get(61810) == 0x3C4000
     peer.set(61812, "fff", 1.0, -1.0, 0.0)
-    with pytest.raises(BadReply, match="Expected daq to hold its calibration"):
+    with pytest.raises(Refused, match="its slope to 0.0003158, got 1"):
         daq.gain(10.0)
 
 

@@ -1,8 +1,7 @@
 """Motors behind Thorlabs APT controllers: KDC101 with MTS50-Z8 or PRM1-Z8, and K10CR1.
 
 Messages are those of thorlabs-apt-protocol. A controller speaks unasked (MOVE_COMPLETED,
-MOVE_HOMED), so what is not the awaited reply is passed over: the end of a move is read from the
-status bits, and the position is read back. Moves are sent once.
+MOVE_HOMED): the end of a move is read from the status bits, and the position is read back.
 """
 
 import time
@@ -67,10 +66,7 @@ class Motor(device.Device):
         self._go("mot_move_home", 0.0)
 
     def move_to(self, position: float) -> float:
-        """Move to a position, m or rad, and wait; return the position.
-
-        `Refused` if the motor is not homed; after an error it is stopped.
-        """
+        """Move to a position, m or rad, and wait; return it. After an error it is stopped."""
         self._within(position=position)
         if not self.homed:
             self._fail(device.Refused, "be homed before a move", "it not", "Home it.")

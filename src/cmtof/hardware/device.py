@@ -48,7 +48,7 @@ def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterato
     except InstrumentError:
         raise
     except Exception as error:
-        names = {kind.__name__ for kind in type(error).__mro__}  # no library is imported for this
+        names = {kind.__name__ for kind in type(error).__mro__}  # without their libraries
         late = names & _LATE or "VI_ERROR_TMO" in str(error)
         kind = InstrumentTimeout if late else ConnectionLost if names & _GONE else otherwise
         line = " ".join(str(error).split())
@@ -75,8 +75,7 @@ class Device:
         """What the device calls itself; `Refused` if it is another one."""
         found: dict[str, str] = self._identity()  # type: ignore[attr-defined]
         model, serial_number = found["model"], found["serial_number"]
-        same = self._serial_number in ("", serial_number)
-        if not (same and model.startswith(self.MODELS)):
+        if self._serial_number not in ("", serial_number) or not model.startswith(self.MODELS):
             wanted = f"be {' or '.join(self.MODELS)} {self._serial_number}"
             self._fail(Refused, wanted, f"{model} {serial_number}", "Check the address.")
         return found

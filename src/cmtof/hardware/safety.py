@@ -16,10 +16,9 @@ _SIGNALS = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, nam
 class EmergencyStop:
     """Safe states of devices on exit, exception, Ctrl-C, kill, and the end of the program.
 
-    ``devices`` have a ``name`` and a ``safe_state()`` and are stopped in their order: what sends
-    out light first. A signal does no work itself: it raises in the main thread, so that no request
-    is sent into the middle of another, and the stop runs while the context is left; signals that
-    come then are ignored. Against SIGKILL stand the devices' own timers.
+    Devices are stopped in their order: what sends out light first. A signal raises in the main
+    thread, so that no request is sent into the middle of another, and the stop runs while the
+    context is left; signals that come then are ignored. Against SIGKILL stand the devices' timers.
     """
 
     def __init__(self, devices: Sequence[Any]) -> None:

@@ -108,10 +108,7 @@ class SignalGenerator(ScpiInstrument):
 
 
 class PowerMeter(ScpiInstrument):
-    """Thorlabs PM100D with an integrating sphere S140C: laser power behind the emission module.
-
-    The zeroing commands stand in the PM400's manual only; on a PM100D they are not verified.
-    """
+    """Thorlabs PM100D with an integrating sphere S140C: laser power behind the emission module."""
 
     MODELS = ("PM100",)
     LIMITS: ClassVar = {"wavelength": (350e-9, 1100e-9), "readings": (1, 10000)}
@@ -126,7 +123,7 @@ class PowerMeter(ScpiInstrument):
         self._within(wavelength=wavelength, readings=readings)
         self._set("SENS:CORR:WAV", 1e9 * wavelength)
         self._set("SENS:AVER:COUN", readings)
-        self._write("SENS:CORR:COLL:ZERO:INIT")
+        self._write("SENS:CORR:COLL:ZERO:INIT")  # the PM400's: not verified on a PM100D
         deadline = time.monotonic() + 30.0
         while self._ask("SENS:CORR:COLL:ZERO:STAT?"):
             if time.monotonic() >= deadline:
