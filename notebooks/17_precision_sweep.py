@@ -28,7 +28,7 @@ from scipy.special import erf
 
 from cmtof.book import notes, paper, plotting
 from cmtof.bounds import phase_spread, wrap_probability
-from cmtof.constants import FREQUENCIES
+from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
 from cmtof.correlation import centred, depth_from_phase, wrap_length
 from cmtof.instrument.optics import sent_power
 from cmtof.instrument.settings import Reference, TwinSettings
@@ -490,6 +490,7 @@ reached |= {
     "sec8.depth_precision": median["all-optical", "diffuse"],
     "fig13.accuracy": median["all-optical", "mirror"],
     "fig13.standard_deviation": scatter["all-optical", "mirror"].mean(),
+    "sec1.temporal_resolution": 2 * median["all-optical", "mirror"] / SPEED_OF_LIGHT,
     "fig13.target_distance": targets["mirror"].distance,
     "sec8.target_distance": targets["mirror"].distance,
     "sec8.sweep": np.ptp(POSITIONS),
