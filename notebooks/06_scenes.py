@@ -35,7 +35,7 @@ from cmtof.scenes.frame import brightness, rays_from_camera
 from cmtof.scenes.rooms.rendering import Settings, rendered_views
 from cmtof.scenes.statistics import bends, hardness
 
-paper_run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 
 
 def tone_mapped(color):

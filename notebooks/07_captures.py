@@ -48,7 +48,7 @@ from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import Frame, load_frame
 from cmtof.scenes.captures import published_captures, read_capture
 
-paper_run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "green"))
 WRAP = float(wrap_length(FREQUENCY_SINGLE))
 

@@ -49,7 +49,7 @@ from cmtof.network.training import train
 from cmtof.network.weights import FOLDER, read_card, state, weights_path
 from cmtof.scenes.frame import held_out_frames
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 torch.manual_seed(seed)
 torch.set_num_threads(1)
 first, classes = CLASSES["released"]

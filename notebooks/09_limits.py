@@ -39,7 +39,7 @@ from cmtof.correlation import TAU, phase_from_depth
 from cmtof.evaluation import Tally, rates, read_counts, scored_pixels
 from cmtof.scenes.frame import held_out_frames
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 PROTOCOLS = ("released", "full")
 METHODS = ("beat", "region", "mrf", "mrf-graphcut", "surfaces")
 REFERENCES = tuple(f"reference-{name}" for name in ("field", "plane", "offset", "contact", "depth"))

@@ -41,7 +41,7 @@ from cmtof.network.weights import read_card, weights_path
 from cmtof.scenes.frame import held_out_frames
 from cmtof.statistics import reliability
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 PAPERS = {  # rows of the paper's Table 2, by their names in paper.yml
     "phasor": "phasor",
     "crt": "crt",

@@ -46,7 +46,7 @@ from cmtof.surfaces.field import field_from_measurement
 from cmtof.surfaces.fitting import PLANE, refine
 from cmtof.surfaces.placing import depth_of_labels
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 PROTOCOLS = ("released", "full")
 every = held_out_frames()
 

