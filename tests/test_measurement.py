@@ -117,8 +117,8 @@ def test_saturated_counts_are_refused():
 
 def test_bad_frequencies_and_psi_are_refused():
     for frequencies, message in (
-        ((-7.15e9, 14.32e9), "frequencies > 0 Hz"),
-        ((np.nan, 14.32e9), "frequencies > 0 Hz"),
+        ((-7.15e9, 14.32e9), "frequencies"),
+        ((np.nan, 14.32e9), "frequencies"),
         ((14.32e9, 7.15e9), "rising order"),
         ((7.15e9, 1e15), "up to 1e[+]12 Hz"),
         ((7.15e9, 10**400), "numbers as frequencies"),

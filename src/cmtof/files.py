@@ -10,10 +10,7 @@ from typing import Any
 def check_output(path: str | Path) -> Path:
     """Check that a file can be written, before anything is computed for it; return its place.
 
-    Raises
-    ------
-    OSError
-        If the folder is missing or cannot be written to, or ``path`` is a folder or a device.
+    An OSError if the folder is missing or cannot be written to, or it is a folder or a device.
     """
     target = Path(path)
     if target.is_symlink():
@@ -49,16 +46,6 @@ def _part(target: Path) -> Path:
 def written_whole(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path beside ``path`` that is renamed onto it when the block succeeds.
 
-    Parameters
-    ----------
-    path : str or Path
-        Where the finished file belongs.
-
-    Raises
-    ------
-    OSError
-        As of `check_output`, or if the disk is full.
-
     Examples
     --------
     >>> import tempfile
@@ -84,16 +71,7 @@ MOST_BYTES, MOST_DEPTH = 2**20, 20
 def read_document(path: str | Path) -> dict[str, Any]:
     """Read names and values from a YAML or JSON file; nothing in it is evaluated.
 
-    Parameters
-    ----------
-    path : str or Path
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    ValueError
-        If it is no such document: too large, too deep, with aliases, with names that are no text.
+    A ValueError if it is too large, too deep, has aliases, or names that are no text.
 
     Examples
     --------

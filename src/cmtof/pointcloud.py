@@ -10,14 +10,9 @@ from cmtof.scenes.frame import ray_lengths, rays_from_camera
 
 
 def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64]:
-    """Points (H, W, 3), m, of ranges along the rays; x right, y down, z forward.
+    """Points (H, W, 3), m, of ranges (H, W) along the rays; x right, y down, z forward.
 
-    Parameters
-    ----------
-    depth : array_like, shape (H, W)
-        Range along the ray, m; NaN stays NaN.
-    camera : array_like, shape (4,) or (5,)
-        fx, fy, cx, cy, px, pixel centres at +0.5.
+    ``camera`` is fx, fy, cx, cy in px, pixel centres at +0.5. NaN stays NaN.
 
     Examples
     --------
@@ -30,14 +25,9 @@ def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64
 
 
 def normals_from_points(points: ArrayLike) -> NDArray[np.float64]:
-    """Unit normals (H, W, 3) towards the scanner, from neighbouring points.
+    """Unit normals (H, W, 3) towards the scanner, from neighbouring points (H, W, 3), NaN for none.
 
-    Beside a hole no neighbour tells the slope: there, as if it faced the scanner.
-
-    Parameters
-    ----------
-    points : array_like, shape (H, W, 3)
-        m, from the scanner; NaN for none.
+    Beside a hole, where no neighbour gives the slope, they face the scanner.
 
     Examples
     --------
@@ -65,31 +55,21 @@ def write_ply(
 ) -> int:
     """Write the finite pixels as a binary PLY point cloud; return their number.
 
-    Each vertex has ``x y z`` (float, m), ``red green blue`` (uchar, a grey of the brightness,
-    99th percentile white, gamma 2.2) and ``confidence`` (float).
-
-    Parameters
-    ----------
-    depth, brightness, confidence : array_like, shape (H, W)
-        Range, m (NaN is left out); linear brightness, any unit; probability.
-    camera : array_like, shape (4,) or (5,)
-        fx, fy, cx, cy, px.
+    Images (H, W): range, m (NaN is left out), linear brightness in any unit, probability. A vertex
+    has ``x y z`` (float, m), ``red green blue`` (uchar, a grey of the brightness, 99th percentile
+    white, gamma 2.2) and ``confidence`` (float).
     """
     points = points_from_depth(depth, camera)
     kept = np.isfinite(points).all(axis=-1)
     light = np.asarray(brightness, float)[kept]
     white = np.percentile(light, 99) if light.size else 1.0
     grey = 255 * np.clip(light / max(float(white), 1e-12), 0, 1) ** (1 / 2.2)
-    layout = [(axis, "<f4") for axis in "xyz"]
-    layout += [(colour, "u1") for colour in ("red", "green", "blue")] + [("confidence", "<f4")]
-    vertices = np.empty(int(kept.sum()), layout)
-    for i, axis in enumerate("xyz"):
-        vertices[axis] = points[kept][:, i]
-    for colour in ("red", "green", "blue"):
-        vertices[colour] = grey.astype(np.uint8)
-    vertices["confidence"] = np.asarray(confidence)[kept]
-    names = {"<f4": "float", "u1": "uchar"}
-    properties = "".join(f"property {names[kind]} {name}\n" for name, kind in layout)
+    columns = dict(zip("xyz", points[kept].T.astype("<f4"), strict=True))
+    columns |= dict.fromkeys(("red", "green", "blue"), grey.astype(np.uint8))
+    columns["confidence"] = np.asarray(confidence, "<f4")[kept]
+    vertices = np.rec.fromarrays(list(columns.values()), names=list(columns))
+    kinds = {name: "uchar" if held.dtype == np.uint8 else "float" for name, held in columns.items()}
+    properties = "".join(f"property {kind} {name}\n" for name, kind in kinds.items())
     header = (
         "ply\nformat binary_little_endian 1.0\ncomment range in metres, x right, y down\n"
         f"element vertex {vertices.size}\n{properties}end_header\n"
