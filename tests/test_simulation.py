@@ -82,7 +82,7 @@ def test_masked_pixels_keep_their_signal_and_unknown_ones_are_dark():
 def test_bad_settings_are_refused(tilted_wall):
     for options, message in (
         ({"protocol": "fast"}, "protocol 'released' or 'full'"),
-        ({"frequencies": (0.0, 7e9)}, "frequencies > 0"),
+        ({"frequencies": (0.0, 7e9)}, "rising order"),
         ({"noise": -1.0}, "sigma >= 0"),
         ({"psi": [0.0, 1.0]}, "at least 3"),
     ):
