@@ -428,12 +428,12 @@ notes.table(["error", "single, depth", "doubled, depth", "doubled, leak"], rows)
 
 # %%
 settings = TwinSettings()
-world, drive = World(settings, seed=seed), settings.drive
+world = World(settings, seed=seed)
 FAST_BANDWIDTH = 12e9  # Hz, of the fast detector ET-4000 (Sec. 7.4)
 
 
 def light_depth(
-    order, *, frequency=SINGLE.frequency, angle=SINGLE.half_wave_angle, dbm=drive.power
+    order, *, frequency=SINGLE.frequency, angle=SINGLE.half_wave_angle, dbm=settings.drive_power
 ):
     """Amplitude of a harmonic over the mean, the detector's bandwidth divided out."""
     knobs = RfKnobs(on=True, frequency=frequency, power=float(dbm))
@@ -451,9 +451,9 @@ for name, mode in modes.items():
     by_power[name] = np.array([light_depth(ORDER[name], dbm=p, **knobs) for p in steps])
 
 # %% tags=["hide-input"]
-j0, j1, j2 = (jv(n, 2 * drive.eta) for n in range(3))
+j0, j1, j2 = (jv(n, 2 * settings.eta) for n in range(3))
 fine = np.linspace(0, np.pi / 4, 400)
-power_eta = drive.eta * 10 ** ((steps - drive.power) / 20)
+power_eta = settings.eta * 10 ** ((steps - settings.drive_power) / 20)
 law = {name: np.abs(SERIES[name](power_eta, 2)) for name in modes}
 law = {name: 2 * w[:, ORDER[name]] / w[:, 0] for name, w in law.items()}
 figure, axes = plt.subplots(1, 2, figsize=(10.2, 4.0))
@@ -477,7 +477,7 @@ for ax in axes:
 plotting.label_panels(axes)
 
 # %% tags=["hide-input"]
-half_power = drive.power + 20 * np.log10(0.26 / drive.eta)
+half_power = settings.drive_power + 20 * np.log10(0.26 / settings.eta)
 off = {name: float(np.abs(by_power[name] / law[name] - 1).max()) for name in modes}
 plotting.save(
     figure,

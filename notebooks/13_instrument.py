@@ -26,7 +26,7 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
 from cmtof.hardware.rig import Rig
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import SLOPE, Conversion
+from cmtof.instrument.electronics import SLOPE, density, volts_per_watt
 from cmtof.instrument.targets import Hits
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
@@ -73,13 +73,13 @@ TERMINALS = (
 # %% tags=["hide-input"]
 drives = " or ".join(f"{rig.drive_frequency(m) / 1e9:.2f}" for m in COLOURS)
 BOXES = (
-    (1.0, 9, f"laser, 532 nm\n{1e3 * twin.laser.power:.0f} mW"), (3.1, 9, "fibre\n20–30 %"),
-    (8.15, 9, f"EOM, {1e3 * twin.emission.mirror_distance:.0f} mm\nto its mirror"),
+    (1.0, 9, f"laser, 532 nm\n{1e3 * twin.laser_power:.0f} mW"), (3.1, 9, "fibre\n20–30 %"),
+    (8.15, 9, f"EOM, {1e3 * twin.mirror_distance:.0f} mm\nto its mirror"),
     (13.35, 4.4, "EOM"), (7.2, 5.5, "⑧ power meter"), (15.9, 8, "scene"),
     (11.3, 8.7, f"⑦ target, {rig.reference_distance:.2f} m"),
-    (10.6, 2.72, f"APD\nM = {twin.detector.gain:.0f}"),
-    (8.55, 2.72, f"low pass\n{twin.detector.low_pass / 1e3:.0f} kHz"),
-    (6.85, 2.72, f"RC\n{1e6 * twin.detector.rc_time:.0f} µs"),
+    (10.6, 2.72, f"APD\nM = {twin.gain:.0f}"),
+    (8.55, 2.72, f"low pass\n{twin.low_pass / 1e3:.0f} kHz"),
+    (6.85, 2.72, f"RC\n{1e6 * twin.rc_time:.0f} µs"),
     (4.0, 2.72, f"④ LabJack T7, AIN0: {rig.phases} phases\n"
      f"× {rig.samples_per_phase} samples at {rig.rate / 1e3:.0f} kS/s"),
     (8.15, 10.45, f"① RF driver, {drives} GHz"), (13.35, 5.68, f"② RF driver, {drives} GHz"),
@@ -107,7 +107,7 @@ plotting.save(
     figure, "fig06_instrument",
     numbers={
         "devices": list(rig.devices),
-        "mirror_distance": [twin.emission.mirror_distance, twin.detection.mirror_distance],
+        "mirror_distance": 2 * [twin.mirror_distance],
         "drive_frequencies": [rig.frequency_single, rig.frequency_doubled],
     },
     caption=(
@@ -140,26 +140,24 @@ plotting.save(
 # others together.
 
 # %%
-conversion = Conversion(twin.detector, twin.laser.wavelength)
 phase_time = rig.samples_per_phase / rig.rate
-converter = twin.detector.converter_noise * SLOPE / np.sqrt(rig.samples_per_phase)
+converter = twin.converter_noise * SLOPE / np.sqrt(rig.samples_per_phase)
 
 
 def budget(mode, z, rho, twin=twin):
     """Light (W), photons, output (V) and phase noise (rad) of a point; ideal modulators."""
-    harmonics = LAWS[mode](twin.drive.eta, 2)
+    harmonics = LAWS[mode](twin.eta, 2)
     mean, order = harmonics[0].real, 1 if mode == "single" else 2
     contrast = 2 * abs(harmonics[order]) ** 2 / mean**2
-    share = free_space.returned_fraction(
-        twin.optics, "diffuse", Hits(np.array(z), np.array(1.0), np.array(rho))
-    )
-    path = free_space.inward(twin.optics) * mean * twin.detection.mirror_reflectance
+    hits = Hits(np.array(z), np.array(1.0), np.array(rho))
+    share = sum(free_space.returned_fractions(twin, hits))
+    path = free_space.inward(twin) * mean * twin.mirror_reflectance
     light = free_space.sent_power(twin, mode) * float(share) * path
-    room = free_space.ambient(twin.optics) * mean * twin.detection.mirror_reflectance
-    volts = float(conversion.volts(light + room))
-    noise = np.sqrt(conversion.density(volts) / (2 * phase_time) + converter**2)
-    amplitude = contrast * float(conversion.volts(light))
-    photon = h * SPEED_OF_LIGHT / twin.laser.wavelength
+    room = free_space.ambient(twin) * mean * twin.mirror_reflectance
+    volts = min((light + room) * volts_per_watt(twin), twin.saturation)
+    noise = np.sqrt(density(twin, volts) / (2 * phase_time) + converter**2)
+    amplitude = contrast * min(light * volts_per_watt(twin), twin.saturation)
+    photon = h * SPEED_OF_LIGHT / twin.wavelength
     return {
         "share": float(share), "path": path, "light": light, "room": room, "volts": volts,
         "photons": light / photon * phase_time * rig.phases, "contrast": contrast,
@@ -169,18 +167,18 @@ def budget(mode, z, rho, twin=twin):
 
 # %%
 here = {mode: budget(mode, distance, reflectance) for mode in COLOURS}
-fibre = (twin.laser.fibre_low + twin.laser.fibre_high) / 2
+fibre = (twin.fibre_low + twin.fibre_high) / 2
 steps = {
     mode: {
         "Fibre": fibre,
         "Emission module": free_space.emission_mean(twin, mode),
-        "Optics to the scene": free_space.outward(twin.optics),
+        "Optics to the scene": free_space.outward(twin),
         "Share collected": one["share"],
         "Detection path": one["path"],
     }
     for mode, one in here.items()
 }
-loss = {m: -10 * np.log10(one["light"] / twin.laser.power) for m, one in here.items()}
+loss = {m: -10 * np.log10(one["light"] / twin.laser_power) for m, one in here.items()}
 sent = {mode: free_space.sent_power(twin, mode) for mode in COLOURS}
 rows = [[name, *(f"{steps[m][name]:.3g}" for m in COLOURS)] for name in steps["single"]]
 rows += [["On the detector", *(quantity_text(one["light"], "W") for one in here.values())],
@@ -191,7 +189,7 @@ notes.table(["", "single", "doubled"], rows)
 # %% tags=["hide-input"]
 figure, ax = plt.subplots(figsize=(9.2, 3.8))
 for row, (mode, passed) in enumerate(steps.items()):
-    level = twin.laser.power
+    level = twin.laser_power
     for place, factor in enumerate(passed.values()):
         at = place + 0.2 * (2 * row - 1)
         ax.barh(at, level * (1 - factor), left=level * factor, height=0.36, color=COLOURS[mode],
@@ -227,9 +225,9 @@ plotting.save(
 # has the noise $\sqrt{2/16}\,\sigma/a$ for an amplitude a, and range follows by $c/4\pi f$.
 
 # %%
-output = np.geomspace(1e-4, twin.detector.saturation, points)
-shot = np.sqrt((conversion.density(output) - conversion.density(0)) / (2 * phase_time))
-amplifier = float(np.sqrt(conversion.density(0) / (2 * phase_time)))
+output = np.geomspace(1e-4, twin.saturation, points)
+shot = np.sqrt((density(twin, output) - density(twin, 0)) / (2 * phase_time))
+amplifier = float(np.sqrt(density(twin, 0) / (2 * phase_time)))
 quantum = (20 / 2**14) / np.sqrt(12) / np.sqrt(rig.samples_per_phase)
 even = float(np.interp(1.0, shot / amplifier, output))
 ranges = np.geomspace(0.2, 8.0, points)
@@ -244,7 +242,7 @@ print(f"one phase: amplifier {1e6 * amplifier:.0f} µV, converter {1e6 * convert
 figure, axes = plt.subplots(1, 3, figsize=(11.0, 4.2))
 for (mode, rho), found in curves.items():
     look = {"color": COLOURS[mode], "ls": "-" if rho == reflectance else "--"}
-    good = [(1 + one["contrast"]) * one["volts"] <= twin.detector.saturation for one in found]
+    good = [(1 + one["contrast"]) * one["volts"] <= twin.saturation for one in found]
     for ax, name, factor in ((axes[0], "photons", 1.0), (axes[2], "phase_noise", micron[mode])):
         values = factor * np.array([one[name] for one in found])
         ax.plot(ranges, np.where(good, values, np.nan), label=f"{mode}, ϱ = {rho:g}", **look)
@@ -298,18 +296,18 @@ for mode, one in here.items():
 # reflectances and extinction ratios, and every error of the RF drivers.
 
 # %%
-weak = replace(twin, drive=replace(twin.drive, eta=0.26))
+weak = replace(twin, eta=0.26)
 falls = [budget(m, distance, reflectance, weak)["amplitude"] for m in COLOURS]
 print(f"at η = 0.26 the doubled signal is {falls[0] / falls[1]:.0f} times below the single one")
 reached = {
-    "sec6.laser_wavelength": twin.laser.wavelength,
+    "sec6.laser_wavelength": twin.wavelength,
     "sec6.eom_frequency": rig.frequency_single,
-    "sec6.eom_bandwidth": twin.drive.width,
-    "sec7.fibre_throughput_low": twin.laser.fibre_low,
-    "sec7.fibre_throughput_high": twin.laser.fibre_high,
-    "sec7.beam_after": 2 * twin.optics.exit_radius,
+    "sec6.eom_bandwidth": twin.resonance_width,
+    "sec7.fibre_throughput_low": twin.fibre_low,
+    "sec7.fibre_throughput_high": twin.fibre_high,
+    "sec7.beam_after": 2 * twin.exit_radius,
     "sec7.laser_power": sent["single"],
-    "sec7.lowpass": twin.detector.low_pass,
+    "sec7.lowpass": twin.low_pass,
     "sec7.sample_rate": rig.rate,
     "sec7.samples_per_phase": rig.samples_per_phase,
     "sec7.phase_steps": rig.phases,

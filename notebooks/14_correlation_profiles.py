@@ -26,8 +26,7 @@ from cmtof.correlation import TAU, centred, correlation_from_harmonics, decode
 from cmtof.hardware.bench import CHANNEL, VOLTS_RANGE, simulated
 from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
 from cmtof.hardware.rig import LINES, Rig
-from cmtof.instrument.electronics import Conversion, chain
-from cmtof.instrument.settings import Detector
+from cmtof.instrument.electronics import chain, density
 from cmtof.instrument.world import LABEL_TIME
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
@@ -130,18 +129,17 @@ for mode in ORDER:
 # %%
 def expected_noise(volts, samples):
     """Standard deviation of the mean over successive samples at an output, V."""
-    lags = chain(known.detector, 1 / reading.rate).memory(samples)
+    lags = chain(known, 1 / reading.rate).memory(samples)
     weight = np.where(np.arange(samples) == 0, 1, 2) * (samples - np.arange(samples)) / samples**2
-    density = Conversion(known.detector, known.laser.wavelength).density(volts)
-    converter = (known.detector.converter_noise**2 + 1 / 12) * gain.positive_slope**2 / samples
-    return np.sqrt(density * (weight @ lags) + converter)
+    converter = (known.converter_noise**2 + 1 / 12) * gain.positive_slope**2 / samples
+    return np.sqrt(density(known, volts) * (weight @ lags) + converter)
 
 
 def expected(mode, phase, steps, emitted=0.0):
     """Correlation with all harmonics, and the drivers' errors that are no noise."""
-    w = HARMONICS[mode](known.drive.eta, 16)[:: ORDER[mode]]
+    w = HARMONICS[mode](known.eta, 16)[:: ORDER[mode]]
     emitted, drives = np.asarray(emitted), drive_phases(PHASES, mode)[steps]
-    error = known.drive.iq_imbalance * np.subtract.outer(np.sin(2 * emitted), np.sin(2 * drives))
+    error = known.iq_imbalance * np.subtract.outer(np.sin(2 * emitted), np.sin(2 * drives))
     shift = np.add.outer(ORDER[mode] * emitted, psi[steps]) + ORDER[mode] * error
     return correlation_from_harmonics(w, w, phase=phase, psi=shift)
 
@@ -159,7 +157,7 @@ for mode, fit in fits.items():
     model[mode] = bent * fit.amplitude / own.amplitude
     noise[mode] = expected_noise(mean + dark[mode], kept) / np.sqrt(bursts)
     slope = fit.amplitude * np.abs(np.sin(fit.phase + psi))
-    code[mode] = ORDER[mode] * known.drive.phase_step_error * slope
+    code[mode] = ORDER[mode] * known.phase_step_error * slope
 freedom = np.sqrt(PHASES / (PHASES - 3))
 pull = {m: freedom * np.std((left[m] - model[m]) / np.hypot(noise[m], code[m])) for m in ORDER}
 contrast = {m: float(fits[m].amplitude / fits[m].offset) for m in ORDER}
@@ -169,7 +167,7 @@ orders, harmonic, closed_form, floor = np.arange(1, 9), {}, {}, {}
 for mode, fit in fits.items():
     spectrum = 2 * np.abs(np.fft.fft(profiles[mode].mean(axis=0))) / PHASES
     harmonic[mode] = spectrum[orders] / fit.amplitude
-    w = np.abs(HARMONICS[mode](known.drive.eta, 16))[:: ORDER[mode]]
+    w = np.abs(HARMONICS[mode](known.eta, 16))[:: ORDER[mode]]
     closed_form[mode] = (w[orders] / w[1]) ** 2
     both = np.sqrt(4 / PHASES * np.mean(noise[mode] ** 2 + code[mode] ** 2))
     floor[mode] = float(both / fit.amplitude)
@@ -282,9 +280,9 @@ plotting.save(
 # simulated instrument has it, and takes many sweeps in one long burst.
 
 # %%
-runs, paper_rc, ours = {}, paper.published("sec7.rc_time").value, known.detector.rc_time
+runs, paper_rc, ours = {}, paper.published("sec7.rc_time").value, known.rc_time
 for rc in (ours, paper_rc):
-    slow = bench_of(16, detector=Detector(rc_time=rc))
+    slow = bench_of(16, rc_time=rc)
     slow.choose_mode("single")
     slow.look_at("scan")
     slow.daq.configure_burst(
@@ -336,7 +334,7 @@ plotting.save(
 # %%
 reached = {
     "fig12.psi_range": PHASES * (psi[1] - psi[0]),
-    "sec7.rc_time": known.detector.rc_time,
+    "sec7.rc_time": known.rc_time,
     "sec7.samples_per_phase": reading.samples_per_phase,
     "sec8.scan_phase_steps": base.phases,
     "sec8.scan_integration_time": base.scans / base.rate,

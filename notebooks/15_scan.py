@@ -39,7 +39,7 @@ from cmtof.hardware.plan import MODES, planned
 from cmtof.hardware.reduction import sums_from_counts
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan, scan_scene
-from cmtof.instrument.electronics import SLOPE, Conversion, volts_from_counts
+from cmtof.instrument.electronics import SLOPE, density, volts_from_counts
 from cmtof.measurement import Measurement
 
 plotting.begin(profile=profile, seed=seed)
@@ -165,8 +165,8 @@ plotting.save(
 
 # %%
 found, drift = (data[name].to_numpy() for name in ("phase_offset", "phase_drift"))
-paths = 4 * np.pi * measurement.frequencies * given.optics.internal_path / SPEED_OF_LIGHT
-wanted = centred(paths - np.array([1, 2]) * given.drive.phase_offset)
+paths = 4 * np.pi * measurement.frequencies * given.internal_path / SPEED_OF_LIGHT
+wanted = centred(paths - np.array([1, 2]) * given.phase_offset)
 off = centred(found - wanted)
 notes.table(
     ["", "put in (rad)", "found (rad)", "off by (mrad)", "drift during the image (mrad)"],
@@ -194,11 +194,10 @@ def scanned(settings, shift=0):
 
 
 quiet = replace(given, noise=False)
-smooth = replace(quiet, optics=replace(quiet.optics, speckle=False))
-fine = replace(smooth, optics=replace(smooth.optics, divergence=0.0, exit_radius=0.0))
-clear = replace(fine, optics=replace(fine.optics, back_fraction=0.0))
-flawless = dict.fromkeys(("phase_drift", "phase_step_error", "iq_imbalance", "leakage"), 0.0)
-ideal = replace(clear, drive=replace(clear.drive, **flawless))
+smooth = replace(quiet, speckle=False)
+fine = replace(smooth, divergence=0.0, exit_radius=0.0)
+clear = replace(fine, back_fraction=0.0)
+ideal = replace(clear, phase_drift=0.0, phase_step_error=0.0, iq_imbalance=0.0, leakage=0.0)
 
 # %%
 psi, CAUSES = data["psi"].to_numpy(), ("noise", "speckle", "spot", "back-reflection", "RF drivers")
@@ -215,9 +214,9 @@ sizes = {
 }
 kept_time = (rig.samples_per_phase - rig.settle_samples) / rig.rate
 level = measurement.decoded.offset + volts_from_counts(data["dark"].to_numpy())[:, None, None]
-density = Conversion(given.detector, given.laser.wavelength).density(np.maximum(level, 0))
-converter = (given.detector.converter_noise * SLOPE) ** 2 / (kept_time * rig.rate)
-expected = np.sqrt(2 / rig.phases * (density / (2 * kept_time) + converter))
+shot = density(given, np.maximum(level, 0))
+converter = (given.converter_noise * SLOPE) ** 2 / (kept_time * rig.rate)
+expected = np.sqrt(2 / rig.phases * (shot / (2 * kept_time) + converter))
 expected = expected / measurement.amplitude
 pulls = [float(np.median(np.abs(p)) / 0.6745) for p in causes["noise"] / expected]
 print(f"scatter of the noise over its prediction: {pulls[0]:.2f} and {pulls[1]:.2f}")
@@ -254,7 +253,7 @@ plotting.save(
 # divided by it. The phases are unaffected; the division serves brightness.
 
 # %%
-steady = replace(quiet, laser=replace(given.laser, fibre_low=0.25, fibre_high=0.25))
+steady = replace(quiet, fibre_low=0.25, fibre_high=0.25)
 reference = decode(scanned(steady), psi).amplitude
 power = data["laser_power"].to_numpy()[:, :, 0]
 swing = 100 * float((np.ptp(power, axis=1) / power.mean(axis=1)).max())
@@ -302,14 +301,14 @@ def as_measurement(correlation):
     return Measurement.from_arrays(values, psi, measurement.frequencies, camera=plan.camera)
 
 
-clean = replace(given.optics, back_fraction=0.0)
+clean = replace(given, back_fraction=0.0)
 variants = {
     "as scanned": measurement,
     "the mean of several scans": as_measurement(
         np.mean([data["correlation"], *(scanned(given, n) for n in range(1, repeats))], axis=0)
     ),
     "without noise": as_measurement(scanned(quiet)),
-    "without back-reflection": as_measurement(scanned(replace(given, optics=clean))),
+    "without back-reflection": as_measurement(scanned(clean)),
 }
 answers = {
     (name, label): cmtof.unwrap(one, method=method, **options)["depth"].to_numpy() / index

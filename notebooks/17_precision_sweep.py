@@ -31,8 +31,10 @@ from cmtof.bounds import phase_spread, wrap_probability
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
 from cmtof.correlation import centred, depth_from_phase, wrap_length
 from cmtof.instrument.optics import sent_power
-from cmtof.instrument.settings import Reference, TwinSettings
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import MIRROR, PLATE
 from cmtof.instrument.world import SAMPLE_RATE
+from cmtof.ranging.budget import only
 from cmtof.ranging.interferometer import Interferometer
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger
 from cmtof.ranging.rf import RfRanger
@@ -48,7 +50,7 @@ COLOURS = {"all-optical": BLUE, "RF": RED, "interferometer": GREEN}
 settings = TwinSettings()
 optical, rf, ruler = OpticalRanger(settings), RfRanger(), Interferometer()
 rangers = {"all-optical": optical, "RF": rf, "interferometer": ruler}
-targets = {"mirror": Reference.mirror(), "diffuse": Reference()}
+targets = {"mirror": MIRROR, "diffuse": PLATE}
 
 
 def errors_of(ranger, what, days=repeats):
@@ -144,7 +146,7 @@ notes.table(["", "RMSE, ours", "MAE, ours", "bound", "RMSE, paper", "MAE, paper"
 
 # %%
 ratio_30 = paper.published("sec8.laser_power_ratio").value
-bright = replace(settings, laser=replace(settings.laser, power=ratio_30 * settings.laser.power))
+bright = replace(settings, laser_power=ratio_30 * settings.laser_power)
 more = {
     "all-optical, 14.32 GHz": OpticalRanger(settings, "doubled"),
     "all-optical, an hour later": OpticalRanger(settings, age=3600.0),
@@ -418,17 +420,16 @@ plotting.save(
 # range.
 
 # %%
-smooth = replace(settings.optics, speckle=False, back_fraction=0.0)
-silent = replace(TwinSettings.ideal(), noise=True, optics=smooth)
+silent = only("noise", "divergence", "exit_radius", "ambient_radiance")
 alone = {"stage_error": 0.0, "air_change": (0.0, 0.0)}
 axis, some = np.geomspace(0.3, 5, 41), [0.3, 0.6, 1.2, 2.5, 5.0]
 lines, noisy, whole, noise, pulls = {}, {}, {}, [], []
 for mode, frequency in FREQUENCY.items():
     one, full = OpticalRanger(silent, mode, **alone), OpticalRanger(settings, mode)
-    light = collected_power(silent, Reference(), axis, mode)
+    light = collected_power(silent, PLATE, axis, mode)
     noise.append(one.dimming_and_noise(light)[1])
     lines[mode] = depth_from_phase(noise[-1], frequency)
-    plates = [Reference(distance=z) for z in some]
+    plates = [replace(PLATE, distance=z) for z in some]
     still = [one.sweep(plate, np.zeros(bursts), repeats=1, seed=seed) for plate in plates]
     noisy[mode] = np.std(still, axis=(1, 2))
     pulls += [*np.sqrt(2 * bursts) * (noisy[mode] / np.interp(some, axis, lines[mode]) - 1)]
@@ -497,7 +498,7 @@ reached |= {
     "sec8.sweep_step": np.diff(POSITIONS).mean(),
     "sec8.stage_error": optical.stage_error,
     "sec8.laser_power_high": sent_power(bright),
-    "sec8.laser_power_ratio": bright.laser.power / settings.laser.power,
+    "sec8.laser_power_ratio": bright.laser_power / settings.laser_power,
     "sec7.laser_power": sent_power(settings),
     "sec7.photodetector": rf.bandwidth,
     "sec8.sampling_ratio": 2 * FREQUENCY["single"] / SAMPLE_RATE,

@@ -22,27 +22,29 @@ from scipy.special import jv
 
 from cmtof.book import notes, paper, plotting
 from cmtof.correlation import depth_from_phase, phase_from_depth, wrap_length
-from cmtof.instrument.optics import group_index, speckle_cells, spot_radius
-from cmtof.instrument.settings import Reference, TwinSettings
+from cmtof.instrument.optics import aperture_area, group_index, speckle_cells, spot_radius
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import MIRROR, PLATE
 from cmtof.ranging.budget import VISITS, back_ratio, budget_terms, only, simulated
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger
 from cmtof.ranging.sweep import parts
 
 plotting.begin(profile=profile, seed=seed)
-known, target, mirror = TwinSettings(), Reference(), Reference.mirror()
+known, target = TwinSettings(), PLATE
+targets = {"diffuse": PLATE, "specular": MIRROR}
 MODES = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
 
 # %%
 terms = {mode: budget_terms(target, mode, days=days, seed=seed) for mode in MODES}
 whole = {
-    (what.material, mode): simulated(known, what, mode, days=days_together, seed=seed)
-    for what in (target, mirror)
+    (name, mode): simulated(known, what, mode, days=days_together, seed=seed)
+    for name, what in targets.items()
     for mode in MODES
 }
 rms = {key: float(np.sqrt(np.mean(one**2))) for key, one in whole.items()}
 bound = {
-    (what.material, mode): float(OpticalRanger(known, mode, visits=VISITS).bound(what, [0.0])[0])
-    for what in (target, mirror)
+    (name, mode): float(OpticalRanger(known, mode, visits=VISITS).bound(what, [0.0])[0])
+    for name, what in targets.items()
     for mode in MODES
 }
 notes.tell(
@@ -123,24 +125,24 @@ notes.table(["µm", "rms", "offset", "scatter", "bound", "MAE/RMSE"], rows)
 # %%
 def correlation_phase(settings, ranges):
     """Phase of the single mode's correlation, rad, inner path and cable included."""
-    index = group_index(settings.air, settings.laser.wavelength)
-    way = index * np.asarray(ranges) + settings.optics.internal_path
-    return phase_from_depth(way, FREQUENCY["single"]) - settings.drive.phase_offset
+    index = group_index(settings)
+    way = index * np.asarray(ranges) + settings.internal_path
+    return phase_from_depth(way, FREQUENCY["single"]) - settings.phase_offset
 
 
-ratio, eta = back_ratio(known, target), known.drive.eta
+ratio, eta = back_ratio(known, target), known.eta
 third = float((jv(3, 2 * eta) / jv(1, 2 * eta)) ** 2)
 length = float(wrap_length(FREQUENCY["single"]))
 travel = length * (np.arange(wrap_points) / wrap_points - 0.5)
 ideal = TwinSettings.ideal()
 phi = correlation_phase(ideal, target.distance + travel)
-stray = correlation_phase(ideal, ideal.optics.back_range)
-excess = group_index(known.air, known.laser.wavelength) - 1
+stray = correlation_phase(ideal, ideal.back_range)
+excess = group_index(known) - 1
 print(f"air adds {1e6 * excess * target.distance:.0f} µm to 60 cm")
 print(f"four steps: {1e6 * depth_from_phase(third / 2**0.5, FREQUENCY['single']):.0f} µm rms")
 cases = {
-    "back": (only("optics.back_fraction"), np.angle(1 + ratio * np.exp(1j * (stray - phi))), {}),
-    "imbalance": (only("drive.iq_imbalance"), known.drive.iq_imbalance / 2 * np.sin(2 * phi), {}),
+    "back": (only("back_fraction"), np.angle(1 + ratio * np.exp(1j * (stray - phi))), {}),
+    "imbalance": (only("iq_imbalance"), known.iq_imbalance / 2 * np.sin(2 * phi), {}),
     "four": (ideal, -third * np.sin(4 * phi), {"phases": 4, "samples": 80}),
 }
 
@@ -189,20 +191,20 @@ wanted = paper.published("fig13.accuracy").value
 spread = paper.published("fig13.standard_deviation").value
 phase = float(phase_from_depth(wanted, FREQUENCY["single"]))
 jitter = float(phase_from_depth(spread, FREQUENCY["single"]))
-radius = float(spot_radius(known.optics, 1.0)) * target.distance
-steep = radius / 2 / np.sqrt(speckle_cells(known.optics, known.laser.wavelength, target.distance))
+radius = float(spot_radius(known, 1.0)) * target.distance
+steep = radius / 2 / np.sqrt(speckle_cells(known, target.distance))
 photons = (spread / terms["single"]["photon noise"]) ** -2
 needs = {  # of the single mode: size needed, size assumed, unit
-    "RF phase since the zero": (1e3 * phase, 1e3 * known.drive.phase_drift, "mrad"),
-    "I/Q imbalance": (2e3 * phase, 1e3 * known.drive.iq_imbalance, "mrad"),
+    "RF phase since the zero": (1e3 * phase, 1e3 * known.phase_drift, "mrad"),
+    "I/Q imbalance": (2e3 * phase, 1e3 * known.iq_imbalance, "mrad"),
     "back-reflection over target": (1e2 * np.sin(phase), 1e2 * ratio, "%"),
-    "phase codes, each": (1e3 * phase * np.sqrt(32), 1e3 * known.drive.phase_step_error, "mrad"),
+    "phase codes, each": (1e3 * phase * np.sqrt(32), 1e3 * known.phase_step_error, "mrad"),
     "air left out, path in it": (1e3 * wanted / excess, np.nan, "mm"),
     "air since the zero": (wanted / excess / target.distance * 293.15, 0.5, "K"),
     "0.6 m of aluminium bench": (wanted / (23e-6 * 0.6), np.nan, "K"),
     "1 m of PTFE cable": (wanted / (50e-6 / 1.4), np.nan, "K"),
     "scatter: share of the light": (1e2 * photons, 100.0, "%"),
-    "scatter: RF phase, point to point": (1e3 * jitter, 1e3 * known.drive.phase_drift, "mrad"),
+    "scatter: RF phase, point to point": (1e3 * jitter, 1e3 * known.phase_drift, "mrad"),
     "scatter: stage": (1e6 * spread, 0.05, "µm"),
     "scatter: slope, fresh speckle": (np.rad2deg(np.arctan(spread / steep)), np.nan, "°"),
 }
@@ -266,13 +268,13 @@ plotting.save(
 # bound the resolvable points $N$ and the pupil's side $D$ for a field of $\pm\theta_F$.
 
 # %%
-side, crystal, wavelength = 2.5e-3, 5e-3, known.laser.wavelength  # m; crystal assumed
+side, crystal, wavelength = 2.5e-3, 5e-3, known.wavelength  # m; crystal assumed
 rows = []
 for name, ordinary, extraordinary in (("LiNbO3", 2.323, 2.234), ("LiTaO3", 2.183, 2.188)):  # known
     birefringence = abs(extraordinary - ordinary)
     square = ordinary * extraordinary * wavelength * 0.2 / (np.pi * crystal * birefringence)
     points, pupil = square * (2 * side / wavelength) ** 2, side * np.sqrt(square) / np.sin(0.2)
-    light = pupil**2 / (np.pi * known.optics.aperture**2 / 4) / 64**2
+    light = pupil**2 / aperture_area(known) / 64**2
     rows.append([name, f"{points:.2g}", f"{1e3 * pupil:.2f} mm", f"{light:.1e}"])
 notes.table(["", "points", "pupil, ±0.2 rad", "light a pixel over ours, 64 × 64"], rows)
 

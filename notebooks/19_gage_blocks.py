@@ -100,7 +100,7 @@ def points_of(target, number, **how):
     return np.stack(ranges)[..., None] * rays / measured.dataset.attrs["group_index"]
 
 
-away = margin * float(spot_radius(base.optics, distance))
+away = margin * float(spot_radius(base, distance))
 view = {"size": (rows, columns),
         "field_of_view": (1.85 * WIDTH / distance, 0.85 * HEIGHT / distance)}  # fmt: skip
 
@@ -249,8 +249,8 @@ print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 left = np.array([[fit.residual.std() for fit in both] for _, both in planes])
 r_squared = np.array([[fit.r_squared for fit in both] for _, both in planes])
 slopes = np.tan(tilts)
-cells = float(speckle_cells(base.optics, base.laser.wavelength, distance))
-speckle = float(spot_radius(base.optics, distance)) / (2 * np.sqrt(cells))
+cells = float(speckle_cells(base, distance))
+speckle = float(spot_radius(base, distance)) / (2 * np.sqrt(cells))
 facing = np.sqrt(np.maximum(left[0] ** 2 - (slopes[0] * speckle) ** 2, 0))
 spread = slopes * 2 * distance * np.tan(plane_view / 2) / np.sqrt(12)
 for k in (0, -1):

@@ -52,7 +52,7 @@ plotting.begin(profile=profile, seed=seed)
 ordinary = TwinSettings()
 rooms = {
     "ordinary": ordinary,
-    "bright room": replace(ordinary, optics=replace(ordinary.optics, ambient_radiance=room_light)),
+    "bright room": replace(ordinary, ambient_radiance=room_light),
     "no noise": replace(ordinary, noise=False),
 }
 scenes = {name: scene_from({"kind": "object", "name": name}) for name in objects}

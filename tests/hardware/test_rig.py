@@ -32,7 +32,7 @@ HOSTILE = {
     "view": ("field_of_view_deg: [0, 20]", "field_of_view_deg.0"),
     "role": ("devices: {lamp: {driver: pm100d}}", "Expected devices."),
     "no driver": ("devices: {daq: {address: x}}", "devices.daq.driver in rig.yml to be there"),
-    "twin": ("twin: {laser: {power: -1}}", "twin.laser.power"),
+    "twin": ("twin: {laser_power: -1}", "twin.laser_power"),
     "list": ("[1, 2]", "Expected names and values"),
     "tag": ("!!python/object/apply:os.system [ls]", "Expected YAML"),
 }

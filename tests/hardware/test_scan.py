@@ -19,18 +19,14 @@ from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan, scan_scene
-from cmtof.instrument.settings import Reference, TwinSettings
-from cmtof.instrument.targets import Plane
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import MIRROR, Plane
 from cmtof.measurement import open_measurement
 
 RIG = replace(Rig.default(), phases=4, samples_per_phase=14)
 PLAN = planned(RIG, size=4)
 WALL = Plane(0.9, tilt_x=0.3, reflectance=0.8)
-MIRROR = Reference(material="specular", reflectance=0.9)
-DARK = replace(
-    TwinSettings.ideal(reference=Reference(reflectance=0.0)),
-    optics=replace(TwinSettings.ideal().optics, ambient_radiance=0.1),
-)
+DARK = TwinSettings.ideal(reference=Plane(0.6, reflectance=0.0), ambient_radiance=0.1)
 
 
 def take(output, rig=RIG, prepare=lambda bench: None, **options):

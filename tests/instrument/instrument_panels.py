@@ -23,6 +23,7 @@ def ready(mode, **knobs):
 
 def profile(world, panel, angles=((0.0, 0.0),), **options):
     """Mean volts (N, 16) of a burst's phases behind the settling samples."""
+    options.setdefault("labels", np.arange(1, len(angles) + 1))
     counts = world.bursts(panel, angles, pulses=EDGES, **options)
     kept = counts.reshape(-1, 16, 20)[..., 8:].mean(-1)
     return (kept - 33523.0) * 3.15805780e-4

@@ -8,70 +8,58 @@ import pytest
 from cmtof.instrument.optics import (
     directions_from_angles,
     group_index,
-    returned_fraction,
+    returned_fractions,
     sent_power,
     speckle_cells,
     trace,
     uniform_from_places,
 )
-from cmtof.instrument.settings import Air, Optics, TwinSettings
+from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Hits, Plane
 
-QUIET = TwinSettings.ideal()
+REAL = TwinSettings()
 
 
-def hits(z, cosine=1.0, reflectance=0.5):
-    """Hits at ranges, m."""
-    z = np.asarray(z, float)
-    return Hits(z, np.full(z.shape, cosine), np.full(z.shape, reflectance))
+def returned(z, cosine=1.0, mirrored=0.0):
+    """Share that returns from ranges, m."""
+    hits = Hits(np.asarray(z), np.array(cosine), np.array(0.5), mirrored)
+    return sum(returned_fractions(REAL, hits))
 
 
 def test_air_slows_with_pressure_and_cold():
-    excess = group_index(Air()) - 1
+    excess = group_index() - 1
     assert 2.8e-4 < excess < 2.9e-4
-    assert group_index(Air(pressure=50662.5)) - 1 == pytest.approx(excess / 2)
-    assert group_index(Air(pressure=0.0)) == 1
+    assert group_index(TwinSettings(pressure=50662.5)) - 1 == pytest.approx(excess / 2)
+    assert group_index(TwinSettings(temperature=586.3)) - 1 == pytest.approx(excess / 2)
 
 
 def test_diffuse_light_falls_with_the_square_of_the_range():
-    optics = Optics()
-    found = returned_fraction(optics, "diffuse", hits([1.0, 2.0], cosine=0.8))
-    area = np.pi * optics.aperture**2 / 4
-    np.testing.assert_allclose(found, 0.5 * 0.8 * area / (2 * np.pi * np.array([1, 4])))
+    area = np.pi * REAL.aperture**2 / 4
+    expected = 0.5 * 0.8 * area / (2 * np.pi * np.array([1, 4]))
+    np.testing.assert_allclose(returned([1.0, 2.0], cosine=0.8), expected)
 
 
 def test_a_mirror_returns_more_and_turns_away():
-    optics = Optics()
-    straight, tilted = (
-        returned_fraction(optics, "specular", hits([1.0], np.cos(t)))[0]
-        for t in (0.0, np.deg2rad(1))
-    )
-    paper = returned_fraction(optics, "diffuse", hits([1.0]))[0]
+    straight, tilted = (returned(1.0, np.cos(t), mirrored=1.0) for t in (0.0, np.deg2rad(1)))
+    paper = returned(1.0)
     assert straight > 1e3 * paper
     assert tilted == pytest.approx(0.02 * paper, rel=1e-2)
-
-
-def test_mixed_weighs_both_laws():
-    optics, one = Optics(), hits([0.7], 0.999)
-    rough, polished = (returned_fraction(optics, m, one) for m in ("diffuse", "specular"))
-    both = returned_fraction(optics, "mixed", one._replace(mirrored=np.array([0.3])))
-    np.testing.assert_allclose(both, 0.7 * rough + 0.3 * polished)
+    assert returned(1.0, mirrored=0.3) == pytest.approx(0.7 * paper + 0.3 * straight)
 
 
 def test_speckle_has_its_mean_and_contrast():
-    settings = replace(QUIET, optics=Optics())
     rng = np.random.default_rng(0)
     angles = rng.uniform(-0.05, 0.05, (20000, 2))
-    rough = trace(Plane(1.0), angles, settings, seed=5).fraction.sum(1)
-    plain = replace(settings, optics=replace(settings.optics, speckle=False))
+    rough = trace(Plane(1.0), angles, REAL, seed=5).fraction.sum(1)
+    plain = replace(REAL, speckle=False)
     relative = rough / trace(Plane(1.0), angles, plain, seed=5).fraction.sum(1)
-    cells = float(speckle_cells(settings.optics, settings.laser.wavelength, 1.0))
+    cells = float(speckle_cells(REAL, 1.0))
     assert relative.mean() == pytest.approx(1, abs=4 / np.sqrt(20000 * cells))
     assert relative.std() == pytest.approx(1 / np.sqrt(cells), rel=0.05)
 
 
 def test_the_spot_is_symmetric_and_sees_the_mean_range():
-    settings = replace(QUIET, optics=replace(QUIET.optics, divergence=5e-3))
+    settings = TwinSettings.ideal(divergence=5e-3)
     paths = trace(Plane(1.0), np.zeros((1, 2)), settings, seed=0)
     weights = paths.fraction[0] / paths.fraction.sum()
     assert weights[0] == pytest.approx(0.5, rel=1e-3)

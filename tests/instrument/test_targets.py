@@ -54,7 +54,7 @@ def test_a_mesh_interpolates_its_vertices():
     corners = np.array([[-1, -1, 2.0], [1, -1, 2], [1, 1, 2], [-1, 1, 2]])
     faces = np.array([[0, 1, 2], [0, 2, 3]])
     bright = np.array([0.0, 1.0, 1.0, 0.0])
-    target = MeshTarget(corners, faces, bright, "mixed", 0.25)
+    target = MeshTarget(corners, faces, bright, 0.25)
     found = target.look(RAYS)
     np.testing.assert_allclose(found.range, Plane(2.0).look(RAYS).range, rtol=1e-6)
     x = (RAYS * found.range[:, None])[:, 0]
@@ -68,7 +68,7 @@ def test_scenes_by_name_file_and_mapping():
     assert scene_from(None) is None
     assert isinstance(scene_from("still_life"), FrameTarget)
     assert isinstance(scene_from(load_frame("still_life")), FrameTarget)
-    assert scene_from({"kind": "mirror", "distance": 1.0}) == Plane(1.0, material="specular")
+    assert scene_from({"kind": "mirror", "distance": 1.0}) == Plane(1.0, mirrored=1.0)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,6 @@ def test_scenes_by_name_file_and_mapping():
     [
         {"kind": "cat"},
         {"kind": "plane", "distance": 1.0, "colour": 2},
-        {"kind": "plane", "distance": 1.0, "material": "velvet"},
     ],
 )
 def test_nonsense_is_refused(source):

@@ -9,8 +9,8 @@ from scipy.special import jv
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import centred, decode
-from cmtof.instrument.electronics import chain
-from cmtof.instrument.settings import Air, Drive, TwinSettings
+from cmtof.instrument.electronics import chain, density
+from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Plane
 from cmtof.instrument.world import (
     DRIFT_RMS,
@@ -42,14 +42,15 @@ def test_phase_grows_with_the_range_and_with_air(mode):
     for step in (1e-3, 12e-3):
         turned = phase_of(IDEAL, 0.6 + step, mode) - near
         assert centred(turned - expected_phase(mode, step)) == pytest.approx(0, abs=3e-3)
-    excess = World(replace(IDEAL, air=Air())).group_index - 1
-    slowed = phase_of(replace(IDEAL, air=Air()), 0.6, mode) - near
+    slow = replace(IDEAL, pressure=101325.0)
+    excess = World(slow).group_index - 1
+    slowed = phase_of(slow, 0.6, mode) - near
     assert centred(slowed - expected_phase(mode, 0.6 * excess)) == pytest.approx(0, abs=3e-3)
 
 
 @pytest.mark.parametrize("mode", MODES)
 def test_reference_target_moves_with_the_stage(mode):
-    zero = IDEAL.reference.stage_zero
+    zero = IDEAL.stage_zero
     stage = {"stage": [zero, zero + 2e-3]}
     seen = profile(World(IDEAL), ready(mode, flip_mirror_in=True), np.zeros((2, 2)), **stage)
     turned = np.diff([decode(one, PSI).phase for one in seen])
@@ -58,7 +59,7 @@ def test_reference_target_moves_with_the_stage(mode):
 
 @pytest.mark.parametrize("mode", MODES)
 def test_contrast_is_that_of_the_closed_form(mode):
-    two_eta = 2 * IDEAL.drive.eta
+    two_eta = 2 * IDEAL.eta
     wanted = 2 * jv(1, two_eta) ** 2
     if mode == "doubled":
         wanted = 2 * jv(2, two_eta) ** 2 / (1 - jv(0, two_eta)) ** 2
@@ -67,11 +68,11 @@ def test_contrast_is_that_of_the_closed_form(mode):
 
 
 def test_amplitude_follows_power_and_resonance():
-    drive = Drive()
+    drive = TwinSettings()
     full = abs(amplitude(drive, 30.0, 7.15e9))
     assert full == pytest.approx(drive.eta) == pytest.approx(abs(amplitude(drive, 30.0, 7.16e9)))
     assert abs(amplitude(drive, 30.0 - 20 * np.log10(2), 7.15e9)) == pytest.approx(full / 2)
-    edge = drive.resonance + drive.width / 2
+    edge = drive.resonance + drive.resonance_width / 2
     at_peak, at_edge = (abs(amplitude(drive, 30.0, f)) for f in (drive.resonance, edge))
     assert at_edge / at_peak == pytest.approx(np.sqrt(0.5))
 
@@ -86,15 +87,15 @@ def test_light_and_modulation_need_their_switches():
 
 def test_drivers_make_the_errors_that_they_are_said_to_have():
     phases, every = np.linspace(0, 6, 50), np.arange(65536) * 2 * np.pi / 65536
-    skewed = World(replace(IDEAL, drive=replace(IDEAL.drive, iq_imbalance=0.02)))
-    error = skewed._made_phase(0, phases) - phases
+    skewed = World(replace(IDEAL, iq_imbalance=0.02))
+    error = skewed.made_phase(0, phases) - phases
     np.testing.assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
-    coded = World(replace(IDEAL, drive=replace(IDEAL.drive, phase_step_error=5e-4)), seed=4)
-    assert (coded._made_phase(1, every) - every).std() == pytest.approx(5e-4, rel=0.02)
+    coded = World(replace(IDEAL, phase_step_error=5e-4), seed=4)
+    assert (coded.made_phase(1, every) - every).std() == pytest.approx(5e-4, rel=0.02)
 
 
 def test_back_reflection_adds_a_constant_phasor():
-    strong = replace(IDEAL, optics=replace(IDEAL.optics, back_fraction=2e-8, back_range=-0.1))
+    strong = replace(IDEAL, back_fraction=2e-8, back_range=-0.1)
     ranges = 0.6 + SPEED_OF_LIGHT / (2 * DRIVE["single"]) * np.arange(16) / 16
     error = [centred(phase_of(strong, z, "single") - phase_of(IDEAL, z, "single")) for z in ranges]
     spectrum = 2 * np.abs(np.fft.rfft(error)) / 16
@@ -106,7 +107,7 @@ def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
     long = drift(0, 1, np.linspace(0, 36000, 200001))
     assert np.abs(long).max() <= 1
     assert long.std() == pytest.approx(DRIFT_RMS, rel=0.05)
-    drifting = replace(IDEAL, drive=replace(IDEAL.drive, phase_drift=0.1))
+    drifting = replace(IDEAL, phase_drift=0.1)
     labels = np.array([1, 2000, 40000])
     world = World(drifting, Plane(0.6), seed=2)
     seen = profile(world, ready("single"), np.zeros((3, 2)), labels=labels)
@@ -137,11 +138,11 @@ def test_a_burst_depends_on_its_label_alone():
 def test_phase_noise_of_a_point_meets_the_closed_form(mode):
     world, count = World(NOISY, Plane(0.8, reflectance=0.3), seed=1), 3000
     seen = profile(world, ready(mode), np.zeros((count, 2)))
-    found, detector = decode(np.moveaxis(seen, 1, 0), PSI), NOISY.detector
+    found = decode(np.moveaxis(seen, 1, 0), PSI)
     weights = np.where(np.arange(12) == 0, 1, 2) * (12 - np.arange(12)) / 144
-    variance = weights @ chain(detector, 1 / 24000).memory(12)
-    variance = world.conversion.density(seen.mean(0)) * variance
-    variance += (detector.converter_noise**2 + 1 / 12) * 3.158e-4**2 / 12
+    variance = weights @ chain(NOISY, 1 / 24000).memory(12)
+    variance = density(NOISY, seen.mean(0)) * variance
+    variance += (NOISY.converter_noise**2 + 1 / 12) * 3.158e-4**2 / 12
     middle = np.angle(np.exp(1j * found.phase).mean())
     wanted = np.sqrt((variance * np.sin(PSI + middle) ** 2).sum()) / 8 / found.amplitude.mean()
     assert centred(found.phase - middle).std() == pytest.approx(wanted, rel=4 / np.sqrt(2 * count))

@@ -9,14 +9,15 @@ from cmtof.correlation import TAU, wrap_length
 from cmtof.hardware.scan import scan_scene
 from cmtof.instrument.electronics import volts_from_counts
 from cmtof.instrument.optics import group_index
-from cmtof.instrument.settings import Detector, Reference, TwinSettings
-from cmtof.instrument.targets import Plane
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import MIRROR, PLATE, Plane
 from cmtof.instrument.world import LABEL_TIME, World
 from cmtof.ranging.budget import back_ratio, only
 from cmtof.ranging.optical import OpticalRanger
 
 NOISY = replace(TwinSettings.ideal(), noise=True)
-TARGETS = {"diffuse": Reference(), "mirror": Reference.mirror()}
+AIR = TwinSettings.ideal(pressure=101325.0)
+TARGETS = {"diffuse": PLATE, "mirror": MIRROR}
 STEPS = np.linspace(0, 1e-3, 5)
 STILL = {"stage_error": 0.0, "air_change": (0.0, 0.0)}
 
@@ -24,12 +25,11 @@ STILL = {"stage_error": 0.0, "air_change": (0.0, 0.0)}
 @pytest.mark.parametrize("mode", ["single", "doubled"])
 def test_counts_are_those_of_a_scan(mode):
     """A plane in the scene and the target on the stage, at one moment of one seed."""
-    settings = TwinSettings()
-    settings = replace(settings, optics=replace(settings.optics, speckle=False))
+    settings = TwinSettings(speckle=False)
     scan = scan_scene(settings, Plane(0.6), size=1, field_of_view=0.01, seed=5).dataset
     ranger, row = OpticalRanger(settings, mode), ["single", "doubled"].index(mode)
     label = round(float(scan["time"][row, 0, 0]) / LABEL_TIME)
-    counts = ranger.counts(World(ranger.before(Reference()), seed=5), np.zeros(1), [label])
+    counts = ranger.counts(World(ranger.before(PLATE), seed=5), np.zeros(1), [label])
     means = counts.reshape(16, 20)[:, 4:].mean(-1)
     # a scan drops more of the first phase, in which the mirrors may still move
     np.testing.assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])
@@ -47,14 +47,15 @@ def test_noise_alone_meets_the_bound(mode, what):
 def test_noise_of_the_zero_samples_and_phases():
     ranger = OpticalRanger(NOISY)
     for change, ratio in ({"visits": 8}, 2 / 1.125), ({"samples": 36}, 2), ({"phases": 32}, 2):
-        better = replace(ranger, **change).bound(Reference(), [0.0])
-        np.testing.assert_allclose(ranger.bound(Reference(), [0.0]) / better, ratio**0.5, rtol=0.01)
+        better = replace(ranger, **change).bound(PLATE, [0.0])
+        np.testing.assert_allclose(ranger.bound(PLATE, [0.0]) / better, ratio**0.5, rtol=0.01)
 
 
 def test_shot_noise_falls_with_the_root_of_the_light():
-    silent = replace(NOISY, detector=Detector(noise_density=0.0, converter_noise=0.0))
+    silent = replace(NOISY, noise_density=0.0, converter_noise=0.0)
     weak, strong = (
-        OpticalRanger(silent).bound(Reference(reflectance=share), [0.0])[0] for share in (0.1, 0.4)
+        OpticalRanger(silent).bound(replace(PLATE, reflectance=share), [0.0])[0]
+        for share in (0.1, 0.4)
     )
     assert weak / strong == pytest.approx(2, rel=2e-3)  # rounding stays
 
@@ -62,34 +63,31 @@ def test_shot_noise_falls_with_the_root_of_the_light():
 @pytest.mark.parametrize(("mode", "most"), [("single", 1e-6), ("doubled", 3e-6)])
 def test_without_errors_the_range_is_right(mode, most):
     """Of a plate's light the doubled mode leaves 280 counts of amplitude, and they are rounded."""
-    settings = replace(TwinSettings.ideal(), air=TwinSettings().air)
-    ranger = OpticalRanger(settings, mode, visits=8, **STILL)
-    errors = ranger.sweep(Reference(), STEPS, repeats=1, seed=0) - 0.6 - STEPS
+    ranger = OpticalRanger(AIR, mode, visits=8, **STILL)
+    errors = ranger.sweep(PLATE, STEPS, repeats=1, seed=0) - 0.6 - STEPS
     assert np.abs(errors).max() < most
 
 
 def test_air_that_changed_since_the_zero():
     """(n - 1) z times the relative change, over 100 days."""
-    settings = replace(TwinSettings.ideal(), air=TwinSettings().air)
-    ranger = OpticalRanger(settings, stage_error=0.0, air_change=(5.0, 0.0))
-    errors = ranger.sweep(Reference(), [0.0], repeats=100, seed=3) - 0.6
-    expected = (group_index(settings.air, 532e-9) - 1) * 0.6 * 5.0 / 293.15
+    ranger = OpticalRanger(AIR, stage_error=0.0, air_change=(5.0, 0.0))
+    errors = ranger.sweep(PLATE, [0.0], repeats=100, seed=3) - 0.6
+    expected = (group_index(AIR) - 1) * 0.6 * 5.0 / 293.15
     assert errors.std() == pytest.approx(expected, rel=5 / np.sqrt(200))
 
 
 def test_coaxial_light_makes_a_cyclic_error():
     """To first order its share of the light, as a phase, at the crest of a wrap."""
-    settings = only("optics.back_fraction")
-    ranger = OpticalRanger(settings, **STILL)
+    ranger = OpticalRanger(only("back_fraction"), **STILL)
     places = np.linspace(0, wrap_length(ranger.frequency), 24, endpoint=False)
-    errors = ranger.sweep(Reference(), places, repeats=1, seed=0)[0] - 0.6 - places
-    crest = back_ratio(TwinSettings(), Reference()) * wrap_length(ranger.frequency) / TAU / 2
+    errors = ranger.sweep(PLATE, places, repeats=1, seed=0)[0] - 0.6 - places
+    crest = back_ratio(TwinSettings(), PLATE) * wrap_length(ranger.frequency) / TAU / 2
     assert np.ptp(errors) / 2 == pytest.approx(2 * crest, rel=0.15)
 
 
 def test_the_grey_filter_keeps_a_mirror_within_range():
-    ranger, mirror = OpticalRanger(TwinSettings.ideal(), "doubled"), Reference.mirror()
+    ranger, mirror = OpticalRanger(TwinSettings.ideal(), "doubled"), MIRROR
     counts = ranger.counts(World(ranger.before(mirror)), np.linspace(0, 0.02, 30), np.arange(30))
     assert volts_from_counts(counts).max() == pytest.approx(0.5 * 4.1, rel=0.03)
-    assert ranger.before(mirror).detector.efficiency < 1e-3 * Detector().efficiency
-    assert ranger.before(Reference()).detector == Detector()
+    assert ranger.before(mirror).efficiency < 1e-3 * TwinSettings().efficiency
+    assert ranger.before(PLATE).efficiency == TwinSettings().efficiency

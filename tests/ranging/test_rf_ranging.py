@@ -8,12 +8,10 @@ import pytest
 from cmtof.bounds import phase_spread
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import centred, depth_from_phase
-from cmtof.instrument.settings import Reference, TwinSettings
-from cmtof.instrument.targets import Plane
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import MIRROR, PLATE, Plane
 from cmtof.ranging.rf import RfRanger, rf_image, skewed, straightened
 from cmtof.ranging.sweep import POSITIONS, collected_power
-
-SPECKLE_FREE = replace(TwinSettings(), optics=replace(TwinSettings().optics, speckle=False))
 
 
 def test_snr_goes_with_the_square_of_light_and_with_light_beyond_the_shot_noise():
@@ -48,20 +46,20 @@ def test_an_imbalance_errs_twice_a_turn_and_is_taken_away(gain, error):
 
 
 def test_small_diode_sees_part_of_a_spot_and_all_of_a_mirror():
-    settings, mirror = TwinSettings(), Reference.mirror()
+    settings = TwinSettings()
     share = RfRanger().seen_share(0.6)
     assert 0.2 < share < 0.6
     assert RfRanger(diameter=1e-2).seen_share(0.6) == pytest.approx(1)
-    plate = share * collected_power(settings, Reference(), 0.6)
-    assert RfRanger().power(Reference(), 0.6) == pytest.approx(plate)
-    assert RfRanger().power(mirror, 0.6) == collected_power(settings, mirror, 0.6)
+    plate = share * collected_power(settings, PLATE, 0.6)
+    assert RfRanger().power(PLATE, 0.6) == pytest.approx(plate)
+    assert RfRanger().power(MIRROR, 0.6) == collected_power(settings, MIRROR, 0.6)
 
 
 @pytest.mark.parametrize("reflectance", [1e-3, 1e-6])
 def test_sweep_follows_the_law_of_a_noisy_phase_where_nothing_drifts(reflectance):
     """8000 readings, each day with a calibration of a hundredth of the variance."""
     settings = replace(TwinSettings.ideal(), noise=True)
-    target = Reference(material="specular", reflectance=reflectance)
+    target = replace(MIRROR, reflectance=reflectance)
     ranger = RfRanger(settings=settings, drift=0.0, stage_error=0.0)
     error = ranger.sweep(target, np.zeros(400), repeats=20, seed=1) - target.distance
     linear = ranger.bound(target, [0.0])[0] * ranger.phase(1.0) * np.sqrt(1.02)
@@ -70,29 +68,27 @@ def test_sweep_follows_the_law_of_a_noisy_phase_where_nothing_drifts(reflectance
 
 
 def test_calibration_helps_a_mirror_and_the_offset_hides_a_plate():
-    target, rms = Reference.mirror(), {}
+    target, rms = MIRROR, {}
     for calibrated in (True, False):
         ranger = RfRanger(calibrated=calibrated)
         error = ranger.sweep(target, POSITIONS, repeats=20, seed=2) - target.distance - POSITIONS
         rms[calibrated] = np.sqrt(np.mean(error**2))
     assert rms[True] < 0.3 * rms[False]
     # without calibration the offset is all there is: the reading stands still
-    stuck = RfRanger(calibrated=False).sweep(Reference(), POSITIONS, repeats=5, seed=2)
-    np.testing.assert_allclose(stuck, Reference().distance, atol=20e-6)
+    stuck = RfRanger(calibrated=False).sweep(PLATE, POSITIONS, repeats=5, seed=2)
+    np.testing.assert_allclose(stuck, PLATE.distance, atol=20e-6)
 
 
 def test_a_plate_is_lost_even_at_ten_times_the_light():
-    laser = replace(TwinSettings().laser, power=1.5)
-    ranger = RfRanger(settings=replace(TwinSettings(), laser=laser))
-    error = ranger.sweep(Reference(), POSITIONS, repeats=50, seed=0) - 0.6 - POSITIONS
+    ranger = RfRanger(settings=TwinSettings(laser_power=1.5))
+    error = ranger.sweep(PLATE, POSITIONS, repeats=50, seed=0) - 0.6 - POSITIONS
     assert 1e-3 < np.sqrt(np.mean(error**2)) < depth_from_phase(np.pi, FREQUENCY_SINGLE)
 
 
 def test_image_has_the_light_and_the_noise_of_the_ranging_instrument():
-    laser = replace(TwinSettings().laser, power=10.0)
-    ranger = RfRanger(settings=replace(SPECKLE_FREE, laser=laser))
+    ranger = RfRanger(settings=TwinSettings(speckle=False, laser_power=10.0))
     seen = rf_image(ranger, Plane(0.3), np.zeros((100, 100, 2)), seed=1)
-    expected = ranger.power(Reference(), 0.3)
+    expected = ranger.power(PLATE, 0.3)
     assert seen.power == pytest.approx(np.full((100, 100), expected), rel=2e-3)
     error = centred(seen.phase - ranger.phase(0.3))
     assert seen.bound.max() < 0.1  # small enough for the bound to hold

@@ -1,11 +1,14 @@
 """Parts of the errors of a sweep, and the table of three instruments."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cmtof.instrument.settings import Reference, TwinSettings
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import MIRROR, PLATE
 from cmtof.ranging.interferometer import Interferometer
 from cmtof.ranging.optical import OpticalRanger
 from cmtof.ranging.rf import RfRanger
@@ -25,15 +28,15 @@ def test_the_parts_add_up(offset, slope, noise, seed):
 
 
 def test_light_of_a_plate_falls_with_the_square_of_the_range():
-    near, far = collected_power(TwinSettings(), Reference(), [0.5, 1.0])
+    near, far = collected_power(TwinSettings(), PLATE, [0.5, 1.0])
     assert near / far == pytest.approx(4)
-    half = collected_power(TwinSettings(), Reference(reflectance=0.25), 0.5)
+    half = collected_power(TwinSettings(), replace(PLATE, reflectance=0.25), 0.5)
     assert near / half == pytest.approx(2)
 
 
 @pytest.mark.parametrize("ranger", RANGERS, ids=lambda one: type(one).__name__)
 def test_repeats_are_days_of_their_own(ranger):
-    target, places = Reference.mirror(), POSITIONS[:3]
+    target, places = MIRROR, POSITIONS[:3]
     three = ranger.sweep(target, places, repeats=3, seed=9)
     np.testing.assert_array_equal(ranger.sweep(target, places, repeats=1, seed=9)[0], three[0])
     assert len({row.tobytes() for row in three}) == 3

@@ -98,7 +98,7 @@ def header_of(bench: Bench, plan: Plan, *, seed: int | None, scene: str | None) 
         "scene": scene,
         "size": list(plan.angles.shape[:2]),
         "calibration": list(bench.daq.gain(VOLTS_RANGE)),
-        "group_index": group_index(plan.rig.twin.air) if twin else group_index(),
+        "group_index": group_index(plan.rig.twin) if twin else group_index(),
         "settings": plan.rig.as_dict(),
         "instruments": identities,
     }
@@ -147,7 +147,7 @@ def scan_scene(
         field_of_view_deg=(across, down),
         phases=phases,
         reference_distance=settings.reference.distance,
-        stage_zero=settings.reference.stage_zero,
+        stage_zero=settings.stage_zero,
     )
     plan, records = planned(rig, size=size), []
     with simulated(rig, target, seed=seed) as bench:

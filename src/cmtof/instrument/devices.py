@@ -15,6 +15,8 @@ from cmtof.instrument.world import CODES, LABEL_TIME, Panel, RfKnobs, World
 
 TDAC_STEP = 20.0 / 2**14
 """Step of the LJTick-DAC, 14 bit, V."""
+SWITCHES = {"laser": "laser_on", "shutter": "shutter_open", "flip_mirror": "flip_mirror_in"}
+"""Knobs of the panel that follow a digital line."""
 
 
 class Status(NamedTuple):
@@ -76,11 +78,9 @@ class SimulatedRf(SimulatedDevice):
         self.knobs.on = on
 
     def status(self) -> Status:
-        """Output, lock (on, clocked and near the resonance), table and trip."""
-        drive, knobs = self.world.settings.drive, self.knobs
-        near = abs(knobs.frequency - drive.resonance) <= drive.lock_range
-        last = (self.edges - 1) % max(len(knobs.table), 1)
-        return Status(knobs.on, knobs.on and self.panel.clock_on and near, last, self.edges, False)
+        """Output, lock (on and clocked), table and trip."""
+        on, last = self.knobs.on, (self.edges - 1) % max(len(self.knobs.table), 1)
+        return Status(on, on and self.panel.clock_on, last, self.edges, False)
 
     def load_table(self, phases: NDArray[np.float64]) -> None:
         """Load phases of the drive, rad, that the trigger steps through."""
@@ -167,15 +167,11 @@ class SimulatedReadOut(SimulatedDevice):
 
     def set_line(self, dio: str, high: bool) -> None:
         """Set a digital line, and with it what hangs on it."""
-        match self.roles[dio]:
-            case "laser":
-                self.panel.laser_on = high
-            case "shutter":
-                self.panel.shutter_open = high
-            case "flip_mirror":
-                self.panel.flip_mirror_in = high
-            case "beam_block":
-                self.panel.beam_block_in = not high
+        part = self.roles[dio]
+        if part == "beam_block":
+            self.panel.beam_block_in = not high
+        elif part in SWITCHES:
+            setattr(self.panel, SWITCHES[part], high)
 
     def write_many(self, values: Mapping[str, float]) -> None:
         """Write registers: those of the mirrors count."""
@@ -187,7 +183,7 @@ class SimulatedReadOut(SimulatedDevice):
         self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
     ) -> None:
         """Set up bursts; ``channel`` is the detector's, ``range`` 10 V."""
-        self._burst = {"scans": scans, "rate": rate, "pulses": np.arange(scans) // pulse}
+        self._burst = {"rate": rate, "pulses": np.arange(scans) // pulse}
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
         """Counts (scans,) of a burst for each request, all computed at once."""
@@ -198,7 +194,7 @@ class SimulatedReadOut(SimulatedDevice):
             labels.append(int(registers["USER_RAM0_U32"]))
         counts = self.world.bursts(self.panel, angles, labels=labels, **self._burst)
         for label, one in zip(labels, counts, strict=True):
-            self.panel.time = LABEL_TIME * label + self._burst["scans"] / self._burst["rate"]
+            self.panel.time = LABEL_TIME * label + one.size / self._burst["rate"]
             self.triggered.edges += int(self._burst["pulses"][-1]) + 1
             yield one
 

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammaincinv
 
-from cmtof.constants import LASER_WAVELENGTH
-from cmtof.instrument.settings import Air, Optics, TwinSettings
+from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Hits, Target
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
@@ -34,7 +33,7 @@ class Paths(NamedTuple):
     fraction: Array  # (N, M), share of the emitted light that enters aperture and splitter's axis
 
 
-def group_index(air: Air = Air(), wavelength: float = LASER_WAVELENGTH) -> float:  # noqa: B008
+def group_index(settings: TwinSettings = TwinSettings()) -> float:  # noqa: B008
     """Group index of dry air, ``n_g = n - lambda dn/dlambda``; vapour, below 5e-7, is left out.
 
     Standard air (15 C, 101325 Pa, 450 ppm CO2) of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1,
@@ -42,15 +41,15 @@ def group_index(air: Air = Air(), wavelength: float = LASER_WAVELENGTH) -> float
 
     Examples
     --------
-    >>> f"{group_index(Air(temperature=288.15)) - 1:.4e}"
+    >>> f"{group_index(TwinSettings(temperature=288.15)) - 1:.4e}"
     '2.8975e-04'
     """
-    square = (1e-6 / wavelength) ** 2  # wave number squared, 1/um^2
+    square = (1e-6 / settings.wavelength) ** 2  # wave number squared, 1/um^2
     refractivity = 0.0
     for strength, pole in ((0.05792105, 238.0185), (0.00167917, 57.362)):
         # n + sigma dn/dsigma of strength / (pole - sigma^2)
         refractivity += strength * (pole + square) / (pole - square) ** 2
-    return 1 + refractivity * (air.pressure / 101325.0) * (288.15 / air.temperature)
+    return 1 + refractivity * (settings.pressure / 101325.0) * (288.15 / settings.temperature)
 
 
 def directions_from_angles(angles: ArrayLike) -> Array:
@@ -64,43 +63,41 @@ def _unit(tangent: Array) -> Array:
     return ray / np.sqrt((ray * ray).sum(-1, keepdims=True))
 
 
-def spot_radius(optics: Optics, distance: ArrayLike) -> Array:
+def spot_radius(settings: TwinSettings, distance: ArrayLike) -> Array:
     """1/e^2 radius of the spot, m, at a range, m: exit radius and defocus add up."""
-    return optics.exit_radius + optics.divergence * np.abs(np.asarray(distance, float))
+    return settings.exit_radius + settings.divergence * np.abs(np.asarray(distance, float))
 
 
-def speckle_cells(optics: Optics, wavelength: float, distance: ArrayLike) -> Array:
+def aperture_area(settings: TwinSettings) -> float:
+    """Area of the aperture, m^2."""
+    return np.pi * settings.aperture**2 / 4
+
+
+def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
     """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt.
 
     ``(lambda z)^2 / (pi w^2)`` is a Gaussian spot's coherence area (Goodman, Speckle, 2007, ch. 4).
     """
-    z = np.asarray(distance, float)
-    area = np.pi * optics.aperture**2 / 4
-    return 1 + area * np.pi * spot_radius(optics, z) ** 2 / (wavelength * z) ** 2
+    z, area = np.asarray(distance, float), aperture_area(settings)
+    return 1 + area * np.pi * spot_radius(settings, z) ** 2 / (settings.wavelength * z) ** 2
 
 
-def returned_fraction(optics: Optics, material: str, hits: Hits) -> Array:
-    """Share of the light on a surface that enters the aperture, polarisation included; 0 for NaN.
+def returned_fractions(settings: TwinSettings, hits: Hits) -> list[Array]:
+    """Shares of the light on a surface that enter the aperture, diffuse and specular; 0 for NaN.
 
     Diffuse: ``rho cos A / (pi z^2)``, half of it in the polarisation that the splitter passes.
     Specular: a Gaussian lobe that spreads over the range, cut by the aperture and turned away by
-    twice the tilt; the polarisation is kept. Mixed: both laws, weighted with ``hits.mirrored``.
+    twice the tilt; the polarisation is kept. ``hits.mirrored`` weighs both laws.
     """
-    return sum(_rough_and_polished(optics, material, hits), np.float64(0.0))
-
-
-def _rough_and_polished(optics: Optics, material: str, hits: Hits) -> list[Array]:
-    """Both parts of `returned_fraction`: what speckles, and what a polished surface returns."""
-    z, radius = hits.range, optics.aperture / 2
-    weight = {"diffuse": 0.0, "specular": 1.0}.get(material, hits.mirrored)
-    lobe = np.hypot(SPECULAR_LOBE, 2 * optics.divergence)
+    z, radius = hits.range, settings.aperture / 2
+    lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         # half of the hemisphere's light at the very most, for ranges within the aperture
         rough = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
         caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
         turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
         polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * rough
-        parts = (1 - weight) * rough, weight * polished
+        parts = (1 - hits.mirrored) * rough, hits.mirrored * polished
     return [np.where(z > 0, hits.reflectance * part, 0.0) for part in parts]
 
 
@@ -111,16 +108,14 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
     its share of the cells, so the whole spot follows that of all cells; it depends on the direction
     only, the same in both modes.
     """
-    optics = settings.optics
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
-    angle = float(spot_radius(optics, 1.0))
+    angle = float(spot_radius(settings, 1.0))
     weights, spot = (_WEIGHTS, angle * _SPOT) if angle else (np.ones(1), np.zeros((1, 2)))
     hits = target.look(_unit(np.tan(angles)[:, None, :] + spot))
     distance = np.where(hits.range > 0, hits.range, 0.0)
-    rough, polished = (weights * one for one in _rough_and_polished(optics, target.material, hits))
-    if optics.speckle and target.material != "specular":
-        far = np.maximum(distance, 1e-3)
-        cells = speckle_cells(optics, settings.laser.wavelength, far) * weights
+    rough, polished = (weights * one for one in returned_fractions(settings, hits))
+    if settings.speckle and rough.any():
+        cells = speckle_cells(settings, np.maximum(distance, 1e-3)) * weights
         chance = uniform_from_places(seed, np.rint(angles / PLACE), weights.size)
         rough = rough * gammaincinv(cells, chance) / cells
     return Paths(distance, rough + polished)
@@ -147,27 +142,27 @@ def _mixed(word: NDArray[np.uint64]) -> NDArray[np.uint64]:
     return word ^ (word >> np.uint64(31))
 
 
-def outward(optics: Optics) -> float:
+def outward(settings: TwinSettings) -> float:
     """Transmission from fibre to scene, modulator apart (Sec. 7.1): lenses, mirrors, splitters."""
-    return optics.lens**2 * optics.mirror**4 * optics.splitter**2
+    return settings.lens**2 * settings.mirror**4 * settings.splitter**2
 
 
-def inward(optics: Optics) -> float:
+def inward(settings: TwinSettings) -> float:
     """Transmission from aperture to detector, modulator apart (Sec. 7.2)."""
-    return optics.mirror**4 * optics.splitter * optics.lens**3
+    return settings.mirror**4 * settings.splitter * settings.lens**3
 
 
-def ambient(optics: Optics) -> float:
+def ambient(settings: TwinSettings) -> float:
     """Room light, W, behind `inward`: radiance times aperture times solid angle, half polarised."""
-    solid = np.pi * optics.field_of_view**2 / 4
-    area = np.pi * optics.aperture**2 / 4
-    return float(0.5 * optics.ambient_radiance * area * solid * inward(optics))
+    solid = np.pi * settings.field_of_view**2 / 4
+    etendue = aperture_area(settings) * solid
+    return float(0.5 * settings.ambient_radiance * etendue * inward(settings))
 
 
 def emission_mean(settings: TwinSettings, mode: str) -> float:
     """Mean transmission of an ideal emission module at the stated eta, mirror included."""
     law = doubled_mode_harmonics if mode == "doubled" else single_mode_harmonics
-    return float(law(settings.drive.eta, 2)[0].real) * settings.emission.mirror_reflectance
+    return float(law(settings.eta, 2)[0].real) * settings.mirror_reflectance
 
 
 def sent_power(settings: TwinSettings, mode: str = "single") -> float:
@@ -178,6 +173,5 @@ def sent_power(settings: TwinSettings, mode: str = "single") -> float:
     >>> round(1e3 * sent_power(TwinSettings()), 2)
     3.2
     """
-    fibre = (settings.laser.fibre_low + settings.laser.fibre_high) / 2
-    through = fibre * emission_mean(settings, mode) * outward(settings.optics)
-    return settings.laser.power * through
+    fibre = (settings.fibre_low + settings.fibre_high) / 2
+    return settings.laser_power * fibre * emission_mean(settings, mode) * outward(settings)

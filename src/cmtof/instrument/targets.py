@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import ConfigDict
 
 from cmtof.scenes import Frame, load_frame
 from cmtof.scenes.frame import ray_lengths, rays_from_camera
@@ -30,25 +31,26 @@ class Hits(NamedTuple):
     range: Array  # m
     cosine: Array  # between the ray and the surface's normal, 0 to 1
     reflectance: Array  # 0 to 1
-    mirrored: Array | float = 1.0  # of a "mixed" target: weight of the specular law, 0 to 1
+    mirrored: Array | float = 0.0  # weight of the specular law against the diffuse one, 0 to 1
 
 
 Target = Any
-"""What has a ``material`` ("diffuse", "specular", "mixed": a weight for each hit) and ``look``."""
+"""What has ``look``, from unit rays (..., 3) of the origin to `Hits`."""
 
 
 @dataclass(frozen=True)
 class Plane:
-    """Flat surface that cuts the z axis at ``distance``, m; a mirror if it is specular.
+    """Flat surface that cuts the z axis at ``distance``, m; a mirror if ``mirrored`` is 1.
 
     ``tilt_x`` and ``tilt_y`` are the slopes dz/dx and dz/dy as angles, rad.
     """
 
+    __pydantic_config__ = ConfigDict(extra="forbid")
     distance: float
     tilt_x: float = 0.0
     tilt_y: float = 0.0
     reflectance: float = 0.5
-    material: str = "diffuse"
+    mirrored: float = 0.0
 
     def look(self, directions: Array) -> Hits:
         """Trace unit rays (..., 3) from the origin."""
@@ -57,7 +59,13 @@ class Plane:
         with np.errstate(divide="ignore"):
             reach = np.where(along > 0, self.distance / along, np.nan)
         cosine = along / np.linalg.norm(normal)
-        return Hits(reach, cosine, np.full(reach.shape, self.reflectance))
+        return Hits(reach, cosine, np.full(reach.shape, self.reflectance), self.mirrored)
+
+
+PLATE = Plane(0.60)
+"""Diffuse target of Sec. 8.2."""
+MIRROR = Plane(0.60, reflectance=0.97, mirrored=1.0)
+"""Silvered mirror PF10-03-P01 in its place (known: 97 % at 532 nm)."""
 
 
 class FrameTarget:
@@ -66,8 +74,6 @@ class FrameTarget:
     Between pixels of one surface the inverse depth along the axis is interpolated, which is exact
     on planes; across a step the nearest pixel counts.
     """
-
-    material = "diffuse"
 
     def __init__(self, frame: Frame) -> None:
         if frame.camera is None:
@@ -105,8 +111,9 @@ class FrameTarget:
         a, b, c, d = corners
         above, below = a + t * (b - a), c + t * (d - c)
         flat = np.ptp(corners, axis=0) < LARGEST_STEP * corners.min(axis=0)
-        nearest = self._inverse[v.astype(int), u.astype(int)]
-        return np.where(flat, above + s * (below - above), nearest)
+        return np.where(
+            flat, above + s * (below - above), self._inverse[v.astype(int), u.astype(int)]
+        )
 
 
 def _cosines(planar: Array, rays: Array) -> Array:
@@ -131,20 +138,19 @@ def _smaller_step(points: Array) -> Array:
 class MeshTarget:
     """Triangles (F, 3) of vertices (V, 3), m, traced by Embree.
 
-    ``reflectance`` and, of "mixed" alone, ``mirrored``, a number or (V,), are interpolated.
+    ``reflectance`` and ``mirrored``, a number or (V,), are interpolated.
     """
 
     vertices: NDArray
     faces: NDArray
     reflectance: float | Array = 0.5
-    material: str = "diffuse"
-    mirrored: float | Array = 1.0
+    mirrored: float | Array = 0.0
 
     @classmethod
     def from_mesh(cls, mesh: Any) -> "MeshTarget":
         """Target of a trimesh with the vertex attributes ``reflectance`` and ``mirrored``."""
-        bright, mirrored = (mesh.vertex_attributes[name] for name in ("reflectance", "mirrored"))
-        return cls(np.asarray(mesh.vertices), np.asarray(mesh.faces), bright, "mixed", mirrored)
+        held = mesh.vertex_attributes
+        return cls(mesh.vertices, mesh.faces, held["reflectance"], held["mirrored"])
 
     @cached_property
     def _tracer(self) -> Any:
@@ -190,7 +196,7 @@ def _object(name: str) -> MeshTarget:
 
 KINDS: dict[str, Any] = {
     "plane": Plane,
-    "mirror": partial(Plane, material="specular"),
+    "mirror": partial(Plane, mirrored=1.0),
     "object": _object,
 }
 """Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments."""
@@ -201,8 +207,8 @@ def scene_from(source: Any) -> Target | None:
 
     Examples
     --------
-    >>> scene_from({"kind": "mirror", "distance": 0.6, "reflectance": 1e-6}).material
-    'specular'
+    >>> scene_from({"kind": "mirror", "distance": 0.6, "reflectance": 1e-6}).mirrored
+    1.0
     """
     if source is None or hasattr(source, "look"):
         return source
@@ -212,12 +218,9 @@ def scene_from(source: Any) -> Target | None:
         return FrameTarget(source)
     options = dict(source) if isinstance(source, Mapping) else {}
     try:
-        target = KINDS[options.pop("kind", None)](**options)
+        return KINDS[options.pop("kind", None)](**options)
     except (KeyError, TypeError):
-        target = None
-    if target is None or target.material not in ("diffuse", "specular", "mixed"):
         raise ValueError(
-            f"Expected twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys "
-            f"and a material diffuse or specular, got {source!r}. Correct it."
-        )
-    return target
+            f"Expected twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys, "
+            f"got {source!r}. Correct it."
+        ) from None

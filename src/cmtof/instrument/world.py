@@ -1,4 +1,4 @@
-r"""The simulated instrument before a scene: its knobs, the light on its detector, its counts.
+r"""The simulated instrument: from its knobs to the light on its detector and its counts.
 
 With the Fourier coefficients :math:`W_k` of the emission's and :math:`R_k` of the detection's
 waveform, drives :math:`\eta\sin(\omega t-\varphi)` and paths of the shares p and round trips tau,
@@ -6,15 +6,14 @@ waveform, drives :math:`\eta\sin(\omega t-\varphi)` and paths of the shares p an
 .. math:: C = \sum_m p_m\,\Big[W_0R_0 + 2\,\mathrm{Re}\sum_{k\ge1}W_kR_k^*\,
           e^{ik(\varphi_d-\varphi_e-\omega\tau_m)}\Big].
 
-Its fundamental is :math:`\cos(\phi+\psi)`, :math:`\phi = 4\pi f n_g z/c` at the frequency f of the
-*modulation*, with psi = -phi_d + const in the single and -2 phi_d + const in the doubled mode.
+Its fundamental is :math:`\cos(\phi+\psi)` with psi = -phi_d + const, in the doubled mode -2 phi_d.
 
 Time is virtual. Burst number n starts at ``n * 20 ms``, and its noise depends on (seed, n, sample)
 only. The mirrors rest and the filters have settled when a burst begins. Optical angles: the beam
 leaves along (tan x, tan y, 1), y downwards. The laser's fast noise is not modelled, its drift is.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -24,8 +23,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import POLES, Conversion, chain, counts_from_volts
-from cmtof.instrument.settings import Drive, Module, TwinSettings
+from cmtof.instrument.electronics import (
+    POLES,
+    chain,
+    counts_from_volts,
+    density,
+    volts_per_watt,
+)
+from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Plane, scene_from
 from cmtof.modulator import TwoPassModulator
 
@@ -47,6 +52,7 @@ DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)
 """Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz."""
 DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
 
+LABEL, DRIFT, CODE = 1, 5, 6  # purposes of random numbers
 _ROWS = 512  # directions computed at a time, to stay within the processor's caches
 
 
@@ -54,9 +60,6 @@ def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
     """Philox generator whose numbers depend on the arguments alone (Salmon et al., SC 2011)."""
     words = np.array([seed & (2**64 - 1), purpose], np.uint64)
     return Generator(Philox(key=words, counter=np.array([0, key & (2**64 - 1), 0, 0], np.uint64)))
-
-
-LABEL, DRIFT, CODE = 1, 5, 6  # purposes
 
 
 def drift(seed: int, channel: int, time: ArrayLike) -> Array:
@@ -108,151 +111,138 @@ class World:
 
     def __init__(self, settings: TwinSettings, scene: Any = None, *, seed: int = 0) -> None:
         self.settings, self.seed = settings, int(seed)
-        self.scene = scene_from(settings.scene if scene is None else scene)
-        self.conversion = Conversion(settings.detector, settings.laser.wavelength)
-        self.group_index = free_space.group_index(settings.air, settings.laser.wavelength)
+        held = scene_from(settings.scene if scene is None else scene)
+        self.scene = Plane(np.nan) if held is None else held
+        self.group_index = free_space.group_index(settings)
+        self.modulator = TwoPassModulator(
+            half_wave_angle=0.0,
+            mirror_distance=settings.mirror_distance,
+            input_axis="horizontal",  # Sec. 7.1
+            transmitted_extinction=settings.transmitted_extinction,
+            reflected_extinction=settings.reflected_extinction,
+            mirror_reflectance=settings.mirror_reflectance,
+        )
 
     def bursts(
         self,
         panel: Panel,
         angles: ArrayLike,
         *,
-        labels: ArrayLike | None = None,
-        scans: int = 320,
+        labels: ArrayLike,
+        pulses: Integers,
         rate: float = SAMPLE_RATE,
-        pulses: ArrayLike | None = None,
         stage: ArrayLike | None = None,
     ) -> NDArray[np.uint16]:
-        """Raw stream counts (N, scans) of the detector, a burst for each of N directions.
+        """Raw stream counts (N, T) of the detector, a burst for each of N directions.
 
         ``angles`` (N, 2) are optical, rad, and ``stage`` (N,), m, positions of the target on the
         stage: the panel's galvo and time do not count. ``labels`` (N,) number the bursts,
-        ``pulses`` (scans,) the trigger's last edge at each sample, at ``rate``, Hz.
+        ``pulses`` (T,) are the trigger's last edge at each sample, at ``rate``, Hz.
         """
-        points = np.asarray(angles, float).reshape(-1, 2)
-        numbers = np.arange(1, len(points) + 1) if labels is None else np.asarray(labels, int)
-        edges = np.full(scans, -1) if pulses is None else np.asarray(pulses, int)
+        points, numbers = np.asarray(angles, float).reshape(-1, 2), np.asarray(labels)
         places = np.broadcast_to(panel.stage if stage is None else np.asarray(stage), len(points))
         # the drives are constant in stretches between edges
-        first = np.flatnonzero(np.diff(edges, prepend=edges[0] - 1))
-        length = np.diff(first, append=scans)
-        middle = (first + length / 2) / rate
-        modules = self._waveforms(panel, edges[first])
-        counts = np.empty((len(points), scans), np.uint16)
+        first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
+        length = np.diff(first, append=len(pulses))
+        modules = self._waveforms(panel, pulses[first])
+        counts = np.empty((len(points), len(pulses)), np.uint16)
         for start in range(0, len(points), _ROWS):
             rows = slice(start, start + _ROWS)
-            paths = self.paths(panel, points[rows], places[rows])
-            times = LABEL_TIME * numbers[rows, None] + middle
-            volts = self.conversion.volts(self._light(panel, paths, times, *modules))
-            held = np.repeat(volts, length, axis=1)
-            counts[rows] = self._read_out(held, numbers[rows], rate)
+            paths = self._paths(panel, points[rows], places[rows])
+            times = LABEL_TIME * numbers[rows, None] + (first + length / 2) / rate
+            light = self._light(panel, paths, times, modules)
+            counts[rows] = self._counts(np.repeat(light, length, axis=1), numbers[rows], rate)
         return counts
 
-    def paths(self, panel: Panel, angles: Array, stage: Array) -> free_space.Paths:
-        """Ways to the scene at optical angles (N, 2), rad, or to the target at stages (N,), m."""
+    def _paths(self, panel: Panel, angles: Array, stage: Array) -> Array:
+        """Ranges and shares (2, N, M) of the ways to scene or reference, the stray one last."""
+        settings, ways = self.settings, []
         if panel.flip_mirror_in:
-            places, which = np.unique(stage, return_inverse=True)
-            each = zip(*(self._to_stage(float(place)) for place in places), strict=True)
-            return free_space.Paths(*(np.concatenate(parts)[which] for parts in each))
-        if self.scene is None:
-            return free_space.Paths(*np.zeros((2, len(angles), 1)))
-        return free_space.trace(self.scene, angles, self.settings, self.seed)
+            for place in stage.tolist():  # the beam stands still behind the flip mirror
+                distance = settings.reference.distance + place - settings.stage_zero
+                target = replace(settings.reference, distance=distance)
+                # another 10 um of stage, another speckle
+                seed = self.seed + 1 + round(place / 1e-5)
+                ways.append(free_space.trace(target, np.zeros((1, 2)), settings, seed))
+        else:
+            ways.append(free_space.trace(self.scene, angles, settings, self.seed))
+        stray = np.reshape([settings.back_range, settings.back_fraction], (2, 1, 1))
+        found = np.concatenate(ways, axis=1)
+        return np.append(found, np.broadcast_to(stray, (2, len(angles), 1)), axis=-1)
 
-    def _to_stage(self, position: float) -> free_space.Paths:
-        """Ways (1, M) to the reference target; the beam stands still behind the flip mirror."""
-        held = self.settings.reference
-        distance = held.distance + position - held.stage_zero
-        target = Plane(distance, reflectance=held.reflectance, material=held.material)
-        # another 10 um of stage, another speckle
-        seed = self.seed + 1 + round(position / 1e-5)
-        return free_space.trace(target, np.zeros((1, 2)), self.settings, seed)
-
-    def _light(
-        self,
-        panel: Panel,
-        paths: free_space.Paths,
-        times: Array,
-        emission: Complex,
-        detection: Complex,
-    ) -> Array:
+    def _light(self, panel: Panel, paths: Array, times: Array, modules: list[Complex]) -> Array:
         """Light on the detector (N, S), W, at times (N, S), s, with both modules (S, K + 1)."""
-        optics, products = self.settings.optics, 2 * emission * np.conj(detection)
+        settings, (reach, fraction), (emission, detection) = self.settings, paths, modules
+        products = 2 * emission * np.conj(detection)
         if not panel.clock_on or panel.emission.frequency != panel.detection.frequency:
             products[:, 1:] = 0.0
-        back = optics.back_range, optics.back_fraction
-        reach, fraction = (
-            np.pad(one, ((0, 0), (0, 1)), constant_values=stray)
-            for one, stray in zip(paths, back, strict=True)
-        )
-        way = self.group_index * reach + optics.internal_path
+        way = self.group_index * reach + settings.internal_path
         phase = 4 * np.pi * panel.emission.frequency / SPEED_OF_LIGHT * way
-        lag = self.settings.drive.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
+        lag = settings.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
         share = products[:, 0].real / 2 * fraction.sum(1, keepdims=True)
         size = np.abs(products).max(axis=0)
         for order in range(1, HARMONICS + 1):
             if size[order] > 1e-13 * size[0]:
                 phasor = (fraction * np.exp(-1j * order * phase)).sum(1, keepdims=True)
                 share = share + (products[:, order] * phasor * np.exp(1j * order * lag)).real
-        loss = free_space.outward(optics) * free_space.inward(optics)
-        room = free_space.ambient(optics) * detection[:, 0].real
+        loss = free_space.outward(settings) * free_space.inward(settings)
+        room = free_space.ambient(settings) * detection[:, 0].real
         return self.from_fibre(panel, times) * loss * np.maximum(share, 0.0) + room
 
-    def _read_out(self, volts: Array, labels: NDArray, rate: float) -> NDArray[np.uint16]:
-        """Counts (N, T) of held detector outputs (N, T), V: noise, filters, converter."""
-        detector, samples = self.settings.detector, volts.shape[1]
-        filters, density = chain(detector, 1 / rate), self.conversion.density(volts)
-        if not self.settings.noise:
-            return counts_from_volts(filters.run(volts, density, None), detector)
+    def _counts(self, light: Array, labels: NDArray, rate: float) -> NDArray[np.uint16]:
+        """Counts (N, T) of light (N, T), W, held for a sample each: noise, filters, converter."""
+        settings, samples = self.settings, light.shape[1]
+        volts = np.minimum(light * volts_per_watt(settings), settings.saturation)
+        filters, spread = chain(settings, 1 / rate), np.sqrt(density(settings, volts))
+        if not settings.noise:
+            return counts_from_volts(filters.run(volts, spread, None))
         # a row: the filters' initial state, then for each sample the filters' noise and the ADC's
         size = POLES + (POLES + 1) * samples
-        drawn = np.stack(
-            [keyed_generator(self.seed, LABEL, int(n)).standard_normal(size) for n in labels]
-        )
-        by_sample = drawn[:, POLES:].reshape(-1, samples, POLES + 1)
-        normals = np.concatenate([drawn[:, None, :POLES], by_sample[..., :POLES]], axis=1)
-        output = filters.run(volts, density, normals)
-        output = np.clip(output, -detector.saturation, detector.saturation)
-        return counts_from_volts(output, detector, normals=by_sample[..., POLES])
+        drawn = [keyed_generator(self.seed, LABEL, int(n)).standard_normal(size) for n in labels]
+        initial, by_sample = np.split(np.stack(drawn), [POLES], axis=1)
+        by_sample = by_sample.reshape(-1, samples, POLES + 1)
+        normals = np.concatenate([initial[:, None], by_sample[..., :POLES]], axis=1)
+        output = filters.run(volts, spread, normals)
+        output = np.clip(output, -settings.saturation, settings.saturation)
+        return counts_from_volts(output, settings.converter_noise * by_sample[..., POLES])
 
     def emission(self, panel: Panel) -> Complex:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
-        return self._waveforms(panel, np.full(1, -1))[0][0]
+        return self._waveforms(panel, np.array([-1]))[0][0]
 
-    def _waveforms(self, panel: Panel, edges: Integers) -> tuple[Complex, Complex]:
+    def _waveforms(self, panel: Panel, edges: Integers) -> list[Complex]:
         """Fourier coefficients (S, K + 1) of emission and detection, phases of drive included."""
-        drive, knobs = self.settings.drive, (panel.emission, panel.detection)
+        settings, knobs = self.settings, (panel.emission, panel.detection)
         made = []
         for number, one in enumerate(knobs):
-            phase = self._made_phase(number, one.phases(edges)) + number * drive.phase_offset
-            size = amplitude(drive, one.power, one.frequency) if one.on else 0.0
+            phase = self.made_phase(number, one.phases(edges)) + number * settings.phase_offset
+            size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
             made.append(size * np.exp(-1j * phase))
-        leak = drive.leakage * np.exp(-1j * drive.leakage_phase)
+        leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
         if panel.clock_on:  # what leaks at another frequency averages out
             made = [made[0] + leak * made[1], made[1] + leak * made[0]]
-        modules = (self.settings.emission, self.settings.detection)
         plates, found = (panel.plate_emission, panel.plate_detection), []
-        for module, one, angle, phasor in zip(modules, knobs, plates, made, strict=True):
-            eta = np.abs(phasor).tolist()
-            waves = np.stack([_harmonics(module, angle, one.frequency, size) for size in eta])
+        for one, angle, phasor in zip(knobs, plates, made, strict=True):
+            module = replace(self.modulator, half_wave_angle=angle, frequency=one.frequency)
+            waves = [_harmonics(replace(module, eta=eta)) for eta in np.abs(phasor).tolist()]
             turn = np.exp(1j * np.angle(phasor))[:, None] ** np.arange(HARMONICS + 1)
-            found.append(waves * turn)
-        return found[0], found[1]
+            found.append(np.stack(waves) * turn)
+        return found
 
-    def _made_phase(self, module: int, phase: Array) -> Array:
+    def made_phase(self, module: int, phase: Array) -> Array:
         """Phase, rad, that driver 0 or 1 really makes of one that was set."""
-        drive = self.settings.drive
+        settings = self.settings
         code = np.rint(phase * (CODES / (2 * np.pi))).astype(int) % CODES
-        error = drive.phase_step_error * _code_errors(self.seed, module)[code]
-        return phase + error + drive.iq_imbalance * np.sin(2 * phase)
+        error = settings.phase_step_error * _code_errors(self.seed, module)[code]
+        return phase + error + settings.iq_imbalance * np.sin(2 * phase)
 
     def from_fibre(self, panel: Panel, times: Array) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""
-        laser = self.settings.laser
+        low, high = self.settings.fibre_low, self.settings.fibre_high
         if not (panel.laser_on and panel.shutter_open and panel.interlock_closed):
             return np.zeros(np.shape(times))
-        middle = (laser.fibre_low + laser.fibre_high) / 2
-        swing = (laser.fibre_high - laser.fibre_low) / 2
-        return laser.power * (middle + swing * drift(self.seed, 0, times))
+        fibre = (low + high) / 2 + (high - low) / 2 * drift(self.seed, 0, times)
+        return self.settings.laser_power * fibre
 
     def angles(self, panel: Panel) -> Array:
         """Optical angles (2,), rad, of the panel's galvo; twice the mechanical ones."""
@@ -261,22 +251,20 @@ class World:
     def ranges(self, angles: ArrayLike) -> Array:
         """True ranges (N,), m, of the scene at optical angles (N, 2), rad; NaN for nothing."""
         points = np.asarray(angles, float).reshape(-1, 2)
-        if self.scene is None:
-            return np.full(len(points), np.nan)
         return self.scene.look(free_space.directions_from_angles(points)).range
 
     def laser_power(self, panel: Panel) -> float:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
         power = self.from_fibre(panel, np.array(panel.time)) * self.emission(panel)[0].real
-        optics = self.settings.optics
-        return float(power * (optics.lens**2 * optics.mirror * optics.splitter))
+        settings = self.settings
+        return float(power * (settings.lens**2 * settings.mirror * settings.splitter))
 
 
-def amplitude(drive: Drive, power: float, frequency: float) -> complex:
+def amplitude(settings: TwinSettings, power: float, frequency: float) -> complex:
     """Complex drive amplitude, rad; a resonance of width G passes ``1 / (1 + 2i d / G)`` at d."""
-    stated = abs(1 / (1 + 2j * drive.detuning / drive.width))
-    passed = 1 / (1 + 2j * (frequency - drive.resonance) / drive.width)
-    return drive.eta * 10 ** ((power - drive.power) / 20) * passed / stated
+    offsets = np.array([settings.detuning, frequency - settings.resonance])
+    stated, passed = 1 / (1 + 2j * offsets / settings.resonance_width)
+    return settings.eta * 10 ** ((power - settings.drive_power) / 20) * passed / abs(stated)
 
 
 @lru_cache(maxsize=64)
@@ -286,15 +274,6 @@ def _code_errors(seed: int, module: int) -> Array:
 
 
 @lru_cache(maxsize=4096)
-def _harmonics(module: Module, plate_angle: float, frequency: float, eta: float) -> Complex:
-    """Harmonics (K + 1,) of a module whose half-wave plate stands at an angle, rad."""
-    return TwoPassModulator(
-        half_wave_angle=plate_angle,
-        eta=eta,
-        frequency=frequency,
-        mirror_distance=module.mirror_distance,
-        input_axis="horizontal",  # Sec. 7.1
-        transmitted_extinction=module.transmitted_extinction,
-        reflected_extinction=module.reflected_extinction,
-        mirror_reflectance=module.mirror_reflectance,
-    ).harmonics(HARMONICS)
+def _harmonics(module: TwoPassModulator) -> Complex:
+    """Harmonics (K + 1,) of a module."""
+    return module.harmonics(HARMONICS)

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, depth_from_phase, wrap_length
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.settings import Reference, TwinSettings
-from cmtof.instrument.targets import Hits
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import MIRROR, Hits, Plane
 from cmtof.instrument.world import DRIFT_OCTAVES
 from cmtof.ranging.optical import FREQUENCY, ORDER, OpticalRanger
 from cmtof.ranging.sweep import POSITIONS, STAGE_ERROR
@@ -29,7 +29,7 @@ VISITS = 8
 
 
 def budget_terms(
-    target: Reference, mode: str = "single", *, days: int = 12, seed: int = 0
+    target: Plane, mode: str = "single", *, days: int = 12, seed: int = 0
 ) -> dict[str, float]:
     r"""Rms error of each term, m, at the sizes that `TwinSettings` assumes.
 
@@ -40,38 +40,29 @@ def budget_terms(
 
     Examples
     --------
-    >>> round(budget_terms(Reference(), days=1)["I/Q imbalance"] * 1e6, 2)
+    >>> round(budget_terms(MIRROR, days=1)["I/Q imbalance"] * 1e6, 2)
     1.18
     """
     real, order = TwinSettings(), ORDER[mode]
-    drive, detector, air = real.drive, real.detector, real.air
-    silent = replace(detector, converter_noise=0.0)
+    silent = replace(real, converter_noise=0.0)
     noises = [
-        OpticalRanger(replace(real, detector=one), mode, visits=VISITS).bound(target, [0.0])[0]
-        for one in (detector, silent, replace(silent, noise_density=0.0))
+        OpticalRanger(one, mode, visits=VISITS).bound(target, [0.0])[0]
+        for one in (real, silent, replace(silent, noise_density=0.0))
     ]
     waits = drift_spread(np.arange(POSITIONS.size) + AGE, np.arange(VISITS))
     phases = {
-        "RF phase drift": order * drive.phase_drift * waits,
-        "phase codes": order * drive.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
-        "I/Q imbalance": drive.iq_imbalance / np.sqrt(8) * (mode == "single"),
+        "RF phase drift": order * real.phase_drift * waits,
+        "phase codes": order * real.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
+        "I/Q imbalance": real.iq_imbalance / np.sqrt(8) * (mode == "single"),
         "back-reflection": back_ratio(real, target) / np.sqrt(2),
     }
     warmer, denser = OpticalRanger.air_change
-    weather = np.hypot(warmer / air.temperature, denser / air.pressure)
-    excess = free_space.group_index(air, real.laser.wavelength) - 1
-    mirror, still = (
-        Reference.mirror(distance=target.distance),
-        {"stage_error": 0.0, "air_change": (0, 0)},
-    )
-    alone = {
-        "RF leakage": ("drive.leakage",),
-        "laser drift": ("laser.fibre_low", "laser.fibre_high"),
-    }
-    drawn = {
-        name: simulated(only(*fields), mirror, mode, days=days, seed=seed, **still)
-        for name, fields in alone.items()
-    }
+    weather = np.hypot(warmer / real.temperature, denser / real.pressure)
+    excess = free_space.group_index(real) - 1
+    mirror = replace(MIRROR, distance=target.distance)
+    still = {"days": days, "seed": seed, "stage_error": 0.0, "air_change": (0, 0)}
+    alone = {"RF leakage": only("leakage"), "laser drift": only("fibre_low", "fibre_high")}
+    drawn = {name: simulated(one, mirror, mode, **still) for name, one in alone.items()}
     lengths = {
         "photon noise": noises[2],
         "amplifier": np.sqrt(noises[1] ** 2 - noises[2] ** 2),
@@ -95,41 +86,35 @@ def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
     return float(np.sqrt(np.mean(np.abs(now - then) ** 2)))
 
 
-def back_ratio(settings: TwinSettings, target: Reference) -> float:
+def back_ratio(settings: TwinSettings, target: Plane) -> float:
     """Power of the coaxial back-reflection over that of the target."""
-    hits = Hits(*(np.array(x) for x in (target.distance, 1.0, target.reflectance)))
-    share = free_space.returned_fraction(settings.optics, target.material, hits)
-    return settings.optics.back_fraction / float(share)
+    hits = Hits(*map(np.array, (target.distance, 1.0, target.reflectance)), target.mirrored)
+    return settings.back_fraction / float(sum(free_space.returned_fractions(settings, hits)))
 
 
 def only(*names: str) -> TwinSettings:
-    """Instrument without errors but for fields such as ``drive.leakage``, which are real."""
-    settings, real = TwinSettings.ideal(), TwinSettings()
-    for name in names:
-        section, _, entry = name.partition(".")
-        size = getattr(getattr(real, section), entry)
-        part = replace(getattr(settings, section), **{entry: size})
-        settings = replace(settings, **{section: part})
-    return settings
+    """Instrument without errors but for fields such as ``leakage``, which are real."""
+    return TwinSettings.ideal(**{name: getattr(TwinSettings(), name) for name in names})
 
 
 def simulated(
-    settings: TwinSettings, target: Reference, mode: str, *, days: int, seed: int, **lab: Any
+    settings: TwinSettings, target: Plane, mode: str, *, days: int, seed: int, **lab: Any
 ) -> Array:
     """Errors (days, P), m, of the sweep of Fig. 13; ``lab`` are fields of `OpticalRanger`.
 
     Phases of paths, cables and leaks, which no setting states, are anywhere in a turn each day.
     """
-    wrap, optics, drive = float(wrap_length(FREQUENCY["single"])), settings.optics, settings.drive
+    wrap = float(wrap_length(FREQUENCY["single"]))
     about, found = POSITIONS - POSITIONS.mean(), []  # centred as the zero's wrap is
     for day in range(days):
         rng = np.random.default_rng((seed, day))
         path, back, cable, leak = rng.uniform(0, 1, 4)
-        inside, stray = optics.internal_path + wrap * path, optics.back_range - wrap * back
         today = replace(
             settings,
-            optics=replace(optics, internal_path=inside, back_range=stray),
-            drive=replace(drive, phase_offset=TAU * cable, leakage_phase=TAU * leak),
+            internal_path=settings.internal_path + wrap * path,
+            back_range=settings.back_range - wrap * back,
+            phase_offset=TAU * cable,
+            leakage_phase=TAU * leak,
         )
         ranger = OpticalRanger(today, mode, **({"visits": VISITS, "age": AGE} | lab))
         found.append(ranger.sweep(target, about, repeats=1, seed=int(rng.integers(2**31)))[0])

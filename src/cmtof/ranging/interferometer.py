@@ -9,7 +9,7 @@ with the coherence gamma, the share m of the light in the reference beam's mode,
 noise v of a step. The stage creeps, and each reading is unwrapped against the one before.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,8 +19,9 @@ from scipy.special import ndtr
 from cmtof.bounds import linear_phase_noise
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import SLOPE, Conversion, chain
-from cmtof.instrument.settings import Reference, TwinSettings
+from cmtof.instrument.electronics import SLOPE, chain, density, volts_per_watt
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Plane
 from cmtof.instrument.world import SAMPLE_RATE
 from cmtof.ranging.sweep import STAGE_ERROR, circular_normals, collected_power
 
@@ -57,9 +58,9 @@ class Interferometer:
     def wavelength(self) -> float:
         """Of the laser in air, m; the phase index is the group index's mean over wave numbers."""
         nodes, weights = np.polynomial.legendre.leggauss(9)
-        vacuum = self.settings.laser.wavelength
-        colours = vacuum / ((nodes + 1) / 2)
-        index = [free_space.group_index(self.settings.air, one) for one in colours]
+        vacuum = self.settings.wavelength
+        colours = (vacuum / ((nodes + 1) / 2)).tolist()
+        index = [free_space.group_index(replace(self.settings, wavelength=x)) for x in colours]
         return float(vacuum / (weights @ index / 2))
 
     @property
@@ -72,44 +73,43 @@ class Interferometer:
         """Travel of the stage from one reading to the next, m."""
         return self.speed * self.reading_time
 
-    def matched_share(self, target: Reference) -> float:
+    def matched_share(self, target: Plane) -> float:
         """Share m of the collected light in the reference beam's mode, Gaussian of radius w_r.
 
         Rough plate: speckle of the coherence ``exp(-(pi w d / lambda z)^2 / 2)`` in the aperture A,
         of which it takes ``2 pi / (A ((pi w / lambda z)^2 + 1 / w_r^2))`` on average, w the spot's
         radius. Mirror: overlap with the wide and curved beam that comes back.
         """
-        optics, z, vacuum = self.settings.optics, target.distance, self.settings.laser.wavelength
-        if target.material == "diffuse":
-            area = np.pi * optics.aperture**2 / 4
-            inverse = (np.pi * float(free_space.spot_radius(optics, z)) / (vacuum * z)) ** 2
+        settings, z, vacuum = self.settings, target.distance, self.settings.wavelength
+        if not target.mirrored:
+            inverse = (np.pi * float(free_space.spot_radius(settings, z)) / (vacuum * z)) ** 2
+            area = free_space.aperture_area(settings)
             return min(1.0, 2 * np.pi / (area * (inverse + self.reference_radius**-2)))
-        width = float(free_space.spot_radius(optics, 2 * z))
+        width = float(free_space.spot_radius(settings, 2 * z))
         real = self.reference_radius**-2 + width**-2
-        turned = np.pi * optics.divergence / (width * vacuum)  # curvature of the wavefront
+        turned = np.pi * settings.divergence / (width * vacuum)  # curvature of the wavefront
         return float(4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2))
 
-    def fringes(self, target: Reference, ranges: ArrayLike) -> tuple[Array, Array, Array]:
+    def fringes(self, target: Plane, ranges: ArrayLike) -> tuple[Array, Array, Array]:
         """Amplitude and offset, V, of the interferogram at ranges (...), m; noise of a step, V^2.
 
         Of a diffuse plate the amplitude is the root of the mean square over its speckle.
         """
-        detector, z = self.settings.detector, np.asarray(ranges, float)
-        scene = np.minimum(collected_power(self.settings, target, z), self.arm_power)
+        settings, z = self.settings, np.asarray(ranges, float)
+        scene = np.minimum(collected_power(settings, target, z), self.arm_power)
         delay = 2 * (z - target.distance - self.imbalance) / SPEED_OF_LIGHT
         coherence = np.exp(-((np.pi * self.linewidth * delay) ** 2) / (4 * np.log(2)))
-        conversion = Conversion(detector, self.settings.laser.wavelength)
         field = np.sqrt(self.arm_power * self.matched_share(target) * scene)
-        amplitude = conversion.volts_per_watt * 2 * coherence * field
-        offset = conversion.volts_per_watt * (self.arm_power + scene)
+        amplitude = volts_per_watt(settings) * 2 * coherence * field
+        offset = volts_per_watt(settings) * (self.arm_power + scene)
         # a mean over a step averages white noise over 1 / (2 T), unless the filters pass less
-        passed = chain(detector, 1 / SAMPLE_RATE).memory(1)[0]
-        variance = conversion.density(offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
-        variance = variance + (detector.converter_noise * SLOPE) ** 2 / self.samples
+        passed = chain(settings, 1 / SAMPLE_RATE).memory(1)[0]
+        variance = density(settings, offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
+        variance = variance + (settings.converter_noise * SLOPE) ** 2 / self.samples
         variance = variance + (self.intensity_noise * offset) ** 2
-        return amplitude, offset, variance * float(self.settings.noise)
+        return amplitude, offset, variance * float(settings.noise)
 
-    def sweep(self, target: Reference, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+    def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
 
         A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn anew.
@@ -121,7 +121,7 @@ class Interferometer:
         ranges = target.distance + np.interp(place, stations, stops)
         amplitude, _, variance = self.fringes(target, ranges)
         warmth = target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
-        rough = target.material == "diffuse" and self.settings.optics.speckle
+        rough = self.settings.speckle and not target.mirrored
         root = _gaussian_root(stops / self.speckle_length)
         found = np.zeros((repeats, stops.size))
         for repeat in range(repeats):
@@ -141,7 +141,7 @@ class Interferometer:
             found[repeat, 1:] = metres[1:]
         return target.distance + stops[0] + found
 
-    def bound(self, target: Reference, positions: ArrayLike) -> Array:
+    def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao least standard deviation (P,), m, by noise alone, speckle at its mean."""
         ranges = target.distance + np.asarray(positions, float)
         amplitude, _, variance = self.fringes(target, ranges)

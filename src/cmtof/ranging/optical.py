@@ -10,7 +10,6 @@ the fundamental of K means of N samples behind the filters,
 """
 
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,8 +24,9 @@ from cmtof.constants import (
 from cmtof.correlation import centred, decode, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import SLOPE, Conversion, chain
-from cmtof.instrument.settings import Detector, Reference, TwinSettings
+from cmtof.instrument.electronics import SLOPE, chain, density, volts_per_watt
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Plane
 from cmtof.instrument.world import LABEL_TIME, SAMPLE_RATE, Panel, RfKnobs, World
 from cmtof.ranging.sweep import STAGE_ERROR, collected_power
 
@@ -67,26 +67,23 @@ class OpticalRanger:
     def panel(self) -> Panel:
         """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
         drive = self.frequency / ORDER[self.mode]
-        rf = {"on": True, "frequency": drive, "power": self.settings.drive.power}
+        rf = {"on": True, "frequency": drive, "power": self.settings.drive_power}
         knobs = RfKnobs(**rf), RfKnobs(**rf, table=drive_phases(self.phases, self.mode))
         plates = 2 * [float(np.deg2rad(_PLATE[self.mode]))]
         on = ("laser_on", "shutter_open", "flip_mirror_in", "clock_on")
         return Panel(*knobs, *plates, **dict.fromkeys(on, True))
 
-    def before(self, target: Reference) -> TwinSettings:
+    def before(self, target: Plane) -> TwinSettings:
         """Settings with the target on the stage; the grey filter is a lower quantum efficiency."""
         light = collected_power(self.settings, target, target.distance, self.mode)
-        efficiency = self.settings.detector.efficiency * float(self.dimming_and_noise(light)[0])
-        detector = replace(self.settings.detector, efficiency=efficiency)
-        return replace(self.settings, detector=detector, reference=target)
+        efficiency = self.settings.efficiency * float(self.dimming_and_noise(light)[0])
+        return replace(self.settings, efficiency=efficiency, reference=target)
 
     def counts(self, world: World, positions: Array, labels: ArrayLike) -> NDArray[np.uint16]:
         """Raw counts (P, K x N) of bursts with labels (P,) at stage positions (P,), m."""
-        scans, stage = self.phases * self.samples, positions + self.settings.reference.stage_zero
-        edges, beam = np.arange(scans) // self.samples, np.zeros((stage.size, 2))
-        return world.bursts(
-            self.panel(), beam, labels=labels, scans=scans, pulses=edges, stage=stage
-        )
+        stage, beam = positions + self.settings.stage_zero, np.zeros((positions.size, 2))
+        edges = np.arange(self.phases * self.samples) // self.samples
+        return world.bursts(self.panel(), beam, labels=labels, pulses=edges, stage=stage)
 
     def phase(self, counts: ArrayLike) -> Array:
         """Wrapped phases (P,), rad, of raw counts (P, K x N)."""
@@ -94,7 +91,7 @@ class OpticalRanger:
         means = bursts[..., self.settle :].mean(-1).T
         return np.asarray(decode(means, nominal_psi(self.phases)).phase, float)
 
-    def sweep(self, target: Reference, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+    def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.
 
         Each repeat is another instrument on another day; ranges are unwrapped to the known wrap.
@@ -105,7 +102,7 @@ class OpticalRanger:
         later = self.age + self.step_time * np.arange(offsets.size)
         times = np.append(self.step_time * np.arange(self.visits), later)
         labels = 1 + np.rint(times / LABEL_TIME).astype(int)
-        air, index = settings.air, free_space.group_index(settings.air, settings.laser.wavelength)
+        index = free_space.group_index(settings)
         expected = phase_from_depth(index * (target.distance + stated), self.frequency)
         ranges = np.empty((repeats, offsets.size))
         for repeat in range(repeats):
@@ -117,11 +114,12 @@ class OpticalRanger:
             zero = np.angle(np.exp(1j * error[: self.visits]).sum())
             off = depth_from_phase(centred(error[self.visits :] - zero), self.frequency) / index
             # the lab divides by the index of the zero
-            thicker = (index - 1) * (denser / max(air.pressure, 1.0) - warmer / air.temperature)
+            change = denser / max(settings.pressure, 1.0) - warmer / settings.temperature
+            thicker = (index - 1) * change
             ranges[repeat] = (target.distance + offsets) * (1 + thicker / index) + off
         return ranges
 
-    def bound(self, target: Reference, positions: ArrayLike) -> Array:
+    def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound on one estimate (P,), m: noise alone, that of the zero included."""
         ranges = target.distance + np.asarray(positions, float)
         light = collected_power(self.settings, target, ranges, self.mode)
@@ -133,29 +131,25 @@ class OpticalRanger:
 
         The filter keeps the crest within the detector's range; no speckle.
         """
-        settings, detector = self.settings, self.settings.detector
+        settings = self.settings
         wave = World(settings).emission(self.panel())  # the detection's is alike
         opened = np.asarray(collected, float) / free_space.emission_mean(settings, self.mode)
-        mean = opened * wave[0].real ** 2 + free_space.ambient(settings.optics) * wave[0].real
+        mean = opened * wave[0].real ** 2 + free_space.ambient(settings) * wave[0].real
         amplitude = opened * 2 * abs(wave[ORDER[self.mode]]) ** 2
-        conversion = Conversion(detector, settings.laser.wavelength)
-        crest = conversion.volts_per_watt * (mean + amplitude)
-        dimming = np.minimum(1.0, self.level * detector.saturation / crest)
-        per_watt = conversion.volts_per_watt * dimming
-        bandwidth = _bandwidth(detector, self.phases, self.samples, self.settle)
-        counts = detector.converter_noise**2 + 4.0 ** (16 - detector.bits) / 12
+        crest = volts_per_watt(settings) * (mean + amplitude)
+        dimming = np.minimum(1.0, self.level * settings.saturation / crest)
+        per_watt = volts_per_watt(settings) * dimming
+        counts = settings.converter_noise**2 + 1 / 12
         kept = self.phases * (self.samples - self.settle)
-        variance = conversion.density(per_watt * mean) * bandwidth
+        variance = density(settings, per_watt * mean) * self._bandwidth()
         variance = variance + 2 / kept * counts * SLOPE**2
         return dimming, np.sqrt(variance) / (per_watt * amplitude)
 
-
-@lru_cache(maxsize=64)
-def _bandwidth(detector: Detector, phases: int, samples: int, settle: int) -> float:
-    """Variance, V^2, of one quadrature of the fundamental per one-sided density, V^2/Hz."""
-    filters, place = chain(detector, 1 / SAMPLE_RATE), np.arange(phases * samples)
-    memory = filters.memory(place.size)
-    tone = np.exp(-1j * nominal_psi(phases))[place // samples] * (place % samples >= settle)
-    overlap = correlate(tone, tone)[place.size - 1 :].real
-    scale = 2 / (phases * (samples - settle))
-    return float(scale**2 * (overlap @ memory - overlap[0] * memory[0] / 2))
+    def _bandwidth(self) -> float:
+        """Variance, V^2, of one quadrature of the fundamental per one-sided density, V^2/Hz."""
+        phase, sample = np.divmod(np.arange(self.phases * self.samples), self.samples)
+        memory = chain(self.settings, 1 / SAMPLE_RATE).memory(phase.size)
+        tone = np.exp(-1j * nominal_psi(self.phases))[phase] * (sample >= self.settle)
+        overlap = correlate(tone, tone)[phase.size - 1 :].real
+        scale = 2 / (self.phases * (self.samples - self.settle))
+        return float(scale**2 * (overlap @ memory - overlap[0] * memory[0] / 2))

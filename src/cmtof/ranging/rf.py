@@ -19,8 +19,8 @@ from scipy.constants import Boltzmann, elementary_charge
 
 from cmtof.correlation import centred, phase_from_depth, wrapped
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.settings import Reference, TwinSettings
-from cmtof.instrument.targets import Target
+from cmtof.instrument.settings import TwinSettings
+from cmtof.instrument.targets import Plane, Target
 from cmtof.instrument.world import DRIFT_RMS, SAMPLE_RATE, drift
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.ranging.optical import FREQUENCY, ORDER
@@ -90,7 +90,7 @@ class RfRanger:
     def envelope(self, power: ArrayLike) -> Array:
         """Size of the envelope, V, of light (...), W."""
         law = single_mode_harmonics if self.mode == "single" else doubled_mode_harmonics
-        wave = law(self.settings.drive.eta, 2)
+        wave = law(self.settings.eta, 2)
         depth = 2 * abs(wave[ORDER[self.mode]]) / wave[0].real
         response = self.responsivity / np.hypot(1, FREQUENCY[self.mode] / self.bandwidth)
         return np.asarray(self.load * response * depth * np.asarray(power, float), float)
@@ -109,22 +109,22 @@ class RfRanger:
 
     def seen_share(self, ranges: ArrayLike) -> Array:
         """Share of a diffuse target's light on the small photodiode: a Gaussian image w/z wide."""
-        optics, z = self.settings.optics, np.asarray(ranges, float)
-        half = optics.field_of_view / 2 * self.diameter / self.reference_diameter
+        z = np.asarray(ranges, float)
+        half = self.settings.field_of_view / 2 * self.diameter / self.reference_diameter
         with np.errstate(divide="ignore"):
-            return 1 - np.exp(-2 * (half * z / free_space.spot_radius(optics, z)) ** 2)
+            return 1 - np.exp(-2 * (half * z / free_space.spot_radius(self.settings, z)) ** 2)
 
-    def power(self, target: Reference, ranges: ArrayLike) -> Array:
+    def power(self, target: Plane, ranges: ArrayLike) -> Array:
         """Mean light on the photodiode, W; a mirror's beam is focused to a point (assumed)."""
         whole = collected_power(self.settings, target, ranges, self.mode)
-        return whole * (1.0 if target.material == "specular" else self.seen_share(ranges))
+        return whole * (1.0 if target.mirrored else self.seen_share(ranges))
 
     def phase(self, ranges: ArrayLike) -> Array:
         """Phase, rad, of ranges in air, m."""
-        index = free_space.group_index(self.settings.air, self.settings.laser.wavelength)
-        return np.asarray(phase_from_depth(np.multiply(index, ranges), FREQUENCY[self.mode]), float)
+        ways = np.multiply(free_space.group_index(self.settings), ranges)
+        return np.asarray(phase_from_depth(ways, FREQUENCY[self.mode]), float)
 
-    def sweep(self, target: Reference, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+    def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
         ranges = target.distance + np.asarray(positions, float)
         found = np.empty((repeats, ranges.size))
@@ -134,30 +134,31 @@ class RfRanger:
             found[repeat] = ranges + off / self.phase(1.0)
         return found
 
-    def bound(self, target: Reference, positions: ArrayLike) -> Array:
+    def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound (P,), m: noise of one reading at the mean light, nothing else."""
         light = self.power(target, target.distance + np.asarray(positions, float))
         return self.noise(light) / self.envelope(light) / self.phase(1.0)
 
-    def readings(self, target: Reference, ranges: Array, rng: np.random.Generator) -> Complex:
+    def readings(self, target: Plane, ranges: Array, rng: np.random.Generator) -> Complex:
         """One day's envelopes (1 + P,), V: the zero at the first of ranges (P,), m, then all."""
-        settings, laser, key = self.settings, self.settings.laser, int(rng.integers(2**62))
+        settings, key = self.settings, int(rng.integers(2**62))
         times = self.age + self.step_time * np.append(0, np.arange(ranges.size))
         times = np.append(times, 0.0)  # the last with the beam blocked
         slow = [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
         constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
         constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
-        swing = (laser.fibre_high - laser.fibre_low) / (laser.fibre_high + laser.fibre_low)
-        fibre, turn = 1 + swing * DRIFT_RMS * slow[3], settings.drive.phase_drift * slow[2]
+        low, high = settings.fibre_low, settings.fibre_high
+        fibre = 1 + (high - low) / (high + low) * DRIFT_RMS * slow[3]
+        turn = settings.phase_drift * slow[2]
         true = ranges + self.stage_error * rng.standard_normal(ranges.size)
         light = self.power(target, ranges)
-        if settings.optics.speckle and target.material == "diffuse":
-            cells = free_space.speckle_cells(settings.optics, laser.wavelength, ranges)
+        if settings.speckle and not target.mirrored:
+            cells = free_space.speckle_cells(settings, ranges)
             light = light * rng.gamma(cells, 1 / cells)
         light, true = (np.concatenate([one[:1], one, [0.0]]) for one in (light, true))
-        stray = free_space.sent_power(settings, self.mode) * free_space.inward(settings.optics)
-        stray *= settings.optics.back_fraction * (times > 0)
-        ways = (light, true), (stray, settings.optics.back_range)
+        stray = free_space.sent_power(settings, self.mode) * free_space.inward(settings)
+        stray *= settings.back_fraction * (times > 0)
+        ways = (light, true), (stray, settings.back_range)
         signal = constant + sum(
             self.envelope(power * fibre) * np.exp(1j * (self.phase(z) + turn)) for power, z in ways
         )
@@ -194,7 +195,7 @@ def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> R
     """RF demodulation at optical angles (..., 2), rad, of a scan of the same seed; noise alone."""
     settings, shape = ranger.settings, np.shape(angles)[:-1]
     paths = free_space.trace(target, np.reshape(angles, (-1, 2)), settings, seed)
-    sent = free_space.sent_power(settings, ranger.mode) * free_space.inward(settings.optics)
+    sent = free_space.sent_power(settings, ranger.mode) * free_space.inward(settings)
     power = sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     signal = (ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))).sum(-1)

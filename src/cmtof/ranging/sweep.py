@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.settings import Reference, TwinSettings
+from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Hits, Plane
 
 Array = NDArray[np.float64]
@@ -25,23 +25,22 @@ STAGE_ERROR = 5e-8
 
 
 def collected_power(
-    settings: TwinSettings, target: Reference, ranges: ArrayLike, mode: str = "single"
+    settings: TwinSettings, target: Plane, ranges: ArrayLike, mode: str = "single"
 ) -> Array:
     """Mean light (...) behind the receiving optics, W, of a target at ranges (...), m: no speckle.
 
     Examples
     --------
-    >>> f"{collected_power(TwinSettings(), Reference(), 0.6) * 1e9:.1f} nW"
+    >>> f"{collected_power(TwinSettings(), Plane(0.6), 0.6) * 1e9:.1f} nW"
     '2.2 nW'
     """
     places = np.append(target.distance, np.asarray(ranges, float).ravel())
-    hits = Hits(places, np.ones(places.shape), np.full(places.shape, target.reflectance))
-    share = free_space.returned_fraction(settings.optics, target.material, hits)
+    hits = Hits(places, np.ones(1), np.array(target.reflectance), target.mirrored)
+    share = sum(free_space.returned_fractions(settings, hits))
     # a mirror turns the rim of the spot away: the same part of it at every range
-    smooth = replace(settings, optics=replace(settings.optics, speckle=False))
-    plane = Plane(target.distance, reflectance=target.reflectance, material=target.material)
-    whole = free_space.trace(plane, np.zeros((1, 2)), smooth, 0).fraction.sum()
-    power = free_space.sent_power(settings, mode) * free_space.inward(settings.optics) * whole
+    smooth = replace(settings, speckle=False)
+    whole = free_space.trace(target, np.zeros((1, 2)), smooth, 0).fraction.sum()
+    power = free_space.sent_power(settings, mode) * free_space.inward(settings) * whole
     return (power * share[1:] / share[0]).reshape(np.shape(ranges))
 
 
