@@ -32,7 +32,7 @@ from cmtof.instrument.targets import Hits, scene_from
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof.ranging.mhz import MhzCamera
 from cmtof.scenes.frame import rays_from_camera
-from cmtof.scenes.objects import field_of_view
+from cmtof.scenes.objects import FIELD_OF_VIEW
 
 plotting.begin(profile=profile, seed=seed)
 NAMES = ("owl", "helmet")
@@ -63,7 +63,7 @@ camera = MhzCamera()
 power = brentq(lambda p: replace(camera, power=p).bound(card(0.8))[0, 0] - 1e-3, 1e-3, 100)
 strong = replace(camera, power=power, full_scale=camera.full_well)
 target = {name: scene_from({"kind": "object", "name": name}) for name in NAMES}
-side = {n: 2 * int(np.ceil(np.tan(field_of_view(n) / 2) * camera.focal_length)) for n in NAMES}
+side = {n: 2 * int(np.ceil(np.tan(FIELD_OF_VIEW[n] / 2) * camera.focal_length)) for n in NAMES}
 view = {n: looked(target[n], side[n], side[n], camera.focal_length) for n in NAMES}
 field = {n: looked(target[n], 60, 80, camera.focal_length / 8) for n in NAMES}
 
@@ -80,7 +80,7 @@ mhz = {name: observed(camera, name) for name in NAMES}
 bright = {name: observed(strong, name) for name in NAMES}
 twin, ghz, truth, ghz_error, index = TwinSettings(), {}, {}, {}, {}
 for name in NAMES:
-    scan = scan_scene(twin, target[name], size=size, seed=seed, field_of_view=field_of_view(name),
+    scan = scan_scene(twin, target[name], size=size, seed=seed, field_of_view=FIELD_OF_VIEW[name],
                       range_min=0.8, range_max=1.5)  # fmt: skip
     index[name] = scan.dataset.attrs["group_index"]
     truth[name] = scan.depth / index[name]
@@ -173,7 +173,7 @@ def averaged(found, area=5):
 
 def normals(depth, name):
     """Unit normals (H, W, 3) of a range image about the axis."""
-    focal = len(depth) / 2 / np.tan(field_of_view(name) / 2)
+    focal = len(depth) / 2 / np.tan(FIELD_OF_VIEW[name] / 2)
     centre = len(depth) / 2
     return normals_from_points(points_from_depth(depth, [focal, focal, centre, centre]))
 

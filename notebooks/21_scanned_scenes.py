@@ -35,7 +35,7 @@ from cmtof.methods import METHODS
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof.ranging.rf import RfRanger, rf_image
 from cmtof.scenes.frame import rays_from_camera
-from cmtof.scenes.objects import field_of_view
+from cmtof.scenes.objects import FIELD_OF_VIEW
 
 plotting.begin(profile=profile, seed=seed)
 
@@ -58,7 +58,7 @@ rooms = {
 scenes = {name: scene_from({"kind": "object", "name": name}) for name in objects}
 scans = {
     (name, room): scan_scene(
-        settings, scenes[name], size=size, field_of_view=field_of_view(name), seed=seed
+        settings, scenes[name], size=size, field_of_view=FIELD_OF_VIEW[name], seed=seed
     )
     for name in objects
     for room, settings in rooms.items()
@@ -95,7 +95,7 @@ notes.table(("right wraps (%)", *names), rows)
 # %% tags=["hide-input"]
 def picture(name):
     """Grey rendering of a scene: a lamp above the instrument, to its left, and a pale ceiling."""
-    focal, lamp = picture_size / 2 / np.tan(field_of_view(name) / 2), np.array([-0.7, -0.9, -0.1])
+    focal, lamp = picture_size / 2 / np.tan(FIELD_OF_VIEW[name] / 2), np.array([-0.7, -0.9, -0.1])
     eye = [focal, focal, picture_size / 2, picture_size / 2]
     rays = rays_from_camera((picture_size, picture_size), eye)
     rays = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
@@ -150,7 +150,7 @@ for name in objects:
         points,
         flat[name],
         title=f"The {name}: depth of a simulated scan",
-        longest=3 * field_of_view(name) / size,  # three pitches of the points at 1 m
+        longest=3 * FIELD_OF_VIEW[name] / size,  # three pitches of the points at 1 m
         eye=(-0.3, -0.22, -0.1),
     )
     left = depth - truth[name] - wraps_off(name, best[name]) * period

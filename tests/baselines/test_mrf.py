@@ -11,9 +11,6 @@ import cmtof
 from cmtof.baselines import mrf
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
-from cmtof.evaluation import score, scored_pixels
-from cmtof.scenes.frame import Frame
-from cmtof.simulation import simulate
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -82,36 +79,6 @@ def test_planes_without_noise_are_exact_across_holes(exact, pair):
             assert np.abs(error).max() < 1e-6
 
 
-def test_it_pools_more_than_a_pixel():
-    m = simulate(Frame(plane(100, 120), np.full((100, 120), 0.8)), seed=2)
-    rates = [
-        score(scored_pixels(cmtof.unwrap(m, method=name), m))["consistent_lt_1"]
-        for name in ("crt", "beat", "mrf")
-    ]
-    assert rates[0] < 0.1 < rates[2]
-    assert rates[2] > rates[1] - 0.05
-
-
-# --- graph cuts --------------------------------------------------------------------------------
-
-
-def cut_cost(x, excess, right, down):
-    pairs = (right * (1 - x[:, :-1]) * x[:, 1:]).sum() + (down * (1 - x[:-1]) * x[1:]).sum()
-    return (excess * x).sum() + pairs
-
-
-@given(seeds)
-def test_minimum_cut_is_the_least_of_all(seed):
-    rng = np.random.default_rng(seed)
-    height, width = shape = tuple(rng.integers(1, 4, 2))
-    excess = rng.integers(-9, 10, shape)
-    right, down = rng.integers(0, 6, (height, width - 1)), rng.integers(0, 6, (height - 1, width))
-    every = [np.reshape(x, shape) for x in product((0, 1), repeat=excess.size)]
-    least = min(cut_cost(x, excess, right, down) for x in every)
-    found = mrf.minimum_cut(excess, right, down).astype(int)
-    assert cut_cost(found, excess, right, down) == least
-
-
 @given(seeds, st.sampled_from([1, -1, 2]))
 def test_a_move_is_the_best_of_all(seed, step):
     rng = np.random.default_rng(seed)
@@ -122,9 +89,3 @@ def test_a_move_is_the_best_of_all(seed, step):
     inside = [x for x in others if x.min() >= 0 and x.max() < 5]
     least = min(mrf.energy(field, x) for x in inside)
     assert mrf.energy(field, moved) == pytest.approx(least, abs=1e-6)
-
-
-def test_cuts_lower_the_energy_of_a_measurement(measured):
-    field = mrf.wrap_field(measured)
-    start, _ = mrf.semi_global_labels(field)
-    assert mrf.energy(field, mrf.lowered(field, start)) < mrf.energy(field, start)

@@ -1,22 +1,13 @@
 """Hypersim's tree as its authors describe it, and rooms written in the same layout."""
 
-import hashlib
-
 import h5py
 import numpy as np
+import official_tree
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from official_tree import (
-    PLAIN,
-    PROJECTIONS,
-    SHAPE,
-    VIEWS,
-    official_rays,
-    wall,
-    write_official,
-    write_rows,
-)
+from official_tree import PLAIN, PROJECTIONS, SHAPE, VIEWS, wall, write_official, write_rows
+from scipy.spatial.transform import Rotation
 
 from cmtof.scenes import load_frame
 from cmtof.scenes.frame import Frames, rays_from_camera
@@ -35,7 +26,10 @@ from cmtof.scenes.hypersim import (
 FIRST = View("ai_001_001", "cam_00", 0)
 
 
-# --- reading -------------------------------------------------------------------------------------
+@pytest.fixture
+def tree(tmp_path):
+    """Three scenes of three views, as the data set's description has them."""
+    return official_tree.write_tree(tmp_path / "hypersim")
 
 
 def test_a_tree_holds_its_views_and_official_float16_files_load(tree):
@@ -67,35 +61,20 @@ def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree):
 
 
 @given(
-    st.tuples(st.floats(3, 30), st.floats(3, 30)),
-    st.tuples(st.floats(-2, 12), st.floats(-2, 12)),
+    st.tuples(*[st.floats(3, 30)] * 2),
+    st.tuples(*[st.floats(-2, 12)] * 2),
     st.floats(-0.02, 0.02),
     st.tuples(*[st.floats(-0.3, 0.3)] * 3),
 )
 def test_a_turned_pinhole_with_skew_is_found_again(focal, centre, skew, angles):
-    shape = height, width = 6, 8
-    turn = np.eye(3)
-    for axis, angle in enumerate(angles):
-        i, j = [k for k in range(3) if k != axis]
-        one = np.eye(3)
-        one[[i, i, j, j], [i, j, i, j]] = (
-            np.cos(angle),
-            -np.sin(angle),
-            np.sin(angle),
-            np.cos(angle),
-        )
-        turn = turn @ one
-    pinhole = np.array(
-        [[focal[0], skew * focal[0], centre[0]], [0, focal[1], centre[1]], [0, 0, 1]]
-    )
-    to_pixel = np.array([[width / 2, 0, width / 2], [0, -height / 2, height / 2], [0, 0, 1]])
+    (fx, fy), (cx, cy), turn = focal, centre, Rotation.from_euler("xyz", angles).as_matrix()
+    pinhole = np.array([[fx, skew * fx, cx], [0, fy, cy], [0, 0, 1]])
+    to_pixel = np.array([[4, 0, 4], [0, -3, 3], [0, 0, 1]])
     projection = np.diag([1.0, -1, -1]) @ turn @ np.linalg.inv(pinhole) @ to_pixel
-    camera, rotation = camera_from_projection(projection, shape)
-    np.testing.assert_allclose(camera[:4], [*focal, *centre], rtol=1e-7, atol=1e-7)
-    assert np.linalg.det(rotation) == pytest.approx(1)
-    rays = rays_from_camera(shape, camera) @ rotation.T
-    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
-    np.testing.assert_allclose(rays, official_rays(projection, shape), atol=3e-6)
+    camera = camera_from_projection(projection, (6, 8))
+    expected = [fx, fy, cx, cy, skew * fx][: len(camera)]
+    assert len(camera) == 5 or abs(skew) < 2e-6
+    np.testing.assert_allclose(camera, expected, rtol=1e-7, atol=1e-7)
 
 
 def test_projections_that_show_nothing_are_refused():
@@ -149,14 +128,11 @@ def test_what_is_missing_is_named(tree):
 def test_damaged_tables_are_named(tree):
     listed = [["scene_name", "camera_name", "frame_id", "split_partition_name"], list("abcd")]
     write_rows(tree / "metadata_images_split_scene_v1.csv", listed)
-    with pytest.raises(ValueError, match=r"split_scene_v1.csv, got .*Fetch the table again"):
+    with pytest.raises(ValueError, match=r"columns and numbers, got .*split_scene_v1.csv"):
         Hypersim(tree).split()
     write_rows(tree / "metadata_camera_parameters.csv", [["M_cam_from_uv_00"], ["minus one"]])
-    with pytest.raises(ValueError, match=r"camera_parameters.csv, got .*Fetch the table again"):
+    with pytest.raises(ValueError, match=r"columns and numbers, got .*camera_parameters.csv"):
         _ = Hypersim(tree).projections
-
-
-# --- partitions ----------------------------------------------------------------------------------
 
 
 def test_papers_frames_are_tested_and_their_scenes_never_trained_on(tree):
@@ -176,9 +152,7 @@ scenes = [f"ai_00{i}_00{j}" for i in range(3) for j in range(1, 4)] + ["room_0",
 
 @given(
     st.dictionaries(st.sampled_from(scenes), st.sampled_from([*PARTITIONS, ""])),
-    st.lists(
-        st.tuples(st.sampled_from(["cam_00", "cam_01"]), st.sampled_from([0, 42])), unique=True
-    ),
+    st.sets(st.sampled_from([("cam_00", 0), ("cam_00", 42), ("cam_01", 42)])),
 )
 def test_no_view_stands_in_two_partitions(partitions, views):
     listed = [View(scene, *view, p) for scene, p in partitions.items() for view in views]
@@ -192,7 +166,7 @@ def test_no_view_stands_in_two_partitions(partitions, views):
 def test_official_tables_and_the_public_depth_file(shared_data):
     """482 turned pinholes, 31 of them skewed; 46 test frames, 34 of official training scenes."""
     tree = Hypersim(shared_data / "hypersim")
-    cameras = [camera_from_projection(m, (12, 16))[0] for m in tree.projections.values()]
+    cameras = [camera_from_projection(m, (12, 16)) for m in tree.projections.values()]
     assert (len(cameras), sum(len(camera) == 5 for camera in cameras)) == (482, 31)
     frame = load_frame(next(tree.root.rglob("frame.0000.depth_meters.hdf5")))
     assert frame.depth.shape == (768, 1024) and frame.note.startswith("float16 depth in steps of")
@@ -202,9 +176,6 @@ def test_official_tables_and_the_public_depth_file(shared_data):
         rows = [line.rstrip("\n").split(",") for line in file][1:]
     test = split_views(View(row[0], row[1], int(row[2]), row[-1]) for row in rows)["test"]
     assert [sum(v.partition == name for v in test) for name in PARTITIONS] == [34, 5, 7]
-
-
-# --- writing -------------------------------------------------------------------------------------
 
 
 def picture(rng, shape=(40, 48)):
@@ -218,14 +189,12 @@ def picture(rng, shape=(40, 48)):
 
 
 def write_rooms(root):
-    split = {"room_000_000": "train", "room_000_001": "test"}
+    split, views = {"room_000_000": "train", "room_000_001": "test"}, [("cam_00", 0), ("cam_00", 1)]
     for number, scene in enumerate(split):
-        for frame in range(2):
-            write_view(root, scene, "cam_00", frame, **picture(np.random.default_rng(number)))
-    views = {scene: [("cam_00", 0), ("cam_00", 1)] for scene in split}
-    write_metadata(root, split, shape=(40, 48), focal=dict.fromkeys(split, 41.6), views=views)
-    return {p.relative_to(root): hashlib.sha256(p.read_bytes()).digest() for p in root.rglob("*.*")
-            if p.is_file()}  # fmt: skip
+        for view in views:
+            write_view(root, scene, *view, **picture(np.random.default_rng(number)))
+    write_metadata(root, (40, 48), {scene: (part, 41.6, views) for scene, part in split.items()})
+    return {p.relative_to(root): p.read_bytes() for p in root.rglob("*.*") if p.is_file()}
 
 
 def test_rooms_are_written_alike_every_time_and_read_by_the_one_reader(tmp_path):
@@ -236,12 +205,9 @@ def test_rooms_are_written_alike_every_time_and_read_by_the_one_reader(tmp_path)
     frame = tree.frame(view)
     np.testing.assert_array_equal(frame.depth, expected["depth"])  # every bit
     np.testing.assert_allclose(frame.intensity, expected["color"][..., 1], rtol=2.0**-11)
-    np.testing.assert_allclose(
-        read_array(view.file(tree.root, "normal"), 3), expected["normal"], atol=2.0**-11
-    )
-    np.testing.assert_array_equal(
-        read_array(view.file(tree.root, "instance"), 2), expected["instance"]
-    )
+    normal, instance = (view.file(tree.root, kind) for kind in ("normal", "instance"))
+    np.testing.assert_allclose(read_array(normal, 3), expected["normal"], atol=2.0**-11)
+    np.testing.assert_array_equal(read_array(instance, 2), expected["instance"])
     np.testing.assert_allclose(frame.camera, [41.6, 41.6, 24, 20])
     assert frame.note == ""
     assert [v.name for v in tree.split()["test"]] == ["room_000_001/cam_00/0000"]

@@ -6,21 +6,13 @@ import pytest
 pytest.importorskip("embreex")
 
 from cmtof.instrument.targets import MeshTarget
+from cmtof.scenes import objects
 from cmtof.scenes.frame import rays_from_camera
-from cmtof.scenes.objects import (
-    DISTANCE,
-    HEIGHT,
-    OBJECTS,
-    WIDTH,
-    _body,
-    field_of_view,
-    gage_blocks,
-    object_mesh,
-)
+from cmtof.scenes.objects import DISTANCE, HEIGHT, WIDTH, gage_blocks, object_mesh
 
 
 def looked_at(name, size=96):
-    focal = size / 2 / np.tan(field_of_view(name) / 2)
+    focal = size / 2 / np.tan(objects.FIELD_OF_VIEW[name] / 2)
     rays = rays_from_camera((size, size), [focal, focal, size / 2, size / 2])
     rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
     return rays, MeshTarget.from_mesh(object_mesh(name)).look(rays)
@@ -28,7 +20,7 @@ def looked_at(name, size=96):
 
 def test_objects_stand_a_metre_away_before_a_wall_and_are_made_as_in_the_paper():
     front = {}
-    for name in OBJECTS:
+    for name in objects.OBJECTS:
         rays, hits = looked_at(name)
         assert 0.75 < hits.range.min() < DISTANCE < hits.range.max() < 1.4
         assert 0.85 < np.median(hits.range[40:56, 40:56]) < 1.2
@@ -53,7 +45,7 @@ def test_holes_of_the_helmet_show_the_wall():
 def test_facets_lie_below_the_noise():
     """Edges and middles of a ball's faces are off the ball by a few micrometres at most."""
     angle = np.linspace(-np.pi / 2, np.pi / 2, 81)
-    body = _body(0.05 * np.column_stack([np.sin(angle), np.cos(angle)]))
+    body = objects._body(0.05 * np.column_stack([np.sin(angle), np.cos(angle)]))
     middle = np.asarray(body.vertices)[body.faces].mean(axis=1)
     level = np.abs(middle[:, 2]) < 0.045  # not at the poles, where a monotonic curve is blunt
     assert np.abs(np.linalg.norm(middle[level], axis=1) - 0.05).max() < 6e-6

@@ -1,7 +1,4 @@
-"""Classical unwrapping methods, a method a function: measurement in, `Estimate` out.
-
-What all of them share stands here: the estimate, the wraps in range, the noise of each phase.
-"""
+"""Classical unwrapping methods, a method a function: measurement in, `Estimate` out."""
 
 from typing import NamedTuple
 
@@ -11,14 +8,15 @@ from numpy.typing import NDArray
 from cmtof.correlation import residual_noise, wrap_length
 from cmtof.measurement import Measurement
 
+Array = NDArray[np.floating]
+Complex = NDArray[np.complexfloating]
+
 
 class Estimate(NamedTuple):
     """The answer of a method."""
 
-    depth: NDArray[np.floating]
-    """Best depth (H, W), m; it need not agree with the measured phase."""
-    confidence: NDArray[np.floating]
-    """Probability in [0, 1] that the wrap is right (H, W)."""
+    depth: Array  # best depth (H, W), m; it need not agree with the measured phase
+    confidence: Array  # probability in [0, 1] that the wrap is right (H, W)
 
 
 def wraps_in_range(measurement: Measurement) -> tuple[int, int]:
@@ -28,18 +26,17 @@ def wraps_in_range(measurement: Measurement) -> tuple[int, int]:
     return int(np.floor(low + 1e-9)), int(np.ceil(high - 1e-9)) - 1
 
 
-def within_range(depth: NDArray[np.floating], measurement: Measurement) -> NDArray[np.floating]:
+def within_range(depth: Array, measurement: Measurement) -> Array:
     """Depths, m, clipped into ``min <= z < max``."""
     low, high = measurement.range
     return np.clip(depth, low, np.nextafter(high, low))
 
 
 def phase_noise(measurement: Measurement) -> NDArray[np.float64]:
-    """Phase noise of the first two frequencies (2, H, W), rad, ``sqrt(2 / K) s / a``.
+    """Phase noise of the first two frequencies (2, H, W), rad: ``sqrt(2 / K) s / a``.
 
-    The noise s of one correlation sample is estimated from the residual of the fit; a is the
-    amplitude. One radian where only phases or three steps were kept, infinite for a pixel without
-    signal.
+    The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
+    only phases or three steps were kept, infinite without signal.
     """
     phase, amplitude = measurement.phase[:2], measurement.amplitude[:2].astype(float)
     known = np.isfinite(phase) & np.isfinite(amplitude) & (amplitude > 0)

@@ -1,8 +1,8 @@
 """The beat of the two frequencies, averaged coherently over a window.
 
 ``phi_2 - k phi_1`` with ``k = round(f_2 / f_1)`` is the phase of a synthetic frequency
-``Delta = f_2 - k f_1`` (20 MHz for the prototype), which repeats only after ``c / 2 Delta``. Its
-noise is ``f_1 / Delta`` times too large for the wrap of one pixel; averages do better.
+``Delta = f_2 - k f_1`` (20 MHz), which repeats after ``c / 2 Delta``. Its noise is too large for
+the wrap of one pixel; averages do better.
 """
 
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter
 
-from cmtof.baselines import Estimate, within_range
+from cmtof.baselines import Array, Complex, Estimate, within_range
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
@@ -19,9 +19,7 @@ from cmtof.measurement import Measurement
 WINDOW = 41
 """Side of the averaging window, px: the best mean of both protocols out of 21 to 161 px on 40 views
 of validation rooms (released 18.0 %, full 10.5 % of delta < 1)."""
-
-SMOOTHING = 0.02
-"""Variance of a guide, epsilon, below which a window is averaged rather than fitted."""
+SMOOTHING = 0.02  # variance of a guide below which a window is averaged rather than fitted
 
 
 class Synthetic(NamedTuple):
@@ -35,8 +33,6 @@ class Synthetic(NamedTuple):
 def synthetic_frequency(low: float, high: float) -> Synthetic:
     """Beat of the higher frequency with the nearest multiple of the lower one.
 
-    Examples
-    --------
     >>> synthetic_frequency(7.15e9, 14.32e9)
     Synthetic(multiple=2, frequency=20000000.0, sign=1)
     """
@@ -50,7 +46,7 @@ def synthetic_frequency(low: float, high: float) -> Synthetic:
     return Synthetic(multiple, abs(difference), 1 if difference > 0 else -1)
 
 
-def beat_phasor(measurement: Measurement) -> NDArray[np.complexfloating]:
+def beat_phasor(measurement: Measurement) -> Complex:
     """Phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` (H, W), counts^2; zero where not finite."""
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
     low, high = measurement.phase[:2]
@@ -61,15 +57,11 @@ def beat_phasor(measurement: Measurement) -> NDArray[np.complexfloating]:
 
 
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
-    """Depth of the beat averaged over a ``window`` x ``window`` square, borders reflected.
-
-    The confidence takes the noise of the beat from its coherence within the window. Raises a
-    ValueError if the window is not an odd number of pixels.
-    """
+    """Depth of the beat averaged over a ``window`` x ``window`` square, borders reflected."""
     if window < 1 or window % 2 == 0:
         raise ValueError(f"Expected an odd window of 1 px or more, got {window}. Try {WINDOW}.")
     phasor = beat_phasor(measurement)
-    return _averaged(box(phasor, window), np.abs(phasor), window, measurement)
+    return _averaged(uniform_filter(phasor, window), np.abs(phasor), window, measurement)
 
 
 def beat_guided(measurement: Measurement) -> Estimate:
@@ -86,15 +78,15 @@ def beat_guided(measurement: Measurement) -> Estimate:
     weight = size / (size.mean() or 1.0) + 1e-6
     unit = np.divide(phasor, size, out=np.zeros_like(phasor), where=size > 0)
     filtered = guided_filter(unit, guides(measurement), weight, WINDOW, SMOOTHING)
-    return _averaged(filtered * box(size, WINDOW), size, WINDOW, measurement)
+    return _averaged(filtered * uniform_filter(size, WINDOW), size, WINDOW, measurement)
 
 
-def guides(measurement: Measurement) -> NDArray[np.floating]:
+def guides(measurement: Measurement) -> Array:
     """Guides (6, H, W): log amplitude, coherence, and the cosine and sine of both slopes.
 
-    The wrapped phase steps at every wrap and cannot guide. Its slope can: along an axis, the angle
-    of ``sum p(x+1) conj p(x)`` over 11 x 11 px, p the phasor of the lowest frequency. Its length
-    over the sum of lengths, the coherence, sinks at edges.
+    The wrapped phase cannot guide, its slope can: along an axis, the angle of ``sum p(x+1) conj
+    p(x)`` over 11 x 11 px, p the phasor of the lowest frequency. The sum's length over that of
+    lengths, the coherence, sinks at edges.
     """
     amplitude = np.nan_to_num(measurement.amplitude[:2].astype(float), posinf=0, neginf=0)
     phase = np.nan_to_num(measurement.phase[0].astype(float), posinf=0, neginf=0)
@@ -104,28 +96,24 @@ def guides(measurement: Measurement) -> NDArray[np.floating]:
         pairs = np.zeros_like(phasor)
         ahead, behind = np.moveaxis(phasor, axis, 0)[1:], np.moveaxis(phasor, axis, 0)[:-1]
         np.moveaxis(pairs, axis, 0)[:-1] = ahead * np.conj(behind)
-        total, length = box(pairs, 11), box(np.abs(pairs), 11)
+        total, length = uniform_filter(pairs, 11), uniform_filter(np.abs(pairs), 11)
         coherence *= np.divide(np.abs(total), length, out=np.zeros_like(length), where=length > 0)
         slope = np.divide(total, np.abs(total), out=np.zeros_like(total), where=total != 0)
         slopes += [slope.real, slope.imag]
-    bright = box(amplitude.sum(axis=0), 5)
+    bright = uniform_filter(amplitude.sum(axis=0), 5)
     # a tenth of the mean keeps the logarithm of noise in the dark from guiding anything
     bright = np.log(0.1 + np.maximum(bright, 0) / (bright.mean() or 1.0))
     return np.stack([bright, coherence, *slopes])
 
 
 def guided_filter(
-    values: NDArray[np.complexfloating],
-    guide: NDArray[np.floating],
-    weight: NDArray[np.floating],
-    window: int,
-    smoothing: float,
-) -> NDArray[np.complexfloating]:
+    values: Complex, guide: Array, weight: Array, window: int, smoothing: float
+) -> Complex:
     """Guided filter of complex values (H, W) by guides (G, H, W), weights > 0 (H, W)."""
-    total = box(weight, window)
+    total = uniform_filter(weight, window)
 
     def mean(image: NDArray[Any]) -> NDArray[Any]:
-        return box(weight * image, window) / total
+        return uniform_filter(weight * image, window) / total
 
     middle, centre, count = np.stack([mean(one) for one in guide]), mean(values), len(guide)
     spread = smoothing * np.broadcast_to(np.eye(count), (*values.shape, count, count))
@@ -141,14 +129,7 @@ def guided_filter(
     return result + sum(mean(part) * one for one, part in zip(guide, slope, strict=True))
 
 
-def box(image: NDArray[Any], window: int, *, beyond: str = "reflect") -> NDArray[Any]:
-    """Mean of a real or complex image over a square window; beyond the borders as SciPy has it."""
-    if np.iscomplexobj(image):
-        return box(image.real, window, beyond=beyond) + 1j * box(image.imag, window, beyond=beyond)
-    return uniform_filter(image, window, mode=beyond)
-
-
-def beat_depth(phase: NDArray[np.floating], measurement: Measurement) -> NDArray[np.floating]:
+def beat_depth(phase: Array, measurement: Measurement) -> Array:
     """Depth in range, m, of a beat phase, rad; the nearest end of the range if it lies outside."""
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
     middle = sum(measurement.range) / 2
@@ -156,15 +137,10 @@ def beat_depth(phase: NDArray[np.floating], measurement: Measurement) -> NDArray
     return within_range(middle + turns * wrap_length(synthetic.frequency), measurement)
 
 
-def _averaged(
-    mean: NDArray[np.complexfloating],
-    size: NDArray[np.floating],
-    window: int,
-    measurement: Measurement,
-) -> Estimate:
+def _averaged(mean: Complex, size: Array, window: int, measurement: Measurement) -> Estimate:
     """Estimate of an averaged beat; its scatter gives the odds that it is right to half a wrap."""
     low, high = (float(f) for f in measurement.frequencies[:2])
-    coherent, power = np.abs(mean) ** 2, box(size**2, window)
+    coherent, power = np.abs(mean) ** 2, uniform_filter(size**2, window)
     scatter = np.maximum(power - coherent, 0) if window > 1 else power
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.sqrt(scatter / (2 * window**2) / coherent)

@@ -1,9 +1,8 @@
 """The Chinese remainder theorem and its robust forms, pixel by pixel.
 
-``z = n_1 L_1 + r_1 = n_2 L_2 + r_2`` with wraps L_i = c / 2 f_i: two remainders, two integers.
-With f_i = k_i g (g the greatest common divisor) and M = L_1 / k_2 = L_2 / k_1, the integers obey
-``n_1 k_2 - n_2 k_1 = (r_2 - r_1) / M``. At 7.15 and 14.32 GHz M is 14.6 um: remainders must be
-known to M/4 = 3.7 um, 1.1 mrad at 7.15 GHz, which the noise exceeds a hundredfold.
+``z = n_1 L_1 + r_1 = n_2 L_2 + r_2`` with wraps L_i = c / 2 f_i and f_i = k_i g (g the greatest
+common divisor) gives ``n_1 k_2 - n_2 k_1 = (r_2 - r_1) / M``, M = L_1 / k_2 = L_2 / k_1. At 7.15
+and 14.32 GHz M/4 is 3.7 um: the noise of a remainder is a hundred times larger.
 """
 
 from math import ceil, gcd
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from cmtof.baselines import Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.baselines import Array, Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.correlation import TAU, depth_from_phase, depth_from_wraps, wrap_length
 from cmtof.measurement import Measurement
 
@@ -33,8 +32,7 @@ def crt_ml(measurement: Measurement) -> Estimate:
 def crt_closed_form(measurement: Measurement) -> Estimate:
     """Strict closed form: exact below its bound, arbitrary above.
 
-    ``q = round((r_2 - r_1) / M)``, ``n_1 = q k_2^{-1} mod k_1``. Depths run over the whole
-    ``c / 2g``, 15 m for the prototype, whatever the range.
+    ``n_1 = q k_2^{-1} mod k_1``, ``q = round((r_2 - r_1) / M)``: depths run over ``c / 2g``, 15 m.
     """
     low, high = (round(f) for f in measurement.frequencies[:2])
     common = gcd(low, high)
@@ -60,8 +58,8 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
 def nearest_wrap(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Wraps in range whose depth best explains the higher phase, and the phase left over, rad.
 
-    From wrap to wrap the remainder moves by the fraction of ``f_2 / f_1`` of a turn, so that each
-    turn has one best wrap: its zero, or the end of the range that lies nearest to it.
+    From wrap to wrap the remainder moves by the fraction of ``f_2 / f_1``, so that each turn has
+    one best wrap: its zero, or the end of the range that lies nearest to it.
     """
     ratio = measurement.frequencies[1] / measurement.frequencies[0]
     first, last = wraps_in_range(measurement)
@@ -81,13 +79,8 @@ def nearest_wrap(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[n
     return wraps + first, TAU * best
 
 
-def fused_depth(
-    measurement: Measurement, wraps: NDArray[np.integer], residual: NDArray[np.floating]
-) -> NDArray[np.floating]:
-    """Mean of both phases' depths (H, W), m, weighted by ``(f_i a_i)^2``, the inverse variances.
-
-    ``residual`` (H, W), rad, is what `nearest_wrap` leaves at the higher frequency.
-    """
+def fused_depth(measurement: Measurement, wraps: NDArray[np.integer], residual: Array) -> Array:
+    """Mean of both phases' depths (H, W), m, weighted by ``(f_i a_i)^2``, by `nearest_wrap`."""
     low, high = measurement.frequencies[:2]
     phase = np.nan_to_num(measurement.phase[0].astype(float))
     amplitude = np.nan_to_num(measurement.amplitude[:2].astype(float), posinf=0)
@@ -97,9 +90,7 @@ def fused_depth(
     return within_range(depth, measurement)
 
 
-def _posterior(
-    measurement: Measurement, wraps: NDArray[np.int64], residual: NDArray[np.float64]
-) -> NDArray[np.floating]:
+def _posterior(measurement: Measurement, wraps: NDArray[np.int64], residual: Array) -> Array:
     """Share of the chosen wrap in the likelihood of all in range, whose sum is an integral."""
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)

@@ -5,15 +5,11 @@ good hypotheses at the same depth (their equation for the Kinect v2, three tones
 
     D_i(x) = sum_y g(x - y) sum_j w_j(y) exp(-(d_i(x) - d_j(y))^2 / 2 h^2)
 
-Adapted to two frequencies a GHz apart:
-
-- All N wraps in range are hypotheses, where the original keeps the best two of 30, with weights
-  ``w_j = exp(-r_j^2 / 2 s^2) exp(-(s_1^2 + s_2^2) / 2 s_0^2)``: the likelihood of the misfit
-  ``r_j = phi_2 - (f_2 / f_1)(phi_1 + 2 pi j)`` of variance ``s^2 = s_2^2 + (f_2 / f_1)^2 s_1^2``,
-  and the phase variance with ``s_0^2 = 3``.
-- Depths d are those of the lower phase, in wraps, and h = 0.25 (theirs, 0.32 m, is a quarter of
-  their shortest wrap). The answer fuses both phases; its confidence is the winner's share in the
-  density of all wraps.
+Adapted to two frequencies a GHz apart: all wraps in range are hypotheses, where the original keeps
+the best two of 30. Weights ``w_j = exp(-r_j^2 / 2 s^2) exp(-(s_1^2 + s_2^2) / 2 s_0^2)`` are by the
+misfit ``r_j = phi_2 - k (phi_1 + 2 pi j)``, k = f_2 / f_1, of variance ``s_2^2 + k^2 s_1^2``, and
+by the phase variance, ``s_0^2 = 3``. Depths d are those of the lower phase, in wraps, and h is a
+quarter of one, as theirs. The answer fuses both phases.
 """
 
 from collections.abc import Iterator
@@ -22,13 +18,12 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.baselines import Estimate, phase_noise, wraps_in_range
+from cmtof.baselines import Array, Estimate, phase_noise, wraps_in_range
 from cmtof.baselines.crt import fused_depth, nearest_wrap
 from cmtof.correlation import TAU, centred
 from cmtof.measurement import Measurement
 
-KERNEL, RADIUS = 0.25, 5
-"""Kernel width h, wraps, and radius of the window, px, as published."""
+KERNEL, RADIUS = 0.25, 5  # kernel width h, wraps, and radius of the window, px, as published
 TUNED_KERNEL, TUNED_RADIUS = 0.5, 40
 """The same, of the largest delta < 1 on eight views of validation rooms (`released`) out of
 h = 0.25 to 2 wraps and r = 5 to 40 px: 17.4 % against 7.7 % as published."""
@@ -40,7 +35,7 @@ def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIU
     """Wrap of each pixel whose depth is the densest among those of its neighbours.
 
     ``kernel`` is the width h along depth, wraps of the lower frequency; ``radius`` that of the
-    Gaussian window, px, with half of it as sigma.
+    Gaussian window, px, with half of it as sigma. The confidence is the share of all densities.
     """
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
@@ -80,11 +75,11 @@ def hypotheses(measurement: Measurement) -> Iterator[NDArray[np.float32]]:
 
 def _densest(
     measurement: Measurement, kernel: float, radius: int
-) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
+) -> tuple[NDArray[np.int64], Array, Array]:
     """Wrap (from 0) of the largest density, that density, and the sum over all wraps, (H, W).
 
-    The density is computed at nodes h/2 apart, each a blurred image, and interpolated by a cubic
-    at the depths ``u + n`` of the pixel, u its phase in turns; it errs by 0.4 % of its peak.
+    A cubic through nodes h/2 apart, each a blurred image, gives the density at the depths ``u + n``
+    of the pixel, u its phase in turns; it errs by 0.4 % of its peak.
     """
     import cv2
 

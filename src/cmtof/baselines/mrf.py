@@ -7,64 +7,53 @@ remainder that n leaves of it and ``1 / kappa = (s_2 / a_2)^2 + (k s_1 / a_1)^2`
 amplitudes a. ``d_pq = round((phi_p - phi_q) / 2 pi)`` lets the wraps follow the phase across its
 jumps, so that a smooth surface costs nothing up to half a wrap per pixel.
 
-`mrf` lowers the energy along eight directions (Hirschmüller 2008). `mrf_graphcut` goes on with a
-convex prior by moves of all pixels at once, each a minimum cut; moves by one wrap are those of PUMA
-(Bioucas-Dias and Valadão 2007).
+`mrf` lowers the energy along eight directions (Hirschmüller 2008), `mrf_graphcut` by moves of all
+pixels at once, each a minimum cut (Bioucas-Dias and Valadão 2007, there by one wrap).
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter, uniform_filter
 
-from cmtof.baselines import Estimate, phase_noise, within_range, wraps_in_range
-from cmtof.baselines.beat import box, synthetic_frequency
+from cmtof.baselines import Array, Complex, Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.baselines.beat import synthetic_frequency
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.measurement import Measurement
 
-JUMP, MOST = 0.03, 0.1
-"""Cost of a step by one wrap that the phase does not show, and of the largest step: the best of 13
-settings on six views of validation rooms, as are the following."""
-RADIUS, POOLING = 2, 6.0
-"""Half side, px, of the square over which phasors are summed, turned back by the slope, and
-standard deviation, px, of the Gaussian over which the beat is averaged."""
-MOVES = (4, -4, 2, -2, 1, -1) * 2
-"""Moves of the graph cuts, wraps."""
+# the best of 13 settings on six views of validation rooms:
+JUMP, MOST = 0.03, 0.1  # cost of a step by one wrap that the phase does not show; of the largest
+RADIUS = 2  # half side, px, of the square over which phasors are summed, turned by the slope
+POOLING = 6.0  # standard deviation, px, of the Gaussian over which the beat is averaged
+MOVES = (4, -4, 2, -2, 1, -1) * 2  # of the graph cuts, wraps
 _TEMPERATURE = 0.08  # of the softmax: on the same views its mean is 0.36, where 33 % are right
 _SHARPEST = 1e4  # largest kappa: a beat known to 0.01 rad needs no more weight
 
 
 class Field(NamedTuple):
-    """The random field of a measurement.
+    """The random field of a measurement."""
 
-    Smoothed ``phase`` (H, W), rad, which the labels belong to; ``beat`` (H, W, 2), kappa (cos, sin)
-    of what label 0 leaves of it; its ``angles`` (N,) at each label; wrap of the ``first`` label.
-    """
+    phase: NDArray[np.float32]  # smoothed, (H, W), rad; the labels belong to it
+    beat: NDArray[np.float32]  # (H, W, 2), kappa (cos, sin) of what label 0 leaves of the beat
+    angles: NDArray[np.float64]  # (N,), of the beat at each label, rad
+    first: int  # wrap of label 0
 
-    phase: NDArray[np.float32]
-    beat: NDArray[np.float32]
-    angles: NDArray[np.float64]
-    first: int
-
-    def unary(self, labels: NDArray[np.integer]) -> NDArray[np.floating]:
+    def unary(self, labels: NDArray[np.integer]) -> Array:
         """Cost (H, W) of labels (H, W) but for a constant."""
         cosine, sine = (f(self.angles).astype(np.float32)[labels] for f in (np.cos, np.sin))
         return -(self.beat[..., 0] * cosine + self.beat[..., 1] * sine)
 
-    def depth(self, labels: NDArray[np.integer], measurement: Measurement) -> NDArray[np.floating]:
+    def depth(self, labels: NDArray[np.integer], measurement: Measurement) -> Array:
         """Depth (H, W), m, of labels (H, W)."""
         phase, frequency = self.phase.astype(float), measurement.frequencies[0]
         return within_range(depth_from_wraps(phase, labels + self.first, frequency), measurement)
 
 
 def mrf(measurement: Measurement) -> Estimate:
-    """Wraps of least cost summed over eight paths.
-
-    Each path is a chain whose best costs up to a pixel follow from the pixel before,
-    ``L(q, n) = U_q(n) + min_m [L(p, m) + min(jump |n - m - d_pq|, most)] - min_m L(p, m)``.
-    """
+    """Wraps of least cost summed over eight paths, each a chain from pixel to pixel."""
     field = wrap_field(measurement)
     labels, odds = semi_global_labels(field)
     return Estimate(field.depth(labels, measurement), odds)
@@ -104,32 +93,24 @@ def wrap_field(measurement: Measurement) -> Field:
     share = synthetic.frequency / low
     turned = _pooled(kappa, beat, share * slope)
     turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
-    return Field(
-        mean_phase.astype(np.float32),
-        np.stack([turned.real, turned.imag], axis=-1).astype(np.float32),
-        TAU * share * np.arange(last - first + 1),
-        first,
-    )
+    kept = np.stack([turned.real, turned.imag], axis=-1).astype(np.float32)
+    angles = TAU * share * np.arange(last - first + 1)
+    return Field(mean_phase.astype(np.float32), kept, angles, first)
 
 
-def _slope(phasor: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _slope(phasor: Complex) -> Array:
     """Slope (2, H, W) down and right, rad/px: angle of the summed products of neighbours."""
     slopes = []
     for axis in (0, 1):
         ahead = np.roll(phasor, -1, axis) * np.conj(phasor)
         ahead[(slice(None),) * axis + (-1,)] = 0  # the last pixel has no neighbour ahead
-        slopes.append(np.angle(box(ahead + np.roll(ahead, 1, axis), 2 * RADIUS + 1)))
+        slopes.append(np.angle(uniform_filter(ahead + np.roll(ahead, 1, axis), 2 * RADIUS + 1)))
     return np.stack(slopes)
 
 
-def _pooled(
-    kappa: NDArray[np.float64], beat: NDArray[np.float64], slope: NDArray[np.float64]
-) -> NDArray[np.complex128]:
+def _pooled(kappa: Array, beat: Array, slope: Array) -> Complex:
     """Gaussian mean of ``kappa exp(i beat)``, moved by the slope from the centre of its weights."""
-
-    def mean(image: NDArray[np.float64]) -> NDArray[np.float64]:
-        return gaussian_filter(image, POOLING, mode="constant")
-
+    mean = partial(gaussian_filter, sigma=POOLING, mode="constant")
     total = np.maximum(mean(kappa), np.finfo(float).tiny)
     place = np.indices(kappa.shape, sparse=True)
     off = sum(s * (mean(kappa * at) / total - at) for s, at in zip(slope, place, strict=True))
@@ -137,9 +118,7 @@ def _pooled(
     return phasor * np.exp(-1j * off)
 
 
-def _coherent_mean(
-    phasors: NDArray[np.complex128], slope: NDArray[np.float64], ratio: float
-) -> NDArray[np.complex128]:
+def _coherent_mean(phasors: Complex, slope: Array, ratio: float) -> Complex:
     """Mean of phasors (2, H, W) over a square, turned back by the slope, ``ratio`` times it."""
     down, right = np.exp(-1j * np.array([1.0, ratio])[:, None, None] * slope[:, None])
     height, width = slope.shape[1:]
@@ -149,9 +128,6 @@ def _coherent_mean(
         turn = down ** (v - RADIUS) * right ** (u - RADIUS)
         total += beyond[:, v : v + height, u : u + width] * turn
     return total / side**2
-
-
-# --- semi-global matching ----------------------------------------------------------------------
 
 
 def semi_global_labels(field: Field) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
@@ -202,17 +178,11 @@ def _cheapest(before, wide, spare):  # pragma: no cover - compiled
     return wide
 
 
-# --- graph cuts --------------------------------------------------------------------------------
-
-
 def lowered(field: Field, labels: NDArray[np.integer]) -> NDArray[np.integer]:
-    """Labels (H, W) after those of `MOVES` that lower the energy."""
-    least = energy(field, labels)
+    """Labels (H, W) after those of `MOVES` that lower the energy; rounding may propose others."""
     for step in MOVES:
         moved = labels + step * best_move(field, labels, step)
-        # costs are rounded to whole units: what gains less than the rounding is not taken
-        if (found := energy(field, moved)) < least:
-            labels, least = moved, found
+        labels = min(labels, moved, key=partial(energy, field))
     return labels
 
 
@@ -225,7 +195,7 @@ def energy(field: Field, labels: NDArray[np.integer]) -> float:
 def best_move(field: Field, labels: NDArray[np.integer], step: int) -> NDArray[np.bool_]:
     """Pixels (H, W) whose move by ``step`` wraps, all at once, lowers the energy most.
 
-    The costs ``A, B, C, A`` of a pair for the choices 00, 01, 10, 11 are ``A + (C - A) (x_p - x_q)
+    A pair's costs ``A, B, C, A`` for the choices 00, 01, 10, 11 are ``A + (C - A) (x_p - x_q)
     + (B + C - 2 A) (1 - x_p) x_q``, and a convex prior keeps the last factor >= 0.
     """
     target = labels + step
@@ -249,14 +219,11 @@ def _steps(field: Field, labels: NDArray[np.integer], axis: int) -> NDArray[np.i
     return np.diff(labels.astype(np.int64), axis=axis) - told
 
 
-def minimum_cut(
-    excess: NDArray[np.floating], right: NDArray[np.floating], down: NDArray[np.floating]
-) -> NDArray[np.bool_]:
+def minimum_cut(excess: Array, right: Array, down: Array) -> NDArray[np.bool_]:
     """Binary x (H, W) of least ``sum e_p x_p + sum c_pq (1 - x_p) x_q`` on a grid, c >= 0.
 
     c leads to the pixel ``right`` of p (H, W - 1) or ``down`` from it (H - 1, W); an infinite
-    excess e forbids x = 1. Costs are rounded to 2^-26 of the largest. Of equal minima that with
-    fewest ones is found.
+    excess e forbids x = 1. Costs are rounded to 2^-26 of the largest.
     """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow

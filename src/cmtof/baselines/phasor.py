@@ -5,15 +5,13 @@ look-up finds the depth in range whose phasors match the measured ones best, wei
 
     F(z) = a_1 cos(phi_1(z) - phi_1) + a_2 cos(phi_2(z) - phi_2)
 
-F has one peak for each wrap, and the less the wrap's misfit of the beat, the higher it is. So two
-stages replace a table of tens of thousands of entries: the beat selects a few wraps, the
-high-frequency phases give the depth of each.
+F has one peak for each wrap, the higher the less it misses the beat. So two stages replace a table
+of tens of thousands of entries: the beat selects a few wraps, both phases give the depth of each.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cmtof.baselines import Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.baselines import Array, Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.baselines.beat import beat_depth
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
@@ -23,8 +21,8 @@ from cmtof.measurement import Measurement
 def phasor(measurement: Measurement) -> Estimate:
     """Depth in range whose pair of phasors is the nearest to the measured pair.
 
-    The confidence is the odds that noise leaves the beat within half a wrap. Raises a ValueError if
-    the two frequencies are so far apart that their beat repeats within the range.
+    The confidence is the odds that noise leaves the beat within half a wrap. ValueError if the beat
+    repeats within the range.
     """
     low, high = (float(f) for f in measurement.frequencies[:2])
     covered, extent = float(wrap_length(high - low)), measurement.range[1] - measurement.range[0]
@@ -54,30 +52,14 @@ def phasor(measurement: Measurement) -> Estimate:
     return Estimate(best, np.maximum(odds, 1 / (last - first + 1)))
 
 
-def match(
-    phase: NDArray[np.floating],
-    amplitude: NDArray[np.floating],
-    depth: NDArray[np.floating],
-    frequencies: tuple[float, float],
-) -> NDArray[np.floating]:
+def match(phase: Array, amplitude: Array, depth: Array, frequencies: tuple[float, float]) -> Array:
     """F at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
-    return sum(
-        a * np.cos(phase_from_depth(depth, f) - p)
-        for a, f, p in zip(amplitude, frequencies, phase, strict=True)
-    )
+    pairs = zip(amplitude, frequencies, phase, strict=True)
+    return sum(a * np.cos(phase_from_depth(depth, f) - p) for a, f, p in pairs)
 
 
-def _peak(
-    phase: NDArray[np.floating],
-    amplitude: NDArray[np.floating],
-    wraps: NDArray[np.floating] | int,
-    low: float,
-    high: float,
-) -> NDArray[np.floating]:
-    """Depth (H, W), m, of the peak of F within half a wrap of the lower frequency's phase.
-
-    The sum of the two phasors points to it, but for one Newton step for unequal frequencies.
-    """
+def _peak(phase: Array, amplitude: Array, wraps: Array | int, low: float, high: float) -> Array:
+    """Depth (H, W), m, of the peak of F at a wrap: the sum of both phasors and one Newton step."""
     depth = depth_from_phase(phase[0] + TAU * np.asarray(wraps), low)
     apart = phase[1] - phase_from_depth(depth, high)
     total = amplitude[0] + amplitude[1] * np.exp(1j * apart)

@@ -1,21 +1,21 @@
 """References that know a part of the truth: what is left to find, and how well it can be found.
 
 `reference_depth` reads the true depth against the measured phase. The others know the shape of
-every true surface but not where it lies: both phasors are demodulated by the true depth,
-``a_i exp(i (phi_i - 4 pi f_i z / c))``, and summed over the surface. The low frequency's sum gives
-the offset within a wrap, the beat of both sums the whole wraps. They are references and no bounds:
-boundaries are lost, and so are small or dark surfaces that their neighbours could place.
+every true surface but not its place: phasors demodulated by the true depth, ``a_i exp(i (phi_i -
+4 pi f_i z / c))``, are summed over it; the lower sum gives the offset within a wrap, the beat of
+both the whole wraps. They are no bounds: neighbours could place small and dark surfaces.
 """
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import fft2, fftfreq, next_fast_len
-from scipy.ndimage import find_objects, label
+from scipy.ndimage import find_objects, label, uniform_filter
 
-from cmtof.baselines import Estimate, within_range
-from cmtof.baselines.beat import box, synthetic_frequency
+from cmtof.baselines import Array, Complex, Estimate, within_range
+from cmtof.baselines.beat import synthetic_frequency
 from cmtof.baselines.region import Pooled, components, mean_over, pool, whole_wraps
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import (
@@ -28,15 +28,13 @@ from cmtof.correlation import (
 from cmtof.measurement import Measurement
 from cmtof.scenes.statistics import BEND, bends
 
-SIDE = 281
-"""Receptive field of the paper's network as built here, px."""
+SIDE = 281  # receptive field of the paper's network as built here, px
 
 
 def reference_depth(measurement: Measurement) -> Estimate:
     """The measured phase with the wraps that bring it nearest to the true depth.
 
-    By the count that turns the phase into depth all are right. By the paper's count 9 % are wrong:
-    noise carries phases across the boundary of a wrap.
+    By the paper's count 9 % of them are wrong: noise carries phases across the boundary of a wrap.
     """
     frequency, phase = measurement.frequencies[0], measurement.phase[0].astype(float)
     truth = _truth(measurement)
@@ -71,22 +69,18 @@ def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
     return _pooled(measurement, surfaces(_truth(measurement)), side=side)
 
 
-def surfaces(depth: NDArray[np.floating]) -> NDArray[np.intp]:
-    """Number of each pixel's surface (H, W): pixels connected between `bends`, or one that bends.
-
-    A pixel of a boundary belongs to no surface and has its own beat.
-    """
+def surfaces(depth: Array) -> NDArray[np.intp]:
+    """Number of each pixel's surface (H, W): those connected between `bends`, or one that bends."""
     boundary, numbers = bends(depth), np.zeros(depth.shape, np.intp)
     label(~boundary, output=numbers)
     numbers[boundary] = numbers.max() + 1 + np.arange(np.count_nonzero(boundary))
     return numbers - 1
 
 
-def bodies(depth: NDArray[np.floating]) -> NDArray[np.intp]:
+def bodies(depth: Array) -> NDArray[np.intp]:
     """Number of each pixel's body (H, W): components of pixels without a jump between them.
 
-    A step between neighbours is no jump if it differs by at most 4 mm from none, or from the step
-    before or behind it: across a crease it does from one of them.
+    No jump is a step within 4 mm of none, or of the step before or behind it, as across a crease.
     """
     links = []
     for axis in (0, 1):
@@ -98,12 +92,11 @@ def bodies(depth: NDArray[np.floating]) -> NDArray[np.intp]:
     return components(*links)
 
 
-def tilt_of(phasors: NDArray[np.complexfloating], ratio: float) -> NDArray[np.floating]:
+def tilt_of(phasors: Complex, ratio: float) -> Array:
     """Plane (H, W), rad at the lower frequency, zero at the centroid, on which two phasors lie.
 
-    It is the peak over slopes nu of ``sum_i |sum_x p_i(x) exp(-i r_i nu x)|^2 / sum_x |p_i|^2``
-    with r_i = 1 and ``ratio`` = f_2 / f_1: the largest bin of both spectra, then Newton steps. The
-    ``phasors`` (2, H, W) are zero outside of the surface.
+    Peak over slopes nu of ``sum_i |sum_x p_i(x) exp(-i r_i nu x)|^2 / sum_x |p_i|^2``, r_i = 1 and
+    ``ratio``: the largest bin of both spectra, then Newton steps. Phasors are zero elsewhere.
     """
     power = np.sum(np.abs(phasors) ** 2, axis=(1, 2), keepdims=True)
     scaled = phasors / np.sqrt(np.where(power > 0, power, 1))
@@ -122,22 +115,20 @@ def tilt_of(phasors: NDArray[np.complexfloating], ratio: float) -> NDArray[np.fl
         turned = scaled * np.exp(-1j * ratios[:, None, None] * plane)
         along = turned * np.conj(turned.sum(axis=(1, 2), keepdims=True))
         gradient = np.einsum("f,fyx,iyx->i", ratios, along.imag, axes)
-        curved = [
-            np.einsum("yx,iyx,jyx->ij", np.tensordot(ratios**2, part, 1), axes, axes)
-            for part in (along.real, np.abs(along))
-        ]
         # off the summit the curvature may change sign; that of aligned phasors never does
+        parts = (np.tensordot(ratios**2, part, 1) for part in (along.real, np.abs(along)))
+        curved = (np.einsum("yx,iyx,jyx->ij", part, axes, axes) for part in parts)
         bend = next((b for b in curved if np.linalg.eigvalsh(b)[0] > 0), np.eye(2))
         slopes = slopes + np.clip(np.linalg.solve(bend, gradient), -longest, longest)
     return np.tensordot(slopes, axes, 1)
 
 
-def _truth(measurement: Measurement) -> NDArray[np.floating]:
+def _truth(measurement: Measurement) -> Array:
     assert measurement.depth is not None  # `Method` has made sure
     return measurement.depth.astype(float)
 
 
-def _demodulated(measurement: Measurement, tilt: NDArray | float = 0) -> NDArray:
+def _demodulated(measurement: Measurement, tilt: Array | float = 0) -> Complex:
     """Phasors (2, H, W) turned back by the true depth and a tilt, m; zero where not finite."""
     shape = np.nan_to_num(_truth(measurement)) + tilt
     turned = phase_from_depth(shape, measurement.frequencies[:2, None, None])
@@ -147,10 +138,7 @@ def _demodulated(measurement: Measurement, tilt: NDArray | float = 0) -> NDArray
 
 
 def _pooled(
-    measurement: Measurement,
-    surface: NDArray[np.intp],
-    tilt: NDArray | float = 0,
-    side: int | None = None,
+    measurement: Measurement, surface: NDArray[np.intp], tilt: Array | float = 0, side: int = 0
 ) -> Estimate:
     """Estimate of true shapes and tilts, m, where phasors summed over surfaces place them."""
     truth, phasors = _truth(measurement), _demodulated(measurement, tilt)
@@ -169,17 +157,13 @@ def _pooled(
     return Estimate(within_range(depth, measurement), np.where(known, odds, 0))
 
 
-def _pool_within(
-    phasors: NDArray[np.complexfloating], surface: NDArray[np.intp], side: int
-) -> Pooled:
+def _pool_within(phasors: Complex, surface: NDArray[np.intp], side: int) -> Pooled:
     """Sum of phasors (H, W) over each pixel's surface within a square: angles, spreads (H, W)."""
     phase, spread = np.angle(phasors), np.full(phasors.shape, np.inf)
     for place, inside in _pieces(surface):
         ours = np.where(inside, phasors[place], 0)
-        share, mean, power = (
-            box(image, side, beyond="constant")
-            for image in (inside.astype(float), ours, np.abs(ours) ** 2)
-        )
+        images = inside.astype(float), ours, np.abs(ours) ** 2
+        share, mean, power = (uniform_filter(image, side, mode="constant") for image in images)
         share = np.maximum(share, 0.5 / side**2)
         mean, scatter = mean / share, np.maximum(power / share - np.abs(mean / share) ** 2, 0)
         count, length = np.maximum(share * side**2, 1), np.abs(mean)
@@ -190,9 +174,7 @@ def _pool_within(
     return Pooled(phase, spread)
 
 
-def _pieces(
-    surface: NDArray[np.intp],
-) -> Iterator[tuple[tuple[slice, slice], NDArray[np.bool_]]]:
+def _pieces(surface: NDArray[np.intp]) -> Iterator[tuple[Any, NDArray[np.bool_]]]:
     """Bounding box of each surface of two pixels and more, and which pixels in it are its own."""
     size = np.bincount(surface.ravel())
     number = np.where(size > 1, np.cumsum(size > 1), 0)[surface]  # single pixels need no box

@@ -13,7 +13,7 @@ from scipy.ndimage import distance_transform_edt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from cmtof.baselines import Estimate, within_range
+from cmtof.baselines import Array, Complex, Estimate, within_range
 from cmtof.baselines.beat import beat_depth, beat_phasor, guides, synthetic_frequency
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
@@ -29,16 +29,15 @@ _SMALLEST = 100  # px, below which a region takes the depth of a larger one besi
 class Pooled(NamedTuple):
     """Angles of summed phasors and their deviation, rad; infinite for a single pixel."""
 
-    phase: NDArray[np.floating]
-    spread: NDArray[np.floating]
+    phase: Array
+    spread: Array
 
 
 def spatial(measurement: Measurement) -> Estimate:
     """Reliability-sorted unwrapping of the lowest frequency's phase.
 
-    One frequency leaves the absolute wrap open: the whole image is moved by whole wraps until its
-    median lies nearest to mid-range, and the confidence is that of a guess among the wraps. Depth
-    jumps of more than half a wrap are lost.
+    One frequency leaves the absolute wrap open: whole wraps move the median of the image next to
+    mid-range, and the confidence is that of a guess. Jumps of more than half a wrap are lost.
     """
     frequency = measurement.frequencies[0]
     low, high = measurement.range
@@ -53,9 +52,8 @@ def spatial(measurement: Measurement) -> Estimate:
 def region(measurement: Measurement) -> Estimate:
     """Regions of the spatially unwrapped phase, one pooled beat each.
 
-    Neighbours belong together unless the unwrapped phase or the amplitude steps between them. The
-    phasors of the beat, demodulated by the relative depth, are summed over each region; the angle
-    of the sum gives its whole wraps.
+    Regions end where the unwrapped phase or the amplitude steps. The angle of the summed phasors of
+    the beat, demodulated by the relative depth, gives the whole wraps of each.
     """
     low, high = (float(f) for f in measurement.frequencies[:2])
     synthetic, mask = synthetic_frequency(low, high), measurement.mask
@@ -78,7 +76,7 @@ def region(measurement: Measurement) -> Estimate:
     return Estimate(within_range(depth, measurement), np.where(mask, confidence, 0))
 
 
-def relative_phase(measurement: Measurement) -> NDArray[np.floating]:
+def relative_phase(measurement: Measurement) -> Array:
     """Phase (H, W) of the lowest frequency without wraps inside the mask, rad, up to 2 pi m."""
     from skimage.restoration import unwrap_phase
 
@@ -91,14 +89,7 @@ def relative_phase(measurement: Measurement) -> NDArray[np.floating]:
 
 
 def components(down: NDArray[np.bool_], across: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """Number of each pixel's component (H, W) from links to the next row and the next column.
-
-    Examples
-    --------
-    >>> components(np.ones((1, 3), bool), np.array([[True, False], [True, False]]))
-    array([[0, 0, 1],
-           [0, 0, 1]])
-    """
+    """Number of each pixel's component (H, W) from links to the next row and the next column."""
     shape = (across.shape[0], down.shape[1])
     index = np.arange(shape[0] * shape[1]).reshape(shape)
     rows = np.concatenate([index[:-1][down], index[:, :-1][across]])
@@ -107,7 +98,7 @@ def components(down: NDArray[np.bool_], across: NDArray[np.bool_]) -> NDArray[np
     return connected_components(graph, directed=False)[1].reshape(shape).astype(np.intp)
 
 
-def pool(phasors: NDArray[np.complexfloating], number: NDArray[np.intp]) -> Pooled:
+def pool(phasors: Complex, number: NDArray[np.intp]) -> Pooled:
     """Sum of demodulated phasors (H, W) over each region; the noise is what lies across the sum."""
     size = np.bincount(number.ravel())
     total = sum_over(phasors.real, number) + 1j * sum_over(phasors.imag, number)
@@ -120,14 +111,11 @@ def pool(phasors: NDArray[np.complexfloating], number: NDArray[np.intp]) -> Pool
 
 
 def whole_wraps(
-    beat: NDArray[np.floating],
-    middle: NDArray[np.floating],
-    measurement: Measurement,
-    fraction: NDArray[np.floating] | float = 0.0,
-) -> NDArray[np.floating]:
-    """Offset of each region (S,), m: whole wraps and a known fraction, nearest to that of the beat.
+    beat: Array, middle: Array, measurement: Measurement, fraction: Array | float = 0.0
+) -> Array:
+    """Offset of each region (S,), m, nearest to its demodulated beat's: whole wraps and a fraction.
 
-    ``beat`` is its demodulated phase, rad; the ``middle`` depth, m, is in range with its offset.
+    The ``middle`` depth, m, is in range with its offset.
     """
     low, high = measurement.frequencies[:2]
     turned = phase_from_depth(middle, synthetic_frequency(low, high).frequency)
@@ -141,9 +129,7 @@ def sum_over(values: NDArray, number: NDArray[np.intp]) -> NDArray:
     return np.bincount(number.ravel(), values.ravel())
 
 
-def mean_over(
-    values: NDArray, number: NDArray[np.intp], counted: NDArray[np.bool_]
-) -> NDArray[np.floating]:
+def mean_over(values: NDArray, number: NDArray[np.intp], counted: NDArray[np.bool_]) -> Array:
     """Mean of the counted values (H, W) over each region (S,); zero where none counts."""
     size = sum_over(counted.astype(float), number)
     return sum_over(np.where(counted, values, 0), number) / np.maximum(size, 1)

@@ -1,7 +1,4 @@
-"""Answers that cost nothing, to hold methods against.
-
-With 21 wraps in range the middle one is right in a twentieth of all cases.
-"""
+"""Answers that cost nothing, to hold methods against."""
 
 import numpy as np
 

@@ -18,16 +18,13 @@ __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
 
 
 def load_frame(source: str | Path, *, intensity: str | Path | None = None, **given: Any) -> Frame:
-    """Frame of a file or of an embedded name, or the first one of a folder.
+    """Frame of a file or of an embedded name, or the first one of a folder as `frames_in` lists it.
 
-    The source is an ``.npz`` with ``depth`` (m), ``intensity`` and optionally ``camera``; a 16-bit
-    depth ``.png`` beside an ``intensity`` image; a Hypersim file ``frame.IIII.depth_meters.hdf5``
-    in its tree; a name out of `embedded_frames`; or a folder for `frames_in` (of a Hypersim tree
-    the first test frame). ``given`` are a ``camera`` in place of what the source states, and
-    ``depth_scale`` and ``planar`` of a PNG, as in `cmtof.scenes.frame.frame_from_pair`.
+    The file is an ``.npz`` with ``depth`` (m), ``intensity`` and optionally ``camera``; a 16-bit
+    depth ``.png`` beside an ``intensity`` image, with ``depth_scale`` and ``planar`` as in
+    `cmtof.scenes.frame.frame_from_pair`; or a ``frame.IIII.depth_meters.hdf5`` in its Hypersim
+    tree. A ``camera`` given stands in place of the file's.
 
-    Examples
-    --------
     >>> load_frame("still_life").depth.shape
     (240, 320)
     """
@@ -39,24 +36,24 @@ def load_frame(source: str | Path, *, intensity: str | Path | None = None, **giv
         raise FileNotFoundError(
             f"Expected a frame file or one of {', '.join(known)}, got {source}. Check the name."
         )
-    if path.suffix == ".hdf5":
-        return frame_of_file(path)
-    if path.suffix == ".png":
-        return frame_from_pair(path, intensity, **given)
-    if path.suffix != ".npz":
-        raise ValueError(
-            f"Expected a frame named *.npz, *.png or *.depth_meters.hdf5, got {path.name}. "
-            "Convert it."
-        )
-    return frame_from_npz(path, given.get("camera"))
+    match path.suffix:
+        case ".npz":
+            return frame_from_npz(path, given.get("camera"))
+        case ".png":
+            return frame_from_pair(path, intensity, **given)
+        case ".hdf5":
+            return frame_of_file(path)
+    raise ValueError(
+        f"Expected a frame named *.npz, *.png or *.depth_meters.hdf5, got {path.name}. Convert it."
+    )
 
 
 def frames_in(source: str | Path, **given: Any) -> list[Source]:
     """Frames of a file, an embedded name or a folder, listed without loading any.
 
-    A folder is a Hypersim tree or one scene of it (its test frames, or every view without the table
-    of partitions), holds ``*.npz``, or ``depth/NAME.png`` with ``rgb`` or ``color`` ``/NAME.png``
-    or ``.jpg``, as NYU and ScanNet are exported; options as in `load_frame`.
+    A folder is a Hypersim tree or scene (its test frames, or every view without the table), holds
+    ``*.npz``, or pairs ``depth/NAME.png`` and ``rgb`` or ``color`` ``/NAME.png`` or ``.jpg``, as
+    NYU and ScanNet are exported; options as in `load_frame`.
     """
     path = Path(source)
     if str(source) in embedded_frames() or not path.is_dir():

@@ -12,15 +12,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cmtof.scenes.frame import broken
+
 
 def data_root() -> Path | None:
     """Folder with ``captures/`` and ``frames/``, or None where this machine has none.
 
-    Looked for in the environment variable ``CMTOF_DATA``, then in ``shared/data`` beside the
-    checkout, then in ``data`` within it.
+    It is that of the environment variable ``CMTOF_DATA``, else ``shared/data`` beside the checkout
+    or ``data`` within it.
     """
-    checkout = Path(__file__).parents[3]
-    named = os.environ.get("CMTOF_DATA")
+    checkout, named = Path(__file__).parents[3], os.environ.get("CMTOF_DATA")
     places = [Path(named)] if named else [checkout.parent / "shared" / "data", checkout / "data"]
     return next((place for place in places if (place / "captures").is_dir()), None)
 
@@ -62,7 +63,5 @@ def _read_map(path: Path) -> NDArray[np.float64]:
         if table.size == 0 or not np.isfinite(table).all():
             raise ValueError("NaN or inf" if table.size else "none")
     except ValueError as error:
-        raise ValueError(
-            f"Expected rows of finite numbers parted by commas in {path}, got {error}. Check it."
-        ) from error
+        raise broken("rows of finite numbers parted by commas", path, error) from error
     return table

@@ -14,38 +14,23 @@ from cmtof.validation import check_claim, numbers
 
 EMBEDDED = Path(__file__).parents[1] / "frames"
 """Folder of the small frames that travel with the package."""
-
-HELD_OUT = EMBEDDED / "test" / "rooms.npz"
-"""The test set: 32 views of rooms on which nothing was trained or validated."""
-HELD_OUT_STEP = 5e-5
-"""Step of its stored depth, m."""
+HELD_OUT, HELD_OUT_STEP = EMBEDDED / "test" / "rooms.npz", 5e-5
+"""The test set, 32 views of rooms that nothing was trained on, and the step of its depth, m."""
 
 
 @dataclass(frozen=True)
 class Frame:
     """One view of a scene; a ValueError says what is no number or no possible scene.
 
-    Attributes
-    ----------
-    depth, intensity : ndarray of float32, shape (H, W)
-        Range along the ray, m, NaN where invalid; linear radiance >= 0, clipped to 1 by the
-        simulator.
-    camera : ndarray, shape (4,) or (5,), optional
-        fx, fy, cx, cy, px, pixel centres at +0.5, and the skew where there is one.
-    name, note : str
-        Source of the frame, and what a user should know of it (empty if nothing).
-
-    Examples
-    --------
     >>> Frame([[1.0, 0.0]], [[0.5, 0.5]]).depth.tolist()
     [[1.0, nan]]
     """
 
-    depth: NDArray[np.floating]
-    intensity: NDArray[np.floating]
-    camera: NDArray[np.floating] | None = None
-    name: str = ""
-    note: str = ""
+    depth: NDArray[np.floating]  # range along the ray (H, W), m, float32; NaN where invalid
+    intensity: NDArray[np.floating]  # linear radiance (H, W) >= 0, clipped to 1 by the simulator
+    camera: NDArray[np.floating] | None = None  # fx, fy, cx, cy, px (centres at +0.5), and skew
+    name: str = ""  # source of the frame
+    note: str = ""  # what a user should know of it
 
     def __post_init__(self) -> None:
         where = self.name or "the frame"
@@ -108,14 +93,9 @@ class Frames:
         self.skipped.clear()
         for source in self.sources:
             try:
-                frame = source.load()
+                yield source.load()
             except (ValueError, OSError) as error:
                 self.skipped[source.name] = str(error)
-                continue
-            yield frame
-
-
-# --- files -------------------------------------------------------------------------------------
 
 
 def embedded_frames() -> dict[str, Path]:
@@ -124,16 +104,9 @@ def embedded_frames() -> dict[str, Path]:
 
 
 def held_out_frames(path: Path = HELD_OUT) -> list[Frame]:
-    """The test set of Tables 1 to 3: 32 views of 384 x 512 px, the same on every machine.
+    """The test set of Tables 1 to 3: 32 views of 384 x 512 px, chosen by ``tools/frames.py``.
 
-    Depth is stored in steps of 0.05 mm as second differences along rows, the intensity I as
-    round(255 √I) in differences along rows. ``tools/frames.py`` states the choice of views.
-
-    Examples
-    --------
-    >>> frames = held_out_frames()
-    >>> len(frames), frames[0].depth.shape
-    (32, (384, 512))
+    Depth is stored in steps as second differences along rows, √I as first differences of bytes.
     """
     arrays = read_npz(path)
     steps = arrays["depth"].cumsum(axis=2, dtype=np.int32).cumsum(axis=2, dtype=np.int32)
@@ -141,6 +114,12 @@ def held_out_frames(path: Path = HELD_OUT) -> list[Frame]:
     light = (levels / np.float32(255)) ** 2
     views = zip(steps * HELD_OUT_STEP, light, arrays["camera"], arrays["name"], strict=True)
     return [Frame(depth, one, camera, str(name)) for depth, one, camera, name in views]
+
+
+def broken(expected: str, path: Path, error: Exception) -> ValueError:
+    """The one error, of one line, for whatever is wrong with a file."""
+    reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
+    return ValueError(f"Expected {expected}, got {path} ({reason}). Fetch or write it again.")
 
 
 def read_npz(path: Path) -> dict[str, NDArray]:
@@ -152,10 +131,7 @@ def read_npz(path: Path) -> dict[str, NDArray]:
         with np.load(path, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
-        reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-        raise ValueError(
-            f"Expected a whole .npz file, got {path} ({reason}). Write it again."
-        ) from error
+        raise broken("a whole .npz file", path, error) from error
 
 
 def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
@@ -165,10 +141,8 @@ def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
         raise ValueError(
             f"Expected arrays depth and intensity in {path}, got {sorted(arrays)}. Add them."
         )
-    stored = arrays.get("camera") if camera is None else np.asarray(camera)
-    return Frame(
-        arrays["depth"], arrays["intensity"], stored, path.stem, str(arrays.get("note", ""))
-    )
+    stored, note = arrays.get("camera") if camera is None else camera, arrays.get("note", "")
+    return Frame(arrays["depth"], arrays["intensity"], stored, path.stem, str(note))
 
 
 def frame_from_pair(
@@ -182,8 +156,7 @@ def frame_from_pair(
     """Frame of a 16-bit depth image and the colour or grey image (PNG or JPEG) of its size.
 
     ``depth_scale`` are levels per metre, level 0 is no depth. ``planar`` depth, along the optical
-    axis, is turned into range by the ``camera`` (as in `Frame`). The green channel is made linear.
-    ValueError if something is missing, no image, or of another size.
+    axis, is turned into range by the ``camera``. The green channel is made linear.
     """
     if intensity is None or (planar and camera is None) or not 0 < depth_scale < np.inf:
         raise ValueError(
@@ -196,13 +169,13 @@ def frame_from_pair(
         raise ValueError(
             f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name depth first."
         )
-    distance, stated = levels / depth_scale, None if camera is None else np.asarray(camera)
+    distance = levels / depth_scale
     if planar:
-        distance = distance * ray_lengths(distance.shape, stated)
+        distance = distance * ray_lengths(distance.shape, camera)
     green = image if image.ndim == 2 else image[..., 1 if image.shape[-1] > 2 else 0]
     encoded = green / np.iinfo(green.dtype).max  # sRGB, IEC 61966-2-1
     linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    return Frame(distance, linear, stated, depth.stem)
+    return Frame(distance, linear, camera, depth.stem)
 
 
 def _read_image(path: Path) -> NDArray:
@@ -214,14 +187,9 @@ def _read_image(path: Path) -> NDArray:
             # palettes hold colour numbers, not levels
             pixels = np.asarray(image.convert("RGB") if image.mode in ("P", "1") else image)
     except Exception as error:  # Pillow raises OSError, SyntaxError and, for bombs, its own kind
-        raise ValueError(
-            f"Expected a PNG image (or JPEG for colour), got {path} ({error}). Check the file."
-        ) from error
+        raise broken("a PNG image (or JPEG for colour)", path, error) from error
     # Pillow opens some 16-bit greys as 32-bit integers
     return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels
-
-
-# --- cameras and light -------------------------------------------------------------------------
 
 
 def rays_from_camera(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.float64]:
@@ -229,8 +197,6 @@ def rays_from_camera(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.fl
 
     With the camera fx, fy, cx, cy, px, and a skew s: column u = fx x + s y + cx, row v = fy y + cy.
 
-    Examples
-    --------
     >>> rays_from_camera((1, 2), [1.0, 1.0, 1.0, 0.5])[0, :, 0].tolist()
     [-0.5, 0.5]
     """

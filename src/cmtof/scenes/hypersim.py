@@ -8,10 +8,8 @@ One view of a scene is four HDF5 files, each with a single array under the key `
     SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.semantic_instance.hdf5  (H, W)
 
 Two tables lie beside the scenes: `CAMERAS`, the projection of each, and `SPLIT`, the partition of
-each view. Depth is the range along the ray already, in the official files in float16: between 2 and
-4 m its steps are 2 mm, between 4 and 8 m 4 mm, and a plane is a staircase.
-
-Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
+each view. Depth is the range along the ray already, in the official files in float16: between 4 and
+8 m its steps are 4 mm. Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
 """
 
 import csv
@@ -26,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
-from cmtof.scenes.frame import Frame, Source
+from cmtof.scenes.frame import Frame, Source, broken
 from cmtof.validation import check_claim
 
 FILES = {
@@ -67,22 +65,19 @@ class View(NamedTuple):
 
 
 class Hypersim:
-    """A tree of scenes.
+    """A tree of scenes, or one scene; ValueError if there is no scene in the folder ``root``.
 
-    ``root`` is the folder that holds the scenes, or one scene. The two tables are looked for in it,
-    beside it, and in the folders ``metadata`` and ``analysis`` of either. ValueError if there is no
-    scene in it.
+    The tables are looked for in it, beside it, and in ``metadata`` and ``analysis`` of either.
     """
 
     def __init__(self, root: str | Path):
-        path = Path(root)
+        path = Path(root).resolve()
         if not is_hypersim(path):
             raise ValueError(
                 f"Expected scenes such as ai_001_001/images in {path}, got none. Name their folder."
             )
         alone = (path / "images").is_dir()
-        self.root = path.resolve().parent if alone else path
-        self._scenes = path.resolve().name if alone else "*"
+        self.root, self._scenes = (path.parent, path.name) if alone else (path, "*")
 
     @cached_property
     def views(self) -> list[View]:
@@ -93,15 +88,13 @@ class Hypersim:
     @cached_property
     def projections(self) -> dict[str, NDArray[np.float64]]:
         """M_cam_from_uv (3, 3) of each scene; empty without the table."""
-        table = self._table(CAMERAS)
-        return dict(_read_table(table, _projection)) if table else {}
+        rows = self._table(CAMERAS, lambda r: (r["scene_name"], [float(r[m]) for m in _MATRIX]))
+        return {scene: np.reshape(matrix, (3, 3)) for scene, matrix in rows}
 
     def frame(self, view: View, *, blank: bool = False) -> Frame:
         """A view as the simulator takes it: linear green as intensity, range as depth.
 
-        Its ``note`` names the steps of float16 depth. With ``blank`` the intensity is 1 everywhere
-        if the colour file is missing. FileNotFoundError or ValueError if a file is missing or
-        broken, or the sizes differ.
+        With ``blank`` the intensity is 1 where the colour file is missing; the ``note`` tells so.
         """
         depth, notes = read_array(view.file(self.root, "depth"), 2), []
         if depth.dtype == np.float16:
@@ -114,30 +107,44 @@ class Hypersim:
             green = read_array(color, 3)[..., 1].astype(np.float32)
             intensity = np.nan_to_num(green, nan=0.0, posinf=_BRIGHTEST, neginf=0.0).clip(0)
         projection = self.projections.get(view.scene)
-        camera = None if projection is None else camera_from_projection(projection, depth.shape)[0]
+        camera = None if projection is None else camera_from_projection(projection, depth.shape)
         return Frame(depth, intensity, camera, view.name, "; ".join(notes))
 
     def sources(self, views: Iterable[View] | None = None, *, blank: bool = False) -> list[Source]:
         """Frames of views to be loaded; by default the test frames, without partitions all."""
         if views is None:
-            views = (self.split()["test"] if self._table(SPLIT) else []) or self.views
+            views = (self.split()["test"] if self._listed else []) or self.views
         return [Source(view.name, partial(self.frame, view, blank=blank)) for view in views]
 
     def split(self) -> dict[str, list[View]]:
         """Views on disk that train, validate and test, as `split_views` has them."""
-        table = self._table(SPLIT)
-        if table is None:
+        if not self._listed:
             raise FileNotFoundError(
                 f"Expected {SPLIT} in or beside {self.root}, got none. Fetch it from the data set."
             )
-        parts, there = split_views(_read_table(table, _listed)), {view[:3] for view in self.views}
+        parts, there = split_views(self._listed), {view[:3] for view in self.views}
         return {name: [v for v in part if v[:3] in there] for name, part in parts.items()}
 
-    def _table(self, name: str) -> Path | None:
-        root = self.root.resolve()
+    @cached_property
+    def _listed(self) -> list[View]:
+        """Every published view; none without the table."""
+        scene, camera, number, part = _LISTED
+        return self._table(SPLIT, lambda r: View(r[scene], r[camera], int(r[number]), r[part]))
+
+    def _table(self, name: str, parse: Callable[[dict[str, str]], Any]) -> list[Any]:
+        """What a function makes of each row of a published table; none without it."""
         below = ("", "metadata", "analysis")
-        places = [base / folder / name for base in (root, root.parent) for folder in below]
-        return next((place for place in places if place.is_file()), None)
+        places = [
+            base / folder / name for base in (self.root, self.root.parent) for folder in below
+        ]
+        path = next((place for place in places if place.is_file()), None)
+        if path is None:
+            return []
+        try:
+            with path.open(encoding="utf-8-sig", newline="") as file:
+                return [parse(row) for row in csv.DictReader(file)]
+        except (csv.Error, KeyError, TypeError, ValueError) as error:
+            raise broken("the data set's columns and numbers", path, error) from error
 
 
 def is_hypersim(folder: Path) -> bool:
@@ -148,8 +155,7 @@ def is_hypersim(folder: Path) -> bool:
 def frame_of_file(path: Path) -> Frame:
     """Frame of a depth file, wherever its tree lies."""
     path = path.resolve()
-    view = _view_from(path) if len(path.parts) > 4 and path.parts[-3] == "images" else None
-    if view is None:
+    if (view := _view_from(path)) is None:
         raise ValueError(
             "Expected a depth file SCENE/images/scene_cam_XX_geometry_hdf5/"
             f"frame.IIII.depth_meters.hdf5, got {path}. Keep the layout of the data set."
@@ -157,50 +163,34 @@ def frame_of_file(path: Path) -> Frame:
     return Hypersim(path.parents[3]).frame(view, blank=True)
 
 
-def _projection(row: dict[str, str]) -> tuple[str, NDArray[np.float64]]:
-    return row["scene_name"], np.array([float(row[name]) for name in _MATRIX]).reshape(3, 3)
-
-
-def _listed(row: dict[str, str]) -> View:
-    return View(*(row[k] for k in _LISTED[:2]), int(row[_LISTED[2]]), row[_LISTED[3]])
-
-
 def _view_from(path: Path) -> View | None:
-    named = re.fullmatch(r"frame\.(\d{1,9})\.depth_meters\.hdf5", path.name)
-    camera = path.parent.name.removeprefix("scene_").removesuffix("_geometry_hdf5")
-    return View(path.parts[-4], camera, int(named[1])) if named else None
+    layout = r"/([^/]+)/images/scene_([^/]+)_geometry_hdf5/frame\.(\d{1,9})\.depth_meters\.hdf5$"
+    found = re.search(layout, path.as_posix())
+    return View(found[1], found[2], int(found[3])) if found else None
 
 
-def camera_from_projection(
-    projection: ArrayLike, shape: tuple[int, ...]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Camera fx, fy, cx, cy (and skew), px, and rotation of a projection M_cam_from_uv.
+def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Camera fx, fy, cx, cy (and a skew above 1e-6 fx), px, of a projection M_cam_from_uv.
 
-    A pixel at (x, y), centres at +0.5, has u = 2x/W - 1 and v = 1 - 2y/H. Its ray in the camera's
-    axes (right, up, backwards) is M (u, v, 1). The rays of any M, tilt and shift included, are
-    those of a pinhole K turned by a rotation R: with D = diag(1, -1, -1) and N the step from pixels
-    to (u, v), the QR decomposition of D M N is R' K^-1, and R = D R'. The skew stands there if it
-    exceeds 1e-6 of fx. ValueError if the matrix is singular, or shows the scene mirrored.
+    A pixel at (x, y), centres at +0.5, has u = 2x/W - 1 and v = 1 - 2y/H; its ray in the camera's
+    axes (right, up, backwards) is M (u, v, 1). Any M is a pinhole K turned by a rotation R, by the
+    QR decomposition of its rays per pixel, R K^-1. ValueError if it is singular or mirrored.
 
-    Examples
-    --------
-    >>> camera, rotation = camera_from_projection(np.diag([0.5, 0.375, -1.0]), (384, 512))
-    >>> camera.tolist(), rotation.diagonal().tolist()
-    ([512.0, 512.0, 256.0, 192.0], [1.0, -1.0, -1.0])
+    >>> camera_from_projection(np.diag([0.5, 0.375, -1.0]), (384, 512)).tolist()
+    [512.0, 512.0, 256.0, 192.0]
     """
-    given, flip = np.asarray(projection, float), np.diag([1.0, -1.0, -1.0])
-    rays = flip @ given @ [[2 / shape[1], 0, -1], [0, -2 / shape[0], 1], [0, 0, 1]]
+    given = np.asarray(projection, float)
+    rays = given @ [[2 / shape[1], 0, -1], [0, -2 / shape[0], 1], [0, 0, 1]]
+    rays = np.diag([1.0, -1.0, -1.0]) @ rays
     if not (np.isfinite(rays).all() and np.linalg.det(rays) > 0):
         raise ValueError(
             f"Expected a projection M_cam_from_uv that shows what lies ahead, got "
             f"{given.tolist()}. Check the table of camera parameters."
         )
-    turned, inverse = np.linalg.qr(rays)
-    signs = np.sign(np.diag(inverse))
-    pinhole = np.linalg.inv(inverse * signs[:, None])
+    inverse = np.linalg.qr(rays, mode="r")
+    pinhole = np.linalg.inv(inverse * np.sign(np.diag(inverse))[:, None])
     camera = (pinhole / pinhole[2, 2])[[0, 1, 0, 1, 0], [0, 1, 2, 2, 1]]
-    skewed = abs(camera[4]) > 1e-6 * camera[0]
-    return (camera if skewed else camera[:4]), flip @ (turned * signs)
+    return camera if abs(camera[4]) > 1e-6 * camera[0] else camera[:4]
 
 
 def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
@@ -209,12 +199,6 @@ def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
     Test are the paper's test frames or, in sets rendered here, the first view of each test scene;
     train and val are the official partitions without any scene that holds a test frame: 34 of the
     paper's 46 lie in official training scenes.
-
-    Examples
-    --------
-    >>> views = [View("room_000_009", "cam_00", i, "test") for i in range(3)]
-    >>> [view.number for view in split_views(views)["test"]]
-    [0]
     """
     views = sorted(view for view in listed if view.partition in PARTITIONS)
     theirs = [v for v in views if re.fullmatch(r"ai_\d{3}_001/cam_00/0042", v.name)]
@@ -223,55 +207,6 @@ def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
     left = [view for view in views if view.scene not in {tested.scene for tested in test}]
     parts = {name: [v for v in left if v.partition == name] for name in ("train", "val")}
     return {**parts, "test": test}
-
-
-def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
-    """Whether all four files of a view are there, and therefore whole."""
-    return all(View(scene, camera, frame).file(root, kind).is_file() for kind in FILES)
-
-
-def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: ArrayLike) -> None:
-    """Write color, depth, normal and instance of a view; equal input gives equal bytes.
-
-    Linear radiance (H, W, 3), range (H, W) in m, unit normals (H, W, 3) and numbers of things
-    (H, W), each whole or not at all, in the types of `FILES`: the official ones, but depth in
-    float32.
-    """
-    import h5py
-
-    for kind, (_, _, dtype) in FILES.items():
-        memory, path = io.BytesIO(), View(scene, camera, frame).file(root, kind)
-        with np.errstate(over="ignore"):  # light beyond float16 is infinite, as in the original
-            stored = np.asarray(arrays[kind]).astype(dtype)
-        with h5py.File(memory, "w") as file:
-            packed: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-            file.create_dataset("dataset", data=stored, track_times=False, **packed)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with written_whole(path) as part:
-            part.write_bytes(memory.getvalue())
-
-
-def write_metadata(
-    root: str | Path,
-    split: Mapping[str, str],
-    *,
-    shape: tuple[int, int],
-    focal: Mapping[str, float],
-    views: Mapping[str, Sequence[tuple[str, int]]],
-) -> None:
-    """Write both tables of a rendered set.
-
-    For each scene ``split`` has the partition, ``focal`` the focal length in px, ``views`` camera
-    and frame number of each view; ``shape`` is H, W of all of them.
-    """
-    cameras: list[Sequence[object]] = [("scene_name", *_MATRIX)]
-    listed: list[Sequence[object]] = [_LISTED]
-    for scene, partition in split.items():
-        half = np.array(shape) / (2 * focal[scene])
-        cameras.append((scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist()))
-        listed += [(scene, camera, frame, partition) for camera, frame in views[scene]]
-    _write_table(Path(root) / CAMERAS, cameras)
-    _write_table(Path(root) / SPLIT, listed)
 
 
 def read_array(path: Path, dimensions: int) -> NDArray:
@@ -290,27 +225,49 @@ def read_array(path: Path, dimensions: int) -> NDArray:
         if array.dtype.kind not in "iuf" or array.shape[2:] != (3,) * (dimensions - 2):
             raise ValueError(f"{array.dtype} {array.shape}, no numbers on {dimensions} axes")
     except Exception as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
-        reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-        raise ValueError(
-            f"Expected a whole HDF5 file with the key dataset, got {path} ({reason}). "
-            "Fetch or render it again."
-        ) from error
+        raise broken("a whole HDF5 file with the key dataset", path, error) from error
     return array
 
 
-def _read_table(path: Path, parse: Callable[[dict[str, str]], Any]) -> list[Any]:
-    """What a function makes of each row of a published table."""
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            return [parse(row) for row in csv.DictReader(file)]
-    except (csv.Error, KeyError, TypeError, ValueError) as error:
-        raise ValueError(
-            f"Expected the data set's columns and numbers in {path}, got an error at {error}. "
-            "Fetch the table again."
-        ) from error
+def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
+    """Whether all four files of a view are there, and therefore whole."""
+    return all(View(scene, camera, frame).file(root, kind).is_file() for kind in FILES)
 
 
-def _write_table(path: Path, rows: Iterable[Sequence[object]]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with written_whole(path) as part, part.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows(rows)
+def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: ArrayLike) -> None:
+    """Write color (linear radiance), depth (m), normal and instance; equal input, equal bytes.
+
+    Each file is whole or not there; types are those of `FILES`.
+    """
+    import h5py
+
+    for kind, (_, _, dtype) in FILES.items():
+        memory, path = io.BytesIO(), View(scene, camera, frame).file(root, kind)
+        with np.errstate(over="ignore"):  # light beyond float16 is infinite, as in the original
+            stored = np.asarray(arrays[kind]).astype(dtype)
+        with h5py.File(memory, "w") as file:
+            packed: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+            file.create_dataset("dataset", data=stored, track_times=False, **packed)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with written_whole(path) as part:
+            part.write_bytes(memory.getvalue())
+
+
+def write_metadata(
+    root: str | Path,
+    shape: tuple[int, int],
+    scenes: Mapping[str, tuple[str, float, Sequence[tuple[str, int]]]],
+) -> None:
+    """Write both tables of a rendered set, all of one shape H, W.
+
+    A scene has a partition, a focal length in px, and views by camera and frame number.
+    """
+    cameras: list[Sequence[object]] = [("scene_name", *_MATRIX)]
+    listed: list[Sequence[object]] = [_LISTED]
+    for scene, (partition, focal, views) in scenes.items():
+        half = np.array(shape) / (2 * focal)
+        cameras.append((scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist()))
+        listed += [(scene, *view, partition) for view in views]
+    for name, rows in ((CAMERAS, cameras), (SPLIT, listed)):
+        with written_whole(Path(root) / name) as part, part.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)

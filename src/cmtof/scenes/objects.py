@@ -4,10 +4,6 @@ Each is one mesh in the instrument's axes (m; x right, y down, z forward) whose 
 532 nm, ``reflectance`` and ``mirrored``, the weight of a specular law against a diffuse one, both 0
 to 1. A triangle of side L on a body of radius R lies up to ``L^2 / (8 R)`` off it, 2 um for 1 mm on
 6 cm.
-
->>> mesh = object_mesh("owl")
->>> sorted(mesh.vertex_attributes)
-['mirrored', 'reflectance']
 """
 
 from collections.abc import Callable
@@ -22,26 +18,24 @@ from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.util import concatenate
 
 Array = NDArray[np.float64]
+Law = Callable[[Array, Array, Array], Any] | None  # of the place x, y, z
 
-STEEL = 0.58
-"""Reflectance of polished or lapped steel (known: 0.55 to 0.6)."""
-DISTANCE = 1.0
-"""From the instrument to the middle of an object, m."""
-WIDTH, HEIGHT = 9e-3, 30e-3
-"""Face of a gauge block, m (known: 9 mm by 30 mm up to 10 mm of length)."""
-GRADE_2 = 0.45e-6
-"""Greatest deviation of a block's length, m (DIN 861, grade 2, up to 10 mm; by makers' tables)."""
-MIRRORED = 0.7
-"""Weight of a block's specular law (assumed): lapping leaves a matt sheen beside the image."""
+STEEL = 0.58  # reflectance of polished or lapped steel (known: 0.55 to 0.6)
+DISTANCE = 1.0  # from the instrument to the middle of an object, m
+WIDTH, HEIGHT = 9e-3, 30e-3  # face of a gauge block up to 10 mm long, m (known)
+GRADE_2 = 0.45e-6  # greatest error of such a length, m (DIN 861, grade 2, by makers' tables)
+MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
+FIELD_OF_VIEW = {"bust": 0.36, "helmet": 0.34, "owl": 0.34, "table": 0.44}  # full angle, rad
 
 
 @lru_cache(maxsize=4)
 def object_mesh(name: str) -> Trimesh:
-    """Mesh of one of `OBJECTS` about 1 m before the instrument, on a table with a wall behind it.
-
-    Diffuse plaster, specular metal, textured plumage, a cluttered table.
-    """
-    pieces, _, middle, pitch = _known(name)
+    """Mesh of one of `OBJECTS` about 1 m before the instrument, on a table before a wall."""
+    if name not in OBJECTS:
+        raise ValueError(
+            f"Expected an object out of {', '.join(OBJECTS)}, got {name!r}. Choose one."
+        )
+    pieces, middle, pitch = OBJECTS[name]
     board = _piece(_box((1.2, 0.9, 0.01)), 0.4, at=(0, -0.15, -0.01))
     wall = _piece(_box((1.2, 0.01, 1.3)), 0.55, at=(0, 0.305, -0.1))
     mesh: Any = concatenate([*pieces(), board, wall])
@@ -51,20 +45,14 @@ def object_mesh(name: str) -> Trimesh:
     return mesh
 
 
-def field_of_view(name: str) -> float:
-    """Full optical angle that frames an object across and down, rad."""
-    return _known(name)[1]
-
-
 def gage_blocks(
     step: float, distance: float, *, tilt: float, errors: tuple[float, float]
 ) -> Trimesh:
     """Measuring faces of two gauge blocks, wrung on a mount side by side (Fig. 14).
 
-    The left face meets the axis at ``distance``; beside the faces nothing returns. The right one
-    stands nearer by ``step``, the difference of their nominal lengths, from which both deviate by
-    ``errors``, m. Both are turned about the upright axis by ``tilt``, rad, so that the mirror image
-    of the beam misses the instrument (assumed).
+    The left face meets the axis at ``distance``, m; the right one stands nearer by ``step``, the
+    difference of their nominal lengths, from which both deviate by ``errors``. Both are turned
+    about the upright axis by ``tilt``, rad, so that their mirror image misses the instrument.
     """
     corners = []
     for side, length in ((-1, errors[0]), (1, step + errors[1])):
@@ -76,37 +64,28 @@ def gage_blocks(
     return _piece(Trimesh(np.concatenate(corners), faces, process=False), STEEL, MIRRORED)
 
 
-# --- pieces, standing on z = 0 with their front towards -y ----------------------------------------
-
-
 def _piece(
-    shape: Trimesh,
-    bright: float | Callable[..., ArrayLike],
-    mirrored: float = 0.0,
-    *,
-    at: ArrayLike = (0, 0, 0),
-    turn: float = 0.0,
+    shape: Trimesh, bright: Any, mirrored: float = 0, at: ArrayLike = (0, 0, 0), turn: float = 0
 ) -> Trimesh:
-    """A shape of a material (a number, or a function of x, y, z), turned upright and moved."""
+    """A shape of a material (a number, or a function of x, y, z), turned upright and moved.
+
+    Shapes stand on z = 0 with their front towards -y.
+    """
     points = np.asarray(shape.vertices)
     cos, sin = np.cos(turn), np.sin(turn)
     moved = points @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) + np.asarray(at, float)
-    seen = bright(*points.T) if callable(bright) else np.full(len(points), float(bright))
-    held = {"reflectance": np.asarray(seen, float), "mirrored": np.full(len(points), mirrored)}
+    seen = np.full(len(points), bright(*points.T) if callable(bright) else bright, float)
+    held = {"reflectance": seen, "mirrored": np.full(len(points), mirrored, float)}
     return Trimesh(moved, shape.faces, process=False, vertex_attributes=held)
 
 
 def _body(
-    sections: ArrayLike,
-    relief: Callable[..., Array] | None = None,
-    *,
-    holes: Callable[..., NDArray[np.bool_]] | None = None,
-    grid: tuple[int, int] = (240, 400),
+    sections: ArrayLike, relief: Law = None, holes: Law = None, grid: tuple[int, int] = (240, 400)
 ) -> Trimesh:
-    """A smooth body about the upright axis, by its sections (N, 2) or (N, 4) along the surface.
+    """A smooth body about the upright axis, by its sections (N, 2) or (N, 4): height, half breadth.
 
-    They hold height and half breadth, m, and for other than round bodies the reach to the front and
-    to the back. The surface stands out by ``relief`` (x, y, z), m, and is open at ``holes``.
+    Bodies that are not round have reaches to the front and to the back, too, all in m. The surface
+    stands out by ``relief`` (x, y, z), m, and is open at ``holes``.
     """
     path = np.asarray(sections, float)
     path = path[:, [0, 1, 2, 3] if path.shape[1] == 4 else [0, 1, 1, 1]]
@@ -128,12 +107,10 @@ def _body(
     return Trimesh(points, faces, process=False)
 
 
-def _ellipsoid(size: ArrayLike, relief: Callable[..., Array] | None = None) -> Trimesh:
+def _ellipsoid(size: ArrayLike, relief: Law = None) -> Trimesh:
     """An ellipsoid about the origin with half axes x, y, z, m."""
-    a, half = np.linspace(-np.pi / 2, np.pi / 2, 81), np.asarray(size, float)
-    return _body(
-        np.stack([half[2] * np.sin(a), *(np.cos(a) * half[k] for k in (0, 1, 1))], -1), relief
-    )
+    a, (x, y, z) = np.linspace(-np.pi / 2, np.pi / 2, 81), np.asarray(size, float)
+    return _body(np.stack([z * np.sin(a), *(np.cos(a) * half for half in (x, y, y))], -1), relief)
 
 
 def _box(size: ArrayLike) -> Trimesh:
@@ -147,9 +124,6 @@ def _bump(*offsets: tuple[Array, float]) -> Array:
 
 def _mix(dark: float, pale: float, share: ArrayLike) -> Array:
     return dark + (pale - dark) * np.clip(share, 0, 1)
-
-
-# --- the objects ----------------------------------------------------------------------------------
 
 
 def _bust() -> list[Trimesh]:
@@ -289,18 +263,19 @@ def _table() -> list[Trimesh]:
         paper = (np.abs(turn) < 1.9) & (np.abs(z - 0.073) < 0.035)
         return np.where(z > 0.2, 0.35, np.where(paper, np.where(printed, 0.06, 0.75), 0.12))
 
+    def banded(x: Array, y: Array, z: Array) -> Array:
+        return np.where(abs(z - 0.057) < 0.012, 0.08, 0.7)
+
+    def ribs(x: Array, y: Array, z: Array) -> Array:
+        return 0.003 * np.cos(14 * np.arctan2(x, -y))
+
     def stripes(x: Array, y: Array, z: Array) -> Array:
         return _mix(0.1, 0.65, np.floor((0.8 * x + 0.2 * y + 0.56 * z) / 0.0125) % 2)
 
     upright = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
     handle = torus(0.024, 0.0052, 160, 96, upright)
     return [
-        _piece(
-            _body(mug),
-            lambda x, y, z: np.where(abs(z - 0.057) < 0.012, 0.08, 0.7),
-            0.05,
-            at=(0, -0.13, 0),
-        ),
+        _piece(_body(mug), banded, 0.05, at=(0, -0.13, 0)),
         _piece(handle, 0.7, 0.05, at=(0.04, -0.145, 0.05)),
         _piece(_body(bottle * [0.235, 0.036], grid=(600, 600)), label, 0.2, at=(0.055, 0.05, 0)),
         _piece(icosphere(6, 0.034), stripes, 0.02, at=(0.14, -0.07, 0.034)),
@@ -311,27 +286,14 @@ def _table() -> list[Trimesh]:
         _piece(_box((0.14, 0.1, 0.015)), 0.62, at=(-0.132, -0.048, 0.022), turn=-0.1),
         _piece(_box((0.12, 0.085, 0.028)), 0.1, 0.1, at=(-0.128, -0.052, 0.037), turn=0.45),
         _piece(_body(pot), 0.5, at=(0.15, 0.11, 0)),
-        _piece(
-            _body(cactus, lambda x, y, z: 0.003 * np.cos(14 * np.arctan2(x, -y))),
-            0.15,
-            at=(0.15, 0.11, 0),
-        ),
+        _piece(_body(cactus, ribs), 0.15, at=(0.15, 0.11, 0)),
     ]
 
 
-_OBJECTS: dict[str, tuple[Callable[[], list[Trimesh]], float, float, float]] = {
-    "bust": (_bust, 0.36, 0.145, 0.1),
-    "helmet": (_helmet, 0.34, 0.155, 0.08),
-    "owl": (_owl, 0.34, 0.15, 0.08),
-    "table": (_table, 0.44, 0.075, 0.38),
-}  # pieces, full angle (rad), height of the point that the axis meets (m), angle down (rad)
-OBJECTS = tuple(_OBJECTS)
-"""Names of the objects."""
-
-
-def _known(name: str) -> tuple[Any, ...]:
-    if name not in _OBJECTS:
-        raise ValueError(
-            f"Expected an object out of {', '.join(OBJECTS)}, got {name!r}. Choose one."
-        )
-    return _OBJECTS[name]
+OBJECTS: dict[str, tuple[Callable[[], list[Trimesh]], float, float]] = {
+    "bust": (_bust, 0.145, 0.1),
+    "helmet": (_helmet, 0.155, 0.08),
+    "owl": (_owl, 0.15, 0.08),
+    "table": (_table, 0.075, 0.38),
+}
+"""Pieces, height of the point that the axis meets, m, and angle down, rad."""

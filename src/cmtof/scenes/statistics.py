@@ -22,8 +22,6 @@ BEND = 0.004
 def bends(depth: ArrayLike) -> NDArray[np.bool_]:
     """Pixels (H, W) where a surface ends: depth bends by more than 4 mm, or is NaN.
 
-    Examples
-    --------
     >>> depth = np.outer(np.ones(5), [1.0, 1.1, 1.2, 1.5, 1.6])
     >>> bends(depth)[2].tolist()
     [False, False, True, True, False]
@@ -37,25 +35,15 @@ def bends(depth: ArrayLike) -> NDArray[np.bool_]:
 
 
 class Hardness(NamedTuple):
-    """Samples of what makes a depth map hard to unwrap, for 7.15 GHz.
+    """Samples of what makes a depth map hard to unwrap, for 7.15 GHz."""
 
-    Change of depth from a pixel to its neighbour within a surface (``slope``) and where one ends
-    (``jump``), wraps; ``size`` of the surface of each valid pixel, px, one where a surface ends.
-    """
-
-    slope: Array
-    jump: Array
-    size: Array
+    slope: Array  # change of depth from a pixel to its neighbour within a surface, wraps
+    jump: Array  # the same where a surface ends
+    size: Array  # of the surface of each valid pixel, px; one where a surface ends
 
 
 def hardness(depth: ArrayLike) -> Hardness:
-    """Samples of one depth map (H, W), m, NaN where invalid.
-
-    Examples
-    --------
-    >>> float(hardness(np.ones((3, 5))).size.max())
-    15.0
-    """
+    """Samples of one depth map (H, W), m, NaN where invalid."""
     depth = np.asarray(depth, float)
     ends, wrap = bends(depth), float(wrap_length(FREQUENCY_SINGLE))
     slopes, jumps = [], []

@@ -17,7 +17,7 @@ from scipy.ndimage import distance_transform_edt, uniform_filter
 from scipy.special import ndtr
 
 from cmtof.baselines import Estimate, within_range
-from cmtof.baselines.beat import beat_depth, box, synthetic_frequency
+from cmtof.baselines.beat import beat_depth, synthetic_frequency
 from cmtof.baselines.region import nearest
 from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
@@ -164,7 +164,7 @@ def _beat_phase(field: Field, among: Mask) -> Array:
     low = field.real[0] + 1j * field.imaginary[0]
     high = field.real[1] + 1j * field.imaginary[1]
     unit = low / np.maximum(np.abs(low), np.finfo(np.float32).tiny)
-    mean = box(np.where(among, high * np.conj(unit) ** field.multiple, 0), WINDOW)
+    mean = uniform_filter(np.where(among, high * np.conj(unit) ** field.multiple, 0), WINDOW)
     return np.sign(field.excess) * np.angle(mean)
 
 

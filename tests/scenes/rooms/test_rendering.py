@@ -6,23 +6,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from cmtof.scenes.frame import brightness
+from cmtof.scenes.rooms import rendering
 from cmtof.scenes.rooms.engine import Picture
-from cmtof.scenes.rooms.rendering import (
-    Settings,
-    close_views,
-    expose,
-    render_rooms,
-    rendered_views,
-    shape_from_text,
-    split_of,
-)
+from cmtof.scenes.rooms.rendering import Settings, expose, render_rooms, rendered_views
 from cmtof.scenes.statistics import hardness
 
 pytest.importorskip("embreex")
@@ -47,19 +39,6 @@ def test_the_same_seed_gives_the_same_bytes_by_two_processes(rendered, tmp_path)
     assert contents(tmp_path) == contents(rendered)
 
 
-def test_a_run_that_was_cut_off_goes_on_to_the_same_bytes(rendered, tmp_path):
-    render_rooms(tmp_path, SMALL, workers=1)
-    images = tmp_path / "room_003_001" / "images"
-    lost = sorted(images.rglob("frame.0001.*"))
-    assert len(lost) == 4
-    for path in lost:
-        path.unlink()
-    lost[0].with_name(".frame.part-1.hdf5").write_bytes(b"cut")
-    assert sum(one.rendered for one in render_rooms(tmp_path, SMALL, workers=1)) == 1
-    assert contents(tmp_path) == contents(rendered)
-    assert sum(one.rendered for one in render_rooms(tmp_path, SMALL, workers=1)) == 0
-
-
 def test_a_killed_run_leaves_whole_files_and_resumes_to_the_same_bytes(rendered, tmp_path):
     code = (
         "from cmtof.scenes.rooms.rendering import *; from pathlib import Path;"
@@ -72,6 +51,7 @@ def test_a_killed_run_leaves_whole_files_and_resumes_to_the_same_bytes(rendered,
     child.wait()
     render_rooms(tmp_path, SMALL, workers=1)
     assert contents(tmp_path) == contents(rendered)
+    assert sum(one.rendered for one in render_rooms(tmp_path, SMALL, workers=1)) == 0
 
 
 def test_a_set_grows_and_keeps_its_first_rooms_and_views(rendered, tmp_path):
@@ -121,11 +101,6 @@ def test_statistics_come_near_to_hypersims():
     assert np.mean([np.isnan(v.frame.depth).mean() for v in views]) < 0.05
 
 
-def test_of_ten_scenes_eight_train_and_one_in_twenty_views_is_close():
-    assert Counter(map(split_of, range(200))) == {"train": 160, "val": 20, "test": 20}
-    assert sum(close_views(index, 5) for index in range(100)) == 25
-
-
 def test_impossible_settings_are_refused():
     for change, message in (
         ({"width": 0}, "Expected width of at least 1, got 0. Ask for more."),
@@ -135,7 +110,7 @@ def test_impossible_settings_are_refused():
         with pytest.raises(ValueError, match=message):
             Settings(**change)
     with pytest.raises(ValueError, match="Expected a size like 512x512, got big. Try 768x1024."):
-        shape_from_text("big")
+        rendering.shape_from_text("big")
 
 
 def test_a_folder_of_other_things_is_refused(rendered, tmp_path):

@@ -308,14 +308,15 @@ def render_rooms(
         If the folder holds a set of other settings.
     """
     _claim(root, settings)
-    names = {f"room_{settings.seed:03d}_{i:03d}": i for i in range(settings.scenes)}
-    write_metadata(
-        root,
-        {name: split_of(i) for name, i in names.items()},
-        shape=(settings.height, settings.width),
-        focal={name: settings.lens(i).focal for name, i in names.items()},
-        views={name: _views(i, settings.views) for name, i in names.items()},
-    )
+    scenes = {
+        f"room_{settings.seed:03d}_{i:03d}": (
+            split_of(i),
+            settings.lens(i).focal,
+            _views(i, settings.views),
+        )
+        for i in range(settings.scenes)
+    }
+    write_metadata(root, (settings.height, settings.width), scenes)
     results = []
     for done in _each(root, settings, workers or os.cpu_count() or 1):
         progress(done)
