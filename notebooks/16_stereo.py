@@ -235,18 +235,18 @@ notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), row
 # more: one half of one scan cannot do what the paper's «diverse dataset» does.
 
 # %%
-from cmtof.network.training import Labelled, fine_tune
+from cmtof.network.training import fine_tune
 from cmtof.network.weights import classify, load_weights, weights_path
 
 trained = load_weights(weights_path("fast-scnn", "released"))
 half = frame.depth.shape[1] // 2
 sides = {"trained on": slice(0, half), "withheld": slice(half, None)}
 examples = {
-    name: Labelled(Measurement(measurement.dataset.isel(x=part)), truth.wraps[:, part],
-                   truth.mask[:, part], truth.depth[:, part])
+    name: (Measurement(measurement.dataset.isel(x=part)), truth.wraps[:, part],
+           truth.depth[:, part])
     for name, part in sides.items()
 }  # fmt: skip
-tuned = fine_tune(trained, [examples["trained on"]], steps=steps, crop=crop, seed=seed)
+tuned, losses = fine_tune(trained, [examples["trained on"]], steps=steps, crop=crop, seed=seed)
 
 
 # %%
@@ -254,14 +254,14 @@ def rate(network, example):
     """Share of labelled pixels within the network's classes whose wrap is right."""
     first = network.card.first_wrap
     last = first + network.card.classes
-    wraps = classify(network, example.measurement, first, last - 1)[0]
-    scored = example.mask & (example.wraps >= first) & (example.wraps < last)
-    return float((wraps == example.wraps)[scored].mean())
+    measured, wraps, _ = example
+    scored = (wraps >= first) & (wraps < last)
+    return float((classify(network, measured, first, last - 1)[0] == wraps)[scored].mean())
 
 
-print("loss:", np.round(tuned.losses, 2).tolist())
+print("loss:", np.round(losses, 2).tolist())
 notes.table(
     ("right wraps (%)", "before", f"after {steps} steps"),
-    [(n, *(f"{100 * rate(net, one):.1f}" for net in (trained, tuned.trained)))
+    [(n, *(f"{100 * rate(net, one):.1f}" for net in (trained, tuned)))
      for n, one in examples.items()],
 )  # fmt: skip

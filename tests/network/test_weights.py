@@ -44,7 +44,7 @@ def test_weights_with_the_fewest_classes_are_found(stored):
     narrow, wide = stored(), stored(protocol="full")
     assert find_weights("fast-scnn-light", 40, 50, narrow.parent) == narrow
     assert find_weights("fast-scnn-light", 3, 50, narrow.parent) == wide
-    with pytest.raises(ValueError, match="for the wraps 0 to 400, got 36 to 56, 0 to 357"):
+    with pytest.raises(ValueError, match="for the wraps 0 to 400, got none"):
         find_weights("fast-scnn-light", 0, 400, narrow.parent)
 
 

@@ -5,7 +5,7 @@ processes, sees the crops it would have seen.
 """
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +18,6 @@ from torch.utils.data import Dataset
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, wrap_length
-from cmtof.files import written_whole
 from cmtof.measurement import unambiguous_range
 from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED
@@ -30,47 +29,34 @@ from cmtof.simulation import RELEASED_FAR_DEPTH
 WRAP = float(wrap_length(FREQUENCIES[0]))
 """Depth of a wrap of the lower frequency, m."""
 
-REPEATED = unambiguous_range(FREQUENCIES) / WRAP
-"""Wraps of the lower frequency after which the beat repeats: 357.5."""
-
 Crop = tuple[NDArray[np.floating], NDArray[np.floating]]
 """Depth, m (NaN where unknown), and linear intensity, 0 to 1."""
 
 
 class Batch(NamedTuple):
-    """Crops of frames: depth (B, H, W), m, NaN where unknown, and intensity (B, H, W), 0 to 1.
+    """Crops of frames, and what their noise is made of."""
 
-    Their noise: Gaussian sigma of a correlation image (B,), counts, and standard normal numbers
-    (B, 4, 2, H, W).
-    """
-
-    depth: Tensor
-    intensity: Tensor
-    sigma: Tensor
-    noise: Tensor
+    depth: Tensor  # (B, H, W), m, NaN where unknown
+    intensity: Tensor  # (B, H, W), linear, 0 to 1
+    sigma: Tensor  # (B,), of a correlation image, counts
+    noise: Tensor  # (B, 4, 2, H, W), standard normal
 
 
 class Sample(NamedTuple):
-    """Inputs of a network (B, C, H, W) and its answers (B, H, W).
-
-    Class of the true wrap, `IGNORED` where masked; measured wrapped phase of the lower frequency,
-    rad; true depth, wraps of the lower frequency above the first class.
-    """
+    """Inputs of a network (B, C, H, W) and its answers (B, H, W)."""
 
     inputs: Tensor
-    label: Tensor
-    phase: Tensor
-    turns: Tensor
+    label: Tensor  # class of the true wrap, `IGNORED` where masked
+    phase: Tensor  # measured, of the lower frequency, rad
+    turns: Tensor  # true depth, wraps of the lower frequency above the first class
 
 
 def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
     r"""Decoded measurements, and correlations that decode to them (Eq. 8 and 9).
 
-    At four quadratures decoding leaves a phasor with equal, independent noise of variance
-    :math:`(GTI/2 + \sigma^2)/2` along and across it: two normal numbers a pixel stand for four
-    photon counts. The images' mean and their alternating part have half that variance. Returned
-    are phase, rad, and amplitude, counts, (B, 2, H, W), and the images at 0, 1/2, 1 and 3/2 pi
-    (B, 2, 4, H, W), counts.
+    Phase, rad, amplitude, counts, (B, 2, H, W), and images at 0, 1/2, 1 and 3/2 pi, counts,
+    (B, 2, 4, H, W). At four quadratures a phasor's noise is independent along and across it, of
+    variance :math:`(GTI/2 + \sigma^2)/2`; the images' mean and alternating part have half of it.
     """
     known = torch.isfinite(batch.depth)
     signal = GAIN * INTEGRATION_TIME * torch.where(known, batch.intensity, 0.0)[:, None]
@@ -97,26 +83,17 @@ def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
     first, classes = CLASSES[protocol]
     phase, amplitude, correlation = phasors(batch)
     turns = batch.depth / WRAP - first
-    scored = (turns >= 0) & (turns < min(classes, REPEATED - first))  # false for NaN
+    repeated = unambiguous_range(FREQUENCIES) / WRAP - first
+    scored = (turns >= 0) & (turns < min(classes, repeated))  # false for NaN
     label = torch.where(scored, torch.nan_to_num(turns, nan=-1.0).floor().long(), IGNORED)
     return Sample(features(phase, amplitude, inputs, correlation), label, phase[:, 0], turns)
-
-
-# --- dead leaves ---------------------------------------------------------------------------------
 
 
 def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> Crop:
     """Overlapping slanted plates at random depths: the training data of the first stage.
 
     Depth, brightness and texture are independent, so that nothing but the phases leads to a wrap.
-    Some plates lie nearer than the protocol's range; slopes are those of rooms that the protocol
-    has shrunk, in the median 0.02 wraps a pixel (five times that in ``full``).
-
-    Examples
-    --------
-    >>> depth, intensity = leaves(np.random.default_rng(0), 32)
-    >>> depth.shape, bool((intensity <= 1).all())
-    ((32, 32), True)
+    Some plates lie nearer than the protocol's range; slopes are those of rooms that it has shrunk.
     """
     first, classes = CLASSES[protocol]
     count = int(rng.integers(3, 4 + 11 * side // 96))
@@ -169,18 +146,12 @@ def _paint(  # pragma: no cover
             light[i, j] = bright * (1 + contrast * wave)
 
 
-# --- rooms ---------------------------------------------------------------------------------------
-
-
 class Pack(NamedTuple):
-    """Frames of one partition: depth and intensity (V, H, W).
+    """Frames of one partition in memory: reading a file a crop would cost more than a step."""
 
-    ``far`` is the 99.9th percentile of each depth (V,), m, by which ``released`` shrinks it.
-    """
-
-    depth: NDArray[np.floating]
+    depth: NDArray[np.floating]  # (V, H, W), m
     intensity: NDArray[np.floating]
-    far: NDArray[np.floating]
+    far: NDArray[np.floating]  # (V,), m, the 99.9th percentile, by which ``released`` shrinks
 
     def staged(self, view: int, protocol: str, window: Any = ...) -> Crop:
         """Depth as the protocol stages it, and intensity, of a window of one frame."""
@@ -195,41 +166,30 @@ Packs = tuple[Pack | None, Pack]
 """To train and to validate on."""
 
 
-def pack_views(views: Iterable[Source], path: Path) -> Pack:
-    """Pack views into one file, or open what was packed before.
+def pack_views(views: Sequence[Source]) -> Pack:
+    """Views in memory; a ValueError without any.
 
-    A Hypersim tree is one compressed file an image; unpacking it for each crop would cost more
-    than a step of training. A frame that is broken, empty, or of another size than the first is
-    left out with a warning; a ValueError if none is left.
+    One that is broken, empty, or of another size than the first is left out with a warning.
     """
-    views, far = list(views), []
-    names, images = [view.name for view in views], ([], [])
-    if path.is_file():
-        with np.load(path) as held:
-            if held["names"].tolist() == names:
-                return Pack(*(held[key] for key in Pack._fields))
+    depths, lights = [], []
     for view in views:
         try:
             depth, light = (frame := view.load()).depth, frame.intensity
-            shape = images[0][0].shape if far else depth.shape
+            shape = depths[0].shape if depths else depth.shape
             if depth.shape != shape or not np.isfinite(depth).any():
                 raise ValueError(f"Expected depths of {shape} px, got {depth.shape} or none.")
         except (OSError, ValueError) as error:
             warnings.warn(f"{view.name} is left out. {error}", stacklevel=2)
             continue
-        images[0].append(depth.astype(np.float32))
-        images[1].append(np.clip(light, 0, 1).astype(np.float16))
-        far.append(np.nanpercentile(depth, 99.9))
-    if not far:
+        depths.append(depth.astype(np.float32))
+        lights.append(np.clip(light, 0, 1).astype(np.float16))
+    if not depths:
         raise ValueError(
-            f"Expected views for {path.stem}, got none. Render 10 scenes or more: of ten, one "
-            "validates and one tests."
+            "Expected views to train and to validate on, got none. Render 10 scenes or more: of "
+            "ten, one validates and one tests."
         )
-    pack = Pack(np.stack(images[0]), np.stack(images[1]), np.array(far))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with written_whole(path) as part:
-        np.savez(part, names=names, **pack._asdict())
-    return pack
+    far = [np.nanpercentile(depth, 99.9) for depth in depths]
+    return Pack(np.stack(depths), np.stack(lights), np.array(far))
 
 
 def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
@@ -248,17 +208,16 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
         rooms = Settings(**config.rooms.model_dump())
         name = f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_{rooms.height}x{rooms.width}"
         render_rooms(tree := folder / name, rooms)
-    scenes, packed = Hypersim(tree), tree.with_name(f"{tree.name}.packed")
-    parts = (("train", scenes.split()["train"]), ("val", scenes.split()["val"]))
-    train, val = (pack_views(scenes.sources(views), packed / f"{k}.npz") for k, views in parts)
+    scenes = Hypersim(tree)
+    train, val = (pack_views(scenes.sources(scenes.split()[part])) for part in ("train", "val"))
     return train, val
 
 
 def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) -> Crop:
     """Random crop of a random view, turned, mirrored, and in two of three cases moved in depth.
 
-    The move puts a random pixel into a random class: rooms alone give one or two wraps a crop. Of
-    four draws the one with most pixels in range is taken.
+    The move puts a random pixel into a random class: rooms alone give one or two wraps a crop.
+    Taken is the first of four draws with 30 % of its pixels in range, or the best of them.
     """
     first, classes = CLASSES[protocol]
     views, height, width = pack.depth.shape
@@ -281,10 +240,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
 
 
 class Steps(Dataset[Batch]):
-    """Batches by the number of their step, through all stages of a configuration.
-
-    ``pack`` holds the views to train on; ``rank`` is the number of this process out of ``world``.
-    """
+    """Batches by the number of their step, of process ``rank`` out of ``world``."""
 
     def __init__(self, config: Config, pack: Pack | None, rank: int = 0, world: int = 1) -> None:
         self.config, self.pack, self.rank, self.world = config, pack, rank, world

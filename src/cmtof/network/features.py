@@ -1,8 +1,6 @@
 """Inputs of a network, made from a measurement (Fig. 5, Eq. 5), and its classes.
 
-Sines and cosines of whole multiples do not change where a wrapped phase jumps, and differences of
-neighbours are wrapped again. NumPy arrays and torch tensors alike, so that training computes its
-inputs on the device it runs on.
+NumPy arrays and torch tensors alike: training computes its inputs on the device it runs on.
 """
 
 import sys
@@ -15,8 +13,7 @@ from cmtof.correlation import TAU, wrap_length
 from cmtof.measurement import unambiguous_range
 from cmtof.simulation import RELEASED_WRAPS
 
-Array = Any
-"""A NumPy array or a torch tensor; the result is of the same kind."""
+Array = Any  # of NumPy or torch; the result is of the same kind
 
 CLASSES = {
     "released": (RELEASED_WRAPS[0], RELEASED_WRAPS[1] - RELEASED_WRAPS[0]),
@@ -36,19 +33,14 @@ FEATURE_SETS: dict[str, tuple[str, ...]] = {
 }
 """Inputs by name: the rows of Table 1, those with the beat besides, and raw correlations."""
 
-CHANNELS = {"phase": 1, "fourier": 12, "edges": 4, "amplitude": 1, "beat": 1, "correlation": 4}
-"""Channels of each kind at each of the two frequencies."""
-
-TYPICAL_LOG_AMPLITUDE = 7.5, 0.8
-"""Centre and spread of log amplitudes at the paper's gain."""
-
 FULL_AMPLITUDE = 20 * 1000 / np.pi
 """Amplitude of a white surface at the paper's gain and integration time, G T / pi, counts."""
 
 
 def channels(name: str) -> int:
     """Number of channels of a set of features."""
-    return 2 * sum(CHANNELS[kind] for kind in FEATURE_SETS[name])
+    phase = np.zeros((2, 1, 1))
+    return len(features(phase, phase, name, np.zeros((2, 4, 1, 1))))
 
 
 def features(
@@ -57,7 +49,7 @@ def features(
     """All inputs of a network (..., C, H, W), by the name of their set (Table 1, Fig. 5).
 
     Wrapped phases, rad, and amplitudes, counts, are (..., 2, H, W), correlations at the quadratures
-    0, 1/2, 1 and 3/2 pi (..., 2, 4, H, W). A ValueError without those where the set needs them.
+    0, 1/2, 1 and 3/2 pi (..., 2, 4, H, W).
 
     Examples
     --------
@@ -70,16 +62,14 @@ def features(
             "Expected raw correlations, which this network reads, got phases alone. Keep them in "
             "the measurement, or choose another method."
         )
-    xp, (centre, spread) = _namespace(phase), TYPICAL_LOG_AMPLITUDE
+    xp = _namespace(phase)
 
     def beat() -> Array:
-        """Cosine and sine of phi_2 - 2 phi_1, weighted by the mean amplitude."""
         angle = phase[..., 1, :, :] - 2 * phase[..., 0, :, :]
         weight = xp.sqrt(amplitude[..., 0, :, :] * amplitude[..., 1, :, :]) / FULL_AMPLITUDE
         return xp.stack([weight * xp.cos(angle), weight * xp.sin(angle)], -3)
 
-    def scaled() -> Array:
-        """Correlations over the amplitude (Su et al. 2018), dark ones less."""
+    def scaled() -> Array:  # Su et al. 2018; dark ones less
         scale = xp.sqrt(amplitude * amplitude + (FULL_AMPLITUDE / 20) ** 2)
         return correlation / scale[..., None, :, :]
 
@@ -87,7 +77,7 @@ def features(
         "phase": lambda: phase / TAU,
         "fourier": lambda: fourier_features(phase),
         "edges": lambda: phase_edges(phase),
-        "amplitude": lambda: (xp.log1p(amplitude) - centre) / spread,
+        "amplitude": lambda: (xp.log1p(amplitude) - 7.5) / 0.8,  # as usual at the paper's gain
         "beat": beat,
         "correlation": scaled,
     }
@@ -99,10 +89,8 @@ def features(
 def fourier_features(phase: Array, order: int = ORDER) -> Array:
     r"""Fourier features (..., 2 (order + 1), H, W) of wrapped phases (..., H, W), rad (Eq. 5).
 
-    .. math:: \gamma(\hat\varphi) = [\cos 2^0\hat\varphi, \sin 2^0\hat\varphi, \ldots,
-              \cos 2^{E_C}\hat\varphi, \sin 2^{E_C}\hat\varphi]
-
-    Each octave is the square of the phasor below it: three products instead of two functions.
+    They are :math:`\cos 2^k\hat\varphi, \sin 2^k\hat\varphi` for k = 0 to the order. Each octave is
+    the square of the phasor below it.
     """
     xp = _namespace(phase)
     cosine, sine = xp.cos(phase), xp.sin(phase)
@@ -121,8 +109,6 @@ def phase_edges(phase: Array) -> Array:
 
     Examples
     --------
-    A ramp that wraps between its third and fourth pixel:
-
     >>> phase_edges(np.array([[4.0, 5.0, 6.0, 7.0 - TAU]]))[0].round(6).tolist()
     [[0.0, 1.0, 1.0, 1.0]]
     """

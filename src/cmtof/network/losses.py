@@ -20,12 +20,10 @@ WRAP_MM = 1e3 * float(wrap_length(FREQUENCIES[0]))
 def soft_argmax(weights: Tensor, hardness: float = 1.0) -> Tensor:
     r"""Differentiable argmax (B, ...) over the classes of weights (B, N, ...) (Eq. 6).
 
-    .. math:: n' = \sum_{n=0}^{N-1} n\,
-              \frac{e^{\gamma\bar\varphi_n}}{\sum_{m=0}^{N-1} e^{\gamma\bar\varphi_m}}
+    .. math:: n' = \sum_n n\, e^{\gamma\bar\varphi_n} / \sum_m e^{\gamma\bar\varphi_m}
 
-    The hardness :math:`\gamma` = 1 gives the mean of the classes by their probability, infinity the
-    argmax. As printed, it multiplies the numerator's exponential, and the shares do not add up to
-    one; it belongs into both exponents.
+    The hardness 1 gives the mean of the classes by their probability, infinity the argmax. As
+    printed, it multiplies the numerator's exponential; it belongs into both exponents.
 
     Examples
     --------
@@ -46,11 +44,8 @@ def unwrapping_loss(
     .. math:: \mathcal L = -\ln p_n + w\,s(z' - z), \quad
               z' = \frac{c}{4\pi f_1} (2\pi n' + \hat\varphi_1)
 
-    with :math:`p` the softmax of the weights (B, N, H, W), depth in mm as in the paper, and
-    :math:`s` Huber's distance of width 1 mm: at w = 0.1/mm an error of one wrap costs 2.1. Eq. 7
-    prints the cross-entropy with phases in the place of probabilities. The true class, the wrapped
-    phase (rad), and the true depth (wraps of the lower frequency above the first class) are
-    (B, H, W).
+    with p the softmax of the weights (B, N, H, W) and s Huber's distance of width 1 mm. The true
+    class, the wrapped phase (rad), and the true depth (wraps above the first class) are (B, H, W).
     """
     weights, valid = (weights.float() if weights.dtype.itemsize < 4 else weights), label != IGNORED
     count = valid.sum().clamp(min=1)
@@ -69,11 +64,8 @@ def regression_loss(
 ) -> Tensor:
     r"""Absolute error of a regressed depth (B, 1, H, W), and of its gradient (Su et al. 2018).
 
-    .. math:: \mathcal L = \frac1N \left(\overline{|t' - t|} + \lambda\,
-              \overline{|\nabla t'|}\right)
-
-    Depths are wraps of the lower frequency above the first of N classes; the gradient is that to
-    the next row and column.
+    Depths are wraps above the first class, and the loss is over the number of classes; the gradient
+    is that to the next row and column.
     """
     found, valid = found[:, 0].float(), label != IGNORED
     total = (found[valid] - turns[valid]).abs().sum() / (classes * valid.sum().clamp(min=1))

@@ -1,26 +1,22 @@
 """Networks that unwrap: the paper's (Fig. 5), the rows of Table 1, and the learned baselines.
 
 Layers follow the published articles. Sizes are our reading (the paper's stand in a supplement that
-could not be obtained); the baselines are narrowed to about the 1.2 million weights of the paper's
-own network.
+could not be obtained); baselines are narrowed to about the 1.2 million weights of the paper's own.
 """
 
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
-import numpy as np
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
-from cmtof.network.features import CHANNELS, CLASSES, FEATURE_SETS, channels
+from cmtof.network.features import CLASSES, FEATURE_SETS, channels
 
 BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
 """Change of the beat ``phi_2 - 2 phi_1`` from one wrap of the lower frequency to the next, rad."""
-
-# --- blocks --------------------------------------------------------------------------------------
 
 
 def conv(i: int, o: int, kernel: int = 3, stride: int = 1, relu: bool = True, **more: int):
@@ -45,10 +41,9 @@ class Bottleneck(nn.Module):
 
     def __init__(self, i: int, o: int, stride: int, expansion: int) -> None:
         super().__init__()
-        wide = expansion * i
+        wide, self.residual = expansion * i, stride == 1 and i == o
         middle = conv(wide, wide, 3, stride, groups=wide)
         self.body = nn.Sequential(conv(i, wide, 1), middle, conv(wide, o, 1, relu=False))
-        self.residual = stride == 1 and i == o
 
     def forward(self, x: Tensor) -> Tensor:
         return x + self.body(x) if self.residual else self.body(x)
@@ -60,8 +55,7 @@ class Residual(nn.Module):
     def __init__(self, i: int, o: int, stride: int = 1) -> None:
         super().__init__()
         self.body = nn.Sequential(conv(i, o, stride=stride), conv(o, o, relu=False))
-        same = stride == 1 and i == o
-        self.shortcut = nn.Identity() if same else conv(i, o, 1, stride, relu=False)
+        self.shortcut = nn.Identity() if i == o else conv(i, o, 1, stride, relu=False)
 
     def forward(self, x: Tensor) -> Tensor:
         return functional.relu(self.body(x) + self.shortcut(x))
@@ -70,44 +64,31 @@ class Residual(nn.Module):
 class Pyramid(nn.Module):
     """Means over several neighbourhoods beside the features themselves (pyramid pooling)."""
 
-    def __init__(self, width: int, pools: tuple[int, ...]) -> None:
+    def __init__(self, width: int) -> None:
         super().__init__()
-        self.pools = pools
-        self.branches = nn.ModuleList(conv(width, width // 4, 1) for _ in pools)
-        self.join = conv(width + len(pools) * (width // 4), width, 1)
+        means = [nn.AvgPool2d(k, 1, k // 2, count_include_pad=False) for k in (3, 5, 9, 17)]
+        self.branches = nn.ModuleList(conv(width, width // 4, 1).append(mean) for mean in means)
+        self.join = conv(2 * width, width, 1)
 
     def forward(self, x: Tensor) -> Tensor:
-        means = (
-            functional.avg_pool2d(branch(x), side, 1, side // 2, count_include_pad=False)
-            for side, branch in zip(self.pools, self.branches, strict=True)
-        )
-        return self.join(torch.cat([x, *means], 1))
+        return self.join(torch.cat([x, *(branch(x) for branch in self.branches)], 1))
 
 
-# --- networks ------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Model:
-    """A network by name: its inputs, out of `FEATURE_SETS`, and the weights of its loss.
-
-    ``depth_weight`` is w of Eq. 7; ``smoothness`` weighs the gradient of a regressed depth;
-    `cmtof.network.weights.mended` follows where ``mend`` is set.
-    """
+class Model(NamedTuple):
+    """A network, the name of its inputs, its loss, and whether its wraps are `mended`."""
 
     network: "type[Network]"
     features: str = "proposed"
-    depth_weight: float = 0.1
-    smoothness: float = 0.0
+    depth_weight: float = 0.1  # w of Eq. 7
+    smoothness: float = 0.0  # weight of a regressed depth's gradient
     mend: bool = False
 
 
 class Network(nn.Module):
     """Network from features (B, C, H, W) of any size to weights of classes (B, N, H, W).
 
-    For the target ``"depth"`` it gives turns (B, 1, H, W) instead: depth in wraps of the lower
-    frequency above the first class. ``stride`` is that of the coarsest features, px, ``reach`` how
-    far an output pixel sees, a multiple of the stride.
+    For the target ``"depth"`` to depth (B, 1, H, W), wraps above the first class; ``stride`` that
+    of the coarsest features, px, ``reach`` how far a pixel sees, a multiple of the stride.
     """
 
     target = "wraps"
@@ -119,12 +100,9 @@ class Network(nn.Module):
         self.outputs = classes if self.target == "wraps" else 1
         self.build()
 
-    def build(self) -> None:
-        """Make the layers."""
+    def build(self) -> None: ...
 
-    def body(self, x: Tensor) -> Tensor:
-        """Output for sides that are multiples of the stride."""
-        raise NotImplementedError
+    def body(self, x: Tensor) -> Tensor: ...
 
     def forward(self, x: Tensor) -> Tensor:
         height, width = x.shape[-2:]
@@ -140,28 +118,25 @@ class Network(nn.Module):
 class FastSCNN(Network):
     """Modified Fast-SCNN (Sec. 5.1, Fig. 5; Poudel et al. 2019).
 
-    The stem at full resolution goes to the output as well (the paper's skip); pools are local, so
-    that the receptive field is narrower than the original's, which pools over the whole image.
+    The stem at full resolution goes to the output as well (the paper's skip); pools are local,
+    where the original's are over the whole image.
     """
 
     stride, reach = 8, 160
     stem_width, head_width = 32, 64  # at full resolution
     down_widths = 48, 64  # at 1/2 and 1/4
-    widths, repeats, expansion = (64, 96, 128), 3, 6  # bottlenecks at 1/8
-    pools = 3, 5, 9, 17  # sides, px at 1/8
+    widths, expansion = (64, 64, 64, 96, 96, 96, 128, 128, 128), 6  # bottlenecks at 1/8
     context = 128  # fused features, at 1/4
 
     def build(self) -> None:
         half, quarter = self.down_widths
         self.stem = conv(self.inputs, self.stem_width)
         self.down = nn.Sequential(conv(self.stem_width, half, 3, 2), separable(half, quarter, 2))
-        stages, i = [], quarter
-        for o in np.repeat(self.widths, self.repeats).tolist():
-            stages.append(Bottleneck(i, o, 1 if stages else 2, self.expansion))
-            i = o
-        self.extract = nn.Sequential(*stages)
-        self.pyramid = Pyramid(i, self.pools)
-        self.deep = conv(i, self.context, 1, relu=False)
+        pairs, deep = enumerate(pairwise((quarter, *self.widths))), self.widths[-1]
+        blocks = [Bottleneck(i, o, 1 if k else 2, self.expansion) for k, (i, o) in pairs]
+        self.extract = nn.Sequential(*blocks)
+        self.pyramid = Pyramid(deep)
+        self.deep = conv(deep, self.context, 1, relu=False)
         self.fine = conv(quarter, self.context, 1, relu=False)
         fused = [separable(self.context, self.context) for _ in range(2)]
         narrow = nn.Conv2d(self.context, self.head_width, 1, bias=False)
@@ -181,25 +156,17 @@ class FastSCNN(Network):
     def see_the_beat(self, first: int) -> None:
         r"""Initialise half of the stem, and a path to the pyramid, so that the beat is seen.
 
-        .. math:: |\cos(\varphi_2 + \alpha) - \cos(2\varphi_1 + \alpha + \beta)|
-                  = 2\,|\sin\tfrac{b - \beta}{2}|\;|\sin(\ldots)|, \quad
-                  b = \varphi_2 - 2\varphi_1
-
-        Both cosines are octaves of Eq. 5, and the mean of the rectified differences over angles
-        alpha depends on the beat b alone. beta lies a quarter turn below and above the middle of
-        the range, or at four places where the range is a whole turn.
+        Means of :math:`|\cos(\varphi_2 + \alpha) - \cos(2\varphi_1 + \alpha + \beta)|` over alpha
+        depend on the beat alone. beta lies a quarter turn below and above the middle of the range,
+        or at four places where the range is a whole turn.
         """
         quarters = (1, -1) if self.classes * BEAT < TAU / 2 else (0, 1, 2, 3)
         angles = self.stem_width // 2 // len(quarters)
-        # large: norms divide it out again, and steps of the optimiser, as long for every weight,
-        # disturb the sums less
-        count, large, kinds = angles * len(quarters), 8.0, FEATURE_SETS[self.model.features]
-        alpha = TAU / angles * torch.arange(angles)
-        middle = BEAT * (first + self.classes / 2)
+        # large: norms divide it out again, and steps of the optimiser disturb the sums less
+        count, large, octaves = angles * len(quarters), 8.0, [14, 15, 4, 5]  # after two phases
+        alpha, middle = TAU / angles * torch.arange(angles), BEAT * (first + self.classes / 2)
         moved = torch.cat([alpha + (middle + TAU / 4 * quarter) for quarter in quarters])
         alpha = alpha.repeat(len(quarters))
-        low = 2 * sum(CHANNELS[kind] for kind in kinds[: kinds.index("fourier")])
-        octaves = [low + CHANNELS["fourier"], low + CHANNELS["fourier"] + 1, low + 2, low + 3]
         filters = torch.stack([alpha.cos(), -alpha.sin(), -moved.cos(), moved.sin()], 1)
         self.stem[0].weight[:count] = 0
         self.stem[0].weight[:count, octaves, 1, 1] = large * filters
@@ -227,7 +194,7 @@ class LightFastSCNN(FastSCNN):
 
     stem_width, head_width, context = 16, 32, 64
     down_widths = 24, 32
-    widths, repeats, expansion = (48, 64), 2, 3
+    widths, expansion = (48, 48, 64, 64), 3
 
 
 class UNet(Network):
@@ -245,7 +212,6 @@ class UNet(Network):
         self.output = nn.Conv2d(self.widths[0], self.outputs, 1)
 
     def level(self, i: int, o: int) -> nn.Module:
-        """Layers at one resolution, on the way down or up."""
         return nn.Sequential(conv(i, o), conv(o, o))
 
     def body(self, x: Tensor) -> Tensor:
@@ -260,10 +226,7 @@ class UNet(Network):
 
 
 class OneStep(UNet):
-    """One-step unwrapping (Wang, Li, Kemao, Di and Zhao 2019): a residual U-Net that regresses.
-
-    A regression answers with neither of two likely wraps but with what lies between them.
-    """
+    """One-step unwrapping (Wang, Li, Kemao, Di and Zhao 2019): a residual U-Net that regresses."""
 
     target, reach = "depth", 256
     widths = 16, 32, 56, 72, 96
@@ -275,61 +238,50 @@ class OneStep(UNet):
 class DeepToF(Network):
     """Deep end-to-end time of flight (Su, Heide, Wetzstein and Heidrich 2018): raw to depth.
 
-    Encoder, residual blocks at a quarter of the resolution, decoder with added skips. Theirs reads
-    two correlations at each of two frequencies, ours four; its adversarial loss is left out.
+    Theirs reads two correlations at each of two frequencies, ours four; its adversarial loss is
+    left out.
     """
 
     target, stride, reach = "depth", 4, 96
-    widths, blocks, kernel = (16, 32, 80), 9, 7
 
     def build(self) -> None:
-        steps, last = list(pairwise(self.widths)), self.widths[-1]
-        self.stem = conv(self.inputs, self.widths[0], self.kernel)
-        self.down = nn.ModuleList(conv(i, o, stride=2) for i, o in steps)
-        self.middle = nn.Sequential(*(Residual(last, last) for _ in range(self.blocks)))
+        self.stem = conv(self.inputs, 16, 7)
+        self.down = nn.ModuleList([conv(16, 32, stride=2), conv(32, 80, stride=2)])
+        self.middle = nn.Sequential(*(Residual(80, 80) for _ in range(9)))
         self.up = nn.ModuleList(
-            nn.Sequential(nn.ConvTranspose2d(o, i, 4, 2, 1), nn.BatchNorm2d(i), nn.ReLU())
-            for i, o in reversed(steps)
+            nn.Sequential(nn.ConvTranspose2d(i, o, 4, 2, 1), nn.BatchNorm2d(o), nn.ReLU())
+            for i, o in ((80, 32), (32, 16))
         )
-        self.output = nn.Conv2d(self.widths[0], 1, self.kernel, padding=self.kernel // 2)
+        self.output = nn.Conv2d(16, self.outputs, 7, padding=3)
 
     def body(self, x: Tensor) -> Tensor:
-        x, skips = self.stem(x), []
-        for down in self.down:
-            skips.append(x)
-            x = down(x)
-        x = self.middle(x)
-        for up in self.up:
-            x = up(x) + skips.pop()
-        return self.output(x)
+        full = self.stem(x)
+        half = self.down[0](full)
+        half = half + self.up[0](self.middle(self.down[1](half)))
+        return self.output(full + self.up[1](half))
 
 
 class Rapid(Network):
     """Rapid and robust unwrapping (Zhang, Jiang, Zhao et al. 2019): DeepLabV3+ on a ResNet.
 
     The paper calls its "Zhang et al. 2019" a regression; two articles of that year fit the name,
-    and this one segments. Its published code was not available. The mean over the image is one over
-    each band where a large image is unwrapped in bands.
+    and this one segments. Its code was not available. Of bands of a large image each has its mean.
     """
 
     stride, reach = 16, 448
-    backbone, pyramid, skip_width, decoder_width = (32, 48, 80, 112), 80, 24, 64
 
     def build(self) -> None:
-        wide, last, width = self.pyramid, self.backbone[-1], self.decoder_width
-        self.stem = conv(self.inputs, self.backbone[0], stride=2)
-        stages = [
-            nn.Sequential(Residual(i, o, stride=2), Residual(o, o))
-            for i, o in pairwise(self.backbone)
-        ]
+        self.stem = conv(self.inputs, 32, stride=2)
+        pairs = pairwise((32, 48, 80, 112))
+        stages = [nn.Sequential(Residual(i, o, 2), Residual(o, o)) for i, o in pairs]
         self.fine, self.coarse = stages[0], nn.Sequential(*stages[1:])
-        self.near = conv(last, wide, 1)
-        self.far = nn.ModuleList(conv(last, wide, dilation=rate) for rate in (6, 12, 18))
-        self.whole = nn.Conv2d(last, wide, 1)  # one pixel of one crop bears no norm
-        self.join = conv(5 * wide, wide, 1)
-        self.skip = conv(self.backbone[1], self.skip_width, 1)
-        self.decoder = nn.Sequential(conv(wide + self.skip_width, width), conv(width, width))
-        self.output = nn.Conv2d(width, self.outputs, 1)
+        self.near = conv(112, 80, 1)
+        self.far = nn.ModuleList(conv(112, 80, dilation=rate) for rate in (6, 12, 18))
+        self.whole = nn.Conv2d(112, 80, 1)  # one pixel of one crop bears no norm
+        self.join = conv(5 * 80, 80, 1)
+        self.skip = conv(48, 24, 1)
+        self.decoder = nn.Sequential(conv(80 + 24, 64), conv(64, 64))
+        self.output = nn.Conv2d(64, self.outputs, 1)
 
     def body(self, x: Tensor) -> Tensor:
         fine = self.fine(self.stem(x))

@@ -9,10 +9,9 @@ from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
 from cmtof.files import read_document
 from cmtof.network.models import MODELS
-from cmtof.network.weights import Strict
+from cmtof.network.weights import Count, Share, Strict
 from cmtof.validation import checked
 
-Share = Annotated[float, Field(ge=0, le=1)]
 PRESETS: dict[str, Any] = yaml.safe_load((files("cmtof.network") / "train.yml").read_text("utf-8"))
 """Configurations that travel with the package, by name."""
 
@@ -30,10 +29,7 @@ class Rooms(Strict):
 class Stage(Strict):
     """A part of a training: crops in all, their side in px, and how many make a step.
 
-    Noise (Gaussian sigma, counts) rises geometrically over the first ``ramp`` of the stage;
-    ``rooms`` is the share of crops from rooms, the others are dead leaves. The learning rate rises
-    for ``warm`` steps and falls from ``flat`` on. After ``freeze`` norms keep their running
-    statistics: those of a few crops take a part of the label away.
+    Noise is the Gaussian sigma, counts, and rises geometrically; the learning rate falls linearly.
     """
 
     name: str
@@ -41,12 +37,11 @@ class Stage(Strict):
     crop: PositiveInt
     batch: PositiveInt
     noise: tuple[PositiveFloat, PositiveFloat]
-    ramp: Annotated[float, Field(gt=0, le=1)] = 1.0
-    rooms: Share = 0.0
+    ramp: Annotated[float, Field(gt=0, le=1)] = 1.0  # share in which the noise rises
+    rooms: Share = 0.0  # share of crops from rooms, the others are dead leaves
     rate: tuple[PositiveFloat, PositiveFloat]
-    flat: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    warm: PositiveInt = 100
-    freeze: Share = 1.0
+    warm: PositiveInt = 100  # steps in which the rate rises
+    freeze: Share = 1.0  # from there on norms keep their statistics: a few crops' give labels away
 
     @property
     def steps(self) -> int:
@@ -57,9 +52,8 @@ class Stage(Strict):
 class Config(Strict):
     """One training: everything that decides its outcome.
 
-    The last stage's noise is also that of validation; without rooms it validates on leaves.
-    ``average`` is kept of the averaged weights at each step. ``save_every`` counts steps,
-    ``validate_every`` checkpoints. ``precision`` is Lightning's.
+    Validated is at the last stage's noise, on leaves where there are no rooms. ``save_every``
+    counts steps, ``validate_every`` checkpoints; ``precision`` is Lightning's.
     """
 
     name: str = "own"
@@ -67,13 +61,11 @@ class Config(Strict):
     protocol: Literal["released", "full"] = "released"
     stages: tuple[Stage, ...] = Field(min_length=1)
     rooms: Rooms | None = Rooms()
-    weight_decay: float = 1e-3
-    average: Share = 0.998
-    precision: str = "32-true"
+    precision: str = "bf16-mixed"
     save_every: PositiveInt = 250
     validate_every: PositiveInt = 4
     validation_views: PositiveInt = 32
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Count = 0
 
     @model_validator(mode="after")
     def _fits(self) -> "Config":
@@ -87,7 +79,7 @@ class Config(Strict):
 
     @property
     def steps(self) -> int:
-        """Optimisation steps of the whole training."""
+        """Optimisation steps."""
         return sum(stage.steps for stage in self.stages)
 
     def stage_at(self, step: int) -> tuple[Stage, float]:
@@ -101,15 +93,12 @@ class Config(Strict):
     def rate_at(self, step: int) -> float:
         """Learning rate of a step."""
         stage, share = self.stage_at(step)
-        fall = max(share - stage.flat, 0) / (1 - stage.flat)
-        rate = stage.rate[0] + (stage.rate[1] - stage.rate[0]) * fall
+        rate = stage.rate[0] + (stage.rate[1] - stage.rate[0]) * share
         return rate * min(1.0, (share * stage.steps + 1) / stage.warm)
 
 
 def read_config(source: str | Path, **changes: Any) -> Config:
     """Configuration by the name of a preset or from a YAML file; changes that are not None win.
-
-    Raises FileNotFoundError or ValueError if there is none, or a name or value in it is wrong.
 
     Examples
     --------

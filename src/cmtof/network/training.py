@@ -6,14 +6,13 @@ was killed and resumed ends with the same weights.
 
 import ctypes
 import logging
-import sys
+import platform
 import time
 import warnings
 from collections.abc import Sequence
-from contextlib import suppress
 from copy import deepcopy
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import torch
@@ -25,10 +24,9 @@ from torch import Tensor, nn
 from torch.utils.data import DataLoader
 
 from cmtof import __version__
-from cmtof.correlation import wrap_length
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement
-from cmtof.network.data import Batch, Packs, Sample, Steps, batch_of, measure, open_rooms
+from cmtof.network.data import WRAP, Batch, Packs, Sample, Steps, batch_of, measure, open_rooms
 from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
@@ -44,9 +42,6 @@ from cmtof.network.weights import (
     weights_path,
 )
 from cmtof.scenes.hypersim import Hypersim
-
-LAST = "last.ckpt"
-"""File of a run with all that it needs to go on."""
 
 
 def loss_of(network: Network, sample: Sample) -> Tensor:
@@ -64,16 +59,16 @@ def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
 
 
 class Unwrapping(LightningModule):
-    """Network, loss and schedule of one configuration, and the average of its weights.
+    """Network, loss and schedule of a configuration, and the average of its weights.
 
-    An epoch lies between two checkpoints in ``folder``; ``packs`` are trained and validated on.
+    An epoch lies between two checkpoints, a file in the folder with all that a run needs to go on.
     """
 
     def __init__(
         self, config: Config, packs: Packs, folder: Path, init: Path | None, minutes: float
     ) -> None:
         super().__init__()
-        self.config, self.folder, (self.seen, self.held_out) = config, folder, packs
+        self.config, self.checkpoint, (self.seen, self.held_out) = config, folder, packs
         torch.manual_seed(config.seed)
         self.network = build_network(config.model, config.protocol)
         if init is not None:
@@ -81,9 +76,10 @@ class Unwrapping(LightningModule):
         for layer in norms(self.network):
             layer.momentum = 0.03
         self.average = deepcopy(self.network).requires_grad_(False)
+        self.network.to(memory_format=torch.channels_last)  # pyright: ignore
         self.curve: list[dict[str, float]] = []
-        self.seconds, self.last = 0.0, time.monotonic()
-        self.end = self.last + 60 * minutes
+        self.began = time.monotonic()
+        self.end = self.began + 60 * minutes
 
     def train_dataloader(self) -> DataLoader:
         steps = Steps(self.config, self.seen, self.global_rank, self.trainer.world_size)
@@ -97,9 +93,6 @@ class Unwrapping(LightningModule):
         sample = measure(batch, inputs=features, protocol=self.config.protocol)
         return sample._replace(inputs=sample.inputs.contiguous(memory_format=torch.channels_last))
 
-    def on_fit_start(self) -> None:
-        self.network.to(memory_format=torch.channels_last)  # pyright: ignore
-
     def training_step(self, batch: Batch, index: int) -> Tensor:
         stage, share = self.config.stage_at(self.global_step)
         for layer in norms(self.network):
@@ -109,7 +102,7 @@ class Unwrapping(LightningModule):
         return loss
 
     def on_train_batch_end(self, *_: Any) -> None:
-        keep = min(self.config.average, self.global_step / (self.global_step + 9))
+        keep = min(0.998, self.global_step / (self.global_step + 9))
         new = self.network.state_dict()
         for name, old in self.average.state_dict().items():
             old.lerp_(new[name], 1 - keep) if old.is_floating_point() else old.copy_(new[name])
@@ -119,15 +112,13 @@ class Unwrapping(LightningModule):
         if due and self.trainer.is_global_zero:
             found = self.validated()["validation"].model_dump()
             self.curve.append({"step": self.global_step} | found)
-        now = time.monotonic()
-        self.seconds, self.last = self.seconds + now - self.last, now
-        self.trainer.should_stop = now > self.end
-        with written_whole(self.folder / LAST) as part:
+        self.trainer.should_stop = time.monotonic() > self.end
+        with written_whole(self.checkpoint) as part:
             self.trainer.save_checkpoint(part)
 
     def configure_optimizers(self) -> Any:
-        weights, decay = list(self.network.parameters()), self.config.weight_decay
-        kernels = {"params": [w for w in weights if w.ndim > 1], "weight_decay": decay}
+        weights = list(self.network.parameters())
+        kernels = {"params": [w for w in weights if w.ndim > 1], "weight_decay": 1e-3}
         others = {"params": [w for w in weights if w.ndim < 2], "weight_decay": 0.0}
         optimizer = torch.optim.AdamW([kernels, others], lr=1.0, betas=(0.9, 0.99))
         schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, self.config.rate_at)
@@ -135,20 +126,20 @@ class Unwrapping(LightningModule):
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         held = {"config": self.config.model_dump_json(), "curve": self.curve}
-        checkpoint["cmtof"] = held | {"seconds": self.seconds}
+        checkpoint["cmtof"] = held | {"seconds": time.monotonic() - self.began}
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        self.curve, self.seconds = checkpoint["cmtof"]["curve"], checkpoint["cmtof"]["seconds"]
+        self.curve = checkpoint["cmtof"]["curve"]
+        self.began -= checkpoint["cmtof"]["seconds"]
 
     def validated(self) -> dict[str, Any]:
         """Fields of a card: rates of the averaged weights and of trivial answers, and the gain.
 
-        Trivial are the middle class, and the one that is most frequent in these views. The gain's
-        interval is Student's, over views: pixels of one view are right or wrong together.
+        The gain's interval is Student's, over views: their pixels are right or wrong together.
         """
         config, network, pack = self.config, self.average.eval(), self.held_out
         chosen = np.unique(np.linspace(0, len(pack.far) - 1, config.validation_views).round())
-        answers, labels = [], []
+        ours, labels = [], []
         for view in chosen.astype(int):
             rng, sigma = np.random.default_rng([7, view]), config.stages[-1].noise[1]
             batch = batch_of([(*pack.staged(view, config.protocol), sigma, rng)])
@@ -159,15 +150,12 @@ class Unwrapping(LightningModule):
             wraps = turns.long() if network.target == "depth" else found.argmax(1)
             scored = sample.label != IGNORED
             if scored.any():
-                answers.append(wraps[scored].cpu().numpy())
                 labels.append(sample.label[scored].cpu().numpy())
-        mode = int(np.bincount(np.concatenate(labels)).argmax())
-        ours = [abs(a - true) for a, true in zip(answers, labels, strict=True)]
-        others = {
-            name: [abs(wrap - true) for true in labels]
-            for name, wrap in (("middle", network.classes // 2), ("mode", mode))
-        }
-        trivial = {name: _rates(delta) for name, delta in others.items()}
+                ours.append(abs(wraps[scored].cpu().numpy() - labels[-1]))
+        constants = {"middle": network.classes // 2}
+        constants["mode"] = np.bincount(np.concatenate(labels)).argmax()
+        others = {name: [abs(n - true) for true in labels] for name, n in constants.items()}
+        trivial = {name: _rates(deltas) for name, deltas in others.items()}
         best = others[max(trivial, key=lambda name: trivial[name].delta_lt_1)]
         gains = [np.mean(a < 1) - np.mean(b < 1) for a, b in zip(ours, best, strict=True)]
         test = ttest_1samp(gains, 0.0).confidence_interval() if len(gains) > 1 else (-1.0, 1.0)
@@ -180,9 +168,6 @@ def _rates(deltas: list[NDArray[np.integer]]) -> Rates:
     delta = np.concatenate(deltas)
     below = {f"delta_lt_{k}": float((delta < k).mean()) for k in (1, 2, 3)}
     return Rates(**below, delta_ge_10=float((delta >= 10).mean()))
-
-
-# --- runs ----------------------------------------------------------------------------------------
 
 
 def train(
@@ -201,18 +186,28 @@ def train(
     ``tree`` holds frames in Hypersim's layout (by default rooms are rendered), ``init`` weights to
     begin with, ``resume`` goes on from the folder's checkpoint. A leg ends at the first checkpoint
     after some ``minutes``. ``flags`` are Lightning's: accelerator, devices, num_nodes, strategy.
-    Returned is the file of weights, or None while steps are left. A ValueError if the folder holds
-    a run that is not to be resumed, or one of another configuration.
+    Returned is the file of weights, or None while steps are left.
     """
     if tree is not None:
         Hypersim(tree)  # refused before anything is written
     folder.mkdir(parents=True, exist_ok=True)
-    last = _checkpoint(folder, config, resume)
-    _keep_freed_memory()
+    last = folder / "last.ckpt"
+    if begun := last.is_file():
+        if not resume:
+            got = f"got a run in {folder}. Pass --resume, or choose another"
+            raise ValueError(f"Expected a new folder, {got}.")
+        held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]["config"]
+        if held != config.model_dump_json():
+            got = "got another. Change the folder"
+            raise ValueError(f"Expected the configuration of {last}, {got}.")
+    if platform.libc_ver()[0] == "glibc":  # fetching freed pages again costs a third of a step
+        library = ctypes.CDLL("libc.so.6")
+        library.mallopt(-4, 0)  # M_MMAP_MAX
+        library.mallopt(-1, 2**31 - 1)  # M_TRIM_THRESHOLD
     logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module="lightning.*")
     packs = open_rooms(config, tree, folder.parent)
-    module = Unwrapping(config, packs, folder, init, np.inf if minutes is None else minutes)
+    module = Unwrapping(config, packs, last, init, np.inf if minutes is None else minutes)
     try:
         trainer = Trainer(
             max_epochs=-(-config.steps // config.save_every),
@@ -232,22 +227,15 @@ def train(
             f"Expected accelerator, devices and strategy that this machine has, got «{error}». "
             "Choose others."
         ) from error
-    trainer.fit(module, ckpt_path=last, weights_only=True)
+    trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
     if trainer.global_step < config.steps:
         return None
     path = weights_path(config.model, config.protocol, folder)
-    if trainer.is_global_zero:
-        half = halved(module.average)  # validated as they are stored
-        module.average.load_state_dict({key: weight.float() for key, weight in half.items()})
-        save_weights(path, module.average, _card(module))
-    return path
-
-
-def _card(module: Unwrapping) -> Card:
-    """Card of a finished training."""
-    config, rooms, gpu = module.config, module.config.rooms, torch.cuda.is_available()
-    first, classes = CLASSES[config.protocol]
-    return Card(
+    if not trainer.is_global_zero:
+        return path
+    module.average.load_state_dict(halved(module.average))  # validated as they are stored
+    (first, classes), rooms, gpu = CLASSES[config.protocol], config.rooms, torch.cuda.is_available()
+    card = Card(
         model=config.model,
         protocol=config.protocol,
         classes=classes,
@@ -257,75 +245,32 @@ def _card(module: Unwrapping) -> Card:
         data="dead leaves" + (f"; {rooms.scenes}x{rooms.views} views of rooms" if rooms else ""),
         crops=sum(stage.steps * stage.batch for stage in config.stages),
         steps=config.steps,
-        minutes=round(module.seconds / 60, 1),
+        minutes=round((time.monotonic() - module.began) / 60, 1),
         hardware=torch.cuda.get_device_name() if gpu else f"CPU, {torch.get_num_threads()} threads",
         versions={"cmtof": __version__, "torch": torch.__version__.partition("+")[0]},
         curve=module.curve,
         **module.validated(),
     )
-
-
-def _checkpoint(folder: Path, config: Config, resume: bool) -> Path | None:
-    """Checkpoint to go on from, of the same configuration."""
-    last = folder / LAST
-    if not last.is_file():
-        return None
-    if not resume:
-        got = f"got a run in {folder}. Pass --resume, or choose another"
-        raise ValueError(f"Expected a new folder, {got}.")
-    held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]["config"]
-    if held != config.model_dump_json():
-        raise ValueError(f"Expected the configuration of {last}, got another. Change the folder.")
-    return last
-
-
-def _keep_freed_memory() -> None:
-    """Ask glibc to keep what is freed: fetching pages again costs a third of a step on a CPU."""
-    if sys.platform == "linux":
-        with suppress(OSError, AttributeError):
-            library = ctypes.CDLL("libc.so.6")
-            library.mallopt(-4, 0)  # M_MMAP_MAX
-            library.mallopt(-1, 2**31 - 1)  # M_TRIM_THRESHOLD
-
-
-# --- fine-tuning ---------------------------------------------------------------------------------
-
-
-class Labelled(NamedTuple):
-    """A measurement and what is known of it: images (H, W).
-
-    Wrap counts of the lowest frequency, a mask where they are known, and there the range, m.
-    """
-
-    measurement: Measurement
-    wraps: NDArray[np.integer]
-    mask: NDArray[np.bool_]
-    depth: NDArray[np.floating]
-
-
-class FineTuned(NamedTuple):
-    """A copy of a network that went on learning, and the loss before each step."""
-
-    trained: Trained
-    losses: list[float]
+    save_weights(path, module.average, card)
+    return path
 
 
 def fine_tune(
     trained: Trained,
-    examples: Sequence[Labelled],
+    examples: Sequence[tuple[Measurement, NDArray[np.integer], NDArray[np.floating]]],
     *,
     steps: int = 20,
     learning_rate: float = 1e-4,
     crop: int = 128,
     seed: int = 0,
-) -> FineTuned:
+) -> tuple[Trained, list[float]]:
     """Continue the training of a network on labelled measurements of an instrument (Sec. 6.4).
 
-    A step is one crop, drawn until a twentieth of it is labelled, ten times at most. Running means
-    of the norms stay as they are: a few scans are too few to estimate them. A ValueError if no
-    label lies among the network's classes.
+    Examples are a measurement, its wraps of the lowest frequency (H, W), -1 where unknown, and
+    depth (H, W), m. A step is one crop; norms keep their running means, which a few scans are too
+    few to estimate. Returned are a tuned copy and the loss before each step.
     """
-    samples = [_sample(one, trained) for one in examples]
+    samples = [_sample(trained, *example) for example in examples]
     known = sum(int((sample.label != IGNORED).sum()) for sample in samples)
     if not known:
         first = trained.card.first_wrap
@@ -340,7 +285,7 @@ def fine_tune(
     optimizer = torch.optim.Adam(network.parameters(), learning_rate)
     for _ in range(steps):
         sample = samples[int(rng.integers(len(samples)))]
-        for _ in range(10):
+        for _ in range(10):  # until a twentieth of the crop is labelled
             y, x = (int(rng.integers(max(n - crop, 0) + 1)) for n in sample.label.shape[-2:])
             piece = Sample(*(image[..., y : y + crop, x : x + crop] for image in sample))
             if (piece.label != IGNORED).float().mean() >= 0.05:
@@ -352,17 +297,15 @@ def fine_tune(
         losses.append(float(loss.detach()))
     note = {"steps": steps, "learning_rate": learning_rate, "labelled_pixels": known, "seed": seed}
     card = trained.card.model_copy(update={"fine_tuned": note})
-    return FineTuned(Trained(network.eval(), card), losses)
+    return Trained(network.eval(), card), losses
 
 
-def _sample(example: Labelled, trained: Trained) -> Sample:
+def _sample(trained: Trained, measurement: Measurement, wraps: NDArray, depth: NDArray) -> Sample:
     """Inputs and labels (1, ...) of one example; unknown pixels are `IGNORED`."""
-    measurement, wraps, mask, depth = example
-    inputs, phase = network_inputs(measurement, trained.network.model.features)
-    label = np.asarray(wraps, np.int64) - trained.card.first_wrap
-    turns = np.asarray(depth, float) / wrap_length(measurement.frequencies[0])
-    known = np.asarray(mask, bool) & np.isfinite(turns) & measurement.mask
-    known &= (label >= 0) & (label < trained.card.classes)
-    turns = np.where(known, turns - trained.card.first_wrap, 0.0)
+    (network, card), turns = trained, np.asarray(depth, float) / WRAP
+    inputs, phase = network_inputs(measurement, network.model.features)
+    label = np.asarray(wraps, np.int64) - card.first_wrap
+    known = (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
+    turns = np.where(known, turns - card.first_wrap, 0.0)
     images = (inputs, np.where(known, label, IGNORED), phase, turns)
     return Sample(*(torch.from_numpy(np.ascontiguousarray(image)[None]) for image in images))

@@ -1,8 +1,7 @@
 """Trained networks: their cards, their state, and unwrapping with them.
 
-Weights are safetensors in half precision; nothing is ever unpickled. The card beside them states
-how they were trained and what they reached on validation rooms, beside answers that look at
-nothing. torch is imported when a network is loaded.
+Weights are safetensors in half precision; nothing is ever unpickled. torch is imported when a
+network is loaded.
 """
 
 import hashlib
@@ -11,7 +10,7 @@ from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +35,9 @@ FOLDER = Path(str(files("cmtof"))) / "weights"
 MOST_PIXELS = 2_000_000
 """Pixels that a network sees at once; a larger image is unwrapped in bands of rows."""
 
+Share = Annotated[float, Field(ge=0, le=1)]
+Count = Annotated[int, Field(ge=0)]
+
 
 class Strict(BaseModel):
     """Plain values with checked names and kinds."""
@@ -46,33 +48,32 @@ class Strict(BaseModel):
 class Rates(Strict):
     """Shares of pixels whose wrap count is wrong by less than 1, 2, 3, and by 10 or more."""
 
-    delta_lt_1: float = Field(ge=0, le=1)
-    delta_lt_2: float = Field(ge=0, le=1)
-    delta_lt_3: float = Field(ge=0, le=1)
-    delta_ge_10: float = Field(ge=0, le=1)
+    delta_lt_1: Share
+    delta_lt_2: Share
+    delta_lt_3: Share
+    delta_ge_10: Share
 
 
 class Card(Strict):
     """Origin of weights, and what they reached on whole views of rooms that they never saw.
 
     ``trivial`` are rates of answers that look at nothing, over the same pixels, ``gain`` the
-    difference in δ < 1 to the best of them, paired by view, and its 95 % interval; ``curve`` is the
-    validation while training.
+    difference in δ < 1 to the best of them, paired by view, and its 95 % interval.
     """
 
     model: str
     protocol: Literal["released", "full"]
     classes: int = Field(ge=1, le=4096)
-    first_wrap: int = Field(ge=0)
+    first_wrap: Count
     parameters: PositiveInt
     configuration: dict[str, Any]
     data: str
-    crops: int = Field(ge=0)
-    steps: int = Field(ge=0)
+    crops: Count
+    steps: Count
     minutes: float
     hardware: str
     versions: dict[str, str]
-    curve: list[dict[str, float]]
+    curve: list[dict[str, float]]  # validation while training
     views: PositiveInt
     validation: Rates
     trivial: dict[str, Rates]
@@ -80,9 +81,6 @@ class Card(Strict):
     note: str = ""
     fine_tuned: dict[str, float] | None = None
     sha256: str = ""
-
-
-# --- files ---------------------------------------------------------------------------------------
 
 
 class Trained(NamedTuple):
@@ -98,10 +96,7 @@ def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
 
 
 def state(model: str, protocol: str = "released", folder: Path = FOLDER) -> str:
-    """State of a model: ``"trained"``, ``"untrained"`` or ``"no weights"``.
-
-    Trained are weights whose gain over the best trivial answer is above zero with 95 % confidence.
-    """
+    """Trained (the gain is above zero with 95 % confidence), untrained or no weights."""
     path = weights_path(model, protocol, folder)
     if not path.is_file():
         return "no weights"
@@ -110,16 +105,13 @@ def state(model: str, protocol: str = "released", folder: Path = FOLDER) -> str:
 
 def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Path:
     """Weights of a model with the fewest classes that hold the wraps first to last."""
-    shown = []
     for protocol, (low, count) in CLASSES.items():
         path = weights_path(model, protocol, folder)
-        if path.is_file():
-            shown.append(f"{low} to {low + count - 1}")
-            if low <= first and last < low + count:
-                return path
+        if path.is_file() and low <= first and last < low + count:
+            return path
     raise ValueError(
-        f"Expected weights of {model} for the wraps {first} to {last}, got "
-        f"{', '.join(shown) or 'none'}. Narrow the range, or train them with cmtof train."
+        f"Expected weights of {model} for the wraps {first} to {last}, got none. Narrow the range, "
+        "or train them with cmtof train."
     )
 
 
@@ -136,10 +128,9 @@ def save_weights(path: Path, network: "Network", card: Card) -> None:
 
     content = save(halved(network))
     card = card.model_copy(update={"sha256": hashlib.sha256(content).hexdigest()})
-    with written_whole(path) as part:
+    with written_whole(path) as part, written_whole(path.with_suffix(".json")) as beside:
         part.write_bytes(content)
-    with written_whole(path.with_suffix(".json")) as part:
-        part.write_text(card.model_dump_json(indent=1) + "\n", encoding="utf-8")
+        beside.write_text(card.model_dump_json(indent=1) + "\n", encoding="utf-8")
 
 
 def read_card(weights: Path) -> Card:
@@ -154,10 +145,7 @@ def read_card(weights: Path) -> Card:
 
 
 def load_weights(path: Path) -> Trained:
-    """Load a network for inference; its card lies beside it.
-
-    Raises a ValueError if a file is missing or damaged, or the weights fit another network.
-    """
+    """Network for inference; a ValueError if its file or card is missing, damaged, or no match."""
     from safetensors import SafetensorError
     from safetensors.torch import load
 
@@ -168,14 +156,12 @@ def load_weights(path: Path) -> Trained:
     try:
         if card.model not in MODELS or (card.first_wrap, card.classes) != CLASSES[card.protocol]:
             raise RuntimeError(f"no such model with {card.classes} classes")
-        if not content:
-            raise RuntimeError("no file")
         if found != card.sha256:
-            raise RuntimeError(f"the hash {found[:12]}… instead of {card.sha256[:12]}…")
-        held = {name: tensor.float() for name, tensor in load(content).items()}
+            got = f"the hash {found[:12]}… instead of {card.sha256[:12]}…"
+            raise RuntimeError(got if content else "no file")
         network = build_network(card.model, card.protocol)
-        network.load_state_dict(held)
-        if not all(bool(tensor.isfinite().all()) for tensor in held.values()):
+        network.load_state_dict(load(content))
+        if not all(bool(tensor.isfinite().all()) for tensor in network.state_dict().values()):
             raise RuntimeError("NaN or infinity")
     except (RuntimeError, SafetensorError) as error:
         raise ValueError(
@@ -185,30 +171,25 @@ def load_weights(path: Path) -> Trained:
     return Trained(network.eval(), card)
 
 
-# --- unwrapping ----------------------------------------------------------------------------------
-
-
 def unwrap_with_network(
     measurement: Measurement, *, model: str = "fast-scnn", weights: str | Path | None = None
 ) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
     """Depth by a network that classifies each pixel's wrap (Sec. 5) or regresses its depth.
 
     Weights are the shipped ones that hold every wrap in range, or a ``.safetensors`` of one's own.
-    Returned are depth, m, within the measurement's range, and the probability of the chosen class;
-    of a regression the share of right wraps in validation; both (H, W). A ValueError if no weights
-    hold the range, the frequencies are others, or correlations at the four quadratures are missing.
+    Returned are depth, m, and the probability of the chosen class, of a regression the share of
+    right wraps in validation; both (H, W).
     """
     tones = np.asarray(measurement.frequencies, float)
     if tones.size < 2 or not np.allclose(tones[:2], FREQUENCIES, rtol=1e-6):
         raise ValueError(
-            f"Expected {' and '.join(f'{f / 1e9:g}' for f in FREQUENCIES)} GHz, which the weights "
-            f"were trained at, got {', '.join(f'{f / 1e9:g}' for f in tones)} GHz. Choose the "
-            "method beat."
+            "Expected 7.15 and 14.32 GHz, which the weights were trained at, got "
+            f"{', '.join(f'{f / 1e9:g}' for f in tones)} GHz. Choose the method beat."
         )
     (low, high), wrap = measurement.range, wrap_length(FREQUENCIES[0])
     # limits that are whole wraps but for rounding belong to the wrap that they begin
     first, last = int(low / wrap + 1e-9), int(np.ceil(high / wrap - 1e-9)) - 1
-    path = Path(weights) if weights is not None else find_weights(model, first, last)
+    path = Path(weights) if weights else find_weights(model, first, last)
     trained = _loaded(path, path.stat().st_mtime_ns if path.is_file() else 0)
     if trained.network.target == "depth":
         turns = np.concatenate([found[0].numpy() for found, _ in _bands(trained, measurement)])
@@ -226,8 +207,7 @@ def classify(
 ) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
     """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W).
 
-    Where mending (`mended`) chooses another wrap, its probability is at most what the likeliest one
-    left. A ValueError if the network does not distinguish all these wraps.
+    Where `mended` chooses another wrap, its probability is at most what the likeliest one left.
     """
     low, stop = trained.card.first_wrap, trained.card.first_wrap + trained.card.classes
     if first < low or last >= stop:
@@ -252,20 +232,20 @@ def mended(
 ) -> NDArray[np.int64]:
     r"""Wraps by the vote of their neighbourhood, consistent with the wrapped phase (Zhang 2019).
 
-    Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`:
-    on a surface whose phase is continuous all votes agree, on both sides of a wrap line. Among
-    equals the lowest wins. Both images (H, W), the phase finite and in rad; the side is odd, px.
+    Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`;
+    among equals the lowest wins. Images (H, W), the phase finite and in rad; the side is odd, px.
 
     Examples
     --------
     >>> mended(np.array([[3, 9, 4]]), np.array([[5.9, 6.1, 0.1]])).tolist()
     [[3, 3, 4]]
     """
-    turns, pad = np.asarray(phase) / TAU, side // 2
-    around = [np.pad(np.asarray(a, float), pad, constant_values=np.nan) for a in (wraps, turns)]
-    around = [np.lib.stride_tricks.sliding_window_view(a, (side, side)) for a in around]
-    votes = (around[0] + np.rint(around[1] - turns[..., None, None])).reshape(*turns.shape, -1)
-    count = np.stack([(votes == votes[..., [k]]).sum(-1) for k in range(side * side)], -1)
+    pad, images = side // 2, np.stack([wraps, phase / TAU])
+    padded = np.pad(images, ((0, 0), (pad, pad), (pad, pad)), constant_values=np.nan)
+    near = np.lib.stride_tricks.sliding_window_view(padded, (side, side), (1, 2))
+    near = near.reshape(*images.shape, -1)
+    votes = near[0] + np.rint(near[1] - images[1, ..., None])
+    count = np.stack([(votes == votes[..., [k]]).sum(-1) for k in range(side**2)], -1)
     leading = count == count.max(-1, keepdims=True)
     return np.where(leading, votes, np.inf).min(-1).astype(np.int64)
 
