@@ -47,7 +47,7 @@ from cmtof.network.losses import IGNORED, WRAP_MM, soft_argmax, unwrapping_loss
 from cmtof.network.models import MODELS, build_network
 from cmtof.network.recipe import read_config
 from cmtof.network.training import train
-from cmtof.network.weights import FOLDER, Card, read_card, state, weights_path
+from cmtof.network.weights import Card, read_card, state, weights_path
 from cmtof.scenes.frame import held_out_frames
 
 plotting.begin(profile=profile, seed=seed)
@@ -343,8 +343,7 @@ plotting.save(
 # ## The weights that ship
 #
 # A row is *trained* if its validation rate beats the best constant answer with 95 % confidence, by
-# its card. Other rows have no weights yet: nothing is shown of them, least of all under the name of
-# a paper. They wait for their share of hours.
+# its card. Other rows have no weights, and nothing is shown of them under the name of a paper.
 
 # %%
 held = {}
@@ -362,7 +361,6 @@ notes.table(
     ],
 )  # fmt: skip
 print(card.data, "|", card.hardware, "|", card.note)
-print("stored:", f"{sum(p.stat().st_size for p in FOLDER.glob('*')) / 1e6:.1f} MB")
 
 # %% [markdown]
 # ## The shipped weights on the test frames

@@ -12,6 +12,7 @@ first element, A^2 = 1. Phases theta are those of the drive, V = eta sin(theta).
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -49,38 +50,25 @@ class TwoPassModulator:
     0.0342
     """
 
-    half_wave_angle: float
-    """Angle theta_h of the half-wave plate, rad."""
-    quarter_wave_angle: float = np.pi / 4
-    """Angle theta_q of the quarter-wave plate, rad."""
-    eta: float = ETA
-    """Amplitude of the drive: retardance in one pass, rad (the paper's modulation power)."""
-    frequency: float = FREQUENCY_SINGLE
-    """Frequency of the drive, Hz."""
+    half_wave_angle: float  # theta_h
+    quarter_wave_angle: float = np.pi / 4  # theta_q
+    eta: float = ETA  # drive amplitude: retardance of one pass (the paper's modulation power)
+    frequency: float = FREQUENCY_SINGLE  # of the drive, Hz
+    # EOM to mirror, m; None is matched: half a modulation wavelength, both passes in step
     mirror_distance: float | None = None
-    """EOM to mirror, m; None is matched: half a modulation wavelength, both passes in step."""
+    # incident: vertical in Eq. 11, horizontal in Sec. 7.1; the same if lossless
     input_axis: Literal["vertical", "horizontal"] = "vertical"
-    """Incident polarisation: vertical in Eq. 11, horizontal in Sec. 7.1; the same if lossless."""
+    # port of the splitter: crossed to the input, or back along it (the complement)
     output: Literal["crossed", "returned"] = "crossed"
-    """Port of the splitter: crossed to the input, or back along it (the complement)."""
-    half_wave_retardance_error: float = 0.0
-    """Retardance of the half-wave plate beyond pi, rad."""
+    half_wave_retardance_error: float = 0.0  # beyond pi
     half_wave_angle_error: float = 0.0
-    """Misalignment of the half-wave plate, rad."""
-    quarter_wave_retardance_error: float = 0.0
-    """Retardance of the quarter-wave plate beyond pi/2, rad."""
+    quarter_wave_retardance_error: float = 0.0  # beyond pi/2
     quarter_wave_angle_error: float = 0.0
-    """Misalignment of the quarter-wave plate, rad."""
-    transmitted_extinction: float = np.inf
-    """Extinction ratio of the splitter's transmitted port."""
+    transmitted_extinction: float = np.inf  # of the splitter's transmitted port
     reflected_extinction: float = np.inf
-    """Extinction ratio of the splitter's reflected port."""
-    eom_angle_error: float = 0.0
-    """Angle of the crystal's axis off the horizontal, rad."""
-    static_retardance: float = 0.0
-    """Birefringence of the undriven crystal in one pass, rad."""
-    mirror_reflectance: float = 1.0
-    """Reflectance of the mirror, of intensity."""
+    eom_angle_error: float = 0.0  # crystal's axis off the horizontal
+    static_retardance: float = 0.0  # of the undriven crystal in one pass
+    mirror_reflectance: float = 1.0  # of intensity
 
     def __post_init__(self) -> None:
         for name, value, options in (
@@ -124,34 +112,28 @@ class TwoPassModulator:
             inward, crossed = crossed, inward
         h = self.half_wave_angle + self.half_wave_angle_error
         q = self.quarter_wave_angle + self.quarter_wave_angle_error
-        # Behind the mirror the light sees every angle with the opposite sign.
-        return (
-            ("PBS in", self._splitter(inward)),
-            ("HWP", self._half_wave(h)),
-            ("QWP", self._quarter_wave(q)),
-            ("EOM", self._eom(first, self.eom_angle_error)),
-            ("mirror", jones.mirror(self.mirror_reflectance)),
-            ("EOM back", self._eom(back, -self.eom_angle_error)),
-            ("QWP back", self._quarter_wave(-q)),
-            ("HWP back", self._half_wave(-h)),
-            ("PBS out", self._splitter(crossed if self.output == "crossed" else inward)),
+        off, static = self.eom_angle_error, self.static_retardance
+        half = partial(jones.half_wave_plate, retardance_error=self.half_wave_retardance_error)
+        quarter = partial(
+            jones.quarter_wave_plate, retardance_error=self.quarter_wave_retardance_error
         )
-
-    def _splitter(self, port: jones.Port) -> jones.JonesMatrix:
-        return jones.polarising_beam_splitter(
-            port,
+        splitter = partial(
+            jones.polarising_beam_splitter,
             transmitted_extinction=self.transmitted_extinction,
             reflected_extinction=self.reflected_extinction,
         )
-
-    def _half_wave(self, angle: float) -> jones.JonesMatrix:
-        return jones.half_wave_plate(angle, retardance_error=self.half_wave_retardance_error)
-
-    def _quarter_wave(self, angle: float) -> jones.JonesMatrix:
-        return jones.quarter_wave_plate(angle, retardance_error=self.quarter_wave_retardance_error)
-
-    def _eom(self, voltage: ArrayLike, angle_error: float) -> jones.JonesMatrix:
-        return jones.eom(voltage, static_retardance=self.static_retardance, angle_error=angle_error)
+        # behind the mirror the light sees every angle with the opposite sign
+        return (
+            ("PBS in", splitter(inward)),
+            ("HWP", half(h)),
+            ("QWP", quarter(q)),
+            ("EOM", jones.eom(first, static_retardance=static, angle_error=off)),
+            ("mirror", jones.mirror(self.mirror_reflectance)),
+            ("EOM back", jones.eom(back, static_retardance=static, angle_error=-off)),
+            ("QWP back", quarter(-q)),
+            ("HWP back", half(-h)),
+            ("PBS out", splitter(crossed if self.output == "crossed" else inward)),
+        )
 
     def states(
         self, first: ArrayLike, second: ArrayLike | None = None
