@@ -14,8 +14,6 @@ reflectance: float = 0.5  # of that target, diffuse
 points: int = 120  # ranges on the axis of the last figure
 
 # %% tags=["hide-input"]
-from dataclasses import replace
-
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.constants import h
@@ -24,7 +22,7 @@ from cmtof.book import notes, paper, plotting
 from cmtof.book.paper import quantity_text
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
-from cmtof.hardware.rig import Rig
+from cmtof.hardware.rig import MODES, Rig
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.electronics import SLOPE, density, volts_per_watt
 from cmtof.instrument.targets import Hits
@@ -144,11 +142,11 @@ phase_time = rig.samples_per_phase / rig.rate
 converter = twin.converter_noise * SLOPE / np.sqrt(rig.samples_per_phase)
 
 
-def budget(mode, z, rho, twin=twin):
+def budget(mode, z, rho):
     """Light (W), photons, output (V) and phase noise (rad) of a point; ideal modulators."""
     harmonics = LAWS[mode](twin.eta, 2)
-    mean, order = harmonics[0].real, 1 if mode == "single" else 2
-    contrast = 2 * abs(harmonics[order]) ** 2 / mean**2
+    mean = harmonics[0].real
+    contrast = 2 * abs(harmonics[MODES[mode]]) ** 2 / mean**2
     hits = Hits(np.array(z), np.array(1.0), np.array(rho))
     share = sum(free_space.returned_fractions(twin, hits))
     path = free_space.inward(twin) * mean * twin.mirror_reflectance
@@ -231,8 +229,8 @@ amplifier = float(np.sqrt(density(twin, 0) / (2 * phase_time)))
 quantum = (20 / 2**14) / np.sqrt(12) / np.sqrt(rig.samples_per_phase)
 even = float(np.interp(1.0, shot / amplifier, output))
 ranges = np.geomspace(0.2, 8.0, points)
-frequency = {"single": rig.frequency_single, "doubled": 2 * rig.frequency_doubled}
-micron = {mode: 1e6 * wrap_length(f) / (2 * np.pi) for mode, f in frequency.items()}
+micron = {mode: 1e6 * wrap_length(order * rig.drive_frequency(mode)) / (2 * np.pi)
+          for mode, order in MODES.items()}  # fmt: skip
 curves = {(m, rho): [budget(m, z, rho) for z in ranges] for rho in (reflectance, 0.05)
           for m in COLOURS}  # fmt: skip
 print(f"one phase: amplifier {1e6 * amplifier:.0f} µV, converter {1e6 * converter:.0f} µV, "
@@ -296,9 +294,6 @@ for mode, one in here.items():
 # reflectances and extinction ratios, and every error of the RF drivers.
 
 # %%
-weak = replace(twin, eta=0.26)
-falls = [budget(m, distance, reflectance, weak)["amplitude"] for m in COLOURS]
-print(f"at η = 0.26 the doubled signal is {falls[0] / falls[1]:.0f} times below the single one")
 reached = {
     "sec6.laser_wavelength": twin.wavelength,
     "sec6.eom_frequency": rig.frequency_single,

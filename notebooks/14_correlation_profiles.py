@@ -26,6 +26,7 @@ from cmtof.correlation import TAU, centred, correlation_from_harmonics, decode
 from cmtof.hardware.bench import CHANNEL, VOLTS_RANGE, simulated
 from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
 from cmtof.hardware.rig import LINES, Rig
+from cmtof.hardware.rig import MODES as ORDER
 from cmtof.instrument.electronics import chain, density
 from cmtof.instrument.world import LABEL_TIME
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
@@ -33,7 +34,6 @@ from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 plotting.begin(profile=profile, seed=seed)
 COLOURS = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
 HARMONICS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
-ORDER = {"single": 1, "doubled": 2}
 PHASES = 64
 TICKS = 5  # numbers from one burst to the next
 base = Rig.default()
@@ -93,12 +93,12 @@ for mode in ORDER:
     dark[mode] = np.mean([sweep() for _ in range(8)])
     bench.look_at("scan")
     sweep()  # sets the clock; its laser power is the first
-    power[mode], taken[mode], programmed[mode] = [bench.power()], [], []
+    power[mode], taken[mode], programmed[mode] = [bench.power_meter.power], [], []
     steps = TAU * np.arange(settings) / settings / ORDER[mode]
     for step in [0.0] * bursts + steps.tolist():
         programmed[mode].append(bench.rf_emission.set_phase(step))
         taken[mode].append(sweep())
-        power[mode].append(bench.power())
+        power[mode].append(bench.power_meter.power)
 bench.check()
 bench.shut()
 

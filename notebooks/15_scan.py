@@ -63,8 +63,7 @@ def typical(error):
 # %%
 rig = replace(Rig.default(), field_of_view_deg=(field_of_view_deg, field_of_view_deg))
 plan = planned(rig, size=size)
-measurement = scan(plan, lambda: simulated(rig, scene, seed=seed), here / "m.nc",
-                   seed=seed, scene=scene)  # fmt: skip
+measurement = scan(plan, lambda: simulated(rig, scene, seed=seed), here / "m.nc")
 data, given = measurement.dataset, rig.twin
 print(measurement, f"{plan.lines[-1].labels[-1]} bursts in {len(plan.lines)} lines")
 

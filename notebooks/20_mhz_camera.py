@@ -80,8 +80,8 @@ mhz = {name: observed(camera, name) for name in NAMES}
 bright = {name: observed(strong, name) for name in NAMES}
 twin, ghz, truth, ghz_error, index = TwinSettings(), {}, {}, {}, {}
 for name in NAMES:
-    scan = scan_scene(twin, target[name], size=size, seed=seed, field_of_view=FIELD_OF_VIEW[name],
-                      range_min=0.8, range_max=1.5)  # fmt: skip
+    scan = scan_scene(twin, target[name], size=size, seed=seed, field_of_view=FIELD_OF_VIEW[name])
+    scan = scan.between(0.8, 1.5)
     index[name] = scan.dataset.attrs["group_index"]
     truth[name] = scan.depth / index[name]
     ghz[name] = cmtof.unwrap(scan, method="surfaces").depth.to_numpy() / index[name]

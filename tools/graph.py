@@ -56,7 +56,8 @@ class Book:
     def chapters(self) -> list[str]:
         """Every file that the book is built from, notebooks and generated pages left out."""
         pages = [file for file in (self.root / "book").rglob("*") if file.is_file()]
-        shown = [self.package / "hardware" / "rig.yml"]  # by the guide to the hardware
+        hardware = self.package / "hardware"
+        shown = [hardware / "rig.yml", hardware / "rig.py"]  # by the guide to the hardware
         return self._relative([self.root / "_config.yml", self.root / "_toc.yml", *shown, *pages])
 
     def parameters(self, stem: str, profile: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -398,16 +398,15 @@ def scan(
     from cmtof.hardware.journal import journal_path
     from cmtof.hardware.plan import planned
     from cmtof.hardware.rig import Rig
-    from cmtof.hardware.scan import check_scan_output
     from cmtof.hardware.scan import scan as run_scan
 
     settings = Rig.default() if rig is None else Rig.load(rig)
     plan = planned(settings, size=size)
-    check_scan_output(output, resume=resume)
-    seed, scene = (seed or 0, scene or "still_life") if twin else (None, None)
 
-    def bench() -> Bench:
-        return simulated(settings, scene, seed=seed or 0) if twin else opened(settings)
+    def bench() -> AbstractContextManager[Bench]:
+        if twin:
+            return simulated(settings, scene or "still_life", seed=seed or 0)
+        return opened(settings)
 
     try:
         with progress(len(plan.lines), quiet) as advance:
@@ -417,8 +416,6 @@ def scan(
                 output,
                 resume=resume,
                 report=lambda line: advance(f"{line.mode}: {line.kind}"),
-                seed=seed,
-                scene=Path(scene).name if scene else None,
             )
     except (KeyboardInterrupt, SystemExit):
         print(f"cmtof: stopped; {journal_path(output)} goes on with --resume", file=sys.stderr)

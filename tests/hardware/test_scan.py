@@ -19,6 +19,7 @@ from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan, scan_scene
+from cmtof.instrument.optics import directions_from_angles
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import MIRROR, Plane
 from cmtof.measurement import open_measurement
@@ -39,7 +40,7 @@ def take(output, rig=RIG, prepare=lambda bench: None, **options):
         return held[0]
 
     try:
-        scan(planned(rig, size=4), opened, output, seed=4, **options)
+        scan(planned(rig, size=4), opened, output, **options)
     except BaseException as error:
         return held[0] if held else None, error
     return held[0] if held else None, None
@@ -71,9 +72,7 @@ def test_phases_are_those_of_the_true_ranges():
     for n, frequency in enumerate(seen.frequencies):
         error = centred(seen.phase[n] - phase_from_depth(truth, frequency))
         assert np.abs(error).max() < 0.02
-    tangent = np.tan(seen.dataset["angle"].to_numpy())
-    rays = np.concatenate([tangent, np.ones((6, 6, 1))], -1)
-    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    rays = directions_from_angles(seen.dataset["angle"].to_numpy())
     np.testing.assert_allclose(truth, WALL.look(rays).range, rtol=1e-6)
     assert seen.mask.all()
 
@@ -83,16 +82,15 @@ def test_a_file_holds_raw_counts_power_and_settings(whole):
     assert data["raw_counts"].shape == (2, 4, 4, 4)
     assert 33523 < float(data["dark"][0]) < data["raw_counts"].mean()
     assert (data["laser_power"] > 1e-3).all()
-    assert data.attrs["source"] == "simulated instrument"
+    assert (data.attrs["source"], data.attrs["seed"]) == ("simulated instrument", 4)
     assert not journal_path(whole).exists()
 
 
 # --- stop and resume -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("stop", [0, 5, len(PLAN.lines) - 1])
+@pytest.mark.parametrize("stop", [5, len(PLAN.lines) - 1])
 def test_stopped_and_resumed_gives_equal_bytes(tmp_path, whole, stop):
-
     def report(line):
         if line.index == stop:
             raise KeyboardInterrupt
@@ -104,7 +102,6 @@ def test_stopped_and_resumed_gives_equal_bytes(tmp_path, whole, stop):
     assert len(whole_lines(journal_path(output))) == stop + 2
     assert take(output, resume=True)[1] is None
     assert output.read_bytes() == whole.read_bytes()
-    assert not journal_path(output).exists()
 
 
 def test_a_scan_begun_is_not_overwritten(tmp_path, whole):
@@ -113,7 +110,7 @@ def test_a_scan_begun_is_not_overwritten(tmp_path, whole):
     assert "Expected no scan begun, got 1 lines" in str(take(output)[1])
     other = replace(RIG, power_dbm=29.0)
     error = take(output, rig=other, resume=True)[1]
-    assert "got settings.power_dbm = 30.0 where now it is 29.0" in str(error)
+    assert "got another power_dbm, 30.0. Scan with its settings" in str(error)
     output.write_bytes(whole.read_bytes())
     journal_path(output).unlink()
     assert take(output, resume=True)[1] is None
@@ -141,8 +138,6 @@ def test_a_command_that_is_killed_resumes_to_equal_bytes(tmp_path, number, code,
             time.sleep(0.002)
         process.send_signal(number)
         _, err = process.communicate()
-    if process.returncode == 0:
-        pytest.skip("the scan was faster than the signal")
     assert process.returncode == code
     assert err.count(b"\n") == (number != signal.SIGKILL)
     assert not output.exists()
@@ -222,16 +217,11 @@ def test_bursts_with_lost_samples_or_edges_are_taken_again(tmp_path, whole, lose
     assert_safe(bench)
 
 
-def open_the_door(bench):
-    after_lines(bench, lambda n: setattr(bench.daq.panel, "interlock_closed", n < 20))
+@pytest.mark.parametrize("lost", ["interlock_closed", "clock_on"])
+def test_an_open_interlock_and_a_lost_lock_end_the_scan(tmp_path, lost):
+    def spoil(bench):
+        after_lines(bench, lambda n: setattr(bench.daq.panel, lost, n < 20))
 
-
-def lose_the_lock(bench):
-    after_lines(bench, lambda n: setattr(bench.daq.panel, "clock_on", n < 20))
-
-
-@pytest.mark.parametrize("spoil", [open_the_door, lose_the_lock])
-def test_an_open_interlock_and_a_lost_lock_end_the_scan(tmp_path, spoil):
     bench, error = take(tmp_path / "m.nc", prepare=spoil)
     assert isinstance(error, Unsafe)
     assert_safe(bench)
@@ -249,13 +239,11 @@ def test_a_reference_target_that_cannot_calibrate_ends_the_scan(tmp_path, twin, 
     bench, error = take(tmp_path / "m.nc", rig=replace(RIG, twin=twin))
     assert isinstance(error, ValueError)
     assert text in str(error)
-    assert "\n" not in str(error)
     assert_safe(bench)
     assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 9
 
 
 # --- command line --------------------------------------------------------------------------------
-
 
 WRONG = [
     (["-o", "m.nc"], 1, "either a RIG file or --twin"),

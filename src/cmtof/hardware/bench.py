@@ -1,9 +1,10 @@
 """The bench: instruments of a rig, real or simulated, and the steps of a scan, each checked."""
 
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack, closing
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
 from functools import partial
 from math import ceil
+from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
@@ -12,37 +13,35 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import LASER_WAVELENGTH
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
-from cmtof.hardware.plan import FULL_STEP, VOLTS_PER_RADIAN, Line, Plan, Record
+from cmtof.hardware.plan import SETTLING, VOLTS_PER_RADIAN, Line, Plan, Record
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
 from cmtof.hardware.rig import DRIVERS, LINES, MIRRORS, DeviceSettings, Rig
 from cmtof.hardware.safety import EmergencyStop
 from cmtof.instrument.devices import simulated_devices
+from cmtof.instrument.optics import group_index
 from cmtof.instrument.world import World
 
 LIGHT = ("laser", "shutter", "beam_block")  # low is safe: laser off, shutter shut, block in
 CHANNEL, VOLTS_RANGE = "AIN0", 10.0  # input of the detector, V
-CLOCK = {"frequency": 10e6, "amplitude": 1.0}  # of both RF drivers, Hz, V peak to peak
 PLATES = {"single": 11.25, "doubled": 22.5}  # theta_h in the modes, degrees (Sec. 6.2)
-LOCK_SHARE = 0.5  # of the dead man's time to look for a resonance: the other driver waits
-WATCHDOG = 30  # s of silence after which the read-out's own watchdog acts
-POWER_READINGS = 10  # averaged by the power meter, about 3 ms each
 STAGE_SPEED = 2.4e-3  # of the target's stage, m/s (MTS50-Z8, largest)
-BACKLASH = 1e-3  # how far below its first position the target turns round, m
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 
 
 class Bench(EmergencyStop):
-    """Instruments of a rig, by role; as a context manager their emergency stop, and closed.
+    """Instruments of a rig, by role; as a context manager their emergency stop.
 
     First it stops the light and parks the mirrors, then RF, then what moves. All lines are wired so
     that low, a cut cable or a read-out without power is safe; an open interlock reads low.
-    ``flyback`` is how long the longest step of the mirrors takes, s. Angles are optical, rad.
+    ``flyback`` is how long the longest step of the mirrors takes, s; ``about`` goes into the file.
     """
 
     name = "beam"
 
-    def __init__(self, rig: Rig, devices: Mapping[str, Any], flyback: float = FULL_STEP[1]) -> None:
-        self.rig, self.devices = rig, devices
+    def __init__(
+        self, rig: Rig, devices: Mapping[str, Any], flyback: float = SETTLING[1], **about: Any
+    ) -> None:
+        self.rig, self.devices, self.about = rig, devices, about
         self.rf = (devices["rf_emission"], devices["rf_detection"])
         self._flyback, self._fed = flyback, monotonic()
         super().__init__([self, *(devices[role] for role in DRIVERS)])
@@ -51,13 +50,6 @@ class Bench(EmergencyStop):
         if role not in DRIVERS:
             raise AttributeError(role)
         return self.devices[role]
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        try:
-            super().__exit__(kind, error, trace)
-        finally:
-            for device in self.devices.values():
-                device.close()
 
     def safe_state(self) -> None:
         """Laser off, shutter shut, block in, mirrors parked; each even if another fails."""
@@ -73,10 +65,7 @@ class Bench(EmergencyStop):
     def check_interlock(self) -> None:
         """Raise `Unsafe` when the interlock is open."""
         if not self.daq.line(LINES["interlock"]):
-            raise Unsafe(
-                f"Expected the interlock at {LINES['interlock']} closed, got it open. "
-                "Close doors and covers."
-            )
+            raise Unsafe("Expected the interlock closed, got it open. Close doors and covers.")
 
     def park(self) -> None:
         """Bring both mirrors to 0 V."""
@@ -90,7 +79,7 @@ class Bench(EmergencyStop):
         for motor in (self.plate_emission, self.plate_detection, self.stage):
             if not motor.homed:
                 motor.home()
-        self.daq.watchdog(WATCHDOG)  # homing takes longer than it allows
+        self.daq.watchdog(30)  # s of silence; homing takes longer
         self.daq.configure_burst(
             channel=CHANNEL,
             rate=rig.rate,
@@ -100,19 +89,18 @@ class Bench(EmergencyStop):
             pulse=rig.samples_per_phase,
         )
         for channel in (1, 2):
-            self.clock.sine(channel, **CLOCK)
+            self.clock.sine(channel, frequency=10e6, amplitude=1.0)  # Hz, V peak to peak
         self.clock.lock_phases()
         for channel in (1, 2):
             self.clock.output(channel, True)
         for rf in self.rf:
-            if rf.status().tripped:  # a scan that was killed leaves it so
-                rf.clear_trip()
+            rf.clear_trip()  # a scan that was killed leaves it so
             rf.output(False)
             rf.set_dead_man(rig.dead_man)
             rf.set_power(rig.power_dbm)
             rf.set_phase(0.0)
             rf.trigger(False)
-        self.power_meter.set_up(wavelength=LASER_WAVELENGTH, readings=POWER_READINGS)
+        self.power_meter.set_up(wavelength=LASER_WAVELENGTH, readings=10)  # about 3 ms each
         self.switch("laser", True)
 
     def choose_mode(self, mode: str) -> None:
@@ -125,11 +113,10 @@ class Bench(EmergencyStop):
         self.plate_detection.move_to(float(np.deg2rad(PLATES[mode] + rig.plate_zero_detection_deg)))
         for rf in self.rf:
             rf.set_frequency(rig.drive_frequency(mode))
-            rf.output(True, lock_timeout=LOCK_SHARE * rig.dead_man)
-            self.feed(at_once=True)
+            rf.output(True, lock_timeout=rig.dead_man / 2)  # the other driver waits
+            self.feed()
         self.rf_detection.load_table(drive_phases(rig.phases, mode))
         self.rf_detection.trigger(True)
-        self.feed(at_once=True)
 
     def shut(self) -> None:
         """Close the shutter and park the beam."""
@@ -142,11 +129,9 @@ class Bench(EmergencyStop):
         self.switch("shutter", kind != "dark")
 
     def move_target(self, offset: float) -> None:
-        """Bring the reference target to an offset (m) from its zero, always from below."""
-        # in steps so short that the dead man's timers are fed between them
+        """Bring the target to an offset (m) from below, in steps with the timers fed between."""
         goal, step = self.rig.stage_zero + offset, STAGE_SPEED * self.rig.dead_man / 3
-        below = [goal - BACKLASH] if self.stage.position > goal - BACKLASH else []
-        for end in [*below, goal]:
+        for end in (goal - 1e-3, goal):
             start = self.stage.position
             for at in np.linspace(start, end, ceil(abs(end - start) / step) + 1):
                 self.stage.move_to(float(at))
@@ -162,8 +147,9 @@ class Bench(EmergencyStop):
         """
         requests = [{"USER_RAM0_U32": float(label)} for label in labels]
         if directions is not None:
-            for request, aim in zip(requests, np.asarray(directions, float).tolist(), strict=True):
-                request.update(registers(*aim))
+            volts = np.round(VOLTS_PER_RADIAN * np.asarray(directions, float), 6).tolist()
+            for request, pair in zip(requests, volts, strict=True):
+                request.update(zip(MIRRORS, pair, strict=True))
             self.daq.write_many({name: requests[0][name] for name in MIRRORS})
             sleep(self._flyback)  # from the end of the last line
         insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
@@ -173,10 +159,7 @@ class Bench(EmergencyStop):
             self.feed()
         edges = self.rf_detection.status().edges
         if edges != (wanted := len(counts) * self.rig.phases):
-            raise BadReply(
-                f"Expected {wanted} edges at the trigger of the phase table, got {edges}. "
-                "Check the trigger line."
-            )
+            raise BadReply(f"Expected {wanted} trigger edges, got {edges}. Check the trigger line.")
         return np.array(counts)
 
     def check(self) -> None:
@@ -184,74 +167,56 @@ class Bench(EmergencyStop):
         for rf in self.rf:
             status = rf.status()
             if status.tripped or not (status.on and status.locked):
-                raise Unsafe(
-                    f"Expected {rf.name} on and locked at the end of a line, got {status}. "
-                    "Wait until the crystal is warm, then go on with --resume."
-                )
+                raise Unsafe(f"Expected {rf.name} on and locked, got {status}. Let it warm up.")
         self.check_interlock()
 
-    def power(self) -> float:
-        """Laser power behind the emission module, W."""
-        power = float(self.power_meter.power)
-        if not power > 0:
-            raise Unsafe(f"Expected laser power above 0 W, got {power:g}. Check laser and shutter.")
-        return power
-
-    def feed(self, *, at_once: bool = False) -> None:
+    def feed(self) -> None:
         """Keep the dead man's timers from running out while the scan is alive."""
-        if at_once or monotonic() - self._fed > self.rig.dead_man / 4:
+        if monotonic() - self._fed > self.rig.dead_man / 4:
             for rf in self.rf:
                 rf.ping()
             self._fed = monotonic()
 
-    def measure(self, plan: Plan, line: Line) -> Record:
-        """Record of one line; its bursts are taken again when samples or an edge were lost.
-
-        The laser power is read at the end, on the clock of the last burst: so it is the same
-        whether the line came after others or after a resume.
-        """
+    def measure(self, plan: Plan, line: Line, attempts: int = ATTEMPTS) -> Record:
+        """Record of one line, which is begun again when samples or an edge were lost."""
         self.look_at(line.kind)
         if line.kind == "reference":
             self.move_target(plan.sweep[line.row])
         aims = plan.angles[line.row] if line.kind == "scan" else None
-        for attempt in range(ATTEMPTS):
-            try:
-                counts = self.bursts(line.labels, aims)
-                break
-            except (BadReply, InstrumentTimeout):
-                if attempt == ATTEMPTS - 1:
-                    raise
+        try:
+            counts = self.bursts(line.labels, aims)
+        except (BadReply, InstrumentTimeout):
+            if attempts == 1:
+                raise
+            return self.measure(plan, line, attempts - 1)
         self.check()
-        power = 1.0 if line.kind == "dark" else self.power()
+        # on the clock of the last burst: so it is the same after other lines and after a resume
+        power = 1.0 if line.kind == "dark" else float(self.power_meter.power)
+        if not power > 0:
+            raise Unsafe(f"Expected laser power above 0 W, got {power:g}. Check laser and shutter.")
         return Record(line.index, power, *sums_from_counts(counts, plan.kept))
 
 
-def registers(x: float, y: float) -> dict[str, float]:
-    """Register writes that turn the mirrors to optical angles, rad; a ValueError beyond 10 V."""
-    volts = [round(VOLTS_PER_RADIAN * angle, 6) for angle in (x, y)]
-    if not all(abs(value) <= 10 for value in volts):  # a comparison that NaN fails
-        raise ValueError(f"Expected mirrors within 10 V, got {volts}. Turn them less.")
-    return dict(zip(MIRRORS, volts, strict=True))
-
-
-def opened(rig: Rig) -> Bench:
-    """Bench of a rig's real devices, connected; use it as a context manager.
-
-    Raises `InstrumentError` if one cannot be reached; those that could are closed again.
-    """
-    devices: dict[str, Any] = {}
+@contextmanager
+def opened(rig: Rig) -> Iterator[Bench]:
+    """Bench of a rig's real devices, which are closed again, also if one cannot be reached."""
     with ExitStack() as reached:
-        for role, device in rig.devices.items():
-            devices[role] = reached.enter_context(closing(driver(role.replace("_", " "), device)))
-        reached.pop_all()
-    return Bench(rig, devices)
+        devices = {
+            role: reached.enter_context(closing(driver(role.replace("_", " "), device)))
+            for role, device in rig.devices.items()
+        }
+        with Bench(rig, devices, source="instrument", group_index=group_index()) as bench:
+            yield bench
 
 
 def simulated(rig: Rig, scene: Any = None, *, seed: int = 0) -> Bench:
     """Bench of simulated devices, in process, before a scene; ``daq.world`` is their light."""
     world = World(rig.twin, scene, seed=seed)
     parts = {line: part for part, line in LINES.items()}
-    return Bench(rig, simulated_devices(world, parts, MIRRORS), flyback=0.0)
+    about = {"source": "simulated instrument", "seed": seed, "group_index": world.group_index}
+    if isinstance(scene, str | Path):
+        about["scene"] = Path(scene).name
+    return Bench(rig, simulated_devices(world, parts, MIRRORS), flyback=0.0, **about)
 
 
 def driver(name: str, device: DeviceSettings) -> Any:
@@ -271,7 +236,6 @@ def driver(name: str, device: DeviceSettings) -> Any:
         case "pm100d":
             return scpi.PowerMeter(scpi.open_visa(address), name)
     kind = apt.MOTORS[device.driver]
-    if device.counts_per_unit:
-        kind = kind._replace(scale=device.counts_per_unit)
+    kind = kind._replace(scale=device.counts_per_unit or kind.scale)
     port = rf.open_serial(address, rtscts="://" not in address)
     return apt.Motor(port, kind, name, device.serial_number)

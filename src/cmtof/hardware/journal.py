@@ -5,19 +5,16 @@ header, everything that the result depends on; the others are the lines of the p
 disk (fsync) before the scan goes on. What follows a line that is torn or damaged does not count.
 """
 
-import fcntl
 import json
 import os
 import zlib
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from math import inf
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from cmtof.files import written_whole
 from cmtof.hardware.plan import Line, Plan, Record
 
 
@@ -41,56 +38,39 @@ def whole_lines(path: str | Path) -> list[bytes]:
     return found
 
 
-class Journal(NamedTuple):
-    """A journal that is open for writing, with the records that it holds."""
-
-    file: BinaryIO
-    records: list[Record]
-
-    def append(self, record: Record) -> None:
-        """Add the next line; it is on the disk when this returns."""
-        content = json.dumps(record._asdict(), default=np.ndarray.tolist)
-        self.file.write(framed(content.encode()))
-        self.file.flush()
-        os.fsync(self.file.fileno())
-        self.records.append(record)
+def append(path: Path, content: Mapping[str, Any]) -> None:
+    """Add a line to a journal; it is on the disk when this returns."""
+    with path.open("ab") as file:
+        file.write(framed(json.dumps(content, default=np.ndarray.tolist).encode()))
+        file.flush()
+        os.fsync(file.fileno())
 
 
-@contextmanager
-def open_journal(path: Path, header: Mapping[str, Any], plan: Plan) -> Iterator[Journal]:
-    """Journal of a plan, by one process at a time; made with the header where there is none.
+def begun(path: Path, header: Mapping[str, Any], plan: Plan) -> list[Record]:
+    """Records of a plan's journal, which is cut behind them, or begun where there is none.
 
-    Raises ValueError if it belongs to other settings, is none, or another process writes it.
+    Raises ValueError if it belongs to other settings, or is none.
     """
-    if not path.exists():
-        with written_whole(path) as part:
-            part.write_bytes(framed(json.dumps(header).encode()))
-    with path.open("r+b") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise ValueError(
-                f"Expected {path} for this scan alone, got one that another scan writes. "
-                "Wait for it, or name another output."
-            ) from None
-        lines = whole_lines(path)
-        try:
-            other = difference(json.loads(lines[0]), json.loads(json.dumps(header)))
-            rows = [] if other else lines[1:]
-            records = [_record(row, plan.lines[n], plan.kept.size) for n, row in enumerate(rows)]
-        except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
-            raise ValueError(
-                f"Expected a journal of this scan, got another file or a damaged one, {path}. "
-                "Remove it, or restore it from a copy."
-            ) from None
-        if other:
-            raise ValueError(
-                f"Expected {path} to belong to these settings, got {other}. Scan with its "
-                "settings, or remove it to begin again."
-            )
-        file.truncate(sum(len(framed(line)) for line in lines))  # without a torn end
-        file.seek(0, os.SEEK_END)
-        yield Journal(file, records)
+    if not path.exists() or not path.stat().st_size:
+        append(path, header)
+    lines = whole_lines(path)
+    try:
+        old, new = (one["settings"] | one for one in (json.loads(lines[0]), header))
+        other = [name for name in new if old.get(name) != new[name]]
+        rows = [] if other else lines[1:]
+        records = [_record(row, plan.lines[n], plan.kept.size) for n, row in enumerate(rows)]
+    except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
+        raise ValueError(
+            f"Expected a journal of this scan, got another file or a damaged one, {path}. "
+            "Remove it, or restore it from a copy."
+        ) from None
+    if other:
+        raise ValueError(
+            f"Expected {path} to be of these settings, got another {other[0]}, "
+            f"{old.get(other[0])!r:.60}. Scan with its settings, or remove it to begin again."
+        )
+    os.truncate(path, sum(len(framed(line)) for line in lines))  # without a torn end
+    return records
 
 
 def _record(content: bytes, line: Line, phases: int) -> Record:
@@ -102,12 +82,3 @@ def _record(content: bytes, line: Line, phases: int) -> Record:
     if not (right and found["line"] == line.index and 0 < found["power"] < inf):
         raise ValueError("another line")
     return Record(line.index, float(found["power"]), sums, clipped)
-
-
-def difference(old: Any, new: Any, name: str = "") -> str:
-    """Name and values of the first setting that differs; empty where none does."""
-    if isinstance(old, dict) and isinstance(new, dict):
-        inside = (difference(old.get(k), new.get(k), f"{name}.{k}") for k in sorted({*old, *new}))
-        return next(filter(None, inside), "")
-    texts = json.dumps(old)[:60], json.dumps(new)[:60]
-    return "" if old == new else f"{name[1:]} = {texts[0]} where now it is {texts[1]}"

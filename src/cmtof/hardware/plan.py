@@ -15,21 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.hardware.rig import Rig
+from cmtof.hardware.rig import MODES, Rig
 from cmtof.instrument.optics import group_index
 from cmtof.scenes.frame import rays_from_camera
 
 Array = NDArray[np.float64]
 
-MODES = ("single", "doubled")  # that of the lower frequency first
 DARK_BURSTS = 16  # behind the closed shutter, each mode
 REFERENCE_BURSTS = 8  # at each position of the reference target
 SWEEP = 8  # positions of it, over one wrap of the single mode, two of the doubled one
 VOLTS_PER_RADIAN = 0.5 * 180 / pi / 2
 """Scan mirrors GVS012: 0.5 V a degree of mechanical angle; the beam turns by twice that."""
-SMALL_STEP, FULL_STEP = (0.4 * pi / 180, 4e-4), (80 * pi / 180, 5e-3)
+STEPS, SETTLING = (0.4 * pi / 180, 80 * pi / 180), (4e-4, 5e-3)
 """Steps of the mirrors, optical angle, rad, and the time they take, s (GVS012 specifications: 0.2
-mechanical degrees; 100 Hz square waves of full scale)."""
+mechanical degrees; 100 Hz square waves of full scale); between, a straight line (not verified)."""
 SLOT = 20e-3
 """Time from one burst to the next on the plan's clock, s: 13.3 ms for the paper's burst, and what
 the devices need between."""
@@ -66,14 +65,7 @@ class Plan(NamedTuple):
 
 
 def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
-    """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole.
-
-    Examples
-    --------
-    >>> plan = planned(Rig.default(), size=4)
-    >>> plan.angles.shape, len(plan.lines), plan.lines[-1].labels
-    ((4, 4, 2), 42, range(313, 321))
-    """
+    """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole."""
     height, width = (size, size) if isinstance(size, int) else size
     focal = np.array([width, height]) / 2 / np.tan(np.deg2rad(rig.field_of_view_deg) / 2)
     camera = np.array([*focal, width / 2, height / 2])
@@ -90,11 +82,6 @@ def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
             label += bursts
     settle = np.full(rig.phases, rig.settle_samples)
     step = float(np.abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0))
-    mirrors = ceil(settling_time(step) * rig.rate - 1e-9)  # in the first phase they settle, too
-    settle[0] = max(settle[0], min(mirrors, rig.samples_per_phase - 1))
+    mirrors = ceil(np.interp(step, STEPS, SETTLING) * rig.rate - 1e-9)
+    settle[0] = max(settle[0], min(mirrors, rig.samples_per_phase - 1))  # mirrors settle, too
     return Plan(rig, angles, camera, sweep, rig.samples_per_phase - settle, lines)
-
-
-def settling_time(step: float) -> float:
-    """Time, s, that the mirrors take for a step, rad: a straight line (not verified)."""
-    return float(np.interp(step, *zip(SMALL_STEP, FULL_STEP, strict=True)))
