@@ -29,10 +29,7 @@ WINDOW = 11  # side of the window in which a spot is placed, px
 
 @dataclass(frozen=True)
 class Sensor:
-    """Camera, lens and laser spot; *assumed* is what the paper does not state.
-
-    The pixel is that of Sony's IMX252; whether the camera of Sec. 6.4 holds it was not verified.
-    """
+    """Camera, lens and laser spot, the pixel of Sony's IMX252 (assumed)."""
 
     shape: tuple[int, int] = (1536, 2048)  # height and width, px
     pitch: float = 3.45e-6  # m
@@ -47,9 +44,7 @@ class Sensor:
 
     @property
     def speckle(self) -> float:
-        r"""Deviation of a spot's centroid by grains of area A and contrast C, px, at any size.
-
-        .. math:: \sigma = C\sqrt{A / 8\pi} = C\lambda N / \sqrt2\,\pi, \quad A = 4(\lambda N)^2/\pi
+        r"""Deviation of a spot's centroid by speckle of contrast C, px: C lambda N / (sqrt(2) pi).
 
         (Dorsch, Haeusler and Herrmann, Applied Optics 33, 1306, 1994, found this limit.)
         """
@@ -178,10 +173,7 @@ def find_corners(image: NDArray[np.uint8]) -> Array:
 
 
 def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, float]:
-    """Rig in the left camera's frame, and the rms of a corner's residual, px (Zhang 2000).
-
-    From corners (2, V, 54, 2), px, of V >= 3 views, and the images' height and width.
-    """
+    """Rig in the left camera's frame and a corner's rms residual, px, of corners (2, V, 54, 2)."""
     import cv2
 
     corners = np.asarray(corners, np.float32)
@@ -198,10 +190,7 @@ def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, fl
 
 
 def locate_scanner(rig: StereoRig, pixels: ArrayLike, directions: ArrayLike) -> StereoRig:
-    """Rig in the scanner's frame, by resection from the spots that its beams made.
-
-    From at least 6 pairs of pixels (2, ..., 2) and the directions (..., 3) of their beams.
-    """
+    """Rig in the scanner's frame, by resection from spots (2, ..., 2) and their beams (..., 3)."""
     import cv2
 
     points = rig.triangulate(pixels).reshape(-1, 3)
@@ -226,14 +215,12 @@ class Spots(NamedTuple):
 def place_spots(windows: ArrayLike, sensor: Sensor) -> tuple[Array, Array]:
     r"""Centres (N, 2) and their standard deviations (N,), px, of the spots in windows (N, S, S).
 
-    The centroid under a Gaussian weight w of width s that moves with it (XWIN of SExtractor), with
-    v the variance of a pixel, and speckle's added:
+    The centroid under a Gaussian weight w of width s that moves with it (XWIN of SExtractor):
 
     .. math:: x \leftarrow x + 2\frac{\sum w I (u - x)}{\sum w I}, \qquad
               \sigma_x = \frac{\sqrt{\sum w^2 (u - x)^2 v}}{\sum w I\,(1 - (u - x)^2/s^2)}.
 
-    Windows hold electrons, those with the laser off subtracted. NaN for spots that are saturated,
-    or below six standard deviations of their brightness.
+    Windows hold electrons of variance v. NaN for spots saturated or below six deviations.
     """
     light, width = np.asarray(windows, float), 1.3
     middle = light.shape[-1] / 2
@@ -266,8 +253,7 @@ def scan_spots(
 ) -> Spots:
     """Spots (H, W) that both cameras find while a frame with a camera is scanned (simulated).
 
-    Lambertian spots; the 99th percentile peaks at 70 % of the full well. Speckle, shot and read
-    noise are drawn in a window about each spot.
+    Lambertian spots with speckle, shot and read noise; the 99th percentile peaks at 70 % of a well.
     """
     if frame.camera is None:
         raise ValueError("Expected a frame with a camera, got none. State fx, fy, cx, cy.")
@@ -316,10 +302,9 @@ def truth_from_spots(
 ) -> PseudoTruth:
     """Wrap map of the spots (H, W) of a scan, where the number of wraps is beyond doubt.
 
-    The label is floor(2 f z / c) where k = ``sigmas`` standard deviations reach into no other wrap.
-    With a measured phase (H, W) and its standard deviation, rad, it is the wrap that brings the
-    phase nearest to the stereo range, where k of both fit into half a wrap. ``draws`` are rigs that
-    the calibration's noise could have given as well: the scatter of their ranges counts, too.
+    The label is floor(2 f z / c) where ``sigmas`` deviations reach into no other wrap; with a
+    measured phase (H, W), rad, the wrap that brings it nearest to the stereo range, where those of
+    both fit into half a wrap. ``draws`` are rigs by other noise of calibration: their scatter adds.
     """
     frequency = FREQUENCY_SINGLE
     found, spread = _ranges(spots, rig)

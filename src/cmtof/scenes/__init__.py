@@ -20,10 +20,9 @@ __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
 def load_frame(source: str | Path, *, intensity: str | Path | None = None, **given: Any) -> Frame:
     """Frame of a file or of an embedded name, or the first one of a folder as `frames_in` lists it.
 
-    The file is an ``.npz`` with ``depth`` (m), ``intensity`` and optionally ``camera``; a 16-bit
-    depth ``.png`` beside an ``intensity`` image, with ``depth_scale`` and ``planar`` as in
-    `cmtof.scenes.frame.frame_from_pair`; or a ``frame.IIII.depth_meters.hdf5`` in its Hypersim
-    tree. A ``camera`` given stands in place of the file's.
+    The file is an ``.npz`` with ``depth`` (m), ``intensity`` and optionally ``camera``; a depth
+    ``.png`` beside an ``intensity`` image, with the options of `frame_from_pair`; or a
+    ``frame.IIII.depth_meters.hdf5`` in its tree. A ``camera`` given replaces the file's.
 
     >>> load_frame("still_life").depth.shape
     (240, 320)

@@ -1,8 +1,7 @@
 """Real captures of the all-optical 7.15 GHz prototype line, as published with GHz-FMCW.
 
 Pan et al., Opt. Express 32(16), 2024, published the phase maps (``phase/scene_*_phase.csv``, rad)
-of raster scans beside a coarse reference depth (``depth/scene_*_depth.csv``, mm). The captures are
-no part of this project; where a copy lies on the machine, `data_root` finds it.
+of raster scans beside a coarse reference depth (``depth/scene_*_depth.csv``, mm), not copied here.
 """
 
 import os
@@ -36,8 +35,7 @@ def published_captures() -> dict[str, Path]:
 def read_capture(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     """Wrapped phase (H, W), rad, of ``phase/scene_NAME_phase.csv``, and the reference depth, m.
 
-    The reference is None where ``depth/scene_NAME_depth.csv`` is missing. It is coarser than a
-    wrap on the objects and no truth for them. ValueError if a file holds no such map.
+    The reference, None without its file, is coarser than a wrap on the objects: no truth for them.
     """
     path = Path(path).resolve()
     phase, depth = _read_map(path), None

@@ -197,8 +197,7 @@ def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
     """Published views parted into train, val and test; each list is sorted.
 
     Test are the paper's test frames or, in sets rendered here, the first view of each test scene;
-    train and val are the official partitions without any scene that holds a test frame: 34 of the
-    paper's 46 lie in official training scenes.
+    train and val are the official partitions without the scenes of any test frame.
     """
     views = sorted(view for view in listed if view.partition in PARTITIONS)
     theirs = [v for v in views if re.fullmatch(r"ai_\d{3}_001/cam_00/0042", v.name)]

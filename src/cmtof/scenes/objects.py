@@ -2,8 +2,7 @@
 
 Each is one mesh in the instrument's axes (m; x right, y down, z forward) whose vertices carry, at
 532 nm, ``reflectance`` and ``mirrored``, the weight of a specular law against a diffuse one, both 0
-to 1. A triangle of side L on a body of radius R lies up to ``L^2 / (8 R)`` off it, 2 um for 1 mm on
-6 cm.
+to 1. Triangles of side L lie up to ``L^2 / (8 R)``, 2 um, off a body of radius R.
 """
 
 from collections.abc import Callable
@@ -84,8 +83,8 @@ def _body(
 ) -> Trimesh:
     """A smooth body about the upright axis, by its sections (N, 2) or (N, 4): height, half breadth.
 
-    Bodies that are not round have reaches to the front and to the back, too, all in m. The surface
-    stands out by ``relief`` (x, y, z), m, and is open at ``holes``.
+    Others than round ones have reaches to front and back, too, m; the surface stands out by
+    ``relief`` (x, y, z), m, and is open at ``holes``.
     """
     path = np.asarray(sections, float)
     path = path[:, [0, 1, 2, 3] if path.shape[1] == 4 else [0, 1, 1, 1]]
@@ -159,10 +158,7 @@ def _bust() -> list[Trimesh]:
 
 
 def _helmet() -> list[Trimesh]:
-    """Polished steel, open behind, with slits and holes that show the wall.
-
-    Almost all light is mirrored away from the instrument; what comes back is a faint diffuse rest.
-    """
+    """Polished steel, open behind, with slits and holes that show the wall."""
     height = 0.28
     sections = [
         (0.0, 0.104, 0.128, 0.112), (0.014, 0.097, 0.118, 0.105), (0.042, 0.092, 0.113, 0.1),

@@ -1,7 +1,6 @@
 """What makes a scene hard to unwrap: slope, jumps, and size of its surfaces.
 
-Surfaces are cut where depth bends by more than 4 mm from one pixel to the next, a fifth of a wrap
-at 7.15 GHz: a method may follow depth up to there, and must find a new offset beyond.
+Surfaces are cut where depth bends by more than 4 mm a pixel, a fifth of a wrap at 7.15 GHz.
 """
 
 from typing import NamedTuple
@@ -15,8 +14,7 @@ from cmtof.correlation import wrap_length
 
 Array = NDArray[np.float64]
 
-BEND = 0.004
-"""Second difference of depth at which one surface ends, m."""
+BEND = 0.004  # second difference of depth at which one surface ends, m
 
 
 def bends(depth: ArrayLike) -> NDArray[np.bool_]:
