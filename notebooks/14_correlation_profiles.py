@@ -27,7 +27,7 @@ from cmtof.hardware.bench import CHANNEL, VOLTS_RANGE, simulated
 from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
 from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.rig import MODES as ORDER
-from cmtof.instrument.electronics import chain, density
+from cmtof.instrument.electronics import Chain, density
 from cmtof.instrument.world import LABEL_TIME
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
@@ -129,7 +129,7 @@ for mode in ORDER:
 # %%
 def expected_noise(volts, samples):
     """Standard deviation of the mean over successive samples at an output, V."""
-    lags = chain(known, 1 / reading.rate).memory(samples)
+    lags = Chain(known, 1 / reading.rate).memory(samples)
     weight = np.where(np.arange(samples) == 0, 1, 2) * (samples - np.arange(samples)) / samples**2
     converter = (known.converter_noise**2 + 1 / 12) * gain.positive_slope**2 / samples
     return np.sqrt(density(known, volts) * (weight @ lags) + converter)

@@ -213,8 +213,8 @@ for (name, room), scan in scans.items():
     phase_error[name, room] = 1e3 * float(np.nanmedian(np.abs(centred(high - 2 * low))))
 for name in objects:
     angles = scans[name, "ordinary"].dataset["angle"].to_numpy()
-    rf[name] = rf_image(RfRanger(settings=ordinary), scenes[name], angles, seed=seed)
-    off = centred(rf[name].phase - phase_from_depth(index * truth[name], first.frequencies[0]))
+    rf[name], *_ = rf_image(RfRanger(settings=ordinary), scenes[name], angles, seed=seed)
+    off = centred(rf[name] - phase_from_depth(index * truth[name], first.frequencies[0]))
     rf_rms[name] = float(np.sqrt(np.nanmean(off**2)))
 notes.table(
     ("scene", "amplitude (mV)", *(f"beat, {room} (mrad)" for room in rooms), "RF phase (rad rms)"),
@@ -254,7 +254,7 @@ def drawn(name):
         plotting.image(ax, 1e3 * amplitude, label="amplitude (mV)", title=tone,
                        limits=(0, 1e3 * float(np.percentile(amplitude, 98))))  # fmt: skip
     plotting.image(axes[3], truth[name], label="range (m)", title="truth", limits=limits[name])
-    phases = (*scan.phase, rf[name].phase)
+    phases = (*scan.phase, rf[name])
     for ax, phase, title in zip(axes[4:7], phases, (*TONES, f"RF, {TONES[0]}"), strict=True):
         plotting.phase_image(ax, np.mod(phase, TAU), title=title)
     normals = normals_of(name, depth_of(name, best[name]))

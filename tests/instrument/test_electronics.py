@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cmtof.instrument.electronics import (
-    chain,
+    Chain,
     counts_from_volts,
     density,
     volts_from_counts,
@@ -31,7 +31,7 @@ def test_step_response_is_that_of_three_poles():
     light = np.r_[0.0, np.ones(199)][None]
     t = STEP * np.arange(199)[:, None]
     for rc_time in (20e-6, 2e-3):
-        found = chain(TwinSettings(rc_time=rc_time), STEP).run(light, light, None)[0, 1:]
+        found = Chain(TwinSettings(rc_time=rc_time), STEP).run(light, light, None)[0, 1:]
         times = np.array([1 / (2 * np.pi * 1e5), 1 / (2 * np.pi * 1e4), rc_time])
         others = [np.delete(times, i) for i in range(3)]
         weights = [a**2 / np.prod(a - b) for a, b in zip(times, others, strict=True)]
@@ -39,7 +39,7 @@ def test_step_response_is_that_of_three_poles():
 
 
 def test_filtered_noise_has_its_memory():
-    filters = chain(TwinSettings(rc_time=1e-4), STEP)
+    filters = Chain(TwinSettings(rc_time=1e-4), STEP)
     normals = np.random.default_rng(1).standard_normal((20000, 13, 3))
     still = np.zeros((20000, 12))
     seen = filters.run(still, np.ones_like(still), normals)
@@ -47,7 +47,7 @@ def test_filtered_noise_has_its_memory():
     np.testing.assert_allclose(found, filters.memory(3), rtol=4 * np.sqrt(3 / 20000))
     # one slow pole: density over 4 RC
     slow = TwinSettings(rc_time=1e-2, bandwidth=1e8, low_pass=1e8)
-    assert chain(slow, STEP).memory(1)[0] == pytest.approx(25.0, rel=1e-3)
+    assert Chain(slow, STEP).memory(1)[0] == pytest.approx(25.0, rel=1e-3)
 
 
 def test_counts_and_volts_invert_each_other():

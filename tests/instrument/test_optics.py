@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from cmtof.instrument.optics import (
-    directions_from_angles,
     group_index,
     returned_fractions,
     sent_power,
@@ -70,12 +69,6 @@ def test_three_milliwatts_reach_the_scene():
     single, doubled = (sent_power(TwinSettings(), mode) for mode in ("single", "doubled"))
     assert single == pytest.approx(3e-3, rel=0.1)
     assert doubled < single
-
-
-def test_directions_lie_in_the_tangent_plane():
-    ray = directions_from_angles([0.1, -0.2])
-    np.testing.assert_allclose(ray[:2] / ray[2], np.tan([0.1, -0.2]))
-    assert np.linalg.norm(ray) == pytest.approx(1)
 
 
 def test_numbers_of_places_depend_on_the_place_alone():

@@ -51,15 +51,6 @@ def test_noise_of_the_zero_samples_and_phases():
         np.testing.assert_allclose(ranger.bound(PLATE, [0.0]) / better, ratio**0.5, rtol=0.01)
 
 
-def test_shot_noise_falls_with_the_root_of_the_light():
-    silent = replace(NOISY, noise_density=0.0, converter_noise=0.0)
-    weak, strong = (
-        OpticalRanger(silent).bound(replace(PLATE, reflectance=share), [0.0])[0]
-        for share in (0.1, 0.4)
-    )
-    assert weak / strong == pytest.approx(2, rel=2e-3)  # rounding stays
-
-
 @pytest.mark.parametrize(("mode", "most"), [("single", 1e-6), ("doubled", 3e-6)])
 def test_without_errors_the_range_is_right(mode, most):
     """Of a plate's light the doubled mode leaves 280 counts of amplitude, and they are rounded."""

@@ -1,7 +1,8 @@
 """Simulated devices of the instrument, in process: the interfaces of `cmtof.hardware`'s drivers.
 
 They share one `Panel`, whose knobs the `World` reads. Nothing waits: a move or a lock is over when
-the call returns, and the only clock is the number of a burst.
+the call returns, and the only clock is the number of a burst. Methods are documented at the drivers
+of the same names.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 from cmtof.instrument.electronics import CENTRE, SLOPE
 from cmtof.instrument.world import CODES, LABEL_TIME, Panel, RfKnobs, World
 
-TDAC_STEP = 20.0 / 2**14
-"""Step of the LJTick-DAC, 14 bit, V."""
+TDAC_STEP = 20.0 / 2**14  # Step of the LJTick-DAC, 14 bit, V
+VOLTS_PER_DEGREE = 0.5
+"""Scan mirrors GVS012, V per mechanical degree, half an optical one (its manual)."""
 SWITCHES = {"laser": "laser_on", "shutter": "shutter_open", "flip_mirror": "flip_mirror_in"}
 """Knobs of the panel that follow a digital line."""
 
@@ -39,7 +41,6 @@ class SimulatedDevice:
         self.name = role.replace("_", " ")
 
     def identify(self) -> dict[str, str]:
-        """Model, and a serial number that says what it is."""
         return {"model": self.MODEL, "serial_number": f"TWIN-{self.name}"}
 
     def nothing(self, *values: float, **options: float) -> None:
@@ -57,46 +58,36 @@ class SimulatedRf(SimulatedDevice):
 
     @property
     def knobs(self) -> RfKnobs:
-        """Knobs of this driver."""
         return getattr(self.panel, self.role.removeprefix("rf_"))
 
     def set_frequency(self, hz: float) -> None:
-        """Set the frequency, whole Hz."""
         self.knobs.frequency = float(round(hz))
 
     def set_power(self, dbm: float) -> None:
-        """Set the power, dBm."""
         self.knobs.power = float(dbm)
 
     def set_phase(self, rad: float) -> float:
-        """Set the phase outside the table; return what was set, rad."""
         self.knobs.phase = float(_coded(rad))
         return self.knobs.phase
 
     def output(self, on: bool, *, lock_timeout: float = 0.0) -> None:
-        """Switch RF."""
         self.knobs.on = on
 
     def status(self) -> Status:
-        """Output, lock (on and clocked), table and trip."""
         on, last = self.knobs.on, (self.edges - 1) % max(len(self.knobs.table), 1)
         return Status(on, on and self.panel.clock_on, last, self.edges, False)
 
     def load_table(self, phases: NDArray[np.float64]) -> None:
-        """Load phases of the drive, rad, that the trigger steps through."""
         self.knobs.table = _coded(phases)
 
     def trigger(self, on: bool) -> None:
-        """Let edges step the table, or not."""
         if not on:
             self.knobs.table = np.zeros(0)
 
     def arm(self) -> None:
-        """Count no edges yet."""
         self.edges = 0
 
     def safe_state(self) -> None:
-        """Turn RF off."""
         self.knobs.on = False
 
 
@@ -107,11 +98,9 @@ class SimulatedClock(SimulatedDevice):
     sine = lock_phases = SimulatedDevice.nothing
 
     def output(self, channel: int, on: bool) -> None:
-        """Switch the clock."""
         self.panel.clock_on = on
 
     def safe_state(self) -> None:
-        """Switch the clock off."""
         self.panel.clock_on = False
 
 
@@ -121,18 +110,15 @@ class SimulatedMotor(SimulatedDevice):
     MODEL, homed = "APT", False
 
     def home(self) -> None:
-        """Find the home position."""
         self.homed = True
         self.move_to(0.0)
 
     def move_to(self, position: float) -> float:
-        """Move to a position; return it."""
         setattr(self.panel, self.role, float(position))
         return self.position
 
     @property
     def position(self) -> float:
-        """Position, m or rad."""
         return getattr(self.panel, self.role)
 
 
@@ -144,7 +130,6 @@ class SimulatedPowerMeter(SimulatedDevice):
 
     @property
     def power(self) -> float:
-        """Power, W."""
         return self.world.laser_power(self.panel)
 
 
@@ -158,15 +143,12 @@ class SimulatedReadOut(SimulatedDevice):
     triggered: SimulatedRf
 
     def gain(self, volts_range: float) -> tuple[float, float, float]:
-        """Nominal slopes, V per count, and count of 0 V: those of 10 V, whatever was asked."""
-        return SLOPE, -SLOPE, CENTRE
+        return SLOPE, -SLOPE, CENTRE  # of 10 V, whatever was asked
 
     def line(self, dio: str) -> bool:
-        """Level of a digital line; the interlock's is high while it is closed."""
         return self.roles[dio] == "interlock" and self.panel.interlock_closed
 
     def set_line(self, dio: str, high: bool) -> None:
-        """Set a digital line, and with it what hangs on it."""
         part = self.roles[dio]
         if part == "beam_block":
             self.panel.beam_block_in = not high
@@ -174,7 +156,6 @@ class SimulatedReadOut(SimulatedDevice):
             setattr(self.panel, SWITCHES[part], high)
 
     def write_many(self, values: Mapping[str, float]) -> None:
-        """Write registers: those of the mirrors count."""
         for axis, name in enumerate(self.mirrors):
             if name in values:
                 self.panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
@@ -182,15 +163,14 @@ class SimulatedReadOut(SimulatedDevice):
     def configure_burst(
         self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
     ) -> None:
-        """Set up bursts; ``channel`` is the detector's, ``range`` 10 V."""
         self._burst = {"rate": rate, "pulses": np.arange(scans) // pulse}
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
-        """Counts (scans,) of a burst for each request, all computed at once."""
-        angles, labels = [], []
+        angles, labels = [], []  # all are computed at once
         for registers in requests:
             self.write_many(registers)
-            angles.append(self.world.angles(self.panel))
+            degrees = 2 * np.array(self.panel.galvo_volts) / VOLTS_PER_DEGREE  # optical
+            angles.append(np.deg2rad(degrees))
             labels.append(int(registers["USER_RAM0_U32"]))
         counts = self.world.bursts(self.panel, angles, labels=labels, **self._burst)
         for label, one in zip(labels, counts, strict=True):

@@ -1,7 +1,5 @@
 """Detector, filters and converter: from light to counts, with noise from the data sheets."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import c, e, h
@@ -33,18 +31,25 @@ def density(settings: TwinSettings, volts: ArrayLike) -> Array:
     return shot * np.asarray(volts, float) + settings.noise_density**2
 
 
-@dataclass(frozen=True, eq=False)
 class Chain:
-    """Three poles in a row: detector, EF120 and RC, under held light and white noise.
+    """Three poles in a row: detector, EF120 and RC, sampled every ``interval``, s.
 
     Between samples ``x' = A x + b (light + noise)`` is carried on exactly, as
     ``x -> transition x + entry light + sqrt(density) root normal``; x are the poles' outputs.
+    ``settled`` is the root of their covariance under unit one-sided density for ever.
     """
 
-    transition: Array  # (3, 3), lower triangular
-    entry: Array  # (3,)
-    root: Array  # (3, 3), root of the covariance that unit one-sided density adds in an interval
-    settled: Array  # (3, 3), root of the covariance under unit density for ever
+    def __init__(self, settings: TwinSettings, interval: float) -> None:
+        corners = 2 * np.pi * settings.bandwidth, 2 * np.pi * settings.low_pass
+        rates = np.array([*corners, 1 / settings.rc_time])
+        matrix, push = np.diag(-rates) + np.diag(rates[1:], -1), rates[:1] * np.eye(POLES)[:, :1]
+        system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
+        transition, entry = cont2discrete(system, interval)[:2]
+        # one-sided density 1 is two-sided 1/2
+        settled = solve_continuous_lyapunov(matrix, -0.5 * push @ push.T)
+        added = settled - transition @ settled @ transition.T
+        self.transition, self.entry = np.tril(transition), entry[:, 0]
+        self.root, self.settled = _root(added), _root(settled)
 
     def memory(self, count: int) -> Array:
         """Autocovariance (count,) of the output, V^2, at successive samples for unit density."""
@@ -75,19 +80,6 @@ class Chain:
         return outputs[-1]
 
 
-def chain(settings: TwinSettings, interval: float) -> Chain:
-    """Filters of the detector sampled every ``interval``, s."""
-    corners = 2 * np.pi * settings.bandwidth, 2 * np.pi * settings.low_pass
-    rates = np.array([*corners, 1 / settings.rc_time])
-    matrix, push = np.diag(-rates) + np.diag(rates[1:], -1), rates[:1] * np.eye(POLES)[:, :1]
-    system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
-    transition, entry = cont2discrete(system, interval)[:2]
-    # one-sided density 1 is two-sided 1/2
-    settled = solve_continuous_lyapunov(matrix, -0.5 * push @ push.T)
-    added = settled - transition @ settled @ transition.T
-    return Chain(np.tril(transition), entry[:, 0], _root(added), _root(settled))
-
-
 def _root(covariance: Array) -> Array:
     """Root of a covariance that rounding may have left not quite positive."""
     values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
@@ -95,13 +87,7 @@ def _root(covariance: Array) -> Array:
 
 
 def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> NDArray[np.uint16]:
-    """Raw stream counts of the T7, rounded and clipped; its ``noise`` is in counts.
-
-    Examples
-    --------
-    >>> counts_from_volts([0.0, 10.0, 99.0]).tolist()
-    [33523, 65188, 65535]
-    """
+    """Raw stream counts of the T7, rounded and clipped; its ``noise`` is in counts."""
     raw = np.asarray(volts) / SLOPE + CENTRE + np.asarray(noise)
     return np.clip(np.rint(raw), 0, 65535).astype(np.uint16)
 

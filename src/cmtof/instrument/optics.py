@@ -12,12 +12,9 @@ from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 
 Array = NDArray[np.float64]
 
-PLACE = 1e-6
-"""Directions, rad, that share their speckle: finer than a step of the galvo's 14 bits."""
-SPECULAR_LOBE = 3e-3
-"""1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)."""
-SPECULAR_DIFFUSE = 0.02
-"""Share of a polished surface's reflectance that is diffuse (assumed)."""
+PLACE = 1e-6  # Directions, rad, that share their speckle: finer than a step of the galvo's 14 bits
+SPECULAR_LOBE = 3e-3  # 1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)
+SPECULAR_DIFFUSE = 0.02  # Share of a polished surface's reflectance that is diffuse (assumed)
 
 # Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
 # degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
@@ -166,12 +163,6 @@ def emission_mean(settings: TwinSettings, mode: str) -> float:
 
 
 def sent_power(settings: TwinSettings, mode: str = "single") -> float:
-    """Mean power sent to the scene, W, the fibre at the middle of its drift (Sec. 7.1: 3 mW).
-
-    Examples
-    --------
-    >>> round(1e3 * sent_power(TwinSettings()), 2)
-    3.2
-    """
+    """Mean power sent to the scene, W, the fibre at the middle of its drift (Sec. 7.1: 3 mW)."""
     fibre = (settings.fibre_low + settings.fibre_high) / 2
     return settings.laser_power * fibre * emission_mean(settings, mode) * outward(settings)

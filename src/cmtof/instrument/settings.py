@@ -32,11 +32,6 @@ class TwinSettings:
     resonance's Lorentzian relative to ``detuning``: as stated at both frequencies of the rig.
     The detector's numbers are Thorlabs' for free-space Si APDs (transcribed by a third party, not
     checked): 53 A/W at 800 nm and M = 100, 2.65e9 V/W, NEP 3.5 fW/sqrt(Hz), saturation 1.54 nW.
-
-    Examples
-    --------
-    >>> TwinSettings(rc_time=0.1).rc_time
-    0.1
     """
 
     # laser and fibre: Laser Quantum gem 532, OZ Optics QPMJ (Sec. 7.1)

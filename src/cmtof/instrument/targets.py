@@ -21,8 +21,7 @@ Array = NDArray[np.float64]
 
 LARGEST_STEP = 0.02
 """Neighbouring pixels whose depths differ by less than this share belong to one surface."""
-SURFACE = 3e-3
-"""How near to a point its own surface may be met, m."""
+SURFACE = 3e-3  # How near to a point its own surface may be met, m
 
 
 class Hits(NamedTuple):
@@ -62,8 +61,7 @@ class Plane:
         return Hits(reach, cosine, np.full(reach.shape, self.reflectance), self.mirrored)
 
 
-PLATE = Plane(0.60)
-"""Diffuse target of Sec. 8.2."""
+PLATE = Plane(0.60)  # Diffuse target of Sec. 8.2
 MIRROR = Plane(0.60, reflectance=0.97, mirrored=1.0)
 """Silvered mirror PF10-03-P01 in its place (known: 97 % at 532 nm)."""
 
@@ -95,15 +93,9 @@ class FrameTarget:
         with np.errstate(divide="ignore", invalid="ignore"):
             x, y = directions[..., 0] / forward, directions[..., 1] / forward
             u, v = fx * x + sum(skew) * y + cx, fy * y + cy
-            seen = (forward > 0) & (u >= 0) & (u < width) & (v >= 0) & (v < height)
-            u, v = np.where(seen, u, 0.0), np.where(seen, v, 0.0)
-            reach = np.where(seen, 1 / (self._inverse_at(u, v) * forward), np.nan)
+        seen = (forward > 0) & (u >= 0) & (u < width) & (v >= 0) & (v < height)
+        u, v = np.where(seen, u, 0.0), np.where(seen, v, 0.0)
         nearest = v.astype(int), u.astype(int)
-        return Hits(reach, self._cosine[nearest], self._reflectance[nearest])
-
-    def _inverse_at(self, u: Array, v: Array) -> Array:
-        """Inverse depth at pixel positions: bilinear within a surface, else the nearest."""
-        height, width = self._inverse.shape
         i = np.clip(v - 0.5, 0, height - 2).astype(int)
         j = np.clip(u - 0.5, 0, width - 2).astype(int)
         s, t = v - 0.5 - i, u - 0.5 - j
@@ -111,9 +103,10 @@ class FrameTarget:
         a, b, c, d = corners
         above, below = a + t * (b - a), c + t * (d - c)
         flat = np.ptp(corners, axis=0) < LARGEST_STEP * corners.min(axis=0)
-        return np.where(
-            flat, above + s * (below - above), self._inverse[v.astype(int), u.astype(int)]
-        )
+        inverse = np.where(flat, above + s * (below - above), self._inverse[nearest])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = np.where(seen, 1 / (inverse * forward), np.nan)
+        return Hits(reach, self._cosine[nearest], self._reflectance[nearest])
 
 
 def _cosines(planar: Array, rays: Array) -> Array:
@@ -203,13 +196,7 @@ KINDS: dict[str, Any] = {
 
 
 def scene_from(source: Any) -> Target | None:
-    """Target of a frame, its file or embedded name, a mapping with `KINDS`, or a target itself.
-
-    Examples
-    --------
-    >>> scene_from({"kind": "mirror", "distance": 0.6, "reflectance": 1e-6}).mirrored
-    1.0
-    """
+    """Target of a frame, its file or embedded name, a mapping with `KINDS`, or a target itself."""
     if source is None or hasattr(source, "look"):
         return source
     if isinstance(source, (str, Path)):

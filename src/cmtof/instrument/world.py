@@ -25,7 +25,7 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.electronics import (
     POLES,
-    chain,
+    Chain,
     counts_from_volts,
     density,
     volts_per_watt,
@@ -38,22 +38,14 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Integers = NDArray[np.integer]
 
-LABEL_TIME = 0.02
-"""Virtual time from one burst to the next, s: 13.3 ms and its dialogue."""
-SAMPLE_RATE = 24000.0
-"""Samples a second, Hz (Sec. 7.2)."""
-VOLTS_PER_DEGREE = 0.5
-"""Scan mirrors GVS012, V per mechanical degree (its manual)."""
-HARMONICS = 16
-"""Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5."""
-CODES = 65536
-"""Phase codes of an RF driver in a turn."""
-DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)
-"""Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz."""
+LABEL_TIME = 0.02  # Virtual time from one burst to the next, s: 13.3 ms and its dialogue
+SAMPLE_RATE = 24000.0  # Samples a second, Hz (Sec. 7.2)
+HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
+CODES = 65536  # Phase codes of an RF driver in a turn
+DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)  # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
 DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
 
 LABEL, DRIFT, CODE = 1, 5, 6  # purposes of random numbers
-_ROWS = 512  # directions computed at a time, to stay within the processor's caches
 
 
 def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
@@ -80,11 +72,6 @@ class RfKnobs:
     power: float = 0.0
     phase: float = 0.0
     table: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-
-    def phases(self, edges: Integers) -> Array:
-        """Drive phases (S,), rad, behind trigger edges (S,) numbered from 0; -1 is before them."""
-        table = self.table if len(self.table) else np.array([self.phase])
-        return np.asarray(table, float)[edges % len(table)]
 
 
 @dataclass
@@ -114,14 +101,13 @@ class World:
         held = scene_from(settings.scene if scene is None else scene)
         self.scene = Plane(np.nan) if held is None else held
         self.group_index = free_space.group_index(settings)
-        self.modulator = TwoPassModulator(
-            half_wave_angle=0.0,
-            mirror_distance=settings.mirror_distance,
-            input_axis="horizontal",  # Sec. 7.1
-            transmitted_extinction=settings.transmitted_extinction,
-            reflected_extinction=settings.reflected_extinction,
-            mirror_reflectance=settings.mirror_reflectance,
-        )
+        names = ("mirror_distance", "mirror_reflectance")
+        names += ("transmitted_extinction", "reflected_extinction")
+        parts = {name: getattr(settings, name) for name in names}
+        # the incident polarisation is that of Sec. 7.1
+        self.modulator = TwoPassModulator(half_wave_angle=0, input_axis="horizontal", **parts)
+        codes = [keyed_generator(self.seed, CODE, n).standard_normal(CODES) for n in (0, 1)]
+        self.code_errors = settings.phase_step_error * np.stack(codes)
 
     def bursts(
         self,
@@ -144,15 +130,10 @@ class World:
         # the drives are constant in stretches between edges
         first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
         length = np.diff(first, append=len(pulses))
-        modules = self._waveforms(panel, pulses[first])
-        counts = np.empty((len(points), len(pulses)), np.uint16)
-        for start in range(0, len(points), _ROWS):
-            rows = slice(start, start + _ROWS)
-            paths = self._paths(panel, points[rows], places[rows])
-            times = LABEL_TIME * numbers[rows, None] + (first + length / 2) / rate
-            light = self._light(panel, paths, times, modules)
-            counts[rows] = self._counts(np.repeat(light, length, axis=1), numbers[rows], rate)
-        return counts
+        times = LABEL_TIME * numbers[:, None] + (first + length / 2) / rate
+        paths, modules = self._paths(panel, points, places), self._waveforms(panel, pulses[first])
+        light = self._light(panel, paths, times, modules)
+        return self._counts(np.repeat(light, length, axis=1), numbers, rate)
 
     def _paths(self, panel: Panel, angles: Array, stage: Array) -> Array:
         """Ranges and shares (2, N, M) of the ways to scene or reference, the stray one last."""
@@ -193,7 +174,7 @@ class World:
         """Counts (N, T) of light (N, T), W, held for a sample each: noise, filters, converter."""
         settings, samples = self.settings, light.shape[1]
         volts = np.minimum(light * volts_per_watt(settings), settings.saturation)
-        filters, spread = chain(settings, 1 / rate), np.sqrt(density(settings, volts))
+        filters, spread = Chain(settings, 1 / rate), np.sqrt(density(settings, volts))
         if not settings.noise:
             return counts_from_volts(filters.run(volts, spread, None))
         # a row: the filters' initial state, then for each sample the filters' noise and the ADC's
@@ -211,11 +192,13 @@ class World:
         return self._waveforms(panel, np.array([-1]))[0][0]
 
     def _waveforms(self, panel: Panel, edges: Integers) -> list[Complex]:
-        """Fourier coefficients (S, K + 1) of emission and detection, phases of drive included."""
+        """Fourier coefficients (S, K + 1) of both modules behind edges (S,); -1 is before them."""
         settings, knobs = self.settings, (panel.emission, panel.detection)
         made = []
         for number, one in enumerate(knobs):
-            phase = self.made_phase(number, one.phases(edges)) + number * settings.phase_offset
+            table = one.table if len(one.table) else np.array([one.phase])
+            phase = self.made_phase(number, table[edges % len(table)])
+            phase = phase + number * settings.phase_offset
             size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
             made.append(size * np.exp(-1j * phase))
         leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
@@ -231,10 +214,9 @@ class World:
 
     def made_phase(self, module: int, phase: Array) -> Array:
         """Phase, rad, that driver 0 or 1 really makes of one that was set."""
-        settings = self.settings
         code = np.rint(phase * (CODES / (2 * np.pi))).astype(int) % CODES
-        error = settings.phase_step_error * _code_errors(self.seed, module)[code]
-        return phase + error + settings.iq_imbalance * np.sin(2 * phase)
+        imbalance = self.settings.iq_imbalance * np.sin(2 * phase)
+        return phase + self.code_errors[module, code] + imbalance
 
     def from_fibre(self, panel: Panel, times: Array) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""
@@ -243,10 +225,6 @@ class World:
             return np.zeros(np.shape(times))
         fibre = (low + high) / 2 + (high - low) / 2 * drift(self.seed, 0, times)
         return self.settings.laser_power * fibre
-
-    def angles(self, panel: Panel) -> Array:
-        """Optical angles (2,), rad, of the panel's galvo; twice the mechanical ones."""
-        return np.deg2rad(2 * np.array(panel.galvo_volts) / VOLTS_PER_DEGREE)
 
     def ranges(self, angles: ArrayLike) -> Array:
         """True ranges (N,), m, of the scene at optical angles (N, 2), rad; NaN for nothing."""
@@ -265,12 +243,6 @@ def amplitude(settings: TwinSettings, power: float, frequency: float) -> complex
     offsets = np.array([settings.detuning, frequency - settings.resonance])
     stated, passed = 1 / (1 + 2j * offsets / settings.resonance_width)
     return settings.eta * 10 ** ((power - settings.drive_power) / 20) * passed / abs(stated)
-
-
-@lru_cache(maxsize=64)
-def _code_errors(seed: int, module: int) -> Array:
-    """Standard normal error (65536,) of each phase code of a driver."""
-    return keyed_generator(seed, CODE, module).standard_normal(CODES)
 
 
 @lru_cache(maxsize=4096)

@@ -22,10 +22,8 @@ from cmtof.ranging.sweep import POSITIONS, STAGE_ERROR
 
 Array = NDArray[np.float64]
 
-AGE = 600.0
-"""Time from the zero to the sweep, s (assumed)."""
-VISITS = 8
-"""Ranges of the zero, over one wrap (assumed)."""
+AGE = 600.0  # Time from the zero to the sweep, s (assumed)
+VISITS = 8  # Ranges of the zero, over one wrap (assumed)
 
 
 def budget_terms(
@@ -37,11 +35,6 @@ def budget_terms(
     imbalance e: :math:`(e/2)\sin 2\phi`, nothing in the doubled mode. Back-reflection of the power
     ratio r: :math:`r\sin(\phi_b-\phi)`. RF leakage and laser drift: ``days`` of Monte Carlo before
     a mirror, which leaves little of the converter's rounding.
-
-    Examples
-    --------
-    >>> round(budget_terms(MIRROR, days=1)["I/Q imbalance"] * 1e6, 2)
-    1.18
     """
     real, order = TwinSettings(), ORDER[mode]
     silent = replace(real, converter_noise=0.0)
@@ -76,10 +69,7 @@ def budget_terms(
 
 
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
-    r"""Rms of the drift at ``times`` less its mean at ``reference``, s, in units of its own rms.
-
-    An octave w leaves :math:`|e^{iwt} - \langle e^{iwt_r}\rangle|`.
-    """
+    """Rms of the drift at ``times`` less its mean at ``reference``, s, in units of its own rms."""
     rate = TAU * DRIFT_OCTAVES
     now = np.exp(1j * np.multiply.outer(np.asarray(times, float), rate))
     then = np.exp(1j * np.multiply.outer(np.asarray(reference, float), rate)).mean(0)

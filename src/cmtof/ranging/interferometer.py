@@ -19,7 +19,7 @@ from scipy.special import ndtr
 from cmtof.bounds import linear_phase_noise
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import SLOPE, chain, density, volts_per_watt
+from cmtof.instrument.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Plane
 from cmtof.instrument.world import SAMPLE_RATE
@@ -103,7 +103,7 @@ class Interferometer:
         amplitude = volts_per_watt(settings) * 2 * coherence * field
         offset = volts_per_watt(settings) * (self.arm_power + scene)
         # a mean over a step averages white noise over 1 / (2 T), unless the filters pass less
-        passed = chain(settings, 1 / SAMPLE_RATE).memory(1)[0]
+        passed = Chain(settings, 1 / SAMPLE_RATE).memory(1)[0]
         variance = density(settings, offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
         variance = variance + (settings.converter_noise * SLOPE) ** 2 / self.samples
         variance = variance + (self.intensity_noise * offset) ** 2
@@ -157,11 +157,8 @@ class Interferometer:
     def lost_fringes(self) -> float:
         r"""Mean number of fringes that one reading loses, in the direction of the move.
 
-        .. math:: \langle m\rangle = \sum_{k\ge1}
-                  Q\!\left(\frac{(2k-1)\lambda/4 - s}{\sigma}\right)
-                  - Q\!\left(\frac{(2k-1)\lambda/4 + s}{\sigma}\right)
-
-        for the stride s and a change between readings of the standard deviation sigma.
+        :math:`\sum_{k\ge1} Q(((2k-1)\lambda/4 - s)/\sigma) - Q(((2k-1)\lambda/4 + s)/\sigma)` for
+        the stride s and a change between readings of the standard deviation sigma.
         """
         angle = 2 * np.pi * self.resonance * self.reading_time
         kept = np.exp(-angle / (2 * self.quality)) * np.cos(angle)

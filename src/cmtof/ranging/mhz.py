@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import c, h
+from scipy.ndimage import gaussian_filter
 
 from cmtof.bounds import linear_phase_noise
 from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth, wrap_length
@@ -38,14 +39,7 @@ class Light(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class MhzCamera:
-    """Camera and its light; *known* of the part, or *assumed*. Nothing was fitted to the paper.
-
-    Examples
-    --------
-    >>> wall = Hits(*(np.full((2, 2), x) for x in (1.0, 1.0, 0.5)), 0.0)
-    >>> print(f"{MhzCamera().bound(wall)[0, 0] * 1e3:.0f} mm")
-    33 mm
-    """
+    """Camera and its light; *known* of the part, or *assumed*. Nothing was fitted to the paper."""
 
     power: float = 8e-3  # W, mean of four VCSELs over the whole field (Sec. 8.2)
     wavelength: float = 850e-9  # m (Sec. 8.2)
@@ -120,11 +114,7 @@ class MhzCamera:
         return photons * self.transmission * self.efficiency
 
     def light(self, view: Hits, field: Hits) -> Light:
-        """Charge that reaches each pixel of a window (H, W): direct, blurred, and scattered.
-
-        What is scattered comes evenly from the whole ``field``, on a raster of any size.
-        """
-        from scipy.ndimage import gaussian_filter
+        """Charge of pixels (H, W): direct, blurred, and scattered evenly from all of ``field``."""
 
         def mixed(part: Callable[[Hits], Array]) -> Array:
             near = gaussian_filter(part(view), self.blur, mode="nearest")
@@ -167,10 +157,7 @@ class MhzCamera:
         return np.asarray(charge) + self.read_noise**2 + step**2 / 12
 
     def bound(self, view: Hits) -> Array:
-        r"""Standard deviation of a pixel's range by noise alone, m, (H, W).
-
-        .. math:: \sigma_z = \frac{c}{4\pi f}\,\frac{\sqrt{v/2}}{m N}
-        """
+        r"""Standard deviation :math:`c\sqrt{v/2}/(4\pi f m N)` of a pixel's range, m, (H, W)."""
         own = self.signal(view)
         noise = self.variance(own + self.room(view))
         with np.errstate(divide="ignore"):

@@ -24,7 +24,7 @@ from cmtof.constants import (
 from cmtof.correlation import centred, decode, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import SLOPE, chain, density, volts_per_watt
+from cmtof.instrument.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Plane
 from cmtof.instrument.world import LABEL_TIME, SAMPLE_RATE, Panel, RfKnobs, World
@@ -34,8 +34,7 @@ Array = NDArray[np.float64]
 
 FREQUENCY = {"single": FREQUENCY_SINGLE, "doubled": FREQUENCY_DOUBLED}
 """Modulation frequency of each mode, Hz."""
-ORDER = {"single": 1, "doubled": 2}
-"""Harmonic of the drive that the correlation is made of."""
+ORDER = {"single": 1, "doubled": 2}  # Harmonic of the drive that the correlation is made of
 _PLATE = {"single": HALF_WAVE_PLATE_SINGLE, "doubled": HALF_WAVE_PLATE_DOUBLED}
 
 
@@ -148,7 +147,7 @@ class OpticalRanger:
     def _bandwidth(self) -> float:
         """Variance, V^2, of one quadrature of the fundamental per one-sided density, V^2/Hz."""
         phase, sample = np.divmod(np.arange(self.phases * self.samples), self.samples)
-        memory = chain(self.settings, 1 / SAMPLE_RATE).memory(phase.size)
+        memory = Chain(self.settings, 1 / SAMPLE_RATE).memory(phase.size)
         tone = np.exp(-1j * nominal_psi(self.phases))[phase] * (sample >= self.settle)
         overlap = correlate(tone, tone)[phase.size - 1 :].real
         scale = 2 / (self.phases * (self.samples - self.settle))

@@ -11,7 +11,6 @@ with H = 1/(1 + i f/f_c) and the noise e_n of the amplifier behind the mixer, a 
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -81,11 +80,6 @@ class RfRanger:
         leaked -= self.amplifier_gain - self.filter_loss
         level = np.array([leaked, self.drive_power - self.isolation])  # dBm
         return np.sqrt(2 * self.load * 1e-3 * 10 ** (level / 10))
-
-    @property
-    def skew(self) -> tuple[float, float]:
-        """Amplitude of Q over I, and Q's error of its 90 degrees, rad."""
-        return 10 ** (self.amplitude_imbalance / 20), self.phase_imbalance
 
     def envelope(self, power: ArrayLike) -> Array:
         """Size of the envelope, V, of light (...), W."""
@@ -164,11 +158,11 @@ class RfRanger:
         )
         many = np.array([self.points, *np.ones(ranges.size), self.points])
         noise = self.noise(light) / np.sqrt(many) * circular_normals(rng, many.size)
-        gain, error = self.skew + self.drift * rng.standard_normal(2)
-        read = skewed(signal + noise, gain, error)
+        known = 10 ** (self.amplitude_imbalance / 20), self.phase_imbalance
+        read = skewed(signal + noise, *(known + self.drift * rng.standard_normal(2)))
         # the blocked beam is read, and the imbalance known, before they drift
-        blocked = skewed((signal + noise)[-1], *self.skew)
-        return straightened(read - blocked, *self.skew)[:-1] if self.calibrated else read[:-1]
+        blocked = skewed((signal + noise)[-1], *known)
+        return straightened(read - blocked, *known)[:-1] if self.calibrated else read[:-1]
 
 
 def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
@@ -183,16 +177,12 @@ def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Compl
     return np.asarray(z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error))
 
 
-class RfImage(NamedTuple):
-    """Reading of each direction (...) of a scan."""
+def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> list[Array]:
+    """RF demodulation at optical angles (..., 2), rad, of a scan of the same seed; noise alone.
 
-    phase: Array  # wrapped, rad
-    power: Array  # mean light on the photodiode, W
-    bound: Array  # Cramer-Rao bound on the phase, rad; infinite where nothing returns
-
-
-def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> RfImage:
-    """RF demodulation at optical angles (..., 2), rad, of a scan of the same seed; noise alone."""
+    Wrapped phase, rad, mean light on the photodiode, W, and Cramer-Rao bound on the phase, rad,
+    each (...); the bound is infinite where nothing returns.
+    """
     settings, shape = ranger.settings, np.shape(angles)[:-1]
     paths = free_space.trace(target, np.reshape(angles, (-1, 2)), settings, seed)
     sent = free_space.sent_power(settings, ranger.mode) * free_space.inward(settings)
@@ -205,4 +195,4 @@ def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> R
     phase = np.asarray(wrapped(np.angle(read)), float)
     with np.errstate(divide="ignore"):
         bound = ranger.noise(total) / np.abs(signal)
-    return RfImage(*(one.reshape(shape) for one in (phase, total, bound)))
+    return [one.reshape(shape) for one in (phase, total, bound)]

@@ -18,22 +18,14 @@ from cmtof.instrument.targets import Hits, Plane
 
 Array = NDArray[np.float64]
 
-POSITIONS = 5e-5 * np.arange(21)
-"""Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)."""
-STAGE_ERROR = 5e-8
-"""Error of a position of the stage, rms, m (Sec. 8.2)."""
+POSITIONS = 5e-5 * np.arange(21)  # Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)
+STAGE_ERROR = 5e-8  # Error of a position of the stage, rms, m (Sec. 8.2)
 
 
 def collected_power(
     settings: TwinSettings, target: Plane, ranges: ArrayLike, mode: str = "single"
 ) -> Array:
-    """Mean light (...) behind the receiving optics, W, of a target at ranges (...), m: no speckle.
-
-    Examples
-    --------
-    >>> f"{collected_power(TwinSettings(), Plane(0.6), 0.6) * 1e9:.1f} nW"
-    '2.2 nW'
-    """
+    """Mean light (...), W, behind the receiving optics, of a target at ranges (...), m."""
     places = np.append(target.distance, np.asarray(ranges, float).ravel())
     hits = Hits(places, np.ones(1), np.array(target.reflectance), target.mirrored)
     share = sum(free_space.returned_fractions(settings, hits))
@@ -54,21 +46,13 @@ class Parts(NamedTuple):
 
     offset: Array
     slope: Array
-    scatter: Array  # about the straight line, which takes two of P degrees of freedom
+    scatter: Array
     rmse: Array
     mae: Array
 
 
 def parts(errors: ArrayLike, positions: ArrayLike = POSITIONS) -> Parts:
-    """Offset, slope, scatter, RMSE and MAE of errors (..., P), m, at positions (P,), m.
-
-    Examples
-    --------
-    >>> z = np.linspace(-1e-3, 1e-3, 5)
-    >>> found = parts(3e-5 + 0.01 * z, z)
-    >>> f"{found.offset:.1e} {found.slope:.3f}", bool(found.scatter < 1e-15)
-    ('3.0e-05 0.010', True)
-    """
+    """Offset, slope, scatter, RMSE and MAE of errors (..., P), m, at positions (P,), m."""
     error, place = np.asarray(errors, float), np.asarray(positions, float)
     about = place - place.mean()
     offset, slope = error.mean(axis=-1), error @ about / (about @ about)
