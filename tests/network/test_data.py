@@ -7,17 +7,7 @@ import torch
 import cmtof
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME
 from cmtof.correlation import TAU, centred, wrap_length
-from cmtof.network.data import (
-    Batch,
-    Pack,
-    Steps,
-    batch_of,
-    leaves,
-    measure,
-    pack_views,
-    phasors,
-    room_crop,
-)
+from cmtof.network import data
 from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED
 from cmtof.scenes import Frame
@@ -27,13 +17,13 @@ WRAP = float(wrap_length(FREQUENCIES[0]))
 
 
 def flat(depth, intensity, sigma, side=200, seed=0):
-    rng = np.random.default_rng(seed)
-    return batch_of([(np.full((side, side), depth), np.full((side, side), intensity), sigma, rng)])
+    whole, rng = np.ones((side, side)), np.random.default_rng(seed)
+    return data.batch_of([(depth * whole, intensity * whole, sigma, rng)])
 
 
 def test_noise_free_phasors_are_those_of_the_depth():
     batch = flat(0.91, 0.7, 0.0, 8)._replace(noise=torch.zeros(1, 4, 2, 8, 8))
-    phase, amplitude, images = phasors(batch)
+    phase, amplitude, images = data.phasors(batch)
     for f, tone in enumerate(FREQUENCIES):
         expected = TAU * 0.91 / wrap_length(tone) % TAU
         assert phase[0, f].numpy() == pytest.approx(expected, abs=1e-4)
@@ -50,12 +40,13 @@ def test_images_have_the_simulators_mean_and_noise():
     frame = Frame(np.full((200, 200), 0.93), np.full((200, 200), intensity), None, "", "")
     # its farthest depth is brought to 1.195 m if it lies beyond, and 0.93 m does not
     drawn = cmtof.simulate(frame, noise=sigma, seed=2).dataset["correlation"].to_numpy()
-    ours = phasors(flat(0.93, intensity, sigma))[2][0].numpy()
+    ours = data.phasors(flat(0.93, intensity, sigma))[2][0].numpy()
     error = np.sqrt(ours.var((-2, -1)) / ours[0, 0].size * 2)
     assert (np.abs(ours.mean((-2, -1)) - drawn.mean((-2, -1))) < 5 * error).all()
     pooled = (ours.var((-2, -1)).mean(1), drawn.var((-2, -1)).mean(1))
     assert pooled[0] == pytest.approx(pooled[1], rel=0.04)
-    phase, amplitude, images = phasors(flat(0.93, 0.5, 800.0, 30))  # they decode to their phasor
+    # they decode to their phasor
+    phase, amplitude, images = data.phasors(flat(0.93, 0.5, 800.0, 30))
     z = images[:, :, 0] - images[:, :, 2] + 1j * (images[:, :, 3] - images[:, :, 1])
     assert np.abs(centred(np.angle(z.numpy()) - phase.numpy())).max() < 1e-3
     assert np.allclose(np.abs(z.numpy()) / 2, amplitude.numpy(), rtol=1e-3)
@@ -65,10 +56,10 @@ def test_images_have_the_simulators_mean_and_noise():
 def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
     first, _ = CLASSES[protocol]
     depth = torch.tensor([[first * WRAP - 1e-4, (first + 3.5) * WRAP, 7.6, np.nan]])
-    batch = Batch(
+    batch = data.Batch(
         depth[None].double(), torch.ones(1, 1, 4), torch.ones(1), torch.zeros(1, 4, 2, 1, 4)
     )
-    sample = measure(batch, inputs="phase", protocol=protocol)
+    sample = data.measure(batch, inputs="phase", protocol=protocol)
     assert sample.label[0, 0].tolist() == [IGNORED, 3, IGNORED, IGNORED]
     assert float(sample.turns[0, 0, 1]) == pytest.approx(3.5)
     assert torch.isfinite(sample.inputs).all()
@@ -79,7 +70,7 @@ def test_leaves_cover_all_classes_and_hide_them_from_brightness(protocol):
     first, classes = CLASSES[protocol]
     turns, light = [], []
     for k in range(150):
-        depth, shade = leaves(np.random.default_rng(k), 48, protocol)
+        depth, shade = data.leaves(np.random.default_rng(k), 48, protocol)
         turns.append(depth[::8, ::8].ravel() / WRAP - first)
         light.append(np.log(shade[::8, ::8].ravel() + 1e-3))
     turns, light = np.concatenate(turns), np.concatenate(light)
@@ -94,11 +85,11 @@ def test_room_crops_are_staged_and_mostly_in_range():
     rng = np.random.default_rng(0)
     depth = rng.uniform(2, 6, (3, 1, 1)) + 0.01 * np.arange(80) + np.zeros((3, 80, 80))
     light = rng.uniform(0, 1, depth.shape).astype(np.float16)
-    pack = Pack(depth.astype(np.float32), light, depth.max((1, 2)))
+    pack = data.Pack(depth.astype(np.float32), light, depth.max((1, 2)))
     first, classes = CLASSES["released"]
     depth, _ = pack.staged(0, "released")
     assert depth.max() == pytest.approx(1.195, rel=1e-3)
-    crops = [room_crop(rng, pack, 32, "released") for _ in range(30)]
+    crops = [data.room_crop(rng, pack, 32, "released") for _ in range(30)]
     turns = np.concatenate([depth.ravel() / WRAP - first for depth, _ in crops])
     assert np.mean((turns >= 0) & (turns < classes)) > 0.6
     assert all(depth.shape == light.shape == (32, 32) for depth, light in crops)
@@ -106,12 +97,12 @@ def test_room_crops_are_staged_and_mostly_in_range():
 
 
 def test_steps_depend_on_their_number_alone_and_share_out(config):
-    alone, again = Steps(config, None)[3], Steps(config, None)[3]
-    shares = [Steps(config, None, rank, 2)[3] for rank in (0, 1)]
+    alone, again = data.Steps(config, None)[3], data.Steps(config, None)[3]
+    shares = [data.Steps(config, None, rank, 2)[3] for rank in (0, 1)]
     for whole, same, *parts in zip(alone, again, *shares, strict=True):
         assert torch.equal(whole.nan_to_num(), same.nan_to_num())
         assert torch.equal(whole.nan_to_num(), torch.cat(parts).nan_to_num())
-    assert not torch.equal(alone.noise, Steps(config, None)[4].noise)
+    assert not torch.equal(alone.noise, data.Steps(config, None)[4].noise)
 
 
 def source(name, size=(10, 12), fill=2.0):
@@ -129,11 +120,11 @@ def test_broken_views_are_left_out():
     views = [source("a"), Source("torn", broken), source("b"), source("small", (8, 8))]
     views.append(source("empty", fill=np.nan))
     with pytest.warns(UserWarning) as caught:
-        pack = pack_views(views)
+        pack = data.pack_views(views)
     said = [str(one.message) for one in caught]
     assert said[0] == "torn is left out. Expected HDF5, got a torn file."
     assert [line.split()[0] for line in said] == ["torn", "small", "empty"]
     assert pack.depth.shape == (2, 10, 12) and np.isnan(pack.depth[0, 0, 0])
     assert float(pack.intensity.max()) == 1 and pack.far.tolist() == [2, 2]
     with pytest.raises(ValueError, match="Expected views to train"):
-        pack_views([])
+        data.pack_views([])

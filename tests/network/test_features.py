@@ -5,13 +5,7 @@ import pytest
 import torch
 
 from cmtof.correlation import TAU
-from cmtof.network.features import (
-    FEATURE_SETS,
-    channels,
-    features,
-    fourier_features,
-    phase_edges,
-)
+from cmtof.network.features import FEATURE_SETS, channels, features, fourier_features, phase_edges
 
 rng = np.random.default_rng(0)
 PHASE = rng.uniform(0, TAU, (2, 12, 15))
@@ -24,9 +18,7 @@ def test_fourier_features_are_cosines_and_sines_of_octaves():
     for k in range(5):
         assert np.allclose(found[2 * k], np.cos(2**k * PHASE[0]), atol=1e-12)
         assert np.allclose(found[2 * k + 1], np.sin(2**k * PHASE[0]), atol=1e-12)
-
-
-def test_whole_turns_change_neither_octaves_nor_edges():
+    # whole turns change neither octaves nor edges
     moved = PHASE[0] + 57 * TAU * (rng.uniform(size=PHASE[0].shape) < 0.5)
     assert np.allclose(fourier_features(moved), fourier_features(PHASE[0]), atol=1e-9)
     assert np.allclose(np.exp(1j * phase_edges(moved)), np.exp(1j * phase_edges(PHASE[0])))
@@ -56,8 +48,5 @@ def test_beat_features_turn_with_the_beat():
     beat = PHASE[1] - 2 * PHASE[0]
     weight = np.sqrt(AMPLITUDE.prod(0)) / (20_000 / np.pi)
     assert np.allclose(both[0] + 1j * both[1], weight * np.exp(1j * beat))
-
-
-def test_missing_correlations_are_refused():
     with pytest.raises(ValueError, match="Expected raw correlations"):
         features(PHASE, AMPLITUDE, "correlation")

@@ -7,13 +7,7 @@ import torch
 from torch.autograd import gradcheck
 
 from cmtof.correlation import TAU
-from cmtof.network.losses import (
-    IGNORED,
-    WRAP_MM,
-    regression_loss,
-    soft_argmax,
-    unwrapping_loss,
-)
+from cmtof.network.losses import IGNORED, WRAP_MM, regression_loss, soft_argmax, unwrapping_loss
 
 N = 7
 
@@ -44,13 +38,7 @@ def test_gradient_of_the_cross_entropy_is_probability_minus_truth(pixels):
     truth = torch.nn.functional.one_hot(label.clamp(min=0), N).movedim(-1, 1)
     closed = (torch.softmax(weights, 1) - truth) * kept[:, None] / kept.sum()
     assert torch.allclose(weights.grad, closed)
-
-
-def test_whole_loss_has_the_gradient_of_finite_differences(pixels):
-    weights, label, phase, turns = pixels
-    assert gradcheck(
-        lambda w: unwrapping_loss(w, label, phase, turns + 0.2), weights.requires_grad_()
-    )
+    assert gradcheck(lambda w: unwrapping_loss(w, label, phase, turns + 0.2), weights)
 
 
 @pytest.mark.parametrize("off", [1, 5])

@@ -1,5 +1,6 @@
 """Training: configurations, the same bits after a kill, learning, fine-tuning."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ CPU = {"accelerator": "cpu", "devices": 1, "quiet": True}
 
 
 def unwrapping(config, init=None):
-    return Unwrapping(config, open_rooms(config, None, Path()), Path(), init, 0)
+    return Unwrapping(config, open_rooms(config, None, Path()), Path(), init)
 
 
 def test_presets_are_configurations():
@@ -28,36 +29,27 @@ def test_presets_are_configurations():
 
 
 def test_stages_follow_each_other(config):
-    assert config.steps == 5
     assert [config.stage_at(step)[0].name for step in range(5)] == ["a", "a", "a", "b", "b"]
     assert config.rate_at(0) == pytest.approx(1e-3)  # half of the way up
     assert config.rate_at(1) == pytest.approx(2e-3 - 1e-3 / 3)
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("changes", "stage", "message"),
     [
-        ("stages: []", "Expected stages .* at least 1 item"),
-        ("model: nobody\nstages: [{S}]", "Expected a model out of fast-scnn"),
-        ("protocol: half\nstages: [{S}]", "Expected protocol .* 'released' or 'full'"),
-        ("stages: [{S, rooms: 2}]", "Expected stages.0.rooms .* less than or equal to 1"),
-        ("stages: [{S, rooms: 1, crop: 600}]", "Expected crops within rooms of 512 px"),
+        ({"model": "nobody"}, {}, "Expected a model out of fast-scnn"),
+        ({"protocol": "half"}, {}, "Expected protocol .* 'released' or 'full'"),
+        ({}, {"rooms": 2}, "Expected stages.0.rooms .* less than or equal to 1"),
+        ({}, {"rooms": 1, "crop": 600}, "Expected crops within rooms of 512 px"),
     ],
 )
-def test_bad_configurations_are_refused_in_one_line(tmp_path, text, message):
-    usual = "name: a, crops: 4, crop: 32, batch: 2, noise: [9, 9], rate: [1.0e-3, 1.0e-4]"
-    stage = text.partition("{S")[2].partition("}")[0]
-    kept = ", ".join(
-        part for part in usual.split(", ") if f"{part.partition(':')[0]}:" not in stage
-    )
+def test_bad_configurations_are_refused_in_one_line(tmp_path, changes, stage, message):
+    usual = {"name": "a", "crops": 4, "crop": 32, "batch": 2, "noise": [9, 9], "rate": [9, 9]}
     path = tmp_path / "own.yml"
-    path.write_text(text.replace("{S", "{" + kept))
+    path.write_text(json.dumps({"stages": [usual | stage]} | changes))
     with pytest.raises(ValueError, match=message) as caught:
         read_config(path)
-    assert "\n" not in str(caught.value).replace("\n ", " ") or "YAML" in message
-
-
-def test_unknown_configuration_is_refused():
+    assert "\n" not in str(caught.value)
     with pytest.raises(FileNotFoundError, match="out of miniature, cpu, gpu, paper"):
         read_config("nowhere")
 
@@ -80,7 +72,7 @@ def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config):
         train(other, parts, resume=True, **CPU)
 
 
-def test_training_goes_on_from_given_weights(tmp_path, config, stored):
+def test_training_goes_on_from_given_weights(config, stored):
     path = stored()
     module = unwrapping(config, path)
     held = load_weights(path).network.state_dict()
@@ -100,14 +92,11 @@ def test_every_model_learns_a_batch_by_heart(name):
     stage = Stage(name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1)
     module = unwrapping(Config(model=name, stages=(stage,), rooms=None, validation_views=2))
     sample = module.measured(Steps(module.config, None)[0])
-    (optimizer,), _ = module.configure_optimizers()
-    losses = []
+    optimizer, losses = torch.optim.Adam(module.network.parameters(), 3e-3), []
     for _ in range(10):
         loss = loss_of(module.network.train(), sample)
         optimizer.zero_grad()
         loss.backward()
-        for group in optimizer.param_groups:
-            group["lr"] = 3e-3
         optimizer.step()
         losses.append(float(loss.detach()))
     assert losses[-1] < 0.9 * losses[0]

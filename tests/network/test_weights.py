@@ -11,41 +11,30 @@ import cmtof
 from cmtof.correlation import TAU
 from cmtof.network import weights
 from cmtof.network.models import build_network
-from cmtof.network.weights import (
-    classify,
-    find_weights,
-    load_weights,
-    read_card,
-    save_weights,
-    state,
-    unwrap_with_network,
-    weights_path,
-)
 
 
 def test_weights_come_back_in_half_precision_with_their_card(stored):
-    path = stored()
-    trained = load_weights(path)
+    trained = weights.load_weights(path := stored())
     torch.manual_seed(0)
     for name, fresh in build_network("fast-scnn-light").state_dict().items():
         back = trained.network.state_dict()[name]
         assert torch.allclose(back.float(), fresh.float(), rtol=1e-3, atol=1e-4)
-    assert trained.card == read_card(path) and not trained.network.training
+    assert trained.card == weights.read_card(path) and not trained.network.training
 
 
 def test_state_is_computed_from_the_gain(stored):
     for gain, expected in (((0.1, 0.05, 0.15), "trained"), ((0.1, -0.01, 0.2), "untrained")):
         path = stored(gain=gain)
-        assert state("fast-scnn-light", "released", path.parent) == expected
-    assert state("fast-scnn-light", "full", path.parent) == "no weights"
+        assert weights.state("fast-scnn-light", "released", path.parent) == expected
+    assert weights.state("fast-scnn-light", "full", path.parent) == "no weights"
 
 
 def test_weights_with_the_fewest_classes_are_found(stored):
     narrow, wide = stored(), stored(protocol="full")
-    assert find_weights("fast-scnn-light", 40, 50, narrow.parent) == narrow
-    assert find_weights("fast-scnn-light", 3, 50, narrow.parent) == wide
+    assert weights.find_weights("fast-scnn-light", 40, 50, narrow.parent) == narrow
+    assert weights.find_weights("fast-scnn-light", 3, 50, narrow.parent) == wide
     with pytest.raises(ValueError, match="for the wraps 0 to 400, got none"):
-        find_weights("fast-scnn-light", 0, 400, narrow.parent)
+        weights.find_weights("fast-scnn-light", 0, 400, narrow.parent)
 
 
 @pytest.mark.parametrize(
@@ -64,43 +53,42 @@ def test_cards_that_do_not_fit_are_refused(stored, changes, message):
     held = json.loads(path.with_suffix(".json").read_text())
     path.with_suffix(".json").write_text(json.dumps(held | changes))
     with pytest.raises(ValueError, match=message) as caught:
-        load_weights(path)
+        weights.load_weights(path)
     assert "\n" not in str(caught.value)
 
 
 def test_missing_and_broken_cards_are_refused(stored):
     path = stored()
-    path.with_suffix(".json").unlink()
-    for text in (None, "[1, 2]", "{", '"card"', "[" * 10**5):
-        if text is not None:
-            path.with_suffix(".json").write_text(text)
+    for text in ("[1, 2]", "{", '"card"', "[" * 10**5):
+        path.with_suffix(".json").write_text(text)
         with pytest.raises(ValueError, match="Expected") as caught:
-            read_card(path)
+            weights.read_card(path)
         assert len(str(caught.value)) < 600
+    path.with_suffix(".json").unlink()
+    with pytest.raises(ValueError, match="Expected the card of"):
+        weights.read_card(path)
 
 
 def test_weights_that_are_not_numbers_or_not_there_are_refused(tmp_path):
-    path = weights_path("fast-scnn-light", "released", tmp_path)
+    path = weights.weights_path("fast-scnn-light", "released", tmp_path)
     network = build_network("fast-scnn-light")
     network.output.bias.data[3] = torch.nan
-    save_weights(path, network, card())
+    weights.save_weights(path, network, card())
     with pytest.raises(ValueError, match="NaN or infinity"):
-        load_weights(path)
+        weights.load_weights(path)
     path.unlink()
     with pytest.raises(ValueError, match="no file"):
-        load_weights(path)
+        weights.load_weights(path)
 
 
 @pytest.mark.parametrize("name", ["fast-scnn-light", "one-step", "rapid"])
 def test_methods_answer_within_the_range(stored, measurement, name):
-    depth, sure = unwrap_with_network(measurement, weights=stored(name))
+    depth, sure = weights.unwrap_with_network(measurement, weights=stored(name))
     low, high = measurement.range
     assert ((depth >= low) & (depth < high)).all() and ((sure >= 0) & (sure <= 1)).all()
     assert (sure == 0.3).all() == (name == "one-step")
-
-
-def test_classes_agree_with_the_measured_phase(stored, measurement):
-    depth, _ = unwrap_with_network(measurement, weights=stored())
+    if name == "one-step":
+        return  # classes agree with the measured phase, a regression need not
     turns = depth / cmtof.correlation.wrap_length(measurement.frequencies[0])
     off = np.exp(1j * TAU * turns) * np.exp(-1j * measurement.phase[0])
     assert np.abs(np.angle(off)).max() < 1e-4
@@ -109,7 +97,7 @@ def test_classes_agree_with_the_measured_phase(stored, measurement):
 @pytest.mark.parametrize("name", ["fast-scnn", "deep-tof"])
 def test_bands_equal_the_whole(monkeypatch, stored, name):
     frame = cmtof.scenes.Frame(np.full((600, 24), 0.93), np.full((600, 24), 0.5), None, "", "")
-    trained, measured = load_weights(stored(name)), cmtof.simulate(frame, noise=500.0)
+    trained, measured = weights.load_weights(stored(name)), cmtof.simulate(frame, noise=500.0)
     (whole, _), *more = weights._bands(trained, measured)
     monkeypatch.setattr(weights, "MOST_PIXELS", 24 * 450)
     bands = torch.cat([found for found, _ in weights._bands(trained, measured)], -2)
@@ -120,26 +108,26 @@ def test_bands_equal_the_whole(monkeypatch, stored, name):
 def test_masked_pixels_do_not_spread(stored, measurement):
     measurement.dataset["mask"][5:9, 5:9] = False
     measurement.dataset["correlation"][:, :, 5:9, 5:9] = np.nan
-    depth, sure = unwrap_with_network(measurement, weights=stored())
+    depth, sure = weights.unwrap_with_network(measurement, weights=stored())
     assert np.isfinite(depth[~np.isnan(depth)]).all() and np.isfinite(sure[20:]).all()
     assert np.isfinite(depth[20:]).all()
 
 
 def test_range_and_frequencies_that_do_not_fit_are_refused(stored, frame, measurement):
-    trained = load_weights(stored())
+    trained = weights.load_weights(stored())
     with pytest.raises(ValueError, match="Expected wraps within 36 to 56"):
-        classify(trained, measurement, 30, 50)
+        weights.classify(trained, measurement, 30, 50)
     other = cmtof.simulate(frame, frequencies=(7.15e9, 7.16e9))
     with pytest.raises(ValueError, match=r"Expected 7.15 and 14.32 GHz, .* got 7.15, 7.16 GHz"):
-        unwrap_with_network(other, weights=stored())
+        weights.unwrap_with_network(other, weights=stored())
 
 
 def test_raw_correlations_are_taken_by_their_psi(stored, frame):
     path = stored("deep-tof")
     usual = cmtof.simulate(frame, noise_free=True)
     turned = cmtof.simulate(frame, noise_free=True, psi=np.array([0, 3, 1, 2]) * TAU / 4)
-    first, second = (unwrap_with_network(one, weights=path)[0] for one in (usual, turned))
+    first, second = (weights.unwrap_with_network(one, weights=path)[0] for one in (usual, turned))
     assert np.allclose(first, second, atol=1e-5)
     skewed = cmtof.simulate(frame, psi=np.arange(4) * TAU / 4 + 0.1)
     with pytest.raises(ValueError, match=r"Expected correlations at psi = 0, 1/2"):
-        unwrap_with_network(skewed, weights=path)
+        weights.unwrap_with_network(skewed, weights=path)

@@ -1,8 +1,4 @@
-"""Training data: dead leaves and crops of rooms, measured on the fly (Sec. 5.3).
-
-Crop k of step s is decided by (seed, s, k) alone: a run that was killed, or that is shared among
-processes, sees the crops it would have seen.
-"""
+"""Training data: dead leaves and crops of rooms, measured on the fly (Sec. 5.3)."""
 
 import warnings
 from collections.abc import Sequence
@@ -62,8 +58,8 @@ def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
     signal = GAIN * INTEGRATION_TIME * torch.where(known, batch.intensity, 0.0)[:, None]
     tones = torch.tensor(FREQUENCIES, dtype=torch.float64, device=signal.device)
     # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
-    turns = torch.where(known, batch.depth, 0.0).double()[:, None]
-    turns = turns * (2 * tones / SPEED_OF_LIGHT).view(-1, 1, 1)
+    depth = torch.where(known, batch.depth, 0.0).double()[:, None]
+    turns = depth * (2 * tones / SPEED_OF_LIGHT).view(-1, 1, 1)
     angle = (TAU * (turns - turns.floor())).float()
     spread = torch.sqrt(signal / 4 + batch.sigma.view(-1, 1, 1, 1) ** 2 / 2)
     x = signal / torch.pi * torch.cos(angle) + spread * batch.noise[:, 0]
@@ -113,12 +109,10 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
     pitch = np.exp(rng.uniform(np.log(4), np.log(60), count))
     texture = rng.integers(0, 3, count)  # stripes, checks, gradient
     turns, light = np.zeros((2, side, side))
-    for plate in zip(
-        *(x, y, np.cos(turn), np.sin(turn), *extent, box),
-        *(level, slope * np.cos(way), slope * np.sin(way), bend),
-        *(bright, contrast, TAU * np.cos(wave) / pitch, TAU * np.sin(wave) / pitch, texture),
-        strict=True,
-    ):
+    place = x, y, np.cos(turn), np.sin(turn), *extent, box
+    shape = level, slope * np.cos(way), slope * np.sin(way), bend
+    look = bright, contrast, TAU * np.cos(wave) / pitch, TAU * np.sin(wave) / pitch, texture
+    for plate in zip(*place, *shape, *look, strict=True):
         _paint(turns, light, *plate)
     grain = 0.15 * rng.standard_normal((side, side)) * (rng.uniform() < 0.5)
     return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(light * np.exp(grain), 1)
@@ -162,15 +156,11 @@ class Pack(NamedTuple):
         return depth.astype(float) * scale, light.astype(float)
 
 
-Packs = tuple[Pack | None, Pack]
-"""To train and to validate on."""
+Packs = tuple[Pack | None, Pack]  # to train and to validate on
 
 
 def pack_views(views: Sequence[Source]) -> Pack:
-    """Views in memory; a ValueError without any.
-
-    One that is broken, empty, or of another size than the first is left out with a warning.
-    """
+    """Views in memory; one that is broken, empty, or of another size is left out with a warning."""
     depths, lights = [], []
     for view in views:
         try:
@@ -185,8 +175,7 @@ def pack_views(views: Sequence[Source]) -> Pack:
         lights.append(np.clip(light, 0, 1).astype(np.float16))
     if not depths:
         raise ValueError(
-            "Expected views to train and to validate on, got none. Render 10 scenes or more: of "
-            "ten, one validates and one tests."
+            "Expected views to train and to validate on, got none. Render 10 scenes or more."
         )
     far = [np.nanpercentile(depth, 99.9) for depth in depths]
     return Pack(np.stack(depths), np.stack(lights), np.array(far))
@@ -214,9 +203,8 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
 
 
 def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) -> Crop:
-    """Random crop of a random view, turned, mirrored, and in two of three cases moved in depth.
+    """Random crop, turned, mirrored, and mostly moved in depth: rooms give few wraps a crop.
 
-    The move puts a random pixel into a random class: rooms alone give one or two wraps a crop.
     Taken is the first of four draws with 30 % of its pixels in range, or the best of them.
     """
     first, classes = CLASSES[protocol]
@@ -240,7 +228,10 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
 
 
 class Steps(Dataset[Batch]):
-    """Batches by the number of their step, of process ``rank`` out of ``world``."""
+    """Batches by the number of their step, of process ``rank`` out of ``world``.
+
+    Crop k of step s is decided by (seed, s, k) alone, also after a kill or among processes.
+    """
 
     def __init__(self, config: Config, pack: Pack | None, rank: int = 0, world: int = 1) -> None:
         self.config, self.pack, self.rank, self.world = config, pack, rank, world
@@ -262,7 +253,6 @@ class Steps(Dataset[Batch]):
 def batch_of(crops: list[tuple]) -> Batch:
     """Batch of crops (depth, intensity, sigma, generator of their noise)."""
     depth, light, sigma, rngs = zip(*crops, strict=True)
-    shape = (4, 2, *depth[0].shape)
-    noise = np.stack([rng.standard_normal(shape, dtype=np.float32) for rng in rngs])
-    images = (np.stack(depth), np.stack(light).astype(np.float32), np.float32(sigma), noise)
-    return Batch(*(torch.from_numpy(image) for image in images))
+    noise = [rng.standard_normal((4, 2, *depth[0].shape), dtype=np.float32) for rng in rngs]
+    images = np.stack(depth), np.stack(light).astype(np.float32), np.float32(sigma), np.stack(noise)
+    return Batch(*map(torch.from_numpy, images))

@@ -1,7 +1,4 @@
-"""Inputs of a network, made from a measurement (Fig. 5, Eq. 5), and its classes.
-
-NumPy arrays and torch tensors alike: training computes its inputs on the device it runs on.
-"""
+"""Inputs of a network, of NumPy or torch, made from a measurement (Fig. 5, Eq. 5); its classes."""
 
 import sys
 from typing import Any
@@ -34,7 +31,7 @@ FEATURE_SETS: dict[str, tuple[str, ...]] = {
 """Inputs by name: the rows of Table 1, those with the beat besides, and raw correlations."""
 
 FULL_AMPLITUDE = 20 * 1000 / np.pi
-"""Amplitude of a white surface at the paper's gain and integration time, G T / pi, counts."""
+"""Amplitude of a white surface, G T / pi, counts."""
 
 
 def channels(name: str) -> int:
@@ -50,12 +47,6 @@ def features(
 
     Wrapped phases, rad, and amplitudes, counts, are (..., 2, H, W), correlations at the quadratures
     0, 1/2, 1 and 3/2 pi (..., 2, 4, H, W).
-
-    Examples
-    --------
-    >>> phase = np.zeros((2, 8, 8), np.float32)
-    >>> [features(phase, phase, name).shape[0] for name in ("phase", "fourier", "proposed")]
-    [4, 28, 36]
     """
     if correlation is None and name == "correlation":
         raise ValueError(

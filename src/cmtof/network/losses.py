@@ -1,7 +1,4 @@
-"""Losses of training: the right class, and a near one rather than a far one (Sec. 5.2).
-
-Pixels labelled `IGNORED` cost nothing and have no gradient, whatever stands there.
-"""
+"""Losses of training: the right class, and a near one rather than a far one (Sec. 5.2)."""
 
 import torch
 from torch import Tensor
@@ -11,7 +8,7 @@ from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, wrap_length
 
 IGNORED = -100
-"""Label of a masked pixel."""
+"""Label of a masked pixel, which costs nothing, whatever stands there."""
 
 WRAP_MM = 1e3 * float(wrap_length(FREQUENCIES[0]))
 """Depth of one wrap of the lower frequency, mm: the paper's unit of depth (Sec. 5.3)."""
@@ -24,11 +21,6 @@ def soft_argmax(weights: Tensor, hardness: float = 1.0) -> Tensor:
 
     The hardness 1 gives the mean of the classes by their probability, infinity the argmax. As
     printed, it multiplies the numerator's exponential; it belongs into both exponents.
-
-    Examples
-    --------
-    >>> soft_argmax(torch.tensor([[0.0, 0.0, 99.0]])).tolist()
-    [2.0]
     """
     share = torch.softmax(hardness * weights, 1)
     classes = torch.arange(weights.shape[1], dtype=share.dtype, device=share.device)
@@ -60,7 +52,7 @@ def unwrapping_loss(
 
 
 def regression_loss(
-    found: Tensor, label: Tensor, turns: Tensor, *, classes: int, smoothness: float = 0.0
+    found: Tensor, label: Tensor, turns: Tensor, classes: int, smoothness: float = 0.0
 ) -> Tensor:
     r"""Absolute error of a regressed depth (B, 1, H, W), and of its gradient (Su et al. 2018).
 

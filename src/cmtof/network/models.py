@@ -1,7 +1,6 @@
 """Networks that unwrap: the paper's (Fig. 5), the rows of Table 1, and the learned baselines.
 
-Layers follow the published articles. Sizes are our reading (the paper's stand in a supplement that
-could not be obtained); baselines are narrowed to about the 1.2 million weights of the paper's own.
+Layers follow the articles; sizes are our reading, about 1.2 million weights for all.
 """
 
 from itertools import pairwise
@@ -118,8 +117,7 @@ class Network(nn.Module):
 class FastSCNN(Network):
     """Modified Fast-SCNN (Sec. 5.1, Fig. 5; Poudel et al. 2019).
 
-    The stem at full resolution goes to the output as well (the paper's skip); pools are local,
-    where the original's are over the whole image.
+    The stem goes to the output as well (the paper's skip); pools are local, not over the image.
     """
 
     stride, reach = 8, 160
@@ -204,11 +202,10 @@ class UNet(Network):
     widths = 24, 48, 72, 104, 128
 
     def build(self) -> None:
-        steps = list(pairwise(self.widths))
-        levels = pairwise((self.inputs, *self.widths))
-        self.down = nn.ModuleList(self.level(i, o) for i, o in levels)
-        self.rise = nn.ModuleList(nn.ConvTranspose2d(o, i, 2, 2) for i, o in reversed(steps))
-        self.up = nn.ModuleList(self.level(2 * i, i) for i, _ in reversed(steps))
+        down, up = pairwise((self.inputs, *self.widths)), list(pairwise(self.widths[::-1]))
+        self.down = nn.ModuleList(self.level(i, o) for i, o in down)
+        self.rise = nn.ModuleList(nn.ConvTranspose2d(i, o, 2, 2) for i, o in up)
+        self.up = nn.ModuleList(self.level(2 * o, o) for _, o in up)
         self.output = nn.Conv2d(self.widths[0], self.outputs, 1)
 
     def level(self, i: int, o: int) -> nn.Module:
@@ -238,15 +235,14 @@ class OneStep(UNet):
 class DeepToF(Network):
     """Deep end-to-end time of flight (Su, Heide, Wetzstein and Heidrich 2018): raw to depth.
 
-    Theirs reads two correlations at each of two frequencies, ours four; its adversarial loss is
-    left out.
+    Theirs reads two correlations a frequency, ours four; its adversarial loss is left out.
     """
 
     target, stride, reach = "depth", 4, 96
 
     def build(self) -> None:
         self.stem = conv(self.inputs, 16, 7)
-        self.down = nn.ModuleList([conv(16, 32, stride=2), conv(32, 80, stride=2)])
+        self.down = nn.ModuleList(conv(i, o, stride=2) for i, o in ((16, 32), (32, 80)))
         self.middle = nn.Sequential(*(Residual(80, 80) for _ in range(9)))
         self.up = nn.ModuleList(
             nn.Sequential(nn.ConvTranspose2d(i, o, 4, 2, 1), nn.BatchNorm2d(o), nn.ReLU())
@@ -264,8 +260,7 @@ class DeepToF(Network):
 class Rapid(Network):
     """Rapid and robust unwrapping (Zhang, Jiang, Zhao et al. 2019): DeepLabV3+ on a ResNet.
 
-    The paper calls its "Zhang et al. 2019" a regression; two articles of that year fit the name,
-    and this one segments. Its code was not available. Of bands of a large image each has its mean.
+    The paper calls its "Zhang et al. 2019" a regression; of two articles that fit, this segments.
     """
 
     stride, reach = 16, 448
@@ -287,8 +282,9 @@ class Rapid(Network):
         fine = self.fine(self.stem(x))
         deep = self.coarse(fine)
         mean = functional.relu(self.whole(deep.mean((-2, -1), keepdim=True)))
-        branches = [self.near(deep), *(far(deep) for far in self.far)]
-        atrous = self.join(torch.cat([*branches, mean.expand_as(branches[0])], 1))
+        near = self.near(deep)
+        far = (far(deep) for far in self.far)
+        atrous = self.join(torch.cat([near, *far, mean.expand_as(near)], 1))
         decoded = self.decoder(torch.cat([resized(atrous, fine), self.skip(fine)], 1))
         return self.output(resized(decoded, x))
 
@@ -308,13 +304,7 @@ MODELS = {
 
 
 def build_network(name: str, protocol: str = "released") -> Network:
-    """Network of a model with fresh weights; a stem that reads Fourier features sees the beat.
-
-    Examples
-    --------
-    >>> sum(weight.numel() for weight in build_network("fast-scnn").parameters())
-    1183493
-    """
+    """Network of a model with fresh weights; a stem that reads Fourier features sees the beat."""
     model, (first, classes) = MODELS[name], CLASSES[protocol]
     network = model.network(model, classes)
     if isinstance(network, FastSCNN) and "fourier" in FEATURE_SETS[model.features]:

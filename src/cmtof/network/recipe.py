@@ -17,7 +17,7 @@ PRESETS: dict[str, Any] = yaml.safe_load((files("cmtof.network") / "train.yml").
 
 
 class Rooms(Strict):
-    """Rendered frames to train on, as ``cmtof render`` makes them."""
+    """Rendered frames to train on."""
 
     seed: int = 1
     scenes: PositiveInt = 100
@@ -27,16 +27,13 @@ class Rooms(Strict):
 
 
 class Stage(Strict):
-    """A part of a training: crops in all, their side in px, and how many make a step.
-
-    Noise is the Gaussian sigma, counts, and rises geometrically; the learning rate falls linearly.
-    """
+    """A part of a training: crops in all, their side in px, and how many make a step."""
 
     name: str
     crops: PositiveInt
     crop: PositiveInt
     batch: PositiveInt
-    noise: tuple[PositiveFloat, PositiveFloat]
+    noise: tuple[PositiveFloat, PositiveFloat]  # Gaussian sigma, counts; rises geometrically
     ramp: Annotated[float, Field(gt=0, le=1)] = 1.0  # share in which the noise rises
     rooms: Share = 0.0  # share of crops from rooms, the others are dead leaves
     rate: tuple[PositiveFloat, PositiveFloat]
@@ -50,20 +47,16 @@ class Stage(Strict):
 
 
 class Config(Strict):
-    """One training: everything that decides its outcome.
-
-    Validated is at the last stage's noise, on leaves where there are no rooms. ``save_every``
-    counts steps, ``validate_every`` checkpoints; ``precision`` is Lightning's.
-    """
+    """One training: everything that decides its outcome."""
 
     name: str = "own"
     model: str = "fast-scnn"
     protocol: Literal["released", "full"] = "released"
     stages: tuple[Stage, ...] = Field(min_length=1)
-    rooms: Rooms | None = Rooms()
-    precision: str = "bf16-mixed"
-    save_every: PositiveInt = 250
-    validate_every: PositiveInt = 4
+    rooms: Rooms | None = Rooms()  # without them it validates on leaves
+    precision: str = "bf16-mixed"  # Lightning's
+    save_every: PositiveInt = 250  # steps
+    validate_every: PositiveInt = 4  # checkpoints
     validation_views: PositiveInt = 32
     seed: Count = 0
 
@@ -98,13 +91,7 @@ class Config(Strict):
 
 
 def read_config(source: str | Path, **changes: Any) -> Config:
-    """Configuration by the name of a preset or from a YAML file; changes that are not None win.
-
-    Examples
-    --------
-    >>> read_config("paper").steps
-    41666
-    """
+    """Configuration by the name of a preset or from a YAML file; changes that are not None win."""
     held, path = PRESETS.get(str(source)), Path(source)
     if held is None and not path.is_file():
         raise FileNotFoundError(

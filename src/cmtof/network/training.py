@@ -1,8 +1,4 @@
-"""Training in stages, from dead leaves to rooms, and fine-tuning (Sec. 8.1, 6.4).
-
-Everything random is decided by the seed and by the step, never by how a run came there: one that
-was killed and resumed ends with the same weights.
-"""
+"""Training in stages, the same to the bit after a kill, and fine-tuning (Sec. 8.1, 6.4)."""
 
 import ctypes
 import logging
@@ -26,21 +22,12 @@ from torch.utils.data import DataLoader
 from cmtof import __version__
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement
+from cmtof.network import weights
 from cmtof.network.data import WRAP, Batch, Packs, Sample, Steps, batch_of, measure, open_rooms
 from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.recipe import Config
-from cmtof.network.weights import (
-    Card,
-    Rates,
-    Trained,
-    halved,
-    load_weights,
-    network_inputs,
-    save_weights,
-    weights_path,
-)
 from cmtof.scenes.hypersim import Hypersim
 
 
@@ -49,8 +36,7 @@ def loss_of(network: Network, sample: Sample) -> Tensor:
     model, found, (_, label, phase, turns) = network.model, network(sample.inputs), sample
     if network.target == "wraps":
         return unwrapping_loss(found, label, phase, turns, depth_weight=model.depth_weight)
-    scale = {"classes": network.classes, "smoothness": model.smoothness}
-    return regression_loss(found, label, turns, **scale)
+    return regression_loss(found, label, turns, network.classes, model.smoothness)
 
 
 def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
@@ -61,25 +47,22 @@ def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
 class Unwrapping(LightningModule):
     """Network, loss and schedule of a configuration, and the average of its weights.
 
-    An epoch lies between two checkpoints, a file in the folder with all that a run needs to go on.
+    An epoch lies between two writings of the checkpoint ``last``, all that a run needs to go on.
     """
 
-    def __init__(
-        self, config: Config, packs: Packs, folder: Path, init: Path | None, minutes: float
-    ) -> None:
+    def __init__(self, config: Config, packs: Packs, last: Path, init: Path | None = None) -> None:
         super().__init__()
-        self.config, self.checkpoint, (self.seen, self.held_out) = config, folder, packs
+        self.config, self.checkpoint, (self.seen, self.held_out) = config, last, packs
         torch.manual_seed(config.seed)
         self.network = build_network(config.model, config.protocol)
         if init is not None:
-            self.network.load_state_dict(load_weights(init).network.state_dict())
+            self.network.load_state_dict(weights.load_weights(init).network.state_dict())
         for layer in norms(self.network):
             layer.momentum = 0.03
         self.average = deepcopy(self.network).requires_grad_(False)
         self.network.to(memory_format=torch.channels_last)  # pyright: ignore
         self.curve: list[dict[str, float]] = []
-        self.began = time.monotonic()
-        self.end = self.began + 60 * minutes
+        self.began, self.end = time.monotonic(), np.inf
 
     def train_dataloader(self) -> DataLoader:
         steps = Steps(self.config, self.seen, self.global_rank, self.trainer.world_size)
@@ -117,9 +100,9 @@ class Unwrapping(LightningModule):
             self.trainer.save_checkpoint(part)
 
     def configure_optimizers(self) -> Any:
-        weights = list(self.network.parameters())
-        kernels = {"params": [w for w in weights if w.ndim > 1], "weight_decay": 1e-3}
-        others = {"params": [w for w in weights if w.ndim < 2], "weight_decay": 0.0}
+        every = list(self.network.parameters())
+        kernels = {"params": [w for w in every if w.ndim > 1], "weight_decay": 1e-3}
+        others = {"params": [w for w in every if w.ndim < 2], "weight_decay": 0.0}
         optimizer = torch.optim.AdamW([kernels, others], lr=1.0, betas=(0.9, 0.99))
         schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, self.config.rate_at)
         return [optimizer], [{"scheduler": schedule, "interval": "step"}]
@@ -153,7 +136,7 @@ class Unwrapping(LightningModule):
                 labels.append(sample.label[scored].cpu().numpy())
                 ours.append(abs(wraps[scored].cpu().numpy() - labels[-1]))
         constants = {"middle": network.classes // 2}
-        constants["mode"] = np.bincount(np.concatenate(labels)).argmax()
+        constants["mode"] = int(np.bincount(np.concatenate(labels)).argmax())
         others = {name: [abs(n - true) for true in labels] for name, n in constants.items()}
         trivial = {name: _rates(deltas) for name, deltas in others.items()}
         best = others[max(trivial, key=lambda name: trivial[name].delta_lt_1)]
@@ -163,11 +146,11 @@ class Unwrapping(LightningModule):
         return {"views": len(gains), "validation": _rates(ours), "trivial": trivial, "gain": gain}
 
 
-def _rates(deltas: list[NDArray[np.integer]]) -> Rates:
+def _rates(deltas: list[NDArray[np.integer]]) -> weights.Rates:
     """Rates of wrap errors over all views."""
     delta = np.concatenate(deltas)
     below = {f"delta_lt_{k}": float((delta < k).mean()) for k in (1, 2, 3)}
-    return Rates(**below, delta_ge_10=float((delta >= 10).mean()))
+    return weights.Rates(**below, delta_ge_10=float((delta >= 10).mean()))
 
 
 def train(
@@ -207,7 +190,8 @@ def train(
     logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module="lightning.*")
     packs = open_rooms(config, tree, folder.parent)
-    module = Unwrapping(config, packs, last, init, np.inf if minutes is None else minutes)
+    module = Unwrapping(config, packs, last, init)
+    module.end = np.inf if minutes is None else module.began + 60 * minutes
     try:
         trainer = Trainer(
             max_epochs=-(-config.steps // config.save_every),
@@ -230,12 +214,12 @@ def train(
     trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
     if trainer.global_step < config.steps:
         return None
-    path = weights_path(config.model, config.protocol, folder)
+    path = weights.weights_path(config.model, config.protocol, folder)
     if not trainer.is_global_zero:
         return path
-    module.average.load_state_dict(halved(module.average))  # validated as they are stored
+    module.average.load_state_dict(weights.halved(module.average))  # validated as they are stored
     (first, classes), rooms, gpu = CLASSES[config.protocol], config.rooms, torch.cuda.is_available()
-    card = Card(
+    card = weights.Card(
         model=config.model,
         protocol=config.protocol,
         classes=classes,
@@ -251,19 +235,19 @@ def train(
         curve=module.curve,
         **module.validated(),
     )
-    save_weights(path, module.average, card)
+    weights.save_weights(path, module.average, card)
     return path
 
 
 def fine_tune(
-    trained: Trained,
+    trained: weights.Trained,
     examples: Sequence[tuple[Measurement, NDArray[np.integer], NDArray[np.floating]]],
     *,
     steps: int = 20,
     learning_rate: float = 1e-4,
     crop: int = 128,
     seed: int = 0,
-) -> tuple[Trained, list[float]]:
+) -> tuple[weights.Trained, list[float]]:
     """Continue the training of a network on labelled measurements of an instrument (Sec. 6.4).
 
     Examples are a measurement, its wraps of the lowest frequency (H, W), -1 where unknown, and
@@ -297,13 +281,15 @@ def fine_tune(
         losses.append(float(loss.detach()))
     note = {"steps": steps, "learning_rate": learning_rate, "labelled_pixels": known, "seed": seed}
     card = trained.card.model_copy(update={"fine_tuned": note})
-    return Trained(network.eval(), card), losses
+    return weights.Trained(network.eval(), card), losses
 
 
-def _sample(trained: Trained, measurement: Measurement, wraps: NDArray, depth: NDArray) -> Sample:
+def _sample(
+    trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray
+) -> Sample:
     """Inputs and labels (1, ...) of one example; unknown pixels are `IGNORED`."""
     (network, card), turns = trained, np.asarray(depth, float) / WRAP
-    inputs, phase = network_inputs(measurement, network.model.features)
+    inputs, phase = weights.network_inputs(measurement, network.model.features)
     label = np.asarray(wraps, np.int64) - card.first_wrap
     known = (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
     turns = np.where(known, turns - card.first_wrap, 0.0)

@@ -1,8 +1,4 @@
-"""Trained networks: their cards, their state, and unwrapping with them.
-
-Weights are safetensors in half precision; nothing is ever unpickled. torch is imported when a
-network is loaded.
-"""
+"""Trained networks, safetensors in half precision, never unpickled: cards, state, unwrapping."""
 
 import hashlib
 import json
@@ -10,7 +6,7 @@ from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,11 +20,7 @@ from cmtof.network.features import CLASSES, features
 from cmtof.simulation import QUADRATURES
 from cmtof.validation import checked
 
-if TYPE_CHECKING:
-    from torch import Tensor
-
-    from cmtof.network.models import Network
-
+Network = Tensor = Any  # of cmtof.network.models and of torch, which are imported late
 FOLDER = Path(str(files("cmtof"))) / "weights"
 """Weights that travel with the package."""
 
@@ -55,11 +47,7 @@ class Rates(Strict):
 
 
 class Card(Strict):
-    """Origin of weights, and what they reached on whole views of rooms that they never saw.
-
-    ``trivial`` are rates of answers that look at nothing, over the same pixels, ``gain`` the
-    difference in δ < 1 to the best of them, paired by view, and its 95 % interval.
-    """
+    """Origin of weights, and what they reached on whole views of rooms that they never saw."""
 
     model: str
     protocol: Literal["released", "full"]
@@ -76,8 +64,8 @@ class Card(Strict):
     curve: list[dict[str, float]]  # validation while training
     views: PositiveInt
     validation: Rates
-    trivial: dict[str, Rates]
-    gain: tuple[float, float, float]
+    trivial: dict[str, Rates]  # of answers that look at nothing, over the same pixels
+    gain: tuple[float, float, float]  # in δ < 1 over the best of them, and its 95 % interval
     note: str = ""
     fine_tuned: dict[str, float] | None = None
     sha256: str = ""
@@ -86,7 +74,7 @@ class Card(Strict):
 class Trained(NamedTuple):
     """A network with its weights, in evaluation mode, and its card."""
 
-    network: "Network"
+    network: Network
     card: Card
 
 
@@ -97,8 +85,7 @@ def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
 
 def state(model: str, protocol: str = "released", folder: Path = FOLDER) -> str:
     """Trained (the gain is above zero with 95 % confidence), untrained or no weights."""
-    path = weights_path(model, protocol, folder)
-    if not path.is_file():
+    if not (path := weights_path(model, protocol, folder)).is_file():
         return "no weights"
     return "trained" if read_card(path).gain[1] > 0 else "untrained"
 
@@ -115,14 +102,14 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
     )
 
 
-def halved(network: "Network") -> dict[str, "Tensor"]:
+def halved(network: Network) -> dict[str, Tensor]:
     """Weights in half precision; running variances may exceed its range and stay in single."""
-    weights = {name: tensor.cpu().contiguous() for name, tensor in network.state_dict().items()}
-    halves = {name: w.half() for name, w in weights.items() if w.is_floating_point()}
-    return weights | {name: half for name, half in halves.items() if "running" not in name}
+    held = {name: tensor.cpu().contiguous() for name, tensor in network.state_dict().items()}
+    single = ("running_mean", "running_var", "num_batches_tracked")
+    return {name: w if name.endswith(single) else w.half() for name, w in held.items()}
 
 
-def save_weights(path: Path, network: "Network", card: Card) -> None:
+def save_weights(path: Path, network: Network, card: Card) -> None:
     """Write weights in half precision and their card, with the hash of the weights' file."""
     from safetensors.torch import save
 
@@ -139,8 +126,8 @@ def read_card(weights: Path) -> Card:
     try:
         held = json.loads(path.read_bytes())
     except (OSError, ValueError, RecursionError) as error:
-        message = f"Expected the card of {weights.name} in {path}, got {error}. Keep both together."
-        raise ValueError(message) from error
+        got = f"got {error}. Keep both together"
+        raise ValueError(f"Expected the card of {weights.name} in {path}, {got}.") from error
     return checked(Card, held, path)
 
 
@@ -227,25 +214,22 @@ def classify(
     return first + wraps, odds
 
 
-def mended(
-    wraps: NDArray[np.integer], phase: NDArray[np.floating], side: int = 5
-) -> NDArray[np.int64]:
-    r"""Wraps by the vote of their neighbourhood, consistent with the wrapped phase (Zhang 2019).
+def mended(wraps: NDArray[np.integer], phase: NDArray[np.floating]) -> NDArray[np.int64]:
+    r"""Wraps (H, W) by the vote of their neighbourhood (Zhang 2019); among equals the lowest wins.
 
-    Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`;
-    among equals the lowest wins. Images (H, W), the phase finite and in rad; the side is odd, px.
+    Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`.
 
     Examples
     --------
     >>> mended(np.array([[3, 9, 4]]), np.array([[5.9, 6.1, 0.1]])).tolist()
     [[3, 3, 4]]
     """
-    pad, images = side // 2, np.stack([wraps, phase / TAU])
-    padded = np.pad(images, ((0, 0), (pad, pad), (pad, pad)), constant_values=np.nan)
-    near = np.lib.stride_tricks.sliding_window_view(padded, (side, side), (1, 2))
+    images = np.stack([wraps, phase / TAU])
+    padded = np.pad(images, ((0, 0), (2, 2), (2, 2)), constant_values=np.nan)
+    near = np.lib.stride_tricks.sliding_window_view(padded, (5, 5), (1, 2))
     near = near.reshape(*images.shape, -1)
     votes = near[0] + np.rint(near[1] - images[1, ..., None])
-    count = np.stack([(votes == votes[..., [k]]).sum(-1) for k in range(side**2)], -1)
+    count = np.stack([(votes == votes[..., [k]]).sum(-1) for k in range(25)], -1)
     leading = count == count.max(-1, keepdims=True)
     return np.where(leading, votes, np.inf).min(-1).astype(np.int64)
 
@@ -270,7 +254,7 @@ def network_inputs(
     return features(phase, amplitude, kind, *more), phase[0]
 
 
-def _bands(trained: Trained, measurement: Measurement) -> Iterator[tuple["Tensor", NDArray]]:
+def _bands(trained: Trained, measurement: Measurement) -> Iterator[tuple[Tensor, NDArray]]:
     """Output (C, h, W) and phase (h, W) of bands of rows, as if the image had been seen whole."""
     import torch
 
@@ -279,12 +263,12 @@ def _bands(trained: Trained, measurement: Measurement) -> Iterator[tuple["Tensor
     rows = max(MOST_PIXELS // width - 2 * reach, 2 * step) // step * step
     for start in range(0, height, rows):
         top, stop = max(start - reach, 0), min(start + rows, height)
-        seen = slice(top, stop + reach)
+        seen, kept = slice(top, stop + reach), slice(start - top, stop - top)
         inputs, phase = network_inputs(measurement, network.model.features, seen)
         image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
         with torch.inference_mode():
-            found = network(image)[0, :, start - top : stop - top]
-        yield found, phase[start - top : stop - top]
+            found = network(image)[0, :, kept]
+        yield found, phase[kept]
 
 
 @cache
