@@ -104,16 +104,18 @@ def maps(
     cmap: str = DEPTH_CMAP,
     limits: Limits | None = None,
     columns: int | None = None,
+    width: float = 2.8,
 ) -> tuple[Figure, list[Axes]]:
     """Grid of images (H, W) on one scale, in one row or so many columns, and one colour bar.
 
     ``label``, ``cmap`` and ``limits`` as in `image`; phase takes ``cmap=PHASE_CMAP, limits=TURN``.
+    ``width`` is that of a panel, inches.
     """
     arrays = np.asarray(images, float)
     count, height, across = arrays.shape
     columns = columns or count
     rows = -(-count // columns)
-    size = (columns * 2.8 + 0.9, rows * (2.8 * height / across + 0.35))
+    size = (columns * width + 0.9, rows * (width * height / across + 0.35))
     fig, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
     axes = list(grid.flat[:count])
     limits = limits or (np.nanmin(arrays), np.nanmax(arrays))
