@@ -40,13 +40,10 @@ def corner_scene(shape=SHAPE, camera=CAMERA) -> Scene:
     x, y, z = np.moveaxis(unit_rays(shape, camera), -1, 0)
     c, s = np.cos(_PITCH), np.sin(_PITCH)
     d = np.stack([x, c * y + s * z, c * z - s * y], axis=-1)
-    with np.errstate(divide="ignore"):
-        room = np.stack([h / np.maximum(d @ np.array(n), 1e-9) for n, h in _ROOM])
-        c, s = np.cos(_TURN), np.sin(_TURN)
-        d = np.stack([c * d[..., 0] + s * d[..., 2], d[..., 1], c * d[..., 2] - s * d[..., 0]], -1)
-        sides = np.sort(
-            np.stack([np.array(_BOX)[:, i, None, None] / d[..., i] for i in range(3)]), 1
-        )
+    room = np.stack([h / np.maximum(d @ np.array(n), 1e-9) for n, h in _ROOM])
+    c, s = np.cos(_TURN), np.sin(_TURN)
+    d = np.stack([c * d[..., 0] + s * d[..., 2], d[..., 1], c * d[..., 2] - s * d[..., 0]])
+    sides = np.sort(np.array(_BOX).T[..., None, None] / d[:, None], axis=1)
     enter, leave = sides[:, 0], sides[:, 1]
     hit = (enter.max(axis=0) < leave.min(axis=0)) & (enter.max(axis=0) > 0)
     hit &= enter.max(axis=0) < room.min(axis=0)

@@ -1,9 +1,9 @@
 """The weighted phasors of a measurement, in the form in which likelihoods add up.
 
-A pixel's phasor ``p_f = a_f exp(i phi_f)`` at frequency f carries noise s_f in each component.
-Against a depth z its log-likelihood is ``Re(P_f exp(-i k_f z))`` up to a constant, where ``P_f =
-a_f p_f / s_f^2`` and ``k_f = 4 pi f / c``; noise aside it reaches ``K_f = a_f^2 / s_f^2`` at the
-true depth. Both sum over pixels and frequencies, so a surface is as likely as the sum over it.
+A pixel's phasor ``p = a exp(i phi)`` has noise s in each component. Against a depth z its
+log-likelihood is ``Re(P exp(-i k z))`` up to a constant, with ``P = a p / s^2`` and ``k = 4 pi f /
+c``; at the true depth it is ``K = a^2 / s^2`` on average. S and E are their sums over pixels and
+frequencies: a surface is as likely as the sum over it.
 """
 
 from typing import NamedTuple
@@ -25,9 +25,7 @@ CELL = 8  # side, px, of the cells in which surfaces grow
 _SMALLEST = 64  # side, px, up to which smaller images are padded with pixels without information
 _SHARPEST = 3e-3  # least phase noise assumed, rad: without noise the shapes limit a fit
 _FOCAL_LENGTH = 1.2  # assumed without a camera, in widths of the image
-
-# Amplitudes are averaged over 1.5 px; where that leaves less than 1, over the dark pixels within
-# 4 px, and below 0.15 within 12 px: a dark pixel's own amplitude is nothing but noise.
+# Widths, px, over which amplitudes are averaged, and what sends a dark pixel to the next one.
 _SCALES = ((1.5, 1.0), (4.0, 0.15), (12.0, 0.0))
 
 
@@ -77,34 +75,21 @@ def field_from_measurement(measurement: Measurement) -> Field:
     size, turned = np.sqrt(information) * ratio, np.where(known, phase, 0)
     height, width = measurement.shape
     side = [max(-(-n // CELL) * CELL, _SMALLEST) for n in (height, width)]
+    beyond = [(0, 0), (0, side[0] - height), (0, side[1] - width)]
+    images = size * np.cos(turned), size * np.sin(turned), information
+    real, imaginary, information = (np.pad(one.astype(np.float32), beyond) for one in images)
     focal = _FOCAL_LENGTH * max(height, width)
     camera = measurement.camera
     fx, fy, cx, cy = (focal, focal, width / 2, height / 2) if camera is None else camera[:4]
     u, v = (np.arange(side[1]) + 0.5 - cx) / fx, (np.arange(side[0]) + 0.5 - cy) / fy
-
-    def padded(images: Array) -> Array:
-        beyond = [(0, 0), (0, side[0] - height), (0, side[1] - width)]
-        return np.pad(images.astype(np.float32), beyond)
-
     wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
-    return Field(
-        padded(size * np.cos(turned)),
-        padded(size * np.sin(turned)),
-        padded(information),
-        wavenumber,
-        TAU * np.rint(wavenumber / wavenumber[0]),
-        u,
-        v,
-        1 / np.sqrt(1 + u**2 + v[:, None] ** 2),
-        measurement.range,
-    )
+    turns = TAU * np.rint(wavenumber / wavenumber[0])
+    cosine = 1 / np.sqrt(1 + u**2 + v[:, None] ** 2)
+    return Field(real, imaginary, information, wavenumber, turns, u, v, cosine, measurement.range)
 
 
 def _smoothed(power: Array, known: Mask) -> Array:
-    """a^2 / s^2 (2, H, W) without the noise's share, from |p|^2 / s^2 (2, H, W).
-
-    Both frequencies see the same surface: one image for both, times the share of each.
-    """
+    """a^2 / s^2 (2, H, W) from |p|^2 / s^2 (2, H, W): one image, times the share of each tone."""
     share = np.array([max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power])
     share /= share.mean()
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2

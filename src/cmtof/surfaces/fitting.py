@@ -1,9 +1,8 @@
 """Compiled loops (Numba): likelihood of a surface over cells and over rectangles, and its fit.
 
-A surface is ``1 / z = cosine (q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2)``; without the
-last three it is a plane, exactly. Derivatives ``dz / dq_j = -z^2 cosine u^a v^b`` are monomials, so
-that the sums of a row over powers of u serve all of them. ``field`` is `Field.arrays`; pixels count
-whose ``label`` is ``only``, or all if that is negative.
+A surface is ``1 / z = cosine (q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2)``; a plane has
+none of the last three. As ``dz / dq_j = -z^2 cosine u^a v^b``, sums of a row over powers of u serve
+all. ``field`` is `Field.arrays`; pixels count whose ``label`` is ``only``, or all if that is < 0.
 """
 
 import numpy as np
@@ -66,10 +65,7 @@ def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compiled
-    """Add a rectangle's sums to moments: S, E, b, c, then those of g, h and M.
-
-    moments: [0] S, [1] E, [2] b, [3] c, [4:10] g, [10:16] h, [16:52] M by rows.
-    """
+    """Add a rectangle's sums to moments: S, E, b, c, then g from 4, h from 10, M from 16 on."""
     real, imaginary, information, wavenumber, turns, u, v, cosine = field
     k1, k2 = wavenumber[0], wavenumber[1]
     t1, t2 = turns[0], turns[1]
@@ -157,8 +153,8 @@ def _solved(moments, right, size):  # pragma: no cover - compiled
 def _look(field, label, only, q, boxes, size):  # pragma: no cover - compiled
     """S, E, Gauss-Newton step, offset in wraps that the surface lacks, and what is known of it.
 
-    Along ``m`` wraps and a change of q the phases fit as ``sum K (e + m t - k J dq)^2``; with dq
-    at its best a parabola in m is left, ``known (m - offset)^2``.
+    After m wraps and a change dq the phases fit as ``sum K (e + m t - k J dq)^2``; with the best
+    dq a parabola in m is left, ``known (m - offset)^2``.
     """
     moments = np.zeros(52)
     for i in range(boxes.shape[0]):
@@ -199,10 +195,7 @@ def moved(field, q, boxes, size, distance):  # pragma: no cover - compiled
 
 @njit(cache=True, nogil=True)
 def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover - compiled
-    """Climb: Gauss-Newton steps while they raise S, then whole wraps that raise it.
-
-    Returns q, S, E, the offset still lacking, wraps, and its inverse variance.
-    """
+    """Climb by Gauss-Newton steps, then by whole wraps: q, S, E, offset left, its precision."""
     q = q.copy()
     best, most, step, offset, known = _look(field, label, only, q, boxes, size)
     for _ in range(steps):
@@ -243,24 +236,22 @@ def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover
 def select(field, label, only, q, boxes, steps, gain, weight):  # pragma: no cover - compiled
     """Plane, or a bent surface where that fits much better: by ``gain`` and by `FLAT`.
 
-    Returns q, S, E, offset, its inverse variance, the number of functions, and by how much, m
-    (rms), a plane misses. ``weight`` says how many pixels stand for each that is looked at.
+    Returns q, E, offset, its inverse variance, and by how much, m (rms), a plane misses.
+    ``weight`` is the number of pixels that stand for each that is looked at.
     """
     k = field[3]
-    if q[3] != 0 or q[4] != 0 or q[5] != 0:
-        bent = refine(field, label, only, q, boxes, BENT, steps, HOPS)
-        start = moved(field, bent[0], boxes, PLANE, 0.0)
+    was_bent = q[3] != 0 or q[4] != 0 or q[5] != 0
+    before = refine(field, label, only, q, boxes, BENT if was_bent else PLANE, steps, HOPS)
+    plane = before
+    if was_bent:
+        start = moved(field, before[0], boxes, PLANE, 0.0)
         plane = refine(field, label, only, start, boxes, PLANE, steps, HOPS)
-        again = refine(field, label, only, plane[0], boxes, BENT, steps, HOPS)
-        if again[1] > bent[1]:
-            bent = again
-    else:
-        plane = refine(field, label, only, q, boxes, PLANE, steps, HOPS)
-        bent = refine(field, label, only, plane[0], boxes, BENT, steps, HOPS)
+    bent = refine(field, label, only, plane[0], boxes, BENT, steps, HOPS)
+    if was_bent and bent[1] <= before[1]:
+        bent = before
     # S falls by half of K k^2 times the square of what a plane misses
     stiff = max(plane[2] * weight * (k[0] ** 2 + k[1] ** 2) / 4, 1e-9)
     lost = (bent[1] - plane[1]) * weight
     missed = np.sqrt(max(lost - 4.0, 0.0) / stiff)
-    if lost > gain + stiff * FLAT**2:
-        return bent[0], bent[1], bent[2], bent[3], bent[4], BENT, missed
-    return plane[0], plane[1], plane[2], plane[3], plane[4], PLANE, missed
+    best = bent if lost > gain + stiff * FLAT**2 else plane
+    return best[0], best[2], best[3], best[4], missed

@@ -1,8 +1,7 @@
 """Planes begin in windows and grow from cell to cell; every cell takes the likeliest beside it.
 
-Within a window a plane's phases are ramps, so both spectra peak: at a slope nu, rad/px, at the
-lower frequency, and at ``(k_2 / k_1) nu`` at the higher one. Slopes that differ by whole turns per
-pixel look alike at the lower frequency; at the higher one, and in the beat, they do not quite.
+Within a window a plane's phases are ramps, so both spectra peak: at a slope nu, rad/px, and at
+``(k_2 / k_1) nu``. Slopes that differ by whole turns per pixel look alike but for the beat.
 """
 
 import numpy as np
@@ -14,49 +13,53 @@ from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask
 from cmtof.surfaces.fitting import BENT, EVERY, PLANE, cell_likelihood, depth_at, refine, select
 
 # Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
-# many times its bins are refined: large ones first, for what is large should stay in one piece.
+# many times its bins are refined. Large ones come first: what is large should stay in one piece.
 WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
 
-# Share S / E that a plane must reach to begin in a window and to grow into a cell; below the last
-# a cell belongs to none of the surfaces about it.
-START, JOIN, STAY = 0.75, 0.6, 0.5
-
+# Share S / E that a plane must reach to begin in a window, to grow into a cell, and to keep it.
+_START, _JOIN, _STAY = 0.75, 0.6, 0.5
 GAIN = 15.0  # in S from which on a surface counts as bent
 _LEAST = 150.0  # information E below which a window starts nothing: its noise would fit as well
 _FREE = 0.7  # share of the cells of a window that must be without a surface
 _ALIASES, _STEEPEST = 2, 1.6  # whole turns per pixel tried to each side; largest slope, turns/px
 _CANDIDATES = 4  # slopes out of all aliases that are fitted
-# steps of a fit; cells, spread over a surface, that it looks at
-_STEPS, _CELLS = np.int64(2), np.int64(100)
+_STEPS, _CELLS = np.int64(2), np.int64(100)  # of a fit; cells of a surface that it looks at
 _ROUNDS, _NEIGHBOURLY = 6, 3.0  # of reassignment; gain in S per neighbour in the same surface
 
 
-def grown_surfaces(field: Field, *, bent: bool = True) -> tuple[Labels, Array]:
-    """Owner of each cell, -1 for none, and the parameters (N, 6) of the surfaces.
-
-    From the best window on, a plane is fitted to a window, takes the cells beside it that it
-    explains, and is fitted again whenever it has doubled.
-    """
+def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Array]:
+    """Owner of each cell, -1 for none, and the parameters (N, 6) of surfaces grown from windows."""
     shape = tuple(n // CELL for n in field.cosine.shape)
     both = field.information.sum(axis=0, dtype=float)
     information = both.reshape(shape[0], CELL, shape[1], CELL).sum(axis=(1, 3))
     label = np.zeros((1, 1), np.int32)  # fits look at whole cells
-    gain = GAIN if bent else np.inf
-    limits = (float(field.limits[0]), float(field.limits[1]))
     owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, BENT))
     for kind in WINDOWS:
-        start = windows(field, owner < 0, *kind)
-        held = owner, len(surfaces)
-        added = _grow(field.arrays(), label, start, information, limits, gain, *held)
+        start, held = windows(field, owner < 0, *kind), (owner, len(surfaces))
+        added = _grow(field.arrays(), label, start, information, field.limits, gain, *held)
         surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
         owner = _reassigned(field.arrays(), owner, surfaces, information)
         if turn % 2:
-            order = np.argsort(owner, axis=None, kind="stable")
-            starts = np.searchsorted(owner.ravel()[order], np.arange(len(surfaces) + 1))
-            cells, effort = (order, starts, shape[1]), (_STEPS, _CELLS)
-            surfaces, _ = fit_all(field.arrays(), label, cells, surfaces, effort, limits[1], gain)
+            label = np.kron(owner, np.ones((CELL, CELL), int))
+            surfaces, _ = fitted(field, label, surfaces, (_STEPS, _CELLS), gain)
     return owner, surfaces
+
+
+def fitted(field: Field, label: Labels, surfaces: Array, effort: tuple, gain: float) -> tuple:
+    """Fit every surface (N, 6) to its pixels, with so many steps, on so many cells at most.
+
+    Describes the fit (N, 4) as well: offset that is lacking, wraps; its inverse variance; what a
+    plane misses, m (rms); by how much a wrap bends a plane, m.
+    """
+    rows, columns = (n // CELL for n in label.shape)
+    y, x = np.nonzero(label >= 0)
+    # one entry for each surface and cell that share pixels
+    pairs = np.unique((label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL)
+    of, order = np.divmod(pairs, rows * columns)
+    cells = order, np.searchsorted(of, np.arange(len(surfaces) + 1)), columns
+    label, farthest = label.astype(np.int32), field.limits[1]
+    return _fit_all(field.arrays(), label, cells, surfaces, effort, farthest, gain)
 
 
 @njit(cache=True, nogil=True)
@@ -64,8 +67,7 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
     """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
     rows, columns = information.shape
     stamp = np.zeros((rows, columns), np.int64)
-    surfaces = np.zeros((start[0].size, BENT))
-    first = count
+    surfaces, new = np.zeros((start[0].size, BENT)), 0
     for n in range(start[0].size):
         window = (start[0][n], start[1][n], start[2][n], start[3][n], start[4][n])
         side = max(window[2] // CELL, 1)
@@ -74,19 +76,18 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
         for y in range(y0, y0 + side):
             for x in range(x0, x0 + side):
                 told += information[y, x]
-                if owner[y, x] < 0:
-                    free += 1
+                free += owner[y, x] < 0
         if free < _FREE * side * side:
             continue
         q, likelihood = plane_in_window(field, label, window, limits, told)
-        if likelihood < START * told:
+        if likelihood < _START * told:
             continue
         region = np.empty(rows * columns, np.int64)
         size = 0
         for y in range(y0, y0 + side):
             for x in range(x0, x0 + side):
-                told_here = JOIN * information[y, x]
-                if owner[y, x] < 0 and cell_likelihood(field, q, y, x) > told_here:
+                least = _JOIN * information[y, x]
+                if owner[y, x] < 0 and cell_likelihood(field, q, y, x) > least:
                     region[size] = y * columns + x
                     stamp[y, x] = n + 1
                     size += 1
@@ -94,21 +95,22 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
             continue
         while True:
             before = size
-            boxes = boxes_of_cells(region[:size], columns, _CELLS)
+            boxes = _boxes_of_cells(region[:size], columns, _CELLS)
             weight = size / boxes.shape[0]
             fit = select(field, label, EVERY, q, boxes, _STEPS, gain, weight)
-            if possible(field, fit[0], boxes[0], limits[1]):
+            z = depth_at(field, fit[0], boxes[0, 0], boxes[0, 2])
+            if 0.02 * limits[1] < z < 2 * limits[1]:
                 q = fit[0]
             size = _spread(field, q, owner, stamp, n + 1, region, size, information)
             if size == before:
                 break
         if size >= 0.6 * side * side:
             for i in range(size):
-                owner[region[i] // columns, region[i] % columns] = count
+                owner[region[i] // columns, region[i] % columns] = count + new
             for i in range(BENT):
-                surfaces[count - first, i] = q[i]
-            count += 1
-    return surfaces[: count - first]
+                surfaces[new, i] = q[i]
+            new += 1
+    return surfaces[:new]
 
 
 @njit(cache=True, nogil=True)
@@ -120,11 +122,10 @@ def _spread(field, q, owner, stamp, mark, region, size, information):  # pragma:
     while i < size and size < goal:
         for dy, dx in ((1, 0), (-1, 0), (0, 1), (0, -1)):
             y, x = region[i] // columns + dy, region[i] % columns + dx
-            if y < 0 or x < 0 or y >= rows or x >= columns:
+            inside = 0 <= y < rows and 0 <= x < columns
+            if not inside or owner[y, x] >= 0 or stamp[y, x] == mark:
                 continue
-            if owner[y, x] >= 0 or stamp[y, x] == mark:
-                continue
-            if cell_likelihood(field, q, y, x) > JOIN * information[y, x]:
+            if cell_likelihood(field, q, y, x) > _JOIN * information[y, x]:
                 stamp[y, x] = mark
                 region[size] = y * columns + x
                 size += 1
@@ -153,57 +154,43 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
                 if value > best:
                     best, at = value, found[i]
             told = information[y, x]
-            out[y, x] = at if best >= STAY * told - np.sqrt(told) else -1
+            out[y, x] = at if best >= _STAY * told - np.sqrt(told) else -1
     return out
 
 
 @njit(cache=True, nogil=True)
-def fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: no cover - compiled
-    """Fit every surface (N, 6) to its cells, and describe the fit (N, 5).
-
-    ``cells`` are sorted by surface, with the places where each begins and the cells in a row;
-    ``effort`` is steps of a fit, and cells that it looks at. Pixels of other labels do not count,
-    unless ``label`` has but one. The fit holds: offset that is lacking, wraps; its inverse
-    variance; functions used; what a plane misses, m (rms); by how much a wrap bends a plane, m.
-    """
+def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: no cover - compiled
+    """Do what `fitted` says; cells sorted by surface, where each begins, and cells in a row."""
     k, (order, starts, columns) = field[3], cells
-    out, fit = surfaces.copy(), np.zeros((len(surfaces), 5))
+    out, fit = surfaces.copy(), np.zeros((len(surfaces), 4))
     for n in range(len(surfaces)):
         own = order[starts[n] : starts[n + 1]]
         if own.size == 0:
             continue
-        boxes = boxes_of_cells(own, columns, effort[1])
+        boxes = _boxes_of_cells(own, columns, effort[1])
         weight = own.size / boxes.shape[0]
-        only = n if label.size > 1 else EVERY
-        found = select(field, label, only, out[n], boxes, effort[0], gain, weight)
-        q, _, most, offset, known, size, missed = found
-        if possible(field, q, boxes[0], farthest):
+        found = select(field, label, n, out[n], boxes, effort[0], gain, weight)
+        q, most, offset, known, missed = found
+        z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
+        if 0.02 * farthest < z < 2 * farthest:  # before the camera and not far beyond the limits
             stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
-            about = (offset, known * weight, float(size), missed, np.sqrt(known / stiff))
+            about = (offset, known * weight, missed, np.sqrt(known / stiff))
             for i in range(BENT):
                 out[n, i] = q[i]
-            for i in range(5):
+            for i in range(4):
                 fit[n, i] = about[i]
     return out, fit
 
 
 @njit(cache=True, nogil=True)
-def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
+def _boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
     """Rectangles of at most so many cells, spread over the list."""
-    stride = max(1, cells.size // most)
-    chosen = cells[::stride]
+    chosen = cells[:: max(1, cells.size // most)]
     out = np.empty((chosen.size, 4), np.int64)
     for i in range(chosen.size):
         y, x = chosen[i] // columns * CELL, chosen[i] % columns * CELL
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = y, y + CELL, x, x + CELL
     return out
-
-
-@njit(cache=True, nogil=True)
-def possible(field, q, box, farthest):  # pragma: no cover - compiled
-    """Whether a surface lies before the camera and not far beyond the limits."""
-    z = depth_at(field, q, box[0], box[2])
-    return 0.02 * farthest < z < 2 * farthest
 
 
 @njit(cache=True, nogil=True)
@@ -223,13 +210,8 @@ def around(owner, y, x, found):  # pragma: no cover - compiled
     return count
 
 
-def windows(
-    field: Field, free: Mask, side: int, stride: int, core: int, finer: int
-) -> tuple[Array, ...]:
-    """Top, left, side (N,) of free windows of one kind, and their slopes down and right, rad/px.
-
-    The windows of most information come first; ``free`` (h, w) marks cells without a surface.
-    """
+def windows(field: Field, free: Mask, side: int, stride: int, core: int, finer: int) -> tuple:
+    """Top, left, side (N,) of windows on free cells, the clearest first, and slopes, rad/px."""
     ends = (slice(0, n - side + 1, stride) for n in field.cosine.shape)
     top, left = np.mgrid[tuple(ends)].reshape(2, -1)
     inside = _sums(field.information.sum(axis=0, dtype=float), top, left, side)
@@ -245,15 +227,12 @@ def windows(
 
 def _sums(image: Array, top: Labels, left: Labels, side: int) -> Array:
     """Sum (N,) of an image (H, W) over squares."""
-    total = np.zeros((image.shape[0] + 1, image.shape[1] + 1))
-    total[1:, 1:] = image.cumsum(axis=0).cumsum(axis=1)
+    total = np.pad(image.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
     bottom, edge = top + side, left + side
     return total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
 
 
-def spectral_slopes(
-    field: Field, top: Labels, left: Labels, side: int, finer: int
-) -> tuple[Array, Array]:
+def spectral_slopes(field: Field, top: Labels, left: Labels, side: int, finer: int) -> tuple:
     """Slopes (N,) down and right, rad/px, at the joint peak of both spectra of each square."""
     size = int(next_fast_len(finer * side) or 1)
     whole = np.rint(fftfreq(size) * size)
@@ -264,10 +243,7 @@ def spectral_slopes(
     batch = max(1, 2**19 // size**2)  # spectra that stay in the cache
     for start in range(0, top.size, batch):
         some = slice(start, start + batch)
-        power = [
-            np.abs(np.asarray(fft2(one[top[some], left[some]], (size, size)))) ** 2
-            for one in squares
-        ]
+        power = np.abs(np.asarray(fft2(squares[:, top[some], left[some]], (size, size)))) ** 2
         joint = power[0] + power[1][:, higher[:, None], higher]
         row, column = np.divmod(joint.reshape(len(joint), -1).argmax(axis=1), size)
         down[some], right[some] = TAU * whole[row] / size, TAU * whole[column] / size
@@ -291,7 +267,10 @@ def plane_in_window(field, label, window, limits, information):  # pragma: no co
         slopes = (down + 2 * np.pi * (a - _ALIASES), right + 2 * np.pi * (b - _ALIASES))
         if max(abs(slopes[0]), abs(slopes[1])) > 2 * np.pi * _STEEPEST:
             continue
-        z = _nearest_depth(np.angle(beats[a, b]) / synthetic, 2 * np.pi / abs(synthetic), limits)
+        period = 2 * np.pi / abs(synthetic)
+        z = limits[0] + (np.angle(beats[a, b]) / synthetic - limits[0]) % period
+        if z > limits[1]:
+            z = limits[1] if z - limits[1] < limits[0] - (z - period) else limits[0]
         z = angle / wavenumber[0] + wrap * np.rint((z - angle / wavenumber[0]) / wrap)
         z = max(z, wrap)
         q = _plane(field, top + side // 2, left + side // 2, z, slopes[0], slopes[1])
@@ -342,10 +321,8 @@ def _blocks(field, top, left, side, count, down, right):  # pragma: no cover - c
                 for j in range(count):
                     part = 0j
                     for x in range(j * block, j * block + block):
-                        phasor = complex(
-                            real[f, top + y, left + x], imaginary[f, top + y, left + x]
-                        )
-                        part += phasor * across[x]
+                        p = complex(real[f, top + y, left + x], imaginary[f, top + y, left + x])
+                        part += p * across[x]
                     sums[f, i, j] += part * turn
     return sums
 
@@ -367,35 +344,17 @@ def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
 
 @njit(cache=True, nogil=True)
 def _climbed(field, label, q, top, left, side):  # pragma: no cover - compiled
-    """Fit a plane to the middle of a window first, then to more and more of it.
-
-    Away from the middle the phases of a steep plane bend, too much for slopes known to a bin.
-    """
+    """Fit a plane to the middle of a window first, then on outwards, for steep phases bend."""
     box = np.empty((1, 4), np.int64)
     core = 6
     while True:
         core = min(core, side)
-        first, last = (side - core) // 2, (side - core) // 2 + core
-        box[0, 0], box[0, 1], box[0, 2], box[0, 3] = (
-            top + first,
-            top + last,
-            left + first,
-            left + last,
-        )
-        area = field[2][0, box[0, 0] : box[0, 1], box[0, 2] : box[0, 3]]
+        y, x = top + (side - core) // 2, left + (side - core) // 2
+        box[0, 0], box[0, 1], box[0, 2], box[0, 3] = y, y + core, x, x + core
+        area = field[2][0, y : y + core, x : x + core]
         if core == side or np.sum(area) > 100:
             fit = refine(field, label, EVERY, q, box, PLANE, 2 if core < side else 3, np.int64(0))
             q = fit[0]
             if core == side or fit[1] < 0.4 * fit[2]:
                 return q, fit[1], core == side
         core = int(core * 1.5)
-
-
-@njit(cache=True, nogil=True)
-def _nearest_depth(z, period, limits):  # pragma: no cover - compiled
-    """A depth known but for whole periods, in the limits or as near to them as it can be."""
-    z = limits[0] + (z - limits[0]) % period
-    if z > limits[1]:
-        above, below = z - limits[1], limits[0] - (z - period)
-        z = limits[1] if above < below else limits[0]
-    return z

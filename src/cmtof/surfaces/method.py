@@ -1,10 +1,8 @@
 """Unwrapping by surfaces in true geometry, each pooled over all of its pixels.
 
 1. `cmtof.surfaces.field`: the phasors of each pixel, weighted so that likelihoods add up.
-2. `cmtof.surfaces.growing`: planes begin in windows, take the cells that they explain, are fitted
-   again, bend if they must, and move by whole wraps if that is likelier.
-3. `cmtof.surfaces.placing`: every pixel takes the likeliest surface beside it; the beat and the
-   shape give the whole wraps of each surface; surfaces that meet share them.
+2. `cmtof.surfaces.growing`: planes begin in windows, take the cells that they explain, and bend.
+3. `cmtof.surfaces.placing`: pixels take surfaces; beat, shape and what meets give their wraps.
 4. Here: pixels that no surface explains take the nearest one or the beat of their neighbourhood;
    where single pixels are clear enough, their neighbours vote.
 """
@@ -21,20 +19,9 @@ from cmtof.baselines.beat import beat_depth, synthetic_frequency
 from cmtof.baselines.region import nearest
 from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
+from cmtof.surfaces import placing
 from cmtof.surfaces.field import Array, Field, Labels, Mask, field_from_measurement
-from cmtof.surfaces.growing import grown_surfaces
-from cmtof.surfaces.placing import (
-    Borders,
-    Offsets,
-    Tied,
-    borders,
-    depth_of_labels,
-    fitted,
-    interiors,
-    offsets,
-    pixel_labels,
-    tied,
-)
+from cmtof.surfaces.growing import GAIN, fitted, grown_surfaces
 
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 WINDOW = 41  # side, px, of the square over which the beat is averaged further away
@@ -45,14 +32,13 @@ CALIBRATION = (  # odds of an offset by its Gaussian, and the share that was rig
     (0.0, 0.1, 0.25, 0.35, 0.5, 0.6, 0.75, 0.9, 0.99, 1.0),
     (0.08, 0.08, 0.14, 0.16, 0.4, 0.445, 0.67, 0.83, 0.905, 0.955),
 )
-# share S / E about a pixel on a surface, and the factor on its odds
-FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))
-# distance, px, of a pixel that no surface explains from one that it explains, and the factor
-BESIDE = ((1.0, 2.0, REACH), (0.36, 0.2, 0.1))
-FAR = 0.02  # share of pixels far from any surface that was right
+FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))  # S / E about a pixel, and a factor
+BESIDE = ((1.0, 2.0, REACH), (0.36, 0.2, 0.1))  # px off the nearest surface, and a factor
+FAR = 0.02  # share of pixels further off that was right
 # share of the winner of a vote, and how often it was right
 VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
 
+_STEPS, _CELLS = np.int64(6), np.int64(400)  # of the last fit; cells of a surface it looks at
 DOUBT = 4.0  # deviation, wraps, of a single pixel's beat up to which it may vote and be voted on
 _RADIUS = 5  # of the neighbourhood of a vote, px; its Gaussian has half of that
 _KERNEL = 0.25  # distance, wraps, within which two depths mean the same
@@ -69,30 +55,20 @@ class Stages(NamedTuple):
     field: Field
     owner: Labels  # surface of each cell, -1 for none
     label: Labels  # surface of each pixel, -1 for none
-    share: Array  # S / E of the likeliest surface about a pixel
     surfaces: Array  # parameters (N, 6) before any offset is added
-    offsets: Offsets
-    borders: Borders
-    tied: Tied
-    votes: Array  # share of the winner of a vote, 0 without one
+    offsets: placing.Offsets
+    borders: placing.Borders
+    tied: placing.Tied
     depth: Array  # of all pixels, m
-    odds: Array  # of the right wrap, before calibration
-    distance: Array  # to the nearest pixel that a surface explains, px
+    confidence: Array
 
 
 def surfaces(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=True) -> Estimate:
     """Depths by surfaces, each pooled over all of its pixels; parts as in `stages`."""
     found = stages(measurement, bent=bent, shape=shape, ties=ties, fill=fill)
     height, width = measurement.shape
-    odds = np.interp(found.odds, *CALIBRATION) * np.where(
-        found.distance > 0,
-        np.interp(found.distance, *BESIDE),
-        np.interp(found.share, *FITTING),
-    )
-    odds = np.where(found.distance > REACH, FAR, odds)
-    odds = np.where(found.votes > 0, np.interp(found.votes, *VOTING), odds)
     depth = within_range(found.depth[:height, :width], measurement)
-    return Estimate(depth, np.where(measurement.mask, odds[:height, :width], 0))
+    return Estimate(depth, np.where(measurement.mask, found.confidence[:height, :width], 0))
 
 
 def stages(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=True) -> Stages:
@@ -104,17 +80,18 @@ def stages(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=T
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
-    owner, surfaces = grown_surfaces(field, bent=bent)
-    label, share = pixel_labels(field, owner, surfaces)
-    inner = interiors(label, share)
-    surfaces, fit = fitted(field, inner, surfaces, bent=bent)
+    gain = GAIN if bent else np.inf
+    owner, surfaces = grown_surfaces(field, gain=gain)
+    label, share = placing.pixel_labels(field, owner, surfaces)
+    inner = placing.interiors(label, share)
+    surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
     shape = shape and measurement.camera is not None  # without a camera the shape is assumed
-    alone = offsets(field, inner, surfaces, fit, shape=shape)
-    touching = borders(field, label, surfaces)
-    joined = tied(alone, touching if ties else Borders(*(one[:0] for one in touching)))
+    alone = placing.offsets(field, inner, surfaces, fit, shape=shape)
+    touching = placing.borders(field, label, surfaces)
+    joined = placing.tied(alone, touching._replace(odds=touching.odds * ties))
     explained = label >= 0
     everywhere = label[nearest(explained)]
-    depth = depth_of_labels(field, everywhere, surfaces)
+    depth = placing.depth_of_labels(field, everywhere, surfaces)
     if len(surfaces):
         scored = np.zeros(label.shape, bool)
         scored[: measurement.shape[0], : measurement.shape[1]] = measurement.mask
@@ -124,20 +101,20 @@ def stages(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=T
     off, spread = joined.mean - joined.wraps, joined.spread
     right = ndtr((0.5 - off) / spread) - ndtr((-0.5 - off) / spread)
     odds = right[everywhere] if len(surfaces) else np.zeros(label.shape)
-    distance = np.full(label.shape, np.inf)
-    if explained.any():
-        distance = np.asarray(distance_transform_edt(~explained))
+    away = np.asarray(distance_transform_edt(~explained))
+    distance = away if explained.any() else np.full(label.shape, np.inf)
     lost = ~np.isfinite(depth) | ((distance > REACH) & fill)
     if lost.any():
         depth = np.where(lost, beat_depth(_beat_phase(field, ~explained), measurement), depth)
     elected, votes = voted(field, depth, explained)
     depth = np.where(votes > 0, elected, depth)
-    return Stages(
-        field, owner, label, share, surfaces, alone, touching, joined, votes, depth, odds, distance
-    )
+    fits = np.where(explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE))
+    odds = np.where(distance > REACH, FAR, np.interp(odds, *CALIBRATION) * fits)
+    odds = np.where(votes > 0, np.interp(votes, *VOTING), odds)
+    return Stages(field, owner, label, surfaces, alone, touching, joined, depth, odds)
 
 
-def _inside(joined: Tied, depth: Array, label: Labels, field: Field) -> Tied:
+def _inside(joined: placing.Tied, depth: Array, label: Labels, field: Field) -> placing.Tied:
     """Move groups by whole beats, then by wraps, until their mean pixel lies within the limits."""
     known = label >= 0
     count = joined.wraps.size
@@ -147,22 +124,21 @@ def _inside(joined: Tied, depth: Array, label: Labels, field: Field) -> Tied:
     mean = np.bincount(group, placed, count) / np.maximum(size, 1)
     low, high = field.limits
     repeat = 1 / abs(field.excess)  # wraps
-    beats = np.ceil((low - mean) / (repeat * field.period)) * (size > 0)
-    beats = np.where(mean + beats * repeat * field.period < high, beats, 0)
-    mean = mean + beats * repeat * field.period
+    beat = repeat * field.period
+    beats = np.ceil((low - mean) / beat) * (size > 0)
+    beats = np.where(mean + beats * beat < high, beats, 0)
+    mean = mean + beats * beat
     lacking = joined.mean + (beats * repeat)[joined.group]
-    again = np.where(beats[joined.group] != 0, np.rint(lacking), joined.wraps)
-    joined = joined._replace(mean=lacking, wraps=again)
+    wraps = np.where(beats[joined.group] != 0, np.rint(lacking), joined.wraps)
     up = np.ceil(np.maximum(low - mean, 0) / field.period)
     down = np.ceil(np.maximum(mean - high, 0) / field.period)
     extra = np.where(size > 0, up - down, 0)[joined.group]
-    return joined._replace(wraps=joined.wraps + extra)
+    return joined._replace(mean=lacking, wraps=wraps + extra)
 
 
 def _beat_phase(field: Field, among: Mask) -> Array:
     """Phase (H, W), rad, of the beat averaged over a window, among those pixels only."""
-    low = field.real[0] + 1j * field.imaginary[0]
-    high = field.real[1] + 1j * field.imaginary[1]
+    low, high = field.real + 1j * field.imaginary
     unit = low / np.maximum(np.abs(low), np.finfo(np.float32).tiny)
     mean = uniform_filter(np.where(among, high * np.conj(unit) ** field.multiple, 0), WINDOW)
     return np.sign(field.excess) * np.angle(mean)
@@ -171,25 +147,28 @@ def _beat_phase(field: Field, among: Mask) -> Array:
 def voted(field: Field, depth: Array, explained: Mask) -> tuple[Array, Array]:
     r"""Depth (H, W), m, by votes of and for clear pixels that no surface explains.
 
-    A pixel could be as deep as any of its wraps, :math:`z_n = n + \phi_1/2\pi` wraps. At a depth z
-    a neighbour has the cost of its wrap that comes nearest,
+    At a depth z a neighbour has the cost of its wrap :math:`z_m = m + \phi_1/2\pi` that is nearest,
 
     .. math:: \frac{(z_m - z)^2}{2h^2} + \frac{r_m^2}{2s^2}, \quad r_m = \phi_2 - 2\pi k z_m, \quad
               s^2 = s_2^2 + k^2 s_1^2, \quad k = f_2/f_1,
 
-    one on a surface the first term with the depth of that surface. No cost exceeds a cap, and the
-    depth of least cost wins: a robust form of a product of likelihoods. ``explained`` (H, W) marks
-    pixels on a surface, whose ``depth`` (H, W), m, is given; they vote and are not voted on, unless
-    their own phases or their neighbours contradict it. Returns the share of the winner as well.
+    but for a cap; one on a surface has the first term with the ``depth`` (H, W), m, of it. The wrap
+    of a pixel with the least cost wins. ``explained`` (H, W) marks pixels on a surface; they vote
+    and are not voted on, unless their own phases contradict it. Returns the winner's share as well.
     """
     out, share = np.full(depth.shape, np.nan), np.zeros(depth.shape)
     ratio = float(field.wavenumber[1] / field.wavenumber[0])
     step = TAU * abs(field.excess)  # of the misfit from wrap to wrap, rad
+    phasor = field.real + 1j * field.imaginary
     with np.errstate(divide="ignore"):
         variance = 1 / np.maximum(field.information, 0).astype(float)
     doubt = np.sqrt(variance[1] + ratio**2 * variance[0]) / step
     clear = doubt < DOUBT
-    explained = explained & ~(clear & _astray(field, depth, explained))
+    # pixels whose phases are not those of their surface, or that lie among such ones, vote anew
+    turned = phasor * np.exp(-1j * field.wavenumber[:, None, None] * depth)
+    fits = explained & (np.abs(np.angle(turned)).max(axis=0) < _ASTRAY)
+    among = uniform_filter(fits.astype(float), _SQUARE) >= _MOST
+    explained = explained & (~clear | (fits & among))
     asked = ~explained & clear
     if asked.any():
         turns = np.mod(np.arctan2(field.imaginary, field.real) / TAU, 1).astype(float)
@@ -204,18 +183,8 @@ def voted(field: Field, depth: Array, explained: Mask) -> tuple[Array, Array]:
     return out * field.period, share
 
 
-def _astray(field: Field, depth: Array, explained: Mask) -> Mask:
-    """Pixels (H, W) whose phases are not those of their surface, or that lie among such ones."""
-    phasor = field.real + 1j * field.imaginary
-    turned = phasor * np.exp(-1j * field.wavenumber[:, None, None] * depth)
-    fits = explained & (np.abs(np.angle(turned)).max(axis=0) < _ASTRAY)
-    return ~fits | (uniform_filter(fits.astype(float), _SQUARE) < _MOST)
-
-
 @njit(cache=True, nogil=True)
-def _vote(
-    asked, low, high, precision, place, ratio, farthest, limits, window, out, share
-):  # pragma: no cover - compiled
+def _vote(asked, low, high, sharp, place, ratio, far, limits, near, out, share):  # pragma: no cover
     height, width = asked.shape
     scale = 1 / (2 * _KERNEL**2)
     votes, depths = np.empty(4 * _FARTHEST), np.empty(4 * _FARTHEST)
@@ -228,7 +197,7 @@ def _vote(
             count = 0
             for n in range(first, last):
                 left = high[y, x] - ratio * (low[y, x] + n)
-                if abs(left - np.rint(left)) > farthest or count == votes.size:
+                if abs(left - np.rint(left)) > far or count == votes.size:
                     continue
                 z, told = low[y, x] + n, 0.0
                 for v in range(max(0, y - _RADIUS), min(height, y + _RADIUS + 1)):
@@ -241,10 +210,10 @@ def _vote(
                             away = low[v, u] + m - z
                             left = high[v, u] - ratio * (low[v, u] + m)
                             left -= np.rint(left)
-                            cost = scale * away * away + precision[v, u] * left * left
+                            cost = scale * away * away + sharp[v, u] * left * left
                         else:
                             continue
-                        told += window[v - y + _RADIUS, u - x + _RADIUS] * max(_CAP - cost, 0.0)
+                        told += near[v - y + _RADIUS, u - x + _RADIUS] * max(_CAP - cost, 0.0)
                 votes[count], depths[count] = told, z
                 count += 1
             best = int(np.argmax(votes[:count])) if count > 0 else 0

@@ -1,10 +1,9 @@
 """From surfaces to depths: which one each pixel lies on, and how many whole wraps it is off.
 
-The beat and the shape decide the wraps. The pooled higher phase lags behind the pooled lower one by
-``2 pi m (k_2 / k_1 - 2)`` after m wraps; and a plane moved along the rays is no plane any more, so
-a fit that is m wraps off is bent, the more so the wider the surface. Surfaces that touch share
-their offset: along a border two surfaces either meet, with the same depth there but for their
-unknown whole wraps, or one hides the other, and their difference takes any value.
+The pooled higher phase lags behind the lower one by ``2 pi m (k_2 / k_1 - 2)`` after m wraps: the
+beat. A plane moved along the rays is bent, the more so the wider it is: the shape. Along a border
+two surfaces either meet, with the same depth but for whole wraps, or one hides the other, and their
+difference takes any value.
 """
 
 from typing import NamedTuple
@@ -16,20 +15,18 @@ from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Array, Field, Labels
 from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood
-from cmtof.surfaces.growing import GAIN, around, fit_all
+from cmtof.surfaces.growing import around
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
 EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on none of them
 _INSIDE, _CERTAIN = 4, 0.6  # fits use pixels without another surface this near, and this S / E
-_STEPS, _CELLS = np.int64(6), np.int64(400)  # of the last fit
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
 _FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
 _BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
 _ENOUGH = 60.0  # information from which on a cell is turned back by its own phasors alone
 
 _LEAST, _LONG = 8, 24  # border, px, below which nothing follows from it; with full odds
-# Tolerance of one pixel's difference, wraps, and of it per wrap of slope between the surfaces; of
-# the border's median, and of it per wrap of slope: a border is known to a pixel.
+# Tolerance, wraps, of a pixel's difference, and per wrap of slope; the same of the median.
 _TOLERANCE = (0.25, 1.5, 0.1, 0.3)
 # Odds that surfaces meet, by the share of their border that differs by the same whole wraps.
 _SUPPORT = ((0.95, 2.0), (0.85, 0.7), (0.6, 0.2), (0.0, 0.02))
@@ -63,10 +60,7 @@ class Tied(NamedTuple):
 
 
 def pixel_labels(field: Field, owner: Labels, surfaces: Array) -> tuple[Labels, Array]:
-    """Likeliest surface (H, W) of each pixel among those about its cell, and its share S / E.
-
-    Both are compared over a square about the pixel; -1 where no surface explains it.
-    """
+    """Likeliest surface (H, W), -1 for none, of a square about each pixel, and its share S / E."""
     side = 2 * RADIUS + 1
     both = field.information.sum(axis=0, dtype=float)
     told = side**2 * uniform_filter(both, side, mode="constant")
@@ -127,33 +121,12 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
                         best[at], label[at] = total, found[i]
 
 
-def fitted(
-    field: Field, inner: Labels, surfaces: Array, *, bent: bool = True
-) -> tuple[Array, Array]:
-    """Fit every surface (N, 6) to its interior; its fit (N, 5) as `growing.fit_all` has it."""
-    rows, columns = (n // CELL for n in inner.shape)
-    # one entry for each cell and surface that share pixels
-    cell = (np.arange(inner.shape[0]) // CELL)[:, None] * columns
-    cell = cell + np.arange(inner.shape[1]) // CELL
-    known = inner >= 0
-    pairs = np.unique(inner[known].astype(np.int64) * (rows * columns) + cell[known])
-    of, order = np.divmod(pairs, rows * columns)
-    cells = order, np.searchsorted(of, np.arange(len(surfaces) + 1)), columns
-    farthest, gain = float(field.limits[1]), GAIN if bent else np.inf
-    return fit_all(field.arrays(), inner, cells, surfaces, (_STEPS, _CELLS), farthest, gain)
-
-
-def offsets(
-    field: Field, inner: Labels, surfaces: Array, fit: Array, *, shape: bool = True
-) -> Offsets:
-    """Offset of each fitted surface from its shape and from its beat.
-
-    The shape counts as far as a plane is known to miss the surface by less than a wrap bends it.
-    """
+def offsets(field: Field, inner: Labels, surfaces: Array, fit: Array, *, shape=True) -> Offsets:
+    """Offset of each surface, from its shape as far as a plane misses it little, and its beat."""
     beat, noise, coherence = pooled_beats(field, inner, surfaces)
     doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
     by_beat = 1 / (noise**2 + doubt**2)
-    known, missed, bend = (np.maximum(fit[:, i], 1e-12) for i in (1, 3, 4))
+    known, missed, bend = (np.maximum(fit[:, i], 1e-12) for i in (1, 2, 3))
     variance = 1 / known + (np.maximum(missed, _SMOOTH) / bend) ** 2 + _FLOOR[0] ** 2
     by_shape = np.where((fit[:, 1] > 0) & shape, 1 / variance, 0)
     mean = (fit[:, 0] * by_shape + beat * by_beat) / (by_shape + by_beat)
@@ -163,17 +136,15 @@ def offsets(
 def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, Array, Array]:
     """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on.
 
-    A surface is no better than its six functions. So each cell is first turned back by what its
-    neighbourhood's phasors say at both frequencies together, and then all are summed.
+    Six functions miss the surface, so its neighbourhood's phasors turn each cell back at first.
     """
     count, shape = len(surfaces), tuple(n // CELL for n in inner.shape)
     main = _main_surfaces(inner, count)
-    chosen = np.kron(main, np.ones((CELL, CELL), int)) == inner
+    chosen = (np.kron(main, np.ones((CELL, CELL), int)) == inner) & (inner >= 0)
     depth = np.nan_to_num(depth_of_labels(field, inner, surfaces))
     back = np.exp(-1j * field.wavenumber[:, None, None] * depth)
     phasors = (field.real + 1j * field.imaginary) * back
     blocks = (2, shape[0], CELL, shape[1], CELL)
-    chosen &= inner >= 0
     sums = np.where(chosen, phasors, 0).reshape(blocks).sum(axis=(2, 4))
     told = np.where(chosen, field.information, 0).astype(float).reshape(blocks).sum(axis=(2, 4))
     near, reached = sums.copy(), told.sum(axis=0)
@@ -194,8 +165,8 @@ def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, A
     def summed(image: Array) -> Array:
         return np.bincount(main[known], image[known], count).astype(float)
 
-    total = np.stack([summed(one.real) + 1j * summed(one.imag) for one in turned])
-    most = np.maximum(np.stack([summed(told[f]) for f in (0, 1)]), 1e-9)
+    total = np.array([summed(one.real) + 1j * summed(one.imag) for one in turned])
+    most = np.maximum([summed(one) for one in told], 1e-9)
     length = np.maximum(np.abs(total), 1e-9)
     wrap = TAU * field.excess
     beat = np.angle(total[1] * np.conj(total[0] / length[0]) ** multiple) / wrap
@@ -232,7 +203,7 @@ def _same(images: Array, main: Labels, radius: int) -> Array:
 
 
 def borders(field: Field, label: Labels, surfaces: Array) -> Borders:
-    """Compare surfaces across every border between labels (H, W)."""
+    """Odds that surfaces meet, from their depths across every border between labels (H, W)."""
     count = len(surfaces)
     keys, steps, slopes = [], [], []
     for down, right in ((1, 0), (0, 1)):
@@ -247,18 +218,13 @@ def borders(field: Field, label: Labels, surfaces: Array) -> Borders:
         keys.append(low.astype(np.int64) * count + high)
         steps.append((first + second) / 2 / field.period)
         slopes.append(np.abs(first - second) / field.period)
-    return _judged(np.concatenate(keys), np.concatenate(steps), np.concatenate(slopes), count)
-
-
-def _judged(keys: Labels, steps: Array, slopes: Array, count: int) -> Borders:
-    """Odds that the two surfaces of each border meet."""
-    order = np.argsort(keys, kind="stable")
-    cuts = np.flatnonzero(np.diff(keys[order])) + 1
+    key, jump, tilt = (np.concatenate(parts) for parts in (keys, steps, slopes))
+    order = np.argsort(key, kind="stable")
     found = []
-    for part in np.split(order, cuts):
+    for part in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
         if part.size < _LEAST:
             continue
-        step, slope = steps[part], np.minimum(slopes[part], 1)
+        step, slope = jump[part], np.minimum(tilt[part], 1)
         near = _TOLERANCE[0] + _TOLERANCE[1] * slope
         whole = np.unique(np.rint(step))
         support = (np.abs(step[:, None] - whole) < near[:, None]).mean(axis=0)
@@ -268,18 +234,16 @@ def _judged(keys: Labels, steps: Array, slopes: Array, count: int) -> Borders:
         width = _TOLERANCE[2] + _TOLERANCE[3] * np.median(slope)
         odds = next(value for least, value in _SUPPORT if support[best] >= least)
         odds *= np.exp(-((rest / width) ** 2) / 2) * min(1, part.size / _LONG)
-        found.append((*divmod(int(keys[part[0]]), count), whole[best], odds))
-    columns = list(zip(*found, strict=True)) if found else [(), (), (), ()]
-    kinds = (np.int64, np.int64, float, float)
-    return Borders(*(np.array(c, kind) for c, kind in zip(columns, kinds, strict=True)))
+        found.append((*divmod(int(key[part[0]]), count), whole[best], odds))
+    columns = np.array(found, float).reshape(-1, 4).T
+    return Borders(*columns[:2].astype(int), *columns[2:])
 
 
 def tied(found: Offsets, borders: Borders) -> Tied:
     """Tie surfaces, the surest pair first, as long as the odds are good.
 
-    Each group's offset is a Gaussian. If two meet, their offsets differ by known wraps: the odds
-    are those of the border times how much likelier the two Gaussians are to agree than to be
-    anywhere within `_JUMP` wraps.
+    Each group's offset is a Gaussian. The odds that two meet are those of the border times how much
+    likelier both Gaussians are to agree on its step than to be anywhere within `_JUMP` wraps.
     """
     count = found.mean.size
     group, shift = np.arange(count), np.zeros(count)
