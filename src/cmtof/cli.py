@@ -10,7 +10,8 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -166,7 +167,8 @@ def unwrap(
     if opened.depth is not None:
         from cmtof.evaluation import score, scored_pixels
 
-        print(_rates(score([scored_pixels(result, opened)])))
+        found = _rates(score([scored_pixels(result, opened)]))
+        print("  ".join(f"{title} {value}" for title, value in found.items()))
 
 
 @app.command()
@@ -264,15 +266,9 @@ def _describe(file: Path) -> None:
     from cmtof.scenes.frame import read_npz
 
     if file.suffix == ".npz" and file.is_file():
-        for name, array in read_npz(file).items():
-            print(f"  {name} {array.shape} {array.dtype}")
+        print(*(f"{name} {a.shape} {a.dtype}" for name, a in read_npz(file).items()), sep="\n")
         return
-    dataset = read_dataset(file) if file.suffix == ".nc" else open_measurement(file).dataset
-    for name, variable in dataset.variables.items():
-        sizes = ", ".join(f"{dim} {size}" for dim, size in variable.sizes.items())
-        print(f"  {name} ({sizes}) {variable.dtype} {variable.attrs.get('units', '')}".rstrip())
-    for key, value in dataset.attrs.items():
-        print(f"  {key}: {value}")
+    (read_dataset(file) if file.suffix == ".nc" else open_measurement(file).dataset).info()
 
 
 @app.command()
@@ -355,19 +351,10 @@ def train(
 
     chosen = read_config(config, model=model, protocol=protocol, seed=seed)
     folder = output or Path("runs") / f"{chosen.name}-{chosen.model}-{chosen.protocol}"
-    written = train_network(
-        chosen,
-        folder,
-        tree=data,
-        init=init,
-        resume=resume,
-        minutes=minutes,
-        quiet=quiet or _hidden(),
-        accelerator=accelerator,
-        devices=int(devices) if devices.isdigit() else devices,
-        num_nodes=num_nodes,
-        strategy=strategy,
-    )
+    run = {"tree": data, "init": init, "resume": resume, "minutes": minutes}
+    machines = {"accelerator": accelerator, "num_nodes": num_nodes, "strategy": strategy}
+    machines["devices"] = int(devices) if devices.isdigit() else devices
+    written = train_network(chosen, folder, quiet=quiet or _hidden(), **run, **machines)
     print(written or f"{folder}: stopped before its last step; --resume goes on")
 
 
@@ -394,7 +381,7 @@ def scan(
         raise ValueError(f"Expected either a RIG file or --twin, got {got}. Name one.")
     if not twin and (seed, scene) != (None, None):
         raise ValueError("Expected --scene and --seed with --twin, got a RIG file. Leave them out.")
-    from cmtof.hardware.bench import Bench, opened, simulated
+    from cmtof.hardware.bench import opened, simulated
     from cmtof.hardware.journal import journal_path
     from cmtof.hardware.plan import planned
     from cmtof.hardware.rig import Rig
@@ -403,20 +390,12 @@ def scan(
     settings = Rig.default() if rig is None else Rig.load(rig)
     plan = planned(settings, size=size)
 
-    def bench() -> AbstractContextManager[Bench]:
-        if twin:
-            return simulated(settings, scene or "still_life", seed=seed or 0)
-        return opened(settings)
-
+    rehearsed = partial(simulated, settings, scene or "still_life", seed=seed or 0)
+    bench = rehearsed if twin else partial(opened, settings)
     try:
         with progress(len(plan.lines), quiet) as advance:
-            measurement = run_scan(
-                plan,
-                bench,
-                output,
-                resume=resume,
-                report=lambda line: advance(f"{line.mode}: {line.kind}"),
-            )
+            options = {"report": lambda line: advance(f"{line.mode}: {line.kind}")}
+            measurement = run_scan(plan, bench, output, resume=resume, **options)
     except (KeyboardInterrupt, SystemExit):
         print(f"cmtof: stopped; {journal_path(output)} goes on with --resume", file=sys.stderr)
         raise
@@ -452,29 +431,21 @@ def _print_table(title: str, head: Any, rows: Any) -> None:
     Console().print(table)
 
 
-RATES = {
-    "δ<1": "delta_lt_1",
-    "δ<2": "delta_lt_2",
-    "δ<3": "delta_lt_3",
-    "δ≥10": "delta_ge_10",
-    "consistent": "consistent_lt_1",
-}
-
-
-def _rates(scores: dict[str, float]) -> str:
-    rates = "  ".join(f"{name} {scores[key]:.1%}" for name, key in RATES.items())
-    return f"{rates}  median error {1e3 * scores['depth_median_error_m']:.1f} mm"
+def _rates(scores: dict[str, float]) -> dict[str, str]:
+    """Rates and error of a method as they are printed, by their title."""
+    titles = {f"δ<{k}": f"delta_lt_{k}" for k in (1, 2, 3)}
+    titles |= {"δ≥10": "delta_ge_10", "consistent": "consistent_lt_1"}
+    found = {title: f"{scores[key]:.1%}" for title, key in titles.items()}
+    return found | {"median error": f"{1e3 * scores['depth_median_error_m']:.1f} mm"}
 
 
 def _print_report(report: dict[str, Any]) -> None:
     title = f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
     title += f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
-    rows = []
-    for name, scores in report["methods"].items():
-        shares = [f"{scores[key]:.1%}" for key in RATES.values()]
-        error = f"{1e3 * scores['depth_median_error_m']:.1f} mm"
-        rows.append([name, *shares, error, f"{scores['seconds_per_frame']:.2f}"])
-    _print_table(title, ("method", *RATES, "median error", "s/frame"), rows)
+    found = {name: _rates(scores) for name, scores in report["methods"].items()}
+    clock = {name: f"{one['seconds_per_frame']:.2f}" for name, one in report["methods"].items()}
+    head = ("method", *next(iter(found.values())), "s/frame")
+    _print_table(title, head, ([n, *cells.values(), clock[n]] for n, cells in found.items()))
 
 
 if __name__ == "__main__":
