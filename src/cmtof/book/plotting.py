@@ -161,8 +161,7 @@ def sweep(
 ) -> None:
     """Dots (N,) of a sweep, with error bars, and the line of a bound or theory.
 
-    ``errors`` are half-lengths (N,) or (2, N); ``bound`` holds values at ``x``, or a pair of its
-    own settings and values; ``log`` names the axes with a logarithmic scale.
+    ``errors`` are half-lengths; ``bound`` holds values, or its own settings and values.
     """
     if bound is not None:
         line = bound if isinstance(bound, tuple) else (x, bound)

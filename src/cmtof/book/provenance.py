@@ -11,9 +11,8 @@ from cmtof import __version__
 from cmtof.files import written_whole
 
 OUTPUT_VARIABLE = "CMTOF_OUTPUT"  # environment variable that names the folder for results
-
+# stored beside every result; the profile is a file of configs/
 RUN: dict[str, str | int] = {"profile": "book", "seed": 0, "version": __version__}
-"""What is stored beside every result; the profile is a file of ``configs/``."""
 
 
 def output_folder() -> Path:
