@@ -129,7 +129,6 @@ def test_parameters_broadcast_against_each_other():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: jones.compose(), "at least one Jones matrix"),
         (lambda: jones.mirror(1.2), "reflectance from 0 to 1"),
         (lambda: jones.mirror(np.nan), "reflectance from 0 to 1"),
         (lambda: jones.polarising_beam_splitter("up"), "'transmitted' or 'reflected'"),

@@ -159,12 +159,7 @@ def wrap_probability_law(
     with the densities of `phase_density`, ``Delta = f_2 - k f_1`` and b the error of the beat: the
     wrap is right where the beat's depth and the phase of the lower frequency agree on it.
 
-    Parameters
-    ----------
-    linear_low, linear_high : float
-        `linear_phase_noise` at the lower and the higher frequency, rad; 3 mrad or more.
-    frequencies : (float, float)
-        Lower and higher modulation frequency, Hz.
+    `linear_phase_noise` at the lower and the higher frequency in rad, 3 mrad or more; both in Hz.
 
     Examples
     --------

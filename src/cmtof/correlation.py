@@ -35,15 +35,10 @@ def correlation_from_harmonics(
               = P_0 R_0 + 2\,\mathrm{Re}\sum_{k\ge1} P_k R_k^*\, e^{-ik(\phi+\psi+\beta)}
                 \,\mathrm{sinc}(k b)
 
-    Parameters
-    ----------
-    emitted, reference : array_like, shape (K + 1,)
-        Complex coefficients of p and r, ``w = W_0 + 2 Re sum_k W_k exp(i k theta)``.
-    phase, psi : array_like
-        Phase of the light's round trip and reference phase, rad, broadcast.
-    beat_phase, beat_cycles : array_like, float
-        Heterodyne only: ``2 pi (f_r - f_p) t`` in the middle of the exposure, rad, and
-        ``b = (f_r - f_p) T``, the beat periods within one exposure.
+    Coefficients (K + 1,) of p and r are complex, ``w = W_0 + 2 Re sum_k W_k exp(i k theta)``; the
+    phase of the round trip and psi, rad, broadcast. Heterodyne only: ``beat_phase`` is
+    ``2 pi (f_r - f_p) t`` in the middle of the exposure, rad, ``beat_cycles`` b the beat periods
+    within one exposure.
 
     Examples
     --------
@@ -164,23 +159,10 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
     For four sorted uniform steps this is Eq. 9 with the first Fourier bin (the paper's F_2 is
     the Nyquist bin, see the errata).
 
-    Parameters
-    ----------
-    correlation : array_like, shape (K, ...) or (F, K, H, W)
-        Correlations, counts; four axes are always frequency, step, y, x. float32 stays float32,
-        with a phase error below 5e-6 rad; anything else is computed in float64.
-    psi : array_like, shape (K,) or (F, K)
-        Reference phases, rad, in the order of the data; (K,) serves every frequency.
-
-    Returns
-    -------
-    Decoded
-        Arrays of shape (...) or (F, ...); where a correlation is NaN, phase 0 and the others NaN.
-
-    Raises
-    ------
-    ValueError
-        If shapes disagree or psi cannot be decoded.
+    Correlations (K, ...) or (F, K, H, W), counts, at ``psi`` (K,) or (F, K), rad, in any order.
+    float32 stays float32, with a phase error below 5e-6 rad; anything else is computed in float64.
+    Where a correlation is NaN, the phase is 0 and the others NaN. Raises a ValueError if shapes
+    disagree or psi cannot be decoded.
 
     Examples
     --------

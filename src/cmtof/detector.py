@@ -27,28 +27,10 @@ def poisson_gaussian(
 ) -> Array:
     """Counts with photon and Gaussian noise from their expectation (Eq. 8, Sec. 5.3).
 
-    Parameters
-    ----------
-    mean : array_like
-        Expected counts, at least 0. float32 stays float32.
-    rng : Generator
-        Source of the random numbers.
-    sigma, mu : float
-        Standard deviation and mean of the Gaussian noise, counts.
-    order : {"paper", "released"}
-        ``"paper"``: Poisson counts plus Gaussian noise, as Eq. 8 is written; results may be
-        negative. ``"released"``: as the authors' released code does it, Gaussian noise first,
-        clipped at zero, then Poisson counts of that; never negative.
-
-    Returns
-    -------
-    ndarray
-        Noisy counts in the dtype of ``mean``.
-
-    Raises
-    ------
-    ValueError
-        For negative or non-finite means, or a negative sigma.
+    ``sigma`` and ``mu`` are those of the Gaussian noise, counts; float32 means stay float32. Order
+    ``"paper"`` adds it to Poisson counts, as Eq. 8 is written; results may be negative. Order
+    ``"released"`` does as the authors' released code: Gaussian noise first, clipped at zero, then
+    Poisson counts of that. Raises a ValueError for negative or non-finite means or sigma.
 
     Examples
     --------

@@ -11,6 +11,7 @@ Eq. 14 does.
 Source: R. C. Jones, J. Opt. Soc. Am. 31, 488 (1941); A. Yariv and P. Yeh, Photonics (2007), ch. 1.
 """
 
+from functools import reduce
 from typing import Literal
 
 import numpy as np
@@ -159,14 +160,9 @@ def polarising_beam_splitter(
 def compose(*elements: JonesMatrix) -> JonesMatrix:
     """Product (..., 2, 2) of elements in the order in which the light meets them.
 
-    ``compose(a, b, c)`` is the matrix product c b a. Raises ValueError without an element.
+    ``compose(a, b, c)`` is the matrix product c b a.
     """
-    if not elements:
-        raise ValueError("Expected at least one Jones matrix, got none. Pass the elements.")
-    total = np.asarray(elements[0], np.complex128)
-    for element in elements[1:]:
-        total = element @ total
-    return total
+    return reduce(lambda total, element: element @ total, elements)
 
 
 def apply(element: JonesMatrix, field: ArrayLike) -> JonesVector:

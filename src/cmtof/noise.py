@@ -113,7 +113,7 @@ def _left_over(window: int) -> Array:
 
 
 def _fit_kernel(window: int) -> Array:
-    """Weights (window, window) of the fit's residual at the centre of its window."""
+    """Weights of the fit's residual at the centre of its window."""
     return _left_over(window)[window**2 // 2].reshape(window, window)
 
 

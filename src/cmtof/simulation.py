@@ -41,24 +41,12 @@ def simulate(
 ) -> Measurement:
     """Noisy correlation images of a frame, with its true depth and mask, in float32 (Eq. 8).
 
-    Parameters
-    ----------
-    frame : Frame
-        Range, m, and linear intensity, clipped to [0, 1].
-    protocol : {"released", "full"}
-        As in `staged_depth`. Pixels out of its range are masked, and keep their signal.
-    frequencies, psi : array_like, shape (F,), (K,)
-        Modulation frequencies, Hz, lowest first; reference phases, rad.
-    noise, noise_free : float, bool
-        Gaussian sigma, counts, beside which photon noise stays on; or neither.
-    gain, integration_time : float
-        G and T of Eq. 8.
-    order : {"paper", "released"}
-        Order of the two noises, see `cmtof.detector.poisson_gaussian`.
-    phase_offset : array_like, shape (F,) or ()
-        Error of calibration added to every phase of a frequency, rad (Table 3).
-    seed, frame_number : int
-        The noise is drawn from ``default_rng([seed, frame_number])``.
+    The frame's intensity is clipped to [0, 1]. ``protocol`` is that of `staged_depth`; pixels out
+    of its range are masked, and keep their signal. Frequencies (F,), Hz, lowest first; ``psi``
+    (K,), rad; ``noise`` is the Gaussian sigma, counts, beside photon noise; ``gain`` and
+    ``integration_time`` are G and T; ``order`` is that of `cmtof.detector.poisson_gaussian`.
+    ``phase_offset`` (F,) is an error of calibration added to every phase of a frequency, rad
+    (Table 3). The noise is drawn from ``default_rng([seed, frame_number])``.
     """
     frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
     check_frequencies(frequencies)

@@ -12,23 +12,9 @@ Harmonics = NDArray[np.complex128]
 
 
 def harmonics_from_waveform(samples: ArrayLike, count: int) -> Harmonics:
-    """Fourier coefficients W_0 ... W_count of one period of uniform samples.
+    """Fourier coefficients W_0 ... W_count (..., count + 1) of one period of samples (..., N).
 
-    Parameters
-    ----------
-    samples : array_like, shape (..., N)
-        Waveform at ``theta = 2 pi j / N``, any unit.
-    count : int
-        Highest harmonic K, below N/2.
-
-    Returns
-    -------
-    ndarray, shape (..., K + 1), complex
-
-    Raises
-    ------
-    ValueError
-        If ``count`` is negative or not below N/2.
+    The samples are those at ``theta = 2 pi j / N``; a ValueError unless 0 <= count < N/2.
 
     Examples
     --------
