@@ -33,9 +33,7 @@ from cmtof.modulator import (
     DOUBLED,
     SINGLE,
     doubled_mode_harmonics,
-    doubled_mode_taylor,
     single_mode_harmonics,
-    single_mode_taylor,
 )
 from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
 
@@ -274,7 +272,7 @@ print(f"J_2/J_1 at η = {eta}: {ratio:.3f}; a quarter only at η = {float(quarte
 # %% tags=["hide-input"]
 rng, sampled = np.random.default_rng(seed), np.linspace(0, 2, 81)
 figure, axes = plt.subplots(2, 2, figsize=(9.2, 6.8), height_ratios=[1.35, 1])
-taylor = {"single": single_mode_taylor, "doubled": doubled_mode_taylor}
+taylor = {"single": lambda sine: (1 - 2 * sine) / 2, "doubled": np.square}  # of eta sin(theta)
 spectra = {name: mode.harmonics(8) for name, mode in modes.items()}
 for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
     ps = 1e12 / mode.frequency
@@ -282,7 +280,7 @@ for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
     dots = waveform_from_harmonics(seen, 2 * np.pi * sampled) + rng.normal(0, noise, sampled.size)
     ax.plot(ps * sampled, dots, ".", ms=4, color="#9AA4AD", label="photodiode, noisy")
     ax.plot(ps * cycles, mode.waveform(2 * np.pi * cycles), lw=2.4, label="exact")
-    weak = taylor[name](2 * np.pi * cycles, eta=eta)
+    weak = taylor[name](eta * np.sin(2 * np.pi * cycles))
     ax.plot(ps * cycles, weak, ls="--", label="lowest order in η")
     if name == "doubled":
         ax.plot(ps * cycles, weak / 2, ":", color="C4", label="Eq. 19 as printed")

@@ -222,16 +222,3 @@ def doubled_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
     k = np.arange(count + 1)
     bessel = jv(k, 2 * np.asarray(eta, float)[..., None])
     return np.where(k % 2 == 0, -0.5 * bessel, 0) + np.where(k == 0, 0.5, 0j)
-
-
-def single_mode_taylor(phase: ArrayLike, *, eta: float) -> Array:
-    """Eq. 16's approximation ``(1 - 2 eta sin theta)/2``, off by at most eta - sin(2 eta)/2."""
-    return 0.5 * (1 - 2 * eta * np.sin(np.asarray(phase, float)))
-
-
-def doubled_mode_taylor(phase: ArrayLike, *, eta: float) -> Array:
-    """Lowest order ``eta^2 sin^2 theta`` of the doubled mode, off by at most eta^2 - sin^2(eta).
-
-    Eq. 19 prints half of it: (1 - cos(2 eta sin theta))/2 is sin^2(eta sin theta).
-    """
-    return (eta * np.sin(np.asarray(phase, float))) ** 2
