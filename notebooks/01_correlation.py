@@ -30,7 +30,6 @@ from cmtof.correlation import (
     centred,
     correlation_contrast,
     correlation_from_harmonics,
-    cyclic_error,
     depth_from_phase,
     phase_from_correlation,
     phase_from_depth,
@@ -229,10 +228,17 @@ notes.tell(
 # error, which no averaging removes.
 
 # %%
+def cyclic_error(wave, phase, samples):
+    """Phase error of the harmonics with so many uniform steps, rad; harmonics k = m K ± 1 alias."""
+    psi = TAU * np.arange(samples) / samples
+    stack = correlation_from_harmonics(wave, wave, phase=phase, psi=psi[:, None])
+    return centred(phase_from_correlation(stack, psi) - phase)
+
+
 angle = TAU * np.arange(phases) / phases
 waves = {eta: single_mode_harmonics(eta, 24) for eta in (eta_weak, eta_strong)}
 error = {
-    (eta, steps): 1e3 * cyclic_error(wave, wave, phase=angle, samples=steps)  # mrad
+    (eta, steps): 1e3 * cyclic_error(wave, angle, steps)  # mrad
     for eta, wave in waves.items()
     for steps in (4, 16)
 }
@@ -240,7 +246,7 @@ largest = {key: float(np.abs(value).max()) for key, value in error.items()}
 etas, coarse = np.linspace(0.02, 0.95, drives), angle[:: max(1, phases // 90)]
 many = single_mode_harmonics(etas, 24)
 against_drive = {
-    steps: [1e3 * np.abs(cyclic_error(w, w, phase=coarse, samples=steps)).max() for w in many]
+    steps: [1e3 * np.abs(cyclic_error(w, coarse, steps)).max() for w in many]
     for steps in (3, 4, 8, 16)
 }
 

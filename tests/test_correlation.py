@@ -156,21 +156,6 @@ def test_residual_noise_finds_the_noise_of_the_samples(rng):
         co.residual_noise(np.zeros((3, 9)), psi[:3])
 
 
-# --- harmonics ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("eta", "error"), [(0.26, 0.13e-3), (np.pi / 4, 15e-3)])
-def test_four_samples_alias_the_third_harmonic_and_sixteen_do_not(eta, error):
-    from dataclasses import replace
-
-    waveform = replace(SINGLE, eta=eta).harmonics(9)
-    phase = np.linspace(0, 2 * np.pi, 721)
-    four = co.cyclic_error(waveform, waveform, phase=phase, samples=4)
-    sixteen = co.cyclic_error(waveform, waveform, phase=phase, samples=16)
-    assert np.abs(four).max() == pytest.approx(error, rel=0.05)
-    assert np.abs(sixteen).max() < 1e-9
-
-
 # --- depth -------------------------------------------------------------------------------------
 
 

@@ -85,24 +85,6 @@ def correlation_contrast(emitted: ArrayLike, reference: ArrayLike) -> float:
     return float(2 * abs(p[1] * r[1]) / abs(p[0] * r[0]))
 
 
-def cyclic_error(
-    emitted: ArrayLike, reference: ArrayLike, *, phase: ArrayLike, samples: int
-) -> Array:
-    """Phase error that the waveforms' harmonics cause with ``samples`` uniform steps of psi, rad.
-
-    Harmonics k = 1 + m*samples and k = m*samples - 1 alias onto the fundamental; four samples
-    keep the third harmonic, sixteen lose it. Waveforms (K + 1,) as in
-    `correlation_from_harmonics`, true ``phase`` (...) in rad.
-    """
-    psi = TAU * np.arange(samples) / samples
-    phase = np.asarray(phase, float)
-    steps = psi.reshape((-1,) + (1,) * phase.ndim)
-    correlation = correlation_from_harmonics(emitted, reference, phase=phase, psi=steps)
-    lag = np.angle(complex(np.asarray(emitted)[1]) * np.conj(complex(np.asarray(reference)[1])))
-    # the fundamental is 2 |P1 R1| cos(phi + psi - lag): a constant lag is no cyclic error
-    return centred(phase_from_correlation(correlation, psi) - phase + lag)
-
-
 # --- correlation -> phase ----------------------------------------------------------------------
 
 
@@ -115,12 +97,6 @@ class Decoded(NamedTuple):
     """Coefficient of the cosine, counts."""
     offset: Array
     """Mean, counts."""
-
-    @property
-    def contrast(self) -> Array:
-        """Amplitude over mean, 2/pi for Eq. 8; NaN in the dark."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(self.offset > 0, self.amplitude / self.offset, np.nan)
 
 
 def decoding_weights(psi: ArrayLike) -> Array:
