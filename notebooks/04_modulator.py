@@ -520,8 +520,6 @@ reached = {
     "fig8.frequency_single": SINGLE.frequency,
     "fig8.frequency_drive": DOUBLED.frequency,
     "fig8.frequency_doubled": strongest * DOUBLED.frequency,
-    "fig8.hwp_angle_single": SINGLE.half_wave_angle,
-    "fig8.hwp_angle_double": DOUBLED.half_wave_angle,
 }
 for key, value in reached.items():
     paper.check(key, value)

@@ -422,5 +422,3 @@ paper.check("sec8.noise_mean", (offset - signal * brightness / 2)[measurement.ma
 paper.check("sec8.noise_sigma", about["noise_sigma"])
 paper.check("sec8.noise_sigma_high", ambient_noise)
 paper.check("sec8.noise_ratio", ambient_noise / NOISE_SIGMA)
-paper.check("sec8.frequency_low", measurement.frequencies[0])
-paper.check("sec8.frequency_high", measurement.frequencies[1])

@@ -285,7 +285,5 @@ notes.table(["", "points", "pupil, ±0.2 rad", "light a pixel over ours, 64 × 6
 # ## Against the paper
 
 # %%
-paper.check("sec8.scan_phase_steps", OpticalRanger.phases)
 paper.check("sec8.stage_error", OpticalRanger.stage_error)
-paper.check("fig13.target_distance", target.distance)
 paper.check("sec9.active_area", side)
