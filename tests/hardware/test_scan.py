@@ -62,7 +62,7 @@ def assert_safe(bench):
     assert not (panel.laser_on or panel.shutter_open)
     assert not (panel.emission.on or panel.detection.on)
     assert panel.galvo_volts == [0.0, 0.0]
-    assert panel.beam_block_in
+    assert not panel.beam_block_out
 
 
 def test_phases_are_those_of_the_true_ranges():

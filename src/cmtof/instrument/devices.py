@@ -1,8 +1,7 @@
 """Simulated devices of the instrument, in process: the interfaces of `cmtof.hardware`'s drivers.
 
-They share one `Panel`, whose knobs the `World` reads. Nothing waits: a move or a lock is over when
-the call returns, and the only clock is the number of a burst. Methods are documented at the drivers
-of the same names.
+They share one `Panel`, whose knobs the `World` reads. Nothing waits, and the only clock is the
+number of a burst. Methods are documented at the drivers of the same names.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -15,10 +14,10 @@ from cmtof.instrument.electronics import CENTRE, SLOPE
 from cmtof.instrument.world import CODES, LABEL_TIME, Panel, RfKnobs, World
 
 TDAC_STEP = 20.0 / 2**14  # Step of the LJTick-DAC, 14 bit, V
-VOLTS_PER_DEGREE = 0.5
-"""Scan mirrors GVS012, V per mechanical degree, half an optical one (its manual)."""
-SWITCHES = {"laser": "laser_on", "shutter": "shutter_open", "flip_mirror": "flip_mirror_in"}
-"""Knobs of the panel that follow a digital line."""
+VOLTS_PER_DEGREE = 0.5  # GVS012, per mechanical degree, half an optical one (its manual)
+# Knobs of the panel that follow a digital line
+SWITCHES = {"laser": "laser_on", "shutter": "shutter_open"}
+SWITCHES |= {"flip_mirror": "flip_mirror_in", "beam_block": "beam_block_out"}
 
 
 class Status(NamedTuple):
@@ -34,14 +33,12 @@ class Status(NamedTuple):
 class SimulatedDevice:
     """A device by its role; ``identify`` marks it as simulated."""
 
-    MODEL = ""
-
     def __init__(self, panel: Panel, world: World, role: str) -> None:
         self.panel, self.world, self.role = panel, world, role
         self.name = role.replace("_", " ")
 
     def identify(self) -> dict[str, str]:
-        return {"model": self.MODEL, "serial_number": f"TWIN-{self.name}"}
+        return {"model": type(self).__name__, "serial_number": f"TWIN-{self.name}"}
 
     def nothing(self, *values: float, **options: float) -> None:
         """Nothing: what takes its time or can fail on a real device does not here."""
@@ -52,7 +49,6 @@ class SimulatedDevice:
 class SimulatedRf(SimulatedDevice):
     """RF driver of the emission or the detection."""
 
-    MODEL = "CMTOF-RF"
     edges = 0
     set_dead_man = clear_trip = ping = SimulatedDevice.nothing
 
@@ -94,7 +90,6 @@ class SimulatedRf(SimulatedDevice):
 class SimulatedClock(SimulatedDevice):
     """Function generator that both RF drivers are locked to."""
 
-    MODEL = "SDG2042X"
     sine = lock_phases = SimulatedDevice.nothing
 
     def output(self, channel: int, on: bool) -> None:
@@ -107,7 +102,7 @@ class SimulatedClock(SimulatedDevice):
 class SimulatedMotor(SimulatedDevice):
     """Rotation mount of a half-wave plate, rad, or the target's stage, m."""
 
-    MODEL, homed = "APT", False
+    homed = False
 
     def home(self) -> None:
         self.homed = True
@@ -125,7 +120,6 @@ class SimulatedMotor(SimulatedDevice):
 class SimulatedPowerMeter(SimulatedDevice):
     """Integrating sphere behind the first beam splitter; it averages nothing."""
 
-    MODEL = "PM100D"
     set_up = SimulatedDevice.nothing
 
     @property
@@ -136,7 +130,6 @@ class SimulatedPowerMeter(SimulatedDevice):
 class SimulatedReadOut(SimulatedDevice):
     """Read-out: digital lines by ``roles``, mirrors on two registers, bursts, the trigger line."""
 
-    MODEL = "T7"
     watchdog = SimulatedDevice.nothing
     roles: Mapping[str, str]
     mirrors: tuple[str, str]
@@ -149,11 +142,8 @@ class SimulatedReadOut(SimulatedDevice):
         return self.roles[dio] == "interlock" and self.panel.interlock_closed
 
     def set_line(self, dio: str, high: bool) -> None:
-        part = self.roles[dio]
-        if part == "beam_block":
-            self.panel.beam_block_in = not high
-        elif part in SWITCHES:
-            setattr(self.panel, SWITCHES[part], high)
+        if knob := SWITCHES.get(self.roles[dio]):
+            setattr(self.panel, knob, high)
 
     def write_many(self, values: Mapping[str, float]) -> None:
         for axis, name in enumerate(self.mirrors):
@@ -169,8 +159,7 @@ class SimulatedReadOut(SimulatedDevice):
         angles, labels = [], []  # all are computed at once
         for registers in requests:
             self.write_many(registers)
-            degrees = 2 * np.array(self.panel.galvo_volts) / VOLTS_PER_DEGREE  # optical
-            angles.append(np.deg2rad(degrees))
+            angles.append(np.deg2rad(2 * np.array(self.panel.galvo_volts) / VOLTS_PER_DEGREE))
             labels.append(int(registers["USER_RAM0_U32"]))
         counts = self.world.bursts(self.panel, angles, labels=labels, **self._burst)
         for label, one in zip(labels, counts, strict=True):

@@ -10,9 +10,8 @@ from cmtof.instrument.settings import TwinSettings
 
 Array = NDArray[np.float64]
 
-SLOPE, CENTRE = 3.15805780e-4, 33523.0
-"""V per count at +-10 V, count of 0 V: nominal calibration (T-Series Datasheet, 20.0.1)."""
-POLES = 3
+# V per count at +-10 V, count of 0 V: nominal calibration (T-Series Datasheet, 20.0.1)
+SLOPE, CENTRE, POLES = 3.15805780e-4, 33523.0, 3
 
 
 def volts_per_watt(settings: TwinSettings) -> float:
@@ -22,10 +21,8 @@ def volts_per_watt(settings: TwinSettings) -> float:
 
 
 def density(settings: TwinSettings, volts: ArrayLike) -> Array:
-    """One-sided noise density, V^2/Hz, at an output, V: shot noise and the amplifier's own.
-
-    ``2 e I F (M R_T)^2`` for the primary current I, F = M^x (McIntyre 1966).
-    """
+    """One-sided noise density, V^2/Hz, at an output, V: shot noise and the amplifier's own."""
+    # 2 e I F (M R_T)^2 for the primary current I, F = M^x (McIntyre 1966)
     excess = settings.gain**settings.excess_index
     shot = 2 * e * excess * (settings.gain * settings.transimpedance)
     return shot * np.asarray(volts, float) + settings.noise_density**2
@@ -60,11 +57,10 @@ class Chain:
         return found
 
     def run(self, light: Array, spread: Array, normals: Array | None) -> Array:
-        """Output (N, T), V, at the start of each interval.
+        """Output (N, T), V, at the start of each interval; the first finds the filters settled.
 
         ``light``, V, and ``spread``, V/sqrt(Hz), (N, T), are held for an interval each. ``normals``
-        (N, T + 1, 3) are standard normals, those of the initial state first; None is silence. The
-        first interval finds the filters settled to its own light.
+        (N, T + 1, 3) are standard normals, those of the initial state first; None is silence.
         """
         state = np.repeat(light[:, :1], POLES, axis=1)
         push = light[..., None] * self.entry

@@ -36,8 +36,6 @@ def group_index(settings: TwinSettings = TwinSettings()) -> float:  # noqa: B008
     Standard air (15 C, 101325 Pa, 450 ppm CO2) of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1,
     scaled with the density of an ideal gas.
 
-    Examples
-    --------
     >>> f"{group_index(TwinSettings(temperature=288.15)) - 1:.4e}"
     '2.8975e-04'
     """
@@ -49,13 +47,9 @@ def group_index(settings: TwinSettings = TwinSettings()) -> float:  # noqa: B008
     return 1 + refractivity * (settings.pressure / 101325.0) * (288.15 / settings.temperature)
 
 
-def directions_from_angles(angles: ArrayLike) -> Array:
-    """Unit vectors (..., 3) of optical angles (..., 2), rad: along (tan x, tan y, 1)."""
-    return _unit(np.tan(np.asarray(angles, float)))
-
-
-def _unit(tangent: Array) -> Array:
-    """Unit vectors (..., 3) along (tangent, 1)."""
+def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
+    """Unit vectors (..., 3) along (tan x, tan y, 1) + aside for optical angles (..., 2), rad."""
+    tangent = np.tan(np.asarray(angles, float)) + aside
     ray = np.concatenate([tangent, np.ones((*tangent.shape[:-1], 1))], axis=-1)
     return ray / np.sqrt((ray * ray).sum(-1, keepdims=True))
 
@@ -71,10 +65,8 @@ def aperture_area(settings: TwinSettings) -> float:
 
 
 def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
-    """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt.
-
-    ``(lambda z)^2 / (pi w^2)`` is a Gaussian spot's coherence area (Goodman, Speckle, 2007, ch. 4).
-    """
+    """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt."""
+    # (lambda z)^2 / (pi w^2): coherence area of a Gaussian spot (Goodman, Speckle, 2007, ch. 4)
     z, area = np.asarray(distance, float), aperture_area(settings)
     return 1 + area * np.pi * spot_radius(settings, z) ** 2 / (settings.wavelength * z) ** 2
 
@@ -82,9 +74,8 @@ def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
 def returned_fractions(settings: TwinSettings, hits: Hits) -> list[Array]:
     """Shares of the light on a surface that enter the aperture, diffuse and specular; 0 for NaN.
 
-    Diffuse: ``rho cos A / (pi z^2)``, half of it in the polarisation that the splitter passes.
-    Specular: a Gaussian lobe that spreads over the range, cut by the aperture and turned away by
-    twice the tilt; the polarisation is kept. ``hits.mirrored`` weighs both laws.
+    Diffuse: ``rho cos A / (pi z^2)``, half of it in the splitter's polarisation. Specular: a
+    Gaussian lobe, cut by the aperture and turned away by twice the tilt, its polarisation kept.
     """
     z, radius = hits.range, settings.aperture / 2
     lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)
@@ -101,14 +92,13 @@ def returned_fractions(settings: TwinSettings, hits: Hits) -> list[Array]:
 def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> Paths:
     """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad.
 
-    Speckle multiplies what a rough surface returns into each sub-ray by an independent gamma law of
-    its share of the cells, so the whole spot follows that of all cells; it depends on the direction
-    only, the same in both modes.
+    Speckle multiplies a rough surface's share of each sub-ray by a gamma law of its share of the
+    cells, so the whole spot follows that of all cells; it depends on the direction only.
     """
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
     angle = float(spot_radius(settings, 1.0))
     weights, spot = (_WEIGHTS, angle * _SPOT) if angle else (np.ones(1), np.zeros((1, 2)))
-    hits = target.look(_unit(np.tan(angles)[:, None, :] + spot))
+    hits = target.look(directions_from_angles(angles[:, None, :], spot))
     distance = np.where(hits.range > 0, hits.range, 0.0)
     rough, polished = (weights * one for one in returned_fractions(settings, hits))
     if settings.speckle and rough.any():
@@ -119,10 +109,8 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
 
 
 def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
-    """Uniform numbers (N, count) in (0, 1) that depend on the seed and on places (N, 2) only.
-
-    Places, whole numbers of 32 bits, are mixed as in SplitMix64 (Steele et al., OOPSLA 2014).
-    """
+    """Uniform numbers (N, count) in (0, 1) that depend on the seed and on places (N, 2) only."""
+    # places, whole numbers of 32 bits, are mixed as in SplitMix64 (Steele et al., OOPSLA 2014)
     pair = np.asarray(places).astype(np.int64).view(np.uint64)
     start = _mixed(np.array([seed & (2**64 - 1), 7], np.uint64))
     # arrays of unsigned integers wrap round without a warning
@@ -151,8 +139,7 @@ def inward(settings: TwinSettings) -> float:
 
 def ambient(settings: TwinSettings) -> float:
     """Room light, W, behind `inward`: radiance times aperture times solid angle, half polarised."""
-    solid = np.pi * settings.field_of_view**2 / 4
-    etendue = aperture_area(settings) * solid
+    etendue = aperture_area(settings) * (np.pi * settings.field_of_view**2 / 4)
     return float(0.5 * settings.ambient_radiance * etendue * inward(settings))
 
 

@@ -19,9 +19,9 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0, le=1)]
 Extinction = Annotated[float, Field(gt=1)]
 
+# Settings that are zero in an ideal instrument
 FLAWS = ("phase_offset", "phase_drift", "phase_step_error", "iq_imbalance", "leakage")
 FLAWS += ("back_fraction", "ambient_radiance", "divergence", "exit_radius", "pressure")
-"""Settings that are zero in an ideal instrument."""
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -92,6 +92,6 @@ class TwinSettings:
     def ideal(cls, **changes: Any) -> "TwinSettings":
         """Build settings without noise, drift, errors, speckle, back-reflection or air."""
         perfect = {"mirror_reflectance": 1.0, "fibre_low": 0.25, "fibre_high": 0.25}
-        perfect |= dict.fromkeys(("transmitted_extinction", "reflected_extinction"), np.inf)
-        silent = dict.fromkeys(("noise", "speckle"), False)
-        return cls(**dict.fromkeys(FLAWS, 0.0) | perfect | silent | changes)
+        perfect |= {"transmitted_extinction": np.inf, "reflected_extinction": np.inf}
+        perfect |= dict.fromkeys(FLAWS, 0.0) | {"noise": False, "speckle": False}
+        return cls(**perfect | changes)

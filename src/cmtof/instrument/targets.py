@@ -1,7 +1,6 @@
-"""What a beam can meet: plane, frame, mesh.
+"""What a beam can meet: plane, frame, mesh. A target says where a ray ends, not its light.
 
-Coordinates of the camera: x right, y down, z forward; the galvo stands at the origin and its beam
-leaves along +z at zero volts. A target says where a ray ends, not how much light comes back.
+Coordinates of the camera: x right, y down, z forward; the galvo's beam leaves along +z at 0 V.
 """
 
 from collections.abc import Mapping
@@ -19,8 +18,7 @@ from cmtof.scenes.frame import ray_lengths, rays_from_camera
 
 Array = NDArray[np.float64]
 
-LARGEST_STEP = 0.02
-"""Neighbouring pixels whose depths differ by less than this share belong to one surface."""
+LARGEST_STEP = 0.02  # Neighbouring pixels whose depths differ by a smaller share: one surface
 SURFACE = 3e-3  # How near to a point its own surface may be met, m
 
 
@@ -33,21 +31,17 @@ class Hits(NamedTuple):
     mirrored: Array | float = 0.0  # weight of the specular law against the diffuse one, 0 to 1
 
 
-Target = Any
-"""What has ``look``, from unit rays (..., 3) of the origin to `Hits`."""
+Target = Any  # What has ``look``, from unit rays (..., 3) of the origin to `Hits`
 
 
 @dataclass(frozen=True)
 class Plane:
-    """Flat surface that cuts the z axis at ``distance``, m; a mirror if ``mirrored`` is 1.
-
-    ``tilt_x`` and ``tilt_y`` are the slopes dz/dx and dz/dy as angles, rad.
-    """
+    """Flat surface that cuts the z axis at ``distance``, m; a mirror if ``mirrored`` is 1."""
 
     __pydantic_config__ = ConfigDict(extra="forbid")
     distance: float
-    tilt_x: float = 0.0
-    tilt_y: float = 0.0
+    tilt_x: float = 0.0  # slope dz/dx as an angle, rad
+    tilt_y: float = 0.0  # dz/dy likewise
     reflectance: float = 0.5
     mirrored: float = 0.0
 
@@ -62,16 +56,11 @@ class Plane:
 
 
 PLATE = Plane(0.60)  # Diffuse target of Sec. 8.2
-MIRROR = Plane(0.60, reflectance=0.97, mirrored=1.0)
-"""Silvered mirror PF10-03-P01 in its place (known: 97 % at 532 nm)."""
+MIRROR = Plane(0.60, reflectance=0.97, mirrored=1.0)  # Silvered PF10-03-P01 (known, at 532 nm)
 
 
 class FrameTarget:
-    """A frame's depth and intensity, clipped to 1 as reflectance, looked up through its camera.
-
-    Between pixels of one surface the inverse depth along the axis is interpolated, which is exact
-    on planes; across a step the nearest pixel counts.
-    """
+    """A frame's depth and intensity, clipped to 1 as reflectance, looked up through its camera."""
 
     def __init__(self, frame: Frame) -> None:
         if frame.camera is None:
@@ -99,6 +88,7 @@ class FrameTarget:
         i = np.clip(v - 0.5, 0, height - 2).astype(int)
         j = np.clip(u - 0.5, 0, width - 2).astype(int)
         s, t = v - 0.5 - i, u - 0.5 - j
+        # inverse depth, exact on planes, is interpolated; across a step the nearest pixel counts
         corners = np.stack([self._inverse[i + m, j + n] for m in (0, 1) for n in (0, 1)])
         a, b, c, d = corners
         above, below = a + t * (b - a), c + t * (d - c)
@@ -129,15 +119,12 @@ def _smaller_step(points: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class MeshTarget:
-    """Triangles (F, 3) of vertices (V, 3), m, traced by Embree.
-
-    ``reflectance`` and ``mirrored``, a number or (V,), are interpolated.
-    """
+    """Triangles (F, 3) of vertices (V, 3), m, traced by Embree."""
 
     vertices: NDArray
     faces: NDArray
-    reflectance: float | Array = 0.5
-    mirrored: float | Array = 0.0
+    reflectance: float | Array = 0.5  # a number or (V,), which is interpolated
+    mirrored: float | Array = 0.0  # likewise
 
     @classmethod
     def from_mesh(cls, mesh: Any) -> "MeshTarget":
@@ -187,12 +174,8 @@ def _object(name: str) -> MeshTarget:
     return MeshTarget.from_mesh(object_mesh(name))
 
 
-KINDS: dict[str, Any] = {
-    "plane": Plane,
-    "mirror": partial(Plane, mirrored=1.0),
-    "object": _object,
-}
-"""Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments."""
+# Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments
+KINDS: dict[str, Any] = {"plane": Plane, "mirror": partial(Plane, mirrored=1.0), "object": _object}
 
 
 def scene_from(source: Any) -> Target | None:

@@ -7,10 +7,8 @@ waveform, drives :math:`\eta\sin(\omega t-\varphi)` and paths of the shares p an
           e^{ik(\varphi_d-\varphi_e-\omega\tau_m)}\Big].
 
 Its fundamental is :math:`\cos(\phi+\psi)` with psi = -phi_d + const, in the doubled mode -2 phi_d.
-
-Time is virtual. Burst number n starts at ``n * 20 ms``, and its noise depends on (seed, n, sample)
-only. The mirrors rest and the filters have settled when a burst begins. Optical angles: the beam
-leaves along (tan x, tan y, 1), y downwards. The laser's fast noise is not modelled, its drift is.
+Time is virtual: burst n starts at ``n * 20 ms``, settled, and its noise depends on (seed, n) only;
+the laser has drift but no fast noise. Optical angles: along (tan x, tan y, 1), y downwards.
 """
 
 from dataclasses import dataclass, field, replace
@@ -23,13 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import (
-    POLES,
-    Chain,
-    counts_from_volts,
-    density,
-    volts_per_watt,
-)
+from cmtof.instrument.electronics import POLES, Chain, counts_from_volts, density, volts_per_watt
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Plane, scene_from
 from cmtof.modulator import TwoPassModulator
@@ -46,6 +38,7 @@ DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)  # Frequencies of a drift, Hz, from 
 DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
 
 LABEL, DRIFT, CODE = 1, 5, 6  # purposes of random numbers
+_harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
 
 
 def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
@@ -87,7 +80,7 @@ class Panel:
     laser_on: bool = False
     shutter_open: bool = False
     flip_mirror_in: bool = False
-    beam_block_in: bool = True
+    beam_block_out: bool = False
     interlock_closed: bool = True
     clock_on: bool = False
     time: float = 0.0  # virtual, s
@@ -98,8 +91,7 @@ class World:
 
     def __init__(self, settings: TwinSettings, scene: Any = None, *, seed: int = 0) -> None:
         self.settings, self.seed = settings, int(seed)
-        held = scene_from(settings.scene if scene is None else scene)
-        self.scene = Plane(np.nan) if held is None else held
+        self.scene = scene_from(settings.scene if scene is None else scene) or Plane(np.nan)
         self.group_index = free_space.group_index(settings)
         names = ("mirror_distance", "mirror_reflectance")
         names += ("transmitted_extinction", "reflected_extinction")
@@ -119,11 +111,10 @@ class World:
         rate: float = SAMPLE_RATE,
         stage: ArrayLike | None = None,
     ) -> NDArray[np.uint16]:
-        """Raw stream counts (N, T) of the detector, a burst for each of N directions.
+        """Raw stream counts (N, T) of a burst for each of N optical angles (N, 2), rad.
 
-        ``angles`` (N, 2) are optical, rad, and ``stage`` (N,), m, positions of the target on the
-        stage: the panel's galvo and time do not count. ``labels`` (N,) number the bursts,
-        ``pulses`` (T,) are the trigger's last edge at each sample, at ``rate``, Hz.
+        ``stage`` (N,), m, is the target's, ``labels`` (N,) number the bursts, and ``pulses`` (T,)
+        are the trigger's last edge at each sample, at ``rate``, Hz; galvo and time do not count.
         """
         points, numbers = np.asarray(angles, float).reshape(-1, 2), np.asarray(labels)
         places = np.broadcast_to(panel.stage if stage is None else np.asarray(stage), len(points))
@@ -207,7 +198,9 @@ class World:
         plates, found = (panel.plate_emission, panel.plate_detection), []
         for one, angle, phasor in zip(knobs, plates, made, strict=True):
             module = replace(self.modulator, half_wave_angle=angle, frequency=one.frequency)
-            waves = [_harmonics(replace(module, eta=eta)) for eta in np.abs(phasor).tolist()]
+            waves = [
+                _harmonics(replace(module, eta=eta), HARMONICS) for eta in np.abs(phasor).tolist()
+            ]
             turn = np.exp(1j * np.angle(phasor))[:, None] ** np.arange(HARMONICS + 1)
             found.append(np.stack(waves) * turn)
         return found
@@ -227,9 +220,8 @@ class World:
         return self.settings.laser_power * fibre
 
     def ranges(self, angles: ArrayLike) -> Array:
-        """True ranges (N,), m, of the scene at optical angles (N, 2), rad; NaN for nothing."""
-        points = np.asarray(angles, float).reshape(-1, 2)
-        return self.scene.look(free_space.directions_from_angles(points)).range
+        """True ranges (...), m, of the scene at optical angles (..., 2), rad; NaN for nothing."""
+        return self.scene.look(free_space.directions_from_angles(angles)).range
 
     def laser_power(self, panel: Panel) -> float:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
@@ -243,9 +235,3 @@ def amplitude(settings: TwinSettings, power: float, frequency: float) -> complex
     offsets = np.array([settings.detuning, frequency - settings.resonance])
     stated, passed = 1 / (1 + 2j * offsets / settings.resonance_width)
     return settings.eta * 10 ** ((power - settings.drive_power) / 20) * passed / abs(stated)
-
-
-@lru_cache(maxsize=4096)
-def _harmonics(module: TwoPassModulator) -> Complex:
-    """Harmonics (K + 1,) of a module."""
-    return module.harmonics(HARMONICS)
