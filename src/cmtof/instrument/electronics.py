@@ -29,11 +29,10 @@ def density(settings: TwinSettings, volts: ArrayLike) -> Array:
 
 
 class Chain:
-    """Three poles in a row: detector, EF120 and RC, sampled every ``interval``, s.
+    """Three poles in a row, detector, EF120 and RC, with outputs x, every ``interval``, s.
 
-    Between samples ``x' = A x + b (light + noise)`` is carried on exactly, as
-    ``x -> transition x + entry light + sqrt(density) root normal``; x are the poles' outputs.
-    ``settled`` is the root of their covariance under unit one-sided density for ever.
+    ``x' = A x + b (light + noise)`` is carried on exactly, as
+    ``x -> transition x + entry light + sqrt(density) root normal``.
     """
 
     def __init__(self, settings: TwinSettings, interval: float) -> None:
@@ -42,7 +41,7 @@ class Chain:
         matrix, push = np.diag(-rates) + np.diag(rates[1:], -1), rates[:1] * np.eye(POLES)[:, :1]
         system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
         transition, entry = cont2discrete(system, interval)[:2]
-        # one-sided density 1 is two-sided 1/2
+        # covariance under a one-sided density of 1 for ever, two-sided 1/2
         settled = solve_continuous_lyapunov(matrix, -0.5 * push @ push.T)
         added = settled - transition @ settled @ transition.T
         self.transition, self.entry = np.tril(transition), entry[:, 0]

@@ -33,8 +33,7 @@ class Paths(NamedTuple):
 def group_index(settings: TwinSettings = TwinSettings()) -> float:  # noqa: B008
     """Group index of dry air, ``n_g = n - lambda dn/dlambda``; vapour, below 5e-7, is left out.
 
-    Standard air (15 C, 101325 Pa, 450 ppm CO2) of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1,
-    scaled with the density of an ideal gas.
+    Standard air of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1, scaled as an ideal gas.
 
     >>> f"{group_index(TwinSettings(temperature=288.15)) - 1:.4e}"
     '2.8975e-04'
@@ -72,16 +71,13 @@ def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
 
 
 def returned_fractions(settings: TwinSettings, hits: Hits) -> list[Array]:
-    """Shares of the light on a surface that enter the aperture, diffuse and specular; 0 for NaN.
-
-    Diffuse: ``rho cos A / (pi z^2)``, half of it in the splitter's polarisation. Specular: a
-    Gaussian lobe, cut by the aperture and turned away by twice the tilt, its polarisation kept.
-    """
+    """Shares of the light on a surface that enter the aperture, diffuse and specular; 0 for NaN."""
     z, radius = hits.range, settings.aperture / 2
     lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        # half of the hemisphere's light at the very most, for ranges within the aperture
+        # rho cos A / (pi z^2), half of it in the splitter's polarisation; half at the very most
         rough = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
+        # a Gaussian lobe, cut by the aperture and turned by twice the tilt, keeps its polarisation
         caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
         turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
         polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * rough
@@ -90,11 +86,7 @@ def returned_fractions(settings: TwinSettings, hits: Hits) -> list[Array]:
 
 
 def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> Paths:
-    """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad.
-
-    Speckle multiplies a rough surface's share of each sub-ray by a gamma law of its share of the
-    cells, so the whole spot follows that of all cells; it depends on the direction only.
-    """
+    """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad."""
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
     angle = float(spot_radius(settings, 1.0))
     weights, spot = (_WEIGHTS, angle * _SPOT) if angle else (np.ones(1), np.zeros((1, 2)))
@@ -102,6 +94,7 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
     distance = np.where(hits.range > 0, hits.range, 0.0)
     rough, polished = (weights * one for one in returned_fractions(settings, hits))
     if settings.speckle and rough.any():
+        # a gamma law of each sub-ray's cells, so that the whole spot follows that of all cells
         cells = speckle_cells(settings, np.maximum(distance, 1e-3)) * weights
         chance = uniform_from_places(seed, np.rint(angles / PLACE), weights.size)
         rough = rough * gammaincinv(cells, chance) / cells

@@ -1,7 +1,7 @@
-"""Settings of the simulated instrument: every number behind the light, with its source.
+"""Settings of the simulated instrument, SI units and radians, with their sources.
 
-SI units and radians. *Known*: from general knowledge of the part, not verified. *Assumed*: the
-paper does not say; a number that such a part could have. Nothing was tuned to the paper's results.
+*Known*: general knowledge of the part, not verified. *Assumed*: the paper does not say, such a part
+could have it. Nothing was tuned to the paper's results.
 """
 
 from typing import Annotated, Any

@@ -198,9 +198,7 @@ class World:
         plates, found = (panel.plate_emission, panel.plate_detection), []
         for one, angle, phasor in zip(knobs, plates, made, strict=True):
             module = replace(self.modulator, half_wave_angle=angle, frequency=one.frequency)
-            waves = [
-                _harmonics(replace(module, eta=eta), HARMONICS) for eta in np.abs(phasor).tolist()
-            ]
+            waves = [_harmonics(replace(module, eta=x), HARMONICS) for x in np.abs(phasor).tolist()]
             turn = np.exp(1j * np.angle(phasor))[:, None] ** np.arange(HARMONICS + 1)
             found.append(np.stack(waves) * turn)
         return found
@@ -208,16 +206,15 @@ class World:
     def made_phase(self, module: int, phase: Array) -> Array:
         """Phase, rad, that driver 0 or 1 really makes of one that was set."""
         code = np.rint(phase * (CODES / (2 * np.pi))).astype(int) % CODES
-        imbalance = self.settings.iq_imbalance * np.sin(2 * phase)
-        return phase + self.code_errors[module, code] + imbalance
+        error = self.code_errors[module, code]
+        return phase + error + self.settings.iq_imbalance * np.sin(2 * phase)
 
     def from_fibre(self, panel: Panel, times: Array) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""
         low, high = self.settings.fibre_low, self.settings.fibre_high
-        if not (panel.laser_on and panel.shutter_open and panel.interlock_closed):
-            return np.zeros(np.shape(times))
+        passed = panel.laser_on and panel.shutter_open and panel.interlock_closed
         fibre = (low + high) / 2 + (high - low) / 2 * drift(self.seed, 0, times)
-        return self.settings.laser_power * fibre
+        return passed * self.settings.laser_power * fibre
 
     def ranges(self, angles: ArrayLike) -> Array:
         """True ranges (...), m, of the scene at optical angles (..., 2), rad; NaN for nothing."""
