@@ -50,7 +50,7 @@ def test_bad_configurations_are_refused_in_one_line(tmp_path, changes, stage, me
     with pytest.raises(ValueError, match=message) as caught:
         read_config(path)
     assert "\n" not in str(caught.value)
-    with pytest.raises(FileNotFoundError, match="out of miniature, cpu, gpu, paper"):
+    with pytest.raises(FileNotFoundError, match="out of miniature, cpu, table1"):
         read_config("nowhere")
 
 
