@@ -9,6 +9,7 @@ from cmtof.scenes.frame import (
     Frames,
     Source,
     embedded_frames,
+    expect,
     frame_from_npz,
     frame_from_pair,
 )
@@ -20,9 +21,8 @@ __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
 def load_frame(source: str | Path, *, intensity: str | Path | None = None, **given: Any) -> Frame:
     """Frame of a file or of an embedded name, or the first one of a folder as `frames_in` lists it.
 
-    The file is an ``.npz`` with ``depth`` (m), ``intensity`` and optionally ``camera``; a depth
-    ``.png`` beside an ``intensity`` image, with the options of `frame_from_pair`; or a
-    ``frame.IIII.depth_meters.hdf5`` in its tree. A ``camera`` given replaces the file's.
+    An ``.npz`` holds ``depth`` (m), ``intensity`` and, unless given, ``camera``; depth as ``.png``
+    takes an ``intensity`` image and options of `frame_from_pair`; an ``.hdf5`` lies in its tree.
 
     >>> load_frame("still_life").depth.shape
     (240, 320)
@@ -32,19 +32,15 @@ def load_frame(source: str | Path, *, intensity: str | Path | None = None, **giv
     if path.is_dir():
         return frames_in(path, **given)[0].load()
     if not path.is_file():
-        raise FileNotFoundError(
-            f"Expected a frame file or one of {', '.join(known)}, got {source}. Check the name."
-        )
-    match path.suffix:
-        case ".npz":
-            return frame_from_npz(path, given.get("camera"))
-        case ".png":
-            return frame_from_pair(path, intensity, **given)
-        case ".hdf5":
-            return frame_of_file(path)
-    raise ValueError(
-        f"Expected a frame named *.npz, *.png or *.depth_meters.hdf5, got {path.name}. Convert it."
-    )
+        what = f"a frame file or one of {', '.join(known)}"
+        raise FileNotFoundError(f"Expected {what}, got {source}. Check the name.")
+    what = "a frame named *.npz, *.png or *.depth_meters.hdf5"
+    expect(path.suffix in (".npz", ".png", ".hdf5"), what, path.name, "Convert it.")
+    if path.suffix == ".npz":
+        return frame_from_npz(path, given.get("camera"))
+    if path.suffix == ".png":
+        return frame_from_pair(path, intensity, **given)
+    return frame_of_file(path)
 
 
 def frames_in(source: str | Path, **given: Any) -> list[Source]:
@@ -67,9 +63,6 @@ def frames_in(source: str | Path, **given: Any) -> list[Source]:
         for p in sorted((path / "depth").glob("*.png"), key=lambda p: (len(p.stem), p))
         if p.stem in colours
     ]
-    if not found:
-        raise ValueError(
-            f"Expected frames in {path} (a Hypersim tree, depth beside rgb or color, or *.npz), "
-            "got none. Name the folder that holds them."
-        )
+    what = f"frames in {path} (a Hypersim tree, depth beside rgb or color, or *.npz)"
+    expect(found, what, "none", "Name the folder that holds them.")
     return found

@@ -1,7 +1,8 @@
 """Real captures of the all-optical 7.15 GHz prototype line, as published with GHz-FMCW.
 
 Pan et al., Opt. Express 32(16), 2024, published the phase maps (``phase/scene_*_phase.csv``, rad)
-of raster scans beside a coarse reference depth (``depth/scene_*_depth.csv``, mm), not copied here.
+of raster scans beside a reference depth (``depth/scene_*_depth.csv``, mm), not copied here. It is
+coarser than a wrap on the objects: no truth for them.
 """
 
 import os
@@ -11,15 +12,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.scenes.frame import broken
+from cmtof.scenes.frame import broken, expect
 
 
 def data_root() -> Path | None:
-    """Folder with ``captures/`` and ``frames/``, or None where this machine has none.
-
-    It is that of the environment variable ``CMTOF_DATA``, else ``shared/data`` beside the checkout
-    or ``data`` within it.
-    """
+    """Data folder by ``CMTOF_DATA``, else ``../shared/data`` or ``data`` of the checkout."""
     checkout, named = Path(__file__).parents[3], os.environ.get("CMTOF_DATA")
     places = [Path(named)] if named else [checkout.parent / "shared" / "data", checkout / "data"]
     return next((place for place in places if (place / "captures").is_dir()), None)
@@ -33,23 +30,18 @@ def published_captures() -> dict[str, Path]:
 
 
 def read_capture(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """Wrapped phase (H, W), rad, of ``phase/scene_NAME_phase.csv``, and the reference depth, m.
-
-    The reference, None without its file, is coarser than a wrap on the objects: no truth for them.
-    """
+    """Wrapped phase (H, W), rad, and the reference depth, m, or None where it has no file."""
     path = Path(path).resolve()
     phase, depth = _read_map(path), None
-    if not (phase.min() >= -1e-6 and phase.max() <= 2 * np.pi + 1e-6):
-        raise ValueError(
-            f"Expected wrapped phases from 0 to 2 pi rad in {path}, got {phase.min():.4g} to "
-            f"{phase.max():.4g}. Is it a depth map?"
-        )
+    least, most = phase.min(), phase.max()
+    wrapped = least >= -1e-6 and most <= 2 * np.pi + 1e-6
+    got = f"{least:.4g} to {most:.4g} in {path}"
+    expect(wrapped, "wrapped phases from 0 to 2 pi rad", got, "Is it a depth map?")
     other = path.parent.parent / "depth" / path.name.replace("_phase", "_depth")
-    if other.is_file() and (depth := _read_map(other) / 1000).shape != phase.shape:
-        raise ValueError(
-            f"Expected a reference depth of shape {phase.shape}, got {depth.shape} in {other}. "
-            "Take the one of the same scene."
-        )
+    if other.is_file():
+        depth, what = _read_map(other) / 1000, f"a reference depth of shape {phase.shape}"
+        got = f"{depth.shape} in {other}"
+        expect(depth.shape == phase.shape, what, got, "Take the one of the same scene.")
     return phase, depth
 
 

@@ -12,19 +12,20 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.files import written_whole
 from cmtof.validation import check_claim, numbers
 
-EMBEDDED = Path(__file__).parents[1] / "frames"
-"""Folder of the small frames that travel with the package."""
-HELD_OUT, HELD_OUT_STEP = EMBEDDED / "test" / "rooms.npz", 5e-5
-"""The test set, 32 views of rooms that nothing was trained on, and the step of its depth, m."""
+EMBEDDED = Path(__file__).parents[1] / "frames"  # the small frames that travel with the package
+HELD_OUT = EMBEDDED / "test" / "rooms.npz"  # views of rooms that nothing was trained on
+HELD_OUT_STEP = 5e-5  # step of its depth, m
+
+
+def expect(holds: object, what: str, got: object, advice: str) -> None:
+    """Raise the ValueError of one line that says what a source must be, unless it is."""
+    if not holds:
+        raise ValueError(f"Expected {what}, got {got}. {advice}")
 
 
 @dataclass(frozen=True)
 class Frame:
-    """One view of a scene; a ValueError says what is no number or no possible scene.
-
-    >>> Frame([[1.0, 0.0]], [[0.5, 0.5]]).depth.tolist()
-    [[1.0, nan]]
-    """
+    """One view of a scene; a ValueError says what is no number or no possible scene."""
 
     depth: NDArray[np.floating]  # range along the ray (H, W), m, float32; NaN where invalid
     intensity: NDArray[np.floating]  # linear radiance (H, W) >= 0, clipped to 1 by the simulator
@@ -33,30 +34,23 @@ class Frame:
     note: str = ""  # what a user should know of it
 
     def __post_init__(self) -> None:
-        where = self.name or "the frame"
-
-        def expect(holds: object, what: str, got: object, advice: str) -> None:
-            if not holds:
-                raise ValueError(f"Expected {what}, got {got} in {where}. {advice}")
-
+        where, camera = self.name or "the frame", self.camera
         depth = numbers(self.depth, f"depth of {where}", np.float32)
         light = numbers(self.intensity, f"intensity of {where}", np.float32)
         alike = depth.ndim == 2 and depth.shape == light.shape and depth.size
-        what, got = "depth and intensity of one shape (H, W)", f"{depth.shape} and {light.shape}"
-        expect(alike, what, got, "Resample one of them.")
+        got = f"{depth.shape} and {light.shape} in {where}"
+        expect(alike, "depth and intensity of one shape (H, W)", got, "Resample one of them.")
         depth[~(np.isfinite(depth) & (depth > 0))] = np.nan
-        held = not np.isnan(depth).all()
-        expect(held, "depths in metres", "none above 0", "Check the depth scale.")
-        bright, advice = np.isfinite(light).all() and light.min() >= 0, "Fill its holes with 0."
-        expect(bright, "finite intensities >= 0", "some that are not", advice)
-        if self.camera is not None:
-            camera = numbers(self.camera, f"camera of {where}")
+        held, got = not np.isnan(depth).all(), f"none above 0 in {where}"
+        expect(held, "depths in metres", got, "Check the depth scale.")
+        bright, got = np.isfinite(light).all() and light.min() >= 0, f"others in {where}"
+        expect(bright, "finite intensities >= 0", got, "Fill its holes with 0.")
+        if camera is not None:
+            camera = numbers(camera, f"camera of {where}")
             known = camera.shape in ((4,), (5,)) and np.isfinite(camera).all()
-            what = "camera fx fy cx cy (skew), px, with fx, fy > 0"
+            what = f"camera fx fy cx cy (skew), px, with fx, fy > 0, in {where}"
             expect(known and (camera[:2] > 0).all(), what, camera.tolist(), "Correct it.")
-            object.__setattr__(self, "camera", camera)
-        object.__setattr__(self, "depth", depth)
-        object.__setattr__(self, "intensity", light)
+        vars(self).update(depth=depth, intensity=light, camera=camera)
 
     def save(self, path: str | Path) -> None:
         """Write a compressed ``.npz`` (float32)."""
@@ -104,11 +98,8 @@ def embedded_frames() -> dict[str, Path]:
 
 
 def held_out_frames(path: Path = HELD_OUT) -> list[Frame]:
-    """The test set of Tables 1 to 3: 32 views of 384 x 512 px, chosen by ``tools/frames.py``.
-
-    Depth is stored in steps as second differences along rows, √I as first differences of bytes.
-    """
-    arrays = read_npz(path)
+    """The test set of Tables 1 to 3: 32 views of 384 x 512 px, chosen by ``tools/frames.py``."""
+    arrays = read_npz(path)  # second differences of depth along rows, first ones of √I in bytes
     steps = arrays["depth"].cumsum(axis=2, dtype=np.int32).cumsum(axis=2, dtype=np.int32)
     levels = arrays["intensity"].cumsum(axis=2, dtype=np.uint8)
     light = (levels / np.float32(255)) ** 2
@@ -137,10 +128,8 @@ def read_npz(path: Path) -> dict[str, NDArray]:
 def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
     """Frame of an ``.npz`` with ``depth``, ``intensity`` and, unless given, ``camera``."""
     arrays = read_npz(path)
-    if not {"depth", "intensity"} <= arrays.keys():
-        raise ValueError(
-            f"Expected arrays depth and intensity in {path}, got {sorted(arrays)}. Add them."
-        )
+    held = {"depth", "intensity"} <= arrays.keys()
+    expect(held, f"arrays depth and intensity in {path}", sorted(arrays), "Add them.")
     stored, note = arrays.get("camera") if camera is None else camera, arrays.get("note", "")
     return Frame(arrays["depth"], arrays["intensity"], stored, path.stem, str(note))
 
@@ -159,16 +148,12 @@ def frame_from_pair(
     axis, is turned into range by the ``camera``. The green channel is made linear.
     """
     if intensity is None or (planar and camera is None) or not 0 < depth_scale < np.inf:
-        raise ValueError(
-            "Expected an intensity image beside the depth image, a depth scale > 0 levels per "
-            f"metre, and for planar depth a camera, got {intensity}, {depth_scale}, {camera} for "
-            f"{depth.name}. Give what is missing."
-        )
+        what = "an intensity image beside depth, a depth scale > 0, and for planar depth a camera"
+        got = f"{intensity}, {depth_scale}, {camera} for {depth.name}"
+        raise ValueError(f"Expected {what}, got {got}. Give what is missing.")
     levels, image = _read_image(depth), _read_image(Path(intensity))
-    if levels.ndim != 2:
-        raise ValueError(
-            f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name depth first."
-        )
+    what = f"one channel of depth in {depth}"
+    expect(levels.ndim == 2, what, levels.shape[-1], "Name depth first.")
     distance = levels / depth_scale
     if planar:
         distance = distance * ray_lengths(distance.shape, camera)
@@ -196,9 +181,6 @@ def rays_from_camera(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.fl
     """Rays (H, W, 3) through the pixel centres: x right, y down, z = 1.
 
     With the camera fx, fy, cx, cy, px, and a skew s: column u = fx x + s y + cx, row v = fy y + cy.
-
-    >>> rays_from_camera((1, 2), [1.0, 1.0, 1.0, 0.5])[0, :, 0].tolist()
-    [-0.5, 0.5]
     """
     fx, fy, cx, cy, *skew = np.asarray(camera, float)
     v, u = np.indices(shape[:2]) + 0.5

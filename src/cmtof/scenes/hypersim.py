@@ -1,19 +1,13 @@
 """Hypersim: the official tree as it lies on disk, or rooms rendered in the same layout.
 
-One view of a scene is four HDF5 files, each with a single array under the key ``dataset``::
-
-    SCENE/images/scene_cam_XX_final_hdf5/frame.IIII.color.hdf5                 (H, W, 3)
-    SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.depth_meters.hdf5       (H, W)
-    SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.normal_world.hdf5       (H, W, 3)
-    SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.semantic_instance.hdf5  (H, W)
-
-Two tables lie beside the scenes: `CAMERAS`, the projection of each, and `SPLIT`, the partition of
-each view. Depth is the range along the ray already, in the official files in float16: between 4 and
-8 m its steps are 4 mm. Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
+A view is four files SCENE/images/scene_cam_XX_FOLDER_hdf5/frame.IIII.NAME.hdf5, as `FILES` lists
+them, each with one array (H, W) or (H, W, 3) under the key ``dataset``. Two tables lie beside the
+scenes: `CAMERAS`, the projection of each, and `SPLIT`, the partition of each view. Depth is the
+range along the ray already, official files hold float16: between 4 and 8 m its steps are 4 mm.
+Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
 """
 
 import csv
-import io
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property, partial
@@ -24,16 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
-from cmtof.scenes.frame import Frame, Source, broken
+from cmtof.scenes.frame import Frame, Source, broken, expect
 from cmtof.validation import check_claim
 
-FILES = {
+FILES = {  # folder, file name and, in rendered sets, type of each array of a view
     "color": ("final", "color", np.float16),
     "depth": ("geometry", "depth_meters", np.float32),
     "normal": ("geometry", "normal_world", np.float16),
     "instance": ("geometry", "semantic_instance", np.int16),
 }
-"""Folder, file name and, in rendered sets, type of each array of a view."""
 CAMERAS = "metadata_camera_parameters.csv"
 SPLIT = "metadata_images_split_scene_v1.csv"
 PARTITIONS = ("train", "val", "test")
@@ -65,17 +58,12 @@ class View(NamedTuple):
 
 
 class Hypersim:
-    """A tree of scenes, or one scene; ValueError if there is no scene in the folder ``root``.
-
-    The tables are looked for in it, beside it, and in ``metadata`` and ``analysis`` of either.
-    """
+    """A tree of scenes, or one scene; tables lie in it, beside it, or in a folder of either."""
 
     def __init__(self, root: str | Path):
         path = Path(root).resolve()
-        if not is_hypersim(path):
-            raise ValueError(
-                f"Expected scenes such as ai_001_001/images in {path}, got none. Name their folder."
-            )
+        what = f"scenes such as ai_001_001/images in {path}"
+        expect(is_hypersim(path), what, "none", "Name their folder.")
         alone = (path / "images").is_dir()
         self.root, self._scenes = (path.parent, path.name) if alone else (path, "*")
 
@@ -92,10 +80,7 @@ class Hypersim:
         return {scene: np.reshape(matrix, (3, 3)) for scene, matrix in rows}
 
     def frame(self, view: View, *, blank: bool = False) -> Frame:
-        """A view as the simulator takes it: linear green as intensity, range as depth.
-
-        With ``blank`` the intensity is 1 where the colour file is missing; the ``note`` tells so.
-        """
+        """A view with linear green as intensity; with ``blank`` 1 where there is no colour file."""
         depth, notes = read_array(view.file(self.root, "depth"), 2), []
         if depth.dtype == np.float16:
             step = 1000 * float(np.spacing(np.max(depth, where=np.isfinite(depth), initial=0)))
@@ -119,9 +104,8 @@ class Hypersim:
     def split(self) -> dict[str, list[View]]:
         """Views on disk that train, validate and test, as `split_views` has them."""
         if not self._listed:
-            raise FileNotFoundError(
-                f"Expected {SPLIT} in or beside {self.root}, got none. Fetch it from the data set."
-            )
+            where = f"in or beside {self.root}"
+            raise FileNotFoundError(f"Expected {SPLIT} {where}, got none. Fetch the data set's.")
         parts, there = split_views(self._listed), {view[:3] for view in self.views}
         return {name: [v for v in part if v[:3] in there] for name, part in parts.items()}
 
@@ -134,9 +118,7 @@ class Hypersim:
     def _table(self, name: str, parse: Callable[[dict[str, str]], Any]) -> list[Any]:
         """What a function makes of each row of a published table; none without it."""
         below = ("", "metadata", "analysis")
-        places = [
-            base / folder / name for base in (self.root, self.root.parent) for folder in below
-        ]
+        places = (base / b / name for base in (self.root, self.root.parent) for b in below)
         path = next((place for place in places if place.is_file()), None)
         if path is None:
             return []
@@ -156,10 +138,8 @@ def frame_of_file(path: Path) -> Frame:
     """Frame of a depth file, wherever its tree lies."""
     path = path.resolve()
     if (view := _view_from(path)) is None:
-        raise ValueError(
-            "Expected a depth file SCENE/images/scene_cam_XX_geometry_hdf5/"
-            f"frame.IIII.depth_meters.hdf5, got {path}. Keep the layout of the data set."
-        )
+        what = "a depth file SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.depth_meters.hdf5"
+        raise ValueError(f"Expected {what}, got {path}. Keep the layout of the data set.")
     return Hypersim(path.parents[3]).frame(view, blank=True)
 
 
@@ -175,18 +155,13 @@ def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> NDA
     A pixel at (x, y), centres at +0.5, has u = 2x/W - 1 and v = 1 - 2y/H; its ray in the camera's
     axes (right, up, backwards) is M (u, v, 1). Any M is a pinhole K turned by a rotation R, by the
     QR decomposition of its rays per pixel, R K^-1. ValueError if it is singular or mirrored.
-
-    >>> camera_from_projection(np.diag([0.5, 0.375, -1.0]), (384, 512)).tolist()
-    [512.0, 512.0, 256.0, 192.0]
     """
     given = np.asarray(projection, float)
     rays = given @ [[2 / shape[1], 0, -1], [0, -2 / shape[0], 1], [0, 0, 1]]
     rays = np.diag([1.0, -1.0, -1.0]) @ rays
-    if not (np.isfinite(rays).all() and np.linalg.det(rays) > 0):
-        raise ValueError(
-            f"Expected a projection M_cam_from_uv that shows what lies ahead, got "
-            f"{given.tolist()}. Check the table of camera parameters."
-        )
+    ahead = np.isfinite(rays).all() and np.linalg.det(rays) > 0
+    what = "a projection M_cam_from_uv that shows what lies ahead"
+    expect(ahead, what, given.tolist(), "Check the table of camera parameters.")
     inverse = np.linalg.qr(rays, mode="r")
     pinhole = np.linalg.inv(inverse * np.sign(np.diag(inverse))[:, None])
     camera = (pinhole / pinhole[2, 2])[[0, 1, 0, 1, 0], [0, 1, 2, 2, 1]]
@@ -213,9 +188,8 @@ def read_array(path: Path, dimensions: int) -> NDArray:
     import h5py
 
     if not path.is_file():
-        raise FileNotFoundError(
-            f"Expected the file {path.name} in {path.parent}, got none. Fetch or render it."
-        )
+        what = f"the file {path.name} in {path.parent}"
+        raise FileNotFoundError(f"Expected {what}, got none. Fetch or render it.")
     try:
         with h5py.File(path, "r") as file:
             stored: Any = file["dataset"]
@@ -234,29 +208,20 @@ def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
 
 
 def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: ArrayLike) -> None:
-    """Write color (linear radiance), depth (m), normal and instance; equal input, equal bytes.
-
-    Each file is whole or not there; types are those of `FILES`.
-    """
+    """Write color (linear radiance), depth (m), normal and instance, whole and always alike."""
     import h5py
 
     for kind, (_, _, dtype) in FILES.items():
-        memory, path = io.BytesIO(), View(scene, camera, frame).file(root, kind)
+        path = View(scene, camera, frame).file(root, kind)
+        path.parent.mkdir(parents=True, exist_ok=True)
         with np.errstate(over="ignore"):  # light beyond float16 is infinite, as in the original
             stored = np.asarray(arrays[kind]).astype(dtype)
-        with h5py.File(memory, "w") as file:
+        with written_whole(path) as part, h5py.File(part, "w") as file:
             packed: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
             file.create_dataset("dataset", data=stored, track_times=False, **packed)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with written_whole(path) as part:
-            part.write_bytes(memory.getvalue())
 
 
-def write_metadata(
-    root: str | Path,
-    shape: tuple[int, int],
-    scenes: Mapping[str, tuple[str, float, Sequence[tuple[str, int]]]],
-) -> None:
+def write_metadata(root: Path, shape: tuple[int, int], scenes: Mapping[str, Any]) -> None:
     """Write both tables of a rendered set, all of one shape H, W.
 
     A scene has a partition, a focal length in px, and views by camera and frame number.

@@ -1,11 +1,11 @@
 """Objects a metre before the instrument, as Figs. 1 and 14 to 16 show them; all of them our own.
 
-Each is one mesh in the instrument's axes (m; x right, y down, z forward) whose vertices carry, at
-532 nm, ``reflectance`` and ``mirrored``, the weight of a specular law against a diffuse one, both 0
-to 1. Triangles of side L lie up to ``L^2 / (8 R)``, 2 um, off a body of radius R.
+Meshes lie in the instrument's axes (m; x right, y down, z forward); vertices carry ``reflectance``
+at 532 nm and ``mirrored``, the weight of a specular law against a diffuse one, both 0 to 1.
+Triangles of side L lie up to ``L^2 / (8 R)``, 2 um, off a body of radius R.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -15,6 +15,8 @@ from scipy.interpolate import PchipInterpolator
 from trimesh import Trimesh
 from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.util import concatenate
+
+from cmtof.scenes.frame import expect
 
 Array = NDArray[np.float64]
 Law = Callable[[Array, Array, Array], Any] | None  # of the place x, y, z
@@ -30,10 +32,7 @@ FIELD_OF_VIEW = {"bust": 0.36, "helmet": 0.34, "owl": 0.34, "table": 0.44}  # fu
 @lru_cache(maxsize=4)
 def object_mesh(name: str) -> Trimesh:
     """Mesh of one of `OBJECTS` about 1 m before the instrument, on a table before a wall."""
-    if name not in OBJECTS:
-        raise ValueError(
-            f"Expected an object out of {', '.join(OBJECTS)}, got {name!r}. Choose one."
-        )
+    expect(name in OBJECTS, f"an object out of {', '.join(OBJECTS)}", repr(name), "Choose one.")
     pieces, middle, pitch = OBJECTS[name]
     board = _piece(_box((1.2, 0.9, 0.01)), 0.4, at=(0, -0.15, -0.01))
     wall = _piece(_box((1.2, 0.01, 1.3)), 0.55, at=(0, 0.305, -0.1))
@@ -44,14 +43,11 @@ def object_mesh(name: str) -> Trimesh:
     return mesh
 
 
-def gage_blocks(
-    step: float, distance: float, *, tilt: float, errors: tuple[float, float]
-) -> Trimesh:
+def gage_blocks(step: float, distance: float, *, tilt: float, errors: Sequence[float]) -> Trimesh:
     """Measuring faces of two gauge blocks, wrung on a mount side by side (Fig. 14).
 
-    The left face meets the axis at ``distance``, m; the right one stands nearer by ``step``, the
-    difference of their nominal lengths, from which both deviate by ``errors``. Both are turned
-    about the upright axis by ``tilt``, rad, so that their mirror image misses the instrument.
+    The left face meets the axis at ``distance``, m; the right one stands nearer by ``step``. Both
+    lengths are off by ``errors``, and ``tilt``, rad, keeps the mirror image off the instrument.
     """
     corners = []
     for side, length in ((-1, errors[0]), (1, step + errors[1])):
@@ -66,10 +62,7 @@ def gage_blocks(
 def _piece(
     shape: Trimesh, bright: Any, mirrored: float = 0, at: ArrayLike = (0, 0, 0), turn: float = 0
 ) -> Trimesh:
-    """A shape of a material (a number, or a function of x, y, z), turned upright and moved.
-
-    Shapes stand on z = 0 with their front towards -y.
-    """
+    """A shape on z = 0, front towards -y, of a material (number or law), turned and moved."""
     points = np.asarray(shape.vertices)
     cos, sin = np.cos(turn), np.sin(turn)
     moved = points @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) + np.asarray(at, float)
@@ -81,25 +74,19 @@ def _piece(
 def _body(
     sections: ArrayLike, relief: Law = None, holes: Law = None, grid: tuple[int, int] = (240, 400)
 ) -> Trimesh:
-    """A smooth body about the upright axis, by its sections (N, 2) or (N, 4): height, half breadth.
-
-    Others than round ones have reaches to front and back, too, m; the surface stands out by
-    ``relief`` (x, y, z), m, and is open at ``holes``.
-    """
+    """A smooth upright body by sections: height, half breadth and, unless round, front and back."""
     path = np.asarray(sections, float)
     path = path[:, [0, 1, 2, 3] if path.shape[1] == 4 else [0, 1, 1, 1]]
     along = np.concatenate([[0], np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1).cumsum()])
     rows = PchipInterpolator(along, path)(np.linspace(0, along[-1], grid[0]))
-    z, side, front, back = rows.T[..., None]
     turn = np.linspace(-np.pi, np.pi, grid[1], endpoint=False)  # 0 is the front
+    z, side, front, back = np.repeat(rows.T[..., None], grid[1], axis=2)
     x, y = side * np.sin(turn), np.where(np.cos(turn) > 0, -front, -back) * np.cos(turn)
-    z = np.broadcast_to(z, x.shape)
     if relief is not None:
         grow = 1 + relief(x, y, z) / np.maximum(np.hypot(x, y), 0.01)
         x, y = x * grow, y * grow
     points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
-    index = np.arange(x.size).reshape(x.shape)
-    ring = np.concatenate([index, index[:, :1]], axis=1)
+    ring = np.pad(np.arange(x.size).reshape(x.shape), ((0, 0), (0, 1)), "wrap")  # closed behind
     a, b, c, d = (q.ravel() for q in (ring[:-1, :-1], ring[:-1, 1:], ring[1:, 1:], ring[1:, :-1]))
     kept = ... if holes is None else ~holes(*points[np.stack([a, b, c, d])].mean(0).T)
     faces = np.concatenate([np.stack(t, -1)[kept] for t in ((a, b, c), (a, c, d))])
@@ -121,7 +108,7 @@ def _bump(*offsets: tuple[Array, float]) -> Array:
     return np.exp(-sum((off / width) ** 2 for off, width in offsets))
 
 
-def _mix(dark: float, pale: float, share: ArrayLike) -> Array:
+def _mix(dark: Array | float, pale: float, share: ArrayLike) -> Array:
     return dark + (pale - dark) * np.clip(share, 0, 1)
 
 
@@ -182,9 +169,8 @@ def _helmet() -> list[Trimesh]:
         breaths = (np.hypot(u - 0.01, z - 0.04) < 0.0055) | (np.hypot(u - 0.03, z - 0.042) < 0.0055)
         return ((eyes | slits | breaths) & (y < -0.01)) | ((y > 0.02) & (z < 0.78 * height))
 
-    shell = _body(sections, relief, holes=holes, grid=(440, 720))
-    block = _piece(_box((0.26, 0.3, 0.02)), 0.18, 0.03)
-    return [_piece(shell, STEEL, 0.97, at=(0, 0, 0.02)), block]
+    shell = _piece(_body(sections, relief, holes, grid=(440, 720)), STEEL, 0.97, at=(0, 0, 0.02))
+    return [shell, _piece(_box((0.26, 0.3, 0.02)), 0.18, 0.03)]
 
 
 def _owl() -> list[Trimesh]:
@@ -204,17 +190,14 @@ def _owl() -> list[Trimesh]:
     def relief(x: Array, y: Array, z: Array) -> Array:
         return 7e-4 * feathers(x, y, z)[0]
 
-    def speckled(base: Array, spot: float, tip: Array, which: Array) -> Array:
-        return base + (spot - base) * np.clip(6 * (tip - 0.5), 0, 1) * (which < 0.6)
-
     def breast(x: Array, y: Array, z: Array) -> Array:
         tip, which = feathers(x, y, z)
         base = _mix(0.12, pale, np.clip(0.5 - y / 0.04, 0, 1) * (0.8 + 0.4 * tip))
-        return speckled(base, dark, tip, which)
+        return _mix(base, dark, 6 * (tip - 0.5) * (which < 0.6))
 
     def wing(x: Array, y: Array, z: Array) -> Array:
         tip, which = feathers(x, y, z)
-        return speckled(_mix(0.04, 0.16, which), pale, tip, which)
+        return _mix(_mix(0.04, 0.16, which), pale, 6 * (tip - 0.5) * (which < 0.6))
 
     def face(x: Array, y: Array, z: Array) -> Array:
         """Two pale discs with rings and a dark rim under a brown crown."""
@@ -286,10 +269,10 @@ def _table() -> list[Trimesh]:
     ]
 
 
+# pieces, height of the point that the axis meets, m, and angle down, rad
 OBJECTS: dict[str, tuple[Callable[[], list[Trimesh]], float, float]] = {
     "bust": (_bust, 0.145, 0.1),
     "helmet": (_helmet, 0.155, 0.08),
     "owl": (_owl, 0.15, 0.08),
     "table": (_table, 0.075, 0.38),
 }
-"""Pieces, height of the point that the axis meets, m, and angle down, rad."""

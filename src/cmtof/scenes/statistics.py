@@ -1,7 +1,4 @@
-"""What makes a scene hard to unwrap: slope, jumps, and size of its surfaces.
-
-Surfaces are cut where depth bends by more than 4 mm a pixel, a fifth of a wrap at 7.15 GHz.
-"""
+"""What makes a scene hard to unwrap: slope, jumps, and size of its surfaces."""
 
 from typing import NamedTuple
 
@@ -12,18 +9,11 @@ from scipy import ndimage
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
 
-Array = NDArray[np.float64]
-
-BEND = 0.004  # second difference of depth at which one surface ends, m
+BEND = 0.004  # second difference of depth that ends a surface, m; a fifth of a wrap at 7.15 GHz
 
 
 def bends(depth: ArrayLike) -> NDArray[np.bool_]:
-    """Pixels (H, W) where a surface ends: depth bends by more than 4 mm, or is NaN.
-
-    >>> depth = np.outer(np.ones(5), [1.0, 1.1, 1.2, 1.5, 1.6])
-    >>> bends(depth)[2].tolist()
-    [False, False, True, True, False]
-    """
+    """Pixels (H, W) where a surface ends: depth bends by more than `BEND`, or is NaN."""
     depth = np.asarray(depth, float)
     ends = ~np.isfinite(depth)
     for axis in (0, 1):
@@ -35,9 +25,11 @@ def bends(depth: ArrayLike) -> NDArray[np.bool_]:
 class Hardness(NamedTuple):
     """Samples of what makes a depth map hard to unwrap, for 7.15 GHz."""
 
-    slope: Array  # change of depth from a pixel to its neighbour within a surface, wraps
-    jump: Array  # the same where a surface ends
-    size: Array  # of the surface of each valid pixel, px; one where a surface ends
+    slope: NDArray[
+        np.float64
+    ]  # change of depth from a pixel to its neighbour within a surface, wraps
+    jump: NDArray[np.float64]  # the same where a surface ends
+    size: NDArray[np.float64]  # of each valid pixel's surface, px; one where a surface ends
 
 
 def hardness(depth: ArrayLike) -> Hardness:
