@@ -41,8 +41,6 @@ def phase_bound(
 
     Parameters and shapes as in `fisher_information`.
 
-    Examples
-    --------
     The paper's settings at full brightness, G T = 20 000 counts:
 
     >>> psi = np.arange(4) * np.pi / 2
@@ -69,8 +67,6 @@ def simulated_phase_noise(
 
     Its signal G T I swings by 1/pi of itself about its half, whose photons add to sigma, counts.
 
-    Examples
-    --------
     >>> round(float(simulated_phase_noise(1.0)), 3)
     0.134
     """
@@ -97,8 +93,6 @@ def phase_density(error: ArrayLike, linear_noise: float) -> Array:
 def phase_spread(linear_noise: float) -> float:
     """Standard deviation of the wrapped phase error by the exact law, rad.
 
-    Examples
-    --------
     A pixel of brightness 0.3 spreads 18 % further than the linear formula says:
 
     >>> round(phase_spread(0.445) / 0.445, 2)
@@ -122,8 +116,6 @@ def wrap_noise(
 
     from the phase noise at the lower and the higher frequency, rad.
 
-    Examples
-    --------
     >>> round(float(wrap_noise(0.134, 0.134, frequencies=(7.15e9, 14.32e9))), 1)
     17.1
     """
@@ -137,8 +129,6 @@ def wrap_probability(
 ) -> Array:
     """Odds that one pixel's beat gives the right wrap, ``erf(1 / (2 sqrt2 sigma_n))``.
 
-    Examples
-    --------
     >>> p = wrap_probability(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
     >>> f"{p:.1%}"
     '2.3%'
@@ -161,8 +151,6 @@ def wrap_probability_law(
 
     `linear_phase_noise` at the lower and the higher frequency in rad, 3 mrad or more; both in Hz.
 
-    Examples
-    --------
     The tails of a dark pixel's phase cost a few percent of its odds:
 
     >>> f = (7.15e9, 14.32e9)
@@ -187,8 +175,6 @@ def pixels_needed(
 ) -> int:
     """Pixels to average coherently, their relative depth known, for the given odds of the wrap.
 
-    Examples
-    --------
     >>> pixels_needed(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
     4450
     """

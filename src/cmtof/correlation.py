@@ -40,8 +40,6 @@ def correlation_from_harmonics(
     ``2 pi (f_r - f_p) t`` in the middle of the exposure, rad, ``beat_cycles`` b the beat periods
     within one exposure.
 
-    Examples
-    --------
     The paper's sinusoids, p = cos + 1 and r = cos + 1/2, give cos(phi + psi) / 2 + 1/2:
 
     >>> float(correlation_from_harmonics([1, 0.5], [0.5, 0.5], phase=0.3, psi=-0.3))
@@ -76,8 +74,6 @@ def correlation_contrast(emitted: ArrayLike, reference: ArrayLike) -> float:
     Two raised cosines give 1/2; a 0/1 gate against a raised cosine, Eq. 8's multi-bucket pixel,
     gives 2/pi.
 
-    Examples
-    --------
     >>> correlation_contrast([0.5, 0.25], [0.5, 0.25])
     0.5
     """
@@ -140,8 +136,6 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
     Where a correlation is NaN, the phase is 0 and the others NaN. Raises a ValueError if shapes
     disagree or psi cannot be decoded.
 
-    Examples
-    --------
     >>> psi = np.array([0.0, 1.0, 2.5, 4.0, 5.0])
     >>> c = correlation_from_phase(np.array([0.5, 3.0]), psi, amplitude=2.0, offset=7.0)
     >>> phase, amplitude, offset = decode(c, psi)

@@ -32,8 +32,6 @@ def poisson_gaussian(
     ``"released"`` does as the authors' released code: Gaussian noise first, clipped at zero, then
     Poisson counts of that. Raises a ValueError for negative or non-finite means or sigma.
 
-    Examples
-    --------
     >>> rng = np.random.default_rng(0)
     >>> counts = poisson_gaussian(np.full(100_000, 400.0), rng=rng, sigma=15.0)
     >>> round(counts.std())  # sqrt(400 + 15^2)
@@ -81,8 +79,6 @@ def skellam_gaussian(
 def rc_response(frequency: ArrayLike, time_constant: float) -> NDArray[np.complexfloating]:
     """Complex response ``1 / (1 + i 2 pi f t_RC)`` of a first-order low-pass, Hz and s (Sec. 7.2).
 
-    Examples
-    --------
     The paper's 100 ms against the 75 Hz sweep of its 16 phases in 13 ms:
 
     >>> round(float(1 / abs(rc_response(75.0, 0.1))))
@@ -96,8 +92,6 @@ def quantise(signal: ArrayLike, *, bits: int, full_scale: float) -> Array:
 
     ``2^bits`` levels from 0 to ``full_scale``, which has the unit of the signal.
 
-    Examples
-    --------
     >>> quantise([-1.0, 0.4, 0.6, 9.0], bits=2, full_scale=3.0).tolist()
     [0.0, 0.0, 1.0, 3.0]
     """

@@ -46,8 +46,6 @@ def _part(target: Path) -> Path:
 def written_whole(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path beside ``path`` that is renamed onto it when the block succeeds.
 
-    Examples
-    --------
     >>> import tempfile
     >>> target = Path(tempfile.mkdtemp()) / "a.txt"
     >>> with written_whole(target) as part:
@@ -73,8 +71,6 @@ def read_document(path: str | Path) -> dict[str, Any]:
 
     A ValueError if it is too large, too deep, has aliases, or names that are no text.
 
-    Examples
-    --------
     >>> import tempfile
     >>> target = Path(tempfile.mkdtemp()) / "a.yml"
     >>> _ = target.write_text("name: rig\\nsize: {height: 3}\\n")

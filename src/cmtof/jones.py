@@ -71,8 +71,6 @@ def retarder(retardance: ArrayLike, angle: ArrayLike = 0.0) -> JonesMatrix:
     ``retardance`` is the phase difference Gamma between the axes and ``angle`` the direction theta
     of the slow axis, rad; the matrix has the shape (..., 2, 2).
 
-    Examples
-    --------
     A half-wave plate at 22.5 degrees turns horizontal into 45 degrees:
 
     >>> e = apply(retarder(np.pi, np.pi / 8), linear_polarisation(0.0))

@@ -127,8 +127,6 @@ ALIASES = {"cmtof": DEFAULT} | {
 def find_method(name: str) -> Method:
     """Method of that name or alias; a ValueError for an unknown one lists all.
 
-    Examples
-    --------
     >>> find_method("oracle-depth").name
     'reference-depth'
     """
@@ -141,8 +139,6 @@ def find_method(name: str) -> Method:
 def names_of(chosen: str, protocol: str = "released") -> list[str]:
     """Names of a comma-separated list; ``all`` is every method but references and untrained ones.
 
-    Examples
-    --------
     >>> names_of("cmtof, beat")
     ['surfaces', 'beat']
     """

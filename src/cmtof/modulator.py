@@ -42,8 +42,6 @@ class TwoPassModulator:
     `SINGLE` and `DOUBLED` are the paper's settings; ``dataclasses.replace`` makes others. Angles
     and retardances are in radians; every error is zero (every ratio infinite) by default.
 
-    Examples
-    --------
     >>> round(SINGLE.contrast(), 4), round(DOUBLED.contrast(), 4)
     (0.4969, 1.0)
     >>> round(replace(DOUBLED, output="returned").contrast(), 4)  # the bright bias

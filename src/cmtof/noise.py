@@ -40,8 +40,6 @@ def denoise(phase: ArrayLike, *, window: int = 5) -> Denoised:
     White noise falls by ``window``. A plane is kept as it is; curvature kappa (rad/px^2, each way)
     moves the phase by about ``kappa (window^2 - 1) / 12``.
 
-    Examples
-    --------
     >>> phase = np.outer(np.ones(9), 0.7 * np.arange(9)) % (2 * np.pi)
     >>> np.allclose(denoise(phase).phase, phase)
     True
@@ -234,8 +232,6 @@ def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) ->
     with brightness I and the linear phase noise l of `linear_from_spread`: the inverse of
     `cmtof.bounds.simulated_phase_noise`. ValueError if photon noise alone spreads it further.
 
-    Examples
-    --------
     >>> round(float(sigma_from_phase_noise(0.1347)), -1)
     1200.0
     """

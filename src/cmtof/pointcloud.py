@@ -14,8 +14,6 @@ def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64
 
     ``camera`` is fx, fy, cx, cy in px, pixel centres at +0.5. NaN stays NaN.
 
-    Examples
-    --------
     >>> points_from_depth([[2.0]], [1.0, 1.0, 0.5, 0.5]).ravel().tolist()
     [0.0, 0.0, 2.0]
     """
@@ -29,8 +27,6 @@ def normals_from_points(points: ArrayLike) -> NDArray[np.float64]:
 
     Beside a hole, where no neighbour gives the slope, they face the scanner.
 
-    Examples
-    --------
     >>> points = points_from_depth(np.ones((3, 3)), [1e6, 1e6, 1.5, 1.5])
     >>> normals_from_points(points)[1, 1].round(3).tolist()
     [0.0, 0.0, -1.0]

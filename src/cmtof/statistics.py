@@ -32,8 +32,6 @@ def ratio_interval(
     that are hard for one method are hard for the other, so a difference is known better than its
     two rates.
 
-    Examples
-    --------
     >>> found = ratio_interval(np.arange(100) % 2, np.ones(100))
     >>> float(found.value), round(float(found.low), 1), round(float(found.high), 1)
     (0.5, 0.4, 0.6)
@@ -87,8 +85,6 @@ def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> R
     ``confidence`` are probabilities in [0, 1], ``right`` whether each answer is right, of the same
     shape. ValueError if shapes differ or a confidence is no probability.
 
-    Examples
-    --------
     >>> found = reliability([0.9, 0.9, 0.9, 0.1], [True, True, False, False], bins=2)
     >>> found.answers.tolist(), round(found.calibration_error, 3)
     ([1, 3], 0.2)
@@ -118,8 +114,6 @@ class RiskCoverage(NamedTuple):
 def risk_coverage(confidence: ArrayLike, right: ArrayLike, *, points: int = 200) -> RiskCoverage:
     """Share of wrong answers among the surest ones, against how many of them are given.
 
-    Examples
-    --------
     >>> found = risk_coverage([0.9, 0.2, 0.8, 0.1], [True, False, True, False], points=2)
     >>> found.coverage.tolist(), found.risk.tolist()
     ([0.5, 1.0], [0.0, 0.5])

@@ -38,8 +38,6 @@ def unwrap(
         -1 where masked or without a phase; ``depth``, m, of the measured phase with the wraps
         consistent with it, NaN there; ``confidence`` in [0, 1].
 
-    Examples
-    --------
     >>> import cmtof
     >>> measurement = cmtof.simulate(cmtof.load_frame("still_life"), noise_free=True)
     >>> result = cmtof.unwrap(measurement, method="crt")

@@ -14,8 +14,6 @@ HIGHEST_FREQUENCY = 1e12
 def checked(kind: type[T], values: Any, source: object) -> T:
     """Plain values as a checked type of pydantic; a ValueError of one line names the first fault.
 
-    Examples
-    --------
     >>> checked(tuple[int, int], [1, "x"], "a.yml")
     Traceback (most recent call last):
     ...
@@ -43,8 +41,6 @@ def checked(kind: type[T], values: Any, source: object) -> T:
 def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDArray[np.floating]:
     """Values as a new array of floats; text, complex, structured and time types are refused.
 
-    Examples
-    --------
     >>> numbers(["1.0"], "depth")
     Traceback (most recent call last):
     ...

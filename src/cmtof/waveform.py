@@ -16,8 +16,6 @@ def harmonics_from_waveform(samples: ArrayLike, count: int) -> Harmonics:
 
     The samples are those at ``theta = 2 pi j / N``; a ValueError unless 0 <= count < N/2.
 
-    Examples
-    --------
     >>> theta = 2 * np.pi * np.arange(8) / 8
     >>> np.round(harmonics_from_waveform(3 + np.cos(theta), 2), 12).real.tolist()
     [3.0, 0.5, 0.0]

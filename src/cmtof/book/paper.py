@@ -140,8 +140,6 @@ def training_text(crops: int) -> str:
 def quantity_text(value: float, unit: str, digits: int = 4) -> str:
     """Number with its unit: ``fraction`` in percent, ``1`` as a plain number.
 
-    Examples
-    --------
     >>> quantity_text(0.516, "fraction"), quantity_text(3.35e-5, "m"), quantity_text(14.32e9, "Hz")
     ('51.6 %', '33.5 µm', '14.32 GHz')
     """

@@ -97,8 +97,6 @@ def scan_scene(
     target is one of `cmtof.instrument.targets.scene_from`; ``size`` is height and width, px,
     ``field_of_view`` the full optical angles across and down, rad.
 
-    Examples
-    --------
     >>> wall = {"kind": "plane", "distance": 1.0}
     >>> scan_scene(TwinSettings(), wall, size=2, field_of_view=0.1, seed=0)
     <Measurement 2x2 px at 7.15, 14.32 GHz, 0.000-7.495 m>

@@ -98,8 +98,6 @@ def phase_edges(phase: Array) -> Array:
     Pixel minus its neighbour to the left, above, above left and below left, wrapped to [-pi, pi];
     zero where the neighbour lies outside the image.
 
-    Examples
-    --------
     >>> phase_edges(np.array([[4.0, 5.0, 6.0, 7.0 - TAU]]))[0].round(6).tolist()
     [[0.0, 1.0, 1.0, 1.0]]
     """

@@ -219,8 +219,6 @@ def mended(wraps: NDArray[np.integer], phase: NDArray[np.floating]) -> NDArray[n
 
     Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`.
 
-    Examples
-    --------
     >>> mended(np.array([[3, 9, 4]]), np.array([[5.9, 6.1, 0.1]])).tolist()
     [[3, 3, 4]]
     """

@@ -51,8 +51,6 @@ class Camera(NamedTuple):
 def looking(position: Vector, target: Vector, roll: float = 0.0) -> Camera:
     """A camera at ``position`` that looks at ``target``, m, rolled by ``roll``, rad.
 
-    Examples
-    --------
     >>> looking(np.zeros(3), np.array([0.0, 1.0, 0.0])).orientation.round(6).tolist()
     [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]
     """

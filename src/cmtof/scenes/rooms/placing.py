@@ -55,8 +55,6 @@ def household(rng: np.random.Generator) -> Kit:
 def overlap(a: Rectangle, b: Rectangle) -> bool:
     """Whether two rectangles share more than an edge.
 
-    Examples
-    --------
     >>> overlap((0, 1, 0, 1), (1, 2, 0, 1)), overlap((0, 1, 0, 1), (0.5, 2, 0.5, 2))
     (False, True)
     """

@@ -140,8 +140,6 @@ def stream(seed: int, index: int, use: int) -> np.random.Generator:
 def close_views(index: int, views: int) -> int:
     """How many of a scene's views are close ones; over many scenes a share of `CLOSE_SHARE`.
 
-    Examples
-    --------
     >>> [close_views(i, 5) for i in range(8)]
     [0, 0, 0, 1, 0, 0, 0, 1]
     """
@@ -152,8 +150,6 @@ def close_views(index: int, views: int) -> int:
 def split_of(index: int) -> str:
     """Partition of a scene: of ten, eight train, one validates, one tests.
 
-    Examples
-    --------
     >>> [split_of(i) for i in range(7, 11)]
     ['train', 'val', 'test', 'train']
     """

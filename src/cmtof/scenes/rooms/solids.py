@@ -18,8 +18,6 @@ def raw(vertices: NDArray, faces: NDArray) -> Trimesh:
 def box(size: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
     """Box of full ``size`` (x, y, z) about ``centre``, m.
 
-    Examples
-    --------
     >>> float(box((1, 2, 3)).volume)
     6.0
     """
@@ -36,8 +34,6 @@ def slab(x0: float, x1: float, y0: float, y1: float, z0: float, z1: float) -> Tr
 def extrusion(outline: ArrayLike, height: float) -> Trimesh:
     """Prism over an outline (N, 2), m, counter-clockwise and star-shaped about its mean.
 
-    Examples
-    --------
     >>> round(float(extrusion([(0, 0), (2, 0), (0, 1)], 3.0).volume), 6)
     3.0
     """
@@ -63,8 +59,6 @@ def plate(
     holes : sequence of (x0, x1, z0, z1)
         Rectangles cut out of it, m; they may touch the plate's edge.
 
-    Examples
-    --------
     >>> wall = plate(4.0, 2.5, 0.2, [(1.0, 2.0, 0.0, 2.0)])
     >>> wall.is_watertight, round(float(wall.volume), 6)
     (True, 1.6)
@@ -92,8 +86,6 @@ def revolution(profile: ArrayLike, sections: int = 28) -> Trimesh:
 
     The profile starts and ends on the axis; the ends are joined to it where they do not.
 
-    Examples
-    --------
     >>> cone = revolution([(1.0, 0.0), (0.0, 3.0)], sections=720)
     >>> bool(abs(cone.volume - np.pi) < 1e-3)
     True
@@ -108,8 +100,6 @@ def revolution(profile: ArrayLike, sections: int = 28) -> Trimesh:
 def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
     """Round bar along a path (N, 3), m, of one radius or one for each point.
 
-    Examples
-    --------
     >>> bar = sweep([(0, 0, 0), (0, 0, 2)], 0.1, sections=400)
     >>> bar.is_watertight, round(float(bar.volume) / (2 * np.pi * 0.01), 3)
     (True, 1.0)
@@ -163,8 +153,6 @@ def ball(
     squareness : float
         0 for an ellipsoid; towards 1 for a rounded box (a superellipsoid), as of a cushion.
 
-    Examples
-    --------
     >>> ball(1.0, fineness=4).is_watertight
     True
     """
@@ -182,8 +170,6 @@ def ball(
 def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     """Closed sheet over a grid of points (N, M, 3), m, thick along the grid's mean normal.
 
-    Examples
-    --------
     >>> x, y = np.meshgrid([0.0, 1.0, 2.0], [0.0, 1.0], indexing="ij")
     >>> cloth = sheet(np.stack([x, y, 0 * x], -1), 0.01)
     >>> cloth.is_watertight, round(float(cloth.volume), 6)
