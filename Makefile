@@ -40,7 +40,8 @@ book: setup ## Run the notebooks and build the book: build/PROFILE/html/index.ht
 figures: book ## Accept the figures and numbers of the build into figures/
 	@$(BIN)/python tools/figures.py build/$(PROFILE)/results figures
 
-test: setup ## Build the book with the small ci profile, then run the tests
+test: setup ## Check sizes, build the book with the small ci profile, then run the tests
+	@$(BIN)/python tools/size.py
 	@$(call build,ci)
 	@$(BIN)/python -m pytest -m "not slow" -n $(CORES)
 

@@ -26,11 +26,10 @@ def ratio_interval(
     """Interval of a ratio of sums over frames, by percentiles over redrawn sets of frames.
 
     ``part`` and ``whole`` (..., F) are numerator and denominator of each frame, such as pixels
-    right and pixels scored; ``level`` is the share of the drawn sets inside. With few frames (under
-    ten or so) such intervals are too narrow; with one they are NaN, as where no frame has anything
-    in the denominator. A difference of two rates is ``ratio_interval(part - other, whole)``: frames
-    that are hard for one method are hard for the other, so a difference is known better than its
-    two rates.
+    right and scored; ``level`` is the share of the drawn sets inside. With under ten frames or so
+    intervals are too narrow; with one they are NaN. A difference of two rates is
+    ``ratio_interval(part - other, whole)``; it is known better than its two rates, as frames are
+    hard for both.
 
     >>> found = ratio_interval(np.arange(100) % 2, np.ones(100))
     >>> float(found.value), round(float(found.low), 1), round(float(found.high), 1)

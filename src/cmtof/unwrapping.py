@@ -31,12 +31,9 @@ def unwrap(
     own; ``options`` are the method's, for instance ``window=81`` of ``beat``. ValueError for an
     unknown method, a bad range, or a measurement that the method cannot use.
 
-    Returns
-    -------
-    xarray.Dataset
-        On (y, x): ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest frequency,
-        -1 where masked or without a phase; ``depth``, m, of the measured phase with the wraps
-        consistent with it, NaN there; ``confidence`` in [0, 1].
+    On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
+    frequency, -1 where masked or without a phase; ``depth``, m, of the measured phase with the
+    wraps consistent with it, NaN there; ``confidence`` in [0, 1].
 
     >>> import cmtof
     >>> measurement = cmtof.simulate(cmtof.load_frame("still_life"), noise_free=True)

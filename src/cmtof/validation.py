@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 T = TypeVar("T")
-HIGHEST_FREQUENCY = 1e12
-"""Greatest modulation frequency, Hz."""
+HIGHEST_FREQUENCY = 1e12  # of a modulation, Hz
 
 
 def checked(kind: type[T], values: Any, source: object) -> T:

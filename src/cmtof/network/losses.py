@@ -7,8 +7,7 @@ from torch.nn import functional
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, wrap_length
 
-IGNORED = -100
-"""Label of a masked pixel, which costs nothing, whatever stands there."""
+IGNORED = -100  # label of a masked pixel, which costs nothing
 
 WRAP_MM = 1e3 * float(wrap_length(FREQUENCIES[0]))
 """Depth of one wrap of the lower frequency, mm: the paper's unit of depth (Sec. 5.3)."""

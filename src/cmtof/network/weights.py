@@ -21,11 +21,8 @@ from cmtof.simulation import QUADRATURES
 from cmtof.validation import checked
 
 Network = Tensor = Any  # of cmtof.network.models and of torch, which are imported late
-FOLDER = Path(str(files("cmtof"))) / "weights"
-"""Weights that travel with the package."""
-
-MOST_PIXELS = 2_000_000
-"""Pixels that a network sees at once; a larger image is unwrapped in bands of rows."""
+FOLDER = Path(str(files("cmtof"))) / "weights"  # those that travel with the package
+MOST_PIXELS = 2_000_000  # seen at once; a larger image is unwrapped in bands of rows
 
 Share = Annotated[float, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=0)]
