@@ -227,6 +227,7 @@ notes.tell(
 # fundamental. The phase then errs by an amount that repeats with the phase itself: the cyclic
 # error, which no averaging removes.
 
+
 # %%
 def cyclic_error(wave, phase, samples):
     """Phase error of the harmonics with so many uniform steps, rad; harmonics k = m K ± 1 alias."""
