@@ -107,13 +107,14 @@ axes += [figure.add_subplot(place) for place in (132, 133)]
 points = points_from_depth(frame.depth, frame.camera) @ [[0, -1, 0], [0, 0, -1], [1, 0, 0]]
 target = points[points.shape[0] // 2, int(0.45 * points.shape[1])]
 places = [*rig.centres @ [[0, -1, 0], [0, 0, -1], [1, 0, 0]], np.zeros(3)]
-grey = 0.35 + 0.6 * frame.intensity[::2].clip(0, 1) ** 0.45
-axes[0].scatter(*points[::2].reshape(-1, 3).T, c=grey.ravel(), s=1, cmap="gray", vmin=0, vmax=1)
+cloud, known = points[::2].reshape(-1, 3), np.isfinite(points[::2, :, 0]).ravel()
+grey = 0.35 + 0.6 * frame.intensity[::2].clip(0, 1).ravel()[known] ** 0.45
+axes[0].scatter(*cloud[known].T, c=grey, s=1, cmap="gray", vmin=0, vmax=1)
 ends = zip(places, ("left", "right", "scanner"), (LEFT, RIGHT, BEAM), strict=True)
 for place, name, colour in ends:
     axes[0].plot(*np.stack([place, target], 1), color=colour, lw=1 + (name == "scanner"))
     axes[0].plot(*place[:, None], "s", color=colour, label=name)
-sides = np.ptp(np.concatenate([points.reshape(-1, 3), places]), axis=0)
+sides = np.ptp(np.concatenate([cloud[known], places]), axis=0)
 axes[0].set_box_aspect(sides, zoom=1.6)
 axes[0].view_init(15, 150)
 axes[0].set_axis_off()
