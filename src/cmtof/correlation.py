@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.validation import expect
 
 TAU = 2 * np.pi
 
@@ -109,20 +110,16 @@ def decoding_weights(psi: ArrayLike) -> Array:
 
 def check_psi(psi: Array) -> None:
     """Raise a ValueError unless ``psi`` (K,) can be decoded: 3 or more, finite, distinct."""
-    if psi.ndim != 1 or psi.size < 3:
-        raise ValueError(
-            f"Expected at least 3 reference phases psi in one dimension, got shape {psi.shape}. "
-            "Record more steps or check the psi coordinate."
-        )
-    if not np.isfinite(psi).all():
-        raise ValueError("Expected finite reference phases psi, got NaN or inf. State every psi.")
+    what, got = "at least 3 reference phases psi in one dimension", f"shape {psi.shape}"
+    expect(psi.ndim == 1 and psi.size >= 3, what, got, "Record more steps or check psi.")
+    expect(np.isfinite(psi).all(), "finite reference phases psi", "NaN or inf", "State every psi.")
     turns = np.exp(1j * psi)
     gaps = np.abs(turns[:, None] - turns[None, :])[np.triu_indices(psi.size, 1)]
-    if gaps.min() < 1e-6:
-        raise ValueError(
-            f"Expected distinct reference phases psi modulo 2 pi, got duplicates in "
-            f"{np.round(psi, 6).tolist()}. Average repeated steps or correct the psi coordinate."
-        )
+    what, got = (
+        "distinct reference phases psi modulo 2 pi",
+        f"duplicates in {psi.round(6).tolist()}",
+    )
+    expect(gaps.min() >= 1e-6, what, got, "Average repeated steps or correct psi.")
 
 
 def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:

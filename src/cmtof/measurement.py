@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, Decoded, check_psi, decode, residual_noise, wrap_length
 from cmtof.files import written_whole
-from cmtof.validation import check_claim, check_frequencies, numbers
+from cmtof.validation import check_claim, check_frequencies, expect, numbers
 
 _STACK, _IMAGES = ("frequency", "step", "y", "x"), ("frequency", "y", "x")
 _VARIABLES: dict[str, tuple[str, tuple[str, ...] | None]] = {
@@ -71,7 +71,7 @@ class Measurement:
             psi = np.broadcast_to(psi, (frequencies.size, psi.size))
         right = correlation.ndim == 4 and correlation.shape[:2] == psi.shape
         what = f"correlation (F, K, H, W), psi {psi.shape}"
-        _expect(right, what, correlation.shape, "Put frequency and step first.")
+        expect(right, what, correlation.shape, "Put frequency and step first.")
         variables = {"correlation": (_STACK, correlation)}
         coordinates = {"frequency": frequencies, "psi": (_STACK[:2], psi)}
         return cls(_dataset(variables, coordinates, more))
@@ -180,7 +180,7 @@ def _dataset(
     try:
         dataset = xr.Dataset(variables, coordinates)
     except ValueError as error:
-        _expect(False, "arrays of one image size", str(error).splitlines()[0], "Check shapes.")
+        expect(False, "arrays of one image size", str(error).splitlines()[0], "Check shapes.")
     dataset.attrs = {"version": __version__, **limits, **kept}
     return dataset
 
@@ -199,32 +199,26 @@ def unambiguous_range(frequencies: ArrayLike) -> float:
 # --- what a measurement must be ----------------------------------------------------------------
 
 
-def _expect(holds: Any, what: str, got: object, advice: str) -> None:
-    """Raise «Expected …, got …. Do …» unless it holds."""
-    if not holds:
-        raise ValueError(f"Expected {what}, got {got}. {advice}")
-
-
 def validate(dataset: xr.Dataset) -> None:
     """Raise a ValueError that states what is wrong with a dataset, and how to mend it."""
     data = "correlation" if "correlation" in dataset else "phase"
     what, got = "a variable 'correlation' (frequency, step, y, x)", list(dataset)
-    _expect(data in dataset, what, got, "See the page «Bring your own data».")
+    expect(data in dataset, what, got, "See the page «Bring your own data».")
     for name in ("frequency", "psi") if data == "correlation" else ("frequency",):
         got = list(dataset.coords)
-        _expect(name in dataset.coords, f"a coordinate '{name}'", got, "State it for every image.")
+        expect(name in dataset.coords, f"a coordinate '{name}'", got, "State it for every image.")
     for name, (_, dims) in _VARIABLES.items():
         if name in dataset.variables:
             found, kind = dataset[name], dataset[name].dtype
-            _expect(kind.kind in "biuf", f"numbers as {name}", f"type {kind}", "Store floats.")
+            expect(kind.kind in "biuf", f"numbers as {name}", f"type {kind}", "Store floats.")
             right = found.size and found.dims == (dims or found.dims)
             what = f"{name} with dimensions {dims}, none of them empty"
-            _expect(right, what, dict(found.sizes), "Transpose or rename them.")
+            expect(right, what, dict(found.sizes), "Transpose or rename them.")
     check_frequencies(dataset["frequency"].to_numpy())
     if "camera" in dataset:
         camera = dataset["camera"].to_numpy()
         right = camera.size in (4, 5) and np.isfinite(camera).all() and (camera[:2] > 0).all()
-        _expect(right, "camera [fx, fy, cx, cy] in px", camera.tolist(), "Correct it.")
+        expect(right, "camera [fx, fy, cx, cy] in px", camera.tolist(), "Correct it.")
     for steps in dataset["psi"].to_numpy() if data == "correlation" else ():
         check_psi(np.asarray(steps, float))
     _check_range(dataset)
@@ -236,10 +230,10 @@ def _check_range(dataset: xr.Dataset) -> None:
     plain = all(np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends)
     low, high = map(float, ends) if plain else (np.nan, np.nan)
     what = "attributes 0 <= range_min < range_max in m"
-    _expect(0 <= low < high < np.inf, what, ends, "Set the depths to choose from.")
+    expect(0 <= low < high < np.inf, what, ends, "Set the depths to choose from.")
     wraps = high / float(wrap_length(dataset["frequency"].to_numpy()[0]))
     what = f"at most {MOST_WRAPS} wraps of the lowest frequency within range_max"
-    _expect(wraps <= MOST_WRAPS, what, f"{wraps:.3g}", "Lower range_max or the frequency.")
+    expect(wraps <= MOST_WRAPS, what, f"{wraps:.3g}", "Lower range_max or the frequency.")
 
 
 def _check_values(dataset: xr.Dataset, data: str) -> None:
@@ -249,7 +243,7 @@ def _check_values(dataset: xr.Dataset, data: str) -> None:
 
     def refuse(bad: NDArray, what: str, got: str, advice: str) -> None:
         amount = int((bad & valid).sum())
-        _expect(not amount, what, f"{amount} {got}", advice)
+        expect(not amount, what, f"{amount} {got}", advice)
 
     refuse(~np.isfinite(values), f"finite {data}", "NaN or inf", "Mask those pixels.")
     if data == "phase":
@@ -278,7 +272,7 @@ def save_dataset(dataset: xr.Dataset, path: str | Path) -> None:
     The file is built in memory: HDF5 written to a full disk would end the process.
     """
     path = Path(path)
-    _expect(path.suffix == ".nc", "an output named *.nc", path.name, "Rename it.")
+    expect(path.suffix == ".nc", "an output named *.nc", path.name, "Rename it.")
     encoding = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
     stored = dataset.to_netcdf(engine="h5netcdf", encoding=encoding)
     with written_whole(path) as part:
@@ -300,7 +294,7 @@ def open_measurement(path: str | Path) -> Measurement:
     if path.suffix == ".npz":
         return _open_npz(path)
     what = "a file named *.nc, *.npz or *_phase.csv"
-    _expect(path.suffix == ".csv", what, path.name, "Convert it first.")
+    expect(path.suffix == ".csv", what, path.name, "Convert it first.")
     return _open_capture(path)
 
 
@@ -328,7 +322,7 @@ def _open_npz(path: Path) -> Measurement:
     needed = ("correlation", "psi", "frequency")
     what = f"arrays {', '.join(needed)} in {path}"
     advice = "A frame of depth and intensity becomes a measurement by `cmtof simulate`."
-    _expect(arrays.keys() >= set(needed), what, sorted(arrays), advice)
+    expect(arrays.keys() >= set(needed), what, sorted(arrays), advice)
     images = {k: arrays[k] for k in ("depth", "mask", "camera") if k in arrays}
     limits = {k: float(arrays[k]) for k in ("range_min", "range_max") if k in arrays}
     return Measurement.from_arrays(

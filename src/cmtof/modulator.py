@@ -27,6 +27,7 @@ from cmtof.constants import (
     HALF_WAVE_PLATE_SINGLE,
     SPEED_OF_LIGHT,
 )
+from cmtof.validation import expect
 from cmtof.waveform import Harmonics, harmonics_from_waveform
 
 Array = NDArray[np.float64]
@@ -73,12 +74,9 @@ class TwoPassModulator:
             ("input_axis", self.input_axis, ("vertical", "horizontal")),
             ("output", self.output, ("crossed", "returned")),
         ):
-            if value not in options:
-                raise ValueError(f"Expected {name} in {options}, got {value!r}. Choose one.")
-        if not 0 < self.frequency < np.inf:
-            raise ValueError(
-                f"Expected a frequency above 0 Hz, got {self.frequency}. Give the drive's in Hz."
-            )
+            expect(value in options, f"{name} in {options}", repr(value), "Choose one.")
+        what, advice = "a frequency above 0 Hz", "Give the drive's in Hz."
+        expect(0 < self.frequency < np.inf, what, self.frequency, advice)
 
     @property
     def pass_delay(self) -> float:

@@ -10,6 +10,12 @@ T = TypeVar("T")
 HIGHEST_FREQUENCY = 1e12  # of a modulation, Hz
 
 
+def expect(holds: object, what: str, got: object, advice: str) -> None:
+    """Raise the ValueError «Expected …, got …. Do ….» unless it holds."""
+    if not holds:
+        raise ValueError(f"Expected {what}, got {got}. {advice}")
+
+
 def checked(kind: type[T], values: Any, source: object) -> T:
     """Plain values as a checked type of pydantic; a ValueError of one line names the first fault.
 
@@ -46,10 +52,8 @@ def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDAr
     ValueError: Expected numbers as depth, got values of type <U3. Store them as float.
     """
     array = np.asarray(values)
-    if array.dtype.kind not in "biuf":
-        raise ValueError(
-            f"Expected numbers as {what}, got values of type {array.dtype}. Store them as float."
-        )
+    got = f"values of type {array.dtype}"
+    expect(array.dtype.kind in "biuf", f"numbers as {what}", got, "Store them as float.")
     with np.errstate(over="ignore"):  # beyond float32 is infinite, and refused as such
         return array.astype(dtype)
 
@@ -66,8 +70,6 @@ def check_claim(claimed: int, stored: int) -> None:
 def check_frequencies(frequencies: NDArray[np.floating]) -> None:
     """Raise a ValueError unless frequencies (F,) in Hz are positive, sensible and rising."""
     within = (frequencies > 0) & (frequencies <= HIGHEST_FREQUENCY)  # false for NaN
-    if not (frequencies.size and within.all() and (np.diff(frequencies) > 0).all()):
-        raise ValueError(
-            f"Expected modulation frequencies in rising order, > 0 and up to {HIGHEST_FREQUENCY:g} "
-            f"Hz, got {frequencies.tolist()}. State them in Hz, for instance 7.15e9, 14.32e9."
-        )
+    rising = frequencies.size and within.all() and (np.diff(frequencies) > 0).all()
+    what = f"modulation frequencies in rising order, > 0 and up to {HIGHEST_FREQUENCY:g} Hz"
+    expect(rising, what, frequencies.tolist(), "State them in Hz, for instance 7.15e9, 14.32e9.")

@@ -15,7 +15,7 @@ from cmtof.cli import main
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.hardware.bench import simulated
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, Unsafe
-from cmtof.hardware.journal import journal_path, whole_lines
+from cmtof.hardware.journal import alone, journal_path, whole_lines
 from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan, scan_scene
@@ -113,6 +113,16 @@ def test_a_scan_begun_is_not_overwritten(tmp_path, whole):
     assert "got another power_dbm, 30.0. Scan with its settings" in str(error)
     output.write_bytes(whole.read_bytes())
     journal_path(output).unlink()
+    assert take(output, resume=True)[1] is None
+
+
+def test_a_journal_that_another_scan_is_writing_is_left_alone(tmp_path):
+    output = tmp_path / "m.nc"
+    take(output, report=lambda line: (_ for _ in ()).throw(KeyboardInterrupt))
+    before = journal_path(output).read_bytes()
+    with alone(journal_path(output)):
+        assert "to be free, got a scan that is writing it" in str(take(output, resume=True)[1])
+    assert journal_path(output).read_bytes() == before
     assert take(output, resume=True)[1] is None
 
 

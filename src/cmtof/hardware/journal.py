@@ -5,10 +5,12 @@ header, everything that the result depends on; the others are the lines of the p
 disk (fsync) before the scan goes on. What follows a line that is torn or damaged does not count.
 """
 
+import fcntl
 import json
 import os
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from cmtof.hardware.plan import Line, Plan, Record
+from cmtof.validation import expect
 
 
 def journal_path(output: str | Path) -> Path:
@@ -44,6 +47,17 @@ def append(path: Path, content: Mapping[str, Any]) -> None:
         file.write(framed(json.dumps(content, default=np.ndarray.tolist).encode()))
         file.flush()
         os.fsync(file.fileno())
+
+
+@contextmanager
+def alone(path: Path) -> Iterator[None]:
+    """Hold a journal for this process; a ValueError if another one is writing it."""
+    with path.open("ab") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            expect(False, f"{path} to be free", "a scan that is writing it", "Wait for its end.")
+        yield
 
 
 def begun(path: Path, header: Mapping[str, Any], plan: Plan) -> list[Record]:

@@ -19,12 +19,13 @@ import numpy as np
 from cmtof import __version__
 from cmtof.files import check_output
 from cmtof.hardware.bench import VOLTS_RANGE, Bench, simulated
-from cmtof.hardware.journal import append, begun, journal_path, whole_lines
+from cmtof.hardware.journal import alone, append, begun, journal_path, whole_lines
 from cmtof.hardware.plan import SWEEP, Line, Plan, planned
 from cmtof.hardware.reduction import calibrated, measurement_from_records
 from cmtof.hardware.rig import Rig
 from cmtof.instrument.settings import TwinSettings
 from cmtof.measurement import Measurement, open_measurement
+from cmtof.validation import expect
 
 
 def scan(
@@ -43,8 +44,7 @@ def scan(
     an instrument did not do; what was measured stays in the journal.
     """
     output = Path(output)
-    if output.suffix != ".nc":
-        raise ValueError(f"Expected an output named *.nc, got {output.name}. Rename it.")
+    expect(output.suffix == ".nc", "an output named *.nc", output.name, "Rename it.")
     path = journal_path(check_output(output))
     if path.exists() and not resume:
         raise ValueError(
@@ -63,17 +63,18 @@ def scan(
             "settings": plan.rig.as_dict(),
             "instruments": {role: device.identify() for role, device in on.devices.items()},
         }
-        records = begun(path, header, plan)
-        for line in plan.lines[len(records) :]:
-            if mode is None:
-                on.set_up()
-            if line.mode != mode:
-                on.choose_mode(mode := line.mode)
-            records.append(on.measure(plan, line))
-            if (line.kind, line.row) == ("reference", SWEEP - 1):
-                calibrated(plan, header, line.mode, records)
-            append(path, records[-1]._asdict())
-            report(line)
+        with alone(path):
+            records = begun(path, header, plan)
+            for line in plan.lines[len(records) :]:
+                if mode is None:
+                    on.set_up()
+                if line.mode != mode:
+                    on.choose_mode(mode := line.mode)
+                records.append(on.measure(plan, line))
+                if (line.kind, line.row) == ("reference", SWEEP - 1):
+                    calibrated(plan, header, line.mode, records)
+                append(path, records[-1]._asdict())
+                report(line)
     measurement = measurement_from_records(plan, header, records)
     measurement.save(output)
     with output.open("rb") as written:  # it is on the disk before the journal goes

@@ -9,11 +9,11 @@ from cmtof.scenes.frame import (
     Frames,
     Source,
     embedded_frames,
-    expect,
     frame_from_npz,
     frame_from_pair,
 )
 from cmtof.scenes.hypersim import Hypersim, frame_of_file, is_hypersim
+from cmtof.validation import expect
 
 __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
 

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.scenes.frame import broken, expect
+from cmtof.scenes.frame import broken
+from cmtof.validation import expect
 
 
 def data_root() -> Path | None:

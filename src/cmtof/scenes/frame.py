@@ -10,17 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
-from cmtof.validation import check_claim, numbers
+from cmtof.validation import check_claim, expect, numbers
 
 EMBEDDED = Path(__file__).parents[1] / "frames"  # the small frames that travel with the package
 HELD_OUT = EMBEDDED / "test" / "rooms.npz"  # views of rooms that nothing was trained on
 HELD_OUT_STEP = 5e-5  # step of its depth, m
-
-
-def expect(holds: object, what: str, got: object, advice: str) -> None:
-    """Raise the ValueError of one line that says what a source must be, unless it is."""
-    if not holds:
-        raise ValueError(f"Expected {what}, got {got}. {advice}")
 
 
 @dataclass(frozen=True)

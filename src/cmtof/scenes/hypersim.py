@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
-from cmtof.scenes.frame import Frame, Source, broken, expect
-from cmtof.validation import check_claim
+from cmtof.scenes.frame import Frame, Source, broken
+from cmtof.validation import check_claim, expect
 
 FILES = {  # folder, file name and, in rendered sets, type of each array of a view
     "color": ("final", "color", np.float16),

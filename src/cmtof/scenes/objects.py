@@ -16,7 +16,7 @@ from trimesh import Trimesh
 from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.util import concatenate
 
-from cmtof.scenes.frame import expect
+from cmtof.validation import expect
 
 Array = NDArray[np.float64]
 Law = Callable[[Array, Array, Array], Any] | None  # of the place x, y, z
