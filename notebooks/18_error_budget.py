@@ -84,7 +84,7 @@ plotting.save(
 
 # %% [markdown]
 # A day begins with a zero: the same target at eight known positions over one wrap, as a scan does
-# it; ten minutes later comes the sweep of 21 positions. What no data sheet can state is drawn anew
+# it; ten minutes later comes the sweep of 21 positions. What no data sheet can state is drawn again
 # each day: the phases of the inner path, of the cables, of a leak and of the back-reflection. The
 # bar of the whole is that simulation, and the sum of squares does not know of it: they agree, so no
 # large term is missing. Doubling the frequency doubles the range's sensitivity to phase, but at

@@ -50,7 +50,7 @@ COLOURS = {
 #
 # The blocks are lapped steel; their base is turned by 20 mrad, or the mirrored beam would saturate
 # the detector, and the faint diffuse rest is measured. DIN 861 allows a block of grade 2 ±0.45 µm
-# of deviation, drawn anew for each repeat. Points whose spot meets an edge are left out. The wraps
+# of deviation, drawn again for each repeat. Points whose spot meets an edge are left out. The wraps
 # are those of the true range: the step is a small part of one.
 #
 # Both faces are parallel planes, and the step is their distance along the normal. With the points

@@ -2,8 +2,8 @@
 # # Errata of the paper
 #
 # This page rests on a machine transcription of the paper {cite}`baek2023` without its supplement,
-# so a fault that hangs on one symbol may be the transcription's; such entries are marked †. None of
-# them touches what the paper is known for: light can be correlated at 7 and 14 GHz in free space.
+# so a fault that depends on one symbol may be the transcription's; such entries are marked †. None
+# touches what the paper is known for: light can be correlated at 7 and 14 GHz in free space.
 #
 # ```{glue:md} errata_table
 # :format: myst

@@ -143,7 +143,7 @@ class Bench(EmergencyStop):
         """Counts (N, scans) of bursts by their labels; mirrors, label and start share one frame.
 
         ``directions`` (N, 2) are optical angles, rad; without them the mirrors stay. The phase
-        table begins anew, and a `BadReply` says that it was not stepped once a phase.
+        table begins again, and a `BadReply` says that it was not stepped once a phase.
         """
         requests = [{"USER_RAM0_U32": float(label)} for label in labels]
         if directions is not None:

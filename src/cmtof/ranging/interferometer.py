@@ -112,7 +112,7 @@ class Interferometer:
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
 
-        A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn anew.
+        A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn again.
         """
         stops = np.asarray(positions, float)
         strides = np.abs(np.diff(stops)) / self.stride - 1e-9
