@@ -175,7 +175,7 @@ def unwrap(
 def evaluate(
     frames: Annotated[
         list[str],
-        Argument(help="Files, embedded names, folders (TUM, NYU, ScanNet, .npz, Hypersim's tests)"),
+        Argument(help="Files, embedded names, folders (pairs of images, .npz, Hypersim's tests)"),
     ],
     method: Annotated[str, Option(help="Out of `cmtof methods`, with commas, or all.")] = "all",
     protocol: Protocol = "released",
