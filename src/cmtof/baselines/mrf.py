@@ -19,7 +19,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, uniform_filter
 
-from cmtof.baselines import Array, Complex, Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.baselines import Array, Complex, Estimate, within_range, wraps_in_range
 from cmtof.baselines.beat import synthetic_frequency
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.measurement import Measurement
@@ -79,9 +79,8 @@ def wrap_field(measurement: Measurement) -> Field:
     known = (np.isfinite(phase) & np.isfinite(amplitude)).all(axis=0)
     phasors = np.where(known, amplitude, 0) * np.exp(1j * np.where(known, phase, 0))
     slope = _slope(phasors[0])
-    smooth = _coherent_mean(phasors, slope, high / low)
-    spread = np.where(known & (amplitude > 0), phase_noise(measurement) * amplitude, np.nan)
-    noise = np.nanmedian(spread, axis=(1, 2)) if np.isfinite(spread).any() else (0.0, 0.0)
+    smooth = _coherent_mean(phasors, slope, high / low, RADIUS)
+    noise = _noise(phasors, _coherent_mean(phasors, slope, high / low, 1))
     mean_phase = wrapped(np.angle(smooth[0]))
     beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * mean_phase)
     # neighbours share what smoothing gained, so each gets the variance of a single pixel
@@ -118,14 +117,21 @@ def _pooled(kappa: Array, beat: Array, slope: Array) -> Complex:
     return phasor * np.exp(-1j * off)
 
 
-def _coherent_mean(phasors: Complex, slope: Array, ratio: float) -> Complex:
+def _noise(phasors: Complex, means: Complex) -> Array:
+    """Noise of two phasors across their direction, counts, from what averaging took off."""
+    across = np.abs((phasors * np.exp(-1j * np.angle(means))).imag)
+    known = (phasors != 0).all(axis=0)
+    return 1.4826 * np.median(across[:, known], axis=1) if known.any() else np.zeros(2)
+
+
+def _coherent_mean(phasors: Complex, slope: Array, ratio: float, radius: int) -> Complex:
     """Mean of phasors (2, H, W) over a square, turned back by the slope, ``ratio`` times it."""
     down, right = np.exp(-1j * np.array([1.0, ratio])[:, None, None] * slope[:, None])
     height, width = slope.shape[1:]
-    beyond, side = np.pad(phasors, [(0, 0)] + [(RADIUS, RADIUS)] * 2), 2 * RADIUS + 1
+    beyond, side = np.pad(phasors, [(0, 0)] + [(radius, radius)] * 2), 2 * radius + 1
     total = np.zeros_like(phasors)
     for v, u in np.ndindex(side, side):
-        turn = down ** (v - RADIUS) * right ** (u - RADIUS)
+        turn = down ** (v - radius) * right ** (u - radius)
         total += beyond[:, v : v + height, u : u + width] * turn
     return total / side**2
 

@@ -3,7 +3,6 @@
 import hashlib
 import json
 from collections.abc import Iterator
-from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -174,7 +173,7 @@ def unwrap_with_network(
     # limits that are whole wraps but for rounding belong to the wrap that they begin
     first, last = int(low / wrap + 1e-9), int(np.ceil(high / wrap - 1e-9)) - 1
     path = Path(weights) if weights else find_weights(model, first, last)
-    trained = _loaded(path, path.stat().st_mtime_ns if path.is_file() else 0)
+    trained = load_weights(path)
     if trained.network.target == "depth":
         turns = np.concatenate([found[0].numpy() for found, _ in _bands(trained, measurement)])
         depth = (trained.card.first_wrap + turns) * wrap
@@ -264,9 +263,3 @@ def _bands(trained: Trained, measurement: Measurement) -> Iterator[tuple[Tensor,
         with torch.inference_mode():
             found = network(image)[0, :, kept]
         yield found, phase[kept]
-
-
-@cache
-def _loaded(path: Path, changed: int) -> Trained:
-    """Weights, read again when their file has changed."""
-    return load_weights(path)
