@@ -124,6 +124,7 @@ class Evaluation:
 
     def __init__(self, methods: Sequence[str], **conditions: Any) -> None:
         self.methods = [find_method(name).name for name in methods]
+        self.options: dict[str, Any] = {}  # of every method, such as weights
         self.conditions = conditions
         self.frames: list[str] = []
         self._tallies = {name: Tally() for name in self.methods}
@@ -138,7 +139,7 @@ class Evaluation:
         self._coverage += float(usual.mask.mean())
         for name, measurement in given.items():
             start = perf_counter()
-            result = unwrap(measurement, method=name)
+            result = unwrap(measurement, method=name, **self.options)
             self._seconds[name] += perf_counter() - start
             self._tallies[name].add(scored_pixels(result, measurement))
             yield name
