@@ -20,11 +20,12 @@ SNAKEMAKE := $(BIN)/snakemake $(if $(ONE_AT_A_TIME),--nolock) --cores $(CORES) -
 CHATTER := ^(Assuming |Building DAG|Using shell|Provided cores|Rules claiming|Select jobs|Execute [0-9])
 CHATTER := $(CHATTER)|^(Finished jobid|Elapsed time|Complete log|\[.*20[0-9][0-9]\]$$)
 
-# $(call build,PROFILE)
-build = mkdir -p build && $(ONE_AT_A_TIME)$(SNAKEMAKE) --config profile=$(1) 2>&1 | \
+# $(call build,PROFILE,TARGET)
+build = mkdir -p build && $(ONE_AT_A_TIME)$(SNAKEMAKE) --config profile=$(1) -- $(2) 2>&1 | \
 	{ grep --line-buffered -vE '$(CHATTER)' || true; }
 
-.PHONY: help setup book figures test test-slow test-book fuzz size lab lint pairs reference bench lock clean
+.PHONY: help setup book figure figures pdf test test-slow test-book fuzz size lab lint pairs reference \
+	bench lock clean
 
 help: ## List what can be made
 	@echo "make TARGET [PROFILE=ci|book|paper] [CORES=$(CORES)]"; echo
@@ -39,6 +40,13 @@ book: setup ## Run the notebooks and build the book: build/PROFILE/html/index.ht
 
 figures: book ## Accept the figures and numbers of the build into figures/
 	@$(BIN)/python tools/figures.py build/$(PROFILE)/results figures
+
+# a name that a notebook puts together stands there as its first word and a brace
+figure: setup ## Draw one figure, and what else its notebook draws: make figure F=fig13
+	@stem=$$({ grep -lE '"$(F)(_|")' notebooks/*.py; \
+		grep -lF '"$(firstword $(subst _, ,$(F) none))_{' notebooks/*.py; } | sed -n '1s/\.py$$//p'); \
+	stem=$${stem#*/}; [ "$$stem" ] || { echo "Expected a figure, got F=$(F). Try F=fig13." >&2; exit 1; }; \
+	$(call build,$(PROFILE),build/$(PROFILE)/results/$$stem); ls build/$(PROFILE)/results/$$stem/$(F)*
 
 test: setup ## Check sizes, build the book with the small ci profile, then run the tests
 	@$(BIN)/python tools/size.py

@@ -3,8 +3,8 @@
 #
 # A correlation camera never sees its light flicker at 7 GHz. It multiplies what comes back with a
 # copy of what went out, and a slow detector averages the product. That average is a cosine of the
-# light's delay, so a few averages at different reference phases give the distance (Fig. 2,
-# simulated; Eqs. 1–4 and 20).
+# light's delay, so a few averages at different reference phases give the distance (Paper
+# Fig. 2, simulated; Eqs. 1–4 and 20).
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -105,7 +105,7 @@ plotting.save(
         "contrast": correlation_contrast(returned, raised),
     },
     caption=(
-        f"Correlation time of flight at {frequency / 1e9:.2f} GHz, simulated (the paper's Fig. 2). "
+        f"Correlation time of flight at {frequency / 1e9:.2f} GHz, simulated. "
         f"(a) Emitted and received light of a target at {depth:.1f} m and the reference; whole "
         "periods of delay are left out. (b) Product of light and reference at the best and the "
         "worst ψ, with its averages (dashed). (c) The average against ψ for three depths: four "

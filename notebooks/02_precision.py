@@ -3,8 +3,8 @@
 #
 # Noise disturbs a *phase*, and a phase is a share of a wavelength: the shorter the wave, the finer
 # the depth. From 100 MHz to 10 GHz the depth becomes a hundred times finer at the same noise, as
-# the paper states (Fig. 3, simulated). The price: the range within which a phase is unambiguous
-# shrinks by the same factor.
+# the paper states (Paper Fig. 3, simulated). The range within which a phase is unambiguous shrinks
+# by the same factor.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -93,7 +93,7 @@ plotting.save(
         "spread_over_law": float(np.mean(spread / law)),
         "rounding_share": rounding_share,
     },
-    caption=f"Depth error against modulation frequency, simulated (the paper's Fig. 3): {samples} "
+    caption=f"Depth error against modulation frequency, simulated: {samples} "
     "samples at each frequency, Poisson–Gaussian noise, 14 bits. (a) Mean error and envelope. (b) "
     "Standard deviation on the Cramér–Rao bound, and the depth of a wrap. Dotted: 7.15 GHz.",
     alt="Left, an envelope of depth error that closes like a funnel from 100 megahertz to 10 "

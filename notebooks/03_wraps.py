@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Wraps
 #
-# At 100 MHz a phase starts over once in a small room, at 7.15 GHz every 21 mm (Fig. 4, simulated).
-# Two frequencies together determine the count, in principle: at the paper's noise one white pixel
-# is right in 2 % of cases, and thousands of pixels must be pooled for a safe answer.
+# At 100 MHz a phase starts over once in a small room, at 7.15 GHz every 21 mm (Paper Fig. 4,
+# simulated). Two frequencies together determine the count in principle. At the paper's noise one
+# white pixel is right in 2 % of cases; a safe answer needs thousands of pixels.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -71,7 +71,7 @@ plotting.save(
     format="png",
     numbers={"crossed": list(crossed.values()), "span_m": float(np.ptp(line))},
     caption=f"The embedded frame `{frame_name}` at 100 MHz, 7.15 GHz and 14.32 GHz, simulated with "
-    "the paper's noise (its Fig. 4 shows another scene). (a–c) Measured wrapped phase. (d–f) Along "
+    "the paper's noise (the paper shows another scene). (a–c) Measured wrapped phase. (d–f) Along "
     "the line: the measured phase (dots) and the true wrap count (blue), which no pixel contains.",
     alt="Top, phase images of a table with vase, bust and books before a wall: one smooth gradient "
     "at 100 megahertz, dozens of narrow rings at 7.15 gigahertz, twice as many at 14.32. Below, "
@@ -213,7 +213,9 @@ notes.tell(big_phasor=100 * pooled[0.3, 64][0], big_product=100 * pooled[0.3, 64
 # a white surface must pool {glue:text}`need_white:.0f` pixels, at I = 0.3
 # {glue:text}`need_dark:.0f`, a square of {glue:text}`side_dark:.0f`. In squares of 64 at I = 0.3
 # pooled phasors are right in {glue:text}`big_phasor:.0f` %, pooled beats in
-# {glue:text}`big_product:.0f` %.
+# {glue:text}`big_product:.0f` %. The formula for other tones ($f_2 = 2f_1$ + 20 MHz) and noise:
+#
+# <div data-play="odds"></div>
 #
 # Real surfaces are not flat: before the phasors of neighbours may be added, their phases must be
 # brought in line, which takes knowledge of the surface. That is the difficulty of unwrapping at

@@ -3,12 +3,12 @@
 #
 # A resonant electro-optic crystal only shifts phases. Two passes through it, two wave plates and a
 # polarising splitter turn that into intensity modulation at the drive's frequency, or, with one
-# plate turned by 11.25°, at twice that frequency (Sec. 6.2; Figs. 7 and 8, computed; Eqs. 10–19).
-# Every printed equation holds, except that Eq. 19 is a factor of two too small.
+# plate turned by 11.25°, at twice that frequency (Sec. 6.2; Paper Figs. 7 and 8,
+# computed; Eqs. 10–19). Every printed equation holds but Eq. 19, a factor of two too small.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
-seed: int = 0  # of the instrument's errors, and of the photodiode's noise in Fig. 8
+seed: int = 0  # of the instrument's errors, and of the photodiode's noise in Paper Fig. 8
 eta: float = 0.26  # drive amplitude in one pass, rad; 50 % contrast in the single mode
 bandwidth: float = 12e9  # -3 dB bandwidth of the photodiode, Hz
 noise: float = 0.01  # standard deviation of its noise, in units of the light that enters
@@ -218,7 +218,7 @@ plotting.save(
         "throughput": [mode.throughput() for mode in modes.values()],
         "residuals": [float(r) for r in residuals.values()],
     },
-    caption="The two-pass modulator (the paper's Fig. 7), computed. (a) The folded light path, and "
+    caption="The two-pass modulator, computed. (a) The folded light path, and "
     "the polarisation before each element on the way out (upper rows) and behind it on the way "
     "back (lower rows), for three drive voltages; left, the light that leaves. (b) The intensity "
     "of both modes.",
@@ -316,7 +316,7 @@ plotting.save(
         "photodiode_response": response,
         "taylor_error": taylor_error,
     },
-    caption=f"Single and doubled mode at η = {eta:.2f}, simulated (the paper's Fig. 8 is a "
+    caption=f"Single and doubled mode at η = {eta:.2f}, simulated (the paper's is a "
     "measurement; mind the scales of (a) and (b)). (a, b) The exact waveform, its lowest order, "
     "and what a first-order 12 GHz photodiode shows. (c, d) Harmonics of the Jones product and of "
     "the Bessel series; dashes, what the photodiode leaves of them.",
@@ -330,7 +330,9 @@ notes.tell(response_single=response[0], response_doubled=response[1], ratio=rati
 # At η = 0.26 the doubled amplitude is {glue:text}`ratio:.3f` of the single one. The photodiode
 # passes {glue:text}`response_single:.2f` of the amplitude at 7.15 GHz and
 # {glue:text}`response_doubled:.2f` at 14.32 GHz, but all of the mean: a contrast read off it is a
-# lower bound of the light's.
+# lower bound of the light's. For any plate, $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$:
+#
+# <div data-play="modulator"></div>
 #
 # ## Drive amplitude
 #
@@ -417,7 +419,7 @@ notes.table(["error", "single, depth", "doubled, depth", "doubled, leak"], rows)
 #
 # ## The simulated instrument before a fast detector
 #
-# The paper's Fig. 8 was measured. The simulated {doc}`instrument <13_instrument>`, with leaking
+# Paper Fig. 8 was measured. The simulated {doc}`instrument <13_instrument>`, with leaking
 # splitters and an assumed drive of η = π/4, is looked at with a first-order detector of 12 GHz.
 # Over their mean the harmonics do not depend on the laser's power:
 #

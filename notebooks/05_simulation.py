@@ -4,7 +4,7 @@
 # No public data set holds correlation images at 7 GHz with a known truth, so the paper makes its
 # own from depth and brightness, and so does this book (Secs. 5.3 and 5.4, Eqs. 5, 8 and 9). One
 # frame goes in, correlation images come out, and from them phase, amplitude and everything that the
-# paper's network is given (its Fig. 5). All of it is simulated.
+# paper's network is given (Paper Fig. 5). All of it is simulated.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -401,7 +401,7 @@ plotting.save(
     figure,
     "fig05_inputs",
     numbers={"channels": channels, "classes": counts, "scored": float(scored.mean())},
-    caption=f"The inputs of Fig. 5: {channels} channels of the frame `{frame_name}` at the paper's "
+    caption=f"The network's inputs: {channels} channels of the frame `{frame_name}` at the paper's "
     "noise (log amplitude, Fourier features and phase edges of both frequencies), with the target "
     "and the mask of the pixels that are scored, protocol `released`.",
     alt="A contact sheet of small images of both frequencies. Amplitudes show the scene, the first "

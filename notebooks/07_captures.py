@@ -9,7 +9,7 @@
 # The authors' all-optical prototype line has published three raster scans: wrapped phase at 7.15
 # GHz of busts before a wall, beside a coarse reference depth {cite}`pan2024`. On the wall one point
 # is known to {glue:text}`single_low:.0f` to {glue:text}`single_high:.0f` µm within its wrap. The
-# simulator makes noise of the same size (Fig. 11) with σ = {glue:text}`matched_low:.0f` to
+# simulator makes noise of the same size (Paper Fig. 11) with σ = {glue:text}`matched_low:.0f` to
 # {glue:text}`matched_high:.0f` counts on a white wall, but not always of the same grain: in one of
 # the published scans neighbours share their noise. The files are not part of this project. Where a
 # machine has none, a simulated scan in the same format stands in. **The maps on this page are

@@ -3,7 +3,7 @@
 #   results: [table1_released_1200.json, table2_released_1200.json]
 # ---
 # %% [markdown]
-# # The network: Figure 5, Equations 5 to 7, Table 1, and speed
+# # The network: Paper Fig. 5, Table 1 and speed
 #
 # A wrap count is a class, and a map of wrap counts is a segmentation. The paper takes Fast-SCNN
 # {cite}`poudel2019`, narrows its receptive field and adds a skip at full resolution. One pixel
@@ -57,7 +57,7 @@ first, classes = CLASSES["released"]
 blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "green"))
 
 # %% [markdown]
-# ## Figure 5: the layers
+# ## Layers (Paper Fig. 5)
 #
 # The layers stand in a supplement that could not be obtained, so **this is our reading**. From left
 # to right, resolution as height. Deep features see far (the pyramid adds means over neighbourhoods
@@ -105,7 +105,7 @@ plotting.save(
         "channels": {name: count for name, (count, _) in shapes.items()},
         "sides": {name: side for name, (_, side) in shapes.items()},
     },
-    caption=f"The network of Fig. 5 as we read it, {parameters / 1e6:.2f} million weights. Under "
+    caption=f"The network as we read it, {parameters / 1e6:.2f} million weights. Under "
     f"each block its channels and the side of its output for a patch of {PATCH} px. Orange: the "
     "skip at full resolution; blue: the features at a quarter of it.",
     alt="Blocks from left to right: features and stem at full resolution, down to an eighth in the "

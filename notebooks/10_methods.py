@@ -7,7 +7,7 @@
 #     - methods_cost.json
 # ---
 # %% [markdown]
-# # Table 2 and Figure 10: all methods side by side
+# # Methods side by side: Paper Table 2 and Fig. 10
 #
 # The paper compares its network with seven methods. Here they stand beside those that a user would
 # try today, beside answers that cost nothing, and beside references that know a part of the truth,
@@ -57,7 +57,7 @@ states = {name: method.state() for name, method in METHODS.items()}
 ready = [name for name, state in states.items() if state not in ("untrained", "no weights")]
 
 # %% [markdown]
-# ## Figure 10: two rooms
+# ## Two rooms (Paper Fig. 10)
 #
 # The paper's simulator and its released protocol: each room is shrunk to 1.195 m, and 21 wraps are
 # to be distinguished. Grey pixels lie outside them. A network appears as soon as its validation
@@ -93,7 +93,7 @@ def draw(stem, names, caption):
     )
 
 
-draw("fig10_comparison", [*PAPERS.values(), "surfaces"], "Fig. 10, with our own method at its end.")
+draw("fig10_comparison", [*PAPERS.values(), "surfaces"], "The paper's methods, and our own last.")
 
 # %% [markdown]
 # The next figure has the methods that the paper does not compare with, and three references.

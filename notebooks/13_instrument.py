@@ -2,7 +2,7 @@
 # # The instrument
 #
 # Section 7 of the paper lists the parts of a prototype; its drawings and code were never published.
-# Fig. 6 below draws the instrument that the rig file of this package describes. Of 150 mW of laser
+# Paper Fig. 6 below draws the instrument that this package's rig file describes. Of 150 mW of laser
 # light less than a nanowatt reaches the detector, and for a grey wall at 1 m that is light enough
 # for a few micrometres of range noise. Everything here is *simulated*.
 

@@ -2,14 +2,14 @@
 # # Correlation profiles
 #
 # A mirror stands still, the phase of the reference turns once, and what the instrument reads should
-# be a cosine: that is Eq. 20, and Fig. 12 of the paper shows it *measured*. Here the *simulated*
+# be a cosine: that is Eq. 20, and Paper Fig. 12 shows it *measured*. Here the *simulated*
 # instrument takes the same profiles, step by step as in a scan. They are cosines to the eye; what
 # is left of them is the third harmonic of the light, the errors of the drivers, and noise.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
 seed: int = 0  # of noise, drift and errors of the drivers
-bursts: int = 48  # sweeps of the reference phase averaged in Fig. 12
+bursts: int = 48  # sweeps of the reference phase averaged in Paper Fig. 12
 settings: int = 48  # phases programmed into the emission's driver
 sweeps: int = 60  # sweeps in a row with the paper's RC
 reflectance: float = 6e-6  # of the mirror behind its grey filter
@@ -216,7 +216,7 @@ plotting.save(
     },
     caption=(
         "Correlation of a fixed mirror against the reference phase, in the single and the doubled "
-        "mode, simulated (the paper's Fig. 12 is a measurement). (a, b) Profile and fitted cosine. "
+        "mode, simulated (the paper's is a measurement). (a, b) Profile and fitted cosine. "
         "(c, d) Residual, and what harmonics and drivers should leave. (e, f) Harmonics."
     ),
     alt="Six panels in two columns, single and doubled mode: one period of a cosine, its residual "

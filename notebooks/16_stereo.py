@@ -139,7 +139,7 @@ plotting.save(
         "median_uncertainty_mm": 1e3 * float(np.nanmedian(truth.uncertainty)),
     },
     caption=(
-        "Active stereo supervision (Fig. 9 of the paper), simulated. (a) The rig before the scene. "
+        "Active stereo supervision, simulated. (a) The rig before the scene. "
         "(b) The measured phase. (c) The wrap map from the cameras; grey pixels have no label."
     ),
     alt=(

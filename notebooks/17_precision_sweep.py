@@ -1,7 +1,7 @@
 # %% [markdown]
 # # The precision sweep
 #
-# Three instruments look at a target that a stage moves by one millimetre (Fig. 13, Table 4), each
+# A stage moves a target by one millimetre before three instruments (Paper Fig. 13, Table 4), each
 # *simulated* on {glue:text}`repeats:.0f` days. The all-optical one errs by
 # {glue:text}`ours_mirror:.1f` µm before a mirror and {glue:text}`ours_diffuse:.1f` µm before a
 # diffuse plate on the median day; the paper measured 33.5 and 34.6 µm, once. RF demodulation fails
@@ -54,7 +54,7 @@ targets = {"mirror": MIRROR, "diffuse": PLATE}
 
 
 def errors_of(ranger, what, days=repeats):
-    """Errors (days, P), m, over the sweep of Fig. 13, with random numbers of their own."""
+    """Errors (days, P), m, over the sweep of Paper Fig. 13, with random numbers of their own."""
     target, key = targets[what], [seed, *f"{type(ranger).__name__} {what}".encode()]
     own = int(np.random.SeedSequence(key).generate_state(1)[0])
     return ranger.sweep(target, POSITIONS, repeats=days, seed=own) - target.distance - POSITIONS
@@ -93,7 +93,7 @@ plotting.save(
         }
         for key, one in zip(KEYS, found.values(), strict=True)
     },
-    caption="A sweep of 1 mm at 60 cm, simulated (the paper's Fig. 13 is a measurement): estimate "
+    caption="A sweep of 1 mm at 60 cm, simulated (the paper's is a measurement): estimate "
     "and error below, for a mirror (a to f) and a diffuse plate (g to l). Dots: one day; bands: 95 "
     "% of all days. Mind the units of the errors.",
     alt="Twelve panels. All-optical errors are some micrometres for both targets. RF follows the "

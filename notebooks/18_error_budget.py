@@ -1,8 +1,8 @@
 # %% [markdown]
 # # The error budget
 #
-# What makes the micrometres of Fig. 13 and Table 4? In the *simulated* all-optical instrument it is
-# the drift of the phase between the RF drivers and photon noise: all errors together make
+# The micrometres of Paper Fig. 13 and Table 4 come, in the *simulated* all-optical instrument, from
+# the drift of the phase between the RF drivers and from photon noise: all errors together make
 # {glue:text}`whole_single:.1f` µm rms in the single and {glue:text}`whole_doubled:.1f` µm in the
 # doubled mode. The paper's 33.5 µm is several times that and nearly constant; a later section asks
 # how large each error would have to be to make it. No size was chosen with the paper's results in

@@ -2,7 +2,7 @@
 # # Gauge blocks and a slanted plane
 #
 # Two gauge blocks stand 0.5 mm apart in height at a distance of 1 m, and the *simulated* instrument
-# scans them, as the paper's did (Fig. 14). The mean over {glue:text}`repeats:.0f` repeats is
+# scans them, as the paper's did (Paper Fig. 14). The mean over {glue:text}`repeats:.0f` repeats is
 # {glue:text}`mean_um:.1f` µm; one scan is uncertain by {glue:text}`scatter_um:.1f` µm. The R² of a
 # slanted plane, the paper's second number here, measures how far the plane is tilted rather than
 # how precise the instrument is.
@@ -198,7 +198,7 @@ plotting.save(
         "points": int(inside.sum()),
         "plane_residual_um": [1e6 * float(fit.residual.std()) for fit in plane_fits],
     },
-    caption="A step of two gauge blocks and a slanted plane at 1 m, simulated (the paper's Fig. 14 "
+    caption="A step of two gauge blocks and a slanted plane at 1 m, simulated (the paper's "
     "is a measurement). (a) Height over the left block, edges left out. (b) All points of one scan "
     "across the blocks. (c) The step in each repeat, with standard errors. (d) Depth of the plane "
     f"at {np.rad2deg(tilts[shown]):.0f}°, (e, f) what a fitted plane leaves of it.",

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # A 100 MHz camera beside it
 #
-# Fig. 15 of the paper compares its instrument with a camera that one can buy: two taps a pixel,
+# Paper Fig. 15 compares the paper's instrument with a camera that one can buy: two taps a pixel,
 # flood light of four laser diodes, 100 MHz. On an owl's dark feathers that camera is wrong by
 # 200 mm. Such a camera is simulated here from what is public about it, beside the simulated GHz
 # instrument and before an owl and a helmet of our own. One image errs by
@@ -142,7 +142,7 @@ plotting.save(
         "ghz_wraps_right": [right[n] for n in NAMES],
         "ghz_phase_error_m": [phase_error[n] for n in NAMES],
     },
-    caption="A textured owl and a polished helmet (Fig. 15 of the paper), simulated: amplitude and "
+    caption="A textured owl and a polished helmet, simulated: amplitude and "
     "range of one image of the 100 MHz camera at the stated power, the same with strong light, the "
     "range of the GHz scan as the method `surfaces` unwraps it, and the truth. Grey: no answer.",
     alt="Two rows of five small images, owl above, helmet below. The 100 MHz range is grainy, by "

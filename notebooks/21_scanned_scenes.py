@@ -2,7 +2,7 @@
 # # Scanned scenes
 #
 # A bust, a helmet, an owl and a cluttered table stand a metre before the simulated instrument, and
-# are scanned as the paper's scenes were (Figs. 1 and 16). The phases are good to some ten
+# are scanned as the paper's scenes were (Paper Figs. 1 and 16). The phases are good to some ten
 # micrometres; the wraps decide. Over all scenes `surfaces`, the method of this book, finds
 # {glue:text}`ours:.0f` % of them and KDE {glue:text}`kde:.0f` %; after RF demodulation no phase is
 # left. The objects are meshes of ours, so every true range is known. Nothing here was measured, and
@@ -15,7 +15,7 @@ objects: list = ["bust", "helmet", "owl", "table"]  # scenes
 size: int = 80  # height and width of the scans, px
 picture_size: int = 240  # of the rendered pictures, px
 room_light: float = 1.0  # radiance in the bright room, W/(m^2 sr); 0.1 otherwise
-teaser: str = "bust"  # scene of Fig. 1
+teaser: str = "bust"  # scene of Paper Fig. 1
 
 # %% tags=["hide-input"]
 from dataclasses import replace
@@ -136,7 +136,7 @@ TONES = [f"{f / 1e9:.2f} GHz" for f in first.frequencies]
 # %% [markdown]
 # ## In one picture
 #
-# The teaser of the paper (Fig. 1): fringes of two wrapped phases become a surface.
+# The teaser of the paper (Paper Fig. 1): fringes of two wrapped phases become a surface.
 
 # %% tags=["hide-input"]
 stills, flat, residual, tilt = {}, {}, {}, {}
@@ -144,12 +144,14 @@ for name in objects:
     depth = depth_of(name, best[name])
     shades = plt.cm.ScalarMappable(plt.Normalize(*limits[name]), "cividis_r")
     flat[name] = shades.to_rgba(depth)[..., :3]
-    points = points_from_depth(depth, camera[name])
+    points, off = points_from_depth(depth, camera[name]), np.abs(wraps_off(name, best[name]))
+    wraps = plt.get_cmap("YlOrRd")(np.nan_to_num(off) / 10)[..., :3]
+    true_points = points_from_depth(truth[name], camera[name])
+    layers = {"depth": (points, flat[name]), "wraps off": (points, wraps)}
+    layers["truth"] = (true_points, shades.to_rgba(truth[name])[..., :3])
     stills[name] = views.save_scene(
         f"scene_{name}",
-        points,
-        flat[name],
-        title=f"The {name}: depth of a simulated scan",
+        layers,
         longest=3 * FIELD_OF_VIEW[name] / size,  # three pitches of the points at 1 m
         eye=(-0.3, -0.22, -0.1),
     )
@@ -185,7 +187,7 @@ plotting.save(
         "normals_deg": tilt[teaser],
     },
     caption=(
-        f"From centimetre waves to shape (Fig. 1 of the paper), simulated: (a) a rendering of the "
+        f"From centimetre waves to shape, simulated: (a) a rendering of the "
         f"{teaser}, (b, c) both wrapped phases, (d) depth by the method `{best[teaser]}`, not by "
         "the paper's network, (e) its normals, (f) the surface."
     ),
@@ -245,7 +247,7 @@ ABOUT = {
 
 
 def drawn(name):
-    """Fig. 16 of one scene."""
+    """Paper Fig. 16 of one scene."""
     scan = scans[name, "ordinary"]
     figure, grid = plt.subplots(3, 4, figsize=(12.4, 8.8))
     axes = list(grid.ravel())
@@ -363,12 +365,11 @@ plotting.save(
 # scenes and does well on these, whose noise is lower. `surfaces` decides for a surface as a whole,
 # so a wrong decision costs many pixels at once.
 #
-# ## To turn
+# ## In space
 #
-# Each scene in space: the depth of least error, coloured by range and shaded by its slope.
-# Neighbours are joined only where they lie close, so a pixel with a wrong wrap leaves a hole, and a
-# patch with a wrong wrap floats before or behind its place. What lies flat along the beam tears,
-# for its points are sparse.
+# Each scene in space: the depth of least error, in colours of the range or of the wraps that it is
+# off (pale is right), and the truth. Neighbours are joined only where they lie close, so a pixel
+# with a wrong wrap leaves a hole, and a patch floats before or behind its place.
 
 # %% tags=["remove-input"]
 for name in objects:

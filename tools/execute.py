@@ -7,7 +7,6 @@ notebook and ``FOLDER`` where its figures and checks go. Both appear only after 
 a failed run leaves lies in ``build/PROFILE/failed`` together with its log.
 """
 
-import ast
 import json
 import os
 import shutil
@@ -72,33 +71,6 @@ def commit() -> str:
     return found.stdout.strip()
 
 
-def parameters_cell(notebook: Any) -> dict[str, Any]:
-    """Return what the parameters cell defines: values where they are plain, else their source."""
-    source = "\n".join(
-        cell.source for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])
-    )
-    found: dict[str, Any] = {}
-    for statement in ast.parse(source).body:
-        if isinstance(statement, ast.Assign | ast.AnnAssign) and statement.value is not None:
-            targets = getattr(statement, "targets", None) or [getattr(statement, "target", None)]
-            try:
-                value = ast.literal_eval(statement.value)
-            except ValueError:
-                value = ast.unparse(statement.value)
-            found |= {target.id: value for target in targets if isinstance(target, ast.Name)}
-    return found
-
-
-def check_parameters(known: dict[str, Any], script: Path, parameters: dict[str, Any]) -> None:
-    """Refuse a parameter that the notebook does not define: a misspelt size would be ignored."""
-    unknown = sorted(set(parameters) - known.keys())
-    if unknown:
-        raise ValueError(
-            f"Expected parameters that the parameters cell of {script.name} defines, got "
-            f"{', '.join(unknown)}. Correct configs/{parameters['profile']}.yml or the cell."
-        )
-
-
 def provenance(parameters: dict[str, Any], started: float) -> dict[str, Any]:
     """Return what the last block of the page tells about this run."""
     return {
@@ -115,11 +87,14 @@ def provenance(parameters: dict[str, Any], started: float) -> dict[str, Any]:
 def execute(script: Path, parameters: dict[str, Any], work: Path) -> None:
     """Run the notebook in the folder ``work``; its copy there shows how far it came."""
     started = time.time()
-    notebook: Any = notebook_from_script(script)
-    defaults = parameters_cell(notebook)
-    check_parameters(defaults, script, parameters)
     staged = work / script.with_suffix(".ipynb").name
-    nbformat.write(notebook, staged)
+    nbformat.write(notebook_from_script(script), staged)
+    defaults = {name: one["default"] for name, one in papermill.inspect_notebook(staged).items()}
+    if unknown := sorted(parameters.keys() - defaults):  # a misspelt size would be ignored
+        raise ValueError(
+            f"Expected parameters that the parameters cell of {script.name} defines, got "
+            f"{', '.join(unknown)}. Correct configs/{parameters['profile']}.yml or the cell."
+        )
     executed: Any = papermill.execute_notebook(
         staged,
         staged,

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from cmtof.files import written_whole
-from cmtof.scenes.frame import HELD_OUT, HELD_OUT_STEP, Frame, held_out_frames
+from cmtof.scenes.frame import HELD_OUT, HELD_OUT_STEP, Frame
 from cmtof.scenes.rooms.rendering import Settings, build, frame_of, render_view, split_of
 from cmtof.simulation import simulate
 
@@ -28,16 +28,16 @@ def first_view(index: int) -> Frame:
     return frame_of(render_view(scene, pose, lens, 0), lens, f"{scene.name}/cam_00")
 
 
-def chosen() -> list[tuple[Frame, float]]:
-    """The test views with the share of pixels that the released protocol scores."""
-    found: list[tuple[Frame, float]] = []
+def chosen() -> list[Frame]:
+    """The test views; prints the share of pixels that the released protocol scores."""
+    found: list[Frame] = []
     for index in range(SETTINGS.scenes):
         if split_of(index) != "test" or len(found) == COUNT:
             continue
         frame = first_view(index)
         coverage = float(simulate(frame, noise_free=True).mask.mean())
         if COVERAGE[0] <= coverage <= COVERAGE[1]:
-            found.append((frame, coverage))
+            found.append(frame)
             print(f"{frame.name}: {coverage:.0%} scored", flush=True)
     return found
 
@@ -58,20 +58,5 @@ def store(path: Path, frames: list[Frame]) -> None:
         )
 
 
-def main(path: Path) -> None:
-    """Render, store, and read back."""
-    views = chosen()
-    store(path, [frame for frame, _ in views])
-    error = max(
-        float(np.nanmax(np.abs(stored.depth - frame.depth)))
-        for stored, (frame, _) in zip(held_out_frames(path), views, strict=True)
-    )
-    median = np.median([coverage for _, coverage in views])
-    print(
-        f"{path}: {len(views)} views, {path.stat().st_size / 1e6:.2f} MB, median coverage "
-        f"{median:.0%}, depth within {1e3 * error:.3f} mm"
-    )
-
-
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else HELD_OUT)
+    store(Path(sys.argv[1]) if len(sys.argv) > 1 else HELD_OUT, chosen())

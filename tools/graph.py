@@ -6,7 +6,6 @@ its folder; `DATA` says which module reads a folder that holds data alone.
 """
 
 import ast
-import json
 import re
 from collections.abc import Iterator
 from functools import cache, cached_property
@@ -151,8 +150,3 @@ def front_matter(script: Path) -> dict[str, Any]:
 
 def _is_data(file: Path) -> bool:
     return file.is_file() and file.suffix not in SOURCE
-
-
-if __name__ == "__main__":
-    book = Book(Path(__file__).resolve().parents[1])
-    print(json.dumps({stem: book.inputs(stem) for stem in book.notebooks()}, indent=2))

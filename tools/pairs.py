@@ -1,8 +1,7 @@
 """Keep the two halves of every notebook the same: the text is the source, the .ipynb follows.
 
-python tools/pairs.py            write each .ipynb that is missing or differs
-python tools/pairs.py --missing  write each .ipynb that is missing, touch no other
-python tools/pairs.py --check    only tell, and exit 1 if one is missing or differs
+python tools/pairs.py          write each .ipynb that is missing or differs
+python tools/pairs.py --check  only tell, and exit 1 if one is missing or differs
 """
 
 import sys
@@ -63,8 +62,6 @@ def main(mode: str) -> int:
         for script in sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
         if not same(script, script.with_suffix(".ipynb"))
     ]
-    if mode == "--missing":
-        stale = [(script, notebook) for script, notebook in stale if not notebook.is_file()]
     for script, notebook in stale:
         print(f"{'differs' if check else 'written'}: {notebook.relative_to(ROOT)}")
         if not check:

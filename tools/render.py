@@ -3,14 +3,41 @@
 python tools/render.py STAGE HTML
 
 It builds from nothing each time, since pages that Sphinx takes from its cache repeat no warning.
-The full log lies beside ``HTML`` as ``book.log``.
+The full log lies beside ``HTML`` as ``book.log``. What no page loads is left out.
 """
 
+import json
 import re
 import shutil
 import subprocess
 import sys
+from html import escape
 from pathlib import Path
+
+from bs4 import BeautifulSoup
+
+NOTEBOOKS = Path(__file__).resolve().parents[1] / "notebooks"
+UNUSED = re.compile(
+    r"/mathjax/((?!tex-chtml\.js)[\w-]+\.js$|output/svg/|sre/mathmaps/(?!base|en))|/locales/|\.map$"
+)
+
+
+def lighten(html: Path) -> None:
+    """Remove what no page loads, and give the search the texts from which it quotes.
+
+    A notebook is offered for download without the outputs that its page shows.
+    """
+    for file in (html / "_static").rglob("*"):
+        if file.is_file() and UNUSED.search(file.as_posix()):
+            file.unlink()
+    texts = {}
+    for page in html.glob("*/*.html"):
+        if article := BeautifulSoup(page.read_text("utf-8"), "html.parser").article:
+            texts[page.relative_to(html).as_posix()] = escape(article.get_text(" "))
+    script = f"const cmtofTexts = {json.dumps(texts, ensure_ascii=False)};\n"
+    (html / "_static" / "texts.js").write_text(script, "utf-8")
+    for notebook in (html / "_sources" / "notebooks").iterdir():
+        shutil.copyfile(NOTEBOOKS / notebook.name, notebook)
 
 
 def main(stage: Path, html: Path) -> int:
@@ -36,6 +63,7 @@ def main(stage: Path, html: Path) -> int:
     shutil.rmtree(html, ignore_errors=True)
     (work / "_build" / "html").replace(html)
     shutil.rmtree(work)
+    lighten(html)
     print(f"book: {html / 'index.html'}", file=sys.stderr, flush=True)
     return 0
 

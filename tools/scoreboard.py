@@ -11,7 +11,6 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 from cmtof.book.paper import (
     WORST_FIRST,
@@ -198,18 +197,8 @@ def _order(group: str) -> tuple[int, int]:
 # --- where each figure, table and equation stands -----------------------------------------------
 
 
-class Item(NamedTuple):
-    """One figure, table or equation of the paper."""
-
-    kind: str
-    number: int
-
-    def __str__(self) -> str:
-        return f"{self.kind} {self.number}"
-
-
 ITEMS = [
-    Item(kind, number)
+    f"{kind} {number}"
     for kind, count in (("Figure", 16), ("Table", 4), ("Equation", 20))
     for number in range(1, count + 1)
 ]
@@ -219,32 +208,32 @@ _CHECKED = re.compile(r'"table(\d)\.')
 _LABELLED = re.compile(r":label: eq-(\d+)\b(?!-)")
 
 
-def chapters_by_item(results: Iterable[Path], notebooks: Iterable[Path]) -> dict[Item, list[str]]:
+def chapters_by_item(results: Iterable[Path], notebooks: Iterable[Path]) -> dict[str, list[str]]:
     """Return the chapters in which each item stands; an item that no chapter has is left out.
 
     A figure stands where ``figNN_*`` was drawn, a table where ``tableN_*`` was drawn or its numbers
     were checked, an equation where it bears the label ``eq-N``. ``results`` are folders of the
     chapters' names, ``notebooks`` the chapters.
     """
-    found: dict[Item, set[str]] = {}
+    found: dict[str, set[str]] = {}
     kinds = {"fig": "Figure", "table": "Table"}
     for folder in results:
         for file in folder.glob("*.json"):
             if drawn := _DRAWN.match(file.name):
-                found.setdefault(Item(kinds[drawn[1]], int(drawn[2])), set()).add(folder.name)
+                found.setdefault(f"{kinds[drawn[1]]} {int(drawn[2])}", set()).add(folder.name)
             elif file.name == "checks.json":
                 for number in _CHECKED.findall(file.read_text(encoding="utf-8")):
-                    found.setdefault(Item("Table", int(number)), set()).add(folder.name)
+                    found.setdefault(f"Table {number}", set()).add(folder.name)
     for notebook in notebooks:
         for number in _LABELLED.findall(notebook.read_text(encoding="utf-8")):
-            found.setdefault(Item("Equation", int(number)), set()).add(notebook.stem)
+            found.setdefault(f"Equation {number}", set()).add(notebook.stem)
     return {item: sorted(chapters) for item, chapters in found.items()}
 
 
 def coverage_section(results: Iterable[Path], notebooks: Iterable[Path]) -> str:
     """Return the section on figures, tables and equations as MyST Markdown."""
     found = chapters_by_item(results, notebooks)
-    missing = [str(item) for item in ITEMS if item not in found]
+    missing = [item for item in ITEMS if item not in found]
     said = f"Not yet reached: {', '.join(missing)}." if missing else "None of them is missing."
     links = {item: ", ".join(map(chapter_link, found[item])) for item in ITEMS if item in found}
     rows = [f"| {item} | {chapters} |" for item, chapters in links.items()]

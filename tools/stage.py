@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import nbformat
+import yaml
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
 import scoreboard
@@ -22,7 +23,21 @@ from graph import Book
 ROOT = Path(__file__).resolve().parents[1]
 
 
-def place_figures(notebook: Any) -> None:
+NUMBERS = "_static/numbers"  # of the figures, in the book
+
+
+def caption(about: dict[str, Any], stem: str) -> str:
+    """Caption of a figure with its number in the paper, and a line on how to get at it."""
+    paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
+    title = f"**Paper {'Fig.' if paper[1] == 'fig' else 'Table'} {paper[2]}.** " if paper else ""
+    return (
+        f'{title}{about["caption"]}\n\n<a href="../{NUMBERS}/{about["name"]}.json">numbers</a> · '
+        f'<a href="../_sources/notebooks/{stem}.ipynb">notebook</a> · '
+        f"`make figure F={about['name']}`"
+    )
+
+
+def place_figures(notebook: Any, stem: str) -> None:
     """Give every cell that saved a figure the metadata that makes it a numbered figure.
 
     Its source folds away. The metadata hold for all that a cell shows: where it saved several
@@ -43,7 +58,7 @@ def place_figures(notebook: Any) -> None:
             about = output.metadata.pop("cmtof")
             cells[-1].metadata["mystnb"] = {
                 "figure": {
-                    "caption": about["caption"],
+                    "caption": caption(about, stem),
                     "name": "fig-" + about["name"].replace("_", "-"),
                 },
                 "image": {"alt": about["alt"]},
@@ -52,9 +67,11 @@ def place_figures(notebook: Any) -> None:
 
 
 def join_folded(notebook: Any) -> None:
-    """Join neighbouring cells whose source is folded and that show nothing between: one fold."""
+    """Join neighbouring cells whose source is folded and that show nothing between into one."""
     cells: list[Any] = []
     for cell in notebook.cells:
+        if "injected-parameters" in cell.metadata.get("tags", []):
+            continue  # they stand at the end of the page
         before = cells[-1] if cells else None
         if before is not None and _is_folded(before) and _is_folded(cell) and not before.outputs:
             cell.source = f"{before.source}\n\n{cell.source}"
@@ -70,16 +87,6 @@ def _is_folded(cell: Any) -> bool:
 def _is_shown(output: Any) -> bool:
     rich = output.output_type in {"display_data", "execute_result"}
     return rich and "scrapbook" not in output.metadata
-
-
-def plain_glue(notebook: Any) -> None:
-    """Let glued NumPy scalars read as numbers: ``np.float64(2.0)`` takes no format in the text."""
-    for cell in notebook.cells:
-        for output in cell.get("outputs", []):
-            if "scrapbook" in output.get("metadata", {}):
-                for mime, text in output.data.items():
-                    if scalar := re.fullmatch(r"np\.\w+\((.*)\)", str(text)):
-                        output.data[mime] = scalar[1]
 
 
 def provenance_block(about: dict[str, Any]) -> str:
@@ -104,9 +111,11 @@ def provenance_block(about: dict[str, Any]) -> str:
 def stage_notebook(executed: Path, target: Path) -> None:
     """Write the page of an executed notebook."""
     notebook: Any = nbformat.read(executed, as_version=4)
-    place_figures(notebook)
+    place_figures(notebook, executed.stem)
     join_folded(notebook)
-    plain_glue(notebook)
+    exercises = ROOT / "book" / "exercises" / f"{executed.stem}.md"
+    if exercises.is_file():
+        notebook.cells.append(new_markdown_cell(exercises.read_text("utf-8")))
     notebook.cells.append(new_markdown_cell(provenance_block(notebook.metadata.pop("cmtof"))))
     notebook.metadata.pop("papermill", None)
     for number, cell in enumerate(notebook.cells):
@@ -116,12 +125,21 @@ def stage_notebook(executed: Path, target: Path) -> None:
     nbformat.write(notebook, target)
 
 
-def place_scenes(build: Path, stage: Path) -> None:
-    """Copy interactive scenes to where the pages look for them; they are never committed."""
-    folder = stage / "book" / STATIC
-    folder.mkdir(parents=True, exist_ok=True)
-    for scene in sorted(build.glob("results/*/*.html")):
-        shutil.copyfile(scene, folder / scene.name)
+def without_buttons(config: Path) -> None:
+    """Take from the settings the buttons that lead to a repository whose address is not set."""
+    settings = yaml.safe_load(config.read_text("utf-8"))
+    if not settings["repository"]["url"]:
+        kept = {key: held for key, held in settings["html"].items() if "button" not in key}
+        settings |= {"repository": {}, "launch_buttons": {}, "html": kept}
+        config.write_text(yaml.safe_dump(settings), "utf-8")
+
+
+def place_results(build: Path, stage: Path) -> None:
+    """Copy scenes and the numbers of figures to where pages look for them; never committed."""
+    for place, suffix in ((STATIC, "js"), (NUMBERS, "json")):
+        (stage / "book" / place).mkdir(parents=True, exist_ok=True)
+        for file in build.glob(f"results/*/*_*.{suffix}"):
+            shutil.copyfile(file, stage / "book" / place / file.name)
 
 
 def main(build: Path, stage: Path) -> None:
@@ -132,9 +150,10 @@ def main(build: Path, stage: Path) -> None:
     for chapter in book.chapters():
         (stage / chapter).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / chapter, stage / chapter)
+    without_buttons(stage / "_config.yml")
     for stem in book.notebooks():
         stage_notebook(build / "notebooks" / f"{stem}.ipynb", stage / "notebooks" / f"{stem}.ipynb")
-    place_scenes(build, stage)
+    place_results(build, stage)
     checks = sorted(build.glob("results/*/checks.json"))
     chapters = sorted((build / "notebooks").glob("*.ipynb"))
     page = scoreboard.page(checks, sorted((build / "results").iterdir()), chapters)

@@ -1,5 +1,6 @@
 """The book in a browser without a network, as its readers use it: `make test-book`."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -54,4 +55,73 @@ def test_the_menu_opens_and_closes(browser, width):
 def test_search_finds_a_term(browser, words):
     with browse.opened(browser, HTML / "search.html", 1280) as (tab, _):
         tab.goto(f"{(HTML / 'search.html').as_uri()}?q={words}")
-        tab.locator("#search-results li").first.wait_for()
+        tab.locator("#search-results li p.context").first.wait_for()
+
+
+@pytest.mark.parametrize("chapter", ["03_wraps", "04_modulator"])
+def test_every_slider_changes_the_curve(browser, chapter):
+    with browse.opened(browser, HTML / "notebooks" / f"{chapter}.html", 1280) as (tab, problems):
+        curve, seen = tab.locator("[data-play] .curve"), set()
+        for slider in tab.locator("[data-play] input").all():
+            slider.focus()
+            for key in ("Home", "End"):
+                tab.keyboard.press(key)
+                assert "NaN" not in curve.get_attribute("d")
+                seen.add(curve.get_attribute("d"))
+        assert len(seen) >= tab.locator("[data-play] input").count() + 1 and not problems
+
+
+def test_a_scene_turns_changes_and_is_reset(browser):
+    with browse.opened(browser, HTML / "notebooks/21_scanned_scenes.html", 1280) as (tab, problems):
+        scene = tab.locator("details.scene").first
+        scene.locator("summary").click()
+        canvas, pictures = scene.locator("canvas"), []
+        canvas.focus()
+        acts = [lambda: tab.keyboard.press("ArrowLeft"), lambda: tab.keyboard.press("ArrowUp")]
+        for name in ("wraps off", "truth", "nearer", "depth", "reset"):
+            acts.append(scene.get_by_role("button", name=name).click)
+        for act in [lambda: None, *acts]:
+            act()
+            tab.wait_for_timeout(300)
+            pictures.append(canvas.evaluate("canvas => canvas.toDataURL()"))
+        assert pictures[0] == pictures[-1] and len(set(pictures)) == len(pictures) - 1
+        assert not problems
+
+
+def test_a_picture_opens_and_closes(browser):
+    with browse.opened(browser, HTML / "notebooks" / "01_correlation.html", 1280) as (tab, _):
+        tab.locator("figure img").first.click()
+        assert tab.locator("dialog.zoom img").bounding_box()["width"] > 900
+        tab.keyboard.press("Escape")
+        tab.locator("dialog.zoom").wait_for(state="detached")
+
+
+def test_figures_and_tables_of_the_paper_are_two_clicks_away(browser):
+    reached = set()
+    with browse.opened(browser, HTML / "book" / "intro.html", 1280) as (tab, _):
+        tab.locator("article").get_by_role("link", name="Scoreboard").first.click()
+        rows = tab.locator("#figures-tables-and-equations tr")
+        rows.first.wait_for()
+        for row in rows.all()[1:]:
+            for link in row.locator("a").all():
+                assert (HTML / "book" / link.get_attribute("href")).is_file()
+                reached.add(row.locator("td").first.inner_text())
+    figures = {f"Figure {number}" for number in range(1, 17)}
+    assert reached >= figures | {f"Table {number}" for number in range(1, 5)}
+
+
+def test_the_numbers_and_the_notebook_of_every_figure_are_there():
+    for page in (HTML / "notebooks").glob("*.html"):
+        for link in re.findall(
+            r'href="(\.\./_(?:static/numbers|sources)/[^"]+)"', page.read_text()
+        ):
+            assert (page.parent / link).is_file(), f"{page.name}: {link}"
+
+
+def test_the_book_is_light():
+    sizes = {file: file.stat().st_size for file in HTML.rglob("*") if file.is_file()}
+    assert sum(sizes.values()) < 45e6
+    for page in PAGES:
+        loads = re.findall(r'<img[^>]* src="([^"]+)"', page.read_text())
+        images = {(page.parent / source).resolve() for source in loads if "data:" not in source}
+        assert sizes[page] + sum(image.stat().st_size for image in images) < 3e6, page.stem

@@ -1,17 +1,18 @@
-"""Surfaces that a reader can turn: one self-contained HTML file, and a still of the same view.
+"""Surfaces that a reader can turn: their points for the viewer of the book's pages, and a still.
 
 PyVista draws in a process of its own, off screen: without a working OpenGL it may crash, and then
-only there. Its trame component writes the file, with viewer and data in it.
+only there.
 """
 
 import html
+import json
 import os
 import sys
-import tempfile
+from base64 import b64encode
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,67 +23,56 @@ from cmtof.pointcloud import mesh_triangles
 
 Array = NDArray[np.float64]
 
-STATIC = "_static/scenes"  # where `tools/stage.py` puts the files, in the book
-_MOST_POINTS = 20_000  # of a file; denser maps lose rows and columns
+STATIC = "_static/scenes"  # where `tools/stage.py` puts the files
 
 
 def save_scene(
-    name: str, points: Array, colours: Array, *, title: str, longest: float, eye: tuple
+    name: str, layers: Mapping[str, tuple[Array, Array]], *, longest: float, eye: tuple
 ) -> Array | None:
-    """Write a surface as ``name.html``, below 3 MB, beside the run's figures; return its `still`.
+    """Write surfaces to choose from as ``name.js``, beside the figures; return the first's `still`.
 
-    Without OpenGL that is None, with a line on stderr.
+    ``layers`` holds points and colours by what they show. Without OpenGL there is no still, but a
+    line on stderr.
     """
-    step = int(np.ceil(np.sqrt(points[..., 0].size / _MOST_POINTS)))
-    every = (slice(None, None, step),) * 2
-    with tempfile.TemporaryDirectory() as folder:
-        page = Path(folder) / "scene.html"
-        drawn = still(points[every], colours[every], longest=step * longest, eye=eye, page=page)
-        text = page.read_text("utf-8")
-    # the viewer's page gets its own title; the icons that it would fetch are left out
-    icons = "https://kitware.github.io/vtk-js/icon/favicon-${t}x${t}.png"
-    named = "<title>VTK.js | Example - OfflineLocalView</title>"
-    text = text.replace(icons, "data:,").replace(named, f"<title>{html.escape(title)}</title>")
-    with written_whole(provenance.output_folder() / f"{name}.html") as part:
-        part.write_text(text, encoding="utf-8")
+    packed, first = {}, next(iter(layers.values()))
+    for label, (points, colours) in layers.items():
+        shades = np.rint(255 * np.clip(np.nan_to_num(colours), 0, 1)).astype(np.uint8)
+        arrays = points.astype("<f4"), shades
+        packed[label] = [b64encode(array.tobytes()).decode() for array in arrays]
+    about = {"shape": first[0].shape[:2], "longest": longest, "eye": eye, "layers": packed}
+    with written_whole(provenance.output_folder() / f"{name}.js") as part:
+        part.write_text(f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", encoding="utf-8")
+    drawn = still(*first, longest=longest, eye=eye)
     if drawn is None:
         print("No still: OpenGL is missing (apt-get install libegl1 libgl1).", file=sys.stderr)
     return drawn
 
 
 def show_scene(name: str, *, title: str) -> None:
-    """Put a saved scene on the notebook's page, folded until it is opened."""
+    """Put a saved scene on the page of the book, folded until it is opened."""
     from IPython.display import HTML, display
 
-    source, words = f"../{STATIC}/{name}.html", html.escape(title)
-    block = (
-        f'<details class="scene"><summary>Turn it: {words}</summary>\n'
-        f'<iframe loading="lazy" title="{words}, interactive" src="{source}"></iframe>\n'
-        f'<p>Drag to turn, pinch or scroll to zoom. <a href="{source}">Open it on a page of its '
-        "own</a>.</p></details>"
-    )
-    display(HTML(block))
+    block = f'<details class="scene" data-scene="{name}"><summary>Turn it: {html.escape(title)}'
+    display(HTML(f"{block}</summary><p>The page of the book draws it here.</p></details>"))
 
 
-def still(
-    points: ArrayLike, colours: ArrayLike, *, longest: float, eye: tuple, page: Path | None = None
-) -> Array | None:
+def still(points: ArrayLike, colours: ArrayLike, *, longest: float, eye: tuple) -> Array | None:
     """Shaded still (h, w, 3), 0 to 1, of a surface, cropped to it; None where none can be drawn.
 
     Points (H, W, 3), m, are x right, y down, z forward, NaN for none; colours (H, W, 3) are 0 to 1.
     Neighbours further apart than ``longest``, m, are not joined; ``eye`` (3,), m, is where the
-    surface is seen from; ``page`` is an HTML file to write, which needs no OpenGL.
+    surface is seen from.
     """
     used, faces = np.unique(mesh_triangles(points, longest=longest), return_inverse=True)
     chosen = (np.reshape(values, (-1, 3))[used] for values in (points, colours))
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         try:
-            return pool.submit(_drawn, *chosen, faces.reshape(-1, 3), eye, page).result()
+            return pool.submit(_drawn, *chosen, faces.reshape(-1, 3), eye).result()
         except BrokenProcessPool:
             return None
 
 
-def _drawn(points: Array, colours: Array, faces: NDArray, eye: tuple, page: Path | None) -> Array:
+def _drawn(points: Array, colours: Array, faces: NDArray, eye: tuple) -> Array:
     """Draw what `still` describes; runs in its own process."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # VTK's complaints about a missing screen
     import pyvista as pv
@@ -97,8 +87,6 @@ def _drawn(points: Array, colours: Array, faces: NDArray, eye: tuple, page: Path
     for place, strength in (((-0.5, -0.6, -0.1), 0.75), ((0.6, -0.1, 0.0), 0.35)):
         plotter.add_light(pv.Light(position=place, focal_point=centre, intensity=strength))
     plotter.camera_position = [list(eye), centre.tolist(), (0.0, -1.0, 0.0)]
-    if page:  # first: without OpenGL the still ends this process
-        plotter.trame.export_html(str(page))
     plotter.enable_anti_aliasing("ssaa")
     image = np.asarray(plotter.screenshot(None, return_img=True))
     drawn = np.argwhere((image < 250).any(axis=-1))

@@ -1,0 +1,252 @@
+// Pictures that open, scenes to turn, sliders: all of it from the book's own files.
+"use strict";
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function add(parent, tag, options = {}, text = "") {
+  const made = parent.appendChild(document.createElement(tag));
+  for (const [name, value] of Object.entries(options)) made.setAttribute(name, value);
+  made.textContent = text;
+  return made;
+}
+
+// --- pictures ------------------------------------------------------------------------------------
+
+document.addEventListener("click", (event) => {
+  const picture = event.target.closest(".bd-article figure img, .bd-article .cell_output img");
+  if (!picture || picture.closest("a")) return;
+  const box = add(document.body, "dialog", { class: "zoom", "aria-label": "Picture, enlarged" });
+  add(box, "img", { src: picture.src, alt: picture.alt });
+  box.addEventListener("click", () => box.close());
+  box.addEventListener("keydown", (key) => key.key === "Escape" && box.close());
+  box.addEventListener("close", () => box.remove());
+  box.showModal();
+});
+
+// --- scenes --------------------------------------------------------------------------------------
+// A scene is a script of its own, loaded when it is unfolded; it calls cmtofScene with its surfaces.
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const scaled = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
+const unit = (a) => scaled(a, 1 / Math.hypot(...a));
+const cross = (a, b) => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
+
+function unpacked([points, colours], [rows, columns], longest) {
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const xyz = new Float32Array(bytes(points).buffer);
+  const at = (i) => xyz.subarray(3 * i, 3 * i + 3);
+  const near = (i, j) => Math.hypot(...minus(at(i), at(j))) < longest; // false for NaN
+  const faces = [];
+  for (let row = 0; row + 1 < rows; row++) {
+    for (let column = 0; column + 1 < columns; column++) {
+      const a = row * columns + column;
+      const [b, c, d] = [a + 1, a + columns, a + columns + 1];
+      for (const [i, j, k] of [[a, c, b], [b, c, d]]) {
+        if (near(i, j) && near(j, k) && near(k, i)) faces.push(i, j, k);
+      }
+    }
+  }
+  return { xyz, at, faces, colours: bytes(colours) };
+}
+
+function frameOf(surface) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  for (const i of surface.faces) {
+    surface.at(i).forEach((value, axis) => {
+      low[axis] = Math.min(low[axis], value);
+      high[axis] = Math.max(high[axis], value);
+    });
+  }
+  return { centre: low.map((value, axis) => (value + high[axis]) / 2), size: Math.hypot(...minus(high, low)) };
+}
+
+function draw(canvas, surface, view) {
+  const { width, height } = canvas, context = canvas.getContext("2d");
+  const picture = context.createImageData(width, height), depths = new Float32Array(width * height);
+  picture.data.fill(255);
+  depths.fill(Infinity);
+  const way = [Math.sin(view.yaw) * Math.cos(view.pitch), Math.sin(view.pitch), -Math.cos(view.yaw) * Math.cos(view.pitch)];
+  const ahead = scaled(way, -1), right = unit(cross([0, 1, 0], ahead)), down = cross(ahead, right);
+  const eye = minus(view.centre, scaled(ahead, view.distance));
+  const light = unit([way[0] - 0.5, way[1] - 0.6, way[2]]);
+  const seen = new Float32Array(surface.xyz.length);
+  for (let i = 0; i < seen.length; i += 3) {
+    const from = minus(surface.xyz.subarray(i, i + 3), eye), far = dot(from, ahead);
+    seen[i] = width / 2 + (view.focal * dot(from, right)) / far;
+    seen[i + 1] = height / 2 + (view.focal * dot(from, down)) / far;
+    seen[i + 2] = far;
+  }
+  for (let face = 0; face < surface.faces.length; face += 3) {
+    const [i, j, k] = surface.faces.slice(face, face + 3);
+    const [ax, ay, az] = seen.subarray(3 * i, 3 * i + 3);
+    const [bx, by, bz] = seen.subarray(3 * j, 3 * j + 3);
+    const [cx, cy, cz] = seen.subarray(3 * k, 3 * k + 3);
+    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+    if (!area || Math.min(az, bz, cz) <= 0) continue;
+    const normal = unit(cross(minus(surface.at(j), surface.at(i)), minus(surface.at(k), surface.at(i))));
+    const lit = 0.35 + 0.65 * Math.abs(dot(normal, light));
+    const colour = [0, 1, 2].map((n) => lit * surface.colours[3 * i + n]);
+    const [left, top] = [Math.max(0, Math.floor(Math.min(ax, bx, cx))), Math.max(0, Math.floor(Math.min(ay, by, cy)))];
+    const [end, bottom] = [Math.min(width - 1, Math.ceil(Math.max(ax, bx, cx))), Math.min(height - 1, Math.ceil(Math.max(ay, by, cy)))];
+    for (let y = top; y <= bottom; y++) {
+      for (let x = left; x <= end; x++) {
+        const u = ((x - ax) * (cy - ay) - (y - ay) * (cx - ax)) / area;
+        const v = ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / area;
+        if (u < -0.01 || v < -0.01 || u + v > 1.01) continue;
+        const far = az + u * (bz - az) + v * (cz - az), place = y * width + x;
+        if (far >= depths[place]) continue;
+        depths[place] = far;
+        picture.data.set(colour, 4 * place);
+      }
+    }
+  }
+  context.putImageData(picture, 0, 0);
+}
+
+window.cmtofScene = (name, about) => {
+  const place = document.querySelector(`details.scene[data-scene="${name}"]`);
+  place.querySelector("p").remove();
+  const canvas = add(place, "canvas", { width: 720, height: 540, tabindex: 0, role: "img" });
+  canvas.setAttribute("aria-label", `${place.querySelector("summary").textContent}, interactive`);
+  const bar = add(place, "p"), surfaces = {};
+  for (const [label, layer] of Object.entries(about.layers)) {
+    surfaces[label] = unpacked(layer, about.shape, about.longest);
+  }
+  const labels = Object.keys(surfaces), { centre, size } = frameOf(surfaces[labels[labels.length - 1]]);
+  const from = minus(about.eye, centre), distance = Math.hypot(...from);
+  const start = {
+    centre, distance, focal: (canvas.height * distance) / size, shown: labels[0],
+    yaw: Math.atan2(from[0], -from[2]), pitch: Math.asin(from[1] / distance),
+  };
+  let view = { ...start };
+  const show = (change = {}) => {
+    Object.assign(view, change);
+    view.pitch = Math.max(-1.5, Math.min(1.5, view.pitch));
+    for (const button of bar.children) button.setAttribute("aria-pressed", button.value === view.shown);
+    requestAnimationFrame(() => draw(canvas, surfaces[view.shown], view));
+  };
+  const button = (text, act) => add(bar, "button", { type: "button", value: text }, text).addEventListener("click", act);
+  labels.forEach((label) => button(label, () => show({ shown: label })));
+  button("nearer", () => show({ focal: view.focal * 1.25 }));
+  button("farther", () => show({ focal: view.focal / 1.25 }));
+  button("reset", () => show(start));
+  const turn = (x, y) => show({ yaw: view.yaw - x, pitch: view.pitch - y });
+  canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+  canvas.addEventListener("pointermove", (event) => {
+    if (event.buttons) turn(event.movementX / 150, event.movementY / 150);
+  });
+  canvas.addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
+    if (step) turn(...step);
+    if (step) event.preventDefault();
+  });
+  show();
+};
+
+document.querySelectorAll("details.scene").forEach((place) => {
+  const source = `${document.documentElement.dataset.content_root}_static/scenes/${place.dataset.scene}.js`;
+  place.addEventListener("toggle", () => add(document.head, "script", { src: source }), { once: true });
+});
+
+// --- sliders -------------------------------------------------------------------------------------
+
+// A chart of one curve: `x` and `y` run from 0 to 1 of the axes, whose ends are texts.
+function chart(place, labels) {
+  const svg = place.appendChild(document.createElementNS(SVG, "svg"));
+  svg.setAttribute("viewBox", "0 0 640 260");
+  svg.setAttribute("role", "img");
+  svg.setAttribute("aria-label", labels.title);
+  const put = (tag, options, text = "") => {
+    const made = svg.appendChild(document.createElementNS(SVG, tag));
+    for (const [name, value] of Object.entries(options)) made.setAttribute(name, value);
+    made.textContent = text;
+    return made;
+  };
+  put("path", { d: "M60,10 V220 H610", class: "axis" });
+  labels.y.forEach((text, i) => {
+    const y = 220 - (210 * i) / (labels.y.length - 1);
+    put("path", { d: `M60,${y} H610`, class: "grid" });
+    put("text", { x: 52, y: y + 5, "text-anchor": "end" }, text);
+  });
+  labels.x.forEach((text, i) => {
+    put("text", { x: 60 + (550 * i) / (labels.x.length - 1), y: 238, "text-anchor": "middle" }, text);
+  });
+  put("text", { x: 335, y: 256, "text-anchor": "middle" }, labels.under);
+  const curve = put("path", { class: "curve" });
+  return (points) => {
+    const spots = points.map(([x, y]) => `${(60 + 550 * x).toFixed(1)},${(220 - 210 * y).toFixed(1)}`);
+    curve.setAttribute("d", `M${spots.join("L")}`);
+  };
+}
+
+function sliders(place, rows, changed) {
+  const values = {};
+  for (const { name, label, from, to, step, start, text } of rows) {
+    const line = add(place, "label", {}, label);
+    const slider = add(line, "input", { type: "range", min: from, max: to, step, value: start, name });
+    const said = add(line, "output");
+    const read = () => {
+      values[name] = Number(slider.value);
+      said.textContent = text(values[name]);
+    };
+    slider.addEventListener("input", () => { read(); changed(values); });
+    read();
+  }
+  changed(values);
+}
+
+// I(t) of the two-pass modulator: Eqs. 18 and 19 for any angle of the half-wave plate.
+function modulator(place) {
+  const lines = ["0", "", "0.5", "", "1"];
+  const plot = chart(place, { title: "Waveform of the modulator", x: ["0", "1", "2"], y: lines, under: "time (periods of the drive)" });
+  const said = add(place, "p");
+  const rows = [
+    { name: "eta", label: "drive amplitude η", from: 0.02, to: 1.6, step: 0.02, start: 0.26, text: (v) => `${v.toFixed(2)} rad` },
+    { name: "angle", label: "half-wave plate θ", from: 0, to: 45, step: 0.25, start: 11.25, text: (v) => `${v.toFixed(2)}°` },
+  ];
+  sliders(place, rows, ({ eta, angle }) => {
+    const light = (turns) => (1 + Math.cos((8 * angle * Math.PI) / 180 + 2 * eta * Math.sin(2 * Math.PI * turns))) / 2;
+    const times = [...Array(321).keys()].map((i) => i / 160);
+    plot(times.map((t) => [t / 2, light(t)]));
+    const samples = times.slice(0, 160), sum = (of) => samples.reduce((all, t) => all + of(t), 0) / 160;
+    const mean = sum(light);
+    const harmonics = [1, 2].map((k) => {
+      const part = (wave) => sum((t) => light(t) * wave(2 * Math.PI * k * t));
+      return (2 * Math.hypot(part(Math.cos), part(Math.sin))) / Math.max(mean, 1e-9);
+    });
+    said.textContent = `mean ${mean.toFixed(3)}; over the mean, at the drive's frequency ${harmonics[0].toFixed(3)}, at twice that ${harmonics[1].toFixed(3)}`;
+  });
+}
+
+// Odds of a right wrap from two frequencies and a square of pixels: the small-noise formula.
+function odds(place) {
+  const plot = chart(place, { title: "Odds of the right wrap", x: ["1", "10", "100", "1000"], y: ["0", "25", "50", "75", "100 %"], under: "side of the pooled square (px)" });
+  const said = add(place, "p"), full = 20000, beat = 20e6;
+  const rows = [
+    { name: "tone", label: "lower frequency", from: -1, to: 1, step: "any", start: Math.log10(7.15), text: (v) => `${(10 ** v).toFixed(2)} GHz` },
+    { name: "sigma", label: "Gaussian noise σ", from: 0, to: 4000, step: 50, start: 1200, text: (v) => `${v} counts` },
+    { name: "light", label: "brightness I", from: 0.02, to: 1, step: 0.02, start: 1, text: (v) => v.toFixed(2) },
+  ];
+  // Abramowitz and Stegun 7.1.26, off by 1.5e-7 at most
+  const erf = (x) => {
+    const t = 1 / (1 + 0.3275911 * x);
+    const sum = ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t;
+    return 1 - sum * Math.exp(-x * x);
+  };
+  sliders(place, rows, ({ tone, sigma, light }) => {
+    const low = 1e9 * 10 ** tone, high = 2 * low + beat;
+    const phase = (Math.PI / (full * light)) * Math.sqrt((full * light) / 4 + sigma ** 2 / 2);
+    const spread = (phase * Math.hypot(low, high)) / (2 * Math.PI * beat);
+    const right = (side) => erf(side / (2 * Math.SQRT2 * spread));
+    plot([...Array(151).keys()].map((i) => [i / 150, right(10 ** (i / 50))]));
+    const side = Math.max(1, 1.95996 * 2 * spread);
+    said.textContent = `one wrap is ${(149.896229e9 / low).toFixed(1)} mm; one pixel is right in ${(100 * right(1)).toFixed(1)} % of cases; 95 % need ${side.toFixed(0)} × ${side.toFixed(0)} pixels`;
+  });
+}
+
+document.querySelectorAll("[data-play]").forEach((place) => ({ modulator, odds })[place.dataset.play](place));
