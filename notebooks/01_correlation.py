@@ -283,8 +283,6 @@ plotting.save(
     "periods, with a weak drive next to nothing, with sixteen steps zero. Right, errors that rise "
     "steeply with the drive: four steps most, three a thousand times less, eight less still.",
 )
-
-# %%
 notes.tell(cyclic_weak=largest[eta_weak, 4], cyclic_strong=largest[eta_strong, 4])
 notes.tell(cyclic_strong_um=largest[eta_strong, 4] * micron_per_mrad, table4=table4)
 # %% [markdown]

@@ -29,12 +29,7 @@ from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE, SPEED_OF_LIGHT
 from cmtof.correlation import correlation_contrast
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.world import Panel, RfKnobs, World
-from cmtof.modulator import (
-    DOUBLED,
-    SINGLE,
-    doubled_mode_harmonics,
-    single_mode_harmonics,
-)
+from cmtof.modulator import DOUBLED, SINGLE, doubled_mode_harmonics, single_mode_harmonics
 from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
 
 plotting.begin(profile=profile, seed=seed)
