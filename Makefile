@@ -85,7 +85,7 @@ bench: setup ## Time the hot loops against what bounds them
 	@$(BIN)/python benchmarks/ratios.py
 
 lock: setup ## Solve for new versions of every package into environment.lock
-	@tools/lock.sh
+	@tools/lock.sh --upgrade
 
 clean: ## Remove what was built; .venv and figures stay
 	@rm -rf build .snakemake .pytest_cache .ruff_cache

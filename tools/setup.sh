@@ -71,9 +71,9 @@ if ! { [ -x "$VENV/bin/pip" ] && "$VENV/bin/python" -c \
   make_venv "$python"
 fi
 say "setup: installing the packages of environment.lock (the first time takes minutes)"
-"$VENV/bin/python" -m pip install -qq --disable-pip-version-check -r environment.lock
-"$VENV/bin/python" -m pip install -qq --disable-pip-version-check \
-  --no-deps --no-build-isolation -e .
+pip=("$VENV/bin/python" -m pip install -qq --disable-pip-version-check)
+"${pip[@]}" --no-deps --require-hashes -r environment.lock
+"${pip[@]}" --no-build-isolation -e '.[train]' # adds the platform's build of torch
 graphics_libraries
 key >"$STAMP.part"
 mv "$STAMP.part" "$STAMP"
