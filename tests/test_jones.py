@@ -1,5 +1,7 @@
 """Jones calculus: unitarity, reciprocity, conservation of energy, known actions of the elements."""
 
+from functools import reduce
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -22,26 +24,31 @@ amplitude = st.complex_numbers(max_magnitude=1e3, allow_nan=False)
 vector = st.builds(jones.jones_vector, amplitude, amplitude)
 
 
+def compose(*elements):
+    """Product of elements in the order in which the light meets them."""
+    return reduce(np.matmul, reversed(elements))
+
+
 def dagger(matrix):
     return np.conj(np.swapaxes(matrix, -1, -2))
 
 
 @given(st.lists(lossless, min_size=1, max_size=9))
 def test_products_of_lossless_elements_are_unitary(elements):
-    product = jones.compose(*elements)
+    product = compose(*elements)
     np.testing.assert_allclose(dagger(product) @ product, np.eye(2), atol=1e-14)
 
 
 @given(st.lists(lossless, min_size=1, max_size=5), vector)
 def test_lossless_elements_keep_the_intensity(elements, field):
     before = jones.intensity(field)
-    after = jones.intensity(jones.apply(jones.compose(*elements), field))
+    after = jones.intensity(jones.apply(compose(*elements), field))
     assert after == pytest.approx(before, rel=1e-12, abs=1e-300)
 
 
 @given(angle, angle, angle)
 def test_retarders_on_one_axis_add_up(first, second, axis):
-    both = jones.compose(jones.retarder(first, axis), jones.retarder(second, axis))
+    both = compose(jones.retarder(first, axis), jones.retarder(second, axis))
     np.testing.assert_allclose(both, jones.retarder(first + second, axis), atol=1e-14)
 
 
@@ -51,7 +58,7 @@ def rotation(angle):
 
 @given(angle, angle)
 def test_retarder_is_its_diagonal_form_turned_by_its_angle(retardance, axis):
-    turned = jones.compose(rotation(-axis), jones.eom(retardance), rotation(axis))
+    turned = compose(rotation(-axis), jones.eom(retardance), rotation(axis))
     np.testing.assert_allclose(jones.retarder(retardance, axis), turned, atol=1e-14)
 
 
@@ -70,14 +77,8 @@ def test_half_wave_plate_mirrors_linear_light_at_its_axis(axis, tilt):
 
 def test_quarter_wave_plate_at_45_degrees_makes_circular_light():
     out = jones.apply(jones.quarter_wave_plate(np.pi / 4), jones.linear_polarisation(0))
-    np.testing.assert_allclose(np.abs(jones.stokes(out)), [1, 0, 0, 1], atol=1e-15)
-
-
-@given(vector)
-def test_stokes_vector_of_pure_light_lies_on_the_sphere(field):
-    s = jones.stokes(field)
-    assert np.sum(s[1:] ** 2) == pytest.approx(s[0] ** 2, rel=1e-9, abs=1e-200)
-    assert s[0] == pytest.approx(jones.intensity(field))
+    np.testing.assert_allclose(np.abs(out), np.sqrt([0.5, 0.5]), atol=1e-15)
+    assert abs(np.vdot(out, out.conj())) < 1e-15  # a quarter of a turn apart
 
 
 @given(vector, ratio, ratio, angle)
@@ -118,9 +119,7 @@ def test_a_turned_beam_splitter_obeys_malus(axis, tilt):
 
 def test_parameters_broadcast_against_each_other():
     drive, axis = np.zeros((4, 1, 3)), np.zeros((5, 1))
-    product = jones.compose(
-        jones.retarder(drive, axis), jones.half_wave_plate(axis), jones.eom(drive)
-    )
+    product = compose(jones.retarder(drive, axis), jones.half_wave_plate(axis), jones.eom(drive))
     assert product.shape == (4, 5, 3, 2, 2)
     assert product.dtype == np.complex128
     assert jones.apply(product, jones.linear_polarisation(axis)).shape == (4, 5, 3, 2)

@@ -27,6 +27,8 @@ app = Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+EXTRAS = dict.fromkeys(("torch", "lightning", "safetensors"), "train") | {"matplotlib": "plot"}
+
 Output = Annotated[Path, Option("--output", "-o", help="File to write, [bold]*.nc[/bold].")]
 Protocol = Annotated[
     str, Option(help="released: scene shrunk to 1.195 m, 21 wraps; full: all of the 7.5 m range.")
@@ -67,6 +69,8 @@ def _line(error: Exception) -> str:
             f"Expected to read or write {error.filename}, got «{error.strerror}». "
             "Check path and permissions."
         )
+    if isinstance(error, ModuleNotFoundError) and (extra := EXTRAS.get(f"{error.name}")):
+        return f"Expected {error.name}, got none. Install it: pip install 'cmtof[{extra}]'."
     text = " ".join(str(error).split())
     if isinstance(error, ValueError | OSError | ImportError):
         return text
@@ -122,8 +126,8 @@ def simulate(
 
 @app.command()
 def unwrap(
-    measurement: Annotated[Path, Argument(help="Measurement .nc, .npz or *_phase.csv.")],
-    output: Output,
+    measurement: Annotated[list[Path], Argument(help="Measurements .nc, .npz or *_phase.csv.")],
+    output: Annotated[Path, Option("--output", "-o", help="File, *.nc; a folder for several.")],
     method: Annotated[str, Option(help="Name out of `cmtof methods`.")] = "surfaces",
     range: Annotated[
         tuple[float, float] | None, Option(metavar="MIN MAX", help="Depths, m: MIN <= z < MAX.")
@@ -131,6 +135,8 @@ def unwrap(
     window: Annotated[int | None, Option(help="Side of the window, px (method beat).")] = None,
     weights: Annotated[Path | None, Option(help="Own .safetensors (learned methods).")] = None,
     ply: Annotated[Path | None, Option(help="Also a point cloud; needs a camera.")] = None,
+    tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a .nc above memory.")] = 0,
+    quiet: Quiet = False,
 ) -> None:
     """Turn correlation images into wrap count, depth and confidence.
 
@@ -138,37 +144,45 @@ def unwrap(
 
     Example: [bold]cmtof unwrap m.nc -o out.nc --ply cloud.ply[/bold]
     """
-    from cmtof.measurement import open_measurement, save_dataset
-    from cmtof.unwrapping import unwrap as unwrap_measurement
+    from cmtof.evaluation import Tally, scored_pixels
+    from cmtof.pointcloud import write_ply
+    from cmtof.unwrapping import unwrap_file
 
-    paths = [path.resolve() for path in (measurement, output, ply) if path is not None]
+    several = len(measurement) > 1
+    targets = [output / f"{path.stem}.nc" for path in measurement] if several else [output]
+    paths = [path.resolve() for path in (*measurement, *targets, ply) if path is not None]
     if len(set(paths)) < len(paths):
         raise ValueError(
-            f"Expected another file for each of input and outputs, got {paths[0].name} twice. "
+            f"Expected another file for each of inputs and outputs, got {paths[0].name} twice. "
             "Name another."
         )
-    opened = open_measurement(measurement)
-    if ply is not None and opened.camera is None:
-        raise ValueError(
-            f"Expected a camera in {measurement} for --ply, got none. Leave --ply out or add it."
-        )
+    if ply is not None and (tile or several):
+        raise ValueError("Expected one file, seen at once, for --ply, got more. Leave --ply out.")
     chosen = {"window": window} if window is not None else {}
     chosen |= {"weights": weights} if weights is not None else {}
-    result = unwrap_measurement(opened, method=method, range=range, **chosen)
-    save_dataset(result, output)
-    print(f"{output}: method {method}, {int(opened.mask.sum())} of {opened.mask.size} pixels")
-    if ply is not None and opened.camera is not None:
-        from cmtof.pointcloud import write_ply
-
-        depth, sure = (result[name].to_numpy() for name in ("depth", "confidence"))
-        light = opened.amplitude[0]
-        count = write_ply(ply, depth, opened.camera, brightness=light, confidence=sure)
-        print(f"{ply}: {count} points")
-    if opened.depth is not None:
-        from cmtof.evaluation import score, scored_pixels
-
-        found = _rates(score([scored_pixels(result, opened)]))
-        print("  ".join(f"{title} {value}" for title, value in found.items()))
+    rows = []
+    if several:
+        output.mkdir(exist_ok=True)
+    with progress(len(targets), quiet or not (tile or several)) as advance:
+        for path, target in zip(measurement, targets, strict=True):
+            tally, valid, size = Tally(), 0, 0
+            for share, opened, result in unwrap_file(
+                path, target, tile=tile, method=method, range=range, **chosen
+            ):
+                valid, size = valid + int(opened.mask.sum()), size + opened.mask.size
+                if opened.depth is not None and opened.mask.any():
+                    tally.add(scored_pixels(result, opened))
+                if ply is not None:
+                    depth, sure = (result[name].to_numpy() for name in ("depth", "confidence"))
+                    images = {"brightness": opened.amplitude[0], "confidence": sure}
+                    count = write_ply(ply, depth, opened.camera, **images)
+                    print(f"{ply}: {count} points")
+                advance(path.name, share)
+            rates = _rates(tally.score()) if tally.frames else {}
+            rows.append(([path.name, f"{valid} of {size}"], rates))
+    head = dict.fromkeys(title for _, rates in rows for title in rates)
+    cells = ([*names, *(rates.get(title, "") for title in head)] for names, rates in rows)
+    _print_table(f"method {method}, into {output}", ("file", "pixels", *head), cells)
 
 
 @app.command()
@@ -289,7 +303,8 @@ def replicate(
     for outcome in outcomes(output):
         print(outcome, flush=True)
         failed += not outcome.passed
-    print(f"{output}: Fig. 10, drawn on this machine")
+    drawn = "drawn on this machine" if output.is_file() else "not drawn: needs cmtof[plot]"
+    print(f"{output}: Fig. 10, {drawn}")
     if failed:
         raise ValueError(f"Expected every line to pass, got {failed} FAIL. Compare versions.")
 
@@ -403,7 +418,7 @@ def scan(
 
 
 @contextmanager
-def progress(total: int, quiet: bool) -> Iterator[Callable[[str], None]]:
+def progress(total: int, quiet: bool) -> Iterator[Callable[..., None]]:
     """Bar on stderr, advanced by each call; hidden when asked for, in CI, and in a pipe."""
     from rich.console import Console
     from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TimeRemainingColumn
@@ -412,7 +427,7 @@ def progress(total: int, quiet: bool) -> Iterator[Callable[[str], None]]:
     console, off = Console(stderr=True), quiet or _hidden()
     with Progress(*columns, TimeRemainingColumn(), console=console, disable=off) as bar:
         task = bar.add_task("", total=total)
-        yield lambda text: bar.update(task, advance=1, description=text)
+        yield lambda text, share=1.0: bar.update(task, advance=share, description=text)
 
 
 def _hidden() -> bool:

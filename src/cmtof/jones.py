@@ -11,7 +11,6 @@ Eq. 14 does.
 Source: R. C. Jones, J. Opt. Soc. Am. 31, 488 (1941); A. Yariv and P. Yeh, Photonics (2007), ch. 1.
 """
 
-from functools import reduce
 from typing import Literal
 
 import numpy as np
@@ -39,18 +38,6 @@ def intensity(field: ArrayLike) -> NDArray[np.float64]:
     """Intensity ``|E_h|^2 + |E_v|^2`` (...) of Jones vectors (..., 2) (Eq. 15)."""
     e = np.asarray(field, np.complex128)
     return np.sum(e.real**2 + e.imag**2, axis=-1)
-
-
-def stokes(field: ArrayLike) -> NDArray[np.float64]:
-    """Stokes parameters (..., 4) [S0, S1, S2, S3] of Jones vectors (..., 2).
-
-    S1 = |E_h|^2 - |E_v|^2, S2 = 2 Re(E_h* E_v), S3 = 2 Im(E_h* E_v); S0 is the intensity. Divided
-    by S0 the last three are the point on the Poincaré sphere.
-    """
-    e = np.asarray(field, np.complex128)
-    cross = 2 * np.conj(e[..., 0]) * e[..., 1]
-    h, v = np.abs(e[..., 0]) ** 2, np.abs(e[..., 1]) ** 2
-    return np.stack([h + v, h - v, cross.real, cross.imag], axis=-1)
 
 
 def _matrix(hh: ArrayLike, hv: ArrayLike, vh: ArrayLike, vv: ArrayLike) -> JonesMatrix:
@@ -153,14 +140,6 @@ def polarising_beam_splitter(
     elif port != "transmitted":
         raise ValueError(f"Expected port 'transmitted' or 'reflected', got {port!r}. Choose one.")
     return _diattenuator(np.sqrt(horizontal), np.sqrt(vertical), angle_error)
-
-
-def compose(*elements: JonesMatrix) -> JonesMatrix:
-    """Product (..., 2, 2) of elements in the order in which the light meets them.
-
-    ``compose(a, b, c)`` is the matrix product c b a.
-    """
-    return reduce(lambda total, element: element @ total, elements)
 
 
 def apply(element: JonesMatrix, field: ArrayLike) -> JonesVector:

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
 from cmtof.scenes.frame import ray_lengths, rays_from_camera
+from cmtof.validation import expect
 
 
 def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64]:
@@ -44,7 +45,7 @@ def normals_from_points(points: ArrayLike) -> NDArray[np.float64]:
 def write_ply(
     path: str | Path,
     depth: ArrayLike,
-    camera: ArrayLike,
+    camera: ArrayLike | None,
     *,
     brightness: ArrayLike,
     confidence: ArrayLike,
@@ -55,6 +56,7 @@ def write_ply(
     has ``x y z`` (float, m), ``red green blue`` (uchar, a grey of the brightness, 99th percentile
     white, gamma 2.2) and ``confidence`` (float).
     """
+    expect(camera is not None, "a camera for points", "none", "Leave --ply out or add one.")
     points = points_from_depth(depth, camera)
     kept = np.isfinite(points).all(axis=-1)
     light = np.asarray(brightness, float)[kept]

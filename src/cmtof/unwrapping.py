@@ -1,5 +1,8 @@
 """The door to every method: a measurement goes in, wrap count, depth and confidence come out."""
 
+import shutil
+from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +17,8 @@ from cmtof.correlation import (
     wrap_count_from_depth,
     wrap_length,
 )
-from cmtof.measurement import Measurement
+from cmtof.files import written_whole
+from cmtof.measurement import Measurement, open_measurement, save_dataset
 from cmtof.methods import DEFAULT, find_method
 
 
@@ -79,3 +83,46 @@ def unwrap(
         "version": measurement.dataset.attrs.get("version", ""),
     }
     return xr.Dataset(images, attrs=attributes)
+
+
+def unwrap_file(
+    source: str | Path, output: str | Path, *, tile: int = 0, margin: int = 128, **how: Any
+) -> Iterator[tuple[float, Measurement, xr.Dataset]]:
+    """Unwrap a file into a ``.nc``, at once or, of a ``.nc`` larger than memory, in square tiles.
+
+    A tile of ``tile`` px is unwrapped together with ``margin`` px around it, by `unwrap` with the
+    options ``how``. Yields the share of each tile in the image, its measurement and its result;
+    the output is there after the last one. OSError if the disk cannot hold it.
+    """
+    if not tile:
+        opened = open_measurement(source)
+        yield 1.0, opened, (result := unwrap(opened, **how))
+        save_dataset(result, output)
+        return
+    import h5netcdf
+
+    handle = xr.open_dataset(source, engine="h5netcdf", decode_times=False)
+    with handle as held, written_whole(output) as part, h5netcdf.File(part, "w") as file:
+        height, width = held.sizes["y"], held.sizes["x"]
+        file.dimensions = {"y": height, "x": width}
+        if (free := shutil.disk_usage(part.parent).free) < 12 * height * width:
+            # HDF5 would end the process
+            got = f"got {free:.3g}. Free some."
+            raise OSError(f"Expected {12 * height * width:.3g} bytes free for {output}, {got}")
+        for y, x in product(range(0, height, tile), range(0, width, tile)):
+            top, left = max(y - margin, 0), max(x - margin, 0)
+            ends = {"y": slice(top, y + tile + margin), "x": slice(left, x + tile + margin)}
+            seen = held.isel(ends).load()
+            if "camera" in seen:
+                seen["camera"] = seen["camera"] - np.resize([0, 0, left, top, 0], seen.camera.size)
+            inner = {"y": slice(y - top, y - top + tile), "x": slice(x - left, x - left + tile)}
+            result = unwrap(Measurement(seen), **how).isel(inner)
+            for name, image in result.items():
+                if name not in file.variables:
+                    packed = {"chunks": image.shape, "compression": "gzip", "compression_opts": 1}
+                    file.create_variable(name, ("y", "x"), image.dtype, **packed)
+                    file.variables[name].attrs.update(image.attrs)
+                file.variables[name][y : y + tile, x : x + tile] = image.to_numpy()
+            file.attrs.update(result.attrs | {"tile": tile, "margin": margin})
+            kept = Measurement(seen.isel(inner))
+            yield kept.mask.size / (height * width), kept, result

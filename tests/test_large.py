@@ -1,0 +1,95 @@
+"""Measurements larger than memory: tiles against the whole, seams against the inside."""
+
+import os
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.ndimage import zoom
+
+import cmtof
+from cmtof.evaluation import scored_pixels
+from cmtof.scenes import Frame
+from cmtof.unwrapping import unwrap_file
+
+SIDE = int(os.environ.get("CMTOF_SIDE", "1024"))  # px; 4000 takes minutes
+
+
+def room(side):
+    """The embedded room at another size."""
+    frame = cmtof.load_frame("room")
+    scale = side / min(frame.depth.shape)
+    images = (zoom(image, scale, order=1)[:side, :side] for image in (frame.depth, frame.intensity))
+    return Frame(*images, frame.camera * scale, "room")
+
+
+@pytest.fixture
+def stack(tmp_path):
+    """A measurement of 300 x 420 px; its last tile of 128 px is masked altogether."""
+    held = cmtof.simulate(room(420), protocol="full").dataset.isel(y=slice(300))
+    held["mask"][256:, 384:] = 0
+    cmtof.Measurement(held).save(tmp_path / "m.nc")
+    return tmp_path / "m.nc"
+
+
+@pytest.mark.parametrize("margin", [0, 50])
+def test_tiles_of_a_method_of_single_pixels_equal_the_whole(stack, tmp_path, margin):
+    tiles = list(unwrap_file(stack, tmp_path / "t.nc", tile=128, margin=margin, method="crt"))
+    assert len(tiles) == 12
+    assert sum(share for share, *_ in tiles) == pytest.approx(1)
+    whole, found = cmtof.unwrap(cmtof.open(stack), method="crt"), xr.load_dataset(tmp_path / "t.nc")
+    # confidences differ in their noise, which is estimated from each tile
+    names = ["wrap_count", "depth"]
+    xr.testing.assert_equal(found[names], whole[names])
+    assert found.attrs["range_max"] == whole.attrs["range_max"]
+    assert found.depth.attrs["units"] == "m"
+
+
+def test_every_tile_has_the_rays_of_the_whole(stack, tmp_path):
+    whole = cmtof.open(stack).camera
+    tiles = unwrap_file(stack, tmp_path / "t.nc", tile=256, margin=32, method="crt")
+    centres = [tile.camera[2:4].tolist() for _, tile, _ in tiles]
+    corners = [(0, 0), (224, 0), (0, 224), (224, 224)]  # x, y of what each of them saw
+    np.testing.assert_allclose(centres, [whole[2:4] - corner for corner in corners])
+
+
+def test_nothing_is_written_unless_all_tiles_are_whole(stack, tmp_path):
+    tiles = unwrap_file(stack, tmp_path / "t.nc", tile=128, method="crt")
+    next(tiles)
+    tiles.close()
+    assert [path.name for path in tmp_path.iterdir()] == ["m.nc"]
+
+
+def test_a_disk_that_is_too_small_is_refused(stack, tmp_path, monkeypatch):
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=1000))
+    with pytest.raises(OSError, match="bytes free"):
+        list(unwrap_file(stack, tmp_path / "t.nc", tile=128, method="crt"))
+
+
+def test_many_files_make_a_table(run, fails, stack, tmp_path):
+    (tmp_path / "n.nc").write_bytes(stack.read_bytes())
+    both = (stack, tmp_path / "n.nc")
+    code, text, _ = run("unwrap", *both, "-o", tmp_path / "out", "--method", "crt", "--tile", 256)
+    assert code == 0
+    assert text.count("δ<1") == 1
+    assert all(f"{name}.nc" in text for name in "mn")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"m.nc", "n.nc"}
+    assert "for --ply" in fails(
+        "unwrap", *both, "-o", tmp_path / "out", "--ply", tmp_path / "a.ply"
+    )
+
+
+@pytest.mark.slow
+def test_seams_are_no_worse_than_the_inside(tmp_path):
+    cmtof.simulate(room(SIDE), protocol="full").save(tmp_path / "m.nc")
+    tile, wrong, near = min(1024, SIDE // 2), [], []
+    for _, measurement, result in unwrap_file(tmp_path / "m.nc", tmp_path / "t.nc", tile=tile):
+        pixels = scored_pixels(result, measurement)
+        y, x = np.nonzero(measurement.mask & np.isfinite(measurement.depth))
+        edge = np.minimum(np.minimum(y, tile - 1 - y), np.minimum(x, tile - 1 - x))
+        wrong.append(pixels["consistent"] != pixels["true_consistent"])
+        near.append(edge < 16)
+    wrong, near = np.concatenate(wrong), np.concatenate(near)
+    print(f"{SIDE} px: wrong {wrong[near].mean():.4f} near seams, {wrong[~near].mean():.4f} inside")
+    assert wrong[near].mean() < wrong[~near].mean() + 0.02
