@@ -1,10 +1,5 @@
 """`cmtof train` as its users meet it."""
 
-import json
-import os
-import subprocess
-import sys
-
 import pytest
 
 TINY = """
@@ -41,19 +36,3 @@ def test_a_run_that_is_there_is_not_replaced(run, fails, recipe, tmp_path):
     assert "--resume" in fails("train", recipe, "-o", tmp_path / "run")
     assert run("train")[0] == 2
     assert run("train", recipe, "--seed", "-1")[0] == 2
-
-
-@pytest.mark.slow
-def test_two_processes_train_together(recipe, tmp_path):
-    """As on two GPUs: Lightning starts the second, and the gradients are averaged."""
-    command = [sys.executable, "-m", "cmtof.cli", "train", recipe, "-o", tmp_path / "run"]
-    command += ["--accelerator", "cpu", "--devices", 2, "--strategy", "ddp", "--quiet"]
-    done = subprocess.run(
-        [str(part) for part in command],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"OMP_NUM_THREADS": "1"},
-    )
-    assert done.returncode == 0, done.stderr
-    (card,) = (tmp_path / "run").glob("fast-scnn-light.released.json")
-    assert json.loads(card.read_text())["model"] == "fast-scnn-light"
