@@ -147,28 +147,24 @@ def unwrap(
     from cmtof.evaluation import Tally, scored_pixels
     from cmtof.pointcloud import write_ply
     from cmtof.unwrapping import unwrap_file
+    from cmtof.validation import expect
 
     several = len(measurement) > 1
     targets = [output / f"{path.stem}.nc" for path in measurement] if several else [output]
     paths = [path.resolve() for path in (*measurement, *targets, ply) if path is not None]
-    if len(set(paths)) < len(paths):
-        raise ValueError(
-            f"Expected another file for each of inputs and outputs, got {paths[0].name} twice. "
-            "Name another."
-        )
-    if ply is not None and (tile or several):
-        raise ValueError("Expected one file, seen at once, for --ply, got more. Leave --ply out.")
-    chosen = {"window": window} if window is not None else {}
-    chosen |= {"weights": weights} if weights is not None else {}
+    what, got = "another file for each of inputs and outputs", f"{paths[0].name} twice"
+    expect(len(set(paths)) == len(paths), what, got, "Name another.")
+    one = not (tile or several)
+    expect(one or ply is None, "one file, seen at once, for --ply", "more", "Leave --ply out.")
+    given = {"method": method, "range": range, "window": window, "weights": weights}
+    chosen = {name: value for name, value in given.items() if value is not None}
     rows = []
     if several:
         output.mkdir(exist_ok=True)
-    with progress(len(targets), quiet or not (tile or several)) as advance:
+    with progress(len(targets), quiet or one) as advance:
         for path, target in zip(measurement, targets, strict=True):
             tally, valid, size = Tally(), 0, 0
-            for share, opened, result in unwrap_file(
-                path, target, tile=tile, method=method, range=range, **chosen
-            ):
+            for share, opened, result in unwrap_file(path, target, tile=tile, **chosen):
                 valid, size = valid + int(opened.mask.sum()), size + opened.mask.size
                 if opened.depth is not None and opened.mask.any():
                     tally.add(scored_pixels(result, opened))
@@ -179,10 +175,10 @@ def unwrap(
                     print(f"{ply}: {count} points")
                 advance(path.name, share)
             rates = _rates(tally.score()) if tally.frames else {}
-            rows.append(([path.name, f"{valid} of {size}"], rates))
+            rows.append(([path.name, f"{valid / size:.1%}"], rates))
     head = dict.fromkeys(title for _, rates in rows for title in rates)
     cells = ([*names, *(rates.get(title, "") for title in head)] for names, rates in rows)
-    _print_table(f"method {method}, into {output}", ("file", "pixels", *head), cells)
+    _print_table(f"method {method}, into {output}", ("file", "valid", *head), cells)
 
 
 @app.command()

@@ -142,11 +142,9 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
     correlation, psi = np.asarray(correlation), np.asarray(psi, float)
     if psi.ndim == 1 and correlation.ndim == 4:
         psi = np.broadcast_to(psi, (len(correlation), psi.size))
-    if psi.ndim not in (1, 2) or correlation.shape[: psi.ndim] != psi.shape:
-        raise ValueError(
-            f"Expected correlation whose first axes match psi {psi.shape}, got "
-            f"{correlation.shape}. Put the steps first: (K, ...) or (F, K, ...)."
-        )
+    right = psi.ndim in (1, 2) and correlation.shape[: psi.ndim] == psi.shape
+    what = f"correlation whose first axes match psi {psi.shape}"
+    expect(right, what, correlation.shape, "Put the steps first: (K, ...) or (F, K, ...).")
     if psi.ndim == 1:
         return Decoded(*(field[0] for field in decode(correlation[None], psi[None])))
     if correlation.dtype != np.float32:
@@ -175,11 +173,8 @@ def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
     fitted exactly. Raises ValueError with fewer.
     """
     psi = np.asarray(psi, float)
-    if psi.size < 4:
-        raise ValueError(
-            f"Expected more than 3 reference phases to estimate the noise, got {psi.size}. "
-            "Record more steps."
-        )
+    what = "more than 3 reference phases to estimate the noise"
+    expect(psi.size > 3, what, psi.size, "Record more steps.")
     fit = np.stack([np.ones_like(psi), np.cos(psi), np.sin(psi)])
     null = np.linalg.svd(fit)[2][3:]  # orthonormal directions that the fit does not reach
     images = np.asarray(correlation).reshape(psi.size, -1)

@@ -19,6 +19,7 @@ from cmtof.scenes import Frame
 from cmtof.simulation import simulate
 from cmtof.statistics import Interval, ratio_interval
 from cmtof.unwrapping import unwrap
+from cmtof.validation import expect
 
 LIMITS = (1, 2, 3, 10)  # wraps off below which pixels are counted, Tables 1 to 3
 
@@ -36,8 +37,7 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
     if truth is None:
         raise ValueError("Expected a measurement with its true depth, got none. Simulate one.")
     scored = measurement.mask & np.isfinite(truth)
-    if not scored.any():
-        raise ValueError("Expected at least one scored pixel, got none. Check mask and range.")
+    expect(scored.any(), "at least one scored pixel", "none", "Check mask and range.")
     frequency = measurement.frequencies[0]
     depth, phase = truth[scored].astype(float), measurement.phase[0][scored].astype(float)
     estimate = result["depth"].to_numpy()[scored].astype(float)
@@ -189,8 +189,8 @@ def read_counts(path: str | Path) -> list[dict[str, Any]]:
     if not path.is_file():
         return []
     held = json.loads(path.read_text("utf-8"))
-    if held["sha256"] != digest(held["frames"]):
-        raise ValueError(f"Expected counts as written in {path}, got edited ones. Count again.")
+    right = held["sha256"] == digest(held["frames"])
+    expect(right, f"counts as written in {path}", "edited ones", "Count again.")
     return held["frames"]
 
 

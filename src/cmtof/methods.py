@@ -12,6 +12,7 @@ from cmtof.baselines.beat import beat, beat_guided
 from cmtof.baselines.phasor import phasor
 from cmtof.measurement import Measurement
 from cmtof.surfaces import surfaces
+from cmtof.validation import expect
 
 
 @dataclass(frozen=True)
@@ -35,21 +36,14 @@ class Method:
     def __call__(self, measurement: Measurement, **options: Any) -> Estimate:
         """Run the method; raise a ValueError if the measurement or an option does not fit it."""
         known = inspect.signature(self.run).parameters
-        if not options.keys() <= known.keys():
-            raise ValueError(
-                f"Expected options of method {self.name}, got {', '.join(options)}. Leave them out."
-            )
-        count = measurement.frequencies.size
-        if count < self.frequencies:
-            raise ValueError(
-                f"Expected {self.frequencies} frequencies for method {self.name}, got {count}. "
-                "Measure another frequency or choose the method spatial."
-            )
-        if self.knows_truth and measurement.depth is None:
-            raise ValueError(
-                f"Expected a measurement with its true depth for method {self.name}, got none. "
-                "Simulate one, or choose another method."
-            )
+        right, what = options.keys() <= known.keys(), f"options of method {self.name}"
+        expect(right, what, ", ".join(options), "Leave them out.")
+        count, what = measurement.frequencies.size, f"{self.frequencies} frequencies for method"
+        advice = "Measure another frequency or choose the method spatial."
+        expect(count >= self.frequencies, f"{what} {self.name}", count, advice)
+        right = not self.knows_truth or measurement.depth is not None
+        what = f"a measurement with its true depth for method {self.name}"
+        expect(right, what, "none", "Simulate one, or choose another method.")
         protocol = str(measurement.dataset.attrs.get("protocol", "released"))
         if "weights" not in options and self.state(protocol) == "untrained":
             message = f"{self.name} is untrained: its card shows no gain over a trivial answer."

@@ -10,7 +10,7 @@ from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
 from cmtof.measurement import Measurement, unambiguous_range
 from cmtof.scenes.frame import Frame
-from cmtof.validation import check_frequencies, numbers
+from cmtof.validation import check_frequencies, expect, numbers
 
 Protocol = Literal["released", "full"]
 
@@ -117,8 +117,7 @@ def staged_depth(
     """
     depth = np.asarray(depth, float)
     known = np.isfinite(depth)
-    if not known.any():
-        raise ValueError("Expected a depth map with known pixels, got none. Use another frame.")
+    expect(known.any(), "a depth map with known pixels", "none", "Use another frame.")
     if protocol == "released":
         step = float(wrap_length(frequencies[0]))
         limits = (RELEASED_WRAPS[0] * step, RELEASED_WRAPS[1] * step)
@@ -129,11 +128,9 @@ def staged_depth(
     else:
         raise ValueError(f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one.")
     mask = known & (np.where(known, depth, -1) >= limits[0]) & (depth < limits[1])
-    if not mask.any():
-        raise ValueError(
-            f"Expected depths between {limits[0]:.3f} and {limits[1]:.3f} m, got "
-            f"{np.nanmin(depth):.3f} to {np.nanmax(depth):.3f} m. Use another protocol or frame."
-        )
+    what = f"depths between {limits[0]:.3f} and {limits[1]:.3f} m"
+    got = f"{np.nanmin(depth):.3f} to {np.nanmax(depth):.3f} m"
+    expect(mask.any(), what, got, "Use another protocol or frame.")
     return depth, mask, limits
 
 

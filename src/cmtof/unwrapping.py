@@ -20,6 +20,7 @@ from cmtof.correlation import (
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement, open_measurement, save_dataset
 from cmtof.methods import DEFAULT, find_method
+from cmtof.validation import expect
 
 
 def unwrap(
@@ -49,11 +50,9 @@ def unwrap(
     if range is not None:
         low, high = range
         held = measurement.range
-        if not (0 <= low < high) or high <= held[0] or low >= held[1]:
-            raise ValueError(
-                f"Expected a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to "
-                f"{held[1]:.3f}, got {low:g} to {high:g}. Widen or move it."
-            )
+        right = 0 <= low < high and high > held[0] and low < held[1]
+        what = f"a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to {held[1]:.3f}"
+        expect(right, what, f"{low:g} to {high:g}", "Widen or move it.")
         measurement = measurement.between(low, high)
     estimate = chosen(measurement, **options)
     frequency, measured = measurement.frequencies[0], measurement.phase[0].astype(float)
@@ -105,10 +104,8 @@ def unwrap_file(
     with handle as held, written_whole(output) as part, h5netcdf.File(part, "w") as file:
         height, width = held.sizes["y"], held.sizes["x"]
         file.dimensions = {"y": height, "x": width}
-        if (free := shutil.disk_usage(part.parent).free) < 12 * height * width:
-            # HDF5 would end the process
-            got = f"got {free:.3g}. Free some."
-            raise OSError(f"Expected {12 * height * width:.3g} bytes free for {output}, {got}")
+        if shutil.disk_usage(part.parent).free < (need := 12 * height * width):  # or HDF5 ends all
+            raise OSError(f"Expected {need} bytes free for {output}, got less. Free some.")
         for y, x in product(range(0, height, tile), range(0, width, tile)):
             top, left = max(y - margin, 0), max(x - margin, 0)
             ends = {"y": slice(top, y + tile + margin), "x": slice(left, x + tile + margin)}
@@ -124,5 +121,5 @@ def unwrap_file(
                     file.variables[name].attrs.update(image.attrs)
                 file.variables[name][y : y + tile, x : x + tile] = image.to_numpy()
             file.attrs.update(result.attrs | {"tile": tile, "margin": margin})
-            kept = Measurement(seen.isel(inner))
-            yield kept.mask.size / (height * width), kept, result
+            share = result.depth.size / (height * width)
+            yield share, Measurement(seen.isel(inner)), result

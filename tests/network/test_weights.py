@@ -11,6 +11,7 @@ import cmtof
 from cmtof.correlation import TAU
 from cmtof.network import weights
 from cmtof.network.models import build_network
+from cmtof.unwrapping import unwrap_file
 
 
 def test_weights_come_back_in_half_precision_with_their_card(stored):
@@ -94,15 +95,16 @@ def test_methods_answer_within_the_range(stored, measurement, name):
     assert np.abs(np.angle(off)).max() < 1e-4
 
 
-@pytest.mark.parametrize("name", ["fast-scnn", "deep-tof"])
-def test_bands_equal_the_whole(monkeypatch, stored, name):
-    frame = cmtof.scenes.Frame(np.full((600, 24), 0.93), np.full((600, 24), 0.5), None, "", "")
-    trained, measured = weights.load_weights(stored(name)), cmtof.simulate(frame, noise=500.0)
-    (whole, _), *more = weights._bands(trained, measured)
-    monkeypatch.setattr(weights, "MOST_PIXELS", 24 * 450)
-    bands = torch.cat([found for found, _ in weights._bands(trained, measured)], -2)
-    assert not more
-    assert (whole - bands).abs().max() < 2e-5 * whole.abs().max()
+def test_tiles_with_a_margin_of_the_reach_equal_the_whole(stored, tmp_path):
+    frame = cmtof.scenes.Frame(np.full((640, 24), 0.93), np.full((640, 24), 0.5), None, "", "")
+    cmtof.simulate(frame, noise=500.0).save(tmp_path / "m.nc")
+    how = {"method": "fast-scnn", "weights": stored("fast-scnn")}
+    margin = weights.load_weights(how["weights"]).network.reach
+    tiles = list(unwrap_file(tmp_path / "m.nc", tmp_path / "t.nc", tile=320, margin=margin, **how))
+    found = np.concatenate([result.wrap_count for *_, result in tiles])
+    whole = cmtof.unwrap(cmtof.open(tmp_path / "m.nc"), **how).wrap_count
+    assert len(tiles) == 2
+    assert (found == whole).mean() > 0.999  # but for rounding
 
 
 def test_masked_pixels_do_not_spread(stored, measurement):

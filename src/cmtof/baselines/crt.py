@@ -14,6 +14,7 @@ from scipy.special import ndtr
 from cmtof.baselines import Array, Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.correlation import TAU, depth_from_phase, depth_from_wraps, wrap_length
 from cmtof.measurement import Measurement
+from cmtof.validation import expect
 
 
 def crt(measurement: Measurement) -> Estimate:
@@ -37,11 +38,8 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     low, high = (round(f) for f in measurement.frequencies[:2])
     common = gcd(low, high)
     k1, k2 = low // common, high // common
-    if k1 * k2 > 10**12:
-        raise ValueError(
-            f"Expected frequencies with a large common divisor, got {low} and {high} Hz with "
-            f"{common} Hz. Round them to whole MHz."
-        )
+    got, advice = f"{low} and {high} Hz with {common} Hz", "Round them to whole MHz."
+    expect(k1 * k2 <= 10**12, "frequencies with a large common divisor", got, advice)
     lengths = wrap_length(measurement.frequencies[:2])[:, None, None]
     first, second = measurement.phase[:2].astype(float) * lengths / TAU
     unit = float(wrap_length(low)) / k2

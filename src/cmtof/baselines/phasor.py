@@ -16,6 +16,7 @@ from cmtof.baselines.beat import beat_depth
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
+from cmtof.validation import expect
 
 
 def phasor(measurement: Measurement) -> Estimate:
@@ -26,12 +27,10 @@ def phasor(measurement: Measurement) -> Estimate:
     """
     low, high = (float(f) for f in measurement.frequencies[:2])
     covered, extent = float(wrap_length(high - low)), measurement.range[1] - measurement.range[0]
-    if round(high / low) != 1 or covered < extent * (1 - 1e-9):
-        raise ValueError(
-            f"Expected two close frequencies whose beat covers the range of {extent:.3f} m, got "
-            f"{low:g} and {high:g} Hz, which cover {covered:.3f} m. Measure others, for instance "
-            "simulate with --frequencies 7.15e9,7.16e9."
-        )
+    what = f"two close frequencies whose beat covers the range of {extent:.3f} m"
+    got = f"{low:g} and {high:g} Hz, which cover {covered:.3f} m"
+    advice = "Measure others, for instance simulate with --frequencies 7.15e9,7.16e9."
+    expect(round(high / low) == 1 and covered >= extent * (1 - 1e-9), what, got, advice)
     noise = phase_noise(measurement)
     known = np.isfinite(noise).all(axis=0)
     phase = np.where(known, measurement.phase[:2].astype(float), 0)

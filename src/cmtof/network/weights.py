@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -21,7 +20,6 @@ from cmtof.validation import checked
 
 Network = Tensor = Any  # of cmtof.network.models and of torch, which are imported late
 FOLDER = Path(str(files("cmtof"))) / "weights"  # those that travel with the package
-MOST_PIXELS = 2_000_000  # seen at once; a larger image is unwrapped in bands of rows
 
 Share = Annotated[float, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=0)]
@@ -175,8 +173,7 @@ def unwrap_with_network(
     path = Path(weights) if weights else find_weights(model, first, last)
     trained = load_weights(path)
     if trained.network.target == "depth":
-        turns = np.concatenate([found[0].numpy() for found, _ in _bands(trained, measurement)])
-        depth = (trained.card.first_wrap + turns) * wrap
+        depth = (trained.card.first_wrap + _output(trained, measurement)[0][0].numpy()) * wrap
         sure = np.full(depth.shape, trained.card.validation.delta_lt_1)
     else:
         wraps, sure = classify(trained, measurement, first, last)
@@ -198,15 +195,12 @@ def classify(
             f"Expected wraps within {low} to {stop - 1}, which {trained.card.model} distinguishes, "
             f"got {first} to {last}. Narrow the range."
         )
-    bands = []
-    for found, phase in _bands(trained, measurement):
-        odds, wraps = (x.numpy() for x in found[first - low : last - low + 1].softmax(0).max(0))
-        if trained.network.model.mend:
-            voted = mended(wraps, phase).clip(0, last - first)
-            odds = np.where(voted == wraps, odds, np.minimum(odds, 1 - odds))
-            wraps = voted
-        bands.append((wraps, odds))
-    wraps, odds = (np.concatenate(parts) for parts in zip(*bands, strict=True))
+    found, phase = _output(trained, measurement)
+    odds, wraps = (x.numpy() for x in found[first - low : last - low + 1].softmax(0).max(0))
+    if trained.network.model.mend:
+        voted = mended(wraps, phase).clip(0, last - first)
+        odds = np.where(voted == wraps, odds, np.minimum(odds, 1 - odds))
+        wraps = voted
     return first + wraps, odds
 
 
@@ -229,11 +223,11 @@ def mended(wraps: NDArray[np.integer], phase: NDArray[np.floating]) -> NDArray[n
 
 
 def network_inputs(
-    measurement: Measurement, kind: str, rows: slice = slice(None)
+    measurement: Measurement, kind: str
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Features (C, H, W) of a measurement's rows, and the phases (H, W) of its lower frequency."""
+    """Features (C, H, W) of a measurement, and the phases (H, W) of its lower frequency."""
     # a masked pixel may be NaN; the network gets a dark one, or its neighbours would be NaN too
-    images = [measurement.phase[:2, rows], measurement.amplitude[:2, rows]]
+    images = [measurement.phase[:2], measurement.amplitude[:2]]
     if kind == "correlation" and "correlation" in measurement.dataset:
         psi = measurement.dataset["psi"].to_numpy()[:2]
         off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
@@ -243,23 +237,16 @@ def network_inputs(
                 f"trained on, got psi = {np.round(psi[0], 3).tolist()} rad. Choose another method."
             )
         held = measurement.dataset["correlation"]
-        images.append(np.stack([held[f, k, rows].to_numpy() for f, k in enumerate(off.argmin(1))]))
+        images.append(np.stack([held[f, k].to_numpy() for f, k in enumerate(off.argmin(1))]))
     phase, amplitude, *more = (np.nan_to_num(np.asarray(x, np.float32)) for x in images)
     return features(phase, amplitude, kind, *more), phase[0]
 
 
-def _bands(trained: Trained, measurement: Measurement) -> Iterator[tuple[Tensor, NDArray]]:
-    """Output (C, h, W) and phase (h, W) of bands of rows, as if the image had been seen whole."""
+def _output(trained: Trained, measurement: Measurement) -> tuple[Tensor, NDArray]:
+    """Output (C, H, W) of a network for a measurement, and the phase (H, W)."""
     import torch
 
-    network, (height, width) = trained.network, measurement.shape
-    step, reach = network.stride, network.reach
-    rows = max(MOST_PIXELS // width - 2 * reach, 2 * step) // step * step
-    for start in range(0, height, rows):
-        top, stop = max(start - reach, 0), min(start + rows, height)
-        seen, kept = slice(top, stop + reach), slice(start - top, stop - top)
-        inputs, phase = network_inputs(measurement, network.model.features, seen)
-        image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
-        with torch.inference_mode():
-            found = network(image)[0, :, kept]
-        yield found, phase[kept]
+    inputs, phase = network_inputs(measurement, trained.network.model.features)
+    image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
+    with torch.inference_mode():
+        return trained.network(image)[0], phase
