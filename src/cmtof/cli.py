@@ -171,11 +171,10 @@ def unwrap(
                 if ply is not None:
                     depth, sure = (result[name].to_numpy() for name in ("depth", "confidence"))
                     images = {"brightness": opened.amplitude[0], "confidence": sure}
-                    count = write_ply(ply, depth, opened.camera, **images)
-                    print(f"{ply}: {count} points")
+                    print(f"{ply}: {write_ply(ply, depth, opened.camera, **images)} points")
                 advance(path.name, share)
-            rates = _rates(tally.score()) if tally.frames else {}
-            rows.append(([path.name, f"{valid / size:.1%}"], rates))
+            names = [path.name, f"{valid / size:.1%}"]
+            rows.append((names, _rates(tally.score()) if tally.frames else {}))
     head = dict.fromkeys(title for _, rates in rows for title in rates)
     cells = ([*names, *(rates.get(title, "") for title in head)] for names, rates in rows)
     _print_table(f"method {method}, into {output}", ("file", "valid", *head), cells)

@@ -57,7 +57,7 @@ def write_ply(
     white, gamma 2.2) and ``confidence`` (float).
     """
     expect(camera is not None, "a camera for points", "none", "Leave --ply out or add one.")
-    points = points_from_depth(depth, camera)
+    points = points_from_depth(depth, camera)  # pyright: ignore
     kept = np.isfinite(points).all(axis=-1)
     light = np.asarray(brightness, float)[kept]
     white = np.percentile(light, 99) if light.size else 1.0
