@@ -265,22 +265,6 @@ for name, seen in (("as it came", amplitude * (power / power[:, :1])[..., None])
 spread = {name: float(100 * gain.std()) for name, gain in gains.items()}
 print(f"the power swings by {swing:.1f} %; spread of the lines in %:", spread)
 
-# %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(7.6, 3.1))
-when = data["time"].to_numpy()[:, :, -1].T
-ax.plot(when, (power / power.mean(axis=1, keepdims=True)).T, color="0.65", lw=4, alpha=0.6)
-for (name, gain), colour in zip(gains.items(), ("vermillion", "green"), strict=True):
-    drawn = ax.plot(when, gain.T, ".-", ms=4, lw=1, color=plotting.PALETTE[colour])
-    drawn[0].set_label(f"amplitude, {name}")
-ax.set(xlabel="time on the plan's clock (s)", ylabel="relative to the mean of the mode")
-ax.legend(fontsize=8.5)
-plotting.save(
-    figure, "scan_power", numbers={"spread_percent": spread, "swing_percent": swing},
-    caption="Laser power (grey), and the amplitude of each line against that of a steady laser.",
-    alt="Two stretches, one a mode: the lines' amplitudes follow the power, and scatter less after "
-    "division.",
-)  # fmt: skip
-
 # %% [markdown]
 # ## Which wrap?
 #

@@ -17,7 +17,7 @@ far_stride: int = 4  # and of the second
 baseline: float = 0.3  # between the cameras, m; assumed
 sigmas: float = 3.0  # standard deviations of a range that must fit
 views: int = 12  # of the board
-print_error: float = 0.05  # px, of a corner, for no printed board is perfect; assumed
+print_error: float = 0.06  # px, of a corner: picture and printed board; assumed
 draws: int = 12  # calibrations redrawn for the uncertainty
 steps: int = 12  # of fine-tuning
 crop: int = 64  # px, of its crops
@@ -47,15 +47,14 @@ LEFT, RIGHT, BEAM = plotting.PALETTE["blue"], plotting.PALETTE["vermillion"], "#
 # %% [markdown]
 # ## The labels of one scan
 #
-# Pictures of a checkerboard calibrate both cameras. The spots of the scan locate the scanner, whose
+# Views of a checkerboard calibrate both cameras. The spots of the scan locate the scanner, whose
 # beams leave in known directions, like a third camera.
 
 # %%
 sensor = stereo.Sensor()
 rig = stereo.simulated_rig(baseline=baseline, sensor=sensor)
 poses = stereo.board_poses(rig, views, rng=rng)
-pictures = [[stereo.board_image(rig, k, pose, rng=rng) for pose in poses] for k in (0, 1)]
-corners = np.array([[stereo.find_corners(one) for one in side] for side in pictures])
+corners = np.stack([rig.project(pose.apply(stereo.BOARD)) for pose in poses], axis=1)
 corners += print_error * rng.standard_normal(corners.shape)
 cameras, corner_noise = stereo.calibrate(corners, rig.shape)
 redrawn = [

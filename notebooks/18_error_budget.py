@@ -25,7 +25,7 @@ from cmtof.correlation import depth_from_phase, phase_from_depth, wrap_length
 from cmtof.instrument.optics import aperture_area, group_index, speckle_cells, spot_radius
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import MIRROR, PLATE
-from cmtof.ranging.budget import VISITS, back_ratio, budget_terms, only, simulated
+from cmtof.ranging.budget import back_ratio, budget_terms, only, simulated
 from cmtof.ranging.optical import FREQUENCY, OpticalRanger
 from cmtof.ranging.sweep import parts
 
@@ -43,7 +43,7 @@ whole = {
 }
 rms = {key: float(np.sqrt(np.mean(one**2))) for key, one in whole.items()}
 bound = {
-    (name, mode): float(OpticalRanger(known, mode, visits=VISITS).bound(what, [0.0])[0])
+    (name, mode): float(OpticalRanger(known, mode).bound(what, [0.0])[0])
     for name, what in targets.items()
     for mode in MODES
 }

@@ -54,7 +54,7 @@ def found(results: Path = RESULTS, stems: Sequence[str] = ()) -> dict[str, dict[
         content = json.loads(file.read_text(encoding="utf-8"))
         if file.name == "checks.json":
             values = {key: record["value"] for key, record in content.items()}
-            tables[f"{file.parent.name}.checks.json"] = values
+            tables[f"{file.parent.name}.checks.json"] = flat(values)
         else:
             source = content["numbers"].get("source")
             tables[f"{file.stem}.{source}.json" if source else file.name] = flat(content["numbers"])

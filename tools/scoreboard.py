@@ -16,10 +16,11 @@ from cmtof.book.paper import (
     WORST_FIRST,
     Outcome,
     Published,
+    Value,
     claims,
+    ours_text,
     published,
     published_numbers,
-    quantity_text,
     training_text,
 )
 
@@ -66,6 +67,7 @@ class Run:
     seed: int
     version: str
     crops: int
+    beside: str
 
     def link(self) -> str:
         """Return a link to the chapter, or a plain name for a folder that is none."""
@@ -79,8 +81,8 @@ def chapter_link(notebook: str) -> str:
     return f"{{doc}}`{notebook[:2]} <../notebooks/{notebook}>`"
 
 
-Found = dict[str, tuple[float, Run]]
-"""Our number and the run that made it, by key."""
+Found = dict[str, tuple[Value, Run]]
+"""Our number, or the ends of its band, and the run that made it, by key."""
 
 
 def page(
@@ -97,7 +99,7 @@ def page(
     runs = {run for _, run in found.values()}
     meanings = "\n".join(f"- **{name}**: {text}" for name, text in MEANING.items())
     filled = {"summary": summary(found), "claims": claims_table(found)}
-    parts = [HEAD.format(runs=len(runs), meanings=meanings, **filled)]
+    parts = [HEAD.format(runs=len({run.notebook for run in runs}), meanings=meanings, **filled)]
     parts += [section(name, groups[name], found) for name in sorted(groups, key=_order)]
     parts.append(coverage_section(results, notebooks))
     rows = {f"| {run.link()} | {run.profile} | {run.seed} | {run.version} |" for run in runs}
@@ -110,11 +112,11 @@ def claims_table(found: Found) -> str:
     values, rows = {key: value for key, (value, _) in found.items()}, []
     for claim in claims():
         runs = [(key, *found[key]) for key in claim.keys if key in found]
-        ours = {quantity_text(value, published(key).unit): None for key, value, _ in runs}
+        ours = {ours_text(published(key), value): None for key, value, _ in runs}
+        ours |= {run.beside: None for _, _, run in runs if run.beside}
         places = {run.link(): None for _, _, run in runs}
-        said = badge(claim.outcome(values)) + max(
-            (training_text(r.crops) for *_, r in runs), default=""
-        )
+        texts = [training_text(run.crops) for *_, run in runs]
+        said = badge(claim.outcome(values)) + max(texts, default="")
         rows.append(f"| {claim.text} | {'<br>'.join(ours)} | {said} | {', '.join(places)} |")
     head = ["| the paper | this book | verdict | chapter |", "| :-- | :-- | :-- | :-- |"]
     return "\n".join([*head, *rows])
@@ -134,7 +136,7 @@ def found_in(checks: Iterable[Path]) -> Found:
             said = published(key).outcome  # computed again
             rank = WORST_FIRST.index(said(value))
             if key not in found or rank < WORST_FIRST.index(said(found[key][0])):
-                about = (record[name] for name in ("profile", "seed", "version", "crops"))
+                about = (record[name] for name in ("profile", "seed", "version", "crops", "beside"))
                 run = Run(path.parent.name, *about)
                 found[key] = (value, run)
     return found
@@ -173,9 +175,7 @@ def row(number: Published, found: Found, notes: dict[str, str]) -> str:
     if note := " ".join(filter(None, texts)):
         verdict += f"{SPACE}<sup>{notes.setdefault(note, chr(ord('a') + len(notes)))}</sup>"
     if run:
-        ratio = "" if number.kind == "setting" else number.ratio(value)
-        lines = filter(None, (quantity_text(value, number.unit), ratio))
-        ours = "<br>".join([*(line.replace(" ", SPACE) for line in lines), run.link()])
+        ours = "<br>".join(filter(None, (ours_text(number, value), run.beside, run.link())))
         verdict += training_text(run.crops)
     # the key may break over lines, or a phone would have to scroll sideways
     key = re.sub(r"(\.|_(?!\d))", r"\1<wbr>", number.key.partition(".")[2])

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
-from scipy.special import erf, ndtr
+from scipy.special import ndtr
 
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH
 from cmtof.correlation import TAU, consistent_wrap_count, depth_from_wraps, wrap_length
@@ -135,27 +135,6 @@ def board_poses(rig: StereoRig, count: int, *, rng: np.random.Generator) -> list
         if ((outline > 0) & (outline < rig.shape[::-1])).all():
             poses.append(pose)
     return poses
-
-
-def board_image(
-    rig: StereoRig, k: int, pose: RigidTransform, *, rng: np.random.Generator
-) -> NDArray[np.uint8]:
-    """Picture (H, W) of a lit checkerboard in camera k, by its pose before the rig (simulated)."""
-    outline = rig.project(pose.apply(1.7 * BOARD))[k].clip(0, rig.shape[::-1]).astype(int)
-    low, high = outline.min(0), outline.max(0)
-    x, y = np.meshgrid(*(np.arange(*ends) + 0.5 for ends in zip(low, high, strict=True)))
-    plane = rig.undistorted(np.column_stack([x.ravel(), y.ravel()]), k)
-    onto = (rig.poses[k] * pose).as_matrix()[:3, [0, 1, 3]]
-    place = np.column_stack([plane, np.ones(len(plane))]) @ np.linalg.inv(onto).T
-    place = place[:, :2] / place[:, 2:] / SQUARE + [(COLUMNS + 1) / 2, (ROWS + 1) / 2]
-    edge = np.rint(place)
-    soft = np.sqrt(2) * 0.8 * onto[2, 2] / rig.matrices[k, 0, 0] / SQUARE  # blurred over 0.8 px
-    wave = (1 - 2 * (edge % 2)) * erf((place - edge) / soft)  # changes sign at whole numbers
-    on = ((place > 0) & (place < [COLUMNS + 1, ROWS + 1])).all(-1)
-    image = np.full(rig.shape, 200.0)
-    shade = np.where(on, 110 - 90 * wave.prod(-1), 200)
-    image[low[1] : high[1], low[0] : high[0]] = shade.reshape(x.shape)
-    return np.clip(np.rint(image + 1.5 * rng.standard_normal(rig.shape)), 0, 255).astype(np.uint8)
 
 
 def find_corners(image: NDArray[np.uint8]) -> Array:
@@ -306,12 +285,11 @@ def truth_from_spots(
     measured phase (H, W), rad, the wrap that brings it nearest to the stereo range, where those of
     both fit into half a wrap. ``draws`` are rigs by other noise of calibration: their scatter adds.
     """
-    frequency = FREQUENCY_SINGLE
     found, spread = _ranges(spots, rig)
     if draws:
         others = [np.linalg.norm(one.triangulate(spots.pixels), axis=-1) for one in draws]
         spread = np.hypot(spread, np.std(others, axis=0, ddof=1))
-    wrap = float(wrap_length(frequency))
+    wrap = float(wrap_length(FREQUENCY_SINGLE))
     known = np.isfinite(found + spread)
     safe, reach = np.where(known, found, 0.0), np.where(known, sigmas * spread, np.inf)
     if phase is None:
@@ -319,8 +297,8 @@ def truth_from_spots(
         sure = np.floor((safe - reach) / wrap) == np.floor((safe + reach) / wrap)
     else:
         phase = np.asarray(phase, float)
-        wraps = consistent_wrap_count(safe, np.nan_to_num(phase), frequency)
-        depth = depth_from_wraps(phase, wraps, frequency)
+        wraps = consistent_wrap_count(safe, np.nan_to_num(phase), FREQUENCY_SINGLE)
+        depth = depth_from_wraps(phase, wraps, FREQUENCY_SINGLE)
         own = sigmas * np.asarray(phase_noise) * wrap / TAU
         sure = np.isfinite(phase) & (np.hypot(reach, own) < wrap / 2)
     mask = known & sure & (wraps >= 0)

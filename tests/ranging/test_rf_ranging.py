@@ -56,12 +56,12 @@ def test_small_diode_sees_part_of_a_spot_and_all_of_a_mirror():
 
 @pytest.mark.parametrize("reflectance", [1e-3, 1e-6])
 def test_sweep_follows_the_law_of_a_noisy_phase_where_nothing_drifts(reflectance):
-    """8000 readings, each day with a calibration of a hundredth of the variance."""
+    """8000 readings, each day with a zero and an offset of better readings."""
     settings = replace(TwinSettings.ideal(), noise=True)
     target = replace(MIRROR, reflectance=reflectance)
     ranger = RfRanger(settings=settings, drift=0.0, stage_error=0.0)
     error = ranger.sweep(target, np.zeros(400), repeats=20, seed=1) - target.distance
-    linear = ranger.bound(target, [0.0])[0] * ranger.phase(1.0) * np.sqrt(1.02)
+    linear = ranger.bound(target, [0.0])[0] * ranger.phase(1.0) * np.sqrt(1.0 + 1 / 800 + 1 / 100)
     expected = phase_spread(float(linear)) if linear > 0.05 else linear
     assert error.std() * ranger.phase(1.0) == pytest.approx(expected, rel=0.04)
 
@@ -74,15 +74,13 @@ def test_calibration_helps_a_mirror_and_the_offset_hides_a_plate():
         rms[calibrated] = np.sqrt(np.mean(error**2))
     assert rms[True] < 0.3 * rms[False]
     # without calibration the offset is all there is: the reading stands still
-    stuck = RfRanger(calibrated=False).sweep(PLATE, POSITIONS, repeats=5, seed=2)
+    stuck = RfRanger(calibrated=False, visits=1).sweep(PLATE, POSITIONS, repeats=5, seed=2)
     np.testing.assert_allclose(stuck, PLATE.distance, atol=20e-6)
 
 
-def test_image_has_the_light_and_the_noise_of_the_ranging_instrument():
+def test_image_has_the_noise_of_the_ranging_instrument():
     ranger = RfRanger(settings=TwinSettings(speckle=False, laser_power=10.0))
-    phase, power, bound = rf_image(ranger, Plane(0.3), np.zeros((100, 100, 2)), seed=1)
-    expected = ranger.power(PLATE, 0.3)
-    assert power == pytest.approx(np.full((100, 100), expected), rel=2e-3)
-    error = centred(phase - ranger.phase(0.3))
-    assert bound.max() < 0.1  # small enough for the bound to hold
-    assert error.std() == pytest.approx(bound.mean(), rel=0.03)
+    phase = rf_image(ranger, Plane(0.3), np.zeros((100, 100, 2)), seed=1)
+    bound = ranger.bound(PLATE, [0.3 - PLATE.distance])[0] * ranger.phase(1.0)
+    assert bound < 0.1  # small enough for the bound to hold
+    assert centred(phase - ranger.phase(0.3)).std() == pytest.approx(bound, rel=0.03)

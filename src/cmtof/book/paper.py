@@ -6,7 +6,7 @@ run. ``tools/scoreboard.py`` writes the book's page.
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -23,6 +23,7 @@ CROPS = 500_000  # on which the paper's networks were trained: 1000 epochs of 50
 CHECKS = "checks.json"  # name of the file, in a run's output folder, that holds what was checked
 
 Outcome = Literal["reproduced", "contradicted", "untested", "input"]
+Value = float | Sequence[float]  # a number, or the ends of a band
 WORST_FIRST: tuple[Outcome, ...] = ("contradicted", "untested", "reproduced", "input")
 _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
@@ -49,10 +50,11 @@ class Published:
         allowed = quantity_text(self.tolerance, self.unit, 2)
         return f"{text}{joint}± {allowed}" if self.tolerance else text
 
-    def outcome(self, value: float = math.nan) -> Outcome:
-        """Computed from value and tolerance, unless the number is an input or cannot be tested."""
+    def outcome(self, value: Value = math.nan) -> Outcome:
+        """Computed from value and tolerance; of a band, that of its value nearest to the paper's."""
         if self.kind == "setting":
             return "input"
+        value = float(np.clip(self.value, *np.broadcast_to(value, 2)))
         if self.untested or not math.isfinite(value):
             return "untested"
         above = value - self.value
@@ -62,11 +64,6 @@ class Published:
             holds = (above if self.relation == "lt" else -above) < self.tolerance
         return "reproduced" if holds else "contradicted"
 
-    def ratio(self, value: float) -> str:
-        """Ours over the paper's, such as ``0.43 ×``; empty where there is none."""
-        known = self.value != 0 and math.isfinite(value)
-        return f"{_digits(value / self.value, 3)} ×" if known else ""
-
 
 class Claim(NamedTuple):
     """One of the paper's ten main claims, and the published numbers on which it rests."""
@@ -74,7 +71,7 @@ class Claim(NamedTuple):
     text: str
     keys: tuple[str, ...]
 
-    def outcome(self, values: Mapping[str, float]) -> Outcome:
+    def outcome(self, values: Mapping[str, Value]) -> Outcome:
         """Worst verdict of its numbers; one that no run computed is untested."""
         said = (published(key).outcome(values.get(key, math.nan)) for key in self.keys)
         return min(said, key=WORST_FIRST.index)
@@ -116,20 +113,34 @@ def published(key: str) -> Published:
     return numbers[key]
 
 
-def check(key: str, value: float, *, crops: int = 0) -> None:
+def check(key: str, value: Value, *, crops: int = 0, photon: Value | None = None) -> None:
     """Hold a result against the paper, print one line, and note it for the scoreboard.
 
-    ``value`` is in the unit of the published number, ``crops`` how many a network was trained on.
+    ``value`` is in the unit of the published number, a pair the ends of a band; ``crops`` how many
+    a network was trained on. Where the simulated instrument has the captures' noise, ``photon`` is
+    the value at the photon limit, which is shown beside and decides nothing.
     """
-    number, value = published(key), float(value)
-    said, ratio = number.outcome(value), number.ratio(value)
-    ours = quantity_text(value, number.unit) + (f" ({ratio})" if ratio else "")
-    print(f"{key}: paper {number.text()}, ours {ours}: {said}{training_text(crops)}")
+    number, value, beside = published(key), np.asarray(value, float).tolist(), ""
+    said = number.outcome(value)
+    if photon is not None:
+        beside = f"at the photon limit {ours_text(number, photon)}: {number.outcome(photon)}"
+    print(f"{key}: paper {number.text()}, ours {ours_text(number, value)}: ", end="")
+    print(f"{said}{training_text(crops)}{beside and '; ' + beside}")
     path = provenance.output_folder() / CHECKS
     records = json.loads(path.read_text("utf-8")) if path.exists() else {}
-    kept = value if math.isfinite(value) else None
-    records[key] = {"value": kept, "verdict": said, "crops": crops, **provenance.RUN}
+    kept = value if np.isfinite(value).all() else None
+    records[key] = {"value": kept, "verdict": said, "crops": crops, "beside": beside}
+    records[key] |= provenance.RUN
     provenance.write_json(path, dict(sorted(records.items())))
+
+
+def ours_text(number: Published, value: Value) -> str:
+    """Our number, or the ends of its band, with the ratio to the paper's, such as ``(0.43 ×)``."""
+    ends = np.atleast_1d(value)
+    text = " to ".join(quantity_text(end, number.unit) for end in ends)
+    if number.kind == "setting" or number.value == 0 or not np.isfinite(ends).all():
+        return text
+    return f"{text} ({' to '.join(_digits(end / number.value, 3) for end in ends)} ×)"
 
 
 def training_text(crops: int) -> str:

@@ -19,6 +19,15 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0, le=1)]
 Extinction = Annotated[float, Field(gt=1)]
 
+# Phase noise, rad, and correlation of neighbours in a line of the published captures, as chapter 7
+# finds them by `cmtof.noise.fit_line_noise`: all that is fitted to them
+CAPTURES = {"curlyhair1": (0.092, 0.45), "head": (0.132, 0.02), "owl": (0.126, 0.03)}
+_LEVEL, _GRAIN = np.mean(list(CAPTURES.values()), axis=0).round(3).tolist()
+# Noise of the instrument: that of photons and electronics alone, or besides the captures' mean.
+# They have 7.15 GHz alone; as many radians at 14.32 GHz are assumed, where a jitter in time doubles
+NOISE: dict[str, dict[str, Any]] = {"photon": {}}
+NOISE["captures"] = {"phase_noise": (_LEVEL, _LEVEL), "grain": _GRAIN}
+
 # Settings that are zero in an ideal instrument
 FLAWS = ("phase_offset", "phase_drift", "phase_step_error", "iq_imbalance", "leakage")
 FLAWS += ("back_fraction", "ambient_radiance", "divergence", "exit_radius", "pressure")
@@ -53,6 +62,8 @@ class TwinSettings:
     phase_offset: Finite = 0.4  # rad, lag of the detection's cable (assumed)
     phase_drift: Size = 1e-3  # rad rms between the drivers, slow (assumed)
     phase_step_error: Size = 5e-4  # rad rms, of each of 65536 codes (assumed)
+    phase_noise: tuple[Size, Size] = (0.0, 0.0)  # rad rms of a point of 16 phases, in either mode
+    grain: float = Field(0.0, ge=0, le=0.5)  # correlation of that with the point before
     iq_imbalance: Size = 1e-3  # rad, amplitude of sin(2 phi) (assumed)
     leakage: Share = 1e-4  # of either drive's amplitude into the other crystal: -80 dB (assumed)
     leakage_phase: Finite = 0.0  # rad that the leak gains

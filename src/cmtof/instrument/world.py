@@ -37,7 +37,9 @@ CODES = 65536  # Phase codes of an RF driver in a turn
 DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)  # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
 DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
 
-LABEL, DRIFT, CODE = 1, 5, 6  # purposes of random numbers
+STEP_NOISE = np.sqrt(32 / 3)  # Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
+
+LABEL, DRIFT, CODE, JITTER = 1, 5, 6, 8  # purposes of random numbers
 _harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
 
 
@@ -123,7 +125,7 @@ class World:
         length = np.diff(first, append=len(pulses))
         times = LABEL_TIME * numbers[:, None] + (first + length / 2) / rate
         paths, modules = self._paths(panel, points, places), self._waveforms(panel, pulses[first])
-        light = self._light(panel, paths, times, modules)
+        light = self._light(panel, paths, times, modules, self.jitter(numbers, first.size))
         return self._counts(np.repeat(light, length, axis=1), numbers, rate)
 
     def _paths(self, panel: Panel, angles: Array, stage: Array) -> Array:
@@ -142,7 +144,19 @@ class World:
         found = np.concatenate(ways, axis=1)
         return np.append(found, np.broadcast_to(stray, (2, len(angles), 1)), axis=-1)
 
-    def _light(self, panel: Panel, paths: Array, times: Array, modules: list[Complex]) -> Array:
+    def jitter(self, labels: NDArray, steps: int) -> Array:
+        """Disturbance (N, S) of the phase at steps of bursts (N,), in units of its rms."""
+        if not any(self.settings.phase_noise):
+            return np.zeros((len(labels), steps))
+        keys = np.append(labels, labels - 1).tolist()
+        made = [keyed_generator(self.seed, JITTER, n) for n in keys]
+        own, before = np.array([one.standard_normal(steps) for one in made]).reshape(2, -1, steps)
+        mix = np.arcsin(2 * self.settings.grain) / 2  # cos sin of it is the correlation
+        return np.cos(mix) * own + np.sin(mix) * before
+
+    def _light(
+        self, panel: Panel, paths: Array, times: Array, modules: list[Complex], jitter: Array
+    ) -> Array:
         """Light on the detector (N, S), W, at times (N, S), s, with both modules (S, K + 1)."""
         settings, (reach, fraction), (emission, detection) = self.settings, paths, modules
         products = 2 * emission * np.conj(detection)
@@ -153,6 +167,8 @@ class World:
         lag = settings.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
         share = products[:, 0].real / 2 * fraction.sum(1, keepdims=True)
         size = np.abs(products).max(axis=0)
+        mode = int(size[1] < size[2])
+        lag = lag + STEP_NOISE * settings.phase_noise[mode] / (1 + mode) * jitter
         for order in range(1, HARMONICS + 1):
             if size[order] > 1e-13 * size[0]:
                 phasor = (fraction * np.exp(-1j * order * phase)).sum(1, keepdims=True)

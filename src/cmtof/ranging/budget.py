@@ -1,6 +1,6 @@
 r"""The error budget of the all-optical instrument: a table of terms, and all of them together.
 
-A day begins with a zero from `VISITS` known ranges over one wrap, and `AGE` later comes the sweep.
+A day begins with a zero from known ranges over one wrap, and ten minutes later comes the sweep.
 A small change :math:`a\,\epsilon_k` of the readings :math:`d + a\cos(\phi + \psi_k)` turns the
 phase by :math:`-\frac2K\sum_k\epsilon_k\sin(\phi+\psi_k)`, and its rms over unknown phases is the
 closed form of a cyclic error. Errors without one are simulated, each alone in `TwinSettings.ideal`.
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.correlation import TAU, depth_from_phase, wrap_length
+from cmtof.correlation import TAU, depth_from_phase
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import MIRROR, Hits, Plane
@@ -21,9 +21,6 @@ from cmtof.ranging.optical import FREQUENCY, ORDER, OpticalRanger
 from cmtof.ranging.sweep import POSITIONS, STAGE_ERROR
 
 Array = NDArray[np.float64]
-
-AGE = 600.0  # Time from the zero to the sweep, s (assumed)
-VISITS = 8  # Ranges of the zero, over one wrap (assumed)
 
 
 def budget_terms(
@@ -39,12 +36,12 @@ def budget_terms(
     real, order = TwinSettings(), ORDER[mode]
     silent = replace(real, converter_noise=0.0)
     noises = [
-        OpticalRanger(one, mode, visits=VISITS).bound(target, [0.0])[0]
+        OpticalRanger(one, mode).bound(target, [0.0])[0]
         for one in (real, silent, replace(silent, noise_density=0.0))
     ]
-    waits = drift_spread(np.arange(POSITIONS.size) + AGE, np.arange(VISITS))
+    waits, zero = np.arange(POSITIONS.size) + OpticalRanger.age, np.arange(OpticalRanger.visits)
     phases = {
-        "RF phase drift": order * real.phase_drift * waits,
+        "RF phase drift": order * real.phase_drift * drift_spread(waits, zero),
         "phase codes": order * real.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
         "I/Q imbalance": real.iq_imbalance / np.sqrt(8) * (mode == "single"),
         "back-reflection": back_ratio(real, target) / np.sqrt(2),
@@ -90,22 +87,7 @@ def only(*names: str) -> TwinSettings:
 def simulated(
     settings: TwinSettings, target: Plane, mode: str, *, days: int, seed: int, **lab: Any
 ) -> Array:
-    """Errors (days, P), m, of the sweep of Fig. 13; ``lab`` are fields of `OpticalRanger`.
-
-    Phases of paths, cables and leaks, which no setting states, are anywhere in a turn each day.
-    """
-    wrap = float(wrap_length(FREQUENCY["single"]))
-    about, found = POSITIONS - POSITIONS.mean(), []  # centred as the zero's wrap is
-    for day in range(days):
-        rng = np.random.default_rng((seed, day))
-        path, back, cable, leak = rng.uniform(0, 1, 4)
-        today = replace(
-            settings,
-            internal_path=settings.internal_path + wrap * path,
-            back_range=settings.back_range - wrap * back,
-            phase_offset=TAU * cable,
-            leakage_phase=TAU * leak,
-        )
-        ranger = OpticalRanger(today, mode, **({"visits": VISITS, "age": AGE} | lab))
-        found.append(ranger.sweep(target, about, repeats=1, seed=int(rng.integers(2**31)))[0])
-    return np.array(found) - target.distance - about
+    """Errors (days, P), m, of the sweep of Fig. 13; ``lab`` are fields of `OpticalRanger`."""
+    about = POSITIONS - POSITIONS.mean()  # centred as the zero's wrap is
+    ranger = OpticalRanger(settings, mode, **lab)
+    return ranger.sweep(target, about, repeats=days, seed=seed) - target.distance - about

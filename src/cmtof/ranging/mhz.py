@@ -11,7 +11,6 @@ cameras calibrate to below a millimetre (cyclic error, fixed pattern, late taps)
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,16 +24,10 @@ from cmtof.instrument.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
 from cmtof.instrument.targets import Hits
 
 Array = NDArray[np.floating]
+Light = tuple[NDArray[np.complexfloating], Array]
 
 STEPS = 4  # phase steps of an image; their exposures add up to the whole
 PSI = TAU * np.arange(STEPS) / STEPS
-
-
-class Light(NamedTuple):
-    """Charge of one step in both taps of each pixel (H, W), electrons."""
-
-    phasor: NDArray[np.complexfloating]  # F, of all light of the emitter
-    total: Array  # S, with the light of the room
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,12 +76,9 @@ class MhzCamera:
         return float(wrap_length(self.frequency))
 
     def signal(self, view: Hits) -> Array:
-        r"""Charge of one step in both taps by the direct way, electrons, (H, W).
+        """Charge of one step in both taps by the direct way, electrons, (H, W) (law in chapter 20).
 
-        .. math:: N = \frac{P T}{4\,h\nu}\,\frac{\eta\,t}{n}\,\frac{\varrho\cos\theta\,A}{\pi z^2}
-
-        with n pixels in the field, opening A and transmission t. A polished surface keeps a small
-        diffuse share, and mirrors where it faces lens and source.
+        A polished surface keeps a small diffuse share, and mirrors where it faces lens and source.
         """
         z, weight = view.range, np.asarray(view.mirrored)
         sent = self._electrons(self.power) / (self.shape[0] * self.shape[1])
@@ -114,7 +104,10 @@ class MhzCamera:
         return photons * self.transmission * self.efficiency
 
     def light(self, view: Hits, field: Hits) -> Light:
-        """Charge of pixels (H, W): direct, blurred, and scattered evenly from all of ``field``."""
+        """F of all light of the emitter and S with that of the room, electrons of a step (H, W).
+
+        Direct, blurred, and scattered evenly from all of ``field``.
+        """
 
         def mixed(part: Callable[[Hits], Array]) -> Array:
             near = gaussian_filter(part(view), self.blur, mode="nearest")
@@ -122,19 +115,19 @@ class MhzCamera:
 
         turn = TAU / self.wrap
         phasor = mixed(lambda v: self.signal(v) * np.exp(-1j * turn * np.nan_to_num(v.range)))
-        return Light(phasor, mixed(lambda v: self.signal(v) + self.room(v)))
+        return phasor, mixed(lambda v: self.signal(v) + self.room(v))
 
     def differences(self, light: Light) -> Array:
         """Mean of A - B in each step, electrons, (4, H, W)."""
-        return self.modulation * (light.phasor * np.exp(-1j * PSI[:, None, None])).real
+        return self.modulation * (light[0] * np.exp(-1j * PSI[:, None, None])).real
 
     def capture(self, light: Light, *, rng: np.random.Generator, repeats: int = 1) -> Array:
         """Difference images (repeats, 4, H, W), electrons: Skellam and read noise, rounded.
 
         NaN where a tap is full, which a camera sees by the sum of its taps.
         """
-        swing = np.broadcast_to(self.differences(light), (repeats, STEPS, *light.total.shape))
-        a, b = ((light.total + sign * swing) / 2 for sign in (1, -1))
+        swing = np.broadcast_to(self.differences(light), (repeats, STEPS, *light[1].shape))
+        a, b = ((light[1] + sign * swing) / 2 for sign in (1, -1))
         noisy, end = skellam_gaussian(a, b, rng=rng, sigma=self.read_noise), self.full_scale
         images = quantise(noisy + end, bits=self.bits, full_scale=2 * end) - end
         return np.where(np.maximum(a, b) < self.full_well, images, np.nan)
@@ -157,7 +150,7 @@ class MhzCamera:
         return np.asarray(charge) + self.read_noise**2 + step**2 / 12
 
     def bound(self, view: Hits) -> Array:
-        r"""Standard deviation :math:`c\sqrt{v/2}/(4\pi f m N)` of a pixel's range, m, (H, W)."""
+        """Standard deviation of a pixel's range, m, (H, W)."""
         own = self.signal(view)
         noise = self.variance(own + self.room(view))
         with np.errstate(divide="ignore"):

@@ -21,14 +21,14 @@ from cmtof.constants import (
     HALF_WAVE_PLATE_DOUBLED,
     HALF_WAVE_PLATE_SINGLE,
 )
-from cmtof.correlation import centred, decode, depth_from_phase, phase_from_depth, wrap_length
+from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Plane
 from cmtof.instrument.world import LABEL_TIME, SAMPLE_RATE, Panel, RfKnobs, World
-from cmtof.ranging.sweep import STAGE_ERROR, collected_power
+from cmtof.ranging.sweep import STAGE_ERROR, WRAP, collected_power, visited
 
 Array = NDArray[np.float64]
 
@@ -42,8 +42,8 @@ _PLATE = {"single": HALF_WAVE_PLATE_SINGLE, "doubled": HALF_WAVE_PLATE_DOUBLED}
 class OpticalRanger:
     """All-optical correlation at 7.15 ("single") or 14.32 GHz ("doubled") (Sec. 7, 8.2).
 
-    ``visits`` readings at known ranges set the zero: one stands at stage position 0; more are
-    spread over one wrap, as in a scan.
+    ``visits`` readings at known ranges over one wrap set the zero, as in a scan; a single one
+    stands at stage position 0.
     """
 
     settings: TwinSettings = field(default_factory=TwinSettings)
@@ -51,8 +51,8 @@ class OpticalRanger:
     phases: int = 16  # K (Sec. 7.2)
     samples: int = 20  # of each phase (Sec. 7.2)
     settle: int = 4  # of them are dropped while the filters settle, as in the default rig
-    visits: int = 1
-    age: float = 60.0  # s from the first visit to the sweep (assumed)
+    visits: int = 8  # (assumed)
+    age: float = 600.0  # s from the first visit to the sweep (assumed)
     step_time: float = 1.0  # s from one reading to the next (assumed: 2.4 mm/s and a turn of 1 mm)
     air_change: tuple[float, float] = (0.5, 100.0)  # K, Pa since the zero, rms (assumed)
     stage_error: float = STAGE_ERROR
@@ -94,10 +94,10 @@ class OpticalRanger:
         """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.
 
         Each repeat is another instrument on another day; ranges are unwrapped to the known wrap.
+        Phases of paths, cables and leaks, which no setting states, are anywhere in a turn.
         """
         offsets, settings = np.asarray(positions, float), self.before(target)
-        spread = (np.arange(self.visits) + 0.5) / self.visits - 0.5
-        stated = np.append(float(wrap_length(self.frequency)) * spread, offsets)
+        stated = np.append(visited(self.visits), offsets)
         later = self.age + self.step_time * np.arange(offsets.size)
         times = np.append(self.step_time * np.arange(self.visits), later)
         labels = 1 + np.rint(times / LABEL_TIME).astype(int)
@@ -106,7 +106,15 @@ class OpticalRanger:
         ranges = np.empty((repeats, offsets.size))
         for repeat in range(repeats):
             rng = np.random.default_rng((seed, repeat))
-            world = World(settings, seed=int(rng.integers(2**63)))
+            path, back, cable, leak = rng.uniform(0, 1, 4)
+            today = replace(
+                settings,
+                internal_path=settings.internal_path + WRAP * path,
+                back_range=settings.back_range - WRAP * back,
+                phase_offset=TAU * cable,
+                leakage_phase=TAU * leak,
+            )
+            world = World(today, seed=int(rng.integers(2**63)))
             warmer, denser = rng.standard_normal(2) * self.air_change
             at = stated + self.stage_error * rng.standard_normal(stated.size)
             error = self.phase(self.counts(world, at, labels)) - expected

@@ -23,7 +23,7 @@ from cmtof.instrument.targets import Plane, Target
 from cmtof.instrument.world import DRIFT_RMS, SAMPLE_RATE, drift
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.ranging.optical import FREQUENCY, ORDER
-from cmtof.ranging.sweep import STAGE_ERROR, circular_normals, collected_power
+from cmtof.ranging.sweep import STAGE_ERROR, circular_normals, collected_power, visited
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -35,14 +35,15 @@ class RfRanger:
 
     The paper names the photodiode only, the rest are catalogue parts (*known*, *assumed*: as in
     `cmtof.instrument.settings`). The offset is read with the beam blocked, and the imbalance from a
-    sweep of the phase, ``age`` before; the first position sets the zero. Each averages ``points``.
+    sweep of the phase, ``age`` before; the zero has ``visits``. Each averages ``points``.
     """
 
     settings: TwinSettings = field(default_factory=TwinSettings)
     mode: str = "single"
     calibrated: bool = True  # offset and imbalance are taken away; the zero is set in any case
     points: int = 100
-    age: float = 60.0  # s from the calibration to the first position (assumed)
+    visits: int = 8
+    age: float = 600.0  # s from the calibration to the first position (assumed)
     step_time: float = 1.0  # s from one position to the next (assumed)
     stage_error: float = STAGE_ERROR
     time: float = 320 / SAMPLE_RATE  # s for a point, that of the all-optical instrument (Sec. 7.2)
@@ -120,12 +121,14 @@ class RfRanger:
 
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
-        ranges = target.distance + np.asarray(positions, float)
-        found = np.empty((repeats, ranges.size))
+        offsets, count = np.asarray(positions, float), self.visits
+        ranges = target.distance + np.append(visited(count), offsets)
+        found = np.empty((repeats, offsets.size))
         for repeat in range(repeats):
             read = self.readings(target, ranges, np.random.default_rng([seed, repeat]))
-            off = centred(np.angle(read[1:] / read[0]) - self.phase(ranges - ranges[0]))
-            found[repeat] = ranges + off / self.phase(1.0)
+            turned = read * np.exp(-1j * self.phase(ranges))
+            off = centred(np.angle(turned[count:] / turned[:count].sum()))
+            found[repeat] = ranges[count:] + off / self.phase(1.0)
         return found
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
@@ -134,29 +137,33 @@ class RfRanger:
         return self.noise(light) / self.envelope(light) / self.phase(1.0)
 
     def readings(self, target: Plane, ranges: Array, rng: np.random.Generator) -> Complex:
-        """One day's envelopes (1 + P,), V: the zero at the first of ranges (P,), m, then all."""
-        settings, key = self.settings, int(rng.integers(2**62))
-        times = self.age + self.step_time * np.append(0, np.arange(ranges.size))
+        """One day's envelopes (P,), V, at ranges (P,), m, the first ones those of the zero."""
+        settings, key, zeros = self.settings, int(rng.integers(2**62)), self.visits
+        later = self.age + self.step_time * np.arange(ranges.size - zeros)
+        times = np.append(self.step_time * np.arange(zeros), later)
         times = np.append(times, 0.0)  # the last with the beam blocked
         slow = [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
         constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
         constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
         low, high = settings.fibre_low, settings.fibre_high
         fibre = 1 + (high - low) / (high + low) * DRIFT_RMS * slow[3]
-        turn = settings.phase_drift * slow[2]
+        jitter = settings.phase_noise[ORDER[self.mode] - 1]  # of the drivers, as in the instrument
         true = ranges + self.stage_error * rng.standard_normal(ranges.size)
         light = self.power(target, ranges)
         if settings.speckle and not target.mirrored:
             cells = free_space.speckle_cells(settings, ranges)
             light = light * rng.gamma(cells, 1 / cells)
-        light, true = (np.concatenate([one[:1], one, [0.0]]) for one in (light, true))
+        light, true = np.append(light, 0.0), np.append(true, 0.0)
+        many = np.where(np.arange(times.size) < zeros, self.points, 1)
+        many[-1] = self.points
+        turn = jitter * rng.standard_normal(many.size) / np.sqrt(many)
+        turn += settings.phase_drift * slow[2]
         stray = free_space.sent_power(settings, self.mode) * free_space.inward(settings)
         stray *= settings.back_fraction * (times > 0)
         ways = (light, true), (stray, settings.back_range)
         signal = constant + sum(
             self.envelope(power * fibre) * np.exp(1j * (self.phase(z) + turn)) for power, z in ways
         )
-        many = np.array([self.points, *np.ones(ranges.size), self.points])
         noise = self.noise(light) / np.sqrt(many) * circular_normals(rng, many.size)
         known = 10 ** (self.amplitude_imbalance / 20), self.phase_imbalance
         read = skewed(signal + noise, *(known + self.drift * rng.standard_normal(2)))
@@ -177,22 +184,14 @@ def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Compl
     return np.asarray(z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error))
 
 
-def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> list[Array]:
-    """RF demodulation at optical angles (..., 2), rad, of a scan of the same seed; noise alone.
-
-    Wrapped phase, rad, mean light on the photodiode, W, and Cramer-Rao bound on the phase, rad,
-    each (...); the bound is infinite where nothing returns.
-    """
-    settings, shape = ranger.settings, np.shape(angles)[:-1]
+def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
+    """Wrapped phase (...), rad, by RF demodulation at optical angles (..., 2), rad; noise alone."""
+    settings = ranger.settings
     paths = free_space.trace(target, np.reshape(angles, (-1, 2)), settings, seed)
     sent = free_space.sent_power(settings, ranger.mode) * free_space.inward(settings)
     power = sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     signal = (ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))).sum(-1)
-    total = power.sum(-1)
     rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
-    read = signal + ranger.noise(total) * circular_normals(rng, total.size)
-    phase = np.asarray(wrapped(np.angle(read)), float)
-    with np.errstate(divide="ignore"):
-        bound = ranger.noise(total) / np.abs(signal)
-    return [one.reshape(shape) for one in (phase, total, bound)]
+    read = signal + ranger.noise(power.sum(-1)) * circular_normals(rng, signal.size)
+    return np.asarray(wrapped(np.angle(read)), float).reshape(np.shape(angles)[:-1])

@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cmtof.constants import FREQUENCY_SINGLE
+from cmtof.correlation import wrap_length
 from cmtof.instrument import optics as free_space
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import Hits, Plane
@@ -20,6 +22,12 @@ Array = NDArray[np.float64]
 
 POSITIONS = 5e-5 * np.arange(21)  # Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)
 STAGE_ERROR = 5e-8  # Error of a position of the stage, rms, m (Sec. 8.2)
+WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
+
+
+def visited(count: int) -> Array:
+    """Stage positions (count,), m, that set a zero: over one wrap, where cyclic errors cancel."""
+    return WRAP * ((np.arange(count) + 0.5) / count - 0.5)
 
 
 def collected_power(
