@@ -51,7 +51,7 @@ class Published:
         return f"{text}{joint}± {allowed}" if self.tolerance else text
 
     def outcome(self, value: Value = math.nan) -> Outcome:
-        """Computed from value and tolerance; of a band, that of its value nearest to the paper's."""
+        """Computed from value and tolerance; a band counts by its value nearest to the paper's."""
         if self.kind == "setting":
             return "input"
         value = float(np.clip(self.value, *np.broadcast_to(value, 2)))
