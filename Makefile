@@ -68,11 +68,13 @@ size: setup ## Lines of every part beside its budget
 lab: setup ## Open the notebooks in JupyterLab
 	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
-lint: setup ## Check style, types and that notebook pairs agree
+lint: setup ## Check style, types, notebook pairs and words
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/pyright
 	@$(BIN)/python tools/pairs.py --check
+	@! grep -nEf tools/words.txt README.md CONTRIBUTING.md book/*.md notebooks/*.py \
+		$$(git ls-files 'src/*.py') || { echo "Words to replace (tools/words.txt)." >&2; exit 1; }
 
 pairs: setup ## Write each .ipynb again from its .py
 	@$(BIN)/python tools/pairs.py

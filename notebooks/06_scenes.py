@@ -130,7 +130,7 @@ print(f"beyond 7.5 m: {np.mean(ours['range (m)'] > 7.5):.0%} of the pixels")
 # Two frequencies tell ranges apart up to 7.5 m; in Hypersim, with its halls and terraces, a quarter
 # of the pixels lies beyond.
 #
-# ## What makes unwrapping hard
+# ## Difficulty of a scene
 #
 # Not range itself but its changes. Within a surface a method may follow depth from pixel to pixel;
 # the steeper it runs, the fewer pixels it may average. Where a surface ends it must start again,
@@ -182,7 +182,7 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## What half precision does to a plane
+# ## Half precision
 #
 # Hypersim stores range as 16-bit floating point: from each power of two on, its steps are twice as
 # wide. Rounded like that, a plane becomes a staircase, and a network trained on it may learn

@@ -164,7 +164,7 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## How noisy is the phase?
+# ## Noise of the phase
 #
 # A scan is taken once, so the noise must come from neighbours. If it is white, its local squares
 # follow a χ² law with 19 degrees of freedom (25 pixels less six coefficients), neighbours have no
@@ -424,7 +424,7 @@ plotting.save(
 
 
 # %% [markdown]
-# ## What matches, what does not
+# ## Agreement and disagreement
 #
 # Each number of a map: **as captured** / simulated with white noise / with lines. A simulation that
 # is off by more than four standard deviations of its draws is marked ≠.

@@ -189,7 +189,7 @@ print(f"slope of the whole loss {exact:.6f}, by finite differences {finite:.6f}"
 print(f"one wrap is {WRAP_MM:.1f} mm, and costs {w * WRAP_MM:.1f}; slope where masked: {masked:g}")
 
 # %% [markdown]
-# ## What has to be learnt
+# ## The task
 #
 # A wrap moves the beat $b=\varphi_2-2\varphi_1$ by 17.5 mrad, and its noise at one pixel is near a
 # radian. A convolution and a ReLU have to form a *product* of two noisy phasors before anything is
@@ -406,7 +406,7 @@ apart = rates(counts, "fast-scnn-light", against="fast-scnn", draws=draws)
 print(f"light less full, δ < 1: {spread(apart, 0, '+')} points")
 
 # %% [markdown]
-# ## What it looks like
+# ## Examples
 #
 # Test frames: the true wraps, those of the trained rows, and those of a plain average of the beat.
 # On large and bright surfaces both are mostly right. The network keeps edges that a window smears;
@@ -446,7 +446,7 @@ plotting.save(
 )  # fmt: skip
 
 # %% [markdown]
-# ## How fast
+# ## Speed
 #
 # The paper's network takes 16.5 ms for 256×256 pixels and 50 ms for 768×1024 on a V100. What there
 # is to compute follows from the layers alone; what the clock says holds for one thread of the

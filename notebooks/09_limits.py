@@ -47,7 +47,7 @@ every = held_out_frames()
 frames = [every[place].middle(height, width) for place in places]
 
 # %% [markdown]
-# ## How far one has to look
+# ## Size of the window
 #
 # The wrap follows from the phasors of a surface, added up over a window. Above, the shape of every
 # surface is known (`reference-field`); below, nothing is, and the beat is averaged over whatever
@@ -156,7 +156,7 @@ for protocol in PROTOCOLS:
     print(f"{protocol}: {steep:.1%} of the steps within a surface exceed half a turn")
 
 # %% [markdown]
-# ## Where it is lost
+# ## Losses
 #
 # Black is right, white is wrong by ten wraps or more. Small things fail first in
 # `reference-offset`, dark ones next. What remains in `reference-contact` touches nothing, or only
@@ -182,7 +182,7 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## How much light a surface needs
+# ## Light needed by a surface
 #
 # Information on the wrap adds up over a surface: n pixels of phase noise σ are worth one of σ/√n.
 # So the scene itself predicts how much of it can be unwrapped, before any image is taken: the odds

@@ -157,7 +157,7 @@ plotting.save(
 #
 # Moved by one wrap, a surface fits the lower phase as well as before, and the higher one but for
 # $2\pi\,(k_2/k_1 - 2)$ = 17.6 mrad: that is the beat. But a plane that is moved *along the rays* is
-# no plane any more. Where the camera is known the bend betrays the move, and it grows with the
+# no plane any more. Where the camera is known the bend shows the move, and it grows with the
 # square of the width: in the likelihood of a wall with the sixth power, the beat's with the second.
 
 # %%

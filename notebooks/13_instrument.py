@@ -128,7 +128,7 @@ plotting.save(
 # reference: behind that, a slow detector will do. Both RF drivers run on one clock. The detection's
 # driver holds a table of phases, and each rising edge from the read-out moves it on by one.
 #
-# ## Where the light goes
+# ## Power budget
 #
 # A diffuse target of reflectance ϱ at the range z returns into the aperture A
 #
@@ -284,7 +284,7 @@ for mode, one in here.items():
 # wave shortens. Both lie below the paper's 33 µm; drift, air, back-reflected light and cyclic
 # errors ({doc}`14_correlation_profiles`) are larger.
 #
-# ## Where we differ from the paper
+# ## Differences from the paper
 #
 # Every setting of the simulation carries its source; nothing was tuned to the paper's results. The
 # RC constant is 20 µs where the paper prints 0.1 s, which would damp the sweep of ψ 47 times. The

@@ -43,7 +43,7 @@ base = Rig.default()
 known = base.twin
 
 # %% [markdown]
-# ## What Eq. 20 says
+# ## Equation 20
 #
 # ```{math}
 # :label: eq-20-profile
@@ -124,7 +124,7 @@ for mode in ORDER:
     print(f"{mode}: {fits[mode].offset:.3f} V + {fits[mode].amplitude:.3f} V cos(ψ + φ)")
 
 # %% [markdown]
-# ## What to expect
+# ## Prediction
 #
 # **Noise.** Light and amplifier make white noise of a known density; the filters correlate
 # neighbouring samples, as the covariance of the chain predicts; the converter adds its own.

@@ -176,7 +176,7 @@ beat_off = float(centred(off[1] - 2 * off[0]))
 print(f"the beat is off by {1e3 * beat_off:.2f} mrad, {beat_off / wrap_in_beat:.3f} wraps")
 
 # %% [markdown]
-# ## What the errors are made of
+# ## Sources of error
 #
 # The same bursts are taken with parts of the simulation switched off one after the other: noise,
 # speckle, the size of the spot, back-reflected light, errors of the RF drivers. The rest comes from

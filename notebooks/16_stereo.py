@@ -152,7 +152,7 @@ plotting.save(
 # Stereo alone gives $n = \lfloor 2fz/c \rfloor$ and is in doubt at the boundary of a wrap. The
 # measured phase removes that doubt: stereo need only be right to half a wrap, 10.5 mm.
 #
-# ## What limits a range
+# ## Limits of a range
 #
 # A disparity that is wrong by $\delta$ pixels moves a point by $\delta z = z^2\delta/(fb)$ with
 # the focal length $f$ in pixels and the baseline $b$. Photons would place a bright spot to a
@@ -169,7 +169,7 @@ paper.check("sec6.lens_focal_length", focal)
 print(f"speckle {sensor.speckle:.3f} px; all noise {np.nanmedian(spots.sigma):.3f} px")
 
 # %% [markdown]
-# ## How far it reaches: the same rig before a room
+# ## Reach: the same rig before a room
 
 # %%
 far_frame = thinned(far_scene, far_stride)
@@ -211,7 +211,7 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## What a bad calibration does
+# ## Effect of a bad calibration
 #
 # An error of the calibration is shared by all pixels and shifts a whole surface. What lifts a spot
 # off its epipolar line is seen and masked, what moves it along the line is not: labels keep being

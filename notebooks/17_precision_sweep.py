@@ -211,7 +211,7 @@ notes.table(
 # - That RF loses before a mirror, as the paper has it, is not found. With that much light its noise
 #   is nothing; drift and the captures' noise are shared by both instruments.
 #
-# ## What the numbers are made of
+# ## Composition of the numbers
 #
 # Gaussian errors about zero have MAE/RMSE = $\sqrt{2/\pi}$ = 0.80, a constant offset has 1. For an
 # offset $\mu$ with a Gaussian scatter $\sigma$

@@ -181,7 +181,7 @@ plotting.save(
 # over a millimetre, with MAE/RMSE near 1, as Table 4 has it. Four steps would be of the right size;
 # but the paper states sixteen, and sixteen do not alias.
 #
-# ## What it would take
+# ## Error sizes that would explain the paper
 #
 # Every term is linear in its size, so the closed forms can be turned round: what size makes 33.5 µm
 # of constant error, or 7.5 µm of scatter, alone? A cyclic error is taken at its crest.

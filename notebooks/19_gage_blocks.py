@@ -227,7 +227,7 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## Why the tilt matters
+# ## Effect of the tilt
 #
 # If the tilt of the base were known, the difference of two means of $N/2$ points each would have
 # the standard error $2\sigma/\sqrt N$. It is not, and the fit has to carry the slope over from
@@ -246,7 +246,7 @@ print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 # Most systematic errors are the same for both faces and cancel. A back-reflection of constant phase
 # moves the step with the same sign in every repeat ({doc}`18_error_budget` has its size).
 #
-# ## What R² measures
+# ## Meaning of R²
 #
 # For the slanted plane the paper gives no error but the share of the variance of depth that a
 # fitted plane explains, R² = 0.9998. In expected values

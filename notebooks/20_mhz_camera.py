@@ -235,7 +235,7 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## How much light a pixel gets
+# ## Light per pixel
 #
 # The light of the diodes spreads over the field of $n$ pixels. A diffuse surface returns
 #

@@ -317,7 +317,7 @@ for name in objects:
     )
 
 # %% [markdown]
-# ## What works, and what fails
+# ## Success and failure
 #
 # Each pixel is put into the first class that holds: at an edge, where a neighbour lies more than
 # half a wrap nearer or farther, be it an outline or a steep slope; polished, where most of the

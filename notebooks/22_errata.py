@@ -184,7 +184,7 @@ holds[18] = read[0] < 0.2
 # ## Inconsistencies
 #
 # (erratum-4)=
-# ### 4 · How many Fourier features
+# ### 4 · Number of Fourier features
 # Eq. 5 ends at $2^{EC}$ and EC is never given; the released code uses k = 0 … 5. At the paper's
 # noise the upper features carry nothing.
 #
@@ -439,7 +439,7 @@ print(f"28: for 100×100 points {1e4 * point / frame:.0f} times the energy at ea
 holds[28] = 1e4 * point / frame > 1000
 
 # %% [markdown]
-# ## What holds
+# ## Confirmed statements
 #
 # Checked and right: {eq}`eq-14` to {eq}`eq-18` ({doc}`04_modulator`), the hundredfold gain of Fig.
 # 3, 2·(7.15 GHz + 10 MHz) = 14.32 GHz, 13 ms for 320 samples, the beam reducer's 1.25 mm / 2.5 =
