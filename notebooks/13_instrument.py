@@ -3,8 +3,8 @@
 #
 # Section 7 of the paper lists the parts of a prototype; its drawings and code were never published.
 # Paper Fig. 6 below draws the instrument that this package's rig file describes. Of 150 mW of laser
-# light less than a nanowatt reaches the detector, and for a grey wall at 1 m that is light enough
-# for a few micrometres of range noise. Everything here is *simulated*.
+# light less than a nanowatt reaches the detector; for a grey wall at 1 m photons and electronics
+# then leave a few micrometres of range noise. Everything here is *simulated*.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -268,7 +268,8 @@ plotting.save(
     },
     caption=(
         "(a) Photons in a point of 16 phases. (b) Noise of one phase against the detector's "
-        "output. (c) The noise of the range. Simulated; curves end where the detector saturates."
+        "output. (c) The noise of the range at this photon limit; the published captures have 390 "
+        "µm at 7.15 GHz, whatever the light. Simulated; curves end where the detector saturates."
     ),
     alt="Three double logarithmic panels: photons fall with the square of the range; shot noise "
     "crosses the amplifier's; the noise of the range grows, more in the doubled mode.",
@@ -282,13 +283,24 @@ for mode, one in here.items():
 # of the room's light. The converter never counts, not even with the 14 bits of the paper. Photons
 # alone allow *less* precision at the higher frequency, since the amplitude falls faster than the
 # wave shortens. Both lie below the paper's 33 µm; drift, air, back-reflected light and cyclic
-# errors ({doc}`14_correlation_profiles`) are larger.
+# errors ({doc}`18_error_budget`) are larger.
+#
+# ## Two noise cases
+#
+# Real captures of such an instrument are far noisier ({doc}`07_captures`), 0.08 to 0.13 rad at 7.15
+# GHz. So beside this *photon limit* there is the case of the *captures' noise*: the phase between
+# both drives is disturbed from step to step, and a point shares a part with the one before it. Its
+# level and grain, 0.117 rad of a point and a correlation of 0.17, are means of three published
+# scans; as many radians at 14.32 GHz are assumed (a jitter in time would make twice as many). A rig
+# file has it as `twin: {phase_noise: [0.117, 0.117], grain: 0.167}`.
 #
 # ## Differences from the paper
 #
 # Every setting of the simulation carries its source; nothing was tuned to the paper's results. The
 # RC constant is 20 µs where the paper prints 0.1 s, which would damp the sweep of ψ 47 times. The
-# converter has the 16 bits of the T7's stream, not 14. Drive amplitude, laser power, aperture,
+# converter has the 16 bits of the T7's stream, not 14. The drive is η = π/4, where the chapters on
+# light ({doc}`04_modulator`) mostly have 0.26, the paper's 50 % of contrast: at 0.26 the doubled
+# mode keeps 2 % of the signal, too little for a scan. Drive amplitude, laser power, aperture,
 # avalanche gain and back-reflection are not stated in the paper and assumed here. Not verified in a
 # maker's own document: noise, gain and excess of the detector, the order of the filter EF120,
 # reflectances and extinction ratios, and every error of the RF drivers.

@@ -3,9 +3,9 @@
 #
 # A small scene is scanned as the real instrument would scan it: the same plan, checks, journal and
 # reduction, with simulated devices in place of the drivers. Everything here is simulated, so for
-# every number the truth is known. The phases are right to some ten milliradians, which is tens of
-# micrometres; what a scan of few points lacks is the integer. {doc}`../book/hardware` describes the
-# same scan on a bench.
+# every number the truth is known. At the photon limit the phases are right to some ten
+# milliradians, tens of micrometres; what a scan of few points lacks is the integer.
+# {doc}`../book/hardware` describes the same scan on a bench.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -94,7 +94,7 @@ plotting.save(
         "median_error_mrad": [1e3 * typical(e) for e in error],
         "valid": float(measurement.mask.mean()),
     },
-    caption="A simulated scan: amplitude, both wrapped phases, and the true range.",
+    caption="A scan simulated at the photon limit: amplitude, wrapped phases, and the true range.",
     alt="Four small images: an amplitude grainy with speckle, fringes of phase over the scene, "
     "twice as many at the doubled frequency, and the range.",
     format="png",
@@ -144,7 +144,7 @@ plotting.save(
         "contrast": contrasts, "reproduced": all(same),
         "mean_counts": {mode: float(np.mean(raw[mode])) for mode in MODES},
     },
-    caption="(a) The samples of one point in both modes. (b) Means of its phases, and their fit.",
+    caption="(a) Simulated samples of one point in both modes. (b) Means of its phases, and fits.",
     alt="Left: samples of two bursts in 16 steps through one period of a cosine; right: their "
     "means on fitted cosines.",
 )  # fmt: skip
@@ -232,8 +232,8 @@ plotting.save(
     figure, "scan_errors",
     numbers={"mrad": sizes, "foretold_over_found": pulls, "wrap_mrad": 1e3 * wrap_in_beat},
     caption=(
-        "Median phase error by its cause, in both modes and in their beat, where it decides "
-        "about the wraps."
+        "Median phase error by its cause, simulated at the photon limit, in both modes and in "
+        "their beat, where it decides about the wraps."
     ),
     alt="Bars on a logarithmic scale: speckle is the largest cause in either phase, noise in the "
     "beat.",
@@ -330,7 +330,7 @@ plotting.save(
         "close": {m: close["as scanned", m] for m in METHODS},
         "best": best, "residual_um": 1e6 * typical(residual),
     },
-    caption=f"Range of the scene and of the scan (`{best}`), whole wraps off, and the remainder.",
+    caption=f"Range of the scene and of the simulated scan (`{best}`), whole wraps off, and rest.",
     alt="Four images: true range, scanned range, wraps by which it is off, and a remaining error "
     "of tens of micrometres.",
     format="png",

@@ -139,7 +139,7 @@ plotting.save(
     },
     caption=(
         "Active stereo supervision, simulated. (a) The rig before the scene. "
-        "(b) The measured phase. (c) The wrap map from the cameras; grey pixels have no label."
+        "(b) The phase of the scan. (c) The wrap map from the cameras; grey pixels have no label."
     ),
     alt=(
         "A point cloud of a table with objects, met by a beam and the lines of two cameras. Beside "

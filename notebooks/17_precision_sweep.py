@@ -108,8 +108,8 @@ def published(name, what):
 
 
 for case in ("plausible", "captures"):
-    low, high = band(found["all-optical", "mirror", case].rmse)
-    notes.tell(**{f"{case}_l": 1e6 * low, f"{case}_h": 1e6 * high})
+    ends = 1e6 * np.array(band(found["all-optical", "mirror", case].rmse))
+    notes.tell(**{f"{case}_l": ends[0], f"{case}_h": ends[1]})
 needed = (median["all-optical", "mirror", "captures"] / published("all-optical", "mirror")[0]) ** 2
 notes.tell(repeats=repeats, rf_plate=1e3 * median["RF", "diffuse", "plausible"], needed=needed)
 

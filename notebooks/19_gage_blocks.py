@@ -320,8 +320,6 @@ plotting.save(
 # and extent are not stated.
 
 # %%
-near = int((np.abs(heights[:, 2] - step) <= 1.2e-6).sum())
-print(f"{near} of {repeats} scans come as near to the nominal step as the paper's")
 print(f"the plane with the captures' noise has R² {rough_fit.r_squared:.5f}")
 ends = 1.96 * np.array([-1, 1])
 noisy, quiet = (one[:, 2].mean() + ends * one[:, 2].std(ddof=1) for one in (rough, heights))

@@ -2,6 +2,7 @@
 
 import json
 import warnings
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -264,3 +265,14 @@ def test_own_warnings_are_one_line(run, measurement_file, tmp_path, monkeypatch)
         "cmtof: fast-scnn is untrained: no gain",
         "cmtof: Expected an end, got one. Stop.",
     ]
+
+
+def test_a_rig_file_is_simulated_with_its_own_twin(run, tmp_path):
+    """Without --twin its devices would be opened."""
+    rig = tmp_path / "rig.yml"
+    default = files("cmtof.hardware").joinpath("rig.yml").read_text()
+    rig.write_text(default + "twin: {phase_noise: [0.3, 0.3], grain: 0.2}\n")
+    code, _, _ = run("scan", rig, "--twin", "--size", 2, "-o", tmp_path / "m.nc", "--quiet")
+    assert code == 0
+    settings = json.loads(cmtof.open(tmp_path / "m.nc").dataset.attrs["settings"])
+    assert settings["twin"]["phase_noise"] == [0.3, 0.3]

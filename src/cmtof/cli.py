@@ -372,7 +372,7 @@ def train(
 def scan(
     output: Output,
     rig: Annotated[Path | None, Argument(help="RIG file, *.yml.")] = None,
-    twin: Annotated[bool, Option("--twin", help="Scan with the simulated instrument.")] = False,
+    twin: Annotated[bool, Option("--twin", help="Simulate the instrument, by RIG's twin.")] = False,
     scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
     seed: Annotated[int | None, Option(min=0, help="Its seed. Default: 0.")] = None,
     size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
@@ -386,9 +386,8 @@ def scan(
 
     Example: [bold]cmtof scan --twin --scene still_life --size 64 --seed 0 -o m.nc[/bold]
     """
-    if twin == (rig is not None):
-        got = "both" if twin else "neither"
-        raise ValueError(f"Expected either a RIG file or --twin, got {got}. Name one.")
+    if not twin and rig is None:
+        raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
     if not twin and (seed, scene) != (None, None):
         raise ValueError("Expected --scene and --seed with --twin, got a RIG file. Leave them out.")
     from cmtof.hardware.bench import opened, simulated
@@ -400,7 +399,8 @@ def scan(
     settings = Rig.default() if rig is None else Rig.load(rig)
     plan = planned(settings, size=size)
 
-    rehearsed = partial(simulated, settings, scene or "still_life", seed=seed or 0)
+    scene = scene or (settings.twin.scene if rig else "still_life")
+    rehearsed = partial(simulated, settings, scene, seed=seed or 0)
     bench = rehearsed if twin else partial(opened, settings)
     try:
         with progress(len(plan.lines), quiet) as advance:
