@@ -48,6 +48,12 @@ figure: setup ## Draw one figure, and what else its notebook draws: make figure 
 	stem=$${stem#*/}; [ "$$stem" ] || { echo "Expected a figure, got F=$(F). Try F=fig13." >&2; exit 1; }; \
 	$(call build,$(PROFILE),build/$(PROFILE)/results/$$stem); ls build/$(PROFILE)/results/$$stem/$(F)*
 
+pdf: book ## Print the whole book to build/PROFILE/book.pdf (Debian: apt-get install chromium)
+	@$(BIN)/jupyter-book build build/$(PROFILE)/stage --builder=custom --custom-builder=singlehtml -q \
+		--path-output build/$(PROFILE)/print
+	@cd build/$(PROFILE)/print/_build/singlehtml && mv book/intro.html whole.html && chromium --headless \
+		--no-sandbox --no-pdf-header-footer --virtual-time-budget=120000 --print-to-pdf=../../../book.pdf whole.html
+
 test: setup ## Check sizes, build the book with the small ci profile, then run the tests
 	@$(BIN)/python tools/size.py
 	@$(call build,ci)

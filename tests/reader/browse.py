@@ -45,6 +45,7 @@ PROBE = """async () => {
 
 UNWANTED = {
     "a directive": r"^\s*(```|:::)?\{[a-z-]+\}",
+    "a table in Markdown": r"^\|.*\|$",
     "a traceback": r"Traceback \(most recent call last\)",
     "a warning": r"\w+Warning: ",
     "a path of a machine": r"(?<![\w.])/(home|root|tmp|work|Users)/\w",
