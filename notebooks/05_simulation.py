@@ -28,6 +28,7 @@ from cmtof.correlation import (
     correlation_from_phase,
     decode,
     depth_from_wraps,
+    phase_from_depth,
     wrap_count_from_depth,
     wrap_length,
     wrapped,
@@ -35,7 +36,7 @@ from cmtof.correlation import (
 from cmtof.detector import poisson_gaussian
 from cmtof.network.features import fourier_features, phase_edges
 from cmtof.scenes import embedded_frames
-from cmtof.simulation import QUADRATURES, true_phase
+from cmtof.simulation import QUADRATURES
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
@@ -139,7 +140,7 @@ for name in embedded_frames():
     lit = np.isfinite(quiet.depth) & (quiet.amplitude[0] > 10) & quiet.mask
     z, phi = quiet.depth[lit].astype(float), quiet.phase[0][lit].astype(float)
     wraps = consistent_wrap_count(z, phi, f1)
-    phase_error = np.abs(centred(phi - true_phase(quiet)[lit])).max()
+    phase_error = np.abs(centred(phi - phase_from_depth(z, f1))).max()
     depth_error = np.abs(depth_from_wraps(phi, wraps, f1) - z).max()
     moved = int(np.sum(wraps != wrap_count_from_depth(z, f1)))
     print(f"{name}: phase {1e6 * phase_error:.1f} µrad, depth {1e9 * depth_error:.1f} nm")
@@ -341,7 +342,8 @@ plotting.save(
 # %%
 edges, noisy_edges = phase_edges(exact.phase[0]), phase_edges(measured.phase[0])
 naive = np.diff(exact.phase[0], axis=1, prepend=exact.phase[0][:, :1])
-true_steps = [np.diff(true_phase(measured, i), axis=1) for i in (0, 1)]
+z = measured.depth.astype(float)
+true_steps = [np.diff(phase_from_depth(z, f), axis=1) for f in measured.frequencies]
 pair = scored[:, 1:] & scored[:, :-1]
 naive_wrong = float(np.mean(np.abs(naive[:, 1:] - true_steps[0])[pair] > np.pi))
 folded = [float(np.mean(np.abs(step)[pair] > np.pi)) for step in true_steps]

@@ -27,7 +27,7 @@ from IPython.display import Markdown
 from myst_nb import glue
 from scipy.stats import norm
 
-from cmtof import bounds, correlation, detector
+from cmtof import bounds, correlation
 from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, LASER_WAVELENGTH, NOISE_SIGMA
 from cmtof.constants import SPEED_OF_LIGHT as c
@@ -241,7 +241,7 @@ holds[8] = depths[1] < depths[0] and light > 3
 
 # %%
 sweep = said("sec7.sample_rate") / (said("sec7.samples_per_phase") * said("sec7.phase_steps"))
-damping = float(1 / abs(detector.rc_response(sweep, said("sec7.rc_time"))))
+damping = abs(1 + 2j * np.pi * sweep * said("sec7.rc_time"))  # of a first-order low-pass
 print(f"12: a sweep of {sweep:.0f} Hz is damped {damping:.0f} times")
 holds[12] = damping > 40
 drop = 1 - said("table3.ambient.delta_lt_1") / said("table3.conventional.delta_lt_1")

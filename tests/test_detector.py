@@ -48,15 +48,6 @@ def test_skellam_difference_keeps_the_sum_of_the_variances(rng):
     assert d.var() == pytest.approx(500 + 300 + 100, rel=VARIANCE)
 
 
-@pytest.mark.parametrize("frequency", [0.0, 1.0, 75.0])
-def test_rc_response_is_that_of_the_exponential_step(frequency):
-    """The response is the Fourier transform of the impulse response exp(-t/RC)/RC."""
-    t = np.linspace(0, 5, 2_000_001)  # fifty time constants
-    impulse = np.exp(-t / 0.1) / 0.1 * np.exp(-2j * np.pi * frequency * t)
-    found = detector.rc_response(frequency, 0.1)
-    assert found == pytest.approx(np.trapezoid(impulse, t), abs=1e-6)
-
-
 @given(st.floats(-10, 2e4), st.integers(1, 16))
 def test_quantisation_errs_by_half_a_level_inside_and_saturates_outside(value, bits):
     level = 16383.0 / (2**bits - 1)

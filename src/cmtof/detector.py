@@ -75,17 +75,6 @@ def skellam_gaussian(
     return difference + sigma * rng.standard_normal(a.shape)
 
 
-def rc_response(frequency: ArrayLike, time_constant: float) -> NDArray[np.complexfloating]:
-    """Complex response ``1 / (1 + i 2 pi f t_RC)`` of a first-order low-pass, Hz and s (Sec. 7.2).
-
-    The paper's 100 ms against the 75 Hz sweep of its 16 phases in 13 ms:
-
-    >>> round(float(1 / abs(rc_response(75.0, 0.1))))
-    47
-    """
-    return 1 / (1 + 2j * np.pi * np.asarray(frequency) * time_constant)
-
-
 def quantise(signal: ArrayLike, *, bits: int, full_scale: float) -> Array:
     """Levels of an N-bit ADC, Q of Eq. 20; what exceeds its scale saturates.
 

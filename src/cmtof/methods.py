@@ -92,7 +92,7 @@ _ALL = (
     _learned("u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"),
     _learned("one-step", "Wang et al. 2019", "Residual U-Net, narrowed: regression of depth"),
     _learned("deep-tof", "Su et al. 2018", "Encoder and decoder on raw correlations, narrowed"),
-    _learned("rapid", "Zhang et al. 2019", "DeepLabV3+, narrowed, its wraps mended afterwards"),
+    _learned("rapid", "Zhang et al. 2019", "DeepLabV3+, narrowed"),
     _learned("fast-scnn", _BAEK, "The paper's network: segmentation into wraps"),
     _learned("fast-scnn-ce", _BAEK, "The paper's network, trained by cross-entropy alone"),
     _learned("fast-scnn-fourier", _BAEK, "The paper's network without phase edges"),

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
-from cmtof.correlation import phase_from_depth, wrap_length
+from cmtof.correlation import wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
 from cmtof.measurement import Measurement, unambiguous_range
 from cmtof.scenes.frame import Frame
@@ -132,10 +132,3 @@ def staged_depth(
     got = f"{np.nanmin(depth):.3f} to {np.nanmax(depth):.3f} m"
     expect(mask.any(), what, got, "Use another protocol or frame.")
     return depth, mask, limits
-
-
-def true_phase(measurement: Measurement, index: int = 0) -> NDArray[np.floating]:
-    """Unwrapped true phase (H, W) at one of the frequencies, rad; NaN where unknown."""
-    if measurement.depth is None:
-        raise ValueError("Expected a measurement that holds its true depth, got none. Simulate it.")
-    return phase_from_depth(measurement.depth.astype(float), measurement.frequencies[index])

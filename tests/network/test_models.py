@@ -1,4 +1,4 @@
-"""Networks: sizes, any shape, how far they see, what their first layer sees, mending."""
+"""Networks: sizes, any shape, how far they see, what their first layer sees."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,6 @@ import torch
 from cmtof.correlation import TAU
 from cmtof.network.features import CLASSES, features
 from cmtof.network.models import BEAT, MODELS, build_network
-from cmtof.network.weights import mended
 
 
 @pytest.mark.parametrize("name", ["fast-scnn", "u-net", "one-step", "deep-tof", "rapid"])
@@ -81,12 +80,3 @@ def test_path_to_the_pyramid_carries_the_beat_from_the_start():
     carried = held[0].mean((-2, -1)).double().numpy()
     difference = carried[:, 128 + 2]  # first pool, third channel: sum at one beta minus the other
     assert abs(np.corrcoef(difference, wraps)[0, 1]) > 0.95
-
-
-def test_mending_takes_specks_out_and_keeps_wrap_lines():
-    turns = np.linspace(3.2, 6.9, 60) + np.zeros((20, 1))
-    true, phase = np.floor(turns).astype(int), TAU * (turns % 1)
-    wrong = true.copy()
-    wrong[::5, ::6] += 4
-    assert (mended(wrong, phase) == true).all()
-    assert (mended(true, phase) == true).all()

@@ -74,13 +74,12 @@ class Pyramid(nn.Module):
 
 
 class Model(NamedTuple):
-    """A network, the name of its inputs, its loss, and whether its wraps are `mended`."""
+    """A network, the name of its inputs, and its loss."""
 
     network: "type[Network]"
     features: str = "proposed"
     depth_weight: float = 0.1  # w of Eq. 7
     smoothness: float = 0.0  # weight of a regressed depth's gradient
-    mend: bool = False
 
 
 class Network(nn.Module):
@@ -261,6 +260,7 @@ class Rapid(Network):
     """Rapid and robust unwrapping (Zhang, Jiang, Zhao et al. 2019): DeepLabV3+ on a ResNet.
 
     The paper calls its "Zhang et al. 2019" a regression; of two articles that fit, this segments.
+    Its correction of the segments afterwards is left out.
     """
 
     stride, reach = 16, 448
@@ -298,7 +298,7 @@ MODELS = {
     "u-net": Model(UNet, "phase", 0.0),
     "one-step": Model(OneStep, "phase"),
     "deep-tof": Model(DeepToF, "correlation", smoothness=1e-4),
-    "rapid": Model(Rapid, "phase", 0.0, mend=True),
+    "rapid": Model(Rapid, "phase", 0.0),
 }
 """The rows of Table 1, one that costs less, and the paper's learned baselines."""
 

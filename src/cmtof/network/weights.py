@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import TAU, centred, depth_from_wraps, wrap_length
+from cmtof.correlation import centred, depth_from_wraps, wrap_length
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement
 from cmtof.network.features import CLASSES, features
@@ -173,7 +173,7 @@ def unwrap_with_network(
     path = Path(weights) if weights else find_weights(model, first, last)
     trained = load_weights(path)
     if trained.network.target == "depth":
-        depth = (trained.card.first_wrap + _output(trained, measurement)[0][0].numpy()) * wrap
+        depth = (trained.card.first_wrap + _output(trained, measurement)[0].numpy()) * wrap
         sure = np.full(depth.shape, trained.card.validation.delta_lt_1)
     else:
         wraps, sure = classify(trained, measurement, first, last)
@@ -185,41 +185,16 @@ def unwrap_with_network(
 def classify(
     trained: Trained, measurement: Measurement, first: int, last: int
 ) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
-    """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W).
-
-    Where `mended` chooses another wrap, its probability is at most what the likeliest one left.
-    """
+    """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W)."""
     low, stop = trained.card.first_wrap, trained.card.first_wrap + trained.card.classes
     if first < low or last >= stop:
         raise ValueError(
             f"Expected wraps within {low} to {stop - 1}, which {trained.card.model} distinguishes, "
             f"got {first} to {last}. Narrow the range."
         )
-    found, phase = _output(trained, measurement)
-    odds, wraps = (x.numpy() for x in found[first - low : last - low + 1].softmax(0).max(0))
-    if trained.network.model.mend:
-        voted = mended(wraps, phase).clip(0, last - first)
-        odds = np.where(voted == wraps, odds, np.minimum(odds, 1 - odds))
-        wraps = voted
+    found = _output(trained, measurement)[first - low : last - low + 1]
+    odds, wraps = (x.numpy() for x in found.softmax(0).max(0))
     return first + wraps, odds
-
-
-def mended(wraps: NDArray[np.integer], phase: NDArray[np.floating]) -> NDArray[np.int64]:
-    r"""Wraps (H, W) by the vote of their neighbourhood (Zhang 2019); among equals the lowest wins.
-
-    Each neighbour q votes for :math:`n_q + \mathrm{round}((\hat\varphi_q - \hat\varphi_p)/2\pi)`.
-
-    >>> mended(np.array([[3, 9, 4]]), np.array([[5.9, 6.1, 0.1]])).tolist()
-    [[3, 3, 4]]
-    """
-    images = np.stack([wraps, phase / TAU])
-    padded = np.pad(images, ((0, 0), (2, 2), (2, 2)), constant_values=np.nan)
-    near = np.lib.stride_tricks.sliding_window_view(padded, (5, 5), (1, 2))
-    near = near.reshape(*images.shape, -1)
-    votes = near[0] + np.rint(near[1] - images[1, ..., None])
-    count = np.stack([(votes == votes[..., [k]]).sum(-1) for k in range(25)], -1)
-    leading = count == count.max(-1, keepdims=True)
-    return np.where(leading, votes, np.inf).min(-1).astype(np.int64)
 
 
 def network_inputs(
@@ -242,11 +217,11 @@ def network_inputs(
     return features(phase, amplitude, kind, *more), phase[0]
 
 
-def _output(trained: Trained, measurement: Measurement) -> tuple[Tensor, NDArray]:
-    """Output (C, H, W) of a network for a measurement, and the phase (H, W)."""
+def _output(trained: Trained, measurement: Measurement) -> Tensor:
+    """Output (C, H, W) of a network for a measurement."""
     import torch
 
-    inputs, phase = network_inputs(measurement, trained.network.model.features)
+    inputs, _ = network_inputs(measurement, trained.network.model.features)
     image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
     with torch.inference_mode():
-        return trained.network(image)[0], phase
+        return trained.network(image)[0]
