@@ -180,7 +180,8 @@ def test_inputs_are_never_replaced(fails, tmp_path, measured):
     before = (tmp_path / "m.nc").read_bytes()
     m, out = tmp_path / "m.nc", tmp_path / "out.nc"
     assert "got m.nc twice" in fails("unwrap", m, "-o", m)
-    assert "got m.nc twice" in fails("unwrap", m, "-o", out, "--ply", m)
+    assert "named *.ply, got m.nc" in fails("unwrap", m, "-o", out, "--ply", m)
+    assert "named *.json, got m.nc" in fails("evaluate", "room", "--json", m)
     assert "Expected a camera" in fails("unwrap", m, "-o", out, "--ply", tmp_path / "c.ply")
     assert m.read_bytes() == before
     assert not out.exists()

@@ -17,6 +17,8 @@ from typing import Annotated, Any
 
 from typer import Argument, Option, Typer
 
+from cmtof.files import check_output
+
 app = Typer(
     name="cmtof",
     help="Centimetre-wave time-of-flight: from scenes and measurements to depth. With --debug an "
@@ -29,20 +31,31 @@ app = Typer(
 
 EXTRAS = dict.fromkeys(("torch", "lightning", "safetensors"), "train") | {"matplotlib": "plot"}
 
-Output = Annotated[Path, Option("--output", "-o", help="File to write, [bold]*.nc[/bold].")]
+
+def _file(named: str, *flags: str, text: str) -> Any:
+    """Option of a file to write, which is checked before anything is computed for it."""
+
+    def check(path: Path | None) -> Path | None:
+        return path and check_output(path, named) and path
+
+    return Option(*flags, help=text, callback=check)
+
+
+Output = Annotated[Path, _file(".nc", "--output", "-o", text="File to write, [bold]*.nc[/bold].")]
 Protocol = Annotated[
     str, Option(help="released: scene shrunk to 1.195 m, 21 wraps; full: all of the 7.5 m range.")
 ]
 Noise = Annotated[float, Option(help="Gaussian noise, counts; photon noise stays on.")]
 NoiseFree = Annotated[bool, Option("--noise-free", help="No noise of either kind.")]
-Seed = Annotated[int, Option(min=0, help="Seed of the noise.")]
+_SEED = Option(min=0, max=2**63 - 1, help="Of all random numbers.")
+Seed = Annotated[int, _SEED]
 Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress bar.")]
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; an error becomes one line on stderr and exit code 1."""
     sys.stderr.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
-    for name in ("SIGTERM", "SIGHUP"):  # an exit by exception removes unfinished files
+    for name in ("SIGTERM", "SIGHUP", "SIGQUIT"):  # an exit by exception removes unfinished files
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), lambda number, _: sys.exit(128 + number))
     words = list(sys.argv[1:] if arguments is None else arguments)
@@ -64,15 +77,13 @@ def main(arguments: list[str] | None = None) -> None:
 
 def _line(error: Exception) -> str:
     """One line for an error: bad input as it says itself, anything else as a defect."""
-    if isinstance(error, OSError) and error.filename and error.strerror:
-        return (
-            f"Expected to read or write {error.filename}, got «{error.strerror}». "
-            "Check path and permissions."
-        )
+    if isinstance(error, OSError) and error.strerror:
+        what = f"Expected to read or write {error.filename or 'a file'}"
+        return f"{what}, got «{error.strerror}». Check disk, path and permissions."
     if isinstance(error, ModuleNotFoundError) and (extra := EXTRAS.get(f"{error.name}")):
         return f"Expected {error.name}, got none. Install it: pip install 'cmtof[{extra}]'."
     text = " ".join(str(error).split())
-    if isinstance(error, ValueError | OSError | ImportError):
+    if isinstance(error, ImportError) or text.startswith("Expected"):
         return text
     if isinstance(error, MemoryError):
         return f"Expected enough memory, got none left. Take a smaller input. {text}".strip()
@@ -105,14 +116,14 @@ def simulate(
     """
     from cmtof.scenes import load_frame
     from cmtof.simulation import simulate as simulate_frame
+    from cmtof.validation import expect
 
     try:
         tones = [float(part) for part in frequencies.split(",")]
-    except ValueError as error:
-        raise ValueError(
-            f"Expected frequencies in Hz separated by commas, got {frequencies}. "
-            "Try 7.15e9,14.32e9."
-        ) from error
+    except ValueError:
+        tones = []
+    what = "frequencies in Hz separated by commas"
+    expect(tones, what, frequencies, "Try 7.15e9,14.32e9.")
     loaded = load_frame(
         frame, camera=camera, intensity=intensity, depth_scale=depth_scale, planar=planar
     )
@@ -134,7 +145,9 @@ def unwrap(
     ] = None,
     window: Annotated[int | None, Option(help="Side of the window, px (method beat).")] = None,
     weights: Annotated[Path | None, Option(help="Own .safetensors (learned methods).")] = None,
-    ply: Annotated[Path | None, Option(help="Also a point cloud; needs a camera.")] = None,
+    ply: Annotated[
+        Path | None, _file(".ply", "--ply", text="Also a point cloud; needs a camera.")
+    ] = None,
     tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a .nc above memory.")] = 0,
     quiet: Quiet = False,
 ) -> None:
@@ -161,6 +174,8 @@ def unwrap(
     rows = []
     if several:
         output.mkdir(exist_ok=True)
+    for target in targets:
+        check_output(target, ".nc")
     with progress(len(targets), quiet or one) as advance:
         for path, target in zip(measurement, targets, strict=True):
             tally, valid, size = Tally(), 0, 0
@@ -191,7 +206,9 @@ def evaluate(
     noise: Noise = 1200.0,
     noise_free: NoiseFree = False,
     seed: Seed = 0,
-    json_file: Annotated[Path | None, Option("--json", help="Write the table as JSON.")] = None,
+    json_file: Annotated[
+        Path | None, _file(".json", "--json", text="Write the table as JSON.")
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Compare methods on the same frames and the same noise.
@@ -199,13 +216,12 @@ def evaluate(
     Example: [bold]cmtof evaluate still_life room --method crt,beat --json scores.json[/bold]
     """
     from cmtof.evaluation import Evaluation
-    from cmtof.files import check_output, written_whole
+    from cmtof.files import written_whole
     from cmtof.methods import names_of
     from cmtof.scenes import frames_in
     from cmtof.scenes.frame import Frames
+    from cmtof.validation import expect
 
-    if json_file is not None:
-        check_output(json_file)
     names = names_of(method, protocol)
     conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
     evaluation, listed = Evaluation(names, **conditions), [frames_in(name) for name in frames]
@@ -218,6 +234,8 @@ def evaluate(
                 for done in evaluation.add(frame):
                     advance(f"{frame.name}: {done}")
             skipped |= several.skipped
+    none = f"none ({' '.join(skipped.values()):.200})"
+    expect(evaluation.frames, "a frame that loads and has pixels in range", none, "Name others.")
     report = evaluation.report()
     if json_file is not None:
         with written_whole(json_file) as part:
@@ -254,11 +272,17 @@ def info(
     from importlib.metadata import PackageNotFoundError, version
 
     from cmtof import __version__
+    from cmtof.measurement import open_measurement, read_dataset
     from cmtof.scenes.captures import data_root
-    from cmtof.scenes.frame import embedded_frames
+    from cmtof.scenes.frame import embedded_frames, read_npz
 
     if file is not None:
-        _describe(embedded_frames().get(str(file), file))
+        path = embedded_frames().get(str(file), file)
+        if path.suffix == ".npz":
+            held = read_npz(path).items()
+            print(*(f"{name} {array.shape} {array.dtype}" for name, array in held), sep="\n")
+        else:
+            (read_dataset(path) if path.suffix == ".nc" else open_measurement(path).dataset).info()
         return
     print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
     try:
@@ -267,17 +291,6 @@ def info(
         print("torch is not installed (only learned methods need it)")
     print(f"embedded frames: {', '.join(embedded_frames())}")
     print(f"published captures: {data_root() or 'not on this machine'}")
-
-
-def _describe(file: Path) -> None:
-    """Print what a measurement, a result or a frame holds."""
-    from cmtof.measurement import open_measurement, read_dataset
-    from cmtof.scenes.frame import read_npz
-
-    if file.suffix == ".npz" and file.is_file():
-        print(*(f"{name} {a.shape} {a.dtype}" for name, a in read_npz(file).items()), sep="\n")
-        return
-    (read_dataset(file) if file.suffix == ".nc" else open_measurement(file).dataset).info()
 
 
 @app.command()
@@ -309,7 +322,7 @@ def render(
     output: Annotated[Path, Option("--output", "-o", help="Folder to write the set into.")],
     scenes: Annotated[int, Option(min=1, max=100_000, help="How many rooms.")] = 20,
     views: Annotated[int, Option(min=1, max=1000, help="Views of each.")] = 5,
-    seed: Annotated[int, Option(min=0, help="Seed of the set.")] = 0,
+    seed: Seed = 0,
     size: Annotated[str, Option(help="Height x width, px.")] = "512x512",
     focal: Annotated[float | None, Option(help="Focal length, px. Default: 35 to 60°.")] = None,
     workers: Annotated[int | None, Option(min=1, help="Processes. Default: one a core.")] = None,
@@ -342,7 +355,7 @@ def train(
     init: Annotated[Path | None, Option(help="Weights to begin with.")] = None,
     resume: Annotated[bool, Option("--resume", help="Go on from its checkpoint.")] = False,
     minutes: Annotated[float | None, Option(help="Stop after; --resume goes on.")] = None,
-    seed: Annotated[int | None, Option(min=0, help="Of weights, crops, noise.")] = None,
+    seed: Annotated[int | None, _SEED] = None,
     accelerator: Annotated[str, Option(help="Lightning's: auto, cpu, gpu.")] = "auto",
     devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
     num_nodes: Annotated[int, Option(min=1, help="Machines.")] = 1,
@@ -374,7 +387,7 @@ def scan(
     rig: Annotated[Path | None, Argument(help="RIG file, *.yml.")] = None,
     twin: Annotated[bool, Option("--twin", help="Simulate the instrument, by RIG's twin.")] = False,
     scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
-    seed: Annotated[int | None, Option(min=0, help="Its seed. Default: 0.")] = None,
+    seed: Annotated[int | None, _SEED] = None,
     size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
     resume: Annotated[bool, Option("--resume", help="Go on with a scan that was stopped.")] = False,
     quiet: Quiet = False,
@@ -386,19 +399,18 @@ def scan(
 
     Example: [bold]cmtof scan --twin --scene still_life --size 64 --seed 0 -o m.nc[/bold]
     """
-    if not twin and rig is None:
-        raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
-    if not twin and (seed, scene) != (None, None):
-        raise ValueError("Expected --scene and --seed with --twin, got a RIG file. Leave them out.")
     from cmtof.hardware.bench import opened, simulated
     from cmtof.hardware.journal import journal_path
     from cmtof.hardware.plan import planned
     from cmtof.hardware.rig import Rig
     from cmtof.hardware.scan import scan as run_scan
+    from cmtof.validation import expect
 
+    expect(twin or rig is not None, "either a RIG file or --twin", "neither", "Name one.")
+    right = twin or (seed, scene) == (None, None)
+    expect(right, "--scene and --seed with --twin", "a RIG file", "Leave them out.")
     settings = Rig.default() if rig is None else Rig.load(rig)
     plan = planned(settings, size=size)
-
     scene = scene or (settings.twin.scene if rig else "still_life")
     rehearsed = partial(simulated, settings, scene, seed=seed or 0)
     bench = rehearsed if twin else partial(opened, settings)
@@ -416,11 +428,9 @@ def scan(
 def progress(total: int, quiet: bool) -> Iterator[Callable[..., None]]:
     """Bar on stderr, advanced by each call; hidden when asked for, in CI, and in a pipe."""
     from rich.console import Console
-    from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TimeRemainingColumn
+    from rich.progress import Progress
 
-    columns = (SpinnerColumn(), *Progress.get_default_columns()[:2], MofNCompleteColumn())
-    console, off = Console(stderr=True), quiet or _hidden()
-    with Progress(*columns, TimeRemainingColumn(), console=console, disable=off) as bar:
+    with Progress(console=Console(stderr=True), disable=quiet or _hidden()) as bar:
         task = bar.add_task("", total=total)
         yield lambda text, share=1.0: bar.update(task, advance=share, description=text)
 

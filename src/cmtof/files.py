@@ -7,12 +7,23 @@ from pathlib import Path
 from typing import Any
 
 
-def check_output(path: str | Path) -> Path:
+def check_input(path: str | Path, what: str = "a file to read") -> Path:
+    """Check that a path is a regular file: one would wait for a pipe, and a device has no end."""
+    if not Path(path).is_file():
+        raise FileNotFoundError(f"Expected {what}, got no file at {path}. Check it.")
+    return Path(path)
+
+
+def check_output(path: str | Path, *suffixes: str) -> Path:
     """Check that a file can be written, before anything is computed for it; return its place.
 
-    An OSError if the folder is missing or cannot be written to, or it is a folder or a device.
+    A ValueError if it is not named by one of the suffixes, an OSError if the folder is missing or
+    cannot be written to, or it is a folder or a device.
     """
     target = Path(path)
+    if suffixes and target.suffix not in suffixes:
+        named = " or ".join(f"*{suffix}" for suffix in suffixes)
+        raise ValueError(f"Expected an output named {named}, got {target.name}. Rename it.")
     if target.is_symlink():
         target = target.resolve()  # what it points to is replaced, not the link
     if target.is_dir():
@@ -62,6 +73,22 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
+@contextmanager
+def alone(path: Path, *, wait: bool = False) -> Iterator[None]:
+    """Hold a file or folder for this process; wait for another that holds it, or a ValueError."""
+    import fcntl  # Windows has none
+
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        yield
+    except BlockingIOError:
+        what = f"{path} to be free, got a process that is writing it"
+        raise ValueError(f"Expected {what}. Wait for its end.") from None
+    finally:
+        os.close(handle)
+
+
 MOST_BYTES, MOST_DEPTH = 2**20, 20
 """Size of a document that is read, and how deep it may be nested."""
 
@@ -79,7 +106,7 @@ def read_document(path: str | Path) -> dict[str, Any]:
     """
     import yaml
 
-    data = Path(path).read_bytes()
+    data = check_input(path).read_bytes()
     if len(data) > MOST_BYTES:
         raise ValueError(
             f"Expected at most {MOST_BYTES} bytes in {path}, got {len(data)}. Name another file."

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, Decoded, check_psi, decode, residual_noise, wrap_length
-from cmtof.files import written_whole
+from cmtof.files import check_input, check_output, written_whole
 from cmtof.validation import check_claim, check_frequencies, expect, numbers
 
 _STACK, _IMAGES = ("frequency", "step", "y", "x"), ("frequency", "y", "x")
@@ -259,8 +259,9 @@ def _check_values(dataset: xr.Dataset, data: str) -> None:
     if np.issubdtype(values.dtype, np.integer) or "raw_counts" in dataset:
         refuse(counts < 0, "counts >= 0", "negative ones", "Check the sign of the read-out.")
     if (limit := dataset.attrs.get("saturation")) is not None:
-        what, advice = f"counts below the saturation {limit}", "Lower gain or exposure, or mask."
-        refuse(counts >= float(limit), what, "at or above it", advice)
+        most = float(np.min(numbers(limit, "the attribute saturation"), initial=np.inf))
+        what, advice = f"counts below the saturation {most:g}", "Lower gain or exposure, or mask."
+        refuse(counts >= most, what, "at or above it", advice)
 
 
 # --- files -------------------------------------------------------------------------------------
@@ -271,8 +272,7 @@ def save_dataset(dataset: xr.Dataset, path: str | Path) -> None:
 
     The file is built in memory: HDF5 written to a full disk would end the process.
     """
-    path = Path(path)
-    expect(path.suffix == ".nc", "an output named *.nc", path.name, "Rename it.")
+    check_output(path, ".nc")
     encoding = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
     stored = dataset.to_netcdf(engine="h5netcdf", encoding=encoding)
     with written_whole(path) as part:
@@ -286,9 +286,7 @@ def open_measurement(path: str | Path) -> Measurement:
     ``mask``, ``camera``, ``range_min``, ``range_max``. FileNotFoundError if there is no such file,
     ValueError if it is empty, truncated, of another kind, or holds no measurement.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise FileNotFoundError(f"Expected a measurement file, got no file at {path}. Check it.")
+    path = check_input(path, "a measurement file")
     if path.suffix == ".nc":
         return Measurement(read_dataset(path))
     if path.suffix == ".npz":
@@ -300,6 +298,7 @@ def open_measurement(path: str | Path) -> Measurement:
 
 def read_dataset(path: str | Path) -> xr.Dataset:
     """Read a netCDF4 file of any content into memory; one ValueError for whatever is wrong."""
+    check_input(path)
     heard, sys.unraisablehook = sys.unraisablehook, lambda _: None
     reason = ""
     try:  # h5netcdf's destructor would print a traceback of its own for a damaged file

@@ -13,9 +13,10 @@ import pytest
 
 from cmtof.cli import main
 from cmtof.correlation import centred, phase_from_depth
+from cmtof.files import alone
 from cmtof.hardware.bench import simulated
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, Unsafe
-from cmtof.hardware.journal import alone, journal_path, whole_lines
+from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan, scan_scene
@@ -121,7 +122,7 @@ def test_a_journal_that_another_scan_is_writing_is_left_alone(tmp_path):
     take(output, report=lambda line: (_ for _ in ()).throw(KeyboardInterrupt))
     before = journal_path(output).read_bytes()
     with alone(journal_path(output)):
-        assert "to be free, got a scan that is writing it" in str(take(output, resume=True)[1])
+        assert "to be free, got a process that is writing it" in str(take(output, resume=True)[1])
     assert journal_path(output).read_bytes() == before
     assert take(output, resume=True)[1] is None
 

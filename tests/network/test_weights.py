@@ -78,7 +78,7 @@ def test_weights_that_are_not_numbers_or_not_there_are_refused(tmp_path):
     with pytest.raises(ValueError, match="NaN or infinity"):
         weights.load_weights(path)
     path.unlink()
-    with pytest.raises(ValueError, match="no file"):
+    with pytest.raises(OSError, match="no file"):
         weights.load_weights(path)
 
 

@@ -15,6 +15,7 @@ from cmtof.baselines import Array, Complex, Estimate, within_range
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.measurement import Measurement
+from cmtof.validation import expect
 
 WINDOW = 41
 """Side of the averaging window, px: the best mean of both protocols out of 21 to 161 px on 40 views
@@ -38,11 +39,8 @@ def synthetic_frequency(low: float, high: float) -> Synthetic:
     """
     multiple = round(high / low)
     difference = high - multiple * low
-    if difference == 0:
-        raise ValueError(
-            f"Expected frequencies that are no multiples, got {low:g} and {high:g} Hz. "
-            "Detune one of them."
-        )
+    got = f"{low:g} and {high:g} Hz"
+    expect(difference, "frequencies that are no multiples", got, "Detune one of them.")
     return Synthetic(multiple, abs(difference), 1 if difference > 0 else -1)
 
 
@@ -58,8 +56,8 @@ def beat_phasor(measurement: Measurement) -> Complex:
 
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
     """Depth of the beat averaged over a ``window`` x ``window`` square, borders reflected."""
-    if window < 1 or window % 2 == 0:
-        raise ValueError(f"Expected an odd window of 1 px or more, got {window}. Try {WINDOW}.")
+    odd = window in range(1, 10_000, 2)
+    expect(odd, "an odd window of 1 to 9999 px", window, f"Try {WINDOW}.")
     phasor = beat_phasor(measurement)
     return _averaged(uniform_filter(phasor, window), np.abs(phasor), window, measurement)
 

@@ -38,9 +38,8 @@ def write_json(path: Path, value: Any) -> None:
     try:
         exact = json.dumps(value, default=lambda array: array.tolist(), allow_nan=False)
     except (AttributeError, TypeError, ValueError) as error:
-        raise ValueError(
-            f"Expected finite numbers or strings, got {value!r}. Convert or omit it."
-        ) from error
+        got = f"Expected finite numbers or strings, got {value!r}"
+        raise ValueError(f"{got}. Convert or omit it.") from error
     rounded = json.loads(exact, parse_float=lambda digits: float(f"{float(digits):.10g}"))
     with written_whole(path) as part:
         part.write_text(json.dumps(rounded, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")

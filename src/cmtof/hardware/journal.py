@@ -5,12 +5,10 @@ header, everything that the result depends on; the others are the lines of the p
 disk (fsync) before the scan goes on. What follows a line that is torn or damaged does not count.
 """
 
-import fcntl
 import json
 import os
 import zlib
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -49,17 +47,6 @@ def append(path: Path, content: Mapping[str, Any]) -> None:
         os.fsync(file.fileno())
 
 
-@contextmanager
-def alone(path: Path) -> Iterator[None]:
-    """Hold a journal for this process; a ValueError if another one is writing it."""
-    with path.open("ab") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            expect(False, f"{path} to be free", "a scan that is writing it", "Wait for its end.")
-        yield
-
-
 def begun(path: Path, header: Mapping[str, Any], plan: Plan) -> list[Record]:
     """Records of a plan's journal, which is cut behind them, or begun where there is none.
 
@@ -74,15 +61,11 @@ def begun(path: Path, header: Mapping[str, Any], plan: Plan) -> list[Record]:
         rows = [] if other else lines[1:]
         records = [_record(row, plan.lines[n], plan.kept.size) for n, row in enumerate(rows)]
     except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
-        raise ValueError(
-            f"Expected a journal of this scan, got another file or a damaged one, {path}. "
-            "Remove it, or restore it from a copy."
-        ) from None
-    if other:
-        raise ValueError(
-            f"Expected {path} to be of these settings, got another {other[0]}, "
-            f"{old.get(other[0])!r:.60}. Scan with its settings, or remove it to begin again."
-        )
+        what = f"a journal of this scan, got another file or a damaged one, {path}"
+        raise ValueError(f"Expected {what}. Remove it, or restore it from a copy.") from None
+    got = f"another {other[0]}, {old.get(other[0])!r:.60}" if other else ""
+    advice = "Scan with its settings, or remove it to begin again."
+    expect(not other, f"{path} to be of these settings", got, advice)
     os.truncate(path, sum(len(framed(line)) for line in lines))  # without a torn end
     return records
 

@@ -25,6 +25,7 @@ from cmtof.correlation import TAU, centred, decode, phase_from_depth
 from cmtof.hardware.plan import REFERENCE_BURSTS, SLOT, Plan, Record
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
+from cmtof.validation import expect
 
 Array = NDArray[np.float64]
 
@@ -86,11 +87,9 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> tuple[
     visits = np.sum(seen.amplitude * turned, axis=1)
     total, mean = visits.sum(), float(seen.offset.mean())
     contrast = float(abs(total) / seen.offset.size / mean) if mean > 0 else 0.0
-    if not contrast > MIN_CONTRAST:
-        raise ValueError(
-            f"Expected a reference target with a contrast above {MIN_CONTRAST:g}, got "
-            f"{contrast:.2g}. Check that both modulators run and that its light comes back."
-        )
+    what = f"a reference target with a contrast above {MIN_CONTRAST:g}"
+    advice = "Check that both modulators run and that its light comes back."
+    expect(contrast > MIN_CONTRAST, what, f"{contrast:.2g}", advice)
     drift = centred(np.angle(visits[-1]) - np.angle(visits[0]))
     return float(centred(np.angle(total))), float(drift)
 
@@ -108,11 +107,9 @@ def calibrated(
     """`calibrate` by the recorded visits of the target; a ValueError, too, if it saturates."""
     gain, (seen, counts) = Gain(*header["calibration"]), lines_of(plan, records, mode, "reference")
     volts, clipped = gain.volts_from_counts(counts), int(seen.clipped.sum())
-    if clipped or volts.max() > plan.rig.limit_volts:
-        raise ValueError(
-            f"Expected a reference target within the detector's range, got {volts.max():.2f} V and "
-            f"{clipped} clipped samples: it saturates. Put a grey filter before it."
-        )
+    got = f"{volts.max():.2f} V and {clipped} clipped samples: it saturates"
+    within, what = volts.max() <= plan.rig.limit_volts, "a reference target in the detector's range"
+    expect(within and not clipped, what, got, "Put a grey filter before it.")
     dark = gain.volts_from_counts(lines_of(plan, records, mode, "dark")[1].mean())
     ranges = plan.rig.reference_distance + np.repeat(plan.sweep, REFERENCE_BURSTS)
     visits = ((volts - dark) / seen.power[:, None, None]).reshape(-1, ranges.size, counts.shape[2])

@@ -8,7 +8,7 @@ from pydantic.dataclasses import dataclass
 
 from cmtof.files import read_document
 from cmtof.instrument.settings import TwinSettings
-from cmtof.validation import checked
+from cmtof.validation import checked, expect
 
 DRIVERS = {
     "rf_emission": ("rf-driver",),
@@ -72,14 +72,11 @@ class Rig:
     def __post_init__(self) -> None:
         for role in DRIVERS | self.devices:
             found = self.devices[role].driver if role in self.devices else "none"
-            if found not in DRIVERS.get(role, ()):
-                wanted = " or ".join(DRIVERS.get(role, ["no such role"]))
-                raise ValueError(f"Expected devices.{role}: {wanted}, got {found}. Correct it.")
-        if self.settle_samples >= self.samples_per_phase:
-            raise ValueError(
-                f"Expected settle_samples below samples_per_phase, got {self.settle_samples}. "
-                "Lower it."
-            )
+            wanted = DRIVERS.get(role, ("no such role",))
+            what = f"devices.{role}: {' or '.join(wanted)}"
+            expect(found in wanted and role in DRIVERS, what, found, "Correct it.")
+        settled, what = self.settle_samples, "settle_samples below samples_per_phase"
+        expect(settled < self.samples_per_phase, what, settled, "Lower it.")
 
     @classmethod
     def load(cls, path: str | Path) -> Self:

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from cmtof import __version__
-from cmtof.files import check_output
+from cmtof.files import alone, check_output
 from cmtof.hardware.bench import VOLTS_RANGE, Bench, simulated
-from cmtof.hardware.journal import alone, append, begun, journal_path, whole_lines
+from cmtof.hardware.journal import append, begun, journal_path, whole_lines
 from cmtof.hardware.plan import SWEEP, Line, Plan, planned
 from cmtof.hardware.reduction import calibrated, measurement_from_records
 from cmtof.hardware.rig import Rig
@@ -44,13 +44,10 @@ def scan(
     an instrument did not do; what was measured stays in the journal.
     """
     output = Path(output)
-    expect(output.suffix == ".nc", "an output named *.nc", output.name, "Rename it.")
-    path = journal_path(check_output(output))
+    path = check_output(journal_path(check_output(output, ".nc")))
     if path.exists() and not resume:
-        raise ValueError(
-            f"Expected no scan begun, got {max(len(whole_lines(path)) - 1, 0)} lines in {path}. "
-            "Go on with --resume, or remove it to begin again."
-        )
+        got = f"{max(len(whole_lines(path)) - 1, 0)} lines in {path}"
+        expect(False, "no scan begun", got, "Go on with --resume, or remove it to begin again.")
     if resume and output.exists() and not path.exists():
         return open_measurement(output)  # the journal goes when the file is whole
     mode = None
@@ -63,6 +60,7 @@ def scan(
             "settings": plan.rig.as_dict(),
             "instruments": {role: device.identify() for role, device in on.devices.items()},
         }
+        path.touch()
         with alone(path):
             records = begun(path, header, plan)
             for line in plan.lines[len(records) :]:

@@ -21,6 +21,7 @@ from cmtof.network.recipe import Config
 from cmtof.scenes.frame import Source
 from cmtof.scenes.hypersim import Hypersim
 from cmtof.simulation import RELEASED_FAR_DEPTH
+from cmtof.validation import expect
 
 WRAP = float(wrap_length(FREQUENCIES[0]))
 """Depth of a wrap of the lower frequency, m."""
@@ -173,10 +174,7 @@ def pack_views(views: Sequence[Source]) -> Pack:
             continue
         depths.append(depth.astype(np.float32))
         lights.append(np.clip(light, 0, 1).astype(np.float16))
-    if not depths:
-        raise ValueError(
-            "Expected views to train and to validate on, got none. Render 10 scenes or more."
-        )
+    expect(depths, "views to train and to validate on", "none", "Render 10 scenes or more.")
     far = [np.nanpercentile(depth, 99.9) for depth in depths]
     return Pack(np.stack(depths), np.stack(lights), np.array(far))
 

@@ -7,11 +7,12 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
-from cmtof.files import read_document
+from cmtof.files import check_input, read_document
 from cmtof.network.models import MODELS
 from cmtof.network.weights import Count, Share, Strict
 from cmtof.validation import checked
 
+Size = Annotated[int, Field(ge=1, le=4096)]  # px
 PRESETS: dict[str, Any] = yaml.safe_load((files("cmtof.network") / "train.yml").read_text("utf-8"))
 """Configurations that travel with the package, by name."""
 
@@ -19,11 +20,11 @@ PRESETS: dict[str, Any] = yaml.safe_load((files("cmtof.network") / "train.yml").
 class Rooms(Strict):
     """Rendered frames to train on."""
 
-    seed: int = 1
+    seed: Count = 1
     scenes: PositiveInt = 100
     views: PositiveInt = 6
-    height: PositiveInt = 512
-    width: PositiveInt = 512
+    height: Size = 512
+    width: Size = 512
 
 
 class Stage(Strict):
@@ -31,7 +32,7 @@ class Stage(Strict):
 
     name: str
     crops: PositiveInt
-    crop: PositiveInt
+    crop: Size
     batch: PositiveInt
     noise: tuple[PositiveFloat, PositiveFloat]  # Gaussian sigma, counts; rises geometrically
     ramp: Annotated[float, Field(gt=0, le=1)] = 1.0  # share in which the noise rises
@@ -93,11 +94,8 @@ class Config(Strict):
 def read_config(source: str | Path, **changes: Any) -> Config:
     """Configuration by the name of a preset or from a YAML file; changes that are not None win."""
     held, path = PRESETS.get(str(source)), Path(source)
-    if held is None and not path.is_file():
-        raise FileNotFoundError(
-            f"Expected a configuration out of {', '.join(PRESETS)}, or a YAML file, got {source}. "
-            "Choose one."
-        )
+    if held is None:
+        check_input(path, f"a configuration out of {', '.join(PRESETS)}, or a YAML file")
     held = {"name": path.stem} | (read_document(path) if held is None else held)
     given = {key: value for key, value in changes.items() if value is not None}
     return checked(Config, held | given, f"the configuration {source}")

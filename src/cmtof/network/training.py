@@ -5,6 +5,7 @@ import logging
 import platform
 import time
 import warnings
+import zipfile
 from collections.abc import Sequence
 from copy import deepcopy
 from pathlib import Path
@@ -28,7 +29,9 @@ from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.recipe import Config
+from cmtof.scenes.frame import broken
 from cmtof.scenes.hypersim import Hypersim
+from cmtof.validation import expect
 
 
 def loss_of(network: Network, sample: Sample) -> Tensor:
@@ -176,13 +179,15 @@ def train(
     folder.mkdir(parents=True, exist_ok=True)
     last = folder / "last.ckpt"
     if begun := last.is_file():
-        if not resume:
-            got = f"got a run in {folder}. Pass --resume, or choose another"
-            raise ValueError(f"Expected a new folder, {got}.")
-        held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]["config"]
-        if held != config.model_dump_json():
-            got = "got another. Change the folder"
-            raise ValueError(f"Expected the configuration of {last}, {got}.")
+        expect(resume, "a new folder", f"a run in {folder}", "Pass --resume, or choose another.")
+        try:
+            if spoilt := zipfile.ZipFile(last).testzip():
+                raise ValueError(f"{spoilt} is damaged")
+            held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]["config"]
+        except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
+            raise broken("a whole checkpoint", last, error) from error
+        same, what = held == config.model_dump_json(), f"the configuration of {last}"
+        expect(same, what, "another", "Change the folder.")
     if platform.libc_ver()[0] == "glibc":  # fetching freed pages again costs a third of a step
         library = ctypes.CDLL("libc.so.6")
         library.mallopt(-4, 0)  # M_MMAP_MAX
@@ -207,11 +212,14 @@ def train(
             **flags,
         )
     except (MisconfigurationException, TypeError) as error:
-        raise ValueError(
-            f"Expected accelerator, devices and strategy that this machine has, got «{error}». "
-            "Choose others."
-        ) from error
-    trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
+        what = "accelerator, devices and strategy that this machine has"
+        raise ValueError(f"Expected {what}, got «{error}». Choose others.") from error
+    try:
+        trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
+    except SystemExit as stop:
+        if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning makes an exit of Ctrl-C
+            raise KeyboardInterrupt from stop
+        raise
     if trainer.global_step < config.steps:
         return None
     path = weights.weights_path(config.model, config.protocol, folder)
@@ -256,12 +264,9 @@ def fine_tune(
     """
     samples = [_sample(trained, *example) for example in examples]
     known = sum(int((sample.label != IGNORED).sum()) for sample in samples)
-    if not known:
-        first = trained.card.first_wrap
-        raise ValueError(
-            f"Expected labels among the wraps {first} to {first + trained.card.classes - 1}, got "
-            f"none in {len(samples)} measurements. Choose other weights, or label more."
-        )
+    first, got = trained.card.first_wrap, f"none in {len(samples)} measurements"
+    what = f"labels among the wraps {first} to {first + trained.card.classes - 1}"
+    expect(known, what, got, "Choose other weights, or label more.")
     network = deepcopy(trained.network).train()
     for layer in norms(network):
         layer.eval()

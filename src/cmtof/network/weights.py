@@ -12,17 +12,17 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_wraps, wrap_length
-from cmtof.files import written_whole
+from cmtof.files import check_input, written_whole
 from cmtof.measurement import Measurement
 from cmtof.network.features import CLASSES, features
 from cmtof.simulation import QUADRATURES
-from cmtof.validation import checked
+from cmtof.validation import checked, expect
 
 Network = Tensor = Any  # of cmtof.network.models and of torch, which are imported late
 FOLDER = Path(str(files("cmtof"))) / "weights"  # those that travel with the package
 
 Share = Annotated[float, Field(ge=0, le=1)]
-Count = Annotated[int, Field(ge=0)]
+Count = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class Strict(BaseModel):
@@ -90,10 +90,8 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
         path = weights_path(model, protocol, folder)
         if path.is_file() and low <= first and last < low + count:
             return path
-    raise ValueError(
-        f"Expected weights of {model} for the wraps {first} to {last}, got none. Narrow the range, "
-        "or train them with cmtof train."
-    )
+    what = f"weights of {model} for the wraps {first} to {last}, got none"
+    raise ValueError(f"Expected {what}. Narrow the range, or train them with cmtof train.")
 
 
 def halved(network: Network) -> dict[str, Tensor]:
@@ -118,7 +116,7 @@ def read_card(weights: Path) -> Card:
     """Card of a file of weights; a ValueError if there is none, or it is no card."""
     path = weights.with_suffix(".json")
     try:
-        held = json.loads(path.read_bytes())
+        held = json.loads(check_input(path).read_bytes())
     except (OSError, ValueError, RecursionError) as error:
         got = f"got {error}. Keep both together"
         raise ValueError(f"Expected the card of {weights.name} in {path}, {got}.") from error
@@ -132,28 +130,26 @@ def load_weights(path: Path) -> Trained:
 
     from cmtof.network.models import MODELS, build_network
 
-    card, content = read_card(path), path.read_bytes() if path.is_file() else b""
+    content, card = check_input(path, "weights, *.safetensors").read_bytes(), read_card(path)
     found = hashlib.sha256(content).hexdigest()
     try:
         if card.model not in MODELS or (card.first_wrap, card.classes) != CLASSES[card.protocol]:
             raise RuntimeError(f"no such model with {card.classes} classes")
         if found != card.sha256:
-            got = f"the hash {found[:12]}… instead of {card.sha256[:12]}…"
-            raise RuntimeError(got if content else "no file")
+            raise RuntimeError(f"the hash {found[:12]}… instead of {card.sha256[:12]}…")
         network = build_network(card.model, card.protocol)
         network.load_state_dict(load(content))
         if not all(bool(tensor.isfinite().all()) for tensor in network.state_dict().values()):
             raise RuntimeError("NaN or infinity")
     except (RuntimeError, SafetensorError) as error:
-        raise ValueError(
-            f"Expected finite weights of {card.model} in {path} that fit their card, got others "
-            f"({str(error).splitlines()[0]}). Fetch or train them again."
-        ) from error
+        what = f"finite weights of {card.model} in {path} that fit their card"
+        got = f"got others ({str(error).splitlines()[0]}). Fetch or train them again."
+        raise ValueError(f"Expected {what}, {got}") from error
     return Trained(network.eval(), card)
 
 
 def unwrap_with_network(
-    measurement: Measurement, *, model: str = "fast-scnn", weights: str | Path | None = None
+    measurement: Measurement, *, model: str | None = None, weights: str | Path | None = None
 ) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
     """Depth by a network that classifies each pixel's wrap (Sec. 5) or regresses its depth.
 
@@ -162,16 +158,17 @@ def unwrap_with_network(
     right wraps in validation; both (H, W).
     """
     tones = np.asarray(measurement.frequencies, float)
-    if tones.size < 2 or not np.allclose(tones[:2], FREQUENCIES, rtol=1e-6):
-        raise ValueError(
-            "Expected 7.15 and 14.32 GHz, which the weights were trained at, got "
-            f"{', '.join(f'{f / 1e9:g}' for f in tones)} GHz. Choose the method beat."
-        )
+    right = tones.size > 1 and np.allclose(tones[:2], FREQUENCIES, rtol=1e-6)
+    got = f"{', '.join(f'{f / 1e9:g}' for f in tones)} GHz"
+    what = "7.15 and 14.32 GHz, which the weights were trained at"
+    expect(right, what, got, "Choose the method beat.")
     (low, high), wrap = measurement.range, wrap_length(FREQUENCIES[0])
     # limits that are whole wraps but for rounding belong to the wrap that they begin
     first, last = int(low / wrap + 1e-9), int(np.ceil(high / wrap - 1e-9)) - 1
-    path = Path(weights) if weights else find_weights(model, first, last)
-    trained = load_weights(path)
+    found = weights or find_weights(model or "fast-scnn", first, last)
+    trained = load_weights(Path(found))
+    given = trained.card.model
+    expect(model in (None, given), f"weights of {model}", f"those of {given}", "Name that method.")
     if trained.network.target == "depth":
         depth = (trained.card.first_wrap + _output(trained, measurement)[0].numpy()) * wrap
         sure = np.full(depth.shape, trained.card.validation.delta_lt_1)
@@ -187,11 +184,8 @@ def classify(
 ) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
     """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W)."""
     low, stop = trained.card.first_wrap, trained.card.first_wrap + trained.card.classes
-    if first < low or last >= stop:
-        raise ValueError(
-            f"Expected wraps within {low} to {stop - 1}, which {trained.card.model} distinguishes, "
-            f"got {first} to {last}. Narrow the range."
-        )
+    what = f"wraps within {low} to {stop - 1}, which {trained.card.model} distinguishes"
+    expect(low <= first and last < stop, what, f"{first} to {last}", "Narrow the range.")
     found = _output(trained, measurement)[first - low : last - low + 1]
     odds, wraps = (x.numpy() for x in found.softmax(0).max(0))
     return first + wraps, odds
@@ -206,11 +200,9 @@ def network_inputs(
     if kind == "correlation" and "correlation" in measurement.dataset:
         psi = measurement.dataset["psi"].to_numpy()[:2]
         off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
-        if (off.min(1) > 1e-6).any():
-            raise ValueError(
-                "Expected correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was "
-                f"trained on, got psi = {np.round(psi[0], 3).tolist()} rad. Choose another method."
-            )
+        what = "correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was trained on"
+        got = f"psi = {np.round(psi[0], 3).tolist()} rad"
+        expect((off.min(1) <= 1e-6).all(), what, got, "Choose another method.")
         held = measurement.dataset["correlation"]
         images.append(np.stack([held[f, k].to_numpy() for f, k in enumerate(off.argmin(1))]))
     phase, amplitude, *more = (np.nan_to_num(np.asarray(x, np.float32)) for x in images)

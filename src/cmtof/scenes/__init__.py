@@ -4,6 +4,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from cmtof.files import check_input
 from cmtof.scenes.frame import (
     Frame,
     Frames,
@@ -31,9 +32,7 @@ def load_frame(source: str | Path, *, intensity: str | Path | None = None, **giv
     path = known.get(str(source), Path(source))
     if path.is_dir():
         return frames_in(path, **given)[0].load()
-    if not path.is_file():
-        what = f"a frame file or one of {', '.join(known)}"
-        raise FileNotFoundError(f"Expected {what}, got {source}. Check the name.")
+    check_input(path, f"a frame file or one of {', '.join(known)}")
     what = "a frame named *.npz, *.png or *.depth_meters.hdf5"
     expect(path.suffix in (".npz", ".png", ".hdf5"), what, path.name, "Convert it.")
     if path.suffix == ".npz":

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import written_whole
+from cmtof.files import check_input, written_whole
 from cmtof.validation import check_claim, expect, numbers
 
 EMBEDDED = Path(__file__).parents[1] / "frames"  # the small frames that travel with the package
@@ -110,7 +110,7 @@ def broken(expected: str, path: Path, error: Exception) -> ValueError:
 def read_npz(path: Path) -> dict[str, NDArray]:
     """Every array of an ``.npz``, never a pickle; one ValueError for whatever is wrong."""
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(check_input(path)) as archive:
             for member in archive.infolist():
                 check_claim(member.file_size, member.compress_size)
         with np.load(path, allow_pickle=False) as arrays:
@@ -162,7 +162,7 @@ def _read_image(path: Path) -> NDArray:
     from PIL import Image
 
     try:
-        with Image.open(path) as image:
+        with Image.open(check_input(path)) as image:
             # palettes hold colour numbers, not levels
             pixels = np.asarray(image.convert("RGB") if image.mode in ("P", "1") else image)
     except Exception as error:  # Pillow raises OSError, SyntaxError and, for bombs, its own kind

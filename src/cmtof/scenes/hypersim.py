@@ -8,6 +8,7 @@ Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
 """
 
 import csv
+import io
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property, partial
@@ -17,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import written_whole
+from cmtof.files import check_input, written_whole
 from cmtof.scenes.frame import Frame, Source, broken
 from cmtof.validation import check_claim, expect
 
@@ -187,9 +188,7 @@ def read_array(path: Path, dimensions: int) -> NDArray:
     """The array of one file: numbers, on that many axes, the third of 3."""
     import h5py
 
-    if not path.is_file():
-        what = f"the file {path.name} in {path.parent}"
-        raise FileNotFoundError(f"Expected {what}, got none. Fetch or render it.")
+    check_input(path, "a file of the data set")
     try:
         with h5py.File(path, "r") as file:
             stored: Any = file["dataset"]
@@ -216,9 +215,11 @@ def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: 
         path.parent.mkdir(parents=True, exist_ok=True)
         with np.errstate(over="ignore"):  # light beyond float16 is infinite, as in the original
             stored = np.asarray(arrays[kind]).astype(dtype)
-        with written_whole(path) as part, h5py.File(part, "w") as file:
-            packed: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+        packed: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+        with h5py.File(content := io.BytesIO(), "w") as file:  # a full disk would end the process
             file.create_dataset("dataset", data=stored, track_times=False, **packed)
+        with written_whole(path) as part:
+            part.write_bytes(content.getvalue())
 
 
 def write_metadata(root: Path, shape: tuple[int, int], scenes: Mapping[str, Any]) -> None:

@@ -103,8 +103,8 @@ def test_statistics_come_near_to_hypersims():
 
 def test_impossible_settings_are_refused():
     for change, message in (
-        ({"width": 0}, "Expected width of at least 1, got 0. Ask for more."),
-        ({"seed": -1}, "Expected a seed >= 0, got -1. Choose another."),
+        ({"width": 0}, "Expected width of 1 to 4096, got 0. Choose another."),
+        ({"seed": -1}, r"Expected a seed of 0 to 2\^63, got -1."),
         ({"focal": float("nan")}, "Expected a focal length of 1 to 1e6 px, got nan"),
     ):
         with pytest.raises(ValueError, match=message):

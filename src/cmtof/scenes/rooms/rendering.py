@@ -2,25 +2,28 @@
 
 import json
 import os
+import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
+from threading import Thread
 from time import process_time
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import ndtri
 
-from cmtof.files import read_document, written_whole
+from cmtof.files import alone, read_document, written_whole
 from cmtof.scenes.frame import Frame, brightness
 from cmtof.scenes.hypersim import view_exists, write_metadata, write_view
 from cmtof.scenes.rooms.cameras import Camera, Lens, close_cameras, room_cameras
 from cmtof.scenes.rooms.engine import Light, Picture, World
 from cmtof.scenes.rooms.placing import Furnishing, household, presets
 from cmtof.scenes.rooms.shell import Rectangle, Shell, build_shell
+from cmtof.validation import expect
 
 SETTINGS = "rooms.json"
 """File in a set's folder that says what it was made from."""
@@ -59,17 +62,13 @@ class Settings:
     focal: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("scenes", "views", "height", "width"):
-            if getattr(self, name) < 1:
-                raise ValueError(
-                    f"Expected {name} of at least 1, got {getattr(self, name)}. Ask for more."
-                )
-        if self.seed < 0:
-            raise ValueError(f"Expected a seed >= 0, got {self.seed}. Choose another.")
-        if self.focal is not None and not 1 <= self.focal < 1e6:
-            raise ValueError(
-                f"Expected a focal length of 1 to 1e6 px, got {self.focal}. Try the width."
-            )
+        most = {"scenes": 100_000, "views": 1000, "height": 4096, "width": 4096}
+        for name, limit in most.items():
+            found = getattr(self, name)
+            expect(1 <= found <= limit, f"{name} of 1 to {limit}", found, "Choose another.")
+        expect(0 <= self.seed < 2**63, "a seed of 0 to 2^63", self.seed, "Choose another.")
+        known = self.focal is None or 1 <= self.focal < 1e6
+        expect(known, "a focal length of 1 to 1e6 px", self.focal, "Try the width.")
 
     def lens(self, index: int) -> Lens:
         """Lens of one scene."""
@@ -303,7 +302,6 @@ def render_rooms(
     ValueError
         If the folder holds a set of other settings.
     """
-    _claim(root, settings)
     scenes = {
         f"room_{settings.seed:03d}_{i:03d}": (
             split_of(i),
@@ -312,11 +310,14 @@ def render_rooms(
         )
         for i in range(settings.scenes)
     }
-    write_metadata(root, (settings.height, settings.width), scenes)
     results = []
-    for done in _each(root, settings, workers or os.cpu_count() or 1):
-        progress(done)
-        results.append(done)
+    root.mkdir(parents=True, exist_ok=True)
+    with alone(root, wait=True):
+        _claim(root, settings)
+        write_metadata(root, (settings.height, settings.width), scenes)
+        for done in _each(root, settings, workers or os.cpu_count() or 1):
+            progress(done)
+            results.append(done)
     return results
 
 
@@ -325,18 +326,25 @@ def _each(root: Path, settings: Settings, workers: int) -> Iterator[Done]:
     if workers == 1:
         yield from (render_scene(root, settings, i) for i in range(settings.scenes))
         return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    spawn = get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_follow) as pool:
         try:
             yield from pool.map(partial(render_scene, root, settings), range(settings.scenes))
         finally:
             pool.shutdown(cancel_futures=True)
 
 
+def _follow() -> None:
+    """End this worker with its parent, however that ends; Ctrl-C is for the parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent: Any = parent_process()
+    Thread(target=lambda: (parent.join(), os._exit(1)), daemon=True).start()
+
+
 def _claim(root: Path, settings: Settings) -> None:
     """Write down what a folder holds, or make sure that it holds the same."""
     from cmtof import __version__
 
-    root.mkdir(parents=True, exist_ok=True)
     for part in root.rglob(".*.part-*"):  # what a killed run had begun
         part.unlink(missing_ok=True)
     path = root / SETTINGS
