@@ -26,6 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--noise", type=float, default=1200.0, help="Gaussian sigma, counts")
     parser.add_argument("--again", action="store_true", help="count these methods again")
     parser.add_argument("--runs", type=Path, help="folder of trainings")
+    parser.add_argument("--into", type=Path, default=RESULTS, help="folder of the counts")
     given = parser.parse_args(arguments)
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # before NumPy and torch are loaded
@@ -44,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         found = sorted(given.runs.glob(f"*/*.{given.protocol}.safetensors"))
         rows = {path.parent.name: (read_card(path).model, path) for path in found}
     settings = {"protocol": given.protocol, "noise": given.noise, "seed": 0}
-    path = RESULTS / f"table{1 if given.runs else 2}_{given.protocol}_{given.noise:g}.json"
+    path = given.into / f"table{1 if given.runs else 2}_{given.protocol}_{given.noise:g}.json"
     held: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.is_file() else {}
     if held.get("settings") != settings:
         command = f"python tools/tables.py --protocol {given.protocol} --noise {given.noise:g}"

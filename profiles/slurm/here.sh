@@ -41,7 +41,7 @@ JobCompType=jobcomp/filetxt
 JobCompLoc=$STATE/jobs.txt
 MpiDefault=none
 ReturnToService=2
-NodeName=$NODE NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=4000 State=UNKNOWN
+NodeName=$NODE NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=8000 State=UNKNOWN
 PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 END
   munged --force --pid-file="$STATE/munged.pid" 2>/dev/null
