@@ -3,7 +3,7 @@
 #   profiles/slurm/here.sh start | stop        state and logs: /tmp/cmtof_slurm
 set -euo pipefail
 STATE=/tmp/cmtof_slurm
-CONF=$STATE/slurm.conf
+CONF=/etc/slurm/slurm.conf
 NODE=$(hostname -s)
 
 stop() {
@@ -14,11 +14,15 @@ stop() {
       rm -f "$STATE/$name.pid"
     fi
   done
+  ! grep -qs "$STATE" "$CONF" || rm "$CONF"
 }
 
 start() {
   command -v slurmctld slurmd munged >/dev/null ||
     { echo "Expected slurmctld, slurmd and munged, got none. apt-get install slurm-wlm munge" >&2; exit 1; }
+  if [ -e "$CONF" ] && ! grep -q "$STATE" "$CONF"; then
+    echo "Expected no $CONF of another cluster, got one. Leave this machine as it is." >&2; exit 1
+  fi
   mkdir -p "$STATE"/{ctld,d} /run/munge
   chown munge:munge /run/munge
   chmod 755 "$STATE" /run/munge
@@ -45,9 +49,8 @@ NodeName=$NODE NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=8000 State=UNKNOWN
 PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 END
   munged --force --pid-file="$STATE/munged.pid" 2>/dev/null
-  SLURM_CONF=$CONF slurmctld
-  SLURM_CONF=$CONF slurmd
-  echo "export SLURM_CONF=$CONF"
+  slurmctld
+  slurmd
 }
 
 case ${1:-} in
