@@ -311,8 +311,7 @@ def replicate(
     for outcome in outcomes(output):
         print(outcome, flush=True)
         failed += not outcome.passed
-    drawn = "drawn on this machine" if output.is_file() else "not drawn: needs cmtof[plot]"
-    print(f"{output}: Fig. 10, {drawn}")
+    print(f"{output}: Fig. 10, {'drawn' if output.is_file() else 'needs cmtof[plot]'}")
     if failed:
         raise ValueError(f"Expected every line to pass, got {failed} FAIL. Compare versions.")
 

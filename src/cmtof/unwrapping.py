@@ -121,5 +121,4 @@ def unwrap_file(
                     file.variables[name].attrs.update(image.attrs)
                 file.variables[name][y : y + tile, x : x + tile] = image.to_numpy()
             file.attrs.update(result.attrs | {"tile": tile, "margin": margin})
-            share = result.depth.size / (height * width)
-            yield share, Measurement(seen.isel(inner)), result
+            yield result.depth.size / (height * width), Measurement(seen.isel(inner)), result

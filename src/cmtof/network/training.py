@@ -7,6 +7,7 @@ import time
 import warnings
 import zipfile
 from collections.abc import Sequence
+from contextlib import nullcontext
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -99,7 +100,8 @@ class Unwrapping(LightningModule):
             found = self.validated()["validation"].model_dump()
             self.curve.append({"step": self.global_step} | found)
         self.trainer.should_stop = time.monotonic() > self.end
-        with written_whole(self.checkpoint) as part:
+        whole = written_whole if self.trainer.is_global_zero else nullcontext  # others take part
+        with whole(self.checkpoint) as part:
             self.trainer.save_checkpoint(part)
 
     def configure_optimizers(self) -> Any:
