@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Solve environment.lock: exact versions and hashes for every platform and Python from 3.11 on.
-# Kept versions stay where they fit; `tools/lock.sh --upgrade` asks for the newest of all.
+# Solve environment.lock, versions and hashes for every platform; --upgrade asks for the newest.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 trap 'rm -f environment.lock.part' EXIT
