@@ -230,12 +230,9 @@ def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) ->
     signal = GAIN * INTEGRATION_TIME * np.asarray(intensity, float)
     variance = 2 * (linear_from_spread(phase_noise) * signal / np.pi) ** 2
     rest = variance - signal / 2
-    if not np.all(rest >= -1e-9 * variance):  # false for NaN as well
-        least = intensity_from_phase_noise(phase_noise, 0.0)
-        raise ValueError(
-            f"Expected a brightness of {least:.4g} or more, got {np.min(intensity):.4g}: photon "
-            f"noise alone is beyond {phase_noise:.4g} rad there. Assume a brighter surface."
-        )
+    least, seen = intensity_from_phase_noise(phase_noise, 0.0), f"{np.min(intensity):.4g}"
+    what = f"a brightness of {least:.4g} or more, with photon noise below {phase_noise:.4g} rad"
+    expect(np.all(rest >= -1e-9 * variance), what, seen, "Assume a brighter surface.")
     return np.sqrt(np.maximum(rest, 0))
 
 

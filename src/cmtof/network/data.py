@@ -167,8 +167,8 @@ def pack_views(views: Sequence[Source]) -> Pack:
         try:
             depth, light = (frame := view.load()).depth, frame.intensity
             shape = depths[0].shape if depths else depth.shape
-            if depth.shape != shape or not np.isfinite(depth).any():
-                raise ValueError(f"Expected depths of {shape} px, got {depth.shape} or none.")
+            right = depth.shape == shape and np.isfinite(depth).any()
+            expect(right, f"depths of {shape} px", f"{depth.shape} or none", "Look at it.")
         except (OSError, ValueError) as error:
             warnings.warn(f"{view.name} is left out. {error}", stacklevel=2)
             continue
