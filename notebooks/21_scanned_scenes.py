@@ -151,7 +151,7 @@ for name, room in shown:
     residual[name, room] = 1e6 * float(np.nanmedian(np.abs(left)))
     cosine = (normals_of(name, depth) * normals_of(name, truth[name])).sum(-1)
     angle = np.rad2deg(np.arccos(np.clip(cosine, -1, 1)))
-    tilt[name, room] = float(np.median(angle[off == 0]))
+    tilt[name, room] = float(np.nanmedian(angle))
 for name in objects:
     depth = depth_of(name, "captures")
     shades = plt.cm.ScalarMappable(plt.Normalize(*limits[name]), "cividis_r")
@@ -321,10 +321,10 @@ for name in objects:
 #
 # Each pixel is put into the first class that holds: at an edge, where a neighbour lies more than
 # half a wrap nearer or farther, be it an outline or a steep slope; polished, where most of the
-# light is mirrored away; dark, with a reflectance below 0.1; or the rest.
+# light is mirrored away; dark, with a reflectance below 0.1; the wall behind; or the rest.
 
 # %%
-CLASSES = ("edge", "polished", "dark", "rest")
+CLASSES = ("edge", "polished", "dark", "wall", "rest")
 
 
 def classes_of(name):
@@ -335,7 +335,7 @@ def classes_of(name):
     around = np.lib.stride_tricks.sliding_window_view(np.pad(truth[name], 1, mode="edge"), (3, 3))
     step = np.abs(around - truth[name][..., None, None]).max((2, 3))
     tests = [step > period / 2, hits.mirrored * np.ones(step.shape) > 0.5, hits.reflectance < 0.1]
-    return np.select(tests, CLASSES[:3], CLASSES[3])
+    return np.select([*tests, truth[name] > 1.2], CLASSES[:4], CLASSES[4])
 
 
 kinds = np.concatenate([classes_of(n).ravel() for n in objects])
@@ -382,11 +382,11 @@ paper.check("sec8.kde_scanned", noisy, photon=quiet)
 
 # %% [markdown]
 # Edges fail for all methods: where the spot lies across an outline, the phases of both modes are
-# those of neither surface, and the neighbours have other wraps, so that pooling misleads. `crt-ml`
-# pools nothing, and `region` and KDE little: with the captures' noise, fifteen wraps of it in the
-# beat of a pixel, they have next to nothing left. That is what the paper reports of KDE; at the
-# photon limit it does not hold. `surfaces` pools over a surface as a whole and survives the noise,
-# but a wrong decision costs many pixels at once. Strong room light changes little.
+# those of neither surface, and pooling over neighbours misleads. `crt-ml` pools nothing, and
+# `region` and KDE little: with the captures' noise, fifteen wraps of it in the beat of a pixel,
+# they have next to nothing left, as the paper reports of KDE; at the photon limit that does not
+# hold. `surfaces` pools over a surface as a whole and survives the noise on the wall, but hardly on
+# the objects. Strong room light changes little.
 #
 # ## In space
 #
