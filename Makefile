@@ -52,7 +52,8 @@ pdf: book ## Print the whole book to build/PROFILE/book.pdf (Debian: apt-get ins
 	@$(BIN)/jupyter-book build build/$(PROFILE)/stage --builder=custom --custom-builder=singlehtml -q \
 		--path-output build/$(PROFILE)/print
 	@cd build/$(PROFILE)/print/_build/singlehtml && mv book/intro.html whole.html && chromium --headless \
-		--no-sandbox --no-pdf-header-footer --virtual-time-budget=120000 --print-to-pdf=../../../book.pdf whole.html
+		--no-sandbox --disable-gpu --no-pdf-header-footer --virtual-time-budget=120000 \
+		--print-to-pdf="$(CURDIR)/build/$(PROFILE)/book.pdf" "file://$$PWD/whole.html"
 
 test: setup ## Check sizes, build the book with the small ci profile, then run the tests
 	@$(BIN)/python tools/size.py

@@ -6,7 +6,7 @@
 # light's delay, so a few averages at different reference phases give the distance (Paper
 # Fig. 2, simulated; Eqs. 1–4 and 20).
 
-# %% tags=["parameters"]
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # nothing here is random
 frequency: float = 7.15e9  # modulation frequency, Hz

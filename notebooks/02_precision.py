@@ -6,7 +6,7 @@
 # the paper states (Paper Fig. 3, simulated). The range within which a phase is unambiguous shrinks
 # by the same factor.
 
-# %% tags=["parameters"]
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of all noise
 samples: int = 1000  # measurements at each frequency; the paper's number

@@ -5,7 +5,7 @@
 # simulated). Two frequencies together determine the count in principle. At the paper's noise one
 # white pixel is right in 2 % of cases; a safe answer needs thousands of pixels.
 
-# %% tags=["parameters"]
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of all noise
 frame_name: str = "still_life"  # embedded frame

@@ -6,7 +6,7 @@
 # plate turned by 11.25°, at twice that frequency (Sec. 6.2; Paper Figs. 7 and 8,
 # computed; Eqs. 10–19). Every printed equation holds but Eq. 19, a factor of two too small.
 
-# %% tags=["parameters"]
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of the instrument's errors, and of the photodiode's noise in Paper Fig. 8
 eta: float = 0.26  # drive amplitude in one pass, rad; 50 % contrast in the single mode

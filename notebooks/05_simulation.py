@@ -6,7 +6,7 @@
 # frame goes in, correlation images come out, and from them phase, amplitude and everything that the
 # paper's network is given (Paper Fig. 5). All of it is simulated.
 
-# %% tags=["parameters"]
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of all noise
 frame_name: str = "still_life"  # embedded frame

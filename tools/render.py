@@ -34,8 +34,7 @@ def lighten(html: Path) -> None:
     for page in html.glob("*/*.html"):
         if article := BeautifulSoup(page.read_text("utf-8"), "html.parser").article:
             texts[page.relative_to(html).as_posix()] = escape(article.get_text(" "))
-    script = f"const cmtofTexts = {json.dumps(texts, ensure_ascii=False)};\n"
-    (html / "_static" / "texts.js").write_text(script, "utf-8")
+    (html / "_static" / "texts.js").write_text(f"const cmtofTexts = {json.dumps(texts)};", "utf-8")
     for notebook in (html / "_sources" / "notebooks").iterdir():
         shutil.copyfile(NOTEBOOKS / notebook.name, notebook)
 
