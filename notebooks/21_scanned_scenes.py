@@ -251,7 +251,6 @@ notes.table(
 # what lies outside takes the colour at its end.
 
 # %% tags=["hide-input"]
-COMPARED = ["kde", "region", "surfaces"]
 ABOUT = {
     "bust": "plaster, diffuse and bright",
     "helmet": "polished steel with slits and holes",
@@ -308,7 +307,7 @@ for name in objects:
             f"Fifteen images of the {name}. The amplitudes are grainy, the wrapped phases run in "
             "fringes, finer than the noise of the captures, the RF phase is noise. Right wraps: "
             + "; ".join(
-                f"{room}, " + ", ".join(f"{m} {right[name, room, m]:.0f} %" for m in COMPARED)
+                f"{room}, " + ", ".join(f"{m} {right[name, room, m]:.0f} %" for m in names)
                 for room in NOISE
             )
             + "."
