@@ -206,8 +206,7 @@ worst = np.abs(drawn / exact - 1).max()
 print(f"simulated pixels keep to the law within {worst:.1%}")
 
 # %% [markdown]
-# Averaging *before* the angle is taken cures this: sums of phasors are linear, and pooled estimates
-# keep to the bound.
+# Averaging phasors *before* the angle is taken cures this: such estimates keep to the bound.
 #
 # ## Against the paper
 

@@ -131,9 +131,8 @@ counted = np.array([share_right(t.phase[0], np.angle(beat_phasor(t)), t) for t i
 error = np.sqrt(law * (1 - law)) / odds_side
 
 # %% [markdown]
-# Pixels must be pooled. Two ways suggest themselves: average the *beats* of neighbours (products of
-# noisy phasors), or average the correlations first, so that each frequency's phasor is clean
-# *before* the beat is taken.
+# Pixels must be pooled: either the *beats* of neighbours (products of noisy phasors), or the
+# correlations first, so that each frequency's phasor is clean *before* the beat is taken.
 
 # %%
 sides = np.array([1, 4, 8, 16, 24, 32, 48, 64])

@@ -269,8 +269,7 @@ plotting.save(
 )
 
 # %% [markdown]
-# Rates of the two must never stand in one column. The classes are uneven, so a rate means little
-# beside that of the commonest class.
+# Rates of the two must never stand in one column, and each stands beside the commonest class's.
 #
 # ## Fourier features
 #
