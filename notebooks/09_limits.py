@@ -42,7 +42,7 @@ from cmtof.scenes.frame import held_out_frames
 plotting.begin(profile=profile, seed=seed)
 PROTOCOLS = ("released", "full")
 METHODS = ("beat", "region", "mrf", "mrf-graphcut", "surfaces")
-REFERENCES = tuple(f"reference-{name}" for name in ("field", "plane", "offset", "contact", "depth"))
+REFERENCES = tuple(f"reference-{name}" for name in ("field", "offset", "contact", "depth"))
 every = held_out_frames()
 frames = [every[place].middle(height, width) for place in places]
 
@@ -96,14 +96,13 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## Five references
+# ## Four references
 #
 # | reference | knows | must find |
 # | --- | --- | --- |
 # | `reference-depth` | the depth itself | nothing; noise carries phases across a wrap's end |
 # | `reference-contact` | the shape of all that is connected | one offset a body |
 # | `reference-offset` | the shape of each surface, between creases | one offset a surface |
-# | `reference-plane` | the same but for a tilt | offset and tilt of each surface |
 # | `reference-field` | as `reference-offset`, within 281 px | one offset a pixel |
 #
 # All but the first turn both images back by the shape that they know, add up what belongs together,

@@ -133,7 +133,7 @@ def test_names_aliases_and_all():
     chosen = names_of("all")
     assert {"surfaces", "crt", "mrf", "middle"} <= set(chosen)
     assert not [name for name in chosen if METHODS[name].kind == "reference"]
-    assert names_of("oracle-plane,beat") == ["reference-plane", "beat"]
+    assert names_of("oracle-field,beat") == ["reference-field", "beat"]
     assert all(METHODS[name].summary and METHODS[name].name == name for name in METHODS)
 
 

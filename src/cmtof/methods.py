@@ -104,7 +104,6 @@ _ALL = (
     _reference(references.reference_depth, frequencies=1),
     _reference(references.reference_offset),
     _reference(references.reference_contact),
-    _reference(references.reference_plane),
     _reference(references.reference_field),
 )
 

@@ -4,15 +4,17 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from exact_scenes import SHAPE, WRAP, exact_field, plane_depth, whole_boxes
+from exact_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth, whole_boxes
 
-from cmtof.surfaces.fitting import BENT, moved
+from cmtof.surfaces.fitting import BENT, PLANE, leaning, moved
 from cmtof.surfaces.placing import (
     Borders,
     Offsets,
+    aligned,
     borders,
     interiors,
     offsets,
+    parted,
     pixel_labels,
     pooled_beats,
     tied,
@@ -61,6 +63,27 @@ def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
     sharp, bent = (offsets(field, INNER, q[None], a_fit(12.0, 1e6, m)) for m in (0, 1e-4))
     assert abs(sharp.mean[0] - 12) < abs(beat[0] - 12)
     assert sharp.spread[0] < bent.spread[0] < alone.spread[0]
+
+
+def test_two_planes_with_one_phase_are_cut_where_the_beat_steps(rng):
+    depth, q = plane_depth((0.3, -0.2, 1), 2.5)
+    depth = depth + 5 * WRAP * (np.arange(SHAPE[1]) >= 80)
+    field = exact_field(depth, information=50.0, noise_of=rng)
+    main, surfaces = parted(field, INNER, q[None])
+    right = np.mean((main > 0) == (np.arange(SHAPE[1] // 8) >= 10))
+    assert len(surfaces) == 2 and max(right, 1 - right) > 0.97
+
+
+def test_planes_at_right_angles_place_each_other():
+    camera, found, fit = (400.0, 400.0, 81.0, 62.5), [], []
+    for normal, off in (((2, 2, 1), 0), ((-2, 1, 2), 0), ((1, -2, 2), 2)):
+        depth, q = plane_depth(normal, 1.5, camera=camera)
+        field = exact_field(depth, camera=camera).arrays()
+        found.append(moved(field, q, BOXES, PLANE, -off * WRAP))
+        fit.append([0, 1, 0, 1e-3, *leaning(field, NOTHING, -1, found[-1], BOXES, 1.0).ravel()])
+    alone, label = known([0, 0, 0.6], [0.05, 0.05, 1.5]), np.repeat([0, 1, 2], 1000)
+    sharp = aligned(alone, np.array(found), np.array(fit), label)
+    np.testing.assert_allclose([*sharp.mean, sharp.spread[2]], [0, 0, 2, 0.05], atol=0.1)
 
 
 def test_pixels_take_the_likeliest_surface_and_borders_find_whole_wraps():

@@ -52,8 +52,8 @@ def clean(clean_corner):
 def test_the_corner_without_noise_is_exact_whatever_is_left_out(corner, clean_corner, clean):
     # what is left are single pixels along the edges
     assert np.mean(np.abs(clean[1] - corner.frame.depth) < 1e-4) >= 0.995
-    for option in ("bent", "shape", "ties", "fill"):
-        assert right(clean_corner, **{option: False}) > 0.99
+    for option in ("bent", "parts", "shape", "axes", "ties", "fill"):
+        assert right(clean_corner, without=[option]) > 0.99
 
 
 def test_the_corner_with_noise_beats_the_random_field(corner):

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import fft2, fftfreq, next_fast_len
 from scipy.ndimage import find_objects, label, uniform_filter
 
 from cmtof.baselines import Array, Complex, Estimate, within_range
@@ -19,7 +18,6 @@ from cmtof.baselines.beat import synthetic_frequency
 from cmtof.baselines.region import Pooled, components, mean_over, pool, whole_wraps
 from cmtof.bounds import wrap_probability
 from cmtof.correlation import (
-    TAU,
     consistent_wrap_count,
     depth_from_phase,
     depth_from_wraps,
@@ -54,16 +52,6 @@ def reference_contact(measurement: Measurement) -> Estimate:
     return _pooled(measurement, bodies(_truth(measurement)))
 
 
-def reference_plane(measurement: Measurement) -> Estimate:
-    """True surfaces, one unknown offset and tilt each; the tilt is that of `tilt_of`."""
-    low, high = (float(f) for f in measurement.frequencies[:2])
-    surface, phasors = surfaces(_truth(measurement)), _demodulated(measurement)
-    tilt = np.zeros(measurement.shape)
-    for place, inside in _pieces(surface):
-        tilt[place][inside] = tilt_of(np.where(inside, phasors[:, *place], 0), high / low)[inside]
-    return _pooled(measurement, surface, depth_from_phase(tilt, low))
-
-
 def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
     """True surfaces, of which each pixel pools those within a square of an odd ``side``, px."""
     return _pooled(measurement, surfaces(_truth(measurement)), side=side)
@@ -92,57 +80,24 @@ def bodies(depth: Array) -> NDArray[np.intp]:
     return components(*links)
 
 
-def tilt_of(phasors: Complex, ratio: float) -> Array:
-    """Plane (H, W), rad at the lower frequency, zero at the centroid, on which two phasors lie.
-
-    Peak over slopes nu of ``sum_i |sum_x p_i(x) exp(-i r_i nu x)|^2 / sum_x |p_i|^2``, r_i = 1 and
-    ``ratio``: the largest bin of both spectra, then Newton steps. Phasors are zero elsewhere.
-    """
-    power = np.sum(np.abs(phasors) ** 2, axis=(1, 2), keepdims=True)
-    scaled = phasors / np.sqrt(np.where(power > 0, power, 1))
-    weight, ratios = np.sum(np.abs(scaled), axis=0), np.array([1.0, ratio])
-    mass = weight.sum() or 1.0
-    axes = np.stack([x - (weight * x).sum() / mass for x in np.indices(weight.shape, dtype=float)])
-    sizes = [int(next_fast_len(2 * n) or 1) for n in weight.shape]
-    first, second = np.abs(np.asarray(fft2(scaled.astype(np.complex64), sizes))) ** 2
-    whole = [np.rint(fftfreq(n) * n) for n in sizes]
-    rows, columns = (np.rint(ratio * k).astype(int) % n for k, n in zip(whole, sizes, strict=True))
-    best = np.unravel_index(int(np.argmax(first + second[np.ix_(rows, columns)])), sizes)
-    slopes = np.array([TAU * k[i] / n for k, i, n in zip(whole, best, sizes, strict=True)])
-    longest = np.pi / np.array(weight.shape)
-    for _ in range(10):
-        plane = np.tensordot(slopes, axes, 1)
-        turned = scaled * np.exp(-1j * ratios[:, None, None] * plane)
-        along = turned * np.conj(turned.sum(axis=(1, 2), keepdims=True))
-        gradient = np.einsum("f,fyx,iyx->i", ratios, along.imag, axes)
-        # off the summit the curvature may change sign; that of aligned phasors never does
-        parts = (np.tensordot(ratios**2, part, 1) for part in (along.real, np.abs(along)))
-        curved = (np.einsum("yx,iyx,jyx->ij", part, axes, axes) for part in parts)
-        bend = next((b for b in curved if np.linalg.eigvalsh(b)[0] > 0), np.eye(2))
-        slopes = slopes + np.clip(np.linalg.solve(bend, gradient), -longest, longest)
-    return np.tensordot(slopes, axes, 1)
-
-
 def _truth(measurement: Measurement) -> Array:
     assert measurement.depth is not None  # `Method` has made sure
     return measurement.depth.astype(float)
 
 
-def _demodulated(measurement: Measurement, tilt: Array | float = 0) -> Complex:
-    """Phasors (2, H, W) turned back by the true depth and a tilt, m; zero where not finite."""
-    shape = np.nan_to_num(_truth(measurement)) + tilt
+def _demodulated(measurement: Measurement) -> Complex:
+    """Phasors (2, H, W) turned back by the true depth; zero where not finite."""
+    shape = np.nan_to_num(_truth(measurement))
     turned = phase_from_depth(shape, measurement.frequencies[:2, None, None])
     with np.errstate(invalid="ignore"):
         phasors = measurement.amplitude[:2] * np.exp(1j * (measurement.phase[:2] - turned))
     return np.where(np.isfinite(phasors), phasors, 0)
 
 
-def _pooled(
-    measurement: Measurement, surface: NDArray[np.intp], tilt: Array | float = 0, side: int = 0
-) -> Estimate:
-    """Estimate of true shapes and tilts, m, where phasors summed over surfaces place them."""
-    truth, phasors = _truth(measurement), _demodulated(measurement, tilt)
-    known, shape = np.isfinite(truth), np.nan_to_num(truth) + tilt
+def _pooled(measurement: Measurement, surface: NDArray[np.intp], side: int = 0) -> Estimate:
+    """Estimate of true shapes where phasors summed over surfaces place them."""
+    truth, phasors = _truth(measurement), _demodulated(measurement)
+    known, shape = np.isfinite(truth), np.nan_to_num(truth)
     if side:
         (first, second), middle = (_pool_within(p, surface, side) for p in phasors), shape
     else:

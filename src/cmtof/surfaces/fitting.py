@@ -1,8 +1,7 @@
 """Compiled loops (Numba): likelihood of a surface over cells and over rectangles, and its fit.
 
 A surface is ``1 / z = cosine (q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2)``; a plane has
-none of the last three. As ``dz / dq_j = -z^2 cosine u^a v^b``, sums of a row over powers of u serve
-all. ``field`` is `Field.arrays`; pixels count whose ``label`` is ``only``, or all if that is < 0.
+none of the last three. ``field`` is `Field.arrays`; pixels of a ``label`` count, all if it is < 0.
 """
 
 import numpy as np
@@ -125,27 +124,14 @@ def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compi
 
 @njit(cache=True, nogil=True)
 def _solved(moments, right, size):  # pragma: no cover - compiled
-    """M^-1 right for the first functions, by elimination, scaled to a unit diagonal."""
-    scale, out, matrix = np.empty(size), np.zeros(BENT), np.empty((size, size))
+    """M^-1 right for the first functions, scaled to a unit diagonal."""
+    matrix, out = np.empty((size, size)), np.zeros(BENT)
     for i in range(size):
-        scale[i] = 1 / np.sqrt(moments[16 + 7 * i] + 1e-12)
-        out[i] = right[i] * scale[i]
         for j in range(i + 1):
-            matrix[i, j] = moments[16 + 6 * i + j] * scale[i] * scale[j]
-            matrix[j, i] = matrix[i, j]
-        matrix[i, i] += 1e-10
-    for i in range(size):
-        for j in range(i + 1, size):
-            factor = matrix[j, i] / matrix[i, i]
-            out[j] -= factor * out[i]
-            for n in range(i, size):
-                matrix[j, n] -= factor * matrix[i, n]
-    for i in range(size - 1, -1, -1):
-        for j in range(i + 1, size):
-            out[i] -= matrix[i, j] * out[j]
-        out[i] /= matrix[i, i]
-    for i in range(size):
-        out[i] *= scale[i]
+            matrix[i, j] = matrix[j, i] = moments[16 + 6 * i + j]
+    scale = 1 / np.sqrt(np.diag(matrix) + 1e-12)
+    matrix = matrix * np.outer(scale, scale) + 1e-10 * np.eye(size)
+    out[:size] = scale * np.linalg.solve(matrix, scale * right[:size])
     return out
 
 
@@ -168,6 +154,18 @@ def _look(field, label, only, q, boxes, size):  # pragma: no cover - compiled
     known = max(moments[3] - np.sum(h[:size] * shift[:size]), 1e-12)
     offset = -(moments[2] / share - np.sum(g[:size] * shift[:size])) / known
     return likelihood, most, step, offset, known * share
+
+
+@njit(cache=True, nogil=True)
+def leaning(field, label, only, q, boxes, weight):  # pragma: no cover - compiled
+    """Change (3,) of a plane that is moved by a wrap, and the covariance (3, 3) of its fit."""
+    moments, out = np.zeros(52), np.empty((4, 3))
+    for i in range(boxes.shape[0]):
+        _rectangle(field, label, only, q, boxes[i], moments)
+    out[0] = _solved(moments, moments[10:16], PLANE)[:3]
+    for i in range(3):
+        out[1 + i] = _solved(moments, np.eye(6)[i] / weight, PLANE)[:3]
+    return out
 
 
 @njit(cache=True, nogil=True)

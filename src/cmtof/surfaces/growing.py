@@ -10,7 +10,16 @@ from scipy.fft import fft2, fftfreq, next_fast_len
 
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask
-from cmtof.surfaces.fitting import BENT, EVERY, PLANE, cell_likelihood, depth_at, refine, select
+from cmtof.surfaces.fitting import (
+    BENT,
+    EVERY,
+    PLANE,
+    cell_likelihood,
+    depth_at,
+    leaning,
+    refine,
+    select,
+)
 
 # Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
 # many times its bins are refined. Large ones come first: what is large should stay in one piece.
@@ -49,8 +58,8 @@ def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Array]:
 def fitted(field: Field, label: Labels, surfaces: Array, effort: tuple, gain: float) -> tuple:
     """Fit every surface (N, 6) to its pixels, with so many steps, on so many cells at most.
 
-    Describes the fit (N, 4) as well: offset that is lacking, wraps; its inverse variance; what a
-    plane misses, m (rms); by how much a wrap bends a plane, m.
+    And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
+    m (rms); by how much a wrap bends a plane, m; for planes `leaning`.
     """
     rows, columns = (n // CELL for n in label.shape)
     y, x = np.nonzero(label >= 0)
@@ -107,8 +116,7 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
         if size >= 0.6 * side * side:
             for i in range(size):
                 owner[region[i] // columns, region[i] % columns] = count + new
-            for i in range(BENT):
-                surfaces[new, i] = q[i]
+            surfaces[new] = q
             new += 1
     return surfaces[:new]
 
@@ -162,7 +170,7 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
 def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: no cover - compiled
     """Do what `fitted` says; cells sorted by surface, where each begins, and cells in a row."""
     k, (order, starts, columns) = field[3], cells
-    out, fit = surfaces.copy(), np.zeros((len(surfaces), 4))
+    out, fit = surfaces.copy(), np.zeros((len(surfaces), 16))
     for n in range(len(surfaces)):
         own = order[starts[n] : starts[n + 1]]
         if own.size == 0:
@@ -174,11 +182,10 @@ def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: 
         z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
         if 0.02 * farthest < z < 2 * farthest:  # before the camera and not far beyond the limits
             stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
-            about = (offset, known * weight, missed, np.sqrt(known / stiff))
-            for i in range(BENT):
-                out[n, i] = q[i]
-            for i in range(4):
-                fit[n, i] = about[i]
+            out[n] = q
+            fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
+            if q[3] == 0 and q[4] == 0 and q[5] == 0:
+                fit[n, 4:] = leaning(field, label, n, q, boxes, weight).ravel()
     return out, fit
 
 

@@ -3,10 +3,10 @@
 1. `cmtof.surfaces.field`: the phasors of each pixel, weighted so that likelihoods add up.
 2. `cmtof.surfaces.growing`: planes begin in windows, take the cells that they explain, and bend.
 3. `cmtof.surfaces.placing`: pixels take surfaces; beat, shape and what meets give their wraps.
-4. Here: pixels that no surface explains take the nearest one or the beat of their neighbourhood;
-   where single pixels are clear enough, their neighbours vote.
+4. Here: other pixels take the nearest one, the beat about them, or the vote of neighbours.
 """
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -20,14 +20,13 @@ from cmtof.baselines.region import nearest
 from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
 from cmtof.surfaces import placing
-from cmtof.surfaces.field import Array, Field, Labels, Mask, field_from_measurement
+from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask, field_from_measurement
 from cmtof.surfaces.growing import GAIN, fitted, grown_surfaces
 
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 WINDOW = 41  # side, px, of the square over which the beat is averaged further away
 
-# Confidences, calibrated once on a view of each of 90 training rooms in both protocols, and those
-# of votes on twelve simulated scans of things from these rooms.
+# Confidences, calibrated on views of training rooms, and of votes on scans of things from these.
 CALIBRATION = (  # odds of an offset by its Gaussian, and the share that was right
     (0.0, 0.1, 0.25, 0.35, 0.5, 0.6, 0.75, 0.9, 0.99, 1.0),
     (0.08, 0.08, 0.14, 0.16, 0.4, 0.445, 0.67, 0.83, 0.905, 0.955),
@@ -35,6 +34,7 @@ CALIBRATION = (  # odds of an offset by its Gaussian, and the share that was rig
 FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))  # S / E about a pixel, and a factor
 BESIDE = ((1.0, 2.0, REACH), (0.36, 0.2, 0.1))  # px off the nearest surface, and a factor
 FAR = 0.02  # share of pixels further off that was right
+NARROW = 0.5  # share of the doubt that goes with fewer than 100 wraps to choose from
 # share of the winner of a vote, and how often it was right
 VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
 
@@ -63,32 +63,43 @@ class Stages(NamedTuple):
     confidence: Array
 
 
-def surfaces(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=True) -> Estimate:
-    """Depths by surfaces, each pooled over all of its pixels; parts as in `stages`."""
-    found = stages(measurement, bent=bent, shape=shape, ties=ties, fill=fill)
+def surfaces(measurement: Measurement, *, without: Collection[str] = ()) -> Estimate:
+    """Depths by surfaces, each pooled over all of its pixels, ``without`` steps as in `stages`."""
+    found = stages(measurement, without)
     height, width = measurement.shape
     depth = within_range(found.depth[:height, :width], measurement)
     return Estimate(depth, np.where(measurement.mask, found.confidence[:height, :width], 0))
 
 
-def stages(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=True) -> Stages:
+def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
-    Parts that may be left out: ``bent`` surfaces beside planes; offsets by the ``shape`` beside
-    those by the beat, if there is a camera; ``ties`` of surfaces that meet; to ``fill`` with the
-    beat of the neighbourhood far from any surface, where otherwise the nearest one is taken.
+    Steps that may be left out: ``bent`` surfaces beside planes; ``parts``, cut where the beat
+    steps; offsets by the ``shape`` beside the beat, and by the ``axes`` of the room, if there is a
+    camera; ``ties`` of surfaces that meet; to ``fill`` what is far from any with its own beat.
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
-    gain = GAIN if bent else np.inf
+    gain = np.inf if "bent" in without else GAIN
     owner, surfaces = grown_surfaces(field, gain=gain)
     label, share = placing.pixel_labels(field, owner, surfaces)
     inner = placing.interiors(label, share)
+    main, cut = placing.parted(field, inner, surfaces)
+    if "parts" not in without and len(cut) > len(surfaces):
+        owner = np.where(main < len(surfaces), owner, main)
+        cells = np.kron(owner, np.ones((CELL, CELL), int))
+        surfaces = fitted(field, cells, cut, (_STEPS, _CELLS), gain)[0]
+        label, share = placing.pixel_labels(field, owner, surfaces)
+        inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
-    shape = shape and measurement.camera is not None  # without a camera the shape is assumed
+    shape = (
+        "shape" not in without and measurement.camera is not None
+    )  # without a camera the shape is assumed
     alone = placing.offsets(field, inner, surfaces, fit, shape=shape)
+    if shape and "axes" not in without and len(surfaces):
+        alone = placing.aligned(alone, surfaces, fit, label)
     touching = placing.borders(field, label, surfaces)
-    joined = placing.tied(alone, touching._replace(odds=touching.odds * ties))
+    joined = placing.tied(alone, touching._replace(odds=touching.odds * ("ties" not in without)))
     explained = label >= 0
     everywhere = label[nearest(explained)]
     depth = placing.depth_of_labels(field, everywhere, surfaces)
@@ -102,14 +113,15 @@ def stages(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=T
     right = ndtr((0.5 - off) / spread) - ndtr((-0.5 - off) / spread)
     odds = right[everywhere] if len(surfaces) else np.zeros(label.shape)
     away = np.asarray(distance_transform_edt(~explained))
-    distance = away if explained.any() else np.full(label.shape, np.inf)
-    lost = ~np.isfinite(depth) | ((distance > REACH) & fill)
+    distance = np.where(explained.any(), away, np.inf)
+    lost = ~np.isfinite(depth) | ((distance > REACH) & ("fill" not in without))
     if lost.any():
         depth = np.where(lost, beat_depth(_beat_phase(field, ~explained), measurement), depth)
     elected, votes = voted(field, depth, explained)
     depth = np.where(votes > 0, elected, depth)
     fits = np.where(explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE))
     odds = np.where(distance > REACH, FAR, np.interp(odds, *CALIBRATION) * fits)
+    odds += NARROW * odds * (1 - odds) * (np.ptp(field.limits) < 100 * field.period)
     odds = np.where(votes > 0, np.interp(votes, *VOTING), odds)
     return Stages(field, owner, label, surfaces, alone, touching, joined, depth, odds)
 
@@ -117,23 +129,17 @@ def stages(measurement: Measurement, *, bent=True, shape=True, ties=True, fill=T
 def _inside(joined: placing.Tied, depth: Array, label: Labels, field: Field) -> placing.Tied:
     """Move groups by whole beats, then by wraps, until their mean pixel lies within the limits."""
     known = label >= 0
-    count = joined.wraps.size
     group = joined.group[label[known]]
-    size = np.bincount(group, minlength=count)
-    placed = depth[known] + field.period * joined.wraps[label[known]]
-    mean = np.bincount(group, placed, count) / np.maximum(size, 1)
-    low, high = field.limits
+    size = np.bincount(group, minlength=joined.wraps.size)
+    total = np.bincount(group, depth[known] / field.period + joined.wraps[label[known]], size.size)
+    mean, (low, high) = total / np.maximum(size, 1), np.array(field.limits) / field.period
     repeat = 1 / abs(field.excess)  # wraps
-    beat = repeat * field.period
-    beats = np.ceil((low - mean) / beat) * (size > 0)
-    beats = np.where(mean + beats * beat < high, beats, 0)
-    mean = mean + beats * beat
-    lacking = joined.mean + (beats * repeat)[joined.group]
+    beats = np.ceil((low - mean) / repeat) * (size > 0)
+    beats = np.where(mean + beats * repeat < high, beats, 0)
+    mean, lacking = mean + beats * repeat, joined.mean + (beats * repeat)[joined.group]
     wraps = np.where(beats[joined.group] != 0, np.rint(lacking), joined.wraps)
-    up = np.ceil(np.maximum(low - mean, 0) / field.period)
-    down = np.ceil(np.maximum(mean - high, 0) / field.period)
-    extra = np.where(size > 0, up - down, 0)[joined.group]
-    return joined._replace(mean=lacking, wraps=wraps + extra)
+    extra = np.ceil(np.maximum(low - mean, 0)) - np.ceil(np.maximum(mean - high, 0))
+    return joined._replace(mean=lacking, wraps=wraps + np.where(size > 0, extra, 0)[joined.group])
 
 
 def _beat_phase(field: Field, among: Mask) -> Array:
@@ -145,16 +151,10 @@ def _beat_phase(field: Field, among: Mask) -> Array:
 
 
 def voted(field: Field, depth: Array, explained: Mask) -> tuple[Array, Array]:
-    r"""Depth (H, W), m, by votes of and for clear pixels that no surface explains.
+    """Depth (H, W), m, by votes of and for clear pixels that no surface explains, and their share.
 
-    At a depth z a neighbour has the cost of its wrap :math:`z_m = m + \phi_1/2\pi` that is nearest,
-
-    .. math:: \frac{(z_m - z)^2}{2h^2} + \frac{r_m^2}{2s^2}, \quad r_m = \phi_2 - 2\pi k z_m, \quad
-              s^2 = s_2^2 + k^2 s_1^2, \quad k = f_2/f_1,
-
-    but for a cap; one on a surface has the first term with the ``depth`` (H, W), m, of it. The wrap
-    of a pixel with the least cost wins. ``explained`` (H, W) marks pixels on a surface; they vote
-    and are not voted on, unless their own phases contradict it. Returns the winner's share as well.
+    A neighbour costs its distance and its beat's misfit, squared over their variances, up to a cap,
+    or where ``explained`` by a surface of that ``depth``, not contradicting it, the first alone.
     """
     out, share = np.full(depth.shape, np.nan), np.zeros(depth.shape)
     ratio = float(field.wavenumber[1] / field.wavenumber[0])

@@ -6,6 +6,7 @@ two surfaces either meet, with the same depth but for whole wraps, or one hides 
 difference takes any value.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,11 @@ _INSIDE, _CERTAIN = 4, 0.6  # fits use pixels without another surface this near,
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
 _FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
 _BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
+_CUT, _EDGE = 20.0, 0.12  # least gain, as a log-likelihood, of a part, also per cell of its border
+_PART, _APART, _CUTS = 6, 0.7, 3  # least size, cells, and distance, wraps, of a part; rounds
+_PLUMB, _UPRIGHT = 5e-4, 5.0  # deviation, rad, of what is upright; least likelihood, 1 / rad
+_CLEAR, _SHARP = 1e-2, 1.5e-3  # uncertainty, rad, of normals that vote, and of those elected
+_FARTHEST = 10.0  # offset, wraps, up to which a plane turns in proportion
 _ENOUGH = 60.0  # information from which on a cell is turned back by its own phasors alone
 
 _LEAST, _LONG = 8, 24  # border, px, below which nothing follows from it; with full odds
@@ -133,11 +139,60 @@ def offsets(field: Field, inner: Labels, surfaces: Array, fit: Array, *, shape=T
     return Offsets(mean, 1 / np.sqrt(by_shape + by_beat))
 
 
-def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, Array, Array]:
-    """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on.
+def aligned(found: Offsets, surfaces: Array, fit: Array, label: Labels) -> Offsets:
+    """Offsets of planes, made sharper where these stand upright to the axes of a room.
 
-    Six functions miss the surface, so its neighbourhood's phasors turn each cell back at first.
+    Moved by m wraps, a plane of normal n turns to n + m dn: a right angle to an axis a gives m.
+    The first axis is the normal to which most are parallel or upright, the second upright to it.
     """
+    length = np.linalg.norm(surfaces[:, :3], axis=1)[:, None]
+    normal, shift = surfaces[:, :3] / length, fit[:, 4:7]
+    turn = (shift - normal * np.sum(normal * shift, axis=1, keepdims=True)) / length
+    noise = fit[:, 7:].reshape(-1, 3, 3) / length[:, :, None] ** 2
+    plane, mean, variance = shift.any(axis=1), found.mean, found.spread**2
+    now = normal + mean[:, None] * turn
+    now /= np.linalg.norm(now, axis=1, keepdims=True)
+    trace = np.trace(noise, axis1=1, axis2=2) + variance * np.sum(turn**2, axis=1)
+    width, size = np.sqrt(trace + _PLUMB**2), np.bincount(label[label >= 0], minlength=mean.size)
+    clear = plane & (width < _CLEAR)
+    cosine, apart = np.abs(now @ now.T), 3 * np.hypot(width, width[:, None])
+    square = cosine < apart
+    votes = (square | (1 - cosine**2 < apart**2)) @ np.where(clear, size, 0) - size
+    votes = np.where(clear, votes / (1 + (width / _SHARP) ** 2), 0)
+    one = int(np.argmax(votes))
+    other = int(np.argmax(votes * square[one]))
+    if not votes[other] * square[one, other]:
+        return found
+    second = now[other] - now[one] * (now[other] @ now[one])
+    second /= np.linalg.norm(second)
+    for axis in (now[one], second, np.cross(now[one], second)):
+        slope, off = turn @ axis, (normal + mean[:, None] * turn) @ axis
+        total = noise @ axis @ axis + _PLUMB**2 + slope**2 * variance
+        likely = np.exp(-(off**2) / total / 2) / np.sqrt(TAU * total)
+        use = plane & (likely > _UPRIGHT) & (np.abs(mean) < _FARTHEST)
+        gain = np.where(use, slope * variance / total, 0)
+        left = np.maximum(variance * (1 - gain * slope), np.minimum(variance, _FLOOR[0] ** 2))
+        mean, variance = mean - gain * off, left
+    return Offsets(mean, np.sqrt(variance))
+
+
+def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, Array, Array]:
+    """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on."""
+    count, multiple = len(surfaces), field.multiple
+    main, turned, told = cell_phasors(field, inner, surfaces)
+    parts = [turned.real, turned.imag, told]
+    real, imaginary, most = ([_summed(main, f, count)[:count] for f in one] for one in parts)
+    total, most = np.array(real) + 1j * np.array(imaginary), np.maximum(most, 1e-9)
+    length = np.maximum(np.abs(total), 1e-9)
+    wrap = TAU * field.excess
+    beat = np.angle(total[1] * np.conj(total[0] / length[0]) ** multiple) / wrap
+    variance = most / length**2
+    noise = np.sqrt(variance[1] + multiple**2 * variance[0]) / abs(wrap)
+    return beat, noise, (length / most).min(axis=0)
+
+
+def cell_phasors(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array, Array]:
+    """Surface of most pixels of each cell (h, w), phasors (2, h, w) turned back, and their E."""
     count, shape = len(surfaces), tuple(n // CELL for n in inner.shape)
     main = _main_surfaces(inner, count)
     chosen = (np.kron(main, np.ones((CELL, CELL), int)) == inner) & (inner >= 0)
@@ -147,7 +202,7 @@ def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, A
     blocks = (2, shape[0], CELL, shape[1], CELL)
     sums = np.where(chosen, phasors, 0).reshape(blocks).sum(axis=(2, 4))
     told = np.where(chosen, field.information, 0).astype(float).reshape(blocks).sum(axis=(2, 4))
-    near, reached = sums.copy(), told.sum(axis=0)
+    near, reached = sums.copy(), told.sum(axis=0)  # six functions miss what these turn back
     for radius in (1, 2, 4):
         weak = reached < _ENOUGH
         wider = _same(np.concatenate([sums, told]), main, radius)
@@ -158,21 +213,51 @@ def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, A
     high = np.angle(near[1] * np.exp(-1j * multiple * low))
     size = np.abs(near)
     residual = low + size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
-    known = main >= 0
     turns = np.array([1, multiple])[:, None, None]
-    turned = sums * np.exp(-1j * turns * residual)
+    return main, sums * np.exp(-1j * turns * residual), told
 
-    def summed(image: Array) -> Array:
-        return np.bincount(main[known], image[known], count).astype(float)
 
-    total = np.array([summed(one.real) + 1j * summed(one.imag) for one in turned])
-    most = np.maximum([summed(one) for one in told], 1e-9)
-    length = np.maximum(np.abs(total), 1e-9)
-    wrap = TAU * field.excess
-    beat = np.angle(total[1] * np.conj(total[0] / length[0]) ** multiple) / wrap
-    variance = most / length**2
-    noise = np.sqrt(variance[1] + multiple**2 * variance[0]) / abs(wrap)
-    return beat, noise, (length / most).min(axis=0)
+def parted(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array]:
+    """Surface of most pixels in each cell, and surfaces (N, 6), those cut whose beat steps.
+
+    Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
+    that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
+    """
+    main, turned, told = cell_phasors(field, inner, surfaces)
+    wrap, ratio = TAU * field.excess, field.multiple
+    low, high = turned.imag / np.maximum(told, 1e-6)
+    lag = (high - ratio * low) / wrap
+    weight = wrap**2 * told[0] * told[1] / np.maximum(told[0] + ratio**2 * told[1], 1e-9)
+    for _ in range(_CUTS):
+        count = len(surfaces)
+        index, summed = np.where(main < 0, count, main), partial(_summed, main, count=count)
+        middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[index]
+        apart, radius = np.ones(main.shape), 1
+        for _ in range(5):
+            pull = _same((weight * (lag - middle) * apart)[None], main, radius)[0]
+            sides = [pull <= 0, pull > 0]
+            known = [np.maximum(summed(weight * side), 1e-9) for side in sides]
+            rest, part = (summed(weight * lag * sides[i]) / known[i] for i in (0, 1))
+            middle, apart, radius = ((part + rest) / 2)[index], (part - rest)[index], 2
+        border = np.zeros(count + 1)
+        for axis in (0, 1):
+            a, b = np.delete(index, 0, axis), np.delete(index, -1, axis)
+            border += np.bincount(
+                a.ravel(), ((a == b) & np.diff(sides[1], axis=axis)).ravel(), count + 1
+            )
+        gain = (part - rest) ** 2 / (1 / known[0] + 1 / known[1]) / 2
+        good = gain > np.maximum(_CUT, _EDGE * border)
+        good &= np.minimum(*map(summed, sides)) >= _PART
+        good &= (np.abs(part - rest) > _APART) & (np.arange(count + 1) < count)
+        new = count + np.cumsum(good) - 1
+        main = np.where(sides[1] & good[index], new[index], main)
+        surfaces = np.concatenate([surfaces, surfaces[np.flatnonzero(good)]])
+    return main, surfaces
+
+
+def _summed(main: Labels, image: Array, count: int) -> Array:
+    """Sum (N + 1,) of an image over the cells of each surface, and over those of none."""
+    return np.bincount(np.where(main < 0, count, main).ravel(), image.ravel(), count + 1)
 
 
 def _main_surfaces(inner: Labels, count: int) -> Labels:
@@ -242,8 +327,7 @@ def borders(field: Field, label: Labels, surfaces: Array) -> Borders:
 def tied(found: Offsets, borders: Borders) -> Tied:
     """Tie surfaces, the surest pair first, as long as the odds are good.
 
-    Each group's offset is a Gaussian. The odds that two meet are those of the border times how much
-    likelier both Gaussians are to agree on its step than to be anywhere within `_JUMP` wraps.
+    They are those of the border times how much likelier both offsets agree than are anywhere.
     """
     count = found.mean.size
     group, shift = np.arange(count), np.zeros(count)
