@@ -36,7 +36,8 @@ def _file(named: str, *flags: str, text: str) -> Any:
     """Option of a file to write, which is checked before anything is computed for it."""
 
     def check(path: Path | None) -> Path | None:
-        return path and check_output(path, named) and path
+        free = named != ".nc" and path and not path.exists()  # what is replaced must be alike
+        return path and check_output(path, *[] if free else [named]) and path
 
     return Option(*flags, help=text, callback=check)
 
