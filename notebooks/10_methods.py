@@ -273,6 +273,3 @@ for row, name in PAPERS.items():
         paper.check(f"table2.{row}.delta_ge_10", float(value[3]), crops=seen)
 for name in ("crt", "kde"):
     paper.check(f"sec8.{name}_outliers", float(table[name].value[3]))
-if "rapid" in table and "fast-scnn" in table:
-    ratio = float(table["fast-scnn"].value[0] / table["rapid"].value[0])
-    paper.check("sec8.improvement", ratio, crops=crops["fast-scnn"])
