@@ -9,7 +9,6 @@ import json
 import os
 import zlib
 from collections.abc import Mapping
-from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +75,6 @@ def _record(content: bytes, line: Line, phases: int) -> Record:
     sums = np.array(found["sums"], np.uint32)
     clipped = np.array(found["clipped"], np.uint16)
     right = sums.shape == (len(line.labels), phases) and clipped.shape == (len(line.labels),)
-    if not (right and found["line"] == line.index and 0 < found["power"] < inf):
+    if not (right and found["line"] == line.index and 1e-15 < found["power"] < 1e3):
         raise ValueError("another line")
     return Record(line.index, float(found["power"]), sums, clipped)
