@@ -102,7 +102,7 @@ def execute(script: Path, parameters: dict[str, Any], work: Path) -> None:
         kernel_name="python3",
         cwd=str(script.parent),
         progress_bar=False,
-        log_output=False,
+        start_timeout=600,  # s; a busy machine takes more than the usual minute
     )
     executed.metadata["cmtof"] = provenance({**defaults, **parameters}, started)
     nbformat.write(executed, staged)
