@@ -329,8 +329,9 @@ for ax, lines, title in curves:
         ax.plot(seen, rate, "o", ls=style, ms=3, color=colour, label=label)
     trivial = max(found.delta_lt_1 for found in held.trivial.values())
     plotting.mark(ax, y=100 * trivial, text="best constant")
+    ax.margins(y=0.45)
     ax.set(xlabel="thousand crops", title=title, ylim=(0, None))
-    ax.legend(fontsize="small")
+    ax.legend(fontsize="x-small", loc="upper center", ncols=2)
 axes[0].set(ylabel="validation, δ < 1 (%)")
 plotting.label_panels(axes)
 plotting.save(
