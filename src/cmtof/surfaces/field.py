@@ -95,8 +95,8 @@ def _smoothed(power: Array, known: Mask) -> Array:
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2
     left, mean = known.copy(), np.zeros(known.shape)
     for width, least in _SCALES:
-        weight = gaussian_filter(left.astype(float), width, mode="constant")
-        total = gaussian_filter(np.where(left, excess, 0), width, mode="constant")
+        images = left.astype(float), np.where(left, excess, 0)
+        weight, total = (gaussian_filter(i, width, mode="constant", truncate=3.0) for i in images)
         found = np.maximum(total / np.maximum(weight, 1e-6), 1e-4)
         mean = np.where(left, found, mean)
         left &= found < least

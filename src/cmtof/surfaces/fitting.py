@@ -124,14 +124,22 @@ def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compi
 
 @njit(cache=True, nogil=True)
 def _solved(moments, right, size):  # pragma: no cover - compiled
-    """M^-1 right for the first functions, scaled to a unit diagonal."""
-    matrix, out = np.empty((size, size)), np.zeros(BENT)
+    """M^-1 right for the first functions, by elimination, M scaled to a unit diagonal."""
+    left, scale, out = np.empty((BENT, BENT)), np.empty(BENT), np.zeros(BENT)
     for i in range(size):
+        scale[i] = 1 / np.sqrt(moments[16 + 7 * i] + 1e-12)
+        out[i] = scale[i] * right[i]
         for j in range(i + 1):
-            matrix[i, j] = matrix[j, i] = moments[16 + 6 * i + j]
-    scale = 1 / np.sqrt(np.diag(matrix) + 1e-12)
-    matrix = matrix * np.outer(scale, scale) + 1e-10 * np.eye(size)
-    out[:size] = scale * np.linalg.solve(matrix, scale * right[:size])
+            left[i, j] = left[j, i] = scale[i] * scale[j] * moments[16 + 6 * i + j]
+        left[i, i] += 1e-10
+    for k in range(size):
+        for i in range(size):
+            share = left[i, k] / left[k, k] if i != k else 0.0
+            out[i] -= share * out[k]
+            for j in range(k, size):
+                left[i, j] -= share * left[k, j]
+    for i in range(size):
+        out[i] *= scale[i] / left[i, i]
     return out
 
 

@@ -6,7 +6,7 @@ Within a window a plane's phases are ramps, so both spectra peak: at a slope nu,
 
 import numpy as np
 from numba import njit
-from scipy.fft import fft2, fftfreq, next_fast_len
+from scipy.fft import fft, fftfreq, next_fast_len
 
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask
@@ -250,7 +250,9 @@ def spectral_slopes(field: Field, top: Labels, left: Labels, side: int, finer: i
     batch = max(1, 2**19 // size**2)  # spectra that stay in the cache
     for start in range(0, top.size, batch):
         some = slice(start, start + batch)
-        power = np.abs(np.asarray(fft2(squares[:, top[some], left[some]], (size, size)))) ** 2
+        rows = fft(squares[:, top[some], left[some]], size)  # before rows of zeros are added
+        spectrum = np.asarray(fft(rows, size, axis=-2))
+        power = spectrum.real**2 + spectrum.imag**2
         joint = power[0] + power[1][:, higher[:, None], higher]
         row, column = np.divmod(joint.reshape(len(joint), -1).argmax(axis=1), size)
         down[some], right[some] = TAU * whole[row] / size, TAU * whole[column] / size

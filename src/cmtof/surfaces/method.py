@@ -86,15 +86,14 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     inner = placing.interiors(label, share)
     main, cut = placing.parted(field, inner, surfaces)
     if "parts" not in without and len(cut) > len(surfaces):
-        owner = np.where(main < len(surfaces), owner, main)
-        cells = np.kron(owner, np.ones((CELL, CELL), int))
+        old, owner = owner, np.where(main < len(surfaces), owner, main)
+        both = np.isin(owner, [old[owner != old], owner[owner != old]])  # of what was cut
+        cells = np.kron(np.where(both, owner, -1), np.ones((CELL, CELL), int))
         surfaces = fitted(field, cells, cut, (_STEPS, _CELLS), gain)[0]
         label, share = placing.pixel_labels(field, owner, surfaces)
         inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
-    shape = (
-        "shape" not in without and measurement.camera is not None
-    )  # without a camera the shape is assumed
+    shape = "shape" not in without and measurement.camera is not None  # else it is assumed
     alone = placing.offsets(field, inner, surfaces, fit, shape=shape)
     if shape and "axes" not in without and len(surfaces):
         alone = placing.aligned(alone, surfaces, fit, label)
