@@ -123,8 +123,7 @@ def simulate(
         tones = [float(part) for part in frequencies.split(",")]
     except ValueError:
         tones = []
-    what = "frequencies in Hz separated by commas"
-    expect(tones, what, frequencies, "Try 7.15e9,14.32e9.")
+    expect(tones, "frequencies in Hz separated by commas", frequencies, "Try 7.15e9,14.32e9.")
     loaded = load_frame(
         frame, camera=camera, intensity=intensity, depth_scale=depth_scale, planar=planar
     )
@@ -144,6 +143,7 @@ def unwrap(
     range: Annotated[
         tuple[float, float] | None, Option(metavar="MIN MAX", help="Depths, m: MIN <= z < MAX.")
     ] = None,
+    min_confidence: Annotated[float, Option(help="Mask pixels below it, from 0 to 1.")] = 0.0,
     window: Annotated[int | None, Option(help="Side of the window, px (method beat).")] = None,
     weights: Annotated[Path | None, Option(help="Own .safetensors (learned methods).")] = None,
     ply: Annotated[
@@ -171,6 +171,7 @@ def unwrap(
     one = not (tile or several)
     expect(one or ply is None, "one file, seen at once, for --ply", "more", "Leave --ply out.")
     given = {"method": method, "range": range, "window": window, "weights": weights}
+    given["min_confidence"] = min_confidence
     chosen = {name: value for name, value in given.items() if value is not None}
     rows = []
     if several:
@@ -181,8 +182,9 @@ def unwrap(
         for path, target in zip(measurement, targets, strict=True):
             tally, valid, size = Tally(), 0, 0
             for share, opened, result in unwrap_file(path, target, tile=tile, **chosen):
-                valid, size = valid + int(opened.mask.sum()), size + opened.mask.size
-                if opened.depth is not None and opened.mask.any():
+                kept = int(result.depth.notnull().sum())
+                valid, size = valid + kept, size + opened.mask.size
+                if opened.depth is not None and kept:
                     tally.add(scored_pixels(result, opened))
                 if ply is not None:
                     depth, sure = (result[name].to_numpy() for name in ("depth", "confidence"))
@@ -270,7 +272,8 @@ def info(
     file: Annotated[Path | None, Argument(help="Measurement, result or frame.")] = None,
 ) -> None:
     """Print versions and embedded frames, or what a file holds."""
-    from importlib.metadata import PackageNotFoundError, version
+    from importlib.metadata import version
+    from importlib.util import find_spec
 
     from cmtof import __version__
     from cmtof.measurement import open_measurement, read_dataset
@@ -286,10 +289,8 @@ def info(
             (read_dataset(path) if path.suffix == ".nc" else open_measurement(path).dataset).info()
         return
     print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
-    try:
-        print(f"torch {version('torch')}")
-    except PackageNotFoundError:
-        print("torch is not installed (only learned methods need it)")
+    missing = "is not installed (only learned methods need it)"
+    print("torch", version("torch") if find_spec("torch") else missing)
     print(f"embedded frames: {', '.join(embedded_frames())}")
     print(f"published captures: {data_root() or 'not on this machine'}")
 

@@ -36,7 +36,8 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
     truth = measurement.depth
     if truth is None:
         raise ValueError("Expected a measurement with its true depth, got none. Simulate one.")
-    scored = measurement.mask & np.isfinite(truth)
+    sure = result["confidence"].to_numpy()
+    scored = measurement.mask & np.isfinite(truth) & (sure >= result.attrs["min_confidence"])
     expect(scored.any(), "at least one scored pixel", "none", "Check mask and range.")
     frequency = measurement.frequencies[0]
     depth, phase = truth[scored].astype(float), measurement.phase[0][scored].astype(float)
@@ -47,7 +48,7 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
         "consistent": consistent_wrap_count(estimate, phase, frequency),
         "true_consistent": consistent_wrap_count(depth, phase, frequency),
         "depth_error": estimate - depth,
-        "confidence": result["confidence"].to_numpy()[scored],
+        "confidence": sure[scored],
     }
 
 

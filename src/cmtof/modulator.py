@@ -19,14 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import jv
 
-from cmtof import jones
-from cmtof.constants import (
-    FREQUENCY_DOUBLED,
-    FREQUENCY_SINGLE,
-    HALF_WAVE_PLATE_DOUBLED,
-    HALF_WAVE_PLATE_SINGLE,
-    SPEED_OF_LIGHT,
-)
+from cmtof import constants, jones
 from cmtof.validation import expect
 from cmtof.waveform import Harmonics, harmonics_from_waveform
 
@@ -52,7 +45,7 @@ class TwoPassModulator:
     half_wave_angle: float  # theta_h
     quarter_wave_angle: float = np.pi / 4  # theta_q
     eta: float = ETA  # drive amplitude: retardance of one pass (the paper's modulation power)
-    frequency: float = FREQUENCY_SINGLE  # of the drive, Hz
+    frequency: float = constants.FREQUENCY_SINGLE  # of the drive, Hz
     # EOM to mirror, m; None is matched: half a modulation wavelength, both passes in step
     mirror_distance: float | None = None
     # incident: vertical in Eq. 11, horizontal in Sec. 7.1; the same if lossless
@@ -83,7 +76,7 @@ class TwoPassModulator:
         """Drive phase delta between the passes, 4 pi f d / c in [-pi, pi), rad; 0 if matched."""
         if self.mirror_distance is None:
             return 0.0
-        turns = 2 * self.frequency * self.mirror_distance / SPEED_OF_LIGHT
+        turns = 2 * self.frequency * self.mirror_distance / constants.SPEED_OF_LIGHT
         return float(2 * np.pi * (turns - np.floor(turns + 0.5)))
 
     @property
@@ -183,11 +176,12 @@ class TwoPassModulator:
         return float(self.harmonics(0)[0].real)
 
 
-SINGLE = TwoPassModulator(half_wave_angle=float(np.deg2rad(HALF_WAVE_PLATE_SINGLE)))
+SINGLE = TwoPassModulator(half_wave_angle=float(np.deg2rad(constants.HALF_WAVE_PLATE_SINGLE)))
 """The mode at the drive's frequency: theta_h = 11.25 degrees, 7.15 GHz (Eq. 14-16)."""
 
 DOUBLED = TwoPassModulator(
-    half_wave_angle=float(np.deg2rad(HALF_WAVE_PLATE_DOUBLED)), frequency=FREQUENCY_DOUBLED / 2
+    half_wave_angle=float(np.deg2rad(constants.HALF_WAVE_PLATE_DOUBLED)),
+    frequency=constants.FREQUENCY_DOUBLED / 2,
 )
 """The mode at twice the drive's frequency: theta_h = 22.5 degrees, dark bias (Eq. 17-19)."""
 

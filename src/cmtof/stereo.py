@@ -18,6 +18,7 @@ from cmtof.correlation import TAU, consistent_wrap_count, depth_from_wraps, wrap
 from cmtof.instrument.targets import MeshTarget
 from cmtof.pointcloud import mesh_triangles, normals_from_points, points_from_depth
 from cmtof.scenes.frame import Frame
+from cmtof.validation import expect
 
 Array = NDArray[np.floating]
 
@@ -142,10 +143,7 @@ def find_corners(image: NDArray[np.uint8]) -> Array:
     import cv2
 
     found, corners = cv2.findChessboardCornersSB(image, (COLUMNS, ROWS))
-    if not found:
-        raise ValueError(
-            f"Expected a board of {COLUMNS} x {ROWS} corners, got none. Show it whole."
-        )
+    expect(found, f"a board of {COLUMNS} x {ROWS} corners", "none", "Show it whole.")
     stop = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 50, 1e-4)
     corners = cv2.cornerSubPix(image, corners, (5, 5), (-1, -1), stop)
     return corners.reshape(-1, 2).astype(float) + 0.5  # OpenCV's centres lie at whole numbers
@@ -156,12 +154,11 @@ def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, fl
     import cv2
 
     corners = np.asarray(corners, np.float32)
-    if corners.shape[1] < 3:
-        raise ValueError(f"Expected at least 3 views, got {corners.shape[1]}. Show more.")
-    board = [BOARD.astype(np.float32)] * corners.shape[1]
+    expect((views := corners.shape[1]) > 2, "at least 3 views", views, "Show more.")
+    board = [BOARD.astype(np.float32)] * views
     lenses = np.eye(3), np.zeros(5), np.eye(3), np.zeros(5)  # it writes into them
-    views = map(list, corners)
-    rms, *found = cv2.stereoCalibrate(board, *views, *lenses, shape[::-1], flags=cv2.CALIB_FIX_K3)
+    seen = map(list, corners)
+    rms, *found = cv2.stereoCalibrate(board, *seen, *lenses, shape[::-1], flags=cv2.CALIB_FIX_K3)
     between = RigidTransform.from_components(found[5].ravel(), Rotation.from_matrix(found[4]))
     distortions = np.stack([found[1].ravel()[:5], found[3].ravel()[:5]])
     poses = (RigidTransform.identity(), between)
@@ -175,8 +172,7 @@ def locate_scanner(rig: StereoRig, pixels: ArrayLike, directions: ArrayLike) -> 
     points = rig.triangulate(pixels).reshape(-1, 3)
     beams = np.asarray(directions, float).reshape(-1, 3)
     known = np.isfinite(points).all(-1) & (beams[:, 2] > 0)
-    if known.sum() < 6:
-        raise ValueError(f"Expected at least 6 spots, got {known.sum()}. Scan more of the scene.")
+    expect(known.sum() > 5, "at least 6 spots", known.sum(), "Scan more of the scene.")
     plane = beams[known, :2] / beams[known, 2:]
     _, turn, shift = cv2.solvePnP(points[known], plane, np.eye(3), np.zeros(4))
     scanner = RigidTransform.from_components(shift.ravel(), Rotation.from_rotvec(turn.ravel()))
@@ -234,8 +230,7 @@ def scan_spots(
 
     Lambertian spots with speckle, shot and read noise; the 99th percentile peaks at 70 % of a well.
     """
-    if frame.camera is None:
-        raise ValueError("Expected a frame with a camera, got none. State fx, fy, cx, cy.")
+    expect(frame.camera is not None, "a frame with a camera", "none", "State fx, fy, cx, cy.")
     points = points_from_depth(frame.depth, frame.camera)
     normals, pixels = normals_from_points(points), rig.project(points)
     spots = Spots(np.full(pixels.shape, np.nan), np.full(pixels.shape[:-1], np.nan))

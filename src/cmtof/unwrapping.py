@@ -28,13 +28,15 @@ def unwrap(
     *,
     method: str = DEFAULT,
     range: tuple[float, float] | None = None,
+    min_confidence: float = 0.0,
     **options: Any,
 ) -> xr.Dataset:
     """Wrap count, depth and confidence of a measurement, by a method out of `METHODS`.
 
     ``range`` holds the depths to choose from, ``min <= z < max``, m, by default the measurement's
-    own; ``options`` are the method's, for instance ``window=81`` of ``beat``. ValueError for an
-    unknown method, a bad range, or a measurement that the method cannot use.
+    own; pixels below ``min_confidence`` are masked; ``options`` are the method's, for instance
+    ``window=81`` of ``beat``. ValueError for an unknown method, a bad range or share, or a
+    measurement that the method cannot use.
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
     frequency, -1 where masked or without a phase; ``depth``, m, of the measured phase with the
@@ -46,7 +48,8 @@ def unwrap(
     >>> bool(abs(result.depth - measurement.depth).max() < 1e-4)
     True
     """
-    chosen = find_method(method)
+    chosen, right = find_method(method), 0 <= min_confidence <= 1
+    expect(right, "a least confidence from 0 to 1", min_confidence, "Choose 0.5, say.")
     if range is not None:
         low, high = range
         held = measurement.range
@@ -65,12 +68,13 @@ def unwrap(
     wraps = consistent_wrap_count(believed, phase, frequency)
     wraps = np.clip(wraps, first, np.maximum(first, last - 1))
     depth = depth_from_wraps(phase, wraps, frequency)
-    count, sure = wrap_count_from_depth(believed, frequency), estimate.confidence
+    count, sure = wrap_count_from_depth(believed, frequency), np.where(mask, estimate.confidence, 0)
+    mask &= sure >= min_confidence
     dims = ("y", "x")
     images = {
         "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
         "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
-        "confidence": (dims, np.where(mask, sure, 0).astype(np.float32)),
+        "confidence": (dims, sure.astype(np.float32)),
     }
     attributes = {
         "method": chosen.name,
@@ -78,6 +82,7 @@ def unwrap(
         "frequency": float(frequency),
         "range_min": measurement.range[0],
         "range_max": measurement.range[1],
+        "min_confidence": float(min_confidence),
         **{f"option_{k}": str(v) if isinstance(v, Path) else v for k, v in options.items()},
         "version": measurement.dataset.attrs.get("version", ""),
     }

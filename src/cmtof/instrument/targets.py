@@ -15,6 +15,7 @@ from pydantic import ConfigDict
 
 from cmtof.scenes import Frame, load_frame
 from cmtof.scenes.frame import ray_lengths, rays_from_camera
+from cmtof.validation import expect
 
 Array = NDArray[np.float64]
 
@@ -63,11 +64,8 @@ class FrameTarget:
     """A frame's depth and intensity, clipped to 1 as reflectance, looked up through its camera."""
 
     def __init__(self, frame: Frame) -> None:
-        if frame.camera is None:
-            raise ValueError(
-                f"Expected a frame with a camera, got none in {frame.name or 'the frame'}. "
-                "Store fx, fy, cx, cy."
-            )
+        got = f"none in {frame.name or 'the frame'}"
+        expect(frame.camera is not None, "a frame with a camera", got, "Store fx, fy, cx, cy.")
         self._camera = np.asarray(frame.camera, float)
         self._reflectance = np.clip(np.asarray(frame.intensity, float), 0, 1)
         planar = np.asarray(frame.depth, float) / ray_lengths(frame.depth.shape, self._camera)

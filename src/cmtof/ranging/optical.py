@@ -15,12 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.signal import correlate
 
-from cmtof.constants import (
-    FREQUENCY_DOUBLED,
-    FREQUENCY_SINGLE,
-    HALF_WAVE_PLATE_DOUBLED,
-    HALF_WAVE_PLATE_SINGLE,
-)
+from cmtof import constants
 from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.instrument import optics as free_space
@@ -32,10 +27,10 @@ from cmtof.ranging.sweep import STAGE_ERROR, WRAP, collected_power, visited
 
 Array = NDArray[np.float64]
 
-FREQUENCY = {"single": FREQUENCY_SINGLE, "doubled": FREQUENCY_DOUBLED}
+FREQUENCY = {"single": constants.FREQUENCY_SINGLE, "doubled": constants.FREQUENCY_DOUBLED}
 """Modulation frequency of each mode, Hz."""
 ORDER = {"single": 1, "doubled": 2}  # Harmonic of the drive that the correlation is made of
-_PLATE = {"single": HALF_WAVE_PLATE_SINGLE, "doubled": HALF_WAVE_PLATE_DOUBLED}
+_PLATE = {"single": constants.HALF_WAVE_PLATE_SINGLE, "doubled": constants.HALF_WAVE_PLATE_DOUBLED}
 
 
 @dataclass(frozen=True)
