@@ -1,10 +1,10 @@
 # %% [markdown]
 # # Correlation
 #
-# A correlation camera never sees its light flicker at 7 GHz. It multiplies what comes back with a
-# copy of what went out, and a slow detector averages the product. That average is a cosine of the
-# light's delay, so a few averages at different reference phases give the distance (Paper
-# Fig. 2, simulated; Eqs. 1–4 and 20).
+# A correlation camera does not resolve its modulation at 7 GHz. It multiplies the returned light by
+# a copy of the emitted modulation, and a slow detector averages the product. This average is a
+# cosine of the light's delay, so a few averages at different reference phases give the distance
+# within one period (Paper Fig. 2, simulated; Eqs. 1–4 and 20).
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -87,7 +87,7 @@ drawn = ax.imshow(table, origin="lower", extent=(0, TAU, 0, TAU), aspect="auto")
 figure.colorbar(drawn, ax=ax, label="$C_ψ$")
 ax.plot(sweep, TAU - sweep, color="white", ls="--", label="ψ = −φ")
 ax.axhline(phi, color=colours["sky"])
-ax.set(title="every phase, every reference", xlabel="reference phase ψ", ylabel="phase φ")
+ax.set(title="all phases and references", xlabel="reference phase ψ", ylabel="phase φ")
 ax.set_yticks(*quarter_ticks)
 ax.legend(loc="upper right", labelcolor="white")
 for ax in axes[1]:
@@ -105,18 +105,18 @@ plotting.save(
         "contrast": correlation_contrast(returned, raised),
     },
     caption=(
-        f"Correlation time of flight at {frequency / 1e9:.2f} GHz, simulated. "
-        f"(a) Emitted and received light of a target at {depth:.1f} m and the reference; whole "
-        "periods of delay are left out. (b) Product of light and reference at the best and the "
-        "worst ψ, with its averages (dashed). (c) The average against ψ for three depths: four "
-        "samples (dots) determine the phase; triangles mark the crest at −φ. (d) The same for "
-        "every φ; the light line is the first curve of (c)."
+        f"Correlation time of flight at {frequency / 1e9:.2f} GHz, simulated. (a) Emitted and "
+        f"received light of a target at {depth:.1f} m and the reference; whole periods of delay "
+        "are left out. (b) Product of light and reference at the best and the worst ψ, with its "
+        "averages (dashed). (c) The average against ψ for three depths: four samples (dots) "
+        "determine the phase; triangles mark the maximum at ψ = −φ. (d) The same for every φ; the "
+        "light blue line is the first curve of (c)."
     ),
     alt=(
         "Four panels. Two raised cosines of power, the received one weaker and later, and a dashed "
         "reference. Their product, high when in step and low when opposed, with dashed averages. "
         "Three cosines over the reference phase, shifted by three millimetres of depth each, with "
-        "four dots and a triangle at the crest. A map over both phases whose bright ridge falls "
+        "four dots and a triangle at the maximum. A map over both phases whose bright ridge falls "
         "along the dashed line psi equals minus phi."
     ),
 )
@@ -126,7 +126,7 @@ plotting.save(
 #
 # The laser is modulated {cite}`baek2023,lange2000`, travels to the target and back, weaker and
 # later by $\tau = 2z/c$, and meets a reference of phase ψ. The product is summed over an exposure
-# of very many periods:
+# of many periods:
 #
 # ```{math}
 # :label: eq-1
@@ -146,14 +146,14 @@ plotting.save(
 # C_\psi = \int_0^T \tilde p(t-\tau)\,r(t)\,dt = \frac{\tilde\alpha}{2}\cos(\psi-\phi) + TK .
 # ```
 #
-# So the paper prints them. Three things are put right here and in the whole book:
-# $\omega = 2\pi f$ is angular and $\varphi = \omega\tau = 4\pi fz/c$
-# ({ref}`erratum 3 <erratum-3>`); the product of {eq}`eq-2` and {eq}`eq-3` has **cos(φ + ψ)**, so
-# the correlation is greatest at ψ = −φ ({ref}`erratum 2 <erratum-2>`); and the reference drawn
-# above is a raised cosine, because a modulator cannot transmit less than nothing.
+# These are the printed equations. This book corrects three points: $\omega = 2\pi f$ is angular and
+# $\varphi = \omega\tau = 4\pi fz/c$ ({ref}`erratum 3 <erratum-3>`); the product of {eq}`eq-2` and
+# {eq}`eq-3` has **cos(φ + ψ)**, so the correlation is greatest at ψ = −φ ({ref}`erratum 2
+# <erratum-2>`); and the reference drawn above is a raised cosine, as a transmission is never
+# negative.
 #
-# Cosines are not needed. With the Fourier coefficients of each waveform,
-# $p = P_0 + 2\,\mathrm{Re}\sum_k P_k e^{ik\omega t}$, only equal harmonics remain in the average:
+# The waveforms need not be cosines. With the Fourier coefficients of each waveform, $p = P_0 +
+# 2\,\mathrm{Re}\sum_k P_k e^{ik\omega t}$, only equal harmonics remain in the average:
 #
 # ```{math}
 # :label: correlation-harmonics
@@ -161,17 +161,19 @@ plotting.save(
 #   P_kR_k^*\,e^{-ik(\varphi+\psi+2\pi\delta t)}\,\mathrm{sinc}(k\,\delta T).
 # ```
 #
-# In the **homodyne** case δ = 0 and the correlation stands still. In the **heterodyne** case the
-# reference runs δ faster: the crest walks through ψ by itself, and an exposure that is not short
-# against 1/δ blurs it.
+# In the **homodyne** case δ = 0 and the correlation is constant. In the **heterodyne** case the
+# reference frequency is higher by δ: the correlation oscillates at δ, and an exposure that is not
+# short against 1/δ reduces its contrast.
 #
 # ## The gate of Eq. 8
 #
 # The paper simulates $\tfrac12+\tfrac1\pi\cos(\varphi+\psi)$, {eq}`eq-8`. By
-# {eq}`correlation-harmonics` that is a raised cosine (½, ¼) against a square gate that is open for
-# half of every period (½, 1/π): a bucket of a *pixel*, switched in silicon. The prototype
-# multiplies **two optical modulators**: two perfect raised cosines give a contrast of ½, two
-# {doc}`two-pass modulators <04_modulator>` $2J_1^2(2\eta)$ at a drive amplitude η.
+# {eq}`correlation-harmonics` that is a raised cosine (½, ¼) times a square gate open for half of
+# every period (½, 1/π), as in an electronic *pixel*. The prototype multiplies **two optical
+# modulators**: two perfect raised cosines give a contrast of ½, two {doc}`two-pass modulators
+# <04_modulator>` $2J_1^2(2\eta)$ at a drive amplitude η. The chapters on light use η = 0.26, the 50
+# % modulator contrast that the paper states; those on the instrument assume π/4, since at 0.26 the
+# doubled mode's signal is too weak for a scan ({doc}`13_instrument`).
 
 # %%
 weak, strong = (replace(SINGLE, eta=eta).harmonics(24) for eta in (eta_weak, eta_strong))
@@ -187,10 +189,9 @@ contrasts = {name: correlation_contrast(*pair) for name, pair in pairs.items()}
 means = {name: float((a[0] * b[0]).real) for name, (a, b) in pairs.items()}
 
 # %% [markdown]
-# The difference matters. Let every instrument collect the same mean count, that of Eq. 8 at full
-# brightness with the paper's σ = 1200. The phase noise (its Cramér–Rao bound) then goes as one
-# over the contrast, and the pixels to be pooled for one right wrap ({doc}`later <03_wraps>`) as
-# its square.
+# In the table every instrument collects the mean count of Eq. 8 at full brightness, with the
+# paper's σ = 1200. The phase noise (its Cramér–Rao bound) is then inversely proportional to the
+# contrast, and the pixels needed for one right wrap ({doc}`03_wraps`) to its square.
 
 # %% tags=["hide-input"]
 mean_count = GAIN * INTEGRATION_TIME / 2
@@ -214,18 +215,18 @@ notes.tell(
 )
 
 # %% [markdown]
-# Modulators at a contrast of 50 % each, which the paper calls high, correlate with
-# {glue:text}`contrast_weak:.3f`, {glue:text}`contrast_fifth:.1f` times less than Eq. 8 assumes.
-# Driven to η = π/4 they reach {glue:text}`contrast_strong:.3f`, slightly more than Eq. 8. So the
-# simulated noise of the paper, and of this book, which keeps its settings, is that of an instrument
-# with a *strong* drive ({ref}`erratum 6 <erratum-6>`).
+# Two modulators of 50 % contrast, which the paper calls high, give a correlation contrast of
+# {glue:text}`contrast_weak:.3f`, {glue:text}`contrast_fifth:.1f` times less than Eq. 8 assumes. At
+# η = π/4 it is {glue:text}`contrast_strong:.3f`, slightly more than in Eq. 8. The noise of the
+# paper's simulation, which this book adopts, is therefore that of an instrument with a *strong*
+# drive ({ref}`erratum 6 <erratum-6>`).
 #
-# ## The price of a strong drive
+# ## Cyclic error of a strong drive
 #
-# A strong drive is not a sinusoid: the third harmonic of the light is $J_3/J_1$ of the first, the
-# correlation's $(J_3/J_1)^2$. Sampled at K equal steps of ψ, harmonics $mK\pm1$ fold onto the
-# fundamental. The phase then errs by an amount that repeats with the phase itself: the cyclic
-# error, which no averaging removes.
+# A strong drive distorts the sinusoid: the third harmonic of the light is $J_3/J_1$ of the first,
+# that of the correlation $(J_3/J_1)^2$. With K equal steps of ψ the harmonics $mK\pm1$ alias onto
+# the fundamental. The resulting error is periodic in the phase: the cyclic error, which averaging
+# does not remove.
 
 
 # %%
@@ -264,7 +265,7 @@ for steps, values in against_drive.items():
     axes[1].plot(etas, np.maximum(values, 1e-9), label=f"K = {steps}")
 axes[1].set(yscale="log", ylim=(1e-7, 200), xlabel="drive amplitude η (rad)")
 axes[1].set(ylabel="largest error (mrad)", title="over the drive")
-plotting.mark(axes[1], y=table4 / micron_per_mrad, text="prototype, Table 4")
+plotting.mark(axes[1], y=table4 / micron_per_mrad, text="paper's RMSE, Table 4")
 scales = (lambda y: y * micron_per_mrad, lambda y: y / micron_per_mrad)
 for ax in axes:
     ax.secondary_yaxis("right", functions=scales).set_ylabel("depth (µm)")
@@ -277,8 +278,8 @@ plotting.save(
     numbers={f"mrad_{k}_steps": [largest[e, k] for e in waves] for k in (4, 16)},
     caption="Cyclic error of the waveforms' harmonics with K steps of ψ, two single-mode "
     "modulators, simulated without noise. (a) Four steps alias the third harmonic of a strong "
-    "drive into the phase; sixteen do not. (b) The largest error against the drive; K = 16 lies "
-    "below the axis. Right scales: as depth at 7.15 GHz.",
+    "drive into the phase; sixteen do not. (b) The largest error against the drive, beside the "
+    "RMSE that the paper measured; K = 16 lies below the axis. Right scales: depth at 7.15 GHz.",
     alt="Left, the phase error over the phase: with four steps and a strong drive a wave of four "
     "periods, with a weak drive next to nothing, with sixteen steps zero. Right, errors that rise "
     "steeply with the drive: four steps most, three a thousand times less, eight less still.",
@@ -287,12 +288,12 @@ notes.tell(cyclic_weak=largest[eta_weak, 4], cyclic_strong=largest[eta_strong, 4
 notes.tell(cyclic_strong_um=largest[eta_strong, 4] * micron_per_mrad, table4=table4)
 # %% [markdown]
 # With four steps the error is {glue:text}`cyclic_weak:.2f` mrad at η = 0.26 and
-# {glue:text}`cyclic_strong:.0f` mrad at π/4, as depth {glue:text}`cyclic_strong_um:.0f` µm, more
-# than the {glue:text}`table4:.1f` µm that the paper reports for the whole instrument. The prototype
-# takes sixteen steps, which remove it. (Three steps do a thousand times better than four only in an
-# ideal single mode, which has odd harmonics alone.)
+# {glue:text}`cyclic_strong:.0f` mrad at π/4, or {glue:text}`cyclic_strong_um:.0f` µm of depth, more
+# than the {glue:text}`table4:.1f` µm that the paper reports for the whole instrument. The
+# prototype's sixteen steps remove it. (Three steps are better than four only in an ideal single
+# mode, which has odd harmonics alone.)
 #
-# ## From light to a number
+# ## Detector and converter
 #
 # A detector of gain G and a converter Q complete the chain:
 #
@@ -313,7 +314,7 @@ rounding = 1e3 * np.abs(centred(phase_from_correlation(digital, quarters) - angl
 print(f"largest error: {rounding:.3f} mrad, {rounding * micron_per_mrad:.2f} µm")
 
 # %% [markdown]
-# The converter does not limit this instrument. {doc}`Noise does <02_precision>`.
+# Rounding is negligible beside {doc}`noise <02_precision>`.
 #
 # ## Against the paper
 

@@ -1,10 +1,10 @@
 # %% [markdown]
 # # Precision
 #
-# Noise disturbs a *phase*, and a phase is a share of a wavelength: the shorter the wave, the finer
-# the depth. From 100 MHz to 10 GHz the depth becomes a hundred times finer at the same noise, as
-# the paper states (Paper Fig. 3, simulated). The range within which a phase is unambiguous shrinks
-# by the same factor.
+# Noise causes a phase error, and the higher the modulation frequency, the smaller the depth error
+# of a given phase error. From 100 MHz to 10 GHz depth becomes a hundred times more precise at the
+# same noise, as the paper states (Paper Fig. 3, simulated). The range within which a phase is
+# unambiguous shrinks by the same factor.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -37,9 +37,9 @@ rng = np.random.default_rng(seed)
 colours = plotting.PALETTE
 
 # %% [markdown]
-# One point, 3 m away and half as bright as white, is measured again and again with the paper's
-# settings: $G\,T = 20\,000$ counts, photon noise, Gaussian noise of σ = 1200 counts, four reference
-# phases. The scale of the 14-bit converter leaves five σ at either end, or it would clip the noise
+# One point, 3 m away and half as bright as white, is measured repeatedly with the paper's settings:
+# $G\,T = 20\,000$ counts, photon noise, Gaussian noise of σ = 1200 counts, four reference phases.
+# The scale of the 14-bit converter leaves five σ at either end, so that noise is not clipped
 # ({ref}`erratum 16 <erratum-16>`).
 
 # %%
@@ -93,9 +93,10 @@ plotting.save(
         "spread_over_law": float(np.mean(spread / law)),
         "rounding_share": rounding_share,
     },
-    caption=f"Depth error against modulation frequency, simulated: {samples} "
-    "samples at each frequency, Poisson–Gaussian noise, 14 bits. (a) Mean error and envelope. (b) "
-    "Standard deviation on the Cramér–Rao bound, and the depth of a wrap. Dotted: 7.15 GHz.",
+    caption=f"Depth error of one point against modulation frequency, simulated: {samples} samples "
+    "at each frequency, the paper's Poisson–Gaussian noise, 14 bits, wraps known. (a) Mean error "
+    "and standard deviation. (b) Standard deviation, its bound, and the depth of a wrap. Dotted: "
+    "7.15 GHz.",
     alt="Left, an envelope of depth error that closes like a funnel from 100 megahertz to 10 "
     "gigahertz, its mean near zero. Right, on logarithmic scales, parallel falling lines: the wrap "
     "length, and far below it the bound with the simulated dots on it.",
@@ -115,39 +116,39 @@ notes.tell(spread_high=spread[-1], wrap_spreads=1e3 * wrap_length(1e10) / law[-1
 # a = \frac{GTI}{\pi},\quad v = \frac{GTI}{2}+\sigma^2 ,
 # ```
 #
-# where the right-hand side is what K samples of variance v allow at best: the Cramér–Rao bound
-# {cite}`kay1993` with amplitude and offset unknown. The wrap falls as 1/f too: at every frequency
-# it is {glue:text}`wrap_spreads:.0f` spreads long. A higher frequency gives no information about
-# *where in the room* a point is; it trades range for precision. The {doc}`next page <03_wraps>`
-# counts the wraps.
+# where the right-hand side is the Cramér–Rao bound {cite}`kay1993` of K samples of variance v with
+# amplitude and offset unknown. The wrap length falls as 1/f too: at every frequency it is
+# {glue:text}`wrap_spreads:.0f` standard deviations. A higher frequency thus trades unambiguous
+# range for precision. The {doc}`next chapter <03_wraps>` counts the wraps.
 #
-# ## Crest or slope
+# ## Signal change at maximum and slope
 #
 # The paper motivates high frequencies by the change of the signal when a target moves by 1 mm, at
-# the *crest* of the cosine: $1-\cos\Delta\varphi\approx\Delta\varphi^2/2$. That is where a cosine
-# changes least. At quadrature it changes by $\sin\Delta\varphi$.
+# the *maximum* of the cosine: $1-\cos\Delta\varphi\approx\Delta\varphi^2/2$. There a cosine changes
+# least. At quadrature it changes by $\sin\Delta\varphi$.
 
 # %%
 turn = phase_from_depth(1e-3, np.array([1e8, 8e9]))
 crest, quadrature = 1 - np.cos(turn), np.sin(turn)
 rows = [
-    ("crest", f"{crest[0]:.4%}", f"{crest[1]:.1%}"),
+    ("maximum", f"{crest[0]:.4%}", f"{crest[1]:.1%}"),
     ("quadrature", f"{quadrature[0]:.2%}", f"{quadrature[1]:.0%}"),
 ]
 notes.table(["change over 1 mm", "100 MHz", "8 GHz"], rows)
 gain = crest[1] / crest[0], quadrature[1] / quadrature[0]
-print(f"gain: {gain[0]:.0f} at the crest, {gain[1]:.0f} at quadrature")
+print(f"gain: {gain[0]:.0f} at the maximum, {gain[1]:.0f} at quadrature")
 
 # %% [markdown]
-# The paper's two numbers are right, and taken where they grow fastest
-# ({ref}`erratum 13 <erratum-13>`). Of four samples at quarter turns some always lie on a slope, so
-# the error does not depend on the phase.
+# The paper's two numbers are correct, but hold where their ratio is greatest ({ref}`erratum 13
+# <erratum-13>`). Of four samples at quarter turns some always lie on a slope, so the phase error
+# does not depend on the phase.
 #
-# ## Noise that is not small
+# ## Large phase noise
 #
-# A phase is the angle of a phasor. Gaussian noise of σ turns it by $\sigma_\varphi=\sigma/a$ as
-# long as σ ≪ a. For darker pixels the tails grow, and in the end the angle is uniform, with the
-# spread $\pi/\sqrt3$. With $\rho = a/\sigma$ the density of the error is {cite}`goodman2015`
+# A phase is the angle of a phasor. Gaussian noise of σ causes a phase noise
+# $\sigma_\varphi=\sigma/a$ as long as σ ≪ a. For darker pixels the tails grow; in the limit the
+# angle is uniform, with standard deviation $\pi/\sqrt3$. With $\rho = a/\sigma$ the density of the
+# error is {cite}`goodman2015`
 #
 # ```{math}
 # :label: precision-law
@@ -195,18 +196,19 @@ plotting.save(
     figure,
     "precision_phase_law",
     numbers={"linear": linear, "law": exact, "simulated": drawn},
-    caption="Noise beyond the linear regime, simulated at the paper's settings. (a) Spread of the "
-    "wrapped phase at eight brightnesses, on the exact law; the small-noise formula promises too "
-    "little noise for dark pixels. (b) Histograms of the error on {eq}`precision-law`.",
+    caption="Noise beyond the linear regime, simulated at the paper's settings. (a) Standard "
+    "deviation of the wrapped phase at eight brightnesses, with the exact law; the small-noise "
+    "formula underestimates it for dark pixels. (b) Histograms of the error, with "
+    "{eq}`precision-law`.",
     alt="Left, spread of the phase over the small-noise formula, both logarithmic: the points "
     "leave the diagonal upwards near 0.3 radians and bend to the level of pi over root three. "
     "Right, three histograms on their curves: narrow, wider with tails, nearly flat.",
 )
 worst = np.abs(drawn / exact - 1).max()
-print(f"simulated pixels keep to the law within {worst:.1%}")
+print(f"simulated pixels agree with the law within {worst:.1%}")
 
 # %% [markdown]
-# Averaging phasors *before* the angle is taken cures this: such estimates keep to the bound.
+# If phasors are averaged *before* the angle is taken, the estimate stays near the bound.
 #
 # ## Against the paper
 

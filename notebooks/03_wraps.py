@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Wraps
 #
-# At 100 MHz a phase starts over once in a small room, at 7.15 GHz every 21 mm (Paper Fig. 4,
-# simulated). Two frequencies together determine the count in principle. At the paper's noise one
-# white pixel is right in 2 % of cases; a safe answer needs thousands of pixels.
+# At 100 MHz the phase wraps every 1.5 m, at 7.15 GHz every 21 mm (Paper Fig. 4, simulated). Two
+# frequencies together determine the wrap count in principle. At the paper's noise the count of one
+# white pixel is right in 2 % of cases; a reliable count needs thousands of pixels.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -72,21 +72,21 @@ plotting.save(
     numbers={"crossed": list(crossed.values()), "span_m": float(np.ptp(line))},
     caption=f"The embedded frame `{frame_name}` at 100 MHz, 7.15 GHz and 14.32 GHz, simulated with "
     "the paper's noise (the paper shows another scene). (a–c) Measured wrapped phase. (d–f) Along "
-    "the line: the measured phase (dots) and the true wrap count (blue), which no pixel contains.",
+    "the line: the measured phase (dots) and the true wrap count (blue).",
     alt="Top, phase images of a table with vase, bust and books before a wall: one smooth gradient "
     "at 100 megahertz, dozens of narrow rings at 7.15 gigahertz, twice as many at 14.32. Below, "
     "the phase along a column: a broad noisy band, and saw teeth with staircases of the count.",
 )
 
 # %% [markdown]
-# **The count depends on the scene**, not on the camera: it is the span of depth over $c/2f$. The
-# paper's 1 and 35 wraps follow from the depth of its scene, which is not published.
+# **The number of wraps depends on the scene**: it is the span of depth over $c/2f$. The paper's 1
+# and 35 wraps follow from the depth of its scene, which is not published.
 #
 # ## Two frequencies
 #
 # The **beat** $\varphi_2-2\varphi_1$ is a phase at $f_2-2f_1 = 20$ MHz, unambiguous over 7.5 m. One
-# wrap of 21 mm is a very small step of it, and the subtraction has *added* the noise. In wraps,
-# with σ₁ and σ₂ the phase noise and Δ = |f₂ − 2f₁|,
+# wrap of 21 mm changes it very little, and the subtraction *adds* the noise of both phases. In
+# wraps, with σ₁ and σ₂ the phase noise and Δ = |f₂ − 2f₁|,
 #
 # ```{math}
 # :label: wraps-noise
@@ -104,9 +104,9 @@ print(f"range {beat_range:.3f} m, {beat_wraps:.1f} wraps of {step:.1f} mrad of b
 print(f"at full brightness the count of one pixel has a standard deviation of {wrap_spread:.1f}")
 
 # %% [markdown]
-# Theory against counting: flat targets of one brightness are simulated, and the wraps that came out
-# right are counted (those *consistent* with the measured phase). For dark pixels
-# `wrap_probability_law` takes the {doc}`exact law <02_precision>` of the phase.
+# A simulation tests the formula: on flat targets of one brightness the right wraps are counted
+# (those *consistent* with the measured phase). For dark pixels `wrap_probability_law` takes the
+# {doc}`exact law <02_precision>` of the phase.
 
 
 # %%
@@ -164,7 +164,7 @@ figure, axes = plt.subplots(1, 2, figsize=(10.2, 4.3))
 names = {"label": "counted", "bound_label": "exact law", "color": colours["vermillion"]}
 plotting.sweep(axes[0], brightness, 100 * counted, errors=200 * error, bound=100 * law, **names)
 axes[0].plot(brightness, 100 * formula, color=plotting.GREY, ls="--", label="small-noise formula")
-plotting.mark(axes[0], y=100 / beat_wraps, text="a guess among all wraps")
+plotting.mark(axes[0], y=100 / beat_wraps, text="chance")
 axes[0].set(xlabel="brightness I", ylabel="wrap right, one pixel (%)", title="one pixel")
 side_axis = np.geomspace(1, 330, 200)
 for level, colour in ((1.0, "blue"), (0.3, "orange")):
@@ -197,9 +197,9 @@ plotting.save(
     caption="Odds of the right wrap at the paper's noise, in 7.5 m, simulated. (a) One pixel: "
     "formula, exact law, and counts on flat targets (bars: two standard errors). (b) Squares of "
     "pixels whose relative depth is known; diamonds: the pixels that 95 % need. Pooling each "
-    "frequency's phasors first keeps to the formula, pooling beats loses on dark targets.",
-    alt="Left, odds over brightness on logarithmic scales, from a mere guess for dark pixels to "
-    "two percent for white ones, points on the exact law. Right, odds over the side of the pooled "
+    "frequency's phasors first follows the formula; pooling beats is worse on dark targets.",
+    alt="Left, odds over brightness on logarithmic scales, from chance for dark pixels to two "
+    "percent for white ones, points on the exact law. Right, odds over the side of the pooled "
     "square: S-shaped curves that reach 95 percent; dots lie on them, crosses below.",
 )
 notes.tell(odds_white=100 * counted[0], odds_dark=100 * counted[3], guess=100 / beat_wraps)
@@ -207,18 +207,19 @@ notes.tell(need_white=need[1.0], need_dark=need[0.3], side_dark=np.sqrt(need[0.3
 notes.tell(big_phasor=100 * pooled[0.3, 64][0], big_product=100 * pooled[0.3, 64][1])
 
 # %% [markdown]
-# A white pixel is right in {glue:text}`odds_white:.1f` % of cases, one of brightness 0.3 in
-# {glue:text}`odds_dark:.1f` %, a black one as often as a guess, {glue:text}`guess:.2f` %. For 95 %
-# a white surface must pool {glue:text}`need_white:.0f` pixels, at I = 0.3
-# {glue:text}`need_dark:.0f`, a square of {glue:text}`side_dark:.0f`. In squares of 64 at I = 0.3
-# pooled phasors are right in {glue:text}`big_phasor:.0f` %, pooled beats in
-# {glue:text}`big_product:.0f` %. The formula for other tones ($f_2 = 2f_1$ + 20 MHz) and noise:
+# The count of a white pixel is right in {glue:text}`odds_white:.1f` % of cases, at I = 0.3 in
+# {glue:text}`odds_dark:.1f` %; chance is {glue:text}`guess:.2f` %. For 95 % a white surface must
+# pool {glue:text}`need_white:.0f` pixels.
+#
+# At I = 0.3 it needs {glue:text}`need_dark:.0f`, a square of {glue:text}`side_dark:.0f`. In squares
+# of 64 pooled phasors are then right in {glue:text}`big_phasor:.0f` %, pooled beats in
+# {glue:text}`big_product:.0f` %. For other frequencies ($f_2 = 2f_1$ + 20 MHz) and noise:
 #
 # <div data-play="odds"></div>
 #
-# Real surfaces are not flat: before the phasors of neighbours may be added, their phases must be
-# brought in line, which takes knowledge of the surface. That is the difficulty of unwrapping at
-# these frequencies.
+# Real surfaces are not flat: before the phasors of neighbours are added, their phases must be
+# aligned, which requires knowledge of the surface. This is the difficulty of unwrapping at these
+# frequencies.
 #
 # ## Against the paper
 

@@ -2,9 +2,9 @@
 # # The modulator
 #
 # A resonant electro-optic crystal only shifts phases. Two passes through it, two wave plates and a
-# polarising splitter turn that into intensity modulation at the drive's frequency, or, with one
-# plate turned by 11.25°, at twice that frequency (Sec. 6.2; Paper Figs. 7 and 8,
-# computed; Eqs. 10–19). Every printed equation holds but Eq. 19, a factor of two too small.
+# polarising splitter convert that into intensity modulation at the drive's frequency, or, with one
+# plate turned by 11.25°, at twice that frequency (Sec. 6.2; Paper Figs. 7 and 8, computed; Eqs.
+# 10–19). All printed equations are right except Eq. 19, which is too small by a factor of two.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -98,8 +98,8 @@ waves.legend(loc="upper center", ncols=2, fontsize="small")
 plotting.label_panels([path, waves])
 
 # %% [markdown]
-# The figure follows the equations below; first their proof, with SymPy. `residual` simplifies *ours
-# minus theirs* and returns 0 for an identity.
+# The figure is computed from the equations below. SymPy proves them first: `residual` simplifies
+# *ours minus theirs* and returns 0 for an identity.
 
 # %%
 V, eta_s, theta, theta_h, theta_q = sp.symbols("V eta theta theta_h theta_q", real=True)
@@ -119,9 +119,9 @@ def residual(expression):
 
 # %% [markdown]
 # The crystal's axes lie horizontal and vertical and share the voltage V, measured as the retardance
-# that it causes. The splitter leaves vertical light, which meets half-wave plate, quarter-wave
-# plate and crystal; the mirror sends it back. Seen from the returning light the horizontal axis has
-# changed sides, hence the minus in M and the opposite plate angles in {eq}`eq-14`.
+# that it causes. The splitter sends vertically polarised light through half-wave plate,
+# quarter-wave plate and crystal to the mirror and back. For the returning light the horizontal axis
+# is reversed, hence the minus in M and the opposite plate angles in {eq}`eq-14`.
 #
 # ```{math}
 # :label: eq-10
@@ -142,8 +142,8 @@ def residual(expression):
 # ```
 #
 # (The paper drives with a cosine here and with a sine in {eq}`eq-16`; we keep the sine.) With
-# $\theta_q = 45°$ the horizontal part of what comes back is one cosine for *any* half-wave plate
-# angle, $E_3 = -iA\cos(4\theta_h + V)$, from which everything else follows:
+# $\theta_q = 45°$ the horizontal component of the returning field is one cosine for *any* angle of
+# the half-wave plate, $E_3 = -iA\cos(4\theta_h + V)$. All else follows from it:
 
 # %%
 crystal, half, quarter = retarder(V, 0), sp.pi, sp.pi / 2
@@ -177,8 +177,8 @@ print("E_3 + i cos(4θ_h + V):", residual(field + sp.I * sp.cos(4 * theta_h + V)
 # \end{aligned}
 # ```
 #
-# **The doubled mode**, $\theta_h = 22.5°$. The plate moves the bias from the steepest point of the
-# transfer curve into its dark minimum:
+# **The doubled mode**, $\theta_h = 22.5°$. The bias moves from the steepest point of the transfer
+# curve to its minimum:
 #
 # ```{math}
 # :label: eq-17
@@ -213,10 +213,10 @@ plotting.save(
         "throughput": [mode.throughput() for mode in modes.values()],
         "residuals": [float(r) for r in residuals.values()],
     },
-    caption="The two-pass modulator, computed. (a) The folded light path, and "
-    "the polarisation before each element on the way out (upper rows) and behind it on the way "
-    "back (lower rows), for three drive voltages; left, the light that leaves. (b) The intensity "
-    "of both modes.",
+    caption="The two-pass modulator, computed. (a) The folded light path, and the polarisation "
+    "before each element on the way out (upper rows) and behind it on the way back (lower rows), "
+    "for three drive voltages; left, the light that leaves. (b) The intensity of both modes at η = "
+    "0.26 and, dotted, π/4.",
     alt="A laser beam is reflected by a polarising beam splitter through a half-wave plate, a "
     "quarter-wave plate and an electro-optic modulator to a mirror and back. Ellipses show the "
     "polarisation at each place. Below, the intensity over two drive periods: a sine about one "
@@ -224,15 +224,15 @@ plotting.save(
 )
 
 # %% [markdown]
-# In and out of the splitter must be crossed, but which is which makes no difference; the other port
-# gives the complement, $1 - I$: another sign in the single mode, a bright ground in the doubled
-# one. The plate is also the bias knob: a static birefringence Γ of the crystal adds to V and is
-# cancelled by turning the half-wave plate by $-\Gamma/4$.
+# Input and output polarisation must be crossed; exchanging them changes nothing. The other port
+# gives the complement, $1 - I$: the opposite sign in the single mode, a bright background in the
+# doubled one. The plate also sets the bias: a static birefringence Γ of the crystal adds to V and
+# is cancelled by turning the half-wave plate by $-\Gamma/4$.
 #
-# The light needs time to the mirror and back, so the passes see $V(t)$ and $V(t+\delta t)$, whose
-# sum is $2\eta\cos(\delta/2)\sin(\theta+\delta/2)$ with $\delta = 4\pi fd/c$. Half a modulation
-# wavelength, $d = c/2f$, brings both in step; a quarter would cancel the modulation. One spacing
-# serves both modes:
+# The light travels to the mirror and back, so the two passes see $V(t)$ and $V(t+\delta t)$, whose
+# sum is $2\eta\cos(\delta/2)\sin(\theta+\delta/2)$ with $\delta = 4\pi fd/c$. At a spacing of half
+# a modulation wavelength, $d = c/2f$, both are equal; at a quarter they cancel. One spacing suits
+# both:
 
 # %%
 shared = replace(modes["doubled"], mirror_distance=SPEED_OF_LIGHT / (2 * SINGLE.frequency))
@@ -240,7 +240,7 @@ late, lost = 1e3 * shared.pass_delay, 1 - shared.effective_eta / eta
 print(f"doubled drive on the single mode's spacing: {late:.1f} mrad late, {lost:.1e} of it lost")
 
 # %% [markdown]
-# ## Doubling, and a factor of two
+# ## Doubling and the factor of two
 #
 # ```{math}
 # :label: eq-19
@@ -251,10 +251,10 @@ print(f"doubled drive on the single mode's spacing: {late:.1f} mrad late, {lost:
 # \end{aligned}
 # ```
 #
-# The first line is exact. But $1-\cos x \approx x^2/2$, so the second is *half* of what it
-# approximates. The text then gives the doubled mode a quarter of the single mode's amplitude. The
-# exact series (Jacobi–Anger) has the amplitudes $A^2J_1(2\eta)$ and $A^2J_2(2\eta)$; their ratio
-# is about η/2 and follows the drive ({ref}`erratum 9 <erratum-9>`).
+# The first line is exact. Since $1-\cos x \approx x^2/2$, the second is *half* of the lowest order.
+# The text then states a quarter of the single mode's amplitude for the doubled mode. The exact
+# series (Jacobi–Anger) has the amplitudes $A^2J_1(2\eta)$ and $A^2J_2(2\eta)$; their ratio is about
+# η/2 and depends on the drive ({ref}`erratum 9 <erratum-9>`).
 
 # %%
 lowest = sp.series((1 - sp.cos(2 * eta_s * sp.sin(theta))) / 2, eta_s, 0, 4).removeO()
@@ -311,21 +311,21 @@ plotting.save(
         "photodiode_response": response,
         "taylor_error": taylor_error,
     },
-    caption=f"Single and doubled mode at η = {eta:.2f}, simulated (the paper's is a "
-    "measurement; mind the scales of (a) and (b)). (a, b) The exact waveform, its lowest order, "
-    "and what a first-order 12 GHz photodiode shows. (c, d) Harmonics of the Jones product and of "
-    "the Bessel series; dashes, what the photodiode leaves of them.",
+    caption=f"Single and doubled mode at η = {eta:.2f}, simulated (the paper's is measured; the "
+    "scales of (a) and (b) differ). (a, b) The exact waveform, its lowest order, and the signal of "
+    "a first-order 12 GHz photodiode. (c, d) Harmonics of the Jones product and of the Bessel "
+    "series; dashes, after the photodiode.",
     alt="Four panels. Left, a 7.15 gigahertz sine about one half with odd harmonics that fall "
     "steeply; right, a 14.32 gigahertz wave that rises from zero, with even harmonics. Equation 19 "
-    "as printed reaches half of it. Behind the photodiode both waves are weaker and later.",
+    "as printed is half as high. Behind the photodiode both waves are weaker and later.",
 )
 notes.tell(response_single=response[0], response_doubled=response[1], ratio=ratio)
 
 # %% [markdown]
 # At η = 0.26 the doubled amplitude is {glue:text}`ratio:.3f` of the single one. The photodiode
 # passes {glue:text}`response_single:.2f` of the amplitude at 7.15 GHz and
-# {glue:text}`response_doubled:.2f` at 14.32 GHz, but all of the mean: a contrast read off it is a
-# lower bound of the light's. For any plate, $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$:
+# {glue:text}`response_doubled:.2f` at 14.32 GHz, but all of the mean, so that the contrast it shows
+# is a lower bound of the light's. For any plate, $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$:
 #
 # <div data-play="modulator"></div>
 #
@@ -377,9 +377,9 @@ weak, strong = signal_ratio
 print(f"signal, doubled over single: {weak:.1%} at η = {eta}, {strong:.0%} at π/4")
 
 # %% [markdown]
-# The doubled mode has the better contrast and far less signal. With bright bias the same swing
-# rides on nearly all of the light, whose shot noise hides it. Whether 14.32 GHz can be seen at all
-# depends on the radio-frequency power.
+# The doubled mode has higher contrast and far less signal. With bright bias the same signal has
+# nearly all of the light as background, and its shot noise dominates. Detection at 14.32 GHz
+# therefore depends on the radio-frequency power.
 #
 # ## Tolerances
 #
@@ -408,15 +408,16 @@ for name, error, value in (
 notes.table(["error", "single, depth", "doubled, depth", "doubled, leak"], rows)
 
 # %% [markdown]
-# The single mode sits on a slope and is tolerant. The doubled mode sits in a dark minimum of which
-# it fills only a little: with a tenth of a degree of error in the half-wave plate the drive's own
-# frequency reaches a tenth of the doubled one. On a bench the plate is turned until it vanishes.
+# The single mode is biased on a slope and is tolerant. The doubled mode is biased at a minimum:
+# with an error of 0.1° of the half-wave plate the drive's own frequency has a tenth of the doubled
+# amplitude. On a bench the plate is turned until it vanishes.
 #
-# ## The simulated instrument before a fast detector
+# ## The simulated instrument on a fast detector
 #
 # Paper Fig. 8 was measured. The simulated {doc}`instrument <13_instrument>`, with leaking
-# splitters and an assumed drive of η = π/4, is looked at with a first-order detector of 12 GHz.
-# Over their mean the harmonics do not depend on the laser's power:
+# splitters, is observed with a first-order detector of 12 GHz. Its drive is assumed to be η = π/4,
+# because at this chapter's 0.26, the paper's 50 % contrast, the doubled signal is too weak for a
+# scan. The harmonics over their mean do not depend on the laser's power:
 #
 # $$m_1 = \frac{2 J_1(2\eta)\,|\sin 8\theta_h|}{1 + J_0(2\eta)\cos 8\theta_h},\qquad
 #   m_2 = \frac{2 J_2(2\eta)\,|\cos 8\theta_h|}{1 + J_0(2\eta)\cos 8\theta_h}.$$
@@ -483,9 +484,10 @@ plotting.save(
         "plate_of_second": float(np.rad2deg(plate[by_plate[2].argmax()])),
         "half_contrast_dbm": half_power,
     },
-    caption="(a) First and second harmonic of the emitted light while the plate's mount turns, and "
-    "(b) each mode's own harmonic while the RF power is turned up; over the mean, the detector's "
-    "bandwidth divided out. Dots: simulated instrument; lines: closed forms.",
+    caption="Harmonics of the simulated instrument's emitted light over its mean, detector "
+    "bandwidth divided out, without noise. (a) First and second harmonic against the plate's angle "
+    "at η = π/4. (b) Each mode's own harmonic against RF power (30 dBm: π/4). Dots: simulated "
+    "instrument; lines: closed forms of ideal splitters.",
     alt="Two panels. Against the plate's angle the first harmonic has two humps on either side of "
     "22.5 degrees and the second a tall one near it and low ones at both ends. Against RF power "
     "the single mode's depth grows; the doubled mode's dots lie far below its closed form at low "
@@ -494,11 +496,10 @@ plotting.save(
 notes.tell(off_doubled=100 * off["doubled"], half_power=half_power)
 
 # %% [markdown]
-# Where $m_1$ vanishes and $m_2$ is largest, the plate stands at 22.5°. The doubled mode's depth
-# lies {glue:text}`off_doubled:.0f` % below its law at the lowest power: hardly any light passes the
-# dark bias, and the 2 % that the splitter reflects of the wrong polarisation (a usual value of such
-# cubes, not verified) are most of what there is. A drive of {glue:text}`half_power:.1f` dBm would
-# give the 50 % of contrast, η = 0.26, that the paper states.
+# At 22.5° $m_1$ vanishes and $m_2$ is largest. At the lowest power the doubled mode's depth is
+# {glue:text}`off_doubled:.0f` % below its law: most of the little light is the 2 % of the wrong
+# polarisation that the splitter reflects (a usual value of such cubes, not verified). A drive of
+# {glue:text}`half_power:.1f` dBm would give η = 0.26, the paper's 50 % contrast.
 #
 # ## Against the paper
 

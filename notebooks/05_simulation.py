@@ -1,10 +1,10 @@
 # %% [markdown]
 # # Simulated measurements
 #
-# No public data set holds correlation images at 7 GHz with a known truth, so the paper makes its
-# own from depth and brightness, and so does this book (Secs. 5.3 and 5.4, Eqs. 5, 8 and 9). One
-# frame goes in, correlation images come out, and from them phase, amplitude and everything that the
-# paper's network is given (Paper Fig. 5). All of it is simulated.
+# No public data set has correlation images at 7 GHz with known depth. The paper therefore simulates
+# them from depth and brightness, as does this book (Secs. 5.3 and 5.4, Eqs. 5, 8 and 9). This
+# chapter computes correlation images of a frame, their phase and amplitude, and the inputs of the
+# paper's network (Paper Fig. 5). All of it is simulated.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -70,16 +70,16 @@ plotting.save(
         "median_amplitude": float(np.median(amplitude)),
         "median_count": float(np.median(images[0])),
     },
-    caption=f"The frame `{frame_name}` through the simulator at 7.15 GHz. (a, b) What goes in. "
-    "(e–h) The four correlation images at the paper's noise. (c, d) What is decoded from them; "
-    "every fringe of (c) is 21 mm of depth.",
+    caption=f"The frame `{frame_name}`, simulated at 7.15 GHz. (a, b) The inputs. (e–h) The four "
+    "correlation images at the paper's noise. (c, d) Phase and amplitude decoded from them; every "
+    "fringe of (c) is 21 mm of depth.",
     alt="Eight images of a table top with bust, vase and books: brightness, depth, decoded phase "
     "with many fringes, decoded amplitude; below, four correlation images in which the fringes "
     "move by a quarter period from one to the next.",
 )
 
 # %% [markdown]
-# ## Forward and backward
+# ## Simulation and decoding
 #
 # A pixel of range z and linear brightness I (the green channel; the laser is green) has the phase
 # $\varphi = 4\pi fz/c$ and gives, at reference phase ψ,
@@ -90,8 +90,8 @@ plotting.save(
 # ```
 #
 # with $GT = 20\,000$ counts, photon noise $\eta_P$ and Gaussian noise $\eta_G$ of σ = 1200 counts.
-# (Which instrument has a contrast of 2/π is the question of {doc}`01_correlation`.) The paper
-# decodes with a Fourier transform along ψ,
+# ({doc}`01_correlation` has the instrument with this contrast, 2/π.) The paper decodes with a
+# Fourier transform along ψ,
 #
 # ```{math}
 # :label: eq-9
@@ -131,8 +131,8 @@ for name, error in zip(readings, reading_error, strict=True):
     print(f"{name}: {error:.2f} rad rms")
 
 # %% [markdown]
-# {eq}`eq-9` read literally, or the right bin with ψ in the printed order, lose the phase; a guess
-# errs by $\pi/\sqrt3 = 1.81$ rad rms. Without noise the way there and back must be exact:
+# {eq}`eq-9` read literally, or the right bin with ψ in the printed order, does not recover the
+# phase; a random phase errs by $\pi/\sqrt3 = 1.81$ rad rms. Without noise decoding must be exact:
 
 # %%
 for name in embedded_frames():
@@ -147,14 +147,14 @@ for name in embedded_frames():
     print(f"   pixels that rounding moved across a wrap's boundary: {moved}")
 
 # %% [markdown]
-# A pixel on the boundary of a wrap may fall to its other side; with the neighbouring count its
-# depth is right again, which is why the book keeps {doc}`two wrap counts <03_wraps>` apart.
+# Rounding may move a pixel across the boundary of a wrap; with the neighbouring count its depth is
+# still right, so this book distinguishes {doc}`two wrap counts <../book/notation>`.
 #
-# ## Noise, in two orders
+# ## The order of the two noise terms
 #
 # {eq}`eq-8` adds photon noise, then Gaussian noise. The authors' released code draws Gaussian noise
-# first, clips it at zero, and then draws Poisson counts. For bright pixels that is the same; for
-# dark ones the clipping lifts the mean and shrinks the cosine.
+# first, clips it at zero, and then draws Poisson counts. For bright pixels that is equivalent; for
+# dark ones clipping raises the mean and reduces the amplitude.
 
 # %%
 levels = np.geomspace(0.02, 1, 12)
@@ -202,9 +202,9 @@ plotting.save(
         "spread_released": spread[theirs],
         "kept_released": kept[theirs],
     },
-    caption="Noise of the simulated phase at four ψ. (a) Spread against brightness on the exact "
-    "law (grey), for both orders of noise and for the paper's ambient light. (b) The mean of the "
-    "decoded phasor along its true direction: clipping at zero shortens it.",
+    caption="Noise of the simulated phase at four ψ. (a) Standard deviation against brightness "
+    "beside the exact law (grey), for both orders of the noise terms and for the paper's ambient "
+    "light. (b) Mean of the decoded phasor along its true direction: clipping at zero reduces it.",
     alt="Left, spread over brightness, both logarithmic, falling towards white pixels; symbols of "
     "both orders lie close to the law, ambient light lies higher. Right, the decoded signal: whole "
     "at all brightnesses in the paper's order, falling for dark pixels in the released code's.",
@@ -215,13 +215,13 @@ notes.tell(
 
 # %% [markdown]
 # In the released code's order a pixel of brightness 0.02 keeps {glue:text}`kept_dark:.0f` % of its
-# signal while its phase scatters as much: the clipping takes from the cosine too. This book uses
-# the paper's order (`order="released"` has the other). Ambient light, as the paper models it,
-# raises a white pixel's noise from {glue:text}`white:.3f` to {glue:text}`white_ambient:.3f` rad.
+# signal at equal phase noise, since clipping reduces both. This book uses the paper's order
+# (`order="released"` selects the other). Ambient light, as the paper models it, raises a white
+# pixel's noise from {glue:text}`white:.3f` to {glue:text}`white_ambient:.3f` rad.
 #
 # ## Two protocols, and the target
 #
-# The network is asked for the **wrap count**
+# The network predicts the **wrap count**
 #
 # ```{math}
 # :label: inputs-target
@@ -261,20 +261,19 @@ plotting.save(
     "simulation_protocols",
     format="png",
     numbers={p: [coverage[n, p] for n in frames] for p in ("released", "full")},
-    caption="The depth that each protocol asks for, on the three embedded frames, and the share of "
-    "pixels scored; grey is not scored. Mind the colour bars: in `released` every scene is a "
-    "model of itself.",
+    caption="True depth of the three embedded frames in each protocol, and the share of pixels "
+    "scored; grey is not scored. The colour bars differ: `released` shrinks every scene.",
     alt="Two rows of three depth images. Above, the released protocol: a narrow span of depths, "
     "large grey areas in the foreground. Below, the full protocol: the whole depth of each room.",
 )
 
 # %% [markdown]
-# Rates of the two must never stand in one column, and each stands beside the commonest class's.
+# Rates of the two protocols are not comparable; each is given beside that of the most common class.
 #
 # ## Fourier features
 #
-# A number that jumps from 2π to 0 where nothing jumps is a poor input for convolutions; its sine
-# and cosine do not jump. The paper takes octaves,
+# A wrapped phase jumps from 2π to 0 where depth is continuous, which makes it a poor input for
+# convolutions; its sine and cosine are continuous. The paper uses octaves,
 #
 # ```{math}
 # :label: eq-5
@@ -282,9 +281,9 @@ plotting.save(
 # \sin(2^{E_C}\hat\phi)\bigr],
 # ```
 #
-# without stating where they stop; the authors' released code stops at $E_C=5$
-# ({ref}`erratum 4 <erratum-4>`). An error ε of the phase is $2^k\epsilon$ of its k-th octave, whose
-# cosine keeps $\langle\cos 2^k\epsilon\rangle$ of its size.
+# without stating where they stop; the authors' released code stops at $E_C=5$ ({ref}`erratum 4
+# <erratum-4>`). A phase error ε is an error $2^k\epsilon$ of the k-th octave, which reduces its
+# cosine by $\langle\cos 2^k\epsilon\rangle$.
 
 # %%
 measured = cmtof.simulate(frame, protocol="released", seed=seed)
@@ -314,29 +313,30 @@ plotting.save(
         "kept_brightest_tenth": remains_bright,
         "kept_white": remains_white.tolist(),
     },
-    caption="The cosines of the Fourier features at 7.15 GHz, without noise and at the paper's "
-    "noise; below, how much of each cosine the noise leaves on average over the scored pixels.",
+    caption=f"The cosines of the Fourier features of `{frame_name}` at 7.15 GHz, simulated, "
+    "without noise (above) and at the paper's noise (below), with the share of each cosine left on "
+    "average over the scored pixels.",
     alt="Two rows of six images with fringes that double in number from left to right. Above they "
     "stay crisp; below they disappear in grain.",
     format="png",
 )
 
 # %% [markdown]
-# The last octaves are noise. The wrap count is in none of them: the features of one phase repeat
-# with every wrap. It lies in the relation of *both* frequencies.
+# The last octaves are noise. The features of one phase repeat with every wrap, so the wrap count
+# follows only from *both* frequencies.
 #
 # ## Edges
 #
-# Differences of neighbouring pixels find outlines, but of a wrapped phase they find every wrap as
-# well. Wrapped once more, the difference is right again,
+# Differences of neighbouring pixels show outlines, but those of a wrapped phase also show every
+# wrap. Wrapping the difference corrects this,
 #
 # ```{math}
 # :label: inputs-edges
 # \Delta=\bigl(\hat\varphi_{x}-\hat\varphi_{x'}+\pi\bigr)\bmod 2\pi-\pi ,
 # ```
 #
-# as long as depth changes by less than half a turn from one pixel to the next. Four neighbours
-# count: left, above, and the two on the left diagonals.
+# as long as depth changes by less than half a turn from one pixel to the next. Four neighbours are
+# used: left, above, and the two on the left diagonals.
 
 # %%
 edges, noisy_edges = phase_edges(exact.phase[0]), phase_edges(measured.phase[0])
@@ -359,8 +359,9 @@ plotting.save(
     figure,
     "inputs_edges",
     numbers={"naive_wrong": naive_wrong, "folded": folded},
-    caption="Differences of the phase at 7.15 GHz. (a) As it stands: every wrap is an edge. (b–e) "
-    "Wrapped once more, in four directions, without noise. (f) At the paper's noise.",
+    caption=f"Phase differences of `{frame_name}` at 7.15 GHz, simulated. (a) Not wrapped: every "
+    "wrap is an edge. (b–e) Wrapped, in four directions, without noise. (f) With the paper's "
+    "noise.",
     alt="Six difference images. The first is full of parallel dark lines, one for each wrap. In "
     "the next four the lines are gone, and the outlines of the objects remain. The last has grain.",
     format="png",

@@ -4,14 +4,13 @@
 # ---
 
 # %% [markdown]
-# # Scenes: where range and colour come from
+# # Rendered scenes
 #
-# To simulate a measurement one needs scenes whose range is known to a fraction of a wrap; to train
-# a network, thousands. The paper takes Hypersim {cite}`roberts2021hypersim`, 1.9 TB of rendered
-# interiors whose depth is stored too coarsely for gigahertz phases. This book reads it, and also
-# renders rooms of its own from a seed. Their median pixel lies in a surface of
-# {glue:text}`median_size:.0f` pixels whose range changes by {glue:text}`median_slope:.3f` wraps a
-# pixel.
+# A simulation needs scenes whose range is known to a fraction of a wrap; training a network needs
+# thousands. The paper uses Hypersim {cite}`roberts2021hypersim`, 1.9 TB of rendered interiors whose
+# depth is stored too coarsely for gigahertz phases. This book reads it, but uses rooms of its own,
+# rendered from a seed. Their median pixel lies in a surface of {glue:text}`median_size:.0f` pixels
+# whose range changes by {glue:text}`median_slope:.3f` wraps a pixel.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -70,15 +69,15 @@ plotting.save(
         "things": [min(things), max(things)],
         "mean_brightness": light,
     },
-    caption=f"Rooms from a seed, {views} views of each side by side, simulated.",
+    caption=f"Rooms rendered from a seed, {views} views of each side by side.",
     alt="Contact sheet of rendered interiors: furnished rooms with windows, lamps and patterns, "
     "and a few close views of things.",
 )
 
 # %% [markdown]
-# A seed draws a floor plan, furniture, what lies on it, lamps, windows and the sun; Embree
-# {cite}`wald2014` sends the rays. Cameras stand where a person could; one view in ten is taken from
-# close to a thing. Intensities are linear. `cmtof render` writes such sets to disk in Hypersim's
+# A seed determines floor plan, furniture, objects, lamps, windows and the sun; Embree
+# {cite}`wald2014` traces the rays. Cameras stand where a person could; one view in ten is a close
+# view of an object. Intensities are linear. `cmtof render` writes such sets to disk in Hypersim's
 # own layout; the same seed gives the same bytes. Range is exact to single precision.
 
 # %% tags=["hide-input"]
@@ -87,7 +86,7 @@ exact, numbers = one.picture.depth, (one.picture.instance * 37) % 61
 figure, axes = plt.subplots(1, 3, figsize=(12.4, 2.9))
 axes[0].imshow(tone_mapped(one.picture.color))
 axes[2].imshow(np.where(one.picture.instance < 0, np.nan, numbers), cmap="tab20")
-for panel, title in ((axes[0], "colour"), (axes[2], "things, each a colour")):
+for panel, title in ((axes[0], "colour"), (axes[2], "objects, each a colour")):
     panel.set(xticks=[], yticks=[], title=title)
 plotting.image(axes[1], exact, label="range along the ray (m)", title="range")
 plotting.label_panels(axes)
@@ -99,15 +98,15 @@ plotting.save(
         "range_5_50_95_m": np.nanpercentile(exact, [5, 50, 95]).tolist(),
         "things_seen": int(np.unique(one.picture.instance).size),
     },
-    caption="What is known of each view: linear colour, range, and the thing in each pixel.",
-    alt="Three panels of one view: the tone-mapped picture, its range, and its things as colours.",
+    caption="Data of each rendered view: linear colour, range, and the object in each pixel.",
+    alt="Three panels of one view: the tone-mapped picture, its range, and its objects as colours.",
 )
 
 # %% [markdown]
 # ## Beside Hypersim
 #
-# Hypersim's pixels are known by their percentiles: brightness (0.30 R + 0.59 G + 0.11 B) decides
-# the noise, range the number of wraps.
+# Of Hypersim only percentiles are compared: brightness (0.30 R + 0.59 G + 0.11 B) determines the
+# noise, range the number of wraps.
 
 # %%
 HYPERSIM = {
@@ -127,17 +126,15 @@ notes.table(["percentile", "Hypersim", "these rooms", "ratio"], rows)
 print(f"beyond 7.5 m: {np.mean(ours['range (m)'] > 7.5):.0%} of the pixels")
 
 # %% [markdown]
-# Two frequencies tell ranges apart up to 7.5 m; in Hypersim, with its halls and terraces, a quarter
-# of the pixels lies beyond.
+# Two frequencies are unambiguous up to 7.5 m; in Hypersim, with halls and terraces, a quarter of
+# the pixels lies beyond.
 #
 # ## Difficulty of a scene
 #
-# Not range itself but its changes. Within a surface a method may follow depth from pixel to pixel;
-# the steeper it runs, the fewer pixels it may average. Where a surface ends it must start again,
-# with only that surface's pixels to find the wrap. Beside the rooms stand path-traced frames of one
-# furnished room, made by others, at every second pixel to match the lens, where the machine has
-# them. They are for looking only; no setting of the rooms was chosen by them. (Rooms of version 0.1
-# had more clutter: medians of 0.111 wraps a pixel, 1.3 wraps and 8,234 pixels.)
+# The difficulty depends on changes of range. The steeper a surface, the fewer of its pixels can be
+# averaged. At its end a method must start again, with only the next surface's pixels to find the
+# wrap. Where the machine has them, path-traced frames of one furnished room, made by others, are
+# shown too, at every second pixel to match the lens. No setting of the rooms was chosen by them.
 
 # %%
 root = data_root()
@@ -176,17 +173,16 @@ plotting.save(
         "median": dict(zip(("slope", "jump", "patch"), medians["rooms"], strict=True)),
         "steeper_than_half_a_wrap": steep,
     },
-    caption="What makes unwrapping hard, pooled over all pixels, in wraps of 7.15 GHz (20.97 mm). "
-    "Beyond half a wrap a pixel neighbours no longer show the direction.",
+    caption="Slope, jumps and size of surfaces in the rendered rooms, over all pixels, in wraps of "
+    "7.15 GHz (20.97 mm). Beyond half a wrap a pixel the sign of the slope is ambiguous.",
     alt="Three cumulative curves on logarithmic axes: slope, jump, and size of surfaces.",
 )
 
 # %% [markdown]
 # ## Half precision
 #
-# Hypersim stores range as 16-bit floating point: from each power of two on, its steps are twice as
-# wide. Rounded like that, a plane becomes a staircase, and a network trained on it may learn
-# stairs. Rooms are stored in single precision.
+# Hypersim stores range as 16-bit floating point: its steps double at each power of two. A plane
+# becomes a staircase, which a network may learn. Rooms are stored in single precision.
 
 # %%
 distance = np.array([1.5, 3.0, 6.0], np.float16)
@@ -211,6 +207,6 @@ plotting.save(
     "scenes_half_precision",
     format="png",
     numbers={"rms_rad": rms},
-    caption="Phase at 14.32 GHz of a slanted plane from exact range, and in half precision.",
+    caption="Phase at 14.32 GHz of a slanted plane, from exact range and from half precision.",
     alt="Two phase maps of the same plane: even bands of colour, then terraces of few colours.",
 )

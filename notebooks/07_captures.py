@@ -6,14 +6,14 @@
 # %% [markdown]
 # # Real captures and their noise
 #
-# The authors' all-optical prototype line has published three raster scans: wrapped phase at 7.15
-# GHz of busts before a wall, beside a coarse reference depth {cite}`pan2024`. On the wall one point
-# is known to {glue:text}`single_low:.0f` to {glue:text}`single_high:.0f` µm within its wrap. The
-# simulator makes noise of the same size (Paper Fig. 11) with σ = {glue:text}`matched_low:.0f` to
-# {glue:text}`matched_high:.0f` counts on a white wall, but not always of the same grain: in one of
-# the published scans neighbours share their noise. The files are not part of this project. Where a
-# machine has none, a simulated scan in the same format stands in. **The maps on this page are
-# {glue:text}`capture_source`.**
+# Three raster scans of the authors' line of all-optical prototypes are published: wrapped phase at
+# 7.15 GHz of busts before a wall, and a coarse reference depth {cite}`pan2024`. On the wall the
+# noise of one point is {glue:text}`single_low:.0f` to {glue:text}`single_high:.0f` µm. The
+# simulator has the same noise level (Paper Fig. 11) with σ = {glue:text}`matched_low:.0f` to
+# {glue:text}`matched_high:.0f` counts on a white wall, but not always the same grain: in one of the
+# published scans the noise of neighbours is correlated. The files are not part of this project.
+# Where a machine has none, a simulated scan in the same format replaces them. **The maps on this
+# page are {glue:text}`capture_source`.**
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -54,7 +54,7 @@ WRAP = float(wrap_length(FREQUENCY_SINGLE))
 
 
 # %% [markdown]
-# ## Same surface, measured and simulated
+# ## Noise matching on the same surface
 #
 # The stand-in is a piece of an embedded frame, shrunk to the captures' distances, with photon and
 # electronic noise; its «reference» is the true range blurred and tilted by millimetres.
@@ -83,8 +83,8 @@ print(source, names)
 
 
 # %% [markdown]
-# The wall gives the angles: range to a flat wall bends with the angle of the ray. A fit of plane
-# and scale to what lies farthest yields both the background's mask and a camera.
+# The range to a flat wall depends on the angle of the ray. A fit of plane and scale to the farthest
+# points therefore gives the background's mask and a camera.
 
 
 # %%
@@ -124,7 +124,7 @@ inside = {
 # \sigma_\varphi\approx\frac{\sqrt{GTI/2+\sigma^2}}{\sqrt2\,a},\qquad a=\frac{GTI}{\pi}.
 # ```
 #
-# With brightness I = 1 that gives σ. The scene simulated is the capture's own averaged surface.
+# At I = 1 this gives σ. The simulated scene is the capture's own averaged surface.
 
 # %%
 sigma, matched, smooth, simulated = {}, {}, {}, {}
@@ -157,8 +157,9 @@ plotting.save(
         "sigma_at_full_brightness": matched,
         "phase_noise_simulated_rad": dict(zip(names, again, strict=True)),
     },
-    caption=f"Noise matching: simulated with the noise found, then {source}. A turn of colour "
-    f"is {1e3 * WRAP:.1f} mm of depth. The simulated surface is an average, hence softer.",
+    caption="Noise matching at 7.15 GHz: phase simulated with the noise level found, then "
+    f"{source} ({count} scans of each). A turn of colour is {1e3 * WRAP:.1f} mm. The simulated "
+    "surface is an average, hence smoother.",
     alt="Pairs of phase maps with the same rings on a wall and an object, and the same graininess.",
     format="png",
 )
@@ -166,9 +167,9 @@ plotting.save(
 # %% [markdown]
 # ## Noise of the phase
 #
-# A scan is taken once, so the noise must come from neighbours. If it is white, its local squares
-# follow a χ² law with 19 degrees of freedom (25 pixels less six coefficients), neighbours have no
-# correlation, and the average of 5×5 phasors, turned back by the local slope, has a fifth of it.
+# A scan is taken once, so its noise is estimated from neighbours. White noise has local squares
+# that follow a χ² law with 19 degrees of freedom (25 pixels less six coefficients), no correlation
+# of neighbours, and a fifth of its size in the average of 5×5 phasors, less the local slope.
 
 # %%
 local = {name: noise.local_phase_noise(phase, window=fit_window) for name, phase in phases.items()}
@@ -209,20 +210,21 @@ plotting.save(
         "noise_after_rad": after,
         "correlation_down_across": neighbours,
     },
-    caption=f"Phase noise ({source}) about quadratics fitted to {fit_window}×{fit_window} pixels; "
-    "white lines enclose the wall. Below: on the wall, beside the law of white noise of that size.",
+    caption=f"Phase noise at 7.15 GHz ({source}) about quadratics fitted to "
+    f"{fit_window}×{fit_window} pixels; white lines enclose the wall. Below: its distribution on "
+    "the wall, and that of white noise of equal size.",
     alt="Noise maps, dark on the wall and bright along outlines, above bell-shaped histograms near "
     "a tenth of a radian that follow the drawn laws.",
     format="png",
 )
 
 # %% [markdown]
-# Where neighbours correlate, no average over a few pixels takes the noise out, and a local fit
-# takes part of it for surface: the size above is then a lower bound.
+# Where neighbours are correlated, a local fit takes part of the noise for surface: the size above
+# is then a lower bound.
 #
-# How bright the wall was is unknown, so each capture fixes a curve of pairs (I, σ), all of which
+# The brightness of the wall is unknown, so each capture determines a curve of pairs (I, σ) that
 # give its phase noise, from photons alone to the paper's σ = 1200. The captures were decoded from
-# swept signals, not from four images: what is matched is the noise of the phase, not its origin.
+# swept signals, not from four images: the match concerns the size of the noise, not its origin.
 
 # %%
 for name, value in sigma.items():
@@ -232,9 +234,9 @@ for name, value in sigma.items():
 # %% [markdown]
 # ## From phase to depth
 #
-# Neighbours give the next wrap as long as a surface goes on; over an occlusion nothing does. So
-# wall and objects are unwrapped apart {cite}`herraez2002`, where the average is coherent. Each
-# connected piece takes the whole wraps that bring its median nearest to the reference.
+# Within a surface the wrap follows from neighbours; across an occlusion it does not. Wall and
+# objects are therefore unwrapped apart {cite}`herraez2002`, where the average is coherent. Each
+# connected piece gets the whole wraps that bring its median nearest to the reference.
 
 
 # %%
@@ -312,17 +314,18 @@ plotting.save(
         "object_off_wraps_5_95": off_wraps,
         "unwrapped_in_one_piece_wrong": misled,
     },
-    caption=f"Depth from one frequency ({source}) and its difference from the reference in wraps "
-    f"of {1e3 * WRAP:.2f} mm. Grey: no coherent average, no depth.",
+    caption=f"Depth from 7.15 GHz alone ({source}), its whole wraps taken from the reference "
+    f"depth, and its difference from that reference in wraps of {1e3 * WRAP:.2f} mm. Grey: no "
+    "coherent average, no depth.",
     alt="Depth maps of objects before a wall; differences, small on the wall, wide on the objects.",
     format="png",
 )
 
 # %% [markdown]
-# In the published captures the reference of the wall is the same behind every object, digit by
-# digit, while its measured phase moves from scan to scan by a millimetre or two: the instrument
-# drifts. On the objects the reference errs by about a whole wrap within a single smooth surface. It
-# is no truth for them.
+# In the published captures the reference of the wall is identical behind every object, while its
+# measured phase moves from scan to scan by a millimetre or two: the instrument drifts. On the
+# objects the reference errs by about a whole wrap within a single smooth surface, so it is no truth
+# there.
 
 # %% tags=["hide-input"]
 drawn = min(count, stills)
@@ -341,8 +344,9 @@ plotting.save(
     figure,
     "capture_surface",
     numbers={"source": source, "noise_um": fine},
-    caption=f"The recovered surface ({source}): phase averaged, unwrapped, and placed in space by "
-    "the camera that the bend of the wall gives. Yellow is near; holes have no coherent average.",
+    caption=f"The recovered surface ({source}): phase at 7.15 GHz averaged and unwrapped with "
+    "whole wraps from the reference depth, in space by the fitted camera. Yellow is near; holes "
+    "have no coherent average.",
     alt="Shaded three-dimensional still of the scanned object standing out from a smooth wall.",
     format="png",
 )
@@ -350,10 +354,10 @@ plotting.save(
 # %% [markdown]
 # ## The grain of the noise
 #
-# What does a simulation of the right size still lack? Measured and simulated maps go through the
-# same fit of 9×9 pixels and the same mask; the residual's power spectrum shows its grain. Samples
-# of one scan line follow each other in time: filters and overlapping beam spots mix *neighbours*.
-# Between lines the instrument drifts, and all pixels of a *line* move together:
+# Measured and simulated maps go through the same fit of 9×9 pixels and the same mask; the
+# residual's power spectrum shows its grain. Samples of one scan line follow each other in time:
+# filters and overlapping beam spots correlate *neighbours*. Between lines the instrument drifts, so
+# all pixels of a *line* share an error:
 #
 # ```{math}
 # :label: line-noise
@@ -361,8 +365,8 @@ plotting.save(
 # \;+\;H\,\sigma_\mathrm{l}^2\,\delta_{k_y}.
 # ```
 #
-# The four numbers are those under which the residual's spectrum is likeliest. A ρ of ½ is a running
-# mean of two samples, or a scan sampled twice as finely as it is resolved.
+# The four numbers are maximum-likelihood estimates from the residual's spectrum. A ρ of ½ is a
+# running mean of two samples, or a scan sampled twice as finely as it is resolved.
 
 # %%
 lines, with_lines = {}, {}
@@ -414,10 +418,10 @@ plotting.save(
         "line_noise": {n: line._asdict() for n, line in lines.items()},
         "rms_rad": {n: float(residual[n][inside[n]].std()) for n in names},
     },
-    caption=f"What a quadratic fit leaves of the phase on the wall ({source}), its spectrum with "
-    "zero frequency in the middle, and spectra down and across, with the spread (5 to 95 %) of "
-    "simulations with white and with line noise.",
-    alt="Residual maps of mere grain; two-dimensional spectra; dots among two bands, one of white "
+    caption=f"Residual of a quadratic fit to the phase on the wall ({source}), its spectrum with "
+    "zero frequency in the middle, and spectra down and across (dots), with the range (5 to 95 %) "
+    "of simulations with white and with line noise.",
+    alt="Residual maps of grain; two-dimensional spectra; dots among two bands, one of white "
     "noise, nearly level, and one of line noise.",
     format="png",
 )
@@ -461,13 +465,11 @@ for n in names:
 notes.table([f"**{source}** / white / lines", *names], [[k, *v] for k, v in table.items()])
 
 # %% [markdown]
-# **In reach of the simulator**: the size of the noise, by a choice of σ. **Beyond it**: a grain.
-# The simulator draws every pixel by itself. Where neighbours or columns of a scan share their
-# noise, averages over a surface fall more slowly than it promises. The size of the noise does not
-# show that; its spectrum does.
+# **Reproduced**: the size of the noise, by a choice of σ. **Not reproduced**: its grain. The
+# simulator's pixels are independent. Where neighbours or columns of a scan share their noise,
+# averages over a surface improve more slowly than in the simulation.
 #
-# **Edges.** Over the whole map more residuals lie beyond 3.5 σ than on the wall: surface that no
-# quadratic fits, fine relief, dark paint, or a beam of finite width that sees two depths at once.
-# This page cannot part these causes. **Not settled**: the amplitude over the scene is unknown, so
-# noise is compared with that of a uniform brightness, which no scene has; and one map a scene does
-# not show what changes from scan to scan.
+# **Edges.** Over the whole map more residuals lie beyond 3.5 σ than on the wall: surfaces that no
+# quadratic fits, fine relief, dark paint, or a beam of finite width across two depths. The data do
+# not separate these causes. **Not settled**: the amplitude over the scene is unknown, so noise is
+# compared with that of uniform brightness; and one map a scene shows no variation.

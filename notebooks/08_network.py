@@ -5,10 +5,10 @@
 # %% [markdown]
 # # The network: Paper Fig. 5, Table 1 and speed
 #
-# A wrap count is a class, and a map of wrap counts is a segmentation. The paper takes Fast-SCNN
-# {cite}`poudel2019`, narrows its receptive field and adds a skip at full resolution. One pixel
-# holds almost nothing of its wrap, so that the network has to pool; it learns that in an hour of
-# one core if its first filters see the beat, and if simple plates come before rooms.
+# A wrap count is a class, and a map of wrap counts is a segmentation. The paper uses Fast-SCNN
+# {cite}`poudel2019` with a narrower receptive field and a skip at full resolution. One pixel
+# carries almost no information about its wrap, so the network must pool. It learns this in an hour
+# on one core if its first filters form the beat and training begins with simple plates.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -59,10 +59,10 @@ blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "
 # %% [markdown]
 # ## Layers (Paper Fig. 5)
 #
-# The layers stand in a supplement that could not be obtained, so **this is our reading**. From left
-# to right, resolution as height. Deep features see far (the pyramid adds means over neighbourhoods
-# of up to 136 pixels), shallow ones see sharply; both are added at a quarter of the resolution. The
-# orange line is the paper's skip: the first layer goes to the last as well.
+# The layers are listed in a supplement that could not be obtained, so **this is our reading**;
+# height is resolution. Deep features have wide context (the pyramid adds means over up to 136
+# pixels), shallow ones fine detail; both are added at a quarter of the resolution. The orange line
+# is the paper's skip from the first layer to the last.
 
 # %%
 network = build_network("fast-scnn").eval()
@@ -110,7 +110,7 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## Equation 5: whole multiples hide the wrap
+# ## Equation 5: Fourier features
 #
 # The octaves of {eq}`eq-5` are whole multiples of the wrapped phase: with any number of turns added
 # they stay the same.
@@ -121,18 +121,17 @@ turned = fourier_features(phases + 57 * TAU) - fourier_features(phases)
 print(f"57 turns change {2 * (ORDER + 1)} features by {np.abs(turned).max():.0e} at most")
 
 # %% [markdown]
-# ## Equation 6: an argmax with a slope
+# ## Equation 6: a differentiable argmax
 #
 # ```{math}
 # :label: eq-6
 # n'=\sum_{n=0}^{N-1} n\,\frac{e^{\gamma\bar\phi_n}}{\sum_{m=0}^{N-1}e^{\gamma\bar\phi_m}}
 # ```
 #
-# is the mean of the classes by their probability, and γ its hardness. The paper prints
-# $\gamma e^{\bar\phi_n}/\sum_m e^{\gamma\bar\phi_m}$: shares that do not add up to one
-# ({ref}`erratum 5 <erratum-5>`), of a wrap count and not of a phase
-# ({ref}`erratum 18 <erratum-18>`). At γ = 1 both agree; with growing γ the right one goes to the
-# class of the largest weight, the printed one to zero.
+# is the mean class, weighted by probability; γ is its sharpness. The paper prints $\gamma
+# e^{\bar\phi_n}/\sum_m e^{\gamma\bar\phi_m}$, whose weights do not add up to one ({ref}`erratum 5
+# <erratum-5>`), and calls the result a phase ({ref}`erratum 18 <erratum-18>`). At γ = 1 both agree;
+# for large γ the correct form tends to the class of the largest weight, the printed one to zero.
 
 # %%
 weights = torch.zeros(classes, dtype=torch.float64)
@@ -145,7 +144,7 @@ for hardness in (1.0, 2.0, 4.0, 16.0):
           f"shares that add up to {float(printed.sum()):.1e}")  # fmt: skip
 
 # %% [markdown]
-# ## Equation 7: right, or at least near
+# ## Equation 7: the loss
 #
 # ```{math}
 # :label: eq-7
@@ -153,10 +152,9 @@ for hardness in (1.0, 2.0, 4.0, 16.0):
 # ```
 #
 # the cross-entropy of the true class and a smooth distance in depth. With the paper's w = 0.1 the
-# unit of depth decides what the second part is worth. The paper's depth is in millimetres, and so
-# is ours: an error of one wrap costs 2.1. Three checks: the slope of the cross-entropy is
-# $p-\mathrm{onehot}(n)$, the slope of the whole is that of finite differences, and masked pixels
-# have none.
+# weight of the second part depends on the unit of depth. It is millimetres in the paper and here:
+# an error of one wrap costs 2.1. Three checks: the slope of the cross-entropy is
+# $p-\mathrm{onehot}(n)$, that of the whole equals finite differences, and masked pixels have none.
 
 # %%
 generator = torch.Generator().manual_seed(seed)
@@ -189,20 +187,20 @@ print(f"slope of the whole loss {exact:.6f}, by finite differences {finite:.6f}"
 print(f"one wrap is {WRAP_MM:.1f} mm, and costs {w * WRAP_MM:.1f}; slope where masked: {masked:g}")
 
 # %% [markdown]
-# ## The task
+# ## Initialisation
 #
 # A wrap moves the beat $b=\varphi_2-2\varphi_1$ by 17.5 mrad, and its noise at one pixel is near a
-# radian. A convolution and a ReLU have to form a *product* of two noisy phasors before anything is
-# averaged. They can:
+# radian. A convolution and a ReLU must form a *product* of two noisy phasors before averaging. It
+# can:
 #
 # $$|\cos(\varphi_2+\alpha)-\cos(2\varphi_1+\alpha+\beta)|
 #   =2\,|\sin\tfrac{b-\beta}{2}|\;|\sin(\ldots)|.$$
 #
 # Both cosines are octaves of Eq. 5, and a mean over angles α leaves the beat. Half of the stem's
-# filters begin so, for two β beside the middle of the range, and their sums are carried to the
-# pyramid. This is an initialisation: inputs and layers are the paper's, and a row without Fourier
-# features cannot have it. Below, a linear regression reads the wrap from the features that a
-# *fresh* network has at its pyramid.
+# filters are initialised so, for two β beside the middle of the range, and their sums are passed on
+# to the pyramid. Inputs and layers remain the paper's; a row without Fourier features cannot have
+# this initialisation. Below, a linear regression estimates the wrap from the features of an
+# *untrained* network at its pyramid.
 
 # %%
 pooled = {}
@@ -240,8 +238,8 @@ for sigma in (100.0, NOISE_SIGMA):
           f"with the initialisation, {reading(plain, sigma):.2f} with random filters")  # fmt: skip
 
 # %% [markdown]
-# How far must it look? Theory asks for this many pixels of *one smooth surface whose shape is
-# known*, for odds of 95 % ({doc}`03_wraps`); the network sees 160 pixels to each side.
+# For odds of 95 % theory requires this many pixels of *one smooth surface of known shape*
+# ({doc}`03_wraps`); the network's receptive field has 160 pixels to each side.
 
 # %%
 for level in (1.0, 0.3, 0.1):
@@ -254,10 +252,10 @@ for level in (1.0, 0.3, 0.1):
 # %% [markdown]
 # ## The recipe, in miniature
 #
-# `cmtof train miniature` is the whole recipe in half a minute: dead leaves (overlapping slanted
-# plates at random depths and brightnesses, so that nothing but the phases leads to a wrap), rising
-# noise, a falling learning rate, averaged weights, validation beside answers that look at nothing.
-# Only the noise is low: 60 counts in place of 1200. The full recipe goes on to rooms.
+# `cmtof train miniature` runs the recipe in half a minute: dead leaves (overlapping slanted plates
+# of random depth and brightness, whose wraps follow from their phases alone), rising noise, a
+# falling learning rate, averaged weights, validation beside trivial answers. The noise is 60 counts
+# instead of 1200. The full recipe continues with rooms.
 
 # %%
 config = read_config("miniature", seed=seed)
@@ -272,13 +270,11 @@ print(f"gain, paired by view: {gain[0]:.1f} points ({gain[1]:.1f} to {gain[2]:.1
 # %% [markdown]
 # ## Table 1
 #
-# The paper takes its network apart: without the loss on depth, without the edges, without the
-# Fourier features. Rows are compared only if they were trained alike: here with 16,000 crops, on
-# the same scenes, with the same seed (`cmtof train table1`, half an hour of one core a row); the
-# paper's rows had 500,000. They are tested on one frame from each of 32 rooms that nothing was
-# trained on; intervals (95 %) are over scenes. "Random stem" is the proposed row without the
-# initialisation above, which a row without Fourier features cannot have either. A row whose gain
-# over the best constant answer in validation is not above zero has learnt nothing yet.
+# The paper's ablation omits the loss on depth, the edges, or the Fourier features. Our rows are
+# trained alike: 16,000 crops, the same scenes and seed (`cmtof train table1`, half an hour of one
+# core a row); the paper's had 500,000. They are tested on one frame from each of 32 rooms outside
+# the training set; intervals (95 %) are over scenes. "Random stem" is the proposed row without the
+# initialisation above. A row that does not beat the best constant answer is called untrained.
 
 # %%
 ROWS = ("proposed", "ce_only", "fourier", "phase_only", "random_stem", "rapid")
@@ -342,18 +338,18 @@ plotting.save(
         "rows": {row: float(found.value[0]) for row, found in alike.items()},
         "shipped": {c.model: [c.crops, c.validation.delta_lt_1] for c in (card, light)},
     },
-    caption="Learning curves on data that is not trained on. (a) The recipe in miniature, trained "
-    "on this page. (b) Rows at equal crops; dashed, what has not learnt to beat a constant answer. "
-    "(c) The shipped weights. Dotted: the constant answer that is right most often.",
+    caption="Validation curves on simulated data, σ = 1200 in (b, c). (a) The recipe in miniature, "
+    "trained on this page, σ = 60. (b) Rows of Table 1 at equal crops, a thirtieth of the paper's; "
+    "dashed, untrained rows. (c) The shipped weights. Dotted: the best constant answer.",
     alt="Three panels of curves of the validation rate over the crops of training, with the level "
     "of the best constant answer.",
 )
 
 # %% [markdown]
-# ## The weights that ship
+# ## The shipped weights
 #
 # A row is *trained* if its validation rate beats the best constant answer with 95 % confidence, by
-# its card. Other rows have no weights, and nothing is shown of them under the name of a paper.
+# its card. Other rows have no weights and appear in no figure.
 
 # %%
 held = {}
@@ -374,10 +370,9 @@ for c in (card, light):
     print(f"{c.model}: {c.data}; {c.hardware}; {c.note}\n")
 
 # %% [markdown]
-# How much would more training give? The light network was trained twice, and each training ended at
-# a small learning rate. If every doubling of the pixels went on giving what the second one gave, it
-# would reach the last number after the paper's 1000 epochs of 500 crops of 512². This is an
-# extrapolation over six doublings from one.
+# The light network was trained in two parts, each to a small learning rate. If every further
+# doubling of the pixels gained as much as the second part, it would reach the last number after the
+# paper's 1000 epochs of 500 crops of 512². This extrapolates six doublings from one.
 
 # %%
 parts = [light.configuration[part]["stages"] for part in ("first", "then")]
@@ -391,8 +386,8 @@ print(f"at 131 gigapixels: {ends[1] + doubling * np.log2(131 / seen[1]):.0f} %")
 # %% [markdown]
 # ## The shipped weights on the test frames
 #
-# The same frames, beside methods that need no training. The light network is given the beat as an
-# input and has a tenth of the weights; the last line has the difference, paired by scene.
+# The same frames, with methods that need no training. The light network has the beat as an input
+# and a tenth of the weights; the last line is the difference, paired by scene.
 
 # %%
 counts = read_counts(results)
@@ -409,9 +404,8 @@ print(f"light less full, δ < 1: {spread(apart, 0, '+')} points")
 # %% [markdown]
 # ## Examples
 #
-# Test frames: the true wraps, those of the trained rows, and those of a plain average of the beat.
-# On large and bright surfaces both are mostly right. The network keeps edges that a window smears;
-# on dark and on small surfaces it answers with a neighbour's wrap.
+# On large and bright surfaces network and averaged beat are mostly right. The network keeps edges
+# that a window blurs; on dark and on small surfaces it often gives a neighbour's wrap.
 
 # %%
 frames, images, titles, right = held_out_frames(), [], [], {}
@@ -439,8 +433,9 @@ plotting.save(
     figure,
     "table1_maps",
     numbers={"right": right},
-    caption="Wraps of two test frames (released protocol, σ = 1200 counts; grey: not scored), with "
-    "the share of right pixels.",
+    caption=f"Wraps of {len(places)} simulated test frames (released protocol, σ = 1200 counts; "
+    "grey: not scored) by `beat` and by our networks, trained far less than the paper's, with the "
+    "share of right pixels.",
     alt="Maps of wrap counts: the truth at the left, then each method's. "
     + ", ".join(f"{name} {value:.0%}" for name, value in right.items()) + " right.",
     format="png",
@@ -449,11 +444,10 @@ plotting.save(
 # %% [markdown]
 # ## Speed
 #
-# The paper's network takes 16.5 ms for 256×256 pixels and 50 ms for 768×1024 on a V100. What there
-# is to compute follows from the layers alone; what the clock says holds for one thread of the
-# machine that made this page, with random weights. Features before and depth after the network are
-# counted in. bfloat16 serves where the processor multiplies it natively; every printed rate in this
-# book is of float32.
+# The paper's network takes 16.5 ms for 256×256 pixels and 50 ms for 768×1024 on a V100. The number
+# of operations follows from the layers; the times hold for one thread of the machine that made this
+# page, with random weights, and include the features before and the depth after the network.
+# bfloat16 helps where the processor multiplies it natively; all rates in this book are of float32.
 
 # %%
 SIZES, TIMED = (tuple(small), tuple(large)), ("fast-scnn", "fast-scnn-light")
@@ -504,8 +498,8 @@ plotting.save(
     figure,
     "speed_runtimes",
     numbers={"sizes": [list(size) for size in SIZES], "multiply_adds_per_pixel": products},
-    caption=f"Time from wrapped phases to depth, one thread of {provenance.processor()}, beside "
-    "what the paper states for its own network on a V100. Logarithmic.",
+    caption="Time from wrapped phases to depth of our networks (random weights) on one thread of "
+    f"{provenance.processor()}, beside the paper's stated time for its own on a V100. Logarithmic.",
     alt="Bars in two groups, for the small and the large image; the light network and bfloat16 are "
     "faster, and the paper's GPU is fastest.",
 )
@@ -513,8 +507,8 @@ plotting.save(
 # %% [markdown]
 # ## Against the paper
 #
-# A row that has learnt nothing is held against no number of the paper. Where the paper compares it
-# with another, it counts as the best constant answer, which any network could learn to give.
+# An untrained row is compared with no number of the paper. In a difference of two rows it counts as
+# the best constant answer, which any network can learn.
 
 # %%
 stage = read_config("paper").stages[0]

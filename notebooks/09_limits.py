@@ -7,10 +7,9 @@
 # %% [markdown]
 # # Limits of the data
 #
-# One pixel cannot decide its wrap ({doc}`03_wraps`); a surface can. How well a scene can be
-# unwrapped depends on how large, bright and steep its surfaces are, and on what is known of them.
-# Five references that know a part of the truth measure it, on the same simulated images as every
-# method.
+# One pixel does not determine its wrap ({doc}`03_wraps`); a surface does. How well a scene can be
+# unwrapped depends on the size, brightness and slope of its surfaces, and on what is known of them.
+# References that are given a part of the truth measure it, on the same images as all methods.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -49,9 +48,9 @@ frames = [every[place].middle(height, width) for place in places]
 # %% [markdown]
 # ## Size of the window
 #
-# The wrap follows from the phasors of a surface, added up over a window. Above, the shape of every
-# surface is known (`reference-field`); below, nothing is, and the beat is averaged over whatever
-# lies in the window: it mixes the two sides of an edge, and dims as the beat turns.
+# The wrap follows from the sum of a surface's phasors over a window. In the upper curve the shape
+# of every surface is known (`reference-field`); in the lower one the beat is averaged over all of
+# the window: it mixes the two sides of an edge, and its amplitude falls as the beat changes.
 
 # %%
 measured = {
@@ -89,7 +88,8 @@ plotting.save(
     figure,
     "limits_windows",
     numbers={"sides": sides} | {f"{p}_{m}": row for (p, m), row in window_rates.items()},
-    caption="Pixels in the right wrap against the side of the window that is pooled (σ = 1200).",
+    caption="Right wraps against the side of the pooled window in simulated test frames (σ = "
+    "1200), for `beat`, and for a reference that is given the true shape of every surface.",
     alt="Two panels of curves over the side of the window. The one of the true surfaces rises all "
     "the way, the one of the averaged beat has a maximum at some tens of pixels and stays far "
     "below.",
@@ -100,15 +100,15 @@ plotting.save(
 #
 # | reference | knows | must find |
 # | --- | --- | --- |
-# | `reference-depth` | the depth itself | nothing; noise carries phases across a wrap's end |
+# | `reference-depth` | the depth itself | nothing; noise moves phases across a wrap's end |
 # | `reference-contact` | the shape of all that is connected | one offset a body |
 # | `reference-offset` | the shape of each surface, between creases | one offset a surface |
 # | `reference-field` | as `reference-offset`, within 281 px | one offset a pixel |
 #
-# All but the first turn both images back by the shape that they know, add up what belongs together,
-# read the fraction of a wrap from the sum at the lower frequency and the whole wraps from the beat
-# of the two sums. The window of `reference-field` is the receptive field of the paper's network as
-# it is built here ({doc}`08_network`).
+# All but the first subtract the known shape from both phases, add the phasors that belong together,
+# and get the fraction of a wrap from the lower frequency's sum and the whole wraps from the beat of
+# both sums. The window of `reference-field` is the receptive field of the paper's network as it is
+# built here ({doc}`08_network`).
 
 # %% tags=["hide-input"]
 rows = []
@@ -129,17 +129,17 @@ notes.table(["%", *head], rows)
 print(f"{len(counts)} test frames; 95 % over scenes; window of reference-field: {SIDE} px")
 
 # %% [markdown]
-# The step from `reference-offset` to `reference-contact` is what ties across creases are worth: the
-# offset of a chair follows from the floor that it stands on. An unknown tilt costs next to
-# nothing: a surface large enough for its wrap is large enough for its slope.
+# The step from `reference-offset` to `reference-contact` is the gain from connections across
+# creases: the offset of a chair follows from the floor that it stands on. An unknown tilt costs
+# little: a surface large enough for its wrap is large enough for its slope.
 #
 # ## Steep surfaces
 #
-# Neighbouring pixels give a slope only up to a whole turn a pixel. In a room at its real size many
-# surfaces recede so fast that the phase turns by more than half a turn from one pixel to the next.
-# A method that unwraps such a surface neighbour by neighbour, or pools it with the smallest slope
-# that fits, loses a wrap with every pixel. The slope of the beat and the curvature of the phase
-# decide the turns. The released protocol shrinks rooms to 1.2 m, so it is easier in this way too.
+# Neighbouring pixels give a slope only up to a whole turn a pixel. In a room at its real size the
+# phase of many surfaces changes by more than half a turn a pixel. A method that unwraps such a
+# surface neighbour by neighbour, or pools it with the smallest slope that fits, loses a wrap with
+# every pixel. The slope of the beat and the curvature of the phase resolve the ambiguity. The
+# released protocol shrinks rooms to 1.2 m and is easier in this respect too.
 
 # %%
 for protocol in PROTOCOLS:
@@ -155,11 +155,10 @@ for protocol in PROTOCOLS:
     print(f"{protocol}: {steep:.1%} of the steps within a surface exceed half a turn")
 
 # %% [markdown]
-# ## Losses
+# ## Errors of the references
 #
-# Black is right, white is wrong by ten wraps or more. Small things fail first in
-# `reference-offset`, dark ones next. What remains in `reference-contact` touches nothing, or only
-# what is dark.
+# In `reference-offset` small surfaces fail first, dark ones next. In `reference-contact` only those
+# fail that touch nothing or only dark surfaces.
 
 # %% tags=["hide-input"]
 names = ("mrf-graphcut", "surfaces", "reference-offset", "reference-contact", "reference-depth")
@@ -174,7 +173,9 @@ plotting.save(
         "scenes": [scene.frame.name for scene in scenes],
         "right": {name: [scene.right(name) for scene in scenes] for name in names},
     },
-    caption="Full protocol: wraps above, how far they are off below; black is right.",
+    caption="Simulated test rooms, full protocol, σ = 1200: wraps above, errors below (black: "
+    "right, white: ten wraps or more). `mrf-graphcut` and our `surfaces` are methods; "
+    "references know a part of the truth.",
     alt="Rooms with the wraps of two methods and of three references; the errors shrink from left "
     "to right to the boundaries of wraps.",
     format="png",
@@ -183,9 +184,8 @@ plotting.save(
 # %% [markdown]
 # ## Light needed by a surface
 #
-# Information on the wrap adds up over a surface: n pixels of phase noise σ are worth one of σ/√n.
-# So the scene itself predicts how much of it can be unwrapped, before any image is taken: the odds
-# of every surface, weighted by its pixels.
+# Information adds up over a surface: n pixels of phase noise σ equal one of σ/√n. The scene alone
+# thus predicts how much of it can be unwrapped: the odds of every surface, weighted by its pixels.
 
 # %%
 for light in (1.0, 0.1):
@@ -229,8 +229,7 @@ notes.table(["protocol", "pooled by", "found, %", "predicted, %", "best weights,
 
 # %% [markdown]
 # *Found* is the share of pixels whose measured phase gets the right number of turns. The references
-# add up phasors alike and are right as often as the scene predicts, as far as so few surfaces
-# allow. Weighted by their brightness the phasors would yield a little more: that last column is the
-# bound for a method that has every shape and reads its place from the beat. More than that needs
-# contacts, or flat surfaces: a plane seen by a known camera gives its distance by its shape
-# ({doc}`11_surfaces`).
+# add phasors with equal weights and agree with the prediction, as far as so few surfaces allow.
+# With weights by brightness they would gain a little: the last column bounds a method that knows
+# every shape and takes its distance from the beat. To exceed it takes contacts, or flat surfaces:
+# the shape of a plane in a known camera gives its distance ({doc}`11_surfaces`).

@@ -9,10 +9,10 @@
 # %% [markdown]
 # # Methods side by side: Paper Table 2 and Fig. 10
 #
-# The paper compares its network with seven methods. Here they stand beside those that a user would
-# try today, beside answers that cost nothing, and beside references that know a part of the truth,
-# all on the same simulated measurements of the same rooms. Most of the paper's rows are pixelwise
-# or pool little, and stay near the trivial answer; what pools over whole surfaces is far ahead.
+# The paper compares its network with seven methods. Here they are compared with methods that a user
+# would try today, with trivial answers, and with references that know a part of the truth, on the
+# same simulated measurements of the same rooms. Most of the paper's rows are pixelwise or pool
+# little, and stay near the trivial answer; methods that pool over whole surfaces are far ahead.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -59,9 +59,9 @@ ready = [name for name, state in states.items() if state not in ("untrained", "n
 # %% [markdown]
 # ## Two rooms (Paper Fig. 10)
 #
-# The paper's simulator and its released protocol: each room is shrunk to 1.195 m, and 21 wraps are
-# to be distinguished. Grey pixels lie outside them. A network appears as soon as its validation
-# beats a trivial answer; an untrained one stands in no figure under a paper's name.
+# The paper's simulator and its released protocol: each room is shrunk to 1.195 m, with 21 possible
+# wraps. Grey pixels lie outside them. Networks appear only if their validation beats a trivial
+# answer; ours are trained far less than the paper's ({doc}`08_network`).
 
 # %%
 frames = held_out_frames()
@@ -86,37 +86,39 @@ def draw(stem, names, caption):
             "scenes": [scene.frame.name for scene in scenes],
             "right": {name: [scene.right(name) for scene in scenes] for name in shown},
         },
-        caption=f"{caption} Above the wraps, below how far they are off; black is right.",
+        caption=f"{caption} {len(places)} test rooms, simulated, released protocol, σ = 1200; only "
+        "trained networks, with far less training than the paper's. Above, wraps; below, errors "
+        "(black: none).",
         alt="Rooms, each in two rows of pictures: the wraps of each method and their errors, with "
         f"the share of right pixels above each map. Methods: {', '.join(shown)}.",
         format="png",
     )
 
 
-draw("fig10_comparison", [*PAPERS.values(), "surfaces"], "The paper's methods, and our own last.")
+draw("fig10_comparison", [*PAPERS.values(), "surfaces"], "The paper's methods and our `surfaces`.")
 
 # %% [markdown]
-# The next figure has the methods that the paper does not compare with, and three references.
-# `reference-depth` reads the measured phase with the best possible wraps: what is black there can
-# be had from the phase at all. `reference-offset` knows the true surfaces and finds one offset for
-# each, `reference-contact` one for all that is connected ({doc}`09_limits`).
+# The next figure has methods outside the paper, and three references. `reference-depth` combines
+# the measured phase with the best possible wraps: its black pixels are those that the phase allows.
+# `reference-offset` knows the true surfaces and finds one offset for each, `reference-contact` one
+# for all that is connected ({doc}`09_limits`).
 
 # %% tags=["hide-input"]
 OTHERS = ("beat", "beat-guided", "region", "mrf", "mrf-graphcut", "reference-offset",
           "reference-contact", "reference-depth")  # fmt: skip
-draw("fig10_others", OTHERS, "The same rooms with methods that the paper leaves out.")
+draw("fig10_others", OTHERS, "Methods outside the paper, and references.")
 
 # %% [markdown]
 # ## The methods
 #
-# Every method gets the correlation images and a range of depths, and answers with a depth for each
+# Every method gets the correlation images and a range of depths, and returns a depth for each
 # pixel. The phasor method needs two close frequencies, so its images are simulated separately, of
 # the same frame with the same noise. The paper's rows are phasor imaging {cite:p}`gupta2015`, CRT
 # {cite:p}`xia2007`, KDE {cite:p}`lawin2016`, One-Step {cite:p}`wang2019`, U-Net
 # {cite:p}`ronneberger2015`, Deep-ToF {cite:p}`su2018` and Rapid {cite:p}`zhang2019`, whose network
 # is DeepLabV3+ {cite:p}`chen2018`. The random field takes its two-frequency term from
 # {cite:t}`valadao2009`, its solvers from {cite:t}`hirschmuller2008` and {cite:t}`bioucas2007`;
-# edges stop averages as in {cite:t}`he2013`.
+# averages stop at edges as in {cite:t}`he2013`.
 
 # %% tags=["hide-input"]
 rows = [[f"`{name}`", states[name], one.summary, one.source] for name, one in METHODS.items()]
@@ -125,10 +127,10 @@ notes.table(["method", "state", "what it does", "source"], rows)
 # %% [markdown]
 # ## Table 2
 #
-# All test frames, one from each of 32 rooms that nothing was trained or tuned on; they ship with
-# the package. Counting them takes minutes to an hour, so the counts are stored with their hash;
-# `python tools/tables.py` counts what they lack. Rates are in %, with 95 % intervals over scenes.
-# *Consistent* is the share of pixels whose measured phase gets the right whole number of turns
+# All test frames, one from each of 32 rooms not used for training or tuning; they ship with the
+# package. Counting takes up to an hour, so the counts are stored with their hash; `python
+# tools/tables.py` adds missing ones. Rates are in %, with 95 % intervals over scenes. *Consistent*
+# is the share of pixels whose measured phase gets the right whole number of turns
 # ({doc}`03_wraps`). The last column has the paper's δ < 1 / < 2 / < 3, on its own scenes.
 
 # %%
@@ -157,7 +159,7 @@ def show(key):
 show(("released", 1200))
 
 # %% [markdown]
-# In the full protocol nothing is shrunk, and 358 wraps are to be distinguished:
+# In the full protocol nothing is shrunk, and 358 wraps are possible:
 
 # %% tags=["hide-input"]
 show(("full", 1200))
@@ -190,17 +192,17 @@ plotting.save(
         "frames": len(counts[CONDITIONS[0]]),
         "delta_lt_1": {name: float(table[name].value[0]) for name in order},
     },
-    caption="Share of pixels in the right wrap, released protocol, σ = 1200, all test frames; "
-    "bars, 95 % over scenes.",
+    caption="Share of pixels in the right wrap, simulated, released protocol, σ = 1200, all test "
+    "frames; bars, 95 % over scenes. Networks trained far less than the paper's.",
     alt="Dots on a scale, best on top: references and our own method far to the right, random "
     "fields and regions in the middle, the pixelwise methods and the trivial answers at the left.",
 )
 
 # %% [markdown]
-# One pixel is right by chance and little more: its beat has a noise of 17 wraps at full brightness
-# ({doc}`03_wraps`). So what a method is worth depends on how many pixels it pools and over what.
-# The differences to the middle of the range, on the same scenes, show which rows beat an answer
-# that never looks at the measurement.
+# One pixel is right hardly more often than by chance: its beat has a noise of 17 wraps at full
+# brightness ({doc}`03_wraps`). The rate of a method thus depends on how many pixels it pools, and
+# over what. The differences to `middle`, the middle of the range, show which rows beat an answer
+# that ignores the measurement.
 
 # %%
 noise = bounds.simulated_phase_noise(1.0)
@@ -211,13 +213,13 @@ for name in (name for name in (*PAPERS.values(), "beat", "mrf", "surfaces") if n
     print(f"{name:>10} − middle: {value:+5.1f} points ({low:+.1f} to {high:+.1f})")
 
 # %% [markdown]
-# The paper's KDE row, 9.5 / 18.6 / 27.0 %, is near the 9.5 / 19.0 / 28.6 % that the middle of 21
-# equally frequent wraps scores if errors are measured as fractions of a wrap.
+# The paper's KDE row, 9.5 / 18.6 / 27.0 %, is near the score of the middle of 21 equally frequent
+# wraps with errors in fractions of a wrap, 9.5 / 19.0 / 28.6 %.
 #
 # ## Confidences
 #
-# With its depth each method returns a confidence, its probability of the right wrap. Here it stands
-# beside the share of right pixels in the rooms drawn above, with the expected calibration error.
+# With its depth each method returns a confidence, its probability of the right wrap. The table
+# compares it with the share of right pixels in the rooms drawn above.
 
 # %% tags=["hide-input"]
 rows = []
@@ -229,10 +231,10 @@ for name, pairs in beliefs.items():
 notes.table(["method", "mean confidence, %", "right, %", "calibration error, %"], rows)
 
 # %% [markdown]
-# Where a method looks at one pixel (`crt`, `phasor`), noise is all there is, and its odds hold. A
-# pooled beat has the noise of its window, but not that a surface ends in it, so it is too sure. The
-# odds of `mrf` and `surfaces` were calibrated once, on rooms of the training and validation sets;
-# the others are left as their sources give them.
+# The confidence of pixelwise methods (`crt`, `phasor`) holds, since they are affected by noise
+# alone. The confidence of a pooled beat contains the noise of its window but not the surfaces that
+# end in it, so it is too high. Those of `mrf` and `surfaces` were calibrated once, on rooms of the
+# training and validation sets; the others follow their sources.
 #
 # ## Costs
 #
@@ -254,9 +256,8 @@ print(cost.get("machine", ""), cost.get("version", ""))
 # %% [markdown]
 # ## Against the paper
 #
-# The paper's rates come from Hypersim, ours from rendered rooms: a verdict is about the number, not
-# about the authors' code. A network's verdict names its training; rows of networks without weights
-# follow when they are trained.
+# The paper's rates come from Hypersim, ours from rendered rooms: a verdict concerns the number, not
+# the authors' code. A network's verdict names its training; networks without weights have no row.
 
 # %%
 crops = {

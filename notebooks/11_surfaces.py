@@ -9,10 +9,10 @@
 # %% [markdown]
 # # Our method: surfaces in true geometry
 #
-# {doc}`09_limits` sets the task: find every shape, pool over all of it, and use what it touches.
-# The method `surfaces` does these three, with no network to train, in about a second for 512×768
-# pixels on one core. This page goes through it on one room, leaves parts of it out, compares it
-# with the other methods and the references, and shows where it fails. All images are simulated.
+# By {doc}`09_limits` a method must find every shape, pool over all of it, and use its contacts. Our
+# method `surfaces` does this without a network, in about a second for 512×768 pixels on one core.
+# This chapter explains its steps on one room, removes parts of it, compares it with other methods
+# and references, and shows its failures. All images are simulated.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -110,8 +110,8 @@ plotting.save(
     figure,
     "surfaces_steps",
     numbers={"frame": frame.name, "surfaces": count, "right": shares},
-    caption="One room in the full protocol, step by step; in the last three black is right, and "
-    "white ten wraps off or more.",
+    caption="Steps of this book's method `surfaces` on one simulated room, full protocol, σ = "
+    "1200; in the last three black is right, and white ten wraps off or more.",
     alt="Eight pictures of one room: brightness, information, surfaces in colours that grow over "
     "most of it and are tied together, and three maps of errors that get darker.",
     format="png",
@@ -119,24 +119,24 @@ plotting.save(
 
 # %% [markdown]
 # 1. **Windows.** In squares of 64, 32, 16 and 12 px both spectra are searched together for the
-#    slope of a plane. Slopes that differ by whole turns a pixel look alike at the lower frequency;
-#    the beat of the window's blocks ranks them, and the likeliest fit decides.
+#    slope of a plane. Slopes that differ by whole turns a pixel are ambiguous at the lower
+#    frequency; the beat of the window's blocks ranks them, and the most likely fit is taken.
 # 2. **Growth.** From the best window on, a plane takes the neighbouring cells of 8 px that it
-#    explains, and is fitted again each time it has doubled. Its slope gets sharper as it grows, so
-#    a leak into a surface behind it, in phase by chance, ends after a few cells.
-# 3. **Pixels.** Each pixel takes the likeliest surface around it, compared over a square of 5 px.
-#    Planes at whole wraps of distance, as a curtain before a wall, have the same phases and grow as
-#    one; where the beat of its cells steps, such a surface is parted.
+#    explains, and is refitted each time its area has doubled. Its slope becomes more precise, so
+#    that a leak into a surface behind it, in phase by chance, ends after a few cells.
+# 3. **Pixels.** Each pixel takes the most likely surface around it, over a square of 5 px. Planes
+#    that are whole wraps apart, as a curtain before a wall, have the same phases and grow as one;
+#    such a surface is split where the beat of its cells steps.
 # 4. **Offsets.** Every surface is fitted to its interior; the beat and the shape give its whole
-#    wraps, as a number with an uncertainty. Planes upright to the axes of the room sharpen it.
+#    wraps, with an uncertainty. Planes aligned with the axes of the room reduce it.
 # 5. **Ties.** Along each border two surfaces either meet, so that they differ by the same whole
-#    wraps all along it, or one hides the other. The surest pair is tied first, its offsets are
-#    averaged by their precision, and so on while the odds are good.
+#    wraps all along it, or one occludes the other. The most certain pair is tied first and its
+#    offsets are averaged by their precision, and so on while the odds are good.
 # 6. **The rest** takes the nearest surface within 4 px, or else the beat of its surroundings.
-# 7. **Votes.** A pixel that no surface explains follows its neighbours if its own beat is clear to
-#    4 wraps, as that of many pixels of a scan is ({doc}`21_scanned_scenes`).
+# 7. **Votes.** An unexplained pixel follows its neighbours if its own beat is certain to 4 wraps,
+#    as for many pixels of a scan ({doc}`21_scanned_scenes`).
 #
-# ## A likelihood that adds up
+# ## Additive likelihood
 #
 # A pixel's phasor $p_f = a_f\,e^{i\varphi_f}$ has noise $s_f$ in each component. Against a depth
 # $z$ its log-likelihood is, up to a constant,
@@ -144,22 +144,22 @@ plotting.save(
 # $$S(z) = \sum_f \operatorname{Re}\!\left(P_f\,e^{-i k_f z}\right),\qquad
 #   P_f = \frac{a_f\,p_f}{s_f^2},\quad k_f = \frac{4\pi f}{c},$$
 #
-# and at the true depth it reaches $E = \sum_f a_f^2/s_f^2$ on average. Both are sums, over
-# frequencies and over pixels, so a hypothesis about a whole surface is as likely as the sum over
-# its pixels, and $S/E$ is the share of them that it explains. The method looks for the surfaces of
-# largest $S$. A plane seen by a camera is exactly linear in the inverse of its range: with $u =
-# x/z$ and $v = y/z$ of each ray and its cosine $\kappa$ to the optical axis,
+# and at the true depth it reaches $E = \sum_f a_f^2/s_f^2$ on average. Both are sums over
+# frequencies and pixels, so they also hold for a whole surface, and $S/E$ is the share of its
+# pixels that a hypothesis explains. The method looks for the surfaces of largest $S$. A plane seen
+# by a camera is exactly linear in the inverse of its range: with $u = x/z$ and $v = y/z$ of each
+# ray and its cosine $\kappa$ to the optical axis,
 #
 # $$\frac{1}{z} = \kappa\,(q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2),$$
 #
-# where the last three bend it and are zero for a plane. All steps fit these few numbers.
+# where the last three describe curvature and are zero for a plane. All steps fit these six.
 #
 # ## Distance from shape
 #
-# Moved by one wrap, a surface fits the lower phase as well as before, and the higher one but for
-# $2\pi\,(k_2/k_1 - 2)$ = 17.6 mrad: that is the beat. But a plane that is moved *along the rays* is
-# no plane any more. Where the camera is known the bend shows the move, and it grows with the
-# square of the width: in the likelihood of a wall with the sixth power, the beat's with the second.
+# Moved by one wrap, a surface fits the lower phase as before, and the higher one except for the
+# beat's $2\pi\,(k_2/k_1 - 2)$ = 17.6 mrad. But a plane moved *along the rays* becomes curved. With
+# a known camera this curvature reveals the shift. It grows with the square of the width; the
+# likelihood of a wall thus grows with the sixth power of its width, the beat's with the second.
 
 # %%
 FOCAL, LIGHT = 886.81, 0.3  # px, of Hypersim's standard projection; brightness of the wall
@@ -198,24 +198,23 @@ plotting.save(
     figure,
     "surfaces_shape",
     numbers={"sides": sizes, "beat": beat_only, "both": both, "found": scatter, "light": LIGHT},
-    caption="Uncertainty of the whole wraps of a frontal wall (σ = 1200, I = 0.3, focal length 887 "
-    "px).",
+    caption="Uncertainty of the whole wraps of a simulated frontal wall (σ = 1200, I = 0.3, focal "
+    "length 887 px), predicted and found by fits of its plane.",
     alt="Two falling lines over the side of the wall. The beat alone falls slowly, beat and shape "
     "together fall ever faster; dots of simulated walls lie on the second line.",
 )
 
 # %% [markdown]
-# The bright wall of a room needs no beat to find its place among 358 wraps: it is wide enough to be
-# triangulated by its own phases. The price is that it has to be flat, to hundredths of a
-# millimetre. So every surface is fitted twice, as a plane and bent. If bending gains more than
-# chance and 0.05 mm, it is bent, and its shape counts as far as a plane is known to miss it by less
-# than a wrap would.
+# The wide bright wall of a room thus needs no beat to find its place among 358 wraps, if it is flat
+# to hundredths of a millimetre. Every surface is therefore fitted twice, as a plane and curved. If
+# curvature improves the fit by more than chance and 0.05 mm, the surface counts as curved, and its
+# shape is used only as far as its departure from a plane is less than that of one wrap.
 #
 # A plane moved along the rays also turns, by up to 3.5 mrad for a wrap at 3 m, and its normal is
-# known to a few hundredths of that. Where walls, floor and furniture are upright, angles give the
-# wraps: a prior, and a sharp one (0.5 mrad), that drawn rooms keep to better than built ones.
+# known to a few hundredths of that. Where walls, floor and furniture are at right angles, the
+# angles give the wraps. This prior (0.5 mrad) suits rendered rooms better than built ones.
 #
-# ## The worth of each part
+# ## Ablation
 
 # %%
 VARIANTS = {
@@ -250,10 +249,10 @@ rows = [
 notes.table([f"%, {len(places)} test frames", *head], rows)
 
 # %% [markdown]
-# ## Beside the others
+# ## Comparison
 #
 # Over all test frames, with 95 % intervals over scenes. The goal was set before the method existed:
-# about what `reference-offset` reaches on path-traced interiors, to be met only if surfaces are
+# about the rate of `reference-offset` on path-traced interiors, which requires that surfaces are
 # tied to each other.
 
 # %%
@@ -276,9 +275,9 @@ for name in SHOWN:
 notes.table([f"%, {len(counts)} test frames", *head], [*rows, GOALS])
 
 # %% [markdown]
-# What was chosen on procedural rooms may suit such rooms. So the same methods met views of a living
-# room that others modelled («The Grey & White Room» by Wig42, CC-BY 3.0), path-traced at 512×768 px
-# and never used for a choice (`cmtof evaluate`, seed 0):
+# A method chosen on procedural rooms may be biased towards them. The table below has views of a
+# living room that others modelled («The Grey & White Room» by Wig42, CC-BY 3.0), path-traced at
+# 512×768 px and never used for a choice (`cmtof evaluate`, seed 0):
 
 # %% tags=["hide-input"]
 living = {p: json.loads((Path(results) / f"living_room_{p}.json").read_text("utf-8"))
@@ -291,8 +290,8 @@ rows = [
 notes.table([f"%, {len(living['full']['frames'])} views", *head], [*rows, GOALS])
 
 # %% [markdown]
-# Where `reference-contact` reaches a goal that `surfaces` misses, the photons suffice; what is
-# missing is the knowledge of what touches what, and of the shapes of clutter.
+# Where `reference-contact` reaches a goal that `surfaces` misses, the light suffices; the contacts
+# and the shapes of clutter are not found.
 
 # %% tags=["hide-input"]
 names = ("beat", "mrf", "surfaces", "reference-offset", "reference-contact")
@@ -306,7 +305,8 @@ plotting.save(
         "scenes": [scene.frame.name for scene in scenes],
         "right": {name: [scene.right(name) for scene in scenes] for name in names},
     },
-    caption="Full protocol: wraps above, how far they are off below; black is right.",
+    caption="Simulated test rooms, full protocol, σ = 1200: wraps above, errors below; black is "
+    "right. `surfaces` is this book's method; references know a part of the truth.",
     alt="Rooms with the wraps found by the averaged beat, a random field, our method and two "
     "references, and the share of right pixels above each map of errors.",
     format="png",
@@ -315,9 +315,9 @@ plotting.save(
 # %% [markdown]
 # ## Confidence
 #
-# The offset of each group is a Gaussian; the odds that rounding it gave the right wrap follow. They
-# were calibrated once, on training rooms, for what they leave out: leaks and wrong ties. The pixels
-# of a surface are right or wrong together, so few frames hold few trials.
+# The offset of each group is Gaussian, which gives the odds that rounding finds the right wrap.
+# They were calibrated once, on training rooms, for leaks and wrong ties. The pixels of a surface
+# are right or wrong together, so a few frames contain few independent trials.
 
 # %%
 figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.9))
@@ -346,13 +346,14 @@ plotting.save(
     figure,
     "surfaces_confidence",
     numbers={"calibration_error": errors, "right_of_90_and_all": kept},
-    caption="(a) Reliability of the confidence; (b) wrong answers among the surest.",
+    caption="Confidence of `surfaces` on simulated test rooms, σ = 1200. (a) Share right against "
+    "confidence. (b) Share wrong among the most confident pixels.",
     alt="Two panels. The share of right pixels follows the confidence near the diagonal; the share "
     "of wrong answers falls as fewer, surer pixels are answered.",
 )
 
 # %% [markdown]
-# ## Failures: on a surface or none, dark if its phases are known to less than a radian
+# ## Failures by surface and light (dark: phase noise above 1 rad)
 
 # %%
 rows = []
@@ -380,8 +381,8 @@ head = [f"{p}: {one}" for p in PROTOCOLS for one in ("share", "δ < 1", "δ ≥ 
 notes.table(["%", *head], rows)
 
 # %% [markdown]
-# What no surface explains is clutter: chair legs, leaves, lamps, the edges of things, smaller than
-# the 12 px that a plane needs to begin. Within 4 px of a surface such a pixel is assumed to lie on
-# it. Dark floors and walls are the other half: their surfaces are found where they are large, but
-# not their wraps, for the pixels that a beat needs grow with the inverse square of the light
-# ({doc}`09_limits`). What a frame costs stands in {doc}`10_methods`.
+# Pixels that no surface explains are clutter: chair legs, leaves, lamps and edges, smaller than the
+# 12 px that a plane needs to begin. Within 4 px of a surface such a pixel is assumed to lie on it.
+# The other half of the failures is dark floors and walls: large ones are found as surfaces, but not
+# their wraps, since the number of pixels that a beat needs is inversely proportional to the square
+# of the light ({doc}`09_limits`). {doc}`10_methods` has the computing times.

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Table 3: other noise, offsets and frequencies
 #
-# A network is trained on one kind of noise; an instrument has others. The paper's Table 3 adds an
-# offset of ±0.01 rad between the frequencies, and more noise, as strong room light would bring. A
-# method that reads the beat must lose to the offset what a formula predicts, and does; the paper's
-# network hardly loses, so it does not read the beat to a wrap. Other frequencies of the same
-# modulators need up to several times fewer pixels. Everything here is simulated.
+# The paper's Table 3 tests the network with an offset of ±0.01 rad between the frequencies, and
+# with more noise, for strong room light. A method that relies on the beat must lose as much to the
+# offset as a formula predicts, and does; the paper's network hardly loses, so it does not determine
+# wraps from the beat. Other frequencies of the same modulators need several times fewer pixels. All
+# is simulated.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -60,9 +60,9 @@ frames = {place: every[place].middle(side, side) for place in places}
 # %% [markdown]
 # ## The table
 #
-# A few test frames at reduced size, more of them for the paper's network, which is the one that
-# the paper's table has. «Phase offset» is the mean of four runs, ±0.01 rad on either frequency;
-# «ambient» raises the Gaussian noise from 1200 to 2000 counts.
+# A few test frames at reduced size, more of them for `fast-scnn`, the only method of the paper's
+# table. «Phase offset» is the mean of four runs, ±0.01 rad on either frequency; «ambient» raises
+# the Gaussian noise from 1200 to 2000 counts.
 
 
 # %%
@@ -110,22 +110,22 @@ rows = [
 notes.table(["%", "noise", "δ < 1", "δ < 2", "δ < 3", "δ ≥ 3"], rows)
 
 # %% [markdown]
-# Our `fast-scnn` began with filters that form the beat ({doc}`08_network`) and loses with it. The
-# paper does not say how its network began; its rates are nearly those without an offset.
+# Our `fast-scnn`, initialised with filters that form the beat ({doc}`08_network`) and trained less
+# than the paper's, loses as the beat does. The paper does not state its network's initialisation.
 #
-# ## The cost of an offset
+# ## Effect of an offset
 #
-# Add d₁ to the phase at f₁ and d₂ to that at f₂. The beat φ₂ − 2φ₁ moves by d₂ − 2d₁, and a wrap is
-# only 17.6 mrad of beat. A reader of the beat is off by
+# Add d₁ to the phase at f₁ and d₂ to that at f₂. The beat φ₂ − 2φ₁ changes by d₂ − 2d₁, and a wrap
+# is only 17.6 mrad of beat. The wrap count from the beat is off by
 #
 # ```{math}
 # :label: noise-moved
 # m = \frac{(d_2 - 2d_1)\,f_1}{2\pi\,(f_2 - 2f_1)}
 # ```
 #
-# wraps, everywhere and to the same side: 0.01 rad on f₂ makes 0.57, on f₁ 1.14. If the reader's
-# error is Gaussian with spread s wraps and a surface lies anywhere in its wrap, the rate δ < 1 is a
-# triangle of the error, blurred by s: a closed form for a wall.
+# wraps, everywhere and in the same direction: 0.57 for 0.01 rad on f₂, 1.14 on f₁. If the error of
+# the count is Gaussian with standard deviation s and surfaces lie anywhere in a wrap, the rate δ <
+# 1 is a triangle of the error, convolved with the Gaussian: a closed form for a wall.
 
 # %%
 low, high = FREQUENCIES
@@ -178,7 +178,7 @@ off = np.array([rate["delta_lt_1"] for rate in wall_rates]) - theory
 print("counted − formula, points:", np.round(100 * off, 1))
 
 # %% [markdown]
-# For rooms: if a method reads the beat, all of its answers move by m; if it does not, they stay.
+# In rooms all answers of a method that relies on the beat move by m; others do not move.
 
 # %%
 for column, values in ((1, offsets_high), (0, offsets_low)):
@@ -227,23 +227,24 @@ plotting.save(
         "wall_theory": theory,
         "gain": gain,
     },
-    caption="A phase offset, in wraps of the beat. (a) Averages of the beat over 41×41 px on a "
-    "simulated white wall: points counted, lines by the formula. (b) Rooms. (c) Mean move.",
+    caption="A phase offset, in wraps of the beat, simulated. (a) Averages of the beat over 41×41 "
+    "px on a white wall: points counted, lines by the formula. (b) Rates of the methods in "
+    f"{len(frames)} test rooms, our `fast-scnn` trained less than the paper's. (c) Mean move of "
+    "their answers.",
     alt="Left, three bell-shaped curves over the offset with points on them. Middle, rates of the "
     "methods, peaked for those that read the beat. Right, lines of slope one and a level one.",
 )
 
 # %% [markdown]
-# A method that is right because it reads the beat falls by what the offset takes. The paper's
-# network is right in 51.6 % without and 51.0 % with an offset; had its answers come from the beat,
-# its own table (errors even to both sides) would leave 27 % for 0.01 rad on f₂ and 8 % for one on
-# f₁. What it is right by must come from the picture: shapes, amplitudes, likely depths.
+# The paper's network is right in 51.6 % without and 51.0 % with an offset. If its answers came from
+# the beat, with the (symmetric) errors of its own table, 27 % would remain for 0.01 rad on f₂ and 8
+# % on f₁. Its right answers must rest on shapes, amplitudes and likely depths.
 #
 # ## More noise, less light, other steps
 #
 # The Gaussian noise σ and the brightness act through one number, the phase noise σ_φ. So does the
 # number K of reference phases when the light is shared among them: with the same noise in each
-# sample σ_φ grows as √K. Three steps are enough, but leave no residual to estimate the noise from.
+# sample σ_φ grows as √K. Three steps suffice, but leave no residual that shows the noise.
 
 # %%
 sweeps = {"sigma": [(NOISE_SIGMA, usual)], "level": [(1.0, usual)], "steps": [(4, usual)]}
@@ -275,17 +276,18 @@ plotting.save(
     "noise_sweeps",
     numbers={"beat": {key: {f"{x:g}".replace(".", "_"): found["beat"]["delta_lt_1"]
                             for x, found in points} for key, points in sweeps.items()}},
-    caption="Share of pixels in the right wrap on the simulated rooms (a) against the Gaussian "
-    "noise, (b) against the brightness, (c) against the number of reference phases.",
+    caption=f"Share of pixels in the right wrap on {len(frames)} simulated test rooms against (a) "
+    "Gaussian noise, (b) brightness, (c) reference phases; `fast-scnn` trained less than the "
+    "paper's.",
     alt="Three panels: falling with the noise, rising with the brightness, falling with the steps.",
 )  # fmt: skip
 
 # %% [markdown]
-# ## The closure: an offset that the instrument finds itself
+# ## Self-calibration by the closure
 #
-# The beat of a surface less the phase within its wrap must be a whole number of wraps; what is left
-# over is the closure, the offset modulo one wrap. A smooth surface is fitted to a tile of a white
-# wall at an unknown range, and both phasors are turned back by it and added up.
+# The beat of a surface minus the phase within its wrap must be a whole number of wraps; the
+# remainder is the closure, the offset modulo one wrap. It is measured on tiles of a white wall at
+# unknown range: a smooth surface is fitted to both phases and subtracted.
 
 
 # %%
@@ -336,7 +338,8 @@ for draw, value in enumerate(np.array(calibrated) / 1e3):
     restored.append((value, found, *(score(pixels) for pixels in scored.values())))
 error = [np.remainder(f - v + period / 2, period) - period / 2 for v, f, *_ in restored]
 print(f"closure of a wall: rms error {1e3 * np.sqrt(np.mean(np.square(error))):.2f} mrad, "
-      f"{1e3 * width:.2f} expected; a guess errs by {1e3 * period / np.sqrt(12):.1f}")  # fmt: skip
+      f"{1e3 * width:.2f} expected; a random closure errs by "
+      f"{1e3 * period / np.sqrt(12):.1f}")  # fmt: skip
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.9))
@@ -358,34 +361,34 @@ plotting.save(
     figure,
     "noise_closure",
     numbers={"kept": [min(inside), max(inside)], "usual": usual["beat"]["delta_lt_1"]},
-    caption="(a) Closure applied and found on a wall of 384×384 px; line, modulo one wrap. (b) The "
-    "averaged beat in the rooms before and after.",
+    caption="(a) Closure applied and found on a simulated wall of 384×384 px; line, modulo one "
+    "wrap. (b) The averaged beat in the simulated rooms before and after calibration.",
     alt="Left, points on a saw-tooth. Right, the rate of the beat over the offset: as it is a "
     "peak; calibrated a plateau between plus and minus half a wrap with lower ones beside it.",
 )
 
 # %% [markdown]
-# Within half a wrap, ±8.8 mrad, the beat is back where it was without an offset. Beyond, every
-# answer is off by the same whole number of wraps, as with the paper's 0.01 rad. No phase separates
-# whole wraps from range, but a camera has rays: the points of a plane whose ranges are all too long
-# by e lie on no plane. Head-on, over a square of half angle t, the best plane misses them by
+# Within half a wrap, ±8.8 mrad, calibration restores the rate without an offset. Beyond, as with
+# the paper's 0.01 rad, every answer is off by the same whole number of wraps. Phases do not
+# separate whole wraps from range, but rays of a camera do: points of a plane whose ranges are all
+# too long by e lie on no plane. For a frontal plane over a square of half angle t the residual of
+# the best plane is
 #
 # ```{math}
 # :label: noise-bend
 # \mathrm{rms} = \sqrt{2/45}\;\tan^2 t\;e ,
 # ```
 #
-# 1.4 mm for one wrap over 60°. That is how `surfaces` finds whole wraps by shape
-# ({doc}`11_surfaces`). A target at a known range, to half a wrap or 10 mm, settles everything at
-# once: both offsets are the mean phases that its range leaves.
+# 1.4 mm for one wrap over 60°. So `surfaces` finds whole wraps by shape ({doc}`11_surfaces`). A
+# target whose range is known to half a wrap, 10 mm, gives both offsets directly.
 #
 # ## Other frequencies
 #
-# The modulators reach ±10 MHz about 7.15 GHz, and twice that in the doubled mode. A pair beats at
-# Δ = |f₂ − k f₁| with k the nearest whole ratio; by {eq}`wraps-noise` the pixels to be pooled for
-# 95 % right wraps fall as 1/Δ². For any frequencies, an estimate off by d wraps leaves residuals
-# $\rho_i(d)=2\pi d f_i/f_1$, wrapped to ±π, of which a small shift of the depth absorbs a part. The
-# rest, in units of the noise, is the distance of two wraps,
+# The modulators cover ±10 MHz about 7.15 GHz, and twice that in the doubled mode. The beat
+# frequency of a pair is Δ = |f₂ − k f₁| with k the nearest whole ratio; by {eq}`wraps-noise` the
+# number of pixels for 95 % right wraps is proportional to 1/Δ². For any frequencies, an estimate
+# off by d wraps leaves residuals $\rho_i(d)=2\pi d f_i/f_1$, wrapped to ±π, part of which a small
+# shift of the depth removes. The rest, in units of the noise, is the distance of two wraps,
 #
 # ```{math}
 # :label: frequencies-distance
@@ -482,11 +485,11 @@ head = ["noise", "frequencies (GHz)", "pixels for 95 %", "fewer: more time / pho
 notes.table([*head, "signal of the highest"], rows)
 
 # %% [markdown]
-# The best sets over the paper's own 7.49 m, white pixels at the paper's noise. The gain is over the
-# paper's pair: with more time for more images; in the same time where photons make the noise
-# (variance as F/2); and where Gaussian noise of each image does ((F/2)²). At equal noise the best
-# three are two ends of the doubled mode and one single tone, which only decides between 10.5 mm
-# wraps. Where the doubled mode is as weak as the instrument's (J₂/J₁)² it is not used at all.
+# The best sets for the paper's 7.49 m, white pixels and its noise. The gain over the paper's pair
+# is given with more time for more images; in equal time with photon noise (variance times F/2); and
+# in equal time with Gaussian noise of each image ((F/2)²). At equal noise the best three are both
+# ends of the doubled mode and one single tone, which resolves the 10.5 mm wraps. A doubled mode as
+# weak as the instrument's (J₂/J₁)² is not used at all.
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(12.4, 4.1), width_ratios=[1.25, 1, 1])
@@ -528,8 +531,8 @@ plotting.save(
 )
 
 # %% [markdown]
-# To test the theory, depths are drawn in 7.49 m, each frequency gets a noisy phasor as if P pixels
-# had been averaged, and all wraps of the range are searched for the likeliest.
+# To test the theory, random depths in 7.49 m get a noisy phasor at each frequency, as if P pixels
+# had been averaged, and the most likely of all wraps is taken.
 
 
 # %%
@@ -580,16 +583,16 @@ plotting.save(
     "frequencies_odds",
     numbers={"best_three_ghz": [f / 1e9 for f in sets["best three"][0]]}
     | {f"{case}: {key}": share[:, 0] for (case, key), share in odds.items()},
-    caption="Odds of the right wrap within 7.49 m against the white pixels pooled. Lines, bound "
-    "by theory; dots, counted, with 95 % intervals.",
+    caption="Odds of the right wrap within 7.49 m against the number of white pixels pooled. "
+    "Lines, bounds by theory; dots, counted in simulated draws, with 95 % intervals.",
     alt="Two panels of rising curves with dots on them. Left, the best three frequencies come "
     "first; right, with the doubled mode weak, the single tones lead.",
 )
 print(f"{met} of {sum(len(o) for o in odds.values())} counted intervals meet the bounds")
 
 # %% [markdown]
-# At η = 0.26 the doubled mode has 2 % of the single mode's signal, at π/4 19 %, and any set that
-# relies on it is lost. None of these sets makes one pixel enough.
+# At η = 0.26 the doubled mode has 2 % of the single mode's signal, at π/4 19 %, so that sets that
+# rely on it fail. One pixel suffices with no set.
 
 # %%
 crops = read_card(weights_path("fast-scnn", "released")).crops

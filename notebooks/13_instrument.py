@@ -1,10 +1,10 @@
 # %% [markdown]
 # # The instrument
 #
-# Section 7 of the paper lists the parts of a prototype; its drawings and code were never published.
-# Paper Fig. 6 below draws the instrument that this package's rig file describes. Of 150 mW of laser
+# Section 7 of the paper lists the parts of a prototype; drawings and code were not published. The
+# plan below (Paper Fig. 6) is of the instrument in this package's rig file. Of 150 mW of laser
 # light less than a nanowatt reaches the detector; for a grey wall at 1 m photons and electronics
-# then leave a few micrometres of range noise. Everything here is *simulated*.
+# then cause a few micrometres of range noise. Everything here is *simulated*.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -109,9 +109,10 @@ plotting.save(
         "drive_frequencies": [rig.frequency_single, rig.frequency_doubled],
     },
     caption=(
-        "The instrument of the default rig file, not to scale: path of the light out (dark green) "
-        "and back (pale green), drives (red), clock (blue), signal (purple), terminals that switch "
-        "a part, and each numbered device with its driver and an example of an address."
+        "The simulated instrument of the default rig file, our reconstruction of the paper's, not "
+        "to scale: path of the light out (dark green) and back (pale green), drives (red), clock "
+        "(blue), signal (purple), terminals that switch a part, and each numbered device with its "
+        "driver and an example of an address."
     ),
     alt=(
         "Plan of an optical table in three rows. Top: laser, fibre, beam reducer and the emission "
@@ -122,11 +123,11 @@ plotting.save(
 
 # %% [markdown]
 # The emission module is a polarising splitter, two wave plates, the crystal and a mirror, so light
-# passes the crystal twice ({doc}`04_modulator`). One splitter gives half to a power meter, the next
-# half to the arm of the interferometer; the rest goes over the scan mirrors to the scene. What
-# comes back passes the detection module, a copy of the first, where it is multiplied by the
-# reference: behind that, a slow detector will do. Both RF drivers run on one clock. The detection's
-# driver holds a table of phases, and each rising edge from the read-out moves it on by one.
+# passes the crystal twice ({doc}`04_modulator`). One splitter sends half to a power meter, the next
+# half to the interferometer's arm; the rest goes over the scan mirrors to the scene. The returned
+# light is multiplied by the reference in the detection module, a copy of the first, so that a slow
+# detector suffices. Both RF drivers share one clock. The detection's driver holds a table of
+# phases; each rising edge from the read-out advances it by one.
 #
 # ## Power budget
 #
@@ -134,8 +135,7 @@ plotting.save(
 #
 # $$\frac{P_\mathrm{collected}}{P_\mathrm{sent}} = \frac{\varrho}{2}\,\frac{A}{\pi z^2};$$
 #
-# the factor ½ is the polarisation that the splitter cannot use. That step costs more than all
-# others together.
+# the factor ½ is the polarisation that the splitter rejects. This loss exceeds all others together.
 
 # %%
 phase_time = rig.samples_per_phase / rig.rate
@@ -205,22 +205,22 @@ plotting.save(
              "loss_db": list(loss.values())},
     caption=(
         f"From the laser to the detector, for a diffuse target of reflectance {reflectance:.1f} at "
-        f"{distance:.1f} m (simulated): each bar is what a step loses, in decibels of power."
+        f"{distance:.1f} m (simulated): each bar is the loss of a step, in decibels of power."
     ),
     alt="Waterfall of bars on a logarithmic axis of power; the longest by far is the share of the "
     "scattered light that the aperture collects.",
 )  # fmt: skip
 
 # %% [markdown]
-# ## Which noise wins
+# ## Noise sources
 #
-# *Shot noise*, multiplied by the avalanche with its excess factor $F = M^x$, grows with the root of
-# the output $U$; the *amplifier's* and the *converter's* noise do not depend on it:
+# *Shot noise*, multiplied by the avalanche with its excess factor $F = M^x$, grows with the square
+# root of the output $U$; the noise of *amplifier* and *converter* is constant:
 #
 # $$\sigma^2 = \bigl(2 e F M R_T\,U + s_\mathrm{amp}^2\bigr)\,B + \sigma_\mathrm{conv}^2.$$
 #
-# Averaged over a time $T$, white noise counts with $B = 1/2T$. The phase of a point with 16 steps
-# has the noise $\sqrt{2/16}\,\sigma/a$ for an amplitude a, and range follows by $c/4\pi f$.
+# For white noise averaged over a time $T$, $B = 1/2T$. The phase of a point with 16 steps has the
+# noise $\sqrt{2/16}\,\sigma/a$ for an amplitude a, its range $c/4\pi f$ times as much.
 
 # %%
 output = np.geomspace(1e-4, twin.saturation, points)
@@ -234,7 +234,8 @@ micron = {mode: 1e6 * wrap_length(order * rig.drive_frequency(mode)) / (2 * np.p
 curves = {(m, rho): [budget(m, z, rho) for z in ranges] for rho in (reflectance, 0.05)
           for m in COLOURS}  # fmt: skip
 print(f"one phase: amplifier {1e6 * amplifier:.0f} µV, converter {1e6 * converter:.0f} µV, "
-      f"14 bits {1e6 * quantum:.0f} µV; shot noise leads above {1e3 * even:.0f} mV")  # fmt: skip
+      f"14 bits {1e6 * quantum:.0f} µV; shot noise dominates above {1e3 * even:.0f} "
+      "mV")  # fmt: skip
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(11.0, 4.2))
@@ -268,8 +269,9 @@ plotting.save(
     },
     caption=(
         "(a) Photons in a point of 16 phases. (b) Noise of one phase against the detector's "
-        "output. (c) The noise of the range at this photon limit; the published captures have 390 "
-        "µm at 7.15 GHz, whatever the light. Simulated; curves end where the detector saturates."
+        "output. (c) Noise of the range at this photon limit; the second noise case, that of the "
+        "published captures, is 390 µm at 7.15 GHz, whatever the light. Simulated; curves end "
+        "where the detector saturates."
     ),
     alt="Three double logarithmic panels: photons fall with the square of the range; shot noise "
     "crosses the amplifier's; the noise of the range grows, more in the doubled mode.",
@@ -279,31 +281,31 @@ for mode, one in here.items():
           f"{micron[mode] * one['phase_noise']:.1f} µm at {distance:g} m")  # fmt: skip
 
 # %% [markdown]
-# Beyond the crossing what is left does not depend on the target: the amplifier, and the shot noise
-# of the room's light. The converter never counts, not even with the 14 bits of the paper. Photons
-# alone allow *less* precision at the higher frequency, since the amplitude falls faster than the
-# wave shortens. Both lie below the paper's 33 µm; drift, air, back-reflected light and cyclic
-# errors ({doc}`18_error_budget`) are larger.
+# Below the crossing the noise does not depend on the target: it comes from the amplifier and the
+# shot noise of the room's light. The converter's noise is negligible, even with the paper's 14
+# bits. At the photon limit precision is *lower* at the higher frequency, since the amplitude falls
+# faster than the wavelength. Both values are below the paper's 33 µm; {doc}`18_error_budget` adds
+# drift, air, back-reflected light and cyclic errors.
 #
 # ## Two noise cases
 #
 # Real captures of such an instrument are far noisier ({doc}`07_captures`), 0.08 to 0.13 rad at 7.15
-# GHz. So beside this *photon limit* there is the case of the *captures' noise*: the phase between
-# both drives is disturbed from step to step, and a point shares a part with the one before it. Its
-# level and grain, 0.117 rad of a point and a correlation of 0.17, are means of three published
-# scans; as many radians at 14.32 GHz are assumed (a jitter in time would make twice as many). A rig
-# file has it as `twin: {phase_noise: [0.117, 0.117], grain: 0.167}`.
+# GHz. The *captures' noise* is therefore a second case beside this *photon limit*: the phase
+# between both drives fluctuates from step to step, in part correlated with the point before. Its
+# level and grain, 0.117 rad a point and a correlation of 0.17, are means of three published scans;
+# at 14.32 GHz the same value in radians is assumed (a jitter in time would double it). In a rig
+# file it is `twin: {phase_noise: [0.117, 0.117], grain: 0.167}`.
 #
 # ## Differences from the paper
 #
-# Every setting of the simulation carries its source; nothing was tuned to the paper's results. The
-# RC constant is 20 µs where the paper prints 0.1 s, which would damp the sweep of ψ 47 times. The
-# converter has the 16 bits of the T7's stream, not 14. The drive is η = π/4, where the chapters on
-# light ({doc}`04_modulator`) mostly have 0.26, the paper's 50 % of contrast: at 0.26 the doubled
-# mode keeps 2 % of the signal, too little for a scan. Drive amplitude, laser power, aperture,
-# avalanche gain and back-reflection are not stated in the paper and assumed here. Not verified in a
-# maker's own document: noise, gain and excess of the detector, the order of the filter EF120,
-# reflectances and extinction ratios, and every error of the RF drivers.
+# Every setting of the simulation has its source; none was fitted to the paper's results. The RC
+# constant is 20 µs; the paper's 0.1 s would damp the sweep of ψ 47 times. The converter has the 16
+# bits of the T7's stream, not 14. The drive is η = π/4, not the 0.26 of the chapters on light
+# ({doc}`04_modulator`), the paper's 50 % contrast: at 0.26 the doubled mode has 2 % of the single
+# mode's signal, too little for a scan. Drive amplitude, laser power, aperture, avalanche gain and
+# back-reflection are not stated in the paper and are assumed. Not verified in a manufacturer's
+# document: noise, gain and excess of the detector, the order of the filter EF120, reflectances and
+# extinction ratios, and every error of the RF drivers.
 
 # %%
 reached = {

@@ -1,12 +1,11 @@
 # %% [markdown]
 # # Correlation profiles
 #
-# A mirror stands still, the phase of the reference turns once, and what the instrument reads should
-# be a cosine: that is Eq. 20, and Paper Fig. 12 shows it *measured*. Here the *simulated*
-# instrument takes the same profiles, step by step as in a scan. At the photon limit they are
-# cosines to the eye; what is left is the third harmonic of the light, the errors of the drivers,
-# and noise. With the phase noise of the published captures one sweep is visibly rough: the paper's
-# smooth profile is an average, or that of a quieter instrument.
+# For a fixed mirror the signal is a cosine of the reference phase (Eq. 20); Paper Fig. 12 shows it
+# *measured*. Here the *simulated* instrument takes the same profiles, as in a scan. At the photon
+# limit they are nearly cosines; the residual consists of harmonics of the light, errors of the
+# drivers, and noise. With the phase noise of the published captures one sweep is visibly rough: the
+# paper's smooth profile is an average, or that of a quieter instrument.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -86,9 +85,9 @@ def sweep(on=bench):
 
 
 # %% [markdown]
-# The detection's driver gets a table of 64 phases, where a scan has 16. After the sweeps the
-# emission's driver is set to one phase after another, for the test of linearity further down. The
-# laser's power is read beside each sweep.
+# The detection's driver has a table of 64 phases instead of a scan's 16. After the sweeps the
+# emission's driver is set to one phase after another, for the linearity test below. The laser's
+# power is read with each sweep.
 
 # %%
 taken, dark, power, programmed, rough = {}, {}, {}, {}, {}
@@ -126,12 +125,12 @@ for mode in ORDER:
 # %% [markdown]
 # ## Prediction
 #
-# **Noise.** Light and amplifier make white noise of a known density; the filters correlate
+# **Noise.** Light and amplifier have white noise of known density; the filters correlate
 # neighbouring samples, as the covariance of the chain predicts; the converter adds its own.
-# **Harmonics.** Of two modules with the harmonics $W_k$ the correlation has $|W_k|^2$: relative to
-# its fundamental, the third is $(J_3/J_1)^2$ in the single mode, and the second $(J_4/J_2)^2$ in
-# the doubled one, at $2\eta$. **Errors of the drivers.** Each phase that a driver makes is off by a
-# little, by its code and as $\sin 2\varphi$.
+# **Harmonics.** Two modules with the harmonics $W_k$ have a correlation with $|W_k|^2$: relative to
+# its fundamental, the third is $(J_3/J_1)^2$ in the single mode, the second $(J_4/J_2)^2$ in the
+# doubled one, at $2\eta$. **Errors of the drivers.** Each phase of a driver has errors that depend
+# on its code and as $\sin 2\varphi$.
 
 
 # %%
@@ -226,27 +225,27 @@ plotting.save(
     },
     caption=(
         "Correlation of a fixed mirror against the reference phase, in the single and the doubled "
-        "mode, simulated (the paper's is a measurement). (a, b) Mean of many sweeps at "
-        "the photon limit, its fitted cosine, and one sweep with the phase noise of the published "
-        "captures. (c, d) Residual at the photon limit, and what harmonics and drivers should "
-        "leave. (e, f) Harmonics."
+        "mode, simulated (the paper's is a measurement). (a, b) Mean of many sweeps at the photon "
+        "limit, its fitted cosine, and one sweep with the phase noise of the published captures. "
+        "(c, d) Residual at the photon limit, and the prediction from harmonics and drivers. (e, "
+        "f) Harmonics at the photon limit, and their closed form."
     ),
     alt="Six panels in two columns, single and doubled mode: one period of a cosine, its residual "
     "of a third or second harmonic, and the spectrum with the closed form as bars.",
 )  # fmt: skip
 
 # %% [markdown]
-# Ideal modules would have contrasts of $2J_1^2$ and $2J_2^2/(1-J_0)^2$; the rest is light that the
-# splitters leak. The residuals have the shape of the predicted harmonics, and without it the size
-# of noise and code errors. Rounding to the 14 bits of {eq}`eq-20-profile` would change nothing.
+# Ideal modules would have contrasts of $2J_1^2$ and $2J_2^2/(1-J_0)^2$; leakage of the splitters
+# reduces them. The residuals agree with the predicted harmonics, and beyond these with noise and
+# code errors. Rounding to the 14 bits of {eq}`eq-20-profile` would be negligible.
 #
-# ## Four steps, and sixteen
+# ## Linearity with four and sixteen steps
 #
-# Now the emission's phase is programmed, and the correlation should move by just that. From each
-# sweep every sixteenth phase, or every fourth, makes a measurement of 4 or of 16 steps. With four,
-# the third harmonic aliases onto the fundamental: an error of four periods a turn with the
-# amplitude $(J_3/J_1)^2$ in the single mode, and next to nothing, $(J_6/J_2)^2$, in the doubled
-# one. Sixteen steps leave what the drivers do.
+# The correlation should shift by the programmed phase of the emission. Every sixteenth phase of a
+# sweep, or every fourth, gives a measurement of 4 or 16 steps. With four, the third harmonic
+# aliases onto the fundamental: an error of four periods a turn with the amplitude $(J_3/J_1)^2$ in
+# the single mode, and a negligible $(J_6/J_2)^2$ in the doubled one. With sixteen the drivers'
+# errors remain.
 
 # %%
 errors, curves = {}, {}
@@ -277,8 +276,9 @@ plotting.save(
     figure, "instrument_linearity",
     numbers={f"{mode}_{number}": value for (mode, number), value in rms.items()},
     caption=(
-        "Decoded minus programmed phase, mean removed, with 4 and with 16 steps of the reference; "
-        "dots: simulated, one sweep each; lines: expected without noise. The scales differ."
+        "Decoded minus programmed phase, mean removed, with 4 and with 16 steps of the reference, "
+        "at the photon limit; dots: simulated, one sweep each; lines: expected without noise. The "
+        "scales differ."
     ),
     alt="Two panels: in the single mode four steps err with four periods in a turn, sixteen "
     "hardly; in the doubled mode both scatter by the noise of a sweep.",
@@ -287,9 +287,9 @@ plotting.save(
 # %% [markdown]
 # ## An RC of 100 ms
 #
-# Section 7.2 prints a time constant of 100 ms for the RC behind the detector. One turn of the
-# reference takes 13.3 ms, so such an RC damps it by $\sqrt{1+(2\pi f\,t_{RC})^2}$. Here the
-# simulated instrument has it, and takes many sweeps in one long burst.
+# Section 7.2 states a time constant of 100 ms for the RC behind the detector. One turn of the
+# reference takes 13.3 ms, so this RC damps it by $\sqrt{1+(2\pi f\,t_{RC})^2}$. Here the simulated
+# instrument has this RC and takes many sweeps in one burst.
 
 # %%
 runs, paper_rc, ours = {}, paper.published("sec7.rc_time").value, known.rc_time
@@ -312,12 +312,12 @@ swing = {rc: np.hypot(*np.linalg.lstsq(design, volts[late], rcond=None)[0][3:])
          for rc, volts in runs.items()}  # fmt: skip
 damping = swing[ours] / swing[paper_rc]
 print(f"damped {damping:.1f} times, closed form {np.hypot(1, TAU * sweep_rate * paper_rc):.1f}; "
-      f"the RC remembers {paper_rc * sweep_rate:.1f} sweeps")  # fmt: skip
+      f"the RC averages over {paper_rc * sweep_rate:.1f} sweeps")  # fmt: skip
 
 # %% [markdown]
-# Noise from before the RC falls with the signal, so the phase would survive in principle. The image
-# would not: most of a reading would belong to the points before. With 20 µs the filter settles
-# within the samples that are dropped.
+# Noise from before the RC is damped with the signal, so the phase of a fixed target could be
+# measured. In an image most of a reading would come from the points before. With 20 µs the filter
+# settles within the samples that are dropped.
 
 # %%
 paper.check("fig12.psi_range", PHASES * (psi[1] - psi[0]))

@@ -1,11 +1,10 @@
 # %% [markdown]
-# # A scan, from instrument to depth
+# # A scan from instrument to depth
 #
-# A small scene is scanned as the real instrument would scan it: the same plan, checks, journal and
-# reduction, with simulated devices in place of the drivers. Everything here is simulated, so for
-# every number the truth is known. At the photon limit the phases are right to some ten
-# milliradians, tens of micrometres; what a scan of few points lacks is the integer.
-# {doc}`../book/hardware` describes the same scan on a bench.
+# A small scene is scanned as on the real instrument: with the same plan, checks, journal and
+# reduction, but simulated devices. Everything here is simulated, so the truth is known. At the
+# photon limit the phases are accurate to some ten milliradians, tens of micrometres, but a scan of
+# few points does not determine the wraps. {doc}`../book/hardware` has the same on a bench.
 
 # %% tags=["parameters"]
 profile: str = "book"  # size profile
@@ -56,8 +55,8 @@ def typical(error):
 # %% [markdown]
 # ## Plan, scan, images
 #
-# Each mode is taken in one go: dark level behind the closed shutter, a reference target at known
-# distances, every line of the image, and the reference target once more, to see what has drifted.
+# Each mode is taken in one sequence: dark level behind the closed shutter, a reference target at
+# known distances, every line of the image, and the reference target again, to measure drift.
 # Between the modes both half-wave plates turn.
 
 # %%
@@ -104,8 +103,8 @@ plotting.save(
 # ## One point
 #
 # At each point the read-out samples the detector while its trigger line steps the phase of the
-# detection module's drive: 16 phases of 20 samples. The same burst is taken once more here. Noise
-# and drift depend on the number of the burst alone, so its sums are those of the file, bit for bit.
+# detection module's drive: 16 phases of 20 samples. Here one burst is repeated. Noise and drift
+# depend on the number of the burst alone, so its sums equal those of the file.
 
 # %%
 row = column = size // 3
@@ -144,7 +143,7 @@ plotting.save(
         "contrast": contrasts, "reproduced": all(same),
         "mean_counts": {mode: float(np.mean(raw[mode])) for mode in MODES},
     },
-    caption="(a) Simulated samples of one point in both modes. (b) Means of its phases, and fits.",
+    caption="(a) Simulated samples of one point in both modes, photon limit. (b) Means, and fits.",
     alt="Left: samples of two bursts in 16 steps through one period of a cosine; right: their "
     "means on fitted cosines.",
 )  # fmt: skip
@@ -152,15 +151,15 @@ plotting.save(
 # %% [markdown]
 # ## Calibration by the reference target
 #
-# Counts become volts, the dark level is subtracted, each line is divided by its laser power. Still
-# unknown is where ψ begins: the path ℓ within the instrument and the lag of the detection's cable
-# shift it by
+# Counts are converted to volts, the dark level is subtracted, and each line is divided by its laser
+# power. The zero of ψ remains unknown: the path ℓ within the instrument and the lag of the
+# detection's cable shift it by
 #
 # $$\psi_0 = \frac{4\pi f\,\ell}{c} - m\,\varphi_\mathrm{cable},\qquad m = 1, 2.$$
 #
 # The target stands at known distances over one whole wrap, so that back-reflected light averages
-# out. As depth the remaining offset is nothing; what counts is the beat of both phases, where a
-# wrap is only 17.6 mrad.
+# out. The remaining offset is negligible as depth, but matters in the beat, where a wrap is only
+# 17.6 mrad.
 
 # %%
 found, drift = (data[name].to_numpy() for name in ("phase_offset", "phase_drift"))
@@ -178,10 +177,10 @@ print(f"the beat is off by {1e3 * beat_off:.2f} mrad, {beat_off / wrap_in_beat:.
 # %% [markdown]
 # ## Sources of error
 #
-# The same bursts are taken with parts of the simulation switched off one after the other: noise,
-# speckle, the size of the spot, back-reflected light, errors of the RF drivers. The rest comes from
-# the finite steps of the converter that steers the mirrors. The noise also follows from the counts
-# alone, $\sigma_\varphi = \sqrt{2/K}\;\sigma_U/a$.
+# The same bursts are repeated with parts of the simulation switched off in turn: noise, speckle,
+# the size of the spot, back-reflected light, errors of the RF drivers. The rest comes from the
+# finite steps of the converter that steers the mirrors. The noise is also predicted from the
+# counts, $\sigma_\varphi = \sqrt{2/K}\;\sigma_U/a$.
 
 
 # %%
@@ -233,23 +232,23 @@ plotting.save(
     numbers={"mrad": sizes, "foretold_over_found": pulls, "wrap_mrad": 1e3 * wrap_in_beat},
     caption=(
         "Median phase error by its cause, simulated at the photon limit, in both modes and in "
-        "their beat, where it decides about the wraps."
+        "their beat, which determines the wraps."
     ),
     alt="Bars on a logarithmic scale: speckle is the largest cause in either phase, noise in the "
     "beat.",
 )  # fmt: skip
 
 # %% [markdown]
-# Speckle shifts a phase because the spot is not a point: its bright grains lie now on the near, now
-# on the far side of a slope. That is a real displacement, the same in both modes, so most of it
-# cancels in the beat; so do the mirrors' steps. Noise does not cancel, and the doubled mode, which
-# has less contrast, brings most of it. Back-reflected light is a constant phasor that changes weak
-# echoes most, in each mode differently.
+# Speckle shifts a phase because the spot is extended: its bright grains lie on the near or the far
+# side of a slope. This is a real displacement, equal in both modes, so most of it cancels in the
+# beat, as do the mirrors' steps. Noise does not cancel; most of it comes from the doubled mode,
+# which has less contrast. Back-reflected light is a constant phasor that affects weak echoes most,
+# in each mode differently.
 #
 # ## Laser power
 #
-# The fibre's transmission drifts. The power meter is read at the end of every line, and the line is
-# divided by it. The phases are unaffected; the division serves brightness.
+# The fibre's transmission drifts. Each line is divided by the reading of the power meter at its
+# end. This corrects the brightness; phases are unaffected.
 
 # %%
 steady = replace(quiet, fibre_low=0.25, fibre_high=0.25)
@@ -266,12 +265,12 @@ spread = {name: float(100 * gain.std()) for name, gain in gains.items()}
 print(f"the power swings by {swing:.1f} %; spread of the lines in %:", spread)
 
 # %% [markdown]
-# ## Which wrap?
+# ## Unwrapping
 #
-# Pixel by pixel (`crt-ml`) noise leaves little of 17.6 mrad. The other methods pool over pixels: in
-# a fixed window (`beat`), in regions cut where phase or brightness steps (`region`), by smoothness
-# (`mrf`), or over surfaces. Counted are the pixels with the right wrap, and in brackets those off
-# by two wraps at most.
+# In one pixel (`crt-ml`) noise exceeds the 17.6 mrad of a wrap. The other methods pool over pixels:
+# in a fixed window (`beat`), in regions bounded by steps of phase or brightness (`region`), by
+# smoothness (`mrf`), or over surfaces. The table has the share of right wraps, and in brackets of
+# those off by two at most.
 
 # %%
 METHODS = {name: (name, {}) for name in ("crt-ml", "beat", "region", "mrf", "surfaces")}
@@ -309,7 +308,7 @@ best = max(METHODS, key=lambda method: right["as scanned", method])
 depth = answers["as scanned", best]
 off_by = np.rint((depth - truth) / period)
 residual = depth - truth - off_by * period
-print(f"{best}: but for whole wraps off by {1e6 * typical(residual):.0f} µm; noise alone "
+print(f"{best}: error apart from whole wraps {1e6 * typical(residual):.0f} µm; noise alone "
       f"{1e6 * 0.6745 * np.median(expected[0]) / TAU * period:.0f} µm")  # fmt: skip
 
 # %% tags=["hide-input"]
@@ -330,23 +329,24 @@ plotting.save(
         "close": {m: close["as scanned", m] for m in METHODS},
         "best": best, "residual_um": 1e6 * typical(residual),
     },
-    caption=f"Range of the scene and of the simulated scan (`{best}`), whole wraps off, and rest.",
+    caption="True range of the scene; range of the scan, simulated at the photon limit and "
+        f"unwrapped by `{best}`, the best method; its error in whole wraps, and the rest.",
     alt="Four images: true range, scanned range, wraps by which it is off, and a remaining error "
     "of tens of micrometres.",
     format="png",
 )  # fmt: skip
 
 # %% [markdown]
-# Pooling divides noise by the root of the number of pixels, but not what the pixels have in common:
-# at an edge the spot lies on both surfaces, and there the beat is off by whole wraps however long
-# one measures. In an image of so few points neighbours often lie more than half a wrap apart, so a
-# scan for depth wants its points dense rather than spread, and a small spot.
+# Pooling reduces noise, but not errors that pixels share: at an edge the spot lies on both
+# surfaces, and the beat is off by whole wraps however long one measures. In an image of so few
+# points neighbours often lie more than half a wrap apart, so a scan for depth needs dense points
+# and a small spot.
 #
-# ## Killed, and resumed
+# ## Resuming a killed scan
 #
 # A scan from the command line is killed by `SIGKILL` once half of its lines are recorded. On a
-# bench the RF drivers' dead man's timers would now turn RF off, and the read-out's watchdog close
-# the shutter. `--resume` then goes on; the file is that of an uninterrupted scan, byte for byte.
+# bench the RF drivers' dead man's timers would then turn RF off, and the read-out's watchdog close
+# the shutter. With `--resume` the file equals that of an uninterrupted scan, byte for byte.
 
 # %%
 options = ["--twin", "--scene", scene, "--size", str(killed_size), "--seed", str(seed), "--quiet"]

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Stereo supervision
 #
-# To fine-tune a network on scans of the instrument, somebody has to state the wrap count of each
-# pixel. Two cameras beside the scanner can (Section 6.4): they triangulate its laser spot. On a
-# table scene {glue:text}`both:.0f` % of the pixels get a label and {glue:text}`wrong:.2f` % of the
-# labels are wrong; beyond about {glue:text}`limit:.0f` m there are none. Everything here is
-# simulated; the paper shows one scan and no numbers.
+# Fine-tuning a network on scans requires the wrap count of each pixel. Two cameras beside the
+# scanner can measure it (Section 6.4): they triangulate its laser spot. On a table scene
+# {glue:text}`both:.0f` % of the pixels get a label and {glue:text}`wrong:.2f` % of the labels are
+# wrong; beyond about {glue:text}`limit:.0f` m there are none. Everything here is simulated; the
+# paper shows one scan and no numbers.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -138,8 +138,8 @@ plotting.save(
         "median_uncertainty_mm": 1e3 * float(np.nanmedian(truth.uncertainty)),
     },
     caption=(
-        "Active stereo supervision, simulated. (a) The rig before the scene. "
-        "(b) The phase of the scan. (c) The wrap map from the cameras; grey pixels have no label."
+        "Active stereo supervision, simulated on one embedded frame. (a) Rig and scene. (b) The "
+        "phase of the scan. (c) The wrap map from the cameras; grey pixels have no label."
     ),
     alt=(
         "A point cloud of a table with objects, met by a beam and the lines of two cameras. Beside "
@@ -149,19 +149,19 @@ plotting.save(
 )
 
 # %% [markdown]
-# Stereo alone gives $n = \lfloor 2fz/c \rfloor$ and is in doubt at the boundary of a wrap. The
-# measured phase removes that doubt: stereo need only be right to half a wrap, 10.5 mm.
+# Stereo alone gives $n = \lfloor 2fz/c \rfloor$, which is uncertain at the boundary of a wrap. With
+# the measured phase stereo need only be right to half a wrap, 10.5 mm.
 #
 # ## Limits of a range
 #
-# A disparity that is wrong by $\delta$ pixels moves a point by $\delta z = z^2\delta/(fb)$ with
-# the focal length $f$ in pixels and the baseline $b$. Photons would place a bright spot to a
-# hundredth of a pixel, but its speckle does not: grains of contrast $C$ shift the centroid by
+# A disparity error of $\delta$ pixels causes a range error $\delta z = z^2\delta/(fb)$ with the
+# focal length $f$ in pixels and the baseline $b$. Photon noise would allow a hundredth of a pixel
+# for a bright spot, but speckle limits it: grains of contrast $C$ shift the centroid by
 #
 # $$\sigma = \frac{C\lambda N}{\sqrt2\,\pi}$$
 #
 # on the sensor, whatever the size of the spot {cite}`dorsch1994`. The calibration {cite}`zhang2000`
-# is repeated with its corners redrawn, and the scatter of the ranges is added to that of the spots.
+# is repeated with its corners redrawn, and the variance of the ranges is added.
 
 # %%
 focal = float(cameras.matrices[0, 0, 0]) * sensor.pitch
@@ -204,18 +204,19 @@ plotting.save(
         "near_share": truth.mask.mean(),
         "far_share": far.mask.mean(),
     },
-    caption="Uncertainty of the range from stereo, of every pixel of two simulated scans.",
+    caption="Uncertainty of the range from stereo in two simulated scans, and its limit by "
+    "speckle.",
     alt="On logarithmic axes the uncertainty rises with the square of the range, along the line of "
     f"speckle, which crosses half a wrap in {sigmas:g} sigma at {limit:.1f} m.",
     format="png",
 )
 
 # %% [markdown]
-# ## Effect of a bad calibration
+# ## Calibration errors
 #
-# An error of the calibration is shared by all pixels and shifts a whole surface. What lifts a spot
-# off its epipolar line is seen and masked, what moves it along the line is not: labels keep being
-# given, and some are wrong. A rig that has been knocked has to be calibrated again.
+# An error of the calibration is shared by all pixels and shifts a whole surface. A shift off the
+# epipolar line is detected and masked; a shift along the line is not, and some labels are then
+# wrong. A rig that was knocked must be recalibrated.
 
 # %%
 rows = []
@@ -230,9 +231,9 @@ notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), row
 # %% [markdown]
 # ## Fine-tuning
 #
-# The left half of the scan is trained on, the right half is withheld; only labelled pixels within
-# the network's classes count. This shows that the path is whole, from spots to weights, and no
-# more: one half of one scan cannot do what the paper's «diverse dataset» does.
+# The network is trained on the left half of the scan and tested on the right half; only labelled
+# pixels within its classes count. This tests the procedure, from spots to weights, and no more:
+# half a scan does not replace the paper's «diverse dataset».
 
 # %%
 from cmtof.network.training import fine_tune

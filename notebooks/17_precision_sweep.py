@@ -2,12 +2,12 @@
 # # The precision sweep
 #
 # A stage moves a target by one millimetre before three instruments (Paper Fig. 13, Table 4), each
-# *simulated* on {glue:text}`repeats:.0f` days. With plausible sizes of its systematic errors the
-# all-optical one errs by {glue:text}`plausible_l:.0f` to {glue:text}`plausible_h:.0f` µm before a
-# mirror at the photon limit, which holds the paper's 33.5 µm; with the phase noise of the published
-# captures by {glue:text}`captures_l:.0f` to {glue:text}`captures_h:.0f` µm, and
-# {glue:text}`needed:.0f` readings a position would have to be averaged. RF demodulation fails
-# before the plate ({glue:text}`rf_plate:.1f` mm), but does as well before a mirror.
+# *simulated* on {glue:text}`repeats:.0f` days. With plausible systematic errors the all-optical one
+# has RMS errors of {glue:text}`plausible_l:.0f` to {glue:text}`plausible_h:.0f` µm on a mirror at
+# the photon limit, a range that contains the paper's 33.5 µm. With the phase noise of the published
+# captures it has {glue:text}`captures_l:.0f` to {glue:text}`captures_h:.0f` µm; to reach the
+# paper's value {glue:text}`needed:.0f` readings a position must be averaged. RF demodulation fails
+# on the diffuse plate ({glue:text}`rf_plate:.1f` mm), but is as good on a mirror.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -142,11 +142,11 @@ plotting.save(
         }
         for (name, what, case), one in found.items()
     },
-    caption="A sweep of 1 mm at 60 cm, simulated (the paper's is a measurement): estimate "
-    "and error below, for a mirror (a to f) and a diffuse plate (g to l). Dots: one day, with the "
-    "assumed sizes of all errors and noise at the photon limit. Dark bands: 95 % of days with "
-    "plausible sizes. Pale bands: with the published captures' phase noise besides, which fringe "
-    "counting does not have. Errors are linear up to 10 µm and logarithmic beyond.",
+    caption="A sweep of 1 mm at 60 cm by three simulated instruments (the paper's are measured): "
+    "estimate and error below, for a mirror (a to f) and a diffuse plate (g to l). Dots: one day, "
+    "with the assumed sizes of all errors and noise at the photon limit. Dark bands: 95 % of days "
+    "with plausible sizes. Pale bands: with the published captures' phase noise added, which does "
+    "not affect fringe counting. Errors are linear up to 10 µm and logarithmic beyond.",
     alt="Twelve panels. All-optical errors are tens of micrometres at the photon limit and half a "
     "millimetre with the captures' noise, for both targets. RF does as well before the mirror and "
     "errs by millimetres before the plate. The interferometer errs by less than a micrometre.",
@@ -158,17 +158,17 @@ plotting.save(
 # A reading of the all-optical one is 16 phases of 20 samples, 13.3 ms; a grey filter keeps the
 # mirror's light within the detector's range. RF and interferometer have sections below.
 #
-# A *day* has its own noise, speckle, drift and phase errors of the drivers. The zero is set ten
-# minutes before the sweep, at eight known ranges over one wrap, as in a scan: by one reading at
-# each, RF by a hundred (in its favour). Fringes can only be counted from the known first position.
-# Phases are unwrapped to the wrap of the known range. The drivers' sizes in `SPANS` are stated in
-# no data sheet that we have; a day draws its own. The captures' noise ({doc}`07_captures`) is taken
-# for a disturbance between the two RF drives, so RF demodulation has it as well.
+# Each *day* has its own noise, speckle, drift and driver errors. The zero is set ten minutes before
+# the sweep, at eight known ranges over one wrap, as in a scan: by one reading at each, for RF a
+# hundred (in its favour). Fringes are counted from the known first position. Phases are unwrapped
+# with the known range. No data sheet that we have states the drivers' errors in `SPANS`; each day
+# draws its own. The captures' noise ({doc}`07_captures`) is treated as a disturbance between the
+# two RF drives, so it affects RF demodulation too.
 #
 # ## Table 4
 #
-# RMSE and MAE over the positions of one sweep, hence one pair a day, in µm: the median day, with
-# the range of 95 % of single days in brackets, because a single day is what the paper has.
+# RMSE and MAE over the positions of one sweep, one pair a day, in µm: the median day, and in
+# brackets the range of 95 % of single days, since the paper has a single day.
 
 # %%
 rows = []
@@ -181,11 +181,10 @@ for name, one in rangers.items():
 notes.table(["", "sizes assumed", "plausible", "and captures' noise", "bound", "paper"], rows)
 
 # %% [markdown]
-# The bound is that of Cramér and Rao on one estimate, from noise at the photon limit alone. More
-# rows, with the sizes assumed: a zero at the sweep's own first position a minute before, which
-# takes out whatever is constant over it; the doubled mode; a zero that is an hour old; RF with ten
-# times the light, which the paper tried «with the same result»; and RF whose offsets nobody takes
-# away.
+# The Cramér–Rao bound is for one estimate with noise at the photon limit. Further rows, with the
+# sizes assumed: a zero at the sweep's own first position a minute before, which removes constant
+# errors; the doubled mode; a zero that is an hour old; RF with ten times the light, which the paper
+# tried «with the same result»; and RF without correction of its offsets.
 
 # %%
 ratio_30 = paper.published("sec8.laser_power_ratio").value
@@ -204,16 +203,16 @@ notes.table(
 )
 
 # %% [markdown]
-# - Ten times the light lowers the noise of RF before the plate ten times, but its error hardly:
-#   offsets are left that drift after they were measured. The paper reports the same.
-# - With the offsets left in, the plate's phase does not move with the stage: millimetres of nearly
-#   constant error, as the paper's 11.8 mm are.
-# - That RF loses before a mirror, as the paper has it, is not found. With that much light its noise
-#   is nothing; drift and the captures' noise are shared by both instruments.
+# - With ten times the light the noise of RF on the plate is ten times lower, but its error hardly
+#   changes: the offsets drift after they were measured. The paper reports the same.
+# - Without offset correction the plate's phase does not follow the stage: nearly constant errors of
+#   millimetres, as the paper's 11.8 mm.
+# - The paper's RF is worse on a mirror too; ours is not. With that much light its noise is
+#   negligible; drift and the captures' noise are common to both instruments.
 #
-# ## Composition of the numbers
+# ## Offset and scatter
 #
-# Gaussian errors about zero have MAE/RMSE = $\sqrt{2/\pi}$ = 0.80, a constant offset has 1. For an
+# Zero-mean Gaussian errors have MAE/RMSE = $\sqrt{2/\pi}$ = 0.80, a constant offset has 1. For an
 # offset $\mu$ with a Gaussian scatter $\sigma$
 #
 # ```{math}
@@ -224,7 +223,7 @@ notes.table(
 # ```
 #
 # which turns the paper's pairs into pairs $(\mu,\sigma)$. Where RMSE and MAE are equal, their
-# rounding leaves a scatter at most.
+# rounding gives an upper bound of the scatter.
 
 
 # %%
@@ -282,10 +281,10 @@ plotting.save(
         }
         for pair in theirs
     },
-    caption="Constant offset and scatter behind the RMSE of each sweep. Dots: simulated days with "
-    "plausible errors at the photon limit; crosses: with the captures' noise besides; "
-    "diamonds: RMSE and MAE of the paper; triangles: where these are equal, the most scatter that "
-    "their rounding leaves. Grey: equal parts, and a phase without signal.",
+    caption="Constant offset and scatter of each sweep. Dots: simulated days with plausible errors "
+    "at the photon limit; crosses: with the captures' noise added; diamonds: from the paper's RMSE "
+    "and MAE; triangles: where these are equal, the upper bound of the scatter. Grey: equal parts, "
+    "and a phase without signal.",
     alt="Scatter against offset on logarithmic axes, mirror and plate. All-optical days have some "
     "micrometres of scatter and up to tens of offset; the diamonds of the paper lie within. "
     "With the captures' noise the scatter is near 400 micrometres. The interferometer's days lie "
@@ -293,14 +292,14 @@ plotting.save(
 )
 
 # %% [markdown]
-# - **All-optical**: the paper's scatter and offset are both those of a day with plausible errors at
-#   the photon limit. With the captures' noise one reading scatters forty times as far: either the
-#   paper averaged, which it does not say, or its sweep was quieter than those scans.
-# - **RF, plate**: 11.8 mm of offset is more than half a wrap, 10.5 mm, so it is no noise. Errors
-#   that are all alike come from a phase that does not move with the target, in a wrong wrap.
-# - **Interferometer**: tens of fringes of constant error, which counting does not make.
+# - **All-optical**: the paper's scatter and offset agree with days with plausible errors at the
+#   photon limit. With the captures' noise one reading scatters forty times as much: either the
+#   paper averaged, which it does not state, or its sweep was quieter than those scans.
+# - **RF, plate**: 11.8 mm of offset is more than half a wrap, 10.5 mm, so it is not noise. Equal
+#   errors come from a phase that does not follow the target, in a wrong wrap.
+# - **Interferometer**: a constant error of tens of fringes, which counting does not cause.
 #
-# Erratum 15 in {doc}`22_errata` has the arithmetic, {doc}`18_error_budget` our errors one by one.
+# Erratum 15 in {doc}`22_errata` has the arithmetic, {doc}`18_error_budget` the single errors.
 #
 # ## RF demodulation
 #
@@ -311,9 +310,9 @@ plotting.save(
 # \sigma_V^2 \approx \frac{k_BT_0F R_L + 2e\,(RP + I_d)\,R_L^2}{T},
 # \qquad \mathrm{SNR} = \frac{|V|^2}{2\sigma_V^2} .$$
 #
-# Electrical power goes with the *square* of the optical power: a thousandth of the light is a
-# millionth of the SNR. The slow avalanche detector of the all-optical chain multiplies its current
-# before an amplifier adds noise, so its SNR goes with the first power.
+# Electrical power is proportional to the *square* of the optical power: a thousandth of the light
+# gives a millionth of the SNR. The avalanche detector of the all-optical chain multiplies its
+# current before an amplifier adds noise, so its SNR is proportional to the light.
 
 # %%
 light = np.logspace(-12, -2, 201)
@@ -346,18 +345,19 @@ plotting.save(
         "power_for_equal": needed,
         "crossing": float(crossing),
     },
-    caption="SNR of a phase reading in 13.3 ms, from noise alone, against the light collected. "
-    "Dotted: plate and mirror at 60 cm. Below an SNR of 1 a reading is any phase.",
+    caption="SNR of a simulated phase reading in 13.3 ms, photon and electronic noise alone, "
+    "against the light collected. Dotted: plate and mirror at 60 cm. Below an SNR of 1 the phase "
+    "is nearly random.",
     alt="A log-log plot. The RF line climbs two decades a decade, the all-optical line one until "
     "the grey filter holds it; they cross near a microwatt. At the plate's two nanowatts the "
     "all-optical SNR is half a million and that of RF below one.",
 )
 
 # %% [markdown]
-# What leaks from the local oscillator and from the crystal's drive reaches I and Q as a constant
-# phasor, tens of thousands of times the plate's signal; its drift of 0.1 % (assumed) after the
-# calibration is still many times that signal. And the paper's «direct fast sampling at rates higher
-# than 10 GHz» is not what its circuit does: its mixer hands a slow voltage to the converter.
+# Leakage from the local oscillator and the crystal's drive reaches I and Q as a constant phasor,
+# tens of thousands of times the plate's signal; its drift of 0.1 % (assumed) after calibration is
+# still many times that signal. The paper calls this «direct fast sampling at rates higher than 10
+# GHz», but the mixer of its circuit gives the converter a slow voltage.
 #
 # ## Interferometry
 #
@@ -368,9 +368,9 @@ plotting.save(
 #
 # with the coherence $|\gamma|$ of a laser 30 GHz wide and the share $m$ of the light in the
 # reference beam's mode, one part in 110 of a plate's speckle. A phase is known modulo a fringe of
-# 266 nm. Sequential unwrapping takes each step for the one nearest to zero, which is right up to a
-# quarter of the wavelength. So the stage creeps, 50 nm from reading to reading. With a stride $s$
-# and a change by vibration of the standard deviation $\sigma$ a reading loses on average
+# 266 nm. Sequential unwrapping takes the step nearest to zero, which is right up to a quarter of
+# the wavelength. The stage therefore moves 50 nm between readings. With a step $s$ and vibration of
+# the standard deviation $\sigma$ between readings, a reading loses on average
 #
 # ```{math}
 # :label: eq-17-fringe-loss
@@ -398,23 +398,22 @@ notes.table(
 )  # fmt: skip
 
 # %% [markdown]
-# A few times the vibration is the difference between a count that never slips and one that is lost.
-# That is the paper's own experience, measurements run from outside the laboratory and repeated many
-# times. But whatever grows along the travel (lost fringes, a colour 3.5 % off, a breadboard 3 K
-# warmer) has the MAE/RMSE of a straight line, 0.86. Table 4 has 1: an offset from the start on.
+# A few times the vibration makes the count fail. The paper reports the same: its measurements were
+# run from outside the laboratory and repeated many times. But errors that grow along the travel
+# (lost fringes, a wavelength 3.5 % off, a breadboard 3 K warmer) have the MAE/RMSE of a straight
+# line, 0.86. Table 4 has 1, a constant offset.
 #
 # ## Reach
 #
-# One number at 60 cm says little about an instrument. With $L$ the light on the detector behind
-# open modulators, $\bar w$ and $w_1$ mean and fundamental of their product, $u$ the room's light
-# and $S$ volts per watt, noise leaves
+# Precision depends on range and light. With $L$ the light on the detector behind open modulators,
+# $\bar w$ and $w_1$ mean and fundamental of their product, $u$ the room's light and $S$ volts per
+# watt, noise leaves
 #
 # $$\sigma_z = \frac{c}{4\pi f}\,\frac{1}{S L w_1}
 # \sqrt{B\,d\big(S(L\bar w + u)\big) + \frac{2}{K}\frac{\sigma_\mathrm{adc}^2}{N}},
 # \qquad L \propto P\rho/z^2 .$$
 #
-# A tenth of the reflectance $\rho$ or of the laser's power $P$ is thus as good as 3.2 times the
-# range.
+# A tenth of the reflectance $\rho$ or of the laser's power $P$ thus equals 3.2 times the range.
 
 # %%
 axis, micron, noise = np.array([0.3, 0.6, 1.0, 2.0, 5.0]), {}, []
@@ -433,10 +432,10 @@ notes.table(
 print(f"with the captures' noise {coarse:.0f} µm, and {rough:.0%} right, at any range")
 
 # %% [markdown]
-# Near and bright, light has to be filtered away; far and dark, the amplifier's noise takes over
-# from that of the photons, and precision goes with $z^2$. But the wrap fails first: the beat of
-# both modes names it from one pixel at 60 cm, and in fewer than half of all cases at 2 m, where
-# many pixels of a surface have to be pooled.
+# For near and bright targets light must be filtered away; for far and dark ones the amplifier's
+# noise exceeds that of the photons and grows with $z^2$. The wrap fails first: the beat of both
+# modes determines it in one pixel at 60 cm, but in fewer than half of all cases at 2 m, where many
+# pixels of a surface must be pooled.
 #
 # ## Against the paper
 

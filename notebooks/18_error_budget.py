@@ -1,12 +1,12 @@
 # %% [markdown]
 # # The error budget
 #
-# The micrometres of Paper Fig. 13 and Table 4 come, in the *simulated* all-optical instrument, from
-# the drift of the phase between the RF drivers and from photon noise: all errors of assumed size
-# make {glue:text}`whole_single:.1f` µm rms in the single and {glue:text}`whole_doubled:.1f` µm in
-# the doubled mode, at the photon limit. The paper's 33.5 µm is several times that, but within the
-# plausible sizes of {doc}`17_precision_sweep`; a later section asks what would make it. The
-# captures' noise, 390 µm a reading, would hide all of them.
+# In the *simulated* all-optical instrument the largest errors are the phase drift between the RF
+# drivers and photon noise. At the photon limit all errors of assumed size give
+# {glue:text}`whole_single:.1f` µm rms in the single and {glue:text}`whole_doubled:.1f` µm in the
+# doubled mode. The paper's 33.5 µm (Paper Fig. 13, Table 4) is several times that, but within the
+# plausible sizes of {doc}`17_precision_sweep`; a later section lists possible causes. The captures'
+# noise, 390 µm a reading, exceeds all of them.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -84,12 +84,12 @@ plotting.save(
 )
 
 # %% [markdown]
-# A day begins with a zero: the same target at eight known positions over one wrap, as a scan does
-# it; ten minutes later comes the sweep of 21 positions. What no data sheet can state is drawn again
-# each day: the phases of the inner path, of the cables, of a leak and of the back-reflection. The
-# bar of the whole is that simulation, and the sum of squares does not know of it: they agree, so no
-# large term is missing. Doubling the frequency doubles the range's sensitivity to phase, but at
-# this drive the doubled mode has less light and less contrast, and ends no better.
+# A day begins with a zero: the same target at eight known positions over one wrap, as in a scan;
+# the sweep of 21 positions follows ten minutes later. Quantities that no data sheet states are
+# drawn again each day: the phases of the inner path, of the cables, of a leak and of the
+# back-reflection. The sum of squares agrees with this independent simulation of the whole, so no
+# large term is missing. Doubling the frequency halves the range error of a given phase error, but
+# at this drive the doubled mode has less signal, and its error is no smaller.
 
 # %%
 rows = []
@@ -102,25 +102,24 @@ for (material, mode), errors in whole.items():
 notes.table(["µm", "rms", "offset", "scatter", "bound", "MAE/RMSE"], rows)
 
 # %% [markdown]
-# (The mirror behind the grey filter that keeps the detector within its range.) Drift has slow and
-# fast octaves, so it is offset and scatter at once. Air is worth 171 µm at 60 cm, but the zero was
-# taken in the same air, and only what changed since remains.
+# (A grey filter dims the mirror to the detector's range.) Drift has slow and fast parts and
+# contributes to both offset and scatter. Air adds 171 µm at 60 cm, but the zero was taken in the
+# same air, and only its change remains.
 #
 # ## Cyclic errors over a wrap
 #
-# With $x=\phi+\psi$ a small change $a\,\epsilon_k$ of the readings $C_k=d+a\cos x_k$ turns the
-# phase by
+# With $x=\phi+\psi$ a small change $a\,\epsilon_k$ of the readings $C_k=d+a\cos x_k$ causes
 #
 # ```{math}
 # :label: eq-18-first-order
 # \delta\phi = -\frac2K\sum_k \epsilon_k\sin x_k .
 # ```
 #
-# A back-reflection of the power ratio $r$ makes $\arg(1+re^{i(\phi_b-\phi)})$, an I/Q imbalance
-# $\varepsilon$ makes $\tfrac\varepsilon2\sin2\phi$ in the single mode, and the third harmonic with
+# A back-reflection of the power ratio $r$ causes $\arg(1+re^{i(\phi_b-\phi)})$, an I/Q imbalance
+# $\varepsilon$ causes $\tfrac\varepsilon2\sin2\phi$ in the single mode, and the third harmonic with
 # four steps $-(J_3/J_1)^2\sin4\phi$ (Bessel functions at $2\eta$). In the doubled mode the latter
-# two vanish, but drives that leak into each other and plates out of place do not average out there,
-# for its table of phases spans only half a turn of the drive.
+# two vanish, but leakage between the drives and misaligned plates do not average out there, because
+# its table of phases spans only half a turn of the drive.
 
 
 # %%
@@ -167,9 +166,9 @@ plotting.save(
     "budget_cyclic",
     numbers={f"{name}_single_apart_um": value for name, value in apart.items()},
     caption=(
-        "Cyclic errors over one wrap, each alone, single mode: circles simulated, lines closed "
-        "form. Yellow: the sweep of 1 mm. Mind the scales; what scatters is the converter's "
-        "rounding."
+        "Cyclic errors over one wrap, each alone, single mode: circles simulated without noise, "
+        "lines closed form. Yellow: the sweep of 1 mm. The scales differ; the scatter is the "
+        "converter's rounding."
     ),
     alt=(
         "Three panels of error against position. Circles lie on one, two and four sines a wrap. In "
@@ -178,14 +177,14 @@ plotting.save(
 )
 
 # %% [markdown]
-# The band is the point of this figure. Whatever depends on the phase alone is nearly a constant
-# over a millimetre, with MAE/RMSE near 1, as Table 4 has it. Four steps would be of the right size;
-# but the paper states sixteen, and sixteen do not alias.
+# An error that depends on the phase alone is nearly constant over the yellow band of a millimetre,
+# with MAE/RMSE near 1 as in Table 4. Four steps would give errors of the right size; but the paper
+# states sixteen, which do not alias.
 #
 # ## Error sizes that would explain the paper
 #
-# Every term is linear in its size, so the closed forms can be turned round: what size makes 33.5 µm
-# of constant error, or 7.5 µm of scatter, alone? A cyclic error is taken at its crest.
+# Every term is linear in its size, so the closed forms give the size that alone causes 33.5 µm of
+# constant error, or 7.5 µm of scatter. A cyclic error is taken at its maximum.
 
 # %%
 wanted = paper.published("fig13.accuracy").value
@@ -228,9 +227,9 @@ plotting.save(
     "budget_needed",
     numbers={name: size for name, (size, _, _) in needs.items()},
     caption=(
-        "Size that each term would need, alone, to make 33.5 µm of constant error or 7.5 µm of "
-        "scatter in the single mode, over the size assumed here. White: nothing of the kind is "
-        "assumed. Nothing is fitted."
+        "Size of each term that alone causes the paper's 33.5 µm of constant error or 7.5 µm of "
+        "scatter in the simulated single mode, over the size assumed here. White: not among the "
+        "assumptions. Nothing is fitted."
     ),
     alt=(
         "Points on a logarithmic scale: an RF phase of 10 milliradian, ten times what is assumed; "
@@ -241,25 +240,25 @@ plotting.save(
 )
 
 # %% [markdown]
-# Plausible, each alone, for 33.5 µm of offset: the range of the reference, which a steel rule gives
-# to half a millimetre (the paper does not say how its zero was found); a cable or a bench a few
-# kelvin warmer than at the zero; a coated face whose reflection does not quite miss the aperture
-# (against a mirror it would be nothing, but the paper's mirror errs as much); an ordinary I/Q
-# imbalance; a reference that stands a hand's breadth nearer. Not plausible: the weather, the phase
-# codes. No cyclic error makes the scatter, for none turns fast enough over a millimetre.
+# Plausible causes of 33.5 µm of offset, each alone: the range of the reference, which a steel rule
+# gives to half a millimetre (the paper does not state how its zero was found); a cable or bench a
+# few kelvin warmer than at the zero; a coated face that reflects into the aperture (negligible
+# against a mirror, but the paper's mirror has the same error); an ordinary I/Q imbalance; a
+# reference some 10 cm nearer. Not plausible: weather and phase codes. No cyclic error explains the
+# scatter, since none varies enough over a millimetre.
 #
-# So the budget explains the *kind* of the published errors, but not which it was. A lab could: a
-# second zero at another range separates back-reflection and I/Q from the rest, the other mode
-# separates lengths from RF phases, and the same sweep an hour later shows the drift.
+# The budget explains the *kind* of the published errors, but not their cause. Further measurements
+# would: a second zero at another range separates back-reflection and I/Q from the rest, the other
+# mode separates lengths from RF phases, and the same sweep an hour later shows the drift.
 #
-# On a slope speckle lights up now the near, now the far side of the spot, and its mean range
-# scatters by $\tan\theta\,(w/2)/\sqrt N$ for a spot of radius $w$ with $N$ speckle cells in the
-# aperture: the «uneven depths» of the paper's Section 9.
+# On a slope speckle brightens the near or the far side of the spot, so its mean range scatters by
+# $\tan\theta\,(w/2)/\sqrt N$ for a spot of radius $w$ with $N$ speckle cells in the aperture: the
+# «uneven depths» of the paper's Section 9.
 #
 # ## An array behind the crystal
 #
-# Section 9 hopes for flood light, a telescope and an image sensor behind the modulator. Lenses keep
-# the étendue: what reaches a small crystal from a wide field passes a small pupil. With the side
+# Section 9 proposes flood light, a telescope and an image sensor behind the modulator. Lenses
+# conserve étendue: light from a wide field onto a small crystal passes a small pupil. With the side
 # $a$ of the active area and the sine $s$ of the angle at which a pass's static retardance is off by
 # $\Gamma_\mathrm{tol}$,
 #
@@ -280,8 +279,8 @@ for name, ordinary, extraordinary in (("LiNbO3", 2.323, 2.234), ("LiTaO3", 2.183
 notes.table(["", "points", "pupil, ±0.2 rad", "light a pixel over ours, 64 × 64"], rows)
 
 # %% [markdown]
-# Tens of thousands of points would pass, but with the same laser each pixel of a modest image has
-# less than a millionth of the scanned spot's light. What an array gains in time it pays in light.
+# Tens of thousands of points are possible, but with the same laser each pixel of a modest image has
+# less than a millionth of the scanned spot's light.
 #
 # ## Against the paper
 

@@ -5,8 +5,7 @@
 # scans them, as the paper's did (Paper Fig. 14). The mean over {glue:text}`repeats:.0f` repeats is
 # {glue:text}`mean_um:.1f` µm; one scan is uncertain by {glue:text}`scatter_um:.1f` µm at the photon
 # limit, and by {glue:text}`rough_um:.0f` µm with the phase noise of the published captures. The R²
-# of a slanted plane, the paper's second number here, measures how far the plane is tilted rather
-# than how precise the instrument is.
+# of a slanted plane, the paper's second number, depends on its tilt as well as on the precision.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -50,10 +49,10 @@ COLOURS = {
 # %% [markdown]
 # ## The step
 #
-# The blocks are lapped steel; their base is turned by 20 mrad, or the mirrored beam would saturate
-# the detector, and the faint diffuse rest is measured. DIN 861 allows a block of grade 2 ±0.45 µm
-# of deviation, drawn again for each repeat. Points whose spot meets an edge are left out. The wraps
-# are those of the true range: the step is a small part of one.
+# The blocks are lapped steel; their base is turned by 20 mrad so that the mirrored beam misses the
+# detector, and the faint diffuse rest is measured. DIN 861 allows a block of grade 2 a deviation of
+# ±0.45 µm, drawn again for each repeat. Points whose spot meets an edge are omitted. The wraps are
+# those of the true range.
 #
 # Both faces are parallel planes, and the step is their distance along the normal. With the points
 # of block $g$ on
@@ -213,12 +212,12 @@ plotting.save(
         "scatter_captures_um": (1e6 * rough_scatter).tolist(),
         "plane_one_minus_r_squared_captures": 1 - rough_fit.r_squared,
     },
-    caption="A step of two gauge blocks and a slanted plane at 1 m, simulated (the paper's "
-    "is a measurement). (a) Height over the left block, edges left out. (b) All points of one scan "
+    caption="A step of two gauge blocks and a slanted plane at 1 m, simulated (the paper's is a "
+    "measurement). (a) Height over the left block, edges left out. (b) All points of one scan "
     "across the blocks; both at the photon limit. (c) The step in each repeat: dots with standard "
     "errors at the photon limit, crosses with the captures' noise. (d) Depth of the plane at "
-    f"{np.rad2deg(tilts[shown]):.0f}° and what a fitted plane leaves of it in the single mode, "
-    "(e) at the photon limit and (f) with the captures' noise, on another scale.",
+    f"{np.rad2deg(tilts[shown]):.0f}° and the residual of a fitted plane in the single mode, (e) "
+    "at the photon limit and (f) with the captures' noise, on another scale.",
     alt="Two even areas, one higher by half a millimetre; points about two levels, with a scatter "
     f"of {1e6 * noise[0]:.0f} µm in the single and {1e6 * noise[1]:.0f} µm in the doubled mode; "
     f"{repeats} heights for each mode and both, within micrometres of half a millimetre, or within "
@@ -230,9 +229,9 @@ plotting.save(
 # ## Effect of the tilt
 #
 # If the tilt of the base were known, the difference of two means of $N/2$ points each would have
-# the standard error $2\sigma/\sqrt N$. It is not, and the fit has to carry the slope over from
-# within the narrow faces, which makes the error several times larger. Subtracting mean depths is no
-# remedy: 1 mrad of tilt shifts them by a micrometre for each millimetre between both middles.
+# the standard error $2\sigma/\sqrt N$. It is not, and the fit must extrapolate the slope from
+# within the narrow faces, which makes the error several times larger. A difference of mean depths
+# is no solution: 1 mrad of tilt shifts it by a micrometre for each millimetre between the centres.
 
 # %%
 middles = [clouds[0][0][inside & (side == k), 0].mean() for k in (0, 1)]
@@ -243,13 +242,13 @@ print(f"with a fitted tilt {1e6 * errors[0, 0]:.2f} µm")
 print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 
 # %% [markdown]
-# Most systematic errors are the same for both faces and cancel. A back-reflection of constant phase
-# moves the step with the same sign in every repeat ({doc}`18_error_budget` has its size).
+# Most systematic errors are equal on both faces and cancel. A back-reflection of constant phase
+# changes the step with equal sign in every repeat ({doc}`18_error_budget` has its size).
 #
 # ## Meaning of R²
 #
-# For the slanted plane the paper gives no error but the share of the variance of depth that a
-# fitted plane explains, R² = 0.9998. In expected values
+# For the slanted plane the paper gives, instead of an error, the share of the variance of depth
+# that a fitted plane explains, R² = 0.9998. In expected values
 #
 # $$R^2 = 1 - \frac{\sigma^2}{\mathrm{var}(z)},\qquad
 #   \mathrm{var}(z) = \sigma^2 + \frac{(a L_x)^2 + (b L_y)^2}{12},$$ (eq-r-squared-plane)
@@ -258,8 +257,8 @@ print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 # whose signal is the tilt. The paper states neither tilt nor extent. A plane that runs over $L_z$
 # in depth has $\sigma = L_z\sqrt{(1-R^2)/12R^2}$: 408 µm over 10 cm.
 #
-# One error grows with the slope $g$: speckle shifts the centre of the spot, by $w/2\sqrt N$ for a
-# radius $w$ and $N$ speckle cells in the aperture, which a slope turns into range,
+# One error grows with the slope $g$: speckle shifts the centre of the spot by $w/2\sqrt N$ for a
+# radius $w$ and $N$ speckle cells in the aperture, which on a slope changes the range,
 #
 # $$\sigma^2 = \sigma_0^2 + g^2\,\frac{w^2}{4N}.$$ (eq-slope-noise)
 
@@ -300,8 +299,9 @@ plotting.save(
         "one_minus_r_squared_single": (1 - r_squared[:, 0]).tolist(),
         "speckle_um": 1e6 * speckle,
     },
-    caption="A slanted plane at 1 m, simulated. (a) Scatter of a point about the fitted plane, and "
-    "{eq}`eq-slope-noise`. (b) The same scans as 1 − R², with {eq}`eq-r-squared-plane`.",
+    caption="A slanted plane at 1 m, simulated at the photon limit. (a) Scatter of a point about "
+    "the fitted plane, and {eq}`eq-slope-noise`. (b) The same scans as 1 − R², with "
+    "{eq}`eq-r-squared-plane`.",
     alt=f"Left, the scatter grows from {1e6 * left[0, 0]:.0f} µm on a nearly flat plane to "
     f"{1e6 * left[-1, 0]:.0f} µm at a slope of {slopes[-1]:.2f}, along the predicted curve. Right, "
     f"1 − R² falls from {1 - r_squared[0, 0]:.1e} to {1 - r_squared[-1, 0]:.1e} as the spread of "
@@ -309,14 +309,13 @@ plotting.save(
 )
 
 # %% [markdown]
-# So the plane that is measured worse has the better R².
+# The plane with the larger error thus has the higher R².
 #
 # ## Against the paper
 #
 # The paper's 0.4988 mm is 1.2 µm short of the nominal step, not 12 µm as its text has it
-# ({doc}`22_errata`). It does not state how many points were taken, how the tilt was treated or how
-# the value scatters. An R² of 0.9998 neither supports nor contradicts any precision as long as tilt
-# and extent are not stated.
+# ({doc}`22_errata`). The number of points, the treatment of the tilt and the scatter are not
+# stated. Without tilt and extent an R² of 0.9998 neither supports nor contradicts any precision.
 
 # %%
 print(f"the plane with the captures' noise has R² {rough_fit.r_squared:.5f}")

@@ -1,15 +1,14 @@
 # %% [markdown]
-# # A 100 MHz camera beside it
+# # Comparison with a 100 MHz camera
 #
-# Paper Fig. 15 compares the paper's instrument with a camera that one can buy: two taps a pixel,
-# flood light of four laser diodes, 100 MHz. On an owl's dark feathers that camera is wrong by
-# 200 mm. Such a camera is simulated here from what is public about it, beside the simulated GHz
-# instrument and before an owl and a helmet of our own. One image errs by
-# {glue:text}`error_dark:.0f` mm on feathers below 5 % of reflectance: **this is noise**, of photons
-# and read-out; without noise {glue:text}`bias_dark:.1f` mm are left. The GHz scan has
-# {glue:text}`right_photon:.0f` % of the owl's wraps right at the photon limit, and
-# {glue:text}`right_captures:.0f` % with the phase noise of the published captures. No setting was
-# chosen to reach the paper's numbers.
+# Paper Fig. 15 compares the paper's instrument with a commercial camera: two taps a pixel, flood
+# light of four laser diodes, 100 MHz. That camera has errors of 200 mm on an owl's dark feathers.
+# Here such a camera is simulated from public data, beside the simulated GHz instrument, with an owl
+# and a helmet of our own. One image has {glue:text}`error_dark:.0f` mm rms on feathers below 5 % of
+# reflectance: **this is noise**, of photons and read-out; {glue:text}`bias_dark:.1f` mm remain
+# without noise. The GHz scan has {glue:text}`right_photon:.0f` % of the owl's wraps right at the
+# photon limit, {glue:text}`right_captures:.0f` % with the captures' phase noise. No setting was
+# fitted to the paper's numbers.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -44,9 +43,9 @@ DARK, PALE = 0.05, 0.6  # reflectances of dark and pale feathers
 # %% [markdown]
 # ## One image, and one scan
 #
-# Both objects stand 1 m before the instrument, the wall 0.3 m behind. The camera stands where the
-# scanner stands. The *strong* camera is one whose light is raised until a white surface has 1 mm of
-# noise, as the paper observes («mm deviation on diffuse highly reflecting surfaces»).
+# Both objects are 1 m from the instrument, the wall 0.3 m behind them. The camera is at the
+# scanner's place. The *strong* camera has so much light that a white surface has 1 mm of noise, as
+# the paper observes («mm deviation on diffuse highly reflecting surfaces»).
 
 
 # %%
@@ -120,7 +119,7 @@ notes.table(
 )  # fmt: skip
 notes.tell(**{f"right_{case}": 100 * right["owl", case] for case in NOISE})
 print({key: f"{right[key]:.0%} right wraps, {1e6 * phase_error[key]:.0f} µm" for key in both})
-print(f"helmet: {lost:.0%} of the shell without an answer at 100 MHz")
+print(f"helmet: {lost:.0%} of the shell without a range at 100 MHz")
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(2, 6, figsize=(14.6, 4.7))
@@ -150,11 +149,10 @@ plotting.save(
         "ghz_wraps_right": {" ".join(key): right[key] for key in both},
         "ghz_phase_error_m": {" ".join(key): phase_error[key] for key in both},
     },
-    caption="A textured owl and a polished helmet, simulated: amplitude and "
-    "range of one image of the 100 MHz camera at the stated power, whose grain on dark feathers is "
-    "noise, the same with strong light, the range of GHz scans at the photon limit and with the "
-    "noise of the published captures, as this book's method `surfaces` unwraps them, not the "
-    "paper's network, and the truth. Grey: no answer.",
+    caption="A textured owl and a polished helmet, simulated: amplitude and range of one image of "
+    "the 100 MHz camera at the stated power, whose grain on dark feathers is noise; the same with "
+    "strong light; the range of GHz scans at the photon limit and with the noise of the published "
+    "captures, by this book's `surfaces`, not the paper's network; and the truth. Grey: no range.",
     alt="Two rows of six small images, owl above, helmet below. The 100 MHz range is grainy, by "
     f"{1e3 * rms(error['owl'][pale]):.0f} mm on pale and {1e3 * rms(error['owl'][dark]):.0f} mm on "
     "dark feathers; with strong light it is clear. The GHz range is smooth, with "
@@ -164,14 +162,13 @@ plotting.save(
 )
 
 # %% [markdown]
-# The GHz instrument measures its phase to a few tens of micrometres, and to 0.3 mm with the
-# captures' noise; what its picture lacks are wraps, most of all on the helmet, which returns only a
-# faint diffuse remainder. At 100 MHz a wrap is 1.5 m, not the 3 m of the paper's introduction
-# ({doc}`22_errata`), so no wrong wrap can close the helmet's holes: stray light of the shell and
-# filters that spread it can.
+# The GHz phase is precise to a few tens of micrometres, and to 0.3 mm with the captures' noise; its
+# errors are wrong wraps, most of all on the helmet, which returns little diffuse light. At 100 MHz
+# a wrap is 1.5 m, not the 3 m of the paper's introduction ({doc}`22_errata`), so no wrong wrap can
+# fill the helmet's holes, but stray light and filters can.
 #
-# Normals show what a millimetre is worth. They come from neighbouring points; the software of the
-# camera is taken to average 5 × 5 pixels, the GHz scan is not smoothed.
+# Normals of neighbouring points show the effect of a millimetre. The camera's software is assumed
+# to average 5 × 5 pixels; the GHz scan is not smoothed.
 
 
 # %%
@@ -224,9 +221,9 @@ plotting.save(
         f"normal_error_{key}_deg": [angles[n][k] for n in NAMES]
         for k, key in enumerate(("mhz", "strong", "ghz", "ghz_captures"))
     },
-    caption="Normals as colours, of the filtered 100 MHz image at the stated power and with strong "
-    "light, of the GHz scans at the photon limit and with the noise of the published captures, "
-    "not filtered, and of the truth; all simulated.",
+    caption="Normals as colours, all simulated: of the filtered 100 MHz image at the stated power "
+    "and with strong light; of the GHz scans, not filtered, unwrapped by this book's `surfaces`, "
+    "at the photon limit and with the noise of the published captures; and of the truth.",
     alt="The 100 MHz normals are a coloured grain in which the object is hard to see, a rough "
     "relief with strong light; those of the GHz scan show feathers and slits at the photon limit, "
     "with seams between wraps, and a grain with the captures' noise. Median errors on the owl: "
@@ -242,7 +239,7 @@ plotting.save(
 # $$N = \frac{P\,T}{h\nu}\,\frac{\eta\,t}{n}\;\frac{\varrho\cos\theta\,A}{\pi z^2}$$
 #
 # electrons to each, with the quantum efficiency $\eta$, transmission $t$ and opening $A$ of the
-# lens; for the scanner $n = 1$. The paper calls both photon budgets comparable: that is so for the
+# lens; for the scanner $n = 1$. The paper calls both photon budgets comparable; this holds for the
 # instruments, not for a pixel.
 
 # %%
@@ -259,18 +256,18 @@ notes.table(("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"), [
 ])  # fmt: skip
 
 # %% [markdown]
-# ## Noise of a pixel, and what 200 mm would take
+# ## Noise and scattered light
 #
-# The taps of a pixel hold $A, B = (S \pm m\,\mathrm{Re}\,F e^{-i\psi})/2$, with the phasor $F$ of
-# its light. A difference has the variance $v = S + \sigma^2$ of Skellam's law and the amplifier, in
-# all four steps alike, so that
+# The taps of a pixel collect $A, B = (S \pm m\,\mathrm{Re}\,F e^{-i\psi})/2$, with the phasor $F$
+# of its light. Their difference has the variance $v = S + \sigma^2$ (Skellam distribution and
+# amplifier) in all four steps, so that
 #
 # $$\sigma_z = \frac{c}{4\pi f}\,\frac{\sqrt{v/2}}{m\,N}.$$
 #
-# Texture changes a range without noise as well. Lens and sensor scatter a share of all light evenly
+# Texture also changes a range without noise. Lens and sensor scatter a share of all light evenly
 # over the image; with $s$ its phasor over the pixel's own and $\Delta$ the difference of their
-# phases, it pulls the phase by $\delta = \arg(1 + s\,e^{i\Delta})$: never further than the range of
-# what scatters, and not at all where everything lies at one range.
+# phases, it shifts the phase by $\delta = \arg(1 + s\,e^{i\Delta})$: at most to the range of the
+# scattering surface, and not at all in a scene at one range.
 
 # %%
 sizes = np.array([0.03, 0.1, 0.3, 0.8])
@@ -287,12 +284,11 @@ print(f"200 mm on 3 % by scattered light alone: {veil / (1 + veil):.0%} of all l
 print("if all of it comes from a wall 0.3 m behind")
 
 # %% [markdown]
-# So at the stated power the error on dark feathers is noise, and would show as grain that changes
-# from image to image. It depends on assumed numbers (lens, quantum efficiency, read noise), and a
-# phase that is all noise gives 433 mm whatever they are: nearness to the paper's 200 mm proves
-# nothing, and the paper shows no ground truth. What holds for both: the scan sends each point
-# {glue:text}`more_light:.0f` times the light, and at 14.32 GHz a millimetre is 143 times the phase.
-# Only the second is owed to the frequency.
+# At the stated power the error on dark feathers is thus noise, seen as grain that changes from
+# image to image. It depends on assumed values (lens, quantum efficiency, read noise), and a random
+# phase gives 433 mm in any case: agreement with the paper's 200 mm proves nothing, and the paper
+# shows no ground truth. The scan sends each point {glue:text}`more_light:.0f` times the light, and
+# at 14.32 GHz a millimetre is 143 times the phase. Only the second is due to the frequency.
 
 # %%
 dim = flat["owl"] & (owl.reflectance < 0.1)

@@ -1,14 +1,14 @@
 # %% [markdown]
 # # Scanned scenes
 #
-# A bust, a helmet, an owl and a cluttered table stand a metre before the simulated instrument, and
-# are scanned as the paper's scenes were (Paper Figs. 1 and 16). The phases are good to some ten
-# micrometres at the photon limit, and to 0.3 mm with the phase noise of the published captures
-# ({doc}`07_captures`); the wraps decide. Over all scenes KDE finds {glue:text}`kde:.0f` % of them
-# at the photon limit and {glue:text}`kde_captures:.0f` % with the captures' noise, where it fails
-# as the paper says; `surfaces`, the method of this book, {glue:text}`ours:.0f` and
-# {glue:text}`ours_captures:.0f` %. After RF demodulation no phase is left. The objects are meshes
-# of ours, so every true range is known. Nothing here was measured.
+# A bust, a helmet, an owl and a cluttered table at 1 m are scanned by the simulated instrument as
+# the paper's scenes were (Paper Figs. 1 and 16). The phases are precise to some ten micrometres at
+# the photon limit, and to 0.3 mm with the phase noise of the published captures
+# ({doc}`07_captures`), so the wraps determine the result. Over all scenes KDE finds
+# {glue:text}`kde:.0f` % of them at the photon limit, and {glue:text}`kde_captures:.0f` % with the
+# captures' noise, where it fails as the paper states; `surfaces`, the method of this book, finds
+# {glue:text}`ours:.0f` and {glue:text}`ours_captures:.0f` %. RF demodulation gives no usable phase.
+# The objects are meshes with known range; nothing was measured.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -47,10 +47,9 @@ plotting.begin(profile=profile, seed=seed)
 # Each scene is scanned three times: at the photon limit; with the level and the grain of the noise
 # in the published captures, as many radians in both modes; and at the photon limit under strong
 # room light, a white wall in some 1500 lux. A point takes 16 phases in 13.3 ms, in both modes
-# ({doc}`15_scan`). With the captures' noise the zero of the beat would take thousands of readings
-# of the reference target; that of the photon limit stands in for them. Every method has the whole
-# range to choose from, 0 to 7.5 m. No network has trained weights for it ({doc}`08_network`), the
-# paper's neither, so none is shown.
+# ({doc}`15_scan`). With the captures' noise a zero of the beat would require thousands of readings
+# of the reference target; that of the photon limit is used. Every method has the whole range, 0 to
+# 7.5 m. No network here has trained weights for it ({doc}`08_network`), so none is shown.
 
 # %%
 ordinary = TwinSettings()
@@ -141,7 +140,7 @@ TONES = [f"{f / 1e9:.2f} GHz" for f in first.frequencies]
 # %% [markdown]
 # ## In one picture
 #
-# The teaser of the paper (Paper Fig. 1): fringes of two wrapped phases become a surface.
+# The teaser of the paper (Paper Fig. 1): from the fringes of two wrapped phases to a surface.
 
 # %% tags=["hide-input"]
 stills, flat, residual, tilt = {}, {}, {}, {}
@@ -217,8 +216,8 @@ plotting.save(
 # %% [markdown]
 # ## RF demodulation
 #
-# The same light on the fast photodiode, demodulated after photo-conversion: each pixel's power goes
-# to the photodiode for the same 13.3 ms, and offsets and imbalance count as calibrated away.
+# The same light on the fast photodiode, demodulated after photo-conversion: each pixel's power for
+# the same 13.3 ms, with offsets and imbalance assumed calibrated.
 
 # %%
 phase_error, rf, rf_rms = {}, {}, {}
@@ -240,15 +239,13 @@ notes.table(
 )  # fmt: skip
 
 # %% [markdown]
-# A phase without any information has an rms error of 1.81 rad. The errors of the beat of both
-# phases are medians; a whole wrap is 17.6 mrad of it, and more than half of that in a pixel is a
-# wrong wrap. Polished steel mirrors nearly all light away, so the phases of the helmet rest on a
-# faint diffuse remainder.
+# A random phase has an rms error of 1.81 rad. The errors of the beat are medians; a wrap is 17.6
+# mrad of beat, and an error above half of that is a wrong wrap. Polished steel mirrors nearly all
+# light away, so the helmet's phases come from a faint diffuse remainder.
 #
 # ## The scenes
 #
-# In place of a photograph stands a rendering of the mesh. Depths have the colours of the truth;
-# what lies outside takes the colour at its end.
+# A rendering of the mesh replaces a photograph. All depths have the colour scale of the truth.
 
 # %% tags=["hide-input"]
 ABOUT = {
@@ -297,11 +294,11 @@ for name in objects:
             "rf_rms_rad": rf_rms[name],
         },
         caption=(
-            f"{name.capitalize()}: {ABOUT[name]}, simulated scan of {size} × {size} points. "
-            "(a) Rendering. (b, c) Amplitude. (d) True range. (e) Phase after RF demodulation. "
-            "Second row at the photon limit, third with the phase noise of the published captures: "
-            "both wrapped phases, and depth by KDE, by `region` and by this book's `surfaces`, "
-            "with the share of right wraps. No method is the paper's network."
+            f"{name.capitalize()}: {ABOUT[name]}, simulated scan of {size} × {size} points. (a) "
+            "Rendering. (b, c) Amplitude. (d) True range. (e) Phase after RF demodulation. Second "
+            "row at the photon limit, third with the phase noise of the published captures: both "
+            "wrapped phases, and depth by KDE, by `region` and by this book's `surfaces`, with the "
+            "share of right wraps. The paper's network is not shown."
         ),
         alt=(
             f"Fifteen images of the {name}. The amplitudes are grainy, the wrapped phases run in "
@@ -318,9 +315,9 @@ for name in objects:
 # %% [markdown]
 # ## Success and failure
 #
-# Each pixel is put into the first class that holds: at an edge, where a neighbour lies more than
-# half a wrap nearer or farther, be it an outline or a steep slope; polished, where most of the
-# light is mirrored away; dark, with a reflectance below 0.1; the wall behind; or the rest.
+# Each pixel belongs to the first class that applies: edge, with a neighbour more than half a wrap
+# nearer or farther (an outline or a steep slope); polished, where most light is mirrored away;
+# dark, with a reflectance below 0.1; the wall behind; or the rest.
 
 # %%
 CLASSES = ("edge", "polished", "dark", "wall", "rest")
@@ -366,8 +363,9 @@ plotting.save(
         "beat_error_mrad": {f"{n}, {room}": e for (n, room), e in phase_error.items()},
         "rf_rms_rad": rf_rms,
     },
-    caption="Pixels with the right wrap by scene, (a) at the photon limit and (b) with the phase "
-    "noise of the published captures, and (c) by what stands there, with its share; simulated.",
+    caption=f"Pixels with the right wrap on {len(objects)} simulated scenes, (a) at the photon "
+    "limit and (b) with the phase noise of the published captures, and (c) with that noise by "
+    "class of pixel, with its share. Classical methods and this book's `surfaces`; no network.",
     alt=(
         "Bars of right wraps. On average over the scenes: "
         + "; ".join(
@@ -380,19 +378,17 @@ quiet, noisy = (mean[room]["kde"] / 100 for room in NOISE)
 paper.check("sec8.kde_scanned", noisy, photon=quiet)
 
 # %% [markdown]
-# Edges fail for all methods: where the spot lies across an outline, the phases of both modes are
-# those of neither surface, and pooling over neighbours misleads. `crt-ml` pools nothing, and
-# `region` and KDE little: with the captures' noise, fifteen wraps of it in the beat of a pixel,
-# they have next to nothing left, as the paper reports of KDE; at the photon limit that does not
-# hold. `surfaces` pools over a surface as a whole and survives the noise on the wall, but hardly on
-# the objects. Strong room light changes little.
+# All methods fail at edges: where the spot crosses an outline, the phases are those of neither
+# surface, and pooling adds wrong neighbours. `crt-ml` does not pool, `region` and KDE pool little:
+# with the captures' noise, fifteen wraps in the beat of a pixel, they find hardly any wraps, as the
+# paper reports of KDE; at the photon limit this does not hold. `surfaces` pools over whole surfaces
+# and still works on the wall, but hardly on the objects. Strong room light changes little.
 #
 # ## In space
 #
-# Each scene in space, with the captures' noise: the depth by `surfaces`, in colours of the range or
-# of the wraps that it is off (pale is right), and the truth. Neighbours are joined only where they
-# lie close, so a pixel with a wrong wrap leaves a hole, and a patch floats before or behind its
-# place.
+# Each scene in space, with the captures' noise: depth by `surfaces`, coloured by range or by its
+# error in wraps (pale: right), and the truth. Only close neighbours are joined, so a pixel with a
+# wrong wrap leaves a hole, and a patch appears before or behind its place.
 
 # %% tags=["remove-input"]
 for name in objects:
