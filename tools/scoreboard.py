@@ -28,7 +28,7 @@ MEANING: dict[Outcome, str] = {
     "reproduced": "Ours lies within the tolerance of the paper's number.",
     "contradicted": "Ours, in simulation, lies outside; the ratio says by how much. "
     "Where the paper is at fault, the {doc}`errata <../notebooks/22_errata>` say so.",
-    "untested": "No result of ours can be held against it; the note says why.",
+    "untested": "No result of ours can be compared with it; the note says why.",
     "input": "A setting of the paper, typed in. It is no result of either side.",
 }
 

@@ -1,12 +1,12 @@
 """Centimetre-wave free-space time-of-flight imaging, rebuilt from the light up.
 
-The verbs of everyday use stand at the top level::
+The most used functions are at the top level::
 
     measurement = cmtof.simulate(cmtof.load_frame("still_life"), seed=0)
     measurement = cmtof.open("scan.nc")
     result = cmtof.unwrap(measurement)
 
-Everything else lives in modules named after the thing. The names below are resolved on first use,
+Everything else is in modules named by subject. The names below are resolved on first use,
 so that ``import cmtof`` stays light.
 """
 

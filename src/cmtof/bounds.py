@@ -1,4 +1,4 @@
-"""What the noise allows: Cramer-Rao bounds, the law of a noisy phase, the odds of one pixel.
+"""Limits by noise: Cramer-Rao bounds, the law of a noisy phase, the odds of one pixel.
 
 The phase of a correlation is the angle of a phasor with Gaussian noise. Where that noise is small
 the angle is Gaussian too, and the bound is met; where it is not, the angle follows the exact law

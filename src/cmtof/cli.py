@@ -331,7 +331,7 @@ def render(
 ) -> None:
     """Render furnished rooms, in Hypersim's layout.
 
-    The same seed gives the same bytes. A run that was stopped goes on where it was, and a set may
+    The same seed gives the same bytes. A stopped run continues, and a set may
     grow: ask for more scenes or views in the same folder. Needs the extra [bold]rooms[/bold].
 
     Example: [bold]cmtof render --scenes 20 --views 5 --seed 1 -o rooms[/bold]
@@ -437,7 +437,7 @@ def progress(total: int, quiet: bool) -> Iterator[Callable[..., None]]:
 
 
 def _hidden() -> bool:
-    """Whether nobody watches: in CI, and where standard error is no terminal."""
+    """Whether to hide the bar: in CI, and where standard error is no terminal."""
     return bool(os.environ.get("CI")) or not sys.stderr.isatty()
 
 

@@ -166,7 +166,7 @@ def phase_from_correlation(correlation: ArrayLike, psi: ArrayLike) -> Array:
 
 
 def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
-    """Standard deviation of one sample's noise, counts, from what the fit leaves over.
+    """Standard deviation of one sample's noise, counts, from the residual of the fit.
 
     The median absolute residual of all pixels, scaled to a Gaussian: a typical pixel's noise.
     Correlations (K, ...) of many pixels at more than three phases ``psi`` (K,), rad: three are

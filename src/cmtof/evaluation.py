@@ -1,4 +1,4 @@
-"""Methods against each other on the same frames and the same noise, counted in bounded memory."""
+"""Comparison of methods on the same frames and the same noise, in bounded memory."""
 
 import hashlib
 import json

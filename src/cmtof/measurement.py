@@ -1,4 +1,4 @@
-"""Measurement: the noun that simulator and instrument hand over. Open, validate, save.
+"""Measurement: the product of simulator and instrument alike. Open, validate, save.
 
 A thin wrap around an `xarray.Dataset` of the variables in `_VARIABLES`: ``correlation`` or
 ``phase``, with the coordinates ``frequency`` and ``psi`` (of correlations); the rest is optional.
@@ -186,7 +186,7 @@ def _dataset(
 
 
 def unambiguous_range(frequencies: ArrayLike) -> float:
-    """Range within which the phases do not repeat as far as noise lets one tell, m.
+    """Range within which the phases do not repeat, within their noise, m.
 
     Two frequencies: the beat's ``c / 2 |f2 - k f1|`` with ``k = round(f2 / f1)``, 7.495 m for the
     prototype; one frequency: a single wrap.

@@ -1,4 +1,4 @@
-"""Noise of a phase map: its size and spectrum, less of it, and as much of it in the simulator.
+"""Noise of a phase map: size and spectrum, its reduction, and the simulator's equivalent.
 
 A wrapped phase may be neither averaged nor differenced as it stands: its wraps are no steps. Every
 window of a map is therefore first turned back by the local slope of the phase, which products of

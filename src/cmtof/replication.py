@@ -29,7 +29,7 @@ METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
 
 
 class Outcome(NamedTuple):
-    """One line of the replication: ours, what was expected, and how far they may lie apart."""
+    """One line of the replication: our value, the expected one, and the tolerance."""
 
     what: str
     value: float

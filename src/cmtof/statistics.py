@@ -1,4 +1,4 @@
-"""How certain a rate is, and whether a confidence is true.
+"""Intervals of rates, and calibration of confidences.
 
 Pixels of one frame are right or wrong together, so what varies from one test set to the next are
 its scenes: intervals come from redrawing scenes (the bootstrap of `scipy.stats`).

@@ -274,7 +274,7 @@ def truth_from_spots(
     sigmas: float = 3.0,
     draws: Sequence[StereoRig] = (),
 ) -> PseudoTruth:
-    """Wrap map of the spots (H, W) of a scan, where the number of wraps is beyond doubt.
+    """Wrap map of the spots (H, W) of a scan, where the number of wraps is certain.
 
     The label is floor(2 f z / c) where ``sigmas`` deviations reach into no other wrap; with a
     measured phase (H, W), rad, the wrap that brings it nearest to the stereo range, where those of

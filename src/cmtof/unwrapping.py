@@ -1,4 +1,4 @@
-"""The door to every method: a measurement goes in, wrap count, depth and confidence come out."""
+"""Unwrapping by any method: from a measurement to wrap count, depth and confidence."""
 
 import shutil
 from collections.abc import Iterator

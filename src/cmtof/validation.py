@@ -1,4 +1,4 @@
-"""What numbers must be before anything is computed from them; each fault in one sentence."""
+"""Checks of inputs before any computation; each fault in one sentence."""
 
 import json
 from typing import Any, TypeVar

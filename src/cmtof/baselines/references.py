@@ -1,4 +1,4 @@
-"""References that know a part of the truth: what is left to find, and how well it can be found.
+"""References that know a part of the truth, and the accuracy that this allows.
 
 `reference_depth` reads the true depth against the measured phase. The others know the shape of
 every true surface but not its place: phasors demodulated by the true depth, ``a_i exp(i (phi_i -

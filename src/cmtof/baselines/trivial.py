@@ -1,4 +1,4 @@
-"""Answers that cost nothing, to hold methods against."""
+"""Trivial answers, to compare methods with."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The published numbers, and how a result of ours is held against them.
+"""The published numbers, and the comparison of our results with them.
 
 A notebook calls `check` for each number of ``paper.yml`` that it touches; the verdict never stops a
 run. ``tools/scoreboard.py`` writes the book's page.
@@ -114,11 +114,11 @@ def published(key: str) -> Published:
 
 
 def check(key: str, value: Value, *, crops: int = 0, photon: Value | None = None) -> None:
-    """Hold a result against the paper, print one line, and note it for the scoreboard.
+    """Compare a result with the paper, print one line, and note it for the scoreboard.
 
     ``value`` is in the unit of the published number, a pair the ends of a band; ``crops`` how many
     a network was trained on. Where the simulated instrument has the captures' noise, ``photon`` is
-    the value at the photon limit, which is shown beside and decides nothing.
+    the value at the photon limit, which is shown too and decides nothing.
     """
     number, value, beside = published(key), np.asarray(value, float).tolist(), ""
     said = number.outcome(value)

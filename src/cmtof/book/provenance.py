@@ -23,7 +23,7 @@ def output_folder() -> Path:
 
 
 def processor() -> str:
-    """What the operating system calls the processor."""
+    """Name of the processor by the operating system."""
     about = Path("/proc/cpuinfo")
     named = about.is_file() and re.search(r"model name\s*: (.+)", about.read_text("utf-8"))
     return named[1] if named else platform.processor()

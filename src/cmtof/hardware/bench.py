@@ -72,7 +72,7 @@ class Bench(EmergencyStop):
         self.daq.write_many(dict.fromkeys(MIRRORS, 0.0))
 
     def set_up(self) -> None:
-        """Bring everything but light and RF to where a scan begins."""
+        """Set up everything but light and RF for a scan."""
         rig = self.rig
         self.safe_state()
         self.check_interlock()
@@ -104,7 +104,7 @@ class Bench(EmergencyStop):
         self.switch("laser", True)
 
     def choose_mode(self, mode: str) -> None:
-        """Turn both plates and run both modulators as a mode wants it; the shutter is closed."""
+        """Turn both plates and run both modulators as a mode requires; the shutter is closed."""
         self.shut()
         rig = self.rig
         for rf in self.rf:

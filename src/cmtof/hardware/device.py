@@ -1,4 +1,4 @@
-"""What every driver shares: one error pattern, limits, one repeated question, read-back."""
+"""Common parts of all drivers: one error pattern, limits, one repeated question, read-back."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -69,10 +69,10 @@ class Device:
         self._connection.close()
 
     def safe_state(self) -> None:
-        """Bring the device to where it can hurt nobody; may be called at any time, and again."""
+        """Bring the device into its safe state; may be called at any time, and again."""
 
     def identify(self) -> dict[str, str]:
-        """What the device calls itself; `Refused` if it is another one."""
+        """Name that the device reports; `Refused` if it is another one."""
         found: dict[str, str] = self._identity()  # type: ignore[attr-defined]
         model, serial_number = found["model"], found["serial_number"]
         if self._serial_number not in ("", serial_number) or not model.startswith(self.MODELS):
@@ -116,7 +116,7 @@ def question(ask: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def insist(*acts: Callable[[], object], tries: int = 2) -> None:
-    """Do what only ever makes things safer: every act, each again after a failure; then raise."""
+    """Run acts that only increase safety, each again after a failure; then raise."""
     failures = []
     for act in acts:
         for left in reversed(range(tries)):

@@ -1,4 +1,4 @@
-"""What a scan has measured so far: an append-only file that a kill at any moment cannot spoil.
+"""Record of a running scan: an append-only file that a kill at any moment cannot damage.
 
 A line of text each: the CRC-32 of what follows, a space, and a JSON object. The first is the
 header, everything that the result depends on; the others are the lines of the plan. Each is on the

@@ -1,4 +1,4 @@
-"""What a scan does, burst by burst, settled before anything is touched.
+"""The bursts of a scan, planned before any device is used.
 
 A *burst* is one point in one modulation mode: 16 phases of 20 samples. Bursts are numbered from 1;
 the number is the *label* that travels with the burst to the read-out. A *line* is the run of bursts

@@ -10,7 +10,7 @@ The reference phase that the file states is the nominal one plus the offset that
 target showed, ``psi_k = 2 pi k / K + psi_0``.
 
 Ranges are optical: light is slower in air, and a frequency in Hz and the speed of light in vacuum
-make ``n_g z`` out of a phase. So the reference target is held against ``n_g`` times its distance,
+make ``n_g z`` out of a phase. The reference target is compared with ``n_g`` times its distance,
 and what comes out of a measurement divided by its attribute ``group_index`` is the distance in m.
 """
 

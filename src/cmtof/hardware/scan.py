@@ -1,4 +1,4 @@
-"""The scan: instruments and a plan go in, a journal line by line, and a measurement at the end.
+"""The scan of a plan by instruments: a journal line by line, and a measurement at the end.
 
 Every line begins from a known state and is checked at its end (edges counted, both modulators on
 and locked, interlock closed); only then is it recorded. Whatever goes wrong, the emergency stop

@@ -41,7 +41,7 @@ class SimulatedDevice:
         return {"model": type(self).__name__, "serial_number": f"TWIN-{self.name}"}
 
     def nothing(self, *values: float, **options: float) -> None:
-        """Nothing: what takes its time or can fail on a real device does not here."""
+        """No operation: on a real device it takes time or may fail."""
 
     safe_state = close = nothing
 

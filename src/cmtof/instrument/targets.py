@@ -1,4 +1,4 @@
-"""What a beam can meet: plane, frame, mesh. A target says where a ray ends, not its light.
+"""Targets of a beam: plane, frame, mesh. A target gives the end of a ray, not its light.
 
 Coordinates of the camera: x right, y down, z forward; the galvo's beam leaves along +z at 0 V.
 """

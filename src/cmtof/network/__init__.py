@@ -1,1 +1,1 @@
-"""The learned unwrapping: what goes in, and the networks that it goes into."""
+"""The learned unwrapping: inputs, networks, training and weights."""

@@ -73,7 +73,7 @@ def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
 
 
 def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
-    """Inputs of a network, out of `FEATURE_SETS`, and the wraps it is asked for.
+    """Inputs of a network, out of `FEATURE_SETS`, and its target wraps.
 
     Masked are pixels outside the protocol's wraps and those whose beat repeats a nearer one's.
     """
@@ -89,7 +89,7 @@ def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
 def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> Crop:
     """Overlapping slanted plates at random depths: the training data of the first stage.
 
-    Depth, brightness and texture are independent, so that nothing but the phases leads to a wrap.
+    Depth, brightness and texture are independent, so that only the phases determine a wrap.
     Some plates lie nearer than the protocol's range; slopes are those of rooms that it has shrunk.
     """
     first, classes = CLASSES[protocol]

@@ -131,7 +131,7 @@ class OpticalRanger:
     def dimming_and_noise(self, collected: ArrayLike) -> tuple[Array, Array]:
         """Grey filter's transmission for collected light (...), W, and noise of a phase, rad.
 
-        The filter keeps the crest within the detector's range; no speckle.
+        The filter keeps the maximum within the detector's range; no speckle.
         """
         settings = self.settings
         wave = World(settings).emission(self.panel())  # the detection's is alike

@@ -1,4 +1,4 @@
-"""Where RGB-D comes from: files, folders, Hypersim, rooms from a seed, real captures."""
+"""Sources of RGB-D: files, folders, Hypersim, rooms from a seed, real captures."""
 
 from functools import partial
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What makes a scene hard to unwrap: slope, jumps, and size of its surfaces."""
+"""Difficulty of unwrapping a scene: slope, jumps, and size of its surfaces."""
 
 from typing import NamedTuple
 
@@ -23,7 +23,7 @@ def bends(depth: ArrayLike) -> NDArray[np.bool_]:
 
 
 class Hardness(NamedTuple):
-    """Samples of what makes a depth map hard to unwrap, for 7.15 GHz."""
+    """Slopes, jumps and sizes of the surfaces of a depth map, for 7.15 GHz."""
 
     slope: NDArray[
         np.float64
