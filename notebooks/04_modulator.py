@@ -377,9 +377,9 @@ weak, strong = signal_ratio
 print(f"signal, doubled over single: {weak:.1%} at η = {eta}, {strong:.0%} at π/4")
 
 # %% [markdown]
-# The doubled mode has higher contrast and far less signal. With bright bias the same signal has
-# nearly all of the light as background, and its shot noise dominates. Detection at 14.32 GHz
-# therefore depends on the radio-frequency power.
+# At η = 0.26 the doubled mode has higher contrast but far less signal. With bright bias the same
+# signal has nearly all of the light as background, and its shot noise dominates. Detection at 14.32
+# GHz therefore depends on the radio-frequency power.
 #
 # ## Tolerances
 #

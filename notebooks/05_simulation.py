@@ -90,8 +90,8 @@ plotting.save(
 # ```
 #
 # with $GT = 20\,000$ counts, photon noise $\eta_P$ and Gaussian noise $\eta_G$ of σ = 1200 counts.
-# ({doc}`01_correlation` has the instrument with this contrast, 2/π.) The paper decodes with a
-# Fourier transform along ψ,
+# ({doc}`01_correlation` discusses this contrast of 2/π.) The paper decodes with a Fourier transform
+# along ψ,
 #
 # ```{math}
 # :label: eq-9
@@ -231,7 +231,7 @@ notes.tell(
 # of the lower frequency, as one class for each pixel. **released** follows the authors' code: the
 # scene is shrunk until nearly all of it lies within 1.195 m, and only pixels in wraps 36 to 56 are
 # scored, 21 classes. **full** leaves the scene as it is and scores everything within the beat's
-# 7.495 m. A pixel that is not scored keeps its light.
+# 7.495 m. A pixel that is not scored keeps its signal.
 
 # %%
 frames = {name: cmtof.load_frame(name) for name in embedded_frames()}

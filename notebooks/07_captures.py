@@ -157,9 +157,9 @@ plotting.save(
         "sigma_at_full_brightness": matched,
         "phase_noise_simulated_rad": dict(zip(names, again, strict=True)),
     },
-    caption="Noise matching at 7.15 GHz: phase simulated with the noise level found, then "
-    f"{source} ({count} scans of each). A turn of colour is {1e3 * WRAP:.1f} mm. The simulated "
-    "surface is an average, hence smoother.",
+    caption="Noise matching at 7.15 GHz: phase simulated with the noise level found, then the "
+    f"{source} phase to which it is matched (scenes: {count}). A turn of colour is "
+    f"{1e3 * WRAP:.1f} mm. The simulated surface is an average, hence smoother.",
     alt="Pairs of phase maps with the same rings on a wall and an object, and the same graininess.",
     format="png",
 )
@@ -472,4 +472,4 @@ notes.table([f"**{source}** / white / lines", *names], [[k, *v] for k, v in tabl
 # **Edges.** Over the whole map more residuals lie beyond 3.5 σ than on the wall: surfaces that no
 # quadratic fits, fine relief, dark paint, or a beam of finite width across two depths. The data do
 # not separate these causes. **Not settled**: the amplitude over the scene is unknown, so noise is
-# compared with that of uniform brightness; and one map a scene shows no variation.
+# compared with that of uniform brightness; and one map a scene does not show changes between scans.

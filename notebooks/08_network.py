@@ -190,7 +190,7 @@ print(f"one wrap is {WRAP_MM:.1f} mm, and costs {w * WRAP_MM:.1f}; slope where m
 # ## Initialisation
 #
 # A wrap moves the beat $b=\varphi_2-2\varphi_1$ by 17.5 mrad, and its noise at one pixel is near a
-# radian. A convolution and a ReLU must form a *product* of two noisy phasors before averaging. It
+# radian. A convolution and a ReLU must form a *product* of two noisy phasors before averaging. They
 # can:
 #
 # $$|\cos(\varphi_2+\alpha)-\cos(2\varphi_1+\alpha+\beta)|
@@ -349,7 +349,7 @@ plotting.save(
 # ## The shipped weights
 #
 # A row is *trained* if its validation rate beats the best constant answer with 95 % confidence, by
-# its card. Other rows have no weights and appear in no figure.
+# its card. Other rows have no weights here; their curves above are called untrained.
 
 # %%
 held = {}
@@ -433,7 +433,7 @@ plotting.save(
     figure,
     "table1_maps",
     numbers={"right": right},
-    caption=f"Wraps of {len(places)} simulated test frames (released protocol, σ = 1200 counts; "
+    caption=f"Wraps of simulated test frames ({len(places)}; released protocol, σ = 1200 counts; "
     "grey: not scored) by `beat` and by our networks, trained far less than the paper's, with the "
     "share of right pixels.",
     alt="Maps of wrap counts: the truth at the left, then each method's. "

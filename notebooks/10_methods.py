@@ -61,7 +61,7 @@ ready = [name for name, state in states.items() if state not in ("untrained", "n
 #
 # The paper's simulator and its released protocol: each room is shrunk to 1.195 m, with 21 possible
 # wraps. Grey pixels lie outside them. Networks appear only if their validation beats a trivial
-# answer; ours are trained far less than the paper's ({doc}`08_network`).
+# answer; all have far less training than the paper's ({doc}`08_network`).
 
 # %%
 frames = held_out_frames()
@@ -86,16 +86,19 @@ def draw(stem, names, caption):
             "scenes": [scene.frame.name for scene in scenes],
             "right": {name: [scene.right(name) for scene in scenes] for name in shown},
         },
-        caption=f"{caption} {len(places)} test rooms, simulated, released protocol, σ = 1200; only "
-        "trained networks, with far less training than the paper's. Above, wraps; below, errors "
-        "(black: none).",
+        caption=f"{caption} Simulated test rooms ({len(places)}), released protocol, σ = 1200. "
+        "Above, wraps; below, errors (black: none).",
         alt="Rooms, each in two rows of pictures: the wraps of each method and their errors, with "
         f"the share of right pixels above each map. Methods: {', '.join(shown)}.",
         format="png",
     )
 
 
-draw("fig10_comparison", [*PAPERS.values(), "surfaces"], "The paper's methods and our `surfaces`.")
+draw(
+    "fig10_comparison",
+    [*PAPERS.values(), "surfaces"],
+    "Methods of the paper (its networks as far as trained, with far fewer crops) and `surfaces`.",
+)
 
 # %% [markdown]
 # The next figure has methods outside the paper, and three references. `reference-depth` combines
@@ -192,7 +195,7 @@ plotting.save(
         "frames": len(counts[CONDITIONS[0]]),
         "delta_lt_1": {name: float(table[name].value[0]) for name in order},
     },
-    caption="Share of pixels in the right wrap, simulated, released protocol, σ = 1200, all test "
+    caption="Share of pixels in the right wrap, simulated, released protocol, σ = 1200, 32 test "
     "frames; bars, 95 % over scenes. Networks trained far less than the paper's.",
     alt="Dots on a scale, best on top: references and our own method far to the right, random "
     "fields and regions in the middle, the pixelwise methods and the trivial answers at the left.",

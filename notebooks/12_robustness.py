@@ -228,9 +228,9 @@ plotting.save(
         "gain": gain,
     },
     caption="A phase offset, in wraps of the beat, simulated. (a) Averages of the beat over 41×41 "
-    "px on a white wall: points counted, lines by the formula. (b) Rates of the methods in "
-    f"{len(frames)} test rooms, our `fast-scnn` trained less than the paper's. (c) Mean move of "
-    "their answers.",
+    "px on a white wall: points counted, lines by the formula. (b) Rates of the methods in test "
+    f"rooms ({len(frames)}), our `fast-scnn` trained less than the paper's. (c) Mean move of their "
+    "answers.",
     alt="Left, three bell-shaped curves over the offset with points on them. Middle, rates of the "
     "methods, peaked for those that read the beat. Right, lines of slope one and a level one.",
 )
@@ -276,8 +276,8 @@ plotting.save(
     "noise_sweeps",
     numbers={"beat": {key: {f"{x:g}".replace(".", "_"): found["beat"]["delta_lt_1"]
                             for x, found in points} for key, points in sweeps.items()}},
-    caption=f"Share of pixels in the right wrap on {len(frames)} simulated test rooms against (a) "
-    "Gaussian noise, (b) brightness, (c) reference phases; `fast-scnn` trained less than the "
+    caption=f"Share of pixels in the right wrap in simulated test rooms ({len(frames)}) against "
+    "(a) Gaussian noise, (b) brightness, (c) reference phases; `fast-scnn` trained less than the "
     "paper's.",
     alt="Three panels: falling with the noise, rising with the brightness, falling with the steps.",
 )  # fmt: skip
@@ -287,7 +287,8 @@ plotting.save(
 #
 # The beat of a surface minus the phase within its wrap must be a whole number of wraps; the
 # remainder is the closure, the offset modulo one wrap. It is measured on tiles of a white wall at
-# unknown range: a smooth surface is fitted to both phases and subtracted.
+# unknown range: a smooth surface is fitted, subtracted from both phases, and the phasors are
+# summed.
 
 
 # %%

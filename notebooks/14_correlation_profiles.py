@@ -280,8 +280,8 @@ plotting.save(
         "at the photon limit; dots: simulated, one sweep each; lines: expected without noise. The "
         "scales differ."
     ),
-    alt="Two panels: in the single mode four steps err with four periods in a turn, sixteen "
-    "hardly; in the doubled mode both scatter by the noise of a sweep.",
+    alt="Two panels: in the single mode four steps have an error of four periods a turn, sixteen "
+    "hardly any; in the doubled mode both scatter by the noise of a sweep.",
 )  # fmt: skip
 
 # %% [markdown]

@@ -363,7 +363,7 @@ plotting.save(
         "beat_error_mrad": {f"{n}, {room}": e for (n, room), e in phase_error.items()},
         "rf_rms_rad": rf_rms,
     },
-    caption=f"Pixels with the right wrap on {len(objects)} simulated scenes, (a) at the photon "
+    caption=f"Pixels with the right wrap in simulated scenes ({len(objects)}), (a) at the photon "
     "limit and (b) with the phase noise of the published captures, and (c) with that noise by "
     "class of pixel, with its share. Classical methods and this book's `surfaces`; no network.",
     alt=(

@@ -153,8 +153,8 @@ holds[9] = factor == 2
 # (erratum-18)=
 # ### 18 · Wrap count and phase
 # φ′ of Eq. 6 is an expected class number; the phase is $\hat\varphi+2\pi(n_0+\phi')$. As printed,
-# $z'=\phi'c/4\pi\omega$ is 2π too small and lacks the fraction of a wrap and the wraps before the
-# first class.
+# $z'=\phi'c/4\pi\omega$ is too small by 2π and lacks the fraction of a wrap and the wraps before
+# the first class.
 
 # %%
 wraps = {f: float(wrap_length(f)) for f in (1e8, f1, f2)}
@@ -239,7 +239,7 @@ holds[8] = depths[1] < depths[0] and light > 3
 # (erratum-22)=
 # ### 22 · Phasor imaging's frequencies
 # 7.15 and 7.16 GHz are called optimal within the band; with ±10 MHz (Section 5), 7.14 and 7.16 GHz
-# are feasible and halve the noise of the wrap count. Its rate in Table 2 would remain low.
+# are feasible and halve the noise of the wrap count. The method's rate in Table 2 would remain low.
 
 # %%
 sweep = said("sec7.sample_rate") / (said("sec7.samples_per_phase") * said("sec7.phase_steps"))
@@ -422,7 +422,7 @@ holds[25] = mae < 11
 # (erratum-26)=
 # ### 26 · Fringes between steps
 # The interferometer was unwrapped sequentially along steps of 50 µm, each 188 fringes: neighbouring
-# positions do not determine the fringe. This requires phases measured while the stage moved.
+# positions do not determine the fringe. Counting needs phases measured while the stage moved.
 #
 # (erratum-28)=
 # ### 28 · Photon budgets
