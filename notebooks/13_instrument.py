@@ -135,8 +135,7 @@ plotting.save(
 #
 # $$\frac{P_\mathrm{collected}}{P_\mathrm{sent}} = \frac{\varrho}{2}\,\frac{A}{\pi z^2};$$
 #
-# the factor ½ is the polarisation that the splitter rejects. This step loses more than all others
-# together.
+# the factor ½ is the polarisation that the splitter rejects. This step loses more than the rest.
 
 # %%
 phase_time = rig.samples_per_phase / rig.rate
