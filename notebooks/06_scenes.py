@@ -174,7 +174,7 @@ plotting.save(
         "steeper_than_half_a_wrap": steep,
     },
     caption="Slope, jumps and size of surfaces in the rendered rooms, over all pixels, in wraps of "
-    "7.15 GHz (20.97 mm). Beyond half a wrap a pixel the sign of the slope is ambiguous.",
+    "7.15 GHz (20.96 mm). Beyond half a wrap a pixel the sign of the slope is ambiguous.",
     alt="Three cumulative curves on logarithmic axes: slope, jump, and size of surfaces.",
 )
 

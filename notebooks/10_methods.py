@@ -12,7 +12,7 @@
 # The paper compares its network with seven methods. Here they are compared with methods that a user
 # would try today, with trivial answers, and with references that know a part of the truth, on the
 # same simulated measurements of the same rooms. Most of the paper's rows are pixelwise or pool
-# little, and stay near the trivial answer; methods that pool over whole surfaces are far ahead.
+# little, and stay near the trivial answer; our `surfaces` pools over whole ones and is far ahead.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile

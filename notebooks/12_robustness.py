@@ -3,9 +3,9 @@
 #
 # The paper's Table 3 tests the network with an offset of ±0.01 rad between the frequencies, and
 # with more noise, for strong room light. A method that relies on the beat must lose as much to the
-# offset as a formula predicts, and does; the paper's network hardly loses, so it does not determine
-# wraps from the beat. Other frequencies of the same modulators need several times fewer pixels. All
-# is simulated.
+# offset as a formula predicts, and does. The paper's network hardly loses: it does not read the
+# beat, or was trained with offsets. Other frequencies of the same modulators need many times fewer
+# pixels. All is simulated.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -238,7 +238,7 @@ plotting.save(
 # %% [markdown]
 # The paper's network is right in 51.6 % without and 51.0 % with an offset. If its answers came from
 # the beat, with the (symmetric) errors of its own table, 27 % would remain for 0.01 rad on f₂ and 8
-# % on f₁. Its right answers must rest on shapes, amplitudes and likely depths.
+# % on f₁. Its right answers rest on shapes and likely depths, or it was trained with offsets.
 #
 # ## More noise, less light, other steps
 #
