@@ -290,7 +290,7 @@ for name in names:
     turns = (depths[name] - references[name]) / WRAP
     objects = turns[~walls[name][0] & np.isfinite(turns)]
     off_wraps[name] = np.percentile(objects, [5, 95]).tolist()
-    print(name, {k: round(v, 2) for k, v in agreement[name].items()}, "objects", off_wraps[name])
+    print(name, {k: round(v, 2) for k, v in agreement[name].items()}, np.round(off_wraps[name], 2))
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(count, 3, figsize=(10.4, 2.9 * count + 0.3), squeeze=False)
