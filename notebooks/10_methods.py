@@ -143,15 +143,14 @@ found = {
     for key, held in counts.items()
     if held
 }
-theirs = {
-    name: [100 * paper.published(f"table2.{row}.delta_lt_{k}").value for k in (1, 2, 3)]
-    for row, name in PAPERS.items()
-}
+theirs = {name: [100 * paper.published(f"table2.{row}.delta_lt_{k}").value for k in (1, 2, 3)]
+          for row, name in PAPERS.items()}  # fmt: skip
 
 
 def show(key):
     rows = []
-    for name, (value, low, high) in found.get(key, {}).items():
+    ordered = sorted(found.get(key, {}).items(), key=lambda one: -one[1].value[0])
+    for name, (value, low, high) in ordered:
         first = f"{100 * value[0]:.1f} ({100 * low[0]:.1f}–{100 * high[0]:.1f})"
         said = " / ".join(f"{x:.1f}" for x in theirs.get(name, ()))
         rows.append([f"`{name}`", first, *(f"{100 * x:.1f}" for x in value[1:]), said])

@@ -16,4 +16,5 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     from IPython.display import Markdown, display
 
     lines = [head, [":--", *["--:"] * (len(head) - 1)], *rows]
-    display(Markdown("\n".join("| " + " | ".join(str(x) for x in line) + " |" for line in lines)))
+    text = "\n".join("| " + " | ".join(str(x) for x in line) + " |" for line in lines)
+    display(Markdown(text.replace("–", "\u2060–\u2060").replace(" (", "\u00a0(")))  # unbroken
