@@ -21,20 +21,15 @@ SETTINGS = Settings(seed=3, scenes=10_000, views=2, height=384, width=512)
 COUNT, COVERAGE = 32, (0.2, 0.9)
 
 
-def first_view(index: int) -> Frame:
-    """First view across one room, as in a set of two views or more."""
-    scene, lens = build(SETTINGS.seed, index), SETTINGS.lens(index)
-    pose = scene.cameras(SETTINGS.views, lens)["cam_00"][0]
-    return frame_of(render_view(scene, pose, lens, 0), lens, f"{scene.name}/cam_00")
-
-
 def chosen() -> list[Frame]:
     """The test views; prints the share of pixels that the released protocol scores."""
     found: list[Frame] = []
     for index in range(SETTINGS.scenes):
         if split_of(index) != "test" or len(found) == COUNT:
             continue
-        frame = first_view(index)
+        scene, lens = build(SETTINGS.seed, index), SETTINGS.lens(index)
+        pose = scene.cameras(SETTINGS.views, lens)["cam_00"][0]
+        frame = frame_of(render_view(scene, pose, lens, 0), lens, f"{scene.name}/cam_00")
         coverage = float(simulate(frame, noise_free=True).mask.mean())
         if COVERAGE[0] <= coverage <= COVERAGE[1]:
             found.append(frame)

@@ -17,24 +17,32 @@ from pathlib import Path
 from bs4 import BeautifulSoup
 
 NOTEBOOKS = Path(__file__).resolve().parents[1] / "notebooks"
+SHOWN = "div.math[id], figure[id], dt[id^=term], div.citation[id], [id^=erratum-]"
 UNUSED = re.compile(
     r"/mathjax/((?!tex-chtml\.js)[\w-]+\.js$|output/svg/|sre/mathmaps/(?!base|en))|/locales/|\.map$"
 )
 
 
 def lighten(html: Path) -> None:
-    """Remove what no page loads, and give the search the texts from which it quotes.
+    """Remove what no page loads; store texts for the search, and what links show when hovered.
 
     A notebook is offered for download without the outputs that its page shows.
     """
     for file in (html / "_static").rglob("*"):
         if file.is_file() and UNUSED.search(file.as_posix()):
             file.unlink()
-    texts = {}
+    held: dict[str, dict[str, str]] = {"Texts": {}, "Previews": {}}
     for page in html.glob("*/*.html"):
         if article := BeautifulSoup(page.read_text("utf-8"), "html.parser").article:
-            texts[page.relative_to(html).as_posix()] = escape(article.get_text(" "))
-    (html / "_static" / "texts.js").write_text(f"const cmtofTexts = {json.dumps(texts)};", "utf-8")
+            name = page.relative_to(html).as_posix()
+            held["Texts"][name] = escape(article.get_text(" "))
+            for place in article.select(SHOWN):
+                kind = {"dt": "dd", "section": "p", "span": "p"}.get(place.name)
+                shown = place.find_next(kind) if kind else place
+                held["Previews"][f"{name}#{place['id']}"] = str(shown)
+    for name, texts in held.items():
+        path = html / "_static" / f"{name.lower()}.js"
+        path.write_text(f"const cmtof{name} = {json.dumps(texts)};", "utf-8")
     for notebook in (html / "_sources" / "notebooks").iterdir():
         shutil.copyfile(NOTEBOOKS / notebook.name, notebook)
 
@@ -43,14 +51,10 @@ def main(stage: Path, html: Path) -> int:
     """Build ``stage`` and put the pages at ``html``; return the exit code."""
     work, log = html.with_name("sphinx"), html.with_name("book.log")
     shutil.rmtree(work, ignore_errors=True)
-    build = ["jupyter-book", "build", str(stage), "-W", "-n", "--keep-going", "-q"]
-    done = subprocess.run(
-        [str(Path(sys.executable).with_name(build[0])), *build[1:], "--path-output", str(work)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
+    program = str(Path(sys.executable).with_name("jupyter-book"))
+    build = [program, "build", str(stage), "--path-output", str(work), "-W", "-n", "--keep-going"]
+    piped = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    done = subprocess.run([*build, "-q"], **piped, check=False)  # type: ignore[call-overload]
     # colours are for a terminal, not for a file
     lines = re.sub(r"\x1b\[[0-9;]*m", "", done.stdout).splitlines()
     log.write_text("\n".join(lines) + "\n", encoding="utf-8")

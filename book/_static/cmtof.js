@@ -23,6 +23,48 @@ document.addEventListener("click", (event) => {
   box.showModal();
 });
 
+// --- previews ------------------------------------------------------------------------------------
+// Equations, figures, terms and sources, shown while the pointer rests on a link to them.
+
+const root = document.documentElement.dataset.content_root || "./";
+let preview = null;
+
+function shown(link) {
+  const [page, id] = link.href.split("#"), here = new URL(root, location.href).href;
+  const found = window.cmtofPreviews?.[`${page.replace(here, "")}#${id}`];
+  if (!found || preview !== link) return;
+  const box = add(document.body, "div", { class: "preview", role: "tooltip" });
+  box.innerHTML = found;
+  box.querySelectorAll("[id]").forEach((one) => one.removeAttribute("id"));
+  window.MathJax?.typesetPromise?.([box]);
+  const { left, bottom, top } = link.getBoundingClientRect();
+  box.style.left = `${Math.max(8, Math.min(left, innerWidth - box.offsetWidth - 8))}px`;
+  const under = bottom + box.offsetHeight + 8 < innerHeight;
+  box.style.top = `${under ? bottom + 6 : Math.max(8, top - box.offsetHeight - 6)}px`;
+}
+
+const hide = () => {
+  preview = null;
+  document.querySelectorAll("div.preview").forEach((box) => box.remove());
+};
+
+for (const [over, out] of [["mouseover", "mouseout"], ["focusin", "focusout"]]) {
+  document.addEventListener(over, (event) => {
+    const link = event.target.closest?.(".bd-article a.reference.internal[href*='#']");
+    if (!link || link === preview) return;
+    hide();
+    preview = link;
+    if (window.cmtofPreviews) return shown(link);
+    const script = add(document.head, "script", { src: `${root}_static/previews.js` });
+    script.addEventListener("load", () => {
+      window.cmtofPreviews = cmtofPreviews;
+      shown(link);
+    });
+  });
+  document.addEventListener(out, hide);
+}
+document.addEventListener("keydown", (key) => key.key === "Escape" && hide());
+
 // --- scenes --------------------------------------------------------------------------------------
 // A scene is a script of its own, loaded when it is unfolded; it calls cmtofScene with its surfaces.
 
