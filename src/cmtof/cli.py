@@ -149,6 +149,7 @@ def unwrap(
     ply: Annotated[
         Path | None, _file(".ply", "--ply", text="Also a point cloud; needs a camera.")
     ] = None,
+    fast: Annotated[bool, Option("--fast", help="Networks calculate in bfloat16.")] = False,
     tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a .nc above memory.")] = 0,
     quiet: Quiet = False,
 ) -> None:
@@ -163,6 +164,10 @@ def unwrap(
     from cmtof.unwrapping import unwrap_file
     from cmtof.validation import expect
 
+    if fast:
+        import torch
+
+        torch.set_autocast_enabled("cpu", True)
     several = len(measurement) > 1
     targets = [output / f"{path.stem}.nc" for path in measurement] if several else [output]
     paths = [path.resolve() for path in (*measurement, *targets, ply) if path is not None]

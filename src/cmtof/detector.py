@@ -20,12 +20,7 @@ _LARGEST_MEAN = 9.2e18
 
 
 def poisson_gaussian(
-    mean: ArrayLike,
-    *,
-    rng: Generator,
-    sigma: float,
-    mu: float = 0.0,
-    order: NoiseOrder = "paper",
+    mean: ArrayLike, *, rng: Generator, sigma: float, mu: float = 0.0, order: NoiseOrder = "paper"
 ) -> Array:
     """Counts with photon and Gaussian noise from their expectation (Eq. 8, Sec. 5.3).
 

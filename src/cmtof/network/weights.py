@@ -216,4 +216,4 @@ def _output(trained: Trained, measurement: Measurement) -> Tensor:
     inputs, _ = network_inputs(measurement, trained.network.model.features)
     image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
     with torch.inference_mode():
-        return trained.network(image)[0]
+        return trained.network(image)[0].float()
