@@ -447,7 +447,8 @@ plotting.save(
 # The paper's network takes 16.5 ms for 256×256 pixels and 50 ms for 768×1024 on a V100. The number
 # of operations follows from the layers; the times hold for one thread of the machine that made this
 # page, with random weights, and include the features before and the depth after the network.
-# bfloat16 helps where the processor multiplies it natively; all rates in this book are of float32.
+# bfloat16 (`cmtof unwrap --fast`) helps where the processor multiplies it natively. On the 32 test
+# frames it moved δ < 1 by −0.1 points, for the light network by 0.0; other rates are of float32.
 
 # %%
 SIZES, TIMED = (tuple(small), tuple(large)), ("fast-scnn", "fast-scnn-light")
