@@ -51,10 +51,9 @@ def main(stage: Path, html: Path) -> int:
     """Build ``stage`` and put the pages at ``html``; return the exit code."""
     work, log = html.with_name("sphinx"), html.with_name("book.log")
     shutil.rmtree(work, ignore_errors=True)
-    program = str(Path(sys.executable).with_name("jupyter-book"))
-    build = [program, "build", str(stage), "--path-output", str(work), "-W", "-n", "--keep-going"]
-    piped = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-    done = subprocess.run([*build, "-q"], **piped, check=False)  # type: ignore[call-overload]
+    options = ["-W", "-n", "--keep-going", "-q", "--path-output", work]
+    command = [Path(sys.executable).with_name("jupyter-book"), "build", stage, *options]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     # colours are for a terminal, not for a file
     lines = re.sub(r"\x1b\[[0-9;]*m", "", done.stdout).splitlines()
     log.write_text("\n".join(lines) + "\n", encoding="utf-8")

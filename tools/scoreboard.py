@@ -194,9 +194,6 @@ def _order(group: str) -> tuple[int, int]:
     return list(GROUPS).index(name), int(digits or 0)
 
 
-# --- where each figure, table and equation stands -----------------------------------------------
-
-
 ITEMS = [
     f"{kind} {number}"
     for kind, count in (("Figure", 16), ("Table", 4), ("Equation", 20))
