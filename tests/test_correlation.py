@@ -59,9 +59,6 @@ def test_heterodyne_damping_equals_the_time_average_over_the_exposure():
     assert damped == pytest.approx(slow.mean(), abs=1e-9)
 
 
-# --- decoding ----------------------------------------------------------------------------------
-
-
 @given(
     st.lists(st.integers(0, 62), min_size=3, max_size=9, unique=True),
     angles,
@@ -154,9 +151,6 @@ def test_residual_noise_finds_the_noise_of_the_samples(rng):
     assert noise == pytest.approx(7.0, rel=0.02)
     with pytest.raises(ValueError, match="more than 3"):
         co.residual_noise(np.zeros((3, 9)), psi[:3])
-
-
-# --- depth -------------------------------------------------------------------------------------
 
 
 def test_wraps_of_the_prototype():

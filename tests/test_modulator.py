@@ -28,9 +28,6 @@ ETAS = [0.26, 1.527]
 THETA = np.linspace(0, 2 * np.pi, 101)
 small = st.floats(-0.3, 0.3, allow_subnormal=False)
 
-
-# --- symbols: the paper's matrices, written out ------------------------------------------------
-
 V, theta_h, static = sp.symbols("V theta_h Gamma", real=True)
 
 
@@ -78,9 +75,6 @@ def test_half_wave_plate_sets_the_bias_and_cancels_static_birefringence():
     assert is_zero(law - (1 + sp.cos(8 * theta_h + 2 * V + 2 * static)) / 2)
 
 
-# --- the numeric model against the same ---------------------------------------------------------
-
-
 @given(st.floats(-3, 3), st.floats(-3, 3))
 def test_transmission_follows_the_bias_law(voltage, angle):
     modulator = replace(SINGLE, half_wave_angle=angle)
@@ -114,8 +108,6 @@ def test_waveform_and_harmonics_tell_the_same():
     np.testing.assert_allclose(back, modulator.waveform(THETA), atol=1e-12)
 
 
-# --- properties with any errors ------------------------------------------------------------------
-
 erroneous = st.builds(
     TwoPassModulator,
     half_wave_angle=st.floats(0, np.pi),
@@ -146,9 +138,6 @@ def test_the_two_ports_share_what_the_mirror_returns(modulator):
     np.testing.assert_allclose(total, modulator.mirror_reflectance * entered, atol=1e-12)
 
 
-# --- biases ---------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("mode", [SINGLE, DOUBLED])
 def test_horizontal_input_of_section_7_gives_the_light_of_vertical_input(mode):
     """The off-diagonal elements of a unitary matrix are equal in magnitude."""
@@ -168,9 +157,6 @@ def test_bright_bias_has_its_mean_and_contrast(eta):
     bright = replace(DOUBLED_BRIGHT, eta=eta)
     assert bright.throughput() == pytest.approx((1 + jv(0, 2 * eta)) / 2, abs=1e-14)
     assert bright.contrast() == pytest.approx(np.sin(eta) ** 2 / (1 + np.cos(eta) ** 2), abs=1e-14)
-
-
-# --- numbers --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("eta", "contrast"), [(0.26, 0.497), (np.pi / 4, 1.0)])
@@ -215,9 +201,6 @@ def test_correlation_of_two_doubled_modules(eta, signal):
     assert ratio == pytest.approx(signal, abs=0.005)
 
 
-# --- the mirror -----------------------------------------------------------------------------------
-
-
 def test_doubled_drive_on_the_single_modes_spacing_is_late_by_9_mrad():
     mode = replace(DOUBLED, mirror_distance=SPEED_OF_LIGHT / (2 * SINGLE.frequency))
     assert mode.pass_delay == pytest.approx(8.8e-3, abs=5e-5)
@@ -238,9 +221,6 @@ def test_mirror_at_a_quarter_wavelength_stops_the_modulation():
     assert stopped.contrast() == pytest.approx(0, abs=1e-12)
 
 
-# --- Taylor forms ---------------------------------------------------------------------------------
-
-
 def test_taylor_forms_are_off_by_what_they_say(eta=0.26):
     """The lowest orders of Eq. 16 and 19 in eta sin(theta)."""
     theta = 2 * np.pi * np.arange(400) / 400
@@ -256,9 +236,6 @@ def test_equation_19_as_printed_is_half_of_the_light():
     exact = replace(DOUBLED, eta=eta).waveform(theta)
     printed = (eta * np.sin(theta)) ** 2 / 2
     np.testing.assert_allclose(printed / exact, 0.5, rtol=1e-5)
-
-
-# --- refusals -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -43,9 +43,6 @@ def interval(freedom):
     return chi2.ppf([5e-4, 1 - 5e-4], freedom) / freedom
 
 
-# --- fits and averages
-
-
 @pytest.mark.parametrize(("sigma", "window"), [(0.05, 5), (0.3, 7)])
 def test_local_noise_is_the_known_noise(sigma, window):
     """Disjoint windows are independent: their sum of squares is chi-squared."""
@@ -109,9 +106,6 @@ def test_white_noise_leaves_the_share_of_savitzky_and_golay(window, kept):
     assert np.mean(response**2) == pytest.approx(kept)  # a projector: K * K = K
 
 
-# --- spectra
-
-
 def part():
     """A mask with a hole, an edge and a notch."""
     y, x = np.mgrid[: SHAPE[0], : SHAPE[1]]
@@ -153,9 +147,6 @@ def test_line_noise_is_found_again(known):
     mean, error = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(6)
     floors = [0.002, 0.006, 0.02, 0.02]  # what finite windows bias
     assert (np.abs(mean - known) < 4 * error + floors).all()
-
-
-# --- the simulator's noise
 
 
 @pytest.mark.parametrize(("sigma", "intensity"), [(300.0, 1.0), (2000.0, 0.3)])

@@ -45,9 +45,6 @@ def test_guided_filter_passes_linear_functions_and_tends_to_the_mean(rng):
     np.testing.assert_allclose(smooth, uniform_filter(uniform_filter(linear, 11), 11), atol=1e-6)
 
 
-# --- kernel density ----------------------------------------------------------------------------
-
-
 def densities(m, kernel, radius):
     """D (H, W, N) by the sum as it is written, over neighbours and their wraps."""
     weights = np.moveaxis(np.stack(list(hypotheses(m))).astype(float), 0, -1)
@@ -77,9 +74,6 @@ def test_densities_equal_the_sum_as_it_is_written(kernel, radius):
     ranked = np.sort(direct, axis=2)
     clear = ranked[..., -1] - ranked[..., -2] > 0.02 * direct.max()
     assert (found == direct.argmax(axis=2))[clear].all()
-
-
-# --- regions -----------------------------------------------------------------------------------
 
 
 def test_spatial_unwrapping_follows_a_slope_over_many_wraps(exact):
