@@ -117,13 +117,9 @@ def simulate(
     """
     from cmtof.scenes import load_frame
     from cmtof.simulation import simulate as simulate_frame
-    from cmtof.validation import expect
+    from cmtof.validation import checked
 
-    try:
-        tones = [float(part) for part in frequencies.split(",")]
-    except ValueError:
-        tones = []
-    expect(tones, "frequencies in Hz separated by commas", frequencies, "Try 7.15e9,14.32e9.")
+    tones = checked(list[float], frequencies.split(","), "--frequencies HZ,HZ")
     loaded = load_frame(
         frame, camera=camera, intensity=intensity, depth_scale=depth_scale, planar=planar
     )

@@ -29,22 +29,18 @@ def check_output(path: str | Path, *suffixes: str) -> Path:
     if target.is_dir():
         raise IsADirectoryError(f"Expected a file to write, got the folder {target}. Name a file.")
     if not target.parent.is_dir():
-        raise FileNotFoundError(
-            f"Expected an existing folder to write into, got {target.parent}. Create it first."
-        )
+        what = f"an existing folder to write into, got {target.parent}"
+        raise FileNotFoundError(f"Expected {what}. Create it first.")
     if target.exists() and not target.is_file():
-        raise FileExistsError(
-            f"Expected a regular file to write, got a device or pipe, {target}. Name a file."
-        )
+        what = f"a regular file to write, got a device or pipe, {target}"
+        raise FileExistsError(f"Expected {what}. Name a file.")
     probe = _part(target)
     try:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise PermissionError(
-            f"Expected a folder that can be written to, got {target.parent} ({error.strerror}). "
-            "Choose another."
-        ) from error
+        what = f"a folder that can be written to, got {target.parent} ({error.strerror})"
+        raise PermissionError(f"Expected {what}. Choose another.") from error
     return target
 
 
@@ -108,9 +104,8 @@ def read_document(path: str | Path) -> dict[str, Any]:
 
     data = check_input(path).read_bytes()
     if len(data) > MOST_BYTES:
-        raise ValueError(
-            f"Expected at most {MOST_BYTES} bytes in {path}, got {len(data)}. Name another file."
-        )
+        what = f"at most {MOST_BYTES} bytes in {path}, got {len(data)}"
+        raise ValueError(f"Expected {what}. Name another file.")
     try:
         depth = 0
         for event in yaml.parse(data, Loader=yaml.SafeLoader):

@@ -8,8 +8,9 @@ Attributes: ``range_min``, ``range_max`` (m), ``source``, ``protocol``, ``seed``
 
 import gc
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -160,6 +161,23 @@ class Measurement:
         tones = ", ".join(f"{f / 1e9:g}" for f in self.frequencies)
         low, high = self.range
         return f"<Measurement {height}x{width} px at {tones} GHz, {low:.3f}-{high:.3f} m>"
+
+
+def tiles(
+    dataset: xr.Dataset, tile: int, margin: int
+) -> Iterator[tuple[Measurement, dict[str, slice], tuple[slice, slice]]]:
+    """Square parts of a measurement, each with ``margin`` px around it, loaded one by one.
+
+    Yields what is seen, its rays those of the whole, the part in that, and the part in the image.
+    """
+    for y, x in product(range(0, dataset.sizes["y"], tile), range(0, dataset.sizes["x"], tile)):
+        top, left = max(y - margin, 0), max(x - margin, 0)
+        ends = {"y": slice(top, y + tile + margin), "x": slice(left, x + tile + margin)}
+        seen = dataset.isel(ends).load()
+        if "camera" in seen:
+            seen["camera"] = seen["camera"] - np.resize([0, 0, left, top, 0], seen.camera.size)
+        inner = {"y": slice(y - top, y - top + tile), "x": slice(x - left, x - left + tile)}
+        yield Measurement(seen), inner, np.s_[y : y + tile, x : x + tile]
 
 
 def _dataset(

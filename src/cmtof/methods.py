@@ -4,15 +4,20 @@ import inspect
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import isqrt
 from pathlib import Path
 from typing import Any
 
-from cmtof.baselines import Estimate, crt, kde, mrf, references, region, trivial
+import numpy as np
+
+from cmtof.baselines import Estimate, crt, kde, mrf, references, region, trivial, wraps_in_range
 from cmtof.baselines.beat import beat, beat_guided
 from cmtof.baselines.phasor import phasor
-from cmtof.measurement import Measurement
+from cmtof.measurement import Measurement, tiles
 from cmtof.surfaces import surfaces
 from cmtof.validation import expect
+
+MOST_MEMORY = 3 * 2**29  # bytes beside the measurement, about, before a method goes in tiles
 
 
 @dataclass(frozen=True)
@@ -27,6 +32,7 @@ class Method:
     tones: tuple[float, ...] = ()  # Hz, where those of the prototype do not serve
     knows_truth: bool = False  # whether it reads the true depth
     about: str = ""
+    memory: int = 0  # bytes a pixel and 4 more a wrap, of those that take most: they go in tiles
 
     @property
     def summary(self) -> str:
@@ -48,7 +54,15 @@ class Method:
         if "weights" not in options and self.state(protocol) == "untrained":
             message = f"{self.name} is untrained: its card shows no gain over a trivial answer."
             warnings.warn(message, stacklevel=3)
-        return self.run(measurement, **options)
+        first, last = wraps_in_range(measurement)
+        most = MOST_MEMORY // (self.memory + 4 * (last - first + 1))
+        if not self.memory or measurement.mask.size <= most:
+            return self.run(measurement, **options)
+        images = np.empty((2, *measurement.shape))
+        side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: networks but `rapid` see no more
+        for seen, inner, place in tiles(measurement.dataset, side, 256):
+            images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
+        return Estimate(*images)
 
     def state(self, protocol: str = "released") -> str:
         """Kind of a method without weights; else trained, untrained or no weights."""
@@ -65,7 +79,7 @@ def _learned(name: str, source: str, about: str) -> Method:
 
         return Estimate(*unwrap_with_network(measurement, model=name, weights=weights))
 
-    return Method(name, "learned", source, run, about=about)
+    return Method(name, "learned", source, run, about=about, memory=1300)
 
 
 def _reference(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
@@ -80,14 +94,14 @@ _ALL = (
     Method("crt-closed-form", "classical", "Wang and Xia 2010", crt.crt_closed_form),
     Method("crt-ml", "classical", "Wang et al. 2015", crt.crt_ml),
     Method("phasor", "classical", "Gupta et al. 2015", phasor, tones=(7.15e9, 7.16e9)),
-    Method("kde", "classical", "Järemo Lawin et al. 2016", kde.kde),
-    Method("kde-tuned", "classical", "Järemo Lawin et al. 2016", kde.kde_tuned),
+    Method("kde", "classical", "Järemo Lawin et al. 2016", kde.kde, memory=400),
+    Method("kde-tuned", "classical", "Järemo Lawin et al. 2016", kde.kde_tuned, memory=400),
     Method("beat", "classical", "Jongenelen et al. 2010", beat),
-    Method("beat-guided", "classical", "He et al. 2013", beat_guided),
+    Method("beat-guided", "classical", "He et al. 2013", beat_guided, memory=1000),
     Method("spatial", "classical", "Herraez et al. 2002", region.spatial, frequencies=1),
     Method("region", "classical", "Herraez et al. 2002", region.region),
-    Method("mrf", "classical", "Hirschmüller 2008", mrf.mrf),
-    Method("mrf-graphcut", "classical", "Bioucas-Dias and Valadão 2007", mrf.mrf_graphcut),
+    Method("mrf", "classical", "Hirschmüller 2008", mrf.mrf, memory=320),
+    Method("mrf-graphcut", "classical", "Bioucas-Dias, Valadão 2007", mrf.mrf_graphcut, memory=540),
     Method("surfaces", "classical", "this project", surfaces),
     _learned("u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"),
     _learned("one-step", "Wang et al. 2019", "Residual U-Net, narrowed: regression of depth"),

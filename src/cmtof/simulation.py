@@ -123,10 +123,9 @@ def staged_depth(
         limits = (RELEASED_WRAPS[0] * step, RELEASED_WRAPS[1] * step)
         far = np.percentile(depth[known], 99.9)
         depth = depth * np.clip(RELEASED_FAR_DEPTH / far, 0.01, 1.0)
-    elif protocol == "full":
-        limits = (0.0, unambiguous_range(frequencies))
     else:
-        raise ValueError(f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one.")
+        expect(protocol == "full", "protocol 'released' or 'full'", repr(protocol), "Choose one.")
+        limits = (0.0, unambiguous_range(frequencies))
     mask = known & (np.where(known, depth, -1) >= limits[0]) & (depth < limits[1])
     what = f"depths between {limits[0]:.3f} and {limits[1]:.3f} m"
     got = f"{np.nanmin(depth):.3f} to {np.nanmax(depth):.3f} m"

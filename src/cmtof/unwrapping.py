@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Iterator
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.files import written_whole
-from cmtof.measurement import Measurement, open_measurement, save_dataset
+from cmtof.measurement import Measurement, open_measurement, save_dataset, tiles
 from cmtof.methods import DEFAULT, find_method
 from cmtof.validation import expect
 
@@ -111,19 +110,13 @@ def unwrap_file(
         file.dimensions = {"y": height, "x": width}
         if shutil.disk_usage(part.parent).free < (need := 12 * height * width):  # or HDF5 ends all
             raise OSError(f"Expected {need} bytes free for {output}, got less. Free some.")
-        for y, x in product(range(0, height, tile), range(0, width, tile)):
-            top, left = max(y - margin, 0), max(x - margin, 0)
-            ends = {"y": slice(top, y + tile + margin), "x": slice(left, x + tile + margin)}
-            seen = held.isel(ends).load()
-            if "camera" in seen:
-                seen["camera"] = seen["camera"] - np.resize([0, 0, left, top, 0], seen.camera.size)
-            inner = {"y": slice(y - top, y - top + tile), "x": slice(x - left, x - left + tile)}
-            result = unwrap(Measurement(seen), **how).isel(inner)
-            for name, image in result.items():
+        for seen, inner, place in tiles(held, tile, margin):
+            found = unwrap(seen, **how).isel(inner)
+            for name, image in found.items():
                 if name not in file.variables:
                     packed = {"chunks": image.shape, "compression": "gzip", "compression_opts": 1}
                     file.create_variable(name, ("y", "x"), image.dtype, **packed)
                     file.variables[name].attrs.update(image.attrs)
-                file.variables[name][y : y + tile, x : x + tile] = image.to_numpy()
-            file.attrs.update(result.attrs | {"tile": tile, "margin": margin})
-            yield result.depth.size / (height * width), Measurement(seen.isel(inner)), result
+                file.variables[name][place] = image.to_numpy()
+            file.attrs.update(found.attrs | {"tile": tile, "margin": margin})
+            yield found.depth.size / (height * width), Measurement(seen.dataset.isel(inner)), found

@@ -38,9 +38,8 @@ def checked(kind: type[T], values: Any, source: object) -> T:
         words = dict.fromkeys(("unexpected_keyword_argument", "extra_forbidden"), "be a known key")
         rule = (words | {"missing": "be there"}).get(first["type"], rule)
         found = repr(first["input"])[:60]
-        raise ValueError(
-            f"Expected {place} in {source} to {rule}, got {found}. Correct it."
-        ) from None
+        what = f"{place} in {source} to {rule}"
+        raise ValueError(f"Expected {what}, got {found}. Correct it.") from None
 
 
 def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDArray[np.floating]:

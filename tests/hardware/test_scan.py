@@ -1,11 +1,6 @@
 """Whole scans of the simulated instrument: truth, faults, safe states, kill and resume."""
 
 import itertools
-import os
-import signal
-import subprocess
-import sys
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -125,37 +120,6 @@ def test_a_journal_that_another_scan_is_writing_is_left_alone(tmp_path):
         assert "to be free, got a process that is writing it" in str(take(output, resume=True)[1])
     assert journal_path(output).read_bytes() == before
     assert take(output, resume=True)[1] is None
-
-
-COMMAND = ["scan", "--twin", "--size", "16", "--seed", "4", "--quiet", "-o"]
-
-
-@pytest.fixture(scope="module")
-def by_command(tmp_path_factory):
-    """Bytes of an uninterrupted scan by the command line."""
-    output = tmp_path_factory.mktemp("command") / "m.nc"
-    with pytest.raises(SystemExit) as end:
-        main([*COMMAND, str(output)])
-    assert not end.value.code
-    return output.read_bytes()
-
-
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGHUP, 129)])
-def test_a_command_that_is_killed_resumes_to_equal_bytes(tmp_path, number, code, by_command):
-    output = tmp_path / "m.nc"
-    arguments = [sys.executable, "-m", "cmtof.cli", *COMMAND, str(output)]
-    with subprocess.Popen(arguments, stdout=-1, stderr=-1, env=dict(os.environ)) as process:
-        while not journal_path(output).exists() and process.poll() is None:
-            time.sleep(0.002)
-        process.send_signal(number)
-        _, err = process.communicate()
-    assert process.returncode == code
-    assert err.count(b"\n") == (number != signal.SIGKILL)
-    assert not output.exists()
-    with pytest.raises(SystemExit) as end:
-        main([*COMMAND, str(output), "--resume"])
-    assert not end.value.code
-    assert output.read_bytes() == by_command
 
 
 # --- faults --------------------------------------------------------------------------------------

@@ -64,8 +64,7 @@ class FrameTarget:
     """A frame's depth and intensity, clipped to 1 as reflectance, looked up through its camera."""
 
     def __init__(self, frame: Frame) -> None:
-        got = f"none in {frame.name or 'the frame'}"
-        expect(frame.camera is not None, "a frame with a camera", got, "Store fx, fy, cx, cy.")
+        expect(frame.camera is not None, "a frame with a camera", f"{frame.name!r}", "Store one.")
         self._camera = np.asarray(frame.camera, float)
         self._reflectance = np.clip(np.asarray(frame.intensity, float), 0, 1)
         planar = np.asarray(frame.depth, float) / ray_lengths(frame.depth.shape, self._camera)
@@ -188,7 +187,5 @@ def scene_from(source: Any) -> Target | None:
     try:
         return KINDS[options.pop("kind", None)](**options)
     except (KeyError, TypeError):
-        raise ValueError(
-            f"Expected twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys, "
-            f"got {source!r}. Correct it."
-        ) from None
+        what = f"twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys"
+        raise ValueError(f"Expected {what}, got {source!r}. Correct it.") from None

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
+from cmtof.baselines import within_range, wraps_in_range
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_wraps, wrap_length
 from cmtof.files import check_input, written_whole
@@ -162,21 +163,20 @@ def unwrap_with_network(
     got = f"{', '.join(f'{f / 1e9:g}' for f in tones)} GHz"
     what = "7.15 and 14.32 GHz, which the weights were trained at"
     expect(right, what, got, "Choose the method beat.")
-    (low, high), wrap = measurement.range, wrap_length(FREQUENCIES[0])
-    # limits that are whole wraps but for rounding belong to the wrap that they begin
-    first, last = int(low / wrap + 1e-9), int(np.ceil(high / wrap - 1e-9)) - 1
+    first, last = wraps_in_range(measurement)
     found = weights or find_weights(model or "fast-scnn", first, last)
     trained = load_weights(Path(found))
     given = trained.card.model
     expect(model in (None, given), f"weights of {model}", f"those of {given}", "Name that method.")
     if trained.network.target == "depth":
-        depth = (trained.card.first_wrap + _output(trained, measurement)[0].numpy()) * wrap
+        turns = trained.card.first_wrap + _output(trained, measurement)[0].numpy()
+        depth = turns * wrap_length(FREQUENCIES[0])
         sure = np.full(depth.shape, trained.card.validation.delta_lt_1)
     else:
         wraps, sure = classify(trained, measurement, first, last)
         phase = np.nan_to_num(measurement.phase[0]).astype(float)
         depth = depth_from_wraps(phase, wraps, FREQUENCIES[0])
-    return np.clip(depth, low, np.nextafter(high, low)), sure
+    return within_range(depth, measurement), sure
 
 
 def classify(
@@ -186,9 +186,9 @@ def classify(
     low, stop = trained.card.first_wrap, trained.card.first_wrap + trained.card.classes
     what = f"wraps within {low} to {stop - 1}, which {trained.card.model} distinguishes"
     expect(low <= first and last < stop, what, f"{first} to {last}", "Narrow the range.")
-    found = _output(trained, measurement)[first - low : last - low + 1]
-    odds, wraps = (x.numpy() for x in found.softmax(0).max(0))
-    return first + wraps, odds
+    found = _output(trained, measurement)[first - low : last - low + 1].float().numpy()
+    np.exp(np.subtract(found, found.max(0), out=found), out=found)  # a softmax, in place
+    return first + found.argmax(0), 1 / found.sum(0)
 
 
 def network_inputs(

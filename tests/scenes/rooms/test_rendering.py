@@ -1,11 +1,6 @@
 """Sets of rooms: the same bytes from the same seed, resumed, grown, refused; their statistics."""
 
 import json
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -37,21 +32,6 @@ def rendered(tmp_path_factory):
 def test_the_same_seed_gives_the_same_bytes_by_two_processes(rendered, tmp_path):
     render_rooms(tmp_path, SMALL, workers=2)
     assert contents(tmp_path) == contents(rendered)
-
-
-def test_a_killed_run_leaves_whole_files_and_resumes_to_the_same_bytes(rendered, tmp_path):
-    code = (
-        "from cmtof.scenes.rooms.rendering import *; from pathlib import Path;"
-        "render_rooms(Path(sys.argv[1]), Settings(3, 2, 3, 48, 64), workers=1)"
-    )
-    child = subprocess.Popen([sys.executable, "-c", "import sys;" + code, str(tmp_path)])
-    while not list(tmp_path.rglob("frame.*")) and child.poll() is None:
-        time.sleep(0.005)
-    os.kill(child.pid, signal.SIGKILL)
-    child.wait()
-    render_rooms(tmp_path, SMALL, workers=1)
-    assert contents(tmp_path) == contents(rendered)
-    assert sum(one.rendered for one in render_rooms(tmp_path, SMALL, workers=1)) == 0
 
 
 def test_a_set_grows_and_keeps_its_first_rooms_and_views(rendered, tmp_path):

@@ -1,0 +1,241 @@
+"""Kills, crowds, full disks, faults and thousands of calls: nothing is lost, left over or lit."""
+
+import itertools
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+import fuzz
+import numpy as np
+import pytest
+
+from cmtof.hardware.bench import simulated
+from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentError, InstrumentTimeout
+from cmtof.hardware.plan import planned
+from cmtof.hardware.rig import Rig
+from cmtof.hardware.scan import scan
+from cmtof.instrument.targets import Plane
+from cmtof.unwrapping import unwrap_file
+
+pytestmark = pytest.mark.slow
+# kills of a kind, processes, calls, side of a scan in px, bursts between faults
+COUNTS = os.environ.get("CMTOF_LONG", "[30, 10, 2000, 256, 500]")
+MOMENTS, CROWD, CALLS, SIDE, EVERY = json.loads(COUNTS)
+RECIPE = """
+{model: fast-scnn-light, precision: 32-true, rooms: null, save_every: 2, validate_every: 2,
+validation_views: 3, stages: [{name: leaves, crops: 24, crop: 32, batch: 2, noise: [30, 60],
+rate: [1.0e-3, 1.0e-4]}]}
+"""
+COMMANDS = {
+    "simulate": ["simulate", "still_life", "-o", "m.nc"],
+    "unwrap": ["unwrap", "in.nc", "-o", "out.nc", "--method", "crt", "--quiet"],
+    "render": ["render", "--scenes=2", "--views=3", "--size=48x64", "-o", "set", "--quiet"],
+    "scan": ["scan", "--twin", "--size", "16", "-o", "m.nc", "--quiet"],
+    "train": ["train", "recipe.yml", "-o", "run", "--quiet"],
+}
+KILLS = list(itertools.product(["render", "scan", "train"], ["SIGINT", "SIGTERM", "SIGKILL"]))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _loaded():
+    fuzz.loaded()
+
+
+@pytest.fixture
+def folder(tmp_path, measurement_file):
+    """Maker of a folder with what the commands read."""
+
+    def made(name):
+        (path := tmp_path / name).mkdir(exist_ok=True)
+        (path / "recipe.yml").write_text(RECIPE)
+        (path / "in.nc").write_bytes(measurement_file.read_bytes())
+        return path
+
+    return made
+
+
+def begun(name, path, resume=False):
+    """Start a command in a folder; what is returned waits for its exit code and its lines."""
+    said = tempfile.TemporaryFile("w+")  # noqa: SIM115
+    more = ["--resume"] if resume and name in ("scan", "train") else []
+    child = fuzz.started([*COMMANDS[name], *more], path, said)
+
+    def ended(number=None, after=0.0):
+        if number:
+            time.sleep(after)
+            os.kill(child, number)
+        code = os.waitstatus_to_exitcode(os.wait4(child, 0)[1])
+        with said:
+            said.seek(0)
+            return code, said.readlines()
+
+    return ended
+
+
+def contents(path):
+    """Bytes by name, but of what holds the minutes that a training took."""
+    files = {one.relative_to(path).as_posix(): one for one in path.rglob("*") if one.is_file()}
+    timed = {"run/last.ckpt", "run/fast-scnn-light.released.json"}
+    return {name: b"" if name in timed else one.read_bytes() for name, one in files.items()}
+
+
+@pytest.mark.parametrize(("name", "kill"), [*KILLS, ("scan", "SIGHUP")])
+def test_killed_at_any_moment_it_resumes_to_equal_bytes(folder, name, kill):
+    start, whole, number, cut = time.monotonic(), folder("whole"), getattr(signal, kill), 0
+    assert begun(name, whole)() == (0, [])
+    took, rng = time.monotonic() - start, np.random.default_rng(int(number))
+    for moment in map(str, range(MOMENTS)):
+        code, lines = begun(name, path := folder(moment))(number, rng.uniform(0, took))
+        assert code in (0, -number, 128 + number), moment
+        assert kill == "SIGKILL" or len(lines) < 2, (moment, lines)
+        assert kill == "SIGKILL" or not list(path.rglob(".*.part-*")), moment
+        cut += code != 0
+        assert begun(name, path, resume=True)() == (0, []), moment
+        assert contents(path) == contents(whole), moment
+    print(f"{name}: {cut} of {MOMENTS} by {kill} within {took:.1f} s")
+
+
+def test_a_crowd_that_writes_one_file_leaves_it_whole(folder):
+    path = folder("crowd")
+    crowd = [begun("unwrap", path) for _ in range(CROWD)]
+    assert [ended() for ended in crowd] == [(0, [])] * CROWD
+    begun("unwrap", alone := folder("alone"))()
+    assert contents(path) == contents(alone)
+
+
+def test_thousands_of_calls_take_no_more_memory_or_files(tmp_path, measurement_file):
+    methods = itertools.cycle(["crt", "beat", "spatial", "kde", "crt-ml", "region", "surfaces"])
+    held = []
+    for call, method in zip(range(CALLS + 1), methods, strict=False):
+        if call in (CALLS // 20, CALLS):
+            pages = int(Path("/proc/self/statm").read_text().split()[1])
+            held += [pages * os.sysconf("SC_PAGE_SIZE") / 2**20, len([*Path("/dev/fd").iterdir()])]
+        list(unwrap_file(measurement_file, tmp_path / "out.nc", method=method))
+    print(f"{CALLS} calls: {held[0]:.1f} MiB and {held[1]} files, then {held[2]:.1f}, {held[3]}")
+    assert held[2] < held[0] + 8 and held[3] == held[1]
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_full_disk_is_one_line_and_the_run_goes_on(tmp_path, folder, name):
+    (tmp_path / "disk").mkdir()
+    mount, disk, full = ["mount", "-t", "tmpfs", "-o"], tmp_path / "disk", 0
+    if subprocess.run([*mount, "size=1M", "cmtof", disk], capture_output=True).returncode:
+        pytest.skip("only root mounts a small disk")
+    try:
+        inputs, whole = contents(folder("disk")), folder("whole")
+        assert begun(name, whole)() == (0, [])
+        used = sum(-(-len(content) // 4096) * 4 for content in inputs.values())
+        for room in np.geomspace(4, 20_000, 25):  # KiB
+            subprocess.run([*mount, f"remount,size={used + room:.0f}k", "cmtof", disk], check=True)
+            code, lines = begun(name, disk, resume=True)()
+            if code == 0:
+                break
+            full += 1
+            assert code == 1 and len(lines) == 1 and "No space left" in lines[0], (room, lines)
+            assert not list(disk.rglob(".*.part-*")), room
+            assert name in ("render", "scan", "train") or contents(disk) == inputs
+        print(f"{name}: {full} times full, whole with {room:.0f} KiB")
+        assert full and contents(disk) == contents(whole)
+    finally:
+        subprocess.run(["umount", "-l", disk], check=True)
+
+
+# --- the instrument -------------------------------------------------------------------------------
+
+LIGHT = {"FIO0": "laser_on", "FIO1": "shutter_open", "FIO6": "beam_block_out"}
+
+
+@pytest.fixture
+def take(tmp_path):
+    """Scan by a bench that a function prepares, which is dark then; return the error."""
+
+    def taken(name, size, prepare=lambda bench: None, **options):
+        bench, found = simulated(Rig.default(), Plane(0.9, tilt_x=0.3), seed=4), None
+        prepare(bench)
+        try:
+            scan(planned(bench.rig, size=size), lambda: bench, tmp_path / name, **options)
+        except InstrumentError as error:
+            found = error
+        panel = bench.daq.panel
+        lit = [getattr(panel, knob) for knob in LIGHT.values()]
+        assert not any([*lit, panel.emission.on, panel.detection.on, *panel.galvo_volts])
+        return found
+
+    return taken
+
+
+def test_faults_on_the_way_are_recovered_or_end_in_the_dark(tmp_path, take):
+    bursts, struck, ended = itertools.count(1), 0, 0
+    kinds = [InstrumentTimeout, ConnectionLost, BadReply, "interlock_closed", "edges", "clock_on"]
+
+    def prepare(bench):
+        works = bench.daq.bursts
+
+        def faulty(requests):
+            nonlocal struck
+            for burst in works(requests):
+                if next(bursts) % EVERY == 0:
+                    kind, struck = kinds[struck % len(kinds)], struck + 1
+                    if not isinstance(kind, str):
+                        raise kind("Expected an answer, got none. Check it.")
+                    target = bench.rf_detection if kind == "edges" else bench.daq.panel
+                    setattr(target, kind, 0)
+                yield burst
+
+        bench.daq.bursts = faulty
+
+    take("whole.nc", SIDE)
+    while take("m.nc", SIDE, prepare, resume=True):
+        ended += 1
+    print(f"{struck} faults, {ended} of them ended the scan in the dark")
+    assert ended == struck // 2
+    assert (tmp_path / "m.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
+
+
+def test_after_a_kill_timers_are_armed_and_the_next_scan_begins_in_the_dark(tmp_path, take):
+    parts = [("daq", "watchdog"), ("daq", "set_line")]
+    parts += itertools.product(("rf_emission", "rf_detection"), ("set_dead_man", "output"))
+
+    def telling(bench, tell):
+        for role, name in parts:
+            works = getattr(bench.devices[role], name)
+
+            def act(*values, works=works, what=f"{role} {name}", **_):
+                works(*values)
+                tell([what, *values])
+
+            setattr(bench.devices[role], name, act)
+
+    reader, writer = os.pipe()
+    if (child := os.fork()) == 0:
+        tell = lambda done: os.write(writer, json.dumps(done).encode() + b"\n")  # noqa: E731
+        take("m.nc", 4, lambda bench: telling(bench, tell))
+        os._exit(0)
+    os.close(writer)
+    told, lit = [], ["daq set_line", "FIO1", True]
+    with os.fdopen(reader) as lines:
+        while len(told) < 60 or told[-1] != lit:
+            told.append(json.loads(next(lines)))
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+    # timers that end it were armed before: the watchdog, 30 s, and each dead man's, 5 s
+    assert told.index(["daq watchdog", 30]) < told.index(["daq set_line", "FIO0", True])
+    for rf in ("rf_emission", "rf_detection"):
+        assert told.index([f"{rf} set_dead_man", 5.0]) < told.index([f"{rf} output", True])
+    done = []
+
+    def as_killed(bench):
+        panel = bench.daq.panel
+        panel.emission.on = panel.detection.on = panel.laser_on = panel.shutter_open = True
+        telling(bench, done.append)
+
+    assert take("m.nc", 4, as_killed, resume=True) is None
+    first = done[: next(n for n, act in enumerate(done) if act[-1] is True)]
+    assert first[:3] == [["daq set_line", line, False] for line in LIGHT]
+    assert ["rf_emission output", False] in first
+    take("whole.nc", 4)
+    assert (tmp_path / "m.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
