@@ -59,7 +59,7 @@ class Method:
         if not self.memory or measurement.mask.size <= most:
             return self.run(measurement, **options)
         images = np.empty((2, *measurement.shape))
-        side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: networks but `rapid` see no more
+        side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: only `rapid` sees more
         for seen, inner, place in tiles(measurement.dataset, side, 256):
             images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
         return Estimate(*images)
