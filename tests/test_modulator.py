@@ -16,7 +16,6 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import correlation_contrast, correlation_from_harmonics
 from cmtof.modulator import (
     DOUBLED,
-    DOUBLED_BRIGHT,
     SINGLE,
     TwoPassModulator,
     doubled_mode_harmonics,
@@ -25,6 +24,7 @@ from cmtof.modulator import (
 from cmtof.waveform import waveform_from_harmonics
 
 ETAS = [0.26, 1.527]
+DOUBLED_BRIGHT = replace(DOUBLED, output="returned")
 THETA = np.linspace(0, 2 * np.pi, 101)
 small = st.floats(-0.3, 0.3, allow_subnormal=False)
 

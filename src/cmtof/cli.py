@@ -142,9 +142,7 @@ def unwrap(
     min_confidence: Annotated[float, Option(help="Mask pixels below it, from 0 to 1.")] = 0.0,
     window: Annotated[int | None, Option(help="Side of the window, px (method beat).")] = None,
     weights: Annotated[Path | None, Option(help="Own .safetensors (learned methods).")] = None,
-    ply: Annotated[
-        Path | None, _file(".ply", "--ply", text="Also a point cloud; needs a camera.")
-    ] = None,
+    ply: Annotated[Path | None, _file(".ply", "--ply", text="Point cloud (camera).")] = None,
     fast: Annotated[bool, Option("--fast", help="Networks calculate in bfloat16.")] = False,
     tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a .nc above memory.")] = 0,
     quiet: Quiet = False,
@@ -210,9 +208,7 @@ def evaluate(
     noise: Noise = 1200.0,
     noise_free: NoiseFree = False,
     seed: Seed = 0,
-    json_file: Annotated[
-        Path | None, _file(".json", "--json", text="Write the table as JSON.")
-    ] = None,
+    json_file: Annotated[Path | None, _file(".json", "--json", text="Table as JSON.")] = None,
     quiet: Quiet = False,
 ) -> None:
     """Compare methods on the same frames and the same noise.

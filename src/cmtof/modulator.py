@@ -11,7 +11,7 @@ at 22.5 degrees (Eq. 18, the doubled mode). Intensities are fractions of the lig
 first element, A^2 = 1. Phases theta are those of the drive, V = eta sin(theta).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, replace  # noqa: F401 - for the example
 from functools import partial
 from typing import Literal
 
@@ -184,9 +184,6 @@ DOUBLED = TwoPassModulator(
     frequency=constants.FREQUENCY_DOUBLED / 2,
 )
 """The mode at twice the drive's frequency: theta_h = 22.5 degrees, dark bias (Eq. 17-19)."""
-
-DOUBLED_BRIGHT = replace(DOUBLED, output="returned")
-"""The doubled mode seen from the other port: 1 - I, the same swing on a bright ground."""
 
 
 # --- closed forms ------------------------------------------------------------------------------

@@ -138,6 +138,15 @@ def board_poses(rig: StereoRig, count: int, *, rng: np.random.Generator) -> list
     return poses
 
 
+def find_corners(image: NDArray[np.uint8]) -> Array:
+    """Inner corners (54, 2), px, of the checkerboard in a picture (H, W); ValueError if unseen."""
+    import cv2
+
+    found, corners = cv2.findChessboardCornersSB(image, (COLUMNS, ROWS))
+    expect(found, f"a board of {COLUMNS} x {ROWS} corners", "none", "Show it whole.")
+    return corners.reshape(-1, 2).astype(float) + 0.5  # OpenCV's centres lie at whole numbers
+
+
 def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, float]:
     """Rig in the left camera's frame and a corner's rms residual, px, of corners (2, V, 54, 2)."""
     import cv2

@@ -131,15 +131,13 @@ def _solved(moments, right, size):  # pragma: no cover - compiled
         out[i] = scale[i] * right[i]
         for j in range(i + 1):
             left[i, j] = left[j, i] = scale[i] * scale[j] * moments[16 + 6 * i + j]
-        left[i, i] += 1e-10
     for k in range(size):
         for i in range(size):
-            share = left[i, k] / left[k, k] if i != k else 0.0
+            share = left[i, k] / (left[k, k] + 1e-10) if i != k else 0.0
             out[i] -= share * out[k]
             for j in range(k, size):
                 left[i, j] -= share * left[k, j]
-    for i in range(size):
-        out[i] *= scale[i] / left[i, i]
+    out[:size] *= scale[:size] / (np.diag(left)[:size] + 1e-10)
     return out
 
 
