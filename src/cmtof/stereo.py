@@ -142,9 +142,9 @@ def find_corners(image: NDArray[np.uint8]) -> Array:
     """Inner corners (54, 2), px, of the checkerboard in a picture (H, W); ValueError if unseen."""
     import cv2
 
-    found, corners = cv2.findChessboardCornersSB(image, (COLUMNS, ROWS))
+    found, seen = cv2.findChessboardCornersSB(image, (COLUMNS, ROWS), flags=cv2.CALIB_CB_ACCURACY)
     expect(found, f"a board of {COLUMNS} x {ROWS} corners", "none", "Show it whole.")
-    return corners.reshape(-1, 2).astype(float) + 0.5  # OpenCV's centres lie at whole numbers
+    return seen.reshape(-1, 2).astype(float) + 0.5  # OpenCV's centres lie at whole numbers
 
 
 def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, float]:
