@@ -27,11 +27,11 @@ document.addEventListener("click", (event) => {
 // Equations, figures, terms and sources, shown while the pointer rests on a link to them.
 
 const root = document.documentElement.dataset.content_root || "./";
-let preview = null;
+let preview = null, loaded = null;
 
-function shown(link) {
+function shown(link, previews) {
   const [page, id] = link.href.split("#"), here = new URL(root, location.href).href;
-  const found = window.cmtofPreviews?.[`${page.replace(here, "")}#${id}`];
+  const found = previews[`${page.replace(here, "")}#${id}`];
   if (!found || preview !== link) return;
   const box = add(document.body, "div", { class: "preview", role: "tooltip" });
   box.innerHTML = found;
@@ -54,12 +54,12 @@ for (const [over, out] of [["mouseover", "mouseout"], ["focusin", "focusout"]]) 
     if (!link || link === preview) return;
     hide();
     preview = link;
-    if (window.cmtofPreviews) return shown(link);
-    const script = add(document.head, "script", { src: `${root}_static/previews.js` });
-    script.addEventListener("load", () => {
-      window.cmtofPreviews = cmtofPreviews;
-      shown(link);
+    // loaded once: a second script of the same constant would be an error
+    loaded ??= new Promise((done) => {
+      const script = add(document.head, "script", { src: `${root}_static/previews.js` });
+      script.addEventListener("load", () => done(cmtofPreviews));
     });
+    loaded.then((previews) => shown(link, previews));
   });
   document.addEventListener(out, hide);
 }

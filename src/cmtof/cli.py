@@ -158,10 +158,6 @@ def unwrap(
     from cmtof.unwrapping import unwrap_file
     from cmtof.validation import expect
 
-    if fast:
-        import torch
-
-        torch.set_autocast_enabled("cpu", True)
     several = len(measurement) > 1
     targets = [output / f"{path.stem}.nc" for path in measurement] if several else [output]
     paths = [path.resolve() for path in (*measurement, *targets, ply) if path is not None]
@@ -170,7 +166,7 @@ def unwrap(
     one = not (tile or several)
     expect(one or ply is None, "one file, seen at once, for --ply", "more", "Leave --ply out.")
     given = {"method": method, "range": range, "window": window, "weights": weights}
-    given["min_confidence"] = min_confidence
+    given |= {"min_confidence": min_confidence, "fast": int(fast) or None}
     chosen = {name: value for name, value in given.items() if value is not None}
     rows = []
     if several:

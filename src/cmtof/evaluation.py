@@ -36,8 +36,8 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
     truth = measurement.depth
     if truth is None:
         raise ValueError("Expected a measurement with its true depth, got none. Simulate one.")
-    sure = result["confidence"].to_numpy()
-    scored = measurement.mask & np.isfinite(truth) & (sure >= result.attrs["min_confidence"])
+    sure, least = result["confidence"].to_numpy(), float(result.attrs.get("min_confidence", 0))
+    scored = measurement.mask & np.isfinite(truth) & (sure >= least)
     expect(scored.any(), "at least one scored pixel", "none", "Check mask and range.")
     frequency = measurement.frequencies[0]
     depth, phase = truth[scored].astype(float), measurement.phase[0][scored].astype(float)

@@ -74,10 +74,13 @@ class Method:
 
 
 def _learned(name: str, source: str, about: str) -> Method:
-    def run(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
+    def run(measurement: Measurement, *, weights: str | Path | None = None, fast=0) -> Estimate:
+        import torch
+
         from cmtof.network.weights import unwrap_with_network
 
-        return Estimate(*unwrap_with_network(measurement, model=name, weights=weights))
+        with torch.autocast("cpu", torch.bfloat16, enabled=bool(fast)):
+            return Estimate(*unwrap_with_network(measurement, model=name, weights=weights))
 
     return Method(name, "learned", source, run, about=about, memory=1300)
 

@@ -67,13 +67,14 @@ def unwrap(
     wraps = consistent_wrap_count(believed, phase, frequency)
     wraps = np.clip(wraps, first, np.maximum(first, last - 1))
     depth = depth_from_wraps(phase, wraps, frequency)
-    count, sure = wrap_count_from_depth(believed, frequency), np.where(mask, estimate.confidence, 0)
+    count = wrap_count_from_depth(believed, frequency)
+    sure = np.where(mask, estimate.confidence, 0).astype(np.float32)  # as it is stored and scored
     mask &= sure >= min_confidence
     dims = ("y", "x")
     images = {
         "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
         "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
-        "confidence": (dims, sure.astype(np.float32)),
+        "confidence": (dims, sure),
     }
     attributes = {
         "method": chosen.name,
