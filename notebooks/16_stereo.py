@@ -19,8 +19,6 @@ sigmas: float = 3.0  # standard deviations of a range that must fit
 views: int = 12  # of the board
 print_error: float = 0.06  # px, of a corner: picture and printed board; assumed
 draws: int = 12  # calibrations redrawn for the uncertainty
-steps: int = 12  # of fine-tuning
-crop: int = 64  # px, of its crops
 
 # %% tags=["hide-input"]
 from dataclasses import replace
@@ -34,7 +32,6 @@ from cmtof import stereo
 from cmtof.book import notes, paper, plotting
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import residual_noise, wrap_length
-from cmtof.measurement import Measurement
 from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import load_frame
 from cmtof.scenes.frame import Frame
@@ -231,38 +228,5 @@ notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), row
 # %% [markdown]
 # ## Fine-tuning
 #
-# The network is trained on the left half of the scan and tested on the right half; only labelled
-# pixels within its classes count. This tests the procedure, from spots to weights, and no more:
-# half a scan does not replace the paper's «diverse dataset».
-
-# %%
-from cmtof.network.training import fine_tune
-from cmtof.network.weights import classify, load_weights, weights_path
-
-trained = load_weights(weights_path("fast-scnn", "released"))
-half = frame.depth.shape[1] // 2
-sides = {"trained on": slice(0, half), "withheld": slice(half, None)}
-examples = {
-    name: (Measurement(measurement.dataset.isel(x=part)), truth.wraps[:, part],
-           truth.depth[:, part])
-    for name, part in sides.items()
-}  # fmt: skip
-tuned, losses = fine_tune(trained, [examples["trained on"]], steps=steps, crop=crop, seed=seed)
-
-
-# %%
-def rate(network, example):
-    """Share of labelled pixels within the network's classes whose wrap is right."""
-    first = network.card.first_wrap
-    last = first + network.card.classes
-    measured, wraps, _ = example
-    scored = (wraps >= first) & (wraps < last)
-    return float((classify(network, measured, first, last - 1)[0] == wraps)[scored].mean())
-
-
-print("loss:", np.round(losses, 2).tolist())
-notes.table(
-    ("right wraps (%)", "before", f"after {steps} steps"),
-    [(n, *(f"{100 * rate(net, one):.1f}" for net in (trained, tuned)))
-     for n, one in examples.items()],
-)  # fmt: skip
+# Labels like these fine-tune the network on scans of three objects for the fourth in
+# {doc}`21_scanned_scenes`.

@@ -22,11 +22,13 @@ from torch import Tensor, nn
 from torch.utils.data import DataLoader
 
 from cmtof import __version__
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import TAU
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement
 from cmtof.network import weights
 from cmtof.network.data import WRAP, Batch, Packs, Sample, Steps, batch_of, measure, open_rooms
-from cmtof.network.features import CLASSES
+from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.recipe import Config
@@ -253,52 +255,71 @@ def fine_tune(
     trained: weights.Trained,
     examples: Sequence[tuple[Measurement, NDArray[np.integer], NDArray[np.floating]]],
     *,
-    steps: int = 20,
+    steps: int = 200,
     learning_rate: float = 1e-4,
-    crop: int = 128,
+    crop: int = 64,
+    batch: int = 4,
     seed: int = 0,
 ) -> tuple[weights.Trained, list[float]]:
     """Continue the training of a network on labelled measurements of an instrument (Sec. 6.4).
 
     Examples are a measurement, its wraps of the lowest frequency (H, W), -1 where unknown, and
-    depth (H, W), m. A step is one crop; norms keep their running means, which a few scans are too
-    few to estimate. Returned are a tuned copy and the loss before each step.
+    depth (H, W), m. The rate falls to zero; crops are turned, mirrored, and moved to a random depth
+    among the classes, for a few scans hold few wraps; norms keep their running means. Returned are
+    a tuned copy and the loss before each step.
     """
-    samples = [_sample(trained, *example) for example in examples]
-    known = sum(int((sample.label != IGNORED).sum()) for sample in samples)
-    first, got = trained.card.first_wrap, f"none in {len(samples)} measurements"
-    what = f"labels among the wraps {first} to {first + trained.card.classes - 1}"
+    card, network = trained.card, deepcopy(trained.network).train()
+    views = [_view(trained, *example) for example in examples]
+    known = sum(int((label != IGNORED).sum()) for _, label, _ in views)
+    first, got = card.first_wrap, f"none in {len(views)} measurements"
+    what = f"labels among the wraps {first} to {first + card.classes - 1}"
     expect(known, what, got, "Choose other weights, or label more.")
-    network = deepcopy(trained.network).train()
     for layer in norms(network):
         layer.eval()
+    crop = min(crop, *(size for _, label, _ in views for size in label.shape))
     rng, losses = np.random.default_rng(seed), []
     optimizer = torch.optim.Adam(network.parameters(), learning_rate)
+    schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, steps)
     for _ in range(steps):
-        sample = samples[int(rng.integers(len(samples)))]
-        for _ in range(10):  # until a twentieth of the crop is labelled
-            y, x = (int(rng.integers(max(n - crop, 0) + 1)) for n in sample.label.shape[-2:])
-            piece = Sample(*(image[..., y : y + crop, x : x + crop] for image in sample))
-            if (piece.label != IGNORED).float().mean() >= 0.05:
-                break
-        loss = loss_of(network, piece)
+        drawn = (views[int(k)] for k in rng.integers(len(views), size=batch))
+        pieces = [_piece(view, card.classes, crop, network.model.features, rng) for view in drawn]
+        images = (torch.from_numpy(np.stack(image)) for image in zip(*pieces, strict=True))
+        loss = loss_of(network, Sample(*images))
         optimizer.zero_grad()
         loss.backward()
+        nn.utils.clip_grad_norm_(network.parameters(), 2.0)
         optimizer.step()
+        schedule.step()
         losses.append(float(loss.detach()))
     note = {"steps": steps, "learning_rate": learning_rate, "labelled_pixels": known, "seed": seed}
-    card = trained.card.model_copy(update={"fine_tuned": note})
-    return weights.Trained(network.eval(), card), losses
+    return weights.Trained(network.eval(), card.model_copy(update={"fine_tuned": note})), losses
 
 
-def _sample(
-    trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray
-) -> Sample:
-    """Inputs and labels (1, ...) of one example; unknown pixels are `IGNORED`."""
+def _view(trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray):
+    """Images, classes, `IGNORED` where unknown, and turns above the first class of an example."""
     (network, card), turns = trained, np.asarray(depth, float) / WRAP
-    inputs, phase = weights.network_inputs(measurement, network.model.features)
     label = np.asarray(wraps, np.int64) - card.first_wrap
     known = (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
-    turns = np.where(known, turns - card.first_wrap, 0.0)
-    images = (inputs, np.where(known, label, IGNORED), phase, turns)
-    return Sample(*(torch.from_numpy(np.ascontiguousarray(image)[None]) for image in images))
+    images = weights.network_images(measurement, network.model.features)
+    return images, np.where(known, label, IGNORED), np.where(known, turns - card.first_wrap, 0)
+
+
+def _piece(view: tuple, classes: int, side: int, kind: str, rng: np.random.Generator) -> Sample:
+    """Augmented crop, a twentieth of it labelled if ten draws find such; NumPy arrays."""
+    images, label, turns = view
+    for _ in range(10):
+        y, x = (int(rng.integers(n - side + 1)) for n in label.shape)
+        window = (..., slice(y, y + side), slice(x, x + side))
+        if (label[window] != IGNORED).mean() >= 0.05:
+            break
+    turn, mirror = int(rng.integers(4)), 1 - 2 * int(rng.integers(2))
+    cut = (np.rot90(x[window], turn, (-2, -1))[..., ::mirror] for x in (label, turns, *images))
+    (label, turns, phase, amplitude, *more), move = map(np.ascontiguousarray, cut), 0.0
+    known = label != IGNORED
+    if known.any() and not more:  # raw correlations stay where they are
+        move = rng.uniform(-turns[known].min(), classes - turns[known].max())
+    ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCIES[0]
+    label = np.where(known, label + np.floor(phase[0] / TAU + move).astype(int), IGNORED)
+    label = np.where((label >= 0) & (label < classes), label, IGNORED)
+    phase = np.mod(phase + TAU * move * ratio, TAU).astype(np.float32)
+    return Sample(features(phase, amplitude, kind, *more), label, phase[0], turns + move)

@@ -15,7 +15,7 @@ from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_wraps, wrap_length
 from cmtof.files import check_input, written_whole
 from cmtof.measurement import Measurement
-from cmtof.network.features import CLASSES, features
+from cmtof.network.features import CLASSES, FULL_AMPLITUDE, features
 from cmtof.simulation import QUADRATURES
 from cmtof.validation import checked, expect
 
@@ -191,10 +191,12 @@ def classify(
     return first + found.argmax(0), 1 / found.sum(0)
 
 
-def network_inputs(
-    measurement: Measurement, kind: str
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Features (C, H, W) of a measurement, and the phases (H, W) of its lower frequency."""
+def network_images(measurement: Measurement, kind: str) -> list[NDArray[np.float32]]:
+    """Phases, amplitudes (2, H, W) and, if read, correlations (2, 4, H, W): the features' source.
+
+    Amplitudes in other units than the simulation's counts are scaled, for each frequency, so that
+    the brightest tenth of the image begins at a white surface's.
+    """
     # a masked pixel may be NaN; the network gets a dark one, or its neighbours would be NaN too
     images = [measurement.phase[:2], measurement.amplitude[:2]]
     if kind == "correlation" and "correlation" in measurement.dataset:
@@ -206,14 +208,19 @@ def network_inputs(
         held = measurement.dataset["correlation"]
         images.append(np.stack([held[f, k].to_numpy() for f, k in enumerate(off.argmin(1))]))
     phase, amplitude, *more = (np.nan_to_num(np.asarray(x, np.float32)) for x in images)
-    return features(phase, amplitude, kind, *more), phase[0]
+    bright = np.quantile(amplitude, 0.9, axis=(1, 2), keepdims=True)
+    if not 0.1 < bright[0].item() / FULL_AMPLITUDE < 2:  # noise alone has more in the simulation
+        amplitude *= FULL_AMPLITUDE / np.maximum(bright, np.float32(1e-30))
+    return [phase, amplitude, *more]
 
 
 def _output(trained: Trained, measurement: Measurement) -> Tensor:
     """Output (C, H, W) of a network for a measurement."""
     import torch
 
-    inputs, _ = network_inputs(measurement, trained.network.model.features)
+    kind = trained.network.model.features
+    phase, amplitude, *more = network_images(measurement, kind)
+    inputs = features(phase, amplitude, kind, *more)
     image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
     with torch.inference_mode():
         return trained.network(image)[0].float()

@@ -215,7 +215,6 @@ def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover
     wrap = 2 * np.pi / field[3][0]
     for _ in range(5 if hops > 0 else 0):
         whole = min(max(np.rint(offset), -hops), hops)
-        found = False
         while whole != 0:
             new = moved(field, q, boxes, size, whole * wrap)
             trial = _look(field, label, only, new, boxes, size)
@@ -228,10 +227,9 @@ def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover
             if trial[0] > best:
                 q = new
                 best, most, step, offset, known = trial
-                found = True
                 break
             whole = np.rint(whole / 2) if abs(whole) > 1 else 0.0
-        if not found:
+        else:
             break
     return q, best, most, offset, known
 

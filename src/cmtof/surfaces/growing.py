@@ -9,17 +9,8 @@ from numba import njit
 from scipy.fft import fft, fftfreq, next_fast_len
 
 from cmtof.correlation import TAU
+from cmtof.surfaces import fitting
 from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask
-from cmtof.surfaces.fitting import (
-    BENT,
-    EVERY,
-    PLANE,
-    cell_likelihood,
-    depth_at,
-    leaning,
-    refine,
-    select,
-)
 
 # Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
 # many times its bins are refined. Large ones come first: what is large should stay in one piece.
@@ -42,7 +33,7 @@ def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Array]:
     both = field.information.sum(axis=0, dtype=float)
     information = both.reshape(shape[0], CELL, shape[1], CELL).sum(axis=(1, 3))
     label = np.zeros((1, 1), np.int32)  # fits look at whole cells
-    owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, BENT))
+    owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, fitting.BENT))
     for kind in WINDOWS:
         start, held = windows(field, owner < 0, *kind), (owner, len(surfaces))
         added = _grow(field.arrays(), label, start, information, field.limits, gain, *held)
@@ -76,16 +67,13 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
     """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
     rows, columns = information.shape
     stamp = np.zeros((rows, columns), np.int64)
-    surfaces, new = np.zeros((start[0].size, BENT)), 0
+    surfaces, new = np.zeros((start[0].size, fitting.BENT)), 0
     for n in range(start[0].size):
         window = (start[0][n], start[1][n], start[2][n], start[3][n], start[4][n])
         side = max(window[2] // CELL, 1)
         y0, x0 = window[0] // CELL, window[1] // CELL
-        free, told = 0, 0.0
-        for y in range(y0, y0 + side):
-            for x in range(x0, x0 + side):
-                told += information[y, x]
-                free += owner[y, x] < 0
+        told = information[y0 : y0 + side, x0 : x0 + side].sum()
+        free = (owner[y0 : y0 + side, x0 : x0 + side] < 0).sum()
         if free < _FREE * side * side:
             continue
         q, likelihood = plane_in_window(field, label, window, limits, told)
@@ -96,7 +84,7 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
         for y in range(y0, y0 + side):
             for x in range(x0, x0 + side):
                 least = _JOIN * information[y, x]
-                if owner[y, x] < 0 and cell_likelihood(field, q, y, x) > least:
+                if owner[y, x] < 0 and fitting.cell_likelihood(field, q, y, x) > least:
                     region[size] = y * columns + x
                     stamp[y, x] = n + 1
                     size += 1
@@ -106,8 +94,8 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
             before = size
             boxes = _boxes_of_cells(region[:size], columns, _CELLS)
             weight = size / boxes.shape[0]
-            fit = select(field, label, EVERY, q, boxes, _STEPS, gain, weight)
-            z = depth_at(field, fit[0], boxes[0, 0], boxes[0, 2])
+            fit = fitting.select(field, label, fitting.EVERY, q, boxes, _STEPS, gain, weight)
+            z = fitting.depth_at(field, fit[0], boxes[0, 0], boxes[0, 2])
             if 0.02 * limits[1] < z < 2 * limits[1]:
                 q = fit[0]
             size = _spread(field, q, owner, stamp, n + 1, region, size, information)
@@ -133,7 +121,7 @@ def _spread(field, q, owner, stamp, mark, region, size, information):  # pragma:
             inside = 0 <= y < rows and 0 <= x < columns
             if not inside or owner[y, x] >= 0 or stamp[y, x] == mark:
                 continue
-            if cell_likelihood(field, q, y, x) > _JOIN * information[y, x]:
+            if fitting.cell_likelihood(field, q, y, x) > _JOIN * information[y, x]:
                 stamp[y, x] = mark
                 region[size] = y * columns + x
                 size += 1
@@ -154,7 +142,7 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
                 continue
             best, at = -np.inf, -1
             for i in range(count):
-                value = cell_likelihood(field, surfaces[found[i]], y, x)
+                value = fitting.cell_likelihood(field, surfaces[found[i]], y, x)
                 for dy, dx in ((1, 0), (-1, 0), (0, 1), (0, -1)):
                     a, b = y + dy, x + dx
                     if 0 <= a < rows and 0 <= b < columns and owner[a, b] == found[i]:
@@ -177,15 +165,15 @@ def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: 
             continue
         boxes = _boxes_of_cells(own, columns, effort[1])
         weight = own.size / boxes.shape[0]
-        found = select(field, label, n, out[n], boxes, effort[0], gain, weight)
+        found = fitting.select(field, label, n, out[n], boxes, effort[0], gain, weight)
         q, most, offset, known, missed = found
-        z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
+        z = fitting.depth_at(field, q, boxes[0, 0], boxes[0, 2])
         if 0.02 * farthest < z < 2 * farthest:  # before the camera and not far beyond the limits
             stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
             out[n] = q
             fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
             if q[3] == 0 and q[4] == 0 and q[5] == 0:
-                fit[n, 4:] = leaning(field, label, n, q, boxes, weight).ravel()
+                fit[n, 4:] = fitting.leaning(field, label, n, q, boxes, weight).ravel()
     return out, fit
 
 
@@ -193,11 +181,8 @@ def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: 
 def _boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
     """Rectangles of at most so many cells, spread over the list."""
     chosen = cells[:: max(1, cells.size // most)]
-    out = np.empty((chosen.size, 4), np.int64)
-    for i in range(chosen.size):
-        y, x = chosen[i] // columns * CELL, chosen[i] % columns * CELL
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = y, y + CELL, x, x + CELL
-    return out
+    y, x = chosen // columns * CELL, chosen % columns * CELL
+    return np.stack((y, y + CELL, x, x + CELL), axis=1)
 
 
 @njit(cache=True, nogil=True)
@@ -267,7 +252,7 @@ def plane_in_window(field, label, window, limits, information):  # pragma: no co
     wrap = 2 * np.pi / wavenumber[0]
     beats, angle = _beats(field, top, left, side, down, right, information)
     size = np.abs(beats)
-    best, plane = -1.0, np.zeros(BENT)
+    best, plane = -1.0, np.zeros(fitting.BENT)
     synthetic = wavenumber[1] - np.rint(wavenumber[1] / wavenumber[0]) * wavenumber[0]
     for _ in range(_CANDIDATES):
         at = np.argmax(size)
@@ -344,7 +329,7 @@ def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
     here = 1 / z / cosine[row, column]
     below = (1 / z - fall * down) / cosine[row + 1, column]
     beside = (1 / z - fall * right) / cosine[row, column + 1]
-    q = np.zeros(BENT)
+    q = np.zeros(fitting.BENT)
     q[0] = (beside - here) / (u[column + 1] - u[column])
     q[1] = (below - here) / (v[row + 1] - v[row])
     q[2] = here - q[0] * u[column] - q[1] * v[row]
@@ -354,15 +339,15 @@ def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
 @njit(cache=True, nogil=True)
 def _climbed(field, label, q, top, left, side):  # pragma: no cover - compiled
     """Fit a plane to the middle of a window first, then on outwards, for steep phases bend."""
-    box = np.empty((1, 4), np.int64)
     core = 6
     while True:
         core = min(core, side)
         y, x = top + (side - core) // 2, left + (side - core) // 2
-        box[0, 0], box[0, 1], box[0, 2], box[0, 3] = y, y + core, x, x + core
+        box = np.array([[y, y + core, x, x + core]])
         area = field[2][0, y : y + core, x : x + core]
         if core == side or np.sum(area) > 100:
-            fit = refine(field, label, EVERY, q, box, PLANE, 2 if core < side else 3, np.int64(0))
+            work = (fitting.PLANE, 2 if core < side else 3, np.int64(0))
+            fit = fitting.refine(field, label, fitting.EVERY, q, box, *work)
             q = fit[0]
             if core == side or fit[1] < 0.4 * fit[2]:
                 return q, fit[1], core == side
