@@ -274,7 +274,9 @@ print(f"gain, paired by view: {gain[0]:.1f} points ({gain[1]:.1f} to {gain[2]:.1
 # trained alike: 16,000 crops, the same scenes and seed (`cmtof train table1`, half an hour of one
 # core a row); the paper's had 500,000. They are tested on one frame from each of 32 rooms outside
 # the training set; intervals (95 %) are over scenes. "Random stem" is the proposed row without the
-# initialisation above. A row that does not beat the best constant answer is called untrained.
+# initialisation above. A row that does not beat the best constant answer is called untrained; these
+# rows read raw phases. At σ = 5 to 60 counts and 24,000 crops of plates Rapid with raw phases gave
+# 4.9 % on further plates (constant: 5 %), and with Fourier features, all else equal, 54.9 %.
 
 # %%
 ROWS = ("proposed", "ce_only", "fourier", "phase_only", "random_stem", "rapid")
@@ -314,15 +316,14 @@ light = read_card(weights_path("fast-scnn-light", "released"))
 figure, axes = plt.subplots(1, 3, figsize=(11.4, 3.4))
 curves = (
     (axes[0], {"δ < 1": miniature}, "miniature, leaves, σ = 60"),
-    (axes[1], {called[row]: held for row, held in cards.items()}, "equal crops"),
+    (axes[1], {row.replace("_", " "): cards[row] for row in learnt}, "equal crops"),
     (axes[2], {"fast-scnn": card, "fast-scnn-light": light}, "shipped weights"),
 )
 for ax, lines, title in curves:
     for (label, held), colour in zip(lines.items(), plotting.PALETTE.values(), strict=False):
         seen = [one["step"] * held.crops / held.steps / 1e3 for one in held.curve]
         rate = [100 * one["delta_lt_1"] for one in held.curve]
-        style = "--" if label.endswith("untrained") else "-"
-        ax.plot(seen, rate, "o", ls=style, ms=3, color=colour, label=label)
+        ax.plot(seen, rate, "o-", ms=3, color=colour, label=label)
     trivial = max(found.delta_lt_1 for found in held.trivial.values())
     plotting.mark(ax, y=100 * trivial, text="best constant")
     ax.margins(y=0.45)
@@ -339,8 +340,8 @@ plotting.save(
         "shipped": {c.model: [c.crops, c.validation.delta_lt_1] for c in (card, light)},
     },
     caption="Validation curves on simulated data, σ = 1200 in (b, c). (a) The recipe in miniature, "
-    "trained on this page, σ = 60. (b) Table 1 at equal crops, 0.3 % of the paper's pixels; "
-    "dashed, untrained rows. (c) The shipped weights. Dotted: the best constant answer.",
+    "trained on this page, σ = 60. (b) The rows of Table 1 that learnt, at equal crops, 0.3 % of "
+    "the paper's pixels. (c) The shipped weights. Dotted: the best constant answer.",
     alt="Three panels of curves of the validation rate over the crops of training, with the level "
     "of the best constant answer.",
 )
@@ -349,7 +350,7 @@ plotting.save(
 # ## The shipped weights
 #
 # A row is *trained* if its validation rate beats the best constant answer with 95 % confidence, by
-# its card. Other rows have no weights here; their curves above are called untrained.
+# its card. Other networks have no weights here.
 
 # %%
 held = {}

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Stereo supervision
 #
-# Fine-tuning a network on scans requires the wrap count of each pixel. Two cameras beside the
-# scanner can measure it (Section 6.4): they triangulate its laser spot. On a table scene
-# {glue:text}`both:.0f` % of the pixels get a label and {glue:text}`wrong:.2f` % of the labels are
-# wrong; beyond about {glue:text}`limit:.0f` m there are none. Everything here is simulated; the
-# paper shows one scan and no numbers.
+# Fine-tuning a network on scans ({doc}`21_scanned_scenes`) requires the wrap count of each pixel.
+# Two cameras beside the scanner can measure it (Section 6.4): they triangulate its laser spot. On a
+# table scene {glue:text}`both:.0f` % of the pixels get a label and {glue:text}`wrong:.2f` % of the
+# labels are wrong; beyond about {glue:text}`limit:.0f` m there are none. Everything here is
+# simulated; the paper shows one scan and no numbers.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -224,9 +224,3 @@ for name, vector in {"none": [0, 0, 0], "about y": [0, 5e-4, 0], "about x": [5e-
     off = int((np.abs(got.depth - far_frame.depth) > WRAP / 2)[got.mask].sum())
     rows.append((name, f"{got.mask.mean():.1%}", f"{off} of {got.mask.sum()}"))
 notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), rows)
-
-# %% [markdown]
-# ## Fine-tuning
-#
-# Labels like these fine-tune the network on scans of three objects for the fourth in
-# {doc}`21_scanned_scenes`.

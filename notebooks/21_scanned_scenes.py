@@ -130,9 +130,8 @@ right = {key: 100 * one["delta_lt_1"] for key, one in scores.items()}
 mean = {
     room: {m: float(np.mean([right[n, room, m] for n in objects])) for m in names} for room in rooms
 }
-notes.tell(ours=mean["photon"]["surfaces"], kde=mean["photon"]["kde"])
-notes.tell(ours_captures=mean["captures"]["surfaces"], kde_captures=mean["captures"]["kde"])
-notes.tell(net=mean["photon"]["fast-scnn"], net_captures=mean["captures"]["fast-scnn"])
+for key, method in {"ours": "surfaces", "kde": "kde", "net": "fast-scnn"}.items():
+    notes.tell(**{key: mean["photon"][method], f"{key}_captures": mean["captures"][method]})
 shown = [(n, room) for room in NOISE for n in objects]
 rows = [(", ".join(key), *(f"{right[*key, m]:.0f}" for m in names)) for key in shown]
 rows += [(f"mean, {room}", *(f"{mean[room][m]:.0f}" for m in names)) for room in rooms]
@@ -187,7 +186,14 @@ def bare(ax, colours, title):
     ax.axis("off")
 
 
+def said(rates):
+    """Rates in words."""
+    return "; ".join(f"{room}, " + ", ".join(f"{m} {rate:.0f} %" for m, rate in one.items())
+                     for room, one in rates.items())  # fmt: skip
+
+
 pictures = {name: picture(name) for name in objects}
+rates_of = {n: {room: {m: right[n, room, m] for m in names} for room in NOISE} for n in objects}
 TONES = [f"{f / 1e9:.2f} GHz" for f in first.frequencies]
 
 # %% [markdown]
@@ -213,12 +219,9 @@ for name in objects:
     true_points = points_from_depth(truth[name], camera[name])
     layers = {"depth": (points, flat[name]), "wraps off": (points, wraps)}
     layers["truth"] = (true_points, shades.to_rgba(truth[name])[..., :3])
-    stills[name] = views.save_scene(
-        f"scene_{name}",
-        layers,
-        longest=3 * FIELD_OF_VIEW[name] / size,  # three pitches of the points at 1 m
-        eye=(-0.3, -0.22, -0.1),
-    )
+    pitches = 3 * FIELD_OF_VIEW[name] / size  # three of the points at 1 m
+    still = views.save_scene(f"scene_{name}", layers, longest=pitches, eye=(-0.3, -0.22, -0.1))
+    stills[name] = flat[name] if still is None else still
 
 
 def row_of(axes, name, room, methods):
@@ -232,9 +235,8 @@ def row_of(axes, name, room, methods):
 
 # %% tags=["hide-input"]
 figure, grid = plt.subplots(2, 6, figsize=(15.6, 5.2))
-still = flat[teaser] if stills[teaser] is None else stills[teaser]
 bare(grid[0, 0], pictures[teaser], teaser)
-bare(grid[1, 0], still, "in space, captures")
+bare(grid[1, 0], stills[teaser], "in space, captures")
 for axes, room in zip(grid, NOISE, strict=True):
     row_of(axes[1:], teaser, room, ("fast-scnn", "surfaces"))
     normals = normals_of(teaser, depth_of(teaser, room))
@@ -245,7 +247,7 @@ plotting.save(
     "fig01_teaser",
     numbers={
         room: {
-            "right_percent": {m: right[teaser, room, m] for m in names[-2:]},
+            "right_percent": rates_of[teaser][room],
             "residual_um": residual[teaser, room],
             "normals_deg": tilt[teaser, room],
         }
@@ -261,11 +263,7 @@ plotting.save(
     alt=(
         f"Twelve images: the rendered {teaser}; fringes of two wrapped phases, two depths and "
         "coloured normals, clean above and grainy below; a shaded surface in space. Right wraps: "
-        + "; ".join(
-            f"{room}, " + ", ".join(f"{m} {right[teaser, room, m]:.0f} %" for m in names[-2:])
-            for room in NOISE
-        )
-        + "."
+        f"{said(rates_of[teaser])}."
     ),
     format="png",
 )
@@ -312,9 +310,7 @@ ABOUT = {
     "table": "a cluttered table of many materials",
 }
 
-
-def drawn(name):
-    """Paper Fig. 16 of one scene."""
+for name in objects:
     scan = scans[name, "photon"]
     figure, grid = plt.subplots(3, 6, figsize=(16.4, 8.2))
     bare(grid[0, 0], pictures[name], "rendering")
@@ -323,25 +319,20 @@ def drawn(name):
                        limits=(0, 1e3 * float(np.percentile(amplitude, 98))))  # fmt: skip
     plotting.image(grid[0, 3], truth[name], label="range (m)", title="truth", limits=limits[name])
     plotting.phase_image(grid[0, 4], np.mod(rf[name], TAU), title=f"RF, {TONES[0]}")
-    bare(grid[0, 5], flat[name] if stills[name] is None else stills[name], "surfaces in space")
+    bare(grid[0, 5], stills[name], "surfaces in space")
     for axes, room in zip(grid[1:], NOISE, strict=True):
         row_of(axes, name, room, ("kde", "region", "fast-scnn", "surfaces"))
     plotting.label_panels(grid.flat)
-    return figure
-
-
-# %% tags=["hide-input"]
-for name in objects:
     plotting.save(
-        drawn(name),
+        figure,
         f"fig16_{name}",
         numbers={
             room: {
-                "right_percent": {m: right[name, room, m] for m in names},
+                "right_percent": rates_of[name][room],
                 "rmse_mm": {m: 1e3 * scores[name, room, m]["depth_rmse_m"] for m in names},
                 "beat_error_mrad": phase_error[name, room],
             }
-            for room in rooms
+            for room in NOISE
         }
         | {
             "residual_um": [residual[name, room] for room in NOISE],
@@ -360,11 +351,7 @@ for name in objects:
         alt=(
             f"Eighteen images of the {name}. The amplitudes are grainy, the wrapped phases run in "
             "fringes, finer than the noise of the captures, the RF phase is noise. Right wraps: "
-            + "; ".join(
-                f"{room}, " + ", ".join(f"{m} {right[name, room, m]:.0f} %" for m in names)
-                for room in NOISE
-            )
-            + "."
+            f"{said(rates_of[name])}."
         ),
         format="png",
     )
@@ -424,23 +411,18 @@ plotting.save(
     "limit and (b) with the phase noise of the published captures, and (c) with that noise by "
     "class of pixel, with its share. `fast-scnn`, the paper's network, was trained for two hours "
     "of one core, and for (b, c) fine-tuned on the other objects; `surfaces` is this book's.",
-    alt=(
-        "Bars of right wraps. On average over the scenes: "
-        + "; ".join(
-            f"{room}, " + ", ".join(f"{m} {mean[room][m]:.0f} %" for m in names) for room in NOISE
-        )
-        + "."
-    ),
+    alt=f"Bars of right wraps. On average over the scenes: {said(mean)}.",
 )
 quiet, noisy = (mean[room]["kde"] / 100 for room in NOISE)
 paper.check("sec8.kde_scanned", noisy, photon=quiet)
 
 # %% [markdown]
 # All methods fail at edges: where the spot crosses an outline, the phases are those of neither
-# surface, and pooling adds wrong neighbours. `crt-ml` does not pool, `region` and KDE pool little:
-# with the captures' noise, fifteen wraps in the beat of a pixel, they find hardly any wraps, as the
-# paper reports of KDE; at the photon limit this does not hold. `surfaces` pools over whole surfaces
-# and still works on the wall, but hardly on the objects. Strong room light changes little.
+# surface, and pooling adds wrong neighbours. With the captures' noise, fifteen wraps in the beat of
+# a pixel, `crt-ml`, which does not pool, and KDE, which pools little, find hardly any wraps, as the
+# paper reports of KDE; at the photon limit this does not hold. `region` and `surfaces` pool over
+# whole regions; they fail where these are small or their wraps are tied wrongly, and then all
+# together. Strong room light changes little.
 #
 # ## In space
 #

@@ -64,9 +64,7 @@ def main(arguments: list[str] | None = None) -> None:
         with warnings.catch_warnings():
             # the libraries' own are for their developers; ours are one line
             warnings.simplefilter("ignore")
-            warnings.filterwarnings(
-                "always", category=UserWarning, message=".* is (untrained|left out)"
-            )
+            warnings.filterwarnings("always", ".* is (untrained|left out)", UserWarning)
             warnings.showwarning = lambda text, *_: print(f"cmtof: {text}", file=sys.stderr)
             app(args=[word for word in words if word != "--debug"])
     except Exception as error:
@@ -120,9 +118,8 @@ def simulate(
     from cmtof.validation import checked
 
     tones = checked(list[float], frequencies.split(","), "--frequencies HZ,HZ")
-    loaded = load_frame(
-        frame, camera=camera, intensity=intensity, depth_scale=depth_scale, planar=planar
-    )
+    image = {"intensity": intensity, "depth_scale": depth_scale, "planar": planar}
+    loaded = load_frame(frame, camera=camera, **image)
     conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
     measurement = simulate_frame(loaded, frequencies=tones, **conditions)  # type: ignore[arg-type]
     measurement.save(output)
@@ -296,8 +293,7 @@ def replicate(
 ) -> None:
     """Draw Fig. 10, and check the chain from frame to depth against stored values.
 
-    Methods side by side on the embedded frames. Ends with 1 if a line says FAIL. No arguments, a
-    few minutes on a CPU.
+    Methods side by side on the embedded frames, in a few minutes. Ends with 1 if a line says FAIL.
     """
     from cmtof.replication import replicate as outcomes
 

@@ -264,34 +264,31 @@ def fine_tune(
     """Continue the training of a network on labelled measurements of an instrument (Sec. 6.4).
 
     Examples are a measurement, its wraps of the lowest frequency (H, W), -1 where unknown, and
-    depth (H, W), m. The rate falls to zero; crops are turned, mirrored, and moved to a random depth
-    among the classes, for a few scans hold few wraps; norms keep their running means. Returned are
-    a tuned copy and the loss before each step.
+    depth (H, W), m. The rate falls to zero; crops are turned, mirrored and moved to random depths,
+    for a few scans hold few wraps; norms keep their means. Returned are a tuned copy and losses.
     """
     card, network = trained.card, deepcopy(trained.network).train()
     views = [_view(trained, *example) for example in examples]
-    known = sum(int((label != IGNORED).sum()) for _, label, _ in views)
-    first, got = card.first_wrap, f"none in {len(views)} measurements"
-    what = f"labels among the wraps {first} to {first + card.classes - 1}"
-    expect(known, what, got, "Choose other weights, or label more.")
+    views = [view for view in views if (view[1] != IGNORED).any()]
+    what = f"labels among the wraps {card.first_wrap} to {card.first_wrap + card.classes - 1}"
+    expect(views, what, f"none in {len(examples)} measurements", "Choose other weights.")
     for layer in norms(network):
         layer.eval()
     crop = min(crop, *(size for _, label, _ in views for size in label.shape))
     rng, losses = np.random.default_rng(seed), []
     optimizer = torch.optim.Adam(network.parameters(), learning_rate)
-    schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, steps)
-    for _ in range(steps):
+    for step in range(steps):
+        optimizer.param_groups[0]["lr"] = learning_rate * (1 - step / steps)
         drawn = (views[int(k)] for k in rng.integers(len(views), size=batch))
         pieces = [_piece(view, card.classes, crop, network.model.features, rng) for view in drawn]
-        images = (torch.from_numpy(np.stack(image)) for image in zip(*pieces, strict=True))
-        loss = loss_of(network, Sample(*images))
+        images = map(np.stack, zip(*pieces, strict=True))
+        loss = loss_of(network, Sample(*map(torch.from_numpy, images)))
         optimizer.zero_grad()
         loss.backward()
         nn.utils.clip_grad_norm_(network.parameters(), 2.0)
         optimizer.step()
-        schedule.step()
         losses.append(float(loss.detach()))
-    note = {"steps": steps, "learning_rate": learning_rate, "labelled_pixels": known, "seed": seed}
+    note = {"steps": steps, "learning_rate": learning_rate, "examples": len(views), "seed": seed}
     return weights.Trained(network.eval(), card.model_copy(update={"fine_tuned": note})), losses
 
 
@@ -305,18 +302,16 @@ def _view(trained: weights.Trained, measurement: Measurement, wraps: NDArray, de
 
 
 def _piece(view: tuple, classes: int, side: int, kind: str, rng: np.random.Generator) -> Sample:
-    """Augmented crop, a twentieth of it labelled if ten draws find such; NumPy arrays."""
+    """Augmented crop with a labelled pixel; NumPy arrays."""
     images, label, turns = view
-    for _ in range(10):
-        y, x = (int(rng.integers(n - side + 1)) for n in label.shape)
-        window = (..., slice(y, y + side), slice(x, x + side))
-        if (label[window] != IGNORED).mean() >= 0.05:
-            break
+    place = zip(rng.choice(np.argwhere(label != IGNORED)), label.shape, strict=True)
+    y, x = (int(np.clip(at - rng.integers(side), 0, size - side)) for at, size in place)
+    window = (..., slice(y, y + side), slice(x, x + side))
     turn, mirror = int(rng.integers(4)), 1 - 2 * int(rng.integers(2))
     cut = (np.rot90(x[window], turn, (-2, -1))[..., ::mirror] for x in (label, turns, *images))
     (label, turns, phase, amplitude, *more), move = map(np.ascontiguousarray, cut), 0.0
     known = label != IGNORED
-    if known.any() and not more:  # raw correlations stay where they are
+    if not more:  # raw correlations stay where they are
         move = rng.uniform(-turns[known].min(), classes - turns[known].max())
     ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCIES[0]
     label = np.where(known, label + np.floor(phase[0] / TAU + move).astype(int), IGNORED)

@@ -164,8 +164,7 @@ def unwrap_with_network(
     what = "7.15 and 14.32 GHz, which the weights were trained at"
     expect(right, what, got, "Choose the method beat.")
     first, last = wraps_in_range(measurement)
-    found = weights or find_weights(model or "fast-scnn", first, last)
-    trained = load_weights(Path(found))
+    trained = load_weights(Path(weights or find_weights(model or "fast-scnn", first, last)))
     given = trained.card.model
     expect(model in (None, given), f"weights of {model}", f"those of {given}", "Name that method.")
     if trained.network.target == "depth":

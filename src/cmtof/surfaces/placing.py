@@ -36,7 +36,6 @@ _LEAST, _LONG = 8, 24  # border, px, below which nothing follows from it; with f
 _TOLERANCE = (0.25, 1.5, 0.1, 0.3)
 # Odds that surfaces meet, by the share of their border that differs by the same whole wraps.
 _SUPPORT = ((0.95, 2.0), (0.85, 0.7), (0.6, 0.2), (0.0, 0.02))
-_WIDE, _EVEN, _FINE, _COMMON = 300, 0.15, 0.02, 0.25
 _JUMP = 40.0  # wraps over which the depths of surfaces that do not meet are spread
 _MEET, _LOOSE = 0.3, 0.05  # odds from which on two surfaces are tied; variance, wraps^2, of a tie
 
@@ -320,32 +319,8 @@ def borders(field: Field, label: Labels, surfaces: Array) -> Borders:
         odds = next(value for least, value in _SUPPORT if support[best] >= least)
         odds *= np.exp(-((rest / width) ** 2) / 2) * min(1, part.size / _LONG)
         found.append((*divmod(int(key[part[0]]), count), whole[best], odds))
-    found.extend(common_planes(field, label, surfaces))
     columns = np.array(found, float).reshape(-1, 4).T
     return Borders(*columns[:2].astype(int), *columns[2:])
-
-
-def common_planes(field: Field, label: Labels, surfaces: Array):
-    """Pairs of planes that are one but for whole wraps, that step, and the odds that they are."""
-    count, places = len(surfaces), np.flatnonzero(label >= 0)
-    order = places[np.argsort(label.ravel()[places], kind="stable")]
-    ends = np.searchsorted(label.ravel()[order], np.arange(count + 1))
-    size = np.diff(ends)
-    planes = np.flatnonzero((size >= _WIDE) & ~surfaces[:, 3:].any(axis=1))
-    if planes.size < 2:
-        return
-    chosen = np.array([order[np.linspace(ends[n], ends[n + 1] - 1, 24).astype(int)] for n in planes])
-    y, x = np.divmod(chosen, label.shape[1])
-    rays = np.stack([field.u[x], field.v[y], np.ones(x.shape)]) * field.cosine[y, x]
-    inverse = np.einsum("jk,kip->ijp", surfaces[planes, :3], rays)
-    z = 1 / np.maximum(inverse, FARTHEST) / field.period  # of plane j at the pixels of i
-    own = z[np.arange(planes.size), np.arange(planes.size)]
-    step = own[:, None] - z
-    step = np.concatenate([step, -step.swapaxes(0, 1)], axis=2)  # of i less j, at pixels of both
-    whole = np.rint(np.median(step, axis=2))
-    off = np.abs(step - whole[..., None]).max(axis=2)
-    for i, j in zip(*np.nonzero(np.triu(off < _EVEN, 1)), strict=True):
-        yield planes[i], planes[j], whole[i, j], _COMMON / max(off[i, j], _FINE)
 
 
 def tied(found: Offsets, borders: Borders) -> Tied:
