@@ -74,13 +74,6 @@ def test_decoding_undoes_encoding_for_any_distinct_psi(steps, phase, amplitude, 
     assert decoded.amplitude[0] == pytest.approx(amplitude, rel=1e-6, abs=1e-6 * abs(offset))
 
 
-def test_decoding_ignores_the_order_of_the_steps(rng):
-    phase = rng.uniform(0, 2 * np.pi, 100)
-    psi = np.array([0.0, np.pi / 2, 3 * np.pi / 2, np.pi])  # as the paper lists them
-    c = co.correlation_from_phase(phase, psi, amplitude=3.0, offset=5.0)
-    np.testing.assert_allclose(co.phase_from_correlation(c, psi), phase, atol=1e-12)
-
-
 def test_four_steps_equal_the_first_fourier_bin(rng):
     c = rng.normal(10, 1, (4, 200))
     bin_1 = np.fft.fft(c, axis=0)[1]

@@ -9,7 +9,6 @@ import pytest
 import figures
 import graph
 import pairs
-import size
 
 ROOT = Path(__file__).resolve().parents[1]
 BOOK = graph.Book(ROOT)
@@ -57,23 +56,10 @@ def test_unknown_profiles_and_notebooks_are_refused(tmp_path):
         graph.Book(tmp_path).parameters("01_correlation", "ci")
 
 
-def test_front_matter_is_read(tmp_path):
-    path = tmp_path / "a.py"
-    path.write_text("# ---\n# cmtof:\n#   data: [captures]\n# ---\n# %%\nx = 1\n")
-    assert graph.front_matter(path) == {"cmtof": {"data": ["captures"]}}
-
-
 def test_notebook_pairs_agree():
     scripts = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
     stale = [s.stem for s in scripts if not pairs.same(s, s.with_suffix(".ipynb"))]
     assert not stale, "run make pairs"
-
-
-def test_lines_are_counted_by_room():
-    files = [Path("src/cmtof/scenes/rooms/engine.py"), Path("src/cmtof/jones.py"), Path("a.md")]
-    counts = [len(found) for found in size.parts(files).values()]
-    assert counts == [1, 1, 0, 0, 0]
-    assert size.lines([Path("Makefile")]) > 20
 
 
 def draw(folder, stem, *, source=None, drawing="<svg/>"):

@@ -1,7 +1,6 @@
 """Figures and the numbers beside them: same bytes, one style, clear refusals."""
 
 import json
-from itertools import pairwise
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -72,16 +71,3 @@ def test_maps_share_one_scale_and_one_bar_and_leave_no_empty_panel():
     fig, axes = plotting.maps(images, label="depth (m)", columns=2)
     assert {ax.images[0].get_clim() for ax in axes} == {(1.0, 3.0)}
     assert len(fig.axes) == len(axes) + 1 == 4
-
-
-def test_lines_dots_and_bars_show_every_value_in_its_place():
-    _, (one, two, three) = plt.subplots(1, 3)
-    plotting.sweep(one, [1, 10], [2, 3], errors=[1, 1], bound=([1, 5, 10], [1, 2, 3]), log="x")
-    assert one.get_xscale() == "log" and one.get_yscale() == "linear"
-    assert len(one.lines[0].get_xdata()) == 3 and len(one.containers) == 1
-    plotting.intervals(two, {"a": (1, 0.5, 2), "b": (3, 2, 4)}, published={"b": 5.0})
-    assert [label.get_text() for label in two.get_yticklabels()] == ["a", "b"]
-    assert two.get_legend_handles_labels()[1] == ["the paper, its own scenes"]
-    plotting.bars(three, {"x": [1, 2], "y": [3, 4]}, ["g", "h"])
-    edges = sorted((bar.get_x(), bar.get_x() + bar.get_width()) for bar in three.patches)
-    assert all(end <= start + 1e-9 for (_, end), (start, _) in pairwise(edges))

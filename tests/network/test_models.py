@@ -43,7 +43,7 @@ def test_regression_spans_the_range_in_single_precision():
     with torch.no_grad(), torch.autocast("cpu", torch.bfloat16):
         for layer in (network.output.weight, network.output.bias):
             layer.zero_()
-        found = network(torch.randn(1, 4, 32, 32))
+        found = network(torch.randn(1, network.inputs, 32, 32))
     assert found.dtype == torch.float32 and (found == 179).all()
 
 

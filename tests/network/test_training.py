@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 import torch
 
-from cmtof.network.data import Steps, open_rooms
+import cmtof
+from cmtof.correlation import TAU
+from cmtof.network import training
+from cmtof.network.data import WRAP, Steps, open_rooms
+from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import PRESETS, Config, Stage, read_config
 from cmtof.network.training import Unwrapping, fine_tune, loss_of, train
 from cmtof.network.weights import load_weights, read_card
@@ -113,7 +117,7 @@ def test_validation_scores_a_network_that_answers_with_the_middle(config):
 
 @pytest.fixture
 def example(measurement):
-    wraps = np.floor(measurement.depth / 0.0209646).astype(int)
+    wraps = np.floor(measurement.depth / WRAP).astype(int)
     return measurement, np.where(measurement.mask, wraps, -1), measurement.depth
 
 
@@ -129,6 +133,20 @@ def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(stored, example):
     assert tuned.card.fine_tuned["steps"] == 12
     again = fine_tune(trained, [example], steps=12, learning_rate=2e-3, crop=32, seed=1)
     assert again[1] == losses
+
+
+def test_crops_of_fine_tuning_move_over_the_classes(stored, frame):
+    """Without noise, wraps, phase and depth of a moved crop still belong together."""
+    exact, trained = cmtof.simulate(frame, noise_free=True), load_weights(stored())
+    wraps = np.floor(exact.depth / WRAP).astype(int)
+    view, rng = training._view(trained, exact, wraps, exact.depth), np.random.default_rng(0)
+    pieces = [training._piece(view, 21, 24, "proposed", rng) for _ in range(30)]
+    for piece in pieces:
+        known = piece.label != IGNORED
+        off = np.exp(1j * (TAU * piece.turns - piece.phase))[known]
+        np.testing.assert_allclose(off, 1, atol=1e-3)
+        assert np.mean((piece.label == np.floor(piece.turns))[known]) > 0.99  # or on an edge
+    assert len({int(np.median(piece.label)) for piece in pieces}) > 5
 
 
 def test_unlabelled_pixels_teach_nothing(stored, example):

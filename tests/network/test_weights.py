@@ -12,6 +12,7 @@ from cmtof import methods
 from cmtof.correlation import TAU
 from cmtof.measurement import tiles
 from cmtof.network import weights
+from cmtof.network.features import FULL_AMPLITUDE
 from cmtof.network.models import build_network
 
 
@@ -104,6 +105,16 @@ def test_masked_pixels_do_not_spread(stored, measurement):
     depth, sure = weights.unwrap_with_network(measurement, weights=stored())
     assert np.isfinite(depth[~np.isnan(depth)]).all() and np.isfinite(sure[20:]).all()
     assert np.isfinite(depth[20:]).all()
+
+
+def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
+    def amplitude(scale):
+        scaled = measurement.dataset.assign(correlation=scale * measurement.dataset.correlation)
+        return weights.network_images(cmtof.Measurement(scaled), "proposed")[1]
+
+    np.testing.assert_allclose(amplitude(1.0), measurement.amplitude, rtol=1e-5)
+    np.testing.assert_allclose(amplitude(1e-6), amplitude(1e-4), rtol=1e-4)
+    assert np.quantile(amplitude(1e-6), 0.9, axis=(1, 2)) == pytest.approx(FULL_AMPLITUDE)
 
 
 def test_range_and_frequencies_that_do_not_fit_are_refused(stored, frame, measurement):

@@ -202,7 +202,7 @@ def bars(ax: Axes, series: Mapping[str, ArrayLike], groups: Sequence[str]) -> No
 
 def label_panels(axes: Iterable[Axes]) -> None:
     """Put (a), (b), … before the titles of panels, in the order given."""
-    for letter, ax in zip("abcdefghijklmnop", axes, strict=False):
+    for letter, ax in zip("abcdefghijklmnopqrstuvwxyz", axes, strict=False):
         title = ax.get_title()
         ax.set_title("")
         ax.set_title(f"({letter}) {title}".rstrip(), loc="left")

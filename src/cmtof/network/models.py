@@ -300,12 +300,12 @@ MODELS = {
     "fast-scnn-fourier": Model(FastSCNN, "fourier"),
     "fast-scnn-phase": Model(FastSCNN, "phase"),
     "fast-scnn-light": Model(LightFastSCNN, "beat"),
-    "u-net": Model(UNet, "phase", 0.0),
-    "one-step": Model(OneStep, "phase"),
+    "u-net": Model(UNet, "correlation", 0.0),
+    "one-step": Model(OneStep, "correlation"),
     "deep-tof": Model(DeepToF, "correlation", smoothness=1e-4),
-    "rapid": Model(Rapid, "phase", 0.0),
+    "rapid": Model(Rapid, "correlation", 0.0),
 }
-"""The rows of Table 1, one that costs less, and the paper's learned baselines."""
+"""The rows of Table 1, one that costs less, and the baselines: all read raw correlations."""
 
 
 def build_network(name: str, protocol: str = "released") -> Network:
