@@ -44,7 +44,7 @@ figures: book ## Accept the figures and numbers of the build into figures/
 # a name that a notebook puts together stands there as its first word and a brace
 figure: setup ## Draw one figure, and what else its notebook draws: make figure F=fig13
 	@stem=$$({ grep -lE '"$(F)(_|")' notebooks/*.py; \
-		grep -lF '"$(firstword $(subst _, ,$(F) none))_{' notebooks/*.py; } | sed -n '1s/\.py$$//p'); \
+		grep -lF '"$(firstword $(subst _, ,$(F) none))_{' notebooks/*.py || true; } | sed -n '1s/\.py$$//p'); \
 	stem=$${stem#*/}; [ "$$stem" ] || { echo "Expected a figure, got F=$(F). Try F=fig13." >&2; exit 1; }; \
 	$(call build,$(PROFILE),build/$(PROFILE)/results/$$stem); ls build/$(PROFILE)/results/$$stem/$(F)*
 
