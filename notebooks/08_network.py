@@ -7,8 +7,8 @@
 #
 # A wrap count is a class, and a map of wrap counts is a segmentation. The paper uses Fast-SCNN
 # {cite}`poudel2019` with a narrower receptive field and a skip at full resolution. One pixel
-# carries almost no information about its wrap, so the network must pool. It learns this in 80
-# minutes of one core if its first filters form the beat and training begins with simple plates.
+# carries almost no information about its wrap, so the network must pool. It learns this in two
+# hours of one core if its first filters form the beat and training begins with simple plates.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
