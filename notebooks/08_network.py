@@ -512,8 +512,8 @@ plotting.save(
 # %% [markdown]
 # ## Against the paper
 #
-# The verdicts on the untrained row concern its training, not the paper's network. In a difference of
-# two rows it counts as the best constant answer, which any network can learn.
+# The verdicts on an untrained row concern its training, not the paper's network. In a difference it
+# counts as the best constant answer, which any network can learn.
 
 # %%
 stage = read_config("paper").stages[0]
