@@ -257,7 +257,7 @@ notes.table([f"%, {len(places)} test frames", *head], rows)
 # %%
 GOALS = ["**goal**: at least, at least, at most", 80, 93, 2, 75, 90, 4]
 SHOWN = ("crt", "phasor", "kde", "kde-tuned", "beat", "beat-guided", "region", "mrf",
-         "mrf-graphcut", "surfaces", "reference-offset", "reference-contact",
+         "mrf-graphcut", "fast-scnn", "surfaces", "reference-offset", "reference-contact",
          "reference-depth")  # fmt: skip
 rows = []
 for name in SHOWN:
