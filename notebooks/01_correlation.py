@@ -149,8 +149,7 @@ plotting.save(
 # These are the printed equations. This book corrects three points: $\omega = 2\pi f$ is angular and
 # $\varphi = \omega\tau = 4\pi fz/c$ ({ref}`erratum 3 <erratum-3>`); the product of {eq}`eq-2` and
 # {eq}`eq-3` has **cos(φ + ψ)**, so the correlation is greatest at ψ = −φ ({ref}`erratum 2
-# <erratum-2>`); and the reference drawn above is a raised cosine, as a transmission is never
-# negative.
+# <erratum-2>`); and the reference drawn above is a raised cosine: no transmission is negative.
 #
 # The waveforms need not be cosines. With the Fourier coefficients of each waveform, $p = P_0 +
 # 2\,\mathrm{Re}\sum_k P_k e^{ik\omega t}$, only equal harmonics remain in the average:

@@ -218,8 +218,7 @@ notes.tell(big_phasor=100 * pooled[0.3, 64][0], big_product=100 * pooled[0.3, 64
 # <div data-play="odds"></div>
 #
 # Real surfaces are not flat: before the phasors of neighbours are added, their phases must be
-# aligned, which requires knowledge of the surface. This is the difficulty of unwrapping at these
-# frequencies.
+# aligned, which requires knowledge of the surface. This makes unwrapping difficult here.
 #
 # ## Against the paper
 

@@ -324,8 +324,7 @@ plotting.save(
 # %% [markdown]
 # In the published captures the reference of the wall is identical behind every object, while its
 # measured phase moves from scan to scan by a millimetre or two: the instrument drifts. On the
-# objects the reference errs by about a whole wrap within a single smooth surface, so it is no truth
-# there.
+# objects the reference errs by about a whole wrap within one smooth surface, so it is no truth.
 
 # %% tags=["hide-input"]
 drawn = min(count, stills)

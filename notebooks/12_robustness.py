@@ -287,8 +287,7 @@ plotting.save(
 #
 # The beat of a surface minus the phase within its wrap must be a whole number of wraps; the
 # remainder is the closure, the offset modulo one wrap. It is measured on tiles of a white wall at
-# unknown range: a smooth surface is fitted, subtracted from both phases, and the phasors are
-# summed.
+# unknown range: a smooth surface is fitted and subtracted from both phases; phasors are summed.
 
 
 # %%

@@ -158,8 +158,7 @@ plotting.save(
 # $$\psi_0 = \frac{4\pi f\,\ell}{c} - m\,\varphi_\mathrm{cable},\qquad m = 1, 2.$$
 #
 # The target stands at known distances over one whole wrap, so that back-reflected light averages
-# out. The remaining offset is negligible as depth, but matters in the beat, where a wrap is only
-# 17.6 mrad.
+# out. The remaining offset is negligible as depth, but matters in the beat: a wrap is 17.6 mrad.
 
 # %%
 found, drift = (data[name].to_numpy() for name in ("phase_offset", "phase_drift"))

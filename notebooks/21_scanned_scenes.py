@@ -56,8 +56,7 @@ plotting.begin(profile=profile, seed=seed)
 # in the published captures, as many radians in both modes; and at the photon limit under strong
 # room light, a white wall in some 1500 lux. A point takes 16 phases in 13.3 ms, in both modes
 # ({doc}`15_scan`). With the captures' noise a zero of the beat would require thousands of readings
-# of the reference target; that of the photon limit is used. Every method has the whole range, 0 to
-# 7.5 m.
+# of the reference target; that of the photon limit is used. Every method has the whole 7.5 m.
 
 # %%
 ordinary = TwinSettings()
