@@ -58,7 +58,7 @@ plotting.begin(profile=profile, seed=seed)
 # ({doc}`15_scan`). With the captures' noise a zero of the beat would require thousands of readings
 # of the reference target; that of the photon limit is used. Every method has the whole 7.5 m.
 
-# %%
+# %% tags=["hide-input"]
 ordinary = TwinSettings()
 rooms = {
     "photon": ordinary,
@@ -89,7 +89,7 @@ limits = {name: (float(np.nanmin(z)), float(np.nanmax(z))) for name, z in truth.
 # ({doc}`16_stereo`), as in Section 6.4. What 100 steps gain depends on their seed: δ < 1 over the
 # four objects went from 12.4 to 12.4 % with this one, to 17.8 % with another.
 
-# %%
+# %% tags=["hide-input"]
 torch.manual_seed(seed)
 torch.set_num_threads(1)
 rng, rig = np.random.default_rng(seed), stereo.simulated_rig()
@@ -114,7 +114,7 @@ for name, path in tuned.items():
     path.parent.mkdir()
     save_weights(path, *fine_tune(shipped, others, steps=steps, seed=seed)[0])
 
-# %%
+# %% tags=["hide-input"]
 names = ["kde", "crt-ml", "region", "fast-scnn", "surfaces"]
 answers = {
     (*key, method): cmtof.unwrap(scan, method=method)
@@ -137,7 +137,7 @@ rows = [(", ".join(key), *(f"{right[*key, m]:.0f}" for m in names)) for key in s
 rows += [(f"mean, {room}", *(f"{mean[room][m]:.0f}" for m in names)) for room in rooms]
 notes.table(("right wraps (%)", *names), rows)
 
-# %%
+# %% tags=["hide-input"]
 RATES = {"δ < 1": "delta_lt_1", "δ < 3": "delta_lt_3", "δ ≥ 10": "delta_ge_10"}
 rooms_only = {n: score(scored_pixels(before[n], scans[n, "captures"])) for n in objects}
 tuned_too = {n: scores[n, "captures", "fast-scnn"] for n in objects}
@@ -363,7 +363,7 @@ for name in objects:
 # nearer or farther (an outline or a steep slope); polished, where most light is mirrored away;
 # dark, with a reflectance below 0.1; the wall behind; or the rest.
 
-# %%
+# %% tags=["hide-input"]
 CLASSES = ("edge", "polished", "dark", "wall", "rest")
 
 
