@@ -44,8 +44,8 @@ from cmtof.statistics import reliability
 
 plotting.begin(profile=profile, seed=seed)
 # rows of the paper's Table 2, by their names in paper.yml
-PAPERS = {name: name for name in ("phasor", "crt", "kde", "rapid")} | {"proposed": "fast-scnn"}
-PAPERS |= {"one_step": "one-step", "u_net": "u-net", "deep_tof": "deep-tof"}
+BEFORE = ("phasor", "crt", "kde", "one-step", "u-net", "deep-tof", "rapid")
+PAPERS = {name.replace("-", "_"): name for name in BEFORE} | {"proposed": "fast-scnn"}
 CONDITIONS = (("released", 1200), ("full", 1200), ("released", 300))
 states = {name: method.state() for name, method in METHODS.items()}
 ready = [name for name, state in states.items() if state not in ("untrained", "no weights")]
@@ -114,7 +114,7 @@ draw("fig10_others", OTHERS, "Methods outside the paper, and references.")
 # {cite:p}`xia2007`, KDE {cite:p}`lawin2016`, One-Step {cite:p}`wang2019`, U-Net
 # {cite:p}`ronneberger2015`, Deep-ToF {cite:p}`su2018` and Rapid {cite:p}`zhang2019`, whose network
 # is DeepLabV3+ {cite:p}`chen2018`. Of these networks the paper states for Deep-ToF alone that it
-# reads raw correlations; here all do, for from wrapped phases they learnt nothing
+# reads raw correlations; here all do, for from wrapped phases Rapid learnt nothing
 # ({doc}`08_network`). The random field takes its two-frequency term from {cite:t}`valadao2009`, its
 # solvers from {cite:t}`hirschmuller2008` and {cite:t}`bioucas2007`; averages stop at edges as in
 # {cite:t}`he2013`.

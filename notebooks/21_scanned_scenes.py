@@ -86,8 +86,8 @@ limits = {name: (float(np.nanmin(z)), float(np.nanmax(z))) for name, z in truth.
 # %% [markdown]
 # The paper's network, `fast-scnn`, was trained on rooms ({doc}`08_network`). For each object it is
 # fine-tuned on the other three scans with the captures' noise, with labels by stereo
-# ({doc}`16_stereo`), as in Section 6.4. What 100 steps gain depends on their seed: δ < 1 over the
-# four objects went from 12.4 to 12.4 % with this one, to 17.8 % with another.
+# ({doc}`16_stereo`), as in Section 6.4. What 100 steps gain depends on their seed; the second table
+# below has one.
 
 # %% tags=["hide-input"]
 torch.manual_seed(seed)
