@@ -30,7 +30,7 @@ from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
 from cmtof.correlation import phase_from_depth
 from cmtof.scenes import load_frame
 from cmtof.scenes.captures import data_root
-from cmtof.scenes.frame import brightness, rays_from_camera
+from cmtof.scenes.frame import brightness
 from cmtof.scenes.rooms.rendering import Settings, rendered_views
 from cmtof.scenes.statistics import bends, hardness
 
@@ -194,19 +194,3 @@ off = exact.astype(np.float16).astype(float) - exact
 flat = ~bends(exact) & np.isfinite(exact)
 rms = float(np.sqrt(np.mean(phase_from_depth(off[flat], FREQUENCY_SINGLE) ** 2)))
 print(f"on the surfaces of one view {rms:.3f} rad rms at 7.15 GHz")
-
-# %% tags=["hide-input"]
-rays = rays_from_camera((64, 96), [886.8, 886.8, -300, 32])
-plane = np.linalg.norm(rays, axis=-1) * 3 / (rays @ [0.3, 0.1, 1])  # 3 m before the camera
-depths = (plane, plane.astype(np.float16).astype(float))
-maps = [phase_from_depth(depth, FREQUENCIES[1]) % (2 * np.pi) for depth in depths]
-style = {"cmap": plotting.PHASE_CMAP, "limits": plotting.TURN, "width": 4.0}
-figure, axes = plotting.maps(maps, label="phase (rad)", titles=["exact", "float16"], **style)
-plotting.save(
-    figure,
-    "scenes_half_precision",
-    format="png",
-    numbers={"rms_rad": rms},
-    caption="Phase at 14.32 GHz of a slanted plane, from exact range and from half precision.",
-    alt="Two phase maps of the same plane: even bands of colour, then terraces of few colours.",
-)

@@ -27,6 +27,7 @@ draws: int = 2000  # sets of scenes drawn for the intervals
 results: str = "../book/results"  # folder of counts over all test frames
 
 # %% tags=["hide-input"]
+import cProfile
 import json
 from pathlib import Path
 
@@ -51,10 +52,11 @@ PROTOCOLS = ("released", "full")
 every = held_out_frames()
 
 
-def measure(number, protocol):
-    """A test frame and its measurement."""
+def measure(number, protocol, **changes):
+    """A test frame and its measurement, under changed conditions."""
     frame = every[number].middle(height, width)
-    return frame, cmtof.simulate(frame, protocol=protocol, seed=seed, frame_number=number)
+    changes |= {"protocol": protocol, "seed": seed, "frame_number": number}
+    return frame, cmtof.simulate(frame, **changes)
 
 
 # %% [markdown]
@@ -128,7 +130,9 @@ plotting.save(
 #    that are whole wraps apart, as a curtain before a wall, have the same phases and grow as one;
 #    such a surface is split where the beat of its cells steps.
 # 4. **Offsets.** Every surface is fitted to its interior; the beat and the shape give its whole
-#    wraps, with an uncertainty. Planes aligned with the axes of the room reduce it.
+#    wraps, with an uncertainty. Planes aligned with the axes of the room reduce it. A phase offset
+#    between the frequencies moves all beats and no shape; where planes show one by more than 2.5
+#    standard deviations, of often 0.1 wraps (1.8 mrad), it is subtracted.
 # 5. **Ties.** Along each border two surfaces either meet, so that they differ by the same whole
 #    wraps all along it, or one occludes the other. The most certain pair is tied first and its
 #    offsets are averaged by their precision, and so on while the odds are good.
@@ -225,12 +229,16 @@ VARIANTS = {
     "no axes of the room": ["axes"],
     "no ties": ["ties"],
     "camera unknown": [],
+    "σ = 2000": [],
+    "±10 mrad on f₂": [],
+    "±10 mrad on f₂, beats as they are": ["closure"],
 }
+CHANGES = {"σ": [{"noise": 2000.0}], "±": [{"phase_offset": (0, d)} for d in (0.01, -0.01)]}
 held = {protocol: [measure(one, protocol) for one in places] for protocol in PROTOCOLS}
 ablation, answers = {}, {protocol: [] for protocol in PROTOCOLS}
 for protocol, label in ((p, v) for p in PROTOCOLS for v in VARIANTS):
-    scored = []
-    for _, m in held[protocol]:
+    scored, changed = [], CHANGES.get(label[0], [])
+    for _, m in [measure(p, protocol, **c) for c in changed for p in places] or held[protocol]:
         seen = m if label != "camera unknown" else cmtof.Measurement(m.dataset.drop_vars("camera"))
         answer = cmtof.unwrap(seen, method="surfaces", without=VARIANTS[label])
         scored.append(scored_pixels(answer, m))
@@ -387,4 +395,12 @@ notes.table(["%", *head], rows)
 # 12 px that a plane needs to begin. Within 4 px of a surface such a pixel is assumed to lie on it.
 # The other half of the failures is dark floors and walls: large ones are found as surfaces, but not
 # their wraps, since the number of pixels that a beat needs is inversely proportional to the square
-# of the light ({doc}`09_limits`). {doc}`10_methods` has the computing times.
+# of the light ({doc}`09_limits`). The time goes into these steps:
+
+# %%
+with cProfile.Profile() as watch:
+    stages(held["full"][0][1])
+STEPS = ("field_from_measurement", "grown_surfaces", "pixel_labels", "parted", "fitted", "offsets")
+STEPS += ("aligned", "borders", "tied", "voted")
+spent = {getattr(e.code, "co_name", ""): e.totaltime for e in watch.getstats() if "cmtof" in str(e)}
+notes.table(["step", "ms"], [[f"`{one}`", f"{1e3 * spent.get(one, 0):.0f}"] for one in STEPS])

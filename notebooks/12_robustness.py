@@ -379,8 +379,8 @@ plotting.save(
 # \mathrm{rms} = \sqrt{2/45}\;\tan^2 t\;e ,
 # ```
 #
-# 1.4 mm for one wrap over 60°. So `surfaces` finds whole wraps by shape ({doc}`11_surfaces`). A
-# target whose range is known to half a wrap, 10 mm, gives both offsets directly.
+# 1.4 mm for one wrap over 60°. So `surfaces` finds whole wraps by shape, and by all planes of one
+# frame the offset itself ({doc}`11_surfaces`). A target of known range gives both offsets directly.
 #
 # ## Other frequencies
 #

@@ -68,10 +68,6 @@ def test_another_processor_finds_the_same_numbers(tmp_path, monkeypatch):
     assert not list(differences(reference.found(tmp_path / "results")))
 
 
-def test_nested_numbers_get_names():
-    assert reference.flat({"a": [1, {"b": 2.5}], "c": "x"}) == {"a[0]": 1, "a[1].b": 2.5, "c": "x"}
-
-
 def test_agreement_is_relative_with_a_floor():
     for value, entry, expected in (
         (1.0000005, {"value": 1.0, "rtol": 1e-6}, True),

@@ -18,10 +18,9 @@ from cmtof.scenes.hypersim import (
     camera_from_projection,
     read_array,
     split_views,
-    view_exists,
     write_metadata,
-    write_view,
 )
+from cmtof.scenes.rooms.rendering import view_exists, write_view
 
 FIRST = View("ai_001_001", "cam_00", 0)
 

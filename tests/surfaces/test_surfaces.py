@@ -10,6 +10,7 @@ from cmtof.correlation import phase_from_depth, wrap_count_from_depth
 from cmtof.measurement import Measurement
 from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
+from cmtof.surfaces import stages
 
 
 def unwrapped(measurement, method="surfaces", **options):
@@ -91,6 +92,16 @@ def test_turned_and_mirrored_images_have_turned_answers(clean_corner, clean):
     depth = np.flip(clean_corner.depth, 1)
     mirrored = rebuilt(clean_corner, np.flip(images, 3), depth=depth, camera=camera)
     assert np.mean(np.flip(unwrapped(mirrored)[0], 1) == clean[0]) >= 0.98
+
+
+def test_one_frame_shows_the_offset_between_its_frequencies():
+    """By what beats exceed shapes, within 4 deviations: they were 0.08 wraps in 24 draws."""
+    room = corner_scene((256, 320), tuple(2 * np.array(CAMERA))).frame
+    for number, offset in enumerate((0.0, 0.01, -0.03)):
+        m = simulate(room, phase_offset=(0, offset), seed=number)
+        wraps = offset / (2 * np.pi * (FREQUENCIES[1] / FREQUENCIES[0] - 2))
+        assert stages(m).offsets.closure == pytest.approx(wraps, abs=0.32)
+    assert stages(m, ["closure"]).offsets.closure == 0
 
 
 def test_phases_alone_and_other_frequencies():

@@ -8,7 +8,6 @@ Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
 """
 
 import csv
-import io
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property, partial
@@ -199,27 +198,6 @@ def read_array(path: Path, dimensions: int) -> NDArray:
     except Exception as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
         raise broken("a whole HDF5 file with the key dataset", path, error) from error
     return array
-
-
-def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
-    """Whether all four files of a view are there, and therefore whole."""
-    return all(View(scene, camera, frame).file(root, kind).is_file() for kind in FILES)
-
-
-def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: ArrayLike) -> None:
-    """Write color (linear radiance), depth (m), normal and instance, whole and always alike."""
-    import h5py
-
-    for kind, (_, _, dtype) in FILES.items():
-        path = View(scene, camera, frame).file(root, kind)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with np.errstate(over="ignore"):  # light beyond float16 is infinite, as in the original
-            stored = np.asarray(arrays[kind]).astype(dtype)
-        packed: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-        with h5py.File(content := io.BytesIO(), "w") as file:  # a full disk would end the process
-            file.create_dataset("dataset", data=stored, track_times=False, **packed)
-        with written_whole(path) as part:
-            part.write_bytes(content.getvalue())
 
 
 def write_metadata(root: Path, shape: tuple[int, int], scenes: Mapping[str, Any]) -> None:

@@ -75,8 +75,8 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
     Steps that may be left out: ``bent`` surfaces beside planes; ``parts``, cut where the beat
-    steps; offsets by the ``shape`` beside the beat, and by the ``axes`` of the room, if there is a
-    camera; ``ties`` of surfaces that meet; to ``fill`` what is far from any with its own beat.
+    steps; offsets by the ``shape``, ``closure`` of the beat by it, ``axes`` of the room, if there
+    is a camera; ``ties`` of surfaces that meet; to ``fill`` the far with its own beat.
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
@@ -94,7 +94,8 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
         inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
     shape = "shape" not in without and measurement.camera is not None  # else it is assumed
-    alone = placing.offsets(field, inner, surfaces, fit, shape=shape)
+    alone = placing.offsets(field, inner, surfaces, fit, shape=shape, closed="closure" in without)
+    field = field.turned(alone.closure)
     if shape and "axes" not in without and len(surfaces):
         alone = placing.aligned(alone, surfaces, fit, label)
     touching = placing.borders(field, label, surfaces)

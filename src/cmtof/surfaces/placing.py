@@ -21,6 +21,7 @@ from cmtof.surfaces.growing import around
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
 EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on none of them
 _INSIDE, _CERTAIN = 4, 0.6  # fits use pixels without another surface this near, and this S / E
+_OPEN, _CLOSING = 2.5, 20  # deviations from which on the beat is not closed; iterations
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
 _FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
 _BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
@@ -45,6 +46,7 @@ class Offsets(NamedTuple):
 
     mean: Array
     spread: Array
+    closure: float = 0.0  # wraps by which the beats of all were found to be off
 
 
 class Borders(NamedTuple):
@@ -127,16 +129,28 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
                         best[at], label[at] = total, found[i]
 
 
-def offsets(field: Field, inner: Labels, surfaces: Array, fit: Array, *, shape=True) -> Offsets:
-    """Offset of each surface, from its shape as far as a plane misses it little, and its beat."""
+def offsets(
+    field: Field, inner: Labels, surfaces: Array, fit: Array, *, shape=True, closed=False
+) -> Offsets:
+    """Offset of each surface, from its shape as far as a plane misses it little, and its beat.
+
+    An offset between the frequencies moves all beats and no shape: where it is certain, the mean of
+    what beats of planes exceed shapes by, by Student's weights, unless it is said to be ``closed``.
+    """
     beat, noise, coherence = pooled_beats(field, inner, surfaces)
     doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
     by_beat = 1 / (noise**2 + doubt**2)
     known, missed, bend = (np.maximum(fit[:, i], 1e-12) for i in (1, 2, 3))
     variance = 1 / known + (np.maximum(missed, _SMOOTH) / bend) ** 2 + _FLOOR[0] ** 2
     by_shape = np.where((fit[:, 1] > 0) & shape, 1 / variance, 0)
-    mean = (fit[:, 0] * by_shape + beat * by_beat) / (by_shape + by_beat)
-    return Offsets(mean, 1 / np.sqrt(by_shape + by_beat))
+    flat = ~surfaces[:, 3:].any(axis=1)  # what is bent may have been bent by a wrap
+    off, both = 0.0, flat * by_beat * by_shape / (by_beat + by_shape)
+    for _ in range(0 if closed else _CLOSING):
+        weight = both / (1 + both * (beat - fit[:, 0] - off) ** 2 / 2)
+        off = float(weight @ (beat - fit[:, 0]) / max(weight.sum(), 1e-12))
+    off = 0.0 if closed or abs(off) < _OPEN / np.sqrt(weight.sum() + 1e-12) else off
+    mean = (fit[:, 0] * by_shape + (beat - off) * by_beat) / (by_shape + by_beat)
+    return Offsets(mean, 1 / np.sqrt(by_shape + by_beat), off)
 
 
 def aligned(found: Offsets, surfaces: Array, fit: Array, label: Labels) -> Offsets:
@@ -173,7 +187,7 @@ def aligned(found: Offsets, surfaces: Array, fit: Array, label: Labels) -> Offse
         gain = np.where(use, slope * variance / total, 0)
         left = np.maximum(variance * (1 - gain * slope), np.minimum(variance, _FLOOR[0] ** 2))
         mean, variance = mean - gain * off, left
-    return Offsets(mean, np.sqrt(variance))
+    return found._replace(mean=mean, spread=np.sqrt(variance))
 
 
 def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, Array, Array]:

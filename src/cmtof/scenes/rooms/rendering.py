@@ -1,5 +1,6 @@
 """Rooms from a seed: built, seen, exposed, and written in Hypersim's layout, resumable."""
 
+import io
 import json
 import os
 import signal
@@ -14,11 +15,12 @@ from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
 from cmtof.files import alone, read_document, written_whole
 from cmtof.scenes.frame import Frame, brightness
-from cmtof.scenes.hypersim import view_exists, write_metadata, write_view
+from cmtof.scenes.hypersim import FILES, View, write_metadata
 from cmtof.scenes.rooms.cameras import Camera, Lens, close_cameras, room_cameras
 from cmtof.scenes.rooms.engine import Light, Picture, World
 from cmtof.scenes.rooms.placing import Furnishing, household, presets
@@ -252,6 +254,27 @@ def frame_of(seen: Picture, lens: Lens, name: str) -> Frame:
 def _number(camera: str, frame: int) -> int:
     """Count of a view within its scene that does not depend on how many there are."""
     return frame + 4 * int(camera[-2:])
+
+
+def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
+    """Whether all four files of a view are there, and therefore whole."""
+    return all(View(scene, camera, frame).file(root, kind).is_file() for kind in FILES)
+
+
+def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: ArrayLike) -> None:
+    """Write color (linear radiance), depth (m), normal and instance, whole and always alike."""
+    import h5py
+
+    for kind, (_, _, dtype) in FILES.items():
+        path = View(scene, camera, frame).file(root, kind)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with np.errstate(over="ignore"):  # light beyond float16 is infinite, as in the original
+            stored = np.asarray(arrays[kind]).astype(dtype)
+        packed: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+        with h5py.File(content := io.BytesIO(), "w") as file:  # a full disk would end the process
+            file.create_dataset("dataset", data=stored, track_times=False, **packed)
+        with written_whole(path) as part:
+            part.write_bytes(content.getvalue())
 
 
 def render_scene(root: Path, settings: Settings, index: int) -> Done:
