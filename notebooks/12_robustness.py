@@ -232,7 +232,7 @@ plotting.save(
     f"rooms ({len(frames)}), our `fast-scnn` trained less than the paper's. (c) Mean move of their "
     "answers.",
     alt="Left, three bell-shaped curves over the offset with points on them. Middle, rates of the "
-    "methods, peaked for those that read the beat. Right, lines of slope one and a level one.",
+    "methods, peaked for those that read the beat. Right, lines of slope one and two level ones.",
 )
 
 # %% [markdown]
