@@ -276,8 +276,8 @@ print(f"gain, paired by view: {gain[0]:.1f} points ({gain[1]:.1f} to {gain[2]:.1
 # the training set; intervals (95 %) are over scenes. "Random stem" is the proposed row without the
 # initialisation above. A row that does not beat the best constant answer is called untrained.
 #
-# Phases alone, as numbers from 0 to 2π, teach little: so trained, Rapid too stayed below the best
-# constant, at 5.3 and 12.1 % of the validation rooms by its card beside those of these rows. The
+# Phases alone, as numbers from 0 to 2π, teach little: trained on them, Rapid too stayed below the
+# best constant (5.3 against 12.1 % of the validation rooms, by its card of that training). The
 # paper does not state what its baselines read; here all read raw correlations, and learn with noise
 # that rises from 20 counts on.
 

@@ -58,7 +58,7 @@ class Field(NamedTuple):
         return float(self.wavenumber[1] / self.wavenumber[0]) - self.multiple
 
     def turned(self, wraps: float) -> "Field":
-        """Field of higher phases without what so many wraps add to the beat."""
+        """Field whose higher phases lack what that many wraps add to the beat."""
         turn = complex(np.exp(-1j * TAU * self.excess * wraps))
         high = turn * (self.real[1] + 1j * self.imaginary[1])
         images = np.stack([self.real[0], high.real]), np.stack([self.imaginary[0], high.imag])

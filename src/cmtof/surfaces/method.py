@@ -75,8 +75,8 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
     Steps that may be left out: ``bent`` surfaces beside planes; ``parts``, cut where the beat
-    steps; offsets by the ``shape``, ``closure`` of the beat by it, ``axes`` of the room, if there
-    is a camera; ``ties`` of surfaces that meet; to ``fill`` the far with its own beat.
+    steps; with a camera, offsets by the ``shape``, one of all beats by it (``closure``), and by the
+    ``axes`` of the room; ``ties`` of surfaces that meet; the ``fill`` of far pixels by their beat.
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)

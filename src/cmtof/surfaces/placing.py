@@ -21,7 +21,7 @@ from cmtof.surfaces.growing import around
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
 EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on none of them
 _INSIDE, _CERTAIN = 4, 0.6  # fits use pixels without another surface this near, and this S / E
-_OPEN, _CLOSING = 2.5, 20  # deviations from which on the beat is not closed; iterations
+_OPEN, _CLOSING = 2.5, 20  # deviations above which a common offset of beats counts; iterations
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
 _FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
 _BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
@@ -46,7 +46,7 @@ class Offsets(NamedTuple):
 
     mean: Array
     spread: Array
-    closure: float = 0.0  # wraps by which the beats of all were found to be off
+    closure: float = 0.0  # common offset of all beats, wraps, that was subtracted
 
 
 class Borders(NamedTuple):
@@ -134,8 +134,8 @@ def offsets(
 ) -> Offsets:
     """Offset of each surface, from its shape as far as a plane misses it little, and its beat.
 
-    An offset between the frequencies moves all beats and no shape: where it is certain, the mean of
-    what beats of planes exceed shapes by, by Student's weights, unless it is said to be ``closed``.
+    An offset between the frequencies moves all beats and no shape. It is the mean excess of beats
+    over shapes of planes, with Student's weights, and zero if ``closed`` or not significant.
     """
     beat, noise, coherence = pooled_beats(field, inner, surfaces)
     doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
