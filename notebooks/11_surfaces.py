@@ -36,10 +36,11 @@ import numpy as np
 
 import cmtof
 from cmtof import bounds
-from cmtof.book import notes, plotting
+from cmtof.book import notes, plotting, views
 from cmtof.book.comparison import Scene, comparison_figure
 from cmtof.constants import FREQUENCIES
 from cmtof.evaluation import rates, read_counts, score, scored_pixels
+from cmtof.pointcloud import points_from_depth
 from cmtof.scenes.frame import Frame, held_out_frames, ray_lengths
 from cmtof.statistics import reliability, risk_coverage
 from cmtof.surfaces import stages
@@ -118,6 +119,20 @@ plotting.save(
     "most of it and are tied together, and three maps of errors that get darker.",
     format="png",
 )
+
+# %% [markdown]
+# The same room in space ("Turn it"), coloured by its brightness or by its errors (pale: right):
+
+# %% tags=["remove-input"]
+light = np.repeat(np.sqrt(np.clip(frame.intensity, 0, 1))[::4, ::4, None], 3, axis=2)
+pale = plt.get_cmap("YlOrRd")(wraps_off(found.depth)[::4, ::4] / 10)[..., :3]
+beat = cmtof.unwrap(measurement, method="beat")["depth"].to_numpy()
+drawn = {"surfaces": (found.depth[inside], light), "wraps off": (found.depth[inside], pale),
+         "averaged beat": (beat, light), "truth": (truth, light)}  # fmt: skip
+layers = {name: (points_from_depth(depth, frame.camera)[::4, ::4], colours)
+          for name, (depth, colours) in drawn.items()}  # fmt: skip
+views.save_scene("scene_room", layers, longest=0.25, eye=(-0.8, -0.9, -0.8))
+views.show_scene("scene_room", title=frame.name)
 
 # %% [markdown]
 # 1. **Windows.** In squares of 64, 32, 16 and 12 px both spectra are searched together for the
@@ -366,27 +381,21 @@ plotting.save(
 # ## Failures by surface and light (dark: phase noise above 1 rad)
 
 # %%
-rows = []
-kinds = [(on, bright) for on in (True, False) for bright in (True, False)]
-parts = {(kind, p): np.zeros(3) for kind in kinds for p in PROTOCOLS}
+pixels = {protocol: [] for protocol in PROTOCOLS}
 for protocol in PROTOCOLS:
     for answer, (_, m) in zip(answers[protocol], held[protocol], strict=True):
-        step, wrap = stages(m), float(period)
-        area = tuple(slice(0, n) for n in m.shape)
-        on = step.label[area] >= 0
-        bright = step.field.information[:, area[0], area[1]].mean(axis=0) >= 1
-        off = np.abs(answer["wrap_count"].to_numpy() - np.floor(np.nan_to_num(m.depth) / wrap))
-        for kind in kinds:
-            these = m.mask & (on == kind[0]) & (bright == kind[1])
-            parts[kind, protocol] += [these.sum(), (off[these] < 1).sum(), (off[these] >= 10).sum()]
-for kind in kinds:
-    cells = []
-    for protocol in PROTOCOLS:
-        size, good, far = parts[kind, protocol]
-        total = sum(parts[other, protocol][0] for other in kinds)
-        cells += [f"{100 * x:.0f}" for x in (size / total, good / max(size, 1), far / max(size, 1))]
+        step, area = stages(m), tuple(slice(0, n) for n in m.shape)
+        bright = step.field.information[:, *area].mean(axis=0) >= 1
+        off = np.abs(answer["wrap_count"].to_numpy() - np.floor(np.nan_to_num(m.depth) / period))
+        pixels[protocol].append(np.stack([step.label[area] >= 0, bright, off])[:, m.mask])
+rows = []
+for kind in ((1, 1), (1, 0), (0, 1), (0, 0)):
     where = ("on a surface" if kind[0] else "on none") + (", bright" if kind[1] else ", dark")
-    rows.append([where, *cells])
+    rows.append([where])
+    for on, bright, off in (np.concatenate(pixels[protocol], axis=1) for protocol in PROTOCOLS):
+        these = off[(on == kind[0]) & (bright == kind[1])]
+        parts = these.size / off.size, np.mean(these < 1), np.mean(these >= 10)
+        rows[-1] += [f"{100 * share:.0f}" for share in parts]
 head = [f"{p}: {one}" for p in PROTOCOLS for one in ("share", "δ < 1", "δ ≥ 10")]
 notes.table(["%", *head], rows)
 

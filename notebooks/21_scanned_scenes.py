@@ -219,8 +219,9 @@ for name in objects:
     true_points = points_from_depth(truth[name], camera[name])
     layers = {"depth": (points, flat[name]), "wraps off": (points, wraps)}
     layers["truth"] = (true_points, shades.to_rgba(truth[name])[..., :3])
-    pitches = 3 * FIELD_OF_VIEW[name] / size  # three of the points at 1 m
-    still = views.save_scene(f"scene_{name}", layers, longest=pitches, eye=(-0.3, -0.22, -0.1))
+    view = {"longest": 3 * FIELD_OF_VIEW[name] / size, "eye": (-0.3, -0.22, -0.1)}  # m, at 1 m
+    views.save_scene(f"scene_{name}", layers, **view)
+    still = views.still(points, flat[name], **view)
     stills[name] = flat[name] if still is None else still
 
 

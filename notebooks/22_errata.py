@@ -202,10 +202,7 @@ span = said("table4.proposed.rmse_mirror") / share
 grid = np.linspace(0, 0.1, samples)
 noisy = grid + share * 0.1 * rng.standard_normal(samples)
 r_squared = 1 - np.var(noisy - np.polyval(np.polyfit(grid, noisy, 1), grid)) / np.var(noisy)
-print(
-    f"27: {share:.2%} of the span: 33.5 µm over {1e3 * span:.1f} mm (simulated R² = "
-    f"{r_squared:.4f})"
-)
+print(f"27: {share:.2%} of the span, 33.5 µm of {1e3 * span:.1f} mm; simulated R² {r_squared:.4f}")
 holds[27] = abs(r_squared - said("fig14.r_squared")) < 1e-5
 counts = GAIN * INTEGRATION_TIME  # signal at full brightness, G·T
 sigma_phi = float(bounds.simulated_phase_noise(1.0))
@@ -215,10 +212,7 @@ holds[4] = kept[-1] < 1e-3
 exchanged = replace(SINGLE, half_wave_angle=np.pi / 4, quarter_wave_angle=np.deg2rad(11.25))
 depths = [m.modulation_depth() for m in (SINGLE, exchanged)]
 light = SINGLE.throughput() / exchanged.throughput()
-print(
-    f"8: depth {depths[0]:.3f}, with the angles exchanged {depths[1]:.3f} and {light:.1f} "
-    f"times less light"
-)
+print(f"8: depth {depths[0]:.3f}, exchanged {depths[1]:.3f} and {light:.1f} times less light")
 holds[8] = depths[1] < depths[0] and light > 3
 
 # %% [markdown]
@@ -251,10 +245,7 @@ keys = [f"delta_lt_{k}" for k in (1, 2, 3)]
 better = sum(said(f"table2.deep_tof.{k}") > said(f"table2.rapid.{k}") for k in keys)
 better += said("table2.deep_tof.delta_ge_10") < said("table2.rapid.delta_ge_10")
 far = [said(f"table2.{m}.delta_ge_10") for m in ("deep_tof", "kde")]
-print(
-    f"17: loss {drop:.0%}; far outliers {far[0]:.2%} against {far[1]:.2%}; Deep-ToF above "
-    f"Rapid in {better} of 4"
-)
+print(f"17: loss {drop:.0%}; outliers {far[0]:.2%}, {far[1]:.2%}; Deep-ToF best in {better} of 4")
 holds[17] = drop > 0.15 and far[0] < far[1] and better == 3
 
 
@@ -338,10 +329,7 @@ positions = 1 + round(said("sec8.sweep") / said("sec8.sweep_step"))
 errors = rng.standard_normal((samples // 10, positions))
 chance = np.abs(errors).mean(axis=1) / np.sqrt((errors**2).mean(axis=1))
 reached = int((chance >= min(lowest.values())).sum())
-print(
-    f"15: {reached} of {chance.size} draws of {positions} Gaussian errors reach the least "
-    f"ratio {min(lowest.values()):.2f}"
-)
+print(f"15: {reached} of {chance.size} sets of Gaussian errors reach {min(lowest.values()):.2f}")
 holds[15] = reached < 1e-3 * chance.size
 
 # %% [markdown]

@@ -12,8 +12,10 @@ DRAWS = 200_000
 VARIANCE = 4 * np.sqrt(2 / DRAWS)
 
 
-def test_poisson_gaussian_has_both_variances(rng):
-    counts = detector.poisson_gaussian(np.full(DRAWS, 900.0), rng=rng, sigma=40.0, mu=5.0)
+def test_poisson_gaussian_has_both_variances_in_the_given_precision(rng):
+    means = np.full(DRAWS, 900.0, np.float32)
+    counts = detector.poisson_gaussian(means, rng=rng, sigma=40.0, mu=5.0)
+    assert counts.dtype == np.float32
     assert counts.mean() == pytest.approx(905.0, abs=4 * 50 / np.sqrt(DRAWS))
     assert counts.var() == pytest.approx(900 + 1600, rel=VARIANCE)
 
@@ -24,14 +26,6 @@ def test_released_order_adds_gaussian_noise_first_and_never_goes_negative(rng):
     dark = detector.poisson_gaussian(np.zeros(1000), rng=rng, sigma=40.0, order="released")
     assert dark.min() >= 0
     assert detector.poisson_gaussian(np.zeros(1000), rng=rng, sigma=40.0).min() < 0
-
-
-def test_float32_counts_stay_float32(rng):
-    assert detector.poisson_gaussian(np.ones(3, np.float32), rng=rng, sigma=1.0).dtype == np.float32
-
-
-def test_no_light_and_no_noise_give_nothing(rng):
-    assert (detector.poisson_gaussian(np.zeros(5), rng=rng, sigma=0.0) == 0).all()
 
 
 @pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf])

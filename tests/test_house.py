@@ -47,10 +47,6 @@ def room(module: str) -> str:
     return "scenes.rooms" if parts[:2] == ["scenes", "rooms"] else parts[0]
 
 
-def test_every_room_has_a_floor(imports):
-    assert {room(module) for pair in imports for module in pair} <= HEIGHT.keys()
-
-
 def test_imports_lead_down(imports):
     upward = [
         f"{a} imports {b}"

@@ -105,11 +105,6 @@ def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflecte
     assert aside[1, 1] / aside[0, 0] == pytest.approx(reflected, rel=1e-6)
 
 
-def test_ideal_beam_splitter_sorts_horizontal_from_vertical():
-    np.testing.assert_array_equal(jones.polarising_beam_splitter("transmitted"), np.diag([1, 0]))
-    np.testing.assert_array_equal(jones.polarising_beam_splitter("reflected"), np.diag([0, 1]))
-
-
 @given(angle, angle)
 def test_a_turned_beam_splitter_obeys_malus(axis, tilt):
     turned = jones.polarising_beam_splitter("transmitted", angle_error=axis)

@@ -71,8 +71,9 @@ def test_every_slider_changes_the_curve(browser, chapter):
         assert len(seen) >= tab.locator("[data-play] input").count() + 1 and not problems
 
 
-def test_a_scene_turns_changes_and_is_reset(browser):
-    with browse.opened(browser, HTML / "notebooks/21_scanned_scenes.html", 1280) as (tab, problems):
+@pytest.mark.parametrize("chapter", ["21_scanned_scenes", "11_surfaces"])
+def test_a_scene_turns_changes_and_is_reset(browser, chapter):
+    with browse.opened(browser, HTML / "notebooks" / f"{chapter}.html", 1280) as (tab, problems):
         scene = tab.locator("details.scene").first
         scene.locator("summary").click()
         canvas, pictures = scene.locator("canvas"), []
@@ -86,6 +87,17 @@ def test_a_scene_turns_changes_and_is_reset(browser):
             pictures.append(canvas.evaluate("canvas => canvas.toDataURL()"))
         assert pictures[0] == pictures[-1] and len(set(pictures)) == len(pictures) - 1
         assert not problems
+
+
+@pytest.mark.parametrize("kind", ["#equation-", "bibliography.html#"])
+def test_a_link_shows_what_it_leads_to(browser, kind):
+    with browse.opened(browser, HTML / "notebooks" / "09_limits.html", 1280) as (tab, problems):
+        tab.locator(f".bd-article a.reference.internal[href*='{kind}']").first.hover()
+        box = tab.locator("div.preview")
+        box.wait_for()
+        assert box.inner_text().strip() and not problems
+        tab.mouse.move(0, 0)
+        box.wait_for(state="detached")
 
 
 def test_a_picture_opens_and_closes(browser):

@@ -28,24 +28,19 @@ STATIC = "_static/scenes"  # where `tools/stage.py` puts the files
 
 def save_scene(
     name: str, layers: Mapping[str, tuple[Array, Array]], *, longest: float, eye: tuple
-) -> Array | None:
-    """Write surfaces to choose from as ``name.js``, beside the figures; return the first's `still`.
+) -> None:
+    """Write surfaces to choose from, points and colours by what they show, as ``name.js``.
 
-    ``layers`` holds points and colours by what they show. Without OpenGL there is no still, but a
-    line on stderr.
+    The file lies beside the figures; ``longest`` and ``eye`` are as in `still`.
     """
-    packed, first = {}, next(iter(layers.values()))
+    packed, shape = {}, next(iter(layers.values()))[0].shape[:2]
     for label, (points, colours) in layers.items():
         shades = np.rint(255 * np.clip(np.nan_to_num(colours), 0, 1)).astype(np.uint8)
         arrays = points.astype("<f4"), shades
         packed[label] = [b64encode(array.tobytes()).decode() for array in arrays]
-    about = {"shape": first[0].shape[:2], "longest": longest, "eye": eye, "layers": packed}
+    about = {"shape": shape, "longest": longest, "eye": eye, "layers": packed}
     with written_whole(provenance.output_folder() / f"{name}.js") as part:
         part.write_text(f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", encoding="utf-8")
-    drawn = still(*first, longest=longest, eye=eye)
-    if drawn is None:
-        print("No still: OpenGL is missing (apt-get install libegl1 libgl1).", file=sys.stderr)
-    return drawn
 
 
 def show_scene(name: str, *, title: str) -> None:
@@ -57,7 +52,7 @@ def show_scene(name: str, *, title: str) -> None:
 
 
 def still(points: ArrayLike, colours: ArrayLike, *, longest: float, eye: tuple) -> Array | None:
-    """Shaded still (h, w, 3), 0 to 1, of a surface, cropped to it; None where none can be drawn.
+    """Shaded still (h, w, 3), 0 to 1, of a surface, cropped to it; None without OpenGL.
 
     Points (H, W, 3), m, are x right, y down, z forward, NaN for none; colours (H, W, 3) are 0 to 1.
     Neighbours further apart than ``longest``, m, are not joined; ``eye`` (3,), m, is where the
@@ -69,6 +64,7 @@ def still(points: ArrayLike, colours: ArrayLike, *, longest: float, eye: tuple) 
         try:
             return pool.submit(_drawn, *chosen, faces.reshape(-1, 3), eye).result()
         except BrokenProcessPool:
+            print("No still: OpenGL is missing (apt-get install libegl1 libgl1).", file=sys.stderr)
             return None
 
 
