@@ -293,7 +293,7 @@ for name in SHOWN:
         value, low, high = (100 * part for part in rates(counts, name, draws=draws))
         cells += [f"{value[0]:.1f} ({low[0]:.1f}–{high[0]:.1f})", f"{value[2]:.1f}"]
         cells.append(f"{value[3]:.1f}")
-    rows.append([f"`{name}`", *cells])
+    rows += [[f"`{name}`", *cells]] if any(cells) else []  # where it was counted
 notes.table([f"%, {len(counts)} test frames", *head], [*rows, GOALS])
 
 # %% [markdown]

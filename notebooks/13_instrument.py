@@ -6,7 +6,7 @@
 # light less than a nanowatt reaches the detector; for a grey wall at 1 m photons and electronics
 # then cause a few micrometres of range noise. Everything here is *simulated*.
 
-# %% tags=["parameters"]
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of random draws; none here
 distance: float = 1.0  # range of the target in the budget, m

@@ -7,7 +7,7 @@
 # drivers, and noise. With the phase noise of the published captures one sweep is visibly rough: the
 # paper's smooth profile is an average, or that of a quieter instrument.
 
-# %% tags=["parameters"]
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of noise, drift and errors of the drivers
 bursts: int = 48  # sweeps of the reference phase averaged in Paper Fig. 12

@@ -6,7 +6,7 @@
 # photon limit the phases are accurate to some ten milliradians, tens of micrometres, but a scan of
 # few points does not determine the wraps. {doc}`../book/hardware` has the same on a bench.
 
-# %% tags=["parameters"]
+# %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of the simulated instrument
 scene: str = "still_life"  # embedded frame before it

@@ -16,6 +16,7 @@ repeats: int = 120  # days on which each sweep is simulated
 
 # %% tags=["hide-input"]
 from dataclasses import replace
+from functools import partial
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -98,8 +99,9 @@ def band(values):
 
 def days_text(values):
     """Median day and 95 % of days, µm."""
-    low, high = band(values)
-    return f"{1e6 * np.median(values):.3g} ({1e6 * low:.2g} to {1e6 * high:.2g})"
+    few = partial(np.format_float_positional, fractional=False, trim="-")
+    low, high = (few(1e6 * end, precision=2) for end in band(values))
+    return f"{few(1e6 * np.median(values), precision=3)} ({low} to {high})"
 
 
 def published(name, what):
@@ -393,7 +395,7 @@ print(f"20 µm are {fringes_20:.0f} fringes, lost at {1e9 * rms_for:.0f} nm rms"
 shaking = (20, 60, 80, 100, 150, 200)
 notes.table(
     ["fringes lost in 1 mm, by vibration", *(f"{rms} nm" for rms in shaking)],
-    [[f"stage at {1e6 * v:.0f} µm/s", *(f"{lost(1e-9 * rms, v):.2g}" for rms in shaking)]
+    [[f"stage at {1e6 * v:.0f} µm/s", *(f"{lost(1e-9 * rms, v):.1f}" for rms in shaking)]
      for v in (1.5e-5, 3e-5, 6e-5)],
 )  # fmt: skip
 

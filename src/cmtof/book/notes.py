@@ -1,6 +1,9 @@
 """Numbers and tables that a notebook puts into its page."""
 
+import re
 from collections.abc import Iterable, Sequence
+
+NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
 
 
 def tell(**numbers: float) -> None:
@@ -12,9 +15,11 @@ def tell(**numbers: float) -> None:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Show a table of texts under the cell; the first column is left-aligned, others right."""
+    """Show a table of texts under the cell; columns of numbers but the first are right-aligned."""
     from IPython.display import Markdown, display
 
-    lines = [head, [":--", *["--:"] * (len(head) - 1)], *rows]
-    text = "\n".join("| " + " | ".join(str(x) for x in line) + " |" for line in lines)
+    titles, *texts = [[str(x).replace("|", r"\|") for x in line] for line in (head, *rows)]
+    numbers = [all(map(NUMBER.match, column)) for column in zip(*texts, strict=True)]
+    lines = [titles, [":--", *("--:" if one else ":--" for one in numbers[1:])], *texts]
+    text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
     display(Markdown(text.replace("–", "\u2060–\u2060").replace(" (", "\u00a0(")))  # unbroken

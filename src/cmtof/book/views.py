@@ -29,10 +29,7 @@ STATIC = "_static/scenes"  # where `tools/stage.py` puts the files
 def save_scene(
     name: str, layers: Mapping[str, tuple[Array, Array]], *, longest: float, eye: tuple
 ) -> None:
-    """Write surfaces to choose from, points and colours by what they show, as ``name.js``.
-
-    The file lies beside the figures; ``longest`` and ``eye`` are as in `still`.
-    """
+    """Write surfaces, points and colours by what they show, to ``name.js``, seen as in `still`."""
     packed, shape = {}, next(iter(layers.values()))[0].shape[:2]
     for label, (points, colours) in layers.items():
         shades = np.rint(255 * np.clip(np.nan_to_num(colours), 0, 1)).astype(np.uint8)
