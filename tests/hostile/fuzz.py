@@ -31,7 +31,7 @@ import xarray as xr
 
 ROOT = Path(__file__).parents[2]
 SECONDS, MEGABYTES = 20, 1500  # of the processor, and of memory at its peak
-STUCK = 900  # s after which a case that uses no processor, either, has failed
+STUCK = 300  # s after which a case that uses no processor, either, has failed
 Files = dict[str, bytes | None]  # None is a pipe
 Made = tuple[Files, list[str]]
 """Files by name, and the command line that reads them from their folder."""
@@ -313,8 +313,7 @@ def started(command: list[str], folder: str | Path, err: IO[str]) -> int:
     """Run a command in a process of its own, in a folder; return its number."""
     from cmtof.cli import main
 
-    child = os.fork()
-    if child == 0:
+    if (child := os.fork()) == 0:
         code = 99
         try:
             os.chdir(folder)
@@ -324,6 +323,8 @@ def started(command: list[str], folder: str | Path, err: IO[str]) -> int:
             signal.signal(signal.SIGINT, signal.default_int_handler)
             signal.setitimer(signal.ITIMER_PROF, 20 * SECONDS)
             signal.alarm(STUCK)
+            if torch := sys.modules.get("torch"):
+                torch.set_num_threads(1)  # a fork does not copy OpenMP's threads, and would wait
             main(command)
             code = 0
         except KeyboardInterrupt:
@@ -412,10 +413,9 @@ def main(count: int, first: int = 0) -> int:
                 print(line, flush=True)
     cases = [done[case] for case in range(first, first + count)]
     failures = [line for one in cases for line in one["wrong"]]
-    names = [kind.__name__ for kind in KINDS]
-    codes: dict[str, Counter] = {name: Counter() for name in names}
+    codes: dict[str, Counter] = {kind.__name__: Counter() for kind in KINDS}
     for one in cases:
-        codes[names[one["case"] % len(names)]][f"exit {one['code']}"] += 1
+        codes[KINDS[one["case"] % len(KINDS)].__name__][f"exit {one['code']}"] += 1
     report = {"cases": count, "code": digest, "failures": failures, "kinds": codes}
     text = json.dumps(report, indent=1, sort_keys=True) + "\n"
     (ROOT / "book" / "results" / "fuzz.json").write_text(text, encoding="utf-8")
