@@ -79,7 +79,7 @@ def test_a_scene_turns_changes_and_is_reset(browser, chapter):
         canvas, pictures = scene.locator("canvas"), []
         canvas.focus()
         acts = [lambda: tab.keyboard.press("ArrowLeft"), lambda: tab.keyboard.press("ArrowUp")]
-        for name in ("wraps off", "truth", "nearer", "depth", "reset"):
+        for name in ("wraps off", "truth", "nearer", "reset"):
             acts.append(scene.get_by_role("button", name=name).click)
         for act in [lambda: None, *acts]:
             act()
@@ -91,7 +91,7 @@ def test_a_scene_turns_changes_and_is_reset(browser, chapter):
 
 @pytest.mark.parametrize("kind", ["#equation-", "bibliography.html#"])
 def test_a_link_shows_what_it_leads_to(browser, kind):
-    with browse.opened(browser, HTML / "notebooks" / "09_limits.html", 1280) as (tab, problems):
+    with browse.opened(browser, HTML / "notebooks" / "08_network.html", 1280) as (tab, problems):
         tab.locator(f".bd-article a.reference.internal[href*='{kind}']").first.hover()
         box = tab.locator("div.preview")
         box.wait_for()
