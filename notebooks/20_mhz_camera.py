@@ -118,7 +118,7 @@ notes.table(
       f"{1e3 * rms(bias['owl'][m]):.1f} mm") for n, m in (("dark", dark), ("pale", pale))],
 )  # fmt: skip
 notes.tell(**{f"right_{case}": 100 * right["owl", case] for case in NOISE})
-print({key: f"{right[key]:.0%} right wraps, {1e6 * phase_error[key]:.0f} µm" for key in both})
+print("\n".join(f"{' '.join(k)} {right[k]:.0%} right, {1e6 * phase_error[k]:.0f} µm" for k in both))
 print(f"helmet: {lost:.0%} of the shell without a range at 100 MHz")
 
 # %% tags=["hide-input"]
