@@ -170,9 +170,9 @@ plotting.save(
 # {eq}`correlation-harmonics` that is a raised cosine (½, ¼) times a square gate open for half of
 # every period (½, 1/π), as in an electronic *pixel*. The prototype multiplies **two optical
 # modulators**: two perfect raised cosines give a contrast of ½, two {doc}`two-pass modulators
-# <04_modulator>` $2J_1^2(2\eta)$ at a drive amplitude η. The chapters on light use η = 0.26, the 50
-# % modulator contrast that the paper states; those on the instrument assume π/4, since at 0.26 the
-# doubled mode's signal is too weak for a scan ({doc}`13_instrument`).
+# <04_modulator>` $2J_1^2(2\eta)$ at a drive amplitude η. The chapters on light use η = 0.26, the
+# 50 % modulator contrast that the paper states; those on the instrument assume π/4, since at 0.26
+# the doubled mode's signal is too weak for a scan ({doc}`13_instrument`).
 
 # %%
 weak, strong = (replace(SINGLE, eta=eta).harmonics(24) for eta in (eta_weak, eta_strong))
@@ -205,7 +205,7 @@ for name, value in noise.items():
     pixels = (value / noise[eq8]) ** 2
     numbers = f"{contrasts[name]:.3f} {means[name]:.3f} {value:.3f} {depth_noise:.2f} {pixels:.1f}"
     rows.append((name, *numbers.split()))
-head = "contrast, mean of $p\\,r$, σ_φ (rad), σ_z (mm), pixels over Eq. 8"
+head = "contrast, mean of $p\\,r$, $\\sigma_\\varphi$ (rad), $\\sigma_z$ (mm), pixels over Eq. 8"
 notes.table(["instrument", *head.split(", ")], rows)
 notes.tell(
     contrast_weak=contrasts[weak_name],
@@ -262,14 +262,13 @@ axes[0].set_title("over the phase")
 axes[0].set_xticks(*quarter_ticks)
 for steps, values in against_drive.items():
     axes[1].plot(etas, np.maximum(values, 1e-9), label=f"K = {steps}")
-axes[1].set(yscale="log", ylim=(1e-7, 200), xlabel="drive amplitude η (rad)")
+axes[1].set(yscale="log", ylim=(1e-7, 2e5), xlabel="drive amplitude η (rad)")
 axes[1].set(ylabel="largest error (mrad)", title="over the drive")
 plotting.mark(axes[1], y=table4 / micron_per_mrad, text="paper's RMSE, Table 4")
 scales = (lambda y: y * micron_per_mrad, lambda y: y / micron_per_mrad)
 for ax in axes:
     ax.secondary_yaxis("right", functions=scales).set_ylabel("depth (µm)")
-axes[0].legend(ncols=2, fontsize="small")
-axes[1].legend(loc="center left", bbox_to_anchor=(0, 0.7), fontsize="small")
+    ax.legend(loc="upper center", ncols=2, fontsize="small")
 plotting.label_panels(axes)
 plotting.save(
     figure,

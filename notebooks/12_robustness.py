@@ -237,14 +237,14 @@ plotting.save(
 
 # %% [markdown]
 # The paper's network is right in 51.6 % without and 51.0 % with an offset. If its answers came from
-# the beat, with the (symmetric) errors of its own table, 27 % would remain for 0.01 rad on f₂ and 8
-# % on f₁. Its right answers rest on shapes and likely depths, or it was trained with offsets.
+# the beat, with the (symmetric) errors of its own table, 27 % would remain for 0.01 rad on f₂ and
+# 8 % on f₁. Its right answers rest on shapes and likely depths, or it was trained with offsets.
 #
 # ## More noise, less light, other steps
 #
-# The Gaussian noise σ and the brightness act through one number, the phase noise σ_φ. So does the
-# number K of reference phases when the light is shared among them: with the same noise in each
-# sample σ_φ grows as √K. Three steps suffice, but leave no residual that shows the noise.
+# The Gaussian noise σ and the brightness act through one number, the phase noise $\sigma_\varphi$.
+# So does the number K of reference phases when the light is shared among them: with the same noise
+# in each sample $\sigma_\varphi$ grows as √K. Three steps suffice, but no residual shows the noise.
 
 # %%
 sweeps = {"sigma": [(NOISE_SIGMA, usual)], "level": [(1.0, usual)], "steps": [(4, usual)]}
@@ -267,7 +267,7 @@ for ax, key, label in zip(axes, sweeps, labels, strict=True):
         ax.plot(x, 100 * rate, marks[name] + "-", ms=4, lw=1.3, color=colours[name], label=name)
     ax.set(xlabel=label)
 plotting.mark(axes[0], x=NOISE_SIGMA, text="paper")
-axes[0].set(ylabel="δ < 1 (%)", ylim=(0, None))
+axes[0].set(ylabel="δ < 1 (%)", ylim=(-7, None))
 axes[1].set_xscale("log")
 axes[0].legend(fontsize="small")
 plotting.label_panels(axes)
@@ -505,7 +505,7 @@ pixels = {n: bounds.pixels_needed(white, white, frequencies=f) for n, f in known
 for name, f in known.items():
     place = abs(f[1] - round(f[1] / f[0]) * f[0]) / 1e6, pixels[name]
     ax.plot(*place, "kD", mfc="white")
-    ax.annotate(name, place, (6, 4), textcoords="offset points", fontsize="small")
+    ax.annotate(name, place, (7, 6), textcoords="offset points", fontsize="small")
 ax.set(xlabel="beat Δ (MHz)", ylabel="pixels for 95 %")
 ax.set_xticks([5, 10, 20, 40], ["5", "10", "20", "40"])
 ax.minorticks_off()
@@ -592,7 +592,7 @@ print(f"{met} of {sum(len(o) for o in odds.values())} counted intervals meet the
 
 # %% [markdown]
 # At η = 0.26 the doubled mode has 2 % of the single mode's signal, at π/4 19 %, so that sets that
-# rely on it fail. One pixel suffices with no set.
+# rely on it fail. No set of frequencies makes one pixel suffice.
 
 # %%
 crops = read_card(weights_path("fast-scnn", "released")).crops
