@@ -112,11 +112,11 @@ def claims_table(found: Found) -> str:
     values, rows = {key: value for key, (value, _) in found.items()}, []
     for claim in claims():
         runs = [(key, *found[key]) for key in claim.keys if key in found]
-        ours = {ours_text(published(key), value): None for key, value, _ in runs}
+        ours = {re.sub(r" (?!\()", SPACE, ours_text(published(k), v)): None for k, v, _ in runs}
         ours |= {run.beside: None for _, _, run in runs if run.beside}
         places = {run.link(): None for _, _, run in runs}
-        texts = [training_text(run.crops) for *_, run in runs]
-        said = badge(claim.outcome(values)) + max(texts, default="")
+        said = badge(claim.outcome(values))
+        said += max((training_text(run.crops) for *_, run in runs), default="")
         rows.append(f"| {claim.text} | {'<br>'.join(ours)} | {said} | {', '.join(places)} |")
     head = ["| the paper | this book | verdict | chapter |", "| :-- | :-- | :-- | :-- |"]
     return "\n".join([*head, *rows])
