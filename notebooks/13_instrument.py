@@ -57,7 +57,7 @@ PARTS = (  # marker, places and names
     ({**GLASS, "marker": "s", "ms": 22},
      [(5.4, 9, "PBS"), (10.6, 4.4, "PBS"), (7.2, 6.7, "NBS"), (9.4, 6.7, "NBS")]),
     ({**GLASS, "marker": "d", "ms": 22},
-     [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, "1.6×"), (6.45, 9, "HWP ⑤"), (7.0, 9, "QWP"),
+     [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, ""), (6.45, 9, "HWP ⑤"), (7.0, 9, "QWP"),
       (11.65, 4.4, "HWP ⑥"), (12.2, 4.4, "QWP"), (10.6, 3.45, "")]),
     ({"marker": (2, 2, -45), "ms": 22, "mew": 5, "mec": "#9AA4AD", "ls": "", "zorder": 3},
      [(9.6, 9, ""), (14.8, 4.4, ""), (5.4, 6.7, ""), (9.4, 7.95, ""), (9.4, 4.4, ""),
@@ -83,7 +83,7 @@ BOXES = (
     (8.15, 10.45, f"① RF driver, {drives} GHz"), (13.35, 5.68, f"② RF driver, {drives} GHz"),
     (13.4, 10.45, "③ clock, 10 MHz"),
 )  # fmt: skip
-figure, ax = plt.subplots(figsize=(11.0, 6.7))
+figure, ax = plt.subplots(figsize=(9.8, 6.0))
 ax.set(xlim=(0, 17.2), ylim=(0.4, 10.9), aspect="equal")
 ax.axis("off")
 small = {"fontsize": 7.3, "ha": "center", "va": "center", "zorder": 6}
@@ -96,11 +96,12 @@ for look, places in PARTS:
 for places, face, edge in ((BOXES, "#F3F5F7", "#7C8A96"), (TERMINALS, "#FFF6E0", "#E69F00")):
     for x, y, name in places:
         ax.text(x, y, name, bbox={"boxstyle": "round", "fc": face, "ec": edge}, **small)
-ax.text(8.6, 7.9, "reference arm", **small)
+for x, y, name in ((8.6, 7.9, "reference arm"), (9.95, 5.5, "1.6×")):
+    ax.text(x, y, name, **small)
 for number, (role, device) in enumerate(rig.devices.items()):
     text = f"{'①②③④⑤⑥⑦⑧'[number]} {role.replace('_', ' ')}\n{device.driver}\n{device.address}"
-    ax.text((number + 0.5) * 2.15, 1.55, text.replace("::", "::\n", 2), fontsize=6.6, ha="center",
-            va="top")  # fmt: skip
+    text = text.replace("::", "::\n", 2)
+    ax.text(2.15 * (number + 0.5), 1.55, text, fontsize=6.6, ha="center", va="top")
 plotting.save(
     figure, "fig06_instrument",
     numbers={

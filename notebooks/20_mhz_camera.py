@@ -122,7 +122,7 @@ print("\n".join(f"{' '.join(k)} {right[k]:.0%} right, {1e6 * phase_error[k]:.0f}
 print(f"helmet: {lost:.0%} of the shell without a range at 100 MHz")
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, 6, figsize=(14.6, 4.7))
+figure, axes = plt.subplots(2, 6, figsize=(12.4, 4.1))
 for row, name in zip(axes, NAMES, strict=True):
     plotting.image(row[0], mhz[name][1], label="electrons", title=f"{name}, amplitude",
                    limits=(0, np.percentile(mhz[name][1], 99.5)))  # fmt: skip
@@ -207,7 +207,7 @@ notes.table(("median error of normals", *rows),
             [(n, *(f"{a:.0f}°" for a in angles[n])) for n in NAMES])  # fmt: skip
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, 5, figsize=(13.2, 5.4))
+figure, axes = plt.subplots(2, 5, figsize=(11.0, 4.6))
 for row, name in zip(axes, NAMES, strict=True):
     for ax, (title, values) in zip(row, maps[name].items(), strict=True):
         ax.imshow((1 + values * [1, -1, -1]) / 2)

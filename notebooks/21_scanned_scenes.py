@@ -236,7 +236,7 @@ def row_of(axes, name, room, methods):
 
 
 # %% tags=["hide-input"]
-figure, grid = plt.subplots(2, 6, figsize=(15.6, 5.2))
+figure, grid = plt.subplots(2, 6, figsize=(12.6, 4.3))
 bare(grid[0, 0], pictures[teaser], teaser)
 bare(grid[1, 0], stills[teaser], "in space, captures")
 for axes, room in zip(grid, NOISE, strict=True):
@@ -259,7 +259,7 @@ plotting.save(
         f"From centimetre waves to shape, simulated. (a) A rendering of the "
         f"{teaser}. Above at the photon limit, below with the phase noise of the published "
         "captures: both wrapped phases, depth by the paper's network `fast-scnn`, trained for two "
-        "hours of one core, below fine-tuned on other objects, and by this book's `surfaces`, with "
+        "hours on one core, below fine-tuned on other objects, and by this book's `surfaces`, with "
         "the shares of right wraps, and the normals of the latter. (g) Its lower depth in space."
     ),
     alt=(
@@ -314,7 +314,7 @@ ABOUT = {
 
 for name in objects:
     scan = scans[name, "photon"]
-    figure, grid = plt.subplots(3, 6, figsize=(16.4, 8.2))
+    figure, grid = plt.subplots(3, 6, figsize=(12.8, 6.6))
     bare(grid[0, 0], pictures[name], "rendering")
     for ax, amplitude, tone in zip(grid[0, 1:], scan.amplitude, TONES, strict=False):
         plotting.image(ax, 1e3 * amplitude, label="amplitude (mV)", title=tone,
@@ -346,7 +346,7 @@ for name in objects:
             "Rendering. (b, c) Amplitude. (d) True range. (e) Phase after RF demodulation. (f) The "
             "last depth in space. Second row at the photon limit, third with the phase noise of "
             "the published captures: both wrapped phases, and depth by KDE, by `region`, by the "
-            "paper's network `fast-scnn`, trained for two hours of one core and in the third row "
+            "paper's network `fast-scnn`, trained for two hours on one core and in the third row "
             "fine-tuned on the other objects, and by this book's `surfaces`, with the shares of "
             "right wraps."
         ),
@@ -394,7 +394,7 @@ for ax, room, title in zip(axes, NOISE, ("photon limit", "captures' noise"), str
     plotting.bars(ax, {m: [right[n, room, m] for n in objects] for m in names}, objects)
     ax.set_title(title)
 plotting.bars(axes[2], {m: [of_class[k][m] for k in found] for m in names},
-              [f"{k}, {share[k]:.0f} %" for k in found])  # fmt: skip
+              [f"{k}\n{share[k]:.0f} %" for k in found])  # fmt: skip
 axes[0].set(ylabel="right wraps (%)", ylim=(0, 100))
 axes[2].set_title("captures' noise, by class")
 figure.legend(*axes[0].get_legend_handles_labels(), ncols=6, loc="outside lower center")
@@ -412,7 +412,7 @@ plotting.save(
     caption=f"Pixels with the right wrap in simulated scenes ({len(objects)}), (a) at the photon "
     "limit and (b) with the phase noise of the published captures, and (c) with that noise by "
     "class of pixel, with its share. `fast-scnn`, the paper's network, was trained for two hours "
-    "of one core, and for (b, c) fine-tuned on the other objects; `surfaces` is this book's.",
+    "on one core, and for (b, c) fine-tuned on the other objects; `surfaces` is this book's.",
     alt=f"Bars of right wraps. On average over the scenes: {said(mean)}.",
 )
 quiet, noisy = (mean[room]["kde"] / 100 for room in NOISE)

@@ -38,14 +38,14 @@ class Scene(NamedTuple):
 def comparison_figure(scenes: Sequence[Scene], labels: Sequence[str]) -> Figure:
     """Fig. 10: two rows a scene, its brightness and true wraps, then methods and their errors."""
     height, width = scenes[0].measurement.shape
-    columns, side = 1 + len(labels), 1.5
+    columns, side = 1 + len(labels), 1.2
     size = (side * columns + 0.6, 2 * len(scenes) * (side * height / width + 0.2) + 0.2)
     figure, axes = plt.subplots(2 * len(scenes), columns, figsize=size, squeeze=False)
     for scene, (above, below) in zip(scenes, axes.reshape(len(scenes), 2, columns), strict=True):
-        truth = scene.count()
+        truth, room = scene.count(), scene.frame.name.partition("/")[0]
         low, high = np.nanpercentile(truth, (1, 99))
         brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
-        image(above[0], brightness, label="", cmap="gray", title=scene.frame.name, bar=False)
+        image(above[0], brightness, label="", cmap="gray", title=room, bar=False)
         image(below[0], truth, label="", limits=(low, high), title="true wraps", bar=False)
         for up, down, label in zip(above[1:], below[1:], labels, strict=True):
             last, found = label == labels[-1], scene.count(label)
@@ -53,5 +53,5 @@ def comparison_figure(scenes: Sequence[Scene], labels: Sequence[str]) -> Figure:
             share, error = f"{100 * scene.right(label):.0f} % right", np.abs(found - truth)
             image(down, error, label="error δ", cmap="magma", limits=(0, 10), title=share, bar=last)
     for ax in figure.axes:
-        ax.title.set_size(7)
+        ax.title.set_size(9)
     return figure

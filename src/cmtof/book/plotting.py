@@ -15,6 +15,7 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
+from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 from PIL import Image
 
@@ -145,7 +146,8 @@ def mark(ax: Axes, *, x: float | None = None, y: float | None = None, text: str 
     else:
         ax.axhline(y, **style)
         place, within = (0, y), ax.get_yaxis_transform()
-    note: Any = {"color": "#59646E", "size": "small", "xytext": (3, 2)}
+    note: Any = {"color": "#59646E", "size": "small", "xytext": (3, 2), "zorder": 4}
+    note["path_effects"] = [withStroke(linewidth=2.5, foreground="white")]  # readable on lines
     ax.annotate(text, place, xycoords=within, textcoords="offset points", **note)
 
 
