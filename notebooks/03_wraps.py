@@ -165,7 +165,7 @@ names = {"label": "counted", "bound_label": "exact law", "color": colours["vermi
 plotting.sweep(axes[0], brightness, 100 * counted, errors=200 * error, bound=100 * law, **names)
 axes[0].plot(brightness, 100 * formula, color=plotting.GREY, ls="--", label="small-noise formula")
 plotting.mark(axes[0], y=100 / beat_wraps, text="chance")
-axes[0].set(xlabel="brightness I", ylabel="wrap right, one pixel (%)", title="one pixel")
+axes[0].set(xlabel="brightness I", ylabel="wrap right (%)", title="one pixel", xmargin=0.2)
 side_axis = np.geomspace(1, 330, 200)
 for level, colour in ((1.0, "blue"), (0.3, "orange")):
     spread = pool_noise[level] / side_axis

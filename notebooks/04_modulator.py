@@ -56,7 +56,7 @@ def draw_path(ax):
     ax.text(2.25, 1.2, "laser", va="center")
     ax.text(0.6, -0.3, "out, $I(t)$", ha="center", va="top")
     ax.text(8.4, 1.15, r"$V=\eta\,\sin\,\omega t$", ha="center")
-    ax.text(9.9, -0.75, f"$c/2f$ = {1e3 * SPEED_OF_LIGHT / (2 * FREQUENCY_SINGLE):.0f} mm")
+    ax.text(9.1, -0.75, f"$c/2f$ = {1e3 * SPEED_OF_LIGHT / (2 * FREQUENCY_SINGLE):.0f} mm")
 
 
 def draw_states(ax, mode, top, name):
@@ -201,7 +201,7 @@ residuals = {
     "Eq. 17": residual(doubled - sp.I * sp.sin(V)),
     "Eq. 18": residual(doubled * sp.conjugate(doubled) - I_doubled),
 }
-print("residuals, up to the common phase −1:", residuals)
+print("up to the common phase −1,", ", ".join(f"{k}: {left}" for k, left in residuals.items()))
 
 # %% tags=["hide-input"]
 plotting.save(

@@ -259,7 +259,7 @@ for mode in ORDER:
             off = decode(seen.T, psi[steps]).phase - at
             held[mode, number] = 1e3 * centred(off - np.angle(np.exp(1j * off).mean()))
 rms = {key: float(np.sqrt(np.mean(value**2))) for key, value in errors.items()}
-print({f"{mode}, {number} steps": f"{value:.2f} mrad rms" for (mode, number), value in rms.items()})
+print("\n".join(f"{mode}, {n} steps: {value:.2f} mrad rms" for (mode, n), value in rms.items()))
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(10.2, 3.8))
@@ -268,9 +268,8 @@ for ax, mode in zip(axes, ORDER, strict=True):
         ax.plot(fine, curves[mode, number], color=colour, lw=1.4)
         ax.plot(fine[-1] * np.arange(settings) / settings, errors[mode, number], marker, ms=4.5,
                 color=colour, label=f"{number} steps")  # fmt: skip
-    ax.set(title=f"{mode} mode", xlabel="programmed phase of the correlation (rad)")
+    ax.set(title=f"{mode} mode", xlabel="set phase (rad)", ylabel="error (mrad)", ymargin=0.2)
     ax.legend(loc="upper right", ncols=2, fontsize=8.5)
-axes[0].set_ylabel("decoded minus programmed (mrad)")
 plotting.label_panels(axes)
 plotting.save(
     figure, "instrument_linearity",

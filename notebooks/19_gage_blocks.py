@@ -188,6 +188,7 @@ for k, name in enumerate(NAMES):
 plotting.mark(axes[2], y=-1.2, text="paper")
 axes[2].set_yscale("symlog", linthresh=10)
 axes[2].set(xticks=range(3), xticklabels=NAMES, ylabel="step − 500 µm (µm)", title="repeats")
+axes[2].set_xlim(left=-0.7)
 shape = plane_points.shape[1:3]
 plotting.image(axes[3], plane_points[0, ..., 2], label="depth (m)", title="slanted plane")
 fitted = (plane_fits[0], "photon limit", 100), (rough_fit, "captures' noise", 1000)
@@ -304,8 +305,8 @@ plotting.save(
     "{eq}`eq-r-squared-plane`.",
     alt=f"Left, the scatter grows from {1e6 * left[0, 0]:.0f} µm on a nearly flat plane to "
     f"{1e6 * left[-1, 0]:.0f} µm at a slope of {slopes[-1]:.2f}, along the predicted curve. Right, "
-    f"1 − R² falls from {1 - r_squared[0, 0]:.1e} to {1 - r_squared[-1, 0]:.1e} as the spread of "
-    f"depth grows; the paper's value is a level line at {1 - paper_r2:.0e}.",
+    f"1 − R² falls from {1e6 * (1 - r_squared[0, 0]):.0f} to {1e6 * (1 - r_squared[-1, 0]):.1f} "
+    f"millionths as the spread of depth grows; the paper is at {1e6 * (1 - paper_r2):.0f}.",
 )
 
 # %% [markdown]
