@@ -107,7 +107,7 @@ notes.tell(spread_high=spread[-1], wrap_spreads=1e3 * wrap_length(1e10) / law[-1
 # %% [markdown]
 # The spread falls from {glue:text}`spread_low:.0f` mm to {glue:text}`spread_high:.2f` mm, by
 # {glue:text}`ratio:.0f` ± {glue:text}`ratio_error:.0f` times, the ratio of the frequencies. The
-# noise does not depend on the modulation frequency, so σ_φ is the same everywhere, and
+# noise does not depend on the modulation frequency, so $\sigma_\varphi$ is the same everywhere, and
 #
 # ```{math}
 # :label: precision-depth

@@ -121,9 +121,9 @@ clean = correlation_from_phase(truth, psi, amplitude=signal / np.pi, offset=sign
 four = poisson_gaussian(clean, rng=rng, sigma=NOISE_SIGMA)
 spectrum, misordered = np.fft.fft(four, axis=0), np.fft.fft(four[[0, 1, 3, 2]], axis=0)
 readings = {
-    "$F_1$, steps in order": wrapped(np.angle(spectrum[1])),
-    "$F_2$, as printed": wrapped(np.angle(spectrum[2])),
-    "$F_1$, in the order of Section 5.3": wrapped(np.angle(misordered[1])),
+    "F₁, steps in order": wrapped(np.angle(spectrum[1])),
+    "F₂, as printed": wrapped(np.angle(spectrum[2])),
+    "F₁, in the order of Section 5.3": wrapped(np.angle(misordered[1])),
 }
 reading_error = [float(np.sqrt(np.mean(centred(r - truth) ** 2))) for r in readings.values()]
 

@@ -149,7 +149,7 @@ samples = {
 labels = ("slope within a surface (wraps/px)", "jump at its end (wraps)", "its size (px)")
 medians = {name: [float(np.median(part)) for part in parts] for name, parts in samples.items()}
 steep = float(np.mean(samples["rooms"][0] > 0.5))
-rows = [[k, *(f"{values[i]:.3g}" for values in medians.values())] for i, k in enumerate(labels)]
+rows = [[k, *(f"{v[i]:.{i + 3}g}" for v in medians.values())] for i, k in enumerate(labels)]
 notes.table(["median", *medians], rows)
 print(f"{steep:.1%} of neighbours in rooms differ by more than half a wrap")
 notes.tell(median_slope=medians["rooms"][0], median_size=medians["rooms"][2])

@@ -79,7 +79,6 @@ phases, references = (
     dict(zip(names, two, strict=True)) for two in zip(*captures.values(), strict=True)
 )
 glue("capture_source", source, display=False)
-print(source, names)
 
 
 # %% [markdown]
@@ -290,7 +289,8 @@ for name in names:
     turns = (depths[name] - references[name]) / WRAP
     objects = turns[~walls[name][0] & np.isfinite(turns)]
     off_wraps[name] = np.percentile(objects, [5, 95]).tolist()
-    print(name, {k: round(v, 2) for k, v in agreement[name].items()}, np.round(off_wraps[name], 2))
+    parts = ", ".join(f"{k.replace('_', ' ')} {v:.2f}" for k, v in agreement[name].items())
+    print(f"{name}: {parts}, wraps {off_wraps[name][0]:.2f} to {off_wraps[name][1]:.2f}")
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(count, 3, figsize=(10.4, 2.9 * count + 0.3), squeeze=False)

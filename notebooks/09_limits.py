@@ -231,5 +231,5 @@ notes.table(["protocol", "pooled by", "found, %", "predicted, %", "best weights,
 # *Found* is the share of pixels whose measured phase gets the right number of turns. The references
 # add phasors with equal weights and agree with the prediction, as far as so few surfaces allow.
 # With weights by brightness they would gain a little: the last column bounds a method that knows
-# every shape and takes its distance from the beat. To exceed it takes contacts, or flat surfaces:
+# every shape and takes its distance from the beat. Only contacts or flat surfaces exceed it:
 # the shape of a plane in a known camera gives its distance ({doc}`11_surfaces`).

@@ -13,7 +13,7 @@
 # would try today, with trivial answers, and with references that know a part of the truth, on the
 # same simulated measurements of the same rooms. The paper's classical rows pool little and stay
 # near the trivial answer, its networks have a quarter to a third of the wraps right after an hour
-# or two of one core, and our `surfaces`, which pools over whole surfaces, is far ahead.
+# or two on one core, and our `surfaces`, which pools over whole surfaces, is far ahead.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -114,7 +114,7 @@ draw("fig10_others", OTHERS, "Methods outside the paper, and references.")
 # {cite:p}`xia2007`, KDE {cite:p}`lawin2016`, One-Step {cite:p}`wang2019`, U-Net
 # {cite:p}`ronneberger2015`, Deep-ToF {cite:p}`su2018` and Rapid {cite:p}`zhang2019`, whose network
 # is DeepLabV3+ {cite:p}`chen2018`. Of these networks the paper states for Deep-ToF alone that it
-# reads raw correlations; here all do, for from wrapped phases Rapid learnt nothing
+# reads raw correlations; here all do, since Rapid learnt nothing from wrapped ones
 # ({doc}`08_network`). The random field takes its two-frequency term from {cite:t}`valadao2009`, its
 # solvers from {cite:t}`hirschmuller2008` and {cite:t}`bioucas2007`; averages stop at edges as in
 # {cite:t}`he2013`.
