@@ -12,7 +12,7 @@ seed: int = 0  # nothing here is random
 frequency: float = 7.15e9  # modulation frequency, Hz
 depth: float = 0.6  # range of the target along the ray, m
 eta_weak: float = 0.26  # drive amplitude at 50 % modulator contrast, rad
-eta_strong: float = 0.7853981633974483  # drive amplitude at full modulator contrast, π/4, rad
+eta_strong: float = 0.7853982  # drive amplitude at full modulator contrast, π/4, rad
 phases: int = 720  # phases at which the cyclic error is evaluated
 drives: int = 120  # drive amplitudes on the axis of the last figure
 

@@ -377,7 +377,7 @@ for name in names:
         wrapped(smooth[name].phase + noise.noise_from_spectrum(spectrum, rng=rng))
         for _ in range(draws)
     ]
-    print(name, {key: round(value, 3) for key, value in lines[name]._asdict().items()})
+    print(f"{name}:", ", ".join(f"{k} {v:.3f}" for k, v in lines[name]._asdict().items()))
 left = {
     kind: {n: [noise.local_residual(p, window=window) for p in maps[n]] for n in names}
     for kind, maps in (("white", simulated), ("lines", with_lines))

@@ -196,7 +196,7 @@ gain = {}
 for name in methods:
     applied, _, moved = curve[name][np.abs(curve[name][:, 0]) < 2.5].T
     gain[name] = float(np.sum(applied * moved) / np.sum(applied**2))
-print("moves per wrap of offset:", {name: round(x, 2) for name, x in gain.items()})
+print("wraps moved per wrap of offset:", ", ".join(f"{k} {x:.2f}" for k, x in gain.items()))
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(12.4, 4.0))

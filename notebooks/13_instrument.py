@@ -83,7 +83,7 @@ BOXES = (
     (8.15, 10.45, f"① RF driver, {drives} GHz"), (13.35, 5.68, f"② RF driver, {drives} GHz"),
     (13.4, 10.45, "③ clock, 10 MHz"),
 )  # fmt: skip
-figure, ax = plt.subplots(figsize=(9.8, 6.0))
+figure, ax = plt.subplots(figsize=(10.4, 6.35))
 ax.set(xlim=(0, 17.2), ylim=(0.4, 10.9), aspect="equal")
 ax.axis("off")
 small = {"fontsize": 7.3, "ha": "center", "va": "center", "zorder": 6}
@@ -179,9 +179,9 @@ steps = {
 }
 loss = {m: -10 * np.log10(one["light"] / twin.laser_power) for m, one in here.items()}
 sent = {mode: free_space.sent_power(twin, mode) for mode in COLOURS}
-rows = [[name, *(f"{steps[m][name]:.3g}" for m in COLOURS)] for name in steps["single"]]
+rows = [[n, *(f"{10 * np.log10(steps[m][n]):.1f} dB" for m in COLOURS)] for n in steps["single"]]
 rows += [["On the detector", *(quantity_text(one["light"], "W") for one in here.values())],
-         ["Photons in a point", *(f"{one['photons']:.3g}" for one in here.values())],
+         ["Photons in a point", *(f"{one['photons'] / 1e6:.3g} million" for one in here.values())],
          ["Output (mV)", *(f"{1e3 * one['volts']:.0f}" for one in here.values())]]  # fmt: skip
 notes.table(["", "single", "doubled"], rows)
 

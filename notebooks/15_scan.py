@@ -260,8 +260,8 @@ for name, seen in (("as it came", amplitude * (power / power[:, :1])[..., None])
                    ("divided by power", amplitude)):  # fmt: skip
     gain = np.nanmedian(bright * seen / reference, axis=2)
     gains[name] = gain / gain.mean(axis=1, keepdims=True)
-spread = {name: round(float(100 * gain.std()), 3) for name, gain in gains.items()}
-print(f"the power swings by {swing:.1f} %; spread of the lines in %:", spread)
+spread = ", ".join(f"{100 * gain.std():.3f} % {name}" for name, gain in gains.items())
+print(f"the power swings by {swing:.1f} %; spread of the lines: {spread}")
 
 # %% [markdown]
 # ## Unwrapping

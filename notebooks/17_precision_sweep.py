@@ -174,12 +174,12 @@ plotting.save(
 
 # %%
 rows = []
-for name, one in rangers.items():
-    for what in targets:
-        for size, theirs in zip(("rmse", "mae"), published(name, what), strict=True):
-            ours = [days_text(getattr(found[name, what, case], size)) for case in CASES]
-            last = [f"{1e6 * x:.3g}" for x in (one.bound(targets[what], POSITIONS).mean(), theirs)]
-            rows.append([f"{name}, {what}, {size.upper()}", *ours, *last])
+for name, what in ((name, what) for name in rangers for what in targets):
+    bound = rangers[name].bound(targets[what], POSITIONS).mean()
+    for size, theirs in zip(("rmse", "mae"), published(name, what), strict=True):
+        ours = [days_text(getattr(found[name, what, case], size)) for case in CASES]
+        last = [f"{float(f'{1e6 * x:.3g}'):g}" for x in (bound, theirs)]
+        rows.append([f"{name}, {what}, {size.upper()}", *ours, *last])
 notes.table(["", "sizes assumed", "plausible", "and captures' noise", "bound", "paper"], rows)
 
 # %% [markdown]
@@ -323,7 +323,7 @@ plate = float(rf.power(targets["diffuse"], 0.6))
 own, reach = float(rf.snr(plate)), float(np.interp(2.2e-9, light, snr["all-optical"]))
 needed = 10 ** brentq(lambda p: float(np.log(rf.snr(10**p) / reach)), -12, -1)
 crossing = light[np.argmax(snr["RF"] > snr["all-optical"])]
-print(f"RF before the plate: {1e9 * plate:.2g} nW, SNR {own:.2g}; all-optical SNR {reach:.2g}")
+print(f"RF before the plate: {1e9 * plate:.2g} nW, SNR {own:.2g}; all-optical SNR {reach:,.0f}")
 print(f"for which RF needs {needed / plate:.0f} times the light")
 print(f"offsets over the plate's signal: {rf.offsets.sum() / rf.envelope(plate):.0f}")
 

@@ -287,7 +287,7 @@ print("if all of it comes from a wall 0.3 m behind")
 # At the stated power the error on dark feathers is thus noise, seen as grain that changes from
 # image to image. It depends on assumed values (lens, quantum efficiency, read noise), and a random
 # phase gives 433 mm in any case: agreement with the paper's 200 mm proves nothing, and the paper
-# shows no ground truth. The scan sends each point {glue:text}`more_light:.0f` times the light, and
+# shows no ground truth. The scan sends each point {glue:text}`more_light:,.0f` times the light, and
 # at 14.32 GHz a millimetre is 143 times the phase. Only the second is due to the frequency.
 
 # %%
@@ -298,4 +298,4 @@ paper.check("fig15.mhz_power", camera.power)
 paper.check("fig15.mhz_wavelength", camera.wavelength)
 paper.check("fig15.mhz_exposure", camera.exposure)
 paper.check("sec1.unambiguous_range_100mhz", camera.wrap)
-notes.tell(more_light=sent[0] / sent[1])
+notes.tell(more_light=float(f"{sent[0] / sent[1]:.1g}"))
