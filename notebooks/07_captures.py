@@ -185,7 +185,7 @@ for name in names:
     coarse = noise.local_phase_noise(smooth[name].phase[few], window=3)
     flat = ndimage.binary_erosion(where[few], np.ones((3, 3))) & np.isfinite(coarse)
     after[name] = float(np.median(coarse[flat]) / np.sqrt(stats.chi2.median(3) / 3))
-    print(f"{name}: correlation down and across {np.round(neighbours[name], 2)}")
+    print(f"{name}: neighbours' correlation", *(f"{round(r, 2) + 0:.2f}" for r in neighbours[name]))
     print(f"  averaged {after[name]:.3f} rad, {sigma[name] / fit_window:.3f} if it were white")
 
 # %% tags=["hide-input"]
