@@ -308,9 +308,9 @@ plotting.save(
 # The light falls on a fast photodiode; its current is amplified, filtered and mixed with the drive.
 # With the noise factor $F$ of the chain and 13.3 ms of averaging, $T$,
 #
-# $$V = R_L\,R\,m\,|H(f)|\,P\,e^{i\phi}, \qquad
-# \sigma_V^2 \approx \frac{k_BT_0F R_L + 2e\,(RP + I_d)\,R_L^2}{T},
-# \qquad \mathrm{SNR} = \frac{|V|^2}{2\sigma_V^2} .$$
+# $$\begin{aligned} V &= R_L\,R\,m\,|H(f)|\,P\,e^{i\phi}, \qquad
+# \mathrm{SNR} = \frac{|V|^2}{2\sigma_V^2},\\
+# \sigma_V^2 &\approx \frac{k_BT_0F R_L + 2e\,(RP + I_d)\,R_L^2}{T} .\end{aligned}$$
 #
 # Electrical power is proportional to the *square* of the optical power: a thousandth of the light
 # gives a millionth of the SNR. The avalanche detector of the all-optical chain multiplies its

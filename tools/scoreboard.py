@@ -112,7 +112,7 @@ def claims_table(found: Found) -> str:
     values, rows = {key: value for key, (value, _) in found.items()}, []
     for claim in claims():
         runs = [(key, *found[key]) for key in claim.keys if key in found]
-        ours = {re.sub(r" (?!\()", SPACE, ours_text(published(k), v)): None for k, v, _ in runs}
+        ours = {re.sub(r" (?!\(|to )", SPACE, ours_text(published(k), v)): None for k, v, _ in runs}
         ours |= {run.beside: None for _, _, run in runs if run.beside}
         places = {run.link(): None for _, _, run in runs}
         said = badge(claim.outcome(values))
