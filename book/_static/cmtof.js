@@ -200,7 +200,7 @@ document.querySelectorAll("details.scene").forEach((place) => {
 // A chart of one curve: `x` and `y` run from 0 to 1 of the axes, whose ends are texts.
 function chart(place, labels) {
   const svg = place.appendChild(document.createElementNS(SVG, "svg"));
-  svg.setAttribute("viewBox", "0 0 640 260");
+  svg.setAttribute("viewBox", "0 0 640 268");
   svg.setAttribute("role", "img");
   svg.setAttribute("aria-label", labels.title);
   const put = (tag, options, text = "") => {
@@ -218,7 +218,7 @@ function chart(place, labels) {
   labels.x.forEach((text, i) => {
     put("text", { x: 60 + (550 * i) / (labels.x.length - 1), y: 238, "text-anchor": "middle" }, text);
   });
-  put("text", { x: 335, y: 256, "text-anchor": "middle" }, labels.under);
+  put("text", { x: 335, y: 262, "text-anchor": "middle" }, labels.under);
   const curve = put("path", { class: "curve" });
   return (points) => {
     const spots = points.map(([x, y]) => `${(60 + 550 * x).toFixed(1)},${(220 - 210 * y).toFixed(1)}`);
