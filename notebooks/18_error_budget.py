@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import jv
 
 from cmtof.book import notes, paper, plotting
-from cmtof.correlation import depth_from_phase, phase_from_depth, wrap_length
+from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.instrument.optics import aperture_area, group_index, speckle_cells, spot_radius
 from cmtof.instrument.settings import TwinSettings
 from cmtof.instrument.targets import MIRROR, PLATE
@@ -130,14 +130,14 @@ def correlation_phase(settings, ranges):
     return phase_from_depth(way, FREQUENCY["single"]) - settings.phase_offset
 
 
-ratio, eta = back_ratio(known, target), known.eta
+ratio, eta, excess = back_ratio(known, target), known.eta, group_index(known) - 1
 third = float((jv(3, 2 * eta) / jv(1, 2 * eta)) ** 2)
 length = float(wrap_length(FREQUENCY["single"]))
 travel = length * (np.arange(wrap_points) / wrap_points - 0.5)
 ideal = TwinSettings.ideal()
-phi = correlation_phase(ideal, target.distance + travel)
-stray = correlation_phase(ideal, ideal.back_range)
-excess = group_index(known) - 1
+path, back, cable, _ = np.random.default_rng((seed, 0)).uniform(0, 1, 4)  # turns, of a sweep's day
+phi = correlation_phase(ideal, target.distance + travel) + TAU * (path - cable)
+stray = correlation_phase(ideal, ideal.back_range) + TAU * (path - cable - back)
 print(f"air adds {1e6 * excess * target.distance:.0f} µm to 60 cm")
 print(f"four steps: {1e6 * depth_from_phase(third / 2**0.5, FREQUENCY['single']):.0f} µm rms")
 cases = {
