@@ -13,6 +13,7 @@ from cmtof.surfaces.field import CELL
 PLANE, BENT = np.int64(3), np.int64(6)  # parameters of a plane and of a bent surface
 EVERY = np.int64(-1)  # label of a fit to whole rectangles
 HOPS = np.int64(60)  # largest hop, wraps
+ASTRAY = 0.2  # distance, wraps (rms), of a plane from a bent surface from which on it is not tried
 FLAT = 5e-5  # a surface counts as bent if a plane misses it by more, m (rms), and it gains in S
 
 _U = np.array([1, 0, 0, 2, 1, 0])  # powers of u of the six functions
@@ -175,10 +176,12 @@ def leaning(field, label, only, q, boxes, weight):  # pragma: no cover - compile
 
 
 @njit(cache=True, nogil=True)
-def moved(field, q, boxes, size, distance):  # pragma: no cover - compiled
-    """The surface of that many functions nearest to this one moved by a distance, m."""
+def moved(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover - compiled
+    """Nearest surface to this one moved, by m and by wraps per pixel; their distance, m (rms)."""
     u, v, cosine = field[5], field[6], field[7]
     normal, wanted, basis = np.zeros(52), np.zeros(BENT), np.zeros(BENT)
+    wrap, row, column = 2 * np.pi / field[3][0], np.mean(boxes[:, :2]), np.mean(boxes[:, 2:])
+    square, count = 0.0, 0
     for n in range(0, boxes.shape[0], max(1, boxes.shape[0] // 100)):
         box = boxes[n]
         for y in range(box[0], box[1], 3):
@@ -188,50 +191,66 @@ def moved(field, q, boxes, size, distance):  # pragma: no cover - compiled
                 for j in range(BENT):
                     basis[j] = across[_U[j]] * below[_V[j]]
                 value = np.sum(q * basis)
-                z = max(1 / max(cosine[y, x] * value, FARTHEST) + distance, 0.05)
+                shift = distance + wrap * (down * (y - row) + right * (x - column))
+                z = max(1 / max(cosine[y, x] * value, FARTHEST) + shift, 0.05)
                 weight = z**4 * cosine[y, x] ** 2
+                square += z * z
+                count += 1
                 for i in range(size):
                     wanted[i] += weight * basis[i] / (z * cosine[y, x])
                     for j in range(i + 1):
                         normal[16 + 6 * i + j] += weight * basis[i] * basis[j]
-    return _solved(normal, wanted, size)
+    out = _solved(normal, wanted, size)
+    return out, np.sqrt(max(square - np.sum(out * wanted), 0.0) / max(count, 1))
+
+
+@njit(cache=True, nogil=True)
+def _climb(field, label, only, q, boxes, size, steps):  # pragma: no cover - compiled
+    """Climb by Gauss-Newton steps, as long as S grows: q, S, E, offset left, its precision."""
+    best, most, step, offset, known = _look(field, label, only, q, boxes, size)
+    for _ in range(steps):
+        trial = _look(field, label, only, q + step, boxes, size)
+        if trial[0] <= best:
+            break
+        q, gain = q + step, trial[0] - best
+        best, most, step, offset, known = trial
+        if gain < 0.02:
+            break
+    return q, best, most, offset, known
 
 
 @njit(cache=True, nogil=True)
 def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover - compiled
-    """Climb by Gauss-Newton steps, then by whole wraps: q, S, E, offset left, its precision."""
-    q = q.copy()
-    best, most, step, offset, known = _look(field, label, only, q, boxes, size)
-    for _ in range(steps):
-        new = q + step
-        trial = _look(field, label, only, new, boxes, size)
-        if trial[0] <= best:
-            break
-        gain = trial[0] - best
-        q = new
-        best, most, step, offset, known = trial
-        if gain < 0.02:
-            break
-    wrap = 2 * np.pi / field[3][0]
+    """Climb, then hop by whole wraps: q, S, E, offset left, its precision."""
+    found, wrap = _climb(field, label, only, q, boxes, size, steps), 2 * np.pi / field[3][0]
     for _ in range(5 if hops > 0 else 0):
-        whole = min(max(np.rint(offset), -hops), hops)
+        whole = min(max(np.rint(found[3]), -hops), hops)
         while whole != 0:
-            new = moved(field, q, boxes, size, whole * wrap)
-            trial = _look(field, label, only, new, boxes, size)
-            for _ in range(3):
-                again = _look(field, label, only, new + trial[2], boxes, size)
-                if again[0] <= trial[0]:
-                    break
-                new = new + trial[2]
-                trial = again
-            if trial[0] > best:
-                q = new
-                best, most, step, offset, known = trial
+            new = moved(field, found[0], boxes, size, whole * wrap)[0]
+            trial = _climb(field, label, only, new, boxes, size, np.int64(3))
+            if trial[1] > found[1]:
+                found = trial
                 break
             whole = np.rint(whole / 2) if abs(whole) > 1 else 0.0
         else:
             break
-    return q, best, most, offset, known
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _straightened(field, label, only, q, plane, boxes, steps):  # pragma: no cover - compiled
+    """The likelier of this plane and those that look bent, their slopes off by a turn per pixel."""
+    near, planes = np.full(9, np.inf), np.zeros((9, BENT))
+    few = boxes[:: max(1, boxes.shape[0] // 25)]
+    for i in range(9):
+        planes[i], near[i] = moved(field, q, few, PLANE, 0.0, i // 3 - 1, i % 3 - 1)
+    for _ in range(2):
+        i = np.argmin(near)
+        if near[i] < ASTRAY * 2 * np.pi / field[3][0]:
+            trial = refine(field, label, only, planes[i], boxes, PLANE, steps, HOPS)
+            plane = trial if trial[1] > plane[1] else plane
+        near[i] = np.inf
+    return plane
 
 
 @njit(cache=True, nogil=True)
@@ -246,11 +265,13 @@ def select(field, label, only, q, boxes, steps, gain, weight):  # pragma: no cov
     before = refine(field, label, only, q, boxes, BENT if was_bent else PLANE, steps, HOPS)
     plane = before
     if was_bent:
-        start = moved(field, before[0], boxes, PLANE, 0.0)
+        start = moved(field, before[0], boxes, PLANE, 0.0)[0]
         plane = refine(field, label, only, start, boxes, PLANE, steps, HOPS)
     bent = refine(field, label, only, plane[0], boxes, BENT, steps, HOPS)
     if was_bent and bent[1] <= before[1]:
         bent = before
+    if (bent[1] - plane[1]) * weight > gain:
+        plane = _straightened(field, label, only, bent[0], plane, boxes, steps)
     # S falls by half of K k^2 times the square of what a plane misses
     stiff = max(plane[2] * weight * (k[0] ** 2 + k[1] ** 2) / 4, 1e-9)
     lost = (bent[1] - plane[1]) * weight

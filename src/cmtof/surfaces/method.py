@@ -15,7 +15,7 @@ from scipy.ndimage import distance_transform_edt, uniform_filter
 from scipy.special import ndtr
 
 from cmtof.baselines import Estimate, within_range
-from cmtof.baselines.beat import beat_depth, synthetic_frequency
+from cmtof.baselines.beat import beat, synthetic_frequency
 from cmtof.baselines.region import nearest
 from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
@@ -24,7 +24,6 @@ from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask, field_from_me
 from cmtof.surfaces.growing import GAIN, fitted, grown_surfaces
 
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
-WINDOW = 41  # side, px, of the square over which the beat is averaged further away
 
 # Confidences, calibrated on views of training rooms, and of votes on scans of things from these.
 CALIBRATION = (  # odds of an offset by its Gaussian, and the share that was right
@@ -112,11 +111,11 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     off, spread = joined.mean - joined.wraps, joined.spread
     right = ndtr((0.5 - off) / spread) - ndtr((-0.5 - off) / spread)
     odds = right[everywhere] if len(surfaces) else np.zeros(label.shape)
-    away = np.asarray(distance_transform_edt(~explained))
-    distance = np.where(explained.any(), away, np.inf)
+    distance = np.where(explained.any(), distance_transform_edt(~explained), np.inf)
     lost = ~np.isfinite(depth) | ((distance > REACH) & ("fill" not in without))
     if lost.any():
-        depth = np.where(lost, beat_depth(_beat_phase(field, ~explained), measurement), depth)
+        inside = tuple(slice(0, n) for n in measurement.shape)
+        depth[inside] = np.where(lost[inside], beat(measurement).depth, depth[inside])
     elected, votes = voted(field, depth, explained)
     depth = np.where(votes > 0, elected, depth)
     fits = np.where(explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE))
@@ -140,14 +139,6 @@ def _inside(joined: placing.Tied, depth: Array, label: Labels, field: Field) -> 
     wraps = np.where(beats[joined.group] != 0, np.rint(lacking), joined.wraps)
     extra = np.ceil(np.maximum(low - mean, 0)) - np.ceil(np.maximum(mean - high, 0))
     return joined._replace(mean=lacking, wraps=wraps + np.where(size > 0, extra, 0)[joined.group])
-
-
-def _beat_phase(field: Field, among: Mask) -> Array:
-    """Phase (H, W), rad, of the beat averaged over a window, among those pixels only."""
-    low, high = field.real + 1j * field.imaginary
-    unit = low / np.maximum(np.abs(low), np.finfo(np.float32).tiny)
-    mean = uniform_filter(np.where(among, high * np.conj(unit) ** field.multiple, 0), WINDOW)
-    return np.sign(field.excess) * np.angle(mean)
 
 
 def voted(field: Field, depth: Array, explained: Mask) -> tuple[Array, Array]:

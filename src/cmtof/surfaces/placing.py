@@ -206,9 +206,9 @@ def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, A
 
 
 def cell_phasors(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array, Array]:
-    """Surface of most pixels of each cell (h, w), phasors (2, h, w) turned back, and their E."""
-    count, shape = len(surfaces), tuple(n // CELL for n in inner.shape)
-    main = _main_surfaces(inner, count)
+    """Surface in the middle of each cell (h, w), phasors (2, h, w) turned back, and their E."""
+    shape = tuple(n // CELL for n in inner.shape)
+    main = inner[CELL // 2 :: CELL, CELL // 2 :: CELL].astype(int)
     chosen = (np.kron(main, np.ones((CELL, CELL), int)) == inner) & (inner >= 0)
     depth = np.nan_to_num(depth_of_labels(field, inner, surfaces))
     back = np.exp(-1j * field.wavenumber[:, None, None] * depth)
@@ -227,8 +227,7 @@ def cell_phasors(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, 
     high = np.angle(near[1] * np.exp(-1j * multiple * low))
     size = np.abs(near)
     residual = low + size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
-    turns = np.array([1, multiple])[:, None, None]
-    return main, sums * np.exp(-1j * turns * residual), told
+    return main, sums * np.exp(-1j * np.array([1, multiple])[:, None, None] * residual), told
 
 
 def parted(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array]:
@@ -271,19 +270,6 @@ def parted(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array]
 def _summed(main: Labels, image: Array, count: int) -> Array:
     """Sum (N + 1,) of an image over the cells of each surface, and over those of none."""
     return np.bincount(np.where(main < 0, count, main).ravel(), image.ravel(), count + 1)
-
-
-def _main_surfaces(inner: Labels, count: int) -> Labels:
-    """Surface of most pixels in each cell (h, w), -1 for none."""
-    shape = tuple(n // CELL for n in inner.shape)
-    y, x = np.nonzero(inner >= 0)
-    cell = y // CELL * shape[1] + x // CELL
-    pairs, pixels = np.unique(cell * max(count, 1) + inner[y, x], return_counts=True)
-    order = np.argsort(pixels, kind="stable")  # the last one written has most
-    main = np.full(shape[0] * shape[1], -1, np.int64)
-    cells, owners = np.divmod(pairs[order], max(count, 1))
-    main[cells] = owners
-    return main.reshape(shape)
 
 
 def _same(images: Array, main: Labels, radius: int) -> Array:
