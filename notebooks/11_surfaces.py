@@ -223,7 +223,8 @@ plotting.save(
 # %% [markdown]
 # The wide bright wall of a room thus needs no beat to find its place among 358 wraps, if it is flat
 # to hundredths of a millimetre. Every surface is therefore fitted twice, as a plane and curved. If
-# curvature improves the fit by more than chance and 0.05 mm, the surface counts as curved, and its
+# curvature improves the fit by more than chance and 0.05 mm, it counts as curved, unless a plane of
+# another slope, by a turn per pixel, fits as well: a wrong slope looks curved. A curved surface's
 # shape is used only as far as its departure from a plane is less than that of one wrap.
 #
 # A plane moved along the rays also turns, by up to 3.5 mrad for a wrap at 3 m, and its normal is
@@ -402,10 +403,9 @@ notes.table(["%", *head], rows)
 
 # %% [markdown]
 # Pixels that no surface explains are clutter: chair legs, leaves, lamps and edges, smaller than the
-# 12 px that a plane needs to begin. Within 4 px of a surface such a pixel is assumed to lie on it.
-# The other half of the failures is dark floors and walls: large ones are found as surfaces, but not
-# their wraps, since the number of pixels that a beat needs is inversely proportional to the square
-# of the light ({doc}`09_limits`). The time goes into these steps:
+# 12 px that a plane needs to begin. The other half is dark floors and walls: large ones are found
+# as surfaces, but not their wraps, since the number of pixels that a beat needs is inversely
+# proportional to the square of the light ({doc}`09_limits`). The time goes into these steps:
 
 # %%
 with cProfile.Profile() as watch:
