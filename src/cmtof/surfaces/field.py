@@ -57,13 +57,6 @@ class Field(NamedTuple):
         """Turns that a wrap of the lower frequency adds to the beat."""
         return float(self.wavenumber[1] / self.wavenumber[0]) - self.multiple
 
-    def turned(self, wraps: float) -> "Field":
-        """Field whose higher phases lack what that many wraps add to the beat."""
-        turn = complex(np.exp(-1j * TAU * self.excess * wraps))
-        high = turn * (self.real[1] + 1j * self.imaginary[1])
-        images = np.stack([self.real[0], high.real]), np.stack([self.imaginary[0], high.imag])
-        return self._replace(real=images[0], imaginary=images[1])
-
     def arrays(self) -> tuple[Array, ...]:
         """Arguments of the compiled loops, in their order."""
         return self[:8]

@@ -210,12 +210,10 @@ def _climb(field, label, only, q, boxes, size, steps):  # pragma: no cover - com
     best, most, step, offset, known = _look(field, label, only, q, boxes, size)
     for _ in range(steps):
         trial = _look(field, label, only, q + step, boxes, size)
-        if trial[0] <= best:
+        if trial[0] <= best + 0.01:
             break
-        q, gain = q + step, trial[0] - best
+        q = q + step
         best, most, step, offset, known = trial
-        if gain < 0.02:
-            break
     return q, best, most, offset, known
 
 
@@ -225,15 +223,13 @@ def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover
     found, wrap = _climb(field, label, only, q, boxes, size, steps), 2 * np.pi / field[3][0]
     for _ in range(5 if hops > 0 else 0):
         whole = min(max(np.rint(found[3]), -hops), hops)
-        while whole != 0:
-            new = moved(field, found[0], boxes, size, whole * wrap)[0]
-            trial = _climb(field, label, only, new, boxes, size, np.int64(3))
-            if trial[1] > found[1]:
-                found = trial
-                break
-            whole = np.rint(whole / 2) if abs(whole) > 1 else 0.0
-        else:
+        if whole == 0:
             break
+        new = moved(field, found[0], boxes, size, whole * wrap)[0]
+        trial = _climb(field, label, only, new, boxes, size, np.int64(3))
+        if trial[1] <= found[1]:
+            break
+        found = trial
     return found
 
 

@@ -134,21 +134,20 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
     """Give each cell the likeliest of the surfaces about it, or none."""
     rows, columns = owner.shape
     out = owner.copy()
-    found = np.empty(9, np.int64)
     for y in range(rows):
         for x in range(columns):
-            count = around(owner, y, x, found)
-            if count == 0 or (count == 1 and owner[y, x] == found[0]):
+            found = around(owner, y, x)
+            if found.size == 0 or (found.size == 1 and owner[y, x] == found[0]):
                 continue
             best, at = -np.inf, -1
-            for i in range(count):
-                value = fitting.cell_likelihood(field, surfaces[found[i]], y, x)
+            for n in found:
+                value = fitting.cell_likelihood(field, surfaces[n], y, x)
                 for dy, dx in ((1, 0), (-1, 0), (0, 1), (0, -1)):
                     a, b = y + dy, x + dx
-                    if 0 <= a < rows and 0 <= b < columns and owner[a, b] == found[i]:
+                    if 0 <= a < rows and 0 <= b < columns and owner[a, b] == n:
                         value += _NEIGHBOURLY
                 if value > best:
-                    best, at = value, found[i]
+                    best, at = value, n
             told = information[y, x]
             out[y, x] = at if best >= _STAY * told - np.sqrt(told) else -1
     return out
@@ -186,20 +185,10 @@ def _boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True)
-def around(owner, y, x, found):  # pragma: no cover - compiled
-    """Write the different owners of a cell and its eight neighbours; return how many."""
-    rows, columns = owner.shape
-    count = 0
-    for a in range(max(y - 1, 0), min(y + 2, rows)):
-        for b in range(max(x - 1, 0), min(x + 2, columns)):
-            new = owner[a, b] >= 0
-            for i in range(count):
-                if found[i] == owner[a, b]:
-                    new = False
-            if new:
-                found[count] = owner[a, b]
-                count += 1
-    return count
+def around(owner, y, x):  # pragma: no cover - compiled
+    """The different owners of a cell and its eight neighbours."""
+    near = np.unique(owner[max(y - 1, 0) : y + 2, max(x - 1, 0) : x + 2])
+    return near[near >= 0]
 
 
 def windows(field: Field, free: Mask, side: int, stride: int, core: int, finer: int) -> tuple:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from scipy.ndimage import distance_transform_edt, uniform_filter
+from scipy.ndimage import distance_transform_edt, median, uniform_filter
 from scipy.special import ndtr
 
 from cmtof.baselines import Estimate, within_range
@@ -31,8 +31,8 @@ CALIBRATION = (  # odds of an offset by its Gaussian, and the share that was rig
     (0.08, 0.08, 0.14, 0.16, 0.4, 0.445, 0.67, 0.83, 0.905, 0.955),
 )
 FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))  # S / E about a pixel, and a factor
-BESIDE = ((1.0, 2.0, REACH), (0.36, 0.2, 0.1))  # px off the nearest surface, and a factor
-FAR = 0.02  # share of pixels further off that was right
+# px off the nearest surface, and a factor; farther off the beat counts, hardly ever right
+BESIDE = ((1.0, 2.0, REACH, REACH + 0.1), (0.36, 0.2, 0.1, 0.03))
 NARROW = 0.5  # share of the doubt that goes with fewer than 100 wraps to choose from
 # share of the winner of a vote, and how often it was right
 VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
@@ -94,18 +94,16 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
     shape = "shape" not in without and measurement.camera is not None  # else it is assumed
     alone = placing.offsets(field, inner, surfaces, fit, shape=shape, closed="closure" in without)
-    field = field.turned(alone.closure)
     if shape and "axes" not in without and len(surfaces):
         alone = placing.aligned(alone, surfaces, fit, label)
     touching = placing.borders(field, label, surfaces)
     joined = placing.tied(alone, touching._replace(odds=touching.odds * ("ties" not in without)))
-    explained = label >= 0
+    inside, explained = tuple(slice(0, n) for n in measurement.shape), label >= 0
     everywhere = label[nearest(explained)]
     depth = placing.depth_of_labels(field, everywhere, surfaces)
     if len(surfaces):
-        scored = np.zeros(label.shape, bool)
-        scored[: measurement.shape[0], : measurement.shape[1]] = measurement.mask
-        joined = _inside(joined, depth, np.where(scored, label, -1), field)
+        masked = np.where(measurement.mask, label[inside], -1)
+        joined = _inside(joined, depth[inside], masked, field)
         depth = depth + field.period * joined.wraps[everywhere]
     # probability that the offset of a group, a Gaussian, was rounded to the right wrap
     off, spread = joined.mean - joined.wraps, joined.spread
@@ -114,34 +112,33 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     distance = np.where(explained.any(), distance_transform_edt(~explained), np.inf)
     lost = ~np.isfinite(depth) | ((distance > REACH) & ("fill" not in without))
     if lost.any():
-        inside = tuple(slice(0, n) for n in measurement.shape)
         depth[inside] = np.where(lost[inside], beat(measurement).depth, depth[inside])
-    elected, votes = voted(field, depth, explained)
+    elected, votes = voted(field, depth, explained, alone.closure)
     depth = np.where(votes > 0, elected, depth)
     fits = np.where(explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE))
-    odds = np.where(distance > REACH, FAR, np.interp(odds, *CALIBRATION) * fits)
+    odds = np.interp(odds, *CALIBRATION) * fits
     odds += NARROW * odds * (1 - odds) * (np.ptp(field.limits) < 100 * field.period)
     odds = np.where(votes > 0, np.interp(votes, *VOTING), odds)
     return Stages(field, owner, label, surfaces, alone, touching, joined, depth, odds)
 
 
 def _inside(joined: placing.Tied, depth: Array, label: Labels, field: Field) -> placing.Tied:
-    """Move groups by whole beats, then by wraps, until their mean pixel lies within the limits."""
+    """Move groups by whole beats, then by wraps, until their median lies within the limits."""
     known = label >= 0
-    group = joined.group[label[known]]
-    size = np.bincount(group, minlength=joined.wraps.size)
-    total = np.bincount(group, depth[known] / field.period + joined.wraps[label[known]], size.size)
-    mean, (low, high) = total / np.maximum(size, 1), np.array(field.limits) / field.period
+    group, every = joined.group[label[known]], np.arange(joined.wraps.size)
+    middle = median(depth[known] / field.period + joined.wraps[label[known]], group, every)
+    low, high = np.array(field.limits) / field.period
+    middle = np.where(np.isin(every, group), middle, low)
     repeat = 1 / abs(field.excess)  # wraps
-    beats = np.ceil((low - mean) / repeat) * (size > 0)
-    beats = np.where(mean + beats * repeat < high, beats, 0)
-    mean, lacking = mean + beats * repeat, joined.mean + (beats * repeat)[joined.group]
+    beats = np.ceil((low - middle) / repeat)
+    beats = np.where(middle + beats * repeat < high, beats, 0)
+    middle, lacking = middle + beats * repeat, joined.mean + (beats * repeat)[joined.group]
     wraps = np.where(beats[joined.group] != 0, np.rint(lacking), joined.wraps)
-    extra = np.ceil(np.maximum(low - mean, 0)) - np.ceil(np.maximum(mean - high, 0))
-    return joined._replace(mean=lacking, wraps=wraps + np.where(size > 0, extra, 0)[joined.group])
+    extra = np.ceil(np.maximum(low - middle, 0)) - np.ceil(np.maximum(middle - high, 0))
+    return joined._replace(mean=lacking, wraps=wraps + extra[joined.group])
 
 
-def voted(field: Field, depth: Array, explained: Mask) -> tuple[Array, Array]:
+def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[Array, Array]:
     """Depth (H, W), m, by votes of and for clear pixels that no surface explains, and their share.
 
     A neighbour costs its distance and its beat's misfit, squared over their variances, up to a cap,
@@ -158,17 +155,17 @@ def voted(field: Field, depth: Array, explained: Mask) -> tuple[Array, Array]:
     # pixels whose phases are not those of their surface, or that lie among such ones, vote again
     turned = phasor * np.exp(-1j * field.wavenumber[:, None, None] * depth)
     fits = explained & (np.abs(np.angle(turned)).max(axis=0) < _ASTRAY)
-    among = uniform_filter(fits.astype(float), _SQUARE) >= _MOST
-    explained = explained & (~clear | (fits & among))
+    explained = explained & (~clear | (uniform_filter(fits.astype(float), _SQUARE) >= _MOST))
     asked = ~explained & clear
     if asked.any():
-        turns = np.mod(np.arctan2(field.imaginary, field.real) / TAU, 1).astype(float)
+        turns = np.arctan2(field.imaginary, field.real).astype(float) / TAU
+        turns[1] -= field.excess * closure
         # a quarter of it at least: without noise all other wraps would be ruled out
         spread = np.maximum(np.where(np.isfinite(doubt), doubt, 1.0), 0.25) * step
         place = np.where(explained, depth / field.period, np.nan)
         limits = np.array(field.limits) / field.period
         near = np.exp(-((np.arange(-_RADIUS, _RADIUS + 1) / (_RADIUS / 2)) ** 2) / 2)
-        images = turns[0], turns[1], TAU**2 / (2 * spread**2), place
+        images = np.mod(turns[0], 1), turns[1], TAU**2 / (2 * spread**2), place
         farthest = _FARTHEST * step / TAU
         _vote(asked, *images, ratio, farthest, limits, np.outer(near, near), out, share)
     return out * field.period, share

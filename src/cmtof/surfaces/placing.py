@@ -109,15 +109,15 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
     """Sum S of every surface about a cell over squares about its pixels; keep the largest."""
     height, width = label.shape
     side = 2 * RADIUS + 1
-    found, patch = np.empty(9, np.int64), np.zeros((CELL + 2 * RADIUS, CELL + 2 * RADIUS))
+    patch = np.zeros((CELL + 2 * RADIUS, CELL + 2 * RADIUS))
     for cell in range(owner.size):
         row, column = cell // owner.shape[1], cell % owner.shape[1]
         top, left = row * CELL - RADIUS, column * CELL - RADIUS
-        for i in range(around(owner, row, column, found)):
+        for n in around(owner, row, column):
             patch[:] = 0.0
             for y in range(max(top, 0), min(top + patch.shape[0], height)):
                 for x in range(max(left, 0), min(left + patch.shape[1], width)):
-                    patch[y - top, x - left] = pixel_likelihood(field, surfaces[found[i]], y, x)
+                    patch[y - top, x - left] = pixel_likelihood(field, surfaces[n], y, x)
             for y in range(CELL):
                 for x in range(CELL):
                     total = 0.0
@@ -126,7 +126,7 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
                             total += patch[y + a, x + b]
                     at = (row * CELL + y, column * CELL + x)
                     if total > best[at]:
-                        best[at], label[at] = total, found[i]
+                        best[at], label[at] = total, n
 
 
 def offsets(
