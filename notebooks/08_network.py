@@ -7,8 +7,8 @@
 #
 # A wrap count is a class, and a map of wrap counts is a segmentation. The paper uses Fast-SCNN
 # {cite}`poudel2019` with a narrower receptive field and a skip at full resolution. One pixel
-# carries almost no information about its wrap, so the network must pool. It learns this in two
-# hours of one core if its first filters form the beat and training begins with simple plates.
+# carries almost no information about its wrap, so the network must pool. It learns this in hours
+# of one core if its first filters form the beat and training begins with simple plates.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -76,7 +76,7 @@ for name in BLOCKS:
     )
 with torch.inference_mode():
     network(torch.zeros(1, network.inputs, 64, PATCH))
-print({name: f"{channels} channels, {side} px" for name, (channels, side) in shapes.items()})
+print(", ".join(f"{name} {count} × {side} px" for name, (count, side) in shapes.items()))
 
 # %% tags=["hide-input"]
 figure, ax = plt.subplots(figsize=(9.6, 4.0))
@@ -140,8 +140,8 @@ number = torch.arange(classes, dtype=torch.float64)
 for hardness in (1.0, 2.0, 4.0, 16.0):
     printed = hardness * weights.exp() / (hardness * weights).exp().sum()
     right = float(soft_argmax(weights[None], hardness)[0])
-    print(f"γ = {hardness:2.0f}: n' = {right:6.3f}; as printed {float(number @ printed):.1e}, of "
-          f"shares that add up to {float(printed.sum()):.1e}")  # fmt: skip
+    print(f"γ = {hardness:2.0f}: n' = {right:6.3f}; as printed {float(number @ printed):.2g}, of "
+          f"shares that add up to {float(printed.sum()):.2g}")  # fmt: skip
 
 # %% [markdown]
 # ## Equation 7: the loss
@@ -430,7 +430,7 @@ for place in places:
 
 # %% tags=["hide-input"]
 figure, _ = plotting.maps(
-    images, label="wrap count n", titles=titles, columns=len(images) // len(places),
+    images, label="wrap count n", titles=titles, columns=4,
     limits=(first, first + classes - 1),
 )  # fmt: skip
 plotting.save(

@@ -22,4 +22,8 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     numbers = [all(map(NUMBER.match, column)) for column in zip(*texts, strict=True)]
     lines = [titles, [":--", *("--:" if one else ":--" for one in numbers[1:])], *texts]
     text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
-    display(Markdown(text.replace("–", "\u2060–\u2060").replace(" (", "\u00a0(")))  # unbroken
+    text = re.sub(r"(\d)e\+?(-?)0*(\d+)", "\\1\u00a0×\u00a010<sup>\\2\\3</sup>", text)
+    text = re.sub(r"(?<![\w`-])-(?=\d)", "−", text)
+    for broken in ("–", "\u2060–\u2060"), (" (", "\u00a0("), (" < ", "\u00a0<\u00a0"):
+        text = text.replace(*broken)
+    display(Markdown(text))
