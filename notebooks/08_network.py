@@ -374,21 +374,6 @@ for c in filter(None, held.values()):
     print(f"{c.model}: {c.data}; {c.hardware}; {c.note}\n")
 
 # %% [markdown]
-# The light network was trained in two parts, each to a small learning rate. If every further
-# doubling of the pixels gained as much as the second part, it would reach the last number after the
-# paper's 1000 epochs of 500 crops of 512². This extrapolates six doublings from one.
-
-# %%
-light = shipped["fast-scnn-light"]
-parts = [light.configuration[part]["stages"] for part in ("first", "then")]
-seen = np.cumsum([sum(s["crops"] * s["crop"] ** 2 for s in stages) for stages in parts]) / 1e9
-ends = [100 * one["delta_lt_1"] for one in light.curve if one["step"] in (11_000, light.steps)]
-doubling = np.diff(ends)[0] / np.log2(seen[1] / seen[0])
-print(f"{seen[0]:.2f} and {seen[1]:.2f} gigapixels: {ends[0]:.1f} and {ends[1]:.1f} %, "
-      f"{doubling:.1f} points a doubling")  # fmt: skip
-print(f"at 131 gigapixels: {ends[1] + doubling * np.log2(131 / seen[1]):.0f} %")
-
-# %% [markdown]
 # ## The shipped weights on the test frames
 #
 # The same frames, with methods that need no training. The light network has the beat as an input
