@@ -55,7 +55,7 @@ def beat_phasor(measurement: Measurement) -> Complex:
 
 
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
-    """Depth of the beat averaged over a ``window`` x ``window`` square, borders reflected."""
+    """Depth of the beat averaged over a square of side ``window``, px, borders reflected."""
     odd = window in range(1, 10_000, 2)
     expect(odd, "an odd window of 1 to 9999 px", window, f"Try {WINDOW}.")
     phasor = beat_phasor(measurement)

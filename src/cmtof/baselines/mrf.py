@@ -60,9 +60,10 @@ def mrf(measurement: Measurement) -> Estimate:
 
 
 def mrf_graphcut(measurement: Measurement) -> Estimate:
-    """Graph cuts with the convex prior ``JUMP |n_q - n_p - d_pq|``, from where `mrf` ends.
+    """Graph cuts with a convex prior on jumps between neighbours, from where `mrf` ends.
 
-    The confidence is that of `mrf`, inverted where the cuts disagree with it.
+    The prior is ``JUMP |n_q - n_p - d_pq|``. The confidence is that of `mrf`, inverted where the
+    cuts disagree with it.
     """
     field = wrap_field(measurement)
     start, odds = semi_global_labels(field)

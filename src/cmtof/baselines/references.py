@@ -48,12 +48,12 @@ def reference_offset(measurement: Measurement) -> Estimate:
 
 
 def reference_contact(measurement: Measurement) -> Estimate:
-    """True bodies, across creases, one unknown offset each: as `reference_offset` for `bodies`."""
+    """True bodies, across creases, one unknown offset each, found by the beat of their phasors."""
     return _pooled(measurement, bodies(_truth(measurement)))
 
 
 def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
-    """True surfaces, of which each pixel pools those within a square of an odd ``side``, px."""
+    """True surfaces, of which each pixel pools what lies within a square of odd ``side``, px."""
     return _pooled(measurement, surfaces(_truth(measurement)), side=side)
 
 

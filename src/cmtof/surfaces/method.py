@@ -63,7 +63,10 @@ class Stages(NamedTuple):
 
 
 def surfaces(measurement: Measurement, *, without: Collection[str] = ()) -> Estimate:
-    """Depths by surfaces, each pooled over all of its pixels, ``without`` steps as in `stages`."""
+    """Depths by surfaces in true geometry, each pooled over all of its pixels.
+
+    Steps named in ``without`` are left out, as in `stages`.
+    """
     found = stages(measurement, without)
     height, width = measurement.shape
     depth = within_range(found.depth[:height, :width], measurement)
