@@ -252,7 +252,7 @@ for level in (1.0, 0.3, 0.1):
 # %% [markdown]
 # ## The recipe, in miniature
 #
-# `cmtof train miniature` runs the recipe in two minutes: dead leaves (overlapping slanted plates
+# `cmtof train miniature` runs the recipe in three minutes: dead leaves (overlapping slanted plates
 # of random depth and brightness, whose wraps follow from their phases alone), rising noise, a
 # falling learning rate, averaged weights, validation beside trivial answers. The noise is 60 counts
 # instead of 1200. The full recipe continues with rooms.

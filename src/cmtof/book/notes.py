@@ -24,6 +24,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
     text = re.sub(r"(\d)e\+?(-?)0*(\d+)", "\\1\u00a0×\u00a010<sup>\\2\\3</sup>", text)
     text = re.sub(r"(?<![\w`-])-(?=\d)", "−", text)
-    for broken in ("–", "\u2060–\u2060"), (" (", "\u00a0("), (" < ", "\u00a0<\u00a0"):
+    text = re.sub(r" ([<≥]) ", "\u00a0\\1\u00a0", text)
+    for broken in ("–", "\u2060–\u2060"), (" (", "\u00a0("):
         text = text.replace(*broken)
     display(Markdown(text))
