@@ -117,7 +117,7 @@ print(f"5: weights add up to {sums[0]:.1e} as printed, {sums[1]:.3f} with γ in 
 holds[5] = sums[0] < 0.01
 spectrum = np.fft.fft(4 + four, axis=0)
 nyquist, scale = np.abs(spectrum[2].imag).max(), np.median(2 * np.abs(spectrum[1]))
-print(f"7: Im F₂ = {nyquist:.0e}; 2|F₁| is {scale:.0f} times the amplitude")
+print(f"7: Im F₂ = {nyquist:.1g}; 2|F₁| is {scale:.0f} times the amplitude")
 holds[7] = nyquist < 1e-12 and np.isclose(scale, 4)
 x, eta = sp.symbols("x eta", positive=True)
 leading = sp.series((1 - sp.cos(2 * eta * sp.sin(x))) / 2, eta, 0, 4).removeO()
