@@ -371,7 +371,7 @@ notes.table(
     ],
 )  # fmt: skip
 for c in filter(None, held.values()):
-    print(f"{c.model}: {c.data}; {c.hardware}; {c.note}\n")
+    print("; ".join(filter(None, (f"{c.model}: {c.data}", c.hardware, c.note))), end="\n\n")
 
 # %% [markdown]
 # ## The shipped weights on the test frames

@@ -249,7 +249,7 @@ for name in (name for name in METHODS if name in cost["methods"]):
                                 for unit in ("seconds", "megabytes")
                                 for p in ("released", "full"))])  # fmt: skip
 notes.table(["method", "released, s", "full, s", "released, MB", "full, MB"], rows)
-print(cost.get("machine", ""), cost.get("version", ""))
+print(cost.get("machine", ""), "cmtof " + cost.get("version", ""), sep=", ")
 
 # %% [markdown]
 # ## Against the paper

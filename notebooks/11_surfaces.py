@@ -128,7 +128,7 @@ drawn = {"surfaces": (found.depth[inside], light), "wraps off": (found.depth[ins
 layers = {name: (points_from_depth(depth, frame.camera)[::4, ::4], colours)
           for name, (depth, colours) in drawn.items()}  # fmt: skip
 views.save_scene("scene_room", layers, longest=0.25, eye=(-0.8, -0.9, -0.8))
-views.show_scene("scene_room", title=frame.name)
+views.show_scene("scene_room", title="the room")
 
 # %% [markdown]
 # 1. **Windows.** In squares of 64, 32, 16 and 12 px both spectra are searched together for the
@@ -196,7 +196,7 @@ sigma, excess = float(bounds.simulated_phase_noise(LIGHT)), FREQUENCIES[1] / FRE
 beat_only = [float(np.sqrt(5) * sigma / n / (2 * np.pi * excess)) for n in sizes]
 walls = np.array([[offset_of_wall(n, draw) for draw in range(trials)] for n in sizes])
 scatter, both = np.sqrt(np.mean(walls[..., 0] ** 2, axis=1)), walls[..., 1].mean(axis=1)
-print("found over predicted:", np.round(scatter / both, 2))
+print("found over predicted:", *(f"{x:.2f}" for x in scatter / both))
 
 # %% tags=["hide-input"]
 figure, ax = plt.subplots(figsize=(6.2, 3.8))

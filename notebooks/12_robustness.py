@@ -175,7 +175,7 @@ for place, offset in enumerate(wall_offsets):
     wall_rates.append(score(scored))
 theory = count_odds(wall_moved, spread)
 off = np.array([rate["delta_lt_1"] for rate in wall_rates]) - theory
-print("counted − formula, points:", np.round(100 * off, 1))
+print("counted − formula, points:", *(f"{x:.1f}" for x in 100 * off))
 
 # %% [markdown]
 # In rooms all answers of a method that relies on the beat move by m; others do not move.

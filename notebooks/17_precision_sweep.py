@@ -391,7 +391,7 @@ def lost(rms, speed=ruler.speed):
 
 fringes_20 = 2 * paper.published("table4.interferometry.rmse_mirror").value / ruler.wavelength
 rms_for = brentq(lambda rms: lost(rms) - fringes_20, 5e-8, 1.5e-7)
-print(f"20 µm are {fringes_20:.0f} fringes, lost at {1e9 * rms_for:.0f} nm rms")
+print(f"20 µm are {fringes_20:.0f} fringes, lost at {1e9 * rms_for:.0f} nm rms\n")
 shaking = (20, 60, 80, 100, 150, 200)
 notes.table(
     ["fringes lost in 1 mm, by vibration", *(f"{rms} nm" for rms in shaking)],

@@ -191,7 +191,7 @@ holds[18] = read[0] < 0.2
 #
 # (erratum-8)=
 # ### 8 · Plates and polarisations
-# «θ_q = 11.25°, θ_q = 45°»: the first is θ_h, as in Section 6.2.2. The splitter «picks up the
+# «$θ_q=11.25°$, $θ_q=45°$»: the first is $θ_h$, as in Section 6.2.2. The splitter «picks up the
 # vertical» where {eq}`eq-14` keeps the horizontal; vertical light enters in Section 6.2.1,
 # horizontal in 7.1 (either works, crossed); {eq}`eq-10` drives with a cosine, {eq}`eq-16` with a
 # sine. A bench with the angles exchanged still modulates, with less light.

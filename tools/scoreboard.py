@@ -117,7 +117,7 @@ def claims_table(found: Found) -> str:
         places = {run.link(): None for _, _, run in runs}
         said = badge(claim.outcome(values))
         said += max((training_text(run.crops) for *_, run in runs), default="")
-        rows.append(f"| {claim.text} | {'<br>'.join(ours)} | {said} | {', '.join(places)} |")
+        rows.append(f"| {claim.text} | {';<br>'.join(ours)} | {said} | {', '.join(places)} |")
     head = ["| the paper | this book | verdict | chapter |", "| :-- | :-- | :-- | :-- |"]
     return "\n".join([*head, *rows])
 
