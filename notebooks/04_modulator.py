@@ -460,11 +460,11 @@ for order, size, wave, colour in ((1, j1, np.sin, blue), (2, j2, np.cos, vermill
         return 2 * size * np.abs(wave(8 * angle)) / (1 + j0 * np.cos(8 * angle))
 
     worst = max(worst, np.abs(by_plate[order] - np.interp(plate, fine, closed(fine))).max())
-    look = {"color": colour, "log": "", "label": f"$m_{order}$", "bound_label": "closed form"}
-    line = np.rad2deg(fine), closed(fine)
-    plotting.sweep(axes[0], np.rad2deg(plate), by_plate[order], bound=line, **look)
-for name in modes:
-    look = {"color": COLOURS[name], "log": "", "label": name, "bound_label": "closed form"}
+    look = {"color": colour, "log": "", "bound_label": "closed form" * (order == 1)}
+    line, x = (np.rad2deg(fine), closed(fine)), np.rad2deg(plate)
+    plotting.sweep(axes[0], x, by_plate[order], bound=line, label=f"$m_{order}$", **look)
+for name, told in zip(modes, ("closed form", ""), strict=True):
+    look = {"color": COLOURS[name], "log": "", "label": name, "bound_label": told}
     plotting.sweep(axes[1], steps, by_power[name], bound=law[name], **look)
 axes[0].set(xlabel="angle of the half-wave plate (°)", ylabel="amplitude over the mean")
 axes[1].set(xlabel="RF power (dBm)", ylim=(0, 1.6))

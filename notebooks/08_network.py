@@ -353,7 +353,7 @@ plotting.save(
 # ## The shipped weights
 #
 # A row is *trained* if its validation rate beats the best constant answer with 95 % confidence, by
-# its card. Other networks have no weights here.
+# its card, which has every stage of its training. Other networks have no weights here.
 
 # %%
 held = {}
@@ -371,7 +371,7 @@ notes.table(
     ],
 )  # fmt: skip
 for c in filter(None, held.values()):
-    print("; ".join(filter(None, (f"{c.model}: {c.data}", c.hardware, c.note))), end="\n\n")
+    print(f"{c.model}, {c.protocol}: {c.data}; {c.hardware}")
 
 # %% [markdown]
 # ## The shipped weights on the test frames
@@ -438,8 +438,8 @@ plotting.save(
 # page, with random weights, and include the features before and the depth after the network. At
 # 768×1024 px the light network has 11 billion multiply-adds and moves 2 GB: in 150 ms that would be
 # 73 billion and 13 GB a second, above the 48 billion of a 3 GHz core with AVX2 in float32.
-# bfloat16 (`cmtof unwrap --fast`) helps where the processor multiplies it natively. On the 32 test
-# frames it moved δ < 1 by −0.1 points, for the light network by 0.0; other rates are of float32.
+# bfloat16 (`cmtof unwrap --fast`) helps where the processor multiplies it natively; emulated it is
+# ten times slower. It moved δ < 1 by −0.1 points on the test frames; other rates are of float32.
 
 # %%
 SIZES, TIMED = (tuple(small), tuple(large)), ("fast-scnn", "fast-scnn-light")

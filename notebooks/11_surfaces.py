@@ -74,7 +74,8 @@ def wraps_off(depth):
 own = depth_of_labels(found.field, found.label, found.surfaces)
 alone = own + period * np.rint(found.offsets.mean)[found.label]
 tied = own + period * found.tied.wraps[found.label]
-steps = {"each alone": wraps_off(alone), "tied": wraps_off(tied), "all": wraps_off(found.depth)}
+steps = {"each alone": wraps_off(alone), "tied": wraps_off(tied)}
+steps["with the rest"] = wraps_off(found.depth)
 shares = {name: float(np.nanmean(np.where(np.isfinite(e), e < 1, np.nan)))
           for name, e in steps.items()}  # fmt: skip
 print(f"{count} surfaces, {len(found.borders.first)} borders,", np.unique(found.tied.group).size,

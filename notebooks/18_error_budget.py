@@ -63,7 +63,7 @@ ax.set_yticks(np.arange(len(order) + 2), ["all together", "sum of squares", *ord
 ax.set(xscale="log", xlim=(0.02, 60), xlabel="µm, rms over the days")
 ax.grid(axis="y", visible=False)
 plotting.mark(ax, x=33.5, text="Table 4")
-ax.legend(loc="lower right")
+ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
 plotting.save(
     figure,
     "budget_terms",
