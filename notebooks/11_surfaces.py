@@ -379,9 +379,9 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## What is missing
+# ## Missing pixels
 #
-# Each column knows more of the truth: nothing, shapes, contacts. Dark: phase noise above 1 rad.
+# Each column uses more of the truth: none, shapes, contacts. Dark: phase noise above 1 rad.
 
 # %%
 rows = []
