@@ -403,10 +403,10 @@ for protocol in PROTOCOLS:
 notes.table(["%", "pixels", "right", "or with known shapes", "or contacts", "by none"], rows)
 
 # %% [markdown]
-# The last column is what no pooling of phases finds: the beat of such a body is lost in noise, and
-# only other knowledge, such as the axes of a room, places it. The two columns before it can be
-# gained. On surfaces these are wrong ties and leaks; on none, clutter smaller than the 12 px that a
-# plane needs to begin, and walls too dark for windows of 64 px ({doc}`09_limits`). Time by step:
+# The last column none finds, though shapes and contacts are given: the beat of such a body is lost
+# in noise. Weights by brightness would gain a point of it ({doc}`09_limits`), else only knowledge
+# such as the axes of a room. The two columns before it can be gained: on surfaces, wrong ties and
+# leaks; on none, clutter below the 12 px that a plane needs, and dark walls. Time by step:
 
 # %%
 with cProfile.Profile() as watch:

@@ -7,8 +7,8 @@
 # and a helmet of our own. One image has {glue:text}`error_dark:.0f` mm rms on feathers below 5 % of
 # reflectance: **this is noise**, of photons and read-out; {glue:text}`bias_dark:.1f` mm remain
 # without noise. The GHz scan has {glue:text}`right_photon:.0f` % of the owl's wraps right at the
-# photon limit, {glue:text}`right_captures:.0f` % with the captures' noise: its parts flip
-# whole. No setting was fitted to the paper's numbers.
+# photon limit, {glue:text}`right_captures:.0f` % with the captures' phase noise. No setting was
+# fitted to the paper's numbers.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile

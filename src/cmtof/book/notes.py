@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
+POWER = re.compile(r"(?<![\w`])(\d[\d.]*)e\+?(-?)0*(\d+)\b")
 
 
 def tell(**numbers: float) -> None:
@@ -15,14 +16,17 @@ def tell(**numbers: float) -> None:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Show a table of texts under the cell; columns of numbers but the first are right-aligned."""
+    """Show a table of texts under the cell; columns of numbers but the first are right-aligned.
+
+    Powers of ten and minus signs are set as such, and a comparison stays on one line.
+    """
     from IPython.display import Markdown, display
 
     titles, *texts = [[str(x).replace("|", r"\|") for x in line] for line in (head, *rows)]
     numbers = [all(map(NUMBER.match, column)) for column in zip(*texts, strict=True)]
     lines = [titles, [":--", *("--:" if one else ":--" for one in numbers[1:])], *texts]
     text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
-    text = re.sub(r"(\d)e\+?(-?)0*(\d+)", "\\1\u00a0×\u00a010<sup>\\2\\3</sup>", text)
+    text = POWER.sub("\\1\u00a0×\u00a010<sup>\\2\\3</sup>", text)
     text = re.sub(r"(?<![\w`-])-(?=\d)", "−", text)
     text = re.sub(r" ([<≥]) ", "\u00a0\\1\u00a0", text)
     for broken in ("–", "\u2060–\u2060"), (" (", "\u00a0("):

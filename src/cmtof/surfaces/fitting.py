@@ -206,7 +206,10 @@ def moved(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
 
 @njit(cache=True, nogil=True)
 def _climb(field, label, only, q, boxes, size, steps):  # pragma: no cover - compiled
-    """Climb by Gauss-Newton steps, as long as S grows: q, S, E, offset left, its precision."""
+    """Climb by Gauss-Newton steps, as long as S grows by 0.01.
+
+    Returns q, S, E, the offset left and its precision.
+    """
     best, most, step, offset, known = _look(field, label, only, q, boxes, size)
     for _ in range(steps):
         trial = _look(field, label, only, q + step, boxes, size)

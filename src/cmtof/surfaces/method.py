@@ -155,7 +155,7 @@ def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[
         variance = 1 / np.maximum(field.information, 0).astype(float)
     doubt = np.sqrt(variance[1] + ratio**2 * variance[0]) / step
     clear = doubt < DOUBT
-    # pixels whose phases are not those of their surface, or that lie among such ones, vote again
+    # pixels among those whose phases are not those of their surface vote again
     turned = phasor * np.exp(-1j * field.wavenumber[:, None, None] * depth)
     fits = explained & (np.abs(np.angle(turned)).max(axis=0) < _ASTRAY)
     explained = explained & (~clear | (uniform_filter(fits.astype(float), _SQUARE) >= _MOST))
