@@ -85,11 +85,11 @@ ax = axes[1, 1]
 table = correlation_from_harmonics(returned, raised, phase=sweep[:, None], psi=sweep)
 drawn = ax.imshow(table, origin="lower", extent=(0, TAU, 0, TAU), aspect="auto")
 figure.colorbar(drawn, ax=ax, label="$C_ψ$")
-ax.plot(sweep, TAU - sweep, color="white", ls="--", label="ψ = −φ")
+ax.plot(sweep, TAU - sweep, color="white", ls="--")
 ax.axhline(phi, color=colours["sky"])
 ax.set(title="all phases and references", xlabel="reference phase ψ", ylabel="phase φ")
 ax.set_yticks(*quarter_ticks)
-ax.legend(loc="upper right", labelcolor="white")
+ax.text(0.3, 5.55, "ψ = −φ", color="white")
 for ax in axes[1]:
     ax.set_xticks(*quarter_ticks)
 plotting.label_panels(axes.flat)

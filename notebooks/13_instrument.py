@@ -57,14 +57,14 @@ PARTS = (  # marker, places and names
     ({**GLASS, "marker": "s", "ms": 22},
      [(5.4, 9, "PBS"), (10.6, 4.4, "PBS"), (7.2, 6.7, "NBS"), (9.4, 6.7, "NBS")]),
     ({**GLASS, "marker": "d", "ms": 22},
-     [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, ""), (6.45, 9, "HWP ⑤"), (7.0, 9, "QWP"),
-      (11.65, 4.4, "HWP ⑥"), (12.2, 4.4, "QWP"), (10.6, 3.45, "")]),
+     [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, ""), (6.2, 9, "HWP ⑤"), (7.05, 9, "QWP"),
+      (11.5, 4.4, "HWP ⑥"), (12.35, 4.4, "QWP"), (10.6, 3.45, "")]),
     ({"marker": (2, 2, -45), "ms": 22, "mew": 5, "mec": "#9AA4AD", "ls": "", "zorder": 3},
      [(9.6, 9, ""), (14.8, 4.4, ""), (5.4, 6.7, ""), (9.4, 7.95, ""), (9.4, 4.4, ""),
       (12.7, 6.7, ""), (12.7, 8, "galvo"), (11.3, 6.7, "")]),
 )  # fmt: skip
 TERMINALS = (
-    (0.7, 8.25, "FIO0"), (2.2, 8.25, "FIO1"), (8.2, 7.45, "FIO6 beam block"), (1.0, 9.75, "FIO7"),
+    (0.7, 8.25, "FIO0"), (2.2, 8.25, "FIO1"), (8.2, 7.65, "FIO6 beam block"), (1.0, 9.75, "FIO7"),
     (11.0, 6.1, "FIO5 flip mirror"), (15.6, 5.2, "FIO4 trigger"), (13.9, 8.9, "TDAC2 · TDAC3"),
 )  # fmt: skip
 
@@ -86,7 +86,7 @@ BOXES = (
 figure, ax = plt.subplots(figsize=(10.4, 6.35))
 ax.set(xlim=(0, 17.2), ylim=(0.4, 10.9), aspect="equal")
 ax.axis("off")
-small = {"fontsize": 7.3, "ha": "center", "va": "center", "zorder": 6}
+small = {"fontsize": 8.2, "ha": "center", "va": "center", "zorder": 6}
 for colour, width, alpha, corners in PATHS:
     ax.plot(*zip(*corners, strict=True), color=colour, lw=width, alpha=alpha, zorder=2)
 for look, places in PARTS:
@@ -96,12 +96,12 @@ for look, places in PARTS:
 for places, face, edge in ((BOXES, "#F3F5F7", "#7C8A96"), (TERMINALS, "#FFF6E0", "#E69F00")):
     for x, y, name in places:
         ax.text(x, y, name, bbox={"boxstyle": "round", "fc": face, "ec": edge}, **small)
-for x, y, name in ((8.6, 7.9, "reference arm"), (9.95, 5.5, "1.6×")):
+for x, y, name in ((8.4, 8.2, "reference arm"), (9.95, 5.5, "1.6×")):
     ax.text(x, y, name, **small)
 for number, (role, device) in enumerate(rig.devices.items()):
     text = f"{'①②③④⑤⑥⑦⑧'[number]} {role.replace('_', ' ')}\n{device.driver}\n{device.address}"
     text = text.replace("::", "::\n", 2)
-    ax.text(2.15 * (number + 0.5), 1.55, text, fontsize=6.6, ha="center", va="top")
+    ax.text(2.15 * (number + 0.5), 1.55, text, fontsize=7.2, ha="center", va="top")
 plotting.save(
     figure, "fig06_instrument",
     numbers={

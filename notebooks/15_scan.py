@@ -228,7 +228,7 @@ ax.set(yscale="log", ylim=(0.05, None), ylabel="median phase error (mrad)")
 ax.legend(ncols=3, loc="lower left", bbox_to_anchor=(0, 1))
 plotting.save(
     figure, "scan_errors",
-    numbers={"mrad": sizes, "foretold_over_found": pulls, "wrap_mrad": 1e3 * wrap_in_beat},
+    numbers={"mrad": sizes, "expected_over_found": pulls, "wrap_mrad": 1e3 * wrap_in_beat},
     caption=(
         "Median phase error by its cause, simulated at the photon limit, in both modes and in "
         "their beat, which determines the wraps."

@@ -49,7 +49,8 @@ def comparison_figure(scenes: Sequence[Scene], labels: Sequence[str]) -> Figure:
         image(below[0], truth, label="", limits=(low, high), title="true wraps", bar=False)
         for up, down, label in zip(above[1:], below[1:], labels, strict=True):
             last, found = label == labels[-1], scene.count(label)
-            image(up, found, label="wraps n", limits=(low, high), title=label, bar=last)
+            name = label.replace("reference-", "reference\n")
+            image(up, found, label="wraps n", limits=(low, high), title=name, bar=last)
             share, error = f"{100 * scene.right(label):.0f} % right", np.abs(found - truth)
             image(down, error, label="error δ", cmap="magma", limits=(0, 10), title=share, bar=last)
     for ax in figure.axes:

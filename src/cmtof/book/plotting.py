@@ -42,6 +42,7 @@ TURN: Limits = (0.0, 2 * np.pi)  # of a wrapped phase, rad
 _STYLE: Any = {  # beside Matplotlib's own
     "figure.figsize": (6.4, 3.8),
     "figure.constrained_layout.use": True,
+    "figure.constrained_layout.w_pad": 0.08,  # inches, so that the label of a bar stands apart
     "savefig.dpi": 110,
     "axes.prop_cycle": cycler(color=list(PALETTE.values())),
     "axes.grid": True,

@@ -54,19 +54,19 @@ class Rig:
 
     devices: dict[str, DeviceSettings]
     field_of_view_deg: tuple[Angle, Angle] = (20.0, 20.0)  # optical angles across and down
-    power_dbm: float = Field(30.0, ge=-50, le=50)  # of both RF drives
-    frequency_single: float = Field(7.15e9, ge=7.14e9, le=7.17e9)  # drive in the single mode
-    frequency_doubled: float = Field(7.16e9, ge=7.14e9, le=7.17e9)  # and in the doubled one
-    dead_man: float = Field(5.0, ge=0.1, le=60)  # silence after which the RF drivers switch off
-    plate_zero_emission_deg: float = Field(0.0, ge=-360, le=360)  # of the mount at theta_h = 0
-    plate_zero_detection_deg: float = Field(0.0, ge=-360, le=360)
-    rate: float = Field(24000.0, ge=1, le=50e3)  # 16 phases of 20 samples: 13 ms (Sec. 7.2)
-    phases: int = Field(16, ge=3, le=64)
-    samples_per_phase: int = Field(20, ge=2, le=250)
-    settle_samples: int = Field(4, ge=0, le=249)  # first ones of a phase: the filter settles
-    limit_volts: float = Field(4.0, ge=0.001, le=10)  # above, the detector is no longer linear
-    reference_distance: float = Field(0.60, ge=0.001, le=100)  # of the target along the ray,
-    stage_zero: float = Field(0.025, ge=-1, le=1)  # with its stage here
+    power_dbm: float = Field(default=30.0, ge=-50, le=50)  # of both RF drives
+    frequency_single: float = Field(default=7.15e9, ge=7.14e9, le=7.17e9)  # drive, single mode
+    frequency_doubled: float = Field(default=7.16e9, ge=7.14e9, le=7.17e9)  # and doubled mode
+    dead_man: float = Field(default=5.0, ge=0.1, le=60)  # silence that switches the RF drivers off
+    plate_zero_emission_deg: float = Field(default=0.0, ge=-360, le=360)  # mount at theta_h = 0
+    plate_zero_detection_deg: float = Field(default=0.0, ge=-360, le=360)
+    rate: float = Field(default=24000.0, ge=1, le=50e3)  # 16 phases of 20 samples: 13 ms (Sec. 7.2)
+    phases: int = Field(default=16, ge=3, le=64)
+    samples_per_phase: int = Field(default=20, ge=2, le=250)
+    settle_samples: int = Field(default=4, ge=0, le=249)  # first of a phase: the filter settles
+    limit_volts: float = Field(default=4.0, ge=0.001, le=10)  # above, the detector is nonlinear
+    reference_distance: float = Field(default=0.60, ge=0.001, le=100)  # target along its ray,
+    stage_zero: float = Field(default=0.025, ge=-1, le=1)  # with its stage here
     twin: TwinSettings = TwinSettings()  # of the simulated instrument
 
     def __post_init__(self) -> None:

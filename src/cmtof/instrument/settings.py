@@ -63,7 +63,7 @@ class TwinSettings:
     phase_drift: Size = 1e-3  # rad rms between the drivers, slow (assumed)
     phase_step_error: Size = 5e-4  # rad rms, of each of 65536 codes (assumed)
     phase_noise: tuple[Size, Size] = (0.0, 0.0)  # rad rms of a point of 16 phases, in either mode
-    grain: float = Field(0.0, ge=0, le=0.5)  # correlation of that with the point before
+    grain: float = Field(default=0.0, ge=0, le=0.5)  # correlation of that with the point before
     iq_imbalance: Size = 1e-3  # rad, amplitude of sin(2 phi) (assumed)
     leakage: Share = 1e-4  # of either drive's amplitude into the other crystal: -80 dB (assumed)
     leakage_phase: Finite = 0.0  # rad that the leak gains
@@ -83,7 +83,7 @@ class TwinSettings:
     temperature: Positive = 293.15  # K, of the air
     pressure: Size = 101325.0  # Pa; 0 is vacuum
     # avalanche detector Thorlabs APD440A, filters and converter (Sec. 7.2)
-    gain: float = Field(50.0, ge=1, le=1000)  # avalanche gain M, adjustable from 10 to 100
+    gain: float = Field(default=50.0, ge=1, le=1000)  # avalanche gain M, adjustable from 10 to 100
     efficiency: Share = 0.65  # at 532 nm (known; 53 A/W are 0.82 at 800 nm)
     excess_index: Share = 0.3  # x of the excess noise M^x (Hamamatsu S12023; diode not stated)
     transimpedance: Positive = 5e7  # V/A: 2.65e9 V/W over 53 A/W
