@@ -460,7 +460,7 @@ for n in names:
         for label, value in seen.items():
             values = np.array([one[label] for one in each])
             off = abs(value - values.mean()) > 4 * values.std(ddof=1)
-            table[label][-1] += f" / {'≠ ' * int(off)}{values.mean():.3g}"
+            table[label][-1] += " / " + int(off) * "≠\u00a0" + f"{values.mean():.3g}"
 notes.table([f"**{source}** / white / lines", *names], [[k, *v] for k, v in table.items()])
 
 # %% [markdown]

@@ -295,7 +295,7 @@ alike = {row: rates(tested, row, draws=draws) for row in cards}
 def spread(interval, k, sign=""):
     """Rate k and its interval, in per cent."""
     value, low, high = (100 * float(part[k]) for part in interval)
-    return f"{value:{sign}.1f} ({low:{sign}.1f} to {high:{sign}.1f})"
+    return f"{value:{sign}.1f} ({low:{sign}.1f}{' to ' if sign else '–'}{high:{sign}.1f})"
 
 
 notes.table(
@@ -366,7 +366,7 @@ notes.table(
         [f"`{name}`, {p}", ", ".join(FEATURE_SETS[MODELS[name].features]), state(name, p),
          *(("", "", "") if c is None else
            (c.crops, f"{c.minutes:.0f}",
-            " / ".join(f"{100 * x:.1f}" for x in c.validation.model_dump().values())))]
+            "\u00a0/\u00a0".join(f"{100 * x:.1f}" for x in c.validation.model_dump().values())))]
         for (name, p), c in held.items()
     ],
 )  # fmt: skip

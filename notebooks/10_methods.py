@@ -148,7 +148,7 @@ def show(key):
     ordered = sorted(found.get(key, {}).items(), key=lambda one: -one[1].value[0])
     for name, (value, low, high) in ordered:
         first = f"{100 * value[0]:.1f} ({100 * low[0]:.1f}–{100 * high[0]:.1f})"
-        said = " / ".join(f"{x:.1f}" for x in theirs.get(name, ()))
+        said = "\u00a0/\u00a0".join(f"{x:.1f}" for x in theirs.get(name, ()))
         rows.append([f"`{name}`", first, *(f"{100 * x:.1f}" for x in value[1:]), said])
     notes.table(["", "δ < 1", "δ < 2", "δ < 3", "δ ≥ 10", "consistent", "paper"], rows)
     print(f"{key[0]}, σ = {key[1]}: {len(counts[key])} frames")

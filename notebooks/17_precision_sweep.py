@@ -101,7 +101,7 @@ def days_text(values):
     """Median day and 95 % of days, µm."""
     few = partial(np.format_float_positional, fractional=False, trim="-")
     low, high = (few(1e6 * end, precision=2) for end in band(values))
-    return f"{few(1e6 * np.median(values), precision=3)} ({low} to {high})"
+    return f"{few(1e6 * np.median(values), precision=3)} ({low}–{high})"
 
 
 def published(name, what):

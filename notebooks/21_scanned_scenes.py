@@ -87,7 +87,7 @@ limits = {name: (float(np.nanmin(z)), float(np.nanmax(z))) for name, z in truth.
 # %% [markdown]
 # The paper's network, `fast-scnn`, was trained on rooms ({doc}`08_network`). For each object it is
 # fine-tuned on the other three scans with the captures' noise, with labels by stereo
-# ({doc}`16_stereo`), as in Section 6.4. What 100 steps gain depends on their seed; the second table
+# ({doc}`16_stereo`), as in Section 6.4. What that gains depends on its seed; the second table
 # below has one.
 
 # %% tags=["hide-input"]
