@@ -177,10 +177,10 @@ def row(number: Published, found: Found, notes: dict[str, str]) -> str:
     if run:
         ours = "<br>".join(filter(None, (ours_text(number, value), run.beside, run.link())))
         verdict += training_text(run.crops)
-    # the key may break over lines, or a phone would have to scroll sideways
-    key = re.sub(r"(\.|_(?!\d))", r"\1<wbr>", number.key.partition(".")[2])
+    key = re.sub(r"(\.|_(?!\d))", r"\1<wbr>", number.key.partition(".")[2])  # a phone's lines
     what = re.sub(r" ([<≥]) (?=\d)", rf"{SPACE}\1{SPACE}", number.what)
     paper = number.text(joint="<br>").replace(" ", SPACE)
+    ours = ours.replace(" ×", f"{SPACE}×")
     return f"| {what}<br><code>{key}</code> | {paper} | {ours} | {verdict} |"
 
 
