@@ -89,7 +89,7 @@ ax.plot(sweep, TAU - sweep, color="white", ls="--")
 ax.axhline(phi, color=colours["sky"])
 ax.set(title="all phases and references", xlabel="reference phase ψ", ylabel="phase φ")
 ax.set_yticks(*quarter_ticks)
-ax.text(0.3, 5.55, "ψ = −φ", color="white")
+ax.text(3.4, 5.6, "ψ = −φ", color="white")
 for ax in axes[1]:
     ax.set_xticks(*quarter_ticks)
 plotting.label_panels(axes.flat)
