@@ -42,7 +42,7 @@ colours = plotting.PALETTE
 # The scale of the 14-bit converter leaves five σ at either end, so that noise is not clipped
 # ({ref}`erratum 16 <erratum-16>`).
 
-# %%
+# %% tags=["hide-input"]
 frequencies, psi = np.geomspace(1e8, 1e10, points), np.arange(4) * np.pi / 2
 signal = GAIN * INTEGRATION_TIME * intensity
 phase = phase_from_depth(depth, frequencies)
@@ -55,7 +55,7 @@ error = centred(phase_from_correlation(counts, psi) - phase[:, None])
 error = 1e3 * depth_from_phase(error, frequencies[:, None])  # mm
 spread = error.std(axis=1, ddof=1)
 
-# %%
+# %% tags=["hide-input"]
 bound = phase_bound(signal / np.pi, signal / 2, psi, sigma=NOISE_SIGMA, phase=phase)
 law = 1e3 * depth_from_phase([phase_spread(b) for b in bound], frequencies)
 ratio = spread[0] / spread[-1]

@@ -60,7 +60,7 @@ WRAP = float(wrap_length(FREQUENCY_SINGLE))
 # electronic noise; its «reference» is the true range blurred and tilted by millimetres.
 
 
-# %%
+# %% tags=["hide-input"]
 def simulated_scan():
     """Phase, rad, and reference depth, m, (100, 100), in place of a capture."""
     frame, view = load_frame("still_life"), (slice(5, 105), slice(85, 185))
@@ -86,7 +86,7 @@ glue("capture_source", source, display=False)
 # points therefore gives the background's mask and a camera.
 
 
-# %%
+# %% tags=["hide-input"]
 def wall_of(depth):
     """Pixels within 1 cm of the flat wall behind everything, and the camera that its bend gives."""
     height, width = depth.shape
@@ -125,7 +125,7 @@ inside = {
 #
 # At I = 1 this gives σ. The simulated scene is the capture's own averaged surface.
 
-# %%
+# %% tags=["hide-input"]
 sigma, matched, smooth, simulated = {}, {}, {}, {}
 for name, phase in phases.items():
     sigma[name] = noise.typical_phase_noise(phase, inside[name], window=fit_window)

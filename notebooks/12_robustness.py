@@ -65,7 +65,7 @@ frames = {place: every[place].middle(side, side) for place in places}
 # the Gaussian noise from 1200 to 2000 counts.
 
 
-# %%
+# %% tags=["hide-input"]
 def ask(names=methods, frames=frames, scale=1.0, **changes):
     """Scores and wrap counts of methods under changed conditions, over all frames."""
     pooled = {name: [] for name in names}
@@ -127,7 +127,7 @@ notes.table(["%", "noise", "δ < 1", "δ < 2", "δ < 3", "δ ≥ 3"], rows)
 # the count is Gaussian with standard deviation s and surfaces lie anywhere in a wrap, the rate δ <
 # 1 is a triangle of the error, convolved with the Gaussian: a closed form for a wall.
 
-# %%
+# %% tags=["hide-input"]
 low, high = FREQUENCIES
 detuning = high / low - 2  # turns of beat per wrap
 period = TAU * detuning  # closure that moves every wrap by one, rad
@@ -157,7 +157,7 @@ def wall(size, half_angle, distance, level=1.0):
     return Frame(depth, np.full(depth.shape, level), camera, "wall")
 
 
-# %%
+# %% tags=["hide-input"]
 window, white = 41, float(bounds.simulated_phase_noise(1.0))
 spread = float(bounds.wrap_noise(white, white, frequencies=FREQUENCIES)) / window
 plain = wall(wall_side, 0.2, 0.97)
@@ -180,7 +180,7 @@ print("counted − formula, points:", *(f"{x:.1f}" for x in 100 * off))
 # %% [markdown]
 # In rooms all answers of a method that relies on the beat move by m; others do not move.
 
-# %%
+# %% tags=["hide-input"]
 for column, values in ((1, offsets_high), (0, offsets_low)):
     for value in values:
         offset = tuple(value / 1e3 if i == column else 0.0 for i in (0, 1))

@@ -63,7 +63,7 @@ known = base.twin
 # ({doc}`22_errata`).
 
 
-# %%
+# %% tags=["hide-input"]
 def bench_of(phases, **twin):
     """Bench of so many phases before a mirror at 60 cm; `twin` changes the simulation."""
     mirror = {"kind": "mirror", "distance": 0.6, "reflectance": reflectance}
@@ -89,7 +89,7 @@ def sweep(on=bench):
 # emission's driver is set to one phase after another, for the linearity test below. The laser's
 # power is read with each sweep.
 
-# %%
+# %% tags=["hide-input"]
 taken, dark, power, programmed, rough = {}, {}, {}, {}, {}
 for mode in ORDER:
     bench.choose_mode(mode)
@@ -109,7 +109,7 @@ for mode in ORDER:
     rough_bench.look_at("scan")
     rough[mode] = sweep(rough_bench)
 
-# %%
+# %% tags=["hide-input"]
 psi = nominal_psi(PHASES)
 burst_time, between = reading.scans / reading.rate, TICKS * LABEL_TIME
 place = ((np.arange(PHASES) + 0.5) / PHASES * burst_time + between - burst_time) / between
@@ -133,7 +133,7 @@ for mode in ORDER:
 # on its code and as $\sin 2\varphi$.
 
 
-# %%
+# %% tags=["hide-input"]
 def expected_noise(volts, samples):
     """Standard deviation of the mean over successive samples at an output, V."""
     lags = Chain(known, 1 / reading.rate).memory(samples)
@@ -151,7 +151,7 @@ def expected(mode, phase, steps, emitted=0.0):
     return correlation_from_harmonics(w, w, phase=phase, psi=shift)
 
 
-# %%
+# %% tags=["hide-input"]
 kept, every = reading.samples_per_phase - reading.settle_samples, np.arange(PHASES)
 left, model, noise, code = {}, {}, {}, {}
 for mode, fit in fits.items():
@@ -169,7 +169,7 @@ freedom = np.sqrt(PHASES / (PHASES - 3))
 pull = {m: freedom * np.std((left[m] - model[m]) / np.hypot(noise[m], code[m])) for m in ORDER}
 contrast = {m: float(fits[m].amplitude / fits[m].offset) for m in ORDER}
 
-# %%
+# %% tags=["hide-input"]
 orders, harmonic, closed_form, floor = np.arange(1, 9), {}, {}, {}
 for mode, fit in fits.items():
     spectrum = 2 * np.abs(np.fft.fft(profiles[mode].mean(axis=0))) / PHASES

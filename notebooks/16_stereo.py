@@ -47,7 +47,7 @@ LEFT, RIGHT, BEAM = plotting.PALETTE["blue"], plotting.PALETTE["vermillion"], "#
 # Views of a checkerboard calibrate both cameras. The spots of the scan locate the scanner, whose
 # beams leave in known directions, like a third camera.
 
-# %%
+# %% tags=["hide-input"]
 sensor = stereo.Sensor()
 rig = stereo.simulated_rig(baseline=baseline, sensor=sensor)
 poses = stereo.board_poses(rig, views, rng=rng)
@@ -61,7 +61,7 @@ redrawn = [
 print(f"{views} views leave {corner_noise:.3f} px at a corner")
 
 
-# %%
+# %% tags=["hide-input"]
 def thinned(name, stride):
     """Every so many pixels of an embedded frame, as a scan would take them."""
     whole = load_frame(name)
@@ -85,7 +85,7 @@ def labels(frame, spots, cameras, others=(), **phase):
     return stereo.truth_from_spots(spots, found[0], draws=found[1:], sigmas=sigmas, **phase)
 
 
-# %%
+# %% tags=["hide-input"]
 frame = thinned(scene, stride)
 measurement = cmtof.simulate(frame, protocol="full", seed=seed)
 spots = stereo.scan_spots(frame, rig, rng=rng, sensor=sensor)

@@ -42,7 +42,7 @@ BLUE, RED, GREEN, BLACK = (
 )
 COLOURS = {"all-optical": BLUE, "RF": RED, "interferometer": GREEN}
 
-# %%
+# %% tags=["hide-input"]
 settings, NOISY = TwinSettings(), NOISE["captures"]
 optical, rf, ruler = OpticalRanger(settings), RfRanger(), Interferometer()
 rangers = {"all-optical": optical, "RF": rf, "interferometer": ruler}
@@ -88,7 +88,7 @@ errors = {
 found = {key: parts(one) for key, one in errors.items()}
 median = {key: float(np.median(one.rmse)) for key, one in found.items()}
 
-# %%
+# %% tags=["hide-input"]
 AXES = {"all-optical": "proposed", "RF": "rf", "interferometer": "interferometry"}
 
 

@@ -63,7 +63,7 @@ COLOURS = {
 # of $h$. The two modes are combined with the inverse squares of their errors as weights.
 
 
-# %%
+# %% tags=["hide-input"]
 Planes = namedtuple("Planes", "slopes offsets covariance residual r_squared")
 
 
@@ -85,7 +85,7 @@ def step_height(planes):
     return way @ planes.offsets * cosine, np.sqrt(way @ planes.covariance @ way) * cosine
 
 
-# %%
+# %% tags=["hide-input"]
 def points_of(target, number, noise="photon", **how):
     """Points (mode, H, W, 3), m, of one scan, with the wraps of the true range."""
     own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
@@ -128,7 +128,7 @@ def measured_step(points):
     return np.append(height, weight @ height), np.append(error, (error**-2).sum() ** -0.5)
 
 
-# %%
+# %% tags=["hide-input"]
 clouds = [scanned_blocks(number) for number in range(repeats)]
 heights, errors = np.array([measured_step(points) for points in clouds]).swapaxes(0, 1)
 mean, scatter = heights.mean(0), heights.std(0, ddof=1)
@@ -148,7 +148,7 @@ notes.tell(rough_um=1e6 * rough_scatter[2])
 # %% [markdown]
 # A large plane of reflectance 0.5 stands at the same distance, slanted by several angles.
 
-# %%
+# %% tags=["hide-input"]
 tilts = np.array(plane_tilts, float)
 planes = []
 for k, tilt in enumerate(tilts):

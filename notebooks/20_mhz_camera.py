@@ -48,7 +48,7 @@ DARK, PALE = 0.05, 0.6  # reflectances of dark and pale feathers
 # the paper observes («mm deviation on diffuse highly reflecting surfaces»).
 
 
-# %%
+# %% tags=["hide-input"]
 def looked(target, height, width, focal):
     """What a raster of pixels about the axis sees of a target."""
     rays = rays_from_camera((height, width), [focal, focal, width / 2, height / 2])
@@ -70,7 +70,7 @@ view = {n: looked(target[n], side[n], side[n], camera.focal_length) for n in NAM
 field = {n: looked(target[n], 60, 80, camera.focal_length / 8) for n in NAMES}
 
 
-# %%
+# %% tags=["hide-input"]
 def observed(instrument, name):
     """Range of one image, amplitude, and range without noise."""
     light = instrument.light(view[name], field[name])
@@ -93,7 +93,7 @@ for name, case in both:  # the zero is that of the quiet reference target, for b
     ghz_error[name, case] = ghz[name, case] - truth[name]
 
 
-# %%
+# %% tags=["hide-input"]
 def rms(values):
     return float(np.sqrt(np.nanmean(np.square(values))))
 

@@ -142,7 +142,7 @@ notes.table(("right wraps (%)", *told), rows)
 # %% [markdown]
 # Pixels of a body are right or wrong together. Further scans, and what references would find:
 
-# %%
+# %% tags=["hide-input"]
 again = []
 for other in range(seed + 1, seed + 1 + repeats):
     view = {"size": size, "field_of_view": FIELD_OF_VIEW[teaser], "seed": other}
