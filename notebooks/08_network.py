@@ -64,7 +64,7 @@ blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "
 # pixels), shallow ones fine detail; both are added at a quarter of the resolution. The orange line
 # is the paper's skip from the first layer to the last.
 
-# %%
+# %% tags=["hide-input"]
 network = build_network("fast-scnn").eval()
 parameters = sum(weight.numel() for weight in network.parameters())
 PATCH, BLOCKS = 512, ("stem", "down", "extract", "pyramid", "deep", "classify", "output")

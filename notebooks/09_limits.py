@@ -52,7 +52,7 @@ frames = [every[place].middle(height, width) for place in places]
 # of every surface is known (`reference-field`); in the lower one the beat is averaged over all of
 # the window: it mixes the two sides of an edge, and its amplitude falls as the beat changes.
 
-# %%
+# %% tags=["hide-input"]
 measured = {
     protocol: [cmtof.simulate(frame, protocol=protocol, seed=seed, frame_number=place)
                for frame, place in zip(frames, places, strict=True)]

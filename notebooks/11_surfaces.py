@@ -59,7 +59,7 @@ def measure(number, protocol, **changes):
 # %% [markdown]
 # ## Step by step
 
-# %%
+# %% tags=["hide-input"]
 frame, measurement = measure(place, "full")
 found = stages(measurement)
 inside = tuple(slice(0, n) for n in measurement.shape)

@@ -66,7 +66,7 @@ measurement = scan(plan, lambda: simulated(rig, scene, seed=seed), here / "m.nc"
 data, given = measurement.dataset, rig.twin
 print(measurement, f"{plan.lines[-1].labels[-1]} bursts in {len(plan.lines)} lines")
 
-# %%
+# %% tags=["hide-input"]
 bench = simulated(rig, scene, seed=seed)
 index = float(data.attrs["group_index"])
 truth = bench.daq.world.ranges(plan.angles).reshape(size, size)

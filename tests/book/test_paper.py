@@ -132,7 +132,7 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
         paper.check("fig3.precision_ratio", value)
         paths.append(tmp_path / name / paper.CHECKS)
     (row,) = [r for r in scoreboard.page(paths).splitlines() if "precision_<wbr>ratio" in r]
-    assert "contradicted" in row and "(0.1 ×)" in row and "02_bad" in row
+    assert "contradicted" in row and "(0.1\u00a0×)" in row and "02_bad" in row
 
 
 def test_figures_tables_and_equations_are_found_where_they_stand(tmp_path):
