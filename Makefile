@@ -78,7 +78,7 @@ lab: setup ## Open the notebooks in JupyterLab
 lint: setup ## Check style, types, notebook pairs and words
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
-	@$(BIN)/pyright --level error
+	@$(BIN)/pyright
 	@$(BIN)/python tools/pairs.py --check
 	@! grep -nEf tools/words.txt README.md CONTRIBUTING.md book/*.md notebooks/*.py \
 		$$(git ls-files 'src/*.py') || { echo "Words to replace (tools/words.txt)." >&2; exit 1; }

@@ -117,7 +117,7 @@ def maps(
     """
     arrays = np.asarray(images, float)
     count, height, across = arrays.shape
-    columns = columns or count
+    columns = int(columns or count)
     rows = -(-count // columns)
     size = (columns * width + 0.9, rows * (width * height / across + 0.35))
     fig, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
