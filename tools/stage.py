@@ -22,7 +22,6 @@ from graph import Book
 
 ROOT = Path(__file__).resolve().parents[1]
 
-
 NUMBERS = "_static/numbers"  # of the figures, in the book
 
 
@@ -38,32 +37,39 @@ def caption(about: dict[str, Any], stem: str) -> str:
 
 
 def place_figures(notebook: Any, stem: str) -> None:
-    """Give every cell that saved a figure the metadata that makes it a numbered figure.
+    """Make every saved figure a cell of its own, with the metadata that number it.
 
-    Its source folds away. The metadata hold for all that a cell shows: where it saved several
-    figures, or shows something else too, the figures move into cells of their own behind it.
+    The source of the cell that drew it folds away.
     """
     cells: list[Any] = []
     for cell in notebook.cells:
         cells.append(cell)
-        shown = [o for o in cell.get("outputs", []) if _is_shown(o)]
-        drawn = [o for o in shown if "cmtof" in o.metadata]
+        drawn = [o for o in cell.get("outputs", []) if "cmtof" in o.get("metadata", {})]
         if drawn:  # the figure first; how it was drawn, for whoever wants to know
             cell.metadata["tags"] = sorted({*cell.metadata.get("tags", []), "hide-input"})
         for output in drawn:
-            if len(shown) > 1:
-                cell.outputs.remove(output)
-                cells.append(new_code_cell("# continued", outputs=[output]))
-                cells[-1].metadata["tags"] = ["remove-input"]
+            cell.outputs.remove(output)
+            cells.append(new_code_cell("# continued", outputs=[output]))
             about = output.metadata.pop("cmtof")
-            cells[-1].metadata["mystnb"] = {
-                "figure": {
-                    "caption": caption(about, stem),
-                    "name": "fig-" + about["name"].replace("_", "-"),
-                },
-                "image": {"alt": about["alt"]},
-            }
+            name = "fig-" + about["name"].replace("_", "-")
+            figure = {"caption": caption(about, stem), "name": name}
+            placed = {"figure": figure, "image": {"alt": about["alt"]}}
+            cells[-1].metadata |= {"tags": ["remove-input"], "mystnb": placed}
     notebook.cells = cells
+
+
+def lead_with_figure(notebook: Any) -> None:
+    """Move the first figure to behind the introduction; a link stays where text stood between."""
+    cells = notebook.cells
+    place = next((n for n, cell in enumerate(cells) if "mystnb" in cell.metadata), 0)
+    texts = [n for n, cell in enumerate(cells[:place]) if cell.cell_type == "markdown"]
+    if texts:
+        figure = cells.pop(place)
+        cells.insert(texts[0] + 1, figure)
+        if texts[1:]:
+            name = figure.metadata["mystnb"]["figure"]["name"]
+            seen = f"See {{numref}}`{name}` at the head of this chapter."
+            cells.insert(place + 1, new_markdown_cell(seen))
 
 
 def join_folded(notebook: Any) -> None:
@@ -82,11 +88,6 @@ def join_folded(notebook: Any) -> None:
 
 def _is_folded(cell: Any) -> bool:
     return cell.cell_type == "code" and "hide-input" in cell.metadata.get("tags", [])
-
-
-def _is_shown(output: Any) -> bool:
-    rich = output.output_type in {"display_data", "execute_result"}
-    return rich and "scrapbook" not in output.metadata
 
 
 def provenance_block(about: dict[str, Any]) -> str:
@@ -112,6 +113,7 @@ def stage_notebook(executed: Path, target: Path) -> None:
     """Write the page of an executed notebook."""
     notebook: Any = nbformat.read(executed, as_version=4)
     place_figures(notebook, executed.stem)
+    lead_with_figure(notebook)
     join_folded(notebook)
     exercises = ROOT / "book" / "exercises" / f"{executed.stem}.md"
     if exercises.is_file():

@@ -38,6 +38,7 @@ PROBE = """async () => {
     images: [...document.images].filter(i => i.loading !== 'lazy' && !i.naturalWidth)
       .map(i => i.src),
     overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
+    lead: (document.querySelector('.cell figure') ?? document.body).getBoundingClientRect().top,
     code: wide('article .cell_input pre'), equations: wide('article div.math'),
     text: document.body.innerText,
   };
@@ -87,9 +88,10 @@ def faults(state: dict[str, Any], width: int) -> Iterator[str]:
     if state["overflow"] > 0:
         yield f"wider than the screen by {state['overflow']} px"
     if width == WIDTHS["desk"]:
-        for kind in ("code", "equations"):
-            if state[kind]:
-                yield f"{state[kind]} {kind} wider than the column"
+        wide = [kind for kind in ("code", "equations") if state[kind]]
+        yield from (f"{state[kind]} {kind} wider than the column" for kind in wide)
+        if state["lead"] > 600:  # of 900 px
+            yield f"the first figure begins at {state['lead']:.0f} px, not within the first screen"
     yield from (f"image not drawn: {source}" for source in state["images"])
     for name, pattern in UNWANTED.items():
         if found := re.search(pattern, state["text"], re.MULTILINE):
