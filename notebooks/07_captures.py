@@ -10,10 +10,8 @@
 # 7.15 GHz of busts before a wall, and a coarse reference depth {cite}`pan2024`. On the wall the
 # noise of one point is {glue:text}`single_low:.0f` to {glue:text}`single_high:.0f` µm. The
 # simulator has the same noise level (Paper Fig. 11) with σ = {glue:text}`matched_low:.0f` to
-# {glue:text}`matched_high:.0f` counts on a white wall, but not always the same grain: in one of the
-# published scans the noise of neighbours is correlated. The files are not part of this project.
-# Where a machine has none, a simulated scan in the same format replaces them. **The maps on this
-# page are {glue:text}`capture_source`.**
+# {glue:text}`matched_high:.0f` counts on a white wall. **The maps here are
+# {glue:text}`capture_source`.**
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -56,8 +54,9 @@ WRAP = float(wrap_length(FREQUENCY_SINGLE))
 # %% [markdown]
 # ## Noise matching on the same surface
 #
-# The stand-in is a piece of an embedded frame, shrunk to the captures' distances, with photon and
-# electronic noise; its «reference» is the true range blurred and tilted by millimetres.
+# The files are not part of this project. Where a machine has none, a simulated scan in the same
+# format replaces them: a piece of an embedded frame, shrunk to the captures' distances, with photon
+# and electronic noise; its «reference» is the true range blurred and tilted by millimetres.
 
 
 # %% tags=["hide-input"]

@@ -4,10 +4,8 @@
 # A stage moves a target by one millimetre before three instruments (Paper Fig. 13, Table 4), each
 # *simulated* on {glue:text}`repeats:.0f` days. With plausible systematic errors the all-optical one
 # has RMS errors of {glue:text}`plausible_l:.0f` to {glue:text}`plausible_h:.0f` µm on a mirror at
-# the photon limit, a range that contains the paper's 33.5 µm. With the phase noise of the published
-# captures it has {glue:text}`captures_l:.0f` to {glue:text}`captures_h:.0f` µm; to reach the
-# paper's value {glue:text}`needed:.0f` readings a position must be averaged. RF demodulation fails
-# on the diffuse plate ({glue:text}`rf_plate:.1f` mm), but is as good on a mirror.
+# the photon limit, a range that contains the paper's 33.5 µm. RF demodulation is as good on a mirror
+# but fails on the diffuse plate ({glue:text}`rf_plate:.1f` mm).
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -155,10 +153,12 @@ plotting.save(
 )
 
 # %% [markdown]
+# With the phase noise of the published captures the all-optical one has {glue:text}`captures_l:.0f`
+# to {glue:text}`captures_h:.0f` µm; {glue:text}`needed:.0f` readings a position give 33.5 µm.
+#
 # All three share the laser, the emission module, the optics and the air of the simulated
-# instrument, which sends about 3 mW to the target.
-# A reading of the all-optical one is 16 phases of 20 samples, 13.3 ms; a grey filter keeps the
-# mirror's light within the detector's range. RF and interferometer have sections below.
+# instrument, which sends about 3 mW to the target. A reading of the all-optical one is 16 phases of
+# 20 samples, 13.3 ms; a filter keeps the mirror's light within the detector's range.
 #
 # Each *day* has its own noise, speckle, drift and driver errors. The zero is set ten minutes before
 # the sweep, at eight known ranges over one wrap, as in a scan: by one reading at each, for RF a

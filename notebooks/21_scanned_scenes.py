@@ -2,14 +2,10 @@
 # # Scanned scenes
 #
 # A bust, a helmet, an owl and a cluttered table at 1 m are scanned by the simulated instrument as
-# the paper's scenes were (Paper Figs. 1 and 16). The phases are precise to some ten micrometres at
-# the photon limit, and to 0.3 mm with the phase noise of the published captures
-# ({doc}`07_captures`), so the wraps determine the result. Over all scenes KDE finds
-# {glue:text}`kde:.0f` % of them at the photon limit, and {glue:text}`kde_captures:.0f` % with the
-# captures' noise, where it fails as the paper states; the paper's network, trained far less, finds
-# {glue:text}`net:.0f` and, fine-tuned, {glue:text}`net_captures:.0f` %; `surfaces`, the method of
-# this book, {glue:text}`ours:.0f` and {glue:text}`ours_captures:.0f` %. RF demodulation gives no
-# usable phase. The objects are meshes with known range; nothing was measured.
+# the paper's scenes were (Paper Figs. 1 and 16). With the noise of the published captures KDE finds
+# {glue:text}`kde_captures:.0f` % of the wraps, and so fails, as the paper states. The paper's
+# network, trained far less, finds {glue:text}`net_captures:.0f` % after fine-tuning, and
+# `surfaces`, the method of this book, {glue:text}`ours_captures:.0f` %.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -52,6 +48,11 @@ plotting.begin(profile=profile, seed=seed)
 
 # %% [markdown]
 # ## Scans and methods
+#
+# The objects are meshes with known range. Phases are precise to some ten micrometres at the photon
+# limit, to 0.3 mm with the captures' noise ({doc}`07_captures`), so the wraps determine the result.
+# At the photon limit KDE finds {glue:text}`kde:.0f` %, the network {glue:text}`net:.0f` % and
+# `surfaces` {glue:text}`ours:.0f` %.
 #
 # Each scene is scanned three times: at the photon limit; with the level and the grain of the noise
 # in the published captures, as many radians in both modes; and at the photon limit under strong
