@@ -4,8 +4,8 @@
 # A stage moves a target by one millimetre before three instruments (Paper Fig. 13, Table 4), each
 # *simulated* on {glue:text}`repeats:.0f` days. With plausible systematic errors the all-optical one
 # has RMS errors of {glue:text}`plausible_l:.0f` to {glue:text}`plausible_h:.0f` µm on a mirror at
-# the photon limit, a range that contains the paper's 33.5 µm. RF demodulation is as good on a mirror
-# but fails on the diffuse plate ({glue:text}`rf_plate:.1f` mm).
+# the photon limit, a range that contains the paper's 33.5 µm. RF demodulation is as good there but
+# fails on the diffuse plate ({glue:text}`rf_plate:.1f` mm).
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
