@@ -43,8 +43,8 @@ DARK, PALE = 0.05, 0.6  # reflectances of dark and pale feathers
 # The camera is simulated from public data: two taps a pixel, flood light of four laser diodes. No
 # setting was fitted to the paper's numbers. An owl and a helmet of our own, feathers below 5 % of
 # reflectance among them, are 1 m from the instrument, the wall 0.3 m behind them. The camera is at
-# the scanner's place. The *strong* camera has so much light that a white surface has 1 mm of noise, as
-# the paper observes («mm deviation on diffuse highly reflecting surfaces»).
+# the scanner's place. The *strong* camera has so much light that a white surface has 1 mm of noise,
+# as the paper observes («mm deviation on diffuse highly reflecting surfaces»).
 
 
 # %% tags=["hide-input"]
