@@ -439,7 +439,7 @@ plotting.save(
 # 768×1024 px the light network has 11 billion multiply-adds and moves 2 GB: in 150 ms that would be
 # 73 billion and 13 GB a second, above the 48 billion of a 3 GHz core with AVX2 in float32.
 # bfloat16 (`cmtof unwrap --fast`) helps where the processor multiplies it natively; emulated it is
-# ten times slower. It moved δ < 1 by −0.2 points on the test frames; other rates are of float32.
+# ten times slower. It moved δ < 1 by −0.3 points on the test frames; other rates are of float32.
 
 # %%
 SIZES, TIMED = (tuple(small), tuple(large)), ("fast-scnn", "fast-scnn-light")
