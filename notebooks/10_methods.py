@@ -12,7 +12,7 @@
 # The paper compares its network with seven methods. Here they are compared with methods that a user
 # would try today, with trivial answers, and with references that know a part of the truth, on the
 # same simulated measurements of the same rooms. The paper's classical rows pool little and stay
-# near the trivial answer, its networks have 23 to 43 % of the wraps right after at most fourteen
+# near the trivial answer, its networks have 23 to 44 % of the wraps right after at most fourteen
 # hours of one core, and our `surfaces`, which pools over whole surfaces, is far ahead.
 
 # %% tags=["parameters", "hide-input"]
