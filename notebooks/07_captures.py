@@ -10,8 +10,8 @@
 # 7.15 GHz of busts before a wall, and a coarse reference depth {cite}`pan2024`. On the wall the
 # noise of one point is {glue:text}`single_low:.0f` to {glue:text}`single_high:.0f` µm. The
 # simulator has the same noise level (Paper Fig. 11) with σ = {glue:text}`matched_low:.0f` to
-# {glue:text}`matched_high:.0f` counts on a white wall. **The maps here are
-# {glue:text}`capture_source`.**
+# {glue:text}`matched_high:.0f` counts on a white wall, but not always the same grain.
+# **The maps here are {glue:text}`capture_source`.**
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile

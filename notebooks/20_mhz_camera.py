@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Comparison with a 100 MHz camera
 #
-# In Paper Fig. 15 a commercial camera at 100 MHz has errors of 200 mm on an owl's dark feathers. In
-# our simulation one image has {glue:text}`error_dark:.0f` mm rms on them, and **this is noise**:
-# {glue:text}`bias_dark:.1f` mm remain without it. The simulated GHz scan has
+# In Paper Fig. 15 a commercial camera at 100 MHz has errors of 200 mm on an owl's dark feathers. A
+# simulated one has {glue:text}`error_dark:.0f` mm rms on those of an owl of our own, and **this is
+# noise**: {glue:text}`bias_dark:.1f` mm remain without it. The simulated GHz scan has
 # {glue:text}`right_photon:.0f` % of the owl's wraps right at the photon limit, and
 # {glue:text}`right_captures:.0f` % with the captures' phase noise.
 
@@ -41,10 +41,10 @@ DARK, PALE = 0.05, 0.6  # reflectances of dark and pale feathers
 # ## One image, and one scan
 #
 # The camera is simulated from public data: two taps a pixel, flood light of four laser diodes. No
-# setting was fitted to the paper's numbers. An owl and a helmet of our own, feathers below 5 % of
-# reflectance among them, are 1 m from the instrument, the wall 0.3 m behind them. The camera is at
-# the scanner's place. The *strong* camera has so much light that a white surface has 1 mm of noise,
-# as the paper observes («mm deviation on diffuse highly reflecting surfaces»).
+# setting was fitted to the paper's numbers. An owl and a helmet are 1 m from the instrument, the
+# wall 0.3 m behind them; dark feathers reflect less than 5 %. The camera is at the scanner's place.
+# The *strong* camera has so much light that a white surface has 1 mm of noise, as the paper
+# observes («mm deviation on diffuse highly reflecting surfaces»).
 
 
 # %% tags=["hide-input"]

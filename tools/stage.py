@@ -45,7 +45,7 @@ def place_figures(notebook: Any, stem: str) -> None:
     for cell in notebook.cells:
         cells.append(cell)
         drawn = [o for o in cell.get("outputs", []) if "cmtof" in o.get("metadata", {})]
-        if drawn:  # the figure first; how it was drawn, for whoever wants to know
+        if drawn:  # how it was drawn is for whoever wants to know
             cell.metadata["tags"] = sorted({*cell.metadata.get("tags", []), "hide-input"})
         for output in drawn:
             cell.outputs.remove(output)
@@ -61,7 +61,7 @@ def place_figures(notebook: Any, stem: str) -> None:
 def lead_with_figure(notebook: Any) -> None:
     """Move the first figure to behind the introduction; a link stays where text stood between."""
     cells = notebook.cells
-    place = next((n for n, cell in enumerate(cells) if "mystnb" in cell.metadata), 0)
+    place = next((n for n, c in enumerate(cells) if "figure" in c.metadata.get("mystnb", {})), 0)
     texts = [n for n, cell in enumerate(cells[:place]) if cell.cell_type == "markdown"]
     if texts:
         figure = cells.pop(place)
