@@ -39,7 +39,7 @@ book: setup ## Run the notebooks and build the book: build/PROFILE/html/index.ht
 	@echo "Open build/$(PROFILE)/html/index.html"
 
 figures: book ## Accept the figures and numbers of the build into figures/
-	@$(BIN)/python tools/figures.py build/$(PROFILE)/results figures
+	@$(BIN)/python -m cmtof_book.figures build/$(PROFILE)/results figures
 
 # a name that a notebook puts together stands there as its first word and a brace
 figure: setup ## Draw one figure, and what else its notebook draws: make figure F=fig13
@@ -56,7 +56,7 @@ pdf: book ## Print the whole book to build/PROFILE/book.pdf (Debian: apt-get ins
 		--print-to-pdf="$(CURDIR)/build/$(PROFILE)/book.pdf" "file://$$PWD/whole.html"
 
 test: setup ## Check sizes, build the book with the small ci profile, then run the tests
-	@$(BIN)/python tools/size.py
+	@$(BIN)/python -m cmtof_book.size $(V)
 	@$(call build,ci)
 	@$(BIN)/python -m pytest -m "not slow" -n $(CORES)
 
@@ -69,8 +69,8 @@ test-book: setup ## Read the built book in a browser without a network
 fuzz: setup ## Five thousand hostile inputs for the command line
 	@$(BIN)/python tests/hostile/fuzz.py 5000
 
-size: setup ## Lines of every part beside its budget
-	@$(BIN)/python tools/size.py
+size: setup ## Volume and density of every part beside its budget (V=-v names what is over)
+	@$(BIN)/python -m cmtof_book.size $(V)
 
 lab: setup ## Open the notebooks in JupyterLab
 	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
@@ -79,19 +79,19 @@ lint: setup ## Check style, types, notebook pairs and words
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/pyright
-	@$(BIN)/python tools/pairs.py --check
+	@$(BIN)/python -m cmtof_book.pairs --check
 	@! grep -nEf tools/words.txt README.md CONTRIBUTING.md book/*.md notebooks/*.py \
 		$$(git ls-files 'src/*.py') || { echo "Words to replace (tools/words.txt)." >&2; exit 1; }
 
 pairs: setup ## Write each .ipynb again from its .py
-	@$(BIN)/python tools/pairs.py
+	@$(BIN)/python -m cmtof_book.pairs
 
 reference: setup ## Store the numbers of the ci profile as the ones that tests compare with
 	@$(call build,ci)
-	@$(BIN)/python tools/reference.py $(SEEDS) $(NOTEBOOKS)
+	@$(BIN)/python -m cmtof_book.reference $(SEEDS) $(NOTEBOOKS)
 
 bench: setup ## Time the hot loops against what bounds them
-	@$(BIN)/python benchmarks/ratios.py
+	@$(BIN)/python -m cmtof_book.benchmarks
 
 lock: setup ## Solve for new versions of every package into environment.lock
 	@tools/lock.sh --upgrade

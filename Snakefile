@@ -1,11 +1,9 @@
 # The graph from notebooks to the book. Run it by `make book`, or look at it by
 #   .venv/bin/snakemake --config profile=ci --dry-run
-# Every notebook is a job of its own; what it depends on is worked out by tools/graph.py.
+# Every notebook is a job of its own; what it depends on is worked out by `cmtof_book.graph`.
 import json
-import sys
 
-sys.path.insert(0, str(Path(workflow.basedir) / "tools"))
-from graph import Book
+from cmtof_book.graph import Book
 
 PROFILE = config.get("profile", "book")
 BUILD = f"build/{PROFILE}"
@@ -36,7 +34,7 @@ rule notebook:
     params:
         parameters=parameters_of,
     shell:
-        "{PYTHON} tools/execute.py notebooks/{wildcards.notebook}.py {params.parameters:q}"
+        "{PYTHON} -m cmtof_book.execute notebooks/{wildcards.notebook}.py {params.parameters:q}"
         " {output.executed} {output.results}"
 
 
@@ -45,20 +43,20 @@ rule stage:
         executed=expand(f"{BUILD}/notebooks/{{notebook}}.ipynb", notebook=NOTEBOOKS),
         results=expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
         chapters=CHAPTERS.chapters(),
-        tool=CHAPTERS.tool("stage.py"),
+        tool=CHAPTERS.tool("stage"),
     output:
         directory(f"{BUILD}/stage"),
     shell:
-        "{PYTHON} tools/stage.py {BUILD} {output}"
+        "{PYTHON} -m cmtof_book.stage {BUILD} {output}"
 
 
 rule book:
     input:
         f"{BUILD}/stage",
         "environment.lock",
-        CHAPTERS.tool("render.py"),
+        CHAPTERS.tool("render"),
     output:
         directory(f"{BUILD}/html"),
     shell:
-        "{PYTHON} tools/render.py {input[0]} {output}"
+        "{PYTHON} -m cmtof_book.render {input[0]} {output}"
 

@@ -23,7 +23,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from cmtof import bounds
-from cmtof.book import notes, paper, plotting
 from cmtof.constants import ADC_BITS, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (
     TAU,
@@ -39,6 +38,7 @@ from cmtof.correlation import (
 from cmtof.detector import quantise
 from cmtof.modulator import DOUBLED, SINGLE, single_mode_harmonics
 from cmtof.waveform import gate, sinusoid, waveform_from_harmonics
+from cmtof_book import notes, paper, plotting
 
 plotting.begin(profile=profile, seed=seed)
 colours = plotting.PALETTE

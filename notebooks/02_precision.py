@@ -19,7 +19,6 @@ law_samples: int = 400_000  # phases drawn at each brightness for the law of a n
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cmtof.book import notes, paper, plotting
 from cmtof.bounds import phase_bound, phase_density, phase_spread, simulated_phase_noise
 from cmtof.constants import ADC_BITS, FREQUENCY_SINGLE, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (
@@ -31,6 +30,7 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.detector import poisson_gaussian, quantise
+from cmtof_book import notes, paper, plotting
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)

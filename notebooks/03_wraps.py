@@ -19,8 +19,7 @@ import numpy as np
 
 import cmtof
 from cmtof import bounds
-from cmtof.baselines.beat import beat_depth, beat_phasor
-from cmtof.book import notes, paper, plotting
+from cmtof.classical.beat import beat_depth, beat_phasor
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import (
     TAU,
@@ -31,6 +30,7 @@ from cmtof.correlation import (
 )
 from cmtof.measurement import unambiguous_range
 from cmtof.scenes import Frame
+from cmtof_book import notes, paper, plotting
 
 plotting.begin(profile=profile, seed=seed)
 colours = plotting.PALETTE

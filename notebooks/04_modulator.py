@@ -24,13 +24,13 @@ import sympy as sp
 from matplotlib.patches import Circle, Rectangle
 from scipy.special import jv
 
-from cmtof.book import notes, paper, plotting
 from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE, SPEED_OF_LIGHT
 from cmtof.correlation import correlation_contrast
-from cmtof.instrument.settings import TwinSettings
-from cmtof.instrument.world import Panel, RfKnobs, World
 from cmtof.modulator import DOUBLED, SINGLE, doubled_mode_harmonics, single_mode_harmonics
 from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
+from cmtof_book import notes, paper, plotting
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.world import Panel, RfKnobs, World
 
 plotting.begin(profile=profile, seed=seed)
 blue, vermillion, black = (plotting.PALETTE[c] for c in ("blue", "vermillion", "black"))

@@ -19,7 +19,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cmtof
-from cmtof.book import notes, paper, plotting
 from cmtof.bounds import phase_spread, simulated_phase_noise
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (
@@ -37,6 +36,7 @@ from cmtof.detector import poisson_gaussian
 from cmtof.network.features import fourier_features, phase_edges
 from cmtof.scenes import embedded_frames
 from cmtof.simulation import QUADRATURES
+from cmtof_book import notes, paper, plotting
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)

@@ -25,14 +25,14 @@ focal: float = 443.4  # px: that of the path-traced frames, seen at every second
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cmtof.book import notes, plotting
+from cmtof.captures import data_root
 from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
 from cmtof.correlation import phase_from_depth
+from cmtof.frame import brightness
+from cmtof.hardness import bends, hardness
 from cmtof.scenes import load_frame
-from cmtof.scenes.captures import data_root
-from cmtof.scenes.frame import brightness
-from cmtof.scenes.rooms.rendering import Settings, rendered_views
-from cmtof.scenes.statistics import bends, hardness
+from cmtof_book import notes, plotting
+from cmtof_rooms.rendering import Settings, rendered_views
 
 plotting.begin(profile=profile, seed=seed)
 

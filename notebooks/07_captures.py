@@ -30,7 +30,7 @@ from skimage.restoration import unwrap_phase
 
 import cmtof
 from cmtof import noise
-from cmtof.book import notes, plotting, views
+from cmtof.captures import published_captures, read_capture
 from cmtof.constants import FREQUENCY_SINGLE, NOISE_SIGMA
 from cmtof.correlation import (
     TAU,
@@ -44,7 +44,7 @@ from cmtof.correlation import (
 )
 from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import Frame, load_frame
-from cmtof.scenes.captures import published_captures, read_capture
+from cmtof_book import notes, plotting, views
 
 plotting.begin(profile=profile, seed=seed)
 blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "green"))

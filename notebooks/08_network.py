@@ -37,10 +37,10 @@ from torch.utils.flop_counter import FlopCounterMode
 
 import cmtof
 from cmtof import bounds
-from cmtof.book import notes, paper, plotting, provenance
 from cmtof.constants import FREQUENCIES, NOISE_SIGMA
 from cmtof.correlation import TAU, depth_from_wraps
 from cmtof.evaluation import measured, rates, read_counts, scored_pixels
+from cmtof.frame import held_out_frames
 from cmtof.network.data import batch_of, leaves, measure
 from cmtof.network.features import CLASSES, FEATURE_SETS, ORDER, features, fourier_features
 from cmtof.network.losses import IGNORED, WRAP_MM, soft_argmax, unwrapping_loss
@@ -48,7 +48,7 @@ from cmtof.network.models import MODELS, build_network
 from cmtof.network.recipe import read_config
 from cmtof.network.training import train
 from cmtof.network.weights import Card, read_card, state, weights_path
-from cmtof.scenes.frame import held_out_frames
+from cmtof_book import notes, paper, plotting, provenance
 
 plotting.begin(profile=profile, seed=seed)
 torch.manual_seed(seed)

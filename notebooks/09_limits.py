@@ -30,13 +30,13 @@ import numpy as np
 
 import cmtof
 from cmtof import bounds
-from cmtof.baselines.references import SIDE, bodies, surfaces
-from cmtof.book import notes, plotting
-from cmtof.book.comparison import Scene, comparison_figure
+from cmtof.classical.references import SIDE, bodies, surfaces
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, phase_from_depth
 from cmtof.evaluation import Tally, rates, read_counts, scored_pixels
-from cmtof.scenes.frame import held_out_frames
+from cmtof.frame import held_out_frames
+from cmtof_book import notes, plotting
+from cmtof_book.comparison import Scene, comparison_figure
 
 plotting.begin(profile=profile, seed=seed)
 PROTOCOLS = ("released", "full")

@@ -33,14 +33,14 @@ import numpy as np
 
 import cmtof
 from cmtof import bounds
-from cmtof.book import notes, paper, plotting
-from cmtof.book.comparison import Scene, comparison_figure
 from cmtof.constants import FREQUENCIES
 from cmtof.evaluation import measured, rates, read_counts, scored_pixels
+from cmtof.frame import held_out_frames
 from cmtof.methods import METHODS
 from cmtof.network.weights import read_card, weights_path
-from cmtof.scenes.frame import held_out_frames
 from cmtof.statistics import reliability
+from cmtof_book import notes, paper, plotting
+from cmtof_book.comparison import Scene, comparison_figure
 
 plotting.begin(profile=profile, seed=seed)
 # rows of the paper's Table 2, by their names in paper.yml
@@ -127,8 +127,9 @@ notes.table(["method", "state", "what it does", "source"], rows)
 # ## Table 2
 #
 # All test frames, one from each of 32 rooms not used for training or tuning; they ship with the
-# package. Counting takes up to an hour, so the counts are stored with their hash; `python
-# tools/tables.py` adds missing ones. Rates are in %, with 95 % intervals over scenes. *Consistent*
+# package. Counting takes up to an hour, so the counts are stored with their hash; `python -m
+# cmtof_book.tables` adds missing ones. Rates are in %, with 95 % intervals over scenes.
+# *Consistent*
 # is the share of pixels whose measured phase gets the right whole number of turns
 # ({doc}`03_wraps`). The last column has the paper's δ < 1 / < 2 / < 3, on its own scenes.
 
@@ -237,7 +238,7 @@ notes.table(["method", "mean confidence, %", "right, %", "calibration error, %"]
 # ## Costs
 #
 # Seconds and memory for a frame of 768×1024 pixels on one thread, each method in a process of its
-# own (`python benchmarks/ratios.py --store`).
+# own (`python -m cmtof_book.benchmarks --store`).
 
 # %% tags=["hide-input"]
 path = Path(results) / "methods_cost.json"

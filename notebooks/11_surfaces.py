@@ -32,17 +32,17 @@ import numpy as np
 
 import cmtof
 from cmtof import bounds
-from cmtof.book import notes, plotting, views
-from cmtof.book.comparison import Scene, comparison_figure
 from cmtof.constants import FREQUENCIES
 from cmtof.evaluation import rates, read_counts, score, scored_pixels
+from cmtof.frame import Frame, held_out_frames, ray_lengths
 from cmtof.pointcloud import points_from_depth
-from cmtof.scenes.frame import Frame, held_out_frames, ray_lengths
 from cmtof.statistics import reliability, risk_coverage
 from cmtof.surfaces import stages
 from cmtof.surfaces.field import field_from_measurement
 from cmtof.surfaces.fitting import PLANE, refine
 from cmtof.surfaces.placing import depth_of_labels
+from cmtof_book import notes, plotting, views
+from cmtof_book.comparison import Scene, comparison_figure
 
 plotting.begin(profile=profile, seed=seed)
 PROTOCOLS = ("released", "full")

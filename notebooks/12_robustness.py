@@ -40,13 +40,13 @@ from scipy.stats import binomtest
 
 import cmtof
 from cmtof import bounds
-from cmtof.baselines.region import relative_phase
-from cmtof.book import notes, paper, plotting
+from cmtof.classical.region import relative_phase
 from cmtof.constants import FREQUENCIES, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length, wrapped
 from cmtof.evaluation import score, scored_pixels
+from cmtof.frame import Frame, held_out_frames, rays_from_camera
 from cmtof.network.weights import read_card, weights_path
-from cmtof.scenes.frame import Frame, held_out_frames, rays_from_camera
+from cmtof_book import notes, paper, plotting
 
 plotting.begin(profile=profile, seed=seed)
 colour, grey = plotting.PALETTE, plotting.GREY

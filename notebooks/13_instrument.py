@@ -18,15 +18,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 from scipy.constants import h
 
-from cmtof.book import notes, paper, plotting
-from cmtof.book.paper import quantity_text
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
 from cmtof.hardware.rig import MODES, Rig
-from cmtof.instrument import optics as free_space
-from cmtof.instrument.electronics import SLOPE, density, volts_per_watt
-from cmtof.instrument.targets import Hits
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
+from cmtof_book import notes, paper, plotting
+from cmtof_book.paper import quantity_text
+from cmtof_lab import optics as free_space
+from cmtof_lab.electronics import SLOPE, density, volts_per_watt
+from cmtof_lab.targets import Hits
 
 plotting.begin(profile=profile, seed=seed)
 PALETTE = plotting.PALETTE

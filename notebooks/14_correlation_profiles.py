@@ -22,16 +22,16 @@ from itertools import count
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cmtof.book import notes, paper, plotting
 from cmtof.correlation import TAU, centred, correlation_from_harmonics, decode
 from cmtof.hardware.bench import CHANNEL, VOLTS_RANGE, simulated
 from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
 from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.rig import MODES as ORDER
-from cmtof.instrument.electronics import Chain, density
-from cmtof.instrument.settings import NOISE
-from cmtof.instrument.world import LABEL_TIME
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
+from cmtof_book import notes, paper, plotting
+from cmtof_lab.electronics import Chain, density
+from cmtof_lab.settings import NOISE
+from cmtof_lab.world import LABEL_TIME
 
 plotting.begin(profile=profile, seed=seed)
 COLOURS = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}

@@ -29,7 +29,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cmtof
-from cmtof.book import notes, plotting
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU, centred, decode, phase_from_depth, wrap_length
 from cmtof.hardware.bench import simulated
@@ -38,8 +37,9 @@ from cmtof.hardware.plan import MODES, planned
 from cmtof.hardware.reduction import sums_from_counts
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan, scan_scene
-from cmtof.instrument.electronics import SLOPE, density, volts_from_counts
 from cmtof.measurement import Measurement
+from cmtof_book import notes, plotting
+from cmtof_lab.electronics import SLOPE, density, volts_from_counts
 
 plotting.begin(profile=profile, seed=seed)
 COLOURS = [plotting.PALETTE[c] for c in ("blue", "vermillion")]

@@ -21,18 +21,18 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import erf
 
-from cmtof.book import notes, paper, plotting
 from cmtof.bounds import wrap_probability
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
 from cmtof.correlation import depth_from_phase, wrap_length
-from cmtof.instrument.optics import sent_power
-from cmtof.instrument.settings import NOISE, TwinSettings
-from cmtof.instrument.targets import MIRROR, PLATE
-from cmtof.instrument.world import SAMPLE_RATE
-from cmtof.ranging.interferometer import Interferometer
-from cmtof.ranging.optical import FREQUENCY, OpticalRanger
-from cmtof.ranging.rf import RfRanger
-from cmtof.ranging.sweep import POSITIONS, collected_power, parts
+from cmtof_book import notes, paper, plotting
+from cmtof_lab.interferometer import Interferometer
+from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
+from cmtof_lab.optics import sent_power
+from cmtof_lab.rf_ranging import RfRanger
+from cmtof_lab.settings import NOISE, TwinSettings
+from cmtof_lab.sweep import POSITIONS, collected_power, parts
+from cmtof_lab.targets import MIRROR, PLATE
+from cmtof_lab.world import SAMPLE_RATE
 
 plotting.begin(profile=profile, seed=seed)
 BLUE, RED, GREEN, BLACK = (

@@ -20,14 +20,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 from scipy.special import jv
 
-from cmtof.book import notes, paper, plotting
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.instrument.optics import aperture_area, group_index, speckle_cells, spot_radius
-from cmtof.instrument.settings import TwinSettings
-from cmtof.instrument.targets import MIRROR, PLATE
-from cmtof.ranging.budget import back_ratio, budget_terms, only, simulated
-from cmtof.ranging.optical import FREQUENCY, OpticalRanger
-from cmtof.ranging.sweep import parts
+from cmtof_book import notes, paper, plotting
+from cmtof_lab.budget import back_ratio, budget_terms, only, simulated
+from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
+from cmtof_lab.optics import aperture_area, group_index, speckle_cells, spot_radius
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.sweep import parts
+from cmtof_lab.targets import MIRROR, PLATE
 
 plotting.begin(profile=profile, seed=seed)
 known, target = TwinSettings(), PLATE

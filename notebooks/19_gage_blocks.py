@@ -29,15 +29,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 from scipy.stats import t as student
 
-from cmtof.book import notes, paper, plotting
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.plan import VOLTS_PER_RADIAN
 from cmtof.hardware.scan import scan_scene
-from cmtof.instrument.devices import TDAC_STEP
-from cmtof.instrument.optics import directions_from_angles, speckle_cells, spot_radius
-from cmtof.instrument.settings import NOISE, TwinSettings
-from cmtof.instrument.targets import MeshTarget, Plane
-from cmtof.scenes.objects import GRADE_2, HEIGHT, WIDTH, gage_blocks
+from cmtof_book import notes, paper, plotting
+from cmtof_lab.devices import TDAC_STEP
+from cmtof_lab.objects import GRADE_2, HEIGHT, WIDTH, gage_blocks
+from cmtof_lab.optics import directions_from_angles, speckle_cells, spot_radius
+from cmtof_lab.settings import NOISE, TwinSettings
+from cmtof_lab.targets import MeshTarget, Plane
 
 plotting.begin(profile=profile, seed=seed)
 base = TwinSettings()

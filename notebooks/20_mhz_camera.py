@@ -21,17 +21,17 @@ from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 from scipy.optimize import brentq
 
 import cmtof
-from cmtof.book import notes, paper, plotting
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
+from cmtof.frame import rays_from_camera
 from cmtof.hardware.scan import scan_scene
-from cmtof.instrument.optics import sent_power
-from cmtof.instrument.settings import NOISE, TwinSettings
-from cmtof.instrument.targets import Hits, scene_from
 from cmtof.measurement import Measurement
 from cmtof.pointcloud import normals_from_points, points_from_depth
-from cmtof.ranging.mhz import MhzCamera
-from cmtof.scenes.frame import rays_from_camera
-from cmtof.scenes.objects import FIELD_OF_VIEW
+from cmtof_book import notes, paper, plotting
+from cmtof_lab.mhz_camera import MhzCamera
+from cmtof_lab.objects import FIELD_OF_VIEW
+from cmtof_lab.optics import sent_power
+from cmtof_lab.settings import NOISE, TwinSettings
+from cmtof_lab.targets import Hits, scene_from
 
 plotting.begin(profile=profile, seed=seed)
 NAMES = ("owl", "helmet")

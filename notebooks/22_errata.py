@@ -28,12 +28,12 @@ from myst_nb import glue
 from scipy.stats import norm
 
 from cmtof import bounds, correlation
-from cmtof.book import paper, plotting
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, LASER_WAVELENGTH, NOISE_SIGMA
 from cmtof.constants import SPEED_OF_LIGHT as c
 from cmtof.correlation import TAU, centred, wrap_length
 from cmtof.modulator import SINGLE, doubled_mode_harmonics, single_mode_harmonics
 from cmtof.waveform import gate, sinusoid
+from cmtof_book import paper, plotting
 
 plotting.begin(profile=profile, seed=seed)
 rng, (f1, f2) = np.random.default_rng(seed), FREQUENCIES

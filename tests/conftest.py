@@ -7,11 +7,11 @@ import pytest
 from hypothesis import settings
 
 import cmtof
+from cmtof.captures import data_root
 from cmtof.cli import main
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth
-from cmtof.scenes.captures import data_root
-from cmtof.scenes.frame import Frame
+from cmtof.frame import Frame
 
 settings.register_profile("cmtof", deadline=None, max_examples=50, derandomize=True)
 settings.load_profile("cmtof")

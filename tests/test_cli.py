@@ -117,7 +117,7 @@ def test_replicate_passes_and_draws(run, tmp_path):
 
 
 def test_replicate_fails_on_a_number_out_of_tolerance(run, tmp_path, monkeypatch):
-    from cmtof import replication
+    from cmtof_book import replication
 
     def one_bad(figure):
         yield replication.Outcome("a quantity", 2.0, 1.0, 0.5)

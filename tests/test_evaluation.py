@@ -9,9 +9,9 @@ import pytest
 import cmtof
 from cmtof import evaluation
 from cmtof.evaluation import Evaluation, Tally, measured, rates, read_counts, score, scored_pixels
+from cmtof.frame import held_out_frames
 from cmtof.measurement import Measurement
 from cmtof.scenes import load_frame
-from cmtof.scenes.frame import held_out_frames
 from cmtof.simulation import simulate
 
 

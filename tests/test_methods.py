@@ -6,9 +6,9 @@ import pytest
 import cmtof
 from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.evaluation import measured
+from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.methods import ALIASES, DEFAULT, METHODS, find_method, names_of
-from cmtof.scenes.frame import Frame
 
 NAMES = sorted(name for name, method in METHODS.items() if method.kind != "learned")
 TWO = [name for name in NAMES if METHODS[name].frequencies == 2]

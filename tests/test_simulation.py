@@ -6,7 +6,7 @@ import pytest
 import cmtof
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, phase_from_depth, wrap_count_from_depth
-from cmtof.scenes.frame import Frame, embedded_frames
+from cmtof.frame import Frame, embedded_frames
 from cmtof.simulation import simulate
 
 

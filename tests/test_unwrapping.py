@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import cmtof
-from cmtof.baselines import Estimate
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
+from cmtof.estimate import Estimate
 from cmtof.measurement import Measurement
 from cmtof.methods import METHODS, Method
 

@@ -210,9 +210,9 @@ def evaluate(
     """
     from cmtof.evaluation import Evaluation
     from cmtof.files import written_whole
+    from cmtof.frame import Frames
     from cmtof.methods import names_of
     from cmtof.scenes import frames_in
-    from cmtof.scenes.frame import Frames
     from cmtof.validation import expect
 
     names = names_of(method, protocol)
@@ -266,9 +266,9 @@ def info(
     from importlib.util import find_spec
 
     from cmtof import __version__
+    from cmtof.captures import data_root
+    from cmtof.frame import embedded_frames, read_npz
     from cmtof.measurement import open_measurement, read_dataset
-    from cmtof.scenes.captures import data_root
-    from cmtof.scenes.frame import embedded_frames, read_npz
 
     if file is not None:
         path = embedded_frames().get(str(file), file)
@@ -295,7 +295,7 @@ def replicate(
 
     Methods side by side on the embedded frames, in a few minutes. Ends with 1 if a line says FAIL.
     """
-    from cmtof.replication import replicate as outcomes
+    from cmtof_book.replication import replicate as outcomes
 
     output.parent.mkdir(parents=True, exist_ok=True)
     failed = 0
@@ -325,7 +325,7 @@ def render(
 
     Example: [bold]cmtof render --scenes 20 --views 5 --seed 1 -o rooms[/bold]
     """
-    from cmtof.scenes.rooms.rendering import Settings, render_rooms, shape_from_text
+    from cmtof_rooms.rendering import Settings, render_rooms, shape_from_text
 
     settings = Settings(seed, scenes, views, *shape_from_text(size), focal)
     with progress(scenes, quiet) as advance:

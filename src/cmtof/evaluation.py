@@ -182,7 +182,7 @@ def digest(counts: Sequence[Mapping[str, Any]]) -> str:
 
 
 def read_counts(path: str | Path) -> list[dict[str, Any]]:
-    """Counts of every test frame as ``tools/tables.py`` has stored them; empty without a file.
+    """Counts of every test frame as `cmtof_book.tables` has stored them; empty without a file.
 
     Raises a ValueError if the counts were changed after they were written.
     """

@@ -333,7 +333,7 @@ def read_dataset(path: str | Path) -> xr.Dataset:
 
 
 def _open_npz(path: Path) -> Measurement:
-    from cmtof.scenes.frame import read_npz
+    from cmtof.frame import read_npz
 
     arrays = read_npz(path)
     needed = ("correlation", "psi", "frequency")
@@ -348,7 +348,7 @@ def _open_npz(path: Path) -> Measurement:
 
 
 def _open_capture(path: Path) -> Measurement:
-    from cmtof.scenes.captures import read_capture
+    from cmtof.captures import read_capture
 
     phase, reference = read_capture(path)
     about = {"source": f"GHz-FMCW capture {path.name}", "protocol": "measured", "range_max": 1.0}

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from cmtof.baselines import Estimate, crt, kde, mrf, references, region, trivial, wraps_in_range
-from cmtof.baselines.beat import beat, beat_guided
-from cmtof.baselines.phasor import phasor
+from cmtof.classical import crt, kde, mrf, references, region, trivial
+from cmtof.classical.beat import beat, beat_guided
+from cmtof.classical.phasor import phasor
+from cmtof.estimate import Estimate, wraps_in_range
 from cmtof.measurement import Measurement, tiles
 from cmtof.surfaces import surfaces
 from cmtof.validation import expect

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
-from cmtof.scenes.frame import ray_lengths, rays_from_camera
+from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.validation import expect
 
 

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
+from cmtof.frame import Frame
 from cmtof.measurement import Measurement, unambiguous_range
-from cmtof.scenes.frame import Frame
 from cmtof.validation import check_frequencies, expect, numbers
 
 Protocol = Literal["released", "full"]

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from cmtof.baselines import within_range
 from cmtof.correlation import (
     TAU,
     consistent_wrap_count,
@@ -16,6 +15,7 @@ from cmtof.correlation import (
     wrap_count_from_depth,
     wrap_length,
 )
+from cmtof.estimate import within_range
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement, open_measurement, save_dataset, tiles
 from cmtof.methods import DEFAULT, find_method

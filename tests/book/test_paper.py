@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import scoreboard
-from cmtof.book import paper, provenance
+from cmtof_book import paper, provenance, scoreboard
 
 ROOT = Path(__file__).parents[2]
 NUMBERS = paper.published_numbers()

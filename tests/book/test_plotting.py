@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cmtof import __version__
-from cmtof.book import plotting, provenance
+from cmtof_book import plotting, provenance
 
 
 @pytest.fixture(autouse=True)

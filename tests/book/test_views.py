@@ -8,9 +8,9 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
-from cmtof.book import views
-from cmtof.book.provenance import OUTPUT_VARIABLE
 from cmtof.pointcloud import points_from_depth
+from cmtof_book import views
+from cmtof_book.provenance import OUTPUT_VARIABLE
 
 CAMERA = (100.0, 100.0, 40.0, 30.0)
 

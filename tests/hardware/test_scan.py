@@ -15,10 +15,10 @@ from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan, scan_scene
-from cmtof.instrument.optics import directions_from_angles
-from cmtof.instrument.settings import TwinSettings
-from cmtof.instrument.targets import MIRROR, Plane
 from cmtof.measurement import open_measurement
+from cmtof_lab.optics import directions_from_angles
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.targets import MIRROR, Plane
 
 RIG = replace(Rig.default(), phases=4, samples_per_phase=14)
 PLAN = planned(RIG, size=4)

@@ -18,8 +18,8 @@ from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentError, Ins
 from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
-from cmtof.instrument.targets import Plane
 from cmtof.unwrapping import unwrap_file
+from cmtof_lab.targets import Plane
 
 pytestmark = pytest.mark.slow
 # kills of a kind, processes, calls, side of a scan in px, bursts between faults

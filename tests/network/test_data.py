@@ -7,11 +7,11 @@ import torch
 import cmtof
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME
 from cmtof.correlation import TAU, centred, wrap_length
+from cmtof.frame import Source
 from cmtof.network import data
 from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED
 from cmtof.scenes import Frame
-from cmtof.scenes.frame import Source
 
 WRAP = float(wrap_length(FREQUENCIES[0]))
 

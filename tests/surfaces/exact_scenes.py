@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
+from cmtof.frame import Frame, rays_from_camera
 from cmtof.measurement import Measurement
-from cmtof.scenes.frame import Frame, rays_from_camera
 from cmtof.surfaces.field import CELL, Field, field_from_measurement
 
 SHAPE = (128, 160)

@@ -7,8 +7,8 @@ from exact_scenes import CAMERA, SHAPE, corner_scene, plane_depth, plane_frame
 import cmtof
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_count_from_depth
+from cmtof.frame import Frame
 from cmtof.measurement import Measurement
-from cmtof.scenes.frame import Frame
 from cmtof.simulation import simulate
 from cmtof.surfaces import stages
 

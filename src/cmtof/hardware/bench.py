@@ -17,9 +17,9 @@ from cmtof.hardware.plan import SETTLING, VOLTS_PER_RADIAN, Line, Plan, Record
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
 from cmtof.hardware.rig import DRIVERS, LINES, MIRRORS, DeviceSettings, Rig
 from cmtof.hardware.safety import EmergencyStop
-from cmtof.instrument.devices import simulated_devices
-from cmtof.instrument.optics import group_index
-from cmtof.instrument.world import World
+from cmtof_lab.devices import simulated_devices
+from cmtof_lab.optics import group_index
+from cmtof_lab.world import World
 
 LIGHT = ("laser", "shutter", "beam_block")  # low is safe: laser off, shutter shut, block in
 CHANNEL, VOLTS_RANGE = "AIN0", 10.0  # input of the detector, V

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.frame import rays_from_camera
 from cmtof.hardware.rig import MODES, Rig
-from cmtof.instrument.optics import group_index
-from cmtof.scenes.frame import rays_from_camera
+from cmtof_lab.optics import group_index
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ import serial
 
 from cmtof.hardware import device
 from cmtof.hardware.device import number, one_error, question
-from cmtof.instrument.devices import Status
+from cmtof_lab.devices import Status
 
 CODES = 65536  # of one turn of the drive
 

@@ -7,8 +7,8 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from cmtof.files import read_document
-from cmtof.instrument.settings import TwinSettings
 from cmtof.validation import checked, expect
+from cmtof_lab.settings import TwinSettings
 
 DRIVERS = {
     "rf_emission": ("rf-driver",),

@@ -23,9 +23,9 @@ from cmtof.hardware.journal import append, begun, journal_path, whole_lines
 from cmtof.hardware.plan import SWEEP, Line, Plan, planned
 from cmtof.hardware.reduction import calibrated, measurement_from_records
 from cmtof.hardware.rig import Rig
-from cmtof.instrument.settings import TwinSettings
 from cmtof.measurement import Measurement, open_measurement
 from cmtof.validation import expect
+from cmtof_lab.settings import TwinSettings
 
 
 def scan(
@@ -93,7 +93,7 @@ def scan_scene(
 
     Ranges are optical, ``n_g z`` with the attribute ``group_index``, as in every scan: divide what
     comes out of the measurement, its true ``depth`` included, to have metres along the ray. The
-    target is one of `cmtof.instrument.targets.scene_from`; ``size`` is height and width, px,
+    target is one of `cmtof_lab.targets.scene_from`; ``size`` is height and width, px,
     ``field_of_view`` the full optical angles across and down, rad.
 
     >>> wall = {"kind": "plane", "distance": 1.0}

@@ -14,12 +14,12 @@ from torch.utils.data import Dataset
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, wrap_length
+from cmtof.frame import Source
+from cmtof.hypersim import Hypersim
 from cmtof.measurement import unambiguous_range
 from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import Config
-from cmtof.scenes.frame import Source
-from cmtof.scenes.hypersim import Hypersim
 from cmtof.simulation import RELEASED_FAR_DEPTH
 from cmtof.validation import expect
 
@@ -190,7 +190,7 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
         depth, light = (np.stack(images) for images in zip(*crops, strict=True))
         return None, Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
     if tree is None:
-        from cmtof.scenes.rooms.rendering import Settings, render_rooms
+        from cmtof_rooms.rendering import Settings, render_rooms
 
         rooms = Settings(**config.rooms.model_dump())
         name = f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_{rooms.height}x{rooms.width}"

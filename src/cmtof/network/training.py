@@ -25,6 +25,8 @@ from cmtof import __version__
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
 from cmtof.files import written_whole
+from cmtof.frame import broken
+from cmtof.hypersim import Hypersim
 from cmtof.measurement import Measurement
 from cmtof.network import weights
 from cmtof.network.data import WRAP, Batch, Packs, Sample, Steps, batch_of, measure, open_rooms
@@ -32,8 +34,6 @@ from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.recipe import Config
-from cmtof.scenes.frame import broken
-from cmtof.scenes.hypersim import Hypersim
 from cmtof.validation import expect
 
 

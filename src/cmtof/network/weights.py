@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
-from cmtof.baselines import within_range, wraps_in_range
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_wraps, wrap_length
+from cmtof.estimate import within_range, wraps_in_range
 from cmtof.files import check_input, written_whole
 from cmtof.measurement import Measurement
 from cmtof.network.features import CLASSES, FULL_AMPLITUDE, features

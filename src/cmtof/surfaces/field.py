@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from cmtof.baselines import phase_noise
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
+from cmtof.estimate import phase_noise
 from cmtof.measurement import Measurement
 
 Array = NDArray[np.floating]

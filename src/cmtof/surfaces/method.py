@@ -14,10 +14,10 @@ from numba import njit
 from scipy.ndimage import distance_transform_edt, median, uniform_filter
 from scipy.special import ndtr
 
-from cmtof.baselines import Estimate, within_range
-from cmtof.baselines.beat import beat, synthetic_frequency
-from cmtof.baselines.region import nearest
+from cmtof.classical.beat import beat, synthetic_frequency
+from cmtof.classical.region import nearest
 from cmtof.correlation import TAU
+from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import placing
 from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask, field_from_measurement

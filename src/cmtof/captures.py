@@ -1,0 +1,58 @@
+"""Real captures of the all-optical 7.15 GHz prototype line, as published with GHz-FMCW.
+
+Pan et al., Opt. Express 32(16), 2024, published the phase maps (``phase/scene_*_phase.csv``, rad)
+of raster scans beside a reference depth (``depth/scene_*_depth.csv``, mm), not copied here. It is
+coarser than a wrap on the objects: no truth for them.
+"""
+
+import os
+import warnings
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmtof.frame import broken
+from cmtof.validation import expect
+
+
+def data_root() -> Path | None:
+    """Data folder by ``CMTOF_DATA``, else ``../shared/data`` or ``data`` of the checkout."""
+    checkout, named = Path(__file__).parents[2], os.environ.get("CMTOF_DATA")
+    places = [Path(named)] if named else [checkout.parent / "shared" / "data", checkout / "data"]
+    return next((place for place in places if (place / "captures").is_dir()), None)
+
+
+def published_captures() -> dict[str, Path]:
+    """Names and phase files of the captures on this machine; empty where there are none."""
+    root = data_root()
+    files = sorted(root.glob("captures/phase/scene_*_phase.csv")) if root else []
+    return {file.stem.removeprefix("scene_").removesuffix("_phase"): file for file in files}
+
+
+def read_capture(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Wrapped phase (H, W), rad, and the reference depth, m, or None where it has no file."""
+    path = Path(path).resolve()
+    phase, depth = _read_map(path), None
+    least, most = phase.min(), phase.max()
+    wrapped = least >= -1e-6 and most <= 2 * np.pi + 1e-6
+    got = f"{least:.4g} to {most:.4g} in {path}"
+    expect(wrapped, "wrapped phases from 0 to 2 pi rad", got, "Is it a depth map?")
+    other = path.parent.parent / "depth" / path.name.replace("_phase", "_depth")
+    if other.is_file():
+        depth, what = _read_map(other) / 1000, f"a reference depth of shape {phase.shape}"
+        got = f"{depth.shape} in {other}"
+        expect(depth.shape == phase.shape, what, got, "Take the one of the same scene.")
+    return phase, depth
+
+
+def _read_map(path: Path) -> NDArray[np.float64]:
+    """A rectangular table of finite numbers, (H, W)."""
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of no data: the error below names it
+            table = np.loadtxt(path, delimiter=",", ndmin=2)
+        if table.size == 0 or not np.isfinite(table).all():
+            raise ValueError("NaN or inf" if table.size else "none")
+    except ValueError as error:
+        raise broken("rows of finite numbers parted by commas", path, error) from error
+    return table

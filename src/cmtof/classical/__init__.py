@@ -1,0 +1,1 @@
+"""Classical unwrapping methods, a method a function: measurement in, `Estimate` out."""

@@ -1,0 +1,108 @@
+"""The Chinese remainder theorem and its robust forms, pixel by pixel.
+
+``z = n_1 L_1 + r_1 = n_2 L_2 + r_2`` with wraps L_i = c / 2 f_i and f_i = k_i g (g the greatest
+common divisor) gives ``n_1 k_2 - n_2 k_1 = (r_2 - r_1) / M``, M = L_1 / k_2 = L_2 / k_1. At 7.15
+and 14.32 GHz M/4 is 3.7 um: the noise of a remainder is a hundred times larger.
+"""
+
+from math import ceil, gcd
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from cmtof.correlation import TAU, depth_from_phase, depth_from_wraps, wrap_length
+from cmtof.estimate import Array, Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.measurement import Measurement
+from cmtof.validation import expect
+
+
+def crt(measurement: Measurement) -> Estimate:
+    """Range-limited search for the wrap with the smallest remainder, pixel by pixel."""
+    wraps, residual = nearest_wrap(measurement)
+    depth = depth_from_wraps(measurement.phase[0].astype(float), wraps, measurement.frequencies[0])
+    return Estimate(depth, _posterior(measurement, wraps, residual))
+
+
+def crt_ml(measurement: Measurement) -> Estimate:
+    """Maximum likelihood: wraps of `crt`, the depth fused from both phases."""
+    found = nearest_wrap(measurement)
+    return Estimate(fused_depth(measurement, *found), _posterior(measurement, *found))
+
+
+def crt_closed_form(measurement: Measurement) -> Estimate:
+    """Strict closed form: exact below its bound, arbitrary above.
+
+    ``n_1 = q k_2^{-1} mod k_1``, ``q = round((r_2 - r_1) / M)``: depths run over ``c / 2g``, 15 m.
+    """
+    low, high = (round(f) for f in measurement.frequencies[:2])
+    common = gcd(low, high)
+    k1, k2 = low // common, high // common
+    got, advice = f"{low} and {high} Hz with {common} Hz", "Round them to whole MHz."
+    expect(k1 * k2 <= 10**12, "frequencies with a large common divisor", got, advice)
+    lengths = wrap_length(measurement.frequencies[:2])[:, None, None]
+    first, second = measurement.phase[:2].astype(float) * lengths / TAU
+    unit = float(wrap_length(low)) / k2
+    with np.errstate(invalid="ignore"):
+        q = np.rint((second - first) / unit).astype(np.int64)
+    wraps = (q * pow(k2, -1, k1)) % k1 if k1 > 1 else np.zeros_like(q)
+    depth = depth_from_wraps(measurement.phase[0].astype(float), wraps, low)
+    noise = depth_from_phase(phase_noise(measurement), measurement.frequencies[:2, None, None])
+    spread = np.maximum(np.hypot(*noise), 1e-12)
+    off = (second - first) - q * unit
+    return Estimate(depth, ndtr((unit / 2 - off) / spread) - ndtr((-unit / 2 - off) / spread))
+
+
+def nearest_wrap(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Wraps in range whose depth best explains the higher phase, and the phase left over, rad.
+
+    From wrap to wrap the remainder moves by the fraction of ``f_2 / f_1``, so that each turn has
+    one best wrap: its zero, or the end of the range that lies nearest to it.
+    """
+    ratio = measurement.frequencies[1] / measurement.frequencies[0]
+    first, last = wraps_in_range(measurement)
+    phase = np.nan_to_num(measurement.phase[:2].astype(float)) / TAU
+    step = ratio - round(ratio)
+    start = phase[1] - ratio * phase[0] - step * first  # turns, at the first wrap
+    start -= np.rint(start)
+    wraps, best = np.zeros(start.shape, np.int64), np.full(start.shape, np.inf)
+    turns = ceil(abs(step) * (last - first)) + 1
+    for turn in range(-1, turns + 1):
+        zero = (start + np.sign(step) * turn) / (step or 1.0)
+        n = np.clip(np.rint(zero), 0, last - first).astype(np.int64)
+        left = start - step * n
+        left -= np.rint(left)
+        closer = np.abs(left) < np.abs(best)
+        wraps, best = np.where(closer, n, wraps), np.where(closer, left, best)
+    return wraps + first, TAU * best
+
+
+def fused_depth(measurement: Measurement, wraps: NDArray[np.integer], residual: Array) -> Array:
+    """Mean of both phases' depths (H, W), m, weighted by ``(f_i a_i)^2``, by `nearest_wrap`."""
+    low, high = measurement.frequencies[:2]
+    phase = np.nan_to_num(measurement.phase[0].astype(float))
+    amplitude = np.nan_to_num(measurement.amplitude[:2].astype(float), posinf=0)
+    weights = (amplitude * np.array([low, high])[:, None, None]) ** 2
+    share = weights[1] / np.maximum(weights.sum(axis=0), np.finfo(float).tiny)
+    depth = depth_from_wraps(phase, wraps, low) + share * depth_from_phase(residual, high)
+    return within_range(depth, measurement)
+
+
+def _posterior(measurement: Measurement, wraps: NDArray[np.int64], residual: Array) -> Array:
+    """Share of the chosen wrap in the likelihood of all in range, whose sum is an integral."""
+    low, high = measurement.frequencies[:2]
+    first, last = wraps_in_range(measurement)
+    ratio, count = high / low, last - first + 1
+    step = ratio - round(ratio)
+    noise = phase_noise(measurement)
+    # infinite where nothing was measured: there every wrap is as likely
+    spread = np.clip(np.hypot(noise[1], ratio * noise[0]), 1e-9, 1e9)
+    gap = TAU * max(abs(step), 1e-12)
+    size = residual * np.sign(step)
+    upper = np.minimum(np.pi, (wraps - first + 0.5) * gap + size)
+    lower = np.maximum(-np.pi, size - (last - wraps + 0.5) * gap)
+    mass = ndtr(upper / spread) - ndtr(lower / spread)
+    # beyond the cap the mass has vanished and the chosen wrap stands alone
+    lift = np.exp(np.minimum((residual / spread) ** 2 / 2, 600))
+    total = count / min(count * gap, TAU) * np.sqrt(TAU) * spread * mass * lift
+    return 1 / np.maximum(total, 1.0)

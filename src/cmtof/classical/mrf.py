@@ -1,0 +1,256 @@
+"""A random field over wraps: the beat for each pixel, the steps of the phase between neighbours.
+
+Wraps n minimise ``E(n) = sum_p U_p(n_p) + sum_pq min(jump |n_q - n_p - d_pq|, most)``.
+
+The unary cost ``U_p(n) = kappa_p (1 - cos r_p(n))`` is the von Mises law of the beat, r the
+remainder that n leaves of it and ``1 / kappa = (s_2 / a_2)^2 + (k s_1 / a_1)^2`` from noise s and
+amplitudes a. ``d_pq = round((phi_p - phi_q) / 2 pi)`` lets the wraps follow the phase across its
+jumps, so that a smooth surface costs nothing up to half a wrap per pixel.
+
+`mrf` lowers the energy along eight directions (Hirschmüller 2008), `mrf_graphcut` by moves of all
+pixels at once, each a minimum cut (Bioucas-Dias and Valadão 2007, there by one wrap).
+"""
+
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, uniform_filter
+
+from cmtof.classical.beat import synthetic_frequency
+from cmtof.correlation import TAU, depth_from_wraps, wrapped
+from cmtof.estimate import Array, Complex, Estimate, within_range, wraps_in_range
+from cmtof.measurement import Measurement
+
+# the best of 13 settings on six views of validation rooms:
+JUMP, MOST = 0.03, 0.1  # cost of a step by one wrap that the phase does not show; of the largest
+RADIUS = 2  # half side, px, of the square over which phasors are summed, turned by the slope
+POOLING = 6.0  # standard deviation, px, of the Gaussian over which the beat is averaged
+MOVES = (4, -4, 2, -2, 1, -1) * 2  # of the graph cuts, wraps
+_TEMPERATURE = 0.08  # of the softmax: on the same views its mean is 0.36, where 33 % are right
+_SHARPEST = 1e4  # largest kappa: a beat known to 0.01 rad needs no more weight
+
+
+class Field(NamedTuple):
+    """The random field of a measurement."""
+
+    phase: NDArray[np.float32]  # smoothed, (H, W), rad; the labels belong to it
+    beat: NDArray[np.float32]  # (H, W, 2), kappa (cos, sin) of what label 0 leaves of the beat
+    angles: NDArray[np.float64]  # (N,), of the beat at each label, rad
+    first: int  # wrap of label 0
+
+    def unary(self, labels: NDArray[np.integer]) -> Array:
+        """Cost (H, W) of labels (H, W) but for a constant."""
+        cosine, sine = (f(self.angles).astype(np.float32)[labels] for f in (np.cos, np.sin))
+        return -(self.beat[..., 0] * cosine + self.beat[..., 1] * sine)
+
+    def depth(self, labels: NDArray[np.integer], measurement: Measurement) -> Array:
+        """Depth (H, W), m, of labels (H, W)."""
+        phase, frequency = self.phase.astype(float), measurement.frequencies[0]
+        return within_range(depth_from_wraps(phase, labels + self.first, frequency), measurement)
+
+
+def mrf(measurement: Measurement) -> Estimate:
+    """Wraps of least cost summed over eight paths, each a chain from pixel to pixel."""
+    field = wrap_field(measurement)
+    labels, odds = semi_global_labels(field)
+    return Estimate(field.depth(labels, measurement), odds)
+
+
+def mrf_graphcut(measurement: Measurement) -> Estimate:
+    """Graph cuts with a convex prior on jumps between neighbours, from where `mrf` ends.
+
+    The prior is ``JUMP |n_q - n_p - d_pq|``. The confidence is that of `mrf`, inverted where the
+    cuts disagree with it.
+    """
+    field = wrap_field(measurement)
+    start, odds = semi_global_labels(field)
+    labels = lowered(field, start)
+    changed = np.where(labels == start, odds, np.minimum(odds, 1 - odds))
+    return Estimate(field.depth(labels, measurement), changed)
+
+
+def wrap_field(measurement: Measurement) -> Field:
+    """Smoothed phases and beat of a measurement, weighted by their noise."""
+    low, high = measurement.frequencies[:2]
+    synthetic = synthetic_frequency(low, high)
+    phase, amplitude = measurement.phase[:2].astype(float), measurement.amplitude[:2].astype(float)
+    known = (np.isfinite(phase) & np.isfinite(amplitude)).all(axis=0)
+    phasors = np.where(known, amplitude, 0) * np.exp(1j * np.where(known, phase, 0))
+    slope = _slope(phasors[0])
+    smooth = _coherent_mean(phasors, slope, high / low, RADIUS)
+    noise = _noise(phasors, _coherent_mean(phasors, slope, high / low, 1))
+    mean_phase = wrapped(np.angle(smooth[0]))
+    beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * mean_phase)
+    # neighbours share what smoothing gained, so each gets the variance of a single pixel
+    size = np.abs(smooth)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        variance = (synthetic.multiple * noise[0] / size[0]) ** 2 + (noise[1] / size[1]) ** 2
+    kappa = np.where((size > 0).all(axis=0), 1 / np.maximum(variance, 1 / _SHARPEST), 0)
+    first, last = wraps_in_range(measurement)
+    share = synthetic.frequency / low
+    turned = _pooled(kappa, beat, share * slope)
+    turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
+    kept = np.stack([turned.real, turned.imag], axis=-1).astype(np.float32)
+    angles = TAU * share * np.arange(last - first + 1)
+    return Field(mean_phase.astype(np.float32), kept, angles, first)
+
+
+def _slope(phasor: Complex) -> Array:
+    """Slope (2, H, W) down and right, rad/px: angle of the summed products of neighbours."""
+    slopes = []
+    for axis in (0, 1):
+        ahead = np.roll(phasor, -1, axis) * np.conj(phasor)
+        ahead[(slice(None),) * axis + (-1,)] = 0  # the last pixel has no neighbour ahead
+        slopes.append(np.angle(uniform_filter(ahead + np.roll(ahead, 1, axis), 2 * RADIUS + 1)))
+    return np.stack(slopes)
+
+
+def _pooled(kappa: Array, beat: Array, slope: Array) -> Complex:
+    """Gaussian mean of ``kappa exp(i beat)``, moved by the slope from the centre of its weights."""
+    mean = partial(gaussian_filter, sigma=POOLING, mode="constant")
+    total = np.maximum(mean(kappa), np.finfo(float).tiny)
+    place = np.indices(kappa.shape, sparse=True)
+    off = sum(s * (mean(kappa * at) / total - at) for s, at in zip(slope, place, strict=True))
+    phasor = mean(kappa * np.cos(beat)) + 1j * mean(kappa * np.sin(beat))
+    return phasor * np.exp(-1j * off)
+
+
+def _noise(phasors: Complex, means: Complex) -> Array:
+    """Noise of two phasors across their direction, counts, from what averaging took off."""
+    across = np.abs((phasors * np.exp(-1j * np.angle(means))).imag)
+    known = (phasors != 0).all(axis=0)
+    return 1.4826 * np.median(across[:, known], axis=1) if known.any() else np.zeros(2)
+
+
+def _coherent_mean(phasors: Complex, slope: Array, ratio: float, radius: int) -> Complex:
+    """Mean of phasors (2, H, W) over a square, turned back by the slope, ``ratio`` times it."""
+    down, right = np.exp(-1j * np.array([1.0, ratio])[:, None, None] * slope[:, None])
+    height, width = slope.shape[1:]
+    beyond, side = np.pad(phasors, [(0, 0)] + [(radius, radius)] * 2), 2 * radius + 1
+    total = np.zeros_like(phasors)
+    for v, u in np.ndindex(side, side):
+        turn = down ** (v - radius) * right ** (u - radius)
+        total += beyond[:, v : v + height, u : u + width] * turn
+    return total / side**2
+
+
+def semi_global_labels(field: Field) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+    """Labels (H, W) of least cost summed over eight paths, and their softmax; see `mrf`."""
+    cosine, sine = (f(field.angles).astype(np.float32) for f in (np.cos, np.sin))
+    total = np.zeros((*field.phase.shape, cosine.size), np.float32)
+    for down, right in ((1, 1), (1, 0), (1, -1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1)):
+        _add_path(field.beat, field.phase, cosine, sine, down, right, total)
+    labels, odds = np.empty(field.phase.shape, np.intp), np.empty_like(field.phase)
+    for y, beat in enumerate(field.beat):
+        # each path counts the pixel's own cost, which counts once
+        cost = total[y] + 7 * (beat[:, :1] * cosine + beat[:, 1:] * sine)
+        labels[y] = cost.argmin(axis=1)
+        odds[y] = 1 / np.exp((cost.min(axis=1, keepdims=True) - cost) / _TEMPERATURE).sum(axis=1)
+    return labels, odds
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=True)
+def _add_path(beat, phase, cosine, sine, down, right, total):  # pragma: no cover - compiled
+    """Costs of the paths from (y - down, x - right) to each pixel, added to total (H, W, N)."""
+    height, width, labels = total.shape
+    costs = np.empty((2, width, labels), np.float32)  # of this row and the one before
+    wide, spare = np.empty((2, labels + 2), np.float32)
+    for j in range(height):
+        y = j if down >= 0 else height - 1 - j
+        for i in range(width):
+            x = i if right >= 0 else width - 1 - i
+            v, u, here = y - down, x - right, costs[y % 2, x]
+            here[:] = -(beat[y, x, 0] * cosine + beat[y, x, 1] * sine)
+            if 0 <= v < height and 0 <= u < width:
+                # labels rise where the phase falls by a wrap
+                rise = int(np.rint((phase[v, u] - phase[y, x]) / np.float32(2 * np.pi)))
+                here += _cheapest(costs[v % 2, u], wide, spare)[1 - rise : 1 - rise + labels]
+            total[y, x] += here
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=True)
+def _cheapest(before, wide, spare):  # pragma: no cover - compiled
+    """Min over m of ``before(m) - least + min(JUMP |n - m|, MOST)``, a label more at each end."""
+    wide[0] = wide[-1] = MOST
+    wide[1:-1] = np.minimum(before - before.min(), np.float32(MOST))
+    for reach in (1, 2):  # cones of 1 and 2 steps make up one of 3; 4 cost more than MOST
+        rise = np.float32(reach * JUMP)
+        spare[:] = wide
+        spare[reach:] = np.minimum(spare[reach:], wide[:-reach] + rise)
+        spare[:-reach] = np.minimum(spare[:-reach], wide[reach:] + rise)
+        wide, spare = spare, wide
+    return wide
+
+
+def lowered(field: Field, labels: NDArray[np.integer]) -> NDArray[np.integer]:
+    """Labels (H, W) after those of `MOVES` that lower the energy; rounding may propose others."""
+    for step in MOVES:
+        moved = labels + step * best_move(field, labels, step)
+        labels = min(labels, moved, key=partial(energy, field))
+    return labels
+
+
+def energy(field: Field, labels: NDArray[np.integer]) -> float:
+    """E of labels (H, W) with the convex prior."""
+    pairs = sum(np.abs(_steps(field, labels, axis)).sum() for axis in (0, 1))
+    return float(field.unary(labels).sum(dtype=float) + JUMP * pairs)
+
+
+def best_move(field: Field, labels: NDArray[np.integer], step: int) -> NDArray[np.bool_]:
+    """Pixels (H, W) whose move by ``step`` wraps, all at once, lowers the energy most.
+
+    A pair's costs ``A, B, C, A`` for the choices 00, 01, 10, 11 are ``A + (C - A) (x_p - x_q)
+    + (B + C - 2 A) (1 - x_p) x_q``, and a convex prior keeps the last factor >= 0.
+    """
+    target = labels + step
+    inside = (target >= 0) & (target < field.angles.size)
+    gain = field.unary(np.where(inside, target, labels)) - field.unary(labels)
+    excess, capacities = np.where(inside, gain, np.inf).astype(float), []
+    for axis in (1, 0):
+        now = _steps(field, labels, axis)
+        # x_p = 0, x_q = 1 raises the difference, x_p = 1, x_q = 0 lowers it
+        same, ahead, back = (JUMP * np.abs(now + move) for move in (0, step, -step))
+        first, second = ((slice(None),) * axis + (part,) for part in (np.s_[:-1], np.s_[1:]))
+        excess[first] += back - same
+        excess[second] += same - back
+        capacities.append(ahead + back - 2 * same)
+    return minimum_cut(excess, *capacities)
+
+
+def _steps(field: Field, labels: NDArray[np.integer], axis: int) -> NDArray[np.int64]:
+    """Steps between neighbouring labels beyond those of the phase, ``n_q - n_p - d_pq``."""
+    told = -np.rint(np.diff(field.phase, axis=axis) / TAU).astype(np.int64)
+    return np.diff(labels.astype(np.int64), axis=axis) - told
+
+
+def minimum_cut(excess: Array, right: Array, down: Array) -> NDArray[np.bool_]:
+    """Binary x (H, W) of least ``sum e_p x_p + sum c_pq (1 - x_p) x_q`` on a grid, c >= 0.
+
+    c leads to the pixel ``right`` of p (H, W - 1) or ``down`` from it (H - 1, W); an infinite
+    excess e forbids x = 1. Costs are rounded to 2^-26 of the largest.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+
+    index = np.arange(excess.size).reshape(excess.shape)
+    source, sink = np.full_like(index, excess.size), np.full_like(index, excess.size + 1)
+    # x = 0 on the side of the sink: edges that lead there are cut for x = 1 before them
+    edges = (
+        (source, index, np.maximum(-excess, 0)),
+        (index, sink, np.maximum(excess, 0)),
+        (index[:, 1:], index[:, :-1], right),
+        (index[1:], index[:-1], down),
+    )
+    start, end, cost = (np.concatenate([e[i].ravel() for e in edges]) for i in range(3))
+    scale = 2.0**26 / max(float(cost[np.isfinite(cost)].max(initial=0)), 1e-30)
+    capacity = np.rint(np.minimum(cost * scale, 2.0**28)).astype(np.int32)
+    graph = csr_array((capacity, (start, end)), shape=(excess.size + 2,) * 2)
+    left = csr_array(graph - maximum_flow(graph, excess.size, excess.size + 1).flow)
+    left.data[left.data < 0] = 0
+    left.eliminate_zeros()
+    reached = np.zeros(excess.size + 2, bool)
+    reached[breadth_first_order(left, excess.size, return_predecessors=False)] = True
+    return reached[: excess.size].reshape(excess.shape)

@@ -1,0 +1,70 @@
+"""Two close frequencies and a look-up of their phases (Gupta et al. 2015), pixel by pixel.
+
+Light that took detours vanishes at high frequencies, so both are high, and their beat is low. The
+look-up finds the depth in range whose phasors match the measured ones best, weighted by amplitudes:
+
+    F(z) = a_1 cos(phi_1(z) - phi_1) + a_2 cos(phi_2(z) - phi_2)
+
+F has one peak for each wrap, the higher the less it misses the beat. So two stages replace a table
+of tens of thousands of entries: the beat selects a few wraps, both phases give the depth of each.
+"""
+
+import numpy as np
+
+from cmtof.bounds import wrap_probability
+from cmtof.classical.beat import beat_depth
+from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
+from cmtof.estimate import Array, Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.measurement import Measurement
+from cmtof.validation import expect
+
+
+def phasor(measurement: Measurement) -> Estimate:
+    """Depth in range whose pair of phasors is the nearest to the measured pair.
+
+    The confidence is the odds that noise leaves the beat within half a wrap. ValueError if the beat
+    repeats within the range.
+    """
+    low, high = (float(f) for f in measurement.frequencies[:2])
+    covered, extent = float(wrap_length(high - low)), measurement.range[1] - measurement.range[0]
+    what = f"two close frequencies whose beat covers the range of {extent:.3f} m"
+    got = f"{low:g} and {high:g} Hz, which cover {covered:.3f} m"
+    advice = "Measure others, for instance simulate with --frequencies 7.15e9,7.16e9."
+    expect(round(high / low) == 1 and covered >= extent * (1 - 1e-9), what, got, advice)
+    noise = phase_noise(measurement)
+    known = np.isfinite(noise).all(axis=0)
+    phase = np.where(known, measurement.phase[:2].astype(float), 0)
+    amplitude = np.where(known, measurement.amplitude[:2].astype(float), 0)
+    first, last = wraps_in_range(measurement)
+    coarse = beat_depth(phase[1] - phase[0], measurement)
+    middle = np.rint((phase_from_depth(coarse, low) - phase[0]) / TAU)
+    # at the ends of the range a peak may be cut, as high as an inner one of less misfit
+    wraps = [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
+    best = np.full(measurement.shape, np.mean(measurement.range))
+    height = np.where(known, -np.inf, np.inf)  # a pixel without signal stays in the middle
+    for n in wraps:
+        depth = within_range(_peak(phase, amplitude, n, low, high), measurement)
+        found = match(phase, amplitude, depth, (low, high))
+        best, height = np.where(found > height, depth, best), np.maximum(found, height)
+    bounded = np.clip(noise, 1e-9, 1e9)
+    odds = wrap_probability(bounded[0], bounded[1], frequencies=(low, high))
+    return Estimate(best, np.maximum(odds, 1 / (last - first + 1)))
+
+
+def match(phase: Array, amplitude: Array, depth: Array, frequencies: tuple[float, float]) -> Array:
+    """F at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
+    pairs = zip(amplitude, frequencies, phase, strict=True)
+    return sum(a * np.cos(phase_from_depth(depth, f) - p) for a, f, p in pairs)
+
+
+def _peak(phase: Array, amplitude: Array, wraps: Array | int, low: float, high: float) -> Array:
+    """Depth (H, W), m, of the peak of F at a wrap: the sum of both phasors and one Newton step."""
+    depth = depth_from_phase(phase[0] + TAU * np.asarray(wraps), low)
+    apart = phase[1] - phase_from_depth(depth, high)
+    total = amplitude[0] + amplitude[1] * np.exp(1j * apart)
+    depth = depth + depth_from_phase(np.angle(total), low)
+    off = [phase_from_depth(depth, f) - p for f, p in zip((low, high), phase, strict=True)]
+    slope = -amplitude[0] * low * np.sin(off[0]) - amplitude[1] * high * np.sin(off[1])
+    bend = amplitude[0] * low**2 * np.cos(off[0]) + amplitude[1] * high**2 * np.cos(off[1])
+    step = np.where(bend > 0, slope / np.where(bend > 0, bend, 1), 0) * low
+    return depth + depth_from_phase(np.clip(step, -0.1, 0.1), low)

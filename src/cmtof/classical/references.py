@@ -1,0 +1,137 @@
+"""References that know a part of the truth, and the accuracy that this allows.
+
+`reference_depth` reads the true depth against the measured phase. The others know the shape of
+every true surface but not its place: phasors demodulated by the true depth, ``a_i exp(i (phi_i -
+4 pi f_i z / c))``, are summed over it; the lower sum gives the offset within a wrap, the beat of
+both the whole wraps. They are no bounds: neighbours could place small and dark surfaces.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import find_objects, label, uniform_filter
+
+from cmtof.bounds import wrap_probability
+from cmtof.classical.beat import synthetic_frequency
+from cmtof.classical.region import Pooled, components, mean_over, pool, whole_wraps
+from cmtof.correlation import (
+    consistent_wrap_count,
+    depth_from_phase,
+    depth_from_wraps,
+    phase_from_depth,
+)
+from cmtof.estimate import Array, Complex, Estimate, within_range
+from cmtof.hardness import BEND, bends
+from cmtof.measurement import Measurement
+
+SIDE = 281  # receptive field of the paper's network as built here, px
+
+
+def reference_depth(measurement: Measurement) -> Estimate:
+    """The measured phase with the wraps that bring it nearest to the true depth.
+
+    By the paper's count 9 % of them are wrong: noise carries phases across the boundary of a wrap.
+    """
+    frequency, phase = measurement.frequencies[0], measurement.phase[0].astype(float)
+    truth = _truth(measurement)
+    known = np.isfinite(truth)
+    wraps = consistent_wrap_count(np.where(known, truth, 0), np.nan_to_num(phase), frequency)
+    depth = np.where(known, depth_from_wraps(phase, wraps, frequency), sum(measurement.range) / 2)
+    return Estimate(within_range(depth, measurement), known.astype(float))
+
+
+def reference_offset(measurement: Measurement) -> Estimate:
+    """True surfaces, one unknown offset each, found by the beat of the summed phasors."""
+    return _pooled(measurement, surfaces(_truth(measurement)))
+
+
+def reference_contact(measurement: Measurement) -> Estimate:
+    """True bodies, across creases, one unknown offset each, found by the beat of their phasors."""
+    return _pooled(measurement, bodies(_truth(measurement)))
+
+
+def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
+    """True surfaces, of which each pixel pools what lies within a square of odd ``side``, px."""
+    return _pooled(measurement, surfaces(_truth(measurement)), side=side)
+
+
+def surfaces(depth: Array) -> NDArray[np.intp]:
+    """Number of each pixel's surface (H, W): those connected between `bends`, or one that bends."""
+    boundary, numbers = bends(depth), np.zeros(depth.shape, np.intp)
+    label(~boundary, output=numbers)
+    numbers[boundary] = numbers.max() + 1 + np.arange(np.count_nonzero(boundary))
+    return numbers - 1
+
+
+def bodies(depth: Array) -> NDArray[np.intp]:
+    """Number of each pixel's body (H, W): components of pixels without a jump between them.
+
+    No jump is a step within 4 mm of none, or of the step before or behind it, as across a crease.
+    """
+    links = []
+    for axis in (0, 1):
+        steps = np.moveaxis(np.diff(depth, axis=axis), axis, 0)
+        least, bend = abs(steps), abs(np.diff(steps, axis=0))
+        for side in (np.s_[1:], np.s_[:-1]):
+            least[side] = np.fmin(least[side], bend)
+        links.append(np.moveaxis(least <= BEND, 0, axis))
+    return components(*links)
+
+
+def _truth(measurement: Measurement) -> Array:
+    assert measurement.depth is not None  # `Method` has made sure
+    return measurement.depth.astype(float)
+
+
+def _demodulated(measurement: Measurement) -> Complex:
+    """Phasors (2, H, W) turned back by the true depth; zero where not finite."""
+    shape = np.nan_to_num(_truth(measurement))
+    turned = phase_from_depth(shape, measurement.frequencies[:2, None, None])
+    with np.errstate(invalid="ignore"):
+        phasors = measurement.amplitude[:2] * np.exp(1j * (measurement.phase[:2] - turned))
+    return np.where(np.isfinite(phasors), phasors, 0)
+
+
+def _pooled(measurement: Measurement, surface: NDArray[np.intp], side: int = 0) -> Estimate:
+    """Estimate of true shapes where phasors summed over surfaces place them."""
+    truth, phasors = _truth(measurement), _demodulated(measurement)
+    known, shape = np.isfinite(truth), np.nan_to_num(truth)
+    if side:
+        (first, second), middle = (_pool_within(p, surface, side) for p in phasors), shape
+    else:
+        first, second = (Pooled(*(one[surface] for one in pool(p, surface))) for p in phasors)
+        middle = mean_over(shape, surface, known & measurement.mask)[surface]
+    low, high = (float(f) for f in measurement.frequencies[:2])
+    synthetic = synthetic_frequency(low, high)
+    beat = synthetic.sign * (second.phase - synthetic.multiple * first.phase)
+    offset = whole_wraps(beat, middle, measurement, depth_from_phase(first.phase, low))
+    odds = np.asarray(wrap_probability(first.spread, second.spread, frequencies=(low, high)))
+    depth = np.where(known, shape + offset, sum(measurement.range) / 2)
+    return Estimate(within_range(depth, measurement), np.where(known, odds, 0))
+
+
+def _pool_within(phasors: Complex, surface: NDArray[np.intp], side: int) -> Pooled:
+    """Sum of phasors (H, W) over each pixel's surface within a square: angles, spreads (H, W)."""
+    phase, spread = np.angle(phasors), np.full(phasors.shape, np.inf)
+    for place, inside in _pieces(surface):
+        ours = np.where(inside, phasors[place], 0)
+        images = inside.astype(float), ours, np.abs(ours) ** 2
+        share, mean, power = (uniform_filter(image, side, mode="constant") for image in images)
+        share = np.maximum(share, 0.5 / side**2)
+        mean, scatter = mean / share, np.maximum(power / share - np.abs(mean / share) ** 2, 0)
+        count, length = np.maximum(share * side**2, 1), np.abs(mean)
+        known = inside & (count > 1.5) & (length > 0)
+        noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1))) / np.where(known, length, 1)
+        phase[place][inside] = np.angle(mean)[inside]
+        spread[place][known] = noise[known]
+    return Pooled(phase, spread)
+
+
+def _pieces(surface: NDArray[np.intp]) -> Iterator[tuple[Any, NDArray[np.bool_]]]:
+    """Bounding box of each surface of two pixels and more, and which pixels in it are its own."""
+    size = np.bincount(surface.ravel())
+    number = np.where(size > 1, np.cumsum(size > 1), 0)[surface]  # single pixels need no box
+    for k, place in enumerate(find_objects(number), start=1):
+        yield place, number[place] == k

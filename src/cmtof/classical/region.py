@@ -1,0 +1,142 @@
+"""Spatial unwrapping of one frequency, alone and cut into regions with one pooled beat each.
+
+Unwrapped over the image, one frequency gives the shape of each surface but for whole wraps; pooled
+over a region, the beat gives those. It fails where regions leak: a depth jump that is small modulo
+one wrap leaves no mark in the phase, two surfaces share an offset, and one of them is wrong.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from cmtof.bounds import wrap_probability
+from cmtof.classical.beat import beat_depth, beat_phasor, guides, synthetic_frequency
+from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
+from cmtof.estimate import Array, Complex, Estimate, within_range
+from cmtof.measurement import Measurement
+
+STEP, EDGE = 1.0, 0.1
+"""Steps between neighbours that cut: of the unwrapped phase, rad, and of the smoothed logarithm of
+amplitude; the best of two and three values on eight views of validation rooms."""
+_COHERENCE = 0.1  # of the local slope, below which a pixel belongs to no region
+_SMALLEST = 100  # px, below which a region takes the depth of a larger one beside it
+
+
+class Pooled(NamedTuple):
+    """Angles of summed phasors and their deviation, rad; infinite for a single pixel."""
+
+    phase: Array
+    spread: Array
+
+
+def spatial(measurement: Measurement) -> Estimate:
+    """Reliability-sorted unwrapping of the lowest frequency's phase.
+
+    One frequency leaves the absolute wrap open: whole wraps move the median of the image next to
+    mid-range, and the confidence is that of a guess. Jumps of more than half a wrap are lost.
+    """
+    frequency = measurement.frequencies[0]
+    low, high = measurement.range
+    relative = relative_phase(measurement)
+    inside = relative[measurement.mask] if measurement.mask.any() else relative
+    offset = np.rint((phase_from_depth((low + high) / 2, frequency) - np.median(inside)) / TAU)
+    depth = within_range(depth_from_phase(relative + TAU * offset, frequency), measurement)
+    guess = min(1.0, float(wrap_length(frequency)) / (high - low))
+    return Estimate(depth, np.full(measurement.shape, guess))
+
+
+def region(measurement: Measurement) -> Estimate:
+    """Regions of the spatially unwrapped phase, one pooled beat each.
+
+    Regions end where the unwrapped phase or the amplitude steps. The angle of the summed phasors of
+    the beat, demodulated by the relative depth, gives the whole wraps of each.
+    """
+    low, high = (float(f) for f in measurement.frequencies[:2])
+    synthetic, mask = synthetic_frequency(low, high), measurement.mask
+    phase = relative_phase(measurement)
+    bright, coherent = guides(measurement)[:2]
+    inside = mask & (coherent >= _COHERENCE)
+    links = []
+    for axis in (0, 1):
+        gentle = abs(np.diff(phase, axis=axis)) <= STEP
+        gentle &= abs(np.diff(bright, axis=axis)) <= EDGE
+        links.append(gentle & np.delete(inside, -1, axis) & np.delete(inside, 0, axis))
+    number = components(*links)
+    shape = depth_from_phase(phase, low)
+    beat = beat_phasor(measurement) * np.exp(-1j * phase_from_depth(shape, synthetic.frequency))
+    pooled = pool(np.where(mask, beat, 0), number)
+    offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
+    odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=(low, high)))
+    near = nearest(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
+    depth, confidence = (shape + offset[number])[near], odds[number][near]
+    return Estimate(within_range(depth, measurement), np.where(mask, confidence, 0))
+
+
+def relative_phase(measurement: Measurement) -> Array:
+    """Phase (H, W) of the lowest frequency without wraps inside the mask, rad, up to 2 pi m."""
+    from skimage.restoration import unwrap_phase
+
+    mask = measurement.mask
+    phase = np.where(mask, np.nan_to_num(measurement.phase[0]), 0.0).astype(float)
+    if 1 in mask.shape or not mask.any():  # scikit-image unwraps no lines
+        phase[mask] = np.unwrap(phase[mask])
+        return phase
+    return np.asarray(np.ma.filled(unwrap_phase(np.ma.masked_array(phase, ~mask), rng=0), 0.0))
+
+
+def components(down: NDArray[np.bool_], across: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Number of each pixel's component (H, W) from links to the next row and the next column."""
+    shape = (across.shape[0], down.shape[1])
+    index = np.arange(shape[0] * shape[1]).reshape(shape)
+    rows = np.concatenate([index[:-1][down], index[:, :-1][across]])
+    columns = np.concatenate([index[1:][down], index[:, 1:][across]])
+    graph = coo_array((np.ones(rows.size, bool), (rows, columns)), shape=(index.size, index.size))
+    return connected_components(graph, directed=False)[1].reshape(shape).astype(np.intp)
+
+
+def pool(phasors: Complex, number: NDArray[np.intp]) -> Pooled:
+    """Sum of demodulated phasors (H, W) over each region; the noise is what lies across the sum."""
+    size = np.bincount(number.ravel())
+    total = sum_over(phasors.real, number) + 1j * sum_over(phasors.imag, number)
+    phase, length = np.angle(total), np.abs(total)
+    across = np.imag(phasors * np.exp(-1j * phase[number]))
+    known = (size > 1) & (length > 0)
+    # one direction was fitted, so that one degree of freedom is lost
+    power = sum_over(across**2, number) * size / np.maximum(size - 1, 1)
+    return Pooled(phase, np.where(known, np.sqrt(power) / np.where(known, length, 1), np.inf))
+
+
+def whole_wraps(
+    beat: Array, middle: Array, measurement: Measurement, fraction: Array | float = 0.0
+) -> Array:
+    """Offset of each region (S,), m, nearest to its demodulated beat's: whole wraps and a fraction.
+
+    The ``middle`` depth, m, is in range with its offset.
+    """
+    low, high = measurement.frequencies[:2]
+    turned = phase_from_depth(middle, synthetic_frequency(low, high).frequency)
+    coarse = beat_depth(beat + turned, measurement) - middle
+    length = wrap_length(low)
+    return fraction + length * np.rint((coarse - fraction) / length)
+
+
+def sum_over(values: NDArray, number: NDArray[np.intp]) -> NDArray:
+    """Sum of real values (H, W) over each region (S,)."""
+    return np.bincount(number.ravel(), values.ravel())
+
+
+def mean_over(values: NDArray, number: NDArray[np.intp], counted: NDArray[np.bool_]) -> Array:
+    """Mean of the counted values (H, W) over each region (S,); zero where none counts."""
+    size = sum_over(counted.astype(float), number)
+    return sum_over(np.where(counted, values, 0), number) / np.maximum(size, 1)
+
+
+def nearest(wanted: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Row and column (H, W) of the wanted pixel nearest to each; its own if none is wanted."""
+    if not wanted.any():
+        return tuple(np.indices(wanted.shape))
+    return tuple(distance_transform_edt(~wanted, return_distances=False, return_indices=True))

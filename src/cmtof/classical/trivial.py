@@ -1,0 +1,40 @@
+"""Trivial answers, to compare methods with."""
+
+import numpy as np
+
+from cmtof.correlation import wrap_count_from_depth, wrap_length
+from cmtof.estimate import Estimate, within_range, wraps_in_range
+from cmtof.measurement import Measurement
+
+
+def middle(measurement: Measurement) -> Estimate:
+    """The middle of the range for every pixel, whatever was measured."""
+    depth = np.full(measurement.shape, sum(measurement.range) / 2)
+    return Estimate(depth, np.full(measurement.shape, _guess(measurement)))
+
+
+def uniform(measurement: Measurement, *, seed: int = 0) -> Estimate:
+    """A random depth in range, all equally likely; drawn from (seed, frame number)."""
+    frame = int(measurement.dataset.attrs.get("frame_number", 0))
+    depth = np.random.default_rng([seed, frame]).uniform(*measurement.range, measurement.shape)
+    return Estimate(depth, np.full(measurement.shape, _guess(measurement)))
+
+
+def mode(measurement: Measurement) -> Estimate:
+    """The image's most frequent true wrap for every pixel, with its share as the confidence."""
+    frequency, truth = measurement.frequencies[0], measurement.depth
+    assert truth is not None  # `Method` has made sure
+    known = truth[measurement.mask & np.isfinite(truth)].astype(float)
+    if not known.size:
+        return middle(measurement)
+    wraps, counts = np.unique(wrap_count_from_depth(known, frequency), return_counts=True)
+    most = counts.argmax()
+    depth = np.full(measurement.shape, (wraps[most] + 0.5) * wrap_length(frequency))
+    share = np.full(measurement.shape, counts[most] / counts.sum())
+    return Estimate(within_range(depth, measurement), share)
+
+
+def _guess(measurement: Measurement) -> float:
+    """Odds of a guess among the wraps in range."""
+    first, last = wraps_in_range(measurement)
+    return 1 / (last - first + 1)

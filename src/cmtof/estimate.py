@@ -1,0 +1,57 @@
+"""What every unwrapping method returns, and what all of them ask of a measurement."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmtof.correlation import residual_noise, wrap_length
+from cmtof.measurement import Measurement
+
+Array = NDArray[np.floating]
+Complex = NDArray[np.complexfloating]
+
+
+class Estimate(NamedTuple):
+    """The answer of a method."""
+
+    depth: Array  # best depth (H, W), m; it need not agree with the measured phase
+    confidence: Array  # probability in [0, 1] that the wrap is right (H, W)
+
+
+def wraps_in_range(measurement: Measurement) -> tuple[int, int]:
+    """First and last wrap of the lowest frequency with a depth in ``min <= z < max``."""
+    low, high = np.asarray(measurement.range) / wrap_length(measurement.frequencies[0])
+    # limits that are whole wraps but for rounding belong to the wrap that they begin
+    return int(np.floor(low + 1e-9)), int(np.ceil(high - 1e-9)) - 1
+
+
+def within_range(depth: Array, measurement: Measurement) -> Array:
+    """Depths, m, clipped into ``min <= z < max``."""
+    low, high = measurement.range
+    return np.clip(depth, low, np.nextafter(high, low))
+
+
+def phase_noise(measurement: Measurement) -> NDArray[np.float64]:
+    """Phase noise of the first two frequencies (2, H, W), rad: ``sqrt(2 / K) s / a``.
+
+    The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
+    only phases or three steps were kept, infinite without signal.
+    """
+    phase, amplitude = measurement.phase[:2], measurement.amplitude[:2].astype(float)
+    known = np.isfinite(phase) & np.isfinite(amplitude) & (amplitude > 0)
+    dataset = measurement.dataset
+    if "correlation" not in dataset or dataset.sizes["step"] < 4:
+        return np.where(known, 1.0, np.inf)
+    images, psi = dataset["correlation"].to_numpy()[:2], dataset["psi"].to_numpy()[:2]
+    sample = np.array([_sample_noise(*pair) for pair in zip(images, psi, strict=True)])
+    linear = np.sqrt(2 / psi.shape[1]) * sample[:, None, None]
+    return np.where(known, linear / np.where(known, amplitude, 1), np.inf)
+
+
+def _sample_noise(images: NDArray, psi: NDArray[np.floating]) -> float:
+    """Noise of one sample, counts, from the pixels whose samples are all finite."""
+    finite = np.isfinite(images).all(axis=0)
+    if not finite.any():
+        return 0.0
+    return residual_noise(images if finite.all() else images[:, finite], psi)

@@ -1,0 +1,216 @@
+"""Hypersim: the official tree as it lies on disk, or rooms rendered in the same layout.
+
+A view is four files SCENE/images/scene_cam_XX_FOLDER_hdf5/frame.IIII.NAME.hdf5, as `FILES` lists
+them, each with one array (H, W) or (H, W, 3) under the key ``dataset``. Two tables lie beside the
+scenes: `CAMERAS`, the projection of each, and `SPLIT`, the partition of each view. Depth is the
+range along the ray already, official files hold float16: between 4 and 8 m its steps are 4 mm.
+Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
+"""
+
+import csv
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cmtof.files import check_input, written_whole
+from cmtof.frame import Frame, Source, broken
+from cmtof.validation import check_claim, expect
+
+FILES = {  # folder, file name and, in rendered sets, type of each array of a view
+    "color": ("final", "color", np.float16),
+    "depth": ("geometry", "depth_meters", np.float32),
+    "normal": ("geometry", "normal_world", np.float16),
+    "instance": ("geometry", "semantic_instance", np.int16),
+}
+CAMERAS = "metadata_camera_parameters.csv"
+SPLIT = "metadata_images_split_scene_v1.csv"
+PARTITIONS = ("train", "val", "test")
+
+_MATRIX = tuple(f"M_cam_from_uv_{i}{j}" for i in range(3) for j in range(3))
+_LISTED = ("scene_name", "camera_name", "frame_id", "split_partition_name")
+_DEPTH_FILES = "images/scene_*_geometry_hdf5/frame.*.depth_meters.hdf5"
+_BRIGHTEST = 65504.0  # largest float16; radiance beyond it is stored as infinite
+
+
+class View(NamedTuple):
+    """One view of a tree, by name; ``partition`` is empty where none is stated."""
+
+    scene: str
+    camera: str
+    number: int
+    partition: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name such as ``ai_001_001/cam_00/0042``."""
+        return f"{self.scene}/{self.camera}/{self.number:04d}"
+
+    def file(self, root: str | Path, kind: str) -> Path:
+        """File of an array below the root of a tree; ``kind`` is a key of `FILES`."""
+        folder, name, _ = FILES[kind]
+        images = Path(root) / self.scene / "images" / f"scene_{self.camera}_{folder}_hdf5"
+        return images / f"frame.{self.number:04d}.{name}.hdf5"
+
+
+class Hypersim:
+    """A tree of scenes, or one scene; tables lie in it, beside it, or in a folder of either."""
+
+    def __init__(self, root: str | Path):
+        path = Path(root).resolve()
+        what = f"scenes such as ai_001_001/images in {path}"
+        expect(is_hypersim(path), what, "none", "Name their folder.")
+        alone = (path / "images").is_dir()
+        self.root, self._scenes = (path.parent, path.name) if alone else (path, "*")
+
+    @cached_property
+    def views(self) -> list[View]:
+        """Every view whose depth is on disk, sorted."""
+        files = self.root.glob(f"{self._scenes}/{_DEPTH_FILES}")
+        return sorted(view for file in files if (view := _view_from(file)))
+
+    @cached_property
+    def projections(self) -> dict[str, NDArray[np.float64]]:
+        """M_cam_from_uv (3, 3) of each scene; empty without the table."""
+        rows = self._table(CAMERAS, lambda r: (r["scene_name"], [float(r[m]) for m in _MATRIX]))
+        return {scene: np.reshape(matrix, (3, 3)) for scene, matrix in rows}
+
+    def frame(self, view: View, *, blank: bool = False) -> Frame:
+        """A view with linear green as intensity; with ``blank`` 1 where there is no colour file."""
+        depth, notes = read_array(view.file(self.root, "depth"), 2), []
+        if depth.dtype == np.float16:
+            step = 1000 * float(np.spacing(np.max(depth, where=np.isfinite(depth), initial=0)))
+            notes.append(f"float16 depth in steps of up to {step:.1f} mm")
+        color, intensity = view.file(self.root, "color"), np.ones(depth.shape, np.float32)
+        if blank and not color.is_file():
+            notes.append("no colour file: intensity 1 everywhere")
+        else:
+            green = read_array(color, 3)[..., 1].astype(np.float32)
+            intensity = np.nan_to_num(green, nan=0.0, posinf=_BRIGHTEST, neginf=0.0).clip(0)
+        projection = self.projections.get(view.scene)
+        camera = None if projection is None else camera_from_projection(projection, depth.shape)
+        return Frame(depth, intensity, camera, view.name, "; ".join(notes))
+
+    def sources(self, views: Iterable[View] | None = None, *, blank: bool = False) -> list[Source]:
+        """Frames of views to be loaded; by default the test frames, without partitions all."""
+        if views is None:
+            views = (self.split()["test"] if self._listed else []) or self.views
+        return [Source(view.name, partial(self.frame, view, blank=blank)) for view in views]
+
+    def split(self) -> dict[str, list[View]]:
+        """Views on disk that train, validate and test, as `split_views` has them."""
+        if not self._listed:
+            where = f"in or beside {self.root}"
+            raise FileNotFoundError(f"Expected {SPLIT} {where}, got none. Fetch the data set's.")
+        parts, there = split_views(self._listed), {view[:3] for view in self.views}
+        return {name: [v for v in part if v[:3] in there] for name, part in parts.items()}
+
+    @cached_property
+    def _listed(self) -> list[View]:
+        """Every published view; none without the table."""
+        scene, camera, number, part = _LISTED
+        return self._table(SPLIT, lambda r: View(r[scene], r[camera], int(r[number]), r[part]))
+
+    def _table(self, name: str, parse: Callable[[dict[str, str]], Any]) -> list[Any]:
+        """What a function makes of each row of a published table; none without it."""
+        below = ("", "metadata", "analysis")
+        places = (base / b / name for base in (self.root, self.root.parent) for b in below)
+        path = next((place for place in places if place.is_file()), None)
+        if path is None:
+            return []
+        try:
+            with path.open(encoding="utf-8-sig", newline="") as file:
+                return [parse(row) for row in csv.DictReader(file)]
+        except (csv.Error, KeyError, TypeError, ValueError) as error:
+            raise broken("the data set's columns and numbers", path, error) from error
+
+
+def is_hypersim(folder: Path) -> bool:
+    """Whether a folder is a tree of scenes or one scene."""
+    return any(next(folder.glob(p), None) for p in (_DEPTH_FILES, f"*/{_DEPTH_FILES}"))
+
+
+def frame_of_file(path: Path) -> Frame:
+    """Frame of a depth file, wherever its tree lies."""
+    path = path.resolve()
+    if (view := _view_from(path)) is None:
+        what = "a depth file SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.depth_meters.hdf5"
+        raise ValueError(f"Expected {what}, got {path}. Keep the layout of the data set.")
+    return Hypersim(path.parents[3]).frame(view, blank=True)
+
+
+def _view_from(path: Path) -> View | None:
+    layout = r"/([^/]+)/images/scene_([^/]+)_geometry_hdf5/frame\.(\d{1,9})\.depth_meters\.hdf5$"
+    found = re.search(layout, path.as_posix())
+    return View(found[1], found[2], int(found[3])) if found else None
+
+
+def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Camera fx, fy, cx, cy (and a skew above 1e-6 fx), px, of a projection M_cam_from_uv.
+
+    A pixel at (x, y), centres at +0.5, has u = 2x/W - 1 and v = 1 - 2y/H; its ray in the camera's
+    axes (right, up, backwards) is M (u, v, 1). Any M is a pinhole K turned by a rotation R, by the
+    QR decomposition of its rays per pixel, R K^-1. ValueError if it is singular or mirrored.
+    """
+    given = np.asarray(projection, float)
+    rays = given @ [[2 / shape[1], 0, -1], [0, -2 / shape[0], 1], [0, 0, 1]]
+    rays = np.diag([1.0, -1.0, -1.0]) @ rays
+    ahead = np.isfinite(rays).all() and np.linalg.det(rays) > 0
+    what = "a projection M_cam_from_uv that shows what lies ahead"
+    expect(ahead, what, given.tolist(), "Check the table of camera parameters.")
+    inverse = np.linalg.qr(rays, mode="r")
+    pinhole = np.linalg.inv(inverse * np.sign(np.diag(inverse))[:, None])
+    camera = (pinhole / pinhole[2, 2])[[0, 1, 0, 1, 0], [0, 1, 2, 2, 1]]
+    return camera if abs(camera[4]) > 1e-6 * camera[0] else camera[:4]
+
+
+def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
+    """Published views parted into train, val and test; each list is sorted.
+
+    Test are the paper's test frames or, in sets rendered here, the first view of each test scene;
+    train and val are the official partitions without the scenes of any test frame.
+    """
+    views = sorted(view for view in listed if view.partition in PARTITIONS)
+    theirs = [v for v in views if re.fullmatch(r"ai_\d{3}_001/cam_00/0042", v.name)]
+    ours = [v for v in views if v.partition == "test" and not re.match(r"ai_\d{3}_", v.scene)]
+    test = sorted([*theirs, *{view.scene: view for view in reversed(ours)}.values()])
+    left = [view for view in views if view.scene not in {tested.scene for tested in test}]
+    parts = {name: [v for v in left if v.partition == name] for name in ("train", "val")}
+    return {**parts, "test": test}
+
+
+def read_array(path: Path, dimensions: int) -> NDArray:
+    """The array of one file: numbers, on that many axes, the third of 3."""
+    import h5py
+
+    check_input(path, "a file of the data set")
+    try:
+        with h5py.File(path, "r") as file:
+            stored: Any = file["dataset"]
+            check_claim(stored.nbytes, path.stat().st_size)
+            array = np.asarray(stored[()])
+        if array.dtype.kind not in "iuf" or array.shape[2:] != (3,) * (dimensions - 2):
+            raise ValueError(f"{array.dtype} {array.shape}, no numbers on {dimensions} axes")
+    except Exception as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
+        raise broken("a whole HDF5 file with the key dataset", path, error) from error
+    return array
+
+
+def write_metadata(root: Path, shape: tuple[int, int], scenes: Mapping[str, Any]) -> None:
+    """Write both tables of a rendered set, all of one shape H, W.
+
+    A scene has a partition, a focal length in px, and views by camera and frame number.
+    """
+    cameras: list[Sequence[object]] = [("scene_name", *_MATRIX)]
+    listed: list[Sequence[object]] = [_LISTED]
+    for scene, (partition, focal, views) in scenes.items():
+        half = np.array(shape) / (2 * focal)
+        cameras.append((scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist()))
+        listed += [(scene, *view, partition) for view in views]
+    for name, rows in ((CAMERAS, cameras), (SPLIT, listed)):
+        with written_whole(Path(root) / name) as part, part.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)

@@ -1,1 +1,0 @@
-"""Instruments that measure a distance, each as forward model, estimator and bound (Sec. 8.2)."""

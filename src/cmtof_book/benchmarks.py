@@ -1,0 +1,118 @@
+"""How fast the hot paths are, as ratios taken in one run, and what each method costs: `make bench`.
+
+Machines are noisy and differ, so no time is judged alone: each hot path stands beside the least
+that its data demand (a copy of them, or the drawing of their random numbers). With ``--store`` the
+seconds and megabytes of every method for 768x1024 pixels, each in a fresh process on one thread,
+go where chapter 10 reads them; memory is the peak above what the process held before (Linux).
+"""
+
+import json
+import multiprocessing
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+STORE = Path(__file__).resolve().parents[2] / "book" / "results" / "methods_cost.json"
+SHAPE = (768, 1024)
+
+
+def seconds(work: Callable[[], object], repeats: int = 15) -> float:
+    """Median time of a call, once caches and the memory allocator have settled."""
+    for _ in range(repeats // 3):
+        work()
+    times = []
+    for _ in range(repeats):
+        start = perf_counter()
+        work()
+        times.append(perf_counter() - start)
+    return median(times)
+
+
+def large_frame() -> Any:
+    """An embedded frame in the paper's size: each pixel repeated."""
+    from cmtof.scenes import Frame, load_frame
+
+    small = load_frame("room")
+    place = np.ix_(
+        *(np.arange(n) * old // n for n, old in zip(SHAPE, small.depth.shape, strict=True))
+    )
+    scale = np.array(SHAPE[::-1]) / small.depth.shape[::-1]
+    camera = small.camera * np.tile(scale, 2)
+    return Frame(small.depth[place], small.intensity[place], camera, "room, enlarged")
+
+
+def ratios() -> None:
+    """Print every ratio."""
+    from cmtof.correlation import decode
+    from cmtof.simulation import simulate
+
+    rng, frame = np.random.default_rng(0), large_frame()
+    stack = simulate(frame, protocol="full", seed=0).dataset["correlation"].to_numpy()
+    psi = np.tile(np.arange(4) * np.pi / 2, (2, 1))
+    fast = seconds(lambda: decode(stack, psi))
+    print(f"decode (2, 4, 768, 1024) float32 / copy: {fast / seconds(stack.copy):.2f}, goal < 4")
+    transform = seconds(lambda: np.fft.fft(stack, axis=1), 5)
+    print(f"numpy.fft alone / decode: {transform / fast:.1f}")
+    mean = simulate(frame, protocol="full", noise_free=True).dataset["correlation"].to_numpy()
+
+    def draw() -> None:
+        rng.poisson(mean)
+        rng.standard_normal(mean.shape, dtype=np.float32)
+
+    whole = seconds(lambda: simulate(frame, protocol="full", seed=0), 3)
+    print(f"simulate / drawing its random numbers: {whole / seconds(draw, 3):.2f}, goal < 1.5")
+
+
+def cost(method: str, protocol: str) -> dict[str, float]:
+    """Seconds and megabytes of unwrapping one large frame; the second of two runs."""
+    import cmtof
+    from cmtof.evaluation import measured as given_to
+
+    measurement = given_to(large_frame(), [method], protocol=protocol)[method]
+    taken, before, start = 0.0, 0.0, 0.0
+    for _ in range(2):
+        Path("/proc/self/clear_refs").write_text("5", "utf-8")  # forget the peak so far
+        before, start = _memory("VmRSS"), perf_counter()
+        cmtof.unwrap(measurement, method=method)
+        taken = perf_counter() - start
+    return {"seconds": round(taken, 3), "megabytes": round(_memory("VmHWM") - before, 1)}
+
+
+def _memory(name: str) -> float:
+    """A line of the process's status, MB."""
+    lines = Path("/proc/self/status").read_text("utf-8").splitlines()
+    return next(float(line.split()[1]) for line in lines if line.startswith(f"{name}:")) / 1024
+
+
+def store() -> None:
+    """Measure every method that is ready, print and store."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[name] = "1"
+    from cmtof import __version__
+    from cmtof.files import written_whole
+    from cmtof.methods import METHODS
+    from cmtof_book.provenance import processor
+
+    found: dict[str, dict[str, dict[str, float]]] = {}
+    spawn = multiprocessing.get_context("spawn")
+    for protocol in ("released", "full"):
+        for name in METHODS:
+            with spawn.Pool(1) as pool:
+                found.setdefault(name, {})[protocol] = pool.apply(cost, (name, protocol))
+            print(name, protocol, found[name][protocol], flush=True)
+    machine = f"one thread of {processor()}"
+    held = {"command": "make bench", "version": __version__, "machine": machine, "methods": found}
+    with written_whole(STORE) as part:
+        part.write_text(json.dumps(held, indent=1) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    ratios()
+    if "--store" in sys.argv:
+        store()

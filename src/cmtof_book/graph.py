@@ -1,0 +1,154 @@
+"""Which files a notebook depends on: its own source, the modules it reaches, the data it reads.
+
+The Snakefile asks here, so that a change re-runs what depends on it and nothing else. grimp follows
+the imports, those inside functions included. A data file of the package belongs to the modules of
+its folder; `DATA` says which module reads a folder that holds data alone.
+"""
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+import grimp
+import yaml
+
+import cmtof
+
+PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book")
+NOTEBOOK = re.compile(r"\d\d_[a-z0-9_]+")
+DATA = {"frames": "cmtof.frame", "weights": "cmtof.network.weights"}
+SOURCE = {".py", ".pyc", ".nbc", ".nbi"}
+
+
+class Book:
+    """The notebooks of a checkout and what each of them depends on."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.source = root / "src"
+
+    @cached_property
+    def imports(self) -> grimp.ImportGraph:
+        """Imports among the packages; the root of `cmtof`, which loads late, leads nowhere."""
+        graph = grimp.build_graph(*PACKAGES, cache_dir=None)
+        for module in graph.find_modules_directly_imported_by("cmtof"):
+            graph.remove_import(importer="cmtof", imported=module)
+        return graph
+
+    def notebooks(self) -> list[str]:
+        """Stems of the notebooks that the table of contents lists, in its order."""
+        text = (self.root / "_toc.yml").read_text(encoding="utf-8")
+        listed = re.findall(r"^\s*- file: notebooks/(\S+)$", text, re.MULTILINE)
+        missing = [stem for stem in listed if not self.script(stem).is_file()]
+        if missing:
+            raise FileNotFoundError(
+                f"Expected the notebooks that _toc.yml lists, got no {', '.join(missing)}. "
+                "Write them or take them off the list."
+            )
+        return listed
+
+    def script(self, stem: str) -> Path:
+        """Source of a notebook: the text half of its pair."""
+        return self.root / "notebooks" / f"{stem}.py"
+
+    def chapters(self) -> list[str]:
+        """Every file that the book is built from, notebooks and generated pages left out."""
+        pages = [file for file in (self.root / "book").rglob("*") if file.is_file()]
+        hardware = self.source / "cmtof" / "hardware"
+        shown = [hardware / "rig.yml", hardware / "rig.py"]  # by the guide to the hardware
+        return self._relative([self.root / "_config.yml", self.root / "_toc.yml", *shown, *pages])
+
+    def parameters(self, stem: str, profile: str) -> dict[str, Any]:
+        """Parameters that a profile sets for a notebook."""
+        path = self.root / "configs" / f"{profile}.yml"
+        if not path.is_file():
+            raise FileNotFoundError(
+                f"Expected a profile of configs/, got {profile!r}. Choose ci, book or paper."
+            )
+        sizes = (yaml.safe_load(path.read_text(encoding="utf-8")) or {}).get("notebooks") or {}
+        unknown = sorted(name for name in sizes if not self.script(name).is_file())
+        if unknown:
+            raise ValueError(
+                f"Expected names of notebooks in configs/{profile}.yml, got {', '.join(unknown)}. "
+                "Correct or remove them."
+            )
+        return {**(sizes.get(stem) or {}), "profile": profile}
+
+    def inputs(self, stem: str) -> list[str]:
+        """Every file that a notebook's results depend on, relative to the checkout."""
+        script = self.script(stem)
+        fixed = {script, self.root / "environment.lock", self.source / "cmtof_book" / "execute.py"}
+        return self._relative(fixed | self.closure(script) | set(self._declared(script)))
+
+    def tool(self, name: str) -> list[str]:
+        """A module of `cmtof_book` and the files of the packages that it reaches."""
+        script = self.source / "cmtof_book" / f"{name}.py"
+        return self._relative({script, *self.closure(script)})
+
+    def closure(self, script: Path) -> set[Path]:
+        """Files of the package that a Python file reaches, data included."""
+        modules = set(self._imported(script))
+        for module in list(modules):
+            modules |= self._reached(module)
+        files = set().union(*map(self._files, modules))
+        for folder, module in DATA.items():
+            if module in modules:
+                files |= {f for f in (self.source / "cmtof" / folder).rglob("*") if _is_data(f)}
+        return files
+
+    @cache  # noqa: B019 (one book a process)
+    def _reached(self, module: str) -> set[str]:
+        return self.imports.find_upstream_modules(module)
+
+    @cache  # noqa: B019
+    def _files(self, module: str) -> set[Path]:
+        """A module's file and the data beside it."""
+        path = self.source.joinpath(*module.split("."))
+        own = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+        beside = own.parent.glob("*" if own.parent.parent == self.source else "**/*")
+        return {own, *(file for file in beside if _is_data(file))}
+
+    def _imported(self, script: Path) -> Iterator[str]:
+        """Modules of the package that a script names in its imports, or uses as ``cmtof.name``."""
+        for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))):
+            names: list[str] = []
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+            elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+                names = [cmtof.WHERE.get(node.attr, "")] if node.value.id == "cmtof" else []
+            yield from (name for name in names if name in self.imports.modules)
+
+    def _declared(self, script: Path) -> Iterator[Path]:
+        """Files that a notebook's front matter names under ``cmtof: {data: [], results: []}``.
+
+        Stored results lie in ``book/results``. Data lie outside the checkout and are optional.
+        """
+        declared = front_matter(script).get("cmtof", {})
+        for name in declared.get("results", []):
+            path = self.root / "book" / "results" / name
+            yield from [path] if path.is_file() else []
+        if declared.get("data"):
+            from cmtof.captures import data_root
+
+            base = data_root()
+            for word in declared["data"] if base else []:
+                yield from (file for file in (Path(base) / word).rglob("*") if file.is_file())
+
+    def _relative(self, files: Any) -> list[str]:
+        inside = (f.relative_to(self.root) if f.is_relative_to(self.root) else f for f in files)
+        return sorted(map(str, inside))
+
+
+def front_matter(script: Path) -> dict[str, Any]:
+    """YAML header of a percent-format notebook, {} without one."""
+    header = re.match(r"# ---\n((?:#.*\n)*?)# ---\n", script.read_text(encoding="utf-8"))
+    return yaml.safe_load(re.sub(r"(?m)^# ?", "", header[1])) or {} if header else {}
+
+
+def _is_data(file: Path) -> bool:
+    return file.is_file() and file.suffix not in SOURCE

@@ -1,0 +1,80 @@
+"""Keep the two halves of every notebook the same: the text is the source, the .ipynb follows.
+
+The .ipynb begins with a cell that installs cmtof where it is missing, as on Colab.
+
+python -m cmtof_book.pairs          write each .ipynb that is missing or differs
+python -m cmtof_book.pairs --check  only tell, and exit 1 if one is missing or differs
+"""
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import jupytext
+import nbformat
+import yaml
+from nbformat.v4 import new_code_cell
+
+ROOT = Path(__file__).resolve().parents[2]
+
+KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
+# the metadata that a pair shares; anything else is some editor's
+CELL_KEYS = {"tags", "mystnb"}
+INSTALL = """\
+# @title Installation of cmtof where it is missing
+from importlib.util import find_spec
+
+if find_spec("cmtof") is None:
+    """
+COLLAPSED = {"tags": ["remove-cell"], "jupyter": {"source_hidden": True}, "cellView": "form"}
+
+
+def install_cell(text: str) -> nbformat.NotebookNode:
+    """Return the first cell: it gets the repository where that has an address, else the package."""
+    extras = "notebooks,train" if re.search("fast-scnn|torch", text) else "notebooks"
+    repository = yaml.safe_load((ROOT / "_config.yml").read_text("utf-8"))["repository"]
+    steps = [f'%pip install -q "cmtof[{extras}]"']
+    if repository["url"]:
+        clone = f"!git clone -q --depth 1 -b {repository['branch']} {repository['url']} cmtof"
+        steps = [clone, "%cd -q cmtof/notebooks", f'%pip install -q "..[{extras}]"']
+    elif '"../book' in text:
+        steps.append('print("Cells that read ../book/results need a checkout of the repository.")')
+    return new_code_cell(INSTALL + "\n    ".join(steps), id="install", metadata=COLLAPSED)
+
+
+def notebook_from_script(script: Path) -> nbformat.NotebookNode:
+    """Return the notebook of a percent-format script, without outputs, the same on every run."""
+    notebook: Any = jupytext.read(script)
+    notebook.metadata = nbformat.from_dict({"kernelspec": KERNEL})
+    for number, cell in enumerate(notebook.cells):
+        cell["id"] = f"cell-{number:02d}"
+        cell["metadata"] = {k: v for k, v in cell.metadata.items() if k in CELL_KEYS}
+    notebook.cells.insert(0, install_cell(script.read_text("utf-8")))
+    notebook.nbformat, notebook.nbformat_minor = 4, 5
+    nbformat.validate(notebook)
+    return notebook
+
+
+def same(script: Path, notebook: Path) -> bool:
+    """Tell whether the notebook is the one that follows from the script, without outputs."""
+    return notebook.is_file() and nbformat.read(notebook, 4) == notebook_from_script(script)
+
+
+def main(mode: str) -> int:
+    """Write, or with ``--check`` only name, every pair that is not the same; give the exit code."""
+    check = mode == "--check"
+    scripts = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
+    stale = [script for script in scripts if not same(script, script.with_suffix(".ipynb"))]
+    for script in stale:
+        notebook = script.with_suffix(".ipynb")
+        print(f"{'differs' if check else 'written'}: {notebook.relative_to(ROOT)}")
+        if not check:
+            part = notebook.with_name(f".{notebook.name}.part")
+            nbformat.write(notebook_from_script(script), part)
+            part.replace(notebook)
+    return 1 if check and stale else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1] if len(sys.argv) > 1 else ""))

@@ -1,0 +1,74 @@
+"""Build the staged book to HTML, strictly: every warning is an error.
+
+python -m cmtof_book.render STAGE HTML
+
+It builds from nothing each time, since pages that Sphinx takes from its cache repeat no warning.
+The full log lies beside ``HTML`` as ``book.log``. What no page loads is left out.
+"""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from html import escape
+from pathlib import Path
+
+from bs4 import BeautifulSoup
+
+NOTEBOOKS = Path(__file__).resolve().parents[2] / "notebooks"
+SHOWN = "div.math[id], figure[id], dt[id^=term], div.citation[id], [id^=erratum-]"
+UNUSED = re.compile(
+    r"/mathjax/((?!tex-chtml\.js)[\w-]+\.js$|output/svg/|sre/mathmaps/(?!base|en))|/locales/|\.map$"
+)
+
+
+def lighten(html: Path) -> None:
+    """Remove what no page loads; store texts for the search, and what links show when hovered.
+
+    A notebook is offered for download without the outputs that its page shows.
+    """
+    for file in (html / "_static").rglob("*"):
+        if file.is_file() and UNUSED.search(file.as_posix()):
+            file.unlink()
+    held: dict[str, dict[str, str]] = {"Texts": {}, "Previews": {}}
+    for page in html.glob("*/*.html"):
+        if article := BeautifulSoup(page.read_text("utf-8"), "html.parser").article:
+            name = page.relative_to(html).as_posix()
+            held["Texts"][name] = escape(article.get_text(" "))
+            for place in article.select(SHOWN):
+                kind = {"dt": "dd", "section": "p", "span": "p"}.get(place.name)
+                shown = place.find_next(kind) if kind else place
+                held["Previews"][f"{name}#{place['id']}"] = str(shown)
+    for name, texts in held.items():
+        path = html / "_static" / f"{name.lower()}.js"
+        path.write_text(f"const cmtof{name} = {json.dumps(texts)};", "utf-8")
+    for notebook in (html / "_sources" / "notebooks").iterdir():
+        shutil.copyfile(NOTEBOOKS / notebook.name, notebook)
+
+
+def main(stage: Path, html: Path) -> int:
+    """Build ``stage`` and put the pages at ``html``; return the exit code."""
+    work, log = html.with_name("sphinx"), html.with_name("book.log")
+    shutil.rmtree(work, ignore_errors=True)
+    options = ["-W", "-n", "--keep-going", "-q", "--path-output", work]
+    command = [Path(sys.executable).with_name("jupyter-book"), "build", stage, *options]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    # colours are for a terminal, not for a file
+    lines = re.sub(r"\x1b\[[0-9;]*m", "", done.stdout).splitlines()
+    log.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if done.returncode:
+        told = [line for line in lines if "WARNING" in line or "ERROR" in line]
+        print("\n".join(told or lines), file=sys.stderr)
+        print(f"The book did not build; warnings count as errors. Log: {log}", file=sys.stderr)
+        return 1
+    shutil.rmtree(html, ignore_errors=True)
+    (work / "_build" / "html").replace(html)
+    shutil.rmtree(work)
+    lighten(html)
+    print(f"book: {html / 'index.html'}", file=sys.stderr, flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]), Path(sys.argv[2])))

@@ -1,0 +1,92 @@
+"""One command that replicates: Fig. 10 drawn again, and the chain from frame to depth checked.
+
+Each line compares what this machine computed with a stored value and tolerance
+(``replication.yml``, written by the same code at the same seed) or with the paper's number.
+"""
+
+from collections.abc import Iterator
+from importlib.resources import files
+from importlib.util import find_spec
+from itertools import chain
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from cmtof.bounds import phase_spread, simulated_phase_noise, wrap_probability
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import centred, depth_from_phase, phase_from_depth
+from cmtof.evaluation import Evaluation, measured, score, scored_pixels
+from cmtof.files import read_document, written_whole
+from cmtof.frame import embedded_frames
+from cmtof.scenes import Frame, load_frame
+from cmtof.simulation import simulate
+from cmtof.unwrapping import unwrap
+
+SEED = 0
+METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
+"""Columns of the figure: the paper's that need no training, and three that it leaves out."""
+
+
+class Outcome(NamedTuple):
+    """One line of the replication: our value, the expected one, and the tolerance."""
+
+    what: str
+    value: float
+    expected: float
+    tolerance: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value lies within the tolerance; NaN never does."""
+        return bool(abs(self.value - self.expected) <= self.tolerance)
+
+    def __str__(self) -> str:
+        said = f"{'PASS' if self.passed else 'FAIL'}  {self.what}: {self.value:.4g}"
+        return f"{said} (expected {self.expected:.4g} ± {self.tolerance:.2g})"
+
+
+def replicate(figure: Path) -> Iterator[Outcome]:
+    """Every check in turn; then, if matplotlib is there, Fig. 10 is drawn to ``figure``."""
+    stored = read_document(Path(str(files("cmtof_book"))) / "replication.yml")
+    for name, value in chain(_noise(), _methods(figure)):
+        held = stored[name]
+        yield Outcome(held["what"], value, held["value"], held["tolerance"])
+
+
+def _noise() -> Iterator[tuple[str, float]]:
+    """Phase noise of the simulation against its law, and what follows for one pixel's wrap."""
+    tones = np.geomspace(0.1e9, 10e9, 21)
+    wall = Frame(np.full((1, 1000), 0.6), np.full((1, 1000), 0.5))
+    noisy = simulate(wall, protocol="full", frequencies=tones, seed=SEED)
+    error = centred(noisy.phase[:, 0] - phase_from_depth(0.6, tones)[:, None])
+    spread = depth_from_phase(error.std(axis=1), tones)
+    yield "precision_ratio", float(spread[0] / spread[-1])
+    law = phase_spread(float(simulated_phase_noise(0.5)))
+    yield "phase_noise_ratio", float(error.std(axis=1).mean()) / law
+    noise = float(simulated_phase_noise(1.0))
+    yield "wrap_odds", float(wrap_probability(noise, noise, frequencies=FREQUENCIES))
+
+
+def _methods(figure: Path) -> Iterator[tuple[str, float]]:
+    """Share of right wraps of each method on the embedded frames."""
+    frames = [load_frame(name) for name in embedded_frames()]
+    clean = Evaluation(["crt"], noise_free=True).add_all(frames).report()
+    yield "crt_noise_free", clean["methods"]["crt"]["consistent_lt_1"]
+    taken = [measured(frame, METHODS, number=k, seed=SEED) for k, frame in enumerate(frames)]
+    answers: list[dict] = [{} for _ in frames]
+    for method in METHODS:
+        for found, given in zip(answers, taken, strict=True):
+            found[method] = unwrap(given[method], method=method)
+        pairs = zip(answers, taken, strict=True)
+        pixels = (scored_pixels(found[method], given[method]) for found, given in pairs)
+        yield method, score(pixels)["delta_lt_1"]
+    if find_spec("matplotlib"):
+        from cmtof_book import plotting
+        from cmtof_book.comparison import Scene, comparison_figure
+
+        plotting.begin()
+        triples = zip(frames, taken, answers, strict=True)
+        scenes = [Scene(frame, given["beat"], found) for frame, given, found in triples]
+        with written_whole(figure) as part:
+            comparison_figure(scenes, METHODS).savefig(part)

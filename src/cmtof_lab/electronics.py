@@ -1,0 +1,92 @@
+"""Detector, filters and converter: from light to counts, with noise from the data sheets."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.constants import c, e, h
+from scipy.linalg import solve_continuous_lyapunov
+from scipy.signal import cont2discrete, lfilter
+
+from cmtof_lab.settings import TwinSettings
+
+Array = NDArray[np.float64]
+
+# V per count at +-10 V, count of 0 V: nominal calibration (T-Series Datasheet, 20.0.1)
+SLOPE, CENTRE, POLES = 3.15805780e-4, 33523.0, 3
+
+
+def volts_per_watt(settings: TwinSettings) -> float:
+    """Output of the detector, V/W: responsivity, avalanche gain and transimpedance."""
+    responsivity = settings.efficiency * e / (h * c / settings.wavelength)
+    return responsivity * settings.gain * settings.transimpedance
+
+
+def density(settings: TwinSettings, volts: ArrayLike) -> Array:
+    """One-sided noise density, V^2/Hz, at an output, V: shot noise and the amplifier's own."""
+    # 2 e I F (M R_T)^2 for the primary current I, F = M^x (McIntyre 1966)
+    excess = settings.gain**settings.excess_index
+    shot = 2 * e * excess * (settings.gain * settings.transimpedance)
+    return shot * np.asarray(volts, float) + settings.noise_density**2
+
+
+class Chain:
+    """Three poles in a row, detector, EF120 and RC, with outputs x, every ``interval``, s.
+
+    ``x' = A x + b (light + noise)`` is carried on exactly, as
+    ``x -> transition x + entry light + sqrt(density) root normal``.
+    """
+
+    def __init__(self, settings: TwinSettings, interval: float) -> None:
+        corners = 2 * np.pi * settings.bandwidth, 2 * np.pi * settings.low_pass
+        rates = np.array([*corners, 1 / settings.rc_time])
+        matrix, push = np.diag(-rates) + np.diag(rates[1:], -1), rates[:1] * np.eye(POLES)[:, :1]
+        system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
+        transition, entry = cont2discrete(system, interval)[:2]
+        # covariance under a one-sided density of 1 for ever, two-sided 1/2
+        settled = solve_continuous_lyapunov(matrix, -0.5 * push @ push.T)
+        added = settled - transition @ settled @ transition.T
+        self.transition, self.entry = np.tril(transition), entry[:, 0]
+        self.root, self.settled = _root(added), _root(settled)
+
+    def memory(self, count: int) -> Array:
+        """Autocovariance (count,) of the output, V^2, at successive samples for unit density."""
+        row, found = np.eye(POLES)[-1], np.empty(count)
+        for lag in range(count):  # cov(x_{t+l}, x_t) = e^T T^l P e
+            found[lag] = row @ self.settled @ self.settled[-1]
+            row = row @ self.transition
+        return found
+
+    def run(self, light: Array, spread: Array, normals: Array | None) -> Array:
+        """Output (N, T), V, at the start of each interval; the first finds the filters settled.
+
+        ``light``, V, and ``spread``, V/sqrt(Hz), (N, T), are held for an interval each. ``normals``
+        (N, T + 1, 3) are standard normals, those of the initial state first; None is silence.
+        """
+        state = np.repeat(light[:, :1], POLES, axis=1)
+        push = light[..., None] * self.entry
+        if normals is not None:  # a product a row: one burst or many give the same bits
+            state = state + spread[:, :1] * (normals[:, :1] @ self.settled.T)[:, 0]
+            push = push + spread[..., None] * (normals[:, 1:] @ self.root.T)
+        outputs: list[Array] = []
+        for i, row in enumerate(self.transition):
+            before = zip(outputs, row, strict=False)
+            into = push[..., i] + sum(one * factor for one, factor in before)
+            keep, start = [1.0, -row[i]], state[:, i : i + 1]
+            outputs.append(lfilter([0.0, 1.0], keep, into, axis=-1, zi=start)[0])
+        return outputs[-1]
+
+
+def _root(covariance: Array) -> Array:
+    """Root of a covariance that rounding may have left not quite positive."""
+    values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
+    return vectors * np.sqrt(np.maximum(values, 0))
+
+
+def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> NDArray[np.uint16]:
+    """Raw stream counts of the T7, rounded and clipped; its ``noise`` is in counts."""
+    raw = np.asarray(volts) / SLOPE + CENTRE + np.asarray(noise)
+    return np.clip(np.rint(raw), 0, 65535).astype(np.uint16)
+
+
+def volts_from_counts(counts: ArrayLike) -> Array:
+    """Volts of raw stream counts by the nominal calibration."""
+    return (np.asarray(counts, float) - CENTRE) * SLOPE

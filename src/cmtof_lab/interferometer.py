@@ -1,0 +1,175 @@
+r"""Michelson interferometer with fringe counting on the simulated instrument (Sec. 8.2).
+
+The reference mirror steps over half a wavelength, K steps a reading; the interferogram is
+
+.. math:: P(\psi) = P_r + P_s + 2|\gamma|\sqrt{m P_r P_s}\cos(\phi + \psi), \quad
+          \phi = 4\pi z/\lambda, \quad \sigma_z = \frac{\lambda}{4\pi}\frac{\sqrt{2v/K}}{a},
+
+with the coherence gamma, the share m of the light in the reference beam's mode, amplitude a and
+noise v of a step. The stage creeps, and each reading is unwrapped against the one before.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.signal import lfilter
+from scipy.special import ndtr
+
+from cmtof.bounds import linear_phase_noise
+from cmtof.constants import SPEED_OF_LIGHT
+from cmtof_lab import optics as free_space
+from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power
+from cmtof_lab.targets import Plane
+from cmtof_lab.world import SAMPLE_RATE
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interferometer:
+    """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters."""
+
+    settings: TwinSettings = field(default_factory=TwinSettings)
+    linewidth: float = 30e9  # Hz, full width at half maximum, several modes (gem 532, known)
+    wavelength_error: float = 2e-4  # relative, rms over days (assumed: it may run at 532.1 nm)
+    intensity_noise: float = 1e-3  # of the laser from step to step, relative, rms (assumed)
+    arm_power: float = 1.4e-9  # W of either arm on the detector at most, below its end (assumed)
+    reference_radius: float = 0.25e-3  # m, 1/e^2 radius of the reference beam (Sec. 7.1)
+    imbalance: float = 1e-3  # m, reference arm less the target's distance (assumed)
+    steps: int = 8  # K, over half a wavelength (assumed)
+    samples: int = 5  # at 24 kS/s in a step (assumed)
+    speed: float = 3e-5  # m/s of the stage between positions (assumed: 50 nm a reading)
+    stage_error: float = STAGE_ERROR
+    speckle_length: float = 0.016  # m of travel (assumed: the plate turns by 20 urad per mm)
+    shaking: float = 20e-9  # m rms, along the beam: a resonance of the breadboard (assumed)
+    resonance: float = 30.0  # Hz (assumed)
+    quality: float = 20.0  # quality factor of the resonance (assumed)
+    temperature_drift: float = 0.05  # K rms (assumed)
+    drift_time: float = 600.0  # s, after which it has forgotten where it was (assumed)
+    expansion: float = 11e-6  # 1/K, of the breadboard under the scene arm (steel, known)
+
+    @property
+    def wavelength(self) -> float:
+        """Of the laser in air, m; the group index is taken for that of phases, 1e-5 apart."""
+        return self.settings.wavelength / free_space.group_index(self.settings)
+
+    @property
+    def reading_time(self) -> float:
+        """Time of a phase reading, and from one to the next, s."""
+        return self.steps * self.samples / SAMPLE_RATE
+
+    @property
+    def stride(self) -> float:
+        """Travel of the stage from one reading to the next, m."""
+        return self.speed * self.reading_time
+
+    def matched_share(self, target: Plane) -> float:
+        """Share m of the collected light in the reference beam's mode, Gaussian of radius w_r.
+
+        Rough plate: speckle of the coherence ``exp(-(pi w d / lambda z)^2 / 2)`` in the aperture A,
+        of which it takes ``2 pi / (A ((pi w / lambda z)^2 + 1 / w_r^2))`` on average, w the spot's
+        radius. Mirror: overlap with the wide and curved beam that comes back.
+        """
+        settings, z, vacuum = self.settings, target.distance, self.settings.wavelength
+        if not target.mirrored:
+            inverse = (np.pi * float(free_space.spot_radius(settings, z)) / (vacuum * z)) ** 2
+            area = free_space.aperture_area(settings)
+            return min(1.0, 2 * np.pi / (area * (inverse + self.reference_radius**-2)))
+        width = float(free_space.spot_radius(settings, 2 * z))
+        real = self.reference_radius**-2 + width**-2
+        turned = np.pi * settings.divergence / (width * vacuum)  # curvature of the wavefront
+        return float(4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2))
+
+    def fringes(self, target: Plane, ranges: ArrayLike) -> tuple[Array, Array, Array]:
+        """Amplitude and offset, V, of the interferogram at ranges (...), m; noise of a step, V^2.
+
+        Of a diffuse plate the amplitude is the root of the mean square over its speckle.
+        """
+        settings, z = self.settings, np.asarray(ranges, float)
+        scene = np.minimum(collected_power(settings, target, z), self.arm_power)
+        delay = 2 * (z - target.distance - self.imbalance) / SPEED_OF_LIGHT
+        coherence = np.exp(-((np.pi * self.linewidth * delay) ** 2) / (4 * np.log(2)))
+        field = np.sqrt(self.arm_power * self.matched_share(target) * scene)
+        amplitude = volts_per_watt(settings) * 2 * coherence * field
+        offset = volts_per_watt(settings) * (self.arm_power + scene)
+        # a mean over a step averages white noise over 1 / (2 T), unless the filters pass less
+        passed = Chain(settings, 1 / SAMPLE_RATE).memory(1)[0]
+        variance = density(settings, offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
+        variance = variance + (settings.converter_noise * SLOPE) ** 2 / self.samples
+        variance = variance + (self.intensity_noise * offset) ** 2
+        return amplitude, offset, variance * float(settings.noise)
+
+    def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+        """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
+
+        A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn again.
+        """
+        stops = np.asarray(positions, float)
+        strides = np.abs(np.diff(stops)) / self.stride - 1e-9
+        stations = np.append(0, np.cumsum(np.maximum(1, np.ceil(strides)))).astype(int)
+        place = np.arange(stations[-1] + 1)
+        ranges = target.distance + np.interp(place, stations, stops)
+        amplitude, _, variance = self.fringes(target, ranges)
+        warmth = target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
+        rough = self.settings.speckle and not target.mirrored
+        root = _gaussian_root(stops / self.speckle_length)
+        found = np.zeros((repeats, stops.size))
+        for repeat in range(repeats):
+            rng = np.random.default_rng([seed, repeat])
+            speckle = root @ circular_normals(rng, stops.size) if rough else np.ones(stops.size)
+            colour = self.wavelength_error * rng.standard_normal()
+            at = stops + self.stage_error * rng.standard_normal(stops.size)
+            way = np.interp(place, stations, at - at[0]) + self.vibration(rng, place.size)
+            slow = _carried(rng.standard_normal(place.size), -self.reading_time / self.drift_time)
+            way += warmth * (slow - slow[0])
+            field = amplitude * np.interp(place, stations, speckle)
+            noise = np.sqrt(2 * variance / self.steps) * circular_normals(rng, place.size)
+            read = field * np.exp(4j * np.pi / self.wavelength * way) + noise
+            start = np.angle(field[0])  # the plate's own phase belongs to the known range, too
+            counted = np.unwrap(np.append(start, np.angle(read)))[1:] - start
+            metres = counted[stations] * self.wavelength * (1 + colour) / (4 * np.pi)
+            found[repeat, 1:] = metres[1:]
+        return target.distance + stops[0] + found
+
+    def bound(self, target: Plane, positions: ArrayLike) -> Array:
+        """Cramer-Rao least standard deviation (P,), m, by noise alone, speckle at its mean."""
+        ranges = target.distance + np.asarray(positions, float)
+        amplitude, _, variance = self.fringes(target, ranges)
+        noise = linear_phase_noise(amplitude, variance, self.steps)
+        return np.asarray(self.wavelength / (4 * np.pi) * noise, float)
+
+    def vibration(self, rng: np.random.Generator, count: int) -> Array:
+        """Displacement (count,), m, at successive readings: a resonance under white forcing."""
+        rate = 2 * np.pi * self.resonance * self.reading_time
+        decay = rate * (1j - 1 / (2 * self.quality))
+        return self.shaking * _carried(circular_normals(rng, count), decay).real
+
+    def lost_fringes(self) -> float:
+        """Mean number of fringes that one reading loses along the move (law in chapter 17)."""
+        angle = 2 * np.pi * self.resonance * self.reading_time
+        kept = np.exp(-angle / (2 * self.quality)) * np.cos(angle)
+        spread = max(self.shaking * float(np.sqrt(2 - 2 * kept)), 1e-15)
+        highest = 4 * (self.stride + 9 * spread) / self.wavelength
+        edge = self.wavelength / 4 * np.arange(1, highest + 2, 2)
+        forward, backward = (ndtr((s - edge) / spread).sum() for s in (self.stride, -self.stride))
+        return float(forward - backward)
+
+
+def _carried(normals: NDArray, exponent: complex) -> NDArray:
+    """Stationary first-order process of unit variance, ``x_k = exp(exponent) x_(k-1) + rest``."""
+    keep = np.exp(exponent)
+    fresh = np.sqrt(1 - abs(keep) ** 2) * normals
+    fresh[:1] = normals[:1]
+    return np.asarray(lfilter([1.0], [1.0, -keep], fresh))
+
+
+def _gaussian_root(places: Array) -> Array:
+    """Root (P, P) of the correlation ``exp(-d^2)`` of a circular field of mean square 1, over 2."""
+    values, vectors = np.linalg.eigh(np.exp(-((places[:, None] - places) ** 2)))
+    return vectors * np.sqrt(np.maximum(values, 0) / 2)

@@ -1,0 +1,163 @@
+r"""A 100 MHz correlation camera like the LUCID Helios Flex (Sec. 8.2, Fig. 15), simulated.
+
+Flood light, two taps a pixel, four phase steps. All light of a pixel is one phasor, in electrons,
+
+.. math:: F = \sum_\mathrm{paths} N e^{-i\phi}, \qquad
+          A, B = \tfrac12\,\bigl(S \pm m\,\mathrm{Re}\,F e^{-i\psi}\bigr),
+
+with S the charge of both taps and m the modulation of square waves behind a pole each. What such
+cameras calibrate to below a millimetre (cyclic error, fixed pattern, late taps) is left out.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.constants import c, h
+from scipy.ndimage import gaussian_filter
+
+from cmtof.bounds import linear_phase_noise
+from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth, wrap_length
+from cmtof.detector import quantise, skellam_gaussian
+from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
+from cmtof_lab.targets import Hits
+
+Array = NDArray[np.floating]
+Light = tuple[NDArray[np.complexfloating], Array]
+
+STEPS = 4  # phase steps of an image; their exposures add up to the whole
+PSI = TAU * np.arange(STEPS) / STEPS
+
+
+@dataclass(frozen=True, kw_only=True)
+class MhzCamera:
+    """Camera and its light; *known* of the part, or *assumed*. Nothing was fitted to the paper."""
+
+    power: float = 8e-3  # W, mean of four VCSELs over the whole field (Sec. 8.2)
+    wavelength: float = 850e-9  # m (Sec. 8.2)
+    exposure: float = 8e-3  # s (Sec. 8.2)
+    frequency: float = 100e6  # Hz: a wrap is 1.5 m (known)
+    shape: tuple[int, int] = (480, 640)  # height and width, px (known: Sony IMX556)
+    pixel: float = 10e-6  # m (known)
+    field_of_view: float = float(np.deg2rad(59))  # across, rad (known)
+    f_number: float = 1.4  # assumed
+    transmission: float = 0.8  # of lens and band-pass (assumed)
+    efficiency: float = 0.5  # electrons per photon (assumed)
+    ambient_radiance: float = 9e-4  # of white in the room behind the band-pass, W/(m^2 sr), assumed
+    source_radius: float = 0.01  # of the emitters about the lens, m (assumed)
+    contrast: float = 0.8  # of the taps at 100 MHz (known of a CAPD pixel, Sony, VLSI 2017)
+    bandwidth: float = 400e6  # of the emitter and of the gates, Hz, one pole each (assumed)
+    full_well: float = 100e3  # of a tap, electrons (assumed)
+    read_noise: float = 15.0  # of a difference, electrons (assumed)
+    bits: int = 12  # of the converter (known)
+    full_scale: float = 20e3  # difference at its end, electrons (assumed)
+    veil: float = 0.02  # share of all light scattered evenly over the image (assumed)
+    blur: float = 0.6  # standard deviation of the point spread, px (assumed)
+
+    @property
+    def focal_length(self) -> float:
+        """Focal length of the lens, px."""
+        return self.shape[1] / 2 / float(np.tan(self.field_of_view / 2))
+
+    @property
+    def pupil_area(self) -> float:
+        """Area of the lens's opening, m^2."""
+        return float(np.pi / 4 * (self.focal_length * self.pixel / self.f_number) ** 2)
+
+    @property
+    def modulation(self) -> float:
+        r"""Amplitude of A - B over the charge, :math:`m = (8/\pi^2)\,C / (1 + f^2/f_c^2)`."""
+        return 8 / np.pi**2 * self.contrast / (1 + (self.frequency / self.bandwidth) ** 2)
+
+    @property
+    def wrap(self) -> float:
+        """Range after which answers repeat, m."""
+        return float(wrap_length(self.frequency))
+
+    def signal(self, view: Hits) -> Array:
+        """Charge of one step in both taps by the direct way, electrons, (H, W) (law in chapter 20).
+
+        A polished surface keeps a small diffuse share, and mirrors where it faces lens and source.
+        """
+        z, weight = view.range, np.asarray(view.mirrored)
+        sent = self._electrons(self.power) / (self.shape[0] * self.shape[1])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            lobe = np.hypot(SPECULAR_LOBE, self.source_radius / z)
+            turned = 2 * np.arccos(np.minimum(view.cosine, 1))
+            # a Gaussian lobe of half angle w peaks at 2 / (pi w^2) per sr, white paper at 1 / pi
+            mirror = 2 / lobe**2 * np.exp(-2 * (turned / lobe) ** 2)
+            polished = SPECULAR_DIFFUSE * view.cosine + mirror
+            shine = (1 - weight) * view.cosine + weight * polished
+            share = view.reflectance * shine * self.pupil_area / (np.pi * z**2)
+        return sent * np.where(z > 0, share, 0.0)
+
+    def room(self, view: Hits) -> Array:
+        """Charge of one step from the room's light, electrons, (H, W)."""
+        etendue = self.pupil_area / self.focal_length**2
+        charge = self._electrons(self.ambient_radiance * etendue) * view.reflectance
+        return np.where(view.range > 0, charge, 0.0)
+
+    def _electrons(self, power: float) -> float:
+        """Electrons of one step that a power, W, before the lens makes."""
+        photons = power * self.exposure / STEPS * self.wavelength / (h * c)
+        return photons * self.transmission * self.efficiency
+
+    def light(self, view: Hits, field: Hits) -> Light:
+        """F of all light of the emitter and S with that of the room, electrons of a step (H, W).
+
+        Direct, blurred, and scattered evenly from all of ``field``.
+        """
+
+        def mixed(part: Callable[[Hits], Array]) -> Array:
+            near = gaussian_filter(part(view), self.blur, mode="nearest")
+            return (1 - self.veil) * near + self.veil * part(field).mean()
+
+        turn = TAU / self.wrap
+        phasor = mixed(lambda v: self.signal(v) * np.exp(-1j * turn * np.nan_to_num(v.range)))
+        return phasor, mixed(lambda v: self.signal(v) + self.room(v))
+
+    def differences(self, light: Light) -> Array:
+        """Mean of A - B in each step, electrons, (4, H, W)."""
+        return self.modulation * (light[0] * np.exp(-1j * PSI[:, None, None])).real
+
+    def capture(self, light: Light, *, rng: np.random.Generator, repeats: int = 1) -> Array:
+        """Difference images (repeats, 4, H, W), electrons: Skellam and read noise, rounded.
+
+        NaN where a tap is full, which a camera sees by the sum of its taps.
+        """
+        swing = np.broadcast_to(self.differences(light), (repeats, STEPS, *light[1].shape))
+        a, b = ((light[1] + sign * swing) / 2 for sign in (1, -1))
+        noisy, end = skellam_gaussian(a, b, rng=rng, sigma=self.read_noise), self.full_scale
+        images = quantise(noisy + end, bits=self.bits, full_scale=2 * end) - end
+        return np.where(np.maximum(a, b) < self.full_well, images, np.nan)
+
+    def depth(self, differences: ArrayLike) -> tuple[Array, Array]:
+        """Range (..., H, W), m, and amplitude, electrons, of difference images (..., 4, H, W).
+
+        NaN where the amplitude lies within the noise of a dark pixel, or tap or converter are full.
+        """
+        images = np.moveaxis(np.asarray(differences, float), -3, 0)
+        found = decode(images.reshape(STEPS, -1), PSI)
+        phase, amplitude = (one.reshape(images.shape[1:]) for one in (found.phase, found.amplitude))
+        lost = amplitude < np.sqrt(self.variance(0.0) * 2 / STEPS)
+        lost |= ~(np.abs(images).max(0) < self.full_scale * (1 - 2.0**-self.bits))
+        return np.where(lost, np.nan, depth_from_phase(phase, self.frequency)), amplitude
+
+    def variance(self, charge: ArrayLike) -> Array:
+        """Variance of A - B, electrons^2: Skellam, read noise, rounding."""
+        step = 2 * self.full_scale / (2**self.bits - 1)
+        return np.asarray(charge) + self.read_noise**2 + step**2 / 12
+
+    def bound(self, view: Hits) -> Array:
+        """Standard deviation of a pixel's range, m, (H, W)."""
+        own = self.signal(view)
+        noise = self.variance(own + self.room(view))
+        with np.errstate(divide="ignore"):
+            spread = linear_phase_noise(self.modulation * own, noise, STEPS)
+        return depth_from_phase(spread, self.frequency)
+
+    def error(self, found: ArrayLike, truth: ArrayLike) -> Array:
+        """Range less truth, m, modulo the wrap."""
+        off = phase_from_depth(np.subtract(found, truth), self.frequency)
+        return depth_from_phase(centred(off), self.frequency)

@@ -1,0 +1,157 @@
+r"""The all-optical range finder: the simulated instrument itself before the target of Fig. 13.
+
+A reading is one burst of 16 phases x 20 samples at 24 kS/s (13.3 ms). With L the light through open
+modulators, :math:`\bar w` and :math:`w_1` mean and fundamental of the product of their waveforms, u
+the room's light, S volts per watt, d the noise density at the mean output and B the bandwidth of
+the fundamental of K means of N samples behind the filters,
+
+.. math:: U(\psi) = S\,(L\bar w + u) + S L w_1\cos(\phi+\psi), \qquad
+          \sigma_\phi^2 = \frac{d\,B + 2\sigma_{adc}^2/KN}{(S L w_1)^2} .
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.signal import correlate
+
+from cmtof import constants
+from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth
+from cmtof.hardware.reduction import drive_phases, nominal_psi
+from cmtof_lab import optics as free_space
+from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.sweep import STAGE_ERROR, WRAP, collected_power, visited
+from cmtof_lab.targets import Plane
+from cmtof_lab.world import LABEL_TIME, SAMPLE_RATE, Panel, RfKnobs, World
+
+Array = NDArray[np.float64]
+
+FREQUENCY = {"single": constants.FREQUENCY_SINGLE, "doubled": constants.FREQUENCY_DOUBLED}
+"""Modulation frequency of each mode, Hz."""
+ORDER = {"single": 1, "doubled": 2}  # Harmonic of the drive that the correlation is made of
+_PLATE = {"single": constants.HALF_WAVE_PLATE_SINGLE, "doubled": constants.HALF_WAVE_PLATE_DOUBLED}
+
+
+@dataclass(frozen=True)
+class OpticalRanger:
+    """All-optical correlation at 7.15 ("single") or 14.32 GHz ("doubled") (Sec. 7, 8.2).
+
+    ``visits`` readings at known ranges over one wrap set the zero, as in a scan; a single one
+    stands at stage position 0.
+    """
+
+    settings: TwinSettings = field(default_factory=TwinSettings)
+    mode: str = "single"
+    phases: int = 16  # K (Sec. 7.2)
+    samples: int = 20  # of each phase (Sec. 7.2)
+    settle: int = 4  # of them are dropped while the filters settle, as in the default rig
+    visits: int = 8  # (assumed)
+    age: float = 600.0  # s from the first visit to the sweep (assumed)
+    step_time: float = 1.0  # s from one reading to the next (assumed: 2.4 mm/s and a turn of 1 mm)
+    air_change: tuple[float, float] = (0.5, 100.0)  # K, Pa since the zero, rms (assumed)
+    stage_error: float = STAGE_ERROR
+    level: float = 0.5  # share of the detector's range that the crest may reach (assumed)
+
+    @property
+    def frequency(self) -> float:
+        """Modulation frequency, Hz."""
+        return FREQUENCY[self.mode]
+
+    def panel(self) -> Panel:
+        """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
+        drive = self.frequency / ORDER[self.mode]
+        rf = {"on": True, "frequency": drive, "power": self.settings.drive_power}
+        knobs = RfKnobs(**rf), RfKnobs(**rf, table=drive_phases(self.phases, self.mode))
+        plates = 2 * [float(np.deg2rad(_PLATE[self.mode]))]
+        on = ("laser_on", "shutter_open", "flip_mirror_in", "clock_on")
+        return Panel(*knobs, *plates, **dict.fromkeys(on, True))
+
+    def before(self, target: Plane) -> TwinSettings:
+        """Settings with the target on the stage; the grey filter is a lower quantum efficiency."""
+        light = collected_power(self.settings, target, target.distance, self.mode)
+        efficiency = self.settings.efficiency * float(self.dimming_and_noise(light)[0])
+        return replace(self.settings, efficiency=efficiency, reference=target)
+
+    def counts(self, world: World, positions: Array, labels: ArrayLike) -> NDArray[np.uint16]:
+        """Raw counts (P, K x N) of bursts with labels (P,) at stage positions (P,), m."""
+        stage, beam = positions + self.settings.stage_zero, np.zeros((positions.size, 2))
+        edges = np.arange(self.phases * self.samples) // self.samples
+        return world.bursts(self.panel(), beam, labels=labels, pulses=edges, stage=stage)
+
+    def phase(self, counts: ArrayLike) -> Array:
+        """Wrapped phases (P,), rad, of raw counts (P, K x N)."""
+        bursts = np.asarray(counts, float).reshape(-1, self.phases, self.samples)
+        means = bursts[..., self.settle :].mean(-1).T
+        return np.asarray(decode(means, nominal_psi(self.phases)).phase, float)
+
+    def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+        """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.
+
+        Each repeat is another instrument on another day; ranges are unwrapped to the known wrap.
+        Phases of paths, cables and leaks, which no setting states, are anywhere in a turn.
+        """
+        offsets, settings = np.asarray(positions, float), self.before(target)
+        stated = np.append(visited(self.visits), offsets)
+        later = self.age + self.step_time * np.arange(offsets.size)
+        times = np.append(self.step_time * np.arange(self.visits), later)
+        labels = 1 + np.rint(times / LABEL_TIME).astype(int)
+        index = free_space.group_index(settings)
+        expected = phase_from_depth(index * (target.distance + stated), self.frequency)
+        ranges = np.empty((repeats, offsets.size))
+        for repeat in range(repeats):
+            rng = np.random.default_rng((seed, repeat))
+            path, back, cable, leak = rng.uniform(0, 1, 4)
+            today = replace(
+                settings,
+                internal_path=settings.internal_path + WRAP * path,
+                back_range=settings.back_range - WRAP * back,
+                phase_offset=TAU * cable,
+                leakage_phase=TAU * leak,
+            )
+            world = World(today, seed=int(rng.integers(2**63)))
+            warmer, denser = rng.standard_normal(2) * self.air_change
+            at = stated + self.stage_error * rng.standard_normal(stated.size)
+            error = self.phase(self.counts(world, at, labels)) - expected
+            zero = np.angle(np.exp(1j * error[: self.visits]).sum())
+            off = depth_from_phase(centred(error[self.visits :] - zero), self.frequency) / index
+            # the lab divides by the index of the zero
+            change = denser / max(settings.pressure, 1.0) - warmer / settings.temperature
+            thicker = (index - 1) * change
+            ranges[repeat] = (target.distance + offsets) * (1 + thicker / index) + off
+        return ranges
+
+    def bound(self, target: Plane, positions: ArrayLike) -> Array:
+        """Cramer-Rao bound on one estimate (P,), m: noise alone, that of the zero included."""
+        ranges = target.distance + np.asarray(positions, float)
+        light = collected_power(self.settings, target, ranges, self.mode)
+        noise = self.dimming_and_noise(light)[1] * np.sqrt(1 + 1 / self.visits)
+        return np.asarray(depth_from_phase(noise, self.frequency), float)
+
+    def dimming_and_noise(self, collected: ArrayLike) -> tuple[Array, Array]:
+        """Grey filter's transmission for collected light (...), W, and noise of a phase, rad.
+
+        The filter keeps the maximum within the detector's range; no speckle.
+        """
+        settings = self.settings
+        wave = World(settings).emission(self.panel())  # the detection's is alike
+        opened = np.asarray(collected, float) / free_space.emission_mean(settings, self.mode)
+        mean = opened * wave[0].real ** 2 + free_space.ambient(settings) * wave[0].real
+        amplitude = opened * 2 * abs(wave[ORDER[self.mode]]) ** 2
+        crest = volts_per_watt(settings) * (mean + amplitude)
+        dimming = np.minimum(1.0, self.level * settings.saturation / crest)
+        per_watt = volts_per_watt(settings) * dimming
+        counts = settings.converter_noise**2 + 1 / 12
+        kept = self.phases * (self.samples - self.settle)
+        variance = density(settings, per_watt * mean) * self._bandwidth()
+        variance = variance + 2 / kept * counts * SLOPE**2
+        return dimming, np.sqrt(variance) / (per_watt * amplitude)
+
+    def _bandwidth(self) -> float:
+        """Variance, V^2, of one quadrature of the fundamental per one-sided density, V^2/Hz."""
+        phase, sample = np.divmod(np.arange(self.phases * self.samples), self.samples)
+        memory = Chain(self.settings, 1 / SAMPLE_RATE).memory(phase.size)
+        tone = np.exp(-1j * nominal_psi(self.phases))[phase] * (sample >= self.settle)
+        overlap = correlate(tone, tone)[phase.size - 1 :].real
+        scale = 2 / (self.phases * (self.samples - self.settle))
+        return float(scale**2 * (overlap @ memory - overlap[0] * memory[0] / 2))

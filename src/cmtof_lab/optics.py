@@ -1,0 +1,148 @@
+"""Free space: air, the spot, how much light comes back, speckle, losses, the light that is sent."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import gammaincinv
+
+from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.targets import Hits, Target
+
+Array = NDArray[np.float64]
+
+PLACE = 1e-6  # Directions, rad, that share their speckle: finer than a step of the galvo's 14 bits
+SPECULAR_LOBE = 3e-3  # 1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)
+SPECULAR_DIFFUSE = 0.02  # Share of a polished surface's reflectance that is diffuse (assumed)
+
+# Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
+# degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
+_HEXAGON = np.arange(6) * np.pi / 3
+_SPOT = np.concatenate([[[0.0, 0.0]], np.stack([np.cos(_HEXAGON), np.sin(_HEXAGON)], -1)])
+_WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
+
+
+class Paths(NamedTuple):
+    """Ways of the light to the detector and back, M for each of N directions."""
+
+    range: Array  # (N, M), m; negative before the galvo
+    fraction: Array  # (N, M), share of the emitted light that enters aperture and splitter's axis
+
+
+def group_index(settings: TwinSettings = TwinSettings()) -> float:  # noqa: B008
+    """Group index of dry air, ``n_g = n - lambda dn/dlambda``; vapour, below 5e-7, is left out.
+
+    Standard air of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1, scaled as an ideal gas.
+
+    >>> f"{group_index(TwinSettings(temperature=288.15)) - 1:.4e}"
+    '2.8975e-04'
+    """
+    square = (1e-6 / settings.wavelength) ** 2  # wave number squared, 1/um^2
+    refractivity = 0.0
+    for strength, pole in ((0.05792105, 238.0185), (0.00167917, 57.362)):
+        # n + sigma dn/dsigma of strength / (pole - sigma^2)
+        refractivity += strength * (pole + square) / (pole - square) ** 2
+    return 1 + refractivity * (settings.pressure / 101325.0) * (288.15 / settings.temperature)
+
+
+def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
+    """Unit vectors (..., 3) along (tan x, tan y, 1) + aside for optical angles (..., 2), rad."""
+    tangent = np.tan(np.asarray(angles, float)) + aside
+    ray = np.concatenate([tangent, np.ones((*tangent.shape[:-1], 1))], axis=-1)
+    return ray / np.sqrt((ray * ray).sum(-1, keepdims=True))
+
+
+def spot_radius(settings: TwinSettings, distance: ArrayLike) -> Array:
+    """1/e^2 radius of the spot, m, at a range, m: exit radius and defocus add up."""
+    return settings.exit_radius + settings.divergence * np.abs(np.asarray(distance, float))
+
+
+def aperture_area(settings: TwinSettings) -> float:
+    """Area of the aperture, m^2."""
+    return np.pi * settings.aperture**2 / 4
+
+
+def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
+    """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt."""
+    # (lambda z)^2 / (pi w^2): coherence area of a Gaussian spot (Goodman, Speckle, 2007, ch. 4)
+    z, area = np.asarray(distance, float), aperture_area(settings)
+    return 1 + area * np.pi * spot_radius(settings, z) ** 2 / (settings.wavelength * z) ** 2
+
+
+def returned_fractions(settings: TwinSettings, hits: Hits) -> list[Array]:
+    """Shares of the light on a surface that enter the aperture, diffuse and specular; 0 for NaN."""
+    z, radius = hits.range, settings.aperture / 2
+    lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        # rho cos A / (pi z^2), half of it in the splitter's polarisation; half at the very most
+        rough = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
+        # a Gaussian lobe, cut by the aperture and turned by twice the tilt, keeps its polarisation
+        caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
+        turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
+        polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * rough
+        parts = (1 - hits.mirrored) * rough, hits.mirrored * polished
+    return [np.where(z > 0, hits.reflectance * part, 0.0) for part in parts]
+
+
+def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> Paths:
+    """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad."""
+    # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
+    angle = float(spot_radius(settings, 1.0))
+    weights, spot = (_WEIGHTS, angle * _SPOT) if angle else (np.ones(1), np.zeros((1, 2)))
+    hits = target.look(directions_from_angles(angles[:, None, :], spot))
+    distance = np.where(hits.range > 0, hits.range, 0.0)
+    rough, polished = (weights * one for one in returned_fractions(settings, hits))
+    if settings.speckle and rough.any():
+        # a gamma law of each sub-ray's cells, so that the whole spot follows that of all cells
+        cells = speckle_cells(settings, np.maximum(distance, 1e-3)) * weights
+        chance = uniform_from_places(seed, np.rint(angles / PLACE), weights.size)
+        rough = rough * gammaincinv(cells, chance) / cells
+    return Paths(distance, rough + polished)
+
+
+def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
+    """Uniform numbers (N, count) in (0, 1) that depend on the seed and on places (N, 2) only."""
+    # places, whole numbers of 32 bits, are mixed as in SplitMix64 (Steele et al., OOPSLA 2014)
+    pair = np.asarray(places).astype(np.int64).view(np.uint64)
+    start = _mixed(np.array([seed & (2**64 - 1), 7], np.uint64))
+    # arrays of unsigned integers wrap round without a warning
+    word = (pair[:, :1] << np.uint64(32)) ^ (pair[:, 1:] & np.uint64(0xFFFFFFFF))
+    column = np.arange(1, count + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+    mixed = _mixed(_mixed(word ^ start[:1]) + start[1:] + column)
+    return ((mixed >> np.uint64(11)).astype(float) + 0.5) / 2.0**53
+
+
+def _mixed(word: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Bits of 64-bit words, mixed."""
+    word = (word ^ (word >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    word = (word ^ (word >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return word ^ (word >> np.uint64(31))
+
+
+def outward(settings: TwinSettings) -> float:
+    """Transmission from fibre to scene, modulator apart (Sec. 7.1): lenses, mirrors, splitters."""
+    return settings.lens**2 * settings.mirror**4 * settings.splitter**2
+
+
+def inward(settings: TwinSettings) -> float:
+    """Transmission from aperture to detector, modulator apart (Sec. 7.2)."""
+    return settings.mirror**4 * settings.splitter * settings.lens**3
+
+
+def ambient(settings: TwinSettings) -> float:
+    """Room light, W, behind `inward`: radiance times aperture times solid angle, half polarised."""
+    etendue = aperture_area(settings) * (np.pi * settings.field_of_view**2 / 4)
+    return float(0.5 * settings.ambient_radiance * etendue * inward(settings))
+
+
+def emission_mean(settings: TwinSettings, mode: str) -> float:
+    """Mean transmission of an ideal emission module at the stated eta, mirror included."""
+    law = doubled_mode_harmonics if mode == "doubled" else single_mode_harmonics
+    return float(law(settings.eta, 2)[0].real) * settings.mirror_reflectance
+
+
+def sent_power(settings: TwinSettings, mode: str = "single") -> float:
+    """Mean power sent to the scene, W, the fibre at the middle of its drift (Sec. 7.1: 3 mW)."""
+    fibre = (settings.fibre_low + settings.fibre_high) / 2
+    return settings.laser_power * fibre * emission_mean(settings, mode) * outward(settings)

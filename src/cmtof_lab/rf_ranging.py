@@ -1,0 +1,197 @@
+r"""RF demodulation after photo-conversion (Sec. 7.4): circuit, bound, sweep, and image of a scan.
+
+Light of mean power P whose fundamental has the depth m makes a voltage with the complex envelope V
+in the load R_L; averaged over T each of its quadratures has the noise sigma,
+
+.. math:: V = R_L\,R\,m\,|H(f)|\,P\,e^{i\phi}, \qquad
+          \sigma^2 = \frac{k_B T_0 F R_L + 2e\,(R P + I_d)\,R_L^2 + e_n^2/2g^2}{T}, \qquad
+          \mathrm{SNR} = \frac{|V|^2}{2\sigma^2} = \frac{1}{2\sigma_\phi^2}
+
+with H = 1/(1 + i f/f_c) and the noise e_n of the amplifier behind the mixer, a gain g later.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.constants import Boltzmann, elementary_charge
+
+from cmtof.correlation import centred, phase_from_depth, wrapped
+from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
+from cmtof_lab import optics as free_space
+from cmtof_lab.optical_ranging import FREQUENCY, ORDER
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power, visited
+from cmtof_lab.targets import Plane, Target
+from cmtof_lab.world import DRIFT_RMS, SAMPLE_RATE, drift
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RfRanger:
+    """RF demodulation with laser, emission and optics of the all-optical instrument.
+
+    The paper names the photodiode only, the rest are catalogue parts (*known*, *assumed*: as in
+    `cmtof_lab.settings`). The offset is read with the beam blocked, and the imbalance from a
+    sweep of the phase, ``age`` before; the zero has ``visits``. Each averages ``points``.
+    """
+
+    settings: TwinSettings = field(default_factory=TwinSettings)
+    mode: str = "single"
+    calibrated: bool = True  # offset and imbalance are taken away; the zero is set in any case
+    points: int = 100
+    visits: int = 8
+    age: float = 600.0  # s from the calibration to the first position (assumed)
+    step_time: float = 1.0  # s from one position to the next (assumed)
+    stage_error: float = STAGE_ERROR
+    time: float = 320 / SAMPLE_RATE  # s for a point, that of the all-optical instrument (Sec. 7.2)
+    responsivity: float = 0.2  # A/W, photodiode ET-4000 at 532 nm (assumed: efficiency 0.47)
+    bandwidth: float = 12e9  # Hz, first order (Sec. 7.4)
+    dark_current: float = 0.5e-9  # A (known)
+    diameter: float = 60e-6  # m (known): the whole image of the spot does not fit on it
+    reference_diameter: float = 1e-3  # m, APD440A, which sees the optics' field_of_view
+    load: float = 50.0  # Ohm
+    amplifier_gain: float = 26.0  # dB (known, the class of a Mini-Circuits ZVA-183+)
+    noise_figure: float = 3.0  # dB (known)
+    filter_loss: float = 1.5  # dB, band-pass (assumed)
+    return_loss: float = 10.0  # dB, of both together as the mixer sees them (assumed)
+    conversion_loss: float = 9.0  # dB, I/Q mixer HMC8193 (data sheet Rev. B), as the next four
+    mixer_noise_figure: float = 11.5  # dB
+    amplitude_imbalance: float = 0.5  # dB, Q over I
+    phase_imbalance: float = 0.08726646  # rad, 5 degrees
+    lo_isolation: float = 48.0  # dB; what passes is thrown back and mixes with itself
+    lo_power: float = 18.0  # dBm (known for this class)
+    noise_density: float = 5e-9  # V/sqrt(Hz), of the amplifier behind the mixer (assumed)
+    drive_power: float = 30.0  # dBm, of the crystal (assumed)
+    isolation: float = 100.0  # dB, from that drive into the photodiode's cable (assumed)
+    drift: float = 1e-3  # of offsets and imbalances since the calibration, relative, rms (assumed)
+
+    @property
+    def noise_factor(self) -> float:
+        """Noise factor F of amplifier, filter and mixer (Friis 1944)."""
+        behind = 10 ** ((self.filter_loss + self.mixer_noise_figure) / 10) - 1
+        return float(10 ** (self.noise_figure / 10) + behind / 10 ** (self.amplifier_gain / 10))
+
+    @property
+    def offsets(self) -> Array:
+        """Envelopes of self-mixing and pick-up (2,), V: no light."""
+        leaked = self.lo_power - self.lo_isolation - self.return_loss
+        leaked -= self.amplifier_gain - self.filter_loss
+        level = np.array([leaked, self.drive_power - self.isolation])  # dBm
+        return np.sqrt(2 * self.load * 1e-3 * 10 ** (level / 10))
+
+    def envelope(self, power: ArrayLike) -> Array:
+        """Size of the envelope, V, of light (...), W."""
+        law = single_mode_harmonics if self.mode == "single" else doubled_mode_harmonics
+        wave = law(self.settings.eta, 2)
+        depth = 2 * abs(wave[ORDER[self.mode]]) / wave[0].real
+        response = self.responsivity / np.hypot(1, FREQUENCY[self.mode] / self.bandwidth)
+        return np.asarray(self.load * response * depth * np.asarray(power, float), float)
+
+    def noise(self, power: ArrayLike) -> Array:
+        """Noise of one quadrature averaged over ``time``, V rms: light (...), W, and circuit."""
+        current = self.responsivity * np.asarray(power, float) + self.dark_current
+        shot = 2 * elementary_charge * current * self.load**2
+        thermal = Boltzmann * 290.0 * self.noise_factor * self.load
+        ahead = 10 ** ((self.amplifier_gain - self.filter_loss - self.conversion_loss) / 10)
+        return np.sqrt((shot + thermal + self.noise_density**2 / (2 * ahead)) / self.time)
+
+    def snr(self, power: ArrayLike) -> Array:
+        """Signal over noise of light (...), W, a ratio of electrical powers."""
+        return self.envelope(power) ** 2 / (2 * self.noise(power) ** 2)
+
+    def seen_share(self, ranges: ArrayLike) -> Array:
+        """Share of a diffuse target's light on the small photodiode: a Gaussian image w/z wide."""
+        z = np.asarray(ranges, float)
+        half = self.settings.field_of_view / 2 * self.diameter / self.reference_diameter
+        with np.errstate(divide="ignore"):
+            return 1 - np.exp(-2 * (half * z / free_space.spot_radius(self.settings, z)) ** 2)
+
+    def power(self, target: Plane, ranges: ArrayLike) -> Array:
+        """Mean light on the photodiode, W; a mirror's beam is focused to a point (assumed)."""
+        whole = collected_power(self.settings, target, ranges, self.mode)
+        return whole * (1.0 if target.mirrored else self.seen_share(ranges))
+
+    def phase(self, ranges: ArrayLike) -> Array:
+        """Phase, rad, of ranges in air, m."""
+        ways = np.multiply(free_space.group_index(self.settings), ranges)
+        return np.asarray(phase_from_depth(ways, FREQUENCY[self.mode]), float)
+
+    def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+        """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
+        offsets, count = np.asarray(positions, float), self.visits
+        ranges = target.distance + np.append(visited(count), offsets)
+        found = np.empty((repeats, offsets.size))
+        for repeat in range(repeats):
+            read = self.readings(target, ranges, np.random.default_rng([seed, repeat]))
+            turned = read * np.exp(-1j * self.phase(ranges))
+            off = centred(np.angle(turned[count:] / turned[:count].sum()))
+            found[repeat] = ranges[count:] + off / self.phase(1.0)
+        return found
+
+    def bound(self, target: Plane, positions: ArrayLike) -> Array:
+        """Cramer-Rao bound (P,), m: noise of one reading at the mean light, nothing else."""
+        light = self.power(target, target.distance + np.asarray(positions, float))
+        return self.noise(light) / self.envelope(light) / self.phase(1.0)
+
+    def readings(self, target: Plane, ranges: Array, rng: np.random.Generator) -> Complex:
+        """One day's envelopes (P,), V, at ranges (P,), m, the first ones those of the zero."""
+        settings, key, zeros = self.settings, int(rng.integers(2**62)), self.visits
+        later = self.age + self.step_time * np.arange(ranges.size - zeros)
+        times = np.append(self.step_time * np.arange(zeros), later)
+        times = np.append(times, 0.0)  # the last with the beam blocked
+        slow = [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
+        constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
+        constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
+        low, high = settings.fibre_low, settings.fibre_high
+        fibre = 1 + (high - low) / (high + low) * DRIFT_RMS * slow[3]
+        jitter = settings.phase_noise[ORDER[self.mode] - 1]  # of the drivers, as in the instrument
+        true = ranges + self.stage_error * rng.standard_normal(ranges.size)
+        light = self.power(target, ranges)
+        if settings.speckle and not target.mirrored:
+            cells = free_space.speckle_cells(settings, ranges)
+            light = light * rng.gamma(cells, 1 / cells)
+        light, true = np.append(light, 0.0), np.append(true, 0.0)
+        many = np.where(np.arange(times.size) < zeros, self.points, 1)
+        many[-1] = self.points
+        turn = jitter * rng.standard_normal(many.size) / np.sqrt(many)
+        turn += settings.phase_drift * slow[2]
+        stray = free_space.sent_power(settings, self.mode) * free_space.inward(settings)
+        stray *= settings.back_fraction * (times > 0)
+        ways = (light, true), (stray, settings.back_range)
+        signal = constant + sum(
+            self.envelope(power * fibre) * np.exp(1j * (self.phase(z) + turn)) for power, z in ways
+        )
+        noise = self.noise(light) / np.sqrt(many) * circular_normals(rng, many.size)
+        known = 10 ** (self.amplitude_imbalance / 20), self.phase_imbalance
+        read = skewed(signal + noise, *(known + self.drift * rng.standard_normal(2)))
+        # the blocked beam is read, and the imbalance known, before they drift
+        blocked = skewed((signal + noise)[-1], *known)
+        return straightened(read - blocked, *known)[:-1] if self.calibrated else read[:-1]
+
+
+def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
+    """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
+    z = np.asarray(phasor, complex)
+    return np.asarray(z.real + 1j * gain * (z * np.exp(1j * np.asarray(error))).imag, complex)
+
+
+def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
+    """Phasor of a skewed reading: the inverse of `skewed`."""
+    z = np.asarray(reading, complex)
+    return np.asarray(z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error))
+
+
+def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
+    """Wrapped phase (...), rad, by RF demodulation at optical angles (..., 2), rad; noise alone."""
+    settings = ranger.settings
+    paths = free_space.trace(target, np.reshape(angles, (-1, 2)), settings, seed)
+    sent = free_space.sent_power(settings, ranger.mode) * free_space.inward(settings)
+    power = sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
+    # each ray of the spot has a phase of its own: on a slope they partly cancel
+    signal = (ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))).sum(-1)
+    rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
+    read = signal + ranger.noise(power.sum(-1)) * circular_normals(rng, signal.size)
+    return np.asarray(wrapped(np.angle(read)), float).reshape(np.shape(angles)[:-1])

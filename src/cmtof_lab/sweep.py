@@ -1,0 +1,70 @@
+r"""The sweep of Fig. 13 and Table 4: the light that returns, and the parts of its errors.
+
+The error of one repeat at stage position x is split by least squares,
+
+.. math:: e(x) = \underbrace{o}_{offset} + s\,(x - \bar x) + r(x), \qquad
+          \mathrm{RMSE}^2 = o^2 + s^2\,\mathrm{var}(x) + \frac{P-2}{P}\,\sigma_r^2 .
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cmtof.constants import FREQUENCY_SINGLE
+from cmtof.correlation import wrap_length
+from cmtof_lab import optics as free_space
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.targets import Hits, Plane
+
+Array = NDArray[np.float64]
+
+POSITIONS = 5e-5 * np.arange(21)  # Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)
+STAGE_ERROR = 5e-8  # Error of a position of the stage, rms, m (Sec. 8.2)
+WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
+
+
+def visited(count: int) -> Array:
+    """Stage positions (count,), m, that set a zero: over one wrap, where cyclic errors cancel."""
+    return WRAP * ((np.arange(count) + 0.5) / count - 0.5)
+
+
+def collected_power(
+    settings: TwinSettings, target: Plane, ranges: ArrayLike, mode: str = "single"
+) -> Array:
+    """Mean light (...), W, behind the receiving optics, of a target at ranges (...), m."""
+    places = np.append(target.distance, np.asarray(ranges, float).ravel())
+    hits = Hits(places, np.ones(1), np.array(target.reflectance), target.mirrored)
+    share = sum(free_space.returned_fractions(settings, hits))
+    # a mirror turns the rim of the spot away: the same part of it at every range
+    smooth = replace(settings, speckle=False)
+    whole = free_space.trace(target, np.zeros((1, 2)), smooth, 0).fraction.sum()
+    power = free_space.sent_power(settings, mode) * free_space.inward(settings) * whole
+    return (power * share[1:] / share[0]).reshape(np.shape(ranges))
+
+
+def circular_normals(rng: np.random.Generator, count: int) -> NDArray[np.complex128]:
+    """Circular complex normals (count,) whose real and imaginary parts have unit variance."""
+    return rng.standard_normal((count, 2)).view(complex)[:, 0]
+
+
+class Parts(NamedTuple):
+    """Parts (...) of the errors of each repeat, m; the slope has no unit."""
+
+    offset: Array
+    slope: Array
+    scatter: Array
+    rmse: Array
+    mae: Array
+
+
+def parts(errors: ArrayLike, positions: ArrayLike = POSITIONS) -> Parts:
+    """Offset, slope, scatter, RMSE and MAE of errors (..., P), m, at positions (P,), m."""
+    error, place = np.asarray(errors, float), np.asarray(positions, float)
+    about = place - place.mean()
+    offset, slope = error.mean(axis=-1), error @ about / (about @ about)
+    left = error - offset[..., None] - slope[..., None] * about
+    scatter = np.sqrt((left**2).sum(axis=-1) / (place.size - 2))
+    rmse, mae = np.sqrt(np.mean(error**2, axis=-1)), np.abs(error).mean(axis=-1)
+    return Parts(offset, slope, scatter, rmse, mae)

@@ -1,0 +1,191 @@
+"""Targets of a beam: plane, frame, mesh. A target gives the end of a ray, not its light.
+
+Coordinates of the camera: x right, y down, z forward; the galvo's beam leaves along +z at 0 V.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import ConfigDict
+
+from cmtof.frame import ray_lengths, rays_from_camera
+from cmtof.scenes import Frame, load_frame
+from cmtof.validation import expect
+
+Array = NDArray[np.float64]
+
+LARGEST_STEP = 0.02  # Neighbouring pixels whose depths differ by a smaller share: one surface
+SURFACE = 3e-3  # How near to a point its own surface may be met, m
+
+
+class Hits(NamedTuple):
+    """Where rays (...) ended; NaN range where they met nothing."""
+
+    range: Array  # m
+    cosine: Array  # between the ray and the surface's normal, 0 to 1
+    reflectance: Array  # 0 to 1
+    mirrored: Array | float = 0.0  # weight of the specular law against the diffuse one, 0 to 1
+
+
+Target = Any  # What has ``look``, from unit rays (..., 3) of the origin to `Hits`
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Flat surface that cuts the z axis at ``distance``, m; a mirror if ``mirrored`` is 1."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
+    distance: float
+    tilt_x: float = 0.0  # slope dz/dx as an angle, rad
+    tilt_y: float = 0.0  # dz/dy likewise
+    reflectance: float = 0.5
+    mirrored: float = 0.0
+
+    def look(self, directions: Array) -> Hits:
+        """Trace unit rays (..., 3) from the origin."""
+        normal = np.array([-np.tan(self.tilt_x), -np.tan(self.tilt_y), 1.0])
+        along = directions @ normal
+        with np.errstate(divide="ignore"):
+            reach = np.where(along > 0, self.distance / along, np.nan)
+        cosine = along / np.linalg.norm(normal)
+        return Hits(reach, cosine, np.full(reach.shape, self.reflectance), self.mirrored)
+
+
+PLATE = Plane(0.60)  # Diffuse target of Sec. 8.2
+MIRROR = Plane(0.60, reflectance=0.97, mirrored=1.0)  # Silvered PF10-03-P01 (known, at 532 nm)
+
+
+class FrameTarget:
+    """A frame's depth and intensity, clipped to 1 as reflectance, looked up through its camera."""
+
+    def __init__(self, frame: Frame) -> None:
+        expect(frame.camera is not None, "a frame with a camera", f"{frame.name!r}", "Store one.")
+        self._camera = np.asarray(frame.camera, float)
+        self._reflectance = np.clip(np.asarray(frame.intensity, float), 0, 1)
+        planar = np.asarray(frame.depth, float) / ray_lengths(frame.depth.shape, self._camera)
+        self._inverse = 1 / planar
+        self._cosine = _cosines(planar, rays_from_camera(planar.shape, self._camera))
+
+    def look(self, directions: Array) -> Hits:
+        """Trace unit rays (..., 3) from the origin."""
+        fx, fy, cx, cy, *skew = self._camera
+        height, width = self._inverse.shape
+        forward = directions[..., 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x, y = directions[..., 0] / forward, directions[..., 1] / forward
+            u, v = fx * x + sum(skew) * y + cx, fy * y + cy
+        seen = (forward > 0) & (u >= 0) & (u < width) & (v >= 0) & (v < height)
+        u, v = np.where(seen, u, 0.0), np.where(seen, v, 0.0)
+        nearest = v.astype(int), u.astype(int)
+        i = np.clip(v - 0.5, 0, height - 2).astype(int)
+        j = np.clip(u - 0.5, 0, width - 2).astype(int)
+        s, t = v - 0.5 - i, u - 0.5 - j
+        # inverse depth, exact on planes, is interpolated; across a step the nearest pixel counts
+        corners = np.stack([self._inverse[i + m, j + n] for m in (0, 1) for n in (0, 1)])
+        a, b, c, d = corners
+        above, below = a + t * (b - a), c + t * (d - c)
+        flat = np.ptp(corners, axis=0) < LARGEST_STEP * corners.min(axis=0)
+        inverse = np.where(flat, above + s * (below - above), self._inverse[nearest])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = np.where(seen, 1 / (inverse * forward), np.nan)
+        return Hits(reach, self._cosine[nearest], self._reflectance[nearest])
+
+
+def _cosines(planar: Array, rays: Array) -> Array:
+    """Cosine of incidence (H, W) from the steps to neighbours."""
+    points = rays * planar[..., None]
+    down = _smaller_step(points.swapaxes(0, 1)).swapaxes(0, 1)
+    normal = np.cross(_smaller_step(points), down)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        size = np.linalg.norm(normal, axis=-1) * np.linalg.norm(rays, axis=-1)
+        cosine = np.abs((normal * rays).sum(-1)) / size
+    return np.clip(np.nan_to_num(cosine, nan=1.0), 0, 1)
+
+
+def _smaller_step(points: Array) -> Array:
+    """The smaller of the steps (H, W, 3) to the left and to the right neighbour, by depth."""
+    step = np.diff(points, axis=1, prepend=np.nan, append=np.nan)
+    size = np.nan_to_num(np.abs(step[..., 2:]), nan=np.inf)
+    return np.where(size[:, :-1] < size[:, 1:], step[:, :-1], step[:, 1:])
+
+
+@dataclass(frozen=True, eq=False)
+class MeshTarget:
+    """Triangles (F, 3) of vertices (V, 3), m, traced by Embree."""
+
+    vertices: NDArray
+    faces: NDArray
+    reflectance: float | Array = 0.5  # a number or (V,), which is interpolated
+    mirrored: float | Array = 0.0  # likewise
+
+    @classmethod
+    def from_mesh(cls, mesh: Any) -> "MeshTarget":
+        """Target of a trimesh with the vertex attributes ``reflectance`` and ``mirrored``."""
+        held = mesh.vertex_attributes
+        return cls(mesh.vertices, mesh.faces, held["reflectance"], held["mirrored"])
+
+    @cached_property
+    def _tracer(self) -> Any:
+        """Embree's tree, made when it is first needed."""
+        from cmtof_rooms.engine import Tracer
+
+        return Tracer(np.asarray(self.vertices, np.float32), np.asarray(self.faces, np.int32))
+
+    def look(self, directions: Array) -> Hits:
+        """Trace unit rays (..., 3) from the origin."""
+        exact = directions.reshape(-1, 3)
+        rays = np.ascontiguousarray(exact, np.float32)
+        hits = self._tracer.nearest(np.zeros_like(rays), rays)
+        met = hits.triangle >= 0
+        corners = np.asarray(self.faces)[np.where(met, hits.triangle, 0)]
+        a, b, c = np.asarray(self.vertices, float)[corners].swapaxes(0, 1)
+        normal = np.cross(b - a, c - a)
+        # the range again in double precision, on the plane of the triangle that was met
+        with np.errstate(divide="ignore", invalid="ignore"):
+            along = (exact * normal).sum(-1)
+            reach = np.where(met, (a * normal).sum(-1) / along, np.nan)
+            cosine = np.nan_to_num(np.abs(along) / np.linalg.norm(normal, axis=-1))
+        u, v = np.where(met, hits.u, 0.0), np.where(met, hits.v, 0.0)
+        held = [np.broadcast_to(x, len(self.vertices)) for x in (self.reflectance, self.mirrored)]
+        there = [(x[corners] * np.stack([1 - u - v, u, v], -1)).sum(-1) for x in held]
+        return Hits(*(one.reshape(directions.shape[:-1]) for one in (reach, cosine, *there)))
+
+    def hidden(self, points: Array, eye: ArrayLike) -> NDArray[np.bool_]:
+        """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
+        way = points.reshape(-1, 3) - np.asarray(eye, float)
+        far = np.linalg.norm(way, axis=-1)
+        rays = np.ascontiguousarray(way / far[:, None], np.float32)
+        start = np.broadcast_to(np.asarray(eye, np.float32), rays.shape).copy()
+        reach = (far - SURFACE).astype(np.float32)
+        return self._tracer.blocked(start, rays, reach).reshape(points.shape[:-1])
+
+
+def _object(name: str) -> MeshTarget:
+    from cmtof_lab.objects import object_mesh
+
+    return MeshTarget.from_mesh(object_mesh(name))
+
+
+# Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments
+KINDS: dict[str, Any] = {"plane": Plane, "mirror": partial(Plane, mirrored=1.0), "object": _object}
+
+
+def scene_from(source: Any) -> Target | None:
+    """Target of a frame, its file or embedded name, a mapping with `KINDS`, or a target itself."""
+    if source is None or hasattr(source, "look"):
+        return source
+    if isinstance(source, (str, Path)):
+        source = load_frame(source)
+    if isinstance(source, Frame):
+        return FrameTarget(source)
+    options = dict(source) if isinstance(source, Mapping) else {}
+    try:
+        return KINDS[options.pop("kind", None)](**options)
+    except (KeyError, TypeError):
+        what = f"twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys"
+        raise ValueError(f"Expected {what}, got {source!r}. Correct it.") from None

@@ -1,0 +1,250 @@
+r"""The simulated instrument: from its knobs to the light on its detector and its counts.
+
+With the Fourier coefficients :math:`W_k` of the emission's and :math:`R_k` of the detection's
+waveform, drives :math:`\eta\sin(\omega t-\varphi)` and paths of the shares p and round trips tau,
+
+.. math:: C = \sum_m p_m\,\Big[W_0R_0 + 2\,\mathrm{Re}\sum_{k\ge1}W_kR_k^*\,
+          e^{ik(\varphi_d-\varphi_e-\omega\tau_m)}\Big].
+
+Its fundamental is :math:`\cos(\phi+\psi)` with psi = -phi_d + const, in the doubled mode -2 phi_d.
+Time is virtual: burst n starts at ``n * 20 ms``, settled, and its noise depends on (seed, n) only;
+the laser has drift but no fast noise. Optical angles: along (tan x, tan y, 1), y downwards.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator, Philox
+from numpy.typing import ArrayLike, NDArray
+
+from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.modulator import TwoPassModulator
+from cmtof_lab import optics as free_space
+from cmtof_lab.electronics import POLES, Chain, counts_from_volts, density, volts_per_watt
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.targets import Plane, scene_from
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Integers = NDArray[np.integer]
+
+LABEL_TIME = 0.02  # Virtual time from one burst to the next, s: 13.3 ms and its dialogue
+SAMPLE_RATE = 24000.0  # Samples a second, Hz (Sec. 7.2)
+HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
+CODES = 65536  # Phase codes of an RF driver in a turn
+DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)  # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
+DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
+
+STEP_NOISE = np.sqrt(32 / 3)  # Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
+
+LABEL, DRIFT, CODE, JITTER = 1, 5, 6, 8  # purposes of random numbers
+_harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
+
+
+def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
+    """Philox generator whose numbers depend on the arguments alone (Salmon et al., SC 2011)."""
+    words = np.array([seed & (2**64 - 1), purpose], np.uint64)
+    return Generator(Philox(key=words, counter=np.array([0, key & (2**64 - 1), 0, 0], np.uint64)))
+
+
+def drift(seed: int, channel: int, time: ArrayLike) -> Array:
+    """Drift in [-1, 1] at times (...), s, 1/f in spectrum: ten equal sinusoids, one an octave."""
+    rng = keyed_generator(seed, DRIFT, channel)
+    # off the exact octaves, or the sum would be periodic
+    rate = 2 * np.pi * DRIFT_OCTAVES * rng.uniform(0.9, 1.1, DRIFT_OCTAVES.size)
+    angle = np.multiply.outer(np.asarray(time, float), rate)
+    return np.sin(angle + rng.uniform(0, 2 * np.pi, rate.size)).sum(-1) / rate.size
+
+
+@dataclass
+class RfKnobs:
+    """One RF driver: Hz, dBm, rad, and the phases (K,), rad, that a trigger steps through."""
+
+    on: bool = False
+    frequency: float = 7.15e9
+    power: float = 0.0
+    phase: float = 0.0
+    table: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass
+class Panel:
+    """Every knob of the instrument: rad, V, m; the flip mirror leads to the reference target."""
+
+    emission: RfKnobs = field(default_factory=RfKnobs)
+    detection: RfKnobs = field(default_factory=RfKnobs)
+    plate_emission: float = 0.0
+    plate_detection: float = 0.0
+    stage: float = 0.0
+    galvo_volts: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    laser_on: bool = False
+    shutter_open: bool = False
+    flip_mirror_in: bool = False
+    beam_block_out: bool = False
+    interlock_closed: bool = True
+    clock_on: bool = False
+    time: float = 0.0  # virtual, s
+
+
+class World:
+    """One instrument before a scene as `scene_from` takes it, by default that of the settings."""
+
+    def __init__(self, settings: TwinSettings, scene: Any = None, *, seed: int = 0) -> None:
+        self.settings, self.seed = settings, int(seed)
+        self.scene = scene_from(settings.scene if scene is None else scene) or Plane(np.nan)
+        self.group_index = free_space.group_index(settings)
+        names = ("mirror_distance", "mirror_reflectance")
+        names += ("transmitted_extinction", "reflected_extinction")
+        parts = {name: getattr(settings, name) for name in names}
+        # the incident polarisation is that of Sec. 7.1
+        self.modulator = TwoPassModulator(half_wave_angle=0, input_axis="horizontal", **parts)
+        codes = [keyed_generator(self.seed, CODE, n).standard_normal(CODES) for n in (0, 1)]
+        self.code_errors = settings.phase_step_error * np.stack(codes)
+
+    def bursts(
+        self,
+        panel: Panel,
+        angles: ArrayLike,
+        *,
+        labels: ArrayLike,
+        pulses: Integers,
+        rate: float = SAMPLE_RATE,
+        stage: ArrayLike | None = None,
+    ) -> NDArray[np.uint16]:
+        """Raw stream counts (N, T) of a burst for each of N optical angles (N, 2), rad.
+
+        ``stage`` (N,), m, is the target's, ``labels`` (N,) number the bursts, and ``pulses`` (T,)
+        are the trigger's last edge at each sample, at ``rate``, Hz; galvo and time do not count.
+        """
+        points, numbers = np.asarray(angles, float).reshape(-1, 2), np.asarray(labels)
+        places = np.broadcast_to(panel.stage if stage is None else np.asarray(stage), len(points))
+        # the drives are constant in stretches between edges
+        first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
+        length = np.diff(first, append=len(pulses))
+        times = LABEL_TIME * numbers[:, None] + (first + length / 2) / rate
+        paths, modules = self._paths(panel, points, places), self._waveforms(panel, pulses[first])
+        light = self._light(panel, paths, times, modules, self.jitter(numbers, first.size))
+        return self._counts(np.repeat(light, length, axis=1), numbers, rate)
+
+    def _paths(self, panel: Panel, angles: Array, stage: Array) -> Array:
+        """Ranges and shares (2, N, M) of the ways to scene or reference, the stray one last."""
+        settings, ways = self.settings, []
+        if panel.flip_mirror_in:
+            for place in stage.tolist():  # the beam stands still behind the flip mirror
+                distance = settings.reference.distance + place - settings.stage_zero
+                target = replace(settings.reference, distance=distance)
+                # another 10 um of stage, another speckle
+                seed = self.seed + 1 + round(place / 1e-5)
+                ways.append(free_space.trace(target, np.zeros((1, 2)), settings, seed))
+        else:
+            ways.append(free_space.trace(self.scene, angles, settings, self.seed))
+        stray = np.reshape([settings.back_range, settings.back_fraction], (2, 1, 1))
+        found = np.concatenate(ways, axis=1)
+        return np.append(found, np.broadcast_to(stray, (2, len(angles), 1)), axis=-1)
+
+    def jitter(self, labels: NDArray, steps: int) -> Array:
+        """Disturbance (N, S) of the phase at steps of bursts (N,), in units of its rms."""
+        if not any(self.settings.phase_noise):
+            return np.zeros((len(labels), steps))
+        keys = np.append(labels, labels - 1).tolist()
+        made = [keyed_generator(self.seed, JITTER, n) for n in keys]
+        own, before = np.array([one.standard_normal(steps) for one in made]).reshape(2, -1, steps)
+        mix = np.arcsin(2 * self.settings.grain) / 2  # cos sin of it is the correlation
+        return np.cos(mix) * own + np.sin(mix) * before
+
+    def _light(
+        self, panel: Panel, paths: Array, times: Array, modules: list[Complex], jitter: Array
+    ) -> Array:
+        """Light on the detector (N, S), W, at times (N, S), s, with both modules (S, K + 1)."""
+        settings, (reach, fraction), (emission, detection) = self.settings, paths, modules
+        products = 2 * emission * np.conj(detection)
+        if not panel.clock_on or panel.emission.frequency != panel.detection.frequency:
+            products[:, 1:] = 0.0
+        way = self.group_index * reach + settings.internal_path
+        phase = 4 * np.pi * panel.emission.frequency / SPEED_OF_LIGHT * way
+        lag = settings.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
+        share = products[:, 0].real / 2 * fraction.sum(1, keepdims=True)
+        size = np.abs(products).max(axis=0)
+        mode = int(size[1] < size[2])
+        lag = lag + STEP_NOISE * settings.phase_noise[mode] / (1 + mode) * jitter
+        for order in range(1, HARMONICS + 1):
+            if size[order] > 1e-13 * size[0]:
+                phasor = (fraction * np.exp(-1j * order * phase)).sum(1, keepdims=True)
+                share = share + (products[:, order] * phasor * np.exp(1j * order * lag)).real
+        loss = free_space.outward(settings) * free_space.inward(settings)
+        room = free_space.ambient(settings) * detection[:, 0].real
+        return self.from_fibre(panel, times) * loss * np.maximum(share, 0.0) + room
+
+    def _counts(self, light: Array, labels: NDArray, rate: float) -> NDArray[np.uint16]:
+        """Counts (N, T) of light (N, T), W, held for a sample each: noise, filters, converter."""
+        settings, samples = self.settings, light.shape[1]
+        volts = np.minimum(light * volts_per_watt(settings), settings.saturation)
+        filters, spread = Chain(settings, 1 / rate), np.sqrt(density(settings, volts))
+        if not settings.noise:
+            return counts_from_volts(filters.run(volts, spread, None))
+        # a row: the filters' initial state, then for each sample the filters' noise and the ADC's
+        size = POLES + (POLES + 1) * samples
+        drawn = [keyed_generator(self.seed, LABEL, int(n)).standard_normal(size) for n in labels]
+        initial, by_sample = np.split(np.stack(drawn), [POLES], axis=1)
+        by_sample = by_sample.reshape(-1, samples, POLES + 1)
+        normals = np.concatenate([initial[:, None], by_sample[..., :POLES]], axis=1)
+        output = filters.run(volts, spread, normals)
+        output = np.clip(output, -settings.saturation, settings.saturation)
+        return counts_from_volts(output, settings.converter_noise * by_sample[..., POLES])
+
+    def emission(self, panel: Panel) -> Complex:
+        """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
+        return self._waveforms(panel, np.array([-1]))[0][0]
+
+    def _waveforms(self, panel: Panel, edges: Integers) -> list[Complex]:
+        """Fourier coefficients (S, K + 1) of both modules behind edges (S,); -1 is before them."""
+        settings, knobs = self.settings, (panel.emission, panel.detection)
+        made = []
+        for number, one in enumerate(knobs):
+            table = one.table if len(one.table) else np.array([one.phase])
+            phase = self.made_phase(number, table[edges % len(table)])
+            phase = phase + number * settings.phase_offset
+            size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
+            made.append(size * np.exp(-1j * phase))
+        leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
+        if panel.clock_on:  # what leaks at another frequency averages out
+            made = [made[0] + leak * made[1], made[1] + leak * made[0]]
+        plates, found = (panel.plate_emission, panel.plate_detection), []
+        for one, angle, phasor in zip(knobs, plates, made, strict=True):
+            module = replace(self.modulator, half_wave_angle=angle, frequency=one.frequency)
+            waves = [_harmonics(replace(module, eta=x), HARMONICS) for x in np.abs(phasor).tolist()]
+            turn = np.exp(1j * np.angle(phasor))[:, None] ** np.arange(HARMONICS + 1)
+            found.append(np.stack(waves) * turn)
+        return found
+
+    def made_phase(self, module: int, phase: Array) -> Array:
+        """Phase, rad, that driver 0 or 1 really makes of one that was set."""
+        code = np.rint(phase * (CODES / (2 * np.pi))).astype(int) % CODES
+        error = self.code_errors[module, code]
+        return phase + error + self.settings.iq_imbalance * np.sin(2 * phase)
+
+    def from_fibre(self, panel: Panel, times: Array) -> Array:
+        """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""
+        low, high = self.settings.fibre_low, self.settings.fibre_high
+        passed = panel.laser_on and panel.shutter_open and panel.interlock_closed
+        fibre = (low + high) / 2 + (high - low) / 2 * drift(self.seed, 0, times)
+        return passed * self.settings.laser_power * fibre
+
+    def ranges(self, angles: ArrayLike) -> Array:
+        """True ranges (...), m, of the scene at optical angles (..., 2), rad; NaN for nothing."""
+        return self.scene.look(free_space.directions_from_angles(angles)).range
+
+    def laser_power(self, panel: Panel) -> float:
+        """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
+        power = self.from_fibre(panel, np.array(panel.time)) * self.emission(panel)[0].real
+        settings = self.settings
+        return float(power * (settings.lens**2 * settings.mirror * settings.splitter))
+
+
+def amplitude(settings: TwinSettings, power: float, frequency: float) -> complex:
+    """Complex drive amplitude, rad; a resonance of width G passes ``1 / (1 + 2i d / G)`` at d."""
+    offsets = np.array([settings.detuning, frequency - settings.resonance])
+    stated, passed = 1 / (1 + 2j * offsets / settings.resonance_width)
+    return settings.eta * 10 ** ((power - settings.drive_power) / 20) * passed / abs(stated)

@@ -1,0 +1,113 @@
+"""The built book: whole, local, described."""
+
+import json
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import pytest
+from bs4 import BeautifulSoup
+
+from cmtof_book import graph
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build" / "ci"
+HTML = BUILD / "html"
+NOTEBOOKS = graph.Book(ROOT).notebooks()
+PAGES = [p for p in sorted(HTML.rglob("*.html")) if "_static" not in p.parts]
+
+needs_build = pytest.mark.skipif(not HTML.is_dir(), reason="no ci build: make test makes one")
+
+
+@cache
+def soup(page: Path) -> BeautifulSoup:
+    return BeautifulSoup(page.read_text(encoding="utf-8"), "html.parser")
+
+
+@cache
+def anchors(page: Path) -> set[str]:
+    return {tag.get(key) for tag in soup(page).find_all() for key in ("id", "name")} - {None}
+
+
+@needs_build
+def test_every_chapter_has_a_page_that_states_how_it_was_made():
+    assert "WARNING" not in (BUILD / "book.log").read_text(encoding="utf-8")
+    for stem in NOTEBOOKS:
+        block = soup(HTML / "notebooks" / f"{stem}.html").select_one(".admonition.provenance")
+        rows = {row.td.get_text() for row in block.select("tr") if row.td}
+        assert rows >= {"profile", "seed", "cmtof", "run", "libraries"}
+
+
+@needs_build
+def test_no_figure_table_or_equation_of_the_paper_is_missing():
+    page = (BUILD / "stage" / "book" / "scoreboard.md").read_text(encoding="utf-8")
+    assert "None of them is missing." in page
+
+
+def faults(page: Path) -> Iterator[str]:
+    """Resources from elsewhere, links to nothing, images without a text."""
+    for tag in soup(page).find_all(["script", "img", "iframe", "source", "link", "a"]):
+        loads = tag.name != "a" and not (tag.name == "link" and "canonical" in tag.get("rel", []))
+        target = urlsplit(tag.get("src") or tag.get("href") or "")
+        if target.scheme or target.netloc:
+            if loads and target.scheme != "data":
+                yield f"loads {target.geturl()}"
+            continue
+        path = (page.parent / unquote(target.path)).resolve() if target.path else page
+        anchor = tag.name == "a" and target.fragment and path in PAGES
+        if not path.exists() or (anchor and unquote(target.fragment) not in anchors(path)):
+            yield f"leads nowhere: {target.geturl()}"
+        if tag.name == "img" and "_static" not in target.path and not tag.get("alt", "").strip():
+            yield f"no text: {target.geturl()}"
+
+
+@needs_build
+def test_pages_are_whole():
+    assert PAGES
+    assert not [f"{page.name}: {fault}" for page in PAGES for fault in faults(page)]
+
+
+@needs_build
+def test_style_sheets_load_nothing_from_elsewhere():
+    for sheet in HTML.rglob("*.css"):
+        text = sheet.read_text(encoding="utf-8", errors="ignore")
+        assert not re.search(r"(url\(\s*['\"]?|@import\s+['\"])(https?:)?//", text), sheet.name
+
+
+def outputs(stem: str) -> list[dict]:
+    path = BUILD / "stage" / "notebooks" / f"{stem}.ipynb"
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    return [output for cell in cells for output in cell.get("outputs", ())]
+
+
+@needs_build
+def test_no_cell_ends_in_an_object_that_nobody_wants_to_read():
+    """A cell that ends in `ax.set_ylabel(...)` would print what that returns."""
+    unwanted = re.compile(r"Text\(|<matplotlib|\[<|.* object at 0x|\(?array\(")
+    for stem in NOTEBOOKS:
+        results = [out for out in outputs(stem) if out["output_type"] == "execute_result"]
+        texts = ["".join(out["data"].get("text/plain", "")) for out in results]
+        assert not [text for text in texts if unwanted.match(text)], stem
+
+
+@needs_build
+def test_every_figure_is_placed_with_its_caption_and_text():
+    placed = set().union(*map(anchors, PAGES))
+    texts = {img.get("alt") for page in PAGES for img in soup(page).find_all("img")}
+    for file in sorted((BUILD / "results").glob("*/*.json")):
+        if file.name == "checks.json":
+            continue
+        record = json.loads(file.read_text(encoding="utf-8"))
+        assert (file.parent / record["figure"]).is_file()
+        assert "fig-" + file.stem.replace("_", "-") in placed, f"{file.stem} is on no page"
+        assert record["alt"] in texts, f"{file.stem} has no alternative text"
+
+
+@needs_build
+def test_every_erratum_was_computed_by_this_build():
+    printed = "".join(text for out in outputs("22_errata") for text in out.get("text", ()))
+    counted = re.findall(r"^\w+: (\d+) of (\d+) (?:proved|hold)$", printed, re.MULTILINE)
+    assert sum(int(whole) for _, whole in counted) == 29
+    assert all(held == whole for held, whole in counted)

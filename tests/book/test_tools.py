@@ -1,0 +1,79 @@
+"""What the build leans on: dependencies of notebooks, accepted figures, notebook pairs, sizes."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cmtof_book import figures, graph, pairs
+
+ROOT = Path(__file__).resolve().parents[2]
+BOOK = graph.Book(ROOT)
+
+
+@pytest.mark.parametrize(
+    ("script", "reached", "unreached"),
+    [
+        ("from cmtof import jones\n", {"jones.py"}, {"correlation.py"}),
+        (
+            "def f():\n    from cmtof.simulation import simulate\n",
+            {"correlation.py"},
+            {"stereo.py"},
+        ),
+        ("import cmtof\ncmtof.open('m.nc')\n", {"measurement.py"}, {"unwrapping.py"}),
+        ("import cmtof\ncmtof.unwrap(m)\n", {"unwrapping.py", "fast-scnn.released.json"}, set()),
+        ("from cmtof_book.paper import check\n", {"paper.yml"}, {"measurement.py"}),
+        ("from cmtof.scenes import load_frame\n", {"still_life.npz"}, {"paper.yml"}),
+        ("import numpy\n", set(), {"__init__.py"}),
+    ],
+)
+def test_a_notebook_depends_on_what_it_reaches(tmp_path, script, reached, unreached):
+    (tmp_path / "notebook.py").write_text(script)
+    found = {file.name for file in BOOK.closure(tmp_path / "notebook.py")}
+    assert found >= reached
+    assert not found & unreached
+
+
+def test_every_data_file_of_the_package_belongs_to_a_module():
+    modules = set().union(*(BOOK.closure(BOOK.script(stem)) for stem in BOOK.notebooks()))
+    listed = subprocess.run(
+        ["git", "ls-files", "src"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.split()
+    data = {ROOT / name for name in listed if not name.endswith((".py", "py.typed"))}
+    unread = {path.relative_to(ROOT) for path in data - modules if path.is_file()}
+    assert not unread - {Path("src/cmtof_book/replication.yml")}  # the command line's own
+
+
+def test_unknown_profiles_and_notebooks_are_refused(tmp_path):
+    with pytest.raises(FileNotFoundError, match="got 'huge'. Choose ci, book or paper"):
+        BOOK.parameters("01_correlation", "huge")
+    (tmp_path / "configs").mkdir()
+    (tmp_path / "configs" / "ci.yml").write_text("notebooks: {99_lost: {size: 1}}")
+    with pytest.raises(ValueError, match="got 99_lost. Correct or remove"):
+        graph.Book(tmp_path).parameters("01_correlation", "ci")
+
+
+def test_notebook_pairs_agree():
+    scripts = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
+    stale = [s.stem for s in scripts if not pairs.same(s, s.with_suffix(".ipynb"))]
+    assert not stale, "run make pairs"
+
+
+def draw(folder, stem, *, source=None, drawing="<svg/>"):
+    folder.mkdir(parents=True, exist_ok=True)
+    numbers = {} if source is None else {"source": source}
+    (folder / f"{stem}.json").write_text(json.dumps({"numbers": numbers}))
+    (folder / f"{stem}.svg").write_text(drawing)
+
+
+def test_accepted_figures_follow_the_build_and_keep_measured_data(tmp_path):
+    draw(tmp_path / "results" / "01", "new")
+    draw(tmp_path / "results" / "08", "scan", source="simulated", drawing="rehearsal")
+    (tmp_path / "results" / "01" / "checks.json").write_text("{}")
+    draw(tmp_path / "figures", "old")
+    draw(tmp_path / "figures", "scan", source="measured", drawing="real")
+    figures.main(tmp_path / "results", tmp_path / "figures")
+    kept = {path.name for path in (tmp_path / "figures").iterdir()}
+    assert kept == {"new.json", "new.svg", "scan.json", "scan.svg"}
+    assert (tmp_path / "figures" / "scan.svg").read_text() == "real"

@@ -1,0 +1,91 @@
+"""Random fields: one row is a Viterbi chain, cuts are the least of all, planes are exact."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import cmtof
+from cmtof.classical import mrf
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import TAU
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def plane(height, width):
+    y, x = np.mgrid[:height, :width]
+    return 0.8 + 0.2 * x / width + 0.1 * y / height
+
+
+def random_field(rng, height, width, labels):
+    return mrf.Field(
+        rng.uniform(0, TAU, (height, width)).astype(np.float32),
+        (2 * mrf.JUMP * rng.normal(size=(height, width, 2))).astype(np.float32),
+        np.linspace(0, 2.5, labels),
+        0,
+    )
+
+
+def viterbi(cost, step):
+    """Least cost of a chain through each label at each of its pixels (W, N), pair by pair."""
+    n, ends = np.arange(cost.shape[1]), []
+    for order in (1, -1):
+        total, signed = [cost[::order][0]], step if order == 1 else -step[::-1]
+        for own, d in zip(cost[::order][1:], signed, strict=True):
+            pair = np.minimum(mrf.JUMP * np.abs(n[None, :] - n[:, None] - d), mrf.MOST)
+            total.append(own + (total[-1][:, None] + pair).min(axis=0))
+        ends.append(np.array(total)[::order])
+    return ends[0] + ends[1] - cost
+
+
+@pytest.mark.parametrize("shape", [(1, 40), (40, 1)])
+def test_one_row_is_the_best_chain(rng, shape):
+    for labels in (1, 2, 7, 21):
+        field = random_field(rng, *shape, labels)
+        phase = field.phase.ravel()
+        step = np.rint((phase[:-1] - phase[1:]) / TAU)
+        every = np.broadcast_to(np.arange(labels)[:, None, None], (labels, *shape))
+        unary = np.stack([field.unary(one) for one in every], axis=-1).astype(float)
+        cost = viterbi(unary.reshape(40, labels), step)
+        found, odds = mrf.semi_global_labels(field)
+        chosen = np.take_along_axis(cost, found.reshape(40, 1), 1)[:, 0]
+        np.testing.assert_allclose(chosen, cost.min(axis=1), atol=1e-5)
+        share = np.exp(-(cost - cost.min(axis=1, keepdims=True)) / mrf._TEMPERATURE).sum(axis=1)
+        np.testing.assert_allclose(odds.ravel(), 1 / share, rtol=1e-3)
+
+
+def test_turning_the_image_turns_the_labels(rng):
+    field = random_field(rng, 12, 17, 15)
+    found, _ = mrf.semi_global_labels(field)
+    for transform in (np.transpose, np.flipud, np.rot90):
+        beat = np.stack([transform(field.beat[..., i]) for i in (0, 1)], axis=-1)
+        phase = np.ascontiguousarray(transform(field.phase))
+        turned = field._replace(phase=phase, beat=np.ascontiguousarray(beat))
+        np.testing.assert_array_equal(transform(found), mrf.semi_global_labels(turned)[0])
+
+
+@pytest.mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9), (7.15e9, 7.16e9)])
+def test_planes_without_noise_are_exact_across_holes(exact, pair):
+    depth = plane(40, 50)
+    whole = np.broadcast_to((np.arange(50) < 21) | (np.arange(50) > 23), depth.shape)
+    for known in (np.ones_like(whole), whole):
+        shape = np.where(known, depth, np.nan)
+        m = exact(shape, pair, mask=known, truth=depth, range_min=0.7547, range_max=1.195)
+        for method in ("mrf", "mrf-graphcut"):
+            error = (cmtof.unwrap(m, method=method).depth - depth).to_numpy()[known]
+            assert np.abs(error).max() < 1e-6
+
+
+@given(seeds, st.sampled_from([1, -1, 2]))
+def test_a_move_is_the_best_of_all(seed, step):
+    rng = np.random.default_rng(seed)
+    field = random_field(rng, 2, 4, 5)
+    labels = rng.integers(0, 5, (2, 4))
+    moved = labels + step * mrf.best_move(field, labels, step)
+    others = [labels + step * np.reshape(x, (2, 4)) for x in product((0, 1), repeat=8)]
+    inside = [x for x in others if x.min() >= 0 and x.max() < 5]
+    least = min(mrf.energy(field, x) for x in inside)
+    assert mrf.energy(field, moved) == pytest.approx(least, abs=1e-6)

@@ -1,0 +1,102 @@
+"""Windows, densities and regions: exact on walls, their sums those of plain loops."""
+
+import numpy as np
+import pytest
+from scipy.ndimage import uniform_filter
+
+import cmtof
+from cmtof import bounds
+from cmtof.classical import region
+from cmtof.classical.beat import guided_filter
+from cmtof.classical.kde import _densest, hypotheses
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import phase_from_depth, wrap_length
+from cmtof.evaluation import score, scored_pixels
+from cmtof.frame import Frame
+from cmtof.simulation import simulate
+
+WRAP = float(wrap_length(FREQUENCIES[0]))
+
+
+def test_walls_of_one_depth_are_exact(exact):
+    m = exact(np.full((20, 20), 3.21))
+    for method in ("beat", "beat-guided", "kde", "kde-tuned", "region", "mrf", "mrf-graphcut"):
+        np.testing.assert_allclose(cmtof.unwrap(m, method=method).depth, 3.21, atol=1e-6)
+
+
+def test_averages_divide_the_noise_by_the_side_of_the_window():
+    m = simulate(Frame(np.full((120, 120), 1.0), np.full((120, 120), 0.8)), seed=2)
+    rates = []
+    for window in (1, 11, 41):
+        found = cmtof.unwrap(m, method="beat", window=window)
+        rates.append(score(scored_pixels(found, m))["delta_lt_1"])
+    assert rates[0] < rates[1] < rates[2]
+    noise = float(bounds.simulated_phase_noise(0.8)) / 41
+    odds = float(bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES))
+    assert rates[2] == pytest.approx(odds, abs=0.1)
+
+
+def test_guided_filter_passes_linear_functions_and_tends_to_the_mean(rng):
+    guide = rng.normal(size=(3, 40, 50))
+    linear = guide[0] - 2 * guide[1] + 3j * guide[2] + (1 - 1j)
+    found = guided_filter(linear, guide, rng.uniform(0.1, 1, (40, 50)), 11, 1e-9)
+    np.testing.assert_allclose(found, linear, atol=1e-5)
+    smooth = guided_filter(linear, guide, np.ones((40, 50)), 11, 1e9)
+    np.testing.assert_allclose(smooth, uniform_filter(uniform_filter(linear, 11), 11), atol=1e-6)
+
+
+def densities(m, kernel, radius):
+    """D (H, W, N) by the sum as it is written, over neighbours and their wraps."""
+    weights = np.moveaxis(np.stack(list(hypotheses(m))).astype(float), 0, -1)
+    height, width, count = weights.shape
+    turns, steps = m.phase[0] / (2 * np.pi), np.arange(count)
+    window = np.exp(-((np.arange(-radius, radius + 1) / max(radius / 2, 0.5)) ** 2) / 2)
+    out = np.zeros(weights.shape)
+    for y, x in np.ndindex(height, width):
+        for v in range(max(0, y - radius), min(height, y + radius + 1)):
+            for u in range(max(0, x - radius), min(width, x + radius + 1)):
+                apart = turns[y, x] - turns[v, u] + steps[:, None] - steps
+                near = window[v - y + radius] * window[u - x + radius]
+                out[y, x] += near * np.exp(-((apart / kernel) ** 2) / 2) @ weights[v, u]
+    return out / window.sum() ** 2
+
+
+@pytest.mark.parametrize(("kernel", "radius"), [(0.25, 5), (0.3, 0), (2.0, 3)])
+def test_densities_equal_the_sum_as_it_is_written(kernel, radius):
+    """Nodes h/2 apart err by 0.4 % of the largest density; the winner is the same beyond ties."""
+    y, x = np.indices((11, 14))
+    bright = np.random.default_rng(0).uniform(0.1, 1, (11, 14))
+    m = simulate(Frame(0.9 + 0.004 * x + 0.002 * y, bright), seed=1)
+    direct = densities(m, kernel, radius)
+    found, best, total = _densest(m, kernel, radius)
+    np.testing.assert_allclose(best, direct.max(axis=2), atol=0.01 * direct.max())
+    np.testing.assert_allclose(total, direct.sum(axis=2), rtol=0.04)
+    ranked = np.sort(direct, axis=2)
+    clear = ranked[..., -1] - ranked[..., -2] > 0.02 * direct.max()
+    assert (found == direct.argmax(axis=2))[clear].all()
+
+
+def test_spatial_unwrapping_follows_a_slope_over_many_wraps(exact):
+    x = np.linspace(0, 1, 80)
+    m = exact(0.9 + 0.2 * x[None, :] + 0.05 * x[:60, None], range_min=0.8, range_max=1.2)
+    relative = region.relative_phase(m) - phase_from_depth(m.depth, 7.15e9)
+    assert np.ptp(relative) < 1e-9
+    assert np.ptp(cmtof.unwrap(m, method="spatial").depth.to_numpy() - m.depth) < 1e-6
+
+
+@pytest.mark.parametrize("jump", [0.4, -20.3])
+def test_walls_with_a_step_of_phase_are_two_regions(exact, jump):
+    depth = np.full((60, 80), 2.0)
+    depth[:, 40:] += jump * WRAP
+    found = cmtof.unwrap(exact(depth), method="region").depth.to_numpy()
+    assert np.mean(np.abs(found - depth) < 1e-6) == 1
+
+
+def test_pooled_noise_is_that_of_the_sum(rng):
+    """Of 300 sums of 100 phasors with noise of one fifth, to three standard errors."""
+    number, found = np.zeros((1, 100), int), []
+    for _ in range(300):
+        real, imaginary = 0.2 * rng.normal(size=(2, 1, 100))
+        found.append(region.pool(1 + real + 1j * imaginary, number))
+    assert np.std([one.phase[0] for one in found]) == pytest.approx(0.02, rel=0.13)
+    assert np.mean([one.spread[0] for one in found]) == pytest.approx(0.02, rel=0.02)

@@ -1,0 +1,101 @@
+"""References and trivial answers: what they use, what they find, how often they are right."""
+
+import numpy as np
+import pytest
+
+import cmtof
+from cmtof import bounds
+from cmtof.classical import references, trivial
+from cmtof.classical.references import bodies, surfaces
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import wrap_length
+from cmtof.evaluation import score, scored_pixels
+from cmtof.frame import Frame
+from cmtof.hardness import bends
+from cmtof.simulation import simulate
+
+WRAP = float(wrap_length(FREQUENCIES[0]))
+
+
+@pytest.fixture
+def bent():
+    """A bent wall with a box in front of it, m."""
+    x, y = np.meshgrid(np.linspace(-1, 1, 60), np.linspace(-1, 1, 50))
+    depth = 3 + 0.2 * x + 0.1 * y**2
+    depth[15:35, 20:40] -= 0.5
+    return depth
+
+
+def test_surfaces_end_at_steps_and_not_at_slopes(bent):
+    number, boundary = surfaces(bent), bends(bent)
+    assert len(np.unique(number[~boundary])) == 2
+    edge = np.zeros_like(boundary)
+    edge[15:35, [19, 20, 39, 40]] = True
+    edge[[14, 15, 34, 35], 20:40] = True
+    np.testing.assert_array_equal(boundary, edge)
+
+
+def test_bodies_end_at_jumps_and_not_at_creases():
+    """A floor and a wall are one body, a box that hides part of the wall another."""
+    y = np.arange(40)[:, None] * np.ones((1, 50))
+    room = np.where(y < 20, 3.0, 3.0 - 0.02 * (y - 19))  # a crease of 20 mm a pixel
+    room[5:12, 20:30] = 2.0
+    room[0, 0] = np.nan
+    number = bodies(room)
+    assert number[2, 2] == number[39, 49] != number[8, 25]
+    assert np.unique(number).size == 3  # the unknown pixel is alone
+    assert np.unique(surfaces(room)).size > 3
+
+
+@pytest.mark.parametrize("what", ["offset", "contact", "field"])
+def test_shapes_are_known_and_places_are_not(exact, bent, what):
+    """Exact without noise; an offset of a whole surface's truth changes nothing."""
+    run = getattr(references, f"reference_{what}")
+    number, boundary = surfaces(bent), bends(bent)
+    moved = bent + np.where(number == number[0, 0], 0.0123, 0.517)
+    for truth in (bent, moved):
+        estimate = run(exact(bent, truth=truth))
+        assert np.abs(estimate.depth - bent)[~boundary].max() < 1e-6
+        assert np.median(estimate.confidence[~boundary]) > 0.99
+
+
+def test_contact_carries_an_offset_across_a_crease():
+    """A small dark facet is placed by the bright wall that it touches."""
+    y = np.arange(120)[:, None] * np.ones((1, 120))
+    depth = np.where(y < 100, 3.0, 3.0 - 0.01 * (y - 99))
+    m = simulate(Frame(depth, np.where(y < 100, 1.0, 0.05)), protocol="full", seed=1)
+    methods = (references.reference_contact, references.reference_offset)
+    tied, alone = (np.abs(run(m).depth - depth)[105:].max() for run in methods)
+    assert tied < 0.01 < alone
+
+
+def test_wider_windows_are_right_more_often():
+    m = simulate(Frame(np.full((90, 90), 3.0), np.ones((90, 90))), protocol="full", seed=3)
+    found = [cmtof.unwrap(m, method="reference-field", side=side) for side in (1, 11, 41, 181)]
+    rates = [score(scored_pixels(one, m))["delta_lt_2"] for one in found]
+    assert rates == sorted(rates) and rates[-1] == 1.0
+
+
+def test_true_depth_brings_the_phase_within_half_a_wrap():
+    m = simulate(Frame(np.full((300, 300), 4.0), np.ones((300, 300))), protocol="full", seed=1)
+    depth = cmtof.unwrap(m, method="reference-depth").depth
+    assert np.abs(depth - 4.0).max() < WRAP / 2
+    noise = bounds.phase_spread(float(bounds.simulated_phase_noise(1.0)))
+    assert np.std(depth) == pytest.approx(noise * WRAP / (2 * np.pi), rel=0.02)
+
+
+def test_trivial_answers_are_right_as_often_as_chance(rng):
+    """Depths evenly over 21 wraps: the middle and a random wrap once in 21, mode as its share."""
+    depth = rng.uniform(36 * WRAP, 57 * WRAP, (300, 300))
+    m = simulate(Frame(depth, np.ones(depth.shape)), seed=1)
+    rates = {
+        name: score(scored_pixels(cmtof.unwrap(m, method=name), m))
+        for name in ("middle", "uniform", "mode")
+    }
+    for name in ("middle", "uniform"):
+        assert rates[name]["delta_lt_1"] == pytest.approx(1 / 21, abs=0.005)
+    assert rates["middle"]["delta_lt_3"] == pytest.approx(5 / 21, abs=0.01)
+    share = trivial.mode(m).confidence[0, 0]
+    assert rates["mode"]["delta_lt_1"] == pytest.approx(share, abs=1e-3)
+    other = cmtof.Measurement(m.dataset.assign_attrs(frame_number=1))
+    assert (trivial.uniform(m).depth != trivial.uniform(other).depth).mean() > 0.9

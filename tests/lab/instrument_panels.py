@@ -1,0 +1,29 @@
+"""Panels as a scan leaves them."""
+
+import numpy as np
+
+from cmtof_lab.world import Panel, RfKnobs
+
+ORDER = {"single": 1, "doubled": 2}
+DRIVE = {"single": 7.15e9, "doubled": 7.16e9}
+PLATE = {"single": np.deg2rad(11.25), "doubled": np.deg2rad(22.5)}
+MODES = ("single", "doubled")
+EDGES = np.arange(320) // 20
+PSI = 2 * np.pi * np.arange(16) / 16
+
+
+def ready(mode, **knobs):
+    """Everything on; the table steps psi upwards, so the drive steps downwards."""
+    rf = {"on": True, "frequency": DRIVE[mode], "power": 30.0}
+    table = np.mod(-PSI / ORDER[mode], 2 * np.pi)
+    on = {"laser_on": True, "shutter_open": True, "clock_on": True} | knobs
+    drives = RfKnobs(**rf), RfKnobs(**rf, table=table)
+    return Panel(*drives, plate_emission=PLATE[mode], plate_detection=PLATE[mode], **on)
+
+
+def profile(world, panel, angles=((0.0, 0.0),), **options):
+    """Mean volts (N, 16) of a burst's phases behind the settling samples."""
+    options.setdefault("labels", np.arange(1, len(angles) + 1))
+    counts = world.bursts(panel, angles, pulses=EDGES, **options)
+    kept = counts.reshape(-1, 16, 20)[..., 8:].mean(-1)
+    return (kept - 33523.0) * 3.15805780e-4

@@ -1,0 +1,69 @@
+"""The objects of Figs. 14 to 16: what they are made of, where they stand, how fine they are."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("embreex")
+
+from cmtof.frame import rays_from_camera
+from cmtof_lab import objects
+from cmtof_lab.objects import DISTANCE, HEIGHT, WIDTH, gage_blocks, object_mesh
+from cmtof_lab.targets import MeshTarget
+
+
+def looked_at(name, size=96):
+    focal = size / 2 / np.tan(objects.FIELD_OF_VIEW[name] / 2)
+    rays = rays_from_camera((size, size), [focal, focal, size / 2, size / 2])
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    return rays, MeshTarget.from_mesh(object_mesh(name)).look(rays)
+
+
+def test_objects_stand_a_metre_away_before_a_wall_and_are_made_as_in_the_paper():
+    front = {}
+    for name in objects.OBJECTS:
+        rays, hits = looked_at(name)
+        assert 0.75 < hits.range.min() < DISTANCE < hits.range.max() < 1.4
+        assert 0.85 < np.median(hits.range[40:56, 40:56]) < 1.2
+        corner = (rays * hits.range[..., None])[0, [0, -1]]
+        assert (corner[:, 2] > 1.2).all()
+        assert hits.reflectance.min() >= 0 and hits.reflectance.max() <= 1
+        front[name] = hits.reflectance[hits.range < 1.1]
+        assert name != "helmet" or np.mean(hits.mirrored > 0.9) > 0.2
+        assert name != "table" or len(np.unique(hits.reflectance.round(2))) > 8
+    assert np.median(front["bust"]) == pytest.approx(0.8)
+    assert front["owl"].min() < 0.05 and front["owl"].max() > 0.75
+
+
+def test_holes_of_the_helmet_show_the_wall():
+    _, hits = looked_at("helmet", 300)
+    row = slice(100, 135)  # of the slits
+    metal, far = hits.mirrored[row] > 0.9, hits.range[row] > 1.2
+    left, right = (np.maximum.accumulate(m, 1) for m in (metal, metal[:, ::-1]))
+    assert (far & ~metal & left & right[:, ::-1]).sum() > 200
+
+
+def test_facets_lie_below_the_noise():
+    """Edges and middles of a ball's faces are off the ball by a few micrometres at most."""
+    angle = np.linspace(-np.pi / 2, np.pi / 2, 81)
+    body = objects._body(0.05 * np.column_stack([np.sin(angle), np.cos(angle)]))
+    middle = np.asarray(body.vertices)[body.faces].mean(axis=1)
+    level = np.abs(middle[:, 2]) < 0.045  # not at the poles, where a monotonic curve is blunt
+    assert np.abs(np.linalg.norm(middle[level], axis=1) - 0.05).max() < 6e-6
+
+
+def test_the_step_of_the_gauge_blocks_is_along_their_normal():
+    tilt, step = 0.1, 0.5e-3
+    target = MeshTarget.from_mesh(gage_blocks(step, 1.0, tilt=tilt, errors=(1e-7, -3e-7)))
+    x = np.array([-0.5 * WIDTH, 0.5 * WIDTH, 1.1 * WIDTH, 0.0])
+    y = np.array([0.002, -0.003, 0.0, 0.6 * HEIGHT])  # the last two lie beside the faces
+    rays = np.stack([x, y, np.ones(4)], -1) / np.sqrt(1 + x**2 + y**2)[:, None]
+    reach = target.look(rays).range
+    assert np.isnan(reach[2:]).all()
+    left, right = (rays * reach[:, None])[:2] @ [-np.sin(tilt), 0, np.cos(tilt)]
+    assert left - right == pytest.approx(step - 4e-7, abs=1e-12)
+    assert left == pytest.approx(np.cos(tilt) - 1e-7, abs=1e-12)
+
+
+def test_an_unknown_object_is_refused():
+    with pytest.raises(ValueError, match="Expected an object out of bust, helmet, owl, table"):
+        object_mesh("cat")

@@ -1,0 +1,79 @@
+"""Air, spot, returned light, speckle and losses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cmtof_lab.optics import (
+    group_index,
+    returned_fractions,
+    sent_power,
+    speckle_cells,
+    trace,
+    uniform_from_places,
+)
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.targets import Hits, Plane
+
+REAL = TwinSettings()
+
+
+def returned(z, cosine=1.0, mirrored=0.0):
+    """Share that returns from ranges, m."""
+    hits = Hits(np.asarray(z), np.array(cosine), np.array(0.5), mirrored)
+    return sum(returned_fractions(REAL, hits))
+
+
+def test_air_slows_with_pressure_and_cold():
+    excess = group_index() - 1
+    assert 2.8e-4 < excess < 2.9e-4
+    assert group_index(TwinSettings(pressure=50662.5)) - 1 == pytest.approx(excess / 2)
+    assert group_index(TwinSettings(temperature=586.3)) - 1 == pytest.approx(excess / 2)
+
+
+def test_diffuse_light_falls_with_the_square_of_the_range():
+    area = np.pi * REAL.aperture**2 / 4
+    expected = 0.5 * 0.8 * area / (2 * np.pi * np.array([1, 4]))
+    np.testing.assert_allclose(returned([1.0, 2.0], cosine=0.8), expected)
+
+
+def test_a_mirror_returns_more_and_turns_away():
+    straight, tilted = (returned(1.0, np.cos(t), mirrored=1.0) for t in (0.0, np.deg2rad(1)))
+    paper = returned(1.0)
+    assert straight > 1e3 * paper
+    assert tilted == pytest.approx(0.02 * paper, rel=1e-2)
+    assert returned(1.0, mirrored=0.3) == pytest.approx(0.7 * paper + 0.3 * straight)
+
+
+def test_speckle_has_its_mean_and_contrast():
+    rng = np.random.default_rng(0)
+    angles = rng.uniform(-0.05, 0.05, (20000, 2))
+    rough = trace(Plane(1.0), angles, REAL, seed=5).fraction.sum(1)
+    plain = replace(REAL, speckle=False)
+    relative = rough / trace(Plane(1.0), angles, plain, seed=5).fraction.sum(1)
+    cells = float(speckle_cells(REAL, 1.0))
+    assert relative.mean() == pytest.approx(1, abs=4 / np.sqrt(20000 * cells))
+    assert relative.std() == pytest.approx(1 / np.sqrt(cells), rel=0.05)
+
+
+def test_the_spot_is_symmetric_and_sees_the_mean_range():
+    settings = TwinSettings.ideal(divergence=5e-3)
+    paths = trace(Plane(1.0), np.zeros((1, 2)), settings, seed=0)
+    weights = paths.fraction[0] / paths.fraction.sum()
+    assert weights[0] == pytest.approx(0.5, rel=1e-3)
+    assert (weights * paths.range[0]).sum() - 1 == pytest.approx(5e-3**2 / 4, rel=1e-2)
+
+
+def test_three_milliwatts_reach_the_scene():
+    single, doubled = (sent_power(TwinSettings(), mode) for mode in ("single", "doubled"))
+    assert single == pytest.approx(3e-3, rel=0.1)
+    assert doubled < single
+
+
+def test_numbers_of_places_depend_on_the_place_alone():
+    places = np.stack(np.meshgrid(np.arange(100), np.arange(100)), -1).reshape(-1, 2)
+    numbers = uniform_from_places(1, places, 3)
+    assert np.array_equal(numbers[::-1], uniform_from_places(1, places[::-1], 3))
+    assert numbers.mean() == pytest.approx(0.5, abs=0.01)
+    assert np.corrcoef(numbers.T)[0, 1] == pytest.approx(0, abs=0.03)

@@ -1,0 +1,239 @@
+"""Two cameras beside the scanner: calibration, triangulation, spots, occlusion and wrap labels."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.ndimage import gaussian_filter
+
+from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH
+from cmtof.correlation import TAU, phase_from_depth, wrap_length
+from cmtof.frame import Frame, ray_lengths
+from cmtof.pointcloud import points_from_depth
+from cmtof_lab import stereo
+
+SMALL = stereo.Sensor(shape=(384, 512), pitch=4 * 3.45e-6)
+RIG = stereo.simulated_rig()
+SMALL_RIG = stereo.simulated_rig(sensor=SMALL)
+WRAP = float(wrap_length(FREQUENCY_SINGLE))
+CAMERA = np.array([60.0, 60.0, 20.0, 15.0])
+SHAPE = (30, 40)
+
+
+def planar(depth):
+    """Range along the rays of a planar depth, m."""
+    return np.broadcast_to(depth, SHAPE) * ray_lengths(SHAPE, CAMERA)
+
+
+def wall(depth=1.5):
+    return Frame(planar(depth), np.full(SHAPE, 0.5), CAMERA, "wall")
+
+
+def post():
+    """A post of 10 columns, 0.9 m away, before a wall at 1.8 m."""
+    depth = np.full(SHAPE, 1.8)
+    depth[:, 15:25] = 0.9
+    return Frame(planar(depth), np.full(SHAPE, 0.5), CAMERA, "post")
+
+
+def exact(frame, sigma=0.05):
+    """Spots of every pixel where they truly are, with a stated deviation."""
+    pixels = RIG.project(points_from_depth(frame.depth, frame.camera))
+    return stereo.Spots(pixels, np.full(pixels.shape[:-1], sigma))
+
+
+@given(st.floats(-0.3, 0.3), st.floats(-0.25, 0.25), st.floats(0.6, 8))
+def test_triangulation_inverts_projection(x, y, z):
+    point = np.array([x * z, y * z, z])
+    np.testing.assert_allclose(RIG.triangulate(RIG.project(point)), point, atol=1e-6 * z**2)
+
+
+def test_points_behind_and_missing_spots_are_nan():
+    assert np.isnan(RIG.project([0.1, 0.1, -1.0])).all()
+    pixels = RIG.project([[0.1, 0.1, 1.0], [0.0, 0.2, 2.0]])
+    pixels[1, 0] = np.nan
+    assert np.isnan(RIG.triangulate(pixels)).all(axis=-1).tolist() == [True, False]
+
+
+def test_depth_noise_follows_the_closed_form(rng, z=4.0):
+    """sigma_z = sqrt(2) z^2 sigma / (f b): 4000 draws know it to 1.1 %; the margin is 5 %."""
+    exact_pixels = RIG.project([0.0, 0.0, z])[:, None]
+    found = RIG.triangulate(exact_pixels + 0.1 * rng.standard_normal((2, 4000, 2)))
+    focal, baseline = RIG.matrices[0, 0, 0], np.linalg.norm(np.diff(RIG.centres, axis=0))
+    assert baseline == pytest.approx(0.3)
+    assert found[:, 2].std() == pytest.approx(np.sqrt(2) * z**2 * 0.1 / focal / baseline, rel=0.05)
+
+
+def test_corners_of_a_picture_are_found():
+    """Squares of 24 px, blurred by the lens."""
+    squares = np.indices((7, 10)).sum(0) % 2
+    picture = np.pad(np.kron(200 * squares + 20, np.ones((24, 24))), 40, constant_values=220)
+    found = stereo.find_corners(np.uint8(gaussian_filter(picture, 0.8)))
+    rows, columns = np.mgrid[:6, :9]
+    truth = 64 + 24.0 * np.stack([columns, rows], -1).reshape(-1, 2)
+    assert np.abs(min((found - truth, found[::-1] - truth), key=np.std)).max() < 0.05
+
+
+@pytest.fixture(scope="module")
+def corners():
+    rng = np.random.default_rng(1)
+    poses = stereo.board_poses(SMALL_RIG, 8, rng=rng)
+    seen = np.stack([SMALL_RIG.project(p.apply(stereo.BOARD)) for p in poses], axis=1)
+    return seen + 0.03 * rng.standard_normal(seen.shape)
+
+
+def between(rig):
+    return (rig.poses[1] * rig.poses[0].inv()).as_exp_coords()
+
+
+def test_boards_calibrate_the_rig(corners):
+    found, rms = stereo.calibrate(corners, SMALL.shape)
+    assert rms < 0.04  # px, of 18 px a square
+    np.testing.assert_allclose(found.matrices, SMALL_RIG.matrices, atol=2)  # of 580 px
+    np.testing.assert_allclose(found.distortions[:, 0], SMALL_RIG.distortions[:, 0], atol=0.02)
+    np.testing.assert_allclose(between(found)[:3], between(SMALL_RIG)[:3], atol=4e-3)  # rad
+    np.testing.assert_allclose(between(found)[3:], between(SMALL_RIG)[3:], atol=2e-3)  # m
+
+
+def test_without_noise_each_camera_is_recovered(rng):
+    """Corners are single precision, 1e-4 px; the two lenses differ."""
+    rig = replace(RIG, matrices=RIG.matrices * np.array([1.0, 1.02])[:, None, None])
+    rig.matrices[:, 2, 2] = 1
+    poses = stereo.board_poses(rig, 4, rng=rng)
+    seen = np.stack([rig.project(p.apply(stereo.BOARD)) for p in poses], axis=1)
+    found, rms = stereo.calibrate(seen, rig.shape)
+    assert rms < 1e-3
+    np.testing.assert_allclose(found.matrices, rig.matrices, atol=0.05)
+    np.testing.assert_allclose(found.distortions, rig.distortions, atol=1e-3)
+    np.testing.assert_allclose(between(found), between(rig), atol=1e-4)
+
+
+def test_spots_locate_the_scanner(rng):
+    rig = replace(RIG, poses=(RIG.poses[0] * RIG.poses[0].inv(), RIG.poses[1] * RIG.poses[0].inv()))
+    beams = points_from_depth(planar(1.5 + 0.01 * np.arange(40)), CAMERA)
+    pixels = RIG.project(beams) + 0.1 * rng.standard_normal((2, *SHAPE, 2))
+    pixels[:, ::3] = np.nan
+    np.testing.assert_allclose(
+        stereo.locate_scanner(rig, pixels, 3.7 * beams).centres, RIG.centres, atol=1e-3
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: stereo.find_corners(np.full((90, 120), 9, np.uint8)), "board of 9 x 6 corners"),
+        (lambda: stereo.calibrate(np.zeros((2, 2, 54, 2)), RIG.shape), "at least 3 views, got 2"),
+        (lambda: stereo.locate_scanner(RIG, np.zeros((2, 3, 2)), np.ones((3, 3))), "least 6 spots"),
+        (lambda: stereo.scan_spots(Frame(planar(1.5), np.ones(SHAPE)), RIG, rng=None), "a camera"),
+    ],
+)
+def test_bad_input_is_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def windows(rng, brightness, sigma, count=1500, shift=0.5):
+    """Noisy windows (N, S, S), electrons, and where their spots lie."""
+    places = stereo.WINDOW / 2 + rng.uniform(-shift, shift, (count, 2))
+    pixel = np.arange(stereo.WINDOW) + 0.5
+    x, y = (np.exp(-((pixel - places[:, k, None]) ** 2) / 2 / sigma**2) for k in (0, 1))
+    mean = brightness / TAU / sigma**2 * y[:, :, None] * x[:, None] + 5.0
+    return rng.poisson(mean) + 2.9 * rng.standard_normal(mean.shape) - 5.0, places
+
+
+@pytest.mark.parametrize(("brightness", "sigma"), [(1500, 0.9), (30_000, 1.5)])
+def test_spots_are_placed_as_well_as_stated(brightness, sigma, rng):
+    """3000 coordinates: their deviation is known to 1.3 %; the margin is 8 %."""
+    quiet = stereo.Sensor(contrast=0.0)
+    light, places = windows(rng, brightness, sigma)
+    found, stated = stereo.place_spots(light, quiet)
+    assert np.isfinite(stated).mean() > 0.99
+    error = (found - places) / stated[:, None]
+    assert np.nanstd(error) == pytest.approx(1, abs=0.08)
+    assert np.abs(np.nanmean(error, axis=0)).max() < 4 / np.sqrt(1500)
+    # the Cramer-Rao bound of a spot without background
+    assert np.nanmedian(stated) > sigma / np.sqrt(brightness)
+
+
+def test_no_spot_and_saturated_spots_are_refused(rng):
+    dark, _ = windows(rng, 0.0, 1.1)
+    full, _ = windows(rng, 4e5, 1.1, count=20)
+    sensor = stereo.Sensor()
+    assert np.isnan(stereo.place_spots(dark, sensor)[1]).mean() > 0.998
+    assert np.isnan(stereo.place_spots(np.minimum(full, 1e4 + 700), sensor)[1]).all()
+
+
+def test_speckle_moves_a_centroid_as_the_formula_says(rng, width=1.6):
+    """120 waves of random phase through the round aperture: 240 coordinates, known to 4.6 %."""
+    sensor, side, finer = stereo.Sensor(contrast=1.0), 160, 4
+    place = (np.arange(side) - (side - 1) / 2) / finer
+    envelope = np.exp(-(place[:, None] ** 2 + place**2) / 4 / width**2)
+    cutoff = sensor.pitch / finer / (2 * LASER_WAVELENGTH * sensor.f_number)
+    passed = np.hypot(*np.meshgrid(*[np.fft.fftfreq(side)] * 2)) <= cutoff
+    centroids = []
+    for _ in range(120):
+        wave = envelope * (rng.standard_normal((side, side, 2)) @ [1, 1j])
+        light = np.abs(np.fft.ifft2(np.fft.fft2(wave) * passed)) ** 2
+        centroids.append([light.sum(0) @ place, light.sum(1) @ place] / light.sum())
+    assert np.std(centroids) == pytest.approx(sensor.speckle, rel=0.15)
+
+
+def test_no_plane_hides_itself():
+    y, x = np.indices(SHAPE)
+    inverse = 0.6 - 0.5 * (x - 20) / 60 + 0.5 * (y - 15) / 60
+    points = points_from_depth(planar(1 / inverse), CAMERA)
+    assert stereo.visible_from(points, (0.0, 0.2, 0.1)).all()
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_post_hides_what_geometry_says(side):
+    """From 0.15 m aside the post's edge at 0.9 m hides 0.15 m of the wall at 1.8 m: 5 px."""
+    seen = stereo.visible_from(points_from_depth(post().depth, CAMERA), (side * 0.15, 0, 0))
+    hidden = np.flatnonzero(~seen[15])
+    edge = range(10, 15) if side > 0 else range(25, 30)
+    assert 4 <= len(hidden) <= 6
+    assert len(set(hidden) & set(edge)) >= 4
+
+
+def test_stereo_alone_is_in_doubt_near_a_wraps_boundary():
+    frame = wall()
+    truth = stereo.truth_from_spots(exact(frame), RIG, sigmas=2.0)
+    place, margin = np.mod(frame.depth, WRAP), 2.0 * truth.uncertainty
+    near = (place < margin) | (place > WRAP - margin)
+    assert (truth.mask == ~near).mean() > 0.999
+    assert 0.02 < near.mean() < 0.9
+    np.testing.assert_array_equal(truth.wraps[truth.mask], (frame.depth // WRAP)[truth.mask])
+
+
+@pytest.mark.parametrize(("sigma", "labelled"), [(0.2, True), (3.0, False)])
+def test_with_the_phase_half_a_wrap_is_enough(sigma, labelled):
+    frame = wall()
+    phase = np.mod(phase_from_depth(frame.depth, FREQUENCY_SINGLE), TAU)
+    truth = stereo.truth_from_spots(exact(frame, sigma), RIG, phase=phase)
+    assert truth.mask.all() == labelled
+    assert (3 * truth.uncertainty < WRAP / 2).all() == labelled
+    right = (truth.wraps == frame.depth // WRAP) & (np.abs(truth.depth - frame.depth) < 1e-5)
+    assert (right | ~truth.mask).all()
+
+
+def test_a_wrong_pair_is_seen_across_the_epipolar_line():
+    spots = exact(wall())
+    spots.pixels[1, 3, 4, 1] += 1.0  # 14 of its standard deviations
+    truth = stereo.truth_from_spots(spots, RIG, phase=np.zeros(SHAPE))
+    assert np.isnan(truth.range[3, 4]) and truth.mask.sum() == truth.mask.size - 1
+
+
+def test_labels_of_a_simulated_scan_are_right_and_silent_where_hidden():
+    frame = post()
+    phase = np.mod(phase_from_depth(frame.depth, FREQUENCY_SINGLE), TAU)
+    spots = stereo.scan_spots(frame, RIG, rng=np.random.default_rng(3))
+    truth = stereo.truth_from_spots(spots, RIG, phase=phase)
+    points = points_from_depth(frame.depth, CAMERA)
+    seen = np.all([stereo.visible_from(points, c) for c in RIG.centres], axis=0)
+    assert not truth.mask[~seen].any() and truth.mask.mean() > 0.6
+    # k = 3: at most 0.3 % of labels may err
+    assert (truth.wraps == frame.depth // WRAP)[truth.mask].mean() > 0.99
+    error = (truth.range - frame.depth) / truth.uncertainty
+    assert np.nanstd(error) == pytest.approx(1, abs=0.12)

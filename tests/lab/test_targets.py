@@ -1,0 +1,89 @@
+"""Where rays end: planes, frames, meshes."""
+
+import numpy as np
+import pytest
+
+from cmtof.frame import ray_lengths, rays_from_camera
+from cmtof.scenes import Frame, load_frame
+from cmtof_lab.optics import directions_from_angles
+from cmtof_lab.targets import FrameTarget, MeshTarget, Plane, scene_from
+
+CAMERA = np.array([60.0, 60.0, 24.0, 20.0])
+RAYS = directions_from_angles(np.random.default_rng(0).uniform(-0.25, 0.25, (500, 2)))
+
+
+def plane_frame(tilt):
+    """Frame of a tilted plane, seen through a camera."""
+    rays = rays_from_camera((40, 48), CAMERA)
+    unit = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    depth = Plane(1.0, tilt_x=tilt).look(unit).range
+    return Frame(depth=depth, intensity=np.full(depth.shape, 0.4), camera=CAMERA)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.5])
+def test_plane_is_met_where_it_stands(tilt):
+    found = Plane(0.8, tilt_x=tilt).look(RAYS)
+    points = RAYS * found.range[:, None]
+    np.testing.assert_allclose(points[:, 2] - np.tan(tilt) * points[:, 0], 0.8)
+    assert np.isnan(Plane(0.8).look(-RAYS).range).all()
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.4])
+def test_a_frame_of_a_plane_is_that_plane(tilt):
+    frame, plane = FrameTarget(plane_frame(tilt)).look(RAYS), Plane(1.0, tilt_x=tilt).look(RAYS)
+    np.testing.assert_allclose(frame.range, plane.range, rtol=1e-6)
+    np.testing.assert_allclose(frame.cosine, plane.cosine, atol=1e-2)
+    assert set(frame.reflectance.round(6)) == {0.4}
+
+
+def test_across_a_step_the_nearest_pixel_counts():
+    depth = np.where(np.arange(48) < 24, 1.0, 2.0) * np.ones((40, 1))
+    planar = depth * ray_lengths(depth.shape, CAMERA)
+    target = FrameTarget(Frame(depth=planar, intensity=np.ones((40, 48)), camera=CAMERA))
+    ends = (RAYS * target.look(RAYS).range[:, None])[:, 2]
+    assert np.isclose(ends[:, None], [1.0, 2.0], atol=1e-5).any(1).all()
+
+
+def test_nothing_returns_beside_a_frame():
+    outside = directions_from_angles([[1.0, 0.0], [0.0, -1.0]])
+    assert np.isnan(FrameTarget(plane_frame(0.0)).look(outside).range).all()
+
+
+def test_a_mesh_interpolates_its_vertices():
+    pytest.importorskip("embreex")
+    corners = np.array([[-1, -1, 2.0], [1, -1, 2], [1, 1, 2], [-1, 1, 2]])
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+    bright = np.array([0.0, 1.0, 1.0, 0.0])
+    target = MeshTarget(corners, faces, bright, 0.25)
+    found = target.look(RAYS)
+    np.testing.assert_allclose(found.range, Plane(2.0).look(RAYS).range, rtol=1e-6)
+    x = (RAYS * found.range[:, None])[:, 0]
+    np.testing.assert_allclose(found.reflectance, (x + 1) / 2, atol=1e-5)
+    np.testing.assert_allclose(found.mirrored, 0.25)
+    behind = np.array([[0.0, 0.0, 3.0], [0.0, 0.0, 1.0]])
+    assert target.hidden(behind, (0.0, 0.0, 0.0)).tolist() == [True, False]
+
+
+def test_scenes_by_name_file_and_mapping():
+    assert scene_from(None) is None
+    assert isinstance(scene_from("still_life"), FrameTarget)
+    assert isinstance(scene_from(load_frame("still_life")), FrameTarget)
+    assert scene_from({"kind": "mirror", "distance": 1.0}) == Plane(1.0, mirrored=1.0)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        {"kind": "cat"},
+        {"kind": "plane", "distance": 1.0, "colour": 2},
+    ],
+)
+def test_nonsense_is_refused(source):
+    with pytest.raises(ValueError, match=r"Expected twin\.scene"):
+        scene_from(source)
+
+
+def test_a_frame_without_a_camera_is_refused():
+    frame = Frame(depth=np.ones((4, 4)), intensity=np.ones((4, 4)), camera=None)
+    with pytest.raises(ValueError, match="Expected a frame with a camera"):
+        FrameTarget(frame)

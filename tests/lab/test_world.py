@@ -1,0 +1,198 @@
+"""Bursts of the whole instrument: modulators, drives, drift and noise against closed forms."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from instrument_panels import DRIVE, EDGES, MODES, ORDER, PSI, profile, ready
+from scipy.ndimage import binary_erosion
+from scipy.special import jv
+
+from cmtof import noise
+from cmtof.captures import read_capture
+from cmtof.constants import FREQUENCY_SINGLE, SPEED_OF_LIGHT
+from cmtof.correlation import centred, consistent_wrap_count, decode, depth_from_wraps
+from cmtof.scenes import Frame
+from cmtof_lab.electronics import Chain, density
+from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
+from cmtof_lab.targets import FrameTarget, Plane
+from cmtof_lab.world import (
+    DRIFT_RMS,
+    LABEL_TIME,
+    World,
+    amplitude,
+    drift,
+)
+
+REFERENCE = Path(__file__).parents[1] / "reference" / "ci"
+IDEAL = TwinSettings.ideal()
+NOISY = replace(IDEAL, noise=True)
+ANGLES = np.random.default_rng(0).uniform(-0.1, 0.1, (40, 2))
+
+
+def phase_of(settings, z, mode):
+    """Decoded phase, rad, of a plane at a distance, m."""
+    return decode(profile(World(settings, Plane(z)), ready(mode))[0], PSI).phase
+
+
+def expected_phase(mode, z):
+    return 4 * np.pi * ORDER[mode] * DRIVE[mode] * z / SPEED_OF_LIGHT
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_phase_grows_with_the_range_and_with_air(mode):
+    near = phase_of(IDEAL, 0.6, mode)
+    for step in (1e-3, 12e-3):
+        turned = phase_of(IDEAL, 0.6 + step, mode) - near
+        assert centred(turned - expected_phase(mode, step)) == pytest.approx(0, abs=3e-3)
+    slow = replace(IDEAL, pressure=101325.0)
+    excess = World(slow).group_index - 1
+    slowed = phase_of(slow, 0.6, mode) - near
+    assert centred(slowed - expected_phase(mode, 0.6 * excess)) == pytest.approx(0, abs=3e-3)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_reference_target_moves_with_the_stage(mode):
+    zero = IDEAL.stage_zero
+    stage = {"stage": [zero, zero + 2e-3]}
+    seen = profile(World(IDEAL), ready(mode, flip_mirror_in=True), np.zeros((2, 2)), **stage)
+    turned = np.diff([decode(one, PSI).phase for one in seen])
+    assert centred(turned - expected_phase(mode, 2e-3)) == pytest.approx(0, abs=3e-3)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_contrast_is_that_of_the_closed_form(mode):
+    two_eta = 2 * IDEAL.eta
+    wanted = 2 * jv(1, two_eta) ** 2
+    if mode == "doubled":
+        wanted = 2 * jv(2, two_eta) ** 2 / (1 - jv(0, two_eta)) ** 2
+    found = decode(profile(World(IDEAL, Plane(0.6)), ready(mode))[0], PSI)
+    assert found.amplitude / found.offset == pytest.approx(wanted, rel=2e-2)
+
+
+def test_amplitude_follows_power_and_resonance():
+    drive = TwinSettings()
+    full = abs(amplitude(drive, 30.0, 7.15e9))
+    assert full == pytest.approx(drive.eta) == pytest.approx(abs(amplitude(drive, 30.0, 7.16e9)))
+    assert abs(amplitude(drive, 30.0 - 20 * np.log10(2), 7.15e9)) == pytest.approx(full / 2)
+    edge = drive.resonance + drive.resonance_width / 2
+    at_peak, at_edge = (abs(amplitude(drive, 30.0, f)) for f in (drive.resonance, edge))
+    assert at_edge / at_peak == pytest.approx(np.sqrt(0.5))
+
+
+def test_light_and_modulation_need_their_switches():
+    world = World(IDEAL, Plane(0.6))
+    for knob in ("laser_on", "shutter_open", "interlock_closed"):
+        assert not profile(world, ready("single", **{knob: False})).round(3).any()
+    seen = profile(world, ready("single", clock_on=False))
+    assert np.ptp(seen) < 1e-3 < seen.mean()
+
+
+def test_drivers_make_the_errors_that_they_are_said_to_have():
+    phases, every = np.linspace(0, 6, 50), np.arange(65536) * 2 * np.pi / 65536
+    skewed = World(replace(IDEAL, iq_imbalance=0.02))
+    error = skewed.made_phase(0, phases) - phases
+    np.testing.assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
+    coded = World(replace(IDEAL, phase_step_error=5e-4), seed=4)
+    assert (coded.made_phase(1, every) - every).std() == pytest.approx(5e-4, rel=0.02)
+
+
+def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
+    long = drift(0, 1, np.linspace(0, 36000, 200001))
+    assert np.abs(long).max() <= 1
+    assert long.std() == pytest.approx(DRIFT_RMS, rel=0.05)
+    drifting = replace(IDEAL, phase_drift=0.1)
+    labels = np.array([1, 2000, 40000])
+    world = World(drifting, Plane(0.6), seed=2)
+    seen = profile(world, ready("single"), np.zeros((3, 2)), labels=labels)
+    lag = 0.1 / DRIFT_RMS * drift(2, 1, LABEL_TIME * labels + EDGES.size / 24000 / 2)
+    phases = [decode(one, PSI).phase for one in seen]
+    np.testing.assert_allclose(centred(np.diff(phases) + np.diff(lag)), 0, atol=5e-3)
+
+
+def test_a_burst_depends_on_its_label_alone():
+    panel, labels = ready("single"), np.arange(5, 45)
+    world = World(TwinSettings(), Plane(0.8), seed=3)
+    together = world.bursts(panel, ANGLES, labels=labels, pulses=EDGES)
+    for n in (39, 0, 17):
+        fresh = World(TwinSettings(), Plane(0.8), seed=3)
+        alone = fresh.bursts(panel, ANGLES[n : n + 1], labels=[labels[n]], pulses=EDGES)
+        assert np.array_equal(alone[0], together[n])
+    other = World(TwinSettings(), Plane(0.8), seed=4)
+    assert (other.bursts(panel, ANGLES, labels=labels, pulses=EDGES) != together).any()
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_phase_noise_of_a_point_meets_the_closed_form(mode):
+    world, count = World(NOISY, Plane(0.8, reflectance=0.3), seed=1), 3000
+    seen = profile(world, ready(mode), np.zeros((count, 2)))
+    found = decode(np.moveaxis(seen, 1, 0), PSI)
+    weights = np.where(np.arange(12) == 0, 1, 2) * (12 - np.arange(12)) / 144
+    variance = weights @ Chain(NOISY, 1 / 24000).memory(12)
+    variance = density(NOISY, seen.mean(0)) * variance
+    variance += (NOISY.converter_noise**2 + 1 / 12) * 3.158e-4**2 / 12
+    middle = np.angle(np.exp(1j * found.phase).mean())
+    wanted = np.sqrt((variance * np.sin(PSI + middle) ** 2).sum()) / 8 / found.amplitude.mean()
+    assert centred(found.phase - middle).std() == pytest.approx(wanted, rel=4 / np.sqrt(2 * count))
+
+
+# --- the noise of the published captures
+
+
+def stored(name):
+    """Numbers of a figure that chapter 7 drew from the captures."""
+    return {k: v["value"] for k, v in json.loads((REFERENCE / name).read_text()).items()}
+
+
+def test_captures_noise_is_what_chapter_7_found():
+    found = stored("noise_matching_spectra.measured.json")
+    for name, (level, correlation) in CAPTURES.items():
+        assert level == round(found[f"line_noise.{name}.white"], 3)
+        assert correlation == round(found[f"line_noise.{name}.down"], 2)
+    assert NOISE["captures"]["phase_noise"][0] == pytest.approx(0.117, abs=1e-3)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_disturbance_has_its_level_and_grain(mode):
+    """2000 points tell a deviation to 1.6 % and a correlation to 0.022; four of these."""
+    world = World(replace(IDEAL, **NOISE["captures"]), Plane(0.8), seed=1)
+    seen = decode(profile(world, ready(mode), np.zeros((2000, 2))).T, PSI).phase
+    error = centred(seen - np.angle(np.exp(1j * seen).mean()))
+    assert error.std() == pytest.approx(NOISE["captures"]["phase_noise"][0], rel=0.08)
+    correlations = [np.corrcoef(error[:-lag], error[lag:])[0, 1] for lag in (1, 2)]
+    np.testing.assert_allclose(correlations, [NOISE["captures"]["grain"], 0], atol=0.09)
+
+
+@pytest.mark.parametrize(("name", "left"), [("curlyhair1", 0), ("head", 70), ("owl", 70)])
+def test_noise_on_the_captures_objects_is_the_captures(name, left, shared_data):
+    """On the wall behind each object; a scan's line is a column of the captures' maps."""
+    noted, kinds = stored("capture_noise.measured.json"), ("down", "across")
+    levels = {n: noted[f"sigma_rad.{n}"] for n in CAPTURES}
+    near = [[noted[f"correlation_down_across.{n}[{k}]"] for n in CAPTURES] for k in (0, 1)]
+    phase, reference = read_capture(shared_data / f"captures/phase/scene_{name}_phase.csv")
+    smooth = noise.denoise(phase).phase
+    wraps = consistent_wrap_count(reference, smooth, FREQUENCY_SINGLE)
+    depth = depth_from_wraps(smooth, wraps, FREQUENCY_SINGLE)
+    wall = np.loadtxt(shared_data / "captures/depth/scene_wall_depth.csv", delimiter=",") / 100
+    wall = binary_erosion(np.isclose(reference, wall, atol=2e-3), np.ones((13, 13)))
+    wall = wall[:, left : left + 30]
+    camera = np.array([245.5, 245.5, 50.0, 50.0])
+    target = FrameTarget(Frame(depth, np.full(depth.shape, 0.5), camera))
+    y, x = np.mgrid[:100, left : left + 30] + 0.5 - 50
+    angles = np.arctan(np.stack([x, y], -1) / 245.5).swapaxes(0, 1).reshape(-1, 2)
+    level, correlation = CAPTURES[name]
+    for case, least, most in (
+        (NOISE["captures"], min(levels.values()), max(levels.values())),
+        ({"phase_noise": (level, level), "grain": correlation}, levels[name], levels[name]),
+    ):
+        world = World(replace(TwinSettings(), **case), target, seed=2)
+        seen = decode(profile(world, ready("single"), angles).T, PSI).phase.reshape(30, 100).T
+        assert 0.8 * least < noise.typical_phase_noise(seen, wall) < 1.2 * most
+        left_over = np.where(wall, noise.local_residual(seen), np.nan)
+        pairs = (left_over[:-1], left_over[1:]), (left_over[:, :-1], left_over[:, 1:])
+        for kind, both, range_of in zip(kinds, pairs, near, strict=True):
+            a, b = (one[np.isfinite(sum(both))] for one in both)
+            found, slack = np.corrcoef(a, b)[0, 1], 3 / np.sqrt(a.size)
+            assert min(range_of) - slack < found < max(range_of) + slack, kind

@@ -1,0 +1,168 @@
+"""Frames: cameras, light, files, folders, captures; what is refused, in one line."""
+
+import zipfile
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+import cmtof
+from cmtof import captures
+from cmtof.correlation import centred, phase_from_depth
+from cmtof.frame import Frame, Frames, ray_lengths, rays_from_camera
+from cmtof.scenes import embedded_frames, frames_in, load_frame
+
+CAMERA = [50.0, 60.0, 8.0, 6.0]
+ONES = np.ones((6, 8))
+
+
+@given(st.floats(3, 30), st.floats(3, 30), st.floats(0, 8), st.floats(0, 6), st.floats(-1, 1))
+def test_rays_of_a_skewed_camera_land_on_their_pixels(fx, fy, cx, cy, skew):
+    rays = rays_from_camera((6, 8), [fx, fy, cx, cy, skew])
+    pinhole = np.array([[fx, skew, cx], [0, fy, cy], [0, 0, 1]])
+    v, u = np.indices((6, 8)) + 0.5
+    np.testing.assert_allclose(rays @ pinhole.T, np.stack([u, v, ONES], axis=-1), atol=1e-9)
+
+
+def test_frames_survive_their_file(tmp_path, rng):
+    for camera in (None, [9.0, 9, 4, 3, 0.1]):
+        frame = Frame(rng.uniform(1, 2, (6, 8)), rng.uniform(0, 2, (6, 8)), camera, note="float16")
+        frame.save(tmp_path / "a.npz")
+        read = load_frame(tmp_path / "a.npz")
+        np.testing.assert_array_equal(read.depth, frame.depth)
+        np.testing.assert_array_equal(read.intensity, frame.intensity)
+        assert (read.note, read.name) == ("float16", "a")
+        assert read.camera is None if camera is None else read.camera.tolist() == camera
+
+
+@pytest.mark.filterwarnings("error")
+def test_impossible_frames_are_refused_alike_from_arrays_and_files(tmp_path):
+    for depth, intensity, camera, message in (
+        (ONES, ONES.T, None, "one shape"),
+        (0 * ONES, ONES, None, "none above 0"),
+        (ONES, -ONES, None, "intensities >= 0"),
+        (ONES, ONES, [0.0, 1, 1, 1], "camera fx fy cx cy"),
+        (ONES.astype(str), ONES, None, "numbers as depth"),
+        (ONES, ONES.astype([("a", float)]), None, "numbers as intensity"),
+        (ONES, ONES, ["a"] * 4, "numbers as camera"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            Frame(depth, intensity, camera)
+        given = {} if camera is None else {"camera": camera}
+        np.savez(tmp_path / "a.npz", depth=depth, intensity=intensity, **given)
+        with pytest.raises(ValueError, match=message):
+            load_frame(tmp_path / "a.npz")
+
+
+def test_an_archive_that_claims_more_than_it_holds_is_refused_before_it_is_read(tmp_path):
+    Frame(ONES, ONES).save(tmp_path / "a.npz")
+    with zipfile.ZipFile(tmp_path / "a.npz") as archive:
+        size = archive.getinfo("depth.npy").file_size.to_bytes(4, "little")
+    stored = (tmp_path / "a.npz").read_bytes()
+    (tmp_path / "a.npz").write_bytes(stored.replace(size, (2**31).to_bytes(4, "little")))
+    with pytest.raises(ValueError, match=r"whole \.npz file, got .*its header claims 2\.15e\+09"):
+        load_frame(tmp_path / "a.npz")
+
+
+def test_files_that_are_no_frame(tmp_path):
+    np.savez(tmp_path / "half.npz", depth=ONES)
+    (tmp_path / "empty.npz").touch()
+    (tmp_path / "a.jpg").touch()
+    for name, message in (
+        ("half.npz", "arrays depth and intensity"),
+        ("empty.npz", r"whole \.npz"),
+        ("a.jpg", "Convert it"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            load_frame(tmp_path / name)
+    with pytest.raises(FileNotFoundError, match="still_life"):
+        load_frame("no_such_frame")
+    assert {"room", "stairs", "still_life"} <= set(embedded_frames())
+
+
+@pytest.fixture
+def pairs(tmp_path):
+    """A folder of two pairs: depth from 0 to 3 m, sRGB of one half."""
+    depth = np.linspace(0, 3.0, 12 * 16).reshape(12, 16)
+    colour = np.zeros((12, 16, 3), np.uint8)
+    colour[..., 1] = 188
+    for folder, image in (("depth", np.rint(depth * 5000).astype(np.uint16)), ("rgb", colour)):
+        (tmp_path / folder).mkdir()
+        for name in ("2", "10"):
+            Image.fromarray(image).save(tmp_path / folder / f"{name}.png")
+    return tmp_path, depth
+
+
+def test_a_pair_of_images_loads_with_its_scale(pairs):
+    folder, depth = pairs
+    for planar, shape in ((False, 1.0), (True, ray_lengths((12, 16), CAMERA))):
+        how = {"depth_scale": 5000, "planar": planar, "camera": CAMERA}
+        frame = load_frame(folder / "depth" / "2.png", intensity=folder / "rgb" / "2.png", **how)
+        assert np.isnan(frame.depth[0, 0])
+        np.testing.assert_allclose(frame.depth[1:], (depth * shape)[1:], atol=1.2e-4)
+        np.testing.assert_allclose(frame.intensity, 0.5, atol=0.005)
+        listed = frames_in(folder, **how)
+        assert [source.name for source in listed] == [f"{folder.name}/2", f"{folder.name}/10"]
+        np.testing.assert_array_equal(listed[0].load().depth, frame.depth)
+
+
+def test_pairs_that_lack_something(pairs):
+    depth, colour = (pairs[0] / kind / "2.png" for kind in ("depth", "rgb"))
+    (pairs[0] / "fake.png").write_bytes(b"no image")
+    for known, message in (
+        ({}, "intensity image beside"),
+        ({"intensity": colour, "planar": True}, "for planar depth a camera"),
+        ({"intensity": colour, "depth_scale": 0}, "depth scale > 0"),
+        ({"intensity": pairs[0] / "fake.png"}, "Expected a PNG image"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            load_frame(depth, **known)
+    with pytest.raises(ValueError, match="one channel of depth"):
+        load_frame(colour, intensity=colour)
+
+
+def test_a_folder_is_read_through_what_is_broken(tmp_path):
+    Frame(ONES, ONES).save(tmp_path / "good.npz")
+    (tmp_path / "bad.npz").write_bytes(b"PK")
+    frames = Frames(frames_in(tmp_path))
+    assert [frame.name for frame in frames] == ["good"]
+    assert list(frames.skipped) == ["bad"]
+    (tmp_path / "inner").mkdir()
+    with pytest.raises(ValueError, match="Expected frames in"):
+        frames_in(tmp_path / "inner")
+
+
+def write_capture(folder, phase, depth=None):
+    for kind, table in (("phase", phase), ("depth", depth)):
+        (folder / kind).mkdir()
+        if table is not None:
+            np.savetxt(folder / kind / f"scene_x_{kind}.csv", table, delimiter=",")
+    return folder / "phase" / "scene_x_phase.csv"
+
+
+def test_a_capture_opens_from_everywhere(tmp_path, rng, monkeypatch):
+    """In its own folder as well, where its path has no parents."""
+    depth = rng.uniform(0.6, 0.8, (7, 9))
+    path = write_capture(tmp_path, phase_from_depth(depth, 7.15e9) % (2 * np.pi), 1000 * depth)
+    monkeypatch.chdir(path.parent)
+    for place in (path, path.name):
+        measurement = cmtof.open(place)
+        np.testing.assert_allclose(measurement.dataset["reference_depth"], depth)
+        error = centred(measurement.phase[0] - phase_from_depth(depth, 7.15e9))
+        assert np.abs(error).max() < 1e-5
+        assert measurement.frequencies.tolist() == [7.15e9]
+
+
+def test_broken_captures_end_in_one_sentence(tmp_path):
+    path = write_capture(tmp_path, ONES, 700 * ONES)
+    for text, message in (
+        ("", "(none)"),
+        ("1,x\n3,4\n", "rows of finite numbers"),
+        ("1,700\n3,4\n", "Is it a depth map"),
+        ("1,2,3\n", "reference depth of shape"),
+    ):
+        path.write_text(text)
+        with pytest.raises(ValueError, match=message):
+            captures.read_capture(path)

@@ -1,0 +1,215 @@
+"""Hypersim's tree as its authors describe it, and rooms written in the same layout."""
+
+import h5py
+import numpy as np
+import official_tree
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from official_tree import PLAIN, PROJECTIONS, SHAPE, VIEWS, wall, write_official, write_rows
+from scipy.spatial.transform import Rotation
+
+from cmtof.frame import Frames, rays_from_camera
+from cmtof.hypersim import (
+    PARTITIONS,
+    Hypersim,
+    View,
+    camera_from_projection,
+    read_array,
+    split_views,
+    write_metadata,
+)
+from cmtof.scenes import load_frame
+from cmtof_rooms.rendering import view_exists, write_view
+
+FIRST = View("ai_001_001", "cam_00", 0)
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """Three scenes of three views, as the data set's description has them."""
+    return official_tree.write_tree(tmp_path / "hypersim")
+
+
+def test_a_tree_holds_its_views_and_official_float16_files_load(tree):
+    whole = Hypersim(tree)
+    assert whole.views == [View(scene, *view) for scene in PROJECTIONS for view in VIEWS]
+    assert Hypersim(tree / "ai_001_002").views == whole.views[3:6]
+    frame = whole.frame(FIRST)
+    stored = wall(PLAIN).astype(np.float16).astype(np.float32)
+    np.testing.assert_array_equal(frame.depth[1:], stored[1:])
+    assert np.isnan(frame.depth).sum() == 3  # NaN, infinite and 0
+    assert frame.intensity[3, 3] == 0.5  # green, linear, as stored
+    assert frame.intensity[[5, 6, 7], [5, 6, 7]].tolist() == [0, 65504, 0]  # NaN, inf, negative
+    assert frame.name == "ai_001_001/cam_00/0000"
+    assert frame.note == "float16 depth in steps of up to 2.0 mm"
+
+
+def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree):
+    """Points by the frame's camera are the true ones, turned: a plane, 2 m away."""
+    for scene, projection in PROJECTIONS.items():
+        view = View(scene, "cam_00", 0)
+        write_official(view.file(tree, "depth"), wall(projection).astype(np.float32))
+        frame = Hypersim(tree).frame(view)
+        rays = rays_from_camera(SHAPE, frame.camera)
+        rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+        points = (rays * frame.depth[..., None]).reshape(-1, 3)
+        normal = np.linalg.lstsq(points, np.ones(len(points)), rcond=None)[0]
+        assert 1 / np.linalg.norm(normal) == pytest.approx(2.0, abs=1e-5)
+        np.testing.assert_allclose(points @ normal, 1.0, atol=1e-5)
+
+
+@given(
+    st.tuples(*[st.floats(3, 30)] * 2),
+    st.tuples(*[st.floats(-2, 12)] * 2),
+    st.floats(-0.02, 0.02),
+    st.tuples(*[st.floats(-0.3, 0.3)] * 3),
+)
+def test_a_turned_pinhole_with_skew_is_found_again(focal, centre, skew, angles):
+    (fx, fy), (cx, cy), turn = focal, centre, Rotation.from_euler("xyz", angles).as_matrix()
+    pinhole = np.array([[fx, skew * fx, cx], [0, fy, cy], [0, 0, 1]])
+    to_pixel = np.array([[4, 0, 4], [0, -3, 3], [0, 0, 1]])
+    projection = np.diag([1.0, -1, -1]) @ turn @ np.linalg.inv(pinhole) @ to_pixel
+    camera = camera_from_projection(projection, (6, 8))
+    expected = [fx, fy, cx, cy, skew * fx][: len(camera)]
+    assert len(camera) == 5 or abs(skew) < 2e-6
+    np.testing.assert_allclose(camera, expected, rtol=1e-7, atol=1e-7)
+
+
+def test_projections_that_show_nothing_are_refused():
+    for projection in (np.eye(3), np.full((3, 3), np.nan)):
+        with pytest.raises(ValueError, match="M_cam_from_uv"):
+            camera_from_projection(projection, SHAPE)
+
+
+def claims_much(path):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("dataset", shape=(10**6, 10**6), dtype="f4", chunks=(100, 100))
+
+
+def test_a_broken_depth_file_is_named_and_left_out(tree):
+    path = FIRST.file(tree, "depth")
+    for damage, message in (
+        (lambda: path.write_bytes(path.read_bytes()[:700]), "whole HDF5 file"),
+        (lambda: claims_much(path), r"its header claims 4e\+12 bytes"),
+        (lambda: h5py.File(path, "w").close(), "key dataset"),
+        (lambda: write_official(path, np.ones((2, 2), complex)), "numbers on 2 axes"),
+        (lambda: write_official(path, np.full(SHAPE, np.nan)), "none above 0"),
+    ):
+        damage()
+        with pytest.raises(ValueError, match=f"(?s){message}.*") as error:
+            Hypersim(tree).frame(FIRST)
+        assert "ai_001_001" in str(error.value)
+    View("ai_001_002", "cam_00", 42).file(tree, "color").unlink()
+    frames = Frames(Hypersim(tree).sources(Hypersim(tree).views))
+    assert len(list(frames)) == 7
+    assert set(frames.skipped) == {FIRST.name, "ai_001_002/cam_00/0042"}
+
+
+def test_what_is_missing_is_named(tree):
+    depth = FIRST.file(tree, "depth")
+    FIRST.file(tree, "color").unlink()
+    with pytest.raises(FileNotFoundError, match=r"frame\.0000\.color\.hdf5"):
+        Hypersim(tree).frame(FIRST)
+    frame = load_frame(depth)
+    assert (frame.intensity == 1).all() and frame.note.endswith("intensity 1 everywhere")
+    (tree / "metadata_camera_parameters.csv").unlink()
+    assert load_frame(depth).camera is None
+    (tree / "metadata_images_split_scene_v1.csv").unlink()
+    with pytest.raises(FileNotFoundError, match=r"split_scene_v1\.csv in or beside"):
+        Hypersim(tree).split()
+    with pytest.raises(ValueError, match="Expected scenes such as"):
+        Hypersim(tree / "ai_001_001" / "images")
+    with pytest.raises(ValueError, match="Keep the layout"):
+        load_frame(depth.rename(tree / depth.name))
+
+
+def test_damaged_tables_are_named(tree):
+    listed = [["scene_name", "camera_name", "frame_id", "split_partition_name"], list("abcd")]
+    write_rows(tree / "metadata_images_split_scene_v1.csv", listed)
+    with pytest.raises(ValueError, match=r"columns and numbers, got .*split_scene_v1.csv"):
+        Hypersim(tree).split()
+    write_rows(tree / "metadata_camera_parameters.csv", [["M_cam_from_uv_00"], ["minus one"]])
+    with pytest.raises(ValueError, match=r"columns and numbers, got .*camera_parameters.csv"):
+        _ = Hypersim(tree).projections
+
+
+def test_papers_frames_are_tested_and_their_scenes_never_trained_on(tree):
+    for place in (".", "../analysis"):
+        (tree / place).mkdir(exist_ok=True)
+        for table in list(tree.glob("*.csv")):
+            table.rename(tree / place / table.name)
+        split = Hypersim(tree).split()
+        tested = [view.name for view in split["test"]]
+        assert tested == ["ai_001_001/cam_00/0042", "ai_002_001/cam_00/0042"]
+        assert {view.scene for view in split["train"]} == {"ai_001_002"}
+        assert load_frame(tree).name == "ai_001_001/cam_00/0042"
+
+
+scenes = [f"ai_00{i}_00{j}" for i in range(3) for j in range(1, 4)] + ["room_0", "room_1"]
+
+
+@given(
+    st.dictionaries(st.sampled_from(scenes), st.sampled_from([*PARTITIONS, ""])),
+    st.sets(st.sampled_from([("cam_00", 0), ("cam_00", 42), ("cam_01", 42)])),
+)
+def test_no_view_stands_in_two_partitions(partitions, views):
+    listed = [View(scene, *view, p) for scene, p in partitions.items() for view in views]
+    parts = split_views(listed)
+    found = [view for part in parts.values() for view in part]
+    assert len(found) == len(set(found)) and set(found) <= {v for v in listed if v.partition}
+    train, val, test = ({v.scene for v in parts[name]} for name in PARTITIONS)
+    assert not (train & test or val & test or train & val)
+
+
+def test_official_tables_and_the_public_depth_file(shared_data):
+    """482 turned pinholes, 31 of them skewed; 46 test frames, 34 of official training scenes."""
+    tree = Hypersim(shared_data / "hypersim")
+    cameras = [camera_from_projection(m, (12, 16)) for m in tree.projections.values()]
+    assert (len(cameras), sum(len(camera) == 5 for camera in cameras)) == (482, 31)
+    frame = load_frame(next(tree.root.rglob("frame.0000.depth_meters.hdf5")))
+    assert frame.depth.shape == (768, 1024) and frame.note.startswith("float16 depth in steps of")
+    assert np.abs(frame.camera[2:] - [512, 384]).min() > 50  # shifted
+    assert tree.split()["test"] == []  # on disk is none
+    with (shared_data / "hypersim").joinpath("metadata_images_split_scene_v1.csv").open() as file:
+        rows = [line.rstrip("\n").split(",") for line in file][1:]
+    test = split_views(View(row[0], row[1], int(row[2]), row[-1]) for row in rows)["test"]
+    assert [sum(v.partition == name for v in test) for name in PARTITIONS] == [34, 5, 7]
+
+
+def picture(rng, shape=(40, 48)):
+    normal = rng.normal(size=(*shape, 3))
+    return {
+        "color": rng.lognormal(size=(*shape, 3)),
+        "depth": rng.uniform(0.5, 8, shape).astype(np.float32),
+        "normal": normal / np.linalg.norm(normal, axis=-1, keepdims=True),
+        "instance": rng.integers(-1, 300, shape),
+    }
+
+
+def write_rooms(root):
+    split, views = {"room_000_000": "train", "room_000_001": "test"}, [("cam_00", 0), ("cam_00", 1)]
+    for number, scene in enumerate(split):
+        for view in views:
+            write_view(root, scene, *view, **picture(np.random.default_rng(number)))
+    write_metadata(root, (40, 48), {scene: (part, 41.6, views) for scene, part in split.items()})
+    return {p.relative_to(root): p.read_bytes() for p in root.rglob("*.*") if p.is_file()}
+
+
+def test_rooms_are_written_alike_every_time_and_read_by_the_one_reader(tmp_path):
+    once = write_rooms(tmp_path / "rooms")
+    assert write_rooms(tmp_path / "rooms") == once == write_rooms(tmp_path / "again")
+    tree, expected = Hypersim(tmp_path / "rooms"), picture(np.random.default_rng(0))
+    view = tree.views[1]
+    frame = tree.frame(view)
+    np.testing.assert_array_equal(frame.depth, expected["depth"])  # every bit
+    np.testing.assert_allclose(frame.intensity, expected["color"][..., 1], rtol=2.0**-11)
+    normal, instance = (view.file(tree.root, kind) for kind in ("normal", "instance"))
+    np.testing.assert_allclose(read_array(normal, 3), expected["normal"], atol=2.0**-11)
+    np.testing.assert_array_equal(read_array(instance, 2), expected["instance"])
+    np.testing.assert_allclose(frame.camera, [41.6, 41.6, 24, 20])
+    assert frame.note == ""
+    assert [v.name for v in tree.split()["test"]] == ["room_000_001/cam_00/0000"]
+    assert all(view_exists(tree.root, *view[:3]) for view in tree.views)
+    view.file(tree.root, "normal").unlink()
+    assert not view_exists(tree.root, *view[:3])
