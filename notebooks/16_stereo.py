@@ -28,13 +28,13 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
 
 import cmtof
-from cmtof import stereo
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import residual_noise, wrap_length
 from cmtof.frame import Frame
 from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import load_frame
 from cmtof_book import notes, paper, plotting
+from cmtof_lab import stereo
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)

@@ -28,7 +28,6 @@ import numpy as np
 import torch
 
 import cmtof
-from cmtof import stereo
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame, rays_from_camera
@@ -38,6 +37,7 @@ from cmtof.network.training import fine_tune
 from cmtof.network.weights import load_weights, save_weights, weights_path
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof_book import notes, paper, plotting, views
+from cmtof_lab import stereo
 from cmtof_lab.objects import FIELD_OF_VIEW
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rf_ranging import RfRanger, rf_image

@@ -33,36 +33,60 @@ def budget_terms(
     ratio r: :math:`r\sin(\phi_b-\phi)`. RF leakage and laser drift: ``days`` of Monte Carlo before
     a mirror, which leaves little of the converter's rounding.
     """
-    real, order = TwinSettings(), ORDER[mode]
+    lengths = {
+        **noise_terms(target, mode),
+        **phase_terms(target, mode),
+        **drawn_terms(target, mode, days=days, seed=seed),
+        "air, changed since": air_term(target),
+        "stage": STAGE_ERROR,
+    }
+    return {name: float(length) for name, length in lengths.items()}
+
+
+def noise_terms(target: Plane, mode: str) -> dict[str, float]:
+    """Noise of photons, amplifier and converter, m: differences of Cramer-Rao bounds."""
+    real = TwinSettings()
     silent = replace(real, converter_noise=0.0)
-    noises = [
-        OpticalRanger(one, mode).bound(target, [0.0])[0]
-        for one in (real, silent, replace(silent, noise_density=0.0))
-    ]
-    waits, zero = np.arange(POSITIONS.size) + OpticalRanger.age, np.arange(OpticalRanger.visits)
+    dark = replace(silent, noise_density=0.0)
+    every, analog, photons = (
+        float(OpticalRanger(one, mode).bound(target, [0.0])[0]) for one in (real, silent, dark)
+    )
+    return {
+        "photon noise": photons,
+        "amplifier": float(np.sqrt(analog**2 - photons**2)),
+        "converter": float(np.sqrt(every**2 - analog**2)),
+    }
+
+
+def phase_terms(target: Plane, mode: str) -> dict[str, float]:
+    """Errors of phase in closed form, m: drift, codes, I/Q imbalance, back-reflection."""
+    real = TwinSettings()
+    waits = np.arange(POSITIONS.size) + OpticalRanger.age
+    drifted = drift_spread(waits, np.arange(OpticalRanger.visits))
     phases = {
-        "RF phase drift": order * real.phase_drift * drift_spread(waits, zero),
-        "phase codes": order * real.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
+        "RF phase drift": ORDER[mode] * real.phase_drift * drifted,
+        "phase codes": ORDER[mode] * real.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
         "I/Q imbalance": real.iq_imbalance / np.sqrt(8) * (mode == "single"),
         "back-reflection": back_ratio(real, target) / np.sqrt(2),
     }
-    warmer, denser = OpticalRanger.air_change
-    weather = np.hypot(warmer / real.temperature, denser / real.pressure)
-    excess = free_space.group_index(real) - 1
+    return {name: float(depth_from_phase(one, FREQUENCY[mode])) for name, one in phases.items()}
+
+
+def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> dict[str, float]:
+    """Errors without a closed form, m: RF leakage and laser drift, each alone before a mirror."""
     mirror = replace(MIRROR, distance=target.distance)
     still = {"days": days, "seed": seed, "stage_error": 0.0, "air_change": (0, 0)}
     alone = {"RF leakage": only("leakage"), "laser drift": only("fibre_low", "fibre_high")}
     drawn = {name: simulated(one, mirror, mode, **still) for name, one in alone.items()}
-    lengths = {
-        "photon noise": noises[2],
-        "amplifier": np.sqrt(noises[1] ** 2 - noises[2] ** 2),
-        "converter": np.sqrt(noises[0] ** 2 - noises[1] ** 2),
-        **{name: depth_from_phase(one, FREQUENCY[mode]) for name, one in phases.items()},
-        **{name: np.sqrt(np.mean(errors**2)) for name, errors in drawn.items()},
-        "air, changed since": excess * target.distance * weather,
-        "stage": STAGE_ERROR,
-    }
-    return {name: float(length) for name, length in lengths.items()}
+    return {name: float(np.sqrt(np.mean(errors**2))) for name, errors in drawn.items()}
+
+
+def air_term(target: Plane) -> float:
+    """Error by air that has changed since the zero, m."""
+    real = TwinSettings()
+    warmer, denser = OpticalRanger.air_change
+    weather = np.hypot(warmer / real.temperature, denser / real.pressure)
+    return float((free_space.group_index(real) - 1) * target.distance * weather)
 
 
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:

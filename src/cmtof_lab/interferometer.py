@@ -10,6 +10,7 @@ noise v of a step. The stage creeps, and each reading is unwrapped against the o
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +30,29 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
+
+
+class Fringes(NamedTuple):
+    """Interferogram at some ranges (...), V; of a rough plate the mean square over its speckle."""
+
+    amplitude: Array
+    offset: Array
+    variance: Array  # noise of one step, V^2
+
+
+class Move(NamedTuple):
+    """Readings along the stage's way; ``stations`` are those at the stops."""
+
+    stations: NDArray[np.intp]
+
+    @property
+    def count(self) -> int:
+        """Readings on the whole way."""
+        return int(self.stations[-1]) + 1
+
+    def along(self, at_stops: NDArray) -> NDArray:
+        """Values at every reading, linear between those at the stops."""
+        return np.interp(np.arange(self.count), self.stations, at_stops)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +100,9 @@ class Interferometer:
         of which it takes ``2 pi / (A ((pi w / lambda z)^2 + 1 / w_r^2))`` on average, w the spot's
         radius. Mirror: overlap with the wide and curved beam that comes back.
         """
-        settings, z, vacuum = self.settings, target.distance, self.settings.wavelength
+        settings = self.settings
+        z = target.distance
+        vacuum = settings.wavelength
         if not target.mirrored:
             inverse = (np.pi * float(free_space.spot_radius(settings, z)) / (vacuum * z)) ** 2
             area = free_space.aperture_area(settings)
@@ -86,24 +112,22 @@ class Interferometer:
         turned = np.pi * settings.divergence / (width * vacuum)  # curvature of the wavefront
         return float(4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2))
 
-    def fringes(self, target: Plane, ranges: ArrayLike) -> tuple[Array, Array, Array]:
-        """Amplitude and offset, V, of the interferogram at ranges (...), m; noise of a step, V^2.
-
-        Of a diffuse plate the amplitude is the root of the mean square over its speckle.
-        """
-        settings, z = self.settings, np.asarray(ranges, float)
+    def fringes(self, target: Plane, ranges: ArrayLike) -> Fringes:
+        """Interferogram at ranges (...), m."""
+        settings = self.settings
+        z = np.asarray(ranges, float)
         scene = np.minimum(collected_power(settings, target, z), self.arm_power)
         delay = 2 * (z - target.distance - self.imbalance) / SPEED_OF_LIGHT
         coherence = np.exp(-((np.pi * self.linewidth * delay) ** 2) / (4 * np.log(2)))
-        field = np.sqrt(self.arm_power * self.matched_share(target) * scene)
-        amplitude = volts_per_watt(settings) * 2 * coherence * field
+        mixed = np.sqrt(self.arm_power * self.matched_share(target) * scene)
+        amplitude = volts_per_watt(settings) * 2 * coherence * mixed
         offset = volts_per_watt(settings) * (self.arm_power + scene)
         # a mean over a step averages white noise over 1 / (2 T), unless the filters pass less
         passed = Chain(settings, 1 / SAMPLE_RATE).memory(1)[0]
         variance = density(settings, offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
         variance = variance + (settings.converter_noise * SLOPE) ** 2 / self.samples
         variance = variance + (self.intensity_noise * offset) ** 2
-        return amplitude, offset, variance * float(settings.noise)
+        return Fringes(amplitude, offset, variance * float(settings.noise))
 
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
@@ -111,37 +135,56 @@ class Interferometer:
         A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn again.
         """
         stops = np.asarray(positions, float)
-        strides = np.abs(np.diff(stops)) / self.stride - 1e-9
-        stations = np.append(0, np.cumsum(np.maximum(1, np.ceil(strides)))).astype(int)
-        place = np.arange(stations[-1] + 1)
-        ranges = target.distance + np.interp(place, stations, stops)
-        amplitude, _, variance = self.fringes(target, ranges)
-        warmth = target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
-        rough = self.settings.speckle and not target.mirrored
-        root = _gaussian_root(stops / self.speckle_length)
+        move = self._move(stops)
+        fringes = self.fringes(target, target.distance + move.along(stops))
         found = np.zeros((repeats, stops.size))
         for repeat in range(repeats):
             rng = np.random.default_rng([seed, repeat])
-            speckle = root @ circular_normals(rng, stops.size) if rough else np.ones(stops.size)
+            speckle = self._speckle(target, stops, rng)
             colour = self.wavelength_error * rng.standard_normal()
-            at = stops + self.stage_error * rng.standard_normal(stops.size)
-            way = np.interp(place, stations, at - at[0]) + self.vibration(rng, place.size)
-            slow = _carried(rng.standard_normal(place.size), -self.reading_time / self.drift_time)
-            way += warmth * (slow - slow[0])
-            field = amplitude * np.interp(place, stations, speckle)
-            noise = np.sqrt(2 * variance / self.steps) * circular_normals(rng, place.size)
-            read = field * np.exp(4j * np.pi / self.wavelength * way) + noise
-            start = np.angle(field[0])  # the plate's own phase belongs to the known range, too
-            counted = np.unwrap(np.append(start, np.angle(read)))[1:] - start
-            metres = counted[stations] * self.wavelength * (1 + colour) / (4 * np.pi)
+            way = self._way(target, stops, move, rng)
+            field = fringes.amplitude * move.along(speckle)
+            counted = self._counted(way, field, fringes.variance, rng)
+            metres = counted[move.stations] * self.wavelength * (1 + colour) / (4 * np.pi)
             found[repeat, 1:] = metres[1:]
         return target.distance + stops[0] + found
+
+    def _move(self, stops: Array) -> "Move":
+        """Readings that the stage passes on its way from stop to stop."""
+        strides = np.abs(np.diff(stops)) / self.stride - 1e-9
+        stations = np.append(0, np.cumsum(np.maximum(1, np.ceil(strides)))).astype(int)
+        return Move(stations)
+
+    def _speckle(self, target: Plane, stops: Array, rng: np.random.Generator) -> NDArray:
+        """Factor of the field at the stops: a mirror has none."""
+        if not self.settings.speckle or target.mirrored:
+            return np.ones(stops.size)
+        root = _gaussian_root(stops / self.speckle_length)
+        return root @ circular_normals(rng, stops.size)
+
+    def _way(self, target: Plane, stops: Array, move: "Move", rng: np.random.Generator) -> Array:
+        """True travel, m, at each reading: stage, shaking, and the drift of temperature."""
+        reached = stops + self.stage_error * rng.standard_normal(stops.size)
+        way = move.along(reached - reached[0]) + self.vibration(rng, move.count)
+        warmth = target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
+        forgotten = -self.reading_time / self.drift_time
+        slow = _carried(rng.standard_normal(move.count), forgotten)
+        return way + warmth * (slow - slow[0])
+
+    def _counted(
+        self, way: Array, field: NDArray, variance: Array, rng: np.random.Generator
+    ) -> Array:
+        """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
+        noise = np.sqrt(2 * variance / self.steps) * circular_normals(rng, way.size)
+        read = field * np.exp(4j * np.pi / self.wavelength * way) + noise
+        start = np.angle(field[0])
+        return np.unwrap(np.append(start, np.angle(read)))[1:] - start
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao least standard deviation (P,), m, by noise alone, speckle at its mean."""
         ranges = target.distance + np.asarray(positions, float)
-        amplitude, _, variance = self.fringes(target, ranges)
-        noise = linear_phase_noise(amplitude, variance, self.steps)
+        seen = self.fringes(target, ranges)
+        noise = linear_phase_noise(seen.amplitude, seen.variance, self.steps)
         return np.asarray(self.wavelength / (4 * np.pi) * noise, float)
 
     def vibration(self, rng: np.random.Generator, count: int) -> Array:

@@ -80,7 +80,8 @@ class MhzCamera:
 
         A polished surface keeps a small diffuse share, and mirrors where it faces lens and source.
         """
-        z, weight = view.range, np.asarray(view.mirrored)
+        z = view.range
+        weight = np.asarray(view.mirrored)
         sent = self._electrons(self.power) / (self.shape[0] * self.shape[1])
         with np.errstate(invalid="ignore", divide="ignore"):
             lobe = np.hypot(SPECULAR_LOBE, self.source_radius / z)
@@ -128,7 +129,8 @@ class MhzCamera:
         """
         swing = np.broadcast_to(self.differences(light), (repeats, STEPS, *light[1].shape))
         a, b = ((light[1] + sign * swing) / 2 for sign in (1, -1))
-        noisy, end = skellam_gaussian(a, b, rng=rng, sigma=self.read_noise), self.full_scale
+        noisy = skellam_gaussian(a, b, rng=rng, sigma=self.read_noise)
+        end = self.full_scale
         images = quantise(noisy + end, bits=self.bits, full_scale=2 * end) - end
         return np.where(np.maximum(a, b) < self.full_well, images, np.nan)
 

@@ -89,37 +89,39 @@ class OpticalRanger:
         """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.
 
         Each repeat is another instrument on another day; ranges are unwrapped to the known wrap.
-        Phases of paths, cables and leaks, which no setting states, are anywhere in a turn.
         """
-        offsets, settings = np.asarray(positions, float), self.before(target)
-        stated = np.append(visited(self.visits), offsets)
-        later = self.age + self.step_time * np.arange(offsets.size)
-        times = np.append(self.step_time * np.arange(self.visits), later)
-        labels = 1 + np.rint(times / LABEL_TIME).astype(int)
-        index = free_space.group_index(settings)
-        expected = phase_from_depth(index * (target.distance + stated), self.frequency)
+        offsets = np.asarray(positions, float)
         ranges = np.empty((repeats, offsets.size))
         for repeat in range(repeats):
             rng = np.random.default_rng((seed, repeat))
-            path, back, cable, leak = rng.uniform(0, 1, 4)
-            today = replace(
-                settings,
-                internal_path=settings.internal_path + WRAP * path,
-                back_range=settings.back_range - WRAP * back,
-                phase_offset=TAU * cable,
-                leakage_phase=TAU * leak,
-            )
-            world = World(today, seed=int(rng.integers(2**63)))
-            warmer, denser = rng.standard_normal(2) * self.air_change
-            at = stated + self.stage_error * rng.standard_normal(stated.size)
-            error = self.phase(self.counts(world, at, labels)) - expected
-            zero = np.angle(np.exp(1j * error[: self.visits]).sum())
-            off = depth_from_phase(centred(error[self.visits :] - zero), self.frequency) / index
-            # the lab divides by the index of the zero
-            change = denser / max(settings.pressure, 1.0) - warmer / settings.temperature
-            thicker = (index - 1) * change
-            ranges[repeat] = (target.distance + offsets) * (1 + thicker / index) + off
+            ranges[repeat] = self._day(target, offsets, rng)
         return ranges
+
+    def _day(self, target: Plane, offsets: Array, rng: np.random.Generator) -> Array:
+        """Estimated ranges (P,), m, of one sweep."""
+        settings = self.before(target)
+        stated = np.append(visited(self.visits), offsets)
+        index = free_space.group_index(settings)
+        world = World(_another_day(settings, rng), seed=int(rng.integers(2**63)))
+        thicker = self._air_change(settings, rng)
+        place = stated + self.stage_error * rng.standard_normal(stated.size)
+        expected = phase_from_depth(index * (target.distance + stated), self.frequency)
+        error = self.phase(self.counts(world, place, self._labels(offsets.size))) - expected
+        zero = np.angle(np.exp(1j * error[: self.visits]).sum())
+        off = depth_from_phase(centred(error[self.visits :] - zero), self.frequency) / index
+        return (target.distance + offsets) * (1 + thicker / index) + off
+
+    def _labels(self, count: int) -> NDArray[np.int_]:
+        """Labels of the bursts of the zero and of ``count`` positions, which count their time."""
+        later = self.age + self.step_time * np.arange(count)
+        times = np.append(self.step_time * np.arange(self.visits), later)
+        return 1 + np.rint(times / LABEL_TIME).astype(int)
+
+    def _air_change(self, settings: TwinSettings, rng: np.random.Generator) -> float:
+        """Change of the air's index since the zero, by whose index the lab divides."""
+        warmer, denser = rng.standard_normal(2) * self.air_change
+        change = denser / max(settings.pressure, 1.0) - warmer / settings.temperature
+        return float((free_space.group_index(settings) - 1) * change)
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound on one estimate (P,), m: noise alone, that of the zero included."""
@@ -134,10 +136,7 @@ class OpticalRanger:
         The filter keeps the maximum within the detector's range; no speckle.
         """
         settings = self.settings
-        wave = World(settings).emission(self.panel())  # the detection's is alike
-        opened = np.asarray(collected, float) / free_space.emission_mean(settings, self.mode)
-        mean = opened * wave[0].real ** 2 + free_space.ambient(settings) * wave[0].real
-        amplitude = opened * 2 * abs(wave[ORDER[self.mode]]) ** 2
+        mean, amplitude = self._light(collected)
         crest = volts_per_watt(settings) * (mean + amplitude)
         dimming = np.minimum(1.0, self.level * settings.saturation / crest)
         per_watt = volts_per_watt(settings) * dimming
@@ -147,6 +146,14 @@ class OpticalRanger:
         variance = variance + 2 / kept * counts * SLOPE**2
         return dimming, np.sqrt(variance) / (per_watt * amplitude)
 
+    def _light(self, collected: ArrayLike) -> tuple[Array, Array]:
+        """Mean and amplitude, W, of the correlation of collected light, W."""
+        settings = self.settings
+        wave = World(settings).emission(self.panel())  # the detection's is alike
+        opened = np.asarray(collected, float) / free_space.emission_mean(settings, self.mode)
+        mean = opened * wave[0].real ** 2 + free_space.ambient(settings) * wave[0].real
+        return mean, opened * 2 * abs(wave[ORDER[self.mode]]) ** 2
+
     def _bandwidth(self) -> float:
         """Variance, V^2, of one quadrature of the fundamental per one-sided density, V^2/Hz."""
         phase, sample = np.divmod(np.arange(self.phases * self.samples), self.samples)
@@ -155,3 +162,15 @@ class OpticalRanger:
         overlap = correlate(tone, tone)[phase.size - 1 :].real
         scale = 2 / (self.phases * (self.samples - self.settle))
         return float(scale**2 * (overlap @ memory - overlap[0] * memory[0] / 2))
+
+
+def _another_day(settings: TwinSettings, rng: np.random.Generator) -> TwinSettings:
+    """Settings whose phases of paths, cables and leaks, which none states, are drawn again."""
+    path, back, cable, leak = rng.uniform(0, 1, 4)
+    return replace(
+        settings,
+        internal_path=settings.internal_path + WRAP * path,
+        back_range=settings.back_range - WRAP * back,
+        phase_offset=TAU * cable,
+        leakage_phase=TAU * leak,
+    )

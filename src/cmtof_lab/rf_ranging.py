@@ -121,7 +121,8 @@ class RfRanger:
 
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
-        offsets, count = np.asarray(positions, float), self.visits
+        offsets = np.asarray(positions, float)
+        count = self.visits
         ranges = target.distance + np.append(visited(count), offsets)
         found = np.empty((repeats, offsets.size))
         for repeat in range(repeats):
@@ -138,38 +139,72 @@ class RfRanger:
 
     def readings(self, target: Plane, ranges: Array, rng: np.random.Generator) -> Complex:
         """One day's envelopes (P,), V, at ranges (P,), m, the first ones those of the zero."""
-        settings, key, zeros = self.settings, int(rng.integers(2**62)), self.visits
-        later = self.age + self.step_time * np.arange(ranges.size - zeros)
-        times = np.append(self.step_time * np.arange(zeros), later)
-        times = np.append(times, 0.0)  # the last with the beam blocked
-        slow = [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
+        times = self._times(ranges.size)
+        averaged = self._averaged(times.size)
+        slow = self._slow_drifts(times, rng)
         constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
         constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
-        low, high = settings.fibre_low, settings.fibre_high
-        fibre = 1 + (high - low) / (high + low) * DRIFT_RMS * slow[3]
-        jitter = settings.phase_noise[ORDER[self.mode] - 1]  # of the drivers, as in the instrument
-        true = ranges + self.stage_error * rng.standard_normal(ranges.size)
-        light = self.power(target, ranges)
-        if settings.speckle and not target.mirrored:
-            cells = free_space.speckle_cells(settings, ranges)
-            light = light * rng.gamma(cells, 1 / cells)
-        light, true = np.append(light, 0.0), np.append(true, 0.0)
-        many = np.where(np.arange(times.size) < zeros, self.points, 1)
-        many[-1] = self.points
-        turn = jitter * rng.standard_normal(many.size) / np.sqrt(many)
-        turn += settings.phase_drift * slow[2]
-        stray = free_space.sent_power(settings, self.mode) * free_space.inward(settings)
-        stray *= settings.back_fraction * (times > 0)
-        ways = (light, true), (stray, settings.back_range)
-        signal = constant + sum(
-            self.envelope(power * fibre) * np.exp(1j * (self.phase(z) + turn)) for power, z in ways
-        )
-        noise = self.noise(light) / np.sqrt(many) * circular_normals(rng, many.size)
-        known = 10 ** (self.amplitude_imbalance / 20), self.phase_imbalance
+        place = ranges + self.stage_error * rng.standard_normal(ranges.size)
+        light = np.append(self._received(target, ranges, rng), 0.0)
+        turn = self._turn(averaged, slow[2], rng)
+        own = self._seen(light * self._fibre(slow[3]), np.append(place, 0.0), turn)
+        stray = self._stray() * (times > 0)
+        back = self._seen(stray * self._fibre(slow[3]), self.settings.back_range, turn)
+        signal = constant + (own + back)
+        noise = self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
+        known = np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
         read = skewed(signal + noise, *(known + self.drift * rng.standard_normal(2)))
+        if not self.calibrated:
+            return read[:-1]
         # the blocked beam is read, and the imbalance known, before they drift
         blocked = skewed((signal + noise)[-1], *known)
-        return straightened(read - blocked, *known)[:-1] if self.calibrated else read[:-1]
+        return straightened(read - blocked, *known)[:-1]
+
+    def _times(self, count: int) -> Array:
+        """Times, s, of ``count`` positions; the last is that of the blocked beam."""
+        zero = self.step_time * np.arange(self.visits)
+        later = self.age + self.step_time * np.arange(count - self.visits)
+        return np.concatenate([zero, later, [0.0]])
+
+    def _averaged(self, count: int) -> NDArray[np.intp]:
+        """Points that each reading averages: many for the zero and for the blocked beam."""
+        many = np.where(np.arange(count) < self.visits, self.points, 1)
+        many[-1] = self.points
+        return many
+
+    def _slow_drifts(self, times: Array, rng: np.random.Generator) -> list[Array]:
+        """Four drifts of unit rms: both parts of the offset, the phase, and the fibre."""
+        key = int(rng.integers(2**62))
+        return [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
+
+    def _received(self, target: Plane, ranges: Array, rng: np.random.Generator) -> Array:
+        """Light on the photodiode, W, with the speckle of a rough target."""
+        light = self.power(target, ranges)
+        if not self.settings.speckle or target.mirrored:
+            return light
+        cells = free_space.speckle_cells(self.settings, ranges)
+        return light * rng.gamma(cells, 1 / cells)
+
+    def _turn(self, averaged: NDArray, drifted: Array, rng: np.random.Generator) -> Array:
+        """Error of the drivers' phase, rad, as in the instrument: jitter and drift."""
+        jitter = self.settings.phase_noise[ORDER[self.mode] - 1]
+        turn = jitter * rng.standard_normal(averaged.size) / np.sqrt(averaged)
+        return turn + self.settings.phase_drift * drifted
+
+    def _fibre(self, drifted: Array) -> Array:
+        """Transmission of the fibre over its mean."""
+        low = self.settings.fibre_low
+        high = self.settings.fibre_high
+        return 1 + (high - low) / (high + low) * DRIFT_RMS * drifted
+
+    def _stray(self) -> float:
+        """Light of the coaxial back-reflection, W."""
+        sent = free_space.sent_power(self.settings, self.mode) * free_space.inward(self.settings)
+        return sent * self.settings.back_fraction
+
+    def _seen(self, light: Array, place: ArrayLike, turn: Array) -> Complex:
+        """Envelope, V, of light, W, from a range, m, with an error of phase, rad."""
+        return self.envelope(light) * np.exp(1j * (self.phase(place) + turn))
 
 
 def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:

@@ -61,10 +61,13 @@ class Parts(NamedTuple):
 
 def parts(errors: ArrayLike, positions: ArrayLike = POSITIONS) -> Parts:
     """Offset, slope, scatter, RMSE and MAE of errors (..., P), m, at positions (P,), m."""
-    error, place = np.asarray(errors, float), np.asarray(positions, float)
+    error = np.asarray(errors, float)
+    place = np.asarray(positions, float)
     about = place - place.mean()
-    offset, slope = error.mean(axis=-1), error @ about / (about @ about)
+    offset = error.mean(axis=-1)
+    slope = error @ about / (about @ about)
     left = error - offset[..., None] - slope[..., None] * about
     scatter = np.sqrt((left**2).sum(axis=-1) / (place.size - 2))
-    rmse, mae = np.sqrt(np.mean(error**2, axis=-1)), np.abs(error).mean(axis=-1)
+    rmse = np.sqrt(np.mean(error**2, axis=-1))
+    mae = np.abs(error).mean(axis=-1)
     return Parts(offset, slope, scatter, rmse, mae)
