@@ -1,0 +1,119 @@
+"""The laser's spot in a camera: its light, its noise, and where its centre is found."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr
+
+from cmtof.constants import LASER_WAVELENGTH
+
+Array = NDArray[np.floating]
+
+WINDOW = 11  # side of the window in which a spot is placed, px
+WEIGHT = 1.3  # standard deviation of the weight of its centroid, px
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """Camera, lens and laser spot, the pixel of Sony's IMX252 (assumed)."""
+
+    shape: tuple[int, int] = (1536, 2048)  # height and width, px
+    pitch: float = 3.45e-6  # m
+    focal_length: float = 8e-3  # m (Sec. 6.4)
+    f_number: float = 4.0  # assumed
+    full_well: float = 10_700.0  # electrons
+    read_noise: float = 2.9  # electrons
+    ambient: float = 5.0  # electrons of other light in a pixel (assumed)
+    beam: float = 0.6e-3  # standard deviation of the spot on a surface, m (assumed)
+    blur: float = 0.8  # standard deviation of the lens's blur, px (assumed)
+    contrast: float = 0.7071  # of speckle on a surface that depolarises (assumed)
+
+    @property
+    def speckle(self) -> float:
+        r"""Deviation of a spot's centroid by speckle of contrast C, px: C lambda N / (sqrt(2) pi).
+
+        (Dorsch, Haeusler and Herrmann, Applied Optics 33, 1306, 1994, found this limit.)
+        """
+        grain = LASER_WAVELENGTH * self.f_number / self.pitch
+        return self.contrast * grain / float(np.sqrt(2) * np.pi)
+
+
+SENSOR = Sensor()
+
+
+def photographed_spots(
+    true: Array, rate: Array, width: Array, rng: np.random.Generator, sensor: Sensor
+) -> Array:
+    """Windows (N, S, S) of spots at ``true``, px, in electrons less the room's light."""
+    edges = (np.arange(WINDOW + 1) - true[..., None]) / width[:, None, None]
+    across, down = np.moveaxis(np.diff(ndtr(edges), axis=-1), 1, 0)
+    mean = rate[:, None, None] * down[:, :, None] * across[:, None, :] + sensor.ambient
+    drawn = rng.poisson(mean) + sensor.read_noise * rng.standard_normal(mean.shape)
+    return np.minimum(drawn, sensor.full_well) - sensor.ambient
+
+
+def place_spots(windows: ArrayLike, sensor: Sensor) -> tuple[Array, Array]:
+    r"""Centres (N, 2) and their standard deviations (N,), px, of the spots in windows (N, S, S).
+
+    The centroid under a Gaussian weight w of width s that moves with it (XWIN of SExtractor):
+
+    .. math:: x \leftarrow x + 2\frac{\sum w I (u - x)}{\sum w I}, \qquad
+              \sigma_x = \frac{\sqrt{\sum w^2 (u - x)^2 v}}{\sum w I\,(1 - (u - x)^2/s^2)}.
+
+    Windows hold electrons of variance v. NaN for spots saturated or below six deviations.
+    """
+    light = np.asarray(windows, float)
+    middle = light.shape[-1] / 2
+    centre = np.full((len(light), 2), middle)
+    for _ in range(12):
+        lit = _Weighted.about(centre, light)
+        centre = centre + np.clip(2 * lit.step(), -1, 1)
+    sigma = np.hypot(lit.deviation(light, sensor), sensor.speckle)
+    lost = lit.weak(light, sensor) | (np.abs(centre - middle) > 2).any(1)
+    lost |= light.max((1, 2)) >= sensor.full_well - sensor.ambient
+    return np.where(lost[:, None], np.nan, centre), np.where(lost, np.nan, sigma)
+
+
+class _Weighted(NamedTuple):
+    """Windows (N, S, S) of light under a Gaussian weight about their centres."""
+
+    x: Array  # (N, S), px from the centre
+    y: Array
+    weight: Array
+    lit: Array  # weight times light
+
+    @classmethod
+    def about(cls, centre: Array, light: Array) -> "_Weighted":
+        """Weigh the light about centres (N, 2), px."""
+        grid = np.arange(light.shape[-1]) + 0.5
+        x = grid - centre[:, 0, None]
+        y = grid - centre[:, 1, None]
+        weight = np.exp(-(x[:, None, :] ** 2 + y[:, :, None] ** 2) / 2 / WEIGHT**2)
+        return cls(x, y, weight, weight * light)
+
+    def total(self) -> Array:
+        """Weighted light (N,)."""
+        return np.maximum(self.lit.sum((1, 2)), 1e-9)
+
+    def step(self) -> Array:
+        """Weighted mean (N, 2), px, from the centre."""
+        across = (self.lit.sum(1) * self.x).sum(1)
+        down = (self.lit.sum(2) * self.y).sum(1)
+        return np.stack([across, down], 1) / self.total()[:, None]
+
+    def noise(self, light: Array, sensor: Sensor) -> Array:
+        """Variance of the weighted light of each pixel, electrons^2."""
+        variance = np.maximum(light, 0) + sensor.ambient + sensor.read_noise**2
+        return self.weight**2 * variance
+
+    def deviation(self, light: Array, sensor: Sensor) -> Array:
+        """Standard deviation (N,) of the centroid, px, by noise."""
+        spread = np.sqrt((self.noise(light, sensor).sum(1) * self.x**2).sum(1))
+        slope = (self.lit.sum(1) * (1 - self.x**2 / WEIGHT**2)).sum(1)
+        return spread / np.maximum(slope, 1e-9)
+
+    def weak(self, light: Array, sensor: Sensor) -> NDArray[np.bool_]:
+        """Windows whose light is below six deviations."""
+        return self.total() < 6 * np.sqrt(self.noise(light, sensor).sum((1, 2)))
