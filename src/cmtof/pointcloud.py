@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
 from cmtof.frame import ray_lengths, rays_from_camera
-from cmtof.validation import expect
 
 
 def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64]:
@@ -56,25 +55,39 @@ def write_ply(
     has ``x y z`` (float, m), ``red green blue`` (uchar, a grey of the brightness, 99th percentile
     white, gamma 2.2) and ``confidence`` (float).
     """
-    expect(camera is not None, "a camera for points", "none", "Leave --ply out or add one.")
-    points = points_from_depth(depth, camera)  # pyright: ignore
+    if camera is None:
+        raise ValueError("Expected a camera for points, got none. Leave --ply out or add one.")
+    points = points_from_depth(depth, camera)
     kept = np.isfinite(points).all(axis=-1)
-    light = np.asarray(brightness, float)[kept]
-    white = np.percentile(light, 99) if light.size else 1.0
-    grey = 255 * np.clip(light / max(float(white), 1e-12), 0, 1) ** (1 / 2.2)
     columns = dict(zip("xyz", points[kept].T.astype("<f4"), strict=True))
-    columns |= dict.fromkeys(("red", "green", "blue"), grey.astype(np.uint8))
+    grey = _grey(np.asarray(brightness, float)[kept])
+    columns |= dict.fromkeys(("red", "green", "blue"), grey)
     columns["confidence"] = np.asarray(confidence, "<f4")[kept]
     vertices = np.rec.fromarrays(list(columns.values()), names=list(columns))
-    kinds = {name: "uchar" if held.dtype == np.uint8 else "float" for name, held in columns.items()}
-    properties = "".join(f"property {kind} {name}\n" for name, kind in kinds.items())
-    header = (
-        "ply\nformat binary_little_endian 1.0\ncomment range in metres, x right, y down\n"
-        f"element vertex {vertices.size}\n{properties}end_header\n"
-    )
     with written_whole(path) as part:
-        part.write_bytes(header.encode("ascii") + vertices.tobytes())
+        part.write_bytes(_ply_header(vertices).encode("ascii") + vertices.tobytes())
     return vertices.size
+
+
+def _grey(light: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Grey of linear brightness (N,): the 99th percentile is white, the gamma 2.2."""
+    white = float(np.percentile(light, 99)) if light.size else 1.0
+    share = np.clip(light / max(white, 1e-12), 0, 1)
+    return (255 * share ** (1 / 2.2)).astype(np.uint8)
+
+
+def _ply_header(vertices: np.recarray) -> str:
+    """Header of a binary PLY file of vertices."""
+    lines = [
+        "ply",
+        "format binary_little_endian 1.0",
+        "comment range in metres, x right, y down",
+        f"element vertex {vertices.size}",
+    ]
+    for name in vertices.dtype.names or ():
+        kind = "uchar" if vertices.dtype[name] == np.uint8 else "float"
+        lines.append(f"property {kind} {name}")
+    return "\n".join([*lines, "end_header", ""])
 
 
 def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> NDArray[np.int64]:
@@ -84,8 +97,12 @@ def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> NDArray[np.
     """
     points = np.asarray(points, float)
     number = np.arange(points[..., 0].size).reshape(points.shape[:2])
-    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
-    triangles = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))])
+    a = number[:-1, :-1]
+    b = number[:-1, 1:]
+    c = number[1:, :-1]
+    d = number[1:, 1:]
+    pairs = [np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))]
+    triangles = np.concatenate(pairs)
     corners = points.reshape(-1, 3)[triangles]
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1)
     return triangles[(sides < longest).all(axis=1)]  # false for NaN as well

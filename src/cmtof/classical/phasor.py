@@ -16,7 +16,6 @@ from cmtof.classical.beat import beat_depth
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.estimate import Array, Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
-from cmtof.validation import expect
 
 
 def phasor(measurement: Measurement) -> Estimate:
@@ -26,29 +25,52 @@ def phasor(measurement: Measurement) -> Estimate:
     repeats within the range.
     """
     low, high = (float(f) for f in measurement.frequencies[:2])
-    covered, extent = float(wrap_length(high - low)), measurement.range[1] - measurement.range[0]
-    what = f"two close frequencies whose beat covers the range of {extent:.3f} m"
-    got = f"{low:g} and {high:g} Hz, which cover {covered:.3f} m"
-    advice = "Measure others, for instance simulate with --frequencies 7.15e9,7.16e9."
-    expect(round(high / low) == 1 and covered >= extent * (1 - 1e-9), what, got, advice)
+    _refuse_far_frequencies(low, high, measurement.range[1] - measurement.range[0])
     noise = phase_noise(measurement)
     known = np.isfinite(noise).all(axis=0)
     phase = np.where(known, measurement.phase[:2].astype(float), 0)
     amplitude = np.where(known, measurement.amplitude[:2].astype(float), 0)
-    first, last = wraps_in_range(measurement)
-    coarse = beat_depth(phase[1] - phase[0], measurement)
-    middle = np.rint((phase_from_depth(coarse, low) - phase[0]) / TAU)
-    # at the ends of the range a peak may be cut, as high as an inner one of less misfit
-    wraps = [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
     best = np.full(measurement.shape, np.mean(measurement.range))
     height = np.where(known, -np.inf, np.inf)  # a pixel without signal stays in the middle
-    for n in wraps:
-        depth = within_range(_peak(phase, amplitude, n, low, high), measurement)
+    for wraps in _candidates(phase, measurement):
+        peak = _peak(phase, amplitude, wraps, low, high)
+        depth = within_range(peak, measurement)
         found = match(phase, amplitude, depth, (low, high))
-        best, height = np.where(found > height, depth, best), np.maximum(found, height)
+        best = np.where(found > height, depth, best)
+        height = np.maximum(found, height)
+    return Estimate(best, _confidence(noise, measurement))
+
+
+def _refuse_far_frequencies(low: float, high: float, extent: float) -> None:
+    """Raise ValueError unless the beat of two frequencies, Hz, covers the range, m."""
+    covered = float(wrap_length(high - low))
+    if round(high / low) != 1 or covered < extent * (1 - 1e-9):
+        raise ValueError(
+            f"Expected two close frequencies whose beat covers the range of {extent:.3f} m, got "
+            f"{low:g} and {high:g} Hz, which cover {covered:.3f} m. Measure others, for instance "
+            "simulate with --frequencies 7.15e9,7.16e9."
+        )
+
+
+def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
+    """Wraps about the one that the beat gives, and those at the ends of the range.
+
+    There a peak may be cut, as high as an inner one of less misfit.
+    """
+    coarse = beat_depth(phase[1] - phase[0], measurement)
+    turns = phase_from_depth(coarse, float(measurement.frequencies[0])) - phase[0]
+    middle = np.rint(turns / TAU)
+    first, last = wraps_in_range(measurement)
+    return [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
+
+
+def _confidence(noise: Array, measurement: Measurement) -> Array:
+    """Odds that noise of the phases, rad, leaves the beat within half a wrap; a guess at least."""
+    first, last = wraps_in_range(measurement)
+    frequencies = measurement.frequencies[:2]
     bounded = np.clip(noise, 1e-9, 1e9)
-    odds = wrap_probability(bounded[0], bounded[1], frequencies=(low, high))
-    return Estimate(best, np.maximum(odds, 1 / (last - first + 1)))
+    odds = wrap_probability(bounded[0], bounded[1], frequencies=frequencies)
+    return np.maximum(odds, 1 / (last - first + 1))
 
 
 def match(phase: Array, amplitude: Array, depth: Array, frequencies: tuple[float, float]) -> Array:

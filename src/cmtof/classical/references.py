@@ -34,7 +34,8 @@ def reference_depth(measurement: Measurement) -> Estimate:
 
     By the paper's count 9 % of them are wrong: noise carries phases across the boundary of a wrap.
     """
-    frequency, phase = measurement.frequencies[0], measurement.phase[0].astype(float)
+    frequency = measurement.frequencies[0]
+    phase = measurement.phase[0].astype(float)
     truth = _truth(measurement)
     known = np.isfinite(truth)
     wraps = consistent_wrap_count(np.where(known, truth, 0), np.nan_to_num(phase), frequency)
@@ -59,7 +60,8 @@ def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
 
 def surfaces(depth: Array) -> NDArray[np.intp]:
     """Number of each pixel's surface (H, W): those connected between `bends`, or one that bends."""
-    boundary, numbers = bends(depth), np.zeros(depth.shape, np.intp)
+    boundary = bends(depth)
+    numbers = np.zeros(depth.shape, np.intp)
     label(~boundary, output=numbers)
     numbers[boundary] = numbers.max() + 1 + np.arange(np.count_nonzero(boundary))
     return numbers - 1
@@ -73,7 +75,8 @@ def bodies(depth: Array) -> NDArray[np.intp]:
     links = []
     for axis in (0, 1):
         steps = np.moveaxis(np.diff(depth, axis=axis), axis, 0)
-        least, bend = abs(steps), abs(np.diff(steps, axis=0))
+        least = abs(steps)
+        bend = abs(np.diff(steps, axis=0))
         for side in (np.s_[1:], np.s_[:-1]):
             least[side] = np.fmin(least[side], bend)
         links.append(np.moveaxis(least <= BEND, 0, axis))
@@ -81,6 +84,7 @@ def bodies(depth: Array) -> NDArray[np.intp]:
 
 
 def _truth(measurement: Measurement) -> Array:
+    """True depth (H, W), m, NaN where unknown."""
     assert measurement.depth is not None  # `Method` has made sure
     return measurement.depth.astype(float)
 
@@ -96,37 +100,63 @@ def _demodulated(measurement: Measurement) -> Complex:
 
 def _pooled(measurement: Measurement, surface: NDArray[np.intp], side: int = 0) -> Estimate:
     """Estimate of true shapes where phasors summed over surfaces place them."""
-    truth, phasors = _truth(measurement), _demodulated(measurement)
-    known, shape = np.isfinite(truth), np.nan_to_num(truth)
+    truth = _truth(measurement)
+    known = np.isfinite(truth)
+    shape = np.nan_to_num(truth)
+    phasors = _demodulated(measurement)
     if side:
-        (first, second), middle = (_pool_within(p, surface, side) for p in phasors), shape
+        sums = [_pool_within(one, surface, side) for one in phasors]
+        middle = shape
     else:
-        first, second = (Pooled(*(one[surface] for one in pool(p, surface))) for p in phasors)
+        sums = [_pool_whole(one, surface) for one in phasors]
         middle = mean_over(shape, surface, known & measurement.mask)[surface]
-    low, high = (float(f) for f in measurement.frequencies[:2])
-    synthetic = synthetic_frequency(low, high)
-    beat = synthetic.sign * (second.phase - synthetic.multiple * first.phase)
-    offset = whole_wraps(beat, middle, measurement, depth_from_phase(first.phase, low))
-    odds = np.asarray(wrap_probability(first.spread, second.spread, frequencies=(low, high)))
+    offset = _offset(sums, middle, measurement)
+    odds = wrap_probability(sums[0].spread, sums[1].spread, frequencies=measurement.frequencies[:2])
     depth = np.where(known, shape + offset, sum(measurement.range) / 2)
     return Estimate(within_range(depth, measurement), np.where(known, odds, 0))
 
 
+def _offset(sums: list[Pooled], middle: Array, measurement: Measurement) -> Array:
+    """Offset (H, W), m, of shapes about ``middle``, m, from the sums of both frequencies."""
+    low, high = (float(f) for f in measurement.frequencies[:2])
+    synthetic = synthetic_frequency(low, high)
+    beat = synthetic.sign * (sums[1].phase - synthetic.multiple * sums[0].phase)
+    return whole_wraps(beat, middle, measurement, depth_from_phase(sums[0].phase, low))
+
+
+def _pool_whole(phasors: Complex, surface: NDArray[np.intp]) -> Pooled:
+    """Sum of phasors (H, W) over each pixel's surface: angles, spreads (H, W)."""
+    return Pooled(*(one[surface] for one in pool(phasors, surface)))
+
+
 def _pool_within(phasors: Complex, surface: NDArray[np.intp], side: int) -> Pooled:
     """Sum of phasors (H, W) over each pixel's surface within a square: angles, spreads (H, W)."""
-    phase, spread = np.angle(phasors), np.full(phasors.shape, np.inf)
+    phase = np.angle(phasors)
+    spread = np.full(phasors.shape, np.inf)
     for place, inside in _pieces(surface):
         ours = np.where(inside, phasors[place], 0)
-        images = inside.astype(float), ours, np.abs(ours) ** 2
-        share, mean, power = (uniform_filter(image, side, mode="constant") for image in images)
-        share = np.maximum(share, 0.5 / side**2)
-        mean, scatter = mean / share, np.maximum(power / share - np.abs(mean / share) ** 2, 0)
-        count, length = np.maximum(share * side**2, 1), np.abs(mean)
-        known = inside & (count > 1.5) & (length > 0)
-        noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1))) / np.where(known, length, 1)
+        share = np.maximum(_square_mean(inside.astype(float), side), 0.5 / side**2)
+        mean = _square_mean(ours, side) / share
+        power = _square_mean(np.abs(ours) ** 2, side) / share
+        noise = _noise_of_mean(mean, power, np.maximum(share * side**2, 1))
+        known = inside & np.isfinite(noise)
         phase[place][inside] = np.angle(mean)[inside]
         spread[place][known] = noise[known]
     return Pooled(phase, spread)
+
+
+def _square_mean(image: NDArray, side: int) -> NDArray:
+    """Mean of an image (H, W), zero outside, over a square of odd ``side``, px."""
+    return uniform_filter(image, side, mode="constant")
+
+
+def _noise_of_mean(mean: Complex, power: Array, count: Array) -> Array:
+    """Noise, rad, of the angle of a mean of ``count`` phasors; infinite of one or of none."""
+    scatter = np.maximum(power - np.abs(mean) ** 2, 0)
+    length = np.abs(mean)
+    known = (count > 1.5) & (length > 0)
+    noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1))) / np.where(known, length, 1)
+    return np.where(known, noise, np.inf)
 
 
 def _pieces(surface: NDArray[np.intp]) -> Iterator[tuple[Any, NDArray[np.bool_]]]:
