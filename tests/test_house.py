@@ -1,12 +1,15 @@
 """The floors of the house: imports lead down only, and in no circle."""
 
+import re
 import subprocess
 import sys
 from graphlib import TopologicalSorter
+from pathlib import Path
 
 import grimp
 import pytest
 
+ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book")
 
 # floors of `cmtof`, from the roof to the ground; rooms of one floor do not see each other
@@ -95,6 +98,31 @@ def test_no_module_is_part_of_a_circle(imports):
     for a, b in imports:
         above.setdefault(a, set()).add(b)
     TopologicalSorter(above).prepare()  # raises CycleError, which names the circle
+
+
+def walks() -> dict[str, list[str]]:
+    """Modules of each walk through the code that CONTRIBUTING describes."""
+    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+    section = text.split("## A newcomer's walk")[1].split("\n## ")[0]
+    flows = re.findall(r"\*\*(.+?)\*\*.*?:(.*?)(?=\n\n|\Z)", section, re.DOTALL)
+    return {
+        title: [module_of(name) for name in re.findall(r"`([\w/]+)\.py`", files)]
+        for title, files in flows
+    }
+
+
+def module_of(name: str) -> str:
+    within = ROOT / "src" / "cmtof" / f"{name}.py"
+    return ("cmtof." if within.is_file() else "") + name.replace("/", ".")
+
+
+@pytest.mark.parametrize("title", walks())
+def test_each_step_of_a_walk_is_imported_by_one_before_it(title, imports):
+    modules = walks()[title]
+    # a package's own `__init__` hands its modules on
+    known = set(imports) | {(a, f"{b}.method") for a, b in imports}
+    for number, module in enumerate(modules[1:], start=1):
+        assert any((before, module) in known for before in modules[:number]), module
 
 
 @pytest.mark.parametrize(
