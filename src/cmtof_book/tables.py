@@ -13,13 +13,38 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 RESULTS = Path(__file__).resolve().parents[2] / "book" / "results"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Count and store."""
+    given = options(arguments)
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ.setdefault(name, "1")  # before NumPy and torch are loaded
+    from cmtof.evaluation import Evaluation
+    from cmtof.frame import held_out_frames
+
+    settings = {"protocol": given.protocol, "noise": given.noise, "seed": 0}
+    path = given.into / f"table{1 if given.runs else 2}_{given.protocol}_{given.noise:g}.json"
+    held = stored_counts(path, settings, runs=given.runs is not None)
+    frames = held_out_frames()
+    for row in rows_of(given):
+        if row.counted_in(held) and not given.again:
+            continue
+        evaluation = Evaluation([row.method], **settings)
+        if row.weights:
+            held["weights"][row.name] = row.weights
+            evaluation.options = {"weights": row.file}
+        add(held, row.name, evaluation.add_all(frames))
+        if given.runs:
+            held["cards"][row.name] = row.card().model_dump(exclude={"sha256"})
+        write(held, path)
+
+
+def options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Options of the command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("methods", nargs="*", metavar="METHOD")
     parser.add_argument("--protocol", default="released", choices=("released", "full"))
@@ -27,43 +52,59 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--again", action="store_true", help="count these methods again")
     parser.add_argument("--runs", type=Path, help="folder of trainings")
     parser.add_argument("--into", type=Path, default=RESULTS, help="folder of the counts")
-    given = parser.parse_args(arguments)
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ.setdefault(name, "1")  # before NumPy and torch are loaded
-    from cmtof.evaluation import Evaluation
-    from cmtof.frame import held_out_frames
+    return parser.parse_args(arguments)
+
+
+class Row(NamedTuple):
+    """A row of a table: its name, its method, and the file of its weights, if it has any."""
+
+    name: str
+    method: str
+    file: Path
+
+    @property
+    def weights(self) -> str:
+        """Hash of the weights, or ''."""
+        return hashlib.sha256(self.file.read_bytes()).hexdigest() if self.file.is_file() else ""
+
+    def card(self) -> Any:
+        """Card of the weights."""
+        from cmtof.network.weights import read_card
+
+        return read_card(self.file)
+
+    def counted_in(self, held: dict[str, Any]) -> bool:
+        """Whether these weights were counted before."""
+        if not held["frames"] or self.name not in held["frames"][0]["methods"]:
+            return False
+        return held["weights"].get(self.name, "") == self.weights
+
+
+def rows_of(given: argparse.Namespace) -> list[Row]:
+    """Rows that the options ask for: methods, or the trainings of a folder."""
     from cmtof.methods import METHODS, find_method, names_of
     from cmtof.network.weights import read_card, weights_path
 
-    names = given.methods or [
-        *names_of("all", given.protocol),
-        *(name for name, method in METHODS.items() if method.kind == "reference"),
-    ]
-    names = [find_method(name).name for name in names]
-    rows = {name: (name, weights_path(name, given.protocol)) for name in names}
     if given.runs:
-        found = sorted(given.runs.glob(f"*/*.{given.protocol}.safetensors"))
-        rows = {path.parent.name: (read_card(path).model, path) for path in found}
-    settings = {"protocol": given.protocol, "noise": given.noise, "seed": 0}
-    path = given.into / f"table{1 if given.runs else 2}_{given.protocol}_{given.noise:g}.json"
-    held: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.is_file() else {}
-    if held.get("settings") != settings:
-        command = f"python -m cmtof_book.tables --protocol {given.protocol} --noise {given.noise:g}"
-        command += " --runs FOLDER" if given.runs else ""
-        held = {"command": command, "settings": settings, "weights": {}, "cards": {}, "frames": []}
-    frames = held_out_frames()
-    for name, (method, file) in rows.items():
-        weights = hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
-        counted = held["frames"] and name in held["frames"][0]["methods"]
-        if counted and held["weights"].get(name, "") == weights and not given.again:
-            continue
-        evaluation = Evaluation([method], **settings)
-        if weights:
-            held["weights"][name], evaluation.options = weights, {"weights": file}
-        add(held, name, evaluation.add_all(frames))
-        if given.runs:
-            held["cards"][name] = read_card(file).model_dump(exclude={"sha256"})
-        write(held, path)
+        files = sorted(given.runs.glob(f"*/*.{given.protocol}.safetensors"))
+        return [Row(file.parent.name, read_card(file).model, file) for file in files]
+    references = [name for name, method in METHODS.items() if method.kind == "reference"]
+    names = given.methods or [*names_of("all", given.protocol), *references]
+    names = [find_method(name).name for name in names]
+    return [Row(name, name, weights_path(name, given.protocol)) for name in names]
+
+
+def stored_counts(path: Path, settings: dict[str, Any], *, runs: bool) -> dict[str, Any]:
+    """Counts of a file, or an empty store where it is missing or has other settings."""
+    if path.is_file():
+        held = json.loads(path.read_text("utf-8"))
+        if held["settings"] == settings:
+            return held
+    command = (
+        f"python -m cmtof_book.tables --protocol {settings['protocol']} "
+        f"--noise {settings['noise']:g}{' --runs FOLDER' if runs else ''}"
+    )
+    return {"command": command, "settings": settings, "weights": {}, "cards": {}, "frames": []}
 
 
 def add(held: dict[str, Any], name: str, evaluation: Any) -> None:
