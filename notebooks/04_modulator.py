@@ -29,8 +29,8 @@ from cmtof.correlation import correlation_contrast
 from cmtof.modulator import DOUBLED, SINGLE, doubled_mode_harmonics, single_mode_harmonics
 from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
 from cmtof_book import notes, paper, plotting
+from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.world import Panel, RfKnobs, World
 
 plotting.begin(profile=profile, seed=seed)
 blue, vermillion, black = (plotting.PALETTE[c] for c in ("blue", "vermillion", "black"))
@@ -424,7 +424,7 @@ notes.table(["error", "single, depth", "doubled, depth", "doubled, leak"], rows)
 
 # %%
 settings = TwinSettings()
-world = World(settings, seed=seed)
+instrument = SimulatedInstrument(settings, seed=seed)
 FAST_BANDWIDTH = 12e9  # Hz, of the fast detector ET-4000 (Sec. 7.4)
 
 
@@ -433,7 +433,7 @@ def light_depth(
 ):
     """Amplitude of a harmonic over the mean, the detector's bandwidth divided out."""
     knobs = RfKnobs(on=True, frequency=frequency, power=float(dbm))
-    w = world.emission(Panel(emission=knobs, plate_emission=angle))
+    w = instrument.emission(Panel(emission=knobs, plate_emission=angle))
     seen = np.abs(low_pass_harmonics(w, frequency=frequency, cutoff=FAST_BANDWIDTH))
     return 2 * seen[order] / seen[0] * abs(1 + 1j * order * frequency / FAST_BANDWIDTH)
 

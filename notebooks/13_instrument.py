@@ -26,14 +26,15 @@ from cmtof_book import notes, paper, plotting
 from cmtof_book.paper import quantity_text
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import SLOPE, density, volts_per_watt
-from cmtof_lab.targets import Hits
+from cmtof_lab.settings import TwinSettings
+from cmtof_lab.targets import RayEnds
 
 plotting.begin(profile=profile, seed=seed)
 PALETTE = plotting.PALETTE
 COLOURS = {"single": PALETTE["blue"], "doubled": PALETTE["vermillion"]}
 LAWS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 rig = Rig.default()
-twin = rig.twin
+twin = TwinSettings()
 
 # %% tags=["hide-input"]
 BEAM, BACK = "#00A86B", "#8FD9BC"
@@ -148,7 +149,7 @@ def budget(mode, z, rho):
     harmonics = LAWS[mode](twin.eta, 2)
     mean = harmonics[0].real
     contrast = 2 * abs(harmonics[MODES[mode]]) ** 2 / mean**2
-    hits = Hits(np.array(z), np.array(1.0), np.array(rho))
+    hits = RayEnds(np.array(z), np.array(1.0), np.array(rho))
     share = sum(free_space.returned_fractions(twin, hits))
     path = free_space.inward(twin) * mean * twin.mirror_reflectance
     light = free_space.sent_power(twin, mode) * float(share) * path

@@ -23,15 +23,16 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from cmtof.correlation import TAU, centred, correlation_from_harmonics, decode
-from cmtof.hardware.bench import CHANNEL, VOLTS_RANGE, simulated
+from cmtof.hardware.bench import CHANNEL, VOLTS_RANGE
+from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
 from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.rig import MODES as ORDER
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof_book import notes, paper, plotting
 from cmtof_lab.electronics import Chain, density
-from cmtof_lab.settings import NOISE
-from cmtof_lab.world import LABEL_TIME
+from cmtof_lab.rehearsal import simulated_bench
+from cmtof_lab.settings import NOISE, TwinSettings
 
 plotting.begin(profile=profile, seed=seed)
 COLOURS = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
@@ -39,7 +40,7 @@ HARMONICS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 PHASES = 64
 TICKS = 5  # numbers from one burst to the next
 base = Rig.default()
-known = base.twin
+known = TwinSettings()
 
 # %% [markdown]
 # ## Equation 20
@@ -67,8 +68,8 @@ known = base.twin
 def bench_of(phases, **twin):
     """Bench of so many phases before a mirror at 60 cm; `twin` changes the simulation."""
     mirror = {"kind": "mirror", "distance": 0.6, "reflectance": reflectance}
-    rig = replace(base, phases=phases, twin=replace(known, **twin))
-    bench = simulated(rig, mirror, seed=seed)
+    rig = replace(base, phases=phases)
+    bench = simulated_bench(rig, mirror, replace(known, **twin), seed=seed)
     bench.set_up()
     return bench
 
@@ -111,7 +112,7 @@ for mode in ORDER:
 
 # %% tags=["hide-input"]
 psi = nominal_psi(PHASES)
-burst_time, between = reading.scans / reading.rate, TICKS * LABEL_TIME
+burst_time, between = reading.scans / reading.rate, TICKS * BURST_INTERVAL
 place = ((np.arange(PHASES) + 0.5) / PHASES * burst_time + between - burst_time) / between
 profiles, moved, fits = {}, {}, {}
 for mode in ORDER:

@@ -31,15 +31,16 @@ import numpy as np
 import cmtof
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU, centred, decode, phase_from_depth, wrap_length
-from cmtof.hardware.bench import simulated
 from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import MODES, planned
 from cmtof.hardware.reduction import sums_from_counts
 from cmtof.hardware.rig import Rig
-from cmtof.hardware.scan import scan, scan_scene
+from cmtof.hardware.scan import scan
 from cmtof.measurement import Measurement
 from cmtof_book import notes, plotting
 from cmtof_lab.electronics import SLOPE, density, volts_from_counts
+from cmtof_lab.rehearsal import scan_scene, simulated_bench
+from cmtof_lab.settings import TwinSettings
 
 plotting.begin(profile=profile, seed=seed)
 COLOURS = [plotting.PALETTE[c] for c in ("blue", "vermillion")]
@@ -62,14 +63,14 @@ def typical(error):
 # %%
 rig = replace(Rig.default(), field_of_view_deg=(field_of_view_deg, field_of_view_deg))
 plan = planned(rig, size=size)
-measurement = scan(plan, lambda: simulated(rig, scene, seed=seed), here / "m.nc")
-data, given = measurement.dataset, rig.twin
+measurement = scan(plan, lambda: simulated_bench(rig, scene, seed=seed), here / "m.nc")
+data, given = measurement.dataset, TwinSettings()
 print(measurement, f"{plan.lines[-1].labels[-1]} bursts in {len(plan.lines)} lines")
 
 # %% tags=["hide-input"]
-bench = simulated(rig, scene, seed=seed)
+bench = simulated_bench(rig, scene, seed=seed)
 index = float(data.attrs["group_index"])
-truth = bench.daq.world.ranges(plan.angles).reshape(size, size)
+truth = bench.daq.instrument.ranges(plan.angles).reshape(size, size)
 ideal_phase = np.stack([phase_from_depth(index * truth, f) for f in measurement.frequencies])
 error = centred(measurement.phase - ideal_phase)
 period = float(wrap_length(measurement.frequencies[0])) / index

@@ -24,6 +24,7 @@ from scipy.special import erf
 from cmtof.bounds import wrap_probability
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
 from cmtof.correlation import depth_from_phase, wrap_length
+from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof_book import notes, paper, plotting
 from cmtof_lab.interferometer import Interferometer
 from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
@@ -32,7 +33,6 @@ from cmtof_lab.rf_ranging import RfRanger
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.sweep import POSITIONS, collected_power, parts
 from cmtof_lab.targets import MIRROR, PLATE
-from cmtof_lab.world import SAMPLE_RATE
 
 plotting.begin(profile=profile, seed=seed)
 BLUE, RED, GREEN, BLACK = (

@@ -24,7 +24,7 @@ from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_leng
 from cmtof_book import notes, paper, plotting
 from cmtof_lab.budget import back_ratio, budget_terms, only, simulated
 from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
-from cmtof_lab.optics import aperture_area, group_index, speckle_cells, spot_radius
+from cmtof_lab.optics import aperture_area, speckle_cells, spot_radius
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import parts
 from cmtof_lab.targets import MIRROR, PLATE
@@ -125,12 +125,12 @@ notes.table(["µm", "rms", "offset", "scatter", "bound", "MAE/RMSE"], rows)
 # %%
 def correlation_phase(settings, ranges):
     """Phase of the single mode's correlation, rad, inner path and cable included."""
-    index = group_index(settings)
+    index = settings.group_index
     way = index * np.asarray(ranges) + settings.internal_path
     return phase_from_depth(way, FREQUENCY["single"]) - settings.phase_offset
 
 
-ratio, eta, excess = back_ratio(known, target), known.eta, group_index(known) - 1
+ratio, eta, excess = back_ratio(known, target), known.eta, known.group_index - 1
 third = float((jv(3, 2 * eta) / jv(1, 2 * eta)) ** 2)
 length = float(wrap_length(FREQUENCY["single"]))
 travel = length * (np.arange(wrap_points) / wrap_points - 0.5)

@@ -31,11 +31,11 @@ from scipy.stats import t as student
 
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.plan import VOLTS_PER_RADIAN
-from cmtof.hardware.scan import scan_scene
 from cmtof_book import notes, paper, plotting
 from cmtof_lab.devices import TDAC_STEP
 from cmtof_lab.objects import GRADE_2, HEIGHT, WIDTH, gage_blocks
 from cmtof_lab.optics import directions_from_angles, speckle_cells, spot_radius
+from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import MeshTarget, Plane
 

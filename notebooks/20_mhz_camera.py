@@ -23,15 +23,15 @@ from scipy.optimize import brentq
 import cmtof
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.frame import rays_from_camera
-from cmtof.hardware.scan import scan_scene
 from cmtof.measurement import Measurement
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof_book import notes, paper, plotting
 from cmtof_lab.mhz_camera import MhzCamera
 from cmtof_lab.objects import FIELD_OF_VIEW
 from cmtof_lab.optics import sent_power
+from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
-from cmtof_lab.targets import Hits, scene_from
+from cmtof_lab.targets import RayEnds, scene_from
 
 plotting.begin(profile=profile, seed=seed)
 NAMES = ("owl", "helmet")
@@ -57,7 +57,7 @@ def looked(target, height, width, focal):
 def card(reflectance, distance=1.0, side=16):
     """A wall that faces the camera."""
     whole = np.ones((side, side))
-    return Hits(distance * whole, whole, reflectance * whole, 0.0)
+    return RayEnds(distance * whole, whole, reflectance * whole, 0.0)
 
 
 camera = MhzCamera()

@@ -31,7 +31,6 @@ import cmtof
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame, rays_from_camera
-from cmtof.hardware.scan import scan_scene
 from cmtof.measurement import Measurement
 from cmtof.network.training import fine_tune
 from cmtof.network.weights import load_weights, save_weights, weights_path
@@ -40,6 +39,7 @@ from cmtof_book import notes, paper, plotting, views
 from cmtof_lab import stereo
 from cmtof_lab.objects import FIELD_OF_VIEW
 from cmtof_lab.optics import directions_from_angles
+from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.rf_ranging import RfRanger, rf_image
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import scene_from

@@ -211,8 +211,8 @@ def test_a_rig_file_is_simulated_with_its_own_twin(run, tmp_path):
     rig.write_text(default + "twin: {phase_noise: [0.3, 0.3], grain: 0.2}\n")
     code, _, _ = run("scan", rig, "--twin", "--size", 2, "-o", tmp_path / "m.nc", "--quiet")
     assert code == 0
-    settings = json.loads(cmtof.open(tmp_path / "m.nc").dataset.attrs["settings"])
-    assert settings["twin"]["phase_noise"] == [0.3, 0.3]
+    settings = json.loads(cmtof.open(tmp_path / "m.nc").dataset.attrs["twin"])
+    assert settings["phase_noise"] == [0.3, 0.3]
 
 
 def test_a_training_that_is_there_is_not_replaced(run, fails, tmp_path):

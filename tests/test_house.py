@@ -31,6 +31,7 @@ FLOORS = [
     {"bounds", "detector", "hardness"},
     {"correlation", "modulator"},
     {"waveform", "jones"},
+    {"air"},
     {"constants", "files", "validation"},
 ]
 HEIGHT = {room: len(FLOORS) - k for k, floor in enumerate(FLOORS) for room in floor}
@@ -38,13 +39,6 @@ LATE = {"cmtof.cli"}
 """Modules that may ask a companion, within the function that needs it."""
 STILL_UPWARD = {
     ("cmtof.network.data", "cmtof_rooms.rendering"),
-    ("cmtof.hardware.bench", "cmtof_lab.devices"),
-    ("cmtof.hardware.bench", "cmtof_lab.optics"),
-    ("cmtof.hardware.bench", "cmtof_lab.world"),
-    ("cmtof.hardware.plan", "cmtof_lab.optics"),
-    ("cmtof.hardware.rf", "cmtof_lab.devices"),
-    ("cmtof.hardware.rig", "cmtof_lab.settings"),
-    ("cmtof.hardware.scan", "cmtof_lab.settings"),
 }
 """Arrows against the plan that are still to be turned round."""
 

@@ -389,7 +389,7 @@ def scan(
 
     Example: [bold]cmtof scan --twin --scene still_life --size 64 --seed 0 -o m.nc[/bold]
     """
-    from cmtof.hardware.bench import opened, simulated
+    from cmtof.hardware.connect import connected_bench
     from cmtof.hardware.journal import journal_path
     from cmtof.hardware.plan import planned
     from cmtof.hardware.rig import Rig
@@ -401,9 +401,12 @@ def scan(
     expect(right, "--scene and --seed with --twin", "a RIG file", "Leave them out.")
     settings = Rig.default() if rig is None else Rig.load(rig)
     plan = planned(settings, size=size)
-    scene = scene or (settings.twin.scene if rig else "still_life")
-    rehearsed = partial(simulated, settings, scene, seed=seed or 0)
-    bench = rehearsed if twin else partial(opened, settings)
+    bench = partial(connected_bench, settings)
+    if twin:
+        from cmtof_lab.rehearsal import simulated_bench
+
+        scene = scene or (None if rig else "still_life")
+        bench = partial(simulated_bench, settings, scene, seed=seed or 0)
     try:
         with progress(len(plan.lines), quiet) as advance:
             options = {"report": lambda line: advance(f"{line.mode}: {line.kind}")}

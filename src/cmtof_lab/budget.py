@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, depth_from_phase
+from cmtof.hardware.rig import MODES
 from cmtof_lab import optics as free_space
-from cmtof_lab.optical_ranging import FREQUENCY, ORDER, OpticalRanger
+from cmtof_lab.instrument import DRIFT_OCTAVES
+from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import POSITIONS, STAGE_ERROR
-from cmtof_lab.targets import MIRROR, Hits, Plane
-from cmtof_lab.world import DRIFT_OCTAVES
+from cmtof_lab.targets import MIRROR, Plane, RayEnds
 
 Array = NDArray[np.float64]
 
@@ -64,8 +65,8 @@ def phase_terms(target: Plane, mode: str) -> dict[str, float]:
     waits = np.arange(POSITIONS.size) + OpticalRanger.age
     drifted = drift_spread(waits, np.arange(OpticalRanger.visits))
     phases = {
-        "RF phase drift": ORDER[mode] * real.phase_drift * drifted,
-        "phase codes": ORDER[mode] * real.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
+        "RF phase drift": MODES[mode] * real.phase_drift * drifted,
+        "phase codes": MODES[mode] * real.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
         "I/Q imbalance": real.iq_imbalance / np.sqrt(8) * (mode == "single"),
         "back-reflection": back_ratio(real, target) / np.sqrt(2),
     }
@@ -86,7 +87,7 @@ def air_term(target: Plane) -> float:
     real = TwinSettings()
     warmer, denser = OpticalRanger.air_change
     weather = np.hypot(warmer / real.temperature, denser / real.pressure)
-    return float((free_space.group_index(real) - 1) * target.distance * weather)
+    return float((real.group_index - 1) * target.distance * weather)
 
 
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
@@ -99,7 +100,7 @@ def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
 
 def back_ratio(settings: TwinSettings, target: Plane) -> float:
     """Power of the coaxial back-reflection over that of the target."""
-    hits = Hits(*map(np.array, (target.distance, 1.0, target.reflectance)), target.mirrored)
+    hits = RayEnds(*map(np.array, (target.distance, 1.0, target.reflectance)), target.mirrored)
     return settings.back_fraction / float(sum(free_space.returned_fractions(settings, hits)))
 
 

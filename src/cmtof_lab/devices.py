@@ -1,40 +1,39 @@
-"""Simulated devices of the instrument, in process: the interfaces of `cmtof.hardware`'s drivers.
+"""Simulated devices of the instrument, in process: each fulfils a role of `cmtof.hardware.roles`.
 
-They share one `Panel`, whose knobs the `World` reads. Nothing waits, and the only clock is the
-number of a burst. Methods are documented at the drivers of the same names.
+They share one `Panel`, whose knobs the `SimulatedInstrument` reads. Nothing waits, and the only
+clock is the number of a burst. Methods are documented at the roles.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from cmtof.hardware.plan import BURST_INTERVAL, VOLTS_PER_DEGREE
+from cmtof.hardware.rf import CODES
+from cmtof.hardware.rig import LINES, MIRRORS
+from cmtof.hardware.roles import ROLES, RfStatus
 from cmtof_lab.electronics import CENTRE, SLOPE
-from cmtof_lab.world import CODES, LABEL_TIME, Panel, RfKnobs, World
+from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 
 TDAC_STEP = 20.0 / 2**14  # Step of the LJTick-DAC, 14 bit, V
-VOLTS_PER_DEGREE = 0.5  # GVS012, per mechanical degree, half an optical one (its manual)
-# Knobs of the panel that follow a digital line
-SWITCHES = {"laser": "laser_on", "shutter": "shutter_open"}
-SWITCHES |= {"flip_mirror": "flip_mirror_in", "beam_block": "beam_block_out"}
-
-
-class Status(NamedTuple):
-    """Whether RF is on and locked, entry that plays, edges since arming, whether RF tripped."""
-
-    on: bool
-    locked: bool
-    index: int
-    edges: int
-    tripped: bool
+SWITCHES = {
+    "laser": "laser_on",
+    "shutter": "shutter_open",
+    "flip_mirror": "flip_mirror_in",
+    "beam_block": "beam_block_out",
+}
+"""Knobs of the panel that follow a digital line."""
 
 
 class SimulatedDevice:
     """A device by its role; ``identify`` marks it as simulated."""
 
-    def __init__(self, panel: Panel, world: World, role: str) -> None:
-        self.panel, self.world, self.role = panel, world, role
+    def __init__(self, panel: Panel, instrument: SimulatedInstrument, role: str) -> None:
+        self.panel = panel
+        self.instrument = instrument
+        self.role = role
         self.name = role.replace("_", " ")
 
     def identify(self) -> dict[str, str]:
@@ -43,14 +42,17 @@ class SimulatedDevice:
     def nothing(self, *values: float, **options: float) -> None:
         """No operation: on a real device it takes time or may fail."""
 
-    safe_state = close = nothing
+    safe_state = nothing
+    close = nothing
 
 
 class SimulatedRf(SimulatedDevice):
     """RF driver of the emission or the detection."""
 
     edges = 0
-    set_dead_man = clear_trip = ping = SimulatedDevice.nothing
+    set_dead_man = SimulatedDevice.nothing
+    clear_trip = SimulatedDevice.nothing
+    ping = SimulatedDevice.nothing
 
     @property
     def knobs(self) -> RfKnobs:
@@ -66,12 +68,13 @@ class SimulatedRf(SimulatedDevice):
         self.knobs.phase = float(_coded(rad))
         return self.knobs.phase
 
-    def output(self, on: bool, *, lock_timeout: float = 0.0) -> None:
+    def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
         self.knobs.on = on
 
-    def status(self) -> Status:
-        on, last = self.knobs.on, (self.edges - 1) % max(len(self.knobs.table), 1)
-        return Status(on, on and self.panel.clock_on, last, self.edges, False)
+    def status(self) -> RfStatus:
+        entry = (self.edges - 1) % max(len(self.knobs.table), 1)
+        locked = self.knobs.on and self.panel.clock_on
+        return RfStatus(self.knobs.on, locked, entry, self.edges, tripped=False)
 
     def load_table(self, phases: NDArray[np.float64]) -> None:
         self.knobs.table = _coded(phases)
@@ -90,7 +93,8 @@ class SimulatedRf(SimulatedDevice):
 class SimulatedClock(SimulatedDevice):
     """Function generator that both RF drivers are locked to."""
 
-    sine = lock_phases = SimulatedDevice.nothing
+    sine = SimulatedDevice.nothing
+    lock_phases = SimulatedDevice.nothing
 
     def output(self, channel: int, on: bool) -> None:
         self.panel.clock_on = on
@@ -124,64 +128,74 @@ class SimulatedPowerMeter(SimulatedDevice):
 
     @property
     def power(self) -> float:
-        return self.world.laser_power(self.panel)
+        return self.instrument.laser_power(self.panel)
 
 
 class SimulatedReadOut(SimulatedDevice):
-    """Read-out: digital lines by ``roles``, mirrors on two registers, bursts, the trigger line."""
+    """Read-out: digital lines, mirrors on two registers, bursts, the trigger line."""
 
     watchdog = SimulatedDevice.nothing
-    roles: Mapping[str, str]
-    mirrors: tuple[str, str]
-    triggered: SimulatedRf
+    triggered: SimulatedRf  # whose table the trigger line steps through
 
     def gain(self, volts_range: float) -> tuple[float, float, float]:
         return SLOPE, -SLOPE, CENTRE  # of 10 V, whatever was asked
 
     def line(self, dio: str) -> bool:
-        return self.roles[dio] == "interlock" and self.panel.interlock_closed
+        return dio == LINES["interlock"] and self.panel.interlock_closed
 
     def set_line(self, dio: str, high: bool) -> None:
-        if knob := SWITCHES.get(self.roles[dio]):
-            setattr(self.panel, knob, high)
+        for part, knob in SWITCHES.items():
+            if LINES[part] == dio:
+                setattr(self.panel, knob, high)
 
-    def write_many(self, values: Mapping[str, float]) -> None:
-        for axis, name in enumerate(self.mirrors):
+    def write_many(self, values: Mapping[str, Any]) -> None:
+        for axis, name in enumerate(MIRRORS):
             if name in values:
                 self.panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
 
     def configure_burst(
         self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
     ) -> None:
-        self._burst = {"rate": rate, "pulses": np.arange(scans) // pulse}
+        self._rate = rate
+        self._pulses = np.arange(scans) // pulse
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
-        angles, labels = [], []  # all are computed at once
+        angles = []
+        labels = []
         for registers in requests:
             self.write_many(registers)
-            angles.append(np.deg2rad(2 * np.array(self.panel.galvo_volts) / VOLTS_PER_DEGREE))
+            volts = np.array(self.panel.galvo_volts)
+            angles.append(np.deg2rad(2 * volts / VOLTS_PER_DEGREE))
             labels.append(int(registers["USER_RAM0_U32"]))
-        counts = self.world.bursts(self.panel, angles, labels=labels, **self._burst)
-        for label, one in zip(labels, counts, strict=True):
-            self.panel.time = LABEL_TIME * label + one.size / self._burst["rate"]
-            self.triggered.edges += int(self._burst["pulses"][-1]) + 1
-            yield one
+        options = {"labels": labels, "pulses": self._pulses, "rate": self._rate}
+        every = self.instrument.bursts(self.panel, angles, **options)  # all are computed at once
+        for label, counts in zip(labels, every, strict=True):
+            self.panel.time = BURST_INTERVAL * label + counts.size / self._rate
+            self.triggered.edges += int(self._pulses[-1]) + 1
+            yield counts
 
 
-def simulated_devices(
-    world: World, roles: Mapping[str, str], mirrors: tuple[str, str]
-) -> dict[str, Any]:
-    """Every device by role; ``roles`` of the read-out's lines, and the mirrors' registers."""
-    panel, motors = Panel(), ("plate_emission", "plate_detection", "stage")
-    kinds = dict.fromkeys(("rf_emission", "rf_detection"), SimulatedRf)
-    kinds |= {"clock": SimulatedClock, "daq": SimulatedReadOut, "power_meter": SimulatedPowerMeter}
-    kinds |= dict.fromkeys(motors, SimulatedMotor)
-    devices: dict[str, Any] = {role: kind(panel, world, role) for role, kind in kinds.items()}
-    daq = devices["daq"]
-    daq.roles, daq.mirrors, daq.triggered = roles, mirrors, devices["rf_detection"]
+KINDS: dict[str, type[SimulatedDevice]] = {
+    "rf_emission": SimulatedRf,
+    "rf_detection": SimulatedRf,
+    "plate_emission": SimulatedMotor,
+    "plate_detection": SimulatedMotor,
+    "stage": SimulatedMotor,
+    "daq": SimulatedReadOut,
+    "clock": SimulatedClock,
+    "power_meter": SimulatedPowerMeter,
+}
+"""Simulated device of each role."""
+
+
+def simulated_devices(instrument: SimulatedInstrument) -> dict[str, Any]:
+    """Every device of an instrument by its role."""
+    panel = Panel()
+    devices: dict[str, Any] = {role: KINDS[role](panel, instrument, role) for role in ROLES}
+    devices["daq"].triggered = devices["rf_detection"]
     return devices
 
 
-def _coded(phases: Any) -> NDArray[np.float64]:
+def _coded(phases: ArrayLike) -> NDArray[np.float64]:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
     return np.rint(np.asarray(phases) * CODES / (2 * np.pi)) % CODES * (2 * np.pi / CODES)

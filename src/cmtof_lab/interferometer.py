@@ -19,12 +19,12 @@ from scipy.special import ndtr
 
 from cmtof.bounds import linear_phase_noise
 from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power
 from cmtof_lab.targets import Plane
-from cmtof_lab.world import SAMPLE_RATE
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -81,7 +81,7 @@ class Interferometer:
     @property
     def wavelength(self) -> float:
         """Of the laser in air, m; the group index is taken for that of phases, 1e-5 apart."""
-        return self.settings.wavelength / free_space.group_index(self.settings)
+        return self.settings.wavelength / self.settings.group_index
 
     @property
     def reading_time(self) -> float:

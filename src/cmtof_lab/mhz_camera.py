@@ -21,7 +21,7 @@ from cmtof.bounds import linear_phase_noise
 from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.detector import quantise, skellam_gaussian
 from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
-from cmtof_lab.targets import Hits
+from cmtof_lab.targets import RayEnds
 
 Array = NDArray[np.floating]
 Light = tuple[NDArray[np.complexfloating], Array]
@@ -75,7 +75,7 @@ class MhzCamera:
         """Range after which answers repeat, m."""
         return float(wrap_length(self.frequency))
 
-    def signal(self, view: Hits) -> Array:
+    def signal(self, view: RayEnds) -> Array:
         """Charge of one step in both taps by the direct way, electrons, (H, W) (law in chapter 20).
 
         A polished surface keeps a small diffuse share, and mirrors where it faces lens and source.
@@ -93,7 +93,7 @@ class MhzCamera:
             share = view.reflectance * shine * self.pupil_area / (np.pi * z**2)
         return sent * np.where(z > 0, share, 0.0)
 
-    def room(self, view: Hits) -> Array:
+    def room(self, view: RayEnds) -> Array:
         """Charge of one step from the room's light, electrons, (H, W)."""
         etendue = self.pupil_area / self.focal_length**2
         charge = self._electrons(self.ambient_radiance * etendue) * view.reflectance
@@ -104,13 +104,13 @@ class MhzCamera:
         photons = power * self.exposure / STEPS * self.wavelength / (h * c)
         return photons * self.transmission * self.efficiency
 
-    def light(self, view: Hits, field: Hits) -> Light:
+    def light(self, view: RayEnds, field: RayEnds) -> Light:
         """F of all light of the emitter and S with that of the room, electrons of a step (H, W).
 
         Direct, blurred, and scattered evenly from all of ``field``.
         """
 
-        def mixed(part: Callable[[Hits], Array]) -> Array:
+        def mixed(part: Callable[[RayEnds], Array]) -> Array:
             near = gaussian_filter(part(view), self.blur, mode="nearest")
             return (1 - self.veil) * near + self.veil * part(field).mean()
 
@@ -151,7 +151,7 @@ class MhzCamera:
         step = 2 * self.full_scale / (2**self.bits - 1)
         return np.asarray(charge) + self.read_noise**2 + step**2 / 12
 
-    def bound(self, view: Hits) -> Array:
+    def bound(self, view: RayEnds) -> Array:
         """Standard deviation of a pixel's range, m, (H, W)."""
         own = self.signal(view)
         noise = self.variance(own + self.room(view))

@@ -17,20 +17,20 @@ from scipy.signal import correlate
 
 from cmtof import constants
 from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth
+from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.reduction import drive_phases, nominal_psi
+from cmtof.hardware.rig import MODES, PLATES, SAMPLE_RATE
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
+from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, WRAP, collected_power, visited
 from cmtof_lab.targets import Plane
-from cmtof_lab.world import LABEL_TIME, SAMPLE_RATE, Panel, RfKnobs, World
 
 Array = NDArray[np.float64]
 
 FREQUENCY = {"single": constants.FREQUENCY_SINGLE, "doubled": constants.FREQUENCY_DOUBLED}
 """Modulation frequency of each mode, Hz."""
-ORDER = {"single": 1, "doubled": 2}  # Harmonic of the drive that the correlation is made of
-_PLATE = {"single": constants.HALF_WAVE_PLATE_SINGLE, "doubled": constants.HALF_WAVE_PLATE_DOUBLED}
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,10 @@ class OpticalRanger:
 
     def panel(self) -> Panel:
         """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
-        drive = self.frequency / ORDER[self.mode]
+        drive = self.frequency / MODES[self.mode]
         rf = {"on": True, "frequency": drive, "power": self.settings.drive_power}
         knobs = RfKnobs(**rf), RfKnobs(**rf, table=drive_phases(self.phases, self.mode))
-        plates = 2 * [float(np.deg2rad(_PLATE[self.mode]))]
+        plates = 2 * [float(np.deg2rad(PLATES[self.mode]))]
         on = ("laser_on", "shutter_open", "flip_mirror_in", "clock_on")
         return Panel(*knobs, *plates, **dict.fromkeys(on, True))
 
@@ -73,11 +73,13 @@ class OpticalRanger:
         efficiency = self.settings.efficiency * float(self.dimming_and_noise(light)[0])
         return replace(self.settings, efficiency=efficiency, reference=target)
 
-    def counts(self, world: World, positions: Array, labels: ArrayLike) -> NDArray[np.uint16]:
+    def counts(
+        self, instrument: SimulatedInstrument, positions: Array, labels: ArrayLike
+    ) -> NDArray[np.uint16]:
         """Raw counts (P, K x N) of bursts with labels (P,) at stage positions (P,), m."""
         stage, beam = positions + self.settings.stage_zero, np.zeros((positions.size, 2))
         edges = np.arange(self.phases * self.samples) // self.samples
-        return world.bursts(self.panel(), beam, labels=labels, pulses=edges, stage=stage)
+        return instrument.bursts(self.panel(), beam, labels=labels, pulses=edges, stage=stage)
 
     def phase(self, counts: ArrayLike) -> Array:
         """Wrapped phases (P,), rad, of raw counts (P, K x N)."""
@@ -101,12 +103,12 @@ class OpticalRanger:
         """Estimated ranges (P,), m, of one sweep."""
         settings = self.before(target)
         stated = np.append(visited(self.visits), offsets)
-        index = free_space.group_index(settings)
-        world = World(_another_day(settings, rng), seed=int(rng.integers(2**63)))
+        index = settings.group_index
+        instrument = SimulatedInstrument(_another_day(settings, rng), seed=int(rng.integers(2**63)))
         thicker = self._air_change(settings, rng)
         place = stated + self.stage_error * rng.standard_normal(stated.size)
         expected = phase_from_depth(index * (target.distance + stated), self.frequency)
-        error = self.phase(self.counts(world, place, self._labels(offsets.size))) - expected
+        error = self.phase(self.counts(instrument, place, self._labels(offsets.size))) - expected
         zero = np.angle(np.exp(1j * error[: self.visits]).sum())
         off = depth_from_phase(centred(error[self.visits :] - zero), self.frequency) / index
         return (target.distance + offsets) * (1 + thicker / index) + off
@@ -115,13 +117,13 @@ class OpticalRanger:
         """Labels of the bursts of the zero and of ``count`` positions, which count their time."""
         later = self.age + self.step_time * np.arange(count)
         times = np.append(self.step_time * np.arange(self.visits), later)
-        return 1 + np.rint(times / LABEL_TIME).astype(int)
+        return 1 + np.rint(times / BURST_INTERVAL).astype(int)
 
     def _air_change(self, settings: TwinSettings, rng: np.random.Generator) -> float:
         """Change of the air's index since the zero, by whose index the lab divides."""
         warmer, denser = rng.standard_normal(2) * self.air_change
         change = denser / max(settings.pressure, 1.0) - warmer / settings.temperature
-        return float((free_space.group_index(settings) - 1) * change)
+        return float((settings.group_index - 1) * change)
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound on one estimate (P,), m: noise alone, that of the zero included."""
@@ -149,10 +151,10 @@ class OpticalRanger:
     def _light(self, collected: ArrayLike) -> tuple[Array, Array]:
         """Mean and amplitude, W, of the correlation of collected light, W."""
         settings = self.settings
-        wave = World(settings).emission(self.panel())  # the detection's is alike
+        wave = SimulatedInstrument(settings).emission(self.panel())  # the detection's is alike
         opened = np.asarray(collected, float) / free_space.emission_mean(settings, self.mode)
         mean = opened * wave[0].real ** 2 + free_space.ambient(settings) * wave[0].real
-        return mean, opened * 2 * abs(wave[ORDER[self.mode]]) ** 2
+        return mean, opened * 2 * abs(wave[MODES[self.mode]]) ** 2
 
     def _bandwidth(self) -> float:
         """Variance, V^2, of one quadrature of the fundamental per one-sided density, V^2/Hz."""

@@ -1,4 +1,4 @@
-"""Free space: air, the spot, how much light comes back, speckle, losses, the light that is sent."""
+"""Free space: the spot, how much light comes back, speckle, losses, the light that is sent."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from scipy.special import gammaincinv
 
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.targets import Hits, Target
+from cmtof_lab.targets import RayEnds, Target
 
 Array = NDArray[np.float64]
 
@@ -28,22 +28,6 @@ class Paths(NamedTuple):
 
     range: Array  # (N, M), m; negative before the galvo
     fraction: Array  # (N, M), share of the emitted light that enters aperture and splitter's axis
-
-
-def group_index(settings: TwinSettings = TwinSettings()) -> float:  # noqa: B008
-    """Group index of dry air, ``n_g = n - lambda dn/dlambda``; vapour, below 5e-7, is left out.
-
-    Standard air of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1, scaled as an ideal gas.
-
-    >>> f"{group_index(TwinSettings(temperature=288.15)) - 1:.4e}"
-    '2.8975e-04'
-    """
-    square = (1e-6 / settings.wavelength) ** 2  # wave number squared, 1/um^2
-    refractivity = 0.0
-    for strength, pole in ((0.05792105, 238.0185), (0.00167917, 57.362)):
-        # n + sigma dn/dsigma of strength / (pole - sigma^2)
-        refractivity += strength * (pole + square) / (pole - square) ** 2
-    return 1 + refractivity * (settings.pressure / 101325.0) * (288.15 / settings.temperature)
 
 
 def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
@@ -70,7 +54,7 @@ def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
     return 1 + area * np.pi * spot_radius(settings, z) ** 2 / (settings.wavelength * z) ** 2
 
 
-def returned_fractions(settings: TwinSettings, hits: Hits) -> list[Array]:
+def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
     """Shares of the light on a surface that enter the aperture, diffuse and specular; 0 for NaN."""
     z, radius = hits.range, settings.aperture / 2
     lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)

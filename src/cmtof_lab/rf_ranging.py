@@ -17,13 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann, elementary_charge
 
 from cmtof.correlation import centred, phase_from_depth, wrapped
+from cmtof.hardware.rig import MODES, SAMPLE_RATE
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof_lab import optics as free_space
-from cmtof_lab.optical_ranging import FREQUENCY, ORDER
+from cmtof_lab.instrument import DRIFT_RMS, drift
+from cmtof_lab.optical_ranging import FREQUENCY
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power, visited
 from cmtof_lab.targets import Plane, Target
-from cmtof_lab.world import DRIFT_RMS, SAMPLE_RATE, drift
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -86,7 +87,7 @@ class RfRanger:
         """Size of the envelope, V, of light (...), W."""
         law = single_mode_harmonics if self.mode == "single" else doubled_mode_harmonics
         wave = law(self.settings.eta, 2)
-        depth = 2 * abs(wave[ORDER[self.mode]]) / wave[0].real
+        depth = 2 * abs(wave[MODES[self.mode]]) / wave[0].real
         response = self.responsivity / np.hypot(1, FREQUENCY[self.mode] / self.bandwidth)
         return np.asarray(self.load * response * depth * np.asarray(power, float), float)
 
@@ -116,7 +117,7 @@ class RfRanger:
 
     def phase(self, ranges: ArrayLike) -> Array:
         """Phase, rad, of ranges in air, m."""
-        ways = np.multiply(free_space.group_index(self.settings), ranges)
+        ways = np.multiply(self.settings.group_index, ranges)
         return np.asarray(phase_from_depth(ways, FREQUENCY[self.mode]), float)
 
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
@@ -187,7 +188,7 @@ class RfRanger:
 
     def _turn(self, averaged: NDArray, drifted: Array, rng: np.random.Generator) -> Array:
         """Error of the drivers' phase, rad, as in the instrument: jitter and drift."""
-        jitter = self.settings.phase_noise[ORDER[self.mode] - 1]
+        jitter = self.settings.phase_noise[MODES[self.mode] - 1]
         turn = jitter * rng.standard_normal(averaged.size) / np.sqrt(averaged)
         return turn + self.settings.phase_drift * drifted
 

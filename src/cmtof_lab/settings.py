@@ -7,9 +7,10 @@ could have it. Nothing was tuned to the paper's results.
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
+from cmtof import air
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH, SPEED_OF_LIGHT
 from cmtof_lab.targets import PLATE, Plane
 
@@ -98,6 +99,17 @@ class TwinSettings:
     reference: Plane = PLATE  # with its grey filter: a bare mirror saturates
     stage_zero: Finite = 0.025  # m
     scene: Any = None
+
+    @property
+    def group_index(self) -> float:
+        """Group index of the air for the laser's light."""
+        return air.group_index(
+            wavelength=self.wavelength, temperature=self.temperature, pressure=self.pressure
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return TypeAdapter(type(self)).dump_python(self, mode="json", fallback=repr)
 
     @classmethod
     def ideal(cls, **changes: Any) -> "TwinSettings":

@@ -16,7 +16,7 @@ from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
 from cmtof_lab import optics as free_space
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.targets import Hits, Plane
+from cmtof_lab.targets import Plane, RayEnds
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ def collected_power(
 ) -> Array:
     """Mean light (...), W, behind the receiving optics, of a target at ranges (...), m."""
     places = np.append(target.distance, np.asarray(ranges, float).ravel())
-    hits = Hits(places, np.ones(1), np.array(target.reflectance), target.mirrored)
+    hits = RayEnds(places, np.ones(1), np.array(target.reflectance), target.mirrored)
     share = sum(free_space.returned_fractions(settings, hits))
     # a mirror turns the rim of the spot away: the same part of it at every range
     smooth = replace(settings, speckle=False)

@@ -23,7 +23,7 @@ LARGEST_STEP = 0.02  # Neighbouring pixels whose depths differ by a smaller shar
 SURFACE = 3e-3  # How near to a point its own surface may be met, m
 
 
-class Hits(NamedTuple):
+class RayEnds(NamedTuple):
     """Where rays (...) ended; NaN range where they met nothing."""
 
     range: Array  # m
@@ -32,7 +32,7 @@ class Hits(NamedTuple):
     mirrored: Array | float = 0.0  # weight of the specular law against the diffuse one, 0 to 1
 
 
-Target = Any  # What has ``look``, from unit rays (..., 3) of the origin to `Hits`
+Target = Any  # What has ``look``, from unit rays (..., 3) of the origin to `RayEnds`
 
 
 @dataclass(frozen=True)
@@ -46,14 +46,14 @@ class Plane:
     reflectance: float = 0.5
     mirrored: float = 0.0
 
-    def look(self, directions: Array) -> Hits:
+    def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
         normal = np.array([-np.tan(self.tilt_x), -np.tan(self.tilt_y), 1.0])
         along = directions @ normal
         with np.errstate(divide="ignore"):
             reach = np.where(along > 0, self.distance / along, np.nan)
         cosine = along / np.linalg.norm(normal)
-        return Hits(reach, cosine, np.full(reach.shape, self.reflectance), self.mirrored)
+        return RayEnds(reach, cosine, np.full(reach.shape, self.reflectance), self.mirrored)
 
 
 PLATE = Plane(0.60)  # Diffuse target of Sec. 8.2
@@ -71,7 +71,7 @@ class FrameTarget:
         self._inverse = 1 / planar
         self._cosine = _cosines(planar, rays_from_camera(planar.shape, self._camera))
 
-    def look(self, directions: Array) -> Hits:
+    def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
         fx, fy, cx, cy, *skew = self._camera
         height, width = self._inverse.shape
@@ -93,7 +93,7 @@ class FrameTarget:
         inverse = np.where(flat, above + s * (below - above), self._inverse[nearest])
         with np.errstate(divide="ignore", invalid="ignore"):
             reach = np.where(seen, 1 / (inverse * forward), np.nan)
-        return Hits(reach, self._cosine[nearest], self._reflectance[nearest])
+        return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
 
 
 def _cosines(planar: Array, rays: Array) -> Array:
@@ -136,7 +136,7 @@ class MeshTarget:
 
         return Tracer(np.asarray(self.vertices, np.float32), np.asarray(self.faces, np.int32))
 
-    def look(self, directions: Array) -> Hits:
+    def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
         exact = directions.reshape(-1, 3)
         rays = np.ascontiguousarray(exact, np.float32)
@@ -153,7 +153,7 @@ class MeshTarget:
         u, v = np.where(met, hits.u, 0.0), np.where(met, hits.v, 0.0)
         held = [np.broadcast_to(x, len(self.vertices)) for x in (self.reflectance, self.mirrored)]
         there = [(x[corners] * np.stack([1 - u - v, u, v], -1)).sum(-1) for x in held]
-        return Hits(*(one.reshape(directions.shape[:-1]) for one in (reach, cosine, *there)))
+        return RayEnds(*(one.reshape(directions.shape[:-1]) for one in (reach, cosine, *there)))
 
     def hidden(self, points: Array, eye: ArrayLike) -> NDArray[np.bool_]:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""

@@ -28,7 +28,7 @@ def test_rf_without_a_lock_is_switched_off_again():
     rf.output(True)
     assert rf.status().on
     firmware.locked = False
-    with pytest.raises(Unsafe, match=r"Expected rf to lock within 0\.05 s, got Status"):
+    with pytest.raises(Unsafe, match=r"Expected rf to lock within 0\.05 s, got RfStatus"):
         rf.output(True, lock_timeout=0.05)
     assert not rf.status().on
 

@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from cmtof.hardware import bench as bench_module
-from cmtof.hardware.bench import Bench, driver, opened
+from cmtof.hardware import connect
+from cmtof.hardware.bench import Bench
+from cmtof.hardware.connect import connected_bench, connected_driver
 from cmtof.hardware.device import ConnectionLost, InstrumentTimeout, Refused, Unsafe
 from cmtof.hardware.rig import DRIVERS, Rig
+from cmtof.hardware.roles import ROLES
 
 RIG = Rig.default()
 
@@ -30,7 +32,6 @@ HOSTILE = {
     "role": ("devices: {lamp: {driver: pm100d}}", "Expected devices."),
     "other driver": ("devices: CLOCK", "Expected devices.clock: sdg2042x, got labjack-t7"),
     "no driver": ("devices: {daq: {}}", "devices.daq.driver in rig.yml to be there"),
-    "twin": ("twin: {laser_power: -1}", "twin.laser_power"),
 }
 
 
@@ -48,7 +49,7 @@ def test_a_file_that_cannot_be_is_one_line(tmp_path):
 def test_nothing_at_an_address_is_one_line():
     for role, address in {"rf_emission": "/no/port", "daq": "127.0.0.1:9"}.items():
         with pytest.raises(ConnectionLost, match="Expected .* at"):
-            driver(role, replace(RIG.devices[role], address=address))
+            connected_driver(role, replace(RIG.devices[role], address=address))
 
 
 class Listed:
@@ -63,15 +64,15 @@ class Listed:
 
 def test_the_light_is_stopped_first_and_everything_is_closed(monkeypatch):
     calls, missing = [], "daq"
-    monkeypatch.setattr(bench_module, "driver", lambda name, _: Listed(name, calls, missing))
-    with pytest.raises(ConnectionLost), opened(RIG):
+    monkeypatch.setattr(connect, "connected_driver", lambda name, _: Listed(name, calls, missing))
+    with pytest.raises(ConnectionLost), connected_bench(RIG):
         pass
     assert calls == ["close clock", "close rf detection", "close rf emission"]
     calls.clear()
     missing = ""
-    with opened(RIG) as bench:
+    with connected_bench(RIG) as bench:
         bench.safe_state = lambda: calls.append("beam")
-    assert calls[:9] == ["beam", *(role.replace("_", " ") for role in DRIVERS)]
+    assert calls[:9] == ["beam", *(role.replace("_", " ") for role in ROLES)]
     assert sorted(calls[9:]) == sorted(f"close {name}" for name in calls[1:9])
 
 

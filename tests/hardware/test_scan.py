@@ -9,14 +9,14 @@ import pytest
 from cmtof.cli import main
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.files import alone
-from cmtof.hardware.bench import simulated
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, Unsafe
 from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import Rig
-from cmtof.hardware.scan import scan, scan_scene
+from cmtof.hardware.scan import scan
 from cmtof.measurement import open_measurement
 from cmtof_lab.optics import directions_from_angles
+from cmtof_lab.rehearsal import scan_scene, simulated_bench
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, Plane
 
@@ -26,12 +26,12 @@ WALL = Plane(0.9, tilt_x=0.3, reflectance=0.8)
 DARK = TwinSettings.ideal(reference=Plane(0.6, reflectance=0.0), ambient_radiance=0.1)
 
 
-def take(output, rig=RIG, prepare=lambda bench: None, **options):
+def take(output, rig=RIG, prepare=lambda bench: None, twin=None, **options):
     """Scan the wall; ``prepare`` sees the bench before. Returns the bench and the error."""
     held = []
 
     def opened():
-        held.append(simulated(rig, WALL, seed=4))
+        held.append(simulated_bench(rig, WALL, twin, seed=4))
         prepare(held[0])
         return held[0]
 
@@ -211,7 +211,7 @@ def test_an_open_interlock_and_a_lost_lock_end_the_scan(tmp_path, lost):
     ],
 )
 def test_a_reference_target_that_cannot_calibrate_ends_the_scan(tmp_path, twin, text):
-    bench, error = take(tmp_path / "m.nc", rig=replace(RIG, twin=twin))
+    bench, error = take(tmp_path / "m.nc", twin=twin)
     assert isinstance(error, ValueError)
     assert text in str(error)
     assert_safe(bench)

@@ -213,10 +213,10 @@ def rig(rng: np.random.Generator) -> Made:
 @cache
 def whole_journal() -> bytes:
     """Journal of a scan of 2 x 2 px that was stopped before its last lines."""
-    from cmtof.hardware.bench import simulated
     from cmtof.hardware.plan import planned
     from cmtof.hardware.rig import Rig
     from cmtof.hardware.scan import scan
+    from cmtof_lab.rehearsal import simulated_bench
 
     def stop(line):
         if line.index == 30:
@@ -224,7 +224,7 @@ def whole_journal() -> bytes:
 
     with tempfile.TemporaryDirectory() as folder:
         output, settings = Path(folder, "out.nc"), Rig.default()
-        bench = simulated(settings, "still_life", seed=0)
+        bench = simulated_bench(settings, "still_life", seed=0)
         with contextlib.suppress(KeyboardInterrupt):
             scan(planned(settings, size=2), lambda: bench, output, report=stop)
         return output.with_name("out.nc.journal").read_bytes()

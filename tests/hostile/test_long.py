@@ -13,12 +13,12 @@ import fuzz
 import numpy as np
 import pytest
 
-from cmtof.hardware.bench import simulated
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentError, InstrumentTimeout
 from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
 from cmtof.unwrapping import unwrap_file
+from cmtof_lab.rehearsal import simulated_bench
 from cmtof_lab.targets import Plane
 
 pytestmark = pytest.mark.slow
@@ -157,7 +157,7 @@ def take(tmp_path):
     """Scan by a bench that a function prepares, which is dark then; return the error."""
 
     def taken(name, size, prepare=lambda bench: None, **options):
-        bench, found = simulated(Rig.default(), Plane(0.9, tilt_x=0.3), seed=4), None
+        bench, found = simulated_bench(Rig.default(), Plane(0.9, tilt_x=0.3), seed=4), None
         prepare(bench)
         try:
             scan(planned(bench.rig, size=size), lambda: bench, tmp_path / name, **options)

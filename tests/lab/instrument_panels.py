@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cmtof_lab.world import Panel, RfKnobs
+from cmtof_lab.instrument import Panel, RfKnobs
 
 ORDER = {"single": 1, "doubled": 2}
 DRIVE = {"single": 7.15e9, "doubled": 7.16e9}
@@ -21,9 +21,9 @@ def ready(mode, **knobs):
     return Panel(*drives, plate_emission=PLATE[mode], plate_detection=PLATE[mode], **on)
 
 
-def profile(world, panel, angles=((0.0, 0.0),), **options):
+def profile(instrument, panel, angles=((0.0, 0.0),), **options):
     """Mean volts (N, 16) of a burst's phases behind the settling samples."""
     options.setdefault("labels", np.arange(1, len(angles) + 1))
-    counts = world.bursts(panel, angles, pulses=EDGES, **options)
+    counts = instrument.bursts(panel, angles, pulses=EDGES, **options)
     kept = counts.reshape(-1, 16, 20)[..., 8:].mean(-1)
     return (kept - 33523.0) * 3.15805780e-4

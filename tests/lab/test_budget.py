@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cmtof_lab.budget import budget_terms, drift_spread, only, simulated
+from cmtof_lab.instrument import DRIFT_RMS, drift
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, PLATE
-from cmtof_lab.world import DRIFT_RMS, drift
 
 STILL = {"stage_error": 0.0, "air_change": (0.0, 0.0)}
 

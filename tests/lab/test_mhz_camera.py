@@ -8,13 +8,13 @@ from scipy.constants import c, h
 
 from cmtof.correlation import TAU, phase_from_depth
 from cmtof_lab.mhz_camera import MhzCamera
-from cmtof_lab.targets import Hits
+from cmtof_lab.targets import RayEnds
 
 CLEAN = MhzCamera(veil=0.0, blur=0.0, ambient_radiance=0.0)
 
 
 def flat(distance=1.0, reflectance=0.5, cosine=1.0, shape=(24, 24), mirrored=0.0):
-    return Hits(*(np.full(shape, x) for x in (distance, cosine, reflectance)), mirrored)
+    return RayEnds(*(np.full(shape, x) for x in (distance, cosine, reflectance)), mirrored)
 
 
 def bias(camera, view, field=None):

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from cmtof.correlation import TAU, wrap_length
-from cmtof.hardware.scan import scan_scene
 from cmtof_lab.budget import back_ratio, only
 from cmtof_lab.electronics import volts_from_counts
+from cmtof_lab.instrument import BURST_INTERVAL, SimulatedInstrument
 from cmtof_lab.optical_ranging import OpticalRanger
-from cmtof_lab.optics import group_index
+from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, PLATE, Plane
-from cmtof_lab.world import LABEL_TIME, World
 
 NOISY = replace(TwinSettings.ideal(), noise=True)
 AIR = TwinSettings.ideal(pressure=101325.0)
@@ -28,8 +27,8 @@ def test_counts_are_those_of_a_scan(mode):
     settings = TwinSettings(speckle=False)
     scan = scan_scene(settings, Plane(0.6), size=1, field_of_view=0.01, seed=5).dataset
     ranger, row = OpticalRanger(settings, mode), ["single", "doubled"].index(mode)
-    label = round(float(scan["time"][row, 0, 0]) / LABEL_TIME)
-    counts = ranger.counts(World(ranger.before(PLATE), seed=5), np.zeros(1), [label])
+    label = round(float(scan["time"][row, 0, 0]) / BURST_INTERVAL)
+    counts = ranger.counts(SimulatedInstrument(ranger.before(PLATE), seed=5), np.zeros(1), [label])
     means = counts.reshape(16, 20)[:, 4:].mean(-1)
     # a scan drops more of the first phase, in which the mirrors may still move
     np.testing.assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])
@@ -63,7 +62,7 @@ def test_air_that_changed_since_the_zero():
     """(n - 1) z times the relative change, over 100 days."""
     ranger = OpticalRanger(AIR, stage_error=0.0, air_change=(5.0, 0.0))
     errors = ranger.sweep(PLATE, [0.0], repeats=100, seed=3) - 0.6
-    expected = (group_index(AIR) - 1) * 0.6 * 5.0 / 293.15
+    expected = (AIR.group_index - 1) * 0.6 * 5.0 / 293.15
     assert errors.std() == pytest.approx(expected, rel=5 / np.sqrt(200))
 
 
@@ -79,7 +78,9 @@ def test_coaxial_light_makes_a_cyclic_error():
 
 def test_the_grey_filter_keeps_a_mirror_within_range():
     ranger, mirror = OpticalRanger(TwinSettings.ideal(), "doubled"), MIRROR
-    counts = ranger.counts(World(ranger.before(mirror)), np.linspace(0, 0.02, 30), np.arange(30))
+    counts = ranger.counts(
+        SimulatedInstrument(ranger.before(mirror)), np.linspace(0, 0.02, 30), np.arange(30)
+    )
     assert volts_from_counts(counts).max() == pytest.approx(0.5 * 4.1, rel=0.03)
     assert ranger.before(mirror).efficiency < 1e-3 * TwinSettings().efficiency
     assert ranger.before(PLATE).efficiency == TwinSettings().efficiency

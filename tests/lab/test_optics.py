@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from cmtof_lab.optics import (
-    group_index,
     returned_fractions,
     sent_power,
     speckle_cells,
@@ -14,22 +13,22 @@ from cmtof_lab.optics import (
     uniform_from_places,
 )
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.targets import Hits, Plane
+from cmtof_lab.targets import Plane, RayEnds
 
 REAL = TwinSettings()
 
 
 def returned(z, cosine=1.0, mirrored=0.0):
     """Share that returns from ranges, m."""
-    hits = Hits(np.asarray(z), np.array(cosine), np.array(0.5), mirrored)
+    hits = RayEnds(np.asarray(z), np.array(cosine), np.array(0.5), mirrored)
     return sum(returned_fractions(REAL, hits))
 
 
 def test_air_slows_with_pressure_and_cold():
-    excess = group_index() - 1
+    excess = TwinSettings().group_index - 1
     assert 2.8e-4 < excess < 2.9e-4
-    assert group_index(TwinSettings(pressure=50662.5)) - 1 == pytest.approx(excess / 2)
-    assert group_index(TwinSettings(temperature=586.3)) - 1 == pytest.approx(excess / 2)
+    assert TwinSettings(pressure=50662.5).group_index - 1 == pytest.approx(excess / 2)
+    assert TwinSettings(temperature=586.3).group_index - 1 == pytest.approx(excess / 2)
 
 
 def test_diffuse_light_falls_with_the_square_of_the_range():

@@ -1,10 +1,8 @@
-"""The bench: instruments of a rig, real or simulated, and the steps of a scan, each checked."""
+"""The bench: devices of a rig by their roles, and the steps of a scan, each checked."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from collections.abc import Mapping, Sequence
 from functools import partial
 from math import ceil
-from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
@@ -15,15 +13,12 @@ from cmtof.constants import LASER_WAVELENGTH
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
 from cmtof.hardware.plan import SETTLING, VOLTS_PER_RADIAN, Line, Plan, Record
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
-from cmtof.hardware.rig import DRIVERS, LINES, MIRRORS, DeviceSettings, Rig
+from cmtof.hardware.rig import LINES, MIRRORS, PLATES, Rig
+from cmtof.hardware.roles import ROLES, ClockRole, MotorRole, PowerMeterRole, ReadOutRole, RfRole
 from cmtof.hardware.safety import EmergencyStop
-from cmtof_lab.devices import simulated_devices
-from cmtof_lab.optics import group_index
-from cmtof_lab.world import World
 
 LIGHT = ("laser", "shutter", "beam_block")  # low is safe: laser off, shutter shut, block in
 CHANNEL, VOLTS_RANGE = "AIN0", 10.0  # input of the detector, V
-PLATES = {"single": 11.25, "doubled": 22.5}  # theta_h in the modes, degrees (Sec. 6.2)
 STAGE_SPEED = 2.4e-3  # of the target's stage, m/s (MTS50-Z8, largest)
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 
@@ -41,15 +36,21 @@ class Bench(EmergencyStop):
     def __init__(
         self, rig: Rig, devices: Mapping[str, Any], flyback: float = SETTLING[1], **about: Any
     ) -> None:
-        self.rig, self.devices, self.about = rig, devices, about
-        self.rf = (devices["rf_emission"], devices["rf_detection"])
-        self._flyback, self._fed = flyback, monotonic()
-        super().__init__([self, *(devices[role] for role in DRIVERS)])
-
-    def __getattr__(self, role: str) -> Any:
-        if role not in DRIVERS:
-            raise AttributeError(role)
-        return self.devices[role]
+        self.rig = rig
+        self.devices = devices
+        self.about = about
+        self.rf_emission: RfRole = devices["rf_emission"]
+        self.rf_detection: RfRole = devices["rf_detection"]
+        self.rf = (self.rf_emission, self.rf_detection)
+        self.plate_emission: MotorRole = devices["plate_emission"]
+        self.plate_detection: MotorRole = devices["plate_detection"]
+        self.stage: MotorRole = devices["stage"]
+        self.daq: ReadOutRole = devices["daq"]
+        self.clock: ClockRole = devices["clock"]
+        self.power_meter: PowerMeterRole = devices["power_meter"]
+        self._flyback = flyback
+        self._fed = monotonic()
+        super().__init__([self, *(devices[role] for role in ROLES)])
 
     def safe_state(self) -> None:
         """Laser off, shutter shut, block in, mirrors parked; each even if another fails."""
@@ -195,47 +196,3 @@ class Bench(EmergencyStop):
         if not power > 0:
             raise Unsafe(f"Expected laser power above 0 W, got {power:g}. Check laser and shutter.")
         return Record(line.index, power, *sums_from_counts(counts, plan.kept))
-
-
-@contextmanager
-def opened(rig: Rig) -> Iterator[Bench]:
-    """Bench of a rig's real devices, which are closed again, also if one cannot be reached."""
-    with ExitStack() as reached:
-        devices = {
-            role: reached.enter_context(closing(driver(role.replace("_", " "), device)))
-            for role, device in rig.devices.items()
-        }
-        with Bench(rig, devices, source="instrument", group_index=group_index()) as bench:
-            yield bench
-
-
-def simulated(rig: Rig, scene: Any = None, *, seed: int = 0) -> Bench:
-    """Bench of simulated devices, in process, before a scene; ``daq.world`` is their light."""
-    world = World(rig.twin, scene, seed=seed)
-    parts = {line: part for part, line in LINES.items()}
-    about = {"source": "simulated instrument", "seed": seed, "group_index": world.group_index}
-    if isinstance(scene, str | Path):
-        about["scene"] = Path(scene).name
-    return Bench(rig, simulated_devices(world, parts, MIRRORS), flyback=0.0, **about)
-
-
-def driver(name: str, device: DeviceSettings) -> Any:
-    """Driver of a device, connected."""
-    from cmtof.hardware import apt, rf, scpi, t7
-
-    address = device.address
-    match device.driver:
-        case "labjack-t7":
-            stream = rf.open_serial(f"socket://{address.partition(':')[0]}:702")
-            safe = [LINES[part] for part in LIGHT]
-            return t7.LabJackT7(t7.open_modbus(address), stream, name, safe)
-        case "rf-driver":
-            return rf.RfDriver(rf.open_serial(address), name)
-        case "sdg2042x":
-            return scpi.SignalGenerator(scpi.open_visa(address), name)
-        case "pm100d":
-            return scpi.PowerMeter(scpi.open_visa(address), name)
-    kind = apt.MOTORS[device.driver]
-    kind = kind._replace(scale=device.counts_per_unit or kind.scale)
-    port = rf.open_serial(address, rtscts="://" not in address)
-    return apt.Motor(port, kind, name, device.serial_number)

@@ -14,22 +14,23 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cmtof.air import group_index
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.frame import rays_from_camera
 from cmtof.hardware.rig import MODES, Rig
-from cmtof_lab.optics import group_index
 
 Array = NDArray[np.float64]
 
 DARK_BURSTS = 16  # behind the closed shutter, each mode
 REFERENCE_BURSTS = 8  # at each position of the reference target
 SWEEP = 8  # positions of it, over one wrap of the single mode, two of the doubled one
-VOLTS_PER_RADIAN = 0.5 * 180 / pi / 2
-"""Scan mirrors GVS012: 0.5 V a degree of mechanical angle; the beam turns by twice that."""
+VOLTS_PER_DEGREE = 0.5  # scan mirrors GVS012, of mechanical angle
+VOLTS_PER_RADIAN = VOLTS_PER_DEGREE * 180 / pi / 2
+"""Of optical angle: the beam turns by twice what a mirror does."""
 STEPS, SETTLING = (0.4 * pi / 180, 80 * pi / 180), (4e-4, 5e-3)
 """Steps of the mirrors, optical angle, rad, and the time they take, s (GVS012 specifications: 0.2
 mechanical degrees; 100 Hz square waves of full scale); between, a straight line (not verified)."""
-SLOT = 20e-3
+BURST_INTERVAL = 20e-3
 """Time from one burst to the next on the plan's clock, s: 13.3 ms for the paper's burst, and what
 the devices need between."""
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, centred, decode, phase_from_depth
-from cmtof.hardware.plan import REFERENCE_BURSTS, SLOT, Plan, Record
+from cmtof.hardware.plan import BURST_INTERVAL, REFERENCE_BURSTS, Plan, Record
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
 from cmtof.validation import expect
@@ -142,7 +142,7 @@ def measurement_from_records(
                 "raw_counts": np.moveaxis(counts, -1, 0).astype(np.float32),
                 "dark": dark,
                 "laser_power": np.broadcast_to(power, labels.shape),
-                "time": SLOT * labels,
+                "time": BURST_INTERVAL * labels,
                 "phase_offset": offset,
                 "phase_drift": drift,
             }

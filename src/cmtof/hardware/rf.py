@@ -8,21 +8,23 @@ firmware: a dead man's timer turns RF off when the host falls silent, and loss o
 
 import time
 from binascii import crc_hqx
-from collections.abc import Sequence
 from math import pi
 from typing import Any, ClassVar
 
-import serial
+import numpy as np
+from numpy.typing import NDArray
 
 from cmtof.hardware import device
 from cmtof.hardware.device import number, one_error, question
-from cmtof_lab.devices import Status
+from cmtof.hardware.roles import RfStatus
 
 CODES = 65536  # of one turn of the drive
 
 
 def open_serial(address: str, *, rtscts: bool = False) -> Any:
     """Open a serial port, a path or URL, at 115200 baud, or raise `ConnectionLost`."""
+    import serial
+
     with one_error(f"a serial port at {address}", device.ConnectionLost):
         return serial.serial_for_url(
             address, baudrate=115200, timeout=1.0, write_timeout=1.0, rtscts=rtscts
@@ -85,10 +87,10 @@ class RfDriver(device.Device):
             self.safe_state()
             raise
 
-    def status(self) -> Status:
+    def status(self) -> RfStatus:
         """Output, lock, table and trip in one answer."""
         with one_error(self.name):
-            return Status(*map(int, self._question("STAT?")))  # type: ignore[arg-type]
+            return RfStatus(*map(int, self._question("STAT?")))  # type: ignore[arg-type]
 
     def clear_trip(self) -> None:
         """Allow RF again after a trip; it stays off until `output`."""
@@ -99,7 +101,7 @@ class RfDriver(device.Device):
         if self.status().tripped:
             self._fail(device.Unsafe, "keep RF on", "a trip", "Find the cause.")
 
-    def load_table(self, phases: Sequence[float]) -> None:
+    def load_table(self, phases: NDArray[np.float64]) -> None:
         """Load phases of the drive, rad, that the trigger steps through."""
         self._within(TABL=len(phases))
         codes = [str(code_from_phase(phase)) for phase in phases]

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Self
 from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
+from cmtof.constants import HALF_WAVE_PLATE_DOUBLED, HALF_WAVE_PLATE_SINGLE
 from cmtof.files import read_document
 from cmtof.validation import checked, expect
-from cmtof_lab.settings import TwinSettings
 
 DRIVERS = {
     "rf_emission": ("rf-driver",),
@@ -20,7 +20,7 @@ DRIVERS = {
     "clock": ("sdg2042x",),
     "power_meter": ("pm100d",),
 }
-"""Drivers that each role takes, in the order in which the devices are stopped."""
+"""Drivers that each role takes."""
 LINES = {
     "laser": "FIO0",
     "shutter": "FIO1",
@@ -33,6 +33,9 @@ LINES = {
 MIRRORS = ("TDAC2", "TDAC3")
 """Outputs of the LJTick-DAC that steer the beam, x and y."""
 MODES = {"single": 1, "doubled": 2}  # which harmonic of the drive modulates the light
+PLATES = {"single": HALF_WAVE_PLATE_SINGLE, "doubled": HALF_WAVE_PLATE_DOUBLED}
+"""Angle of both half-wave plates in each mode, degrees."""
+SAMPLE_RATE = 24000.0  # Hz (Sec. 7.2): 16 phases of 20 samples take 13.3 ms
 
 CHECKED = ConfigDict(extra="forbid")
 Angle = Annotated[float, Field(gt=0, lt=80)]
@@ -60,14 +63,14 @@ class Rig:
     dead_man: float = Field(default=5.0, ge=0.1, le=60)  # silence that switches the RF drivers off
     plate_zero_emission_deg: float = Field(default=0.0, ge=-360, le=360)  # mount at theta_h = 0
     plate_zero_detection_deg: float = Field(default=0.0, ge=-360, le=360)
-    rate: float = Field(default=24000.0, ge=1, le=50e3)  # 16 phases of 20 samples: 13 ms (Sec. 7.2)
+    rate: float = Field(default=SAMPLE_RATE, ge=1, le=50e3)
     phases: int = Field(default=16, ge=3, le=64)
     samples_per_phase: int = Field(default=20, ge=2, le=250)
     settle_samples: int = Field(default=4, ge=0, le=249)  # first of a phase: the filter settles
     limit_volts: float = Field(default=4.0, ge=0.001, le=10)  # above, the detector is nonlinear
     reference_distance: float = Field(default=0.60, ge=0.001, le=100)  # target along its ray,
     stage_zero: float = Field(default=0.025, ge=-1, le=1)  # with its stage here
-    twin: TwinSettings = TwinSettings()  # of the simulated instrument
+    twin: dict[str, Any] = Field(default_factory=dict, exclude=True)  # of the simulated instrument
 
     def __post_init__(self) -> None:
         for role in DRIVERS | self.devices:

@@ -20,6 +20,9 @@ from numpy.random import Generator, Philox
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.hardware.plan import BURST_INTERVAL
+from cmtof.hardware.rf import CODES
+from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof.modulator import TwoPassModulator
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import POLES, Chain, counts_from_volts, density, volts_per_watt
@@ -30,10 +33,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Integers = NDArray[np.integer]
 
-LABEL_TIME = 0.02  # Virtual time from one burst to the next, s: 13.3 ms and its dialogue
-SAMPLE_RATE = 24000.0  # Samples a second, Hz (Sec. 7.2)
 HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
-CODES = 65536  # Phase codes of an RF driver in a turn
 DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)  # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
 DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
 
@@ -88,13 +88,13 @@ class Panel:
     time: float = 0.0  # virtual, s
 
 
-class World:
+class SimulatedInstrument:
     """One instrument before a scene as `scene_from` takes it, by default that of the settings."""
 
     def __init__(self, settings: TwinSettings, scene: Any = None, *, seed: int = 0) -> None:
         self.settings, self.seed = settings, int(seed)
         self.scene = scene_from(settings.scene if scene is None else scene) or Plane(np.nan)
-        self.group_index = free_space.group_index(settings)
+        self.group_index = settings.group_index
         names = ("mirror_distance", "mirror_reflectance")
         names += ("transmitted_extinction", "reflected_extinction")
         parts = {name: getattr(settings, name) for name in names}
@@ -123,7 +123,7 @@ class World:
         # the drives are constant in stretches between edges
         first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
         length = np.diff(first, append=len(pulses))
-        times = LABEL_TIME * numbers[:, None] + (first + length / 2) / rate
+        times = BURST_INTERVAL * numbers[:, None] + (first + length / 2) / rate
         paths, modules = self._paths(panel, points, places), self._waveforms(panel, pulses[first])
         light = self._light(panel, paths, times, modules, self.jitter(numbers, first.size))
         return self._counts(np.repeat(light, length, axis=1), numbers, rate)

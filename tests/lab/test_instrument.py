@@ -16,15 +16,15 @@ from cmtof.constants import FREQUENCY_SINGLE, SPEED_OF_LIGHT
 from cmtof.correlation import centred, consistent_wrap_count, decode, depth_from_wraps
 from cmtof.scenes import Frame
 from cmtof_lab.electronics import Chain, density
-from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
-from cmtof_lab.targets import FrameTarget, Plane
-from cmtof_lab.world import (
+from cmtof_lab.instrument import (
+    BURST_INTERVAL,
     DRIFT_RMS,
-    LABEL_TIME,
-    World,
+    SimulatedInstrument,
     amplitude,
     drift,
 )
+from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
+from cmtof_lab.targets import FrameTarget, Plane
 
 REFERENCE = Path(__file__).parents[1] / "reference" / "ci"
 IDEAL = TwinSettings.ideal()
@@ -34,7 +34,7 @@ ANGLES = np.random.default_rng(0).uniform(-0.1, 0.1, (40, 2))
 
 def phase_of(settings, z, mode):
     """Decoded phase, rad, of a plane at a distance, m."""
-    return decode(profile(World(settings, Plane(z)), ready(mode))[0], PSI).phase
+    return decode(profile(SimulatedInstrument(settings, Plane(z)), ready(mode))[0], PSI).phase
 
 
 def expected_phase(mode, z):
@@ -48,7 +48,7 @@ def test_phase_grows_with_the_range_and_with_air(mode):
         turned = phase_of(IDEAL, 0.6 + step, mode) - near
         assert centred(turned - expected_phase(mode, step)) == pytest.approx(0, abs=3e-3)
     slow = replace(IDEAL, pressure=101325.0)
-    excess = World(slow).group_index - 1
+    excess = SimulatedInstrument(slow).group_index - 1
     slowed = phase_of(slow, 0.6, mode) - near
     assert centred(slowed - expected_phase(mode, 0.6 * excess)) == pytest.approx(0, abs=3e-3)
 
@@ -57,7 +57,9 @@ def test_phase_grows_with_the_range_and_with_air(mode):
 def test_reference_target_moves_with_the_stage(mode):
     zero = IDEAL.stage_zero
     stage = {"stage": [zero, zero + 2e-3]}
-    seen = profile(World(IDEAL), ready(mode, flip_mirror_in=True), np.zeros((2, 2)), **stage)
+    seen = profile(
+        SimulatedInstrument(IDEAL), ready(mode, flip_mirror_in=True), np.zeros((2, 2)), **stage
+    )
     turned = np.diff([decode(one, PSI).phase for one in seen])
     assert centred(turned - expected_phase(mode, 2e-3)) == pytest.approx(0, abs=3e-3)
 
@@ -68,7 +70,7 @@ def test_contrast_is_that_of_the_closed_form(mode):
     wanted = 2 * jv(1, two_eta) ** 2
     if mode == "doubled":
         wanted = 2 * jv(2, two_eta) ** 2 / (1 - jv(0, two_eta)) ** 2
-    found = decode(profile(World(IDEAL, Plane(0.6)), ready(mode))[0], PSI)
+    found = decode(profile(SimulatedInstrument(IDEAL, Plane(0.6)), ready(mode))[0], PSI)
     assert found.amplitude / found.offset == pytest.approx(wanted, rel=2e-2)
 
 
@@ -83,19 +85,19 @@ def test_amplitude_follows_power_and_resonance():
 
 
 def test_light_and_modulation_need_their_switches():
-    world = World(IDEAL, Plane(0.6))
+    instrument = SimulatedInstrument(IDEAL, Plane(0.6))
     for knob in ("laser_on", "shutter_open", "interlock_closed"):
-        assert not profile(world, ready("single", **{knob: False})).round(3).any()
-    seen = profile(world, ready("single", clock_on=False))
+        assert not profile(instrument, ready("single", **{knob: False})).round(3).any()
+    seen = profile(instrument, ready("single", clock_on=False))
     assert np.ptp(seen) < 1e-3 < seen.mean()
 
 
 def test_drivers_make_the_errors_that_they_are_said_to_have():
     phases, every = np.linspace(0, 6, 50), np.arange(65536) * 2 * np.pi / 65536
-    skewed = World(replace(IDEAL, iq_imbalance=0.02))
+    skewed = SimulatedInstrument(replace(IDEAL, iq_imbalance=0.02))
     error = skewed.made_phase(0, phases) - phases
     np.testing.assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
-    coded = World(replace(IDEAL, phase_step_error=5e-4), seed=4)
+    coded = SimulatedInstrument(replace(IDEAL, phase_step_error=5e-4), seed=4)
     assert (coded.made_phase(1, every) - every).std() == pytest.approx(5e-4, rel=0.02)
 
 
@@ -105,29 +107,29 @@ def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
     assert long.std() == pytest.approx(DRIFT_RMS, rel=0.05)
     drifting = replace(IDEAL, phase_drift=0.1)
     labels = np.array([1, 2000, 40000])
-    world = World(drifting, Plane(0.6), seed=2)
-    seen = profile(world, ready("single"), np.zeros((3, 2)), labels=labels)
-    lag = 0.1 / DRIFT_RMS * drift(2, 1, LABEL_TIME * labels + EDGES.size / 24000 / 2)
+    instrument = SimulatedInstrument(drifting, Plane(0.6), seed=2)
+    seen = profile(instrument, ready("single"), np.zeros((3, 2)), labels=labels)
+    lag = 0.1 / DRIFT_RMS * drift(2, 1, BURST_INTERVAL * labels + EDGES.size / 24000 / 2)
     phases = [decode(one, PSI).phase for one in seen]
     np.testing.assert_allclose(centred(np.diff(phases) + np.diff(lag)), 0, atol=5e-3)
 
 
 def test_a_burst_depends_on_its_label_alone():
     panel, labels = ready("single"), np.arange(5, 45)
-    world = World(TwinSettings(), Plane(0.8), seed=3)
-    together = world.bursts(panel, ANGLES, labels=labels, pulses=EDGES)
+    instrument = SimulatedInstrument(TwinSettings(), Plane(0.8), seed=3)
+    together = instrument.bursts(panel, ANGLES, labels=labels, pulses=EDGES)
     for n in (39, 0, 17):
-        fresh = World(TwinSettings(), Plane(0.8), seed=3)
+        fresh = SimulatedInstrument(TwinSettings(), Plane(0.8), seed=3)
         alone = fresh.bursts(panel, ANGLES[n : n + 1], labels=[labels[n]], pulses=EDGES)
         assert np.array_equal(alone[0], together[n])
-    other = World(TwinSettings(), Plane(0.8), seed=4)
+    other = SimulatedInstrument(TwinSettings(), Plane(0.8), seed=4)
     assert (other.bursts(panel, ANGLES, labels=labels, pulses=EDGES) != together).any()
 
 
 @pytest.mark.parametrize("mode", MODES)
 def test_phase_noise_of_a_point_meets_the_closed_form(mode):
-    world, count = World(NOISY, Plane(0.8, reflectance=0.3), seed=1), 3000
-    seen = profile(world, ready(mode), np.zeros((count, 2)))
+    instrument, count = SimulatedInstrument(NOISY, Plane(0.8, reflectance=0.3), seed=1), 3000
+    seen = profile(instrument, ready(mode), np.zeros((count, 2)))
     found = decode(np.moveaxis(seen, 1, 0), PSI)
     weights = np.where(np.arange(12) == 0, 1, 2) * (12 - np.arange(12)) / 144
     variance = weights @ Chain(NOISY, 1 / 24000).memory(12)
@@ -157,8 +159,8 @@ def test_captures_noise_is_what_chapter_7_found():
 @pytest.mark.parametrize("mode", MODES)
 def test_disturbance_has_its_level_and_grain(mode):
     """2000 points tell a deviation to 1.6 % and a correlation to 0.022; four of these."""
-    world = World(replace(IDEAL, **NOISE["captures"]), Plane(0.8), seed=1)
-    seen = decode(profile(world, ready(mode), np.zeros((2000, 2))).T, PSI).phase
+    instrument = SimulatedInstrument(replace(IDEAL, **NOISE["captures"]), Plane(0.8), seed=1)
+    seen = decode(profile(instrument, ready(mode), np.zeros((2000, 2))).T, PSI).phase
     error = centred(seen - np.angle(np.exp(1j * seen).mean()))
     assert error.std() == pytest.approx(NOISE["captures"]["phase_noise"][0], rel=0.08)
     correlations = [np.corrcoef(error[:-lag], error[lag:])[0, 1] for lag in (1, 2)]
@@ -187,8 +189,8 @@ def test_noise_on_the_captures_objects_is_the_captures(name, left, shared_data):
         (NOISE["captures"], min(levels.values()), max(levels.values())),
         ({"phase_noise": (level, level), "grain": correlation}, levels[name], levels[name]),
     ):
-        world = World(replace(TwinSettings(), **case), target, seed=2)
-        seen = decode(profile(world, ready("single"), angles).T, PSI).phase.reshape(30, 100).T
+        instrument = SimulatedInstrument(replace(TwinSettings(), **case), target, seed=2)
+        seen = decode(profile(instrument, ready("single"), angles).T, PSI).phase.reshape(30, 100).T
         assert 0.8 * least < noise.typical_phase_noise(seen, wall) < 1.2 * most
         left_over = np.where(wall, noise.local_residual(seen), np.nan)
         pairs = (left_over[:-1], left_over[1:]), (left_over[:, :-1], left_over[:, 1:])

@@ -1,0 +1,30 @@
+"""Air: how much slower it is for the modulation of light than vacuum."""
+
+from cmtof.constants import LASER_WAVELENGTH
+
+STANDARD_TEMPERATURE = 288.15  # K, of the air that the refractivity below is stated for
+STANDARD_PRESSURE = 101325.0  # Pa, likewise
+
+
+def group_index(
+    *,
+    wavelength: float = LASER_WAVELENGTH,
+    temperature: float = 293.15,
+    pressure: float = STANDARD_PRESSURE,
+) -> float:
+    """Group index of dry air, ``n_g = n - lambda dn/dlambda``; m, K and Pa; 0 Pa is vacuum.
+
+    Standard air of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1, scaled as an ideal gas.
+    Vapour changes it by less than 5e-7 and is left out.
+
+    >>> f"{group_index(temperature=288.15) - 1:.4e}"
+    '2.8975e-04'
+    """
+    square = (1e-6 / wavelength) ** 2  # wave number squared, 1/um^2
+    refractivity = 0.0
+    for strength, pole in ((0.05792105, 238.0185), (0.00167917, 57.362)):
+        # n + sigma dn/dsigma of strength / (pole - sigma^2)
+        refractivity += strength * (pole + square) / (pole - square) ** 2
+    thinner = pressure / STANDARD_PRESSURE
+    warmer = STANDARD_TEMPERATURE / temperature
+    return 1 + refractivity * thinner * warmer

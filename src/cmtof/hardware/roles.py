@@ -1,0 +1,185 @@
+"""What a scan asks of a device: a Protocol for each role, in SI units.
+
+A driver does it over a wire, a simulated device (`cmtof_lab.devices`) in process. Neither knows the
+other. What a method does on the wire is documented at the driver.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+class DeviceRole(Protocol):
+    """What every device can do."""
+
+    name: str
+
+    def identify(self) -> dict[str, str]:
+        """Model and serial number as the device reports them."""
+        ...
+
+    def safe_state(self) -> None:
+        """Become safe; may be called at any time, and again."""
+        ...
+
+    def close(self) -> None:
+        """Close the connection; may be called again."""
+        ...
+
+
+class RfStatus(NamedTuple):
+    """Whether RF is on and locked, entry that plays, edges since arming, whether RF tripped."""
+
+    on: bool
+    locked: bool
+    entry: int
+    edges: int
+    tripped: bool
+
+
+class RfRole(DeviceRole, Protocol):
+    """Drive of one modulator, with a table of phases that a trigger steps through."""
+
+    def set_frequency(self, hz: float) -> None:
+        """Set the frequency, Hz."""
+        ...
+
+    def set_power(self, dbm: float) -> None:
+        """Set the power, dBm."""
+        ...
+
+    def set_phase(self, rad: float) -> float:
+        """Set the phase outside the table, rad; return what was set."""
+        ...
+
+    def set_dead_man(self, seconds: float) -> None:
+        """Have RF turned off when the host is silent for so long."""
+        ...
+
+    def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
+        """Switch RF; on waits for the lock."""
+        ...
+
+    def status(self) -> RfStatus:
+        """Output, lock, table and trip."""
+        ...
+
+    def clear_trip(self) -> None:
+        """Allow RF again after a trip."""
+        ...
+
+    def ping(self) -> None:
+        """Feed the dead man's timer."""
+        ...
+
+    def load_table(self, phases: NDArray[np.float64]) -> None:
+        """Load the phases, rad."""
+        ...
+
+    def trigger(self, on: bool) -> None:
+        """Let edges step the table, or not."""
+        ...
+
+    def arm(self) -> None:
+        """Begin the table again, and count edges from 0."""
+        ...
+
+
+class ClockRole(DeviceRole, Protocol):
+    """Clock of both RF drivers, on channels 1 and 2."""
+
+    def sine(self, channel: int, *, frequency: float, amplitude: float) -> None:
+        """Set a sine, Hz and V peak to peak."""
+        ...
+
+    def lock_phases(self) -> None:
+        """Align both channels."""
+        ...
+
+    def output(self, channel: int, on: bool) -> None:
+        """Switch a channel."""
+        ...
+
+
+class MotorRole(DeviceRole, Protocol):
+    """Rotation mount, rad, or linear stage, m."""
+
+    @property
+    def position(self) -> float:
+        """Position from home."""
+        ...
+
+    @property
+    def homed(self) -> bool:
+        """Whether the home position is known."""
+        ...
+
+    def home(self) -> None:
+        """Find the home position."""
+        ...
+
+    def move_to(self, position: float) -> float:
+        """Move and wait; return the position."""
+        ...
+
+
+class PowerMeterRole(DeviceRole, Protocol):
+    """Meter of the laser's power behind the emission module."""
+
+    @property
+    def power(self) -> float:
+        """Power, W."""
+        ...
+
+    def set_up(self, *, wavelength: float, readings: int) -> None:
+        """Correct for a wavelength, m, average so many readings, and zero the dark head."""
+        ...
+
+
+class ReadOutRole(DeviceRole, Protocol):
+    """Digital lines, scan mirrors, and bursts of detector samples."""
+
+    def gain(self, volts_range: float) -> tuple[float, float, float]:
+        """Calibration of an input range, V, in the order of `cmtof.hardware.reduction.Gain`."""
+        ...
+
+    def line(self, dio: str) -> bool:
+        """Level of an input line."""
+        ...
+
+    def set_line(self, dio: str, high: bool) -> None:
+        """Set an output line."""
+        ...
+
+    def write_many(self, values: Mapping[str, ArrayLike]) -> None:
+        """Write registers by name, in their order."""
+        ...
+
+    def watchdog(self, seconds: int) -> None:
+        """Have the safe lines pulled low when the host is silent for so long."""
+        ...
+
+    def configure_burst(
+        self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
+    ) -> None:
+        """Set up bursts at a rate, Hz; a line is high for the first half of each ``pulse``."""
+        ...
+
+    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
+        """Counts (scans,) of a burst for each request, whose registers are written first."""
+        ...
+
+
+ROLES: dict[str, type] = {
+    "rf_emission": RfRole,
+    "rf_detection": RfRole,
+    "plate_emission": MotorRole,
+    "plate_detection": MotorRole,
+    "stage": MotorRole,
+    "daq": ReadOutRole,
+    "clock": ClockRole,
+    "power_meter": PowerMeterRole,
+}
+"""Protocol of each role, in the order in which the devices are stopped."""
