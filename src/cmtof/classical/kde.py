@@ -17,6 +17,7 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array, diags_array
 
 from cmtof.classical.crt import fused_depth, nearest_wrap
 from cmtof.correlation import TAU, centred
@@ -81,36 +82,53 @@ def _densest(
     A cubic through nodes h/2 apart, each a blurred image, gives the density at the depths ``u + n``
     of the pixel, u its phase in turns; it errs by 0.4 % of its peak.
     """
-    import cv2
-
     u = (np.nan_to_num(measurement.phase[0]) / TAU).astype(np.float32)
-    nodes, reach = max(2, ceil(2 / kernel)), ceil(4 * kernel)
-    # the kernel between the wraps n - reach ... n + reach of a pixel and the nodes of the wrap n
-    apart = np.arange(-reach, reach + 1) - np.arange(nodes)[:, None] / nodes
-    kernels = np.exp(-(((u + apart[..., None, None]) / kernel) ** 2) / 2).astype(np.float32)
+    nodes = max(2, ceil(2 / kernel))
     cubic = _cubic_shares(u * nodes, nodes)
-    taps = cv2.getGaussianKernel(2 * radius + 1, max(radius / 2, 0.5), cv2.CV_32F)
-    none = np.zeros_like(u)
-    beyond = [none] * (reach + 1)
-    weights = [*beyond, *hypotheses(measurement), *beyond]
-
-    def images_of(n: int) -> list[NDArray[np.float32]]:
-        """Blurred images of the nodes of wrap n."""
-        around = np.stack(weights[n + 1 : n + 2 * reach + 2])
-        images = (np.einsum("khw,khw->hw", around, one) for one in kernels)
-        edge = cv2.BORDER_CONSTANT
-        return [cv2.sepFilter2D(one, -1, taps, taps, borderType=edge) for one in images]
-
-    label, best, total = np.zeros(u.shape, np.int64), none.copy(), none.copy()
-    before, here = images_of(-1), images_of(0)
-    for n in range(len(weights) - 2 * reach - 2):
-        ahead = images_of(n + 1)
+    images = _blurred_nodes([*hypotheses(measurement)], _kernels(u, kernel, nodes), radius)
+    label = np.zeros(u.shape, np.int64)
+    best = np.zeros_like(u)
+    total = np.zeros_like(u)
+    before, here = next(images), next(images)
+    for n, ahead in enumerate(images):
         density = np.einsum("mhw,mhw->hw", cubic, np.stack([before[-1], *here, *ahead[:2]]))
         density = np.maximum(density, 0)
         label[density > best] = n
-        best, total = np.maximum(best, density), total + density
+        best = np.maximum(best, density)
+        total += density
         before, here = here, ahead
     return label, best, total
+
+
+def _kernels(u: NDArray[np.float32], kernel: float, nodes: int) -> NDArray[np.float32]:
+    """Kernel (node, wrap, H, W) between the nodes of a wrap and the depths of wraps around it."""
+    reach = ceil(4 * kernel)
+    apart = np.arange(-reach, reach + 1) - np.arange(nodes)[:, None] / nodes
+    return np.exp(-(((u + apart[..., None, None]) / kernel) ** 2) / 2).astype(np.float32)
+
+
+def _blurred_nodes(
+    weights: list[NDArray[np.float32]], kernels: NDArray[np.float32], radius: int
+) -> Iterator[list[NDArray[np.float32]]]:
+    """Blurred images (H, W) of the nodes of each wrap, and of one more wrap at either end."""
+    span = kernels.shape[1]
+    beyond = [np.zeros_like(weights[0])] * (span // 2 + 1)
+    padded = [*beyond, *weights, *beyond]
+    down, across = (_gaussian_band(size, radius) for size in weights[0].shape)
+    for first in range(len(padded) - span + 1):
+        around = np.stack(padded[first : first + span])
+        images = (np.einsum("khw,khw->hw", around, one) for one in kernels)
+        yield [np.ascontiguousarray((across @ (down @ image).T).T) for image in images]
+
+
+def _gaussian_band(size: int, radius: int) -> csr_array:
+    """Sparse matrix (size, size) that blurs along one side, with zeros beyond the image."""
+    apart = np.arange(-radius, radius + 1)
+    taps = np.exp(-((apart / max(radius / 2, 0.5)) ** 2) / 2)
+    taps /= taps.sum()
+    inside = abs(apart) < size
+    shares = taps[inside].astype(np.float32)
+    return diags_array(list(shares), offsets=apart[inside], shape=(size, size)).tocsr()
 
 
 def _cubic_shares(place: NDArray[np.float32], nodes: int) -> NDArray[np.float32]:
