@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -236,6 +236,18 @@ def evaluate(
     _print_report(report)
     for name, reason in skipped.items():
         print(f"skipped {name}: {reason}")
+    _name_missing(evaluation.missing)
+    if evaluation.missing and method != "all":
+        sys.exit(1)
+
+
+def _name_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
+    """Say in one line for each package which methods need it."""
+    users: dict[str, list[str]] = {}
+    for name, error in missing.items():
+        users.setdefault(_line(error), []).append(name)
+    for line, names in users.items():
+        print(f"cmtof: left out {', '.join(names)}. {line}", file=sys.stderr)
 
 
 @app.command()

@@ -120,7 +120,8 @@ class Evaluation:
     """Scores of several methods over several frames.
 
     Call `add` for each frame, in order; the noise of frame i is drawn from (seed, i), and every
-    method sees the same. ``conditions`` are options of `cmtof.simulation.simulate`.
+    method sees the same. ``conditions`` are options of `cmtof.simulation.simulate`. A method that
+    needs a package which is not installed goes from ``methods`` to ``missing``.
     """
 
     def __init__(self, methods: Sequence[str], **conditions: Any) -> None:
@@ -128,6 +129,7 @@ class Evaluation:
         self.options: dict[str, Any] = {}  # of every method, such as weights
         self.conditions = conditions
         self.frames: list[str] = []
+        self.missing: dict[str, ModuleNotFoundError] = {}
         self._tallies = {name: Tally() for name in self.methods}
         self._seconds = dict.fromkeys(self.methods, 0.0)
         self._coverage = 0.0
@@ -140,10 +142,22 @@ class Evaluation:
         self._coverage += float(usual.mask.mean())
         for name, measurement in given.items():
             start = perf_counter()
-            result = unwrap(measurement, method=name, **self.options)
-            self._seconds[name] += perf_counter() - start
-            self._tallies[name].add(scored_pixels(result, measurement))
+            try:
+                result = unwrap(measurement, method=name, **self.options)
+            except ModuleNotFoundError as error:
+                self._leave_out(name, error)
+            else:
+                self._seconds[name] += perf_counter() - start
+                self._tallies[name].add(scored_pixels(result, measurement))
             yield name
+
+    def _leave_out(self, name: str, error: ModuleNotFoundError) -> None:
+        """Go on without a method; raise the error if no other is left."""
+        self.missing[name] = error
+        self.methods.remove(name)
+        if not self.methods:
+            raise error
+        del self._tallies[name], self._seconds[name]
 
     def add_all(self, frames: Iterable[Frame]) -> "Evaluation":
         """Run every method on every frame."""
