@@ -1,6 +1,7 @@
 """Counting: rates as the tables have them, the same noise for all, stored counts."""
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,15 @@ def test_every_method_sees_the_same_noise(tilted_wall):
     ]
     first, second = alone
     assert first["methods"] != second["methods"]  # each frame has noise of its own
+
+
+def test_a_method_whose_package_is_missing_is_left_out(tilted_wall, monkeypatch):
+    monkeypatch.setitem(sys.modules, "torch", None)
+    several = Evaluation(["fast-scnn", "crt"], seed=1).add_all([tilted_wall, tilted_wall])
+    assert several.report()["methods"].keys() == {"crt"}
+    assert several.missing["fast-scnn"].name == "torch"
+    with pytest.raises(ModuleNotFoundError, match="torch"):
+        Evaluation(["fast-scnn"]).add_all([tilted_wall])
 
 
 def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):
