@@ -29,7 +29,16 @@ app = Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-EXTRAS = dict.fromkeys(("torch", "lightning", "safetensors"), "train") | {"matplotlib": "plot"}
+MODULES = {
+    "hardware": "pymodbus pyvisa serial thorlabs_apt_protocol",
+    "lab": "cv2",
+    "plot": "cycler matplotlib pandas",
+    "rooms": "embreex trimesh",
+    "train": "lightning safetensors torch",
+    "view": "IPython pyvista",
+}
+EXTRAS = {module: extra for extra, modules in MODULES.items() for module in modules.split()}
+"""Extra of each module that comes with none of the package's own dependencies."""
 
 
 def _file(named: str, *flags: str, text: str) -> Any:

@@ -88,7 +88,7 @@ class Tracer:
         except ImportError as error:
             raise ValueError(
                 f"Expected Embree for rendering rooms, got {error}. "
-                "Install the extra: pip install cmtof[rooms]."
+                "Install it: pip install 'cmtof[rooms]'."
             ) from error
         self._scene: Any = EmbreeScene(robust=True)
         TriangleMesh(self._scene, np.asarray(vertices, np.float32), np.asarray(faces, np.int32))
