@@ -1,0 +1,121 @@
+"""What the package declares and what acts in its name: imports, extras, lock and workflows."""
+
+import ast
+import re
+import sys
+import tomllib
+from functools import cache
+from importlib.metadata import packages_distributions
+from itertools import chain
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+from cmtof.cli import EXTRAS
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+PACKAGES = {
+    "src/cmtof": ["hardware", "train"],
+    "src/cmtof_rooms": ["rooms"],
+    "src/cmtof_lab": ["lab"],
+    "src/cmtof_book": ["book", "plot", "view"],
+    "notebooks": ["notebooks", "train"],
+}
+"""Extras that the modules of a folder may import from, beside the package's own dependencies."""
+BACKENDS = {"pyvisa-py"}
+"""Requirements that are found by their name and never imported."""
+DISTRIBUTIONS = packages_distributions()
+WORKFLOWS = sorted((ROOT / ".github/workflows").glob("*.yml"))
+
+
+def required(*extras: str) -> dict[str, Requirement]:
+    """Requirements of the package without extras, or of extras, by their normalised name."""
+    chosen = [PROJECT["optional-dependencies"][extra] for extra in extras]
+    found: dict[str, Requirement] = {}
+    for line in chain(*chosen) if extras else PROJECT["dependencies"]:
+        requirement = Requirement(line)
+        if requirement.name == PROJECT["name"]:
+            found |= required(*requirement.extras)
+        else:
+            found[canonicalize_name(requirement.name)] = requirement
+    return found
+
+
+@cache
+def imports(folder: str) -> dict[str, Path]:
+    """Foreign modules that a folder imports, each with a file that does."""
+    own = {path.name for path in (ROOT / "src").iterdir()}
+    found: dict[str, Path] = {}
+    for path in (ROOT / folder).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and node.module:
+                names = [node.module]
+            found |= {name.partition(".")[0]: path for name in names}
+    return {name: path for name, path in found.items() if name not in sys.stdlib_module_names | own}
+
+
+def providers(module: str) -> set[str]:
+    """Distributions that a module may come from."""
+    return {canonicalize_name(name) for name in DISTRIBUTIONS.get(module, [])}
+
+
+@pytest.mark.parametrize("folder", PACKAGES)
+def test_every_import_is_declared(folder):
+    declared = required() | required(*PACKAGES[folder])
+    found = imports(folder)
+    undeclared = {name: found[name] for name in found if not providers(name) & declared.keys()}
+    assert not undeclared
+
+
+def test_the_core_declares_nothing_that_it_does_not_import():
+    used = set().union(*map(providers, imports("src/cmtof")))
+    assert not required().keys() - used
+
+
+@pytest.mark.parametrize("extra", ["hardware", "lab", "plot", "rooms", "train", "view"])
+def test_an_extra_declares_nothing_that_is_not_imported(extra):
+    modules = set().union(*map(imports, PACKAGES))
+    used = set().union(*map(providers, modules)) | BACKENDS
+    assert not required(extra).keys() - used
+
+
+def test_the_command_line_names_the_extra_of_every_module():
+    for folder in ("src/cmtof", "src/cmtof_rooms", "src/cmtof_lab"):
+        foreign = {name for name in imports(folder) if not providers(name) & required().keys()}
+        assert foreign <= EXTRAS.keys()
+    for module, extra in EXTRAS.items():
+        assert providers(module) & required(extra).keys(), (module, extra)
+
+
+def test_the_lock_holds_what_is_declared():
+    lines = (ROOT / "environment.lock").read_text("utf-8").splitlines()
+    pins = [Requirement(line.rstrip("\\ ")) for line in lines if re.match("[a-z0-9]", line)]
+    locked: dict[str, list[str]] = {}
+    for pin in pins:
+        (version,) = pin.specifier
+        locked.setdefault(canonicalize_name(pin.name), []).append(version.version)
+    for name, requirement in (required() | required("all")).items():
+        if name != "torch":  # its builds share a version, not a hash
+            assert all(map(requirement.specifier.contains, locked[name])), requirement
+
+
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
+def test_actions_are_pinned_by_commit_and_may_only_read(path):
+    text = path.read_text("utf-8")
+    for action in re.findall(r"uses: (?!\./)(.*)", text):
+        assert re.fullmatch(r"[\w./-]+@[0-9a-f]{40} # v\d+(\.\d+)*", action), action
+    workflow = yaml.safe_load(text)
+    assert workflow["permissions"] == {"contents": "read"}
+
+
+def test_only_the_job_that_publishes_may_sign_for_it():
+    jobs = yaml.safe_load((ROOT / ".github/workflows/release.yml").read_text("utf-8"))["jobs"]
+    assert jobs["publish"]["environment"]["name"] == "pypi"
+    assert [name for name, job in jobs.items() if "permissions" in job] == ["publish"]
+    assert jobs["publish"]["permissions"] == {"id-token": "write"}
+    assert "secrets." not in str(jobs)
