@@ -1,62 +1,230 @@
-"""The wheel alone: command line, weights, frames and configurations without the checkout."""
+"""The wheel in an environment that holds only what it declares: no checkout, no other package.
+
+The quick form links the declared packages out of this environment; the slow form installs them
+with pip into an empty one. Both run the same tests.
+"""
 
 import json
-import os
+import re
+import shutil
 import subprocess
 import sys
+import sysconfig
+import venv
 import zipfile
+from collections.abc import Callable, Iterator
+from importlib.metadata import Distribution, PathDistribution, distribution
 from pathlib import Path
+from typing import NamedTuple
 
+import numpy as np
 import pytest
+from packaging.requirements import Requirement
+
+from cmtof.methods import METHODS
 
 ROOT = Path(__file__).resolve().parents[1]
+LEARNED = {name for name, method in METHODS.items() if method.kind == "learned"}
+
+
+class Environment(NamedTuple):
+    """An environment and a folder to work in."""
+
+    python: Path
+    folder: Path
+
+    def run(self, *arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
+        """Run its interpreter in an empty environment; check the exit code."""
+        command = [self.python, "-I", *map(str, arguments)]
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
+        assert done.returncode == code, done.stderr
+        return done
+
+    def cmtof(self, *arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
+        """Run a subcommand."""
+        return self.run("-m", "cmtof.cli", *arguments, code=code)
+
+    def refused(self, *arguments: object) -> str:
+        """Return the one line on stderr of a subcommand that ends with 1."""
+        (line,) = self.cmtof(*arguments, code=1).stderr.splitlines()
+        return line
+
+
+def link(found: Distribution, site: Path) -> None:
+    """Link the files of a distribution into a folder of packages."""
+    for entry in {file.parts[0] for file in found.files or []} - {"..", "__pycache__"}:
+        if not (site / entry).exists():
+            (site / entry).symlink_to(str(found.locate_file(entry)))
+
+
+def share_compiled(site: Path) -> None:
+    """Let unpacked sources use what Numba compiled for those of the checkout, which are equal."""
+    for path in site.glob("cmtof*/**/*.py"):
+        own = ROOT / "src" / path.relative_to(site)
+        assert path.read_bytes() == own.read_bytes()
+        shutil.copystat(own, path)
+        cache = own.with_name("__pycache__")
+        cache.mkdir(exist_ok=True)
+        if not (link := path.with_name("__pycache__")).exists():
+            link.symlink_to(cache)
+
+
+def linked(folder: Path, wheel: Path, extra: str) -> None:
+    """Make an environment of the wheel with links to what it declares, and what that declares."""
+    venv.create(folder)
+    site = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder)}))
+    zipfile.ZipFile(wheel).extractall(site)
+    share_compiled(site)
+    (about,) = site.glob("cmtof-*.dist-info")
+    waiting: list[tuple[Distribution, str]] = [(PathDistribution(about), extra)]
+    seen = set()
+    while waiting:
+        here, wanted = waiting.pop()
+        for requirement in map(Requirement, here.requires or []):
+            marker = requirement.marker
+            if marker and not marker.evaluate({"extra": wanted}):
+                continue
+            for further in ["", *requirement.extras]:
+                if (pair := (requirement.name, further)) not in seen:
+                    seen.add(pair)
+                    one = here if requirement.name == "cmtof" else distribution(requirement.name)
+                    waiting.append((one, further))
+                    link(one, site)
+
+
+def installed(folder: Path, wheel: Path, extra: str) -> None:
+    """Make an empty environment and install the wheel into it; skip where no registry answers."""
+    venv.create(folder, with_pip=True)
+    pip = [folder / "bin/python", "-m", "pip", "--disable-pip-version-check"]
+    probe = [*pip, "download", "-q", "--no-deps", "-d", folder / "probe", "rich"]
+    answer = subprocess.run(probe, capture_output=True, text=True)
+    if answer.returncode:
+        pytest.skip(f"pip reaches no registry: {answer.stderr.strip()[-200:]}")
+    what = f"cmtof[{extra}] @ {wheel.as_uri()}" if extra else wheel
+    subprocess.run([*pip, "install", "-q", what], check=True, capture_output=True)
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory) -> Path:
-    """Folder that the wheel is unpacked into."""
+def wheel(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("wheel")
     command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", folder, ROOT]
     subprocess.run(command, check=True, capture_output=True, cwd=folder)
-    (wheel,) = folder.glob("*.whl")
-    assert wheel.stat().st_size < 25e6
-    zipfile.ZipFile(wheel).extractall(folder / "site")
-    return folder / "site"
+    (built,) = folder.glob("*.whl")
+    assert built.stat().st_size < 25e6
+    return built
 
 
-@pytest.fixture
-def installed(site, tmp_path):
-    """Run a program of the wheel in an empty folder; return what it printed."""
-
-    def runner(*arguments):
-        done = subprocess.run(
-            [sys.executable, *map(str, arguments)],
-            cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": str(site)},
-            capture_output=True,
-            text=True,
-        )
-        assert done.returncode == 0, done.stderr
-        return done.stdout
-
-    return runner
+SLOW = pytest.param(installed, marks=pytest.mark.slow)
 
 
-def test_from_a_frame_to_scores(installed, site, tmp_path):
-    assert str(site) in installed("-c", "import cmtof; print(cmtof.__file__)")
-    cmtof = ("-m", "cmtof.cli")
-    assert "still_life" in installed(*cmtof, "info")
-    installed(*cmtof, "simulate", "still_life", "-o", "m.nc")
-    assert "δ<1" in installed(*cmtof, "unwrap", "m.nc", "-o", "out.nc", "--ply", "out.ply")
-    names = "surfaces,beat,fast-scnn"
-    installed(*cmtof, "evaluate", "still_life", "--method", names, "--json", "scores.json")
-    assert set(json.loads((tmp_path / "scores.json").read_text())["methods"]) == set(
-        names.split(",")
-    )
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory, tilted_wall, measured) -> Path:
+    """Folder with a frame, a measurement, the file of a rig that is not there, and a chapter."""
+    folder = tmp_path_factory.mktemp("inputs")
+    images = {"depth": tilted_wall.depth, "intensity": tilted_wall.intensity}
+    np.savez(folder / "wall.npz", **images, camera=tilted_wall.camera)
+    measured.save(folder / "wall.nc")
+    rig = (ROOT / "src/cmtof/hardware/rig.yml").read_text("utf-8")
+    (folder / "rig.yml").write_text(rig.replace("/dev/ttyUSB0", "/dev/none"), encoding="utf-8")
+    shutil.copy(ROOT / "notebooks/16_stereo.ipynb", folder)
+    return folder
+
+
+@pytest.fixture(scope="module", params=[linked, SLOW], ids=["linked", "installed"])
+def environment(request, wheel, inputs, tmp_path_factory) -> Iterator[Callable[[str], Environment]]:
+    """Make an environment of the wheel with one extra, or with none."""
+    root = tmp_path_factory.mktemp("environment")
+
+    def make(extra: str = "") -> Environment:
+        folder = root / (extra or "bare")
+        request.param(folder, wheel, extra)
+        shutil.copytree(inputs, folder / "work")
+        return Environment(folder / "bin/python", folder / "work")
+
+    yield make
+    shutil.rmtree(root)
+
+
+@pytest.fixture(scope="module")
+def bare(environment) -> Environment:
+    return environment()
+
+
+def test_bare_from_a_frame_to_scores(bare):
+    assert "site-packages" in bare.run("-c", "import cmtof; print(cmtof.__file__)").stdout
+    assert "torch is not installed" in bare.cmtof("info").stdout
+    assert {row["name"] for row in json.loads(bare.cmtof("methods", "--json").stdout)} == {*METHODS}
+    bare.cmtof("simulate", "wall.npz", "-o", "m.nc")
+    assert "correlation" in bare.cmtof("info", "m.nc").stdout
+    assert "δ<1" in bare.cmtof("unwrap", "m.nc", "-o", "out.nc", "--ply", "out.ply").stdout
+
+
+def test_bare_evaluate_leaves_out_what_needs_an_extra(bare):
+    done = bare.cmtof("evaluate", "wall.npz", "--json", "all.json")
+    (line,) = done.stderr.splitlines()
+    assert line.endswith("Expected torch, got none. Install it: pip install 'cmtof[train]'.")
+    others = {name for name, method in METHODS.items() if method.kind in ("classical", "trivial")}
+    assert json.loads((bare.folder / "all.json").read_text())["methods"].keys() == others
+
+
+def test_bare_every_method_runs_or_names_its_extra(bare):
+    names = ",".join(METHODS)
+    done = bare.cmtof("evaluate", "wall.npz", "--method", names, "--json", "named.json", code=1)
+    (line,) = done.stderr.splitlines()[-1:]
+    assert set(re.findall("[a-z-]+", line.partition(":")[2].partition(".")[0])) >= LEARNED
+    ran = json.loads((bare.folder / "named.json").read_text())["methods"].keys()
+    assert ran == METHODS.keys() - LEARNED
+    assert "'cmtof[train]'" in bare.refused("evaluate", "wall.npz", "--method", "fast-scnn")
+
+
+def test_bare_the_simulated_instrument_scans(bare):
+    bare.cmtof("scan", "--twin", "--size", 8, "-o", "scan.nc")
+    assert "psi" in bare.cmtof("info", "scan.nc").stdout
+
+
+@pytest.mark.parametrize(
+    ("extra", "words"),
+    [
+        ("rooms", "render --scenes 1 --views 1 -o rooms"),
+        ("train", "train miniature -o run"),
+        ("train", "unwrap wall.nc -o n.nc --method fast-scnn"),
+        ("hardware", "scan rig.yml -o s.nc"),
+    ],
+)
+def test_bare_a_command_names_the_extra_that_it_needs(bare, extra, words):
+    assert f"pip install 'cmtof[{extra}]'" in bare.refused(*words.split())
+
+
+def test_bare_python_of_the_readme_runs(bare):
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    assert blocks
+    for block in blocks:
+        bare.run("-c", block)
 
 
 @pytest.mark.slow
-def test_it_replicates(installed, tmp_path):
-    text = installed("-m", "cmtof.cli", "replicate", "-o", "fig10.png")
+def test_bare_replicates_without_a_figure(bare):
+    text = bare.cmtof("replicate", "-o", "fig10.png").stdout
     assert "PASS" in text
-    assert (tmp_path / "fig10.png").is_file()
+    assert "needs cmtof[plot]" in text
+
+
+@pytest.fixture
+def alone(environment, extra) -> Environment:
+    return environment(extra)
+
+
+QUICK = ["book", "hardware", "lab", "plot", "rooms", "view"]
+LONG = [pytest.param(extra, marks=pytest.mark.slow) for extra in ("notebooks", "train")]
+
+
+@pytest.mark.parametrize("extra", [*QUICK, *LONG])
+def test_an_extra_alone_is_enough_for_what_it_promises(alone, extra):
+    alone.run(ROOT / f"tests/alone/{extra}.py")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("extra", ["plot"])
+def test_with_plot_alone_it_replicates_and_draws(alone):
+    assert "Fig. 10, drawn" in alone.cmtof("replicate", "-o", "fig10.png").stdout
+    assert (alone.folder / "fig10.png").is_file()

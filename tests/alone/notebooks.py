@@ -1,0 +1,7 @@
+"""What the extra `notebooks` promises: a chapter runs from its .ipynb, outside the checkout."""
+
+import nbformat
+from nbclient import NotebookClient
+
+chapter = nbformat.read("16_stereo.ipynb", as_version=4)
+NotebookClient(chapter, timeout=600).execute()
