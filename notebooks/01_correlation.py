@@ -39,6 +39,7 @@ from cmtof.detector import quantise
 from cmtof.modulator import DOUBLED, SINGLE, single_mode_harmonics
 from cmtof.waveform import gate, sinusoid, waveform_from_harmonics
 from cmtof_book import notes, paper, plotting
+from cmtof_book.compared import closed_form
 
 plotting.begin(profile=profile, seed=seed)
 colours = plotting.PALETTE
@@ -100,9 +101,9 @@ plotting.save(
     figure,
     "fig02_principle",
     numbers={
-        "phase": phi,
+        "phase": closed_form(phi),
         "crest_psi": float(sweep[profile_of_phi.argmax()]),
-        "contrast": correlation_contrast(returned, raised),
+        "contrast": closed_form(correlation_contrast(returned, raised)),
     },
     caption=(
         f"Correlation time of flight at {frequency / 1e9:.2f} GHz, simulated. (a) Emitted and "
@@ -273,7 +274,10 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "correlation_cyclic_error",
-    numbers={f"mrad_{k}_steps": [largest[e, k] for e in waves] for k in (4, 16)},
+    numbers={
+        "mrad_4_steps": closed_form([largest[e, 4] for e in waves]),
+        "mrad_16_steps": [largest[e, 16] for e in waves],
+    },
     caption="Cyclic error of the waveforms' harmonics with K steps of ψ, two single-mode "
     "modulators, simulated without noise. (a) Four steps alias the third harmonic of a strong "
     "drive into the phase; sixteen do not. (b) The largest error against the drive, beside the "
@@ -318,6 +322,6 @@ print(f"largest error: {rounding:.3f} mrad, {rounding * micron_per_mrad:.2f} µm
 
 # %%
 paper.check("sec3.phase_steps", quarters.size)
-paper.check("sec1.wrap_depth_7ghz", float(wrap_length(frequency)))
+paper.check("sec1.wrap_depth_7ghz", closed_form(wrap_length(frequency)))
 paper.check("sec6.bits", ADC_BITS)
 paper.check("sec7.phase_steps", max(against_drive))

@@ -31,6 +31,7 @@ from cmtof.correlation import (
 )
 from cmtof.detector import poisson_gaussian, quantise
 from cmtof_book import notes, paper, plotting
+from cmtof_book.compared import closed_form, sum_over_draws
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
@@ -59,6 +60,7 @@ spread = error.std(axis=1, ddof=1)
 bound = phase_bound(signal / np.pi, signal / 2, psi, sigma=NOISE_SIGMA, phase=phase)
 law = 1e3 * depth_from_phase([phase_spread(b) for b in bound], frequencies)
 ratio = spread[0] / spread[-1]
+gain_in_precision = sum_over_draws(ratio, error=ratio / np.sqrt(samples - 1))
 step = full_scale / (2**ADC_BITS - 1)
 rounding_share = step**2 / 12 / (signal / 2 + NOISE_SIGMA**2)
 print(f"spread {spread[0]:.1f} mm at 100 MHz, {spread[-1]:.3f} mm at 10 GHz")
@@ -88,10 +90,10 @@ plotting.save(
     figure,
     "fig03_precision",
     numbers={
-        "ratio": ratio,
+        "ratio": gain_in_precision,
         "spread_mm": [spread[0], spread[-1]],
-        "spread_over_law": float(np.mean(spread / law)),
-        "rounding_share": rounding_share,
+        "spread_over_law": sum_over_draws(np.mean(spread / law), error=1 / np.sqrt(2 * error.size)),
+        "rounding_share": closed_form(rounding_share),
     },
     caption=f"Depth error of one point against modulation frequency, simulated: {samples} samples "
     "at each frequency, the paper's Poisson–Gaussian noise, 14 bits, wraps known. (a) Mean error "
@@ -195,7 +197,11 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "precision_phase_law",
-    numbers={"linear": linear, "law": exact, "simulated": drawn},
+    numbers={
+        "linear": closed_form(linear),
+        "law": closed_form(exact),
+        "simulated": sum_over_draws(drawn, error=drawn / np.sqrt(2 * law_samples)),
+    },
     caption="Noise beyond the linear regime, simulated at the paper's settings. (a) Standard "
     "deviation of the wrapped phase at eight brightnesses, with the exact law; the small-noise "
     "formula underestimates it for dark pixels. (b) Histograms of the error, with "
@@ -217,6 +223,6 @@ paper.check("fig3.frequency_low", frequencies[0])
 paper.check("fig3.frequency_high", frequencies[-1])
 paper.check("fig3.samples", samples)
 paper.check("fig3.bits", ADC_BITS)
-paper.check("fig3.precision_ratio", ratio)
-paper.check("sec3.signal_change_100mhz", crest[0])
-paper.check("sec3.signal_change_8ghz", crest[1])
+paper.check("fig3.precision_ratio", gain_in_precision)
+paper.check("sec3.signal_change_100mhz", closed_form(crest[0]))
+paper.check("sec3.signal_change_8ghz", closed_form(crest[1]))

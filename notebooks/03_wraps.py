@@ -31,6 +31,7 @@ from cmtof.correlation import (
 from cmtof.measurement import unambiguous_range
 from cmtof.scenes import Frame
 from cmtof_book import notes, paper, plotting
+from cmtof_book.compared import closed_form, sum_over_draws
 
 plotting.begin(profile=profile, seed=seed)
 colours = plotting.PALETTE
@@ -189,10 +190,10 @@ plotting.save(
     "wraps_odds",
     numbers={
         "brightness": brightness,
-        "formula": formula,
-        "law": law,
-        "counted": counted,
-        "pixels_needed": list(need.values()),
+        "formula": closed_form(formula),
+        "law": closed_form(law),
+        "counted": sum_over_draws(counted, error=error),
+        "pixels_needed": closed_form(list(need.values())),
     },
     caption="Odds of the right wrap at the paper's noise, in 7.5 m, simulated. (a) One pixel: "
     "formula, exact law, and counts on flat targets (bars: two standard errors). (b) Squares of "

@@ -29,6 +29,7 @@ from cmtof.correlation import correlation_contrast
 from cmtof.modulator import DOUBLED, SINGLE, doubled_mode_harmonics, single_mode_harmonics
 from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
 from cmtof_book import notes, paper, plotting
+from cmtof_book.compared import closed_form
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.settings import TwinSettings
 
@@ -305,11 +306,11 @@ plotting.save(
     numbers={
         "amplitude_single": 2 * abs(spectra["single"][1]),
         "amplitude_doubled": 2 * abs(spectra["doubled"][2]),
-        "doubled_over_single": ratio,
+        "doubled_over_single": closed_form(ratio),
         "third_harmonic": abs(spectra["single"][3] / spectra["single"][1]),
         "fourth_harmonic": abs(spectra["doubled"][4] / spectra["doubled"][2]),
-        "photodiode_response": response,
-        "taylor_error": taylor_error,
+        "photodiode_response": closed_form(response),
+        "taylor_error": closed_form(taylor_error),
     },
     caption=f"Single and doubled mode at η = {eta:.2f}, simulated (the paper's is measured; the "
     "scales of (a) and (b) differ). (a, b) The exact waveform, its lowest order, and the signal of "
@@ -361,8 +362,8 @@ plotting.save(
     "modulator_eta",
     numbers={
         "correlation_contrast_single": contrast[0],
-        "correlation_contrast_doubled": contrast[1],
-        "signal_ratio": signal_ratio,
+        "correlation_contrast_doubled": closed_form(contrast[1]),
+        "signal_ratio": closed_form(signal_ratio),
         "bright_contrast": replace(modes["doubled"], output="returned").contrast(),
         "best_eta": [etas[swing[name].argmax()] for name in ("single", "doubled, dark")],
     },
@@ -482,7 +483,7 @@ plotting.save(
         "plate_worst": worst,
         "power_worst": list(off.values()),
         "plate_of_second": float(np.rad2deg(plate[by_plate[2].argmax()])),
-        "half_contrast_dbm": half_power,
+        "half_contrast_dbm": closed_form(half_power),
     },
     caption="Harmonics of the simulated instrument's emitted light over its mean, detector "
     "bandwidth divided out, without noise. (a) First and second harmonic against the plate's angle "
@@ -506,13 +507,13 @@ notes.tell(off_doubled=100 * off["doubled"], half_power=half_power)
 # %%
 strongest = 1 + int(np.abs(spectra["doubled"][1:]).argmax())
 reached = {
-    "sec1.contrast": modes["single"].contrast(),
+    "sec1.contrast": closed_form(modes["single"].contrast()),
     "sec1.minimum_frequency": strongest * DOUBLED.frequency,
     "sec6.hwp_angle_single": SINGLE.half_wave_angle,
     "sec6.qwp_angle": SINGLE.quarter_wave_angle,
     "sec6.hwp_angle_double": DOUBLED.half_wave_angle,
-    "sec6.doubled_amplitude": ratio,
-    "sec6.effective_wavelength": SPEED_OF_LIGHT / FREQUENCY_DOUBLED,
+    "sec6.doubled_amplitude": closed_form(ratio),
+    "sec6.effective_wavelength": closed_form(SPEED_OF_LIGHT / FREQUENCY_DOUBLED),
     "sec6.frequency_difference": FREQUENCY_DOUBLED - FREQUENCY_SINGLE,
     "sec7.photodetector": FAST_BANDWIDTH,
     "fig8.frequency_single": SINGLE.frequency,

@@ -37,6 +37,7 @@ from cmtof.network.features import fourier_features, phase_edges
 from cmtof.scenes import embedded_frames
 from cmtof.simulation import QUADRATURES
 from cmtof_book import notes, paper, plotting
+from cmtof_book.compared import closed_form, share_of_pixels, sum_over_draws
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
@@ -194,13 +195,15 @@ for ax in axes:
     ax.legend(fontsize="small")
 plotting.label_panels(axes)
 ours, theirs, ambient = spread
+spread_error = np.array(spread[theirs]) / np.sqrt(2 * draws)
+kept_error = simulated_phase_noise(levels) / np.sqrt(draws)
 plotting.save(
     figure,
     "simulation_noise",
     numbers={
         "spread_paper": spread[ours],
-        "spread_released": spread[theirs],
-        "kept_released": kept[theirs],
+        "spread_released": sum_over_draws(spread[theirs], error=spread_error),
+        "kept_released": sum_over_draws(kept[theirs], error=kept_error),
     },
     caption="Noise of the simulated phase at four ψ. (a) Standard deviation against brightness "
     "beside the exact law (grey), for both orders of the noise terms and for the paper's ambient "
@@ -260,7 +263,13 @@ plotting.save(
     figure,
     "simulation_protocols",
     format="png",
-    numbers={p: [coverage[n, p] for n in frames] for p in ("released", "full")},
+    numbers={
+        protocol: share_of_pixels(
+            [coverage[name, protocol] for name in frames],
+            pixels=[held.depth.size for held in frames.values()],
+        )
+        for protocol in ("released", "full")
+    },
     caption="True depth of the three embedded frames in each protocol, and the share of pixels "
     "scored; grey is not scored. The colour bars differ: `released` shrinks every scene.",
     alt="Two rows of three depth images. Above, the released protocol: a narrow span of depths, "
@@ -358,7 +367,10 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "inputs_edges",
-    numbers={"naive_wrong": naive_wrong, "folded": folded},
+    numbers={
+        "naive_wrong": share_of_pixels(naive_wrong, pixels=pair.sum()),
+        "folded": share_of_pixels(folded, pixels=pair.sum()),
+    },
     caption=f"Phase differences of `{frame_name}` at 7.15 GHz, simulated. (a) Not wrapped: every "
     "wrap is an edge. (b–e) Wrapped, in four directions, without noise. (f) With the paper's "
     "noise.",
@@ -402,7 +414,11 @@ for ax in axes.flat:
 plotting.save(
     figure,
     "fig05_inputs",
-    numbers={"channels": channels, "classes": counts, "scored": float(scored.mean())},
+    numbers={
+        "channels": closed_form(channels),
+        "classes": counts,
+        "scored": share_of_pixels(scored.mean(), pixels=scored.size),
+    },
     caption=f"The network's inputs: {channels} channels of the frame `{frame_name}` at the paper's "
     "noise (log amplitude, Fourier features and phase edges of both frequencies), with the target "
     "and the mask of the pixels that are scored, protocol `released`.",

@@ -42,6 +42,7 @@ from cmtof.surfaces.field import field_from_measurement
 from cmtof.surfaces.fitting import PLANE, refine
 from cmtof.surfaces.placing import depth_of_labels
 from cmtof_book import notes, plotting, views
+from cmtof_book.compared import closed_form, decision, sum_over_draws
 from cmtof_book.comparison import Scene, comparison_figure
 
 plotting.begin(profile=profile, seed=seed)
@@ -213,7 +214,13 @@ ax.legend()
 plotting.save(
     figure,
     "surfaces_shape",
-    numbers={"sides": sizes, "beat": beat_only, "both": both, "found": scatter, "light": LIGHT},
+    numbers={
+        "sides": sizes,
+        "beat": closed_form(beat_only),
+        "both": sum_over_draws(both, error=walls[..., 1].std(axis=1, ddof=1) / np.sqrt(trials)),
+        "found": scatter,
+        "light": LIGHT,
+    },
     caption="Uncertainty of the whole wraps of a simulated frontal wall (σ = 1200, I = 0.3, focal "
     "length 887 px), predicted and found by fits of its plane.",
     alt="Two falling lines over the side of the wall. The beat alone falls slowly, beat and shape "
@@ -324,12 +331,14 @@ share = [score([scored_pixels(a, m)])["delta_lt_1"]
          for a, (_, m) in zip(answers["full"], held["full"], strict=True)]  # fmt: skip
 worst = [held["full"][k] for k in np.argsort(share)[:2]]
 scenes = [Scene(frame, m, {n: cmtof.unwrap(m, method=n) for n in names}) for frame, m in worst]
+right = {name: [scene.right(name) for scene in scenes] for name in names}
 plotting.save(
     comparison_figure(scenes, names),
     "surfaces_maps",
     numbers={
         "scenes": [scene.frame.name for scene in scenes],
-        "right": {name: [scene.right(name) for scene in scenes] for name in names},
+        "right": right,
+        "surfaces": decision(right["surfaces"], at_least=right["beat"]),
     },
     caption=f"The two of {len(places)} simulated test rooms with most errors, full protocol, "
     "σ = 1200: wraps above, errors below; black is right. References know a part of the truth.",

@@ -47,6 +47,7 @@ from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame, held_out_frames, rays_from_camera
 from cmtof.network.weights import read_card, weights_path
 from cmtof_book import notes, paper, plotting
+from cmtof_book.compared import closed_form
 
 plotting.begin(profile=profile, seed=seed)
 colour, grey = plotting.PALETTE, plotting.GREY
@@ -222,9 +223,9 @@ plotting.save(
     figure,
     "noise_offset",
     numbers={
-        "wall_moved": wall_moved,
+        "wall_moved": closed_form(wall_moved),
         "wall_delta_lt_1": [r["delta_lt_1"] for r in wall_rates],
-        "wall_theory": theory,
+        "wall_theory": closed_form(theory),
         "gain": gain,
     },
     caption="A phase offset, in wraps of the beat, simulated. (a) Averages of the beat over 41×41 "
@@ -522,7 +523,11 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "frequencies_pairs",
-    numbers={"pixels": pixels, "best_of_map": {f"{z:.2f}": p.min() for z, p in maps.items()}},
+    numbers={
+        "pairs": list(pixels),
+        "pixels": closed_form(list(pixels.values())),
+        "best_of_map": closed_form([needed.min() for needed in maps.values()]),
+    },
     caption="Pixels to pool for 95 % right wraps, white and at the paper's noise, by theory. (a) "
     "Against the beat of a pair, each at its own range c/2Δ. (b, c) One tone of each mode at equal "
     "noise, for ranges of 3.75 m and 7.49 m; white: two wraps cannot be distinguished.",

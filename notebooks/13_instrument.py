@@ -23,6 +23,7 @@ from cmtof.correlation import wrap_length
 from cmtof.hardware.rig import MODES, Rig
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof_book import notes, paper, plotting
+from cmtof_book.compared import closed_form
 from cmtof_book.paper import quantity_text
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import SLOPE, density, volts_per_watt
@@ -203,8 +204,8 @@ ax.grid(visible=False, axis="y")
 ax.legend(loc="lower right")
 plotting.save(
     figure, "instrument_budget",
-    numbers={"detected_power": [one["light"] for one in here.values()],
-             "loss_db": list(loss.values())},
+    numbers={"detected_power": closed_form([one["light"] for one in here.values()]),
+             "loss_db": closed_form(list(loss.values()))},
     caption=(
         f"From the laser to the detector, for a diffuse target of reflectance {reflectance:.1f} at "
         f"{distance:.1f} m (simulated): each bar is the loss of a step, in decibels of power."
@@ -264,10 +265,11 @@ crossing = [float(np.interp(-even, [-one["volts"] for one in curves[m, reflectan
 plotting.save(
     figure, "instrument_photons",
     numbers={
-        "photons": [one["photons"] for one in here.values()], "even_output": even,
-        "crossing_range": crossing,
-        "noise_microns": [micron[m] * one["phase_noise"] for m, one in here.items()],
-        "noise_volts": [amplifier, converter, quantum],
+        "photons": closed_form([one["photons"] for one in here.values()]),
+        "even_output": closed_form(even),
+        "crossing_range": closed_form(crossing),
+        "noise_microns": closed_form([micron[m] * one["phase_noise"] for m, one in here.items()]),
+        "noise_volts": closed_form([amplifier, converter, quantum]),
     },
     caption=(
         "(a) Photons in a point of 16 phases. (b) Noise of one phase against the detector's "

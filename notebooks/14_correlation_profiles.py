@@ -30,6 +30,7 @@ from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.rig import MODES as ORDER
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof_book import notes, paper, plotting
+from cmtof_book.compared import sum_over_draws
 from cmtof_lab.electronics import Chain, density
 from cmtof_lab.rehearsal import simulated_bench
 from cmtof_lab.settings import NOISE, TwinSettings
@@ -220,8 +221,8 @@ plotting.save(
         "offset": [float(fits[m].offset) for m in ORDER],
         "amplitude": [float(fits[m].amplitude) for m in ORDER],
         "contrast": list(contrast.values()),
-        "third_of_single": float(harmonic["single"][2]),
-        "second_of_doubled": float(harmonic["doubled"][1]),
+        "third_of_single": sum_over_draws(harmonic["single"][2], error=floor["single"]),
+        "second_of_doubled": sum_over_draws(harmonic["doubled"][1], error=floor["doubled"]),
         "pull": [float(pull[m]) for m in ORDER],
     },
     caption=(

@@ -26,6 +26,7 @@ from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
 from cmtof.correlation import depth_from_phase, wrap_length
 from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof_book import notes, paper, plotting
+from cmtof_book.compared import closed_form
 from cmtof_lab.interferometer import Interferometer
 from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
 from cmtof_lab.optics import sent_power
@@ -341,10 +342,10 @@ plotting.save(
     figure,
     "rf_snr_power",
     numbers={
-        "snr_rf_diffuse": own,
-        "snr_rf_mirror": float(rf.snr(rf.power(targets["mirror"], 0.6))),
-        "snr_optical_diffuse": reach,
-        "power_for_equal": needed,
+        "snr_rf_diffuse": closed_form(own),
+        "snr_rf_mirror": closed_form(rf.snr(rf.power(targets["mirror"], 0.6))),
+        "snr_optical_diffuse": closed_form(reach),
+        "power_for_equal": closed_form(needed),
         "crossing": float(crossing),
     },
     caption="SNR of a simulated phase reading in 13.3 ms, photon and electronic noise alone, "

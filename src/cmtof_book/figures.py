@@ -1,4 +1,4 @@
-"""Accept the figures of a build: copy them into the folder that is committed.
+"""Accept the figures of a build, and its scoreboard: copy them into the folder that is committed.
 
 python -m cmtof_book.figures RESULTS FIGURES
 
@@ -10,19 +10,24 @@ import json
 import sys
 from pathlib import Path
 
+from cmtof_book.provenance import write_json
+from cmtof_book.record import PAPER, TEXT, read_all
+from cmtof_book.scoreboard import accepted
+
+SCOREBOARD = "scoreboard.json"
 SUFFIXES = {".svg", ".png", ".json"}
 
 
 def main(results: Path, figures: Path) -> None:
-    """Make ``figures`` hold what the notebooks' folders in ``results`` hold, checks left out."""
+    """Make ``figures`` hold the figures of the chapters' folders in ``results``, and the scores."""
     drawn = {
         file.name: file
         for file in sorted(results.glob("*/*"))
-        if file.suffix in SUFFIXES and file.name != "checks.json"
+        if file.suffix in SUFFIXES and file.stem not in (PAPER, TEXT)
     }
     figures.mkdir(exist_ok=True)
     for file in figures.iterdir():
-        if file.suffix in SUFFIXES and file.name not in drawn:
+        if file.suffix in SUFFIXES and file.name not in (*drawn, SCOREBOARD):
             file.unlink()
     for name, file in drawn.items():
         content, target = file.read_bytes(), figures / name
@@ -34,6 +39,7 @@ def main(results: Path, figures: Path) -> None:
             part.write_bytes(content)
             part.replace(target)
         print(name)
+    write_json(figures / SCOREBOARD, accepted(read_all(results)))
 
 
 def _source(numbers: Path) -> str | None:

@@ -3,6 +3,8 @@
 import re
 from collections.abc import Iterable, Sequence
 
+from cmtof_book import record
+
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
 POWER = re.compile(r"(?<![\w`])(\d[\d.]*)e\+?(-?)0*(\d+)\b")
 
@@ -11,6 +13,7 @@ def tell(**numbers: float) -> None:
     """Glue numbers, so that the text can show them as ``{glue:text}`name:.2f` ``."""
     from myst_nb import glue
 
+    record.add(record.TEXT, numbers)
     for name, value in numbers.items():
         glue(name, float(value), display=False)
 

@@ -4,7 +4,6 @@ A notebook calls `check` for each number of ``paper.yml`` that it touches; the v
 run. `cmtof_book.scoreboard` writes the book's page.
 """
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,10 +16,10 @@ import numpy as np
 import yaml
 from matplotlib.ticker import EngFormatter
 
-from cmtof_book import provenance
+from cmtof_book import record
+from cmtof_book.compared import Compared
 
 CROPS = 500_000  # on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
-CHECKS = "checks.json"  # name of the file, in a run's output folder, that holds what was checked
 
 Outcome = Literal["reproduced", "contradicted", "untested", "input"]
 Value = float | Sequence[float]  # a number, or the ends of a band
@@ -113,25 +112,27 @@ def published(key: str) -> Published:
     return numbers[key]
 
 
-def check(key: str, value: Value, *, crops: int = 0, photon: Value | None = None) -> None:
+def check(
+    key: str, value: Value | Compared, *, crops: int = 0, photon: Value | None = None
+) -> None:
     """Compare a result with the paper, print one line, and note it for the scoreboard.
 
     ``value`` is in the unit of the published number, a pair the ends of a band; ``crops`` how many
     a network was trained on. Where the simulated instrument has the captures' noise, ``photon`` is
     the value at the photon limit, which is shown too and decides nothing.
     """
-    number, value, beside = published(key), np.asarray(value, float).tolist(), ""
-    said = number.outcome(value)
+    number = published(key)
+    kind = value.record() if isinstance(value, Compared) else {}
+    ours: Value = np.asarray(kind.get("value", value), float).tolist()
+    said = number.outcome(ours)
+    beside = ""
     if photon is not None:
         beside = f"at the photon limit {ours_text(number, photon)}: {number.outcome(photon)}"
-    print(f"{key}: paper {number.text()}, ours {ours_text(number, value)}: ", end="")
+    print(f"{key}: paper {number.text()}, ours {ours_text(number, ours)}: ", end="")
     print(f"{said}{training_text(crops)}{beside and '; ' + beside}")
-    path = provenance.output_folder() / CHECKS
-    records = json.loads(path.read_text("utf-8")) if path.exists() else {}
-    kept = value if np.isfinite(value).all() else None
-    records[key] = {"value": kept, "verdict": said, "crops": crops, "beside": beside}
-    records[key] |= provenance.RUN
-    provenance.write_json(path, dict(sorted(records.items())))
+    kept = ours if np.isfinite(ours).all() else None
+    found = {**kind, "value": kept, "verdict": said, "crops": crops, "beside": beside}
+    record.add(record.PAPER, {key: found})
 
 
 def ours_text(number: Published, value: Value) -> str:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from PIL import Image
 
 from cmtof.files import written_whole
-from cmtof_book import provenance
+from cmtof_book import provenance, record
 
 PALETTE: dict[str, str] = {  # in the order in which lines take them
     "blue": "#0072B2",
@@ -233,15 +233,15 @@ def save(
 
     Writes ``name.svg`` or ``name.png`` (for large images), the same bytes on every run, and
     ``name.json``. ``name`` is ``figNN_topic`` with the paper's number, or ``topic_name``;
-    ``numbers`` are finite scalars and short lists, which tests hold against references; ``caption``
-    is in MyST Markdown. Raises ValueError if the name or one of the numbers cannot be used.
+    ``numbers`` are finite scalars and short lists, of which tests compare those with a kind
+    (`cmtof_book.compared`); ``caption`` is in MyST Markdown. Raises ValueError if the name or one
+    of the numbers cannot be used.
     """
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)+", name):
         raise ValueError(f"Expected a stem like fig03_precision, got {name!r}. Use underscores.")
     target = provenance.output_folder() / f"{name}.{format}"
     words = {"caption": caption, "alt": alt}
-    record = {"figure": target.name, **words, "numbers": numbers, "provenance": provenance.RUN}
-    provenance.write_json(target.with_suffix(".json"), record)
+    record.write(name, numbers, figure=target.name, **words)
     # without this a file would carry the date or the version of the library that drew it
     metadata = {"Date": None, "Creator": None} if format == "svg" else {"Software": None}
     with written_whole(target) as part:

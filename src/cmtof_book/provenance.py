@@ -9,6 +9,7 @@ from typing import Any
 
 from cmtof import __version__
 from cmtof.files import written_whole
+from cmtof_book.compared import Compared
 
 OUTPUT_VARIABLE = "CMTOF_OUTPUT"  # environment variable that names the folder for results
 # stored beside every result; the profile is a file of configs/
@@ -29,6 +30,11 @@ def processor() -> str:
     return named[1] if named else platform.processor()
 
 
+def _plain(value: Any) -> Any:
+    """A number with its kind, or an array, as JSON has it."""
+    return value.record() if isinstance(value, Compared) else value.tolist()
+
+
 def write_json(path: Path, value: Any) -> None:
     """Write numbers, texts, arrays and containers of them as JSON, whole or not at all.
 
@@ -36,7 +42,7 @@ def write_json(path: Path, value: Any) -> None:
     Raises ValueError if a number is not finite or a value is of another kind.
     """
     try:
-        exact = json.dumps(value, default=lambda array: array.tolist(), allow_nan=False)
+        exact = json.dumps(value, default=_plain, allow_nan=False)
     except (AttributeError, TypeError, ValueError) as error:
         got = f"Expected finite numbers or strings, got {value!r}"
         raise ValueError(f"{got}. Convert or omit it.") from error

@@ -1,16 +1,16 @@
 """The scoreboard page of the book: the published numbers, ours, and the verdicts.
 
-Written from the ``checks.json`` of each run and from the figures and equations of the chapters.
+Written from the records of each run (`cmtof_book.record`) and from the equations of the chapters.
 Where several runs checked one number, the worst verdict is shown.
 """
 
-import json
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from cmtof_book.paper import (
     WORST_FIRST,
@@ -23,6 +23,7 @@ from cmtof_book.paper import (
     published_numbers,
     training_text,
 )
+from cmtof_book.record import PAPER, Record
 
 MEANING: dict[Outcome, str] = {
     "reproduced": "Ours lies within the tolerance of the paper's number.",
@@ -85,14 +86,12 @@ Found = dict[str, tuple[Value, Run]]
 """Our number, or the ends of its band, and the run that made it, by key."""
 
 
-def page(
-    checks: Iterable[Path], results: Iterable[Path] = (), notebooks: Iterable[Path] = ()
-) -> str:
-    """Return the page as MyST Markdown, from the ``checks.json`` and folder of each run.
+def page(records: Sequence[Record], notebooks: Iterable[Path] = ()) -> str:
+    """Return the page as MyST Markdown, from the records of all runs.
 
     ``notebooks`` are the chapters themselves; ValueError for an unknown key.
     """
-    found = found_in(checks)
+    found = found_in(records)
     groups: dict[str, list[Published]] = {}
     for number in published_numbers().values():
         groups.setdefault(number.key.partition(".")[0], []).append(number)
@@ -101,7 +100,7 @@ def page(
     filled = {"summary": summary(found), "claims": claims_table(found)}
     parts = [HEAD.format(runs=len({run.notebook for run in runs}), meanings=meanings, **filled)]
     parts += [section(name, groups[name], found) for name in sorted(groups, key=_order)]
-    parts.append(coverage_section(results, notebooks))
+    parts.append(coverage_section(records, notebooks))
     rows = {f"| {run.link()} | {run.profile} | {run.seed} | {run.version} |" for run in runs}
     head = ["## Runs", "", "| chapter | profile | seed | version |", "| :-- | :-- | --: | :-- |"]
     return "\n".join([*parts, *head, *sorted(rows), ""])
@@ -127,27 +126,49 @@ def badge(said: str) -> str:
     return f'<span class="verdict {said}">{said}</span>'
 
 
-def found_in(checks: Iterable[Path]) -> Found:
+def found_in(records: Iterable[Record]) -> Found:
     """Return the numbers of runs, that of the worst verdict where several checked one."""
     found: Found = {}
-    for path in checks:
-        for key, record in json.loads(path.read_text("utf-8")).items():
-            value = math.nan if record["value"] is None else record["value"]
+    for record in records:
+        for key, number in record.numbers.items() if record.name == PAPER else ():
+            value = math.nan if number["value"] is None else number["value"]
             said = published(key).outcome  # computed again
             rank = WORST_FIRST.index(said(value))
             if key not in found or rank < WORST_FIRST.index(said(found[key][0])):
-                about = (record[name] for name in ("profile", "seed", "version", "crops", "beside"))
-                run = Run(path.parent.name, *about)
-                found[key] = (value, run)
+                about = record.content["provenance"] | number
+                names = ("profile", "seed", "version", "crops", "beside")
+                found[key] = (value, Run(record.chapter, *(about[name] for name in names)))
     return found
+
+
+def accepted(records: Iterable[Record]) -> dict[str, Any]:
+    """Return the scoreboard for ``figures/scoreboard.json``: counts, and each number's verdict."""
+    found = found_in(records)
+    numbers = {
+        key: {
+            "paper": published(key).value,
+            "ours": None if value != value else value,
+            "unit": published(key).unit,
+            "verdict": published(key).outcome(value),
+            "chapter": run.notebook,
+        }
+        for key, (value, run) in sorted(found.items())
+    }
+    return {"counts": verdict_counts(found), "numbers": numbers}
+
+
+def verdict_counts(found: Found) -> dict[str, int]:
+    """Return how many of the paper's numbers have each verdict."""
+    numbers = published_numbers().values()
+    counts = Counter(number.outcome(*found.get(number.key, ())[:1]) for number in numbers)
+    return {name: counts[name] for name in MEANING}
 
 
 def summary(found: Found) -> str:
     """Return the table of verdicts; inputs are counted apart."""
-    numbers = published_numbers().values()
-    counts = Counter(number.outcome(*found.get(number.key, ())[:1]) for number in numbers)
+    counts = verdict_counts(found)
     rows = [f"| {name} | {counts[name]} |" for name in MEANING if name != "input"]
-    results = len(numbers) - counts["input"]
+    results = len(published_numbers()) - counts["input"]
     apart = [f"| **results** | **{results}** |", f"| inputs, apart | {counts['input']} |"]
     return "\n".join(["| verdict | numbers |", "| :-- | --: |", *rows, *apart])
 
@@ -201,35 +222,33 @@ ITEMS = [
 ]
 
 _DRAWN = re.compile(r"(fig|table)(\d+)_")
-_CHECKED = re.compile(r'"table(\d)\.')
+_CHECKED = re.compile(r"table(\d)\.")
 _LABELLED = re.compile(r":label: eq-(\d+)\b(?!-)")
 
 
-def chapters_by_item(results: Iterable[Path], notebooks: Iterable[Path]) -> dict[str, list[str]]:
+def chapters_by_item(records: Iterable[Record], notebooks: Iterable[Path]) -> dict[str, list[str]]:
     """Return the chapters in which each item stands; an item that no chapter has is left out.
 
     A figure stands where ``figNN_*`` was drawn, a table where ``tableN_*`` was drawn or its numbers
-    were checked, an equation where it bears the label ``eq-N``. ``results`` are folders of the
-    chapters' names, ``notebooks`` the chapters.
+    were checked, an equation where it bears the label ``eq-N``. ``notebooks`` are the chapters.
     """
     found: dict[str, set[str]] = {}
     kinds = {"fig": "Figure", "table": "Table"}
-    for folder in results:
-        for file in folder.glob("*.json"):
-            if drawn := _DRAWN.match(file.name):
-                found.setdefault(f"{kinds[drawn[1]]} {int(drawn[2])}", set()).add(folder.name)
-            elif file.name == "checks.json":
-                for number in _CHECKED.findall(file.read_text(encoding="utf-8")):
-                    found.setdefault(f"Table {number}", set()).add(folder.name)
+    for record in records:
+        if drawn := _DRAWN.match(record.name):
+            found.setdefault(f"{kinds[drawn[1]]} {int(drawn[2])}", set()).add(record.chapter)
+        for key in record.numbers if record.name == PAPER else ():
+            if checked := _CHECKED.match(key):
+                found.setdefault(f"Table {checked[1]}", set()).add(record.chapter)
     for notebook in notebooks:
         for number in _LABELLED.findall(notebook.read_text(encoding="utf-8")):
             found.setdefault(f"Equation {number}", set()).add(notebook.stem)
     return {item: sorted(chapters) for item, chapters in found.items()}
 
 
-def coverage_section(results: Iterable[Path], notebooks: Iterable[Path]) -> str:
+def coverage_section(records: Iterable[Record], notebooks: Iterable[Path]) -> str:
     """Return the section on figures, tables and equations as MyST Markdown."""
-    found = chapters_by_item(results, notebooks)
+    found = chapters_by_item(records, notebooks)
     missing = [item for item in ITEMS if item not in found]
     said = f"Not yet reached: {', '.join(missing)}." if missing else "None of them is missing."
     links = {item: ", ".join(map(chapter_link, found[item])) for item in ITEMS if item in found}

@@ -18,6 +18,7 @@ from nbformat.v4 import new_code_cell, new_markdown_cell
 
 from cmtof_book import scoreboard
 from cmtof_book.graph import Book
+from cmtof_book.record import read_all
 from cmtof_book.views import STATIC
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -156,11 +157,11 @@ def main(build: Path, stage: Path) -> None:
     for stem in book.notebooks():
         stage_notebook(build / "notebooks" / f"{stem}.ipynb", stage / "notebooks" / f"{stem}.ipynb")
     place_results(build, stage)
-    checks = sorted(build.glob("results/*/checks.json"))
+    records = list(read_all(build / "results"))
     chapters = sorted((build / "notebooks").glob("*.ipynb"))
-    page = scoreboard.page(checks, sorted((build / "results").iterdir()), chapters)
+    page = scoreboard.page(records, chapters)
     (stage / "book" / "scoreboard.md").write_text(page, encoding="utf-8")
-    table = scoreboard.claims_table(scoreboard.found_in(checks))
+    table = scoreboard.claims_table(scoreboard.found_in(records))
     (stage / "book" / "claims.md").write_text(table, encoding="utf-8")
     for name in re.findall(r"\w+\.(?:png|svg)$", (ROOT / "book/intro.md").read_text(), re.M):
         shutil.copyfile(next(build.glob(f"results/*/{name}")), stage / "book" / name)

@@ -97,9 +97,9 @@ def test_every_figure_is_placed_with_its_caption_and_text():
     placed = set().union(*map(anchors, PAGES))
     texts = {img.get("alt") for page in PAGES for img in soup(page).find_all("img")}
     for file in sorted((BUILD / "results").glob("*/*.json")):
-        if file.name == "checks.json":
-            continue
         record = json.loads(file.read_text(encoding="utf-8"))
+        if "figure" not in record:
+            continue
         assert (file.parent / record["figure"]).is_file()
         assert "fig-" + file.stem.replace("_", "-") in placed, f"{file.stem} is on no page"
         assert record["alt"] in texts, f"{file.stem} has no alternative text"

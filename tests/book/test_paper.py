@@ -1,6 +1,5 @@
 """The published numbers, the verdicts on ours, and the scoreboard page."""
 
-import json
 import math
 import re
 from dataclasses import replace
@@ -8,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cmtof_book import paper, provenance, scoreboard
+from cmtof_book import compared, paper, provenance, record, scoreboard
 
 ROOT = Path(__file__).parents[2]
 NUMBERS = paper.published_numbers()
@@ -93,7 +92,7 @@ def test_check_prints_one_line_with_the_ratio_and_records_it(folder, capsys):
     with pytest.raises(ValueError, match=r"Expected .* got 'fig3.precison'. Use 'fig3.precision"):
         paper.check("fig3.precison", 1.0)
     paper.check("fig3.precision_ratio", 50.0)
-    paper.check("fig3.precision_ratio", 99.8)
+    paper.check("fig3.precision_ratio", compared.sum_over_draws(99.8, error=3.2))
     paper.check("table2.kde.delta_lt_1", 0.0473, crops=28_000)
     paper.check("table4.rf.rmse_mirror", (2e-4, 3e-4), photon=(2e-6, 9.9e-5))
     lines = capsys.readouterr().out.splitlines()
@@ -104,17 +103,18 @@ def test_check_prints_one_line_with_the_ratio_and_records_it(folder, capsys):
     )
     beside = "at the photon limit 2 µm to 99 µm (0.0404 to 2 ×): reproduced"
     assert lines[3].endswith(f"ours 200 µm to 300 µm (4.04 to 6.06 ×): contradicted; {beside}")
-    records = json.loads((folder / paper.CHECKS).read_text(encoding="utf-8"))
-    assert records["table4.rf.rmse_mirror"]["beside"] == beside
-    assert records["fig3.precision_ratio"]["verdict"] == "reproduced"
-    assert records["fig3.precision_ratio"]["profile"] == "ci"
+    (found,) = record.read_all(folder.parent)
+    assert found.numbers["table4.rf.rmse_mirror"]["beside"] == beside
+    assert found.numbers["fig3.precision_ratio"]["verdict"] == "reproduced"
+    assert found.content["provenance"]["profile"] == "ci"
+    assert found.compared() == {"fig3.precision_ratio": compared.sum_over_draws(99.8, error=3.2)}
 
 
 def test_scoreboard_lists_and_counts_every_number_once(folder):
     paper.check("fig3.precision_ratio", 99.8)
     paper.check("fig14.height_error", 1.2e-6)
     paper.check("sec8.gain", 20)
-    page = scoreboard.page([folder / paper.CHECKS])
+    page = scoreboard.page(list(record.read_all(folder.parent)))
     listed = re.findall(r"<br><code>([a-z0-9_.]+)</code>", page.replace("<wbr>", ""))
     assert sorted(listed) == sorted(key.partition(".")[2] for key in NUMBERS)
     counts = dict(re.findall(r"^\| \**([a-z, ]+?)\** \| \**(\d+)\** \|$", page, re.MULTILINE))
@@ -125,30 +125,32 @@ def test_scoreboard_lists_and_counts_every_number_once(folder):
 
 
 def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
-    paths = []
     for name, value in (("01_good", 100.0), ("02_bad", 10.0), ("03_good", 100.0)):
         monkeypatch.setenv(provenance.OUTPUT_VARIABLE, str(tmp_path / name))
         paper.check("fig3.precision_ratio", value)
-        paths.append(tmp_path / name / paper.CHECKS)
-    (row,) = [r for r in scoreboard.page(paths).splitlines() if "precision_<wbr>ratio" in r]
+    runs = list(record.read_all(tmp_path))
+    (row,) = [r for r in scoreboard.page(runs).splitlines() if "precision_<wbr>ratio" in r]
     assert "contradicted" in row and "(0.1\u00a0×)" in row and "02_bad" in row
+    (number,) = scoreboard.accepted(runs)["numbers"].values()
+    assert number["ours"] == 10
+    assert number["verdict"] == "contradicted"
+    assert number["chapter"] == "02_bad"
 
 
 def test_figures_tables_and_equations_are_found_where_they_stand(tmp_path):
-    for name in ("03_wraps", "07_table"):
-        (tmp_path / name).mkdir()
-    (tmp_path / "03_wraps" / "fig04_wraps.json").write_text("{}")
-    (tmp_path / "03_wraps" / "wraps_odds.json").write_text("{}")
-    (tmp_path / "07_table" / "checks.json").write_text('{"table3.a": 1, "fig13.b": 2}')
+    records = [
+        record.Record("03_wraps", "fig04_wraps", {"numbers": {}}),
+        record.Record("03_wraps", "wraps_odds", {"numbers": {}}),
+        record.Record("07_table", record.PAPER, {"numbers": {"table3.a": {}, "fig13.b": {}}}),
+    ]
     notebook = tmp_path / "01_light.py"
     notebook.write_text("# :label: eq-12\n# :label: eq-20-profile\n# {eq}`eq-3`\n")
-    chapters = [tmp_path / "03_wraps", tmp_path / "07_table"], [notebook]
-    assert scoreboard.chapters_by_item(*chapters) == {
+    assert scoreboard.chapters_by_item(records, [notebook]) == {
         "Figure 4": ["03_wraps"],
         "Table 3": ["07_table"],
         "Equation 12": ["01_light"],
     }
-    page = scoreboard.coverage_section(*chapters)
+    page = scoreboard.coverage_section(records, [notebook])
     assert "| Figure 4 | {doc}`03 <../notebooks/03_wraps>` |" in page
     missing = page.partition("Not yet reached: ")[2].partition(".\n")[0].split(", ")
     assert len(missing) == 40 - 3 and "Equation 20" in missing

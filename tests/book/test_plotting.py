@@ -9,6 +9,7 @@ import pytest
 
 from cmtof import __version__
 from cmtof_book import plotting, provenance
+from cmtof_book.compared import closed_form
 
 
 @pytest.fixture(autouse=True)
@@ -37,12 +38,17 @@ def test_same_run_writes_same_bytes_without_date_or_library_version(format: str)
 
 
 def test_json_holds_numbers_texts_and_provenance(folder: Path):
-    drawn(numbers={"ratio": np.float64(1 / 3), "list": np.array([1, 2])})
+    right = closed_form(np.array([0.5, 2]))
+    drawn(numbers={"ratio": np.float64(1 / 3), "list": np.array([1, 2]), "right": right})
     assert json.loads((folder / "fig03_precision.json").read_text()) == {
         "figure": "fig03_precision.svg",
         "caption": "A line.",
         "alt": "It rises.",
-        "numbers": {"ratio": 0.3333333333, "list": [1, 2]},
+        "numbers": {
+            "ratio": 0.3333333333,
+            "list": [1, 2],
+            "right": {"value": [0.5, 2.0], "kind": "closed form"},
+        },
         "provenance": {"profile": "ci", "seed": 3, "version": __version__},
     }
 

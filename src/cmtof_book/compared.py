@@ -1,0 +1,99 @@
+"""Numbers that are compared with stored ones; how far they may move follows from their kind.
+
+No tolerance is typed by hand. A closed form moves by rounding alone. A sum over draws moves as its
+standard error says, for another processor may round a rate differently and so draw other noise. A
+share of pixels moves by the few pixels that lie on an edge. A decision may flip a whole surface by
+a last digit: it is not compared, only bounded from below.
+
+>>> stored = sum_over_draws(10.0, error=0.1)
+>>> stored.accepts(10.4), stored.accepts(10.6), stored.accepts(10.6, error=0.1)
+(True, False, True)
+"""
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Kind = Literal["closed form", "sum over draws", "share of pixels", "decision"]
+
+ROUNDING = 1e-9
+"""Relative tolerance of a closed form."""
+
+STANDARD_ERRORS = 5
+"""Tolerance of a sum over draws, in standard errors of the difference."""
+
+EDGE_PIXELS = 20
+"""Pixels of an image that may change sides by rounding."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compared:
+    """A number, or a list of them, and what its kind needs to tell how far it may move.
+
+    ``error`` is the standard error, ``pixels`` how many a share counts, ``at_least`` the bound of
+    a decision; each is one number for all, or a list as long as ``value``.
+    """
+
+    value: Any
+    kind: Kind
+    error: Any = None
+    pixels: Any = None
+    at_least: Any = None
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(Kind):
+            names = ", ".join(get_args(Kind))
+            raise ValueError(f"Expected a kind of number, got {self.kind!r}. Use one of {names}.")
+
+    def record(self) -> dict[str, Any]:
+        """Value, kind and what belongs to the kind, for JSON."""
+        return {name: part for name, part in asdict(self).items() if part is not None}
+
+    @property
+    def size(self) -> int:
+        """How many numbers these are."""
+        return np.size(self.value)
+
+    def tolerance(self, error: ArrayLike = 0.0) -> NDArray[np.float64]:
+        """Largest difference to a number found now, whose standard error is ``error``."""
+        if self.kind == "closed form":
+            return ROUNDING * np.abs(np.asarray(self.value, float))
+        noise = np.hypot(np.asarray(self.error or 0.0), np.asarray(error))
+        edge = EDGE_PIXELS / np.asarray(self.pixels) if self.kind == "share of pixels" else 0.0
+        return np.maximum(STANDARD_ERRORS * noise, edge)
+
+    def accepts(self, value: ArrayLike, error: ArrayLike = 0.0) -> bool:
+        """Whether a number found now agrees with this stored one; NaN never does."""
+        found, stored = np.asarray(value, float), np.asarray(self.value, float)
+        if found.shape != stored.shape:
+            return False
+        if self.kind == "decision":
+            return bool((found >= np.asarray(self.at_least)).all())
+        return bool((np.abs(found - stored) <= self.tolerance(error)).all())
+
+
+def closed_form(value: ArrayLike) -> Compared:
+    """Number that follows from physics alone: equal everywhere but for rounding, 1e-9 of it."""
+    return Compared(value=value, kind="closed form")
+
+
+def sum_over_draws(value: ArrayLike, *, error: ArrayLike) -> Compared:
+    """Mean, spread or rate of random draws with its standard error; five of them are allowed."""
+    return Compared(value=value, kind="sum over draws", error=error)
+
+
+def share_of_pixels(
+    value: ArrayLike, *, pixels: ArrayLike, error: ArrayLike | None = None
+) -> Compared:
+    """Fraction of so many pixels; 20 of them may change sides, or five standard errors.
+
+    ``error`` is that of the scenes, for a share over several of them.
+    """
+    return Compared(value=value, kind="share of pixels", pixels=pixels, error=error)
+
+
+def decision(value: ArrayLike, *, at_least: ArrayLike) -> Compared:
+    """Result of a method that a last digit may turn on a whole surface; only bounded from below."""
+    return Compared(value=value, kind="decision", at_least=at_least)

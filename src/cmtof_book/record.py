@@ -1,0 +1,68 @@
+"""The one way that a notebook's numbers take: into records, and from there to whoever reads them.
+
+A record is a JSON file in the folder of a run. It holds ``numbers`` by name, and the run that made
+them. There is one for each figure (`cmtof_book.plotting.save`), one for what was checked against
+the paper (`cmtof_book.paper.check`), and one for what the text shows (`cmtof_book.notes.tell`). A
+number is plain, or has a kind (`cmtof_book.compared`), and then tests compare it with a stored one.
+The accepted figures, the scoreboard and the tests read records and nothing else.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from cmtof_book import provenance
+from cmtof_book.compared import Compared
+
+PAPER = "paper"
+"""Name of the record of what a chapter checked against the paper."""
+
+TEXT = "text"
+"""Name of the record of what a chapter's text shows."""
+
+
+class Record(NamedTuple):
+    """Numbers of one figure, or of one chapter's checks or text, by name."""
+
+    chapter: str
+    name: str
+    content: dict[str, Any]
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """Numbers, plain or as a mapping that says the kind."""
+        return self.content["numbers"]
+
+    def compared(self) -> dict[str, Compared]:
+        """Those numbers that have a kind."""
+        return {
+            name: compared_from_json(number)
+            for name, number in self.numbers.items()
+            if isinstance(number, dict) and "kind" in number
+        }
+
+
+def compared_from_json(number: Mapping[str, Any]) -> Compared:
+    """Number with its kind, of which a record may say more than belongs to the kind."""
+    known = ("value", "kind", "error", "pixels", "at_least")
+    return Compared(**{name: number[name] for name in known if name in number})
+
+
+def write(name: str, numbers: Mapping[str, Any], **about: Any) -> None:
+    """Write a record, with what else there is to say about it, whole or not at all."""
+    content = {**about, "numbers": dict(numbers), "provenance": provenance.RUN}
+    provenance.write_json(provenance.output_folder() / f"{name}.json", content)
+
+
+def add(name: str, numbers: Mapping[str, Any]) -> None:
+    """Add numbers to a record, which is made if need be."""
+    path = provenance.output_folder() / f"{name}.json"
+    held = json.loads(path.read_text("utf-8"))["numbers"] if path.exists() else {}
+    write(name, held | dict(numbers))
+
+
+def read_all(results: Path) -> Iterator[Record]:
+    """Every record of a build, whose chapters have a folder each."""
+    for path in sorted(results.glob("*/*.json")):
+        yield Record(path.parent.name, path.stem, json.loads(path.read_text("utf-8")))
