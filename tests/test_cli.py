@@ -107,29 +107,6 @@ def test_rooms_are_rendered_and_evaluated_as_a_folder(run, tmp_path):
     assert "frame.0001.color.hdf5" in text
 
 
-@pytest.mark.slow
-def test_replicate_passes_and_draws(run, tmp_path):
-    code, text, err = run("replicate", "-o", tmp_path / "fig10.png")
-    assert code == 0, err
-    assert "FAIL" not in text
-    assert text.count("PASS") > 8
-    assert (tmp_path / "fig10.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_replicate_fails_on_a_number_out_of_tolerance(run, tmp_path, monkeypatch):
-    from cmtof_book import replication
-
-    def one_bad(figure):
-        yield replication.Outcome("a quantity", 2.0, 1.0, 0.5)
-        yield replication.Outcome("not a number", float("nan"), 1.0, 0.5)
-
-    monkeypatch.setattr(replication, "replicate", one_bad)
-    code, text, err = run("replicate", "-o", tmp_path / "f.png")
-    assert code == 1
-    assert text.count("FAIL") == 2
-    assert "got 2 FAIL" in err
-
-
 # --- bad input: one line, exit code 1, nothing left behind -----------------------------------
 
 
