@@ -24,7 +24,7 @@ CHATTER := $(CHATTER)|^(Finished jobid|Elapsed time|Complete log|\[.*20[0-9][0-9
 build = mkdir -p build && $(ONE_AT_A_TIME)$(SNAKEMAKE) --config profile=$(1) -- $(2) 2>&1 | \
 	{ grep --line-buffered -vE '$(CHATTER)' || true; }
 
-.PHONY: help setup book figure figures pdf test test-slow test-book fuzz size lab lint pairs reference \
+.PHONY: help setup book figure figures pdf test test-slow test-machines test-book fuzz size lab lint pairs reference \
 	bench lock clean
 
 help: ## List what can be made
@@ -63,6 +63,9 @@ test: setup ## Check sizes, build the book with the small ci profile, then run t
 test-slow: setup ## The long tests: kills at random moments, sweeps over seeds, every page
 	@$(BIN)/python -m pytest -m slow
 
+test-machines: setup ## Test the numbers as other processors compute them: make test-machines [MACHINES="oldest zen"]
+	@mkdir -p build && $(ONE_AT_A_TIME)$(BIN)/python -m cmtof_book.machines $(MACHINES) $(if $(TESTS),-- $(TESTS))
+
 test-book: setup ## Read the built book in a browser without a network
 	@$(BIN)/python -m pytest tests/reader
 
@@ -88,7 +91,7 @@ pairs: setup ## Write each .ipynb again from its .py
 
 reference: setup ## Store the numbers of the ci profile as the ones that tests compare with
 	@$(call build,ci)
-	@$(BIN)/python -m cmtof_book.reference $(SEEDS) $(NOTEBOOKS)
+	@$(BIN)/python -m cmtof_book.reference
 
 bench: setup ## Time the hot loops against what bounds them
 	@$(BIN)/python -m cmtof_book.benchmarks

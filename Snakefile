@@ -6,7 +6,7 @@ import json
 from cmtof_book.graph import Book
 
 PROFILE = config.get("profile", "book")
-BUILD = f"build/{PROFILE}"
+BUILD = config.get("build", f"build/{PROFILE}")
 PYTHON = ".venv/bin/python"
 CHAPTERS = Book(Path(workflow.basedir))
 NOTEBOOKS = CHAPTERS.notebooks()
@@ -23,6 +23,11 @@ wildcard_constraints:
 rule all:
     input:
         f"{BUILD}/html",
+
+
+rule numbers:
+    input:
+        expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
 
 
 rule notebook:

@@ -28,11 +28,12 @@ from papermill.exceptions import PapermillExecutionError  # noqa: E402
 
 from cmtof_book.pairs import ROOT, notebook_from_script  # noqa: E402
 
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matplotlib")
 
 
 def environment(work: Path) -> dict[str, str]:
-    """Return the variables that make a run repeatable: this Python, one thread, nobody's start-up.
+    """Return the variables that make a run repeatable: this Python, few threads, nobody's start-up.
 
     The kernel's settings lie in the folder ``work``; they silence its remarks on its own workings
     and spare it the grammar.
@@ -47,9 +48,7 @@ def environment(work: Path) -> dict[str, str]:
     return {
         "CMTOF_OUTPUT": str(work / "results"),
         "IPYTHONDIR": str(work / "ipython"),
-        "OMP_NUM_THREADS": "1",
-        "OPENBLAS_NUM_THREADS": "1",
-        "NUMBA_NUM_THREADS": "1",
+        **{name: os.environ.get(name, "1") for name in THREADS},
         "PYTHONHASHSEED": "0",
         "JUPYTER_PREFER_ENV_PATH": "1",
         "PYDEVD_DISABLE_FILE_VALIDATION": "1",
