@@ -37,13 +37,16 @@ def test_same_seed_same_counts_and_frames_draw_apart(tilted_wall):
     assert (a.dataset.correlation != d.dataset.correlation).mean() > 0.99
 
 
-def test_noise_of_a_flat_wall_has_the_variance_of_the_model():
+@pytest.mark.parametrize("step", range(4))
+def test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model(step):
     wall = Frame(np.ones((200, 200)), np.full((200, 200), 0.5))
-    noisy, clean = simulate(wall, seed=5), simulate(wall, noise_free=True)
-    for k in range(4):
-        mean = float(clean.dataset.correlation[0, k, 0, 0])
-        spread = (noisy.dataset.correlation[0, k] - mean).to_numpy()
-        assert spread.var() == pytest.approx(mean + 1200**2, rel=4 * np.sqrt(2 / 40_000))
+    clean = simulate(wall, noise_free=True).dataset.correlation[0, step]
+    noisy = simulate(wall, seed=5).dataset.correlation[0, step]
+    mean = float(clean[0, 0])
+    variance = mean + 1200**2
+    error = float(noisy.mean()) - mean
+    assert error == pytest.approx(0, abs=4 * np.sqrt(variance / noisy.size))
+    assert float(noisy.var()) == pytest.approx(variance, rel=4 * np.sqrt(2 / noisy.size))
 
 
 def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):

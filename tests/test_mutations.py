@@ -1,0 +1,86 @@
+"""Wrong physics is found: each mistake in the source fails the test that names it."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class Mistake(NamedTuple):
+    """A line of a module as it is and as it would be wrong, and the test that fails."""
+
+    module: str
+    right: str
+    wrong: str
+    test: str
+
+
+MISTAKES = {
+    "factor 2 in Eq. 4": Mistake(
+        "correlation.py",
+        "total = total + 2 * np.sinc(",
+        "total = total + np.sinc(",
+        "test_correlation.py::test_harmonic_sum_equals_the_time_integral_of_any_waveforms",
+    ),
+    "sign of psi": Mistake(
+        "simulation.py",
+        "x * c - y * s + signal / 2",
+        "x * c + y * s + signal / 2",
+        "test_simulation.py::test_noise_free_correlations_are_equation_8",
+    ),
+    "half of eta": Mistake(
+        "modulator.py",
+        "self.eta * np.sin(theta), self.eta * np.sin(theta + self.pass_delay)",
+        "self.eta / 2 * np.sin(theta), self.eta / 2 * np.sin(theta + self.pass_delay)",
+        "test_modulator.py::test_waveforms_are_the_exact_lines_of_equations_16_and_19",
+    ),
+    "one Bessel order": Mistake(
+        "modulator.py",
+        "np.where(k % 2 == 1, 0.5j * bessel, 0)",
+        "np.where(k % 2 == 1, 0.5j * jv(k + 1, 2 * np.asarray(eta)[..., None]), 0)",
+        "test_modulator.py::test_harmonics_equal_bessel_values",
+    ),
+    "Poisson without gain": Mistake(
+        "simulation.py",
+        "means = poisson_gaussian(means, ",
+        "means = poisson_gaussian(means / np.float32(gain), ",
+        "test_simulation.py::test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model",
+    ),
+    "photons counted before the gain": Mistake(
+        "detector.py",
+        "gaussian += rng.poisson(mean)",
+        "gaussian += 20 * rng.poisson(mean / 20)",
+        "test_detector.py::test_poisson_gaussian_has_both_variances_in_the_given_precision",
+    ),
+}
+
+
+def outcome(test: str, source: Path) -> str:
+    """What pytest prints of one test with the package of a folder."""
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-rf", f"tests/{test}"]
+    environment = os.environ | {"PYTHONPATH": str(source), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
+    return done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_fails_the_test_that_names_it(name, tmp_path):
+    mistake = MISTAKES[name]
+    source = tmp_path / "src"
+    shutil.copytree(ROOT / "src", source, ignore=shutil.ignore_patterns("weights", "test"))
+    module = source / "cmtof" / mistake.module
+    text = module.read_text(encoding="utf-8")
+    assert text.count(mistake.right) == 1
+    module.write_text(text.replace(mistake.right, mistake.wrong), encoding="utf-8")
+    assert f"FAILED tests/{mistake.test}" in outcome(mistake.test, source)
+    module.write_text(text, encoding="utf-8")
+    assert "FAILED" not in outcome(mistake.test, source)
