@@ -25,11 +25,6 @@ rule all:
         f"{BUILD}/html",
 
 
-rule numbers:
-    input:
-        expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
-
-
 rule notebook:
     input:
         lambda wildcards: CHAPTERS.inputs(wildcards.notebook),

@@ -1,5 +1,6 @@
 """The published numbers, the verdicts on ours, and the scoreboard page."""
 
+import json
 import math
 import re
 from dataclasses import replace
@@ -10,6 +11,7 @@ import pytest
 from cmtof_book import compared, paper, provenance, record, scoreboard
 
 ROOT = Path(__file__).parents[2]
+ACCEPTED = ROOT / "figures" / "scoreboard.json"
 NUMBERS = paper.published_numbers()
 PLAIN = replace(NUMBERS["fig3.precision_ratio"], value=10.0, tolerance=0.5, relation="eq")
 
@@ -135,6 +137,14 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
     assert number["ours"] == 10
     assert number["verdict"] == "contradicted"
     assert number["chapter"] == "02_bad"
+
+
+@pytest.mark.skipif(not ACCEPTED.is_file(), reason="make figures writes it")
+def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
+    for key, number in json.loads(ACCEPTED.read_text("utf-8"))["numbers"].items():
+        ours = math.nan if number["ours"] is None else number["ours"]
+        assert paper.published(key).outcome(ours) == number["verdict"], key
+        assert paper.published(key).value == pytest.approx(number["paper"], rel=1e-9)
 
 
 def test_figures_tables_and_equations_are_found_where_they_stand(tmp_path):
