@@ -49,7 +49,6 @@ from cmtof.network.recipe import read_config
 from cmtof.network.training import train
 from cmtof.network.weights import Card, read_card, state, weights_path
 from cmtof_book import notes, paper, plotting, provenance
-from cmtof_book.compared import closed_form
 
 plotting.begin(profile=profile, seed=seed)
 torch.manual_seed(seed)
@@ -101,10 +100,7 @@ ax.axis("off")
 plotting.save(
     figure,
     "fig05_network",
-    numbers={
-        "parameters": closed_form(parameters),
-        "channels": {k: count for k, (count, _) in shapes.items()},
-    },
+    numbers={"parameters": parameters, "channels": {k: count for k, (count, _) in shapes.items()}},
     caption=f"The network as we read it, {parameters / 1e6:.2f} million weights. Under "
     f"each block its channels and the side of its output for a patch of {PATCH} px. Orange: the "
     "skip at full resolution; blue: the features at a quarter of it.",
@@ -497,11 +493,7 @@ ax.legend(fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))
 plotting.save(
     figure,
     "speed_runtimes",
-    numbers={
-        "sizes": [list(size) for size in SIZES],
-        "networks": list(products),
-        "multiply_adds_per_pixel": closed_form(list(products.values())),
-    },
+    numbers={"sizes": [list(size) for size in SIZES], "multiply_adds_per_pixel": products},
     caption="Time from wrapped phases to depth of our networks (random weights) on one thread of "
     f"{provenance.processor()}, beside the paper's stated time for its own on a V100. Logarithmic.",
     alt="Bars in two groups, for the small and the large image; the light network and bfloat16 are "

@@ -38,7 +38,6 @@ from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
 from cmtof.measurement import Measurement
 from cmtof_book import notes, plotting
-from cmtof_book.compared import closed_form
 from cmtof_lab.electronics import SLOPE, density, volts_from_counts
 from cmtof_lab.rehearsal import scan_scene, simulated_bench
 from cmtof_lab.settings import TwinSettings
@@ -230,11 +229,7 @@ ax.set(yscale="log", ylim=(0.05, None), ylabel="median phase error (mrad)")
 ax.legend(ncols=3, loc="lower left", bbox_to_anchor=(0, 1))
 plotting.save(
     figure, "scan_errors",
-    numbers={
-        "mrad": sizes,
-        "expected_over_found": pulls,
-        "wrap_mrad": closed_form(1e3 * wrap_in_beat),
-    },
+    numbers={"mrad": sizes, "expected_over_found": pulls, "wrap_mrad": 1e3 * wrap_in_beat},
     caption=(
         "Median phase error by its cause, simulated at the photon limit, in both modes and in "
         "their beat, which determines the wraps."

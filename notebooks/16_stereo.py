@@ -34,7 +34,6 @@ from cmtof.frame import Frame
 from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import load_frame
 from cmtof_book import notes, paper, plotting
-from cmtof_book.compared import closed_form
 from cmtof_lab import stereo
 
 plotting.begin(profile=profile, seed=seed)
@@ -198,7 +197,7 @@ plotting.save(
     figure,
     "stereo_uncertainty",
     numbers={
-        "speckle_limit_m": closed_form(limit),
+        "speckle_limit_m": limit,
         "near_share": truth.mask.mean(),
         "far_share": far.mask.mean(),
     },

@@ -32,7 +32,6 @@ from scipy.stats import t as student
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.plan import VOLTS_PER_RADIAN
 from cmtof_book import notes, paper, plotting
-from cmtof_book.compared import closed_form
 from cmtof_lab.devices import TDAC_STEP
 from cmtof_lab.objects import GRADE_2, HEIGHT, WIDTH, gage_blocks
 from cmtof_lab.optics import directions_from_angles, speckle_cells, spot_radius
@@ -299,7 +298,7 @@ plotting.save(
         "tilt_rad": tilts.tolist(),
         "noise_single_um": (1e6 * left[:, 0]).tolist(),
         "one_minus_r_squared_single": (1 - r_squared[:, 0]).tolist(),
-        "speckle_um": closed_form(1e6 * speckle),
+        "speckle_um": 1e6 * speckle,
     },
     caption="A slanted plane at 1 m, simulated at the photon limit. (a) Scatter of a point about "
     "the fitted plane, and {eq}`eq-slope-noise`. (b) The same scans as 1 − R², with "

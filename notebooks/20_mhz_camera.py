@@ -26,7 +26,6 @@ from cmtof.frame import rays_from_camera
 from cmtof.measurement import Measurement
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof_book import notes, paper, plotting
-from cmtof_book.compared import closed_form
 from cmtof_lab.mhz_camera import MhzCamera
 from cmtof_lab.objects import FIELD_OF_VIEW
 from cmtof_lab.optics import sent_power
@@ -297,5 +296,5 @@ paper.check("fig15.mhz_error_dark", float(np.nanmedian(np.abs(error["owl"][dim])
 paper.check("fig15.mhz_power", camera.power)
 paper.check("fig15.mhz_wavelength", camera.wavelength)
 paper.check("fig15.mhz_exposure", camera.exposure)
-paper.check("sec1.unambiguous_range_100mhz", closed_form(camera.wrap))
+paper.check("sec1.unambiguous_range_100mhz", camera.wrap)
 notes.tell(more_light=float(f"{sent[0] / sent[1]:.1g}"))

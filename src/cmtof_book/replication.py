@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from cmtof.bounds import phase_spread, simulated_phase_noise, wrap_probability
 from cmtof.constants import FREQUENCIES
@@ -25,6 +26,7 @@ from cmtof.correlation import centred, depth_from_phase, phase_from_depth
 from cmtof.evaluation import Evaluation, measured, score, scored_pixels
 from cmtof.files import read_document, written_whole
 from cmtof.frame import embedded_frames
+from cmtof.measurement import Measurement
 from cmtof.scenes import Frame, load_frame
 from cmtof.simulation import simulate
 from cmtof.unwrapping import unwrap
@@ -33,6 +35,9 @@ from cmtof_book.compared import STANDARD_ERRORS, Compared
 SEED = 0
 METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
 """Columns of the figure: the paper's that need no training, and three that it leaves out."""
+
+Answers = dict[str, list[xr.Dataset]]
+"""Answers to the embedded frames, by method."""
 
 
 class Outcome(NamedTuple):
@@ -105,22 +110,30 @@ def _methods(seed: int, figure: Path | None) -> Iterator[tuple[str, float]]:
     clean = Evaluation(["crt"], noise_free=True).add_all(frames).report()
     yield "crt_noise_free", clean["methods"]["crt"]["consistent_lt_1"]
     taken = [measured(frame, METHODS, number=k, seed=seed) for k, frame in enumerate(frames)]
-    answers: list[dict] = [{} for _ in frames]
+    answers: Answers = {}
     for method in METHODS:
-        for found, given in zip(answers, taken, strict=True):
-            found[method] = unwrap(given[method], method=method)
-        pairs = zip(answers, taken, strict=True)
-        pixels = (scored_pixels(found[method], given[method]) for found, given in pairs)
+        answers[method] = [unwrap(given[method], method=method) for given in taken]
+        pairs = zip(answers[method], taken, strict=True)
+        pixels = (scored_pixels(found, given[method]) for found, given in pairs)
         yield method, score(pixels)["delta_lt_1"]
     if figure and find_spec("matplotlib"):
-        from cmtof_book import plotting
-        from cmtof_book.comparison import Scene, comparison_figure
+        _draw(figure, frames, [given["beat"] for given in taken], answers)
 
-        plotting.begin()
-        triples = zip(frames, taken, answers, strict=True)
-        scenes = [Scene(frame, given["beat"], found) for frame, given, found in triples]
-        with written_whole(figure) as part:
-            comparison_figure(scenes, METHODS).savefig(part)
+
+def _draw(
+    figure: Path, frames: list[Frame], measurements: list[Measurement], answers: Answers
+) -> None:
+    """Draw Fig. 10, whole or not at all."""
+    from cmtof_book import plotting
+    from cmtof_book.comparison import Scene, comparison_figure
+
+    plotting.begin()
+    scenes = [
+        Scene(frame, measurements[k], {method: found[k] for method, found in answers.items()})
+        for k, frame in enumerate(frames)
+    ]
+    with written_whole(figure) as part:
+        comparison_figure(scenes, METHODS).savefig(part)
 
 
 if __name__ == "__main__":
