@@ -61,26 +61,56 @@ MISTAKES = {
 }
 
 
-def outcome(test: str, source: Path) -> str:
-    """What pytest prints of one test with the package of a folder."""
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-rf", f"tests/{test}"]
+CHAIN = ("sign of psi", "Poisson without gain")
+"""Mistakes between a frame and its depth."""
+
+
+def run_with(source: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run a program with the packages of a folder."""
     environment = os.environ | {"PYTHONPATH": str(source), "PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run(
-        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
-    return done.stdout
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_fails_the_test_that_names_it(name, tmp_path):
-    mistake = MISTAKES[name]
-    source = tmp_path / "src"
-    shutil.copytree(ROOT / "src", source, ignore=shutil.ignore_patterns("weights", "test"))
+def failures(test: str, source: Path) -> str:
+    """What pytest says of a test with the packages of a folder."""
+    return run_with(source, "-m", "pytest", "-p", "no:cacheprovider", "-rf", test).stdout
+
+
+@pytest.fixture
+def source(tmp_path):
+    """A copy of the packages."""
+    left_out = shutil.ignore_patterns("weights", "test")
+    return Path(shutil.copytree(ROOT / "src", tmp_path / "src", ignore=left_out))
+
+
+def make(mistake: Mistake, source: Path) -> None:
+    """Write the wrong line in place of the right one."""
     module = source / "cmtof" / mistake.module
     text = module.read_text(encoding="utf-8")
     assert text.count(mistake.right) == 1
     module.write_text(text.replace(mistake.right, mistake.wrong), encoding="utf-8")
-    assert f"FAILED tests/{mistake.test}" in outcome(mistake.test, source)
-    module.write_text(text, encoding="utf-8")
-    assert "FAILED" not in outcome(mistake.test, source)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_fails_the_test_that_names_it(name, source):
+    test = f"tests/{MISTAKES[name].test}"
+    assert "FAILED" not in failures(test, source)
+    make(MISTAKES[name], source)
+    assert f"FAILED {test}" in failures(test, source)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CHAIN)
+def test_a_mistake_in_the_chain_fails_replicate(name, source, tmp_path):
+    make(MISTAKES[name], source)
+    done = run_with(source, "-m", "cmtof.cli", "replicate", "-o", str(tmp_path / "fig10.png"))
+    assert done.returncode == 1
+    assert "FAIL  " in done.stdout
