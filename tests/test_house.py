@@ -25,6 +25,8 @@ FLOORS = [
     {"estimate"},
     {"simulation"},
     {"measurement", "pointcloud"},
+    {"storage"},
+    {"contract"},
     {"scenes"},
     {"captures", "hypersim"},
     {"frame"},

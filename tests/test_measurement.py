@@ -1,13 +1,18 @@
 """Measurement: what goes in comes out; whatever is wrong is said in one line."""
 
+from datetime import date
+from pathlib import Path
+
 import h5netcdf
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
 
 import cmtof
 from cmtof.correlation import correlation_from_phase
-from cmtof.measurement import Measurement, save_dataset, unambiguous_range
+from cmtof.measurement import Measurement, unambiguous_range
+from cmtof.storage import save_dataset
 
 PSI = np.arange(4) * np.pi / 2
 FREQUENCIES = (7.15e9, 14.32e9)
@@ -17,6 +22,18 @@ def stack(height=5, width=6, phase=1.0):
     image = np.full((height, width), phase)
     one = correlation_from_phase(image, PSI, amplitude=600.0, offset=1000.0)
     return np.stack([one, one]).astype(np.float32)
+
+
+def changed(**changes):
+    """A valid dataset with some things replaced."""
+    dataset = Measurement.from_arrays(stack(), PSI, FREQUENCIES).dataset.copy(deep=True)
+    return dataset.assign(changes)
+
+
+def with_values(change):
+    values = stack()
+    change(values)
+    return values
 
 
 def test_arrays_come_back_from_the_file(tmp_path, rng):
@@ -34,8 +51,9 @@ def test_arrays_come_back_from_the_file(tmp_path, rng):
     assert read.dataset["depth"].attrs["units"] == "m"
     assert read.range == (0.0, 3.0)
     assert read.shape == (5, 6)
-    np.testing.assert_allclose(read.phase, 1.0, atol=1e-5)
-    np.testing.assert_allclose(read.amplitude, 600.0, rtol=1e-5)
+    np.testing.assert_allclose(read.phase[:, mask], 1.0, atol=1e-5)
+    np.testing.assert_allclose(read.amplitude[:, mask], 600.0, rtol=1e-5)
+    assert np.isnan(read.amplitude[:, ~mask]).all()
     assert "7.15, 14.32 GHz" in repr(read)
 
 
@@ -55,32 +73,142 @@ def test_units_stand_in_every_stored_array(measurement_file):
             assert stored[name].attrs["units"], name
 
 
+# --- what others write ---------------------------------------------------------------------------
+
+
+LEFT_OUT = np.arange(30).reshape(5, 6) % 4 == 0
+
+
+@pytest.mark.parametrize(
+    "mask",
+    [
+        ~LEFT_OUT,
+        np.where(LEFT_OUT, np.nan, 1.0),  # a fill value, as it is read
+        np.where(LEFT_OUT, 0, 7),
+        np.ma.masked_array(np.ones((5, 6)), LEFT_OUT),
+    ],
+)
+def test_every_mark_of_an_invalid_pixel_is_understood(mask):
+    made = Measurement.from_arrays(stack(), PSI, FREQUENCIES, mask=mask)
+    np.testing.assert_array_equal(made.mask, ~LEFT_OUT)
+    assert np.isnan(made.dataset["correlation"].to_numpy()[..., LEFT_OUT]).all()
+
+
+def test_a_masked_array_of_images_masks_its_pixels():
+    hidden = np.broadcast_to(LEFT_OUT, (2, 4, 5, 6))
+    made = Measurement.from_arrays(np.ma.array(stack(), mask=hidden), PSI, FREQUENCIES)
+    np.testing.assert_array_equal(made.mask, ~LEFT_OUT)
+
+
+@pytest.mark.parametrize("fill", [0, 1])
+def test_a_mask_with_a_fill_value_survives_its_file(tmp_path, fill):
+    dataset = changed(mask=(("y", "x"), np.where(LEFT_OUT, fill, 1 - fill).astype(np.int8)))
+    dataset["mask"].encoding["_FillValue"] = np.int8(fill)
+    dataset.to_netcdf(tmp_path / "m.nc", engine="h5netcdf")
+    found = cmtof.open(tmp_path / "m.nc").mask
+    np.testing.assert_array_equal(found, ~LEFT_OUT & (fill == 0))
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "size"),
+    [("frequency", "GHz", 1e9), ("psi", "degree", np.pi / 180), ("depth", "mm", 1e-3)],
+)
+def test_units_that_a_file_states_are_used(name, unit, size):
+    right = changed(depth=(("y", "x"), np.full((5, 6), 1.0)))
+    stated = right.assign({name: right[name] / size})
+    stated[name].attrs["units"] = unit
+    found = Measurement(stated).dataset[name]
+    np.testing.assert_allclose(found, right[name], rtol=1e-12)
+    assert found.attrs["units"] == right[name].attrs.get("units", "m")
+
+
+def test_phases_of_any_turn_are_wrapped():
+    phase = np.linspace(-np.pi, np.pi, 12).reshape(1, 3, 4)
+    dataset = Measurement.from_phase(np.mod(phase, 2 * np.pi), [7.15e9]).dataset
+    found = Measurement(dataset.assign(phase=dataset["phase"].copy(data=phase)))
+    np.testing.assert_allclose(found.phase, np.mod(phase, 2 * np.pi), atol=1e-12)
+
+
+def test_differences_of_two_buckets_decode_as_they_are():
+    whole = Measurement.from_arrays(stack(), PSI, FREQUENCIES)
+    signed = (stack() - 1000).astype(np.int16)
+    found = Measurement.from_arrays(signed, PSI, FREQUENCIES)
+    np.testing.assert_allclose(found.phase, whole.phase, atol=2e-3)
+
+
+@pytest.mark.parametrize("kind", ["netCDF-3", "plain HDF5", "psi undeclared"])
+def test_files_of_other_writers_open(tmp_path, kind):
+    made = Measurement.from_arrays(stack(), PSI, FREQUENCIES, mask=~LEFT_OUT)
+    path = tmp_path / "m.nc"
+    if kind == "netCDF-3":
+        made.dataset.to_netcdf(path, engine="scipy")
+    elif kind == "psi undeclared":
+        made.dataset.reset_coords("psi").to_netcdf(path, engine="h5netcdf")
+    else:
+        with h5py.File(path, "w") as file:
+            for name, variable in made.dataset.variables.items():
+                file[name] = variable.to_numpy()
+            file.attrs.update(range_min=0.0, range_max=made.range[1])
+    found = cmtof.open(path)
+    np.testing.assert_array_equal(found.phase, made.phase)
+    np.testing.assert_array_equal(found.mask, made.mask)
+    assert found.range == made.range
+
+
+@pytest.mark.parametrize(
+    ("value", "kept"),
+    [
+        (True, 1),
+        ({"a": 1}, '{"a": 1}'),
+        (date(2026, 5, 3), "2026-05-03"),
+        (Path("a.yml"), "a.yml"),
+        ([1, "x"], '[1, "x"]'),
+    ],
+)
+def test_anything_else_is_kept_as_an_attribute(tmp_path, value, kept):
+    Measurement.from_arrays(stack(), PSI, FREQUENCIES, note=value).save(tmp_path / "m.nc")
+    assert cmtof.open(tmp_path / "m.nc").dataset.attrs["note"] == kept
+
+
+def external_link(file):
+    file["dark"] = h5py.ExternalLink("other.nc", "/dark")
+
+
+def external_storage(file):
+    file.create_dataset("dark", (8,), "u1", external=[("other.nc", 0, 8)])
+
+
+def virtual_dataset(file):
+    layout = h5py.VirtualLayout((8,), "u1")
+    layout[:] = h5py.VirtualSource("other.nc", "dark", (8,))
+    file.create_virtual_dataset("dark", layout)
+
+
+@pytest.mark.parametrize("reach", [external_link, external_storage, virtual_dataset])
+def test_a_file_cannot_reach_into_another(tmp_path, reach):
+    Measurement.from_arrays(stack(), PSI, FREQUENCIES).save(tmp_path / "m.nc")
+    with h5py.File(tmp_path / "m.nc", "r+") as file:
+        reach(file)
+    with pytest.raises(ValueError, match="another file"):
+        cmtof.open(tmp_path / "m.nc")
+
+
 # --- what is wrong is said -----------------------------------------------------------------------
 
 
-def changed(**changes):
-    """A valid dataset with some things replaced."""
-    dataset = Measurement.from_arrays(stack(), PSI, FREQUENCIES).dataset.copy(deep=True)
-    return dataset.assign(changes)
-
-
-def with_values(change):
-    values = stack()
-    change(values)
-    return values
-
-
-def test_bad_samples_are_refused():
-    for values, message in (
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
         (with_values(lambda v: v.__setitem__((1, 2, 0, 0), np.inf)), "finite correlation"),
-        (with_values(lambda v: v.__isub__(5000)), "counts >= 0 up to noise"),
-        (with_values(lambda v: v.__setitem__((0, slice(None), 2, 2), -900)), "1 pixels whose mean"),
+        (with_values(lambda v: v.__setitem__((1, 2, 0, 0), 9.97e36)), "correlation, got 1 others"),
         (stack().astype(str), "numbers as correlation"),
         (stack().astype("datetime64[s]"), "numbers as correlation"),
         (np.zeros((2, 4, 5, 6), [("a", "f4")]), "numbers as correlation"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            Measurement.from_arrays(values, PSI, FREQUENCIES)
+    ],
+)
+def test_bad_samples_are_refused(values, message):
+    with pytest.raises(ValueError, match=message):
+        Measurement.from_arrays(values, PSI, FREQUENCIES)
 
 
 def test_bad_samples_under_the_mask_are_let_be():
@@ -96,12 +224,8 @@ def test_noise_may_push_dark_samples_below_zero(rng):
 
 
 def test_negative_raw_counts_are_refused():
-    counts = stack().astype(np.int32)
-    counts[0, 1, 2, 3] = -3
-    with pytest.raises(ValueError, match="counts >= 0, got 1 negative"):
-        Measurement.from_arrays(counts, PSI, FREQUENCIES)
-    raw = (("frequency", "step", "y", "x"), counts)
-    with pytest.raises(ValueError, match="counts >= 0, got 1 negative"):
+    raw = (("frequency", "step", "y", "x"), -stack())
+    with pytest.raises(ValueError, match="raw_counts >= 0, got 240 others"):
         Measurement(changed(raw_counts=raw))
 
 
@@ -111,41 +235,55 @@ def test_saturated_counts_are_refused():
     Measurement.from_arrays(stack(), PSI, FREQUENCIES, saturation=16383.0)
 
 
-def test_bad_frequencies_and_psi_are_refused():
-    for frequencies, message in (
+@pytest.mark.parametrize(
+    ("frequencies", "message"),
+    [
         ((-7.15e9, 14.32e9), "frequencies"),
         ((np.nan, 14.32e9), "frequencies"),
         ((14.32e9, 7.15e9), "rising order"),
+        ((7.15, 14.32), "State them in Hz"),
         ((7.15e9, 1e15), "up to 1e[+]12 Hz"),
         ((7.15e9, 10**400), "numbers as frequencies"),
         ((7.15e9, 7.15e9 + 1), "at most 10000 wraps"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            Measurement.from_arrays(stack(), PSI, frequencies)
-    for psi, message in (
+    ],
+)
+def test_bad_frequencies_are_refused(frequencies, message):
+    with pytest.raises(ValueError, match=message):
+        Measurement.from_arrays(stack(), PSI, frequencies)
+
+
+@pytest.mark.parametrize(
+    ("psi", "message"),
+    [
         ([0.0, 1.0, 2.0], "correlation"),
         ([0.0, 1.0, 2.0, 2.0], "duplicates"),
         ([0.0, 1.0, 2.0, np.nan], "finite reference phases"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            Measurement.from_arrays(stack(), psi, FREQUENCIES)
+    ],
+)
+def test_bad_psi_are_refused(psi, message):
+    with pytest.raises(ValueError, match=message):
+        Measurement.from_arrays(stack(), psi, FREQUENCIES)
 
 
-def test_misshapen_datasets_are_refused():
-    for change, message in (
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
         (lambda d: d.drop_vars("correlation"), "a variable 'correlation'"),
-        (lambda d: d.drop_vars("psi"), "a coordinate 'psi'"),
+        (lambda d: d.drop_vars("psi"), "a variable 'psi'"),
         (lambda d: d.transpose("y", "x", "frequency", "step"), "with dimensions"),
         (lambda d: d.isel(y=slice(0, 0)), "none of them empty"),
         (lambda d: d.assign(depth=(("x", "y"), np.ones((6, 5)))), "depth with dimensions"),
+        (lambda d: d.assign(depth=(("y", "x"), np.ones((5, 6)), {"units": "K"})), "depth in m"),
         (lambda d: d.assign(camera=(("parameter",), [1.0, 2.0])), "camera"),
         (lambda d: d.assign_attrs(range_min=2.0, range_max=1.0), "range_min < range_max"),
         (lambda d: d.assign_attrs(range_max="far"), "range_min < range_max"),
         (lambda d: d.assign_attrs(range_max=1e6), "at most 10000 wraps"),
         (lambda d: d.assign(mask=(("y", "x"), np.ones((5, 6), complex))), "numbers as mask"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            Measurement(change(changed()))
+    ],
+)
+def test_misshapen_datasets_are_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        Measurement(change(changed()))
 
 
 def test_images_of_two_sizes_are_refused():

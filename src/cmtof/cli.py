@@ -289,7 +289,8 @@ def info(
     from cmtof import __version__
     from cmtof.captures import data_root
     from cmtof.frame import embedded_frames, read_npz
-    from cmtof.measurement import open_measurement, read_dataset
+    from cmtof.measurement import open_measurement
+    from cmtof.storage import read_dataset
 
     if file is not None:
         path = embedded_frames().get(str(file), file)

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.validation import expect
 
 TAU = 2 * np.pi
 
@@ -110,16 +109,17 @@ def decoding_weights(psi: ArrayLike) -> Array:
 
 def check_psi(psi: Array) -> None:
     """Raise a ValueError unless ``psi`` (K,) can be decoded: 3 or more, finite, distinct."""
-    what, got = "at least 3 reference phases psi in one dimension", f"shape {psi.shape}"
-    expect(psi.ndim == 1 and psi.size >= 3, what, got, "Record more steps or check psi.")
-    expect(np.isfinite(psi).all(), "finite reference phases psi", "NaN or inf", "State every psi.")
+    if psi.ndim != 1 or psi.size < 3:
+        what = f"at least 3 reference phases psi in one dimension, got shape {psi.shape}"
+        raise ValueError(f"Expected {what}. Record more steps or check psi.")
+    if not np.isfinite(psi).all():
+        raise ValueError("Expected finite reference phases psi, got NaN or inf. State every psi.")
     turns = np.exp(1j * psi)
     gaps = np.abs(turns[:, None] - turns[None, :])[np.triu_indices(psi.size, 1)]
-    what, got = (
-        "distinct reference phases psi modulo 2 pi",
-        f"duplicates in {psi.round(6).tolist()}",
-    )
-    expect(gaps.min() >= 1e-6, what, got, "Average repeated steps or correct psi.")
+    if gaps.min() < 1e-6:
+        what = "distinct reference phases psi modulo 2 pi"
+        got = f"duplicates in {psi.round(6).tolist()}"
+        raise ValueError(f"Expected {what}, got {got}. Average repeated steps or correct psi.")
 
 
 def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
@@ -142,9 +142,9 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
     correlation, psi = np.asarray(correlation), np.asarray(psi, float)
     if psi.ndim == 1 and correlation.ndim == 4:
         psi = np.broadcast_to(psi, (len(correlation), psi.size))
-    right = psi.ndim in (1, 2) and correlation.shape[: psi.ndim] == psi.shape
-    what = f"correlation whose first axes match psi {psi.shape}"
-    expect(right, what, correlation.shape, "Put the steps first: (K, ...) or (F, K, ...).")
+    if psi.ndim not in (1, 2) or correlation.shape[: psi.ndim] != psi.shape:
+        what = f"correlation whose first axes match psi {psi.shape}, got {correlation.shape}"
+        raise ValueError(f"Expected {what}. Put the steps first: (K, ...) or (F, K, ...).")
     if psi.ndim == 1:
         return Decoded(*(field[0] for field in decode(correlation[None], psi[None])))
     if correlation.dtype != np.float32:
@@ -173,12 +173,14 @@ def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
     fitted exactly. Raises ValueError with fewer.
     """
     psi = np.asarray(psi, float)
-    what = "more than 3 reference phases to estimate the noise"
-    expect(psi.size > 3, what, psi.size, "Record more steps.")
+    if psi.size <= 3:
+        what = f"more than 3 reference phases to estimate the noise, got {psi.size}"
+        raise ValueError(f"Expected {what}. Record more steps.")
     fit = np.stack([np.ones_like(psi), np.cos(psi), np.sin(psi)])
     null = np.linalg.svd(fit)[2][3:]  # orthonormal directions that the fit does not reach
     images = np.asarray(correlation).reshape(psi.size, -1)
     images = images[:, :: max(1, images.shape[1] // 65536)]  # a sample suffices
+    images = images.astype(np.result_type(images.dtype, np.float32), copy=False)
     return float(1.4826 * np.median(np.abs(null.astype(images.dtype) @ images)))
 
 

@@ -38,8 +38,8 @@ def phase_noise(measurement: Measurement) -> NDArray[np.float64]:
     The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
     only phases or three steps were kept, infinite without signal.
     """
-    phase, amplitude = measurement.phase[:2], measurement.amplitude[:2].astype(float)
-    known = np.isfinite(phase) & np.isfinite(amplitude) & (amplitude > 0)
+    amplitude = measurement.amplitude[:2]
+    known = np.isfinite(amplitude) & (amplitude > 0)
     dataset = measurement.dataset
     if "correlation" not in dataset or dataset.sizes["step"] < 4:
         return np.where(known, 1.0, np.inf)
@@ -50,8 +50,8 @@ def phase_noise(measurement: Measurement) -> NDArray[np.float64]:
 
 
 def _sample_noise(images: NDArray, psi: NDArray[np.floating]) -> float:
-    """Noise of one sample, counts, from the pixels whose samples are all finite."""
-    finite = np.isfinite(images).all(axis=0)
+    """Noise of one sample, counts, from the pixels whose samples are finite and differ."""
+    finite = np.ptp(images, axis=0) > 0  # false for NaN; zeros fill what saw nothing
     if not finite.any():
         return 0.0
     return residual_noise(images if finite.all() else images[:, finite], psi)

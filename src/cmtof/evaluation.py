@@ -40,7 +40,7 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
     scored = measurement.mask & np.isfinite(truth) & (sure >= least)
     expect(scored.any(), "at least one scored pixel", "none", "Check mask and range.")
     frequency = measurement.frequencies[0]
-    depth, phase = truth[scored].astype(float), measurement.phase[0][scored].astype(float)
+    depth, phase = truth[scored].astype(float), measurement.phase[0][scored]
     estimate = result["depth"].to_numpy()[scored].astype(float)
     return {
         "wrap_count": result["wrap_count"].to_numpy()[scored].astype(np.int64),

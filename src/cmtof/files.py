@@ -14,6 +14,26 @@ def check_input(path: str | Path, what: str = "a file to read") -> Path:
     return Path(path)
 
 
+def check_links(file: Any) -> None:
+    """Raise a ValueError if an HDF5 file takes anything from another file."""
+    from h5py import ExternalLink
+
+    found: list[str] = []
+
+    def note_link(name: str, link: Any) -> None:
+        if isinstance(link, ExternalLink):
+            found.append(name)
+
+    def note_storage(name: str, held: Any) -> None:
+        if getattr(held, "external", None) or getattr(held, "is_virtual", False):
+            found.append(name)
+
+    file.visititems_links(note_link)
+    file.visititems(note_storage)
+    if found:
+        raise ValueError(f"{found[0]} lies in another file")
+
+
 def check_output(path: str | Path, *suffixes: str) -> Path:
     """Check that a file can be written, before anything is computed for it; return its place.
 

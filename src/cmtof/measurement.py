@@ -1,13 +1,11 @@
-"""Measurement: the product of simulator and instrument alike. Open, validate, save.
+"""Measurement: the product of simulator and instrument alike. Open, use, save.
 
-A thin wrap around an `xarray.Dataset` of the variables in `_VARIABLES`: ``correlation`` or
+A thin wrap around an `xarray.Dataset` of the variables in `cmtof.contract`: ``correlation`` or
 ``phase``, with the coordinates ``frequency`` and ``psi`` (of correlations); the rest is optional.
 Attributes: ``range_min``, ``range_max`` (m), ``source``, ``protocol``, ``seed``, ``version``, and
 ``saturation``, the count at which the converter clips. Stored as netCDF4 (``.nc``).
 """
 
-import gc
-import sys
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from itertools import product
@@ -19,41 +17,24 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import FREQUENCY_SINGLE
-from cmtof.correlation import TAU, Decoded, check_psi, decode, residual_noise, wrap_length
-from cmtof.files import check_input, check_output, written_whole
-from cmtof.validation import check_claim, check_frequencies, expect, numbers
-
-_STACK, _IMAGES = ("frequency", "step", "y", "x"), ("frequency", "y", "x")
-_VARIABLES: dict[str, tuple[str, tuple[str, ...] | None]] = {
-    "correlation": ("count", _STACK),  # correlation images
-    "raw_counts": ("count", _STACK),  # of the converter in a scan, >= 0
-    "dark": ("count", None),  # dark frame
-    "phase": ("rad", _IMAGES),  # wrapped, instead of correlations
-    "amplitude": ("count", _IMAGES),  # beside a phase
-    "frequency": ("Hz", ("frequency",)),  # of the modulation
-    "psi": ("rad", _STACK[:2]),  # reference phase
-    "depth": ("m", ("y", "x")),  # true range along the ray
-    "mask": ("1", ("y", "x")),  # True where a pixel is valid
-    "camera": ("px", ("parameter",)),  # fx, fy, cx, cy (and skew)
-    "time": ("s", None),
-}  # unit and dimensions
-
-MOST_WRAPS = 10_000
-"""Greatest number of wraps of the lowest frequency to choose from; the prototype's beat has 358."""
+from cmtof.contract import STACK, VARIABLES, admitted
+from cmtof.contract import unambiguous_range as unambiguous_range
+from cmtof.correlation import Decoded, decode
+from cmtof.files import check_input
+from cmtof.storage import loaded, read_dataset, save_dataset
+from cmtof.validation import numbers
 
 
 class Measurement:
     """Correlation images with all that is needed to turn them into depth.
 
     ``dataset`` is described at the top of this module; a ValueError says if something in it is
-    missing, misshapen, no number, not finite, negative or saturated.
+    missing, misshapen, no number, not finite or saturated. It is held in SI units and in floats,
+    NaN where a pixel is masked.
     """
 
     def __init__(self, dataset: xr.Dataset) -> None:
-        validate(dataset)
-        for name in _VARIABLES.keys() & set(dataset.variables):
-            dataset[name].attrs.setdefault("units", _VARIABLES[name][0])
-        self.dataset = dataset
+        self.dataset = admitted(dataset)
 
     @classmethod
     def from_arrays(
@@ -67,15 +48,15 @@ class Measurement:
         file should hold as an attribute.
         """
         frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
-        correlation, psi = np.asarray(correlation), numbers(psi, "psi")
+        psi = numbers(psi, "psi")
         if psi.ndim == 1:
             psi = np.broadcast_to(psi, (frequencies.size, psi.size))
-        right = correlation.ndim == 4 and correlation.shape[:2] == psi.shape
-        what = f"correlation (F, K, H, W), psi {psi.shape}"
-        expect(right, what, correlation.shape, "Put frequency and step first.")
-        variables = {"correlation": (_STACK, correlation)}
-        coordinates = {"frequency": frequencies, "psi": (_STACK[:2], psi)}
-        return cls(_dataset(variables, coordinates, more))
+        shape = np.shape(correlation)
+        if len(shape) != 4 or shape[:2] != psi.shape:
+            what = f"correlation (F, K, H, W), psi {psi.shape}"
+            raise ValueError(f"Expected {what}, got {shape}. Put frequency and step first.")
+        coordinates = {"frequency": frequencies, "psi": (STACK[:2], psi)}
+        return cls(_dataset({"correlation": correlation}, coordinates, more))
 
     @classmethod
     def from_phase(
@@ -88,9 +69,7 @@ class Measurement:
     ) -> "Measurement":
         """Measurement of phase maps (F, H, W), rad, where correlations were not kept."""
         frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
-        variables = {"phase": (_IMAGES, np.mod(numbers(phase, "phase"), TAU))}
-        if amplitude is not None:
-            variables["amplitude"] = (_IMAGES, numbers(amplitude, "amplitude"))
+        variables = {"phase": phase, "amplitude": amplitude}
         return cls(_dataset(variables, {"frequency": frequencies}, more))
 
     @property
@@ -100,22 +79,28 @@ class Measurement:
 
     @cached_property
     def decoded(self) -> Decoded:
-        """Wrapped phase, rad, amplitude and offset, counts, each (F, H, W)."""
+        """Wrapped phase, rad, amplitude and offset, counts, each (F, H, W), in float64.
+
+        Where nothing valid was measured the phase is 0 and the others NaN.
+        """
         if "correlation" in self.dataset:
-            return decode(self.dataset["correlation"].to_numpy(), self.dataset["psi"].to_numpy())
-        phase = self.dataset["phase"].to_numpy()
-        amplitude = self._image("amplitude")
-        amplitude = np.ones_like(phase) if amplitude is None else amplitude
-        return Decoded(phase, amplitude, np.full_like(phase, np.nan))
+            images, psi = self.dataset["correlation"].to_numpy(), self.dataset["psi"].to_numpy()
+            return Decoded(*(image.astype(float) for image in decode(images, psi)))
+        phase = self.dataset["phase"].to_numpy().astype(float)
+        stored = self._image("amplitude")
+        amplitude = np.ones_like(phase) if stored is None else stored.astype(float)
+        known = np.isfinite(phase) & np.isfinite(amplitude)
+        unknown = np.full_like(phase, np.nan)
+        return Decoded(np.where(known, phase, 0), np.where(known, amplitude, unknown), unknown)
 
     @property
     def phase(self) -> NDArray[np.floating]:
-        """Wrapped phase (F, H, W) in [0, 2 pi), rad."""
+        """Wrapped phase (F, H, W) in [0, 2 pi), rad; 0 where nothing valid was measured."""
         return self.decoded.phase
 
     @property
     def amplitude(self) -> NDArray[np.floating]:
-        """Coefficient of the cosine (F, H, W), counts; ones where only phases were kept."""
+        """Coefficient of the cosine (F, H, W), counts; ones where only phases were kept, or NaN."""
         return self.decoded.amplitude
 
     @property
@@ -173,7 +158,7 @@ def tiles(
     for y, x in product(range(0, dataset.sizes["y"], tile), range(0, dataset.sizes["x"], tile)):
         top, left = max(y - margin, 0), max(x - margin, 0)
         ends = {"y": slice(top, y + tile + margin), "x": slice(left, x + tile + margin)}
-        seen = dataset.isel(ends).load()
+        seen = loaded(dataset.isel(ends))
         if "camera" in seen:
             seen["camera"] = seen["camera"] - np.resize([0, 0, left, top, 0], seen.camera.size)
         inner = {"y": slice(y - top, y - top + tile), "x": slice(x - left, x - left + tile)}
@@ -183,118 +168,40 @@ def tiles(
 def _dataset(
     variables: dict[str, Any], coordinates: Mapping[str, Any], more: dict[str, Any]
 ) -> xr.Dataset:
-    """Assemble variables that are there; the range ends by default where the phases repeat."""
+    """Dataset of arrays by name; None is left out, and what a masked array masks is masked."""
     from cmtof import __version__
 
-    for name in ("depth", "mask", "camera"):
-        if (values := more.pop(name, None)) is not None:
-            array = np.asarray(values)
-            if name != "depth":
-                array = numbers(values, name, np.int8 if name == "mask" else float)
-            variables[name] = (_VARIABLES[name][1], array)
-    check_frequencies(coordinates["frequency"])
-    kept = {key: value for key, value in more.items() if value is not None}
-    limits = {"range_min": 0.0, "range_max": unambiguous_range(coordinates["frequency"])}
+    depth, mask = more.pop("depth", None), more.pop("mask", None)
+    variables = variables | {"camera": more.pop("camera", None)}
+    if depth is not None:
+        variables["depth"] = np.ma.filled(np.ma.asarray(depth), np.nan)
+    held = {name: values for name, values in variables.items() if values is not None}
     try:
-        dataset = xr.Dataset(variables, coordinates)
+        if (valid := _valid_pixels(held, mask)) is not None:
+            held["mask"] = valid
+        images = {name: (VARIABLES[name].dims, np.asarray(held[name])) for name in held}
+        dataset = xr.Dataset(images, coordinates)
     except ValueError as error:
-        expect(False, "arrays of one image size", str(error).splitlines()[0], "Check shapes.")
-    dataset.attrs = {"version": __version__, **limits, **kept}
+        if str(error).startswith("Expected"):
+            raise
+        reason = str(error).splitlines()[0]
+        what = f"arrays of one image size, got others ({reason})"
+        raise ValueError(f"Expected {what}. Check shapes.") from None
+    kept = {key: value for key, value in more.items() if value is not None}
+    dataset.attrs = {"version": __version__, **kept}
     return dataset
 
 
-def unambiguous_range(frequencies: ArrayLike) -> float:
-    """Range within which the phases do not repeat, within their noise, m.
-
-    Two frequencies: the beat's ``c / 2 |f2 - k f1|`` with ``k = round(f2 / f1)``, 7.495 m for the
-    prototype; one frequency: a single wrap.
-    """
-    low, high = np.min(frequencies), np.max(frequencies)
-    beat = abs(high - np.round(high / low) * low)
-    return float(wrap_length(beat if beat > 0 else low))
-
-
-# --- what a measurement must be ----------------------------------------------------------------
-
-
-def validate(dataset: xr.Dataset) -> None:
-    """Raise a ValueError that states what is wrong with a dataset, and how to mend it."""
-    data = "correlation" if "correlation" in dataset else "phase"
-    what, got = "a variable 'correlation' (frequency, step, y, x)", list(dataset)
-    expect(data in dataset, what, got, "See the page «Bring your own data».")
-    for name in ("frequency", "psi") if data == "correlation" else ("frequency",):
-        got = list(dataset.coords)
-        expect(name in dataset.coords, f"a coordinate '{name}'", got, "State it for every image.")
-    for name, (_, dims) in _VARIABLES.items():
-        if name in dataset.variables:
-            found, kind = dataset[name], dataset[name].dtype
-            expect(kind.kind in "biuf", f"numbers as {name}", f"type {kind}", "Store floats.")
-            right = found.size and found.dims == (dims or found.dims)
-            what = f"{name} with dimensions {dims}, none of them empty"
-            expect(right, what, dict(found.sizes), "Transpose or rename them.")
-    check_frequencies(dataset["frequency"].to_numpy())
-    if "camera" in dataset:
-        camera = dataset["camera"].to_numpy()
-        right = camera.size in (4, 5) and np.isfinite(camera).all() and (camera[:2] > 0).all()
-        expect(right, "camera [fx, fy, cx, cy] in px", camera.tolist(), "Correct it.")
-    for steps in dataset["psi"].to_numpy() if data == "correlation" else ():
-        check_psi(np.asarray(steps, float))
-    _check_range(dataset)
-    _check_values(dataset, data)
-
-
-def _check_range(dataset: xr.Dataset) -> None:
-    ends = [dataset.attrs.get(key, np.nan) for key in ("range_min", "range_max")]
-    plain = all(np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends)
-    low, high = map(float, ends) if plain else (np.nan, np.nan)
-    what = "attributes 0 <= range_min < range_max in m"
-    expect(0 <= low < high < np.inf, what, ends, "Set the depths to choose from.")
-    wraps = high / float(wrap_length(dataset["frequency"].to_numpy()[0]))
-    what = f"at most {MOST_WRAPS} wraps of the lowest frequency within range_max"
-    expect(wraps <= MOST_WRAPS, what, f"{wraps:.3g}", "Lower range_max or the frequency.")
-
-
-def _check_values(dataset: xr.Dataset, data: str) -> None:
-    """Valid pixels only: finite, no negative light, raw counts within the converter's scale."""
-    valid = dataset["mask"].to_numpy().astype(bool) if "mask" in dataset else np.True_
-    values = dataset[data].to_numpy()
-
-    def refuse(bad: NDArray, what: str, got: str, advice: str) -> None:
-        amount = int((bad & valid).sum())
-        expect(not amount, what, f"{amount} {got}", advice)
-
-    refuse(~np.isfinite(values), f"finite {data}", "NaN or inf", "Mask those pixels.")
-    if data == "phase":
-        return
-    for images, steps in zip(values, dataset["psi"].to_numpy(), strict=True):
-        if steps.size > 3:  # three steps are fitted exactly and show no noise
-            # a noisy sample may be negative (Eq. 8), a pixel's mean only by as much as noise
-            mean, noise = images.mean(axis=0), residual_noise(images, steps) / np.sqrt(steps.size)
-            bad = mean < -10 * noise - 1e-6 * np.abs(mean).max()
-            got, advice = "pixels whose mean over psi is negative", "Check the dark frame."
-            refuse(bad, "counts >= 0 up to noise", got, advice)
-    counts = dataset.get("raw_counts", dataset["correlation"]).to_numpy()
-    if np.issubdtype(values.dtype, np.integer) or "raw_counts" in dataset:
-        refuse(counts < 0, "counts >= 0", "negative ones", "Check the sign of the read-out.")
-    if (limit := dataset.attrs.get("saturation")) is not None:
-        most = float(np.min(numbers(limit, "the attribute saturation"), initial=np.inf))
-        what, advice = f"counts below the saturation {most:g}", "Lower gain or exposure, or mask."
-        refuse(counts >= most, what, "at or above it", advice)
-
-
-# --- files -------------------------------------------------------------------------------------
-
-
-def save_dataset(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset as netCDF4, beside first and then renamed; arrays are compressed.
-
-    The file is built in memory: HDF5 written to a full disk would end the process.
-    """
-    check_output(path, ".nc")
-    encoding = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
-    stored = dataset.to_netcdf(engine="h5netcdf", encoding=encoding)
-    with written_whole(path) as part:
-        part.write_bytes(stored)
+def _valid_pixels(images: Mapping[str, ArrayLike], mask: ArrayLike | None) -> NDArray | None:
+    """Pixels (H, W) that neither the mask nor a masked array leaves out; None for all."""
+    parts = []
+    if mask is not None:
+        parts.append(np.nan_to_num(numbers(np.ma.filled(mask, 0), "mask")) != 0)
+    for image in images.values():
+        if np.ma.is_masked(image):
+            hidden = np.ma.getmaskarray(image)
+            parts.append(~hidden.any(axis=tuple(range(hidden.ndim - 2))))
+    return np.logical_and.reduce(parts).astype(np.int8) if parts else None
 
 
 def open_measurement(path: str | Path) -> Measurement:
@@ -309,27 +216,10 @@ def open_measurement(path: str | Path) -> Measurement:
         return Measurement(read_dataset(path))
     if path.suffix == ".npz":
         return _open_npz(path)
+    if path.suffix == ".csv":
+        return _open_capture(path)
     what = "a file named *.nc, *.npz or *_phase.csv"
-    expect(path.suffix == ".csv", what, path.name, "Convert it first.")
-    return _open_capture(path)
-
-
-def read_dataset(path: str | Path) -> xr.Dataset:
-    """Read a netCDF4 file of any content into memory; one ValueError for whatever is wrong."""
-    check_input(path)
-    heard, sys.unraisablehook = sys.unraisablehook, lambda _: None
-    reason = ""
-    try:  # h5netcdf's destructor would print a traceback of its own for a damaged file
-        with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as handle:
-            check_claim(handle.nbytes, Path(path).stat().st_size)
-            return handle.load()
-    except Exception as error:
-        reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-    finally:
-        if reason:
-            gc.collect()
-        sys.unraisablehook = heard
-    raise ValueError(f"Expected a whole netCDF4 file, got {path} ({reason}). Write it again.")
+    raise ValueError(f"Expected {what}, got {path.name}. Convert it first.")
 
 
 def _open_npz(path: Path) -> Measurement:
@@ -337,14 +227,14 @@ def _open_npz(path: Path) -> Measurement:
 
     arrays = read_npz(path)
     needed = ("correlation", "psi", "frequency")
-    what = f"arrays {', '.join(needed)} in {path}"
-    advice = "A frame of depth and intensity becomes a measurement by `cmtof simulate`."
-    expect(arrays.keys() >= set(needed), what, sorted(arrays), advice)
-    images = {k: arrays[k] for k in ("depth", "mask", "camera") if k in arrays}
-    limits = {k: float(arrays[k]) for k in ("range_min", "range_max") if k in arrays}
-    return Measurement.from_arrays(
-        *(arrays[k] for k in needed), source=path.name, **images, **limits
-    )
+    if not arrays.keys() >= set(needed):
+        what = f"arrays {', '.join(needed)} in {path}, got {', '.join(sorted(arrays))}"
+        advice = "A frame of depth and intensity becomes a measurement by `cmtof simulate`."
+        raise ValueError(f"Expected {what}. {advice}")
+    stacks = (arrays[name] for name in needed)
+    more = {k: arrays[k] for k in ("depth", "mask", "camera") if k in arrays}
+    more |= {k: arrays[k].item() for k in ("range_min", "range_max") if k in arrays}
+    return Measurement.from_arrays(*stacks, source=path.name, **more)
 
 
 def _open_capture(path: Path) -> Measurement:

@@ -1,6 +1,6 @@
 """RGB-D frame -> Measurement: the paper's simulator (Sec. 5.3, Eq. 8)."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,7 @@ from cmtof.correlation import wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement, unambiguous_range
-from cmtof.validation import check_frequencies, expect, numbers
+from cmtof.validation import checked_frequencies
 
 Protocol = Literal["released", "full"]
 
@@ -19,6 +19,8 @@ RELEASED_WRAPS = (36, 57)
 
 RELEASED_FAR_DEPTH = 1.195
 """Depth to which the released code shrinks each scene's 99.9th percentile, m."""
+
+_FAR = 20.0  # nearest depth, m, beyond which depths seem to be no metres
 
 QUADRATURES = tuple(float(k * np.pi / 2) for k in range(4))
 """The four reference phases of Eq. 8 in rising order, rad."""
@@ -48,9 +50,16 @@ def simulate(
     ``phase_offset`` (F,) is an error of calibration added to every phase of a frequency, rad
     (Table 3). The noise is drawn from ``default_rng([seed, frame_number])``.
     """
-    frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
-    check_frequencies(frequencies)
-    depth, mask, limits = staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
+    frequencies = checked_frequencies(frequencies)
+    if order not in get_args(NoiseOrder):
+        raise ValueError(f"Expected order 'paper' or 'released', got {order!r}. Choose one.")
+    if not (0 < gain < np.inf and 0 < integration_time < np.inf):
+        got = f"{gain} and {integration_time}"
+        raise ValueError(f"Expected gain and integration_time > 0, got {got}. Correct them.")
+    try:
+        depth, mask, limits = staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
+    except ValueError as error:  # a note may tell why
+        raise ValueError(f"{error} {frame.note}".strip()) from None
     # where no depth is known no light returns
     intensity = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0).astype(np.float32)
     filled = np.where(np.isfinite(depth), depth, 0)
@@ -117,17 +126,25 @@ def staged_depth(
     """
     depth = np.asarray(depth, float)
     known = np.isfinite(depth)
-    expect(known.any(), "a depth map with known pixels", "none", "Use another frame.")
+    if not known.any():
+        raise ValueError("Expected a depth map with known pixels, got none. Use another frame.")
     if protocol == "released":
         step = float(wrap_length(frequencies[0]))
         limits = (RELEASED_WRAPS[0] * step, RELEASED_WRAPS[1] * step)
-        far = np.percentile(depth[known], 99.9)
-        depth = depth * np.clip(RELEASED_FAR_DEPTH / far, 0.01, 1.0)
-    else:
-        expect(protocol == "full", "protocol 'released' or 'full'", repr(protocol), "Choose one.")
+        depth = depth * released_scale(np.percentile(depth[known], 99.9))
+    elif protocol == "full":
         limits = (0.0, unambiguous_range(frequencies))
+    else:
+        raise ValueError(f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one.")
     mask = known & (np.where(known, depth, -1) >= limits[0]) & (depth < limits[1])
-    what = f"depths between {limits[0]:.3f} and {limits[1]:.3f} m"
-    got = f"{np.nanmin(depth):.3f} to {np.nanmax(depth):.3f} m"
-    expect(mask.any(), what, got, "Use another protocol or frame.")
+    if not mask.any():
+        nearest, farthest = np.nanmin(depth), np.nanmax(depth)
+        what = f"depths between {limits[0]:.3f} and {limits[1]:.3f} m"
+        advice = "Are they in millimetres?" if nearest > _FAR else "Use another protocol or frame."
+        raise ValueError(f"Expected {what}, got {nearest:.3f} to {farthest:.3f} m. {advice}")
     return depth, mask, limits
+
+
+def released_scale(far: float) -> float:
+    """Factor by which the released code shrinks a scene with the 99.9th percentile ``far``, m."""
+    return float(np.clip(RELEASED_FAR_DEPTH / far, 0.01, 1.0))

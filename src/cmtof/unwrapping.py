@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from cmtof.contract import structured
 from cmtof.correlation import (
     TAU,
     consistent_wrap_count,
@@ -17,9 +18,9 @@ from cmtof.correlation import (
 )
 from cmtof.estimate import within_range
 from cmtof.files import written_whole
-from cmtof.measurement import Measurement, open_measurement, save_dataset, tiles
+from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
-from cmtof.validation import expect
+from cmtof.storage import opened_dataset, save_dataset
 
 
 def unwrap(
@@ -47,18 +48,15 @@ def unwrap(
     >>> bool(abs(result.depth - measurement.depth).max() < 1e-4)
     True
     """
-    chosen, right = find_method(method), 0 <= min_confidence <= 1
-    expect(right, "a least confidence from 0 to 1", min_confidence, "Choose 0.5, say.")
+    chosen = find_method(method)
+    if not 0 <= min_confidence <= 1:
+        what = f"a least confidence from 0 to 1, got {min_confidence}"
+        raise ValueError(f"Expected {what}. Choose 0.5, say.")
     if range is not None:
-        low, high = range
-        held = measurement.range
-        right = 0 <= low < high and high > held[0] and low < held[1]
-        what = f"a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to {held[1]:.3f}"
-        expect(right, what, f"{low:g} to {high:g}", "Widen or move it.")
-        measurement = measurement.between(low, high)
+        measurement = _narrowed(measurement, *range)
     estimate = chosen(measurement, **options)
-    frequency, measured = measurement.frequencies[0], measurement.phase[0].astype(float)
-    mask, phase = measurement.mask & np.isfinite(measured), np.nan_to_num(measured)
+    frequency = measurement.frequencies[0]
+    phase, mask = measurement.phase[0], measurement.mask
     # the estimate of a pixel without a phase may be NaN
     believed = within_range(np.where(mask, estimate.depth, measurement.range[0]), measurement)
     # wraps whose depth obeys min <= z < max
@@ -89,6 +87,15 @@ def unwrap(
     return xr.Dataset(images, attrs=attributes)
 
 
+def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
+    """The measurement with a range asked for, m, which has to meet its own."""
+    held = measurement.range
+    if not (0 <= low < high and high > held[0] and low < held[1]):
+        what = f"a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to {held[1]:.3f}"
+        raise ValueError(f"Expected {what}, got {low:g} to {high:g}. Widen or move it.")
+    return measurement.between(low, high)
+
+
 def unwrap_file(
     source: str | Path, output: str | Path, *, tile: int = 0, margin: int = 128, **how: Any
 ) -> Iterator[tuple[float, Measurement, xr.Dataset]]:
@@ -105,19 +112,26 @@ def unwrap_file(
         return
     import h5netcdf
 
-    handle = xr.open_dataset(source, engine="h5netcdf", decode_times=False)
-    with handle as held, written_whole(output) as part, h5netcdf.File(part, "w") as file:
+    with opened_dataset(source) as handle, written_whole(output) as part:
+        held = structured(handle)
         height, width = held.sizes["y"], held.sizes["x"]
-        file.dimensions = {"y": height, "x": width}
         if shutil.disk_usage(part.parent).free < (need := 12 * height * width):  # or HDF5 ends all
             raise OSError(f"Expected {need} bytes free for {output}, got less. Free some.")
-        for seen, inner, place in tiles(held, tile, margin):
-            found = unwrap(seen, **how).isel(inner)
-            for name, image in found.items():
-                if name not in file.variables:
-                    packed = {"chunks": image.shape, "compression": "gzip", "compression_opts": 1}
-                    file.create_variable(name, ("y", "x"), image.dtype, **packed)
-                    file.variables[name].attrs.update(image.attrs)
-                file.variables[name][place] = image.to_numpy()
-            file.attrs.update(found.attrs | {"tile": tile, "margin": margin})
-            yield found.depth.size / (height * width), Measurement(seen.dataset.isel(inner)), found
+        with h5netcdf.File(part, "w") as file:
+            file.dimensions = {"y": height, "x": width}
+            for seen, inner, place in tiles(held, tile, margin):
+                found = unwrap(seen, **how).isel(inner)
+                _write_tile(file, found, place)
+                file.attrs.update(found.attrs | {"tile": tile, "margin": margin})
+                share = found.depth.size / (height * width)
+                yield share, Measurement(seen.dataset.isel(inner)), found
+
+
+def _write_tile(file: Any, found: xr.Dataset, place: tuple[slice, slice]) -> None:
+    """Write the images of a tile to their place in a file of results."""
+    for name, image in found.items():
+        if name not in file.variables:
+            packed = {"chunks": image.shape, "compression": "gzip", "compression_opts": 1}
+            file.create_variable(name, ("y", "x"), image.dtype, **packed)
+            file.variables[name].attrs.update(image.attrs)
+        file.variables[name][place] = image.to_numpy()

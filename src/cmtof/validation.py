@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 T = TypeVar("T")
-HIGHEST_FREQUENCY = 1e12  # of a modulation, Hz
+LOWEST_FREQUENCY = 1e5
+HIGHEST_FREQUENCY = 1e12
+"""Lowest and highest frequency that is believed to be a modulation's, Hz."""
 
 
 def expect(holds: object, what: str, got: object, advice: str) -> None:
@@ -51,8 +53,9 @@ def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDAr
     ValueError: Expected numbers as depth, got values of type <U3. Store them as float.
     """
     array = np.asarray(values)
-    got = f"values of type {array.dtype}"
-    expect(array.dtype.kind in "biuf", f"numbers as {what}", got, "Store them as float.")
+    if array.dtype.kind not in "biuf":
+        got = f"values of type {array.dtype}. Store them as float"
+        raise ValueError(f"Expected numbers as {what}, got {got}.")
     with np.errstate(over="ignore"):  # beyond float32 is infinite, and refused as such
         return array.astype(dtype)
 
@@ -66,9 +69,23 @@ def check_claim(claimed: int, stored: int) -> None:
         raise ValueError(f"its header claims {claimed:.3g} bytes, it holds {stored}")
 
 
-def check_frequencies(frequencies: NDArray[np.floating]) -> None:
-    """Raise a ValueError unless frequencies (F,) in Hz are positive, sensible and rising."""
-    within = (frequencies > 0) & (frequencies <= HIGHEST_FREQUENCY)  # false for NaN
-    rising = frequencies.size and within.all() and (np.diff(frequencies) > 0).all()
-    what = f"modulation frequencies in rising order, > 0 and up to {HIGHEST_FREQUENCY:g} Hz"
-    expect(rising, what, frequencies.tolist(), "State them in Hz, for instance 7.15e9, 14.32e9.")
+def checked_frequencies(values: ArrayLike) -> NDArray[np.float64]:
+    """Modulation frequencies (F,), Hz; a ValueError unless they are sensible and rise."""
+    found = np.atleast_1d(numbers(values, "frequencies"))
+    within = (found >= LOWEST_FREQUENCY) & (found <= HIGHEST_FREQUENCY)  # false for NaN
+    if not (found.size and within.all() and (np.diff(found) > 0).all()):
+        what = "modulation frequencies in rising order"
+        what += f", from {LOWEST_FREQUENCY:g} up to {HIGHEST_FREQUENCY:g} Hz"
+        advice = "State them in Hz, for instance 7.15e9, 14.32e9."
+        raise ValueError(f"Expected {what}, got {found.tolist()}. {advice}")
+    return found
+
+
+def checked_camera(values: ArrayLike, where: str) -> NDArray[np.float64]:
+    """Camera fx, fy, cx, cy and perhaps a skew, px; a ValueError unless they are possible."""
+    found = numbers(values, f"camera of {where}")
+    known = found.shape in ((4,), (5,)) and np.isfinite(found).all()
+    if not (known and (found[:2] > 0).all()):
+        what = f"camera fx fy cx cy (skew), px, with fx, fy > 0, in {where}"
+        raise ValueError(f"Expected {what}, got {found.tolist()}. Correct it.")
+    return found

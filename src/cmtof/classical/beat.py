@@ -45,13 +45,11 @@ def synthetic_frequency(low: float, high: float) -> Synthetic:
 
 
 def beat_phasor(measurement: Measurement) -> Complex:
-    """Phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` (H, W), counts^2; zero where not finite."""
+    """Phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` (H, W), counts^2; zero where unknown."""
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
     low, high = measurement.phase[:2]
-    size = measurement.amplitude[0] * measurement.amplitude[1]
-    with np.errstate(invalid="ignore"):
-        phasor = size * np.exp(1j * synthetic.sign * (high - synthetic.multiple * low))
-    return np.where(np.isfinite(phasor), phasor, 0)
+    size = np.nan_to_num(measurement.amplitude[0] * measurement.amplitude[1])
+    return size * np.exp(1j * synthetic.sign * (high - synthetic.multiple * low))
 
 
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
@@ -71,7 +69,7 @@ def beat_guided(measurement: Measurement) -> Estimate:
     with the `guides` g and all means weighted by ``|p_1| |p_2|``, the inverse variance of the phase
     theta of the beat. The confidence is that of a plain average over as many pixels.
     """
-    phasor = beat_phasor(measurement).astype(complex)  # the fit needs double precision
+    phasor = beat_phasor(measurement)
     size = np.abs(phasor)
     weight = size / (size.mean() or 1.0) + 1e-6
     unit = np.divide(phasor, size, out=np.zeros_like(phasor), where=size > 0)
@@ -86,10 +84,9 @@ def guides(measurement: Measurement) -> Array:
     p(x)`` over 11 x 11 px, p the phasor of the lowest frequency. The sum's length over that of
     lengths, the coherence, sinks at edges.
     """
-    amplitude = np.nan_to_num(measurement.amplitude[:2].astype(float), posinf=0, neginf=0)
-    phase = np.nan_to_num(measurement.phase[0].astype(float), posinf=0, neginf=0)
-    phasor = amplitude[0] * np.exp(1j * phase)
-    coherence, slopes = np.ones(phase.shape), []
+    amplitude = np.nan_to_num(measurement.amplitude[:2])
+    phasor = amplitude[0] * np.exp(1j * measurement.phase[0])
+    coherence, slopes = np.ones(phasor.shape), []
     for axis in (0, 1):
         pairs = np.zeros_like(phasor)
         ahead, behind = np.moveaxis(phasor, axis, 0)[1:], np.moveaxis(phasor, axis, 0)[:-1]

@@ -20,7 +20,7 @@ from cmtof.validation import expect
 def crt(measurement: Measurement) -> Estimate:
     """Range-limited search for the wrap with the smallest remainder, pixel by pixel."""
     wraps, residual = nearest_wrap(measurement)
-    depth = depth_from_wraps(measurement.phase[0].astype(float), wraps, measurement.frequencies[0])
+    depth = depth_from_wraps(measurement.phase[0], wraps, measurement.frequencies[0])
     return Estimate(depth, _posterior(measurement, wraps, residual))
 
 
@@ -41,12 +41,11 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     got, advice = f"{low} and {high} Hz with {common} Hz", "Round them to whole MHz."
     expect(k1 * k2 <= 10**12, "frequencies with a large common divisor", got, advice)
     lengths = wrap_length(measurement.frequencies[:2])[:, None, None]
-    first, second = measurement.phase[:2].astype(float) * lengths / TAU
+    first, second = measurement.phase[:2] * lengths / TAU
     unit = float(wrap_length(low)) / k2
-    with np.errstate(invalid="ignore"):
-        q = np.rint((second - first) / unit).astype(np.int64)
+    q = np.rint((second - first) / unit).astype(np.int64)
     wraps = (q * pow(k2, -1, k1)) % k1 if k1 > 1 else np.zeros_like(q)
-    depth = depth_from_wraps(measurement.phase[0].astype(float), wraps, low)
+    depth = depth_from_wraps(measurement.phase[0], wraps, low)
     noise = depth_from_phase(phase_noise(measurement), measurement.frequencies[:2, None, None])
     spread = np.maximum(np.hypot(*noise), 1e-12)
     off = (second - first) - q * unit
@@ -61,7 +60,7 @@ def nearest_wrap(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[n
     """
     ratio = measurement.frequencies[1] / measurement.frequencies[0]
     first, last = wraps_in_range(measurement)
-    phase = np.nan_to_num(measurement.phase[:2].astype(float)) / TAU
+    phase = measurement.phase[:2] / TAU
     step = ratio - round(ratio)
     start = phase[1] - ratio * phase[0] - step * first  # turns, at the first wrap
     start -= np.rint(start)
@@ -80,8 +79,8 @@ def nearest_wrap(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[n
 def fused_depth(measurement: Measurement, wraps: NDArray[np.integer], residual: Array) -> Array:
     """Mean of both phases' depths (H, W), m, weighted by ``(f_i a_i)^2``, by `nearest_wrap`."""
     low, high = measurement.frequencies[:2]
-    phase = np.nan_to_num(measurement.phase[0].astype(float))
-    amplitude = np.nan_to_num(measurement.amplitude[:2].astype(float), posinf=0)
+    phase = measurement.phase[0]
+    amplitude = np.nan_to_num(measurement.amplitude[:2])
     weights = (amplitude * np.array([low, high])[:, None, None]) ** 2
     share = weights[1] / np.maximum(weights.sum(axis=0), np.finfo(float).tiny)
     depth = depth_from_wraps(phase, wraps, low) + share * depth_from_phase(residual, high)

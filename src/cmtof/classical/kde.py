@@ -43,7 +43,7 @@ def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIU
     label, best, total = _densest(measurement, kernel, radius)
     dense = best > 1e-32  # else no neighbour has a say, and the least misfit decides
     wraps = np.where(dense, label + first, nearest_wrap(measurement)[0])
-    phase = np.nan_to_num(measurement.phase[:2].astype(float))
+    phase = measurement.phase[:2]
     residual = centred(phase[1] - high / low * (phase[0] + TAU * wraps))
     share = np.minimum(best / np.where(dense, total, 1), 1)
     confidence = np.where(dense, share, 1 / (last - first + 1))
@@ -59,8 +59,7 @@ def hypotheses(measurement: Measurement) -> Iterator[NDArray[np.float32]]:
     """Weight w_j (H, W) of every wrap in range, one after the other."""
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
-    phase, noise = measurement.phase[:2].astype(float), phase_noise(measurement)
-    phase = np.where(np.isfinite(phase).all(axis=0), phase, 0)
+    phase, noise = measurement.phase[:2], phase_noise(measurement)
     ratio = high / low
     # at least a quarter of the step from wrap to wrap: without noise no weight may vanish
     step = TAU * abs(ratio - round(ratio))
@@ -82,7 +81,7 @@ def _densest(
     A cubic through nodes h/2 apart, each a blurred image, gives the density at the depths ``u + n``
     of the pixel, u its phase in turns; it errs by 0.4 % of its peak.
     """
-    u = (np.nan_to_num(measurement.phase[0]) / TAU).astype(np.float32)
+    u = (measurement.phase[0] / TAU).astype(np.float32)
     nodes = max(2, ceil(2 / kernel))
     cubic = _cubic_shares(u * nodes, nodes)
     images = _blurred_nodes([*hypotheses(measurement)], _kernels(u, kernel, nodes), radius)

@@ -76,9 +76,9 @@ def wrap_field(measurement: Measurement) -> Field:
     """Smoothed phases and beat of a measurement, weighted by their noise."""
     low, high = measurement.frequencies[:2]
     synthetic = synthetic_frequency(low, high)
-    phase, amplitude = measurement.phase[:2].astype(float), measurement.amplitude[:2].astype(float)
-    known = (np.isfinite(phase) & np.isfinite(amplitude)).all(axis=0)
-    phasors = np.where(known, amplitude, 0) * np.exp(1j * np.where(known, phase, 0))
+    amplitude = measurement.amplitude[:2]
+    known = np.isfinite(amplitude).all(axis=0)
+    phasors = np.where(known, amplitude, 0) * np.exp(1j * measurement.phase[:2])
     slope = _slope(phasors[0])
     smooth = _coherent_mean(phasors, slope, high / low, RADIUS)
     noise = _noise(phasors, _coherent_mean(phasors, slope, high / low, 1))

@@ -28,8 +28,8 @@ def phasor(measurement: Measurement) -> Estimate:
     _refuse_far_frequencies(low, high, measurement.range[1] - measurement.range[0])
     noise = phase_noise(measurement)
     known = np.isfinite(noise).all(axis=0)
-    phase = np.where(known, measurement.phase[:2].astype(float), 0)
-    amplitude = np.where(known, measurement.amplitude[:2].astype(float), 0)
+    phase = np.where(known, measurement.phase[:2], 0)
+    amplitude = np.where(known, measurement.amplitude[:2], 0)
     best = np.full(measurement.shape, np.mean(measurement.range))
     height = np.where(known, -np.inf, np.inf)  # a pixel without signal stays in the middle
     for wraps in _candidates(phase, measurement):

@@ -35,10 +35,10 @@ def reference_depth(measurement: Measurement) -> Estimate:
     By the paper's count 9 % of them are wrong: noise carries phases across the boundary of a wrap.
     """
     frequency = measurement.frequencies[0]
-    phase = measurement.phase[0].astype(float)
+    phase = measurement.phase[0]
     truth = _truth(measurement)
     known = np.isfinite(truth)
-    wraps = consistent_wrap_count(np.where(known, truth, 0), np.nan_to_num(phase), frequency)
+    wraps = consistent_wrap_count(np.where(known, truth, 0), phase, frequency)
     depth = np.where(known, depth_from_wraps(phase, wraps, frequency), sum(measurement.range) / 2)
     return Estimate(within_range(depth, measurement), known.astype(float))
 
@@ -90,12 +90,11 @@ def _truth(measurement: Measurement) -> Array:
 
 
 def _demodulated(measurement: Measurement) -> Complex:
-    """Phasors (2, H, W) turned back by the true depth; zero where not finite."""
+    """Phasors (2, H, W) turned back by the true depth; zero where unknown."""
     shape = np.nan_to_num(_truth(measurement))
     turned = phase_from_depth(shape, measurement.frequencies[:2, None, None])
-    with np.errstate(invalid="ignore"):
-        phasors = measurement.amplitude[:2] * np.exp(1j * (measurement.phase[:2] - turned))
-    return np.where(np.isfinite(phasors), phasors, 0)
+    amplitude = np.nan_to_num(measurement.amplitude[:2])
+    return amplitude * np.exp(1j * (measurement.phase[:2] - turned))
 
 
 def _pooled(measurement: Measurement, surface: NDArray[np.intp], side: int = 0) -> Estimate:

@@ -81,7 +81,7 @@ def relative_phase(measurement: Measurement) -> Array:
     from skimage.restoration import unwrap_phase
 
     mask = measurement.mask
-    phase = np.where(mask, np.nan_to_num(measurement.phase[0]), 0.0).astype(float)
+    phase = np.where(mask, measurement.phase[0], 0.0)
     if 1 in mask.shape or not mask.any():  # scikit-image unwraps no lines
         phase[mask] = np.unwrap(phase[mask])
         return phase

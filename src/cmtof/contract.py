@@ -1,0 +1,195 @@
+"""What a measurement must be: names, units, kinds and values, checked once, where data enter."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from cmtof.correlation import check_psi, wrap_length, wrapped
+from cmtof.validation import checked_camera, checked_frequencies, numbers
+
+
+class Kind(NamedTuple):
+    """Unit and dimensions of a variable; any dimensions where they are None."""
+
+    unit: str
+    dims: tuple[str, ...] | None
+
+
+STACK = ("frequency", "step", "y", "x")
+IMAGES = ("frequency", "y", "x")
+VARIABLES = {
+    "correlation": Kind("count", STACK),  # correlation images
+    "raw_counts": Kind("count", STACK),  # of the converter in a scan, >= 0
+    "dark": Kind("count", None),  # dark frame
+    "phase": Kind("rad", IMAGES),  # wrapped, instead of correlations
+    "amplitude": Kind("count", IMAGES),  # beside a phase
+    "frequency": Kind("Hz", ("frequency",)),  # of the modulation
+    "psi": Kind("rad", STACK[:2]),  # reference phase
+    "depth": Kind("m", ("y", "x")),  # true range along the ray
+    "mask": Kind("1", ("y", "x")),  # True where a pixel is valid
+    "camera": Kind("px", ("parameter",)),  # fx, fy, cx, cy (and skew)
+    "time": Kind("s", None),
+}
+
+_DEGREE = float(np.pi / 180)
+UNITS = {
+    "Hz": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "GHz": 1e9},
+    "rad": {
+        **dict.fromkeys(("rad", "radian", "radians", "1", ""), 1.0),
+        **dict.fromkeys(("deg", "degree", "degrees", "°"), _DEGREE),
+        "mrad": 1e-3,
+    },
+    "m": {"m": 1.0, "metre": 1.0, "meter": 1.0, "meters": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+}
+"""Units that a file may state, and their size in SI units."""
+
+MOST_WRAPS = 10_000
+"""Greatest number of wraps of the lowest frequency to choose from; the prototype's beat has 358."""
+
+_NOT_WRITTEN = 9.9e36
+"""Samples from here on are netCDF's mark of what was never written."""
+
+
+def unambiguous_range(frequencies: ArrayLike) -> float:
+    """Range within which the phases of the first two frequencies do not repeat, in noise, m.
+
+    The beat's ``c / 2 |f2 - k f1|`` with ``k = round(f2 / f1)``, 7.495 m for the prototype; a
+    single wrap of one frequency, or of two of which one is a multiple of the other.
+    """
+    low, high = np.resize(np.asarray(frequencies, float), 2)
+    beat = abs(high - np.round(high / low) * low)
+    return float(wrap_length(beat if beat > 0 else low))
+
+
+def admitted(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset in SI units and floats, NaN where masked; a ValueError says what is wrong."""
+    data = in_si_units(structured(dataset))
+    frequencies = checked_frequencies(data["frequency"].to_numpy())
+    data = data.assign_coords(frequency=data["frequency"].copy(data=frequencies))
+    if "camera" in data:
+        checked_camera(data["camera"].to_numpy(), "the measurement")
+    if "correlation" in data:
+        for steps in data["psi"].to_numpy():
+            check_psi(np.asarray(steps, float))
+    limits = {"range_min": 0.0, "range_max": unambiguous_range(frequencies)}
+    data.attrs = limits | data.attrs
+    _check_range(data)
+    return _with_valid_values(data)
+
+
+def structured(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with its coordinates declared; a ValueError for what is missing or misshapen."""
+    main = "correlation" if "correlation" in dataset else "phase"
+    if main not in dataset:
+        what = "a variable 'correlation' (frequency, step, y, x)"
+        advice = "See the page «Bring your own data»."
+        raise ValueError(f"Expected {what}, got {list(dataset.variables)}. {advice}")
+    needed = ("frequency", "psi") if main == "correlation" else ("frequency",)
+    for name in needed:
+        if name not in dataset.variables:
+            got = f"{list(dataset.variables)}. State it for every image"
+            raise ValueError(f"Expected a variable '{name}', got {got}.")
+    for name in VARIABLES.keys() & set(dataset.variables):
+        _check_kind(name, dataset[name])
+    # outside xarray a variable of two dimensions is no coordinate
+    return dataset.set_coords(needed)
+
+
+def _check_kind(name: str, found: xr.DataArray) -> None:
+    """Raise a ValueError unless a variable holds numbers on its dimensions."""
+    if found.dtype.kind not in "biuf":
+        raise ValueError(f"Expected numbers as {name}, got type {found.dtype}. Store floats.")
+    dims = VARIABLES[name].dims or found.dims
+    if not found.size or found.dims != dims:
+        what = f"{name} with dimensions {dims}, none of them empty"
+        raise ValueError(f"Expected {what}, got {dict(found.sizes)}. Transpose or rename them.")
+
+
+def in_si_units(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with every variable in the unit of `VARIABLES`, by what each states itself."""
+    data = dataset.copy()
+    for name in VARIABLES.keys() & set(data.variables):
+        unit, found = VARIABLES[name].unit, data[name]
+        stated = str(found.attrs.get("units", unit)).strip()
+        if unit in UNITS:
+            factor = UNITS[unit].get(stated)
+            if factor is None:
+                known = ", ".join(filter(str.isalpha, UNITS[unit]))
+                raise ValueError(f"Expected {name} in {known}, got units '{stated}'. Convert it.")
+            if factor != 1:
+                data[name] = (found.dims, found.to_numpy() * factor, found.attrs)
+            stated = unit
+        data[name].attrs["units"] = stated
+    return data
+
+
+def _check_range(dataset: xr.Dataset) -> None:
+    """Raise a ValueError unless the depths to choose from are a range of not too many wraps."""
+    ends = [dataset.attrs[key] for key in ("range_min", "range_max")]
+    plain = all(np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends)
+    low, high = (float(np.squeeze(end)) if plain else np.nan for end in ends)
+    if not 0 <= low < high < np.inf:
+        what = "attributes 0 <= range_min < range_max in m"
+        raise ValueError(f"Expected {what}, got {ends}. Set the depths to choose from.")
+    wraps = high / float(wrap_length(dataset["frequency"].to_numpy()[0]))
+    if wraps > MOST_WRAPS:
+        what = f"at most {MOST_WRAPS} wraps of the lowest frequency within range_max"
+        raise ValueError(f"Expected {what}, got {wraps:.3g}. Lower range_max or the frequency.")
+
+
+def _with_valid_values(data: xr.Dataset) -> xr.Dataset:
+    """The dataset with floats as samples, finite where valid and NaN where masked."""
+    valid = np.True_
+    if "mask" in data:
+        # a fill value arrives as NaN, and means that nobody called the pixel valid
+        valid = np.nan_to_num(data["mask"].to_numpy()) != 0
+        data["mask"] = (("y", "x"), valid.astype(np.int8), data["mask"].attrs)
+    simulated = data.attrs.get("source") == "simulation"
+    for name in ("correlation", "phase", "amplitude"):
+        if name in data:
+            found = data[name]
+            samples = _hidden(_as_floats(found.to_numpy()), valid, simulated)
+            if name != "amplitude":
+                _refuse(~np.isfinite(samples) & valid, f"finite {name}", "Mask those pixels.")
+            samples = wrapped(samples) if name == "phase" else samples
+            data[name] = (found.dims, samples, found.attrs)
+    if "raw_counts" in data:
+        negative = (data["raw_counts"].to_numpy() < 0) & valid
+        _refuse(negative, "raw_counts >= 0", "Check the sign of the read-out.")
+    if (limit := data.attrs.get("saturation")) is not None and "correlation" in data:
+        most = float(np.min(numbers(limit, "the attribute saturation"), initial=np.inf))
+        counts = data.get("raw_counts", data["correlation"]).to_numpy()
+        what = f"counts below the saturation {most:g}"
+        _refuse((counts >= most) & valid, what, "Lower gain or exposure, or mask.")
+    return data
+
+
+def _as_floats(samples: NDArray) -> NDArray[np.floating]:
+    """Samples in the smallest floats, of 32 bits at least, that hold them exactly."""
+    return samples.astype(np.result_type(samples.dtype, np.float32), copy=False)
+
+
+def _hidden(
+    samples: NDArray[np.floating], valid: NDArray[np.bool_], simulated: bool
+) -> NDArray[np.floating]:
+    """Samples (..., H, W) with NaN in masked pixels and in those that were never written.
+
+    The simulator masks what it does not score, which was measured like the rest: there a masked
+    pixel keeps samples unless they are more than twice as large as any valid one.
+    """
+    with np.errstate(invalid="ignore"):
+        unknown = ~valid | (np.abs(samples) >= _NOT_WRITTEN)
+        if simulated and not np.all(valid):
+            largest = np.abs(samples).max(axis=tuple(range(samples.ndim - 2)))
+            unknown &= ~(largest <= 2 * largest[valid].max(initial=0))
+    if not np.any(unknown):
+        return samples
+    return np.where(unknown, np.float32(np.nan), samples)
+
+
+def _refuse(bad: NDArray[np.bool_], what: str, advice: str) -> None:
+    """Raise a ValueError with the number of bad samples, if there is one."""
+    if amount := int(bad.sum()):
+        raise ValueError(f"Expected {what}, got {amount} others. {advice}")

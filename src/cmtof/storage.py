@@ -1,0 +1,116 @@
+"""Files of datasets: netCDF4, netCDF-3 and plain HDF5, read whole or in parts, written whole."""
+
+import gc
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from cmtof.contract import VARIABLES
+from cmtof.files import check_input, check_links, check_output, written_whole
+from cmtof.validation import check_claim
+
+_PLAIN = (str, int, float, np.number, np.ndarray)
+
+
+def save_dataset(dataset: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset as netCDF4, beside first and then renamed; arrays are compressed.
+
+    The file is built in memory: HDF5 written to a full disk would end the process.
+    """
+    check_output(path, ".nc")
+    encoding = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
+    attributes = {name: _attribute(value) for name, value in dataset.attrs.items()}
+    held = dataset.assign_attrs(attributes)
+    stored = held.to_netcdf(engine="h5netcdf", encoding=encoding)
+    with written_whole(path) as part:
+        part.write_bytes(stored)
+
+
+def _attribute(value: Any) -> Any:
+    """An attribute as netCDF holds it: numbers and text as they are, others as JSON or text."""
+    if isinstance(value, bool | np.bool_):
+        return int(value)
+    if isinstance(value, list | tuple):
+        kinds = {type(one) for one in value}
+        plain = bool(value) and (kinds <= {int, float} or kinds == {str})
+        return list(value) if plain else json.dumps(value, default=str)
+    if isinstance(value, dict):
+        return json.dumps(value, default=str)
+    return value if isinstance(value, _PLAIN) else str(value)
+
+
+@contextmanager
+def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
+    """Open a netCDF file of which parts are to be loaded; a ValueError for whatever is wrong."""
+    path = check_input(path, "a measurement file")
+    heard, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    reason = None
+    try:  # h5netcdf's destructor would print a traceback of its own for a damaged file
+        handle = _handle(path)
+    except Exception as error:
+        reason = _damage(path, error)
+    finally:
+        if reason:
+            gc.collect()
+        sys.unraisablehook = heard
+    if reason:
+        raise reason
+    with handle:
+        yield _named(handle)
+
+
+def _handle(path: Path) -> xr.Dataset:
+    """Open a file, by its first bytes as netCDF-3 or as HDF5 that reaches into no other file."""
+    import h5py
+
+    with path.open("rb") as file:
+        old = file.read(3) == b"CDF"
+    if old:
+        how: dict[str, Any] = {"engine": "scipy"}
+    else:
+        how = {"engine": "h5netcdf", "phony_dims": "access"}
+        with h5py.File(path, "r") as whole:
+            check_links(whole)
+    handle = xr.open_dataset(path, decode_times=False, **how)
+    check_claim(handle.nbytes, path.stat().st_size)
+    return handle
+
+
+def _damage(path: object, error: Exception) -> ValueError:
+    """The one error, of one line, for whatever is wrong with a file."""
+    reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
+    return ValueError(f"Expected a whole netCDF4 file, got {path} ({reason}). Write it again.")
+
+
+def _named(handle: xr.Dataset) -> xr.Dataset:
+    """The dataset with the dimensions that plain HDF5 does not name, by those of `VARIABLES`."""
+    variables = {}
+    for name, variable in handle.variables.items():
+        dims = VARIABLES[str(name)].dims if name in VARIABLES else None
+        nameless = all(str(dim).startswith("phony_dim") for dim in variable.dims)
+        variables[name] = variable.copy(deep=False)
+        if dims and nameless and len(dims) == variable.ndim:
+            variables[name].dims = dims
+    dataset = xr.Dataset(variables, attrs=handle.attrs).set_coords(list(handle.coords))
+    dataset.encoding = handle.encoding
+    return dataset
+
+
+def loaded(dataset: xr.Dataset) -> xr.Dataset:
+    """A part of an opened dataset in memory; a ValueError if its file is damaged."""
+    try:
+        return dataset.load()
+    except Exception as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
+        raise _damage(dataset.encoding.get("source", "a part of it"), error) from error
+
+
+def read_dataset(path: str | Path) -> xr.Dataset:
+    """Read a netCDF file of any content into memory; one ValueError for whatever is wrong."""
+    with opened_dataset(path) as handle:
+        return loaded(handle)
