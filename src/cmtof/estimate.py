@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 from cmtof.correlation import residual_noise, wrap_length
 from cmtof.measurement import Measurement
@@ -30,6 +31,19 @@ def within_range(depth: Array, measurement: Measurement) -> Array:
     """Depths, m, clipped into ``min <= z < max``."""
     low, high = measurement.range
     return np.clip(depth, low, np.nextafter(high, low))
+
+
+def without_holes(measurement: Measurement) -> Measurement:
+    """The measurement with the samples of the nearest known pixel where none are known."""
+    amplitude = measurement.amplitude.min(axis=0)
+    known = np.where(measurement.mask, np.isfinite(amplitude), amplitude > 0)
+    if known.all() or not known.any():
+        return measurement
+    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    data = measurement.dataset.copy()
+    for name in {"correlation", "phase", "amplitude"} & set(data):
+        data[name] = data[name].copy(data=data[name].to_numpy()[..., rows, columns])
+    return Measurement(data.drop_vars("mask", errors="ignore"))
 
 
 def phase_noise(measurement: Measurement) -> NDArray[np.float64]:

@@ -2,7 +2,7 @@
 
 import inspect
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isqrt
 from pathlib import Path
@@ -13,10 +13,9 @@ import numpy as np
 from cmtof.classical import crt, kde, mrf, references, region, trivial
 from cmtof.classical.beat import beat, beat_guided
 from cmtof.classical.phasor import phasor
-from cmtof.estimate import Estimate, wraps_in_range
+from cmtof.estimate import Estimate, without_holes, wraps_in_range
 from cmtof.measurement import Measurement, tiles
 from cmtof.surfaces import surfaces
-from cmtof.validation import expect
 
 MOST_MEMORY = 3 * 2**29  # bytes beside the measurement, about, before a method goes in tiles
 
@@ -42,15 +41,10 @@ class Method:
 
     def __call__(self, measurement: Measurement, **options: Any) -> Estimate:
         """Run the method; raise a ValueError if the measurement or an option does not fit it."""
-        known = inspect.signature(self.run).parameters
-        right, what = options.keys() <= known.keys(), f"options of method {self.name}"
-        expect(right, what, ", ".join(options), "Leave them out.")
-        count, what = measurement.frequencies.size, f"{self.frequencies} frequencies for method"
-        advice = "Measure another frequency or choose the method spatial."
-        expect(count >= self.frequencies, f"{what} {self.name}", count, advice)
-        right = not self.knows_truth or measurement.depth is not None
-        what = f"a measurement with its true depth for method {self.name}"
-        expect(right, what, "none", "Simulate one, or choose another method.")
+        self._check(measurement, options)
+        if not measurement.mask.any():
+            depth = np.full(measurement.shape, np.mean(measurement.range))
+            return Estimate(depth, np.zeros(measurement.shape))
         protocol = str(measurement.dataset.attrs.get("protocol", "released"))
         if "weights" not in options and self.state(protocol) == "untrained":
             message = f"{self.name} is untrained: its card shows no gain over a trivial answer."
@@ -64,6 +58,20 @@ class Method:
         for seen, inner, place in tiles(measurement.dataset, side, 256):
             images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
         return Estimate(*images)
+
+    def _check(self, measurement: Measurement, options: Mapping[str, Any]) -> None:
+        """Raise a ValueError if the measurement or an option does not fit the method."""
+        if not options.keys() <= inspect.signature(self.run).parameters.keys():
+            what = f"options of method {self.name}, got {', '.join(options)}"
+            raise ValueError(f"Expected {what}. Leave them out.")
+        count = measurement.frequencies.size
+        if count < self.frequencies:
+            what = f"{self.frequencies} frequencies for method {self.name}, got {count}"
+            advice = "Measure another frequency or choose the method spatial."
+            raise ValueError(f"Expected {what}. {advice}")
+        if self.knows_truth and measurement.depth is None:
+            what = f"a measurement with its true depth for method {self.name}, got none"
+            raise ValueError(f"Expected {what}. Simulate one, or choose another method.")
 
     def state(self, protocol: str = "released") -> str:
         """Kind of a method without weights; else trained, untrained or no weights."""
@@ -80,8 +88,9 @@ def _learned(name: str, source: str, about: str) -> Method:
 
         from cmtof.network.weights import unwrap_with_network
 
+        whole = without_holes(measurement)  # a network was never shown any
         with torch.autocast("cpu", torch.bfloat16, enabled=bool(fast)):
-            return Estimate(*unwrap_with_network(measurement, model=name, weights=weights))
+            return Estimate(*unwrap_with_network(whole, model=name, weights=weights))
 
     return Method(name, "learned", source, run, about=about, memory=1300)
 

@@ -1,0 +1,146 @@
+"""Relations between a measurement and a changed one that hold whatever the scene is."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import cmtof
+from cmtof.correlation import wrap_length
+from cmtof.evaluation import measured
+from cmtof.measurement import Measurement
+from cmtof.methods import find_method
+from cmtof.unwrapping import unwrap_file
+
+FAST = ["beat", "beat-guided", "crt", "crt-closed-form", "crt-ml", "kde", "middle", "mrf", "phasor"]
+FAST += ["region", "spatial", "fast-scnn-light"]
+POINTWISE = ["crt", "crt-ml", "crt-closed-form", "phasor", "middle"]
+EDGE = 6  # px of junk around an image
+LEAST = {"fast-scnn-light": 0.75, "beat-guided": 0.8, "beat": 0.85}
+"""Share of wraps that stay under a change which a method knows of: a network was trained on images
+that stand upright, in the counts of the simulation; windows end otherwise where junk begins, and
+the slopes that guide lie half a pixel beside."""
+
+
+@pytest.fixture(scope="module")
+def scene():
+    """Measurement of a part of the room with little noise, for any method."""
+    frame = cmtof.load_frame("room").middle(96, 112)
+    kept: dict[tuple, Measurement] = {}
+
+    def of(name, **conditions):
+        key = (*find_method(name).tones, *conditions)
+        if key not in kept:
+            kept[key] = measured(frame, [name], **{"noise": 300.0, **conditions})[name]
+        return kept[key]
+
+    return of
+
+
+def with_images(m, change, **variables):
+    """The measurement with changed correlation images and variables."""
+    found = m.dataset["correlation"]
+    return Measurement(m.dataset.assign(correlation=found.copy(data=change(found)), **variables))
+
+
+def junk_around(m, fill):
+    """The measurement amid masked junk, and its camera moved with it."""
+    pads = {"y": EDGE, "x": EDGE}
+    data = m.dataset.pad(pads, constant_values=0)
+    samples = data["correlation"].to_numpy().copy()
+    junk = np.pad(np.zeros(m.shape, bool), EDGE, constant_values=True)
+    samples[..., junk] = fill
+    data["camera"] = data["camera"] + [0, 0, EDGE, EDGE]
+    return Measurement(data.assign(correlation=data["correlation"].copy(data=samples)))
+
+
+ROUNDED = {
+    "uint16": lambda c: np.rint(c).clip(0, 65535).astype(np.uint16),
+    "int32": lambda c: np.rint(c).astype(np.int32),
+}
+SAME = {
+    "repeated": lambda m: m,
+    "steps in another order": lambda m: Measurement(m.dataset.isel(step=[2, 0, 3, 1])),
+    "psi a turn further": lambda m: Measurement(
+        m.dataset.assign_coords(psi=m.dataset.psi + 2 * np.pi * np.array([1, -3, 0, 7]))
+    ),
+    "ambient light": lambda m: with_images(m, lambda c: c + 1000),
+    "float64": lambda m: with_images(m, lambda c: c.astype(float)),
+    "truth removed": lambda m: Measurement(m.dataset.drop_vars("depth")),
+    **{kind: lambda m, f=f: with_images(m, f) for kind, f in ROUNDED.items()},
+    **{f"counts x {k:g}": lambda m, k=k: with_images(m, lambda c: c * k) for k in (1e-20, 1e12)},
+}
+
+
+def wraps_of(name, *measurements):
+    return [cmtof.unwrap(m, method=name)["wrap_count"].to_numpy() for m in measurements]
+
+
+@pytest.mark.parametrize("relation", SAME)
+@pytest.mark.parametrize("name", FAST)
+def test_what_changes_no_information_changes_no_wrap(scene, name, relation):
+    results = [cmtof.unwrap(m, method=name) for m in (scene(name), SAME[relation](scene(name)))]
+    least = LEAST.get(name, 1) if relation.startswith("counts") else 0.98
+    assert float((results[0].wrap_count == results[1].wrap_count).mean()) > least - 0.02
+    assert float(abs(results[0].confidence.mean() - results[1].confidence.mean())) < 0.01
+
+
+@pytest.mark.parametrize("fill", [0, np.nan, 9.97e36, 65535])
+@pytest.mark.parametrize("name", sorted(set(FAST) - {"spatial"}))
+def test_masked_junk_decides_nothing(scene, name, fill):
+    whole, amid = wraps_of(name, scene(name), junk_around(scene(name), fill))
+    assert np.mean(whole == amid[EDGE:-EDGE, EDGE:-EDGE]) > LEAST.get(name, 0.9)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.1])
+@pytest.mark.parametrize("name", FAST)
+def test_masked_holes_take_nothing_from_their_neighbours(scene, name, share):
+    m = scene(name)
+    holes = np.random.default_rng(0).uniform(size=m.shape) < share
+    mask = (("y", "x"), (m.mask & ~holes).astype(np.int8))
+    holed = with_images(m, lambda c: np.where(holes, 0, c), mask=mask)
+    whole, found = wraps_of(name, m, holed)
+    truth = (m.depth / wrap_length(m.frequencies[0])).astype(int)
+    right = [np.mean((wraps == truth)[m.mask & ~holes]) for wraps in (whole, found)]
+    assert right[1] > right[0] - 0.05
+
+
+FLIPS = {
+    "left and right": (lambda d: d.isel(x=slice(None, None, -1)), lambda c: c[:, ::-1]),
+    "up and down": (lambda d: d.isel(y=slice(None, None, -1)), lambda c: c[::-1]),
+    "transposed": (
+        lambda d: d.rename(y="x", x="y").transpose("frequency", "step", "y", "x", ...),
+        np.transpose,
+    ),
+}
+
+
+@pytest.mark.parametrize("flip", FLIPS)
+@pytest.mark.parametrize("name", FAST)
+def test_a_mirrored_image_has_mirrored_wraps(scene, name, flip):
+    change, back = FLIPS[flip]
+    m = Measurement(scene(name).dataset.drop_vars("camera"))
+    whole, found = wraps_of(name, m, Measurement(change(m.dataset)))
+    assert np.mean(whole == back(found)) > LEAST.get(name, 0.98)
+
+
+@pytest.mark.parametrize("by", [1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize("name", sorted(set(FAST) - {"fast-scnn-light", "crt-closed-form"}))
+def test_a_slightly_moved_range_moves_few_wraps(scene, name, by):
+    """Of a network the weights end at a wrap; what lies outside ends there in the closed form."""
+    # noise alone moves single pixels to the ends of the range
+    m = scene(name, noise_free=True) if name in POINTWISE else scene(name)
+    moved = m.between(*(end + by for end in m.range))
+    whole, found = wraps_of(name, m, moved)
+    assert np.mean(whole == found) > 0.95
+
+
+@pytest.mark.parametrize("name", FAST)
+def test_a_saved_measurement_gives_the_same_wraps(scene, name, tmp_path):
+    scene(name).save(tmp_path / "m.nc")
+    whole = cmtof.unwrap(scene(name), method=name)
+    again = cmtof.unwrap(cmtof.open(tmp_path / "m.nc"), method=name)
+    xr.testing.assert_equal(again, whole)
+    if name in POINTWISE:
+        list(unwrap_file(tmp_path / "m.nc", tmp_path / "t.nc", tile=40, margin=8, method=name))
+        tiled = xr.load_dataset(tmp_path / "t.nc")
+        np.testing.assert_array_equal(tiled.wrap_count, whole.wrap_count)
