@@ -28,7 +28,7 @@ FLOORS = [
     {"storage"},
     {"contract"},
     {"scenes"},
-    {"captures", "hypersim"},
+    {"captures", "hypersim", "images"},
     {"frame"},
     {"bounds", "detector", "hardness"},
     {"correlation", "modulator"},

@@ -59,6 +59,13 @@ Noise = Annotated[float, Option(help="Gaussian noise, counts; photon noise stays
 NoiseFree = Annotated[bool, Option("--noise-free", help="No noise of either kind.")]
 _SEED = Option(min=0, max=2**63 - 1, help="Of all random numbers.")
 Seed = Annotated[int, _SEED]
+Intensity = Annotated[Path | None, Option(help="Image of the light of a depth image.")]
+DepthScale = Annotated[
+    float | None, Option(help="Depth image: levels per metre. Default: 1000, of TUM 5000.")
+]
+Planar = Annotated[bool, Option("--planar", help="Depth image is along the axis.")]
+Camera = Annotated[tuple[float, float, float, float] | None, Option(help="fx fy cx cy in pixels.")]
+Linear = Annotated[bool, Option("--linear", help="Light of a depth image is linear, no sRGB.")]
 Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress bar.")]
 
 
@@ -111,12 +118,11 @@ def simulate(
     noise: Noise = 1200.0,
     noise_free: NoiseFree = False,
     seed: Seed = 0,
-    intensity: Annotated[Path | None, Option(help="Image that belongs to a depth PNG.")] = None,
-    depth_scale: Annotated[float, Option(help="Depth PNG: levels per metre.")] = 1000.0,
-    planar: Annotated[bool, Option("--planar", help="Depth PNG is along the axis.")] = False,
-    camera: Annotated[
-        tuple[float, float, float, float] | None, Option(help="fx fy cx cy in pixels.")
-    ] = None,
+    intensity: Intensity = None,
+    depth_scale: DepthScale = None,
+    planar: Planar = False,
+    camera: Camera = None,
+    linear: Linear = False,
 ) -> None:
     """Turn an RGB-D frame into correlation images. `cmtof info` lists the embedded ones.
 
@@ -127,8 +133,8 @@ def simulate(
     from cmtof.validation import checked
 
     tones = checked(list[float], frequencies.split(","), "--frequencies HZ,HZ")
-    image = {"intensity": intensity, "depth_scale": depth_scale, "planar": planar}
-    loaded = load_frame(frame, camera=camera, **image)
+    image = {"depth_scale": depth_scale, "planar": planar, "camera": camera, "linear": linear}
+    loaded = load_frame(frame, intensity=intensity, **image)
     conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
     measurement = simulate_frame(loaded, frequencies=tones, **conditions)  # type: ignore[arg-type]
     measurement.save(output)
@@ -211,6 +217,11 @@ def evaluate(
     noise_free: NoiseFree = False,
     seed: Seed = 0,
     json_file: Annotated[Path | None, _file(".json", "--json", text="Table as JSON.")] = None,
+    intensity: Intensity = None,
+    depth_scale: DepthScale = None,
+    planar: Planar = False,
+    camera: Camera = None,
+    linear: Linear = False,
     quiet: Quiet = False,
 ) -> None:
     """Compare methods on the same frames and the same noise.
@@ -226,7 +237,10 @@ def evaluate(
 
     names = names_of(method, protocol)
     conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
-    evaluation, listed = Evaluation(names, **conditions), [frames_in(name) for name in frames]
+    image = {"intensity": intensity, "depth_scale": depth_scale, "planar": planar}
+    image |= {"camera": camera, "linear": linear}
+    listed = [frames_in(name, **image) for name in frames]
+    evaluation = Evaluation(names, **conditions)
     skipped: dict[str, str] = {}
     with progress(sum(map(len, listed)) * len(names), quiet) as advance:
         for name, sources in zip(frames, listed, strict=True):

@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import check_input, written_whole
-from cmtof.validation import check_claim, expect, numbers
+from cmtof.validation import check_claim, checked_camera, numbers
 
 EMBEDDED = Path(__file__).parent / "frames"  # the small frames that travel with the package
 HELD_OUT = EMBEDDED / "test" / "rooms.npz"  # views of rooms that nothing was trained on
 HELD_OUT_STEP = 5e-5  # step of its depth, m
+
+_WHITE, _DARK = 0.8, 0.02  # share of white pixels, and brightness, that look like a mistake
 
 
 @dataclass(frozen=True)
@@ -28,22 +30,27 @@ class Frame:
     note: str = ""  # what a user should know of it
 
     def __post_init__(self) -> None:
-        where, camera = self.name or "the frame", self.camera
+        where = self.name or "the frame"
         depth = numbers(self.depth, f"depth of {where}", np.float32)
         light = numbers(self.intensity, f"intensity of {where}", np.float32)
-        alike = depth.ndim == 2 and depth.shape == light.shape and depth.size
-        got = f"{depth.shape} and {light.shape} in {where}"
-        expect(alike, "depth and intensity of one shape (H, W)", got, "Resample one of them.")
+        if depth.ndim != 2 or depth.shape != light.shape or not depth.size:
+            got = f"{depth.shape} and {light.shape} in {where}. Resample one of them"
+            raise ValueError(f"Expected depth and intensity of one shape (H, W), got {got}.")
         depth[~(np.isfinite(depth) & (depth > 0))] = np.nan
-        held, got = not np.isnan(depth).all(), f"none above 0 in {where}"
-        expect(held, "depths in metres", got, "Check the depth scale.")
-        bright, got = np.isfinite(light).all() and light.min() >= 0, f"others in {where}"
-        expect(bright, "finite intensities >= 0", got, "Fill its holes with 0.")
-        if camera is not None:
-            camera = numbers(camera, f"camera of {where}")
-            known = camera.shape in ((4,), (5,)) and np.isfinite(camera).all()
-            what = f"camera fx fy cx cy (skew), px, with fx, fy > 0, in {where}"
-            expect(known and (camera[:2] > 0).all(), what, camera.tolist(), "Correct it.")
+        if np.isnan(depth).all():
+            got = f"none above 0 in {where}. Check the depth scale"
+            raise ValueError(f"Expected depths in metres, got {got}. {self.note}".strip())
+        if not np.isfinite(light).all() or light.min() < 0:
+            got = f"others in {where}. Fill its holes with 0"
+            raise ValueError(f"Expected finite intensities >= 0, got {got}.")
+        kind = np.asarray(self.intensity).dtype.kind
+        if kind in "iu" and light.max() > 1:
+            white = next(top for top in (255, 65535, light.max()) if light.max() <= top)
+            vars(self)["note"] = "; ".join(
+                filter(None, [self.note, f"light in integers, {white} is 1"])
+            )
+            light /= white
+        camera = None if self.camera is None else checked_camera(self.camera, where)
         vars(self).update(depth=depth, intensity=light, camera=camera)
 
     def save(self, path: str | Path) -> None:
@@ -111,64 +118,52 @@ def read_npz(path: Path) -> dict[str, NDArray]:
     """Every array of an ``.npz``, never a pickle; one ValueError for whatever is wrong."""
     try:
         with zipfile.ZipFile(check_input(path)) as archive:
-            for member in archive.infolist():
-                check_claim(member.file_size, member.compress_size)
+            check_claim(sum(m.file_size for m in archive.infolist()), path.stat().st_size)
         with np.load(path, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
         raise broken("a whole .npz file", path, error) from error
 
 
+def listed_npz(path: Path) -> dict[str, str]:
+    """Shape and type of every array of an ``.npz``, which are not read themselves."""
+    found = {}
+    try:
+        with zipfile.ZipFile(check_input(path)) as archive:
+            for member in archive.namelist():
+                with archive.open(member) as file:
+                    version = np.lib.format.read_magic(file)
+                    read = getattr(np.lib.format, f"read_array_header_{version[0]}_0")
+                    shape, _, kind = read(file)
+                    found[member.removesuffix(".npy")] = f"{shape} {kind}"
+    except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
+        raise broken("a whole .npz file", path, error) from error
+    return found
+
+
 def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
     """Frame of an ``.npz`` with ``depth``, ``intensity`` and, unless given, ``camera``."""
     arrays = read_npz(path)
-    held = {"depth", "intensity"} <= arrays.keys()
-    expect(held, f"arrays depth and intensity in {path}", sorted(arrays), "Add them.")
-    stored, note = arrays.get("camera") if camera is None else camera, arrays.get("note", "")
-    return Frame(arrays["depth"], arrays["intensity"], stored, path.stem, str(note))
+    if not arrays.keys() >= {"depth", "intensity"}:
+        what = f"arrays depth and intensity in {path}, got {', '.join(sorted(arrays)) or 'none'}"
+        raise ValueError(f"Expected {what}. Add them.")
+    stored = arrays.get("camera") if camera is None else camera
+    frame = Frame(arrays["depth"], arrays["intensity"], stored, path.stem)
+    notes = [str(arrays.get("note", "")), frame.note, light_note(frame.intensity)]
+    vars(frame)["note"] = "; ".join(filter(None, notes))
+    return frame
 
 
-def frame_from_pair(
-    depth: Path,
-    intensity: str | Path | None,
-    *,
-    depth_scale: float = 1000.0,
-    planar: bool = False,
-    camera: ArrayLike | None = None,
-) -> Frame:
-    """Frame of a 16-bit depth image and the colour or grey image (PNG or JPEG) of its size.
-
-    ``depth_scale`` are levels per metre, level 0 is no depth. ``planar`` depth, along the optical
-    axis, is turned into range by the ``camera``. The green channel is made linear.
-    """
-    if intensity is None or (planar and camera is None) or not 0 < depth_scale < np.inf:
-        what = "an intensity image beside depth, a depth scale > 0, and for planar depth a camera"
-        got = f"{intensity}, {depth_scale}, {camera} for {depth.name}"
-        raise ValueError(f"Expected {what}, got {got}. Give what is missing.")
-    levels, image = _read_image(depth), _read_image(Path(intensity))
-    what = f"one channel of depth in {depth}"
-    expect(levels.ndim == 2, what, levels.shape[-1], "Name depth first.")
-    distance = levels / depth_scale
-    if planar:
-        distance = distance * ray_lengths(distance.shape, camera)
-    green = image if image.ndim == 2 else image[..., 1 if image.shape[-1] > 2 else 0]
-    encoded = green / np.iinfo(green.dtype).max  # sRGB, IEC 61966-2-1
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    return Frame(distance, linear, camera, depth.stem)
-
-
-def _read_image(path: Path) -> NDArray:
-    """Pixels of a PNG of 8 or 16 bits or a JPEG as stored: (H, W) or (H, W, channels)."""
-    from PIL import Image
-
-    try:
-        with Image.open(check_input(path)) as image:
-            # palettes hold colour numbers, not levels
-            pixels = np.asarray(image.convert("RGB") if image.mode in ("P", "1") else image)
-    except Exception as error:  # Pillow raises OSError, SyntaxError and, for bombs, its own kind
-        raise broken("a PNG image (or JPEG for colour)", path, error) from error
-    # Pillow opens some 16-bit greys as 32-bit integers
-    return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels
+def light_note(light: NDArray[np.floating]) -> str:
+    """What looks wrong about linear brightness, where 1 is white; nothing if it looks right."""
+    white, brightest = float(np.mean(light >= 1)), float(np.percentile(light, 99))
+    if white > _WHITE:
+        return f"{white:.0%} of the light is at 1 or above, and counts as white"
+    if brightest < _DARK:
+        return (
+            f"dark: 99 % of the light is below {brightest:.2g} of white; is it linear (--linear)?"
+        )
+    return ""
 
 
 def rays_from_camera(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.float64]:

@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import check_input, written_whole
+from cmtof.files import check_input, check_links, written_whole
 from cmtof.frame import Frame, Source, broken
-from cmtof.validation import check_claim, expect
+from cmtof.validation import check_claim
 
 FILES = {  # folder, file name and, in rendered sets, type of each array of a view
     "color": ("final", "color", np.float16),
@@ -62,8 +62,9 @@ class Hypersim:
 
     def __init__(self, root: str | Path):
         path = Path(root).resolve()
-        what = f"scenes such as ai_001_001/images in {path}"
-        expect(is_hypersim(path), what, "none", "Name their folder.")
+        if not is_hypersim(path):
+            what = f"scenes such as ai_001_001/images in {path}"
+            raise ValueError(f"Expected {what}, got none. Name their folder.")
         alone = (path / "images").is_dir()
         self.root, self._scenes = (path.parent, path.name) if alone else (path, "*")
 
@@ -159,9 +160,9 @@ def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> NDA
     given = np.asarray(projection, float)
     rays = given @ [[2 / shape[1], 0, -1], [0, -2 / shape[0], 1], [0, 0, 1]]
     rays = np.diag([1.0, -1.0, -1.0]) @ rays
-    ahead = np.isfinite(rays).all() and np.linalg.det(rays) > 0
-    what = "a projection M_cam_from_uv that shows what lies ahead"
-    expect(ahead, what, given.tolist(), "Check the table of camera parameters.")
+    if not np.isfinite(rays).all() or np.linalg.det(rays) <= 0:
+        what = f"a projection M_cam_from_uv that shows what lies ahead, got {given.tolist()}"
+        raise ValueError(f"Expected {what}. Check the table of camera parameters.")
     inverse = np.linalg.qr(rays, mode="r")
     pinhole = np.linalg.inv(inverse * np.sign(np.diag(inverse))[:, None])
     camera = (pinhole / pinhole[2, 2])[[0, 1, 0, 1, 0], [0, 1, 2, 2, 1]]
@@ -190,6 +191,7 @@ def read_array(path: Path, dimensions: int) -> NDArray:
     check_input(path, "a file of the data set")
     try:
         with h5py.File(path, "r") as file:
+            check_links(file)
             stored: Any = file["dataset"]
             check_claim(stored.nbytes, path.stat().st_size)
             array = np.asarray(stored[()])

@@ -4,26 +4,31 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cmtof.files import check_input
-from cmtof.frame import (
-    Frame,
-    Frames,
-    Source,
-    embedded_frames,
-    frame_from_npz,
-    frame_from_pair,
-)
+from cmtof.frame import Frame, Frames, Source, embedded_frames, frame_from_npz
 from cmtof.hypersim import Hypersim, frame_of_file, is_hypersim
-from cmtof.validation import expect
+from cmtof.images import frame_from_pair
 
 __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
+
+DEPTHS = (".png", ".pgm", ".pfm", ".npy", ".exr")
+"""Names of images that may hold depth."""
+
+TUM_LEVELS = 5000.0
+"""Levels a metre of the depth images of the TUM RGB-D benchmark."""
+
+TUM_GAP = 0.02
+"""Largest time between depth and colour of one view there, s."""
 
 
 def load_frame(source: str | Path, *, intensity: str | Path | None = None, **given: Any) -> Frame:
     """Frame of a file or of an embedded name, or the first one of a folder as `frames_in` lists it.
 
-    An ``.npz`` holds ``depth`` (m), ``intensity`` and, unless given, ``camera``; depth as ``.png``
-    takes an ``intensity`` image and options of `frame_from_pair`; an ``.hdf5`` lies in its tree.
+    An ``.npz`` holds ``depth`` (m), ``intensity`` and, unless given, ``camera``; an image of depth,
+    ``.png``, ``.pgm``, ``.pfm`` or ``.npy``, takes an ``intensity`` image and the options of
+    `cmtof.images.Reading`; an ``.hdf5`` lies in its tree.
 
     >>> load_frame("still_life").depth.shape
     (240, 320)
@@ -33,35 +38,76 @@ def load_frame(source: str | Path, *, intensity: str | Path | None = None, **giv
     if path.is_dir():
         return frames_in(path, **given)[0].load()
     check_input(path, f"a frame file or one of {', '.join(known)}")
-    what = "a frame named *.npz, *.png or *.depth_meters.hdf5"
-    expect(path.suffix in (".npz", ".png", ".hdf5"), what, path.name, "Convert it.")
     if path.suffix == ".npz":
         return frame_from_npz(path, given.get("camera"))
-    if path.suffix == ".png":
+    if path.suffix in DEPTHS:
         return frame_from_pair(path, intensity, **given)
-    return frame_of_file(path)
+    if path.suffix == ".hdf5":
+        return frame_of_file(path)
+    what = "a frame named *.npz, *.png or *.depth_meters.hdf5"
+    raise ValueError(f"Expected {what}, got {path.name}. Convert it.")
 
 
 def frames_in(source: str | Path, **given: Any) -> list[Source]:
     """Frames of a file, an embedded name or a folder, listed without loading any.
 
-    A folder is a Hypersim tree or scene (its test frames, or every view without the table), holds
-    ``*.npz``, or pairs ``depth/NAME.png`` and ``rgb`` or ``color`` ``/NAME.png`` or ``.jpg``, as
-    NYU and ScanNet are exported; options as in `load_frame`.
+    A folder is a Hypersim tree or scene (its test frames, or every view without the table), a
+    sequence of the TUM benchmark (``depth.txt`` and ``rgb.txt``), holds ``*.npz``, or pairs
+    ``depth/NAME.png`` and ``rgb`` or ``color`` ``/NAME.png`` or ``.jpg``, as NYU and ScanNet are
+    exported; options as in `load_frame`.
     """
     path = Path(source)
     if str(source) in embedded_frames() or not path.is_dir():
         return [Source(str(source), partial(load_frame, source, **given))]
     if is_hypersim(path):
         return Hypersim(path).sources(blank=True)
+    if (path / "depth.txt").is_file() and (path / "rgb.txt").is_file():
+        return _tum_sequence(path, given)
     camera = given.get("camera")
     found = [Source(p.stem, partial(frame_from_npz, p, camera)) for p in sorted(path.glob("*.npz"))]
-    colours = {p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")}
-    found += [
-        Source(f"{path.name}/{p.stem}", partial(frame_from_pair, p, colours[p.stem], **given))
-        for p in sorted((path / "depth").glob("*.png"), key=lambda p: (len(p.stem), p))
-        if p.stem in colours
-    ]
-    what = f"frames in {path} (a Hypersim tree, depth beside rgb or color, or *.npz)"
-    expect(found, what, "none", "Name the folder that holds them.")
+    found += _pairs(path, given)
+    if not found:
+        what = f"frames in {path} (a Hypersim tree, depth beside rgb or color, TUM's lists, *.npz)"
+        raise ValueError(f"Expected {what}, got none. Name the folder that holds them.")
     return found
+
+
+def _pairs(path: Path, given: dict[str, Any]) -> list[Source]:
+    """Frames of ``depth/NAME`` beside ``rgb/NAME`` or ``color/NAME``, in the order of numbers."""
+    colours = {p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")}
+    depths = [p for p in (path / "depth").glob("*") if p.suffix in DEPTHS and p.stem in colours]
+    how = {name: value for name, value in given.items() if name != "intensity"}
+    return [
+        Source(f"{path.name}/{p.stem}", partial(frame_from_pair, p, colours[p.stem], **how))
+        for p in sorted(depths, key=lambda p: (len(p.stem), p))
+    ]
+
+
+def _tum_sequence(path: Path, given: dict[str, Any]) -> list[Source]:
+    """Frames of a sequence of the TUM benchmark: each depth with the colour nearest in time."""
+    depths, colours = _tum_list(path / "depth.txt"), _tum_list(path / "rgb.txt")
+    how = {name: value for name, value in given.items() if name != "intensity"}
+    how["depth_scale"] = how.get("depth_scale") or TUM_LEVELS
+    how["planar"] = how.get("camera") is not None  # depth lies along the axis there
+    times = np.array(list(colours))
+    found = []
+    for time, name in depths.items():
+        nearest = times[np.abs(times - time).argmin()] if times.size else np.inf
+        if abs(nearest - time) <= TUM_GAP:
+            load = partial(frame_from_pair, path / name, path / colours[nearest], **how)
+            found.append(Source(f"{path.name}/{Path(name).stem}", load))
+    if not found:
+        what = f"depth and colour within {TUM_GAP} s of each other in {path}"
+        raise ValueError(f"Expected {what}, got none. Check depth.txt and rgb.txt.")
+    return found
+
+
+def _tum_list(path: Path) -> dict[float, str]:
+    """Times, s, and names of the images that a list of the TUM benchmark holds."""
+    lines = path.read_text("utf-8", errors="replace").splitlines()
+    rows = [line.split() for line in lines if line.strip() and not line.startswith("#")]
+    try:
+        return {float(row[0]): row[1] for row in rows}
+    except (IndexError, ValueError):
+        what = f"lines of a time and a file name in {path}"
+        raise ValueError(f"Expected {what}, got others. Fetch it again.") from None

@@ -1,0 +1,122 @@
+"""Frames of image files: depth in levels or metres, and the light that belongs to it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cmtof.files import check_input
+from cmtof.frame import Frame, broken, light_note, ray_lengths
+
+READ = (".png", ".pgm", ".jpg", ".jpeg", ".pfm", ".npy")
+"""Names that `read_image` understands; only PNG, PGM, PFM and NPY hold depth."""
+
+LEVELS = 1000.0
+"""Levels a metre of a depth image that nobody stated otherwise."""
+
+_ROTATED = 8  # SUN RGB-D moves the lowest three bits of a level to its top
+_CROWDED = 0.02  # share of pixels at the largest level from which on it seems to mean «unknown»
+_ALIKE = 0.03  # by how much the shapes of two images of one view may differ
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How to read an image of depth and the light beside it, as far as it is known."""
+
+    depth_scale: float | None = None  # levels per metre; of floats 1, else `LEVELS`
+    planar: bool = False  # depth lies along the optical axis, not along the ray
+    camera: ArrayLike | None = None  # fx, fy, cx, cy, px
+    linear: bool = False  # light is linear, of any exposure, not sRGB
+
+
+def frame_from_pair(depth: Path, intensity: str | Path | None, **how: Any) -> Frame:
+    """Frame of an image of depth and the colour or grey image of the same view.
+
+    ``how`` are the fields of `Reading`. Level 0 is no depth, nor is the greatest one that 16 bits
+    hold. ``planar`` depth is turned into range by the ``camera``. The green channel is made
+    linear; with ``linear`` it is taken as it is, and its 99th percentile becomes 1.
+    """
+    reading = Reading(**how)
+    scale = reading.depth_scale
+    wrong = scale is not None and not 0 < scale < np.inf
+    if intensity is None or wrong or (reading.planar and reading.camera is None):
+        what = "an intensity image beside depth, a depth scale > 0, and for planar depth a camera"
+        got = f"{intensity}, {scale}, {reading.camera} for {depth.name}"
+        raise ValueError(f"Expected {what}, got {got}. Give what is missing.")
+    levels, image = read_image(depth), read_image(Path(intensity))
+    if levels.ndim != 2:
+        what = f"one channel of depth in {depth}, got {levels.shape[-1]}"
+        raise ValueError(f"Expected {what}. Name depth first.")
+    distance, notes = distances(levels, scale)
+    if reading.planar:
+        distance = distance * ray_lengths(distance.shape, reading.camera)  # type: ignore[arg-type]
+    light, note = resampled(image, distance.shape)
+    light = brightness_of(light, reading.linear)
+    notes = [*notes, note, light_note(light)]
+    text = "; ".join(filter(None, notes))
+    return Frame(distance, light, reading.camera, depth.stem, text)
+
+
+def read_image(path: Path) -> NDArray:
+    """Pixels of an image as stored: (H, W) or (H, W, channels)."""
+    from PIL import Image
+
+    if path.suffix == ".exr":
+        what = f"an image out of {', '.join(READ)}, got {path.name}"
+        advice = "Convert it: numpy.save('depth.npy', imageio.v3.imread(…)[..., 0])."
+        raise ValueError(f"Expected {what}. {advice}")
+    try:
+        if path.suffix == ".npy":
+            return np.array(np.load(check_input(path), mmap_mode="r", allow_pickle=False))
+        with Image.open(check_input(path)) as image:
+            # palettes hold colour numbers, not levels
+            pixels = np.asarray(image.convert("RGB") if image.mode in ("P", "1") else image)
+    except Exception as error:  # Pillow raises OSError, SyntaxError and, for bombs, its own kind
+        raise broken("a PNG image (or JPEG for colour)", path, error) from error
+    # Pillow opens some 16-bit greys as 32-bit integers
+    return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels
+
+
+def distances(levels: NDArray, scale: float | None) -> tuple[NDArray[np.float64], list[str]]:
+    """Depth (H, W), m, NaN where a level means «unknown», and notes on what the levels look like."""
+    if levels.dtype.kind == "f":
+        return levels / (scale or 1.0), []
+    notes = [] if scale else [f"depth read at {LEVELS:g} levels a metre, for want of a scale"]
+    known = levels > 0
+    if levels.dtype == np.uint16 and (full := levels == np.iinfo(np.uint16).max).any():
+        known &= ~full
+        notes.append(f"{full.mean():.1%} of the depths are at level 65535, taken as unknown")
+    held = levels[known]
+    if held.size and np.ptp(held):
+        crowd = float(np.mean(held == held.max()))
+        if crowd > _CROWDED:
+            notes.append(f"{crowd:.1%} of the depths are at the largest level, {held.max()}")
+        if np.mean(held % _ROTATED == 0) > 0.95 and np.unique(held).size > _ROTATED:
+            advice = f"if these are SUN RGB-D's rotated bits, give the scale {_ROTATED * 1000}"
+            notes.append(f"all levels are multiples of {_ROTATED}: {advice}")
+    return np.where(known, levels / (scale or LEVELS), np.nan), notes
+
+
+def resampled(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
+    """An image at the size of the depth of the same view, by means of pixels, and a note on it."""
+    height, width = image.shape[:2]
+    if (height, width) == shape or abs(height * shape[1] / (width * shape[0]) - 1) > _ALIKE:
+        return image, ""  # a frame refuses two shapes
+    import cv2
+
+    note = f"light resampled from {height}x{width} to {shape[0]}x{shape[1]} px"
+    return cv2.resize(image, shape[::-1], interpolation=cv2.INTER_AREA), note
+
+
+def brightness_of(image: NDArray, linear: bool) -> NDArray[np.float64]:
+    """Linear brightness (H, W) of the green of a colour image, or of a grey one."""
+    green = image if image.ndim == 2 else image[..., 1 if image.shape[-1] > 2 else 0]
+    if linear:
+        white = np.percentile(green, 99)
+        return green / white if white > 0 else green.astype(float)
+    if green.dtype.kind == "f":
+        return green.astype(float)
+    encoded = green / np.iinfo(green.dtype).max  # sRGB, IEC 61966-2-1
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
