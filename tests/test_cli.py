@@ -63,11 +63,13 @@ def test_evaluate_writes_the_contract(run, tmp_path):
     assert code == 0
     assert "beat" in text
     report = json.loads(path.read_text())
-    assert set(report) == {"protocol", "noise", "seed", "frames", "coverage", "methods"}
+    told = {"protocol", "noise", "seed", "frames", "notes", "coverage", "methods"}
+    assert set(report) == told
     assert (report["protocol"], report["noise"]) == ("released", 1200)
     assert 0 < report["coverage"] < 1
     keys = {"delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_3", "delta_ge_10"}
     keys |= {"consistent_lt_1", "depth_rmse_m", "depth_median_error_m", "seconds_per_frame"}
+    keys |= {"mean_confidence"}
     for scores in report["methods"].values():
         assert set(scores) == keys
         assert scores["delta_lt_3"] + scores["delta_ge_3"] == pytest.approx(1)

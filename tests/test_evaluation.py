@@ -24,6 +24,7 @@ def pixels(found, truth, error=0.0):
         "consistent": found,
         "true_consistent": truth,
         "depth_error": np.broadcast_to(error, found.shape),
+        "confidence": np.full(found.shape, 0.5),
     }
 
 

@@ -257,6 +257,8 @@ def evaluate(
         with written_whole(json_file) as part:
             part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     _print_report(report)
+    for name, note in report["notes"].items():
+        print(f"{name}: {note}")
     for name, reason in skipped.items():
         print(f"skipped {name}: {reason}")
     _name_missing(evaluation.missing)

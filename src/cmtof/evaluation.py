@@ -19,7 +19,6 @@ from cmtof.scenes import Frame
 from cmtof.simulation import simulate
 from cmtof.statistics import Interval, ratio_interval
 from cmtof.unwrapping import unwrap
-from cmtof.validation import expect
 
 LIMITS = (1, 2, 3, 10)  # wraps off below which pixels are counted, Tables 1 to 3
 
@@ -38,7 +37,8 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
         raise ValueError("Expected a measurement with its true depth, got none. Simulate one.")
     sure, least = result["confidence"].to_numpy(), float(result.attrs.get("min_confidence", 0))
     scored = measurement.mask & np.isfinite(truth) & (sure >= least)
-    expect(scored.any(), "at least one scored pixel", "none", "Check mask and range.")
+    if not scored.any():
+        raise ValueError("Expected at least one scored pixel, got none. Check mask and range.")
     frequency = measurement.frequencies[0]
     depth, phase = truth[scored].astype(float), measurement.phase[0][scored]
     estimate = result["depth"].to_numpy()[scored].astype(float)
@@ -58,6 +58,7 @@ class Tally:
     def __init__(self) -> None:
         self.frames: list[dict[str, Any]] = []
         self._squares = 0.0
+        self._sureness = 0.0
         self._errors = np.zeros(_EDGES.size + 1, np.int64)
 
     def add(self, pixels: Mapping[str, NDArray]) -> dict[str, Any]:
@@ -66,6 +67,7 @@ class Tally:
         right = pixels["consistent"] == pixels["true_consistent"]
         error = np.abs(pixels["depth_error"])
         self._squares += float(np.sum(error**2))
+        self._sureness += float(np.sum(pixels["confidence"], dtype=float))
         self._errors += np.bincount(np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1)
         below = [int((delta < limit).sum()) for limit in LIMITS]
         counts = {"pixels": delta.size, "below": below, "consistent": int(right.sum())}
@@ -86,6 +88,7 @@ class Tally:
             "consistent_lt_1": sum(frame["consistent"] for frame in self.frames) / whole,
             "depth_rmse_m": float(np.sqrt(self._squares / whole)),
             "depth_median_error_m": float(_EDGES[min(median, _EDGES.size - 1)]),
+            "mean_confidence": self._sureness / whole,
         }
 
 
@@ -130,6 +133,7 @@ class Evaluation:
         self.conditions = conditions
         self.frames: list[str] = []
         self.missing: dict[str, ModuleNotFoundError] = {}
+        self.notes: dict[str, str] = {}  # by frame
         self._tallies = {name: Tally() for name in self.methods}
         self._seconds = dict.fromkeys(self.methods, 0.0)
         self._coverage = 0.0
@@ -139,6 +143,8 @@ class Evaluation:
         given = measured(frame, self.methods, number=len(self.frames), **self.conditions)
         usual = next(iter(given.values()))
         self.frames.append(frame.name)
+        if frame.note:
+            self.notes[frame.name] = frame.note
         self._coverage += float(usual.mask.mean())
         for name, measurement in given.items():
             start = perf_counter()
@@ -181,6 +187,7 @@ class Evaluation:
             "noise": float(NOISE_SIGMA if noise is None else noise),
             "seed": self.conditions.get("seed", 0),
             "frames": self.frames,
+            "notes": self.notes,
             "coverage": self._coverage / max(len(self.frames), 1),
             "methods": {
                 name: tally.score() | {"seconds_per_frame": self._seconds[name] / len(self.frames)}
@@ -204,8 +211,8 @@ def read_counts(path: str | Path) -> list[dict[str, Any]]:
     if not path.is_file():
         return []
     held = json.loads(path.read_text("utf-8"))
-    right = held["sha256"] == digest(held["frames"])
-    expect(right, f"counts as written in {path}", "edited ones", "Count again.")
+    if held["sha256"] != digest(held["frames"]):
+        raise ValueError(f"Expected counts as written in {path}, got edited ones. Count again.")
     return held["frames"]
 
 

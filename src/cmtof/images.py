@@ -50,7 +50,9 @@ def frame_from_pair(depth: Path, intensity: str | Path | None, **how: Any) -> Fr
         what = f"one channel of depth in {depth}, got {levels.shape[-1]}"
         raise ValueError(f"Expected {what}. Name depth first.")
     distance, notes = distances(levels, scale)
-    if reading.planar:
+    if not reading.planar:
+        notes.append("depth taken along the ray")
+    else:
         distance = distance * ray_lengths(distance.shape, reading.camera)  # type: ignore[arg-type]
     light, note = resampled(image, distance.shape)
     light = brightness_of(light, reading.linear)
@@ -80,7 +82,7 @@ def read_image(path: Path) -> NDArray:
 
 
 def distances(levels: NDArray, scale: float | None) -> tuple[NDArray[np.float64], list[str]]:
-    """Depth (H, W), m, NaN where a level means «unknown», and notes on what the levels look like."""
+    """Depth (H, W), m, NaN where a level means «unknown», and what is odd about the levels."""
     if levels.dtype.kind == "f":
         return levels / (scale or 1.0), []
     notes = [] if scale else [f"depth read at {LEVELS:g} levels a metre, for want of a scale"]
@@ -100,14 +102,14 @@ def distances(levels: NDArray, scale: float | None) -> tuple[NDArray[np.float64]
 
 
 def resampled(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
-    """An image at the size of the depth of the same view, by means of pixels, and a note on it."""
+    """An image at the size of the depth of the same view, by nearest pixels, and a note on it."""
     height, width = image.shape[:2]
     if (height, width) == shape or abs(height * shape[1] / (width * shape[0]) - 1) > _ALIKE:
         return image, ""  # a frame refuses two shapes
-    import cv2
-
+    rows = (np.arange(shape[0]) + 0.5) * height / shape[0]
+    columns = (np.arange(shape[1]) + 0.5) * width / shape[1]
     note = f"light resampled from {height}x{width} to {shape[0]}x{shape[1]} px"
-    return cv2.resize(image, shape[::-1], interpolation=cv2.INTER_AREA), note
+    return image[np.ix_(rows.astype(int), columns.astype(int))], note
 
 
 def brightness_of(image: NDArray, linear: bool) -> NDArray[np.float64]:

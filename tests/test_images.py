@@ -1,0 +1,139 @@
+"""Images of depth and light as others store them: what they mean, and what is said of them."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from cmtof.frame import Frame
+from cmtof.scenes import frames_in, load_frame
+
+SHAPE = (12, 16)
+DEPTH = np.linspace(1.5, 3.0, 192).reshape(SHAPE)
+LIGHT = np.full((*SHAPE, 3), 188, np.uint8)  # sRGB of one half
+
+
+def write(path, pixels):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix == ".npy":
+        np.save(path, pixels)
+    else:
+        Image.fromarray(pixels).save(path)
+    return path
+
+
+def levels(scale):
+    return np.rint(DEPTH * scale).astype(np.uint16)
+
+
+@pytest.fixture
+def read(tmp_path):
+    def pair(depth, light=LIGHT, name="d.png", **how):
+        colour = write(tmp_path / "light.png", light)
+        return load_frame(write(tmp_path / name, depth), intensity=colour, **how)
+
+    return pair
+
+
+ROTATED = levels(1000) * 8
+CAPPED = np.minimum(levels(1000), 2500).astype(np.uint16)
+UNKNOWN = np.where(DEPTH > 2.9, 65535, levels(1000)).astype(np.uint16)
+
+
+@pytest.mark.parametrize(
+    ("depth", "how", "right", "note"),
+    [
+        (levels(5000), {"depth_scale": 5000}, DEPTH, "along the ray"),
+        (levels(1000), {}, DEPTH, "1000 levels a metre, for want of a scale"),
+        (ROTATED, {"depth_scale": 8000}, DEPTH, "multiples of 8: if these are SUN RGB-D's"),
+        (UNKNOWN, {}, np.where(DEPTH > 2.9, np.nan, DEPTH), "at level 65535, taken as unknown"),
+        (CAPPED, {}, np.minimum(DEPTH, 2.5), "at the largest level, 2500"),
+    ],
+)
+def test_levels_are_depths_and_odd_ones_are_named(read, depth, how, right, note):
+    frame = read(depth, **how)
+    np.testing.assert_allclose(frame.depth, right, atol=6e-4)
+    assert note in frame.note
+
+
+@pytest.mark.parametrize(
+    ("light", "how", "right", "note"),
+    [
+        (LIGHT, {}, 0.5, ""),
+        (np.full(SHAPE, 255, np.uint16), {"linear": True}, 1.0, ""),  # an infrared image
+        (np.full(SHAPE, 255, np.uint16), {}, 0.0003, "is it linear (--linear)?"),
+        (np.full((24, 32), 188, np.uint8), {}, 0.5, "resampled from 24x32 to 12x16 px"),
+    ],
+)
+def test_light_is_linear_and_dark_light_is_named(read, light, how, right, note):
+    frame = read(levels(1000), light, **how)
+    np.testing.assert_allclose(frame.intensity, right, atol=0.005)
+    assert note in frame.note
+
+
+@pytest.mark.parametrize("name", ["d.pgm", "d.npy"])
+def test_other_formats_of_levels_are_read(read, name):
+    np.testing.assert_allclose(read(levels(1000), name=name).depth, DEPTH, atol=6e-4)
+
+
+def test_floats_are_metres(read):
+    np.testing.assert_allclose(read(DEPTH, name="d.npy").depth, DEPTH, rtol=1e-6)
+
+
+def test_what_cannot_be_read_is_told_how_to_convert(tmp_path):
+    (tmp_path / "d.exr").write_bytes(b"v/1\x01")
+    with pytest.raises(ValueError, match=r"got d\.exr\. Convert it: numpy\.save"):
+        load_frame(tmp_path / "d.exr", intensity=tmp_path / "light.png")
+
+
+@pytest.mark.parametrize(
+    ("light", "right", "note"),
+    [
+        (np.full(SHAPE, 51, np.uint8), 0.2, "255 is 1"),
+        (np.full(SHAPE, 13107, np.uint16), 0.2, "65535 is 1"),
+        (np.full(SHAPE, 1, np.uint8), 1.0, "at 1 or above, and counts as white"),
+        (np.full(SHAPE, 900.0), 900.0, "at 1 or above, and counts as white"),
+        (np.full(SHAPE, 0.3), 0.3, ""),
+    ],
+)
+def test_light_of_an_archive_is_what_its_type_says(tmp_path, light, right, note):
+    np.savez(tmp_path / "a.npz", depth=DEPTH, intensity=light)
+    frame = load_frame(tmp_path / "a.npz")
+    np.testing.assert_allclose(frame.intensity, right, rtol=1e-6)
+    assert note in frame.note and bool(note) == bool(frame.note)
+    np.testing.assert_array_equal(Frame(DEPTH, light).intensity, frame.intensity)
+
+
+@pytest.fixture
+def tum(tmp_path):
+    """A sequence of the TUM benchmark: the second depth has no colour near it in time."""
+    for kind, times in (("depth", (1.01, 9.0, 1.04)), ("rgb", (1.0, 1.05))):
+        names = {time: f"{kind}/{time}.png" for time in times}
+        for time, name in names.items():
+            shade = np.full((*SHAPE, 3), 255 if time == 1.05 else 188, np.uint8)
+            write(tmp_path / name, levels(5000) if kind == "depth" else shade)
+        lines = "".join(f"{time:.4f} {name}\n" for time, name in names.items())
+        (tmp_path / f"{kind}.txt").write_text(f"# timestamp filename\n{lines}")
+    return tmp_path
+
+
+def test_a_tum_sequence_is_read_as_downloaded(tum):
+    frames = [source.load() for source in frames_in(tum)]
+    assert [frame.name for frame in frames] == ["1.01", "1.04"]
+    np.testing.assert_allclose(frames[0].depth, DEPTH, atol=2e-4)
+    assert [round(float(frame.intensity[0, 0]), 1) for frame in frames] == [0.5, 1.0]
+    along_axis = frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load()
+    assert (along_axis.depth > frames[0].depth).all()
+
+
+def test_evaluate_reads_images_as_told_and_stores_what_is_odd(run, tmp_path):
+    write(tmp_path / "set" / "depth" / "1.png", levels(5000))
+    write(tmp_path / "set" / "color" / "1.png", LIGHT)
+    scores = tmp_path / "scores.json"
+    command = ("evaluate", tmp_path / "set", "--method", "middle", "--json", scores)
+    code, text, _ = run(*command, "--depth-scale", 5000)
+    assert code == 0
+    assert "1: depth taken along the ray" in text
+    assert json.loads(scores.read_text())["notes"]["1"] == "depth taken along the ray"
+    assert "1000 levels a metre" in run(*command)[1]
