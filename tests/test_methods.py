@@ -1,11 +1,14 @@
 """One contract for every method: range, mask, sizes, darkness, order of the steps, repetition."""
 
+import re
+
 import numpy as np
 import pytest
 
 import cmtof
 from cmtof.correlation import phase_from_depth, wrap_length
-from cmtof.evaluation import measured
+from cmtof.evaluation import measured as measured_for
+from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.methods import ALIASES, DEFAULT, METHODS, find_method, names_of
@@ -24,7 +27,7 @@ def wall(height, width, light=0.8):
 
 
 def given_to(name, frame, **conditions):
-    return measured(frame, [name], seed=3, **conditions)[name]
+    return measured_for(frame, [name], seed=3, **conditions)[name]
 
 
 def images(measurement, name, **options):
@@ -107,7 +110,7 @@ def test_what_a_method_needs_is_asked_for(measured):
             with pytest.raises(ValueError, match=f"true depth for method {name}"):
                 cmtof.unwrap(blind, method=name)
         if name.split("-")[0] not in ("crt", "kde", "phasor"):
-            with pytest.raises(ValueError, match="no multiples"):
+            with pytest.raises(ValueError, match="no multiples.*Choose the method crt"):
                 cmtof.unwrap(multiples, method=name)
 
 
@@ -146,3 +149,83 @@ def test_learned_methods_tell_their_state(measured, monkeypatch):
     with pytest.warns(UserWarning, match="fast-scnn is untrained"):
         method(measured)
     assert "fast-scnn" not in names_of("all")
+
+
+KINECT = (16e6, 80e6, 120e6)
+
+
+@pytest.fixture(scope="module")
+def multiples():
+    """A wall between 2 and 5 m at the three tones of a Kinect, two of them multiples."""
+    depth = np.linspace(2, 5, 24 * 32).reshape(24, 32)
+    frame = Frame(depth, np.full(depth.shape, 0.8))
+    return cmtof.simulate(frame, protocol="full", frequencies=KINECT, noise=100.0)
+
+
+REFUSING = [name for name in TWO if name.split("-")[0] not in ("crt", "kde")]
+
+
+@pytest.mark.parametrize("name", [*REFUSING, "fast-scnn-light"])
+def test_a_refusal_names_a_method_that_works(multiples, name):
+    with pytest.raises(ValueError, match="the method crt") as error:
+        cmtof.unwrap(multiples, method=name)
+    advised = re.search(r"the method ([a-z-]+)", str(error.value))[1]
+    result = cmtof.unwrap(multiples, method=advised)
+    assert score(scored_pixels(result, multiples))["delta_lt_1"] > 0.99
+
+
+@pytest.mark.parametrize("name", ["beat", "region", "mrf", "surfaces"])
+def test_a_beat_that_repeats_within_the_range_is_not_sure(name):
+    """At 7.15 and 10 GHz it does so eight times."""
+    frame = cmtof.load_frame("room").middle(96, 112)
+    m = cmtof.simulate(frame, frequencies=(7.15e9, 10e9), noise=300.0)
+    result = cmtof.unwrap(m, method=name)
+    rate = score(scored_pixels(result, m))["delta_lt_1"]
+    assert float(result.confidence.where(m.mask).mean()) < rate + 0.15
+
+
+def test_a_third_frequency_does_not_set_the_range():
+    phase = np.ones((3, 2, 2))
+    m = Measurement.from_phase(phase, (7.15e9, 14.32e9, 21.5e9))
+    assert m.range == Measurement.from_phase(phase[:2], (7.15e9, 14.32e9)).range
+
+
+@pytest.mark.parametrize("kept", ["counts", "phases"])
+@pytest.mark.parametrize("protocol", ["released", "full"])
+def test_without_noise_the_remainder_is_sure(kept, protocol):
+    m = cmtof.simulate(cmtof.load_frame("room"), protocol=protocol, noise_free=True)
+    if kept == "phases":
+        low, high = m.range
+        m = Measurement.from_phase(m.phase, m.frequencies, mask=m.mask, range_min=low,
+                                   range_max=high)  # fmt: skip
+    sure = cmtof.unwrap(m, method="crt").confidence.to_numpy()[m.mask]
+    assert np.mean(sure > 0.5) > 0.99
+
+
+@pytest.mark.parametrize("protocol", ["released", "full"])
+@pytest.mark.parametrize("noise", [100.0, 1200.0])
+@pytest.mark.parametrize("name", ["beat", "beat-guided", "crt", "kde"])
+def test_confidence_is_no_promise_beyond_the_rate(name, noise, protocol):
+    m = cmtof.simulate(cmtof.load_frame("stairs"), protocol=protocol, noise=noise)
+    pixels = scored_pixels(cmtof.unwrap(m, method=name), m)
+    assert pixels["confidence"].mean() < score(pixels)["delta_lt_1"] + 0.15
+
+
+@pytest.mark.parametrize("name", ["surfaces", "beat", "fast-scnn-light", "uniform"])
+def test_an_image_without_a_valid_pixel_comes_back_masked(measured, name):
+    result = cmtof.unwrap(masked(measured, np.zeros(measured.shape, bool)), method=name)
+    assert (result.wrap_count == -1).all() and not result.confidence.any()
+
+
+@pytest.mark.parametrize(
+    ("method", "options", "message"),
+    [
+        ("kde", {"radius": -3}, "a radius of 1 to 999 px"),
+        ("kde", {"kernel": 0}, "a kernel of 0 to 100 wraps"),
+        ("kde", {"kernel": float("nan")}, "a kernel of 0 to 100 wraps"),
+        ("beat", {"window": -1}, "odd window"),
+    ],
+)
+def test_impossible_options_are_refused(measured, method, options, message):
+    with pytest.raises(ValueError, match=message):
+        cmtof.unwrap(measured, method=method, **options)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from cmtof.correlation import residual_noise, wrap_length
-from cmtof.measurement import Measurement
+from cmtof.measurement import Measurement, unambiguous_range
 
 Array = NDArray[np.floating]
 Complex = NDArray[np.complexfloating]
@@ -25,6 +25,12 @@ def wraps_in_range(measurement: Measurement) -> tuple[int, int]:
     low, high = np.asarray(measurement.range) / wrap_length(measurement.frequencies[0])
     # limits that are whole wraps but for rounding belong to the wrap that they begin
     return int(np.floor(low + 1e-9)), int(np.ceil(high - 1e-9)) - 1
+
+
+def beat_repeats(measurement: Measurement) -> float:
+    """How often the beat of the first two frequencies repeats within the range, once at least."""
+    low, high = measurement.range
+    return max(1.0, (high - low) / unambiguous_range(measurement.frequencies))
 
 
 def within_range(depth: Array, measurement: Measurement) -> Array:

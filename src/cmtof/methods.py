@@ -13,7 +13,7 @@ import numpy as np
 from cmtof.classical import crt, kde, mrf, references, region, trivial
 from cmtof.classical.beat import beat, beat_guided
 from cmtof.classical.phasor import phasor
-from cmtof.estimate import Estimate, without_holes, wraps_in_range
+from cmtof.estimate import Estimate, beat_repeats, without_holes, wraps_in_range
 from cmtof.measurement import Measurement, tiles
 from cmtof.surfaces import surfaces
 
@@ -33,6 +33,7 @@ class Method:
     knows_truth: bool = False  # whether it reads the true depth
     about: str = ""
     memory: int = 0  # bytes a pixel and 4 more a wrap, of those that take most: they go in tiles
+    one_beat: bool = False  # whether its confidence takes the beat for unique within the range
 
     @property
     def summary(self) -> str:
@@ -52,11 +53,15 @@ class Method:
         first, last = wraps_in_range(measurement)
         most = MOST_MEMORY // (self.memory + 4 * (last - first + 1))
         if not self.memory or measurement.mask.size <= most:
-            return self.run(measurement, **options)
+            found = self.run(measurement, **options)
+            if not self.one_beat:
+                return found
+            return Estimate(found.depth, found.confidence / beat_repeats(measurement))
         images = np.empty((2, *measurement.shape))
         side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: only `rapid` sees more
         for seen, inner, place in tiles(measurement.dataset, side, 256):
             images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
+        images[1] /= beat_repeats(measurement) if self.one_beat else 1
         return Estimate(*images)
 
     def _check(self, measurement: Measurement, options: Mapping[str, Any]) -> None:
@@ -109,13 +114,20 @@ _ALL = (
     Method("phasor", "classical", "Gupta et al. 2015", phasor, tones=(7.15e9, 7.16e9)),
     Method("kde", "classical", "Järemo Lawin et al. 2016", kde.kde, memory=400),
     Method("kde-tuned", "classical", "Järemo Lawin et al. 2016", kde.kde_tuned, memory=400),
-    Method("beat", "classical", "Jongenelen et al. 2010", beat),
-    Method("beat-guided", "classical", "He et al. 2013", beat_guided, memory=1000),
+    Method("beat", "classical", "Jongenelen et al. 2010", beat, one_beat=True),
+    Method("beat-guided", "classical", "He et al. 2013", beat_guided, memory=1000, one_beat=True),
     Method("spatial", "classical", "Herraez et al. 2002", region.spatial, frequencies=1),
-    Method("region", "classical", "Herraez et al. 2002", region.region),
-    Method("mrf", "classical", "Hirschmüller 2008", mrf.mrf, memory=320),
-    Method("mrf-graphcut", "classical", "Bioucas-Dias, Valadão 2007", mrf.mrf_graphcut, memory=540),
-    Method("surfaces", "classical", "this project", surfaces),
+    Method("region", "classical", "Herraez et al. 2002", region.region, one_beat=True),
+    Method("mrf", "classical", "Hirschmüller 2008", mrf.mrf, memory=320, one_beat=True),
+    Method(
+        "mrf-graphcut",
+        "classical",
+        "Bioucas-Dias, Valadão 2007",
+        mrf.mrf_graphcut,
+        memory=540,
+        one_beat=True,
+    ),
+    Method("surfaces", "classical", "this project", surfaces, one_beat=True),
     _learned("u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"),
     _learned("one-step", "Wang et al. 2019", "Residual U-Net, narrowed: regression of depth"),
     _learned("deep-tof", "Su et al. 2018", "Encoder and decoder on raw correlations, narrowed"),

@@ -14,7 +14,9 @@ from scipy.special import ndtr
 from cmtof.correlation import TAU, depth_from_phase, depth_from_wraps, wrap_length
 from cmtof.estimate import Array, Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
-from cmtof.validation import expect
+
+_FINEST = 2e-5
+"""Least noise of a misfit, rad: the phases are decoded from float32."""
 
 
 def crt(measurement: Measurement) -> Estimate:
@@ -38,8 +40,9 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     low, high = (round(f) for f in measurement.frequencies[:2])
     common = gcd(low, high)
     k1, k2 = low // common, high // common
-    got, advice = f"{low} and {high} Hz with {common} Hz", "Round them to whole MHz."
-    expect(k1 * k2 <= 10**12, "frequencies with a large common divisor", got, advice)
+    if k1 * k2 > 10**12:
+        got = f"{low} and {high} Hz with {common} Hz. Round them to whole MHz"
+        raise ValueError(f"Expected frequencies with a large common divisor, got {got}.")
     lengths = wrap_length(measurement.frequencies[:2])[:, None, None]
     first, second = measurement.phase[:2] * lengths / TAU
     unit = float(wrap_length(low)) / k2
@@ -87,16 +90,30 @@ def fused_depth(measurement: Measurement, wraps: NDArray[np.integer], residual: 
     return within_range(depth, measurement)
 
 
+def _misfit_noise(measurement: Measurement, residual: Array, gap: float) -> Array:
+    """Noise of the misfit of both phases (H, W), rad; ``gap`` parts that of two wraps.
+
+    Where only phases were kept it is that of the residuals left over, if they are clearly smaller
+    than chance would leave them.
+    """
+    noise = phase_noise(measurement)
+    ratio = measurement.frequencies[1] / measurement.frequencies[0]
+    # infinite where nothing was measured: there every wrap is as likely
+    spread = np.clip(np.hypot(noise[1], ratio * noise[0]), _FINEST, 1e9)
+    typical = float(np.median(np.abs(residual[measurement.mask])))
+    if "correlation" not in measurement.dataset and typical < gap / 8:
+        return np.where(spread < 1e9, max(1.5 * typical, _FINEST), spread)
+    return spread
+
+
 def _posterior(measurement: Measurement, wraps: NDArray[np.int64], residual: Array) -> Array:
     """Share of the chosen wrap in the likelihood of all in range, whose sum is an integral."""
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
     ratio, count = high / low, last - first + 1
     step = ratio - round(ratio)
-    noise = phase_noise(measurement)
-    # infinite where nothing was measured: there every wrap is as likely
-    spread = np.clip(np.hypot(noise[1], ratio * noise[0]), 1e-9, 1e9)
     gap = TAU * max(abs(step), 1e-12)
+    spread = _misfit_noise(measurement, residual, gap)
     size = residual * np.sign(step)
     upper = np.minimum(np.pi, (wraps - first + 0.5) * gap + size)
     lower = np.maximum(-np.pi, size - (last - wraps + 0.5) * gap)

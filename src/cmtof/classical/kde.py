@@ -38,6 +38,11 @@ def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIU
     ``kernel`` is the width h along depth, wraps of the lower frequency; ``radius`` that of the
     Gaussian window, px, with half of it as sigma. The confidence is the share of all densities.
     """
+    if not 0 < kernel <= 100 or radius not in range(1, 1000):
+        got = f"{kernel} and {radius}. Try {KERNEL} and {RADIUS}"
+        raise ValueError(
+            f"Expected a kernel of 0 to 100 wraps, a radius of 1 to 999 px, got {got}."
+        )
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
     label, best, total = _densest(measurement, kernel, radius)

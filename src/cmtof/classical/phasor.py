@@ -48,7 +48,7 @@ def _refuse_far_frequencies(low: float, high: float, extent: float) -> None:
         raise ValueError(
             f"Expected two close frequencies whose beat covers the range of {extent:.3f} m, got "
             f"{low:g} and {high:g} Hz, which cover {covered:.3f} m. Measure others, for instance "
-            "simulate with --frequencies 7.15e9,7.16e9."
+            "simulate with --frequencies 7.15e9,7.16e9, or choose the method crt."
         )
 
 

@@ -162,7 +162,7 @@ def unwrap_with_network(
     right = tones.size > 1 and np.allclose(tones[:2], FREQUENCIES, rtol=1e-6)
     got = f"{', '.join(f'{f / 1e9:g}' for f in tones)} GHz"
     what = "7.15 and 14.32 GHz, which the weights were trained at"
-    expect(right, what, got, "Choose the method beat.")
+    expect(right, what, got, "Choose the method crt.")
     first, last = wraps_in_range(measurement)
     trained = load_weights(Path(weights or find_weights(model or "fast-scnn", first, last)))
     given = trained.card.model
