@@ -80,7 +80,9 @@ def main(arguments: list[str] | None = None) -> None:
         with warnings.catch_warnings():
             # the libraries' own are for their developers; ours are one line
             warnings.simplefilter("ignore")
-            warnings.filterwarnings("always", ".* is (untrained|left out)", UserWarning)
+            warnings.filterwarnings(
+                "always", ".* is (untrained|left out)|.*NUMBA_CACHE_DIR", UserWarning
+            )
             warnings.showwarning = lambda text, *_: print(f"cmtof: {text}", file=sys.stderr)
             app(args=[word for word in words if word != "--debug"])
     except Exception as error:

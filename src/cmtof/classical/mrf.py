@@ -15,11 +15,11 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, uniform_filter
 
 from cmtof.classical.beat import synthetic_frequency
+from cmtof.compiled import njit
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.estimate import Array, Complex, Estimate, within_range, wraps_in_range
 from cmtof.measurement import Measurement

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
+from cmtof.compiled import njit
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, wrap_length
 from cmtof.frame import Source
@@ -119,7 +119,7 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
     return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(light * np.exp(grain), 1)
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _paint(  # pragma: no cover
     turns, light, x, y, cosine, sine, long, wide, box,
     level, right, down, bend, bright, contrast, wave_x, wave_y, texture,

@@ -5,8 +5,8 @@ none of the last three. ``field`` is `Field.arrays`; pixels of a ``label`` count
 """
 
 import numpy as np
-from numba import njit
 
+from cmtof.compiled import njit
 from cmtof.surfaces.field import CELL
 
 # As NumPy's integers, for Numba compiles a function again for every literal that it is given.

@@ -5,9 +5,9 @@ Within a window a plane's phases are ramps, so both spectra peak: at a slope nu,
 """
 
 import numpy as np
-from numba import njit
 from scipy.fft import fft, fftfreq, next_fast_len
 
+from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces import fitting
 from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask

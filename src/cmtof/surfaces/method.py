@@ -10,12 +10,12 @@ from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.ndimage import distance_transform_edt, median, uniform_filter
 from scipy.special import ndtr
 
 from cmtof.classical.beat import beat, synthetic_frequency
 from cmtof.classical.region import nearest
+from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement

@@ -10,9 +10,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
+from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Array, Field, Labels
 from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood

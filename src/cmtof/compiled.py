@@ -1,0 +1,38 @@
+"""Numba's compiler, also where no folder can keep what it compiled."""
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numba
+
+
+def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable], Any]:
+    """Decorator like ``numba.njit`` that goes on without the cache where nothing can be written.
+
+    Numba keeps what it compiled beside the module or in the user's cache folder. An installation
+    that is read-only and a user without a home have neither: each process compiles anew.
+    """
+
+    def compiled(function: Callable) -> Any:
+        try:
+            return numba.njit(cache=cache, **options)(function)
+        except RuntimeError as error:
+            if not cache or "cannot cache" not in str(error):
+                raise
+        _say_uncached()
+        return numba.njit(**options)(function)
+
+    return compiled
+
+
+_said = False
+
+
+def _say_uncached() -> None:
+    """Warn once a process."""
+    global _said
+    if not _said:
+        what = "Expected a folder that keeps compiled code, got none that can be written"
+        warnings.warn(f"{what}: every run compiles anew. Set NUMBA_CACHE_DIR.", stacklevel=4)
+    _said = True
