@@ -1,6 +1,8 @@
 """Files are whole or not there, and only regular files are replaced."""
 
 import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -30,6 +32,37 @@ def test_a_link_keeps_its_place(tmp_path):
     assert (tmp_path / "real.txt").read_text() == "new"
 
 
+def test_who_may_read_a_file_stays(tmp_path):
+    target = tmp_path / "a.txt"
+    target.write_text("old")
+    target.chmod(0o600)
+    with written_whole(target) as part:
+        part.write_text("new")
+        assert part.stat().st_mode & 0o777 == 0o600
+    assert target.stat().st_mode & 0o777 == 0o600
+
+
+def test_threads_that_write_one_file_lose_none(tmp_path):
+    def write(number):
+        with written_whole(tmp_path / "a.txt") as part:
+            part.write_text(str(number))
+        return number
+
+    with ThreadPoolExecutor(8) as threads:
+        assert sorted(threads.map(write, range(160))) == list(range(160))
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+@pytest.mark.parametrize(("process", "age", "left"), [(2**22, 900, 0), (2**22, 0, 1), (1, 900, 1)])
+def test_what_a_killed_process_left_is_removed(tmp_path, process, age, left):
+    lost = tmp_path / f".a.part-{process}-0.txt"
+    lost.touch()
+    os.utime(lost, (time.time() - age,) * 2)
+    with written_whole(tmp_path / "a.txt") as part:
+        part.touch()
+    assert lost.exists() == bool(left)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -37,6 +70,7 @@ def test_a_link_keeps_its_place(tmp_path):
         (lambda p: p, "got the folder"),
         (lambda p: os.mkfifo(p / "pipe") or p / "pipe", "got a device or pipe"),
         (lambda p: "/proc/a.txt", "can be written to"),  # not even by root
+        (lambda p: (p / "a.txt").symlink_to(p / "a.txt") or p / "a.txt", "got a circle"),
     ],
 )
 def test_what_cannot_be_written_is_refused_at_once(tmp_path, make, message):

@@ -1,10 +1,18 @@
 """Files that are either whole or not there: write beside, then rename."""
 
 import os
+import re
+import shutil
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from glob import escape
+from itertools import count
 from pathlib import Path
 from typing import Any
+
+_NUMBER = count()  # of the files that this process writes beside others
+_FORGOTTEN = 600  # s, after which what a dead process has left is no longer another machine's
 
 
 def check_input(path: str | Path, what: str = "a file to read") -> Path:
@@ -44,8 +52,12 @@ def check_output(path: str | Path, *suffixes: str) -> Path:
     if suffixes and target.suffix not in suffixes:
         named = " or ".join(f"*{suffix}" for suffix in suffixes)
         raise ValueError(f"Expected an output named {named}, got {target.name}. Rename it.")
-    if target.is_symlink():
-        target = target.resolve()  # what it points to is replaced, not the link
+    if target.is_symlink():  # what it points to is replaced, not the link
+        try:
+            target = target.resolve()
+        except (OSError, RuntimeError):
+            what = f"a link that leads to a file, got a circle at {target}"
+            raise FileExistsError(f"Expected {what}. Name a file.") from None
     if target.is_dir():
         raise IsADirectoryError(f"Expected a file to write, got the folder {target}. Name a file.")
     if not target.parent.is_dir():
@@ -65,8 +77,18 @@ def check_output(path: str | Path, *suffixes: str) -> Path:
 
 
 def _part(target: Path) -> Path:
-    """Name beside a file; writers choose their format by the suffix, so it stays."""
-    return target.with_name(f".{target.stem}.part-{os.getpid()}{target.suffix}")
+    """New name beside a file; writers choose their format by the suffix, so it stays."""
+    return target.with_name(f".{target.stem}.part-{os.getpid()}-{next(_NUMBER)}{target.suffix}")
+
+
+def _clear_away(target: Path) -> None:
+    """Remove what processes that were killed have left beside a file, after some minutes."""
+    for part in target.parent.glob(f".{escape(target.stem)}.part-*{escape(target.suffix)}"):
+        process = re.search(r"\.part-(\d+)-\d+$", part.stem)
+        if process and not Path("/proc", process[1]).exists():
+            with suppress(OSError):
+                if time.time() - part.stat().st_mtime > _FORGOTTEN:
+                    part.unlink()
 
 
 @contextmanager
@@ -81,8 +103,12 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     'whole'
     """
     target = check_output(path)
+    _clear_away(target)
     part = _part(target)
     try:
+        if target.exists():  # who may read it stays
+            part.touch(0o600)
+            shutil.copymode(target, part)
         yield part
         part.replace(target)
     finally:
