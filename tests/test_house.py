@@ -34,7 +34,7 @@ FLOORS = [
     {"correlation", "modulator"},
     {"waveform", "jones"},
     {"air"},
-    {"compiled", "constants", "files", "validation"},
+    {"compiled", "constants", "files", "terminal", "validation"},
 ]
 HEIGHT = {room: len(FLOORS) - k for k, floor in enumerate(FLOORS) for room in floor}
 LATE = {"cmtof.cli"}

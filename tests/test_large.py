@@ -86,3 +86,29 @@ def test_seams_are_no_worse_than_the_inside(tmp_path):
     wrong, near = np.concatenate(wrong), np.concatenate(near)
     print(f"{SIDE} px: wrong {wrong[near].mean():.4f} near seams, {wrong[~near].mean():.4f} inside")
     assert wrong[near].mean() < wrong[~near].mean() + 0.02
+
+
+@pytest.mark.parametrize("kind", ["text", "npz", "cut", "pipe", "frame"])
+def test_what_is_no_measurement_is_refused_in_tiles_too(stack, tmp_path, kind):
+    path = tmp_path / "bad.nc"
+    if kind == "text":
+        path.write_text("no measurement")
+    elif kind == "npz":
+        np.savez(path.with_suffix(".npz"), correlation=np.ones((2, 4, 3, 3)))
+        path.with_suffix(".npz").rename(path)
+    elif kind == "cut":
+        path.write_bytes(stack.read_bytes()[:200_000])
+    elif kind == "pipe":
+        os.mkfifo(path)
+    else:
+        xr.Dataset({"depth": (("y", "x"), np.ones((3, 3)))}).to_netcdf(path, engine="h5netcdf")
+    with pytest.raises((ValueError, OSError), match="^Expected .*(measurement|netCDF4|variable)"):
+        list(unwrap_file(path, tmp_path / "t.nc", tile=128, method="crt"))
+    assert not (tmp_path / "t.nc").exists()
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "scipy"])
+def test_tiles_are_read_from_either_netcdf(stack, tmp_path, engine):
+    cmtof.open(stack).dataset.to_netcdf(tmp_path / "other.nc", engine=engine)
+    tiles = unwrap_file(tmp_path / "other.nc", tmp_path / "t.nc", tile=256, method="middle")
+    assert sum(share for share, *_ in tiles) == pytest.approx(1)

@@ -100,3 +100,23 @@ def test_embedded_frames_simulate_in_both_protocols(name):
         m = simulate(cmtof.load_frame(name), protocol=protocol)
         assert m.mask.mean() > 0.2
         assert m.camera is not None
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"order": "papr"}, "order 'paper' or 'released', got 'papr'"),
+        ({"gain": -1.0}, "gain and integration_time > 0"),
+        ({"protocol": "both"}, "protocol 'released' or 'full'"),
+        ({"frequencies": (7.15, 14.32)}, "State them in Hz"),
+    ],
+)
+def test_impossible_conditions_are_refused(tilted_wall, changes, message):
+    with pytest.raises(ValueError, match=message):
+        simulate(tilted_wall, **changes)
+
+
+def test_depths_in_millimetres_are_suspected(tilted_wall):
+    wall = Frame(1000 * tilted_wall.depth, tilted_wall.intensity)
+    with pytest.raises(ValueError, match="Are they in millimetres?"):
+        simulate(wall, protocol="full")

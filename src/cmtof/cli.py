@@ -9,15 +9,16 @@ import os
 import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from functools import partial
+from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any
 
 from typer import Argument, Option, Typer
 
 from cmtof.files import check_output
+from cmtof.terminal import hidden, prepare_streams, print_table, progress, shown
 
 app = Typer(
     name="cmtof",
@@ -41,6 +42,9 @@ EXTRAS = {module: extra for extra, modules in MODULES.items() for module in modu
 """Extra of each module that comes with none of the package's own dependencies."""
 
 
+PICTURES = (".png", ".pdf", ".svg", ".jpg")
+
+
 def _file(named: str, *flags: str, text: str) -> Any:
     """Option of a file to write, which is checked before anything is computed for it."""
 
@@ -57,7 +61,7 @@ Protocol = Annotated[
 ]
 Noise = Annotated[float, Option(help="Gaussian noise, counts; photon noise stays on.")]
 NoiseFree = Annotated[bool, Option("--noise-free", help="No noise of either kind.")]
-_SEED = Option(min=0, max=2**63 - 1, help="Of all random numbers.")
+_SEED = Option(min=0, max=2**63 - 1, help="Seed of the random numbers.")
 Seed = Annotated[int, _SEED]
 Intensity = Annotated[Path | None, Option(help="Image of the light of a depth image.")]
 DepthScale = Annotated[
@@ -71,7 +75,7 @@ Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress bar.")]
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; an error becomes one line on stderr and exit code 1."""
-    sys.stderr.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    prepare_streams()
     for name in ("SIGTERM", "SIGHUP", "SIGQUIT"):  # an exit by exception removes unfinished files
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), lambda number, _: sys.exit(128 + number))
@@ -88,7 +92,7 @@ def main(arguments: list[str] | None = None) -> None:
     except Exception as error:
         if "--debug" in words:
             raise
-        print(f"cmtof: {_line(error)}", file=sys.stderr)
+        print(f"cmtof: {shown(_line(error))}", file=sys.stderr)
         sys.exit(1)
 
 
@@ -142,7 +146,7 @@ def simulate(
     measurement.save(output)
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
     if loaded.note:
-        print(f"{loaded.name}: {loaded.note}")
+        print(shown(f"{loaded.name}: {loaded.note}"))
 
 
 @app.command()
@@ -170,15 +174,17 @@ def unwrap(
     from cmtof.evaluation import Tally, scored_pixels
     from cmtof.pointcloud import write_ply
     from cmtof.unwrapping import unwrap_file
-    from cmtof.validation import expect
 
     several = len(measurement) > 1
     targets = [output / f"{path.stem}.nc" for path in measurement] if several else [output]
-    paths = [path.resolve() for path in (*measurement, *targets, ply) if path is not None]
-    what, got = "another file for each of inputs and outputs", f"{paths[0].name} twice"
-    expect(len(set(paths)) == len(paths), what, got, "Name another.")
+    named = (path for path in (*measurement, *targets, ply) if path is not None)
+    paths = [Path(os.path.realpath(path)) for path in named]  # of a circle, too
+    if len(set(paths)) < len(paths):
+        what = "another file for each of inputs and outputs"
+        raise ValueError(f"Expected {what}, got {paths[0].name} twice. Name another.")
     one = not (tile or several)
-    expect(one or ply is None, "one file, seen at once, for --ply", "more", "Leave --ply out.")
+    if ply is not None and not one:
+        raise ValueError("Expected one file, seen at once, for --ply, got more. Leave --ply out.")
     given = {"method": method, "range": range, "window": window, "weights": weights}
     given |= {"min_confidence": min_confidence, "fast": int(fast) or None}
     chosen = {name: value for name, value in given.items() if value is not None}
@@ -204,7 +210,7 @@ def unwrap(
             rows.append((names, _rates(tally.score()) if tally.frames else {}))
     head = dict.fromkeys(title for _, rates in rows for title in rates)
     cells = ([*names, *(rates.get(title, "") for title in head)] for names, rates in rows)
-    _print_table(f"method {method}, into {output}", ("file", "valid", *head), cells)
+    print_table(f"method {method}, into {output}", ("file", "valid", *head), cells)
 
 
 @app.command()
@@ -235,7 +241,6 @@ def evaluate(
     from cmtof.frame import Frames
     from cmtof.methods import names_of
     from cmtof.scenes import frames_in
-    from cmtof.validation import expect
 
     names = names_of(method, protocol)
     conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
@@ -252,17 +257,18 @@ def evaluate(
                 for done in evaluation.add(frame):
                     advance(f"{frame.name}: {done}")
             skipped |= several.skipped
-    none = f"none ({' '.join(skipped.values()):.200})"
-    expect(evaluation.frames, "a frame that loads and has pixels in range", none, "Name others.")
+    if not evaluation.frames:
+        none = f"none ({' '.join(skipped.values()):.200}). Name others"
+        raise ValueError(f"Expected a frame that loads and has pixels in range, got {none}.")
     report = evaluation.report()
     if json_file is not None:
         with written_whole(json_file) as part:
             part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     _print_report(report)
     for name, note in report["notes"].items():
-        print(f"{name}: {note}")
+        print(shown(f"{name}: {note}"))
     for name, reason in skipped.items():
-        print(f"skipped {name}: {reason}")
+        print(shown(f"skipped {name}: {reason}"))
     _name_missing(evaluation.missing)
     if evaluation.missing and method != "all":
         sys.exit(1)
@@ -274,7 +280,7 @@ def _name_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
     for name, error in missing.items():
         users.setdefault(_line(error), []).append(name)
     for line, names in users.items():
-        print(f"cmtof: left out {', '.join(names)}. {line}", file=sys.stderr)
+        print(shown(f"cmtof: left out {', '.join(names)}. {line}"), file=sys.stderr)
 
 
 @app.command()
@@ -292,7 +298,7 @@ def methods(as_json: Annotated[bool, Option("--json", help="Print JSON.")] = Fal
         print(json.dumps(rows, indent=2, ensure_ascii=False))
         return
     head = ("name", "kind", "state", "summary", "source")
-    _print_table("", head, ([row[key] for key in head] for row in rows))
+    print_table("", head, ([row[key] for key in head] for row in rows))
     print(f"Default: {DEFAULT}. State: of weights for the released protocol.")
 
 
@@ -306,17 +312,23 @@ def info(
 
     from cmtof import __version__
     from cmtof.captures import data_root
-    from cmtof.frame import embedded_frames, read_npz
+    from cmtof.frame import embedded_frames, listed_npz
     from cmtof.measurement import open_measurement
-    from cmtof.storage import read_dataset
+    from cmtof.storage import opened_dataset
 
     if file is not None:
         path = embedded_frames().get(str(file), file)
         if path.suffix == ".npz":
-            held = read_npz(path).items()
-            print(*(f"{name} {array.shape} {array.dtype}" for name, array in held), sep="\n")
+            lines = [f"{name} {kind}" for name, kind in listed_npz(path).items()]
+            print(shown("\n".join(lines)))
+            return
+        text = StringIO()
+        if path.suffix == ".nc":
+            with opened_dataset(path) as held:
+                held.info(text)
         else:
-            (read_dataset(path) if path.suffix == ".nc" else open_measurement(path).dataset).info()
+            open_measurement(path).dataset.info(text)
+        print(shown(text.getvalue()))
         return
     print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
     missing = "is not installed (only learned methods need it)"
@@ -337,6 +349,9 @@ def replicate(
     """
     from cmtof_book.replication import replicate as outcomes
 
+    if output.suffix not in PICTURES:
+        what = f"a picture named {', '.join(PICTURES)}, got {output.name}"
+        raise ValueError(f"Expected {what}. Rename it.")
     output.parent.mkdir(parents=True, exist_ok=True)
     failed = 0
     for outcome in outcomes(output):
@@ -407,7 +422,7 @@ def train(
     run = {"tree": data, "init": init, "resume": resume, "minutes": minutes}
     machines = {"accelerator": accelerator, "num_nodes": num_nodes, "strategy": strategy}
     machines["devices"] = int(devices) if devices.isdigit() else devices
-    written = train_network(chosen, folder, quiet=quiet or _hidden(), **run, **machines)
+    written = train_network(chosen, folder, quiet=quiet or hidden(), **run, **machines)
     print(written or f"{folder}: stopped before its last step; --resume goes on")
 
 
@@ -434,11 +449,12 @@ def scan(
     from cmtof.hardware.plan import planned
     from cmtof.hardware.rig import Rig
     from cmtof.hardware.scan import scan as run_scan
-    from cmtof.validation import expect
 
-    expect(twin or rig is not None, "either a RIG file or --twin", "neither", "Name one.")
-    right = twin or (seed, scene) == (None, None)
-    expect(right, "--scene and --seed with --twin", "a RIG file", "Leave them out.")
+    if not twin and rig is None:
+        raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
+    if not twin and (seed, scene) != (None, None):
+        what = "--scene and --seed with --twin, got a RIG file"
+        raise ValueError(f"Expected {what}. Leave them out.")
     settings = Rig.default() if rig is None else Rig.load(rig)
     plan = planned(settings, size=size)
     bench = partial(connected_bench, settings)
@@ -457,33 +473,6 @@ def scan(
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
 
 
-@contextmanager
-def progress(total: int, quiet: bool) -> Iterator[Callable[..., None]]:
-    """Bar on stderr, advanced by each call; hidden when asked for, in CI, and in a pipe."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), disable=quiet or _hidden()) as bar:
-        task = bar.add_task("", total=total)
-        yield lambda text, share=1.0: bar.update(task, advance=share, description=text)
-
-
-def _hidden() -> bool:
-    """Whether to hide the bar: in CI, and where standard error is no terminal."""
-    return bool(os.environ.get("CI")) or not sys.stderr.isatty()
-
-
-def _print_table(title: str, head: Any, rows: Any) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(*head, title=title or None)
-    table.columns[0].no_wrap = True
-    for row in rows:
-        table.add_row(*row)
-    Console().print(table)
-
-
 def _rates(scores: dict[str, float]) -> dict[str, str]:
     """Rates and error of a method as they are printed, by their title."""
     titles = {f"δ<{k}": f"delta_lt_{k}" for k in (1, 2, 3)}
@@ -498,7 +487,7 @@ def _print_report(report: dict[str, Any]) -> None:
     found = {name: _rates(scores) for name, scores in report["methods"].items()}
     clock = {name: f"{one['seconds_per_frame']:.2f}" for name, one in report["methods"].items()}
     head = ("method", *next(iter(found.values())), "s/frame")
-    _print_table(title, head, ([n, *cells.values(), clock[n]] for n, cells in found.items()))
+    print_table(title, head, ([n, *cells.values(), clock[n]] for n, cells in found.items()))
 
 
 if __name__ == "__main__":

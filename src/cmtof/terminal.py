@@ -1,0 +1,77 @@
+"""What the command line says: tables, a bar, and text that any terminal can show."""
+
+import codecs
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+PLAIN = {"δ": "d", "σ": "sigma", "≥": ">=", "«": '"', "»": '"', "…": "...", "°": " deg", "−": "-"}
+"""What stands for a character where the output's encoding has none."""
+
+
+def prepare_streams() -> None:
+    """Make output survive an encoding without our characters, and streams that are closed."""
+    codecs.register_error("cmtof", _plainer)
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:  # closed, as some schedulers start a command
+            setattr(sys, name, Path(os.devnull).open("w"))  # noqa: SIM115 - it stays open
+        else:
+            stream.reconfigure(errors="cmtof")
+
+
+def _plainer(error: UnicodeError) -> tuple[str, int]:
+    """Plain text for what could not be encoded, and where to go on."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    missing = error.object[error.start : error.end]
+    return "".join(PLAIN.get(one, _escaped(one)) for one in missing), error.end
+
+
+def _escaped(character: str) -> str:
+    return character.encode("ascii", "backslashreplace").decode()
+
+
+def shown(text: object) -> str:
+    r"""Text of a file or a name, with what would steer a terminal written out.
+
+    >>> shown("a\x1b[31mb")
+    'a\\x1b[31mb'
+    """
+    return "".join(c if c.isprintable() or c in "\n\t" else repr(c)[1:-1] for c in str(text))
+
+
+@contextmanager
+def progress(total: int, quiet: bool) -> Iterator[Callable[..., None]]:
+    """Bar on stderr, advanced by each call; hidden when asked for, in CI, and in a pipe."""
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), disable=quiet or hidden()) as bar:
+        task = bar.add_task("", total=total)
+
+        def advance(text: str, share: float = 1.0) -> None:
+            bar.update(task, advance=share, description=escape(shown(text)))
+
+        yield advance
+
+
+def hidden() -> bool:
+    """Whether to hide the bar: in CI, and where standard error is no terminal."""
+    return bool(os.environ.get("CI")) or not sys.stderr.isatty()
+
+
+def print_table(title: str, head: Sequence[str], rows: Iterable[Iterable[object]]) -> None:
+    """Print a table, its cells as they are."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(*head, title=Text(shown(title)) if title else None)
+    table.columns[0].no_wrap = True
+    for row in rows:
+        table.add_row(*(Text(shown(cell)) for cell in row))
+    Console().print(table)
