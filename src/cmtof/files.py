@@ -135,6 +135,15 @@ MOST_BYTES, MOST_DEPTH = 2**20, 20
 """Size of a document that is read, and how deep it may be nested."""
 
 
+def small_file(path: str | Path) -> bytes:
+    """Content of a document; a ValueError if it is too large for one."""
+    size = check_input(path).stat().st_size
+    if size > MOST_BYTES:
+        what = f"at most {MOST_BYTES} bytes in {path}, got {size}"
+        raise ValueError(f"Expected {what}. Name another file.")
+    return Path(path).read_bytes()
+
+
 def read_document(path: str | Path) -> dict[str, Any]:
     """Read names and values from a YAML or JSON file; nothing in it is evaluated.
 
@@ -148,10 +157,7 @@ def read_document(path: str | Path) -> dict[str, Any]:
     """
     import yaml
 
-    data = check_input(path).read_bytes()
-    if len(data) > MOST_BYTES:
-        what = f"at most {MOST_BYTES} bytes in {path}, got {len(data)}"
-        raise ValueError(f"Expected {what}. Name another file.")
+    data = small_file(path)
     try:
         depth = 0
         for event in yaml.parse(data, Loader=yaml.SafeLoader):

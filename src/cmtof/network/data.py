@@ -20,7 +20,7 @@ from cmtof.measurement import unambiguous_range
 from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import Config
-from cmtof.simulation import RELEASED_FAR_DEPTH
+from cmtof.simulation import RELEASED_FAR_DEPTH, released_scale
 from cmtof.validation import expect
 
 WRAP = float(wrap_length(FREQUENCIES[0]))
@@ -152,7 +152,7 @@ class Pack(NamedTuple):
         """Depth as the protocol stages it, and intensity, of a window of one frame."""
         scale = 1.0
         if protocol == "released":
-            scale = float(np.clip(RELEASED_FAR_DEPTH / self.far[view], 0.01, 1.0))
+            scale = released_scale(self.far[view])
         depth, light = self.depth[view][window], self.intensity[view][window]
         return depth.astype(float) * scale, light.astype(float)
 

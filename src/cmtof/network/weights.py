@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_wraps, wrap_length
 from cmtof.estimate import within_range, wraps_in_range
-from cmtof.files import check_input, written_whole
+from cmtof.files import check_input, small_file, written_whole
 from cmtof.measurement import Measurement
 from cmtof.network.features import CLASSES, FULL_AMPLITUDE, features
 from cmtof.simulation import QUADRATURES
@@ -117,7 +117,7 @@ def read_card(weights: Path) -> Card:
     """Card of a file of weights; a ValueError if there is none, or it is no card."""
     path = weights.with_suffix(".json")
     try:
-        held = json.loads(check_input(path).read_bytes())
+        held = json.loads(small_file(path))
     except (OSError, ValueError, RecursionError) as error:
         got = f"got {error}. Keep both together"
         raise ValueError(f"Expected the card of {weights.name} in {path}, {got}.") from error
