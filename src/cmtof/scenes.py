@@ -107,7 +107,10 @@ def _tum_list(path: Path) -> dict[float, str]:
     lines = path.read_text("utf-8", errors="replace").splitlines()
     rows = [line.split() for line in lines if line.strip() and not line.startswith("#")]
     try:
-        return {float(row[0]): row[1] for row in rows}
+        found = {float(row[0]): row[1] for row in rows}
     except (IndexError, ValueError):
-        what = f"lines of a time and a file name in {path}"
-        raise ValueError(f"Expected {what}, got others. Fetch it again.") from None
+        found = {0.0: ".."}
+    if any(Path(name).is_absolute() or ".." in Path(name).parts for name in found.values()):
+        what = f"lines of a time and a file name below it in {path}"
+        raise ValueError(f"Expected {what}, got others. Fetch it again.")
+    return found

@@ -26,8 +26,10 @@ from functools import cache
 from pathlib import Path
 from typing import IO
 
+import h5py
 import numpy as np
 import xarray as xr
+from PIL import Image
 
 ROOT = Path(__file__).parents[2]
 SECONDS, MEGABYTES = 20, 1500  # of the processor, and of memory at its peak
@@ -178,6 +180,97 @@ def measurement(rng: np.random.Generator) -> Made:
     return {name: raw}, ["unwrap", name, *chosen]
 
 
+def foreign(rng: np.random.Generator) -> Made:
+    """A measurement as other programs write it, or one that was made to harm."""
+    data = whole_measurement().copy(deep=True)
+    valid, name = rng.uniform(size=(6, 8)) < 0.7, "m.nc"
+    match int(rng.integers(8)):
+        case 0:
+            data["mask"] = (("y", "x"), np.where(valid, 1.0, np.nan))
+            fill = rng.choice([0.0, np.nan, 9.97e36, -1e30])
+            data["correlation"] = data["correlation"].where(valid, fill)
+        case 1:
+            kind = rng.choice(["u2", "i4", "f2", "f8", "i2"])
+            data["correlation"] = (data["correlation"] - 9000 * (kind == "i2")).astype(kind)
+        case 2:
+            data["psi"].attrs["units"] = str(rng.choice(["degree", "rad", "\x1b[2J", "K"]))
+            data["frequency"].attrs["units"] = str(rng.choice(["GHz", "Hz", ""]))
+        case 3:
+            data = data.assign_coords(frequency=[16e6, float(rng.choice([80e6, 32e6, 17e6]))])
+            data.attrs = {"range_min": 0.0, "range_max": float(rng.choice([0.1, 9.0, 60.0]))}
+        case 4:
+            data = data.drop_vars("psi").assign(psi=data["psi"].variable)
+        case _:
+            data.attrs["note"] = "\x1b[31m[red]\u202e" * int(rng.integers(1, 4))
+    raw = netcdf(data)
+    match int(rng.integers(4)):
+        case 0:
+            raw = data.to_netcdf(engine="scipy") if rng.uniform() < 0.5 else plain_hdf5(data)
+        case 1:
+            raw = reaching_out(raw, rng)
+    raw = damaged(bytes(raw), rng) if rng.uniform() < 0.2 else bytes(raw)
+    files: Files = {name: raw, "pipe.nc": None}
+    if rng.uniform() < 0.2:
+        return files, ["info", name]
+    method = str(rng.choice(["beat", "region", "crt", "kde", "mrf", "surfaces", "spatial"]))
+    tile = ["--tile", "4"] if rng.uniform() < 0.4 else []
+    return files, ["unwrap", name, "-o", "out.nc", "--method", method, *tile]
+
+
+def plain_hdf5(data: xr.Dataset) -> bytes:
+    """Content of an HDF5 file whose dimensions have no names."""
+    with h5py.File(buffer := io.BytesIO(), "w") as file:
+        for name, variable in data.variables.items():
+            file[str(name)] = variable.to_numpy()
+    return buffer.getvalue()
+
+
+def reaching_out(raw: bytes, rng: np.random.Generator) -> bytes:
+    """A file that takes a variable out of another one, or out of a pipe."""
+    with h5py.File(buffer := io.BytesIO(raw), "r+") as file:
+        other = str(rng.choice(["pipe.nc", "/etc/hostname", "m.nc"]))
+        if rng.uniform() < 0.5:
+            file["dark"] = h5py.ExternalLink(other, "/dark")
+        else:
+            layout = h5py.VirtualLayout((8,), "u1")
+            layout[:] = h5py.VirtualSource(other, "dark", (8,))
+            file.create_virtual_dataset("dark", layout)
+    return buffer.getvalue()
+
+
+def pictures(rng: np.random.Generator) -> Made:
+    """Images of depth and light of odd levels, kinds and sizes, alone or as a TUM sequence."""
+    depth = rng.integers(800, 1100, (12, 16)) * int(rng.choice([1, 5, 8]))
+    depth = np.where(rng.uniform(size=depth.shape) < 0.2, rng.choice([0, 65535]), depth)
+    light = rng.integers(0, 256, [(12, 16, 3), (24, 32, 3), (12, 16)][rng.integers(3)])
+    kinds = [np.uint16, np.uint8, np.float32]
+    files: Files = {
+        "d.png": png(depth.astype(kinds[rng.integers(2)])),
+        "c.png": png(light.astype(np.uint8 if light.ndim > 2 else kinds[rng.integers(2)])),
+        "rgb.txt": rng.choice([b"1.0 c.png\n", b"", b"x\n", b"nan c.png\n", b"1 /dev/zero\n"]),
+        "depth.txt": b"1.01 d.png\n",
+    }
+    np.save(buffer := io.BytesIO(), depth.astype(kinds[rng.integers(3)]))
+    files["d.npy"] = buffer.getvalue()
+    broken = str(rng.choice(["d.png", "c.png", "d.npy"]))
+    if rng.uniform() < 0.3:
+        files[broken] = damaged(files[broken] or b"", rng)
+    scale = ["--depth-scale", str(rng.choice(["1000", "8000", "5000", "nan", "1e-300"]))]
+    source = str(rng.choice(["d.png", "d.npy", "."]))
+    how = [*scale, *(["--linear"] if rng.uniform() < 0.5 else [])]
+    light_of = ["--intensity", "c.png"] if source != "." else []
+    if rng.uniform() < 0.5:
+        return files, ["simulate", source, "-o", "out.nc", *light_of, *how]
+    scores = ["--method", "middle", "--json", "out.json"]
+    return files, ["evaluate", source, *light_of, *how, *scores]
+
+
+def png(pixels: np.ndarray) -> bytes:
+    """Content of a PNG."""
+    Image.fromarray(pixels).save(buffer := io.BytesIO(), "png")
+    return buffer.getvalue()
+
+
 def card(rng: np.random.Generator) -> Made:
     """Weights whose card or whose numbers are not theirs."""
     path = ROOT / "src/cmtof/weights/fast-scnn-light.released.safetensors"
@@ -302,7 +395,7 @@ def options(rng: np.random.Generator) -> Made:
 
 KINDS: list[Callable[[np.random.Generator], Made]] = [
     frame, measurement, measurement, rig, configuration, options, options,
-    card, journal,
+    card, journal, foreign, foreign, pictures,
 ]  # fmt: skip
 
 
@@ -382,7 +475,7 @@ def loaded() -> None:
     from cmtof.unwrapping import unwrap
 
     with warnings.catch_warnings(action="ignore"):
-        for name in ("evaluation", "hardware.scan", "network.training", "scenes.rooms.rendering"):
+        for name in ("evaluation", "hardware.scan", "network.training"):
             with contextlib.suppress(ImportError):
                 import_module(f"cmtof.{name}")
         for name in METHODS:
