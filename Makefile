@@ -6,11 +6,24 @@ SHELL := bash
 MAKEFLAGS += --no-print-directory --no-builtin-rules
 
 BIN := .venv/bin
+
+# a recipe reads F from its environment: make would paste it into the shell's own words
+export F
+
+PROFILES := ci book paper
+ifneq ($(words $(PROFILE))$(filter-out $(PROFILES),$(PROFILE)),1)
+$(error Expected PROFILE as one of $(PROFILES), got «$(PROFILE)». Choose one)
+endif
 # one thread a process: the notebooks share the cores between them
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 CORES ?= $(shell nproc 2>/dev/null || echo 2)
+NO_DIGITS := $(CORES)
+$(foreach digit,0 1 2 3 4 5 6 7 8 9,$(eval NO_DIGITS := $$(subst $(digit),,$$(NO_DIGITS))))
+ifneq ($(words $(CORES))$(NO_DIGITS),1)
+$(error Expected CORES as a number, got «$(CORES)». Try CORES=2)
+endif
 # a killed run leaves Snakemake's own lock behind, but never this one
 ONE_AT_A_TIME := $(if $(shell command -v flock),flock build/.lock )
 SNAKEMAKE := $(BIN)/snakemake $(if $(ONE_AT_A_TIME),--nolock) --cores $(CORES) --keep-going \
@@ -43,10 +56,10 @@ figures: book ## Accept the figures and numbers of the build into figures/
 
 # a name that a notebook puts together stands there as its first word and a brace
 figure: setup ## Draw one figure, and what else its notebook draws: make figure F=fig13
-	@stem=$$({ grep -lE '"$(F)(_|")' notebooks/*.py; \
-		grep -lF '"$(firstword $(subst _, ,$(F) none))_{' notebooks/*.py || true; } | sed -n '1s/\.py$$//p'); \
-	stem=$${stem#*/}; [ "$$stem" ] || { echo "Expected a figure, got F=$(F). Try F=fig13." >&2; exit 1; }; \
-	$(call build,$(PROFILE),build/$(PROFILE)/results/$$stem); ls build/$(PROFILE)/results/$$stem/$(F)*
+	@stem=; [[ ! "$$F" =~ ^[a-z0-9_]+$$ ]] || stem=$$({ grep -lE "\"$$F(_|\")" notebooks/*.py; \
+		grep -lF "\"$${F%%_*}_{" notebooks/*.py || true; } | sed -n '1s/\.py$$//p'); \
+	stem=$${stem#*/}; [ "$$stem" ] || { echo "Expected a figure, got F=$$F. Try F=fig13." >&2; exit 1; }; \
+	$(call build,$(PROFILE),build/$(PROFILE)/results/$$stem); ls build/$(PROFILE)/results/$$stem/"$$F"*
 
 pdf: book ## Print the whole book to build/PROFILE/book.pdf (Debian: apt-get install chromium)
 	@$(BIN)/jupyter-book build build/$(PROFILE)/stage --builder=custom --custom-builder=singlehtml -q \

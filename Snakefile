@@ -2,6 +2,8 @@
 #   .venv/bin/snakemake --config profile=ci --dry-run
 # Every notebook is a job of its own; what it depends on is worked out by `cmtof_book.graph`.
 import json
+import shutil
+from pathlib import Path
 
 from cmtof_book.graph import Book
 
@@ -20,9 +22,17 @@ wildcard_constraints:
     notebook="|".join(NOTEBOOKS),
 
 
+# an unfinished book is none, though its folder is there
+if Path(BUILD, "html").is_dir() and not Path(BUILD, "html", "index.html").is_file():
+    shutil.rmtree(Path(BUILD, "html"))
+
+
 rule all:
     input:
         f"{BUILD}/html",
+        # asked for by name: Snakemake lets what lies between inputs and book be lost
+        expand(f"{BUILD}/notebooks/{{notebook}}.ipynb", notebook=NOTEBOOKS),
+        expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
 
 
 rule notebook:

@@ -1,0 +1,33 @@
+"""The Makefile: what is wrong with a setting is said in one line, and no setting is run."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["help", "PROFILE=nonsense"], "Expected PROFILE as one of ci book paper, got «nonsense»"),
+        (["help", "PROFILE="], "Expected PROFILE"),
+        (["help", "CORES="], "Expected CORES as a number, got «»"),
+        (["help", "CORES=2x"], "Expected CORES as a number, got «2x»"),
+        (["figure"], "Expected a figure, got F=."),
+        (["figure", "F=no_such"], "Expected a figure, got F=no_such."),
+        (["figure", 'F="; touch MARK; "'], "Expected a figure"),
+        (["figure", "PROFILE=ci;touch MARK"], "Expected PROFILE"),
+    ],
+)
+def test_settings_are_checked_and_never_run(tmp_path, arguments, message):
+    mark = tmp_path / "mark"
+    words = [word.replace("MARK", str(mark)) for word in arguments]
+    ended = subprocess.run(
+        ["make", "-o", "setup", *words], cwd=ROOT, capture_output=True, text=True
+    )
+    assert ended.returncode == 2
+    assert message in ended.stderr
+    assert len(ended.stderr.splitlines()) <= 2
+    assert not mark.exists()
