@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.hardware.plan import BURST_INTERVAL, VOLTS_PER_DEGREE
 from cmtof.hardware.rf import CODES
-from cmtof.hardware.rig import LINES, MIRRORS
-from cmtof.hardware.roles import ROLES, RfStatus
+from cmtof.hardware.rig import LIGHT, LINES, MIRRORS
+from cmtof.hardware.roles import ROLES, RfStatus, Waiting
 from cmtof_lab.electronics import CENTRE, SLOPE
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 
@@ -99,6 +99,9 @@ class SimulatedClock(SimulatedDevice):
     def output(self, channel: int, on: bool) -> None:
         self.panel.clock_on = on
 
+    def output_is_on(self, channel: int) -> bool:
+        return self.panel.clock_on
+
     def safe_state(self) -> None:
         self.panel.clock_on = False
 
@@ -108,11 +111,11 @@ class SimulatedMotor(SimulatedDevice):
 
     homed = False
 
-    def home(self) -> None:
+    def home(self, *, waiting: Waiting = None) -> None:
         self.homed = True
         self.move_to(0.0)
 
-    def move_to(self, position: float) -> float:
+    def move_to(self, position: float, *, waiting: Waiting = None) -> float:
         setattr(self.panel, self.role, float(position))
         return self.position
 
@@ -136,6 +139,11 @@ class SimulatedReadOut(SimulatedDevice):
 
     watchdog = SimulatedDevice.nothing
     triggered: SimulatedRf  # whose table the trigger line steps through
+
+    def safe_state(self) -> None:
+        for part in LIGHT:
+            self.set_line(LINES[part], False)
+        self.write_many(dict.fromkeys(MIRRORS, 0.0))
 
     def gain(self, volts_range: float) -> tuple[float, float, float]:
         return SLOPE, -SLOPE, CENTRE  # of 10 V, whatever was asked

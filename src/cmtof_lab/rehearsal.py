@@ -38,7 +38,7 @@ def simulated_bench(
     }
     if isinstance(scene, str | Path):
         about["scene"] = Path(scene).name
-    return Bench(rig, simulated_devices(instrument), flyback=0.0, **about)
+    return Bench(rig, simulated_devices(instrument), patience=0.0, **about)
 
 
 def scan_scene(

@@ -1,7 +1,8 @@
 """Other ends for the drivers: small models of the devices, behind wires that can fail."""
 
-import asyncio
-import queue
+import contextlib
+import os
+import socket
 import struct
 import threading
 from contextlib import contextmanager
@@ -9,15 +10,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import serial
-from pymodbus.constants import ExcCodes
-from pymodbus.pdu import ExceptionResponse
-from pymodbus.server import ModbusTcpServer
-from pymodbus.simulator import DataType, SimData, SimDevice
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 
 from cmtof.hardware.rf import framed
-from cmtof.hardware.t7 import Feedback
 
 
 class Wire:
@@ -80,12 +76,8 @@ class Visa:
 
 
 def modbus(answer):
-    """A pymodbus client of a T7 in process: function 76 is answered by a function."""
-
-    def execute(no_response, request):
-        return SimpleNamespace(data=answer(request.data), isError=lambda: False)
-
-    return SimpleNamespace(execute=execute, close=lambda: None)
+    """A connection to a T7 in process: function 76 is answered by a function."""
+    return SimpleNamespace(ask=answer, close=lambda: None)
 
 
 @contextmanager
@@ -166,6 +158,7 @@ class T7:
 
     def __init__(self):
         self.words, self.written, self.fault = {2007: 1}, [], ""
+        self.outputs, self.power_up = set(), {}
         self.stream = Port()
         self.set(60000, "f", 7.0)  # PRODUCT_ID
         self.set(60028, "I", 470010001)  # SERIAL_NUMBER
@@ -176,6 +169,12 @@ class T7:
         data = struct.pack(f">{kind}", *values)
         words = struct.unpack(f">{len(data) // 2}H", data)
         self.words.update({address + n: word for n, word in enumerate(words)})
+
+    def cycle_power(self):
+        """Switch off and on: lines are inputs, pulled high, unless others are saved."""
+        self.outputs = set(self.power_up)
+        levels = [self.power_up.get(line, 1) for line in range(8)]
+        self.words[2500] = sum(level << line for line, level in enumerate(levels))
 
     def get(self, address):
         """Value of a register of 32 bits."""
@@ -198,8 +197,11 @@ class T7:
         self.words.update({address + n: word for n, word in enumerate(words)})
         self.written.append((address, words))
         if 2000 <= address < 2008:
-            bit = 1 << (address - 2000)
-            self.words[2500] = self.words.get(2500, 0) & ~bit | bit * words[0]
+            self.words[2500] = self.words.get(2500, 0) & ~(1 << (address - 2000))
+            self.words[2500] |= words[0] << (address - 2000)
+            self.outputs.add(address - 2000)
+        if address == 49002:
+            self.power_up = {line: self.words[2000 + line] for line in self.outputs}
         if address == 4990 and words[-1]:
             self._send_burst()
 
@@ -216,25 +218,57 @@ class T7:
             self.stream.write(head + part if not (fault == "short" and n) else b"")
 
 
-def served(model):
-    """Address of a T7 on pymodbus' own server, which ends with the program."""
-    ready = queue.Queue()
+class Network:
+    """A T7 on TCP: function 76 on one port, packets of the stream on that 200 above.
 
-    class Answer(Feedback):
-        async def datastore_update(self, context, device_id):
-            if model.fault == "refuse":
-                return ExceptionResponse(76, ExcCodes.DEVICE_BUSY)
-            reply = Feedback()
-            reply.data = model(self.data)
-            return reply
+    While ``silent`` it takes requests and answers none, as a device that hangs.
+    """
 
-    async def serve():
-        data = SimData(0, values=0, count=65535, datatype=DataType.REGISTERS)
-        place = {"address": ("127.0.0.1", 0), "custom_pdu": [Answer]}
-        server = ModbusTcpServer(SimDevice(1, simdata=data), **place)
-        await server.serve_forever(background=True)
-        ready.put(server.transport.sockets[0].getsockname()[1])
-        await asyncio.Event().wait()
+    def __init__(self, model):
+        self.model = model
+        self.silent = False
+        self.requests = []
+        self.sockets = []
+        self.listeners = self._two_ports()
+        self.address = f"127.0.0.1:{self.listeners[0].getsockname()[1]}"
+        for serve, listener in zip((self._requests, self._stream), self.listeners, strict=True):
+            threading.Thread(target=self._accept, args=(serve, listener), daemon=True).start()
 
-    threading.Thread(target=lambda: asyncio.run(serve()), daemon=True).start()
-    return f"127.0.0.1:{ready.get(timeout=10)}"
+    def _two_ports(self):
+        for port in range(20_000 + os.getpid() % 10_000, 60_000):
+            with contextlib.suppress(OSError):
+                first = socket.create_server(("127.0.0.1", port))
+                return first, socket.create_server(("127.0.0.1", port + 200))
+        raise OSError("Expected two free ports, got none. Close something.")
+
+    def _accept(self, serve, listener):
+        with contextlib.suppress(OSError):
+            while True:
+                client, _ = listener.accept()
+                self.sockets.append(client)
+                threading.Thread(target=serve, args=(client,), daemon=True).start()
+
+    def _stream(self, client):
+        self.model.stream = SimpleNamespace(write=client.sendall)
+
+    def _requests(self, client):
+        with contextlib.suppress(OSError, struct.error):
+            while True:
+                head = client.recv(8, socket.MSG_WAITALL)
+                number, _, length, unit, function = struct.unpack(">HHHBB", head)
+                frame = client.recv(length - 2, socket.MSG_WAITALL)
+                self.requests.append(frame)
+                if self.silent:
+                    continue
+                if self.model.fault == "refuse":
+                    client.sendall(struct.pack(">HHHBBB", number, 0, 3, unit, 76 | 0x80, 6))
+                    continue
+                body = self.model(frame)
+                head = struct.pack(">HHHBB", number, 0, len(body) + 2, unit, function)
+                client.sendall(head + body)
+
+    def close(self):
+        for one in (*self.listeners, *self.sockets):
+            with contextlib.suppress(OSError):
+                one.shutdown(socket.SHUT_RDWR)  # wakes the thread that waits for it
+            one.close()

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import pytest
 import serial
 from peers import T7, Controller, Firmware, Port, Visa, Wire, modbus
-from pymodbus.exceptions import ConnectionException, ModbusIOException
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 
@@ -84,7 +83,7 @@ CONTRACTS = {
         question=b"\x00\x07\xd7",
         change=lambda one: one.set_line("FIO0", True),
         command=b"\x01\x07\xd0",
-        faults=(ModbusIOException(), b"\xff", ConnectionException()),
+        faults=(TimeoutError(), b"\xff", ConnectionResetError()),
         beyond=lambda one: one.configure_burst(
             channel="AIN0", rate=1e6, scans=20, range=10.0, pulse_line="FIO4", pulse=20
         ),

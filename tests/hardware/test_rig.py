@@ -8,9 +8,8 @@ import pytest
 from cmtof.hardware import connect
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.connect import connected_bench, connected_driver
-from cmtof.hardware.device import ConnectionLost, InstrumentTimeout, Refused, Unsafe
+from cmtof.hardware.device import ConnectionLost, Unsafe
 from cmtof.hardware.rig import DRIVERS, Rig
-from cmtof.hardware.roles import ROLES
 
 RIG = Rig.default()
 
@@ -30,6 +29,7 @@ HOSTILE = {
     "settling": ("settle_samples: 20", "below samples_per_phase"),
     "view": ("field_of_view_deg: [0, 20]", "field_of_view_deg.0"),
     "role": ("devices: {lamp: {driver: pm100d}}", "Expected devices."),
+    "ceiling": ("power_dbm: 31", "Expected power_dbm up to power_dbm_limit, 30, got 31"),
     "other driver": ("devices: CLOCK", "Expected devices.clock: sdg2042x, got labjack-t7"),
     "no driver": ("devices: {daq: {}}", "devices.daq.driver in rig.yml to be there"),
 }
@@ -58,47 +58,48 @@ class Listed:
     def __init__(self, name, calls, missing):
         if name == missing:
             raise ConnectionLost(f"Expected {name}, got none. Check.")
-        self.safe_state = lambda: calls.append(name)
+        self.identify = lambda: calls.append(f"identify {name}")
+        self.safe_state = lambda: calls.append(f"safe {name}")
         self.close = lambda: calls.append(f"close {name}")
 
 
-def test_the_light_is_stopped_first_and_everything_is_closed(monkeypatch):
-    calls, missing = [], "daq"
-    monkeypatch.setattr(connect, "connected_driver", lambda name, _: Listed(name, calls, missing))
+def test_a_device_that_is_missing_at_the_start_leaves_no_light_and_no_rf(monkeypatch):
+    calls = []
+    listed = lambda name, _: Listed(name, calls, missing="stage")  # noqa: E731
+    monkeypatch.setattr(connect, "connected_driver", listed)
     with pytest.raises(ConnectionLost), connected_bench(RIG):
         pass
-    assert calls == ["close clock", "close rf detection", "close rf emission"]
-    calls.clear()
-    missing = ""
-    with connected_bench(RIG) as bench:
-        bench.safe_state = lambda: calls.append("beam")
-    assert calls[:9] == ["beam", *(role.replace("_", " ") for role in ROLES)]
-    assert sorted(calls[9:]) == sorted(f"close {name}" for name in calls[1:9])
+    first = ["daq", "rf emission", "rf detection"]
+    assert calls[:6] == [f"{act} {name}" for name in first for act in ("identify", "safe")]
+    opened = [call.removeprefix("safe ") for call in calls if call.startswith("safe")]
+    assert calls[-len(opened) :] == [f"close {name}" for name in reversed(opened)]
+
+
+def test_every_device_is_safe_at_the_end_and_closed(monkeypatch):
+    calls = []
+    monkeypatch.setattr(connect, "connected_driver", lambda name, _: Listed(name, calls, ""))
+    with connected_bench(RIG):
+        calls.clear()
+    names = [role.replace("_", " ") for role in DRIVERS]
+    assert sorted(calls[:8]) == sorted(f"safe {name}" for name in names)
+    assert sorted(calls[8:]) == sorted(f"close {name}" for name in names)
 
 
 # --- the beam ------------------------------------------------------------------------------------
 
 
 class Recorder:
-    """Digital lines and registers; lines in ``stuck`` do not follow, the first calls come late."""
+    """Digital lines of a read-out."""
 
-    def __init__(self, *stuck, late=0):
-        self.lines, self.written, self.stuck, self.late = {}, [], stuck, late
+    def __init__(self):
+        self.lines = {}
         self.closed = True
 
     def line(self, dio):
         return self.closed
 
     def set_line(self, dio, high):
-        if dio in self.stuck:
-            raise Refused(f"Expected {dio} to follow, got nothing. Look.")
-        self.late -= 1
-        if self.late >= 0:
-            raise InstrumentTimeout("Expected an answer, got none. Check.")
         self.lines[dio] = high
-
-    def write_many(self, values):
-        self.written.append(dict(values))
 
 
 def bench_on(daq):
@@ -117,14 +118,3 @@ def test_light_needs_a_closed_interlock():
             beam.switch(part, True)
         beam.switch(part, False)
     assert not any(daq.lines.values())
-
-
-@pytest.mark.parametrize("daq", [Recorder(), Recorder(late=1), Recorder("FIO1")])
-def test_the_safe_state_does_and_repeats_each_act_even_if_another_fails(daq):
-    if daq.stuck:
-        with pytest.raises(Refused, match="Expected FIO1 to follow"):
-            bench_on(daq).safe_state()
-    else:
-        bench_on(daq).safe_state()
-    assert daq.lines == {line: False for line in ("FIO0", "FIO1", "FIO6") if line not in daq.stuck}
-    assert daq.written == [{"TDAC2": 0.0, "TDAC3": 0.0}] * 2

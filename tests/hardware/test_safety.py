@@ -3,8 +3,11 @@
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
+
+from cmtof.hardware.safety import EmergencyStop
 
 PROGRAM = """
 import os, signal, sys, time
@@ -18,14 +21,14 @@ class Device:
             os.kill(os.getpid(), self.during)
         if self.fails:
             raise OSError("Expected an answer, got none. Switch it off.")
-        print("safe", self.name, flush=True)
+        print(f"safe {{self.name}}\\n", end="", flush=True)
 
 with EmergencyStop([Device("shutter"), Device("rf", {fails}, {during}), Device("stage")]):
     print("ready", flush=True)
     {inside}
 print("after", flush=True)
 """
-SAFE = ["safe shutter", "safe rf", "safe stage"]
+SAFE = ["safe rf", "safe shutter", "safe stage"]
 WAIT = "time.sleep(30)"
 
 
@@ -37,7 +40,7 @@ def outcome(inside, number=None, *, fails=False, during=None):
         if number is not None:
             one.send_signal(number)
         out, err = one.stdout.read(), one.stderr.read()
-        return out.splitlines(), err, one.wait(20)
+        return sorted(out.splitlines()), err, one.wait(20)
 
 
 @pytest.mark.parametrize(
@@ -53,13 +56,13 @@ def outcome(inside, number=None, *, fails=False, during=None):
 )
 def test_every_end_is_safe(inside, number, code, words):
     lines, err, found = outcome(inside, number)
-    assert (lines, found) == (SAFE + ["after"] * (code == 0), code)
+    assert (lines, found) == (["after"] * (code == 0) + SAFE, code)
     assert words in err
 
 
 def test_a_signal_does_not_cut_the_stop_short():
     lines, _, code = outcome("pass", during=int(signal.SIGTERM))
-    assert (lines, code) == ([*SAFE, "after"], 0)
+    assert (lines, code) == (["after", *SAFE], 0)
 
 
 @pytest.mark.parametrize("first", ["", "first Then: "])
@@ -68,3 +71,21 @@ def test_a_device_that_fails_keeps_no_other_from_its_safe_state(first):
     assert (lines, code) == (["safe shutter", "safe stage"], 1)
     assert f"Unsafe: {first}Expected every device in its safe state, got 1" in err
     assert "Switch them off by hand" in err
+
+
+def test_a_device_that_hangs_delays_no_other():
+    start = time.monotonic()
+    safe_after = {}
+
+    class Slow:
+        def __init__(self, name, seconds):
+            self.name, self.seconds = name, seconds
+
+        def safe_state(self):
+            time.sleep(self.seconds)
+            safe_after[self.name] = time.monotonic() - start
+
+    with EmergencyStop([Slow("daq", 1.0), Slow("rf", 0.0), Slow("stage", 0.0)]):
+        pass
+    assert safe_after["daq"] >= 1.0
+    assert max(safe_after["rf"], safe_after["stage"]) < 0.5

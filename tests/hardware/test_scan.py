@@ -192,6 +192,32 @@ def test_bursts_with_lost_samples_or_edges_are_taken_again(tmp_path, whole, lose
     assert_safe(bench)
 
 
+def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(tmp_path):
+    stronger = TwinSettings(laser_power=1.5 * TwinSettings().laser_power)
+    bench, error = take(tmp_path / "m.nc", twin=stronger)
+    assert "above 0 and up to 4 mW sent out, got" in str(error)
+    assert_safe(bench)
+    assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 2  # the header and the dark line
+
+
+def test_rf_comes_up_in_steps(tmp_path):
+    powers = []
+
+    def prepare(bench):
+        works = bench.rf_emission.output
+        knobs = bench.rf_emission.knobs
+
+        def output(on, **options):
+            powers.append(knobs.power if on else None)
+            works(on, **options)
+
+        bench.rf_emission.output = output
+
+    assert take(tmp_path / "m.nc", prepare=prepare)[1] is None
+    ramp = [10.0, 20.0, 24.0, 27.0, 30.0]
+    assert powers == [None, None, *ramp, None, *ramp]  # set up, then both modes
+
+
 @pytest.mark.parametrize("lost", ["interlock_closed", "clock_on"])
 def test_an_open_interlock_and_a_lost_lock_end_the_scan(tmp_path, lost):
     def spoil(bench):

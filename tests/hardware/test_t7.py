@@ -1,13 +1,16 @@
 """The read-out before a model of the T7, in process and on pymodbus' own server."""
 
 import struct
+import time
 
 import numpy as np
 import pytest
-from peers import T7, modbus, served
+from peers import T7, Network, modbus
 
-from cmtof.hardware.device import BadReply, InstrumentTimeout, Refused
-from cmtof.hardware.t7 import LabJackT7, open_modbus
+from cmtof.hardware.connect import connected_driver
+from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused
+from cmtof.hardware.rig import DeviceSettings
+from cmtof.hardware.t7 import LabJackT7
 
 BURST = {"channel": "AIN0", "rate": 24000.0, "scans": 320, "range": 10.0}
 BURST |= {"pulse_line": "FIO4", "pulse": 20}
@@ -20,7 +23,8 @@ def peer():
 
 @pytest.fixture
 def daq(peer):
-    return LabJackT7(modbus(peer), peer.stream, "daq", ["FIO0", "FIO1"])
+    lines = ["FIO0", "FIO1"]
+    return LabJackT7(modbus(peer), peer.stream, "daq", safe_lines=lines, parked=["TDAC2"])
 
 
 def test_identity_and_calibration(peer, daq):
@@ -73,22 +77,80 @@ def test_a_broken_burst_is_an_error_and_the_next_one_is_whole(peer, daq, fault, 
     assert np.array_equal(counts, np.arange(2, 322))
 
 
-def test_watchdog_guards_the_safe_lines(peer, daq):
-    daq.watchdog(30)
-    # enabled, seconds, direction, inhibit
-    assert [peer.get(one) for one in (61600, 61604, 61634, 61636)] == [1, 30, 3, 0x7FFFFC]
+def test_watchdog_guards_the_safe_lines_and_nothing_of_it_is_inherited(peer, daq):
+    peer.set(61602, "I", 1)  # advanced
+    peer.set(61620, "I", 1)  # resets the device, whose lines are high then
+    peer.set(61640, "I", 1)  # sets DAC0
+    daq.watchdog(5)
+    wanted = {61600: 1, 61602: 0, 61604: 5, 61606: 0, 61610: 0, 61620: 0, 61640: 0, 61650: 0}
+    wanted |= {61630: 1, 61632: 0, 61634: 3, 61636: 0x7FFFFC}
+    assert {address: peer.get(address) for address in wanted} == wanted
     peer.written.clear()
-    daq.watchdog(30)  # flash wears: nothing is written twice
+    daq.watchdog(5)  # flash wears out: nothing is written twice
     assert not peer.written
 
 
-def test_function_76_passes_pymodbus_own_server(peer):
-    daq = LabJackT7(open_modbus(served(peer), 0.2), peer.stream, "daq")
-    assert daq.identify()["serial_number"] == "470010001"
-    daq.configure_burst(**BURST)
-    (counts,) = daq.bursts([{"USER_RAM0_U32": 3}])
-    assert counts[0] == 3
+def test_light_lines_are_low_after_power_up_once_that_is_saved(peer, daq):
+    peer.cycle_power()
+    assert peer.words[2500] & 3 == 3  # from the factory: laser on, shutter open
+    daq.save_power_up_state()
+    peer.cycle_power()
+    assert peer.words[2500] & 3 == 0
+
+
+def test_the_safe_state_lowers_all_light_lines_in_one_frame(peer, daq):
+    for line in ("FIO0", "FIO1"):
+        daq.set_line(line, True)
+    daq.write_many({"TDAC2": 2.5})
+    peer.written.clear()
+    daq.safe_state()
+    assert peer.written[:2] == [(2000, (0,)), (2001, (0,))]
+    assert peer.words[2500] & 3 == 0
+    assert peer.get(30004) == 0
+
+
+# --- on TCP --------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def network(peer):
+    server = Network(peer)
+    yield server
+    server.close()
+
+
+@pytest.fixture
+def far(network):
+    """Driver on the network's address."""
+    driver = connected_driver("daq", DeviceSettings("labjack-t7", network.address, "470010001"))
+    yield driver
+    driver.close()
+
+
+def test_bursts_come_over_tcp(peer, far):
+    assert far.identify()["serial_number"] == "470010001"
+    far.configure_burst(**BURST)
+    (counts,) = far.bursts([{"USER_RAM0_U32": 3}])
+    assert np.array_equal(counts, np.arange(3, 323))
     peer.fault = "refuse"
-    with pytest.raises(Refused, match="Modbus exception 6"):
-        daq.set_line("FIO0", True)
-    daq.close()
+    with pytest.raises(Refused, match="got exception 6"):
+        far.set_line("FIO0", True)
+
+
+def test_another_serial_number_is_refused(peer, far):
+    peer.set(60028, "I", 470010002)
+    with pytest.raises(Refused, match="470010001, got T7 470010002"):
+        far.identify()
+
+
+def test_a_device_that_hangs_is_lost_within_two_seconds(network, far):
+    far.configure_burst(**BURST)
+    begun = far.bursts([{"USER_RAM0_U32": 1}, {"USER_RAM0_U32": 2}])
+    next(begun)
+    network.silent = True
+    start = time.monotonic()
+    with pytest.raises((ConnectionLost, InstrumentTimeout)):
+        next(begun)
+    with pytest.raises(InstrumentTimeout):
+        far.safe_state()
+    assert time.monotonic() - start < 2.5

@@ -225,8 +225,8 @@ def test_after_a_kill_timers_are_armed_and_the_next_scan_begins_in_the_dark(tmp_
             told.append(json.loads(next(lines)))
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
-    # timers that end it were armed before: the watchdog, 30 s, and each dead man's, 5 s
-    assert told.index(["daq watchdog", 30]) < told.index(["daq set_line", "FIO0", True])
+    # timers that end it were armed before: the watchdog, 5 s, and each dead man's, 5 s
+    assert told.index(["daq watchdog", 5]) < told.index(["daq set_line", "FIO0", True])
     for rf in ("rf_emission", "rf_detection"):
         assert told.index([f"{rf} set_dead_man", 5.0]) < told.index([f"{rf} output", True])
     done = []

@@ -12,6 +12,7 @@ import thorlabs_apt_protocol as apt
 
 from cmtof.hardware import device
 from cmtof.hardware.device import one_error, question
+from cmtof.hardware.roles import Waiting
 
 _HOST, _UNIT, _CHANNEL = 0x01, 0x50, 1
 _POLL = 0.05  # s, between looks at the status bits
@@ -61,16 +62,17 @@ class Motor(device.Device):
         """Whether the home position is known."""
         return bool(self._status()[0].homed)
 
-    def home(self) -> None:
+    def home(self, *, waiting: Waiting = None) -> None:
         """Find the home position; the shaft or carriage travels."""
-        self._go("mot_move_home", 0.0)
+        self._go("mot_move_home", 0.0, waiting=waiting)
 
-    def move_to(self, position: float) -> float:
+    def move_to(self, position: float, *, waiting: Waiting = None) -> float:
         """Move to a position, m or rad, and wait; return it. After an error it is stopped."""
         self._within(position=position)
         if not self.homed:
             self._fail(device.Refused, "be homed before a move", "it not", "Home it.")
-        self._go("mot_move_absolute", position, round(position * self.kind.scale))
+        counts = round(position * self.kind.scale)
+        self._go("mot_move_absolute", position, counts, waiting=waiting)
         return self.position
 
     def safe_state(self) -> None:
@@ -90,7 +92,7 @@ class Motor(device.Device):
         model = info.model_number.split(b"\0")[0].decode("ascii", "replace")
         return {"model": model, "serial_number": str(info.serial_number)}
 
-    def _go(self, message: str, position: float, *arguments: int) -> None:
+    def _go(self, message: str, position: float, *arguments: int, waiting: Waiting) -> None:
         """Send a move, and wait until the motor rests where it should; after an error it stops."""
         self._send("mod_set_chanenablestate", _CHANNEL, 1)
         self._send(message, _CHANNEL, *arguments)
@@ -105,6 +107,8 @@ class Motor(device.Device):
                 if stuck or time.monotonic() >= deadline:
                     wish, got = f"arrive at {position:.6g}", f"it at {self.position:.6g}"
                     self._fail(device.InstrumentError, wish, got, "Free it and home it.")
+                if waiting:
+                    waiting()
                 time.sleep(_POLL)
         except device.InstrumentError:
             self.safe_state()

@@ -1,8 +1,6 @@
 """The bench: devices of a rig by their roles, and the steps of a scan, each checked."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
-from math import ceil
 from time import monotonic, sleep
 from typing import Any
 
@@ -17,24 +15,22 @@ from cmtof.hardware.rig import LINES, MIRRORS, PLATES, Rig
 from cmtof.hardware.roles import ROLES, ClockRole, MotorRole, PowerMeterRole, ReadOutRole, RfRole
 from cmtof.hardware.safety import EmergencyStop
 
-LIGHT = ("laser", "shutter", "beam_block")  # low is safe: laser off, shutter shut, block in
 CHANNEL, VOLTS_RANGE = "AIN0", 10.0  # input of the detector, V
-STAGE_SPEED = 2.4e-3  # of the target's stage, m/s (MTS50-Z8, largest)
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
+WATCHDOG = 5  # s without a request, after which the read-out makes itself dark
+RAMP = (-20.0, -10.0, -6.0, -3.0, 0.0)  # dB: steps by which RF comes up to its power
 
 
 class Bench(EmergencyStop):
     """Instruments of a rig, by role; as a context manager their emergency stop.
 
-    First it stops the light and parks the mirrors, then RF, then what moves. All lines are wired so
-    that low, a cut cable or a read-out without power is safe; an open interlock reads low.
-    ``flyback`` is how long the longest step of the mirrors takes, s; ``about`` goes into the file.
+    All lines are wired so that low, a cut cable or a read-out without power is safe; an open
+    interlock reads low. ``patience`` is the share of all settling times that is waited for, 0 for
+    simulated devices; ``about`` goes into the file.
     """
 
-    name = "beam"
-
     def __init__(
-        self, rig: Rig, devices: Mapping[str, Any], flyback: float = SETTLING[1], **about: Any
+        self, rig: Rig, devices: Mapping[str, Any], *, patience: float = 1.0, **about: Any
     ) -> None:
         self.rig = rig
         self.devices = devices
@@ -48,20 +44,31 @@ class Bench(EmergencyStop):
         self.daq: ReadOutRole = devices["daq"]
         self.clock: ClockRole = devices["clock"]
         self.power_meter: PowerMeterRole = devices["power_meter"]
-        self._flyback = flyback
+        self._patience = patience
+        self._levels: dict[str, bool] = {}
+        self._silence = min(rig.dead_man, WATCHDOG)  # that some device's timer allows
         self._fed = monotonic()
-        super().__init__([self, *(devices[role] for role in ROLES)])
-
-    def safe_state(self) -> None:
-        """Laser off, shutter shut, block in, mirrors parked; each even if another fails."""
-        # parked twice: the mirrors cannot be read back, so nobody sees a write that was lost
-        insist(*(partial(self.switch, part, False) for part in LIGHT), self.park, self.park)
+        super().__init__([devices[role] for role in ROLES])
 
     def switch(self, part: str, on: bool) -> None:
-        """Switch one of `LINES` of the rig; light comes on only with the interlock closed."""
+        """Switch one of `LINES`, and wait until it has moved; light needs a closed interlock."""
         if on and part in ("laser", "shutter"):
             self.check_interlock()
         self.daq.set_line(LINES[part], on)
+        settling = {
+            "shutter": self.rig.shutter_settling,
+            "flip_mirror": self.rig.flip_mirror_settling,
+        }
+        if self._levels.get(part) != on:
+            self.wait(settling.get(part, 0.0))
+        self._levels[part] = on
+
+    def wait(self, seconds: float) -> None:
+        """Wait, with all timers fed."""
+        end = monotonic() + self._patience * seconds
+        while (left := end - monotonic()) > 0:
+            sleep(min(left, self._silence / 8))
+            self.feed()
 
     def check_interlock(self) -> None:
         """Raise `Unsafe` when the interlock is open."""
@@ -75,12 +82,19 @@ class Bench(EmergencyStop):
     def set_up(self) -> None:
         """Set up everything but light and RF for a scan."""
         rig = self.rig
-        self.safe_state()
+        self.daq.safe_state()
+        self._levels.clear()
         self.check_interlock()
+        self.daq.watchdog(WATCHDOG)
+        for rf in self.rf:
+            rf.clear_trip()  # a scan that was killed leaves it so
+            rf.output(False)
+            rf.set_dead_man(rig.dead_man)
+            rf.set_phase(0.0)
+            rf.trigger(False)
         for motor in (self.plate_emission, self.plate_detection, self.stage):
             if not motor.homed:
-                motor.home()
-        self.daq.watchdog(30)  # s of silence; homing takes longer
+                motor.home(waiting=self.feed)
         self.daq.configure_burst(
             channel=CHANNEL,
             rate=rig.rate,
@@ -94,14 +108,8 @@ class Bench(EmergencyStop):
         self.clock.lock_phases()
         for channel in (1, 2):
             self.clock.output(channel, True)
-        for rf in self.rf:
-            rf.clear_trip()  # a scan that was killed leaves it so
-            rf.output(False)
-            rf.set_dead_man(rig.dead_man)
-            rf.set_power(rig.power_dbm)
-            rf.set_phase(0.0)
-            rf.trigger(False)
-        self.power_meter.set_up(wavelength=LASER_WAVELENGTH, readings=10)  # about 3 ms each
+        # ten readings of about 3 ms each
+        self.power_meter.set_up(wavelength=LASER_WAVELENGTH, readings=10, waiting=self.feed)
         self.switch("laser", True)
 
     def choose_mode(self, mode: str) -> None:
@@ -109,15 +117,22 @@ class Bench(EmergencyStop):
         self.shut()
         rig = self.rig
         for rf in self.rf:
-            rf.output(False)  # plates may take longer than the dead man's time
-        self.plate_emission.move_to(float(np.deg2rad(PLATES[mode] + rig.plate_zero_emission_deg)))
-        self.plate_detection.move_to(float(np.deg2rad(PLATES[mode] + rig.plate_zero_detection_deg)))
+            rf.output(False)
+        zeros = (rig.plate_zero_emission_deg, rig.plate_zero_detection_deg)
+        for plate, zero in zip((self.plate_emission, self.plate_detection), zeros, strict=True):
+            plate.move_to(float(np.deg2rad(PLATES[mode] + zero)), waiting=self.feed)
         for rf in self.rf:
             rf.set_frequency(rig.drive_frequency(mode))
-            rf.output(True, lock_timeout=rig.dead_man / 2)  # the other driver waits
-            self.feed()
+            self.ramp_up(rf)
         self.rf_detection.load_table(drive_phases(rig.phases, mode))
         self.rf_detection.trigger(True)
+
+    def ramp_up(self, rf: RfRole) -> None:
+        """Switch RF on and bring it to its power in steps; it has to be locked at each."""
+        for step in RAMP:
+            rf.set_power(max(self.rig.power_dbm + step, -30.0))
+            rf.output(True, lock_timeout=self._silence / 2)  # the other driver waits
+            self.feed()
 
     def shut(self) -> None:
         """Close the shutter and park the beam."""
@@ -130,13 +145,10 @@ class Bench(EmergencyStop):
         self.switch("shutter", kind != "dark")
 
     def move_target(self, offset: float) -> None:
-        """Bring the target to an offset (m) from below, in steps with the timers fed between."""
-        goal, step = self.rig.stage_zero + offset, STAGE_SPEED * self.rig.dead_man / 3
-        for end in (goal - 1e-3, goal):
-            start = self.stage.position
-            for at in np.linspace(start, end, ceil(abs(end - start) / step) + 1):
-                self.stage.move_to(float(at))
-                self.feed()
+        """Bring the target to an offset (m) from below, so that the screw's play does not count."""
+        goal = self.rig.stage_zero + offset
+        for position in (goal - 1e-3, goal):
+            self.stage.move_to(position, waiting=self.feed)
 
     def bursts(
         self, labels: Sequence[int], directions: ArrayLike | None = None
@@ -152,19 +164,22 @@ class Bench(EmergencyStop):
             for request, pair in zip(requests, volts, strict=True):
                 request.update(zip(MIRRORS, pair, strict=True))
             self.daq.write_many({name: requests[0][name] for name in MIRRORS})
-            sleep(self._flyback)  # from the end of the last line
+            self.wait(SETTLING[1])  # from the end of the last line
         insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
         counts = []
         for burst in self.daq.bursts(requests):
             counts.append(burst)
             self.feed()
         edges = self.rf_detection.status().edges
-        if edges != (wanted := len(counts) * self.rig.phases):
+        wanted = len(counts) * self.rig.phases
+        if edges != wanted:
             raise BadReply(f"Expected {wanted} trigger edges, got {edges}. Check the trigger line.")
         return np.array(counts)
 
     def check(self) -> None:
-        """Raise `Unsafe` if a modulator or the interlock has given way."""
+        """Raise `Unsafe` if a modulator, their clock or the interlock has given way."""
+        if not self.clock.output_is_on(1):
+            raise Unsafe("Expected the clock on, got it off. Check the generator.")
         for rf in self.rf:
             status = rf.status()
             if status.tripped or not (status.on and status.locked):
@@ -172,17 +187,33 @@ class Bench(EmergencyStop):
         self.check_interlock()
 
     def feed(self) -> None:
-        """Keep the dead man's timers from running out while the scan is alive."""
-        if monotonic() - self._fed > self.rig.dead_man / 4:
-            for rf in self.rf:
-                rf.ping()
-            self._fed = monotonic()
+        """Keep the devices' timers from running out, and look at the interlock now and then."""
+        if monotonic() - self._fed < self._silence / 4:
+            return
+        self._fed = monotonic()
+        self.check_interlock()  # any request feeds the read-out's watchdog
+        for rf in self.rf:
+            rf.ping()
+
+    def metered_power(self) -> float:
+        """Power, W, at the meter; `Unsafe` where there is none, or more leaves than allowed."""
+        metered = float(self.power_meter.power)
+        emitted = self.rig.emitted_share * metered
+        if not 0 < emitted <= self.rig.power_limit:
+            raise Unsafe(
+                f"Expected laser power above 0 and up to {1e3 * self.rig.power_limit:g} mW sent "
+                f"out, got {1e3 * emitted:.3g} mW. Check laser, shutter and fibre."
+            )
+        return metered
 
     def measure(self, plan: Plan, line: Line, attempts: int = ATTEMPTS) -> Record:
         """Record of one line, which is begun again when samples or an edge were lost."""
         self.look_at(line.kind)
+        lit = line.kind != "dark"
         if line.kind == "reference":
             self.move_target(plan.sweep[line.row])
+        if lit:
+            self.metered_power()
         aims = plan.angles[line.row] if line.kind == "scan" else None
         try:
             counts = self.bursts(line.labels, aims)
@@ -192,7 +223,5 @@ class Bench(EmergencyStop):
             return self.measure(plan, line, attempts - 1)
         self.check()
         # on the clock of the last burst: so it is the same after other lines and after a resume
-        power = 1.0 if line.kind == "dark" else float(self.power_meter.power)
-        if not power > 0:
-            raise Unsafe(f"Expected laser power above 0 W, got {power:g}. Check laser and shutter.")
+        power = self.metered_power() if lit else 1.0
         return Record(line.index, power, *sums_from_counts(counts, plan.kept))

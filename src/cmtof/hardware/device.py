@@ -31,8 +31,8 @@ class Unsafe(InstrumentError):
     """The interlock is open, the lock is lost, or a watchdog has tripped."""
 
 
-_LATE = {"SerialTimeoutException", "ModbusIOException"}
-_GONE = {"OSError", "ConnectionException", "VisaIOError", "InvalidSession"}
+_LATE = {"SerialTimeoutException", "TimeoutError"}
+_GONE = {"OSError", "VisaIOError", "InvalidSession"}
 _PATTERNS = {
     InstrumentTimeout: "Expected an answer of {} in time, got none. Check power and cable.",
     ConnectionLost: "Expected {} to be there, got {}. Check address and cable.",
@@ -42,7 +42,7 @@ _PATTERNS = {
 
 @contextmanager
 def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterator[None]:
-    """Errors of pyserial, PyVISA, pymodbus and of parsing as one `InstrumentError`."""
+    """Errors of pyserial, PyVISA, sockets and of parsing as one `InstrumentError`."""
     try:
         yield
     except InstrumentError:
@@ -116,18 +116,31 @@ def question(ask: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def insist(*acts: Callable[[], object], tries: int = 2) -> None:
-    """Run acts that only increase safety, each again after a failure; then raise."""
-    failures = []
+    """Run acts that only increase safety, each again after a failure; then raise.
+
+    After an act that stays without an answer the rest is left out: each would wait as long.
+    """
+    failures: list[OSError] = []
     for act in acts:
-        for left in reversed(range(tries)):
-            try:
-                act()
-                break
-            except OSError as failure:
-                if not left:
-                    failures.append(failure)
+        failure = _failure_of(act, tries)
+        if failure:
+            failures.append(failure)
+        if isinstance(failure, InstrumentTimeout):
+            break
     if failures:
         raise failures[0] if len(failures) == 1 else Refused(" ".join(map(str, failures)))
+
+
+def _failure_of(act: Callable[[], object], tries: int) -> OSError | None:
+    """Last failure of an act that is tried again, or None once it succeeds."""
+    last = None
+    for _ in range(tries):
+        try:
+            act()
+            return None
+        except OSError as failure:
+            last = failure
+    return last
 
 
 def number(text: str) -> float:

@@ -30,6 +30,7 @@ LINES = {
     "interlock": "FIO7",
 }
 """Digital lines of the read-out; the LJTick-DAC takes FIO2 and FIO3."""
+LIGHT = ("laser", "shutter", "beam_block")  # low is safe: laser off, shutter shut, block in
 MIRRORS = ("TDAC2", "TDAC3")
 """Outputs of the LJTick-DAC that steer the beam, x and y."""
 MODES = {"single": 1, "doubled": 2}  # which harmonic of the drive modulates the light
@@ -57,7 +58,12 @@ class Rig:
 
     devices: dict[str, DeviceSettings]
     field_of_view_deg: tuple[Angle, Angle] = (20.0, 20.0)  # optical angles across and down
-    power_dbm: float = Field(default=30.0, ge=-50, le=50)  # of both RF drives
+    power_dbm: float = Field(default=30.0, ge=-30, le=35)  # of both RF drives
+    power_dbm_limit: float = Field(default=30.0, ge=-30, le=35)  # what the modulators stand
+    power_limit: float = Field(default=4e-3, gt=0, le=0.5)  # W, of the beam that leaves
+    emitted_share: float = Field(default=0.41, gt=0, le=100)  # power that leaves over metered power
+    shutter_settling: float = Field(default=0.1, ge=0, le=10)  # s
+    flip_mirror_settling: float = Field(default=3.0, ge=0, le=10)  # s; flippers take 0.3 to 2.8
     frequency_single: float = Field(default=7.15e9, ge=7.14e9, le=7.17e9)  # drive, single mode
     frequency_doubled: float = Field(default=7.16e9, ge=7.14e9, le=7.17e9)  # and doubled mode
     dead_man: float = Field(default=5.0, ge=0.1, le=60)  # silence that switches the RF drivers off
@@ -78,6 +84,11 @@ class Rig:
             wanted = DRIVERS.get(role, ("no such role",))
             what = f"devices.{role}: {' or '.join(wanted)}"
             expect(found in wanted and role in DRIVERS, what, found, "Correct it.")
+        if self.power_dbm > self.power_dbm_limit:
+            raise ValueError(
+                f"Expected power_dbm up to power_dbm_limit, {self.power_dbm_limit:g}, "
+                f"got {self.power_dbm:g}. Lower it."
+            )
         settled, what = self.settle_samples, "settle_samples below samples_per_phase"
         expect(settled < self.samples_per_phase, what, settled, "Lower it.")
 

@@ -4,11 +4,14 @@ A driver does it over a wire, a simulated device (`cmtof_lab.devices`) in proces
 other. What a method does on the wire is documented at the driver.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+Waiting = Callable[[], object] | None
+"""What is called again and again while a device moves: it feeds the timers of the others."""
 
 
 class DeviceRole(Protocol):
@@ -102,6 +105,10 @@ class ClockRole(DeviceRole, Protocol):
         """Switch a channel."""
         ...
 
+    def output_is_on(self, channel: int) -> bool:
+        """Whether a channel puts out its sine."""
+        ...
+
 
 class MotorRole(DeviceRole, Protocol):
     """Rotation mount, rad, or linear stage, m."""
@@ -116,11 +123,11 @@ class MotorRole(DeviceRole, Protocol):
         """Whether the home position is known."""
         ...
 
-    def home(self) -> None:
+    def home(self, *, waiting: Waiting = None) -> None:
         """Find the home position."""
         ...
 
-    def move_to(self, position: float) -> float:
+    def move_to(self, position: float, *, waiting: Waiting = None) -> float:
         """Move and wait; return the position."""
         ...
 
@@ -133,13 +140,16 @@ class PowerMeterRole(DeviceRole, Protocol):
         """Power, W."""
         ...
 
-    def set_up(self, *, wavelength: float, readings: int) -> None:
+    def set_up(self, *, wavelength: float, readings: int, waiting: Waiting = None) -> None:
         """Correct for a wavelength, m, average so many readings, and zero the dark head."""
         ...
 
 
 class ReadOutRole(DeviceRole, Protocol):
-    """Digital lines, scan mirrors, and bursts of detector samples."""
+    """Digital lines, scan mirrors, and bursts of detector samples.
+
+    Its safe state: no light leaves, and the mirrors are parked.
+    """
 
     def gain(self, volts_range: float) -> tuple[float, float, float]:
         """Calibration of an input range, V, in the order of `cmtof.hardware.reduction.Gain`."""

@@ -16,6 +16,7 @@ import pyvisa
 
 from cmtof.hardware import device
 from cmtof.hardware.device import number, one_error, question
+from cmtof.hardware.roles import Waiting
 
 
 def open_visa(address: str, library: str = "@py") -> Any:
@@ -80,8 +81,11 @@ class SignalGenerator(ScpiInstrument):
     def output(self, channel: int, on: bool) -> None:
         """Switch a channel's output, and check it."""
         self._write(f"C{channel}:OUTP {'ON' if on else 'OFF'}")
-        found = self._pairs(f"C{channel}:OUTP?")
-        self._expect(f"output {channel}", on, found.get(f"C{channel}:OUTP") == "ON")
+        self._expect(f"output {channel}", on, self.output_is_on(channel))
+
+    def output_is_on(self, channel: int) -> bool:
+        """Whether a channel puts out its sine."""
+        return self._pairs(f"C{channel}:OUTP?").get(f"C{channel}:OUTP") == "ON"
 
     def lock_phases(self) -> None:
         """Lock and align both channels; firmware takes one of two spellings and drops the other."""
@@ -118,7 +122,7 @@ class PowerMeter(ScpiInstrument):
         """Power, W; overload of the head raises `BadReply`."""
         return self._ask("MEAS:POW?")
 
-    def set_up(self, *, wavelength: float, readings: int) -> None:
+    def set_up(self, *, wavelength: float, readings: int, waiting: Waiting = None) -> None:
         """Correct for a wavelength, m, average readings of 3 ms each, and zero the dark head."""
         self._within(wavelength=wavelength, readings=readings)
         self._set("SENS:CORR:WAV", 1e9 * wavelength)
@@ -128,4 +132,6 @@ class PowerMeter(ScpiInstrument):
         while self._ask("SENS:CORR:COLL:ZERO:STAT?"):
             if time.monotonic() >= deadline:
                 self._fail(device.InstrumentTimeout, "be zeroed", "no end", "Cover the head.")
+            if waiting:
+                waiting()
             time.sleep(0.05)

@@ -1,4 +1,4 @@
-"""Read-out LabJack T7 over Modbus TCP (pymodbus): digital lines, bursts of samples, watchdog.
+"""Read-out LabJack T7 over Modbus TCP: digital lines, bursts of samples, watchdog.
 
 Registers are those of LabJack's ljm_constants.json; function 76 (feedback), reads and writes in
 their order in one frame, and the packets of the stream are LabJack's own (T-Series Datasheet, 3.2.3
@@ -6,16 +6,14 @@ Stream-Out, 3.2.4 Low-Level Stream). A stream-out puts one value a scan into a w
 upper byte keeps the other lines from changing.
 """
 
-import logging
 import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from math import gcd
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pymodbus.client import ModbusTcpClient
-from pymodbus.pdu import ModbusPDU
 
 from cmtof.hardware import device
 from cmtof.hardware.device import one_error, question
@@ -43,43 +41,32 @@ def write(register: str | Register, value: ArrayLike) -> bytes:
     return struct.pack(">BHB", 1, address, len(data) // 2) + data
 
 
-class Feedback(ModbusPDU):
-    """Request and answer of function 76; ``data`` is what follows the function."""
-
-    function_code, data = 76, b""
-
-    def encode(self) -> bytes:
-        """Bytes that are sent."""
-        return self.data
-
-    def decode(self, data: bytes) -> None:
-        """Take the bytes that have come."""
-        self.data = bytes(data)
-
-
-def open_modbus(address: str, timeout: float = 1.0) -> Any:
-    """Open a client to ``HOST`` or ``HOST:PORT`` that asks once, or raise `ConnectionLost`."""
-    logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # our errors say it once
-    host, _, port = address.partition(":")
-    client = ModbusTcpClient(host, port=int(port or 502), timeout=timeout, retries=0)
-    client.register(Feedback)
-    if not client.connect():
-        raise device.ConnectionLost(f"Expected a T7 at {address}, got none. Check the address.")
-    return client
-
-
 class LabJackT7(device.Device):
-    """A T7: requests to a ``client`` from `open_modbus`, packets from a ``stream`` (pyserial)."""
+    """A T7: requests to a `modbus.Feedback`, packets from a ``stream`` (pyserial).
+
+    In the safe state the ``safe_lines`` are low and the registers ``parked`` hold 0 V.
+    """
 
     MODELS = ("T7",)
     LIMITS: ClassVar = {"rate": (1.0, 50e3), "pulse": (2, 250)}
 
-    def __init__(self, client: Any, stream: Any, name: str, safe_lines: Sequence[str] = ()) -> None:
-        super().__init__(client, name)
-        self._stream, self._safe_lines = stream, safe_lines
+    def __init__(
+        self,
+        client: Any,
+        stream: Any,
+        name: str,
+        serial_number: str = "",
+        *,
+        safe_lines: Sequence[str] = (),
+        parked: Sequence[str] = (),
+    ) -> None:
+        super().__init__(client, name, serial_number)
+        self._stream = stream
+        self._safe_lines = list(safe_lines)
+        self._parked = dict.fromkeys(parked, 0.0)
         self._settings: dict[Register, float] = {}
         self._waveform: dict[str | Register, ArrayLike] = {}
-        self._line, self._scans = "", 0
+        self._scans = 0
 
     def close(self) -> None:
         """Close both connections."""
@@ -117,8 +104,8 @@ class LabJackT7(device.Device):
             raise ValueError(f"Expected pulses of {pulse} samples, got {scans}. Change one.")
         number, bit = int(channel.removeprefix("AIN")), 1 << int(pulse_line[-1])
         inhibit = (0xFF & ~bit) << 8
-        self._line, self._scans = pulse_line, scans
-        self._stream.timeout = scans / rate + 1.0
+        self._scans = scans
+        self._stream.timeout = scans / rate + 0.5
         self._settings = {
             (40000 + 2 * number, "f"): range,  # AIN_RANGE
             (41000 + number, "H"): 199,  # AIN_NEGATIVE_CH: single-ended
@@ -181,25 +168,53 @@ class LabJackT7(device.Device):
             self.write_many({"STREAM_ENABLE": 0})
         except device.Refused:
             self._expect("STREAM_ENABLE", 0, *self._values("STREAM_ENABLE"))
+        except device.InstrumentTimeout:  # not even this is answered: no burst will be, either
+            self._fail(device.ConnectionLost, "answer", "silence", "Check power and cable.")
 
     def watchdog(self, seconds: int) -> None:
         """Let the device pull its safe lines low when no host speaks for so many seconds."""
-        used = sum(1 << int(line[-1]) for line in self._safe_lines)
+        used = self._bits(self._safe_lines)
         wanted = {
+            (61602, "I"): 0,  # WATCHDOG_ADVANCED_DEFAULT
             (61604, "I"): int(seconds),  # WATCHDOG_TIMEOUT_S_DEFAULT
+            (61606, "I"): 0,  # WATCHDOG_STARTUP_DELAY_S_DEFAULT
+            (61610, "I"): 0,  # WATCHDOG_STRICT_ENABLE_DEFAULT: any request feeds it
+            (61620, "I"): 0,  # WATCHDOG_RESET_ENABLE_DEFAULT: a reset would raise the lines
             (61630, "I"): 1,  # WATCHDOG_DIO_ENABLE_DEFAULT
             (61632, "I"): 0,  # WATCHDOG_DIO_STATE_DEFAULT
             (61634, "I"): used,  # WATCHDOG_DIO_DIRECTION_DEFAULT
             (61636, "I"): 0x7FFFFF & ~used,  # WATCHDOG_DIO_INHIBIT_DEFAULT
+            (61640, "I"): 0,  # WATCHDOG_DAC0_ENABLE_DEFAULT
+            (61650, "I"): 0,  # WATCHDOG_DAC1_ENABLE_DEFAULT
             "WATCHDOG_ENABLE_DEFAULT": 1,
         }
-        if self._values(*wanted) != tuple(wanted.values()):  # it is flash, which wears
+        if self._values(*wanted) != tuple(wanted.values()):  # it is flash, which wears out
             self.write_many({"WATCHDOG_ENABLE_DEFAULT": 0})  # the others are locked while it runs
             self._set(wanted)
 
+    def save_power_up_state(self) -> None:
+        """Make low outputs of the safe lines what they are after power-up, too; in flash, once.
+
+        From the factory all lines are inputs with 100 kOhm to 3.3 V then, which read as high.
+        """
+        self._lower_lines()
+        self.write_many({(49002, "I"): 1})  # IO_CONFIG_SET_DEFAULT_TO_CURRENT
+
     def safe_state(self) -> None:
-        """Stop a running stream, and pull the pulse line low."""
-        device.insist(self._stop, lambda: self._line and self.set_line(self._line, False))
+        """Pull the safe lines low, park the mirrors, and stop a running stream."""
+        # parked twice: the mirrors cannot be read back, so nobody sees a write that was lost
+        park = partial(self.write_many, self._parked)
+        device.insist(self._lower_lines, park, park, self._stop)
+
+    def _lower_lines(self) -> None:
+        """Make all safe lines low outputs in one frame, and check them at the terminals."""
+        self.write_many(dict.fromkeys(self._safe_lines, 0))
+        (state,) = self._values("FIO_STATE")
+        self._expect("safe lines", 0, int(state) & self._bits(self._safe_lines))
+
+    def _bits(self, lines: Sequence[str]) -> int:
+        """Mask of digital lines."""
+        return sum(1 << int(line[-1]) for line in lines)
 
     def _identity(self) -> dict[str, str]:
         product, serial = self._values((60000, "f"), (60028, "I"))  # PRODUCT_ID, SERIAL_NUMBER
@@ -224,17 +239,9 @@ class LabJackT7(device.Device):
 
     def _feedback(self, frame: bytes, size: int = 0) -> bytes:
         """Bytes of the reads in a feedback frame."""
-        request = Feedback(dev_id=1)
-        request.data = frame
-        try:
-            with one_error(self.name):
-                answer = self._connection.execute(False, request)
-            if answer.isError():
-                got = f"Modbus exception {answer.exception_code}"
-                self._fail(device.Refused, "accept a request", got, "Check address and value.")
-            if len(answer.data) != size:
-                self._fail(device.BadReply, f"send {size} bytes", f"{answer.data!r}", "Ask again.")
-        except (device.InstrumentTimeout, device.BadReply):
-            self._connection.close()  # and connect again: a late answer would be the next one's
-            raise
-        return answer.data
+        with one_error(self.name):
+            answer = self._connection.ask(frame)
+        if len(answer) != size:
+            self._connection.close()
+            self._fail(device.BadReply, f"send {size} bytes", f"{answer!r}", "Ask again.")
+        return answer

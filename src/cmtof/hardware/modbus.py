@@ -1,0 +1,64 @@
+"""Modbus TCP with LabJack's function 76 (feedback), over a socket."""
+
+import socket
+import struct
+
+from cmtof.hardware.device import BadReply, Refused
+
+PORT = 502
+UNIT = 1
+FEEDBACK = 76
+HEAD = struct.Struct(">HHHBB")  # number, protocol, bytes that follow, unit, function
+
+
+class Feedback:
+    """A connection that sends reads and writes of registers in one frame.
+
+    After an error it is closed, and opened again for the next frame: a late answer would be taken
+    for that to the next request.
+    """
+
+    def __init__(self, address: str, timeout: float = 0.5) -> None:
+        host, _, port = address.partition(":")
+        self._address = (host, int(port or PORT))
+        self._timeout = timeout
+        self._number = 0
+        self._socket: socket.socket | None = self._connected()
+
+    def ask(self, frame: bytes) -> bytes:
+        """Answer to a frame; `Refused` if the device reports an exception."""
+        self._number = (self._number + 1) % 2**16
+        if self._socket is None:
+            self._socket = self._connected()
+        try:
+            request = HEAD.pack(self._number, 0, len(frame) + 2, UNIT, FEEDBACK) + frame
+            self._socket.sendall(request)
+            number, _, length, _, function = HEAD.unpack(self._received(HEAD.size))
+            if number != self._number or function & 0x7F != FEEDBACK:
+                raise BadReply(f"Expected answer {self._number}, got {number}. Ask again.")
+            body = self._received(length - 2)
+        except Exception:
+            self.close()
+            raise
+        if function != FEEDBACK:
+            raise Refused(f"Expected a request to be accepted, got exception {body[0]}. Check it.")
+        return body
+
+    def close(self) -> None:
+        """Close the connection; may be called again."""
+        if self._socket is not None:
+            self._socket.close()
+        self._socket = None
+
+    def _connected(self) -> socket.socket:
+        return socket.create_connection(self._address, self._timeout)
+
+    def _received(self, size: int) -> bytes:
+        """So many bytes from the socket."""
+        data = b""
+        while len(data) < size:
+            part = self._socket.recv(size - len(data)) if self._socket else b""
+            if not part:
+                raise ConnectionResetError("the connection was closed")
+            data += part
+        return data
