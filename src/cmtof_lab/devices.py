@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.hardware.plan import BURST_INTERVAL, VOLTS_PER_DEGREE
 from cmtof.hardware.rf import CODES
-from cmtof.hardware.rig import LIGHT, LINES, MIRRORS
+from cmtof.hardware.rig import LIGHT, LINES, MIRRORS, SAMPLE_RATE
 from cmtof.hardware.roles import ROLES, RfStatus, Waiting
 from cmtof_lab.electronics import CENTRE, SLOPE
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
@@ -93,6 +93,7 @@ class SimulatedRf(SimulatedDevice):
 class SimulatedClock(SimulatedDevice):
     """Function generator that both RF drivers are locked to."""
 
+    reset = SimulatedDevice.nothing
     sine = SimulatedDevice.nothing
     lock_phases = SimulatedDevice.nothing
 
@@ -138,6 +139,7 @@ class SimulatedReadOut(SimulatedDevice):
     """Read-out: digital lines, mirrors on two registers, bursts, the trigger line."""
 
     watchdog = SimulatedDevice.nothing
+    rate = SAMPLE_RATE
     triggered: SimulatedRf  # whose table the trigger line steps through
 
     def safe_state(self) -> None:
@@ -164,7 +166,7 @@ class SimulatedReadOut(SimulatedDevice):
     def configure_burst(
         self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
     ) -> None:
-        self._rate = rate
+        self.rate = rate
         self._pulses = np.arange(scans) // pulse
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
@@ -175,10 +177,10 @@ class SimulatedReadOut(SimulatedDevice):
             volts = np.array(self.panel.galvo_volts)
             angles.append(np.deg2rad(2 * volts / VOLTS_PER_DEGREE))
             labels.append(int(registers["USER_RAM0_U32"]))
-        options = {"labels": labels, "pulses": self._pulses, "rate": self._rate}
+        options = {"labels": labels, "pulses": self._pulses, "rate": self.rate}
         every = self.instrument.bursts(self.panel, angles, **options)  # all are computed at once
         for label, counts in zip(labels, every, strict=True):
-            self.panel.time = BURST_INTERVAL * label + counts.size / self._rate
+            self.panel.time = BURST_INTERVAL * label + counts.size / self.rate
             self.triggered.edges += int(self._pulses[-1]) + 1
             yield counts
 

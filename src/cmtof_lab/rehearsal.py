@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.plan import planned
+from cmtof.hardware.plan import BURST_INTERVAL, planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
 from cmtof.measurement import Measurement
@@ -38,7 +38,12 @@ def simulated_bench(
     }
     if isinstance(scene, str | Path):
         about["scene"] = Path(scene).name
-    return Bench(rig, simulated_devices(instrument), patience=0.0, **about)
+    return Bench(rig, simulated_devices(instrument), patience=0.0, clock_of=virtual_time, **about)
+
+
+def virtual_time(label: int) -> float:
+    """Time of a burst by its number, s."""
+    return BURST_INTERVAL * label
 
 
 def scan_scene(

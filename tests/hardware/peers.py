@@ -161,6 +161,7 @@ class T7:
         self.outputs, self.power_up = set(), {}
         self.stream = Port()
         self.set(60000, "f", 7.0)  # PRODUCT_ID
+        self.set(60004, "f", 1.0292)  # FIRMWARE_VERSION
         self.set(60028, "I", 470010001)  # SERIAL_NUMBER
         self.set(61812, "fff", 3.16e-4, -3.16e-4, 33520.0)  # INTERNAL_FLASH_READ
 
@@ -203,6 +204,7 @@ class T7:
         if address == 49002:
             self.power_up = {line: self.words[2000 + line] for line in self.outputs}
         if address == 4990 and words[-1]:
+            self.words[4494], self.words[4495] = self.words[4002], self.words[4003]
             self._send_burst()
 
     def _send_burst(self):
@@ -260,7 +262,8 @@ class Network:
                 self.requests.append(frame)
                 if self.silent:
                     continue
-                if self.model.fault == "refuse":
+                if self.model.fault == "refuse" and frame[:3] != b"\x00\xd6\xd8":
+                    self.model.set(55000, "H", 2603)
                     client.sendall(struct.pack(">HHHBBB", number, 0, 3, unit, 76 | 0x80, 6))
                     continue
                 body = self.model(frame)

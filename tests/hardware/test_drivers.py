@@ -33,12 +33,18 @@ class Scpi:
         return self.answers.get(words[0], "").encode()
 
 
+METER = {
+    "MEAS:POW?": "2.5E-3",
+    "SYST:SENS:IDN?": '"S140C","1","01-JAN-2026",1,1,33',
+    "SENS:POW:UNIT?": "W",
+    "SENS:POW:RANG:AUTO?": "1",
+}
 # model, driver, a question and a change with the bytes sent for them, faults (silence, garbage, the
 # other end gone), a value beyond the limits
 CONTRACTS = {
     "rf": SimpleNamespace(
         model=Firmware,
-        driver=lambda wire: RfDriver(Port(wire), "device"),
+        driver=lambda wire, *number: RfDriver(Port(wire), "device", *number),
         ask=lambda one: one.status().edges == 16,
         question=b"STAT?",
         change=lambda one: one.set_power(30.0),
@@ -48,7 +54,7 @@ CONTRACTS = {
     ),
     "clock": SimpleNamespace(
         model=lambda: Scpi("SDG2042X", {"C1:OUTP?": "C1:OUTP OFF,LOAD,50"}),
-        driver=lambda wire: SignalGenerator(Visa(wire), "device"),
+        driver=lambda wire, *number: SignalGenerator(Visa(wire), "device", *number),
         ask=lambda one: one.output(1, True) is None,
         question=b"C1:OUTP?",
         change=lambda one: one.output(1, True),
@@ -57,8 +63,8 @@ CONTRACTS = {
         beyond=lambda one: one.sine(1, frequency=41e6, amplitude=1.0),
     ),
     "meter": SimpleNamespace(
-        model=lambda: Scpi("PM100D", {"MEAS:POW?": "2.5E-3"}),
-        driver=lambda wire: PowerMeter(Visa(wire), "device"),
+        model=lambda: Scpi("PM100D", METER),
+        driver=lambda wire, *number: PowerMeter(Visa(wire), "device", *number),
         ask=lambda one: one.power == 2.5e-3,
         question=b"MEAS:POW?",
         change=lambda one: one.set_up(wavelength=532e-9, readings=10),
@@ -68,7 +74,7 @@ CONTRACTS = {
     ),
     "motor": SimpleNamespace(
         model=Controller,
-        driver=lambda wire: Motor(Port(wire), MOTORS["mts50-z8"], "device"),
+        driver=lambda wire, *number: Motor(Port(wire), MOTORS["mts50-z8"], "device", *number),
         ask=lambda one: one.position == 0,
         question=b"\x11\x04",
         change=lambda one: one.move_to(0.01),
@@ -78,7 +84,7 @@ CONTRACTS = {
     ),
     "daq": SimpleNamespace(
         model=T7,
-        driver=lambda wire: LabJackT7(modbus(wire), Port(), "device"),
+        driver=lambda wire, *number: LabJackT7(modbus(wire), Port(), "device", *number),
         ask=lambda one: one.line("FIO7"),
         question=b"\x00\x07\xd7",
         change=lambda one: one.set_line("FIO0", True),
@@ -97,9 +103,9 @@ def contract(request, monkeypatch):
     return CONTRACTS[request.param]
 
 
-def opened(contract):
+def opened(contract, *serial_number):
     wire = Wire(contract.model())
-    return wire, contract.driver(wire)
+    return wire, contract.driver(wire, *serial_number)
 
 
 def sent(wire, request):
@@ -142,6 +148,12 @@ def test_another_device_is_refused(contract):
     else:
         model.model = b"TDC9" if isinstance(model, Controller) else "OTHER"
     with pytest.raises(Refused, match="Expected device to be .* Check the address"):
+        one.identify()
+
+
+def test_another_serial_number_is_refused(contract):
+    _, one = opened(contract, "OTHER")
+    with pytest.raises(Refused, match="OTHER, got .* Check the address"):
         one.identify()
 
 

@@ -16,7 +16,14 @@ HEADER = {"seed": 0, "settings": RIG.as_dict()}
 
 def record(index):
     bursts = len(PLAN.lines[index].labels)
-    return Record(index, 7e-3, np.ones((bursts, 16), np.uint32), np.zeros(bursts, np.uint16))
+    return Record(
+        index,
+        7e-3,
+        24000.0,
+        np.zeros(bursts),
+        np.ones((bursts, 16), np.uint32),
+        np.zeros(bursts, np.uint16),
+    )
 
 
 def test_every_burst_has_its_own_label():

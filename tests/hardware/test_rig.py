@@ -85,6 +85,16 @@ def test_every_device_is_safe_at_the_end_and_closed(monkeypatch):
     assert sorted(calls[8:]) == sorted(f"close {name}" for name in names)
 
 
+def test_thin_air_changes_the_index_that_goes_into_the_file(monkeypatch):
+    monkeypatch.setattr(connect, "connected_driver", lambda name, _: Listed(name, [], ""))
+    found = []
+    for pressure in (101325.0, 83e3):
+        with connected_bench(replace(RIG, pressure=pressure)) as bench:
+            found.append(bench.about["group_index"])
+    assert found[0] - found[1] == pytest.approx(52e-6, abs=2e-6)  # m per metre
+    assert RIG.as_dict()["pressure"] == 101325.0
+
+
 # --- the beam ------------------------------------------------------------------------------------
 
 

@@ -1,6 +1,8 @@
 """Whole scans of the simulated instrument: truth, faults, safe states, kill and resume."""
 
+import contextlib
 import itertools
+import threading
 from dataclasses import replace
 
 import numpy as np
@@ -9,14 +11,15 @@ import pytest
 from cmtof.cli import main
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.files import alone
+from cmtof.hardware.bench import Bench
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, Unsafe
 from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import planned
-from cmtof.hardware.rig import Rig
+from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.scan import scan
 from cmtof.measurement import open_measurement
 from cmtof_lab.optics import directions_from_angles
-from cmtof_lab.rehearsal import scan_scene, simulated_bench
+from cmtof_lab.rehearsal import scan_scene, simulated_bench, virtual_time
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, Plane
 
@@ -198,6 +201,37 @@ def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(tmp_pat
     assert "above 0 and up to 4 mW sent out, got" in str(error)
     assert_safe(bench)
     assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 2  # the header and the dark line
+
+
+@pytest.mark.parametrize(("settling", "same"), [(0.15, True), (0.0, False)])
+def test_a_slow_flip_mirror_is_waited_for(tmp_path, whole, settling, same):
+    """It takes 0.1 s; without a settling time the first lines behind a flip see another target."""
+    rig = replace(RIG, flip_mirror_settling=settling, shutter_settling=0.0)
+    timers = []
+
+    def opened():
+        bench = simulated_bench(rig, WALL, seed=4)
+        bench = Bench(rig, bench.devices, clock_of=virtual_time, **bench.about)
+        works, wait = bench.daq.set_line, bench.wait
+
+        def set_line(dio, high):
+            if dio == LINES["flip_mirror"] and high != bench.daq.panel.flip_mirror_in:
+                timers.append(threading.Timer(0.1, works, (dio, high)))
+                timers[-1].start()
+            else:
+                works(dio, high)
+
+        bench.daq.set_line = set_line
+        bench.wait = lambda seconds: wait(seconds if seconds == settling else 0.0)
+        return bench
+
+    output = tmp_path / "m.nc"
+    with contextlib.suppress(ValueError):  # a calibration on the wrong target may fail
+        scan(planned(rig, size=4), opened, output)
+    for timer in timers:
+        timer.join()
+    seen = [open_measurement(p).dataset["raw_counts"] for p in (output, whole) if p.exists()]
+    assert (len(seen) == 2 and bool((seen[0] == seen[1]).all())) == same
 
 
 def test_rf_comes_up_in_steps(tmp_path):

@@ -28,7 +28,11 @@ def daq(peer):
 
 
 def test_identity_and_calibration(peer, daq):
-    assert daq.identify() == {"model": "T7", "serial_number": "470010001"}
+    assert daq.identify() == {
+        "model": "T7",
+        "serial_number": "470010001",
+        "firmware": "1.0292",
+    }
     assert daq.gain(10.0) == pytest.approx((3.16e-4, -3.16e-4, 33520.0))
     assert peer.get(61810) == 0x3C4000
     peer.set(61812, "fff", 1.0, -1.0, 0.0)
@@ -57,6 +61,16 @@ def test_bursts_carry_mirrors_and_label_in_one_frame(peer, daq):
     assert addresses[start : start + 3] == [46100, 30004, 4990]
     assert struct.pack(">2H", *peer.written[start + 1][1]) == struct.pack(">f", 2.5)
     assert peer.get(4990) == 0
+
+
+def test_nothing_of_the_stream_is_inherited(peer, daq):
+    for address in (4014, 4018, 4022, 4024, 4028):
+        peer.set(address, "I", 1)
+    peer.set(4008, "f", 50.0)
+    daq.configure_burst(**BURST)
+    list(daq.bursts([{"USER_RAM0_U32": 1}]))
+    assert not any(peer.get(address) for address in (4008, 4014, 4018, 4022, 4024, 4028))
+    assert daq.rate == 24000.0
 
 
 @pytest.mark.parametrize(
@@ -133,7 +147,7 @@ def test_bursts_come_over_tcp(peer, far):
     (counts,) = far.bursts([{"USER_RAM0_U32": 3}])
     assert np.array_equal(counts, np.arange(3, 323))
     peer.fault = "refuse"
-    with pytest.raises(Refused, match="got exception 6"):
+    with pytest.raises(Refused, match="got exception 6.*LabJack's error code is 2603"):
         far.set_line("FIO0", True)
 
 

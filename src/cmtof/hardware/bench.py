@@ -1,7 +1,7 @@
 """The bench: devices of a rig by their roles, and the steps of a scan, each checked."""
 
-from collections.abc import Mapping, Sequence
-from time import monotonic, sleep
+from collections.abc import Callable, Mapping, Sequence
+from time import monotonic, sleep, time
 from typing import Any
 
 import numpy as np
@@ -26,11 +26,18 @@ class Bench(EmergencyStop):
 
     All lines are wired so that low, a cut cable or a read-out without power is safe; an open
     interlock reads low. ``patience`` is the share of all settling times that is waited for, 0 for
-    simulated devices; ``about`` goes into the file.
+    simulated devices; ``clock_of`` gives the time at which the burst of a label was read, by
+    default the computer's, s since 1970; ``about`` goes into the file.
     """
 
     def __init__(
-        self, rig: Rig, devices: Mapping[str, Any], *, patience: float = 1.0, **about: Any
+        self,
+        rig: Rig,
+        devices: Mapping[str, Any],
+        *,
+        patience: float = 1.0,
+        clock_of: Callable[[int], float] | None = None,
+        **about: Any,
     ) -> None:
         self.rig = rig
         self.devices = devices
@@ -44,7 +51,9 @@ class Bench(EmergencyStop):
         self.daq: ReadOutRole = devices["daq"]
         self.clock: ClockRole = devices["clock"]
         self.power_meter: PowerMeterRole = devices["power_meter"]
+        self.times: list[float] = []  # at which the last bursts were read, s
         self._patience = patience
+        self._clock_of = clock_of or (lambda label: time())
         self._levels: dict[str, bool] = {}
         self._silence = min(rig.dead_man, WATCHDOG)  # that some device's timer allows
         self._fed = monotonic()
@@ -103,14 +112,21 @@ class Bench(EmergencyStop):
             pulse_line=LINES["trigger"],
             pulse=rig.samples_per_phase,
         )
-        for channel in (1, 2):
-            self.clock.sine(channel, frequency=10e6, amplitude=1.0)  # Hz, V peak to peak
-        self.clock.lock_phases()
-        for channel in (1, 2):
-            self.clock.output(channel, True)
+        self.start_clock()
         # ten readings of about 3 ms each
         self.power_meter.set_up(wavelength=LASER_WAVELENGTH, readings=10, waiting=self.feed)
         self.switch("laser", True)
+
+    def start_clock(self) -> None:
+        """Bring the generator into a known state, and switch on the channels that are used."""
+        rig = self.rig
+        self.clock.reset()
+        for channel in rig.clock_channels:
+            self.clock.sine(channel, frequency=rig.clock_frequency, amplitude=rig.clock_amplitude)
+        if len(rig.clock_channels) > 1:
+            self.clock.lock_phases()
+        for channel in rig.clock_channels:
+            self.clock.output(channel, True)
 
     def choose_mode(self, mode: str) -> None:
         """Turn both plates and run both modulators as a mode requires; the shutter is closed."""
@@ -167,7 +183,9 @@ class Bench(EmergencyStop):
             self.wait(SETTLING[1])  # from the end of the last line
         insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
         counts = []
-        for burst in self.daq.bursts(requests):
+        self.times = []
+        for label, burst in zip(labels, self.daq.bursts(requests), strict=True):
+            self.times.append(self._clock_of(label))
             counts.append(burst)
             self.feed()
         edges = self.rf_detection.status().edges
@@ -178,7 +196,7 @@ class Bench(EmergencyStop):
 
     def check(self) -> None:
         """Raise `Unsafe` if a modulator, their clock or the interlock has given way."""
-        if not self.clock.output_is_on(1):
+        if not all(self.clock.output_is_on(channel) for channel in self.rig.clock_channels):
             raise Unsafe("Expected the clock on, got it off. Check the generator.")
         for rf in self.rf:
             status = rf.status()
@@ -224,4 +242,5 @@ class Bench(EmergencyStop):
         self.check()
         # on the clock of the last burst: so it is the same after other lines and after a resume
         power = self.metered_power() if lit else 1.0
-        return Record(line.index, power, *sums_from_counts(counts, plan.kept))
+        measured = sums_from_counts(counts, plan.kept)
+        return Record(line.index, power, self.daq.rate, np.array(self.times), *measured)

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from typing import Any
 
-from cmtof.air import group_index
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.rig import LIGHT, LINES, MIRRORS, DeviceSettings, Rig
 
@@ -26,7 +25,7 @@ def connected_bench(rig: Rig) -> Iterator[Bench]:
             devices[role] = reached.enter_context(closing(device))
             device.identify()
             device.safe_state()
-        with Bench(rig, devices, source="instrument", group_index=group_index()) as bench:
+        with Bench(rig, devices, source="instrument", group_index=rig.group_index) as bench:
             yield bench
 
 

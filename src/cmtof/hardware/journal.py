@@ -74,7 +74,12 @@ def _record(content: bytes, line: Line, phases: int) -> Record:
     found = json.loads(content)
     sums = np.array(found["sums"], np.uint32)
     clipped = np.array(found["clipped"], np.uint16)
-    right = sums.shape == (len(line.labels), phases) and clipped.shape == (len(line.labels),)
-    if not (right and found["line"] == line.index and 1e-15 < found["power"] < 1e3):
+    times = np.array(found["times"], float)
+    power = float(found["power"])
+    rate = float(found["rate"])
+    bursts = len(line.labels)
+    shapes = (sums.shape, clipped.shape, times.shape) == ((bursts, phases), (bursts,), (bursts,))
+    sensible = 1e-15 < power < 1e3 and 0 < rate < 1e9 and np.isfinite(times).all()
+    if not (shapes and sensible and found["line"] == line.index):
         raise ValueError("another line")
-    return Record(line.index, float(found["power"]), sums, clipped)
+    return Record(line.index, power, rate, times, sums, clipped)

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof.air import group_index
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.frame import rays_from_camera
 from cmtof.hardware.rig import MODES, Rig
@@ -50,6 +49,8 @@ class Record(NamedTuple):
 
     line: int
     power: float  # behind the emission module at the line's end, W
+    rate: float  # of the samples, as the converter made it, Hz
+    times: Array  # at which the bursts were read, s (N,)
     sums: NDArray[np.uint32]  # of the kept samples of each phase (N, K)
     clipped: NDArray[np.uint16]  # samples at either end of the converter's scale (N,)
 
@@ -72,7 +73,7 @@ def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
     camera = np.array([*focal, width / 2, height / 2])
     x, y, z = np.moveaxis(rays_from_camera((height, width), camera), -1, 0)
     angles = np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)
-    wrap = SPEED_OF_LIGHT / (2 * rig.frequency_single * group_index())
+    wrap = SPEED_OF_LIGHT / (2 * rig.frequency_single * rig.group_index)
     sweep = wrap * ((np.arange(SWEEP) + 0.5) / SWEEP - 0.5)
     reference = [("reference", n, REFERENCE_BURSTS) for n in range(SWEEP)]
     image = [("scan", row, width) for row in range(height)]

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, centred, decode, phase_from_depth
-from cmtof.hardware.plan import BURST_INTERVAL, REFERENCE_BURSTS, Plan, Record
+from cmtof.hardware.plan import REFERENCE_BURSTS, Plan, Record
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
 from cmtof.validation import expect
@@ -123,8 +123,9 @@ def measurement_from_records(
     """Measurement of the records of every line of a plan; raises as `calibrated` does.
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,
-    ``laser_power`` (W), ``angle`` (rad), ``time`` (s, on the plan's clock), and of each frequency
-    what the reference target showed. Pixels where the converter clips are masked.
+    ``laser_power`` (W), ``angle`` (rad), ``time`` (s since 1970 at which a burst was read;
+    simulated, on a clock of the bursts' numbers), the attribute ``sample_rate`` (Hz), and of each
+    frequency what the reference target showed. Pixels where the converter clips are masked.
     """
     gain, found, clipped = Gain(*header["calibration"]), [], []
     for mode in MODES:
@@ -133,7 +134,6 @@ def measurement_from_records(
         dark, power = lines_of(plan, records, mode, "dark")[1].mean(), image.power[:, None]
         volts = gain.volts_from_counts(counts) - gain.volts_from_counts(dark)
         volts = volts * (power[0] / power)[..., None]
-        labels = np.array([plan.lines[line].labels for line in image.line])
         clipped.append(image.clipped > 0)
         found.append(
             {
@@ -141,8 +141,8 @@ def measurement_from_records(
                 "correlation": np.moveaxis(volts, -1, 0).astype(np.float32),
                 "raw_counts": np.moveaxis(counts, -1, 0).astype(np.float32),
                 "dark": dark,
-                "laser_power": np.broadcast_to(power, labels.shape),
-                "time": BURST_INTERVAL * labels,
+                "laser_power": np.broadcast_to(power, image.times.shape),
+                "time": image.times,
                 "phase_offset": offset,
                 "phase_drift": drift,
             }
@@ -156,6 +156,7 @@ def measurement_from_records(
         camera=plan.camera,
         protocol="scan",
         saturation=FULL_SCALE,
+        sample_rate=float(np.mean([record.rate for record in records])),
         **{k: json.dumps(v) if isinstance(v, list | dict) else v for k, v in header.items()},
     ).dataset
     dims = {1: (), 3: ("y", "x"), 4: ("step", "y", "x")}

@@ -1,11 +1,12 @@
 """Settings of a rig, as a RIG file has them, and how its parts are wired."""
 
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
+from cmtof.air import group_index
 from cmtof.constants import HALF_WAVE_PLATE_DOUBLED, HALF_WAVE_PLATE_SINGLE
 from cmtof.files import read_document
 from cmtof.validation import checked, expect
@@ -66,6 +67,9 @@ class Rig:
     flip_mirror_settling: float = Field(default=3.0, ge=0, le=10)  # s; flippers take 0.3 to 2.8
     frequency_single: float = Field(default=7.15e9, ge=7.14e9, le=7.17e9)  # drive, single mode
     frequency_doubled: float = Field(default=7.16e9, ge=7.14e9, le=7.17e9)  # and doubled mode
+    clock_frequency: float = Field(default=10e6, ge=1e6, le=40e6)
+    clock_amplitude: float = Field(default=1.0, ge=0.01, le=10)  # V peak to peak into 50 Ohm
+    clock_channels: tuple[Literal[1, 2], ...] = (1,)  # one, and a splitter: two drift apart
     dead_man: float = Field(default=5.0, ge=0.1, le=60)  # silence that switches the RF drivers off
     plate_zero_emission_deg: float = Field(default=0.0, ge=-360, le=360)  # mount at theta_h = 0
     plate_zero_detection_deg: float = Field(default=0.0, ge=-360, le=360)
@@ -74,6 +78,8 @@ class Rig:
     samples_per_phase: int = Field(default=20, ge=2, le=250)
     settle_samples: int = Field(default=4, ge=0, le=249)  # first of a phase: the filter settles
     limit_volts: float = Field(default=4.0, ge=0.001, le=10)  # above, the detector is nonlinear
+    temperature: float = Field(default=293.15, ge=200, le=400)  # K, of the air
+    pressure: float = Field(default=101325.0, ge=0, le=2e5)  # Pa
     reference_distance: float = Field(default=0.60, ge=0.001, le=100)  # target along its ray,
     stage_zero: float = Field(default=0.025, ge=-1, le=1)  # with its stage here
     twin: dict[str, Any] = Field(default_factory=dict, exclude=True)  # of the simulated instrument
@@ -106,6 +112,11 @@ class Rig:
     def scans(self) -> int:
         """Samples of a burst."""
         return self.samples_per_phase * self.phases
+
+    @property
+    def group_index(self) -> float:
+        """Group index of the air."""
+        return group_index(temperature=self.temperature, pressure=self.pressure)
 
     def drive_frequency(self, mode: str) -> float:
         """Drive frequency of a mode, Hz."""

@@ -93,6 +93,10 @@ class RfRole(DeviceRole, Protocol):
 class ClockRole(DeviceRole, Protocol):
     """Clock of both RF drivers, on channels 1 and 2."""
 
+    def reset(self) -> None:
+        """Become what it is by default."""
+        ...
+
     def sine(self, channel: int, *, frequency: float, amplitude: float) -> None:
         """Set a sine, Hz and V peak to peak."""
         ...
@@ -148,8 +152,10 @@ class PowerMeterRole(DeviceRole, Protocol):
 class ReadOutRole(DeviceRole, Protocol):
     """Digital lines, scan mirrors, and bursts of detector samples.
 
-    Its safe state: no light leaves, and the mirrors are parked.
+    Its safe state: no light leaves, and the mirrors are parked. ``rate`` is that of the last burst.
     """
+
+    rate: float
 
     def gain(self, volts_range: float) -> tuple[float, float, float]:
         """Calibration of an input range, V, in the order of `cmtof.hardware.reduction.Gain`."""

@@ -18,13 +18,15 @@ from cmtof.hardware import device
 from cmtof.hardware.device import number, one_error, question
 from cmtof.hardware.roles import Waiting
 
+TIMEOUT = 1000  # ms
+
 
 def open_visa(address: str, library: str = "@py") -> Any:
     """Open a VISA resource, as ``TCPIP::192.168.1.20::5025::SOCKET``, or raise `ConnectionLost`."""
     with one_error(f"an instrument at {address}", device.ConnectionLost):
         resource: Any = pyvisa.ResourceManager(library).open_resource(address)
         resource.read_termination = resource.write_termination = "\n"
-        resource.timeout = 1000
+        resource.timeout = TIMEOUT
         return resource
 
 
@@ -32,8 +34,14 @@ class ScpiInstrument(device.Device):
     """Text commands to a resource from `open_visa`, or anything with its write, read and close."""
 
     def _identity(self) -> dict[str, str]:
-        words = ("maker", "model", "serial_number", "firmware")
-        return self._ask("*IDN?", lambda line: dict(zip(words, line.split(","), strict=True)))
+        return self._ask("*IDN?", identity_from_line)
+
+    def _choose(self, command: str, value: str, *also: str) -> None:
+        """Choose a word, and compare what the device holds then; ``also`` means the same."""
+        self._write(f"{command} {value}")
+        found = self._ask(f"{command}?", str).strip()
+        if found not in (value, *also):
+            self._fail(device.Refused, f"set {command} to {value}", found, "Set it by hand.")
 
     def _write(self, command: str) -> None:
         with one_error(self.name):
@@ -60,11 +68,32 @@ class ScpiInstrument(device.Device):
         self._fail(device.InstrumentTimeout, "identify itself", "other answers", "Restart it.")
 
 
+def identity_from_line(line: str) -> dict[str, str]:
+    """Maker, model, serial number and firmware; older Siglents add a header and a fifth field."""
+    fields = [field.strip() for field in line.removeprefix("*IDN ").split(",")]
+    if len(fields) not in (4, 5):
+        raise ValueError(line)
+    words = ("maker", "model", "serial_number", "firmware")
+    return dict(zip(words, fields, strict=False))
+
+
 class SignalGenerator(ScpiInstrument):
     """Siglent SDG2042X, to 40 MHz: the clock that both RF drivers multiply."""
 
     MODELS = ("SDG2",)
     LIMITS: ClassVar = {"channel": (1, 2), "frequency": (1e-6, 40e6), "amplitude": (2e-3, 10.0)}
+
+    def reset(self) -> None:
+        """Bring it into its factory state, without burst, sweep, modulation and coupling."""
+        self._write("*RST")
+        self._connection.timeout = 10_000  # ms, until it is done
+        self._expect("reset", 1, self._ask("*OPC?", lambda line: number(line.removeprefix("*OPC"))))
+        self._connection.timeout = TIMEOUT
+        self._write("ROSC INT")
+        for channel in (1, 2):
+            for kind in ("BTWV", "SWWV", "MDWV"):
+                state = self._pairs(f"C{channel}:{kind}?").get("STATE")
+                self._expect(f"{kind} of channel {channel}", False, state != "OFF")
 
     def sine(self, channel: int, *, frequency: float, amplitude: float) -> None:
         """Set a sine, Hz and V peak to peak into 50 Ohm, which the amplitude depends on."""
@@ -111,11 +140,20 @@ class SignalGenerator(ScpiInstrument):
         return self._ask(command, parse)
 
 
+POWER_HEAD = 1  # flag of a head that measures power
+
+
 class PowerMeter(ScpiInstrument):
     """Thorlabs PM100D with an integrating sphere S140C: laser power behind the emission module."""
 
     MODELS = ("PM100",)
     LIMITS: ClassVar = {"wavelength": (350e-9, 1100e-9), "readings": (1, 10000)}
+
+    def _identity(self) -> dict[str, str]:
+        head = self._ask("SYST:SENS:IDN?", lambda line: line.replace('"', "").split(","))
+        if not int(number(head[-1])) & POWER_HEAD:
+            self._fail(device.Refused, "have a head for power", head[0], "Plug it in.")
+        return super()._identity() | {"head": head[0], "head_serial_number": head[1]}
 
     @property
     def power(self) -> float:
@@ -125,6 +163,8 @@ class PowerMeter(ScpiInstrument):
     def set_up(self, *, wavelength: float, readings: int, waiting: Waiting = None) -> None:
         """Correct for a wavelength, m, average readings of 3 ms each, and zero the dark head."""
         self._within(wavelength=wavelength, readings=readings)
+        self._choose("SENS:POW:UNIT", "W")  # it may have been left in dBm
+        self._choose("SENS:POW:RANG:AUTO", "1", "ON")
         self._set("SENS:CORR:WAV", 1e9 * wavelength)
         self._set("SENS:AVER:COUN", readings)
         self._write("SENS:CORR:COLL:ZERO:INIT")  # the PM400's: not verified on a PM100D

@@ -41,6 +41,12 @@ def write(register: str | Register, value: ArrayLike) -> bytes:
     return struct.pack(">BHB", 1, address, len(data) // 2) + data
 
 
+def read(register: Register) -> bytes:
+    """Part of a feedback frame that reads a register."""
+    address, kind = register
+    return struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
+
+
 class LabJackT7(device.Device):
     """A T7: requests to a `modbus.Feedback`, packets from a ``stream`` (pyserial).
 
@@ -67,6 +73,7 @@ class LabJackT7(device.Device):
         self._settings: dict[Register, float] = {}
         self._waveform: dict[str | Register, ArrayLike] = {}
         self._scans = 0
+        self.rate = 0.0  # of the last burst, as the converter made it, Hz
 
     def close(self) -> None:
         """Close both connections."""
@@ -111,6 +118,11 @@ class LabJackT7(device.Device):
             (41000 + number, "H"): 199,  # AIN_NEGATIVE_CH: single-ended
             (4002, "f"): rate,  # STREAM_SCANRATE_HZ
             (4004, "I"): 2,  # STREAM_NUM_ADDRESSES
+            (4008, "f"): 0.0,  # STREAM_SETTLING_US: automatic
+            (4014, "I"): 0,  # STREAM_CLOCK_SOURCE: its own
+            (4022, "I"): 0,  # STREAM_EXTERNAL_CLOCK_DIVISOR
+            (4024, "I"): 0,  # STREAM_TRIGGER_INDEX: none
+            (4028, "I"): 0,  # STREAM_AUTORECOVER_DISABLE
             (4006, "I"): gcd(scans, PACKET),  # STREAM_SAMPLES_PER_PACKET
             (4010, "I"): 1,  # STREAM_RESOLUTION_INDEX
             (4012, "I"): 32768,  # STREAM_BUFFER_SIZE_BYTES
@@ -121,6 +133,7 @@ class LabJackT7(device.Device):
             (4102, "I"): 2 * number,  # STREAM_SCANLIST_ADDRESS1: AIN
         }
         self._waveform = {
+            (4018, "I"): 0,  # STREAM_DATATYPE: must be 0, and cannot be read back
             pulse_line: 0,  # also makes it an output
             (4040, "I"): REGISTERS["FIO_STATE"][0],  # STREAM_OUT0_TARGET
             (4050, "I"): 1024,  # STREAM_OUT0_BUFFER_ALLOCATE_NUM_BYTES
@@ -139,12 +152,21 @@ class LabJackT7(device.Device):
         for registers in requests:
             with one_error(self.name):
                 self._stream.reset_input_buffer()
-            self.write_many({**registers, "STREAM_ENABLE": 1})
+            self._start(registers)
             try:
                 counts = self._samples()
             finally:
                 self._stop()
             yield counts
+
+    def _start(self, registers: Mapping[str, float]) -> None:
+        """Write registers, start the stream and read its actual rate, in one frame."""
+        values = {**registers, "STREAM_ENABLE": 1}
+        frame = b"".join(write(name, value) for name, value in values.items())
+        frame += read((4494, "f"))  # STREAM_SCANRATE_HZ_ACTUAL
+        (self.rate,) = struct.unpack(">f", self._feedback(frame, 4))
+        wanted = self._settings[4002, "f"]
+        self._expect("rate", wanted, self.rate, 1e-3 * wanted)
 
     def _samples(self) -> NDArray[np.uint16]:
         """Counts (scans,) of the packets of a burst that has been started."""
@@ -217,8 +239,13 @@ class LabJackT7(device.Device):
         return sum(1 << int(line[-1]) for line in lines)
 
     def _identity(self) -> dict[str, str]:
-        product, serial = self._values((60000, "f"), (60028, "I"))  # PRODUCT_ID, SERIAL_NUMBER
-        return {"model": f"T{product:g}", "serial_number": str(serial)}
+        # PRODUCT_ID, FIRMWARE_VERSION, SERIAL_NUMBER
+        product, firmware, serial = self._values((60000, "f"), (60004, "f"), (60028, "I"))
+        return {
+            "model": f"T{product:g}",
+            "serial_number": str(serial),
+            "firmware": f"{firmware:.4f}",
+        }
 
     def _set(self, values: Mapping[Any, float]) -> None:
         """Write registers, and compare what the device holds then."""
@@ -233,14 +260,19 @@ class LabJackT7(device.Device):
         """Values of registers, read in one frame."""
         frame, kinds = b"", ">"
         for address, kind in (REGISTERS.get(one, one) for one in registers):  # type: ignore[misc]
-            frame += struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
+            frame += read((address, kind))
             kinds += kind
         return struct.unpack(kinds, self._feedback(frame, struct.calcsize(kinds)))
 
     def _feedback(self, frame: bytes, size: int = 0) -> bytes:
         """Bytes of the reads in a feedback frame."""
         with one_error(self.name):
-            answer = self._connection.ask(frame)
+            try:
+                answer = self._connection.ask(frame)
+            except device.Refused as refusal:
+                detail = self._connection.ask(read((55000, "H")))  # LAST_ERR_DETAIL
+                code = int.from_bytes(detail, "big")
+                raise device.Refused(f"{refusal} LabJack's error code is {code}.") from None
         if len(answer) != size:
             self._connection.close()
             self._fail(device.BadReply, f"send {size} bytes", f"{answer!r}", "Ask again.")
