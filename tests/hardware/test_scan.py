@@ -14,7 +14,7 @@ from cmtof.files import alone
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, Unsafe
 from cmtof.hardware.journal import journal_path, whole_lines
-from cmtof.hardware.plan import planned
+from cmtof.hardware.plan import mirror_settling, planned
 from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.scan import scan
 from cmtof.measurement import open_measurement
@@ -232,6 +232,20 @@ def test_a_slow_flip_mirror_is_waited_for(tmp_path, whole, settling, same):
         timer.join()
     seen = [open_measurement(p).dataset["raw_counts"] for p in (output, whole) if p.exists()]
     assert (len(seen) == 2 and bool((seen[0] == seen[1]).all())) == same
+
+
+def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(tmp_path):
+    waited = []
+
+    def prepare(bench):
+        bench.wait = waited.append
+
+    assert take(tmp_path / "m.nc", prepare=prepare)[1] is None
+    across, down = np.abs(PLAN.angles[0, -1] - PLAN.angles[0, 0]).max(), PLAN.angles[0, 0]
+    expected = [mirror_settling(float(step)) for step in (np.abs(down).max(), across)]
+    flybacks = [seconds for seconds in waited if 0 < seconds < 0.05]
+    assert flybacks[:2] == pytest.approx(expected)
+    assert expected[1] == pytest.approx(3.3e-3, abs=2e-4)  # 15 degrees
 
 
 def test_rf_comes_up_in_steps(tmp_path):

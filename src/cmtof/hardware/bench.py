@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import LASER_WAVELENGTH
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
-from cmtof.hardware.plan import SETTLING, VOLTS_PER_RADIAN, Line, Plan, Record
+from cmtof.hardware.plan import VOLTS_PER_RADIAN, Line, Plan, Record, mirror_settling
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
 from cmtof.hardware.rig import LINES, MIRRORS, PLATES, Rig
 from cmtof.hardware.roles import ROLES, ClockRole, MotorRole, PowerMeterRole, ReadOutRole, RfRole
@@ -54,6 +54,7 @@ class Bench(EmergencyStop):
         self.times: list[float] = []  # at which the last bursts were read, s
         self._patience = patience
         self._clock_of = clock_of or (lambda label: time())
+        self._aim = np.zeros(2)  # of the mirrors, optical angles, rad
         self._levels: dict[str, bool] = {}
         self._silence = min(rig.dead_man, WATCHDOG)  # that some device's timer allows
         self._fed = monotonic()
@@ -87,6 +88,14 @@ class Bench(EmergencyStop):
     def park(self) -> None:
         """Bring both mirrors to 0 V."""
         self.daq.write_many(dict.fromkeys(MIRRORS, 0.0))
+        self._aim = np.zeros(2)
+
+    def fly_back(self, directions: NDArray[np.float64]) -> None:
+        """Aim at the first direction of a line (N, 2), rad, and wait as the step requires."""
+        volts = np.round(VOLTS_PER_RADIAN * directions[0], 6).tolist()
+        self.daq.write_many(dict(zip(MIRRORS, volts, strict=True)))
+        self.wait(mirror_settling(float(np.abs(directions[0] - self._aim).max())))
+        self._aim = directions[-1]
 
     def set_up(self) -> None:
         """Set up everything but light and RF for a scan."""
@@ -179,8 +188,7 @@ class Bench(EmergencyStop):
             volts = np.round(VOLTS_PER_RADIAN * np.asarray(directions, float), 6).tolist()
             for request, pair in zip(requests, volts, strict=True):
                 request.update(zip(MIRRORS, pair, strict=True))
-            self.daq.write_many({name: requests[0][name] for name in MIRRORS})
-            self.wait(SETTLING[1])  # from the end of the last line
+            self.fly_back(np.asarray(directions, float))
         insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
         counts = []
         self.times = []

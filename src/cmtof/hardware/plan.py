@@ -26,9 +26,10 @@ SWEEP = 8  # positions of it, over one wrap of the single mode, two of the doubl
 VOLTS_PER_DEGREE = 0.5  # scan mirrors GVS012, of mechanical angle
 VOLTS_PER_RADIAN = VOLTS_PER_DEGREE * 180 / pi / 2
 """Of optical angle: the beam turns by twice what a mirror does."""
-STEPS, SETTLING = (0.4 * pi / 180, 80 * pi / 180), (4e-4, 5e-3)
-"""Steps of the mirrors, optical angle, rad, and the time they take, s (GVS012 specifications: 0.2
-mechanical degrees; 100 Hz square waves of full scale); between, a straight line (not verified)."""
+SETTLING = {0.4: 4e-4, 40.0: 1 / (2 * 65), 80.0: 1 / (2 * 25)}
+"""Time that the mirrors take for a step, s, by degrees of optical angle. GVS012 with its mirrors of
+10 mm: 0.4 ms for 0.2 mechanical degrees; square waves of 65 Hz over half the travel, of 25 Hz over
+all of it (its specifications). Between, a straight line (not verified)."""
 BURST_INTERVAL = 20e-3
 """Time from one burst to the next on the plan's clock, s: 13.3 ms for the paper's burst, and what
 the devices need between."""
@@ -66,6 +67,15 @@ class Plan(NamedTuple):
     lines: list[Line]
 
 
+def mirror_settling(step: float) -> float:
+    """Time, s, that the mirrors take for a step, rad of optical angle.
+
+    >>> f"{mirror_settling(np.deg2rad(40)):.4f}"
+    '0.0077'
+    """
+    return float(np.interp(np.rad2deg(step), list(SETTLING), list(SETTLING.values())))
+
+
 def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
     """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole."""
     height, width = (size, size) if isinstance(size, int) else size
@@ -84,6 +94,6 @@ def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
             label += bursts
     settle = np.full(rig.phases, rig.settle_samples)
     step = float(np.abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0))
-    mirrors = ceil(np.interp(step, STEPS, SETTLING) * rig.rate - 1e-9)
+    mirrors = ceil(mirror_settling(step) * rig.rate - 1e-9)
     settle[0] = max(settle[0], min(mirrors, rig.samples_per_phase - 1))  # mirrors settle, too
     return Plan(rig, angles, camera, sweep, rig.samples_per_phase - settle, lines)
