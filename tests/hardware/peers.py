@@ -127,6 +127,9 @@ class Controller:
     def __init__(self):
         self.position, self.status, self.looks = 0, HOMED | 1 << 31, 0
         self.deaf, self.moves = False, []
+        # direction, limit switch, velocity, offset; least velocity, acceleration, largest velocity
+        self.home_parameters, self.velocities = (2, 1, 5, 0), (0, 1, 5)
+        self.chatter = b""  # what it says before every answer
 
     def __call__(self, data):
         (number,) = struct.unpack_from("<H", data)
@@ -136,6 +139,8 @@ class Controller:
         answers = {
             0x0005: (0x0006, "<l8sH4B60sHHH", *info),
             0x0411: (0x0412, "<Hl", 1, self.position),
+            0x0441: (0x0442, "<3Hll", 1, *self.home_parameters),
+            0x0414: (0x0415, "<H3l", 1, *self.velocities),
             0x0490: (0x0491, "<HlhHL", 1, self.position, 0, 0, self.status | moving),
         }
         if number in (0x0443, 0x0453):
@@ -144,13 +149,17 @@ class Controller:
             if not self.deaf:
                 self.position, self.looks = goal, max(self.looks, 1)
             return struct.pack("<HBBBB", 0x0464, 1, 0, 0x01, 0x50)  # comes unasked
+        if number == 0x0440:
+            self.home_parameters = struct.unpack_from("<HHll", data, 8)
+        if number == 0x0413:
+            self.velocities = struct.unpack_from("<3l", data, 8)
         if number == 0x0465:
             self.looks = 0
         if number not in answers:
             return b""
         reply, layout, *values = answers[number]
         body = struct.pack(layout, *values)
-        return struct.pack("<HHBB", reply, len(body), 0x81, 0x50) + body
+        return self.chatter + struct.pack("<HHBB", reply, len(body), 0x81, 0x50) + body
 
 
 class T7:

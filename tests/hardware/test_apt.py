@@ -1,11 +1,17 @@
 """APT motors: bytes of the public protocol, and a controller that moves."""
 
+import itertools
+import os
+import struct
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 import thorlabs_apt_protocol as apt_bytes
 from peers import ERROR, HOMED, Controller, Port
 
-from cmtof.hardware.apt import MOTORS, Motor
-from cmtof.hardware.device import InstrumentError, Refused
+from cmtof.hardware.apt import LONGEST, MOTORS, Motor, open_controller
+from cmtof.hardware.device import ConnectionLost, InstrumentError, InstrumentTimeout, Refused
 
 
 @pytest.fixture
@@ -42,6 +48,51 @@ def test_timers_of_others_are_fed_while_a_motor_moves(controller, motor):
     motor.move_to(0.01, waiting=lambda: fed.append("move"))
     assert fed.count("home") >= 2
     assert fed.count("move") >= 1
+
+
+def test_speeds_are_set_before_the_first_move(controller, motor):
+    """A K10CR1 powers up with a home velocity at which it never arrives."""
+    motor.home()
+    scale = MOTORS["mts50-z8"].velocity_scale
+    assert controller.home_parameters == (2, 1, round(1.5e-3 * scale), 0)
+    assert controller.velocities == (0, round(2e-3 * 263844), round(2.4e-3 * scale))
+
+
+@pytest.mark.parametrize("kind", MOTORS.values(), ids=MOTORS)
+def test_the_longest_way_home_takes_less_than_is_waited_for(kind):
+    longest = min(kind.travel[1] - kind.travel[0], 2 * np.pi)
+    assert longest / kind.home_velocity < LONGEST
+
+
+def test_a_speed_that_is_not_taken_is_refused(controller, motor):
+    works = controller.__call__
+    port = Port(lambda data: b"" if data[:2] == b"\x40\x04" else works(data))
+    with pytest.raises(Refused, match="its home velocity to 1159472, got 5"):
+        Motor(port, MOTORS["mts50-z8"], "stage").home()
+
+
+def test_a_controller_that_talks_but_does_not_answer_is_given_up(monkeypatch):
+    """It sends its status for ever, as after a request for updates."""
+    monkeypatch.setattr("cmtof.hardware.apt.ANSWER", 0.05)
+    status = struct.pack("<HHBB", 0x0491, 14, 0x81, 0x50) + bytes(14)
+    endless = itertools.cycle(status)
+    talker = SimpleNamespace(
+        write=lambda data: None,
+        read=lambda size: bytes(itertools.islice(endless, size)),
+        reset_input_buffer=lambda: None,
+    )
+    with pytest.raises(InstrumentTimeout, match="answer mot_req_poscounter, got none"):
+        _ = Motor(talker, MOTORS["mts50-z8"], "stage").position
+
+
+def test_a_port_is_opened_by_one_program_only():
+    primary, secondary = os.openpty()
+    port = open_controller(os.ttyname(secondary))
+    with pytest.raises(ConnectionLost, match="Expected a serial port at"):
+        open_controller(os.ttyname(secondary))
+    port.close()
+    os.close(primary)
+    os.close(secondary)
 
 
 def test_a_move_needs_a_home(controller, motor):

@@ -5,6 +5,7 @@ MOVE_HOMED): the end of a move is read from the status bits, and the position is
 """
 
 import time
+from contextlib import suppress
 from math import pi
 from typing import Any, NamedTuple
 
@@ -12,35 +13,87 @@ import thorlabs_apt_protocol as apt
 
 from cmtof.hardware import device
 from cmtof.hardware.device import one_error, question
+from cmtof.hardware.rf import open_serial
 from cmtof.hardware.roles import Waiting
 
 _HOST, _UNIT, _CHANNEL = 0x01, 0x50, 1
 _POLL = 0.05  # s, between looks at the status bits
+ANSWER = 2.0  # s that an answer may take, whatever else comes
 LONGEST = 60.0  # s that a move may take: the whole travel takes 21 s, a turn of a plate 36 s
 _MOVING = ("moving_forward", "moving_reverse", "jogging_forward", "jogging_reverse", "homing")
 
 
 class MotorKind(NamedTuple):
-    """A motor: counts per m or rad, tolerance, travel, controllers, message of the status."""
+    """A motor in m or rad, s: its scales, speeds, tolerance, travel and controllers."""
 
-    scale: float
-    tolerance: float
+    scale: float  # counts per m or rad
+    velocity_scale: float  # units of the controller per m/s or rad/s
+    acceleration_scale: float
+    velocity: float  # m/s or rad/s
+    home_velocity: float
+    acceleration: float  # m/s^2 or rad/s^2
+    tolerance: float  # m or rad
     travel: tuple[float, float]
     models: tuple[str, ...] = ("KDC101", "TDC001")
-    status: str = "dcstatusupdate"
+    status: str = "dcstatusupdate"  # message that asks for it
 
 
-_TURNS = (-1e3, 1e3)  # rad
+_TURN = (-1e3, 1e3)  # rad
+_DEGREE = pi / 180  # rad
 MOTORS = {
     # APT Communications Protocol, 28 November 2022: 34554.96 counts/mm. Older drivers (pylablib,
     # kinesis.py) have 34304, 0.73 % less: command 10 mm and measure.
-    "mts50-z8": MotorKind(34554960.0, 5e-6, (0.0, 0.05)),
+    "mts50-z8": MotorKind(
+        scale=34554.96e3,
+        velocity_scale=772981.37e3,
+        acceleration_scale=263.844e3,
+        velocity=2.4e-3,
+        home_velocity=1.5e-3,
+        acceleration=2e-3,
+        tolerance=5e-6,
+        travel=(0.0, 0.05),
+    ),
     # pylablib, kinesis.py: 1919.6418578623391 counts/degree
-    "prm1-z8": MotorKind(1919.6418578623391 * 180 / pi, 3.5e-4, _TURNS),
+    "prm1-z8": MotorKind(
+        scale=1919.6418578623391 / _DEGREE,
+        velocity_scale=42941.66 / _DEGREE,
+        acceleration_scale=14.6574 / _DEGREE,
+        velocity=10 * _DEGREE,
+        home_velocity=10 * _DEGREE,
+        acceleration=10 * _DEGREE,
+        tolerance=3.5e-4,
+        travel=_TURN,
+    ),
     # pylablib, kinesis.py: 409600 microsteps a turn, gear 120:1
-    "k10cr1": MotorKind(409600 * 120 / (2 * pi), 3.5e-4, _TURNS, ("K10CR",), "statusupdate"),
+    "k10cr1": MotorKind(
+        scale=409600 * 120 / (2 * pi),
+        velocity_scale=7329109 / _DEGREE,
+        acceleration_scale=1502 / _DEGREE,
+        velocity=10 * _DEGREE,
+        home_velocity=10 * _DEGREE,
+        acceleration=10 * _DEGREE,
+        tolerance=3.5e-4,
+        travel=_TURN,
+        models=("K10CR",),
+        status="statusupdate",
+    ),
 }
 """Motors by the name in a RIG file."""
+
+
+def open_controller(address: str) -> Any:
+    """Open a controller's port for this program alone, without what it still holds.
+
+    RTS is raised and lowered as the controllers' protocol asks; a pty or a URL has no such line.
+    """
+    port = open_serial(address, rtscts="://" not in address)
+    for level in (True, False):
+        with suppress(OSError):
+            port.rts = level
+        time.sleep(_POLL)
+        port.reset_input_buffer()
+        port.reset_output_buffer()
+    return port
 
 
 class Motor(device.Device):
@@ -51,6 +104,7 @@ class Motor(device.Device):
         self.kind, self.MODELS = kind, kind.models  # type: ignore[misc]
         self.LIMITS = {"position": kind.travel}  # type: ignore[misc]
         self._unpacker = apt.Unpacker(port)
+        self._speeds_set = False
 
     @property
     def position(self) -> float:
@@ -87,13 +141,33 @@ class Motor(device.Device):
             time.sleep(_POLL)
         self._fail(device.InstrumentTimeout, "stop", "it moving", "Switch it off.")
 
+    def set_speeds(self) -> None:
+        """Set the speeds of moves and of homing: some controllers start with useless ones."""
+        kind = self.kind
+        home = self._ask("mot_req_homeparams", _CHANNEL)
+        wanted = round(kind.home_velocity * kind.velocity_scale)
+        where = (home.home_dir, home.limit_switch)
+        self._send("mot_set_homeparams", _CHANNEL, *where, wanted, home.offset_distance)
+        found = self._ask("mot_req_homeparams", _CHANNEL).home_velocity
+        self._expect("home velocity", wanted, found, 1e-3 * wanted)
+        acceleration = round(kind.acceleration * kind.acceleration_scale)
+        velocity = round(kind.velocity * kind.velocity_scale)
+        self._send("mot_set_velparams", _CHANNEL, 0, acceleration, velocity)
+        moving = self._ask("mot_req_velparams", _CHANNEL)
+        self._expect("velocity", velocity, moving.max_velocity, 1e-3 * velocity)
+        self._expect("acceleration", acceleration, moving.acceleration, 0.01 * acceleration)
+
     def _identity(self) -> dict[str, str]:
+        self._send("hw_stop_updatemsgs")  # another program may have left it talking
         info = self._ask("hw_req_info")
         model = info.model_number.split(b"\0")[0].decode("ascii", "replace")
         return {"model": model, "serial_number": str(info.serial_number)}
 
     def _go(self, message: str, position: float, *arguments: int, waiting: Waiting) -> None:
         """Send a move, and wait until the motor rests where it should; after an error it stops."""
+        if not self._speeds_set:
+            self.set_speeds()
+            self._speeds_set = True
         self._send("mod_set_chanenablestate", _CHANNEL, 1)
         self._send(message, _CHANNEL, *arguments)
         deadline = time.monotonic() + LONGEST
@@ -125,14 +199,17 @@ class Motor(device.Device):
 
     @question
     def _ask(self, request: str, *arguments: int) -> Any:
-        """Reply to a request; what comes unasked is passed over."""
+        """Reply to a request in time; what comes unasked is passed over."""
         self._send(request, *arguments)
         reply = request.replace("_req_", "_get_")
+        deadline = time.monotonic() + ANSWER
         with one_error(self.name):
-            message = next((one for one in self._unpacker if one.msg == reply), None)
-        if message is None:
-            self._fail(device.InstrumentTimeout, f"answer {request}", "nothing", "Check power.")
-        return message
+            for message in self._unpacker:
+                if message.msg == reply:
+                    return message
+                if time.monotonic() > deadline:
+                    break
+        return self._fail(device.InstrumentTimeout, f"answer {request}", "none", "Check power.")
 
     def _resynchronise(self) -> None:
         with one_error(self.name):

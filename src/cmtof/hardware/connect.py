@@ -46,8 +46,7 @@ def connected_driver(name: str, settings: DeviceSettings) -> Any:
             return scpi.PowerMeter(scpi.open_visa(address), name, serial_number)
     kind = apt.MOTORS[settings.driver]
     kind = kind._replace(scale=settings.counts_per_unit or kind.scale)
-    port = rf.open_serial(address, rtscts="://" not in address)
-    return apt.Motor(port, kind, name, serial_number)
+    return apt.Motor(apt.open_controller(address), kind, name, serial_number)
 
 
 def connected_read_out(name: str, settings: DeviceSettings) -> Any:

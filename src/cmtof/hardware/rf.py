@@ -22,12 +22,20 @@ CODES = 65536  # of one turn of the drive
 
 
 def open_serial(address: str, *, rtscts: bool = False) -> Any:
-    """Open a serial port, a path or URL, at 115200 baud, or raise `ConnectionLost`."""
+    """Open a serial port, a path or URL, at 115200 baud, for this program alone.
+
+    Raises `ConnectionLost` if it is not there, or in use.
+    """
     import serial
 
     with one_error(f"a serial port at {address}", device.ConnectionLost):
         return serial.serial_for_url(
-            address, baudrate=115200, timeout=1.0, write_timeout=1.0, rtscts=rtscts
+            address,
+            baudrate=115200,
+            timeout=1.0,
+            write_timeout=1.0,
+            rtscts=rtscts,
+            exclusive=True,
         )
 
 
