@@ -1,14 +1,18 @@
-"""The read-out before a model of the T7, in process and on pymodbus' own server."""
+"""The read-out before a model of the T7, in process and on TCP."""
 
+import socket
 import struct
 import time
 
 import numpy as np
 import pytest
 from peers import T7, Network, modbus
+from pymodbus.framer import FramerSocket
+from pymodbus.pdu import DecodePDU
 
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused
+from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import DeviceSettings
 from cmtof.hardware.t7 import LabJackT7
 
@@ -121,6 +125,17 @@ def test_the_safe_state_lowers_all_light_lines_in_one_frame(peer, daq):
     assert peer.written[:2] == [(2000, (0,)), (2001, (0,))]
     assert peer.words[2500] & 3 == 0
     assert peer.get(30004) == 0
+
+
+def test_frames_are_those_of_modbus_tcp():
+    """By pymodbus, whose framing knows nothing of function 76."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    client = Feedback("{}:{}".format(*listener.getsockname()), timeout=0.05)
+    with pytest.raises(TimeoutError):
+        client.ask(b"\x00\xea\x60\x02")
+    with listener, listener.accept()[0] as far_end:
+        used, unit, number, body = FramerSocket(DecodePDU(True)).decode(far_end.recv(100))
+    assert (used, unit, number, body) == (12, 1, 1, b"\x4c\x00\xea\x60\x02")
 
 
 # --- on TCP --------------------------------------------------------------------------------------
