@@ -1,29 +1,25 @@
 """The published numbers, and the comparison of our results with them.
 
-A notebook calls `check` for each number of ``paper.yml`` that it touches; the verdict never stops a
-run. `cmtof_book.scoreboard` writes the book's page.
+A notebook calls `check` for each number of ``paper.yml`` that it touches; the verdict
+(`cmtof_book.verdict`) never stops a run. `cmtof_book.scoreboard` writes the book's page.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 import yaml
 from matplotlib.ticker import EngFormatter
 
-from cmtof_book import record
+from cmtof_book import provenance, record
 from cmtof_book.compared import Compared
+from cmtof_book.verdict import Dependency, Estimate, Result, Value, verdict
 
-CROPS = 500_000  # on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
-
-Outcome = Literal["reproduced", "contradicted", "untested", "input"]
-Value = float | Sequence[float]  # a number, or the ends of a band
-WORST_FIRST: tuple[Outcome, ...] = ("contradicted", "untested", "reproduced", "input")
 _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
 
@@ -39,7 +35,9 @@ class Published:
     relation: Literal["eq", "approx", "lt", "gt"]
     tolerance: float
     kind: Literal["result", "setting"]
+    depends: tuple[str, ...] = ()
     untested: str = ""
+    changed: str = ""
     note: str = ""
     erratum: int | None = None
 
@@ -49,31 +47,9 @@ class Published:
         allowed = quantity_text(self.tolerance, self.unit, 2)
         return f"{text}{joint}± {allowed}" if self.tolerance else text
 
-    def outcome(self, value: Value = math.nan) -> Outcome:
-        """Computed from value and tolerance; a band counts by its value nearest to the paper's."""
-        if self.kind == "setting":
-            return "input"
-        value = float(np.clip(self.value, *np.broadcast_to(value, 2)))
-        if self.untested or not math.isfinite(value):
-            return "untested"
-        above = value - self.value
-        # the slack keeps a value on the very edge from failing by the last bit of a float
-        holds = abs(above) <= self.tolerance + 4e-16 * (abs(value) + abs(self.value))
-        if self.relation in ("lt", "gt"):
-            holds = (above if self.relation == "lt" else -above) < self.tolerance
-        return "reproduced" if holds else "contradicted"
-
-
-class Claim(NamedTuple):
-    """One of the paper's ten main claims, and the published numbers on which it rests."""
-
-    text: str
-    keys: tuple[str, ...]
-
-    def outcome(self, values: Mapping[str, Value]) -> Outcome:
-        """Worst verdict of its numbers; one that no run computed is untested."""
-        said = (published(key).outcome(values.get(key, math.nan)) for key in self.keys)
-        return min(said, key=WORST_FIRST.index)
+    def dependencies(self) -> list[Dependency]:
+        """What the number depends on."""
+        return [dependencies()[name] for name in self.depends]
 
 
 @cache
@@ -81,9 +57,11 @@ def _document() -> dict[str, Any]:
     return yaml.safe_load(files("cmtof_book").joinpath("paper.yml").read_text("utf-8"))
 
 
-def claims() -> list[Claim]:
-    """The ten claims, in the order of the paper."""
-    return [Claim(text, tuple(keys)) for text, keys in _document()["_claims"].items()]
+@cache
+def dependencies() -> dict[str, Dependency]:
+    """What numbers depend on, by name."""
+    held = _document()["_dependencies"]
+    return {name: Dependency(name, **fields) for name, fields in held.items()}
 
 
 @cache
@@ -112,45 +90,49 @@ def published(key: str) -> Published:
     return numbers[key]
 
 
-def check(
-    key: str, value: Value | Compared, *, crops: int = 0, photon: Value | None = None
-) -> None:
+def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int = 0) -> None:
     """Compare a result with the paper, print one line, and note it for the scoreboard.
 
-    ``value`` is in the unit of the published number, a pair the ends of a band; ``crops`` how many
-    a network was trained on. Where the simulated instrument has the captures' noise, ``photon`` is
-    the value at the photon limit, which is shown too and decides nothing.
+    ``value`` is in the unit of the published number: one number, or three with the ends of its 95 %
+    interval; several by their case, such as «with photon noise alone», all decide. ``crops`` is how
+    many a network was trained on. The standard error of a sum over draws gives its interval.
     """
     number = published(key)
     kind = value.record() if isinstance(value, Compared) else {}
-    ours: Value = np.asarray(kind.get("value", value), float).tolist()
-    said = number.outcome(ours)
-    beside = ""
-    if photon is not None:
-        beside = f"at the photon limit {ours_text(number, photon)}: {number.outcome(photon)}"
-    print(f"{key}: paper {number.text()}, ours {ours_text(number, ours)}: ", end="")
-    print(f"{said}{training_text(crops)}{beside and '; ' + beside}")
-    kept = ours if np.isfinite(ours).all() else None
-    found = {**kind, "value": kept, "verdict": said, "crops": crops, "beside": beside}
+    if kind:
+        value = kind["value"] + 1.96 * kind.get("error", 0.0) * np.array([0, -1, 1])
+    result = Result.of(value, str(provenance.RUN["profile"]), crops)
+    said = verdict(number, result)
+    print(f"{key}: paper {number.text()}, ours {result_text(number, result)}: {said}")
+    found = {**kind, "cases": result.cases, "verdict": said, "crops": crops}
     record.add(record.PAPER, {key: found})
 
 
-def ours_text(number: Published, value: Value) -> str:
-    """Our number, or the ends of its band, with the ratio to the paper's, such as ``(0.43 ×)``."""
-    ends = np.atleast_1d(value)
-    text = " to ".join(quantity_text(end, number.unit) for end in ends)
-    if number.kind == "setting" or number.value == 0 or not np.isfinite(ends).all():
-        return text
-    return f"{text} ({' to '.join(_digits(end / number.value, 3) for end in ends)} ×)"
+def result_text(number: Published, result: Result, digits: int = 4) -> str:
+    """Our numbers with their intervals, each with its case; so many digits where exact."""
+    texts = [
+        f"{estimate_text(one, number.unit, digits)} {case}".strip()
+        for case, one in result.cases.items()
+    ]
+    return "; ".join(texts) or "not finite"
 
 
-def training_text(crops: int) -> str:
-    """Addition to the verdict on a network: its training beside the paper's."""
-    return f" after {crops:,} crops of the paper's {CROPS:,}" if crops else ""
+def estimate_text(one: Estimate, unit: str, digits: int = 4) -> str:
+    """A number with its interval, where it has one.
+
+    >>> estimate_text(Estimate.of((0.435, 0.345, 0.525)), "fraction")
+    '43.5 % (34.5–52.5 %)'
+    """
+    if one.low == one.high:
+        return quantity_text(one.value, unit, digits)
+    low, high = (quantity_text(end, unit, 3) for end in (one.low, one.high))
+    if low.partition(" ")[2] == high.partition(" ")[2]:
+        low = low.partition(" ")[0]
+    return f"{quantity_text(one.value, unit, 3)} ({low}–{high})"
 
 
 def quantity_text(value: float, unit: str, digits: int = 4) -> str:
-    """Number with its unit: ``fraction`` in percent, ``1`` as a plain number.
+    """Number with its unit: ``fraction`` in percent, ``points`` of it, ``1`` plain.
 
     >>> quantity_text(0.516, "fraction"), quantity_text(3.35e-5, "m"), quantity_text(14.32e9, "Hz")
     ('51.6 %', '33.5 µm', '14.32 GHz')
@@ -159,8 +141,8 @@ def quantity_text(value: float, unit: str, digits: int = 4) -> str:
         return "not finite"
     if unit in {"m", "s", "Hz", "W"}:
         return EngFormatter(unit)(float(f"{value:.{digits}g}"))
-    if unit == "fraction":
-        return f"{_digits(100 * value, digits)} %"
+    if unit in ("fraction", "points"):
+        return f"{_digits(100 * value, digits)} {'%' if unit == 'fraction' else unit}"
     return _digits(value, digits) + ("" if unit == "1" else f" {unit}")
 
 

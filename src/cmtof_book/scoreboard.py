@@ -4,36 +4,30 @@ Written from the records of each run (`cmtof_book.record`) and from the equation
 Where several runs checked one number, the worst verdict is shown.
 """
 
-import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from cmtof_book.paper import (
-    WORST_FIRST,
-    Outcome,
-    Published,
-    Value,
-    claims,
-    ours_text,
-    published,
-    published_numbers,
-    training_text,
-)
+from cmtof_book import ratios
+from cmtof_book.claims import badge
+from cmtof_book.paper import Published, published, published_numbers, result_text
 from cmtof_book.record import PAPER, Record
+from cmtof_book.verdict import WORST_FIRST, Outcome, Result, deciding, reason, verdict
 
 MEANING: dict[Outcome, str] = {
-    "reproduced": "Ours lies within the tolerance of the paper's number.",
-    "contradicted": "Ours, in simulation, lies outside; the ratio says by how much. "
-    "Where the paper is at fault, the {doc}`errata <../notebooks/22_errata>` say so.",
+    "reproduced": "The paper's number lies within our tolerance, and our uncertainty is small "
+    "enough to have missed it.",
+    "contradicted": "It lies outside our 95 % interval, and everything on which the number depends "
+    "is the paper's.",
+    "open": "It lies outside, but something on which it depends is not the paper's; or our "
+    "interval is too wide; or two cases of ours disagree. The note says which.",
     "untested": "No result of ours can be compared with it; the note says why.",
-    "input": "A setting of the paper, typed in. It is no result of either side.",
+    "as stated": "A setting of the paper that is ours too.",
+    "changed": "A setting that is another one here; the note says why.",
 }
-
-NO_CHECK = "No chapter computes it."
 
 GROUPS = {"table": "Table", "fig": "Figure", "abstract": "Abstract", "sec": "Section"}
 
@@ -41,40 +35,27 @@ SPACE = "\N{NO-BREAK SPACE}"
 
 HEAD = """# Scoreboard
 
-The paper's {{cite}}`baek2023` ten main claims, and what this book found, in simulation.
-A claim has the worst verdict of the numbers on which it rests.
-
-{claims}
+Each number that the paper {{cite}}`baek2023` reports or chooses, beside this book's, in simulation.
+The ten main claims stand on the {{doc}}`first page <intro>`.
 
 {meanings}
 
-The numbers below fold out: all that the paper prints, a heading for each figure and table.
-The page is written with each build, from the checks of {runs} runs.
-
 {summary}
 
-The tolerance stands beside the paper's number, the ratio of ours to the paper's beside ours.
-Unless a note says otherwise the tolerance is half a unit of the last digit printed.
-In Tables 1 to 3 it is two percentage points, or a fifth of the number where that is less.
+## Our results over the paper's
+
+{picture}
+
+## Number by number
+
+The tables fold out, one for each figure, table and section. The tolerance stands beside the paper's
+number. It is half a unit of the last digit printed, in Tables 1 to 3 two percentage points, or a
+fifth of the number where that is less. Brackets hold 95 % intervals.
 """
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
-    """Where and how a number of ours was made."""
-
-    notebook: str
-    profile: str
-    seed: int
-    version: str
-    crops: int
-    beside: str
-
-    def link(self) -> str:
-        """Return a link to the chapter, or a plain name for a folder that is none."""
-        if re.match(r"\d\d_", self.notebook) is None:
-            return f"`{self.notebook}`"
-        return chapter_link(self.notebook)
+Found = dict[str, tuple[Result, str]]
+"""Our result and the chapter that computed it, by key."""
 
 
 def chapter_link(notebook: str) -> str:
@@ -82,95 +63,61 @@ def chapter_link(notebook: str) -> str:
     return f"{{doc}}`{notebook[:2]} <../notebooks/{notebook}>`"
 
 
-Found = dict[str, tuple[Value, Run]]
-"""Our number, or the ends of its band, and the run that made it, by key."""
-
-
-def page(records: Sequence[Record], notebooks: Iterable[Path] = ()) -> str:
-    """Return the page as MyST Markdown, from the records of all runs.
+def page(found: Found, records: Iterable[Record] = (), notebooks: Iterable[Path] = ()) -> str:
+    """Return the page as MyST Markdown, from what was found and the records of all runs.
 
     ``notebooks`` are the chapters themselves; ValueError for an unknown key.
     """
-    found = found_in(records)
     groups: dict[str, list[Published]] = {}
     for number in published_numbers().values():
         groups.setdefault(number.key.partition(".")[0], []).append(number)
-    runs = {run for _, run in found.values()}
-    meanings = "\n".join(f"- **{name}**: {text}" for name, text in MEANING.items())
-    filled = {"summary": summary(found), "claims": claims_table(found)}
-    parts = [HEAD.format(runs=len({run.notebook for run in runs}), meanings=meanings, **filled)]
+    meanings = "\n".join(f"- {badge(name)} {text}" for name, text in MEANING.items())
+    picture = ratios.picture({key: result for key, (result, _) in found.items()})
+    parts = [HEAD.format(meanings=meanings, summary=summary(found), picture=picture)]
     parts += [section(name, groups[name], found) for name in sorted(groups, key=_order)]
     parts.append(coverage_section(records, notebooks))
-    rows = {f"| {run.link()} | {run.profile} | {run.seed} | {run.version} |" for run in runs}
-    head = ["## Runs", "", "| chapter | profile | seed | version |", "| :-- | :-- | --: | :-- |"]
-    return "\n".join([*parts, *head, *sorted(rows), ""])
-
-
-def claims_table(found: Found) -> str:
-    """Return the table of claims: what the paper says, what we found, and where."""
-    values, rows = {key: value for key, (value, _) in found.items()}, []
-    for claim in claims():
-        runs = [(key, *found[key]) for key in claim.keys if key in found]
-        ours = {re.sub(r" (?!\(|to )", SPACE, ours_text(published(k), v)): None for k, v, _ in runs}
-        ours |= {run.beside: None for _, _, run in runs if run.beside}
-        places = {run.link(): None for _, _, run in runs}
-        said = badge(claim.outcome(values))
-        said += max((training_text(run.crops) for *_, run in runs), default="")
-        rows.append(f"| {claim.text} | {';<br>'.join(ours)} | {said} | {', '.join(places)} |")
-    head = ["| the paper | this book | verdict | chapter |", "| :-- | :-- | :-- | :-- |"]
-    return "\n".join([*head, *rows])
-
-
-def badge(said: str) -> str:
-    """Return a verdict as a word in its colour."""
-    return f'<span class="verdict {said}">{said}</span>'
+    return "\n".join(parts)
 
 
 def found_in(records: Iterable[Record]) -> Found:
-    """Return the numbers of runs, that of the worst verdict where several checked one."""
+    """Return the results of runs, that of the worst verdict where several checked one number."""
     found: Found = {}
     for record in records:
+        profile = record.content.get("provenance", {}).get("profile", "")
         for key, number in record.numbers.items() if record.name == PAPER else ():
-            value = math.nan if number["value"] is None else number["value"]
-            said = published(key).outcome  # computed again
-            rank = WORST_FIRST.index(said(value))
-            if key not in found or rank < WORST_FIRST.index(said(found[key][0])):
-                about = record.content["provenance"] | number
-                names = ("profile", "seed", "version", "crops", "beside")
-                found[key] = (value, Run(record.chapter, *(about[name] for name in names)))
+            result = Result.of(number["cases"], profile, number["crops"])
+            if key not in found or _rank(key, result) < _rank(key, found[key][0]):
+                found[key] = (result, record.chapter)
     return found
 
 
 def accepted(records: Iterable[Record]) -> dict[str, Any]:
     """Return the scoreboard for ``figures/scoreboard.json``: counts, and each number's verdict."""
     found = found_in(records)
-    numbers = {
-        key: {
-            "paper": published(key).value,
-            "ours": None if value != value else value,
-            "unit": published(key).unit,
-            "verdict": published(key).outcome(value),
-            "chapter": run.notebook,
-        }
-        for key, (value, run) in sorted(found.items())
-    }
-    return {"counts": verdict_counts(found), "numbers": numbers}
+    numbers = {}
+    for key, (result, chapter) in sorted(found.items()):
+        number = published(key)
+        held = {"paper": number.value, "unit": number.unit, "verdict": verdict(number, result)}
+        numbers[key] = held | asdict(result) | {"chapter": chapter}
+    counts = verdicts(published_numbers().values(), found)
+    return {"counts": {name: counts[name] for name in MEANING}, "numbers": numbers}
 
 
-def verdict_counts(found: Found) -> dict[str, int]:
-    """Return how many of the paper's numbers have each verdict."""
-    numbers = published_numbers().values()
-    counts = Counter(number.outcome(*found.get(number.key, ())[:1]) for number in numbers)
-    return {name: counts[name] for name in MEANING}
+def _rank(key: str, result: Result) -> int:
+    return WORST_FIRST.index(verdict(published(key), result))
+
+
+def verdicts(numbers: Iterable[Published], found: Found) -> Counter[Outcome]:
+    """Return how many numbers have each verdict."""
+    return Counter(verdict(number, found.get(number.key, (None,))[0]) for number in numbers)
 
 
 def summary(found: Found) -> str:
-    """Return the table of verdicts; inputs are counted apart."""
-    counts = verdict_counts(found)
-    rows = [f"| {name} | {counts[name]} |" for name in MEANING if name != "input"]
-    results = len(published_numbers()) - counts["input"]
-    apart = [f"| **results** | **{results}** |", f"| inputs, apart | {counts['input']} |"]
-    return "\n".join(["| verdict | numbers |", "| :-- | --: |", *rows, *apart])
+    """Return the table of verdicts."""
+    counts = verdicts(published_numbers().values(), found)
+    rows = [f"| {badge(name)} | {counts[name]} |" for name in MEANING]
+    total = f"| **numbers** | **{counts.total()}** |"
+    return "\n".join(["| verdict | numbers |", "| :-- | --: |", *rows, total])
 
 
 def section(group: str, numbers: list[Published], found: Found) -> str:
@@ -178,7 +125,7 @@ def section(group: str, numbers: list[Published], found: Found) -> str:
     notes: dict[str, str] = {}
     rows = [row(number, found, notes) for number in numbers]
     name, digits = _split(group)
-    said = Counter(number.outcome(*found.get(number.key, ())[:1]) for number in numbers)
+    said = verdicts(numbers, found)
     counted = ", ".join(f"{said[one]} {one}" for one in WORST_FIRST if said[one])
     head = [f":::{{dropdown}} {GROUPS[name]} {digits}".rstrip() + f": {counted}", ""]
     table = ["| number | paper | ours | verdict |", "| :-- | :-- | :-- | :-- |", *rows, ""]
@@ -187,22 +134,18 @@ def section(group: str, numbers: list[Published], found: Found) -> str:
 
 def row(number: Published, found: Found, notes: dict[str, str]) -> str:
     """Return the row of a number; a note that it needs joins ``notes``."""
-    value, run = found.get(number.key, (math.nan, None))
-    said: str = number.outcome(value)
-    missing = NO_CHECK if run is None and said == "untested" else ""
-    texts = [number.untested or missing, number.note]
+    result, chapter = found.get(number.key, (None, ""))
+    texts = [reason(number, result), number.note, *deciding(number, result)]
     texts.append(f"Erratum {number.erratum}." if number.erratum is not None else "")
-    verdict, ours = badge(said), ""
+    said, ours = badge(verdict(number, result)), ""
     if note := " ".join(filter(None, texts)):
-        verdict += f"{SPACE}<sup>{notes.setdefault(note, chr(ord('a') + len(notes)))}</sup>"
-    if run:
-        ours = "<br>".join(filter(None, (ours_text(number, value), run.beside, run.link())))
-        verdict += training_text(run.crops)
+        said += f"{SPACE}<sup>{notes.setdefault(note, chr(ord('a') + len(notes)))}</sup>"
+    if result:
+        ours = f"{result_text(number, result).replace('; ', '<br>')}<br>{chapter_link(chapter)}"
     key = re.sub(r"(\.|_(?!\d))", r"\1<wbr>", number.key.partition(".")[2])  # a phone's lines
     what = re.sub(r" ([<≥]) (?=\d)", rf"{SPACE}\1{SPACE}", number.what)
     paper = number.text(joint="<br>").replace(" ", SPACE)
-    ours = ours.replace(" ×", f"{SPACE}×")
-    return f"| {what}<br><code>{key}</code> | {paper} | {ours} | {verdict} |"
+    return f"| {what}<br><code>{key}</code> | {paper} | {ours} | {said} |"
 
 
 def _split(group: str) -> tuple[str, str]:

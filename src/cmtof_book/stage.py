@@ -16,7 +16,7 @@ import nbformat
 import yaml
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof_book import scoreboard
+from cmtof_book import claims, scoreboard
 from cmtof_book.graph import Book
 from cmtof_book.record import read_all
 from cmtof_book.views import STATIC
@@ -145,6 +145,18 @@ def place_results(build: Path, stage: Path) -> None:
             shutil.copyfile(file, stage / "book" / place / file.name)
 
 
+def place_claims(numbers: claims.Numbers, build: Path, book: Path) -> None:
+    """Write what the first page includes, and a page for each claim with its figure beside it."""
+    (book / "claims.md").write_text(claims.table(numbers), encoding="utf-8")
+    (book / "findings.md").write_text(claims.findings(numbers), encoding="utf-8")
+    (book / "claims").mkdir()
+    for claim in claims.claims():
+        page = claims.page(claim, numbers)
+        (book / "claims" / f"{claim.name}.md").write_text(page, encoding="utf-8")
+        for drawn in build.glob(f"results/*/{claim.figure}.[sp][vn]g"):
+            shutil.copyfile(drawn, book / "claims" / drawn.name)
+
+
 def main(build: Path, stage: Path) -> None:
     """Lay out the book of ``build`` in ``stage``."""
     book = Book(ROOT)
@@ -159,10 +171,11 @@ def main(build: Path, stage: Path) -> None:
     place_results(build, stage)
     records = list(read_all(build / "results"))
     chapters = sorted((build / "notebooks").glob("*.ipynb"))
-    page = scoreboard.page(records, chapters)
+    found = scoreboard.found_in(records)
+    page = scoreboard.page(found, records, chapters)
     (stage / "book" / "scoreboard.md").write_text(page, encoding="utf-8")
-    table = scoreboard.claims_table(scoreboard.found_in(records))
-    (stage / "book" / "claims.md").write_text(table, encoding="utf-8")
+    results = {key: result for key, (result, _) in found.items()}
+    place_claims(claims.Numbers(results, records), build, stage / "book")
     for name in re.findall(r"\w+\.(?:png|svg)$", (ROOT / "book/intro.md").read_text(), re.M):
         shutil.copyfile(next(build.glob(f"results/*/{name}")), stage / "book" / name)
 

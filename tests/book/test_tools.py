@@ -70,7 +70,7 @@ def draw(folder, stem, *, source=None, drawing="<svg/>"):
 def test_accepted_figures_follow_the_build_and_keep_measured_data(tmp_path):
     draw(tmp_path / "results" / "01", "new")
     draw(tmp_path / "results" / "08", "scan", source="simulated", drawing="rehearsal")
-    checked = {"numbers": {"sec8.gain": {"value": 20, "crops": 0, "beside": ""}}}
+    checked = {"numbers": {"sec8.gain": {"cases": {"": 20}, "crops": 0}}}
     checked["provenance"] = {"profile": "ci", "seed": 0, "version": "1"}
     (tmp_path / "results" / "01" / "paper.json").write_text(json.dumps(checked))
     draw(tmp_path / "figures", "old")
@@ -79,5 +79,5 @@ def test_accepted_figures_follow_the_build_and_keep_measured_data(tmp_path):
     kept = {path.name for path in (tmp_path / "figures").iterdir()}
     assert kept == {"new.json", "new.svg", "scan.json", "scan.svg", "scoreboard.json"}
     scores = json.loads((tmp_path / "figures" / "scoreboard.json").read_text())
-    assert scores["numbers"]["sec8.gain"]["verdict"] == "input"
+    assert scores["numbers"]["sec8.gain"]["verdict"] == "as stated"
     assert (tmp_path / "figures" / "scan.svg").read_text() == "real"
