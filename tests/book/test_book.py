@@ -1,6 +1,7 @@
 """The built book: whole, local, described."""
 
 import json
+import math
 import re
 from collections.abc import Iterator
 from functools import cache
@@ -11,11 +12,13 @@ import pytest
 from bs4 import BeautifulSoup
 
 from cmtof_book import graph
+from cmtof_book.paper import published_numbers
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "ci"
 HTML = BUILD / "html"
 NOTEBOOKS = graph.Book(ROOT).notebooks()
+ERRATA = (ROOT / "notebooks" / "22_errata.py").read_text(encoding="utf-8")
 PAGES = [p for p in sorted(HTML.rglob("*.html")) if "_static" not in p.parts]
 
 needs_build = pytest.mark.skipif(not HTML.is_dir(), reason="no ci build: make test makes one")
@@ -105,9 +108,46 @@ def test_every_figure_is_placed_with_its_caption_and_text():
         assert record["alt"] in texts, f"{file.stem} has no alternative text"
 
 
+def printed_by_errata() -> str:
+    return "".join(text for out in outputs("22_errata") for text in out.get("text", ()))
+
+
+REFERENCES = re.compile(  # formulas, quotes, and what points to a place in the paper
+    r"\$[^$]*\$|«[^»]*»|`[^`]*`|\(erratum-\d+\)=|\(\d[\d.]*\)|"
+    r"\b(Sections?|Eqs?\.|Figs?\.|Tab\.|Tables?|entr(y|ies)) [\d.]+((,| and| to) [\d.]+)*"
+)
+
+
+def written_numbers(text: str) -> list[str]:
+    return [one.replace(",", "") for one in re.findall(r"(?<![\w.^_])\d[\d,]*(?:\.\d+)?", text)]
+
+
+def mantissa(number: float, digits: int) -> str:
+    """Its digits without the power of ten, so that 0.516 and 51.6 % are alike."""
+    return f"{number:.{digits - 1}e}".partition("e")[0]
+
+
+@needs_build
+def test_every_number_of_the_errata_is_printed_by_the_run_or_by_the_paper():
+    document = "\n".join(line[2:] for line in ERRATA.splitlines() if line.startswith("#"))
+    entries = re.split(r"\n### (\d+) · ", document)
+    paper = [number.value for number in published_numbers().values()]
+    paper += map(float, written_numbers(" ".join(n.what for n in published_numbers().values())))
+    paper += [180 / math.pi * n.value for n in published_numbers().values() if n.unit == "rad"]
+    missing = []
+    for entry, body in zip(entries[1::2], entries[2::2], strict=True):
+        lines = re.findall(rf"^{entry}: (.*)$", printed_by_errata(), re.MULTILINE)
+        known = [*paper, *map(float, written_numbers(" ".join(lines)))]
+        for word in written_numbers(REFERENCES.sub(" ", body.partition("\n## ")[0])):
+            digits = len(word.replace(".", "").strip("0")) or 1
+            if not any(mantissa(one, digits) == mantissa(float(word), digits) for one in known):
+                missing.append(f"erratum {entry}: {word}")
+    assert not missing
+
+
 @needs_build
 def test_every_erratum_was_computed_by_this_build():
-    printed = "".join(text for out in outputs("22_errata") for text in out.get("text", ()))
+    printed = printed_by_errata()
     counted = re.findall(r"^\w+: (\d+) of (\d+) (?:proved|hold)$", printed, re.MULTILINE)
     assert sum(int(whole) for _, whole in counted) == 29
     assert all(held == whole for held, whole in counted)
