@@ -16,18 +16,31 @@ days_together: int = 60  # days of the whole
 wrap_points: int = 64  # positions over a wrap in the cyclic figure
 
 # %% tags=["hide-input"]
+import json
+from dataclasses import replace
+from html import escape
+
 import matplotlib.pyplot as plt
 import numpy as np
+from IPython.display import HTML, display
 from scipy.special import jv
 
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof_book import notes, paper, plotting
 from cmtof_book.compared import closed_form
-from cmtof_lab.budget import back_ratio, budget_terms, only, simulated
+from cmtof_lab.budget import (
+    air_term,
+    back_ratio,
+    budget_terms,
+    noise_terms,
+    only,
+    phase_terms,
+    simulated,
+)
 from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
-from cmtof_lab.optics import aperture_area, speckle_cells, spot_radius
+from cmtof_lab.optics import aperture_area, sent_power, speckle_cells, spot_radius
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import parts
+from cmtof_lab.sweep import collected_power, parts
 from cmtof_lab.targets import MIRROR, PLATE
 
 plotting.begin(profile=profile, seed=seed)
@@ -187,6 +200,68 @@ plotting.save(
 # with MAE/RMSE near 1 as in Table 4. Four steps would give errors of the right size; but the paper
 # states sixteen, which do not alias.
 #
+# ## Uncertainty at a distance
+#
+# The same terms for a diffuse target at other ranges and of other reflectance, in µm, with the
+# instrument's own power, at the assumed sizes and the photon limit. For the noise a tenth of the
+# power equals a tenth of the reflectance. RF phases and laser drift do not depend on the target.
+# The sliders below give other values, other powers among them.
+
+# %%
+PHASES = ("RF phase drift", "phase codes", "I/Q imbalance", "RF leakage")
+
+
+def size_of(lengths):
+    """Root of the sum of squares."""
+    return float(np.sqrt(np.sum(np.square(list(lengths)))))
+
+
+def terms_at(distance, reflectance, mode):
+    """Terms of the error at a distance, m."""
+    there = replace(target, distance=distance, reflectance=reflectance)
+    return {
+        "noise": size_of(noise_terms(there, mode).values()),
+        "RF phases": size_of(terms[mode][name] for name in PHASES),
+        "laser drift": terms[mode]["laser drift"],
+        "back-reflection": phase_terms(there, mode)["back-reflection"],
+        "air": air_term(there),
+    }
+
+
+# %% tags=["hide-input"]
+rows = []
+for distance, reflectance in (
+    (0.3, 0.5),
+    (0.6, 0.5),
+    (0.6, 0.05),
+    (1.0, 0.5),
+    (2.0, 0.5),
+    (5.0, 0.5),
+):
+    for mode in MODES:
+        lengths = terms_at(distance, reflectance, mode)
+        sizes = [*lengths.values(), size_of(lengths.values())]
+        cells = (f"{1e6 * size:.1f}" for size in sizes)
+        rows.append([f"{distance:g} m, {reflectance:.0%}, {mode}", *cells])
+notes.table(["range, reflectance, mode", *lengths, "total"], rows)
+
+# %% tags=["hide-input"]
+steps, calculator = np.linspace(-5, 2, 57), {}
+for mode in MODES:
+    ranger, here = OpticalRanger(known, mode), terms_at(target.distance, target.reflectance, mode)
+    light = collected_power(known, target, target.distance, mode) * 10**steps
+    phase = ranger.dimming_and_noise(light)[1] * np.sqrt(1 + 1 / ranger.visits)
+    calculator[mode] = {
+        "noise": np.round(1e6 * depth_from_phase(phase, FREQUENCY[mode]), 3).tolist(),
+        "fixed": 1e6 * size_of([here["RF phases"], here["laser drift"]]),
+        "back": 1e6 * here["back-reflection"],
+        "air": 1e6 * here["air"],
+    }
+base = {"range": target.distance, "reflectance": target.reflectance, "power": sent_power(known)}
+held = json.dumps({"modes": calculator, "base": base, "light": [steps[0], steps[-1]]})
+display(HTML(f'<div data-play="distance" data-numbers="{escape(held)}"></div>'))
+
+# %% [markdown]
 # ## Error sizes that would explain the paper
 #
 # Every term is linear in its size, so the closed forms give the size that alone causes 33.5 µm of

@@ -195,6 +195,19 @@ document.querySelectorAll("details.scene").forEach((place) => {
   place.addEventListener("toggle", () => add(document.head, "script", { src: source }), { once: true });
 });
 
+// --- the scoreboard's picture: which lines are shown ---------------------------------------------
+
+document.querySelectorAll("figure.ratios").forEach((figure) => {
+  const boxes = [...figure.querySelectorAll("input")];
+  const wanted = (field) => boxes.filter((box) => box.dataset.field === field && box.checked).map((box) => box.value);
+  figure.querySelector(".choices").hidden = false;
+  figure.addEventListener("change", () => {
+    for (const line of figure.querySelectorAll("li")) {
+      line.hidden = !["verdict", "same"].every((field) => wanted(field).includes(line.dataset[field]));
+    }
+  });
+});
+
 // --- sliders -------------------------------------------------------------------------------------
 
 // A chart of one curve: `x` and `y` run from 0 to 1 of the axes, whose ends are texts.
@@ -291,4 +304,34 @@ function odds(place) {
   });
 }
 
-document.querySelectorAll("[data-play]").forEach((place) => ({ modulator, odds })[place.dataset.play](place));
+// The error of a reading by range, reflectance, power and mode, from the numbers of the chapter's run.
+function distance(place) {
+  const { modes, base, light } = JSON.parse(place.dataset.numbers);
+  const plot = chart(place, { title: "Error of a reading over the range", x: ["0.2", "0.6", "2", "6 m"], y: ["1 µm", "10", "100", "1 mm", "10"], under: "range" });
+  const said = add(place, "p");
+  const steps = (value) => (10 ** value).toPrecision(2);
+  const rows = [
+    { name: "range", label: "range", from: -0.7, to: 0.7, step: 0.01, start: Math.log10(base.range), text: (v) => `${steps(v)} m` },
+    { name: "share", label: "reflectance", from: -2, to: 0, step: 0.01, start: Math.log10(base.reflectance), text: (v) => `${steps(v + 2)} %` },
+    { name: "power", label: "laser power", from: -1, to: 1.5, step: 0.01, start: Math.log10(1e3 * base.power), text: (v) => `${steps(v)} mW` },
+    { name: "mode", label: "mode", from: 0, to: 1, step: 1, start: 0, text: (v) => ["7.15 GHz", "14.32 GHz"][v] },
+  ];
+  sliders(place, rows, ({ range, share, power, mode }) => {
+    const { noise, fixed, back, air } = Object.values(modes)[mode];
+    const terms = (at) => {
+      const far = 10 ** at / base.range, bright = 10 ** share / base.reflectance;
+      const level = Math.log10(((10 ** power / 1e3 / base.power) * bright) / far ** 2);
+      const spot = ((level - light[0]) / (light[1] - light[0])) * (noise.length - 1);
+      const left = Math.max(0, Math.min(noise.length - 2, Math.floor(spot))), part = spot - left;
+      const loud = noise[left] ** (1 - part) * noise[left + 1] ** part;
+      return { noise: loud, "RF and laser": fixed, "back-reflection": (back * far ** 2) / bright, air: air * far };
+    };
+    const total = (at) => Math.hypot(...Object.values(terms(at)));
+    const ranges = [...Array(101).keys()].map((i) => -0.7 + 0.01478 * i);
+    plot(ranges.map((at, i) => [i / 100, Math.min(1, Math.log10(total(at)) / 4)]));
+    const told = Object.entries(terms(range)).map(([name, size]) => `${name} ${size.toPrecision(2)} µm`);
+    said.textContent = `${told.join(", ")}; together ${total(range).toPrecision(2)} µm`;
+  });
+}
+
+document.querySelectorAll("[data-play]").forEach((place) => ({ modulator, odds, distance })[place.dataset.play](place));
