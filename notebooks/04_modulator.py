@@ -507,12 +507,15 @@ notes.tell(off_doubled=100 * off["doubled"], half_power=half_power)
 # %%
 strongest = 1 + int(np.abs(spectra["doubled"][1:]).argmax())
 reached = {
-    "sec1.contrast": closed_form(modes["single"].contrast()),
+    "sec1.contrast": closed_form(replace(SINGLE, eta=float(quarter_at)).contrast()),
     "sec1.minimum_frequency": strongest * DOUBLED.frequency,
     "sec6.hwp_angle_single": SINGLE.half_wave_angle,
     "sec6.qwp_angle": SINGLE.quarter_wave_angle,
     "sec6.hwp_angle_double": DOUBLED.half_wave_angle,
-    "sec6.doubled_amplitude": closed_form(ratio),
+    "sec6.doubled_amplitude": {
+        "at half contrast": ratio,
+        "at full contrast": float(jv(2, np.pi / 2) / jv(1, np.pi / 2)),
+    },
     "sec6.effective_wavelength": closed_form(SPEED_OF_LIGHT / FREQUENCY_DOUBLED),
     "sec6.frequency_difference": FREQUENCY_DOUBLED - FREQUENCY_SINGLE,
     "sec7.photodetector": FAST_BANDWIDTH,

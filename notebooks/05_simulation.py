@@ -382,12 +382,13 @@ plotting.save(
 # %% [markdown]
 # ## All inputs
 #
-# The published network had amplitude, Fourier features and edges of both frequencies; the authors'
-# released code has the phases and their octaves only.
+# The published network had amplitude, phase, Fourier features and edges of both frequencies; the
+# authors' released code has the phases and their octaves only.
 
 # %%
-parts = np.log1p(measured.amplitude)[:, None], fourier_features(measured.phase, order)
-inputs = np.concatenate([*parts, phase_edges(measured.phase)], axis=1)
+given = np.stack([np.log1p(measured.amplitude), measured.phase], axis=1)
+parts = given, fourier_features(measured.phase, order), phase_edges(measured.phase)
+inputs = np.concatenate(parts, axis=1)
 channels = inputs.shape[0] * inputs.shape[1]
 ranges = {protocol: quiet[frame_name, protocol].range for protocol in ("released", "full")}
 counts = {
@@ -396,7 +397,7 @@ counts = {
 print(f"{channels} channels of {inputs.shape[2:]} pixels")
 
 # %% tags=["hide-input"]
-labels = ["log a", *(f"{f} {m}" for m in multiples for f in ("cos", "sin")), *names]
+labels = ["log a", "φ", *(f"{f} {m}" for m in multiples for f in ("cos", "sin")), *names]
 target = np.where(scored, wrap_count_from_depth(np.nan_to_num(measured.depth), f1), np.nan)
 tiles = []
 for tone, stack in zip(FREQUENCIES, inputs, strict=True):
@@ -420,7 +421,7 @@ plotting.save(
         "scored": share_of_pixels(scored.mean(), pixels=scored.size),
     },
     caption=f"The network's inputs: {channels} channels of the frame `{frame_name}` at the paper's "
-    "noise (log amplitude, Fourier features and phase edges of both frequencies), with the target "
+    "noise (log amplitude, phase, Fourier features and edges of both frequencies), with the target "
     "and the mask of the pixels that are scored, protocol `released`.",
     alt="A contact sheet of small images of both frequencies. Amplitudes show the scene, the first "
     "octaves fringes, the last octaves grain, the edges outlines; at the end the target in steps "

@@ -1,6 +1,7 @@
 # ---
 # cmtof:
 #   results:
+#     - table1_released_1200.json
 #     - table2_released_1200.json
 #     - table2_full_1200.json
 #     - table2_released_300.json
@@ -11,9 +12,14 @@
 #
 # The paper compares its network with seven methods. Here they are compared with methods that a user
 # would try today, with trivial answers, and with references that know a part of the truth, on the
-# same simulated measurements of the same rooms. The paper's classical rows pool little and stay
-# near the trivial answer, its networks have 23 to 44 % of the wraps right after at most fourteen
-# hours of one core, and our `surfaces`, which pools over whole surfaces, is far ahead.
+# same simulated measurements of the same rooms.
+#
+# **Is Table 2 reproduced?** Its order is, for {glue:text}`order:.0f` % of the pairs of methods that
+# the paper has clearly apart; its numbers are open, since our scenes and our training are not the
+# paper's, and {glue:text}`inside:.0f` of {glue:text}`values:.0f` lie within our 95 % intervals.
+#
+# The paper's network has {glue:text}`network:.1f` % of the wraps right here after fourteen hours of
+# one core (the paper: 51.6 %). Our `surfaces`, which pools over whole surfaces, is far ahead.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -255,23 +261,61 @@ print(cost.get("machine", ""), "cmtof " + cost.get("version", ""), sep=", ")
 # %% [markdown]
 # ## Against the paper
 #
-# The paper's rates come from Hypersim, ours from rendered rooms: a verdict concerns the number, not
-# the authors' code. A network's verdict names its training; networks without weights have no row.
+# The paper's rates come from Hypersim, ours from rendered rooms, and its networks saw more crops. A
+# rate that differs is therefore open. The order is a claim of its own: pairs of methods that the
+# paper has more than two points apart, and the share of these that have the same order here.
 
-# %%
+# %% tags=["hide-input"]
 crops = {
     name: read_card(weights_path(name, "released")).crops
     for name, state in states.items()
     if state == "trained"
 }
+COLUMNS = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_10")
+inside = []  # whether the paper's value lies in our interval
 for row, name in PAPERS.items():
-    if name in table:
-        value, seen = table[name].value, crops.get(name, 0)
-        for k in (1, 2, 3):
-            paper.check(f"table2.{row}.delta_lt_{k}", float(value[k - 1]), crops=seen)
-        paper.check(f"table2.{row}.delta_ge_3", 1 - float(value[2]), crops=seen)
-        paper.check(f"table2.{row}.delta_ge_10", float(value[3]), crops=seen)
+    ends = np.array(table[name])[:, :4]  # value, low and high of each rate
+    shares = dict(zip(COLUMNS, ends.T, strict=True)) | {"delta_ge_3": 1 - ends[[0, 2, 1], 2]}
+    for column, share in shares.items():
+        key = f"table2.{row}.{column}"
+        paper.check(key, share, crops=crops.get(name, 0))
+        inside.append(share[1] <= paper.published(key).value <= share[2])
 for name in ("crt", "kde"):
-    paper.check(f"sec8.{name}_outliers", float(table[name].value[3]))
-ratio = float(table["fast-scnn"].value[0] / table["rapid"].value[0])
-paper.check("sec8.improvement", ratio, crops=min(crops["fast-scnn"], crops["rapid"]))
+    outliers = {
+        f"with {wraps} possible wraps": np.array(found[key][name])[:, 3]
+        for key, wraps in ((CONDITIONS[0], 21), (CONDITIONS[1], 358))
+    }
+    paper.check(f"sec8.{name}_outliers", outliers)
+
+
+# %%
+def redrawn(held, names):
+    """Shares δ < 1 (methods, 1 + draws): of all frames, and of sets of frames drawn again."""
+    frames = np.random.default_rng(seed).integers(len(held), size=(draws, len(held)))
+    frames = np.stack([np.arange(len(held)), *frames])
+    pixels = np.array([[frame["methods"][name]["pixels"] for frame in held] for name in names])
+    right = np.array([[frame["methods"][name]["below"][0] for frame in held] for name in names])
+    return right[:, frames].sum(-1) / pixels[:, frames].sum(-1)
+
+
+def interval(values):
+    """Value of all frames, and the ends of 95 % of the sets."""
+    return values[0], *np.quantile(values[1:], [0.025, 0.975])
+
+
+# %%
+first, fewest = counts[CONDITIONS[0]], min(crops[name] for name in PAPERS.values() if name in crops)
+share = dict(zip(PAPERS.values(), redrawn(first, list(PAPERS.values())), strict=True))
+apart = [
+    (one, other) for one in theirs for other in theirs if theirs[one][0] > theirs[other][0] + 2
+]
+kept = np.mean([share[one] > share[other] for one, other in apart], axis=0)
+paper.check("sec8.order", interval(kept), crops=fewest)
+alike = redrawn(read_counts(Path(results) / "table1_released_1200.json"), ["proposed", "rapid"])
+better = {
+    "with the shipped weights": interval(share["fast-scnn"] / share["rapid"]),
+    "at equal training": interval(alike[0] / alike[1]),
+}
+paper.check("sec8.improvement", better, crops=fewest)
+notes.tell(order=100 * kept[0], network=100 * share["fast-scnn"][0])
+notes.tell(inside=sum(inside), values=len(inside))

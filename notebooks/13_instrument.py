@@ -20,6 +20,7 @@ from scipy.constants import h
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import wrap_length
+from cmtof.hardware.reduction import FULL_SCALE
 from cmtof.hardware.rig import MODES, Rig
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof_book import notes, paper, plotting
@@ -314,6 +315,7 @@ for mode, one in here.items():
 # %%
 reached = {
     "sec6.laser_wavelength": twin.wavelength,
+    "sec6.bits": np.log2(FULL_SCALE + 1),
     "sec6.eom_frequency": rig.frequency_single,
     "sec6.eom_bandwidth": twin.resonance_width,
     "sec7.fibre_throughput_low": twin.fibre_low,
