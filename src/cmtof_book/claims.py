@@ -61,25 +61,29 @@ class Claim:
     def why(self, results: Results) -> str:
         """What stands behind that verdict, in one line."""
         worst = self.outcome(results)
-        given = [(one, results.get(one.key)) for one in self.numbers()]
-        deciding = [
-            (one, result or Result()) for one, result in given if verdict(one, result) == worst
+        found = [(one, results.get(one.key)) for one in self.numbers()]
+        behind = [
+            (one, result or Result()) for one, result in found if verdict(one, result) == worst
         ]
         if worst == "untested":
-            return reason(*deciding[0])
-        told: dict[str, list[str]] = {}  # names of the numbers by what they leave undecided
-        for one, result in deciding:
+            return reason(*behind[0])
+        told = ", ".join(
+            dict.fromkeys(other.short for pair in behind for other in differing(*pair))
+        )
+        if told and worst == "reproduced":
+            return f"It holds although {told} differ or are not stated."
+        lines = [*self.left_open(behind), *([f"Different or not stated: {told}."] if told else [])]
+        return " ".join(lines) or behind[0][0].dependencies()[0].ours
+
+    def left_open(self, behind: Iterable[tuple[Published, Result]]) -> Iterable[str]:
+        """What our numbers leave undecided, with the names of those where there are several."""
+        names: dict[str, list[str]] = {}
+        for one, result in behind:
             for text in undecided(one, result):
-                told.setdefault(text, []).append(self.keys[one.key])
-        lines = [f"{' and '.join(names)}: {text}" for text, names in told.items()]
-        differs = dict.fromkeys(d.short for pair in deciding for d in differing(*pair))
-        if differs and worst == "reproduced":
-            lines.append(f"it holds although {', '.join(differs)} differ or are not stated")
-        elif differs:
-            lines.append(f"different or not stated: {', '.join(differs)}")
-        same = [d.ours for one, _ in deciding for d in one.dependencies() if d.same is True]
-        trimmed = (line.removeprefix(": ") for line in lines)
-        return " ".join(f"{line[0].upper()}{line[1:]}." for line in trimmed) or same[0]
+                names.setdefault(text, []).append(self.keys[one.key])
+        for text, called in names.items():
+            sentence = f"{' and '.join(called)}: {text}".removeprefix(": ")
+            yield f"{sentence[0].upper()}{sentence[1:]}."
 
     def dependencies(self) -> list[Dependency]:
         """What its numbers depend on, each once."""

@@ -151,6 +151,20 @@ def test_each_claim_goes_through_every_verdict_that_it_can_have():
         assert set(outcomes(claim)) == expected, claim.name
 
 
+def test_a_claim_says_in_one_line_why():
+    claim = {one.name: one for one in claims.claims()}
+    wide = {"fig3.precision_ratio": Result.of((100, 20, 180), "book", 0)}
+    assert claim["precision"].why(wide) == "Our interval is too wide to decide."
+    far = {
+        key: Result.of({"at once": 1.0, "later": 0.1}, "book", 0) for key in claim["scanned"].keys
+    }
+    told = "Network: it agrees at once, not otherwise. KDE: it agrees later, not otherwise."
+    assert claim["scanned"].why(far).startswith(told)
+    order = {"sec8.order": Result.of(1.0, "book", 36_000)}
+    assert claim["order"].why(order).startswith("It holds although the scenes, the training")
+    assert claim["order"].why({}) == "No chapter computes it."
+
+
 def test_check_prints_one_line_and_records_all_cases(folder, capsys):
     with pytest.raises(ValueError, match=r"Expected .* got 'fig3.precison'. Use 'fig3.precision"):
         paper.check("fig3.precison", 1.0)
