@@ -128,7 +128,7 @@ class Numbers:
                 return estimate_text(one, published(key).unit, 3)
             return result_text(published(key), found, 3) if found.cases else "(not computed)"
         figure, *path = name.replace(":", f"/{TEXT}.").split(".")
-        held = self.records[figure].numbers
+        held: Any = self.records[figure].numbers
         for step in path:
             held = held["value"] if isinstance(held, dict) and "kind" in held else held
             held = held[int(step) if isinstance(held, list) else step]

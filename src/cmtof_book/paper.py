@@ -98,10 +98,12 @@ def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int
     many a network was trained on. The standard error of a sum over draws gives its interval.
     """
     number = published(key)
-    kind = value.record() if isinstance(value, Compared) else {}
-    if kind:
-        value = kind["value"] + 1.96 * kind.get("error", 0.0) * np.array([0, -1, 1])
-    result = Result.of(value, str(provenance.RUN["profile"]), crops)
+    kind: dict[str, Any] = {}
+    given: Any = value
+    if isinstance(value, Compared):
+        kind = value.record()
+        given = kind["value"] + 1.96 * kind.get("error", 0.0) * np.array([0, -1, 1])
+    result = Result.of(given, str(provenance.RUN["profile"]), crops)
     said = verdict(number, result)
     print(f"{key}: paper {number.text()}, ours {result_text(number, result)}: {said}")
     found = {**kind, "cases": result.cases, "verdict": said, "crops": crops}
