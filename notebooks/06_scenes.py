@@ -32,7 +32,7 @@ from cmtof.frame import brightness
 from cmtof.hardness import bends, hardness
 from cmtof.scenes import load_frame
 from cmtof_book import notes, plotting
-from cmtof_rooms.rendering import Settings, rendered_views
+from cmtof_rooms.rendering import Settings, render_views
 
 plotting.begin(profile=profile, seed=seed)
 
@@ -44,10 +44,10 @@ def tone_mapped(color):
 
 
 # %%
-shown = list(rendered_views(Settings(seed, scenes, views, height, width, focal)))
-worlds = [view.scene.world for view in shown[::views]]
-triangles = [len(world.faces) for world in worlds]
-things = [len(world.things) for world in worlds]
+shown = list(render_views(Settings(seed, scenes, views, height, width, focal)))
+interiors = [view.room.interior for view in shown[::views]]
+triangles = [len(interior.faces) for interior in interiors]
+things = [len(interior.things) for interior in interiors]
 print(f"{len(shown)} views of {scenes} rooms: {min(things)} to {max(things)} things and")
 print(f"{min(triangles)} to {max(triangles)} triangles a room")
 

@@ -15,7 +15,8 @@ import numpy as np
 from cmtof.files import written_whole
 from cmtof.frame import HELD_OUT, HELD_OUT_STEP, Frame
 from cmtof.simulation import simulate
-from cmtof_rooms.rendering import Settings, build, frame_of, render_view, split_of
+from cmtof_rooms.rendering import Settings, frame_of, render_view, split_of
+from cmtof_rooms.rooms import build_room
 
 SETTINGS = Settings(seed=3, scenes=10_000, views=2, height=384, width=512)
 COUNT, COVERAGE = 32, (0.2, 0.9)
@@ -27,9 +28,10 @@ def chosen() -> list[Frame]:
     for index in range(SETTINGS.scenes):
         if split_of(index) != "test" or len(found) == COUNT:
             continue
-        scene, lens = build(SETTINGS.seed, index), SETTINGS.lens(index)
-        pose = scene.cameras(SETTINGS.views, lens)["cam_00"][0]
-        frame = frame_of(render_view(scene, pose, lens, 0), lens, f"{scene.name}/cam_00")
+        room = build_room(SETTINGS.seed, index)
+        lens = SETTINGS.lens(index)
+        pose = room.cameras(SETTINGS.views, lens)["cam_00"][0]
+        frame = frame_of(render_view(room, pose, lens, 0), lens, f"{room.name}/cam_00")
         coverage = float(simulate(frame, noise_free=True).mask.mean())
         if COVERAGE[0] <= coverage <= COVERAGE[1]:
             found.append(frame)

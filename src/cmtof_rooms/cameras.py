@@ -5,18 +5,26 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cmtof_rooms.engine import World, sphere_of_directions
-from cmtof_rooms.shell import Rectangle
+from cmtof_rooms.boxes import Rectangle
+from cmtof_rooms.engine import sphere_of_directions
+from cmtof_rooms.interior import Interior
 
 Vector = NDArray[np.float64]
 
 TRIES = 28
 """Places drawn for each view."""
 
-MIDDLE, SPREAD, SQUARE = 6.5, 0.8, 0.8
-"""Median of a view's median range, m; its spread, log; share of views that face a wall."""
+MIDDLE = 6.5
+"""Median, m, of the median ranges of views across a room."""
+
+SPREAD = 0.8
+"""Standard deviation of the logarithm of those ranges."""
+
+SQUARE = 0.8
+"""Share of views across a room that face a wall."""
 
 _PROBE = 16  # a candidate is judged by that many rays squared
+_AROUND = 48  # and by that many to all sides
 _AIR = 0.22  # m, free about a camera
 _CLOSE = (0.5, 1.2)  # m
 _FAR = 60.0  # m, what a ray that leaves counts for
@@ -48,10 +56,10 @@ class Camera(NamedTuple):
     orientation: Vector
 
 
-def looking(position: Vector, target: Vector, roll: float = 0.0) -> Camera:
-    """A camera at ``position`` that looks at ``target``, m, rolled by ``roll``, rad.
+def look_at(position: Vector, target: Vector, roll: float = 0.0) -> Camera:
+    """Camera at ``position`` that looks at ``target``, m, rolled by ``roll``, rad.
 
-    >>> looking(np.zeros(3), np.array([0.0, 1.0, 0.0])).orientation.round(6).tolist()
+    >>> look_at(np.zeros(3), np.array([0.0, 1.0, 0.0])).orientation.round(6).tolist()
     [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]
     """
     back = position - target
@@ -59,13 +67,15 @@ def looking(position: Vector, target: Vector, roll: float = 0.0) -> Camera:
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     up = np.cross(back, right)
-    c, s = np.cos(roll), np.sin(roll)
-    return Camera(position, np.stack([c * right + s * up, c * up - s * right, back], -1))
+    cosine = np.cos(roll)
+    sine = np.sin(roll)
+    axes = [cosine * right + sine * up, cosine * up - sine * right, back]
+    return Camera(position, np.stack(axes, -1))
 
 
 def room_cameras(
     count: int,
-    world: World,
+    interior: Interior,
     lens: Lens,
     *,
     floor: list[Rectangle],
@@ -76,88 +86,161 @@ def room_cameras(
 
     Of the places drawn for each view, those without air around them or with something right before
     them are left out; the one whose median range is nearest to a drawn one is taken. Those ranges
-    are spread as Hypersim's are, log-normal. Four of five cameras face a wall squarely,
-    as interiors are often photographed. ``floor`` holds rectangles (x0, x1, y0, y1) where a camera
-    may stand, ``height`` is the ceiling's, m.
+    are spread as Hypersim's are, log-normal. Four of five cameras face a wall squarely, as
+    interiors are often photographed.
+
+    Parameters
+    ----------
+    count : int
+        How many views.
+    interior : Interior
+    lens : Lens
+    floor : list of Rectangle
+        Where a camera may stand.
+    height : float
+        Of the ceiling, m.
+    rng : Generator
     """
-    area = np.array([(x1 - x0) * (y1 - y0) for x0, x1, y0, y1 in floor])
+    area = np.array([np.prod(piece.size) for piece in floor])
+
+    def draw() -> Camera:
+        piece = floor[int(rng.choice(len(floor), p=area / area.sum()))]
+        eye_height = min(float(rng.choice([1.1, 1.4, 1.6, 1.9])), height - 0.4)
+        # with one's back to the wall, mostly
+        eye = np.array([*(piece.start + rng.beta(0.6, 0.6, 2) * piece.size), eye_height])
+        heading = rng.uniform(0, 2 * np.pi)
+        if rng.uniform() < SQUARE:
+            heading = np.pi / 2 * rng.integers(4) + rng.normal(0, 0.05)
+        pitch = np.radians(rng.normal(-4, 5))
+        ahead = np.array([np.cos(heading), np.sin(heading), np.tan(pitch)])
+        return look_at(eye, eye + ahead, np.radians(rng.normal(0, 1.0)))
+
     views: list[Camera] = []
     for _ in range(count):
         wanted = MIDDLE * np.exp(SPREAD * rng.normal())
-        candidates = []
-        for _ in range(TRIES):
-            x0, x1, y0, y1 = floor[int(rng.choice(len(floor), p=area / area.sum()))]
-            eye_height = min(float(rng.choice([1.1, 1.4, 1.6, 1.9])), height - 0.4)
-            a, b = rng.beta(0.6, 0.6, 2)  # with one's back to the wall, mostly
-            eye = np.array([x0 + a * (x1 - x0), y0 + b * (y1 - y0), eye_height])
-            heading = rng.uniform(0, 2 * np.pi)
-            if rng.uniform() < SQUARE:
-                heading = np.pi / 2 * rng.integers(4) + rng.normal(0, 0.05)
-            pitch = np.radians(rng.normal(-4, 5))
-            ahead = np.array([np.cos(heading), np.sin(heading), np.tan(pitch)])
-            candidates.append(looking(eye, eye + ahead, np.radians(rng.normal(0, 1.0))))
-        views.append(_best(candidates, wanted, world, lens, views))
+        views.append(_best([draw() for _ in range(TRIES)], wanted, interior, lens, views))
     return views
 
 
 def close_cameras(
-    count: int, world: World, lens: Lens, *, things: NDArray, rng: np.random.Generator
+    count: int,
+    interior: Interior,
+    lens: Lens,
+    *,
+    things: NDArray,
+    rng: np.random.Generator,
 ) -> list[Camera]:
-    """Views from 0.5 to 1.2 m away of single ``things``, given by their numbers."""
-    boxes = [np.stack([part.mesh.bounds for part in world.things[k - 1].parts]) for k in things]
-    low = np.array([box[:, 0].min(axis=0) for box in boxes])
-    high = np.array([box[:, 1].max(axis=0) for box in boxes])
-    size = (high - low).max(axis=1)
-    fit = np.flatnonzero((size > 0.1) & (size < 1.6))
-    middles = ((low + high) / 2)[fit if len(fit) else slice(None)]
+    """Views of single things from 0.5 to 1.2 m away.
+
+    Parameters
+    ----------
+    count : int
+        How many views.
+    interior : Interior
+    lens : Lens
+    things : ndarray of int
+        Numbers of the things, from 1 on.
+    rng : Generator
+    """
+    middles = _middles(interior, things)
+
+    def draw() -> Camera:
+        target = middles[int(rng.integers(len(middles)))] + rng.normal(0, 0.05, 3)
+        heading = rng.uniform(0, 2 * np.pi)
+        rise = np.radians(rng.uniform(0, 45))
+        away = np.array([np.cos(heading), np.sin(heading), np.tan(rise)])
+        eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
+        return look_at(eye, target, np.radians(rng.normal(0, 3)))
+
     views: list[Camera] = []
     for _ in range(count):
         wanted = rng.uniform(0.6, _CLOSE[1])
-        candidates = []
-        for _ in range(TRIES):
-            target = middles[int(rng.integers(len(middles)))] + rng.normal(0, 0.05, 3)
-            heading, rise = rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(0, 45))
-            away = np.array([np.cos(heading), np.sin(heading), np.tan(rise)])
-            eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
-            candidates.append(looking(eye, target, np.radians(rng.normal(0, 3))))
-        views.append(_best(candidates, wanted, world, lens, views))
+        views.append(_best([draw() for _ in range(TRIES)], wanted, interior, lens, views))
     return views
 
 
+def _middles(interior: Interior, things: NDArray) -> Vector:
+    """Middles (N, 3) of things of 0.1 to 1.6 m; of all where there are none."""
+    boxes = [
+        np.stack([part.mesh.bounds for part in interior.things[number - 1].parts])
+        for number in things
+    ]
+    low = np.array([box[:, 0].min(axis=0) for box in boxes])
+    high = np.array([box[:, 1].max(axis=0) for box in boxes])
+    size = (high - low).max(axis=1)
+    fit = (size > 0.1) & (size < 1.6)
+    middles = (low + high) / 2
+    return middles[fit] if fit.any() else middles
+
+
 def _best(
-    candidates: list[Camera], wanted: float, world: World, lens: Lens, chosen: list[Camera]
+    candidates: list[Camera],
+    wanted: float,
+    interior: Interior,
+    lens: Lens,
+    chosen: list[Camera],
 ) -> Camera:
     """The candidate with air around it, enough to see, and a median range nearest ``wanted``."""
-    coarse = Lens((_PROBE, _PROBE), lens.focal * _PROBE / max(lens.shape))
-    probes = np.stack([coarse.rays(c.orientation).reshape(-1, 3) for c in candidates])
-    ball = np.broadcast_to(sphere_of_directions(48), (len(candidates), 48, 3))
-    rays = np.concatenate([probes, ball], axis=1)
-    eyes = np.stack([c.position for c in candidates]).astype(np.float32)
-    starts = np.repeat(eyes, rays.shape[1], axis=0)
-    hits = world.tracer.nearest(starts, np.ascontiguousarray(rays.reshape(-1, 3)))
-    met = hits.triangle >= 0
-    distance = np.where(met, hits.distance, _FAR).reshape(len(candidates), -1)
-    facing = np.einsum("ij,ij->i", world.normals[hits.triangle], rays.reshape(-1, 3))
-    behind = (met & (facing > 0)).reshape(distance.shape)  # the back of a surface: inside a solid
-    inside = behind.mean(axis=1) > 0.02
-    air = distance[:, -48:].min(axis=1)
-    seen = distance[:, :-48]
-    thing = np.where(met, world.instance[world.part[hits.triangle]], 0).reshape(distance.shape)
-    kinds = np.array([len(np.unique(row)) for row in thing[:, :-48]])
+    sight = _sight(candidates, interior, lens)
+    seen = sight.distance
     off = np.abs(np.log(np.maximum(np.median(seen, axis=1), 0.05) / wanted))
-    off += 0.15 * np.maximum(0, 9 - kinds)  # bare walls are rarely photographed
+    off += 0.15 * np.maximum(0, 9 - sight.things)  # bare walls are rarely photographed
     off += 20.0 * (np.quantile(seen, 0.02, axis=1) < 0.45)
     off += 2.0 * np.maximum(0.0, (seen == _FAR).mean(axis=1) - 0.1)
-    off += 50.0 * (air < _AIR) + 200.0 * inside + 0.8 * _alike(candidates, chosen)
+    crowded = 50.0 * (sight.air < _AIR)
+    off += crowded + 200.0 * sight.inside + 0.8 * _likeness(candidates, chosen)
     return candidates[int(np.argmin(off.round(4)))]
 
 
-def _alike(candidates: list[Camera], chosen: list[Camera]) -> Vector:
+class _Sight(NamedTuple):
+    """What N candidates see."""
+
+    distance: Vector
+    """Along rays of the picture, (N, K), m."""
+    air: Vector
+    """Free distance around, (N,), m."""
+    inside: NDArray[np.bool_]
+    """Whether they stand in a solid, (N,)."""
+    things: NDArray
+    """How many things are in the picture, (N,)."""
+
+
+def _sight(candidates: list[Camera], interior: Interior, lens: Lens) -> _Sight:
+    """Look through coarse pictures of candidates, and around them."""
+    count = len(candidates)
+    coarse = Lens((_PROBE, _PROBE), lens.focal * _PROBE / max(lens.shape))
+    probes = np.stack([coarse.rays(c.orientation).reshape(-1, 3) for c in candidates])
+    around = np.broadcast_to(sphere_of_directions(_AROUND), (count, _AROUND, 3))
+    rays = np.concatenate([probes, around], axis=1).reshape(-1, 3)
+    eyes = np.stack([c.position for c in candidates]).astype(np.float32)
+    hits = interior.tracer.nearest(np.repeat(eyes, len(rays) // count, axis=0), rays)
+    met = hits.triangle >= 0
+    distance = np.where(met, hits.distance, _FAR).reshape(count, -1)
+    facing = np.einsum("ij,ij->i", interior.normals[hits.triangle], rays)
+    behind = met & (facing > 0)  # the back of a surface: inside a solid
+    thing = np.where(met, interior.instance[interior.part[hits.triangle]], 0)
+    pictured = thing.reshape(count, -1)[:, :-_AROUND]
+    return _Sight(
+        distance[:, :-_AROUND],
+        distance[:, -_AROUND:].min(axis=1),
+        behind.reshape(count, -1).mean(axis=1) > 0.02,
+        np.array([len(np.unique(row)) for row in pictured]),
+    )
+
+
+def _likeness(candidates: list[Camera], chosen: list[Camera]) -> Vector:
     """How much each candidate (N,) repeats a view chosen before: 1 from the same place and way."""
     if not chosen:
         return np.zeros(len(candidates))
-    place, way = (np.stack([getattr(c, k) for c in candidates]) for k in Camera._fields)
-    place0, way0 = (np.stack([getattr(c, k) for c in chosen]) for k in Camera._fields)
-    apart = np.linalg.norm(place[:, None] - place0, axis=-1) / 2.0
-    turned = np.arccos(np.clip(way[..., 2] @ way0[..., 2].T, -1, 1))
+    place, way = _poses(candidates)
+    other_place, other_way = _poses(chosen)
+    apart = np.linalg.norm(place[:, None] - other_place, axis=-1) / 2.0
+    turned = np.arccos(np.clip(way @ other_way.T, -1, 1))
     return np.exp(-(apart**2) - (turned / 0.7) ** 2).max(axis=1)
+
+
+def _poses(cameras: list[Camera]) -> tuple[Vector, Vector]:
+    """Positions (N, 3) and backward axes (N, 3) of cameras."""
+    positions = [camera.position for camera in cameras]
+    orientations = [camera.orientation for camera in cameras]
+    return np.stack(positions), np.stack(orientations)[..., 2]

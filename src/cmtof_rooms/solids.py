@@ -9,25 +9,54 @@ from trimesh import Trimesh
 
 Array = NDArray[np.float64]
 
+_CORNERS = np.indices((2, 2, 2)).reshape(3, 8).T - 0.5
+"""Corners of a unit cube about the origin."""
 
-def raw(vertices: NDArray, faces: NDArray) -> Trimesh:
-    """Mesh of these vertices and faces as they are."""
+_SIDES = [
+    [0, 1, 3, 2],
+    [4, 6, 7, 5],
+    [0, 4, 5, 1],
+    [2, 3, 7, 6],
+    [0, 2, 6, 4],
+    [1, 5, 7, 3],
+]
+"""Corners of each side of the cube, counter-clockwise from outside."""
+
+_HALVES = [[0, 1, 2], [0, 2, 3]]
+"""Corners of a quadrilateral that make its two triangles."""
+
+_BOX_FACES = np.array(_SIDES)[:, _HALVES].reshape(12, 3)
+
+
+def mesh_from(vertices: NDArray, faces: NDArray) -> Trimesh:
+    """Mesh of vertices (V, 3), m, and triangles (F, 3), which stay as they are."""
     return Trimesh(vertices, faces, process=False)
 
 
 def box(size: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
-    """Box of full ``size`` (x, y, z) about ``centre``, m.
+    """Box of full ``size`` (x, y, z) about ``centre``, m; several from arrays (..., 3).
 
     >>> float(box((1, 2, 3)).volume)
     6.0
     """
-    corners = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
-    return raw(corners * np.asarray(size, float) + np.asarray(centre, float), _BOX)
+    sizes = np.asarray(size, float)[..., None, :]
+    corners = _CORNERS * sizes + np.asarray(centre, float)[..., None, :]
+    count = corners.size // 24
+    faces = _BOX_FACES + 8 * np.arange(count)[:, None, None]
+    return mesh_from(corners.reshape(-1, 3), faces.reshape(-1, 3))
 
 
-def slab(x0: float, x1: float, y0: float, y1: float, z0: float, z1: float) -> Trimesh:
-    """Box between two corners, m."""
-    low, high = np.array([x0, y0, z0]), np.array([x1, y1, z1])
+def slab(*limits: ArrayLike) -> Trimesh:
+    """Box between limits x0, x1, y0, y1, z0, z1, m; several from arrays.
+
+    >>> slab(0, 1, 0, 2, 1, 4).bounds.tolist()
+    [[0.0, 0.0, 1.0], [1.0, 2.0, 4.0]]
+    >>> float(slab(0, 1, 0, 2, [0, 2], [1, 3]).volume)
+    4.0
+    """
+    corners = np.stack(np.broadcast_arrays(*limits), -1)
+    low = corners[..., ::2]
+    high = corners[..., 1::2]
     return box(high - low, (low + high) / 2)
 
 
@@ -38,17 +67,25 @@ def extrusion(outline: ArrayLike, height: float) -> Trimesh:
     3.0
     """
     flat = np.asarray(outline, float)
-    n = len(flat)
-    ring = np.arange(n)
-    faces = np.stack([np.full(n, n), ring, (ring + 1) % n], axis=1)
-    return trimesh.creation.extrude_triangulation(np.vstack([flat, flat.mean(0)]), faces, height)
+    count = len(flat)
+    ring = np.arange(count)
+    middle = np.full(count, count)
+    faces = np.stack([middle, ring, np.roll(ring, -1)], axis=1)
+    points = np.vstack([flat, flat.mean(0)])
+    return trimesh.creation.extrude_triangulation(points, faces, height)
+
+
+def ellipse(width: float, depth: float, sections: int = 32) -> Array:
+    """Outline (N, 2) of an ellipse about the origin, m."""
+    turn = 2 * np.pi * np.arange(sections) / sections
+    return np.stack([width / 2 * np.cos(turn), depth / 2 * np.sin(turn)], 1)
 
 
 def plate(
     width: float,
     height: float,
     thickness: float,
-    holes: Sequence[tuple[float, float, float, float]] = (),
+    holes: Sequence[Sequence[float]] = (),
 ) -> Trimesh:
     """Upright plate over x in [0, width], z in [0, height], y in [0, thickness], with holes.
 
@@ -59,77 +96,123 @@ def plate(
     holes : sequence of (x0, x1, z0, z1)
         Rectangles cut out of it, m; they may touch the plate's edge.
 
+    Returns
+    -------
+    Trimesh
+
+    Examples
+    --------
     >>> wall = plate(4.0, 2.5, 0.2, [(1.0, 2.0, 0.0, 2.0)])
     >>> wall.is_watertight, round(float(wall.volume), 6)
     (True, 1.6)
     """
-    inside = np.array(holes, float).reshape(-1, 4)
-    xs = np.unique(np.clip(np.concatenate([[0.0, width], *inside[:, :2]]), 0, width))
-    zs = np.unique(np.clip(np.concatenate([[0.0, height], *inside[:, 2:]]), 0, height))
-    x, z = np.meshgrid((xs[1:] + xs[:-1]) / 2, (zs[1:] + zs[:-1]) / 2, indexing="ij")
-    kept = np.ones(x.shape, bool)
-    for x0, x1, z0, z1 in inside:
-        kept &= ~((x > x0) & (x < x1) & (z > z0) & (z < z1))
-    i, j = np.nonzero(kept)
-    corner = i * len(zs) + j
-    a, b, c, d = corner, corner + len(zs), corner + len(zs) + 1, corner + 1
-    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-    flat = np.stack(np.meshgrid(xs, zs, indexing="ij"), -1).reshape(-1, 2)
-    solid = trimesh.creation.extrude_triangulation(flat, faces, thickness)
+    cut = np.array(holes, float).reshape(-1, 4)
+    x = _lines(width, cut[:, :2])
+    z = _lines(height, cut[:, 2:])
+    number = np.arange(len(x) * len(z)).reshape(len(x), len(z))
+    faces = _triangles(_cells(number)[_outside(cut, x, z)])
+    points = np.stack(np.meshgrid(x, z, indexing="ij"), -1).reshape(-1, 2)
+    solid = trimesh.creation.extrude_triangulation(points, faces, thickness)
     solid.vertices = solid.vertices[:, [0, 2, 1]]  # (x, z, y) to (x, y, z), a reflection
     solid.faces = solid.faces[:, ::-1]
     return solid
 
 
+def _lines(length: float, edges: Array) -> Array:
+    """Positions of grid lines: both ends and every edge of a hole between them."""
+    return np.unique(np.clip(np.append(edges, [0.0, length]), 0, length))
+
+
+def _outside(holes: Array, x: Array, z: Array) -> NDArray[np.bool_]:
+    """Whether the middle of each cell between grid lines x and z lies in no hole."""
+    middle_x = ((x[1:] + x[:-1]) / 2)[:, None]
+    middle_z = ((z[1:] + z[:-1]) / 2)[None, :]
+    outside = np.ones((len(x) - 1, len(z) - 1), bool)
+    for x0, x1, z0, z1 in holes:
+        across = (middle_x > x0) & (middle_x < x1)
+        upright = (middle_z > z0) & (middle_z < z1)
+        outside &= ~(across & upright)
+    return outside
+
+
+def _cells(number: NDArray) -> NDArray:
+    """Corners (N - 1, M - 1, 4), in turn, of the cells of a grid of numbered points (N, M)."""
+    corners = [
+        number[:-1, :-1],
+        number[1:, :-1],
+        number[1:, 1:],
+        number[:-1, 1:],
+    ]
+    return np.stack(corners, -1)
+
+
+def _triangles(cells: NDArray) -> NDArray:
+    """Triangles (2 N, 3) of cells (N, 4): first one half of each, then the other."""
+    return np.concatenate([cells[:, half] for half in _HALVES])
+
+
 def revolution(profile: ArrayLike, sections: int = 28) -> Trimesh:
     """Solid of revolution about z of a profile (N, 2) of radius and height, m, bottom to top.
 
-    The profile starts and ends on the axis; the ends are joined to it where they do not.
+    Ends that do not lie on the axis are joined to it.
 
     >>> cone = revolution([(1.0, 0.0), (0.0, 3.0)], sections=720)
     >>> bool(abs(cone.volume - np.pi) < 1e-3)
     True
     """
     rings = np.asarray(profile, float)
-    for end, place in ((0, 0), (-1, len(rings))):
-        if rings[end, 0] > 0:
-            rings = np.insert(rings, place if end == 0 else len(rings), [0, rings[end, 1]], axis=0)
+    on_axis = rings * [0, 1]
+    if rings[0, 0] > 0:
+        rings = np.vstack([on_axis[:1], rings])
+    if rings[-1, 0] > 0:
+        rings = np.vstack([rings, on_axis[-1:]])
     return trimesh.creation.revolve(rings, sections=sections)
 
 
 def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
-    """Round bar along a path (N, 3), m, of one radius or one for each point.
+    """Round bar along a path (N, 3), m, of one radius or one for each point, m.
 
     >>> bar = sweep([(0, 0, 0), (0, 0, 2)], 0.1, sections=400)
     >>> bar.is_watertight, round(float(bar.volume) / (2 * np.pi * 0.01), 3)
     (True, 1.0)
     """
     line = np.asarray(path, float)
-    n = len(line)
-    along = np.gradient(line, axis=0)
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    radii = np.broadcast_to(radius, len(line))
+    rings = line[:, None] + radii[:, None, None] * _circles(line, sections)
+    vertices = np.concatenate([rings.reshape(-1, 3), line[[0, -1]]])
+    number = np.arange(rings[..., 0].size).reshape(-1, sections)
+    closed = np.hstack([number, number[:, :1]])
+    cells = _cells(closed)[..., [0, 3, 2, 1]]
+    faces = [
+        _triangles(cells.reshape(-1, 4)),
+        _fan(len(vertices) - 2, closed[0, 1:], closed[0, :-1]),
+        _fan(len(vertices) - 1, closed[-1, :-1], closed[-1, 1:]),
+    ]
+    return mesh_from(vertices, np.concatenate(faces))
+
+
+def _fan(middle: int, first: NDArray, second: NDArray) -> NDArray:
+    """Triangles (N, 3) of one point with N pairs of others."""
+    middles = np.full(len(first), middle)
+    return np.stack([middles, first, second], 1)
+
+
+def _circles(line: Array, sections: int) -> Array:
+    """Unit circles (N, sections, 3) across a path (N, 3)."""
+    along = _unit(np.gradient(line, axis=0))
     # one axis that no part of the path follows serves all rings
     aside = np.eye(3)[np.abs(along).max(axis=0).argmin()]
-    u = np.cross(along, aside)
-    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    u = _unit(np.cross(along, aside))
     v = np.cross(along, u)
     turn = 2 * np.pi * np.arange(sections) / sections
-    circle = np.cos(turn)[:, None] * u[:, None] + np.sin(turn)[:, None] * v[:, None]
-    rings = line[:, None] + np.broadcast_to(radius, n)[:, None, None] * circle
-    vertices = np.concatenate([rings.reshape(-1, 3), line[[0, -1]]])
-    i, k = np.meshgrid(np.arange(n - 1), np.arange(sections), indexing="ij")
-    a, b = (i * sections + k).ravel(), (i * sections + (k + 1) % sections).ravel()
-    ring, after = np.arange(sections), (np.arange(sections) + 1) % sections
-    last = (n - 1) * sections
-    faces = np.concatenate(
-        [
-            np.stack([a, b, b + sections], 1),
-            np.stack([a, b + sections, a + sections], 1),
-            np.stack([np.full(sections, len(vertices) - 2), after, ring], 1),
-            np.stack([np.full(sections, len(vertices) - 1), last + ring, last + after], 1),
-        ]
-    )
-    return raw(vertices, faces)
+    cosine = np.cos(turn)[:, None]
+    sine = np.sin(turn)[:, None]
+    return cosine * u[:, None] + sine * v[:, None]
+
+
+def _unit(vectors: Array) -> Array:
+    """Vectors (N, 3) of the same directions and length one."""
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
 def ball(
@@ -148,11 +231,19 @@ def ball(
         One radius or three half axes, m.
     noise : float
         Relative height of its bumps; needs ``rng``.
+    rng : Generator, optional
+        Random numbers for the bumps.
     fineness : int
         Subdivisions of an icosahedron: 320 triangles for 2.
     squareness : float
         0 for an ellipsoid; towards 1 for a rounded box (a superellipsoid), as of a cushion.
 
+    Returns
+    -------
+    Trimesh
+
+    Examples
+    --------
     >>> ball(1.0, fineness=4).is_watertight
     True
     """
@@ -160,11 +251,14 @@ def ball(
     points = np.array(unit.vertices)
     if squareness:
         power = 2 / (1 - squareness)
-        points /= (np.abs(points) ** power).sum(axis=1, keepdims=True) ** (1 / power)
+        total = (np.abs(points) ** power).sum(axis=1, keepdims=True)
+        points /= total ** (1 / power)
     if rng is not None and noise:
-        waves, phase = rng.normal(0, 3.0, (6, 3)), rng.uniform(0, 2 * np.pi, 6)
-        points *= 1 + noise * np.cos(points @ waves.T + phase).mean(axis=1, keepdims=True)
-    return raw(points * np.broadcast_to(radius, 3), unit.faces)
+        waves = rng.normal(0, 3.0, (6, 3))
+        phase = rng.uniform(0, 2 * np.pi, 6)
+        bumps = np.cos(points @ waves.T + phase).mean(axis=1, keepdims=True)
+        points *= 1 + noise * bumps
+    return mesh_from(points * np.broadcast_to(radius, 3), unit.faces)
 
 
 def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
@@ -176,51 +270,61 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     (True, 0.02)
     """
     points = np.asarray(grid, float)
-    n, m = points.shape[:2]
-    across = np.cross(points[-1, 0] - points[0, -1], points[-1, -1] - points[0, 0])
-    back = points - thickness * across / np.linalg.norm(across)
-    number = np.arange(n * m).reshape(n, m)
-    a, b, c, d = (
-        s.ravel() for s in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
-    )
-    front = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-    rim = np.concatenate([number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]])
-    p, q = rim, np.roll(rim, -1)
-    side = np.concatenate([np.stack([p, p + n * m, q], 1), np.stack([q, p + n * m, q + n * m], 1)])
-    vertices = np.concatenate([points.reshape(-1, 3), back.reshape(-1, 3)])
-    faces = np.concatenate([front, front[:, ::-1] + n * m, side])
-    solid = raw(vertices, faces)
-    return solid if solid.volume > 0 else raw(vertices, faces[:, ::-1])
+    diagonal = points[-1, -1] - points[0, 0]
+    other = points[-1, 0] - points[0, -1]
+    normal = np.cross(other, diagonal)
+    back = points - thickness * normal / np.linalg.norm(normal)
+    vertices = np.concatenate([points, back]).reshape(-1, 3)
+    faces = _sheet_faces(len(vertices) // 2, points.shape[1])
+    solid = mesh_from(vertices, faces)
+    if solid.volume > 0:
+        return solid
+    return mesh_from(vertices, faces[:, ::-1])
 
 
-def joined(meshes: Iterable[Trimesh]) -> Trimesh:
+def _sheet_faces(count: int, columns: int) -> NDArray:
+    """Triangles of a closed sheet whose two sides have ``count`` vertices each, row by row."""
+    number = np.arange(count).reshape(-1, columns)
+    front = _triangles(_cells(number).reshape(-1, 4))
+    edges = [
+        number[:-1, 0],
+        number[-1, :-1],
+        number[:0:-1, -1],
+        number[0, :0:-1],
+    ]
+    rim = np.concatenate(edges)
+    following = np.roll(rim, -1)
+    faces = [
+        front,
+        front[:, ::-1] + count,
+        np.stack([rim, rim + count, following], 1),
+        np.stack([following, rim + count, following + count], 1),
+    ]
+    return np.concatenate(faces)
+
+
+def join(meshes: Iterable[Trimesh]) -> Trimesh:
     """Several solids as one mesh."""
     several = list(meshes)
-    start = np.cumsum([0] + [len(one.vertices) for one in several[:-1]])
-    faces = [one.faces + k for one, k in zip(several, start, strict=True)]
-    return raw(np.vstack([one.vertices for one in several]), np.vstack(faces))
+    vertices = [one.vertices for one in several]
+    faces = [one.faces for one in several]
+    return mesh_from(*trimesh.util.append_faces(vertices, faces))
 
 
-def moved(mesh: Trimesh, shift: ArrayLike, turn: float = 0.0) -> Trimesh:
+def move(mesh: Trimesh, shift: ArrayLike, turn: float = 0.0) -> Trimesh:
     """Copy turned by ``turn``, rad, about z, then shifted, m."""
-    c, s = np.cos(turn), np.sin(turn)
-    axes = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return raw(mesh.vertices @ axes + np.asarray(shift, float), mesh.faces)
+    turned = mesh.vertices @ turn_about_z(turn)
+    return mesh_from(turned + np.asarray(shift, float), mesh.faces)
 
 
-_BOX = np.array(
-    [
-        [0, 1, 3],
-        [0, 3, 2],
-        [4, 6, 7],
-        [4, 7, 5],
-        [0, 4, 5],
-        [0, 5, 1],
-        [2, 3, 7],
-        [2, 7, 6],
-        [0, 2, 6],
-        [0, 6, 4],
-        [1, 5, 7],
-        [1, 7, 3],
-    ]
-)
+def turn_about_z(turn: float) -> Array:
+    """Matrix (3, 3) that turns row vectors by ``turn``, rad, about z."""
+    cosine = np.cos(turn)
+    sine = np.sin(turn)
+    return np.array(
+        [
+            [cosine, sine, 0.0],
+            [-sine, cosine, 0.0],
+            [0.0, 0.0, 1.0],
+        ]
+    )

@@ -8,9 +8,8 @@ import pytest
 
 from cmtof.frame import brightness
 from cmtof.hardness import hardness
-from cmtof_rooms import rendering
-from cmtof_rooms.engine import Picture
-from cmtof_rooms.rendering import Settings, expose, render_rooms, rendered_views
+from cmtof_rooms.interior import Picture
+from cmtof_rooms.rendering import Settings, expose, render_rooms, render_views, shape_from_text
 
 pytest.importorskip("embreex")
 SMALL = Settings(seed=3, scenes=2, views=3, height=48, width=64)
@@ -44,7 +43,7 @@ def test_a_set_grows_and_keeps_its_first_rooms_and_views(rendered, tmp_path):
 def test_depth_agrees_with_stored_values_of_another_machine():
     """Range at 35 pixels of four views within 0.1 mm, but for single ones at outlines."""
     stored = json.loads(STORED.read_text())
-    views = rendered_views(Settings(41, 2, 2, 48, 64))
+    views = render_views(Settings(41, 2, 2, 48, 64))
     found = [np.nan_to_num(view.frame.depth[::10, ::10]) for view in views]
     off = np.abs(np.array(found) - np.array(stored))
     assert np.mean(off > 1e-4) < 0.02
@@ -61,45 +60,73 @@ def test_views_are_exposed_to_the_median_of_their_rank():
     assert float(np.median(brightness(expose(seen, 0.1).color))) < 0.05
 
 
+@pytest.fixture(scope="module")
+def views():
+    return list(render_views(Settings(51, 30, 3, 128, 192, 221.7)))
+
+
 @pytest.mark.slow
-def test_statistics_come_near_to_hypersims():
-    views = list(rendered_views(Settings(51, 30, 3, 128, 192, 221.7)))
-    depth = np.concatenate([v.frame.depth[np.isfinite(v.frame.depth)] for v in views])
-    light = np.concatenate([brightness(v.picture.color).ravel() for v in views])
-    for at, published, ratio in (
-        (5, 1.27, 1.6),
-        (25, 3.0, 1.4),
-        (50, 4.8, 1.3),
-        (75, 7.8, 1.4),
-        (95, 23.0, 1.9),
-    ):
-        assert 1 / ratio < np.percentile(depth, at) / published < ratio
-    for at, published, ratio in ((25, 0.08, 1.6), (50, 0.27, 1.4), (75, 0.7, 1.4), (90, 1.6, 1.5)):
-        assert 1 / ratio < np.percentile(light, at) / published < ratio
-    slope = np.median(np.concatenate([hardness(v.frame.depth).slope for v in views]))
+@pytest.mark.parametrize(
+    ("percentile", "published", "ratio"),
+    [(5, 1.27, 1.6), (25, 3.0, 1.4), (50, 4.8, 1.3), (75, 7.8, 1.4), (95, 23.0, 1.9)],
+)
+def test_depth_is_spread_nearly_as_hypersims(views, percentile, published, ratio):
+    depth = np.concatenate([view.frame.depth[np.isfinite(view.frame.depth)] for view in views])
+    assert 1 / ratio < np.percentile(depth, percentile) / published < ratio
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("percentile", "published", "ratio"),
+    [(25, 0.08, 1.6), (50, 0.27, 1.4), (75, 0.7, 1.4), (90, 1.6, 1.5)],
+)
+def test_brightness_is_spread_nearly_as_hypersims(views, percentile, published, ratio):
+    light = np.concatenate([brightness(view.picture.color).ravel() for view in views])
+    assert 1 / ratio < np.percentile(light, percentile) / published < ratio
+
+
+@pytest.mark.slow
+def test_views_are_mostly_smooth_and_whole(views):
+    slope = np.median(np.concatenate([hardness(view.frame.depth).slope for view in views]))
     assert slope < 0.3  # wraps a pixel, at half the resolution of the book
-    assert np.mean([np.isnan(v.frame.depth).mean() for v in views]) < 0.05
+    assert np.mean([np.isnan(view.frame.depth).mean() for view in views]) < 0.05
 
 
-def test_impossible_settings_are_refused():
-    for change, message in (
-        ({"width": 0}, "Expected width of 1 to 4096, got 0. Choose another."),
-        ({"seed": -1}, r"Expected a seed of 0 to 2\^63, got -1."),
-        ({"focal": float("nan")}, "Expected a focal length of 1 to 1e6 px, got nan"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            Settings(**change)
-    with pytest.raises(ValueError, match="Expected a size like 512x512, got big. Try 768x1024."):
-        rendering.shape_from_text("big")
+@pytest.mark.parametrize("focal", [0.0, -1.0, 1e6, float("nan"), float("inf")])
+def test_an_impossible_focal_length_is_refused_before_anything_is_written(focal, tmp_path):
+    root = tmp_path / "set"
+    with pytest.raises(ValueError, match=r"Expected a focal length of 1 to 1e6 px, got .* Try"):
+        render_rooms(root, Settings(scenes=1, focal=focal), workers=1)
+    assert not root.exists()
 
 
-def test_a_folder_of_other_things_is_refused(rendered, tmp_path):
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("big", "Expected a size like 512x512, got big. Try 768x1024."),
+        ("512", "Expected a size like 512x512, got 512."),
+        ("0x8", "Expected 1 to 4096 px, got a size of 0x8. Try 768x1024."),
+        ("8x4097", "Expected 1 to 4096 px, got a size of 8x4097."),
+    ],
+)
+def test_an_impossible_size_is_refused(text, message):
+    with pytest.raises(ValueError, match=message):
+        shape_from_text(text)
+
+
+def test_a_set_of_other_settings_is_refused(rendered):
     other = Settings(seed=3, scenes=2, views=3, height=48, width=48)
     with pytest.raises(ValueError, match=r"Expected an empty folder .*rooms.json. Choose another"):
         render_rooms(rendered, other, workers=1)
+
+
+def test_a_folder_of_other_files_is_refused(tmp_path):
     (tmp_path / "holiday.jpg").write_bytes(b"")
     with pytest.raises(ValueError, match=r"got other files in .* Choose another folder."):
         render_rooms(tmp_path, SMALL, workers=1)
+
+
+def test_a_broken_description_of_a_set_is_refused(tmp_path):
     (tmp_path / "rooms.json").write_text("{")
     with pytest.raises(ValueError, match=r"Expected YAML in .*rooms.json"):
         render_rooms(tmp_path, SMALL, workers=1)

@@ -1,0 +1,143 @@
+"""Rectangles of a floor or a wall, and boxes along the axes, by their limits, m."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Limit = Any
+"""A number, m, or an array of them where a `Box` stands for several."""
+
+
+class Rectangle(NamedTuple):
+    """A piece of a floor (x and y) or of a wall (along it and in height), m."""
+
+    x0: float
+    x1: float
+    y0: float
+    y1: float
+
+    @classmethod
+    def about(cls, x: float, y: float, width: float, depth: float) -> "Rectangle":
+        """Rectangle of a size about a point, m."""
+        return cls(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)
+
+    @property
+    def start(self) -> NDArray[np.float64]:
+        """Lowest corner (x, y), m."""
+        return np.array(self[::2])
+
+    @property
+    def size(self) -> NDArray[np.float64]:
+        """Size along x and y, m."""
+        return np.array(self[1::2]) - self.start
+
+    def grown(self, left: float, right: float, below: float, above: float) -> "Rectangle":
+        """Rectangle that reaches further by margins, m, below x0, above x1, below y0, above y1."""
+        x0, x1, y0, y1 = self
+        return Rectangle(x0 - left, x1 + right, y0 - below, y1 + above)
+
+    def contains(self, other: "Rectangle") -> bool:
+        """Whether another rectangle lies within this one."""
+        x0, x1, y0, y1 = other
+        return self.x0 <= x0 and x1 <= self.x1 and self.y0 <= y0 and y1 <= self.y1
+
+    def meets(self, others: Iterable["Rectangle"], gap: float = 1e-6) -> bool:
+        """Whether it shares more than an edge with one of several others.
+
+        >>> Rectangle(0, 1, 0, 1).meets([Rectangle(1, 2, 0, 1)])
+        False
+        >>> Rectangle(0, 1, 0, 1).meets([Rectangle(0.5, 2, 0.5, 2)])
+        True
+        """
+        x0, x1, y0, y1 = self
+        return any(
+            x0 < b - gap and a < x1 - gap and y0 < d - gap and c < y1 - gap for a, b, c, d in others
+        )
+
+
+class Box(NamedTuple):
+    """A box along the axes by its limits, m; limits that are arrays make several boxes."""
+
+    x0: Limit
+    x1: Limit
+    y0: Limit
+    y1: Limit
+    z0: Limit
+    z1: Limit
+
+    @classmethod
+    def standing(cls, size: Sequence[float]) -> "Box":
+        """Box of a size (width, depth, height), m, that stands on z = 0 about the z axis.
+
+        >>> Box.standing((2.0, 1.0, 3.0))
+        Box(x0=-1.0, x1=1.0, y0=-0.5, y1=0.5, z0=0.0, z1=3.0)
+        """
+        width, depth, height = size
+        return cls(-width / 2, width / 2, -depth / 2, depth / 2, 0.0, height)
+
+    @property
+    def size(self) -> NDArray[np.float64]:
+        """Width, depth and height, m."""
+        x0, x1, y0, y1, z0, z1 = self
+        return np.array([x1 - x0, y1 - y0, z1 - z0])
+
+    @property
+    def floor(self) -> Rectangle:
+        """What it covers, seen from above."""
+        return Rectangle(*self[:4])
+
+    def singles(self) -> list["Box"]:
+        """Every box that it stands for, each of six numbers.
+
+        >>> len(Box(np.array([0.0, 2.0]), np.array([1.0, 3.0]), 0.0, 1.0, 0.0, 1.0).singles())
+        2
+        """
+        limits = np.stack(np.broadcast_arrays(*self), -1).reshape(-1, 6)
+        return [Box(*single) for single in limits.tolist()]
+
+    def cut(self, **limits: Limit) -> "Box":
+        """Box with other limits, by their names, m.
+
+        >>> Box.standing((2.0, 1.0, 3.0)).cut(z1=0.5).size.tolist()
+        [2.0, 1.0, 0.5]
+        """
+        return self._replace(**limits)
+
+    def inset(self, **margins: float) -> "Box":
+        """Box of which the named limits lie further inside by margins, m.
+
+        >>> Box.standing((2.0, 1.0, 3.0)).inset(x0=0.5, z1=1.0).size.tolist()
+        [1.5, 1.0, 2.0]
+        """
+        limits = {name: self._inside(name, margin) for name, margin in margins.items()}
+        return self._replace(**limits)
+
+    def layer(self, side: str, thickness: float) -> "Box":
+        """Layer of a thickness, m, at one side: the one of limit ``x0``, ``x1``, ``y0``, ...
+
+        >>> Box.standing((2.0, 1.0, 3.0)).layer("z1", 0.5)
+        Box(x0=-1.0, x1=1.0, y0=-0.5, y1=0.5, z0=2.5, z1=3.0)
+        """
+        opposite = side.translate({ord("0"): "1", ord("1"): "0"})
+        return self._replace(**{opposite: self._inside(side, thickness)})
+
+    def _inside(self, side: str, distance: float) -> Limit:
+        """Place at a distance, m, inside one limit."""
+        limit = getattr(self, side)
+        return limit + distance if side.endswith("0") else limit - distance
+
+    def ends(self, axis: str, thickness: float) -> "Box":
+        """Two boxes of a thickness, m, at both ends along an axis ``x``, ``y`` or ``z``."""
+        start = np.array([getattr(self, axis + "0"), self._inside(axis + "1", thickness)])
+        return self._replace(**{axis + "0": start, axis + "1": start + thickness})
+
+    def bars(self, axis: str, middles: NDArray, half: float) -> "Box":
+        """Boxes about several places along an axis, of a half thickness, m."""
+        return self._replace(**{axis + "0": middles - half, axis + "1": middles + half})
+
+
+def mirrored(distance: float) -> NDArray[np.float64]:
+    """Both places at a distance, m, from the middle."""
+    return np.array([-distance, distance])

@@ -1,0 +1,144 @@
+"""Empty rooms built from a seed: walls with openings, floor, ceiling, slopes, beams, skirting."""
+
+from typing import Any
+
+import numpy as np
+
+from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.kit import Kit
+from cmtof_rooms.openings import SKY, add_door, add_passage, add_windows
+from cmtof_rooms.shell import Shell
+from cmtof_rooms.solids import sheet, slab
+from cmtof_rooms.things import Part, level_light
+from cmtof_rooms.walls import Wall
+
+
+def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
+    """Build an empty room of a kind.
+
+    Parameters
+    ----------
+    kit : Kit
+    room : dict
+        One of the ``rooms`` of `presets.yml`: ``size`` (lowest and highest width, depth and height,
+        m), and perhaps ``open``, ``slope``, ``beams``.
+    """
+    width, depth, height = (kit.between(*pair) for pair in room["size"])
+    is_open = bool(room.get("open", False))
+    day = is_open or kit.chance(0.75)
+    notch = (0.0, 0.0)  # size of the block that is cut off
+    if not is_open and min(width, depth) >= 3.6 and kit.chance(0.25):
+        notch = (kit.between(0.2, 0.45) * width, kit.between(0.2, 0.45) * depth)
+    walls = _walls(width, depth, notch)
+    shell = Shell(width, depth, height, walls, _floor(width, depth, notch), is_open, day)
+    _add_openings(kit, shell)
+    paint = kit.material("wall")
+    for wall in walls[:4]:
+        shell.build("wall", wall, (paint, wall.solid(height)))
+    _add_levels(kit, shell)
+    if notch[0]:
+        block = shell.reach(0.0, height).cut(x0=width - notch[0], y0=depth - notch[1])
+        shell.add("wall", Part(slab(*block), paint))
+    if kit.chance(room.get("slope", 0.0)):
+        _add_slopes(kit, shell)
+    elif kit.chance(room.get("beams", 0.1)) and not is_open:
+        _add_beams(kit, shell)
+    if kit.chance(0.5):
+        _add_skirting(kit, shell)
+    return shell
+
+
+def _floor(width: float, depth: float, notch: tuple[float, float]) -> list[Rectangle]:
+    """Rectangles that cover the floor: one, or two where a corner is cut off."""
+    a, b = notch
+    whole = Rectangle(0.0, width - a, 0.0, depth)
+    return [Rectangle(0.0, width, 0.0, depth - b), whole] if a else [whole]
+
+
+def _walls(width: float, depth: float, notch: tuple[float, float]) -> list[Wall]:
+    """Four outer walls and, of an L, the two faces of the block in its corner."""
+    a, b = notch
+    quarter = np.pi / 2
+    walls = [
+        Wall((width, 0.0), 2 * quarter, width),
+        Wall((width, depth), -quarter, depth),
+        Wall((0.0, depth), 0.0, width),
+        Wall((0.0, 0.0), quarter, depth),
+    ]
+    if a:  # the outer walls behind the block stay, but nothing stands there
+        walls[1].taken.append(Rectangle(0.0, b, 0.0, 99.0))
+        walls[2].taken.append(Rectangle(width - a, width, 0.0, 99.0))
+        walls.append(Wall((width - a, depth - b), 0.0, a))
+        walls.append(Wall((width - a, depth), -quarter, b))
+    return walls
+
+
+def _add_openings(kit: Kit, shell: Shell) -> None:
+    """Add a door, perhaps a passage, and windows in one wall or two."""
+    first, second, *others = [shell.walls[k] for k in kit.rng.permutation(4)]
+    add_door(kit, shell, first)
+    if not shell.open and kit.chance(0.35):
+        add_passage(kit, shell, second)
+    glazed = others if kit.chance(0.35) else others[:1]
+    view = not shell.open and shell.day and kit.chance(0.35)
+    for wall in glazed:
+        add_windows(kit, shell, wall, view=view)
+
+
+def _add_levels(kit: Kit, shell: Shell) -> None:
+    """Add the floor and the ceiling or, of an open room, the sky."""
+    width = shell.width
+    depth = shell.depth
+    height = shell.height
+    shell.add("floor", Part(slab(*shell.reach(-0.2, 0.0)), kit.material("floor")))
+    if shell.open:
+        centre = (width / 2, depth / 2, height + 5)
+        sky = level_light(centre, width / 2, depth / 2, width * depth / np.pi)
+        shell.lights.append(sky._replace(colour=SKY))
+    else:
+        ceiling = slab(*shell.reach(height, height + 0.2))
+        shell.add("ceiling", Part(ceiling, kit.material("ceiling")))
+
+
+def _add_slopes(kit: Kit, shell: Shell) -> None:
+    """Add a roof slope over one long side, or over both."""
+    depth = shell.depth
+    height = shell.height
+    plaster = kit.material("ceiling")
+    reach = shell.reach(0.0, height)
+    for way in (1, -1) if kit.chance(0.5) else (1,):
+        start = depth * (0.5 + way * kit.between(0.05, 0.25))
+        lost = height - kit.between(0.9, 1.6)
+        fall = lost / abs((depth if way > 0 else 0.0) - start)
+        end = reach.y1 if way > 0 else reach.y0
+        x, y = np.meshgrid([reach.x0, reach.x1], [start, end], indexing="ij")
+        roof = sheet(np.stack([x, y, height - fall * np.abs(y - start)], -1), 0.02)
+        shell.add("slope", Part(roof, plaster))
+        shell.eaves.append((float(way), start, fall))
+
+
+def _add_beams(kit: Kit, shell: Shell) -> None:
+    """Add beams under the ceiling, across the room."""
+    thickness = kit.between(0.12, 0.3)
+    wood = kit.material("wood")
+    count = max(1, int(shell.width / kit.between(1.2, 3.0)))
+    low = shell.height - thickness
+    half = thickness / 3
+    middles = shell.width / count * (np.arange(count) + 0.5)
+    beams = [slab(x - half, x + half, 0, shell.depth, low, shell.height) for x in middles]
+    shell.add("beams", *[Part(beam, wood) for beam in beams])
+    shell.lowest = thickness
+
+
+def _add_skirting(kit: Kit, shell: Shell) -> None:
+    """Add boards at the foot of the walls, between what reaches the floor."""
+    height = kit.between(0.05, 0.12)
+    paint = kit.material("front")
+    parts = []
+    for wall in shell.walls:
+        cuts = sorted((taken.x0, taken.x1) for taken in wall.taken if taken.y0 < height)
+        ends = np.array([0.0, *np.ravel(cuts), wall.length]).reshape(-1, 2)
+        for start, end in ends[ends[:, 1] > ends[:, 0] + 0.05]:
+            parts += wall.parts(paint, Box(start, end, -0.014, 0.0, 0.0, height))
+    if parts:
+        shell.add("skirting", *parts)

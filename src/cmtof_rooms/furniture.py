@@ -1,0 +1,255 @@
+"""Makers of furniture to sit at, to sit on, to lie on, and to keep things in.
+
+Each fills a box and has options that `presets.yml` names; see `cmtof_rooms.kit`.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cmtof_rooms.boxes import Box, Rectangle, mirrored
+from cmtof_rooms.kit import Kit, Piece, Top
+from cmtof_rooms.materials import Material
+from cmtof_rooms.solids import ball, ellipse, extrusion, move, revolution
+from cmtof_rooms.things import Part
+
+
+def posts(x: float, y: float, thickness: float, z0: float, z1: float) -> Box:
+    """Four upright bars about (±x, ±y), m."""
+    half = thickness / 2
+    column = mirrored(x)[:, None]
+    row = mirrored(y)
+    return Box(column - half, column + half, row - half, row + half, z0, z1)
+
+
+def table(
+    kit: Kit,
+    space: Box,
+    *,
+    legs: str = "four",
+    round_top: float = 0.0,
+    material: str = "wood",
+) -> Piece:
+    """A top on four legs, two panels, or a pedestal; ``round_top`` is the share of round ones."""
+    width, depth, height = space.size
+    thickness = min(kit.between(0.02, 0.05), height / 4)
+    board = space.layer("z1", thickness)
+    wood = kit.material(material)
+    reach = 0.5  # of the place for things, as a share of the size
+    if kit.chance(round_top):
+        disc = extrusion(ellipse(width, depth), thickness)
+        yield kit.part(wood, move(disc, (0, 0, board.z0)))
+        legs = "pedestal"
+        reach = 0.35
+    else:
+        yield kit.part(wood, board)
+    yield from LEGS[legs](kit, wood, board)
+    x = reach * width * 0.9
+    y = reach * depth * 0.9
+    yield Top(Rectangle(-x, x, -y, y), height, 1.2)
+
+
+def _pedestal(kit: Kit, wood: Material, board: Box) -> Piece:
+    """A turned foot of metal below a table's board."""
+    foot = 0.3 * min(board.size[:2])
+    profile = [(foot, 0), (foot, 0.03), (0.05, 0.06), (0.04, board.z0)]
+    yield kit.part("metal", revolution(profile))
+
+
+def _leg_panels(kit: Kit, wood: Material, board: Box) -> Piece:
+    """Two upright panels below a table's board."""
+    y = 0.95 * board.y1
+    below = Box(0, 0, -y, y, 0, board.z0)
+    yield kit.part(wood, below.bars("x", mirrored(board.x1 - 0.06), 0.02))
+
+
+def _four_legs(kit: Kit, wood: Material, board: Box) -> Piece:
+    """Four legs and, below a high table's board, rails between them."""
+    thickness = min(kit.between(0.03, 0.07), *board.size[:2] / 6)
+    x = board.x1 - thickness
+    y = board.y1 - thickness
+    yield kit.part(wood, posts(x, y, thickness, 0, board.z0))
+    if board.z1 > 0.5:
+        below = Box(-x, x, 0, 0, board.z0 - 0.11, board.z0)
+        yield kit.part(wood, below.bars("y", mirrored(y), 0.01))
+
+
+LEGS = {"four": _four_legs, "panel": _leg_panels, "pedestal": _pedestal}
+"""What carries a table, by the name that `presets.yml` uses."""
+
+
+def seat(kit: Kit, space: Box, *, style: str = "chair") -> Piece:
+    """A chair or stool on legs, or an upholstered bench, armchair, sofa."""
+    if style in ("chair", "stool"):
+        return _chair(kit, space, back=style == "chair")
+    return _sofa(kit, space, arms=style in ("sofa", "armchair"))
+
+
+def _chair(kit: Kit, space: Box, *, back: bool) -> Piece:
+    """Seat, four legs and, of a chair, two posts with a board."""
+    width, depth, height = space.size
+    level = min(0.46, 0.55 * height) if back else height
+    wood = kit.material("wood", "metal")
+    thickness = 0.035
+    x = (width - thickness) / 2
+    y = (depth - thickness) / 2
+    low = level - 0.04
+    yield kit.part("fabric", space.cut(z0=low, z1=level))
+    yield kit.part(wood, posts(x, y, thickness, 0, low))
+    if back:
+        half = thickness / 2
+        behind = Box(-x, x, y - half, y + half, level, height)
+        low = level + 0.5 * (height - level) if kit.chance(0.5) else level + 0.08
+        board = behind.cut(z0=low).bars("y", np.array(y), 0.012)
+        yield kit.part(wood, behind.bars("x", mirrored(x), half), board)
+
+
+def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:
+    """An upholstered seat, with arms or without, with a back where it is high enough."""
+    width, depth, height = space.size
+    cover = kit.material("fabric")
+    arm = kit.between(0.12, 0.2) if arms else 0.0
+    back = kit.between(0.16, 0.24) if height > 0.5 else 0.0
+    level = min(0.42, 0.9 * height)
+    yield kit.part(cover, space.cut(z0=0.08, z1=level - 0.12))
+    yield kit.part("wood", posts(space.x1 - 0.06, space.y1 - 0.06, 0.06, 0, 0.08))
+    if arms:
+        top = min(kit.between(0.55, 0.65), height)
+        yield kit.part(cover, space.ends("x", arm).cut(z0=0.08, z1=top))
+    inner = width - 2 * arm
+    seats = (inner, depth - back, 0.18)
+    yield _cushions(kit, cover, seats, (-back / 2, level - 0.05), 0.75)
+    if back:
+        board = space.layer("y1", 0.08).inset(x0=arm, x1=arm)
+        yield kit.part(cover, board.cut(z0=level - 0.12))
+        rise = height - level
+        middle = (space.y1 - back / 2 - 0.03, level + 0.9 * (rise / 2))
+        yield _cushions(kit, cover, (inner, back, rise), middle, 0.7)
+
+
+def _cushions(
+    kit: Kit,
+    cover: Material,
+    size: Sequence[float],
+    middle: tuple[float, float],
+    squareness: float,
+) -> Part:
+    """A row of cushions of a size together, about y and z of its ``middle``."""
+    width, depth, height = size
+    count = max(1, round(width / 0.75))
+    each = width / count
+    cushion = ball((each / 2, depth / 2, height / 2), squareness=squareness)
+    places = -width / 2 + each * (np.arange(count) + 0.5)
+    return kit.part(cover, *[move(cushion, (x, *middle)) for x in places])
+
+
+def bed(kit: Kit, space: Box) -> Piece:
+    """A frame with headboard, mattress, blanket and pillows; its head at +y."""
+    width, depth, height = space.size
+    level = min(0.5, 0.6 * height)
+    yield kit.part(
+        "wood",
+        space.cut(z0=0.1, z1=0.3),
+        space.layer("y1", 0.05),
+        space.inset(x0=0.1, x1=0.1, y0=0.1).cut(z1=0.1),
+    )
+
+    axes = (width / 2 - 0.02, depth / 2 - 0.06, (level - 0.28) / 2)
+    mattress = ball(axes, squareness=0.85, fineness=3)
+    yield kit.part("linen", move(mattress, (0, -0.01, (level + 0.28) / 2)))
+
+    axes = (width / 2, depth * 0.33, (level - 0.2) / 2 + 0.02)
+    wrinkles = kit.between(0.005, 0.03)
+    blanket = ball(axes, squareness=0.85, fineness=4, noise=wrinkles, rng=kit.rng)
+    yield kit.part("fabric", move(blanket, (0, -depth * 0.17, (level + 0.2) / 2)))
+    yield from _pillows(kit, width, (depth / 2 - 0.32, level + 0.05))
+
+
+def _pillows(kit: Kit, width: float, middle: tuple[float, float]) -> Piece:
+    """One pillow or, on a wide bed, two, about y and z of their ``middle``."""
+    count = 2 if width > 1.2 else 1
+    half = min(0.32, width / count / 2.1)
+    pillow = ball((half, 0.2, 0.08), squareness=0.5)
+    for k in range(count):
+        x = (k - (count - 1) / 2) * width / count
+        yield kit.part("linen", move(pillow, (x, *middle)))
+
+
+def cabinet(
+    kit: Kit,
+    space: Box,
+    *,
+    columns: Sequence[int] = (1, 3),
+    rows: Sequence[int] = (1, 3),
+    material: str = "wood",
+    top: str = "",
+) -> Piece:
+    """A carcass with fronts (doors or drawers) and handles, perhaps a worktop of its own."""
+    wood = kit.material(material)
+    plinth = min(0.06, space.z1 / 8)
+    inset = space.inset(x0=0.03, x1=0.03)
+    body = space.inset(z0=plinth)
+    yield kit.part(wood, body.inset(y0=0.02), inset.inset(y0=0.06).cut(z1=plinth))
+    yield from _doors(kit, wood, body, (kit.count(columns), kit.count(rows)))
+    height = space.z1
+    if top:
+        height += 0.03
+        yield kit.part(top, space.inset(y0=-0.015).cut(z0=space.z1, z1=height))
+    yield Top(inset.inset(y0=0.04, y1=0.03).floor, height)
+
+
+def _doors(kit: Kit, wood: Material, body: Box, shape: tuple[int, int]) -> Piece:
+    """Fronts of all cells of a cabinet, in columns and rows, and handles on most cabinets."""
+    columns, rows = shape
+    gap = 0.006
+    width, _, height = body.size
+    dx = width / columns
+    dz = (height - 0.02) / rows
+    x = np.arange(columns)[:, None] * dx + body.x0
+    y = body.y0
+    z = body.z0 + np.arange(rows) * dz
+    yield kit.part(wood, Box(x + gap, x + (dx - gap), y, y + 0.02, z + gap, z + (dz - gap)))
+    if kit.chance(0.6):
+        x = x + dx / 2
+        z = z + 0.8 * dz
+        yield kit.part("metal", Box(x - 0.05, x + 0.05, y - 0.025, y, z, z + 0.012))
+
+
+def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece:
+    """Boards between sides, some of them with rows of books, others free for things."""
+    width, _, height = space.size
+    wood = kit.material("wood")
+    thickness = 0.025
+    bays = max(1, round(width / bay))
+    levels = max(1, round(height / kit.between(0.32, 0.42)))
+    x = np.linspace(space.x0, space.x1, bays + 1)
+    z = np.linspace(0.05, height - thickness, levels + 1)
+    start = np.minimum(x, space.x1 - thickness)
+    boards = space.inset(y0=0.005).cut(z0=z, z1=z + thickness)
+    yield kit.part(wood, space.cut(x0=start, x1=start + thickness), boards)
+    yield kit.part(wood, space.layer("y1", 0.01).cut(z0=0.05))
+    columns = Box(
+        x[:-1, None] + thickness, x[1:, None], space.y0 + 0.02, space.y1, z[:-1] + thickness, z[1:]
+    )
+    for free in columns.singles():
+        if kit.chance(fill):
+            yield from _books(kit, free.inset(y1=0.02))
+        else:
+            yield Top(free.inset(y1=0.03).floor, free.z0, free.z1 - free.z0)
+    yield Top(space.floor, height, 0.5)
+
+
+def _books(kit: Kit, space: Box) -> Piece:
+    """Books of one edition or of several, side by side from the left to where they end."""
+    width, depth, height = space.size
+    x = space.x0
+    end = x + kit.between(0.4, 1.0) * width
+    while x < end - 0.03:
+        run = min(kit.between(0.06, 0.4), end - x)  # one edition: equal heights
+        top = space.z0 + height * kit.between(0.6, 0.95)
+        thickness = kit.between(0.018, 0.045)
+        front = space.y0 + kit.between(0, 0.25) * depth
+        start = x + thickness * np.arange(max(1, int(run / thickness)))
+        books = space.cut(x0=start, x1=start + thickness - 0.001, y0=front, z1=top)
+        yield kit.part("paper", books)
+        x += len(start) * thickness + 0.002

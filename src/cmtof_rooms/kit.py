@@ -1,0 +1,92 @@
+"""What makers of furniture work with: random numbers, materials, and what they yield.
+
+A maker fills a `Box` that stands on z = 0 about the z axis, its front towards -y. It yields the
+parts of a piece of furniture, tops on which other things can stand, and the light of a lamp.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from trimesh import Trimesh
+
+from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.materials import Material
+from cmtof_rooms.solids import join, slab
+from cmtof_rooms.things import Part
+
+
+class Top(NamedTuple):
+    """A level rectangle on which things can stand."""
+
+    area: Rectangle
+    z: float
+    """Height, m."""
+    room: float = 1.0
+    """Free height above it, m."""
+
+
+class Glow(NamedTuple):
+    """Light of a lamp."""
+
+    height: float
+    """Above the lamp's foot, m."""
+    half_width: float
+    """Of the square that shines, m."""
+    direction: float
+    """1 upwards, -1 downwards, 0 to all sides."""
+    power: float
+    """As `cmtof_rooms.engine.Light` has it."""
+
+
+Piece = Iterator[Part | Top | Glow]
+"""A piece of furniture as its maker yields it."""
+
+
+@dataclass(frozen=True)
+class Kit:
+    """Random numbers and the materials of a household.
+
+    Attributes
+    ----------
+    rng : Generator
+    palette : dict
+        Materials to choose from, by role: wood, fabric, metal, ...
+    profiles : dict
+        Outlines of vessels, by name: share of the radius and of the height, from the foot on.
+    """
+
+    rng: np.random.Generator
+    palette: dict[str, list[Material]]
+    profiles: dict[str, list[tuple[float, float]]]
+
+    def material(self, *roles: str) -> Material:
+        """Draw one of the household's materials of a role, or of one of several roles."""
+        role = roles[0] if len(roles) == 1 else str(self.rng.choice(roles))
+        materials = self.palette[role]
+        return materials[self.index(materials)]
+
+    def part(self, material: Material | str, *solids: Trimesh | Box) -> Part:
+        """Join solids of one material, or of one drawn for a role."""
+        if isinstance(material, str):
+            material = self.material(material)
+        meshes = [slab(*one) if isinstance(one, Box) else one for one in solids]
+        return Part(join(meshes), material)
+
+    def index(self, items: Sequence) -> int:
+        """Draw the place of one of several items."""
+        return int(self.rng.integers(len(items)))
+
+    def between(self, low: float, high: float) -> float:
+        """Draw a number evenly."""
+        return float(self.rng.uniform(low, high))
+
+    def count(self, limits: Sequence[int]) -> int:
+        """Draw a whole number evenly from the lowest to the highest."""
+        low, high = limits
+        return int(self.rng.integers(low, high + 1))
+
+    def chance(self, share: float) -> bool:
+        """Draw whether something happens that does so in a share of cases."""
+        return bool(self.rng.uniform() < share)

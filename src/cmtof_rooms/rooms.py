@@ -1,0 +1,147 @@
+"""Furnished rooms from a seed, with their light and their cameras."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cmtof_rooms.boxes import Rectangle
+from cmtof_rooms.building import build_shell
+from cmtof_rooms.cameras import Camera, Lens, close_cameras, room_cameras
+from cmtof_rooms.furnishing import Furnishing
+from cmtof_rooms.interior import Interior
+from cmtof_rooms.kit import Kit
+from cmtof_rooms.presets import household, presets, weighted_choice
+from cmtof_rooms.shell import Shell
+from cmtof_rooms.things import Light, Thing, level_light
+from cmtof_rooms.walls import Wall
+
+CLOSE_SHARE = 0.05
+"""Share of a set's views that are taken from 0.5 to 1.2 m."""
+
+LIGHTS = 4
+"""Lights that a room has at most: rays are sent to each."""
+
+# streams of random numbers of one room, so that more views never change the room
+ROOM, ACROSS, CLOSE, LENS, EXPOSURE = range(5)
+
+
+def stream(seed: int, index: int, use: int) -> np.random.Generator:
+    """Random numbers of one room that no other and no other use of it share."""
+    return np.random.default_rng([seed, index, use])
+
+
+def room_name(seed: int, index: int) -> str:
+    """Folder of a room, by seed and place in the set.
+
+    >>> room_name(0, 7)
+    'room_000_007'
+    """
+    return f"room_{seed:03d}_{index:03d}"
+
+
+def close_views(index: int, views: int) -> int:
+    """How many of a room's views are close ones; over many rooms a share of `CLOSE_SHARE`.
+
+    >>> [close_views(i, 5) for i in range(8)]
+    [0, 0, 0, 1, 0, 0, 0, 1]
+    """
+    share = round(views * CLOSE_SHARE, 9)
+    return int((index + 1) * share) - int(index * share)
+
+
+@dataclass(frozen=True)
+class FurnishedRoom:
+    """A furnished room with its light; cameras are drawn from it.
+
+    Attributes
+    ----------
+    seed, index : int
+        Of the set, and the room's place in it.
+    kind : str
+        One of the ``rooms`` of `presets.yml`.
+    interior : Interior
+    floor : list of Rectangle
+    height : float
+        Of the ceiling, m.
+    furniture : range
+        Numbers of the things that do not belong to the house itself.
+    """
+
+    seed: int
+    index: int
+    kind: str
+    interior: Interior
+    floor: list[Rectangle]
+    height: float
+    furniture: range
+
+    @property
+    def name(self) -> str:
+        """Folder of the room, see `room_name`."""
+        return room_name(self.seed, self.index)
+
+    def cameras(self, views: int, lens: Lens) -> dict[str, list[Camera]]:
+        """Poses of ``cam_00`` (across the room) and ``cam_01`` (close to things).
+
+        Together ``views``; the first ones stay the same when more are asked for.
+        """
+        close = close_views(self.index, views)
+        across = room_cameras(
+            views - close,
+            self.interior,
+            lens,
+            floor=self.floor,
+            height=self.height,
+            rng=stream(self.seed, self.index, ACROSS),
+        )
+        near = close_cameras(
+            close,
+            self.interior,
+            lens,
+            things=np.array(self.furniture),
+            rng=stream(self.seed, self.index, CLOSE),
+        )
+        return {"cam_00": across, "cam_01": near}
+
+
+def build_room(seed: int, index: int) -> FurnishedRoom:
+    """Build, furnish and light one room; the same pair of numbers gives the same room."""
+    rng = stream(seed, index, ROOM)
+    rooms = presets()["rooms"]
+    kind = weighted_choice(rng, {name: room["weight"] for name, room in rooms.items()})
+    kit = household(rng)
+    shell = build_shell(kit, rooms[kind])
+    inside = Furnishing(shell, kit)
+    tidy = kit.between(0.7, 1.5)
+    inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
+    furniture = inside.things
+    for wall in shell.beyond:
+        furniture += _things_beyond(wall, kit)
+    first = len(shell.things) + 1 if furniture else 1
+    things = shell.things + furniture
+    space = [(0.1, 0.1, 0.1), (shell.width - 0.1, shell.depth - 0.1, shell.height - 0.1)]
+    lights = _strongest(shell, inside.lights)
+    interior = Interior(things, lights, space, sky=shell.sky)
+    numbers = range(first, len(things) + 1)
+    return FurnishedRoom(seed, index, kind, interior, shell.floor, shell.height, numbers)
+
+
+def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:
+    """Furniture at the far wall of a room beyond a passage."""
+    everywhere = Rectangle(-99.0, 99.0, -99.0, 99.0)
+    far = Furnishing(Shell(0.0, 0.0, 2.0, [wall], [everywhere]), kit)
+    far.fill({"sideboard": 0.5, "picture": 0.7, "big_plant": 0.5, "bookcase": 0.3})
+    return far.things
+
+
+def _strongest(shell: Shell, lamps: list[Light]) -> list[Light]:
+    """At most `LIGHTS` lights; the strongest lamps shine for those that were left out."""
+    if not shell.lights and not lamps:  # a lamp that nobody sees
+        middle = (shell.width / 2, shell.depth / 2, shell.height - 0.05)
+        lamps = [level_light(middle, 0.3, 0.3, 2.0)]
+    dimmed = 0.15 if shell.day else 1.0
+    lamps = [lamp._replace(power=lamp.power * dimmed) for lamp in lamps]
+    every = sorted([*shell.lights, *lamps], key=lambda light: -light.power)
+    kept = every[:LIGHTS]
+    more = sum(light.power for light in every) / sum(light.power for light in kept)
+    return [light._replace(power=light.power * more) for light in kept]

@@ -1,0 +1,205 @@
+"""Free places in a room: on the floor, before or on a wall, under the ceiling."""
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmtof_rooms.boxes import Rectangle
+from cmtof_rooms.kit import Kit
+from cmtof_rooms.shell import Shell
+from cmtof_rooms.things import Light
+from cmtof_rooms.walls import Wall
+
+Kind = dict[str, Any]
+"""One of the ``kinds`` of `presets.yml`."""
+
+Extents = tuple[float, float, float]
+"""Width, depth, height, m."""
+
+TRIES = 14
+"""Places that are tried for one thing before it is left out."""
+
+
+class Place(NamedTuple):
+    """Where a thing stands: its foot, m, and its turn about z, rad."""
+
+    x: float
+    y: float
+    z: float
+    turn: float
+
+    def carry(self, x: float, y: float) -> tuple[float, float]:
+        """Point of the thing's own frame in the room, m."""
+        cosine = np.cos(self.turn)
+        sine = np.sin(self.turn)
+        return self.x + cosine * x - sine * y, self.y + sine * x + cosine * y
+
+
+def turned_size(width: float, depth: float, turn: float) -> tuple[float, float]:
+    """Size along x and y, m, of a rectangle that is turned by ``turn``, rad."""
+    cosine = abs(np.cos(turn))
+    sine = abs(np.sin(turn))
+    return width * cosine + depth * sine, depth * cosine + width * sine
+
+
+@dataclass
+class Vacancy:
+    """What of a room is still free.
+
+    Attributes
+    ----------
+    shell : Shell
+    kit : Kit
+    lights : list of Light
+        Lamps in the room.
+    taken : list of Rectangle
+        Floor on which something stands.
+    tall : list of Rectangle
+        Where that reaches up to the lamps.
+    clear : list of Rectangle
+        Floor that stays free.
+    """
+
+    shell: Shell
+    kit: Kit
+    lights: list[Light] = field(default_factory=list)
+    taken: list[Rectangle] = field(default_factory=list)
+    tall: list[Rectangle] = field(default_factory=list)
+    clear: list[Rectangle] = field(default_factory=list)
+
+    def find(self, kind: Kind, size: Extents) -> Place | None:
+        """Draw a free place for a thing of a kind and take it; None after some tries."""
+        foot = self.kit.between(*kind["over"]) if kind["at"] == "hung" else 0.0
+        for _ in range(TRIES):
+            match kind["at"]:
+                case "free" | "flat":
+                    place = self._on_floor(kind, size)
+                case "ceiling":
+                    place = self._under_ceiling(size)
+                case _:
+                    place = self._at_wall(kind, size, foot)
+            if place is not None:
+                return place
+        return None
+
+    def fits(
+        self,
+        area: Rectangle,
+        height: float,
+        before: Rectangle,
+        clear: list[Rectangle],
+    ) -> bool:
+        """Whether an area of the floor and its height are free, and nothing stands ``before`` it.
+
+        Parameters
+        ----------
+        area : Rectangle
+        height : float
+            m.
+        before : Rectangle
+            Floor that must be free of other things.
+        clear : list of Rectangle
+            Floor that must not be stood upon.
+        """
+        return (
+            any(floor.contains(area) for floor in self.shell.floor)
+            and height <= self.shell.headroom(area)
+            and not area.meets(self.taken + clear)
+            and not before.meets(self.taken)
+        )
+
+    def _take(self, area: Rectangle, height: float) -> None:
+        """Mark an area of the floor as taken."""
+        self.taken.append(area)
+        if height > 1.8:
+            self.tall.append(area)
+
+    def _at_wall(self, kind: Kind, size: Extents, foot: float) -> Place | None:
+        """Try a place before a wall, in a corner, or on a wall with its foot at a height."""
+        width, _, height = size
+        lengths = np.array([wall.length for wall in self.shell.walls])
+        number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
+        wall = self.shell.walls[int(number)]
+        last = wall.length - width - 0.04
+        if wall.length < width + 0.1 or foot + height > self.shell.height - 0.02:
+            return None
+        x = self.kit.between(0.04, last)
+        if kind["at"] == "corner":
+            x = 0.04 if self.kit.chance(0.5) else last
+        spot = Rectangle(x, x + width, foot, foot + height)
+        if not wall.free(spot):
+            return None
+        return self._before_wall(kind, size, wall, spot)
+
+    def _before_wall(self, kind: Kind, size: Extents, wall: Wall, spot: Rectangle) -> Place | None:
+        """Try to take a spot of a wall and the floor before it."""
+        _, depth, height = size
+        start, end, foot, top = spot
+        gap = 0.002 if kind["at"] == "hung" else 0.03
+        front = -depth - gap
+        reach = kind.get("clear", 0.0)
+        area = wall.footprint(start, end, front, -gap)
+        before = wall.footprint(start, end, front - reach, -gap)
+        if foot > 0 and top > self.shell.headroom(area):
+            return None
+        if foot < 0.5:  # what hangs higher leaves the floor free
+            if not self.fits(area, height, before, self.clear):
+                return None
+            self._take(area, height)
+            if reach:
+                self.clear.append(wall.footprint(start, end, front - reach, front))
+        wall.taken.append(spot.grown(0.03, 0.03, 0.03, 0.05))
+        x, y, _ = wall.place((start + size[0] / 2, -depth / 2 - gap, foot)).tolist()
+        return Place(x, y, foot, wall.turn)
+
+    def _on_floor(self, kind: Kind, size: Extents) -> Place | None:
+        """Try a place on the floor, mostly about the middle of a room."""
+        flat = kind["at"] == "flat"
+        margin = kind.get("clear", 0.15)
+        floor = self._some_floor()
+        turn, covered = self._turned(size, flat)
+        if (floor.size < covered + 2 * margin).any():
+            return None
+        spare = floor.size - covered - 2 * margin
+        middle = floor.start + margin + covered / 2 + self.kit.rng.beta(2, 2, 2) * spare
+        area = Rectangle.about(*middle, *covered)
+        if flat:
+            if area.meets(self.shell.keep):
+                return None
+        elif self.fits(area, size[2], area.grown(margin, margin, margin, margin), self.clear):
+            self._take(area, size[2])
+        else:
+            return None
+        return Place(*middle.tolist(), 0.0, turn)
+
+    def _turned(self, size: Extents, flat: bool) -> tuple[float, NDArray[np.float64]]:
+        """Draw a turn, rad, and say what size of the floor, m, a thing then covers."""
+        width, depth, _ = size
+        quarters = int(self.kit.rng.integers(4))
+        tilt = 0.0
+        if not flat and self.kit.chance(0.3):
+            tilt = self.kit.between(-0.3, 0.3)
+        turned = (width, depth) if quarters % 2 == 0 else (depth, width)
+        return quarters * np.pi / 2 + tilt, np.array(turned_size(*turned, tilt))
+
+    def _some_floor(self) -> Rectangle:
+        """Draw one of the rectangles that cover the floor."""
+        return self.shell.floor[self.kit.index(self.shell.floor)]
+
+    def _under_ceiling(self, size: Extents) -> Place | None:
+        """Try a place under the ceiling, away from other lamps and tall things."""
+        width, depth, height = size
+        if self.shell.open:
+            return None
+        floor = self._some_floor()
+        x, y = floor.start + width + self.kit.rng.beta(2, 2, 2) * (floor.size - 2 * width)
+        z = self.shell.height - self.shell.lowest - height
+        area = Rectangle.about(x, y, width, depth)
+        for other_x, other_y, other_z in (light.centre for light in self.lights):
+            if abs(other_z - z) < 1.0 and np.hypot(other_x - x, other_y - y) <= 1.2:
+                return None
+        if area.meets(self.tall) or z + height > self.shell.headroom(area):
+            return None
+        return Place(float(x), float(y), float(z), 0.0)
