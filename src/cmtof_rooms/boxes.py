@@ -4,7 +4,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from cmtof_rooms.arrays import Array
 
 Limit = Any
 """A number, m, or an array of them where a `Box` stands for several."""
@@ -24,14 +25,19 @@ class Rectangle(NamedTuple):
         return cls(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)
 
     @property
-    def start(self) -> NDArray[np.float64]:
+    def start(self) -> Array:
         """Lowest corner (x, y), m."""
         return np.array(self[::2])
 
     @property
-    def size(self) -> NDArray[np.float64]:
+    def end(self) -> Array:
+        """Highest corner (x, y), m."""
+        return np.array(self[1::2])
+
+    @property
+    def size(self) -> Array:
         """Size along x and y, m."""
-        return np.array(self[1::2]) - self.start
+        return self.end - self.start
 
     def grown(self, left: float, right: float, below: float, above: float) -> "Rectangle":
         """Rectangle that reaches further by margins, m, below x0, above x1, below y0, above y1."""
@@ -78,7 +84,7 @@ class Box(NamedTuple):
         return cls(-width / 2, width / 2, -depth / 2, depth / 2, 0.0, height)
 
     @property
-    def size(self) -> NDArray[np.float64]:
+    def size(self) -> Array:
         """Width, depth and height, m."""
         x0, x1, y0, y1, z0, z1 = self
         return np.array([x1 - x0, y1 - y0, z1 - z0])
@@ -133,11 +139,11 @@ class Box(NamedTuple):
         start = np.array([getattr(self, axis + "0"), self._inside(axis + "1", thickness)])
         return self._replace(**{axis + "0": start, axis + "1": start + thickness})
 
-    def bars(self, axis: str, middles: NDArray, half: float) -> "Box":
+    def bars(self, axis: str, middles: Array, half: float) -> "Box":
         """Boxes about several places along an axis, of a half thickness, m."""
         return self._replace(**{axis + "0": middles - half, axis + "1": middles + half})
 
 
-def mirrored(distance: float) -> NDArray[np.float64]:
+def mirrored(distance: float) -> Array:
     """Both places at a distance, m, from the middle."""
     return np.array([-distance, distance])

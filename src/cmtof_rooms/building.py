@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from cmtof_rooms.arrays import Pair
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.openings import SKY, add_door, add_passage, add_windows
@@ -48,14 +49,14 @@ def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
     return shell
 
 
-def _floor(width: float, depth: float, notch: tuple[float, float]) -> list[Rectangle]:
+def _floor(width: float, depth: float, notch: Pair) -> list[Rectangle]:
     """Rectangles that cover the floor: one, or two where a corner is cut off."""
     a, b = notch
     whole = Rectangle(0.0, width - a, 0.0, depth)
     return [Rectangle(0.0, width, 0.0, depth - b), whole] if a else [whole]
 
 
-def _walls(width: float, depth: float, notch: tuple[float, float]) -> list[Wall]:
+def _walls(width: float, depth: float, notch: Pair) -> list[Wall]:
     """Four outer walls and, of an L, the two faces of the block in its corner."""
     a, b = notch
     quarter = np.pi / 2

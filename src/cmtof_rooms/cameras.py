@@ -3,13 +3,12 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cmtof.frame import rays_from_camera
+from cmtof_rooms.arrays import Array, Flags, Numbers, Shape
 from cmtof_rooms.boxes import Rectangle
 from cmtof_rooms.engine import sphere_of_directions
 from cmtof_rooms.interior import Interior
-
-Vector = NDArray[np.float64]
 
 TRIES = 28
 """Places drawn for each view."""
@@ -33,15 +32,18 @@ _FAR = 60.0  # m, what a ray that leaves counts for
 class Lens(NamedTuple):
     """Size of the image, (H, W) px, and focal length, px; pixel centres at +0.5."""
 
-    shape: tuple[int, int]
+    shape: Shape
     focal: float
 
-    def rays(self, orientation: Vector) -> NDArray[np.float32]:
-        """Unit directions (H, W, 3) in the world for an ``orientation`` (3, 3)."""
+    @property
+    def camera(self) -> Array:
+        """Focal lengths and middle of the image: fx, fy, cx, cy, px."""
         height, width = self.shape
-        x = (np.arange(width) + 0.5 - width / 2) / self.focal
-        y = (height / 2 - np.arange(height) - 0.5) / self.focal
-        rays = np.stack([*np.meshgrid(x, y), np.full(self.shape, -1.0)], -1)
+        return np.array([self.focal, self.focal, width / 2, height / 2])
+
+    def rays(self, orientation: Array) -> Array:
+        """Unit directions (H, W, 3) in the world for an ``orientation`` (3, 3)."""
+        rays = rays_from_camera(self.shape, self.camera) * [1, -1, -1]
         rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
         return np.ascontiguousarray(rays @ orientation.T, np.float32)
 
@@ -52,11 +54,11 @@ class Camera(NamedTuple):
     The orientation's columns are the camera's axes: right, up, backwards (it looks along -z).
     """
 
-    position: Vector
-    orientation: Vector
+    position: Array
+    orientation: Array
 
 
-def look_at(position: Vector, target: Vector, roll: float = 0.0) -> Camera:
+def look_at(position: Array, target: Array, roll: float = 0.0) -> Camera:
     """Camera at ``position`` that looks at ``target``, m, rolled by ``roll``, rad.
 
     >>> look_at(np.zeros(3), np.array([0.0, 1.0, 0.0])).orientation.round(6).tolist()
@@ -101,25 +103,32 @@ def room_cameras(
         Of the ceiling, m.
     rng : Generator
     """
-    area = np.array([np.prod(piece.size) for piece in floor])
-
-    def draw() -> Camera:
-        piece = floor[int(rng.choice(len(floor), p=area / area.sum()))]
-        eye_height = min(float(rng.choice([1.1, 1.4, 1.6, 1.9])), height - 0.4)
-        # with one's back to the wall, mostly
-        eye = np.array([*(piece.start + rng.beta(0.6, 0.6, 2) * piece.size), eye_height])
-        heading = rng.uniform(0, 2 * np.pi)
-        if rng.uniform() < SQUARE:
-            heading = np.pi / 2 * rng.integers(4) + rng.normal(0, 0.05)
-        pitch = np.radians(rng.normal(-4, 5))
-        ahead = np.array([np.cos(heading), np.sin(heading), np.tan(pitch)])
-        return look_at(eye, eye + ahead, np.radians(rng.normal(0, 1.0)))
-
     views: list[Camera] = []
     for _ in range(count):
         wanted = MIDDLE * np.exp(SPREAD * rng.normal())
-        views.append(_best([draw() for _ in range(TRIES)], wanted, interior, lens, views))
+        candidates = [_across(floor, height, rng) for _ in range(TRIES)]
+        views.append(_best(candidates, wanted, interior, lens, views))
     return views
+
+
+def _across(floor: list[Rectangle], height: float, rng: np.random.Generator) -> Camera:
+    """Draw a camera that a person could hold in a room."""
+    area = np.array([np.prod(piece.size) for piece in floor])
+    piece = floor[int(rng.choice(len(floor), p=area / area.sum()))]
+    eye_height = min(float(rng.choice([1.1, 1.4, 1.6, 1.9])), height - 0.4)
+    # with one's back to the wall, mostly
+    foot = piece.start + rng.beta(0.6, 0.6, 2) * piece.size
+    eye = np.append(foot, eye_height)
+    heading = rng.uniform(0, 2 * np.pi)
+    if rng.uniform() < SQUARE:
+        heading = np.pi / 2 * rng.integers(4) + rng.normal(0, 0.05)
+    ahead = _direction(heading, np.radians(rng.normal(-4, 5)))
+    return look_at(eye, eye + ahead, np.radians(rng.normal(0, 1.0)))
+
+
+def _direction(heading: float, rise: float) -> Array:
+    """Array (3,), one long seen from above, of a heading and an angle of rise, rad."""
+    return np.array([np.cos(heading), np.sin(heading), np.tan(rise)])
 
 
 def close_cameras(
@@ -127,7 +136,7 @@ def close_cameras(
     interior: Interior,
     lens: Lens,
     *,
-    things: NDArray,
+    things: Numbers,
     rng: np.random.Generator,
 ) -> list[Camera]:
     """Views of single things from 0.5 to 1.2 m away.
@@ -143,30 +152,26 @@ def close_cameras(
     rng : Generator
     """
     middles = _middles(interior, things)
-
-    def draw() -> Camera:
-        target = middles[int(rng.integers(len(middles)))] + rng.normal(0, 0.05, 3)
-        heading = rng.uniform(0, 2 * np.pi)
-        rise = np.radians(rng.uniform(0, 45))
-        away = np.array([np.cos(heading), np.sin(heading), np.tan(rise)])
-        eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
-        return look_at(eye, target, np.radians(rng.normal(0, 3)))
-
     views: list[Camera] = []
     for _ in range(count):
         wanted = rng.uniform(0.6, _CLOSE[1])
-        views.append(_best([draw() for _ in range(TRIES)], wanted, interior, lens, views))
+        candidates = [_close(middles, rng) for _ in range(TRIES)]
+        views.append(_best(candidates, wanted, interior, lens, views))
     return views
 
 
-def _middles(interior: Interior, things: NDArray) -> Vector:
+def _close(middles: Array, rng: np.random.Generator) -> Camera:
+    """Draw a camera close to one of several things, given by their middles (N, 3), m."""
+    target = middles[int(rng.integers(len(middles)))] + rng.normal(0, 0.05, 3)
+    away = _direction(rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(0, 45)))
+    eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
+    return look_at(eye, target, np.radians(rng.normal(0, 3)))
+
+
+def _middles(interior: Interior, things: Numbers) -> Array:
     """Middles (N, 3) of things of 0.1 to 1.6 m; of all where there are none."""
-    boxes = [
-        np.stack([part.mesh.bounds for part in interior.things[number - 1].parts])
-        for number in things
-    ]
-    low = np.array([box[:, 0].min(axis=0) for box in boxes])
-    high = np.array([box[:, 1].max(axis=0) for box in boxes])
+    boxes = np.array([interior.things[number - 1].bounds for number in things])
+    low, high = boxes.reshape(-1, 2, 3).swapaxes(0, 1)
     size = (high - low).max(axis=1)
     fit = (size > 0.1) & (size < 1.6)
     middles = (low + high) / 2
@@ -192,43 +197,46 @@ def _best(
     return candidates[int(np.argmin(off.round(4)))]
 
 
+def _probes(camera: Camera, lens: Lens) -> Array:
+    """Rays (N, 3) through a coarse picture, then to all sides."""
+    coarse = Lens((_PROBE, _PROBE), lens.focal * _PROBE / max(lens.shape))
+    pictured = coarse.rays(camera.orientation).reshape(-1, 3)
+    return np.vstack([pictured, sphere_of_directions(_AROUND)])
+
+
 class _Sight(NamedTuple):
     """What N candidates see."""
 
-    distance: Vector
+    distance: Array
     """Along rays of the picture, (N, K), m."""
-    air: Vector
+    air: Array
     """Free distance around, (N,), m."""
-    inside: NDArray[np.bool_]
+    inside: Flags
     """Whether they stand in a solid, (N,)."""
-    things: NDArray
+    things: Numbers
     """How many things are in the picture, (N,)."""
 
 
 def _sight(candidates: list[Camera], interior: Interior, lens: Lens) -> _Sight:
     """Look through coarse pictures of candidates, and around them."""
     count = len(candidates)
-    coarse = Lens((_PROBE, _PROBE), lens.focal * _PROBE / max(lens.shape))
-    probes = np.stack([coarse.rays(c.orientation).reshape(-1, 3) for c in candidates])
-    around = np.broadcast_to(sphere_of_directions(_AROUND), (count, _AROUND, 3))
-    rays = np.concatenate([probes, around], axis=1).reshape(-1, 3)
-    eyes = np.stack([c.position for c in candidates]).astype(np.float32)
+    rays = np.concatenate([_probes(camera, lens) for camera in candidates])
+    eyes = np.stack([camera.position for camera in candidates]).astype(np.float32)
     hits = interior.tracer.nearest(np.repeat(eyes, len(rays) // count, axis=0), rays)
     met = hits.triangle >= 0
     distance = np.where(met, hits.distance, _FAR).reshape(count, -1)
     facing = np.einsum("ij,ij->i", interior.normals[hits.triangle], rays)
     behind = met & (facing > 0)  # the back of a surface: inside a solid
-    thing = np.where(met, interior.instance[interior.part[hits.triangle]], 0)
-    pictured = thing.reshape(count, -1)[:, :-_AROUND]
+    thing = np.where(met, interior.thing_of(hits.triangle), 0).reshape(count, -1)
     return _Sight(
         distance[:, :-_AROUND],
         distance[:, -_AROUND:].min(axis=1),
         behind.reshape(count, -1).mean(axis=1) > 0.02,
-        np.array([len(np.unique(row)) for row in pictured]),
+        np.array([len(np.unique(row)) for row in thing[:, :-_AROUND]]),
     )
 
 
-def _likeness(candidates: list[Camera], chosen: list[Camera]) -> Vector:
+def _likeness(candidates: list[Camera], chosen: list[Camera]) -> Array:
     """How much each candidate (N,) repeats a view chosen before: 1 from the same place and way."""
     if not chosen:
         return np.zeros(len(candidates))
@@ -239,7 +247,7 @@ def _likeness(candidates: list[Camera], chosen: list[Camera]) -> Vector:
     return np.exp(-(apart**2) - (turned / 0.7) ** 2).max(axis=1)
 
 
-def _poses(cameras: list[Camera]) -> tuple[Vector, Vector]:
+def _poses(cameras: list[Camera]) -> tuple[Array, Array]:
     """Positions (N, 3) and backward axes (N, 3) of cameras."""
     positions = [camera.position for camera in cameras]
     orientations = [camera.orientation for camera in cameras]

@@ -7,12 +7,24 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
+from trimesh import Trimesh
 
+from cmtof_rooms.arrays import Array
 from cmtof_rooms.boxes import Box, Rectangle
-from cmtof_rooms.kit import Glow, Kit, Piece, Top
+from cmtof_rooms.kit import Kit, Piece, Top
 from cmtof_rooms.materials import Material
-from cmtof_rooms.solids import ball, box, ellipse, extrusion, move, revolution, sheet, slab, sweep
+from cmtof_rooms.solids import (
+    ball,
+    box,
+    ellipse,
+    extrusion,
+    move,
+    revolution,
+    sheet,
+    slab,
+    sweep,
+)
+from cmtof_rooms.things import Part, level_light
 
 
 def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> Piece:
@@ -21,7 +33,7 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> P
     radius = min(space.x1, space.y1)
     shade = kit.material("shade")._replace(emission=power)
     if style == "panel":
-        yield Glow(-0.01, radius, -1.0, power)
+        yield level_light((0, 0, -0.01), radius, radius, power)
         yield kit.part(shade, space)
         return
     tall = min(kit.between(0.6, 1.2) * 2 * radius, 0.45 * height)
@@ -31,11 +43,12 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> P
         foot = min(0.7 * radius, 0.16)
         stand = [(foot, 0), (foot, 0.02), (0.012, 0.03), (0.012, height - tall)]
         cone = revolution([(radius, 0), (narrow, tall)])
-        yield Glow(height + 0.05, 0.5 * narrow, 0.0, power)
+        half = 0.5 * narrow
+        yield level_light((0, 0, height + 0.05), half, half, power, 0.0)
         yield kit.part(metal, revolution(stand))
         yield kit.part(shade, move(cone, (0, 0, height - tall)))
     else:
-        yield Glow(-0.03, radius, -1.0, power)
+        yield level_light((0, 0, -0.03), radius, radius, power)
         if kit.chance(0.4):
             body = ball((radius, radius, tall / 2))
         else:
@@ -68,12 +81,10 @@ def blob(
 
 def cloth(kit: Kit, space: Box, *, style: str = "curtain", material: str = "fabric") -> Piece:
     """A curtain in folds, a rug on the floor, or a towel that hangs."""
-    width, depth, height = space.size
     if style == "rug":
-        corners = np.array([(-width, -depth), (width, -depth), (width, depth), (-width, depth)])
-        outline = ellipse(width, depth, 40) if kit.chance(0.2) else corners / 2
-        yield kit.part(material, extrusion(outline, height))
+        yield _rug(kit, space, material)
         return
+    width, depth, height = space.size
     thickness = 0.006
     folds = kit.between(5, 9) * width if style == "curtain" else kit.between(0.5, 2)
     columns = np.linspace(-width / 2, width / 2, max(9, int(10 * folds) + 1))
@@ -82,6 +93,16 @@ def cloth(kit: Kit, space: Box, *, style: str = "curtain", material: str = "fabr
     wave = np.sin(2 * np.pi * folds * (x / width + 0.5) + phase)
     y = (depth / 2 - thickness) * wave * (1 - 0.3 * z / height)
     yield kit.part(material, sheet(np.stack([x, y, z], -1), thickness))
+
+
+def _rug(kit: Kit, space: Box, material: str) -> Part:
+    """A rug, a fifth of them oval."""
+    width, depth, height = space.size
+    x0, x1, y0, y1 = space.floor
+    outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+    if kit.chance(0.2):
+        outline = ellipse(width, depth, 40)
+    return kit.part(material, extrusion(outline, height))
 
 
 def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
@@ -113,7 +134,8 @@ def _leaves(kit: Kit, green: Material, width: float, pot: float, crown: float) -
         way = np.array([np.cos(turn), np.sin(turn)]) * width / 2
         tip = [*(out * way), pot + crown * kit.between(0.35, 0.88)]
         bend = [*(0.3 * out * way), (pot + tip[2]) / 2]
-        stems.append(sweep([(0, 0, 0.8 * pot), bend, tip], 0.004 + 0.004 * crown, 5))
+        stem = [(0, 0, 0.8 * pot), bend, tip]
+        stems.append(sweep(stem, 0.004 + 0.004 * crown, 5))
         leaves.append(move(leaf, tip, turn))
     yield kit.part(green, *leaves)
     yield kit.part(green, *stems)
@@ -145,28 +167,38 @@ def picture(
 
 def pipe(kit: Kit, space: Box, *, count: Sequence[int] = (1, 2), level: bool = False) -> Piece:
     """Upright pipes from floor to height, or level rails from side to side."""
-    width, depth, height = space.size
+    radius = min(0.4 * space.size[1], 0.03)
     metal = kit.material("metal")
     number = kit.count(count)
-    radius = min(0.4 * depth, 0.03)
-    y = depth / 2 - radius
-    for k in range(number):
-        x = width * ((k + 0.5) / number - 0.5)
-        z = radius + (height - 2 * radius) * k / max(number - 1, 1)
-        corners = [(space.x0, y), (space.x0, -y), (space.x1, -y), (space.x1, y)]
-        path = [(*corner, z) for corner in corners] if level else [(x, 0, 0), (x, 0, height)]
+    paths = _rails(space, radius, number) if level else _risers(space, number)
+    for path in paths:
         yield kit.part(metal, sweep(_rounded(path), radius, 10))
 
 
-def _rounded(path: Sequence[Sequence[float]]) -> NDArray[np.float64]:
+def _risers(space: Box, number: int) -> list[Array]:
+    """Paths of upright pipes side by side."""
+    width, _, height = space.size
+    places = [width * ((k + 0.5) / number - 0.5) for k in range(number)]
+    return [np.array([(x, 0, 0), (x, 0, height)]) for x in places]
+
+
+def _rails(space: Box, radius: float, number: int) -> list[Array]:
+    """Paths of level rails above each other, with both ends at the wall."""
+    x = space.x1
+    y = space.y1 - radius
+    rise = space.z1 - 2 * radius
+    heights = [radius + rise * k / max(number - 1, 1) for k in range(number)]
+    return [np.array([(-x, y, z), (-x, -y, z), (x, -y, z), (x, y, z)]) for z in heights]
+
+
+def _rounded(path: Array) -> Array:
     """The path with three points close to each inner corner."""
-    line = np.array(path, float)
-    points = [line[0]]
-    for before, corner, after in zip(line[:-2], line[1:-1], line[2:], strict=True):
-        a = corner + 0.2 * (before - corner)
-        b = corner + 0.2 * (after - corner)
-        points += [a, (a + b + 2 * corner) / 4, b]
-    return np.array([*points, line[-1]])
+    corners = path[1:-1]
+    before = corners + 0.2 * (path[:-2] - corners)
+    after = corners + 0.2 * (path[2:] - corners)
+    middle = (before + after + 2 * corners) / 4
+    bends = np.stack([before, middle, after], 1).reshape(-1, 3)
+    return np.vstack([path[:1], bends, path[-1:]])
 
 
 def radiator(kit: Kit, space: Box) -> Piece:
@@ -209,17 +241,18 @@ def stack(
     number = kit.count(count)
     shares = np.sort(kit.rng.uniform(0.15, 1, number - 1))
     levels = height * np.unique([0.0, *shares.round(2), 1.0])
-    for low, high in pairwise(levels):
-        turn = kit.between(-0.15, 0.15) if number > 1 else 0.0
-        longer = max(width / depth, depth / width)
-        fit = 0.5 / (np.cos(turn) + longer * abs(np.sin(turn)))
-        a = width * fit * _share(kit, number)
-        b = depth * fit * _share(kit, number)
-        solid = slab(-a, a, -b, b, low, high - 1e-3)
-        yield kit.part(material, move(solid, (0, 0, 0), turn))
+    for z0, z1 in pairwise(levels):
+        layer = space.cut(z0=z0, z1=z1 - 1e-3)
+        yield kit.part(material, _case(kit, layer) if number > 1 else slab(*layer))
     yield Top(Rectangle.about(0, 0, 2 * width / 3, 2 * depth / 3), height, 0.4)
 
 
-def _share(kit: Kit, number: int) -> float:
-    """How much of its place one of several piled boxes takes; a single one takes all."""
-    return 1.0 if number == 1 else kit.between(0.75, 1.0)
+def _case(kit: Kit, space: Box) -> Trimesh:
+    """A box turned a little, which does not leave the floor of its space."""
+    width, depth, _ = space.size
+    turn = kit.between(-0.15, 0.15)
+    longer = max(width / depth, depth / width)
+    fit = 0.5 / (np.cos(turn) + longer * abs(np.sin(turn)))
+    x = width * fit * kit.between(0.75, 1.0)
+    y = depth * fit * kit.between(0.75, 1.0)
+    return move(slab(-x, x, -y, y, space.z0, space.z1), (0, 0, 0), turn)

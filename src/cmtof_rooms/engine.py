@@ -4,9 +4,9 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.floating]
+from cmtof_rooms.arrays import Array, Flags, Numbers
 
 
 class RayHits(NamedTuple):
@@ -14,7 +14,7 @@ class RayHits(NamedTuple):
 
     distance: Array
     """m, (N,)."""
-    triangle: NDArray[np.int32]
+    triangle: Numbers
     """Its number (N,); -1 where nothing was met."""
     u: Array
     """Weight of the triangle's second corner at the place that was met, (N,)."""
@@ -60,7 +60,7 @@ class Tracer:
         found = self._scene.run(origins, directions, output=1)
         return RayHits(found["tfar"], found["primID"], found["u"], found["v"])
 
-    def blocked(self, origins: Array, directions: Array, reach: Array) -> NDArray[np.bool_]:
+    def blocked(self, origins: Array, directions: Array, reach: Array) -> Flags:
         """Whether anything lies within ``reach``, (N,), m, along each ray."""
         return self._scene.run(origins, directions, dists=reach, query="OCCLUDED") == 0
 

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from cmtof_rooms.arrays import Array
 from cmtof_rooms.boxes import Box, Rectangle
-from cmtof_rooms.kit import Glow, Kit, Top
+from cmtof_rooms.kit import Kit, Top
 from cmtof_rooms.makers import MAKERS
 from cmtof_rooms.presets import presets
 from cmtof_rooms.shell import Shell
 from cmtof_rooms.solids import move
-from cmtof_rooms.things import Light, Part, Thing, level_light
+from cmtof_rooms.things import Light, Part, Thing
 from cmtof_rooms.vacancy import Extents, Kind, Place, Vacancy, turned_size
 
 WARM = (1.0, 0.93, 0.82)
@@ -84,10 +85,9 @@ class Furnishing:
                     parts.append(Part(move(mesh, foot, turn), material))
                 case Top():
                     tops.append(made)
-                case Glow(height, half, direction, power):
-                    middle = (place.x, place.y, place.z + height)
-                    light = level_light(middle, half, half, power, direction)
-                    self.lights.append(light._replace(colour=WARM))
+                case Light():
+                    middle = (place.x, place.y, place.z + made.centre[2])
+                    self.lights.append(made._replace(centre=middle, colour=WARM))
         self.things.append(Thing(name, parts))
         return tops
 
@@ -96,17 +96,17 @@ class Furnishing:
         sides = 1 if count == 1 else 2
         columns = -(-count // sides)
         for k in range(count):
-            width, depth, height = seat = self._size(_kind(name))
+            seat = self._size(_kind(name))
             column, side = divmod(k, sides)
-            if size[0] < columns * (width + 0.05):
+            if size[0] < columns * (seat[0] + 0.05):
                 continue
             x = size[0] * ((column + 0.5) / columns - 0.5)
-            y = size[1] / 2 + depth / 2 + self.kit.between(0.02, 0.25)
+            y = size[1] / 2 + seat[1] / 2 + self.kit.between(0.02, 0.25)
             foot = place.carry(x, y if side else -y)
             turn = place.turn + (0.0 if side else np.pi) + self.kit.between(-0.1, 0.1)
-            area = Rectangle.about(*foot, *turned_size(width, depth, turn))
+            area = Rectangle.about(*foot, *turned_size(*seat[:2], turn))
             # a seat may stand where its table keeps the floor clear
-            if self._vacancy.fits(area, height, area, self.shell.keep):
+            if self._vacancy.fits(area, seat[2], area, self.shell.keep):
                 self._vacancy.taken.append(area)
                 self._stand(name, seat, Place(*foot, 0.0, turn))
 
@@ -114,32 +114,32 @@ class Furnishing:
         """Stand things on the tops of another."""
         used: list[list[Rectangle]] = [[] for _ in tops]
         for name, mean in counts.items():
-            kind = _kind(name)
             for _ in range(self._times(mean)):
                 number = self.kit.index(tops)
-                spot = self._spot(tops[number], kind, used[number])
-                if spot is None:
-                    continue
-                size, x, y = spot
-                foot = (*place.carry(x, y), place.z + tops[number].z)
-                self._stand(name, size, Place(*foot, place.turn))
+                top = tops[number]
+                spot = self._spot(top, _kind(name), used[number])
+                if spot is not None:
+                    size, middle = spot
+                    foot = (*place.carry(*middle), place.z + top.z)
+                    self._stand(name, size, Place(*foot, place.turn))
 
     def _spot(
-        self, top: Top, kind: Kind, used: list[Rectangle]
-    ) -> tuple[Extents, float, float] | None:
+        self,
+        top: Top,
+        kind: Kind,
+        used: list[Rectangle],
+    ) -> tuple[Extents, Array] | None:
         """Draw size and middle of a thing that fits on a top beside what stands there."""
         for _ in range(4):
-            width, depth, height = self._size(kind)
-            free_width, free_depth = top.area.size
-            if width > free_width or depth > free_depth or height > top.room - 0.02:
+            size = self._size(kind)
+            if (np.array(size) > [*top.area.size, top.room - 0.02]).any():
                 continue
-            x0, x1, y0, y1 = top.area
-            x = self.kit.between(x0 + width / 2, x1 - width / 2)
-            y = self.kit.between(y0 + depth / 2, y1 - depth / 2)
-            area = Rectangle.about(x, y, width, depth)
+            half = np.array(size[:2]) / 2
+            middle = self.kit.rng.uniform(top.area.start + half, top.area.end - half)
+            area = Rectangle.about(*middle, *size[:2])
             if not area.meets(used):
                 used.append(area)
-                return (width, depth, height), x, y
+                return size, middle
         return None
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cmtof_rooms.arrays import Pair, Shape
 from cmtof_rooms.boxes import Box, Rectangle, mirrored
 from cmtof_rooms.kit import Kit, Piece, Top
 from cmtof_rooms.materials import Material
@@ -116,22 +117,21 @@ def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:
     if arms:
         top = min(kit.between(0.55, 0.65), height)
         yield kit.part(cover, space.ends("x", arm).cut(z0=0.08, z1=top))
-    inner = width - 2 * arm
-    seats = (inner, depth - back, 0.18)
+    inside = space.inset(x0=arm, x1=arm)
+    seats = (width - 2 * arm, depth - back, 0.18)
     yield _cushions(kit, cover, seats, (-back / 2, level - 0.05), 0.75)
     if back:
-        board = space.layer("y1", 0.08).inset(x0=arm, x1=arm)
-        yield kit.part(cover, board.cut(z0=level - 0.12))
-        rise = height - level
-        middle = (space.y1 - back / 2 - 0.03, level + 0.9 * (rise / 2))
-        yield _cushions(kit, cover, (inner, back, rise), middle, 0.7)
+        yield kit.part(cover, inside.layer("y1", 0.08).cut(z0=level - 0.12))
+        cushions = (width - 2 * arm, back, height - level)
+        middle = (space.y1 - back / 2 - 0.03, level + 0.9 * ((height - level) / 2))
+        yield _cushions(kit, cover, cushions, middle, 0.7)
 
 
 def _cushions(
     kit: Kit,
     cover: Material,
     size: Sequence[float],
-    middle: tuple[float, float],
+    middle: Pair,
     squareness: float,
 ) -> Part:
     """A row of cushions of a size together, about y and z of its ``middle``."""
@@ -165,7 +165,7 @@ def bed(kit: Kit, space: Box) -> Piece:
     yield from _pillows(kit, width, (depth / 2 - 0.32, level + 0.05))
 
 
-def _pillows(kit: Kit, width: float, middle: tuple[float, float]) -> Piece:
+def _pillows(kit: Kit, width: float, middle: Pair) -> Piece:
     """One pillow or, on a wide bed, two, about y and z of their ``middle``."""
     count = 2 if width > 1.2 else 1
     half = min(0.32, width / count / 2.1)
@@ -198,7 +198,7 @@ def cabinet(
     yield Top(inset.inset(y0=0.04, y1=0.03).floor, height)
 
 
-def _doors(kit: Kit, wood: Material, body: Box, shape: tuple[int, int]) -> Piece:
+def _doors(kit: Kit, wood: Material, body: Box, shape: Shape) -> Piece:
     """Fronts of all cells of a cabinet, in columns and rows, and handles on most cabinets."""
     columns, rows = shape
     gap = 0.006
@@ -220,23 +220,27 @@ def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece
     width, _, height = space.size
     wood = kit.material("wood")
     thickness = 0.025
-    bays = max(1, round(width / bay))
-    levels = max(1, round(height / kit.between(0.32, 0.42)))
-    x = np.linspace(space.x0, space.x1, bays + 1)
-    z = np.linspace(0.05, height - thickness, levels + 1)
-    start = np.minimum(x, space.x1 - thickness)
+    columns = max(1, round(width / bay))
+    rows = max(1, round(height / kit.between(0.32, 0.42)))
+    x = np.linspace(space.x0, space.x1, columns + 1)
+    z = np.linspace(0.05, height - thickness, rows + 1)
+    left = np.minimum(x, space.x1 - thickness)
+    sides = space.cut(x0=left, x1=left + thickness)
     boards = space.inset(y0=0.005).cut(z0=z, z1=z + thickness)
-    yield kit.part(wood, space.cut(x0=start, x1=start + thickness), boards)
+    yield kit.part(wood, sides, boards)
     yield kit.part(wood, space.layer("y1", 0.01).cut(z0=0.05))
-    columns = Box(
-        x[:-1, None] + thickness, x[1:, None], space.y0 + 0.02, space.y1, z[:-1] + thickness, z[1:]
-    )
-    for free in columns.singles():
-        if kit.chance(fill):
-            yield from _books(kit, free.inset(y1=0.02))
-        else:
-            yield Top(free.inset(y1=0.03).floor, free.z0, free.z1 - free.z0)
+    bays = space.inset(y0=0.02).cut(x0=x[:-1, None] + thickness, x1=x[1:, None])
+    yield from _fill(kit, bays.cut(z0=z[:-1] + thickness, z1=z[1:]), fill)
     yield Top(space.floor, height, 0.5)
+
+
+def _fill(kit: Kit, compartments: Box, share: float) -> Piece:
+    """Books in a share of a shelf's compartments, places for other things in the others."""
+    for space in compartments.singles():
+        if kit.chance(share):
+            yield from _books(kit, space.inset(y1=0.02))
+        else:
+            yield Top(space.inset(y1=0.03).floor, space.z0, space.z1 - space.z0)
 
 
 def _books(kit: Kit, space: Box) -> Piece:

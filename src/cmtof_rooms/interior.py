@@ -9,10 +9,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cmtof_rooms.arrays import Array, Flags, Numbers, Shape
 from cmtof_rooms.bounce import measure_bounce
-from cmtof_rooms.engine import Array, Tracer
+from cmtof_rooms.engine import Tracer
 from cmtof_rooms.materials import Palette
 from cmtof_rooms.solids import join
 from cmtof_rooms.things import Light, Thing
@@ -27,17 +28,17 @@ class Picture(NamedTuple):
     """Range along the ray, m; NaN where the ray leaves the scene."""
     normal: Array
     """(H, W, 3) unit normal of the surface in the world, towards the camera; 0 without depth."""
-    instance: NDArray[np.int32]
+    instance: Numbers
     """Number of the thing, from 1 on; -1 where there is none."""
 
 
 class Surface(NamedTuple):
     """What N rays meet."""
 
-    met: NDArray[np.bool_]
-    """Whether anything is met, (N,); the other arrays mean nothing where not."""
-    part: NDArray
-    """Number of the part, (N,)."""
+    key: Numbers
+    """Number of the part, (N,); -1 where nothing is met: there the other arrays mean nothing."""
+    part: Numbers
+    """The same, but of any part where nothing is met."""
     distance: Array
     """m, (N,)."""
     cosine: Array
@@ -59,8 +60,6 @@ class Interior:
         Lowest and highest corner of the space for which one bounce is stored, m.
     sky : float
         Radiance where rays leave.
-    bounce : bool
-        Whether light is scattered once more by what it falls on.
 
     Attributes
     ----------
@@ -82,7 +81,6 @@ class Interior:
         space: ArrayLike,
         *,
         sky: float = 0.0,
-        bounce: bool = True,
     ) -> None:
         self.things = list(things)
         self.lights = list(lights)
@@ -91,16 +89,20 @@ class Interior:
         whole = join(part.mesh for part in parts)
         self.vertices = np.asarray(whole.vertices, np.float32)
         self.faces = np.asarray(whole.faces, np.int32)
-        self.part = np.repeat(np.arange(len(parts)), [len(part.mesh.faces) for part in parts])
-        self.instance = np.repeat(np.arange(len(things)), [len(t.parts) for t in things]) + 1
+        self.part = _numbers([len(part.mesh.faces) for part in parts])
+        self.instance = _numbers([len(thing.parts) for thing in things]) + 1
         self.palette = Palette([part.material for part in parts])
         self.tracer = Tracer(self.vertices, self.faces)
         a, b, c = self.vertices.astype(np.float64)[self.faces].swapaxes(0, 1)
         across = np.cross(b - a, c - a)
-        self.normals = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
+        area = np.linalg.norm(across, axis=1, keepdims=True)
+        self.normals = across / np.maximum(area, 1e-30)
         self._offsets = (self.normals * a).sum(axis=1)
-        low, high = np.asarray(space, np.float32)
-        self.bounce = measure_bounce(low, high, self.lit) if bounce else None
+        self.bounce = measure_bounce(*np.asarray(space, np.float32), self.lit)
+
+    def thing_of(self, triangle: Numbers) -> Numbers:
+        """Number of the thing, from 1 on, that each triangle of given number belongs to."""
+        return self.instance[self.part[triangle]]
 
     def render(self, origin: ArrayLike, directions: Array) -> Picture:
         """Picture of what is seen along rays.
@@ -118,27 +120,35 @@ class Interior:
         pixel = np.linalg.norm(rays[1] - rays[0]) if shape[1] > 1 else 1e-3
         footprint = pixel * seen.distance / np.maximum(seen.cosine, 0.15)
         albedo = self.palette.albedo(
-            seen.part, seen.position, seen.normal, footprint.astype(np.float32)
+            seen.part,
+            seen.position,
+            seen.normal,
+            footprint.astype(np.float32),
         )
-        key = np.where(seen.met, seen.part, -1)
-        light = _smooth(
-            self.direct(seen.position, seen.normal, _tiles(*shape)).reshape(*shape, 3),
-            key.reshape(shape),
-            seen.normal.reshape(*shape, 3),
-        ).reshape(-1, 3)
-        light += self._scattered(seen, key, shape)
+        light = self._direct_smooth(seen, shape)
+        light += self._scattered(seen, shape)
         color = albedo * (light + self.palette.emission[seen.part][:, None])
-        missed = ~seen.met
+        missed = seen.key < 0
         color[missed] = self.sky
         seen.normal[missed] = 0.0
         seen.distance[missed] = np.nan
-        instance = np.where(seen.met, self.instance[seen.part], -1).astype(np.int32)
+        instance = np.where(missed, -1, self.instance[seen.part])
         return Picture(
             color.reshape(*shape, 3),
             seen.distance.astype(np.float32).reshape(shape),
             seen.normal.reshape(*shape, 3),
-            instance.reshape(shape),
+            instance.astype(np.int32).reshape(shape),
         )
+
+    def _direct_smooth(self, seen: Surface, shape: Shape) -> Array:
+        """Irradiance (N, 3) from the lights; neighbours ask for different places on them."""
+        light = self.direct(seen.position, seen.normal, _tiles(*shape))
+        smooth = _smooth(
+            light.reshape(*shape, 3),
+            seen.key.reshape(shape),
+            seen.normal.reshape(*shape, 3),
+        )
+        return smooth.reshape(-1, 3)
 
     def _surface(self, eye: Array, rays: Array) -> Surface:
         """Surfaces that rays (N, 3) from a point (3,), m, meet.
@@ -151,16 +161,17 @@ class Interior:
         plane = self.normals[triangle]
         along = np.einsum("ij,ij->i", plane, rays)
         distance = (self._offsets[triangle] - plane @ eye) / np.where(along == 0, 1e-12, along)
+        part = self.part[triangle]
         return Surface(
-            triangle >= 0,
-            self.part[triangle],
+            np.where(triangle >= 0, part, -1),
+            part,
             distance,
             np.abs(along),
             (eye + distance[:, None] * rays).astype(np.float32),
             (plane * -np.sign(along)[:, None]).astype(np.float32),
         )
 
-    def direct(self, position: Array, normal: Array, sample: NDArray | None = None) -> Array:
+    def direct(self, position: Array, normal: Array, sample: Numbers | None = None) -> Array:
         """Irradiance (N, 3) from the lights, with shadows.
 
         Parameters
@@ -171,7 +182,7 @@ class Interior:
             Which of 16 places on a light is asked for, 0 to 15; its centre by default.
         """
         found = np.zeros(position.shape, np.float32)
-        start = position + np.float32(2e-4) * normal
+        start = position + 2e-4 * normal
         for light in self.lights:
             to = _ways(light, start, sample)
             reach = np.sqrt(np.einsum("ij,ij->i", to, to))
@@ -182,12 +193,12 @@ class Interior:
             if facing.any():
                 given *= np.maximum(-(to @ facing), 0)
             some = np.flatnonzero(given > 0)
-            limit = reach[some] * np.float32(0.999)
+            limit = reach[some] * 0.999
             lit = some[~self.tracer.blocked(start[some], to[some], limit)]
             found[lit] += given[lit, None] * np.asarray(light.colour, np.float32)
         return found
 
-    def lit(self, origins: Array, directions: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def lit(self, origins: Array, directions: Array) -> tuple[Array, Flags]:
         """Radiance along rays of what the lights fall on, without lamps and sky themselves.
 
         Parameters
@@ -214,21 +225,19 @@ class Interior:
         behind[met] = back
         return radiance, behind
 
-    def _scattered(self, seen: Surface, key: NDArray, shape: tuple[int, int]) -> Array:
+    def _scattered(self, seen: Surface, shape: Shape) -> Array:
         """Irradiance (N, 3) by one bounce; it varies slowly: 2 x 2 pixels of a surface share it."""
-        found = np.zeros(seen.position.shape, np.float32)
-        if self.bounce is None:
-            return found
         y, x = np.indices(shape).reshape(2, -1) // 2 * 2
         lead = y * shape[1] + x
-        alike = key == key[lead]
+        alike = seen.key == seen.key[lead]
         alike &= np.einsum("ij,ij->i", seen.normal, seen.normal[lead]) > 0.98
         asked = np.flatnonzero(~alike | (lead == np.arange(len(lead))))
+        found = np.zeros_like(seen.normal)
         found[asked] = self.bounce.irradiance(seen.position[asked], seen.normal[asked])
         return np.where(alike[:, None], found[lead], found)
 
 
-def _ways(light: Light, start: Array, sample: NDArray | None) -> Array:
+def _ways(light: Light, start: Array, sample: Numbers | None) -> Array:
     """Ways (N, 3), m, from points to a light's centre, or to a place on it of 4 x 4."""
     ways = np.asarray(light.centre, np.float32) - start
     if sample is not None:
@@ -237,27 +246,36 @@ def _ways(light: Light, start: Array, sample: NDArray | None) -> Array:
     return ways
 
 
+def _numbers(counts: list[int]) -> Numbers:
+    """Number, from 0 on, of the group that each of several items belongs to, by group sizes."""
+    return np.repeat(np.arange(len(counts)), counts)
+
+
 @lru_cache(maxsize=4)
-def _tiles(height: int, width: int) -> NDArray[np.int32]:
+def _tiles(height: int, width: int) -> Numbers:
     """Number 0 to 15 of each pixel (H·W,): every 4 x 4 pixels have all, neighbours far ones."""
     order = [0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12]
     y, x = np.indices((height, width), dtype=np.int32).reshape(2, -1) % 4
     return np.array(order, np.int32)[4 * y + x]
 
 
-def _smooth(image: Array, part: NDArray, normal: Array) -> Array:
+def _smooth(image: Array, part: Numbers, normal: Array) -> Array:
     """Mean (H, W, 3) over 4 x 4 pixels that lie on the same part and face the same way."""
     for axis in (0, 1):
         total = image.copy()
         count = np.ones(part.shape, np.float32)
         for step in (-2, -1, 1):
-            first = slice(max(0, -step), part.shape[axis] - max(0, step))
-            second = slice(max(0, step), part.shape[axis] - max(0, -step))
-            here = (slice(None),) * axis + (first,)
-            there = (slice(None),) * axis + (second,)
+            here = _shifted(part.shape[axis], axis, step)
+            there = _shifted(part.shape[axis], axis, -step)
             alike = np.einsum("ijk,ijk->ij", normal[here], normal[there]) > 0.9
             alike &= part[here] == part[there]
             total[here] += image[there] * alike[..., None]
             count[here] += alike
         image = total / count[..., None]
     return image
+
+
+def _shifted(length: int, axis: int, step: int) -> tuple[slice, ...]:
+    """Pixels that still have a neighbour a number of steps ahead along an axis of an image."""
+    along = slice(max(0, -step), length - max(0, step))
+    return (slice(None),) * axis + (along,)

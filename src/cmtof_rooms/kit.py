@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from trimesh import Trimesh
 
+from cmtof_rooms.arrays import Pair
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.materials import Material
 from cmtof_rooms.solids import join, slab
-from cmtof_rooms.things import Part
+from cmtof_rooms.things import Light, Part
 
 
 class Top(NamedTuple):
@@ -27,20 +28,7 @@ class Top(NamedTuple):
     """Free height above it, m."""
 
 
-class Glow(NamedTuple):
-    """Light of a lamp."""
-
-    height: float
-    """Above the lamp's foot, m."""
-    half_width: float
-    """Of the square that shines, m."""
-    direction: float
-    """1 upwards, -1 downwards, 0 to all sides."""
-    power: float
-    """As `cmtof_rooms.engine.Light` has it."""
-
-
-Piece = Iterator[Part | Top | Glow]
+Piece = Iterator[Part | Top | Light]
 """A piece of furniture as its maker yields it."""
 
 
@@ -59,7 +47,7 @@ class Kit:
 
     rng: np.random.Generator
     palette: dict[str, list[Material]]
-    profiles: dict[str, list[tuple[float, float]]]
+    profiles: dict[str, list[Pair]]
 
     def material(self, *roles: str) -> Material:
         """Draw one of the household's materials of a role, or of one of several roles."""

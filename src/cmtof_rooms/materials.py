@@ -4,10 +4,13 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating]
-Colour = tuple[float, float, float]
+from cmtof_rooms.arrays import Array, Numbers, Triple
+
+Colour = Triple
+
+MEAN_SHARE = 0.4
+"""Share of the second colour where a pattern is too fine to be seen."""
 
 
 class Material(NamedTuple):
@@ -25,52 +28,101 @@ class Material(NamedTuple):
 
 
 def _hash(i: Array, j: Array) -> Array:
-    """Number in [0, 1) for each pair of whole numbers."""
-    a = i.astype(np.int64).astype(np.uint32) * np.uint32(374761393)
-    a += j.astype(np.int64).astype(np.uint32) * np.uint32(668265263)
-    a = (a ^ (a >> np.uint32(13))) * np.uint32(1274126177)
-    return ((a ^ (a >> np.uint32(16))) & np.uint32(0xFFFF)).astype(np.float32) / np.float32(65536)
+    """Number in [0, 1), which looks random, for each pair of whole numbers."""
+    first = i.astype(np.int64).astype(np.uint32)
+    second = j.astype(np.int64).astype(np.uint32)
+    bits = first * 374761393
+    bits += second * 668265263
+    bits ^= bits >> 13
+    bits *= 1274126177
+    bits ^= bits >> 16
+    bits &= 0xFFFF
+    return bits.astype(np.float32) / 65536
 
 
 def _noise(s: Array, t: Array) -> Array:
-    """Value noise with one cell a unit, 0 to 1."""
-    i, j = np.floor(s), np.floor(t)
-    x, y = s - i, t - j
-    x, y = x * x * (3 - 2 * x), y * y * (3 - 2 * y)
-    low = _hash(i, j) * (1 - x) + _hash(i + 1, j) * x
-    high = _hash(i, j + 1) * (1 - x) + _hash(i + 1, j + 1) * x
-    return low * (1 - y) + high * y
+    """Smooth noise of 0 to 1 with one cell a unit (value noise)."""
+    i = np.floor(s)
+    j = np.floor(t)
+    x = _smooth_step(s - i)
+    y = _smooth_step(t - j)
+    low = _mix(_hash(i, j), _hash(i + 1, j), x)
+    high = _mix(_hash(i, j + 1), _hash(i + 1, j + 1), x)
+    return _mix(low, high, y)
 
 
-def _joints(s: Array, t: Array) -> Array:
+def _mix(first: Array, second: Array, share: Array) -> Array:
+    """Mean of two values, with the share of the second."""
+    return first * (1 - share) + second * share
+
+
+def _smooth_step(share: Array) -> Array:
+    """Share of 0 to 1 that rises without a kink at both ends."""
+    return share * share * (3 - 2 * share)
+
+
+def _plain(s: Array, t: Array) -> Array:
+    """No pattern."""
+    return np.zeros_like(s)
+
+
+def _stripes(s: Array, t: Array) -> Array:
+    """Stripes along t."""
+    return (s % 1 < 0.5).astype(np.float32)
+
+
+def _checks(s: Array, t: Array) -> Array:
+    """Squares of both colours by turns."""
+    return ((np.floor(s) + np.floor(t)) % 2).astype(np.float32)
+
+
+def _tiles(s: Array, t: Array) -> Array:
+    """Joints of square tiles."""
     return np.maximum(s % 1 < 0.05, t % 1 < 0.05).astype(np.float32)
 
 
+def _bricks(s: Array, t: Array) -> Array:
+    """Joints of bricks, each second row shifted by half a brick."""
+    return _tiles(s / 2 + 0.5 * (np.floor(t) % 2), t)
+
+
 def _planks(s: Array, t: Array) -> Array:
+    """Boards of different tones with grain, and the gaps between their rows."""
     row = np.floor(t)
     board = np.floor(s / 8 + _hash(row, row))
-    tone = _hash(row, board)
-    return np.where(t % 1 < 0.04, 1.0, 0.7 * tone + 0.3 * _noise(s / 2, 9 * t))
+    tone = 0.7 * _hash(row, board) + 0.3 * _noise(s / 2, 9 * t)
+    return np.where(t % 1 < 0.04, 1.0, tone)
 
 
 def _wood(s: Array, t: Array) -> Array:
-    return 0.5 + 0.5 * np.sin(2 * np.pi * (t + 0.8 * _noise(s / 6, t / 2)))
+    """Rings of wood, cut along s."""
+    ring = t + 0.8 * _noise(s / 6, t / 2)
+    return 0.5 + 0.5 * np.sin(2 * np.pi * ring)
+
+
+def _cloudy(s: Array, t: Array) -> Array:
+    """Noise with finer noise in it."""
+    return 0.7 * _noise(s, t) + 0.3 * _noise(3 * s, 3 * t)
+
+
+def _dots(s: Array, t: Array) -> Array:
+    """Round dots in rows."""
+    off_centre = (s % 1 - 0.5) ** 2 + (t % 1 - 0.5) ** 2
+    return (off_centre < 0.09).astype(np.float32)
 
 
 PATTERNS: dict[str, Callable[[Array, Array], Array]] = {
-    "plain": lambda s, t: np.zeros_like(s),
-    "stripes": lambda s, t: (s % 1 < 0.5).astype(np.float32),
-    "checks": lambda s, t: ((np.floor(s) + np.floor(t)) % 2).astype(np.float32),
-    "tiles": _joints,
-    "bricks": lambda s, t: _joints(s / 2 + 0.5 * (np.floor(t) % 2), t),
+    "plain": _plain,
+    "stripes": _stripes,
+    "checks": _checks,
+    "tiles": _tiles,
+    "bricks": _bricks,
     "planks": _planks,
     "wood": _wood,
-    "noise": lambda s, t: 0.7 * _noise(s, t) + 0.3 * _noise(3 * s, 3 * t),
-    "dots": lambda s, t: ((s % 1 - 0.5) ** 2 + (t % 1 - 0.5) ** 2 < 0.09).astype(np.float32),
+    "noise": _cloudy,
+    "dots": _dots,
 }
 """Share, 0 to 1, of the second colour at coordinates in periods."""
-
-_ORDER = list(PATTERNS)
 
 
 class Palette:
@@ -79,41 +131,52 @@ class Palette:
     Parameters
     ----------
     materials : sequence of Material
+
+    Attributes
+    ----------
+    mean : ndarray of float32, shape (M, 3)
+        Reflectance without its pattern.
+    emission : ndarray of float32, shape (M,)
+        As `Material` has it.
     """
 
     def __init__(self, materials: Sequence[Material]) -> None:
-        self._colour = np.array([m.colour for m in materials], np.float32)
-        self._second = np.array([m.second for m in materials], np.float32)
-        self._scale = np.array([m.scale for m in materials], np.float32)
-        self._pattern = np.array([_ORDER.index(m.pattern) for m in materials])
-        self.emission = np.array([m.emission for m in materials], np.float32)
-        mean = np.where(self._pattern == 0, 0.0, 0.4)[:, None].astype(np.float32)
-        self.mean = self._colour + mean * (self._second - self._colour)
-        """Reflectance (M, 3) without its pattern."""
+        colour, second, pattern, scale, emission = zip(*materials, strict=True)
+        self._pattern = np.array(pattern)
+        self._colour = np.array(colour, np.float32)
+        self._second = np.array(second, np.float32)
+        self._scale = np.array(scale, np.float32)
+        self.emission = np.array(emission, np.float32)
+        share = np.where(self._pattern == "plain", 0.0, MEAN_SHARE)[:, None].astype(np.float32)
+        self.mean = self._colour + share * (self._second - self._colour)
 
-    def albedo(self, number: NDArray, position: Array, normal: Array, footprint: Array) -> Array:
+    def albedo(self, number: Numbers, position: Array, normal: Array, footprint: Array) -> Array:
         """Reflectance (N, 3) of points of materials ``number`` (N,).
 
         Parameters
         ----------
         number : ndarray of int, shape (N,)
         position, normal : ndarray, shape (N, 3)
-            In the world, m. The pattern lies in the plane that the normal is nearest to.
+            In the room, m. The pattern lies in the plane that the normal is nearest to.
         footprint : ndarray, shape (N,)
             Size of a pixel on the surface, m; finer patterns fade to their mean.
         """
         found = self._colour[number]
-        pattern = self._pattern[number]
-        for code in np.unique(pattern):
-            if code == 0:
-                continue
-            some = np.flatnonzero(pattern == code)
+        patterns = self._pattern[number]
+        for name in set(self._pattern) - {"plain"}:
+            some = np.flatnonzero(patterns == name)
             kind = number[some]
-            axis = np.abs(normal[some]).argmax(axis=1)
-            x, y, z = (position[some] / self._scale[kind][:, None]).T
-            s, t = np.where(axis == 0, y, x), np.where(axis == 2, y, z)
-            mix = PATTERNS[_ORDER[code]](s, t)
-            faded = np.clip(2.5 * footprint[some] / self._scale[kind] - 0.5, 0, 1)
-            mix = (mix + faded * (0.4 - mix)).astype(np.float32)[:, None]
-            found[some] += mix * (self._second[kind] - found[some])
+            scale = self._scale[kind]
+            s, t = _coordinates(position[some] / scale[:, None], normal[some])
+            share = PATTERNS[name](s, t)
+            fade = np.clip(2.5 * footprint[some] / scale - 0.5, 0, 1)
+            share = (share + fade * (MEAN_SHARE - share)).astype(np.float32)[:, None]
+            found[some] += share * (self._second[kind] - found[some])
         return found
+
+
+def _coordinates(position: Array, normal: Array) -> tuple[Array, Array]:
+    """Coordinates (N,) in the two axes that the normal (N, 3) is farthest from."""
+    axis = np.abs(normal).argmax(axis=1)
+    x, y, z = position.T
+    return np.where(axis == 0, y, x), np.where(axis == 2, y, z)

@@ -3,6 +3,7 @@
 import numpy as np
 from trimesh import Trimesh
 
+from cmtof_rooms.arrays import Triple
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Colour, Material
@@ -22,17 +23,21 @@ def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:
     x = wall.gap(kit, width)
     if x is None:
         return
-    end = x + width
-    wall.cut(Rectangle(x, end, 0.0, height), side=0.08, above=0.1)
-    shell.keep.append(wall.footprint(x, end, -0.9, 0.0))
+    hole = Rectangle(x, x + width, 0.0, height)
+    wall.cut(hole, side=0.08, above=0.1)
+    shell.keep.append(wall.footprint(hole, -0.9, 0.0))
     front = kit.material("front")
-    metal = kit.material("metal")
-    leaf = Box(x, end, 0.06, 0.1, 0.0, height)
+    leaf = Box(x, hole.x1, 0.06, 0.1, 0.0, height)
     handle = Box(x + 0.06, x + 0.18, 0.02, 0.04, 1.02, 1.04)
-    frame = Box(x, end, -0.02, 0.0, 0.0, height + 0.07)
-    jambs = np.array([x - 0.07, end])
-    frames = (frame.cut(x0=jambs, x1=jambs + 0.07), frame.cut(z0=height))
-    shell.build("door", wall, (front, leaf), (metal, handle), (front, *frames))
+    frame = leaf.cut(y0=-0.02, y1=0.0, z1=height + 0.07)
+    jambs = np.array([x - 0.07, hole.x1])
+    shell.build(
+        "door",
+        wall,
+        (front, leaf),
+        (kit.material("metal"), handle),
+        (front, frame.cut(x0=jambs, x1=jambs + 0.07), frame.cut(z0=height)),
+    )
 
 
 def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
@@ -42,11 +47,11 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     x = wall.gap(kit, width)
     if x is None:
         return
-    end = x + width
-    wall.cut(Rectangle(x, end, 0.0, height))
-    shell.keep.append(wall.footprint(x, end, -0.9, 0.0))
+    hole = Rectangle(x, x + width, 0.0, height)
+    wall.cut(hole)
+    shell.keep.append(wall.footprint(hole, -0.9, 0.0))
     left = x - kit.between(0.1, 1.5)
-    right = end + kit.between(0.1, 1.5)
+    right = hole.x1 + kit.between(0.1, 1.5)
     depth = kit.between(2.0, 7.0)
     ceiling = max(height + 0.1, min(shell.height, 3.0))
     _add_room_beyond(kit, shell, wall, Box(left, right, 0.0, depth, 0.0, ceiling))
@@ -54,25 +59,24 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
 
 def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:
     """Add walls, floor, ceiling and a lamp of a room beyond a wall, from its outer face on."""
-    left, right, _, depth, _, height = space
     t = THICKNESS
+    left, right, _, depth, _, height = space
     far = t + depth
     paint = kit.material("wall")
-    ground = kit.material("floor")
     outer = Box(left - t, right + t, t, far + t, 0.0, height)
     sides = np.array([left - t, right])
     shell.build(
         "room beyond",
         wall,
         (paint, outer.cut(x0=sides, x1=sides + t), outer.cut(y0=far)),
-        (ground, outer.cut(y0=0.0, z0=-0.2, z1=0.0)),
+        (kit.material("floor"), outer.cut(y0=0.0, z0=-0.2, z1=0.0)),
         (paint, outer.cut(z0=height, z1=height + t)),
     )
-    x, y, _ = wall.place((left, far, 0.0)).tolist()
-    shell.beyond.append(Wall((x, y), wall.turn, right - left))
+    start = wall.place((left, far, 0.0)).tolist()
+    shell.beyond.append(Wall((start[0], start[1]), wall.turn, right - left))
     middle = wall.place(((left + right) / 2, (t + far) / 2, height - 0.03))
-    power = 0.25 * (right - left) * depth
-    shell.lights.append(level_light(middle, 0.4, 0.4, min(power, 2.0)))
+    power = min(0.25 * (right - left) * depth, 2.0)
+    shell.lights.append(level_light(middle, 0.4, 0.4, power))
 
 
 def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:
@@ -85,47 +89,52 @@ def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:
     starts = [each * (k + 0.5) - width / 2 for k in range(count)]
     holes = [Rectangle(x, x + width, sill, head) for x in starts]
     holes = [hole for hole in holes if wall.free(hole.grown(0.1, 0.1, 0, 0))]
-    if not holes:
-        return
+    if holes:
+        _glaze(kit, shell, wall, holes, view=view)
+        area = len(holes) * width * (head - sill)
+        shell.lights.append(_daylight(wall, holes, area * shell.sky / np.pi))
+        if view:
+            _add_outdoors(kit, shell, wall)
+
+
+def _glaze(kit: Kit, shell: Shell, wall: Wall, holes: list[Rectangle], *, view: bool) -> None:
+    """Cut windows into a wall, with frames and, without a view, bright panes."""
     trim = kit.material("front")
     pane = Material(SKY, emission=shell.sky * kit.between(0.7, 1.3))
     bars = kit.rng.integers(0, 3, 2)
-    built = []
+    pieces = []
     for hole in holes:
         wall.cut(hole)
-        built.append((trim, *_window_frame(hole, *bars)))
+        whole = Box(hole.x0, hole.x1, 0.06, 0.11, hole.y0, hole.y1)
+        pieces.append((trim, *_window_frame(whole, *bars)))
         if not view:
-            built.append((pane, Box(hole.x0, hole.x1, 0.08, 0.09, sill, head)))
-    shell.build("window", wall, *built)
-    shell.lights.append(_daylight(wall, holes, width, shell.sky))
-    if view:
-        _add_outdoors(kit, shell, wall)
+            pieces.append((pane, whole.cut(y0=0.08, y1=0.09)))
+    shell.build("window", wall, *pieces)
 
 
-def _window_frame(hole: Rectangle, upright: int, level: int) -> list[Box]:
-    """Frame of a window, with numbers of bars across it."""
-    x0, x1, z0, z1 = hole
-    whole = Box(x0, x1, 0.06, 0.11, z0, z1)
+def _window_frame(whole: Box, upright: int, level: int) -> list[Box]:
+    """Frame that fills a window, with numbers of bars across it."""
+    x = np.linspace(whole.x0, whole.x1, upright + 2)[1:-1]
+    z = np.linspace(whole.z0, whole.z1, level + 2)[1:-1]
     return [
         whole.ends("x", 0.06),
         whole.ends("z", 0.06),
-        whole.bars("x", np.linspace(x0, x1, upright + 2)[1:-1], 0.02),
-        whole.bars("z", np.linspace(z0, z1, level + 2)[1:-1], 0.02),
+        whole.bars("x", x, 0.02),
+        whole.bars("z", z, 0.02),
     ]
 
 
-def _daylight(wall: Wall, holes: list[Rectangle], width: float, sky: float) -> Light:
-    """One light for a row of windows of a width, as bright as the sky through all of them."""
+def _daylight(wall: Wall, holes: list[Rectangle], power: float) -> Light:
+    """One light for a row of windows."""
     start, _, sill, head = holes[0]
     end = holes[-1].x1
-    area = len(holes) * width * (head - sill)
     along, outwards, up = wall.place(np.eye(3)) - wall.place(np.zeros(3))
     return Light(
         wall.place(((start + end) / 2, -0.01, (sill + head) / 2)),
         along * (end - start) / 2,
         up * (head - sill) / 2,
         -outwards,
-        area * sky / np.pi,
+        power,
         SKY,
     )
 
@@ -139,7 +148,6 @@ def _add_outdoors(kit: Kit, shell: Shell, wall: Wall) -> None:
     lawn = Material((0.12, 0.2, 0.06), (0.25, 0.24, 0.2), "noise", 0.8, glow)
     facade = Material((0.6, 0.5, 0.4), emission=glow)
     rooms = Material((0.05, 0.06, 0.07), emission=glow)
-    green = Material((0.08, 0.18, 0.05), emission=glow)
     width = kit.between(15, 45)
     height = kit.between(5, 14)
     left = middle - width / 2
@@ -147,10 +155,17 @@ def _add_outdoors(kit: Kit, shell: Shell, wall: Wall) -> None:
     behind = Box(left, middle + width / 2, far + 0.3, far + 8, level, level + height)
     front = move(_facade(width, height), (left, far, level))
     shell.build("house outside", wall, (lawn, ground), (facade, front), (rooms, behind))
+    _add_trees(kit, shell, wall, (far, level, glow))
+
+
+def _add_trees(kit: Kit, shell: Shell, wall: Wall, place: Triple) -> None:
+    """Add up to three trees before what lies far, on a level, of a radiance per reflectance."""
+    far, level, glow = place
+    green = Material((0.08, 0.18, 0.05), emission=glow)
     for _ in range(int(kit.rng.integers(0, 4))):
         size = kit.between(1.0, 2.5)
         crown = ball((size, size, 1.2 * size), noise=0.3, rng=kit.rng, fineness=3)
-        x = middle + kit.between(-8, 8)
+        x = wall.length / 2 + kit.between(-8, 8)
         y = kit.between(0.3, 0.9) * far
         tree = move(crown, (x, y, level + 1.4 * size))
         shell.build("tree outside", wall, (green, tree))

@@ -11,7 +11,6 @@ from functools import partial
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from threading import Thread
-from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +20,7 @@ from scipy.special import ndtri
 from cmtof.files import alone, read_document, written_whole
 from cmtof.frame import Frame, brightness
 from cmtof.hypersim import FILES, View, write_metadata
+from cmtof_rooms.arrays import Shape
 from cmtof_rooms.cameras import Camera, Lens
 from cmtof_rooms.interior import Picture
 from cmtof_rooms.rooms import (
@@ -90,15 +90,12 @@ class RenderedView(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What one room cost, in seconds of one core; views already there do not count."""
+    """What was done for one room."""
 
     scene: str
     """Folder of the room."""
     rendered: int
-    """Views."""
-    build_s: float
-    views_s: float
-    write_s: float
+    """Views; those that were there already do not count."""
 
 
 def split_of(index: int) -> str:
@@ -110,7 +107,7 @@ def split_of(index: int) -> str:
     return {8: "val", 9: "test"}.get(index % 10, "train")
 
 
-def shape_from_text(text: str) -> tuple[int, int]:
+def shape_from_text(text: str) -> Shape:
     """Height and width, px, of a size like ``768x1024``.
 
     Raises
@@ -193,9 +190,7 @@ def render_views(settings: Settings) -> Iterator[RenderedView]:
 
 def frame_of(seen: Picture, lens: Lens, name: str) -> Frame:
     """Frame for the simulator: range, linear green, camera."""
-    height, width = lens.shape
-    camera = np.array([lens.focal, lens.focal, width / 2, height / 2])
-    return Frame(seen.depth, seen.color[..., 1], camera, name)
+    return Frame(seen.depth, seen.color[..., 1], lens.camera, name)
 
 
 def _number(camera: str, frame: int) -> int:
@@ -235,20 +230,15 @@ def render_room(root: Path, settings: Settings, index: int) -> Report:
     name = room_name(settings.seed, index)
     views = _views(index, settings.views)
     missing = [view for view in views if not view_exists(root, name, *view)]
-    if not missing:
-        return Report(name, 0, 0.0, 0.0, 0.0)
-    start = process_time()
-    room = build_room(settings.seed, index)
-    built = process_time()
-    lens = settings.lens(index)
-    cameras = room.cameras(settings.views, lens)
-    writing = 0.0
-    for camera, frame in missing:
-        seen = render_view(room, cameras[camera][frame], lens, _number(camera, frame))
-        before = process_time()
-        write_view(root, name, camera, frame, **seen._asdict())
-        writing += process_time() - before
-    return Report(name, len(missing), built - start, process_time() - built - writing, writing)
+    if missing:
+        room = build_room(settings.seed, index)
+        lens = settings.lens(index)
+        cameras = room.cameras(settings.views, lens)
+        for camera, frame in missing:
+            pose = cameras[camera][frame]
+            seen = render_view(room, pose, lens, _number(camera, frame))
+            write_view(root, name, camera, frame, **seen._asdict())
+    return Report(name, len(missing))
 
 
 def _views(index: int, views: int) -> list[tuple[str, int]]:

@@ -114,16 +114,32 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
     inside = Furnishing(shell, kit)
     tidy = kit.between(0.7, 1.5)
     inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
-    furniture = inside.things
     for wall in shell.beyond:
-        furniture += _things_beyond(wall, kit)
-    first = len(shell.things) + 1 if furniture else 1
-    things = shell.things + furniture
-    space = [(0.1, 0.1, 0.1), (shell.width - 0.1, shell.depth - 0.1, shell.height - 0.1)]
+        inside.things += _things_beyond(wall, kit)
+    return FurnishedRoom(
+        seed,
+        index,
+        kind,
+        _lit(shell, inside),
+        shell.floor,
+        shell.height,
+        _numbers(shell, inside),
+    )
+
+
+def _lit(shell: Shell, inside: Furnishing) -> Interior:
+    """The furnished room with its strongest lights."""
+    low = np.full(3, 0.1)
+    high = np.array([shell.width, shell.depth, shell.height]) - 0.1
     lights = _strongest(shell, inside.lights)
-    interior = Interior(things, lights, space, sky=shell.sky)
-    numbers = range(first, len(things) + 1)
-    return FurnishedRoom(seed, index, kind, interior, shell.floor, shell.height, numbers)
+    return Interior(shell.things + inside.things, lights, [low, high], sky=shell.sky)
+
+
+def _numbers(shell: Shell, inside: Furnishing) -> range:
+    """Numbers of the furniture; of everything in an empty room."""
+    house = len(shell.things)
+    count = len(inside.things)
+    return range(house + 1 if count else 1, house + count + 1)
 
 
 def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:

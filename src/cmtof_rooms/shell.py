@@ -6,6 +6,7 @@ corner (an L).
 
 from dataclasses import dataclass, field
 
+from cmtof_rooms.arrays import Triple
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.things import Light, Part, Thing
 from cmtof_rooms.walls import THICKNESS, Wall
@@ -50,7 +51,7 @@ class Shell:
     lights: list[Light] = field(default_factory=list)
     keep: list[Rectangle] = field(default_factory=list)
     beyond: list[Wall] = field(default_factory=list)
-    eaves: list[tuple[float, float, float]] = field(default_factory=list)
+    eaves: list[Triple] = field(default_factory=list)
     lowest: float = 0.0
 
     def add(self, kind: str, *parts: Part) -> None:

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
-Array = NDArray[np.float64]
+from cmtof_rooms.arrays import Array, Flags, Numbers
 
 _CORNERS = np.indices((2, 2, 2)).reshape(3, 8).T - 0.5
 """Corners of a unit cube about the origin."""
@@ -28,7 +28,7 @@ _HALVES = [[0, 1, 2], [0, 2, 3]]
 _BOX_FACES = np.array(_SIDES)[:, _HALVES].reshape(12, 3)
 
 
-def mesh_from(vertices: NDArray, faces: NDArray) -> Trimesh:
+def mesh_from(vertices: Array, faces: Numbers) -> Trimesh:
     """Mesh of vertices (V, 3), m, and triangles (F, 3), which stay as they are."""
     return Trimesh(vertices, faces, process=False)
 
@@ -123,19 +123,17 @@ def _lines(length: float, edges: Array) -> Array:
     return np.unique(np.clip(np.append(edges, [0.0, length]), 0, length))
 
 
-def _outside(holes: Array, x: Array, z: Array) -> NDArray[np.bool_]:
+def _outside(holes: Array, x: Array, z: Array) -> Flags:
     """Whether the middle of each cell between grid lines x and z lies in no hole."""
+    x0, x1, z0, z1 = holes.T[:, :, None, None]
     middle_x = ((x[1:] + x[:-1]) / 2)[:, None]
-    middle_z = ((z[1:] + z[:-1]) / 2)[None, :]
-    outside = np.ones((len(x) - 1, len(z) - 1), bool)
-    for x0, x1, z0, z1 in holes:
-        across = (middle_x > x0) & (middle_x < x1)
-        upright = (middle_z > z0) & (middle_z < z1)
-        outside &= ~(across & upright)
-    return outside
+    middle_z = (z[1:] + z[:-1]) / 2
+    across = (middle_x > x0) & (middle_x < x1)
+    upright = (middle_z > z0) & (middle_z < z1)
+    return ~(across & upright).any(axis=0)
 
 
-def _cells(number: NDArray) -> NDArray:
+def _cells(number: Numbers) -> Numbers:
     """Corners (N - 1, M - 1, 4), in turn, of the cells of a grid of numbered points (N, M)."""
     corners = [
         number[:-1, :-1],
@@ -146,7 +144,7 @@ def _cells(number: NDArray) -> NDArray:
     return np.stack(corners, -1)
 
 
-def _triangles(cells: NDArray) -> NDArray:
+def _triangles(cells: Numbers) -> Numbers:
     """Triangles (2 N, 3) of cells (N, 4): first one half of each, then the other."""
     return np.concatenate([cells[:, half] for half in _HALVES])
 
@@ -191,10 +189,9 @@ def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
     return mesh_from(vertices, np.concatenate(faces))
 
 
-def _fan(middle: int, first: NDArray, second: NDArray) -> NDArray:
+def _fan(middle: int, first: Numbers, second: Numbers) -> Numbers:
     """Triangles (N, 3) of one point with N pairs of others."""
-    middles = np.full(len(first), middle)
-    return np.stack([middles, first, second], 1)
+    return np.stack(np.broadcast_arrays(middle, first, second), 1)
 
 
 def _circles(line: Array, sections: int) -> Array:
@@ -282,7 +279,7 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     return mesh_from(vertices, faces[:, ::-1])
 
 
-def _sheet_faces(count: int, columns: int) -> NDArray:
+def _sheet_faces(count: int, columns: int) -> Numbers:
     """Triangles of a closed sheet whose two sides have ``count`` vertices each, row by row."""
     number = np.arange(count).reshape(-1, columns)
     front = _triangles(_cells(number).reshape(-1, 4))

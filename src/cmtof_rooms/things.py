@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
 from trimesh import Trimesh
 
+from cmtof_rooms.arrays import Array
 from cmtof_rooms.materials import Colour, Material
+from cmtof_rooms.solids import join
 
-Vector = Sequence[float] | NDArray[np.floating]
+Vector = Sequence[float] | Array
 """Three numbers, m."""
 
 
@@ -25,6 +25,11 @@ class Thing(NamedTuple):
 
     kind: str
     parts: list[Part]
+
+    @property
+    def bounds(self) -> Array:
+        """Lowest and highest corner (2, 3), m."""
+        return join(part.mesh for part in self.parts).bounds
 
 
 class Light(NamedTuple):

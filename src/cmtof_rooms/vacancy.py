@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cmtof_rooms.arrays import Array, Pair, Triple
 from cmtof_rooms.boxes import Rectangle
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.shell import Shell
@@ -15,7 +15,7 @@ from cmtof_rooms.walls import Wall
 Kind = dict[str, Any]
 """One of the ``kinds`` of `presets.yml`."""
 
-Extents = tuple[float, float, float]
+Extents = Triple
 """Width, depth, height, m."""
 
 TRIES = 14
@@ -30,14 +30,14 @@ class Place(NamedTuple):
     z: float
     turn: float
 
-    def carry(self, x: float, y: float) -> tuple[float, float]:
+    def carry(self, x: float, y: float) -> Pair:
         """Point of the thing's own frame in the room, m."""
         cosine = np.cos(self.turn)
         sine = np.sin(self.turn)
         return self.x + cosine * x - sine * y, self.y + sine * x + cosine * y
 
 
-def turned_size(width: float, depth: float, turn: float) -> tuple[float, float]:
+def turned_size(width: float, depth: float, turn: float) -> Pair:
     """Size along x and y, m, of a rectangle that is turned by ``turn``, rad."""
     cosine = abs(np.cos(turn))
     sine = abs(np.sin(turn))
@@ -135,24 +135,23 @@ class Vacancy:
 
     def _before_wall(self, kind: Kind, size: Extents, wall: Wall, spot: Rectangle) -> Place | None:
         """Try to take a spot of a wall and the floor before it."""
-        _, depth, height = size
-        start, end, foot, top = spot
+        width, depth, height = size
         gap = 0.002 if kind["at"] == "hung" else 0.03
         front = -depth - gap
         reach = kind.get("clear", 0.0)
-        area = wall.footprint(start, end, front, -gap)
-        before = wall.footprint(start, end, front - reach, -gap)
-        if foot > 0 and top > self.shell.headroom(area):
+        area = wall.footprint(spot, front, -gap)
+        if spot.y0 > 0 and spot.y1 > self.shell.headroom(area):
             return None
-        if foot < 0.5:  # what hangs higher leaves the floor free
+        if spot.y0 < 0.5:  # what hangs higher leaves the floor free
+            before = wall.footprint(spot, front - reach, -gap)
             if not self.fits(area, height, before, self.clear):
                 return None
             self._take(area, height)
             if reach:
-                self.clear.append(wall.footprint(start, end, front - reach, front))
+                self.clear.append(wall.footprint(spot, front - reach, front))
         wall.taken.append(spot.grown(0.03, 0.03, 0.03, 0.05))
-        x, y, _ = wall.place((start + size[0] / 2, -depth / 2 - gap, foot)).tolist()
-        return Place(x, y, foot, wall.turn)
+        middle = (spot.x0 + width / 2, -depth / 2 - gap, spot.y0)
+        return Place(*wall.place(middle).tolist(), wall.turn)
 
     def _on_floor(self, kind: Kind, size: Extents) -> Place | None:
         """Try a place on the floor, mostly about the middle of a room."""
@@ -174,7 +173,7 @@ class Vacancy:
             return None
         return Place(*middle.tolist(), 0.0, turn)
 
-    def _turned(self, size: Extents, flat: bool) -> tuple[float, NDArray[np.float64]]:
+    def _turned(self, size: Extents, flat: bool) -> tuple[float, Array]:
         """Draw a turn, rad, and say what size of the floor, m, a thing then covers."""
         width, depth, _ = size
         quarters = int(self.kit.rng.integers(4))

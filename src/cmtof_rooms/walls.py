@@ -6,9 +6,10 @@ A wall's own frame has x along it and y outwards.
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
+from cmtof_rooms.arrays import Array, Pair
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Material
@@ -23,7 +24,7 @@ THICKNESS = 0.15
 class Wall:
     """One side of a room."""
 
-    origin: tuple[float, float]
+    origin: Pair
     """Its left end, seen from inside, m."""
     turn: float
     """Of its own frame about z, rad."""
@@ -34,7 +35,7 @@ class Wall:
     holes: list[Rectangle] = field(default_factory=list)
     """What is cut out of it."""
 
-    def place(self, points: ArrayLike) -> NDArray[np.float64]:
+    def place(self, points: ArrayLike) -> Array:
         """Points (..., 3) of the wall's frame in the room, m."""
         return np.asarray(points, float) @ turn_about_z(self.turn) + np.array([*self.origin, 0.0])
 
@@ -48,9 +49,9 @@ class Wall:
                 meshes.append(solid)
         return [Part(move(one, (*self.origin, 0.0), self.turn), material) for one in meshes]
 
-    def footprint(self, x0: float, x1: float, y0: float, y1: float) -> Rectangle:
-        """Rectangle of the wall's frame in the room, m; quarter turns keep it one."""
-        corners = self.place([(x0, y0, 0.0), (x1, y1, 0.0)])
+    def footprint(self, piece: Rectangle, y0: float, y1: float) -> Rectangle:
+        """Floor along a piece of it between two distances outwards, m; quarter turns only."""
+        corners = self.place([(piece.x0, y0, 0.0), (piece.x1, y1, 0.0)])
         x, y, _ = np.sort(corners, axis=0).T.tolist()
         return Rectangle(*x, *y)
 

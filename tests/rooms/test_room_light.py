@@ -28,7 +28,7 @@ def places(radius):
 
 
 def test_a_point_light_follows_lamberts_law():
-    interior = Interior([floor()], [Light((0, 0, 2), power=3.0, **POINT)], INSIDE, bounce=False)
+    interior = Interior([floor()], [Light((0, 0, 2), power=3.0, **POINT)], INSIDE)
     radius = np.array([0.0, 0.5, 1.0, 3.0])
     found = interior.direct(places(radius), up(radius))
     expected = 3 * 2 / (radius**2 + 4) ** 1.5
@@ -38,7 +38,7 @@ def test_a_point_light_follows_lamberts_law():
 def test_a_small_square_light_gives_its_form_factor():
     height = 2.0
     light = level_light((0, 0, height), 0.1, 0.1, 1.0)
-    interior = Interior([floor()], [light], INSIDE, bounce=False)
+    interior = Interior([floor()], [light], INSIDE)
     radius = np.repeat([0.0, 1.0, 2.0], 16)
     found = interior.direct(places(radius), up(radius), np.tile(np.arange(16), 3))[:, 0]
     expected = height**2 / (np.array([0.0, 1.0, 2.0]) ** 2 + height**2) ** 2
@@ -48,7 +48,7 @@ def test_a_small_square_light_gives_its_form_factor():
 def test_shadows_are_where_the_light_is_hidden():
     above = Thing("ball", [Part(move(ball(0.3), (0, 0, 1)), Material())])
     light = Light((0, 0, 2), power=1.0, **POINT)
-    interior = Interior([floor(), above], [light], INSIDE, bounce=False)
+    interior = Interior([floor(), above], [light], INSIDE)
     edge = 2 * np.tan(np.arcsin(0.3))
     found = interior.direct(places([0.0, edge - 0.03, edge + 0.03]), up(range(3)))[:, 0]
     assert found[0] == found[1] == 0
@@ -90,7 +90,7 @@ def test_only_what_is_lit_from_its_front_scatters_light():
 
 
 def test_range_of_a_plane_is_exact_to_single_precision():
-    interior = Interior([floor()], [], INSIDE, bounce=False)
+    interior = Interior([floor()], [], INSIDE)
     lens = Lens((48, 64), 55.0)
     camera = look_at(np.array([0.1, -0.3, 1.7]), np.array([0.4, 3.0, 1.2]))
     rays = lens.rays(camera.orientation)
@@ -105,7 +105,7 @@ def test_range_of_a_plane_is_exact_to_single_precision():
 
 def test_radiance_is_reflectance_times_irradiance_plus_emission():
     light = Light((0, 0, 2), power=3.0, **POINT)
-    interior = Interior([floor(0.3, emission=0.7)], [light], INSIDE, bounce=False)
+    interior = Interior([floor(0.3, emission=0.7)], [light], INSIDE)
     camera = look_at(np.array([0, 0.01, 1.0]), np.array([0.0, 0.0, 0.0]))
     seen = interior.render(camera.position, Lens((9, 9), 900.0).rays(camera.orientation))
     assert seen.color[4, 4, 1] == pytest.approx(0.3 * (3 / 4 + 0.7), rel=1e-3)
