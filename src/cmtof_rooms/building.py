@@ -124,10 +124,9 @@ def _add_beams(kit: Kit, shell: Shell) -> None:
     wood = kit.material("wood")
     count = max(1, int(shell.width / kit.between(1.2, 3.0)))
     low = shell.height - thickness
-    half = thickness / 3
     middles = shell.width / count * (np.arange(count) + 0.5)
-    beams = [slab(x - half, x + half, 0, shell.depth, low, shell.height) for x in middles]
-    shell.add("beams", *[Part(beam, wood) for beam in beams])
+    beams = Box(0, 0, 0, shell.depth, low, shell.height).bars("x", middles, thickness / 3)
+    shell.add("beams", *[Part(slab(*beam), wood) for beam in beams.singles()])
     shell.lowest = thickness
 
 

@@ -114,8 +114,8 @@ def room_cameras(
 def _across(floor: list[Rectangle], height: float, rng: np.random.Generator) -> Camera:
     """Draw a camera that a person could hold in a room."""
     area = np.array([np.prod(piece.size) for piece in floor])
-    piece = floor[int(rng.choice(len(floor), p=area / area.sum()))]
-    eye_height = min(float(rng.choice([1.1, 1.4, 1.6, 1.9])), height - 0.4)
+    piece = floor[rng.choice(len(floor), p=area / area.sum())]
+    eye_height = min(rng.choice([1.1, 1.4, 1.6, 1.9]), height - 0.4)
     # with one's back to the wall, mostly
     foot = piece.start + rng.beta(0.6, 0.6, 2) * piece.size
     eye = np.append(foot, eye_height)
@@ -162,7 +162,7 @@ def close_cameras(
 
 def _close(middles: Array, rng: np.random.Generator) -> Camera:
     """Draw a camera close to one of several things, given by their middles (N, 3), m."""
-    target = middles[int(rng.integers(len(middles)))] + rng.normal(0, 0.05, 3)
+    target = middles[rng.integers(len(middles))] + rng.normal(0, 0.05, 3)
     away = _direction(rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(0, 45)))
     eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
     return look_at(eye, target, np.radians(rng.normal(0, 3)))
@@ -194,7 +194,7 @@ def _best(
     off += 2.0 * np.maximum(0.0, (seen == _FAR).mean(axis=1) - 0.1)
     crowded = 50.0 * (sight.air < _AIR)
     off += crowded + 200.0 * sight.inside + 0.8 * _likeness(candidates, chosen)
-    return candidates[int(np.argmin(off.round(4)))]
+    return candidates[np.argmin(off.round(4))]
 
 
 def _probes(camera: Camera, lens: Lens) -> Array:

@@ -11,7 +11,7 @@ from trimesh import Trimesh
 
 from cmtof_rooms.arrays import Array
 from cmtof_rooms.boxes import Box, Rectangle
-from cmtof_rooms.kit import Kit, Piece, Top
+from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material
 from cmtof_rooms.solids import (
     ball,
@@ -24,7 +24,7 @@ from cmtof_rooms.solids import (
     slab,
     sweep,
 )
-from cmtof_rooms.things import Part, level_light
+from cmtof_rooms.things import level_light
 
 
 def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> Piece:
@@ -34,7 +34,7 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> P
     shade = kit.material("shade")._replace(emission=power)
     if style == "panel":
         yield level_light((0, 0, -0.01), radius, radius, power)
-        yield kit.part(shade, space)
+        yield shade, space
         return
     tall = min(kit.between(0.6, 1.2) * 2 * radius, 0.45 * height)
     narrow = radius * kit.between(0.4, 1.0)
@@ -45,23 +45,23 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> P
         cone = revolution([(radius, 0), (narrow, tall)])
         half = 0.5 * narrow
         yield level_light((0, 0, height + 0.05), half, half, power, 0.0)
-        yield kit.part(metal, revolution(stand))
-        yield kit.part(shade, move(cone, (0, 0, height - tall)))
+        yield metal, revolution(stand)
+        yield shade, move(cone, (0, 0, height - tall))
     else:
         yield level_light((0, 0, -0.03), radius, radius, power)
         if kit.chance(0.4):
             body = ball((radius, radius, tall / 2))
         else:
             body = revolution([(radius, -tall / 2), (narrow, tall / 2)])
-        yield kit.part(shade, move(body, (0, 0, tall / 2)))
-        yield kit.part(metal, sweep([(0, 0, tall), (0, 0, height)], 0.008, 6))
+        yield shade, move(body, (0, 0, tall / 2))
+        yield metal, sweep([(0, 0, tall), (0, 0, height)], 0.008, 6)
 
 
 def vessel(kit: Kit, space: Box, *, profile: str = "vase", material: str = "ceramic") -> Piece:
     """A turned vessel, of another width than depth where the size says so."""
     turned = revolution(np.array(kit.profiles[profile]) * [0.5, 1], sections=32)
     turned.vertices = turned.vertices * space.size
-    yield kit.part(material, turned)
+    yield material, turned
 
 
 def blob(
@@ -76,7 +76,7 @@ def blob(
     body = ball(1.0, noise=noise, rng=kit.rng, squareness=squareness, fineness=3)
     low, high = body.bounds
     body.vertices = (body.vertices - (low + high) / 2) * space.size / (high - low)
-    yield kit.part(material, move(body, (0, 0, space.z1 / 2)))
+    yield material, move(body, (0, 0, space.z1 / 2))
 
 
 def cloth(kit: Kit, space: Box, *, style: str = "curtain", material: str = "fabric") -> Piece:
@@ -92,17 +92,17 @@ def cloth(kit: Kit, space: Box, *, style: str = "curtain", material: str = "fabr
     phase = kit.between(0, 2 * np.pi) + 0.3 * np.sin(3 * z / height + kit.between(0, 6))
     wave = np.sin(2 * np.pi * folds * (x / width + 0.5) + phase)
     y = (depth / 2 - thickness) * wave * (1 - 0.3 * z / height)
-    yield kit.part(material, sheet(np.stack([x, y, z], -1), thickness))
+    yield material, sheet(np.stack([x, y, z], -1), thickness)
 
 
-def _rug(kit: Kit, space: Box, material: str) -> Part:
+def _rug(kit: Kit, space: Box, material: str) -> Solids:
     """A rug, a fifth of them oval."""
     width, depth, height = space.size
     x0, x1, y0, y1 = space.floor
     outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     if kit.chance(0.2):
         outline = ellipse(width, depth, 40)
-    return kit.part(material, extrusion(outline, height))
+    return material, extrusion(outline, height)
 
 
 def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
@@ -115,10 +115,10 @@ def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
     green = kit.material("leaf")
     if style == "bush":
         leaves = Box.standing((width, width, 0.9 * crown))
-        bush = next(blob(kit, leaves, material="leaf", noise=0.35))
-        yield kit.part(green, move(bush.mesh, (0, 0, pot + 0.1 * crown)))
+        bush = kit.part(*next(blob(kit, leaves, material="leaf", noise=0.35)))
+        yield green, move(bush.mesh, (0, 0, pot + 0.1 * crown))
         stem = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
-        yield kit.part(green, sweep(stem, 0.03 * pot + 0.01, 6))
+        yield green, sweep(stem, 0.03 * pot + 0.01, 6)
     else:
         yield from _leaves(kit, green, width, pot, crown)
 
@@ -137,8 +137,8 @@ def _leaves(kit: Kit, green: Material, width: float, pot: float, crown: float) -
         stem = [(0, 0, 0.8 * pot), bend, tip]
         stems.append(sweep(stem, 0.004 + 0.004 * crown, 5))
         leaves.append(move(leaf, tip, turn))
-    yield kit.part(green, *leaves)
-    yield kit.part(green, *stems)
+    yield green, *leaves
+    yield green, *stems
 
 
 def picture(
@@ -154,9 +154,9 @@ def picture(
     edge = min(frame, width / 6)
     half = edge / 2
     paint = kit.material(material)._replace(emission=emission)
-    yield kit.part(paint, space.inset(x0=half, x1=half, y0=depth / 3, z0=half, z1=half))
+    yield paint, space.inset(x0=half, x1=half, y0=depth / 3, z0=half, z1=half)
     upright = space.inset(z0=edge, z1=edge)
-    yield kit.part(
+    yield (
         kit.material("wood", "metal"),
         space.layer("z0", edge),
         space.layer("z1", edge),
@@ -172,7 +172,7 @@ def pipe(kit: Kit, space: Box, *, count: Sequence[int] = (1, 2), level: bool = F
     number = kit.count(count)
     paths = _rails(space, radius, number) if level else _risers(space, number)
     for path in paths:
-        yield kit.part(metal, sweep(_rounded(path), radius, 10))
+        yield metal, sweep(_rounded(path), radius, 10)
 
 
 def _risers(space: Box, number: int) -> list[Array]:
@@ -207,7 +207,7 @@ def radiator(kit: Kit, space: Box) -> Piece:
     x = np.linspace(-width / 2 + 0.02, width / 2 - 0.02, max(3, int(width / 0.07)))
     places = np.outer(x, [1, 0, 0])
     up = np.array([0, 0, height])
-    yield kit.part(
+    yield (
         "paint",
         box((0.04, depth, 0.86 * height), places + 0.54 * up),
         box((width - 0.04, 0.5 * depth, 0.04), np.outer([0.16, 0.92], up)),
@@ -220,13 +220,13 @@ def stairs(kit: Kit, space: Box, *, rail: bool = True) -> Piece:
     count = max(2, round(space.z1 / 0.18))
     x = np.linspace(space.x0, space.x1, count + 1)
     z = np.linspace(0, space.z1, count + 1)[1:]
-    yield kit.part("wood", space.cut(x0=x[:-1], x1=x[1:], z1=z))
+    yield "wood", space.cut(x0=x[:-1], x1=x[1:], z1=z)
     if rail:
         feet = np.stack([(x[:-1] + x[1:]) / 2, np.full(count, space.y0 + 0.04), z], 1)
         tops = feet + np.array([0, 0, 0.9])
         bars = [sweep(ends, 0.012, 6) for ends in np.stack([feet, tops], 1)]
-        yield kit.part("metal", *bars)
-        yield kit.part("wood", sweep(tops, 0.025, 8))
+        yield "metal", *bars
+        yield "wood", sweep(tops, 0.025, 8)
 
 
 def stack(
@@ -243,7 +243,7 @@ def stack(
     levels = height * np.unique([0.0, *shares.round(2), 1.0])
     for z0, z1 in pairwise(levels):
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
-        yield kit.part(material, _case(kit, layer) if number > 1 else slab(*layer))
+        yield material, _case(kit, layer) if number > 1 else slab(*layer)
     yield Top(Rectangle.about(0, 0, 2 * width / 3, 2 * depth / 3), height, 0.4)
 
 

@@ -9,7 +9,7 @@ from cmtof_rooms.makers import MAKERS
 from cmtof_rooms.presets import presets
 from cmtof_rooms.shell import Shell
 from cmtof_rooms.solids import move
-from cmtof_rooms.things import Light, Part, Thing
+from cmtof_rooms.things import Light, Thing
 from cmtof_rooms.vacancy import Extents, Kind, Place, Vacancy, turned_size
 
 WARM = (1.0, 0.93, 0.82)
@@ -80,14 +80,14 @@ class Furnishing:
         parts = []
         tops = []
         for made in make(self.kit, Box.standing(size), **kind.get("make", {})):
-            match made:
-                case Part(mesh, material):
-                    parts.append(Part(move(mesh, foot, turn), material))
-                case Top():
-                    tops.append(made)
-                case Light():
-                    middle = (place.x, place.y, place.z + made.centre[2])
-                    self.lights.append(made._replace(centre=middle, colour=WARM))
+            if isinstance(made, Top):
+                tops.append(made)
+            elif isinstance(made, Light):
+                middle = (place.x, place.y, place.z + made.centre[2])
+                self.lights.append(made._replace(centre=middle, colour=WARM))
+            else:
+                part = self.kit.part(*made)
+                parts.append(part._replace(mesh=move(part.mesh, foot, turn)))
         self.things.append(Thing(name, parts))
         return tops
 

@@ -9,10 +9,9 @@ import numpy as np
 
 from cmtof_rooms.arrays import Pair, Shape
 from cmtof_rooms.boxes import Box, Rectangle, mirrored
-from cmtof_rooms.kit import Kit, Piece, Top
+from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material
 from cmtof_rooms.solids import ball, ellipse, extrusion, move, revolution
-from cmtof_rooms.things import Part
 
 
 def posts(x: float, y: float, thickness: float, z0: float, z1: float) -> Box:
@@ -39,11 +38,11 @@ def table(
     reach = 0.5  # of the place for things, as a share of the size
     if kit.chance(round_top):
         disc = extrusion(ellipse(width, depth), thickness)
-        yield kit.part(wood, move(disc, (0, 0, board.z0)))
+        yield wood, move(disc, (0, 0, board.z0))
         legs = "pedestal"
         reach = 0.35
     else:
-        yield kit.part(wood, board)
+        yield wood, board
     yield from LEGS[legs](kit, wood, board)
     x = reach * width * 0.9
     y = reach * depth * 0.9
@@ -54,14 +53,14 @@ def _pedestal(kit: Kit, wood: Material, board: Box) -> Piece:
     """A turned foot of metal below a table's board."""
     foot = 0.3 * min(board.size[:2])
     profile = [(foot, 0), (foot, 0.03), (0.05, 0.06), (0.04, board.z0)]
-    yield kit.part("metal", revolution(profile))
+    yield "metal", revolution(profile)
 
 
 def _leg_panels(kit: Kit, wood: Material, board: Box) -> Piece:
     """Two upright panels below a table's board."""
     y = 0.95 * board.y1
     below = Box(0, 0, -y, y, 0, board.z0)
-    yield kit.part(wood, below.bars("x", mirrored(board.x1 - 0.06), 0.02))
+    yield wood, below.bars("x", mirrored(board.x1 - 0.06), 0.02)
 
 
 def _four_legs(kit: Kit, wood: Material, board: Box) -> Piece:
@@ -69,10 +68,10 @@ def _four_legs(kit: Kit, wood: Material, board: Box) -> Piece:
     thickness = min(kit.between(0.03, 0.07), *board.size[:2] / 6)
     x = board.x1 - thickness
     y = board.y1 - thickness
-    yield kit.part(wood, posts(x, y, thickness, 0, board.z0))
+    yield wood, posts(x, y, thickness, 0, board.z0)
     if board.z1 > 0.5:
         below = Box(-x, x, 0, 0, board.z0 - 0.11, board.z0)
-        yield kit.part(wood, below.bars("y", mirrored(y), 0.01))
+        yield wood, below.bars("y", mirrored(y), 0.01)
 
 
 LEGS = {"four": _four_legs, "panel": _leg_panels, "pedestal": _pedestal}
@@ -95,14 +94,14 @@ def _chair(kit: Kit, space: Box, *, back: bool) -> Piece:
     x = (width - thickness) / 2
     y = (depth - thickness) / 2
     low = level - 0.04
-    yield kit.part("fabric", space.cut(z0=low, z1=level))
-    yield kit.part(wood, posts(x, y, thickness, 0, low))
+    yield "fabric", space.cut(z0=low, z1=level)
+    yield wood, posts(x, y, thickness, 0, low)
     if back:
         half = thickness / 2
         behind = Box(-x, x, y - half, y + half, level, height)
         low = level + 0.5 * (height - level) if kit.chance(0.5) else level + 0.08
         board = behind.cut(z0=low).bars("y", np.array(y), 0.012)
-        yield kit.part(wood, behind.bars("x", mirrored(x), half), board)
+        yield wood, behind.bars("x", mirrored(x), half), board
 
 
 def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:
@@ -112,42 +111,41 @@ def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:
     arm = kit.between(0.12, 0.2) if arms else 0.0
     back = kit.between(0.16, 0.24) if height > 0.5 else 0.0
     level = min(0.42, 0.9 * height)
-    yield kit.part(cover, space.cut(z0=0.08, z1=level - 0.12))
-    yield kit.part("wood", posts(space.x1 - 0.06, space.y1 - 0.06, 0.06, 0, 0.08))
+    yield cover, space.cut(z0=0.08, z1=level - 0.12)
+    yield "wood", posts(space.x1 - 0.06, space.y1 - 0.06, 0.06, 0, 0.08)
     if arms:
         top = min(kit.between(0.55, 0.65), height)
-        yield kit.part(cover, space.ends("x", arm).cut(z0=0.08, z1=top))
+        yield cover, space.ends("x", arm).cut(z0=0.08, z1=top)
     inside = space.inset(x0=arm, x1=arm)
     seats = (width - 2 * arm, depth - back, 0.18)
-    yield _cushions(kit, cover, seats, (-back / 2, level - 0.05), 0.75)
+    yield _cushions(cover, seats, (-back / 2, level - 0.05), 0.75)
     if back:
-        yield kit.part(cover, inside.layer("y1", 0.08).cut(z0=level - 0.12))
+        yield cover, inside.layer("y1", 0.08).cut(z0=level - 0.12)
         cushions = (width - 2 * arm, back, height - level)
         middle = (space.y1 - back / 2 - 0.03, level + 0.9 * ((height - level) / 2))
-        yield _cushions(kit, cover, cushions, middle, 0.7)
+        yield _cushions(cover, cushions, middle, 0.7)
 
 
 def _cushions(
-    kit: Kit,
     cover: Material,
     size: Sequence[float],
     middle: Pair,
     squareness: float,
-) -> Part:
+) -> Solids:
     """A row of cushions of a size together, about y and z of its ``middle``."""
     width, depth, height = size
     count = max(1, round(width / 0.75))
     each = width / count
     cushion = ball((each / 2, depth / 2, height / 2), squareness=squareness)
     places = -width / 2 + each * (np.arange(count) + 0.5)
-    return kit.part(cover, *[move(cushion, (x, *middle)) for x in places])
+    return cover, *[move(cushion, (x, *middle)) for x in places]
 
 
 def bed(kit: Kit, space: Box) -> Piece:
     """A frame with headboard, mattress, blanket and pillows; its head at +y."""
     width, depth, height = space.size
     level = min(0.5, 0.6 * height)
-    yield kit.part(
+    yield (
         "wood",
         space.cut(z0=0.1, z1=0.3),
         space.layer("y1", 0.05),
@@ -156,12 +154,12 @@ def bed(kit: Kit, space: Box) -> Piece:
 
     axes = (width / 2 - 0.02, depth / 2 - 0.06, (level - 0.28) / 2)
     mattress = ball(axes, squareness=0.85, fineness=3)
-    yield kit.part("linen", move(mattress, (0, -0.01, (level + 0.28) / 2)))
+    yield "linen", move(mattress, (0, -0.01, (level + 0.28) / 2))
 
     axes = (width / 2, depth * 0.33, (level - 0.2) / 2 + 0.02)
     wrinkles = kit.between(0.005, 0.03)
     blanket = ball(axes, squareness=0.85, fineness=4, noise=wrinkles, rng=kit.rng)
-    yield kit.part("fabric", move(blanket, (0, -depth * 0.17, (level + 0.2) / 2)))
+    yield "fabric", move(blanket, (0, -depth * 0.17, (level + 0.2) / 2))
     yield from _pillows(kit, width, (depth / 2 - 0.32, level + 0.05))
 
 
@@ -172,7 +170,7 @@ def _pillows(kit: Kit, width: float, middle: Pair) -> Piece:
     pillow = ball((half, 0.2, 0.08), squareness=0.5)
     for k in range(count):
         x = (k - (count - 1) / 2) * width / count
-        yield kit.part("linen", move(pillow, (x, *middle)))
+        yield "linen", move(pillow, (x, *middle))
 
 
 def cabinet(
@@ -189,12 +187,12 @@ def cabinet(
     plinth = min(0.06, space.z1 / 8)
     inset = space.inset(x0=0.03, x1=0.03)
     body = space.inset(z0=plinth)
-    yield kit.part(wood, body.inset(y0=0.02), inset.inset(y0=0.06).cut(z1=plinth))
+    yield wood, body.inset(y0=0.02), inset.inset(y0=0.06).cut(z1=plinth)
     yield from _doors(kit, wood, body, (kit.count(columns), kit.count(rows)))
     height = space.z1
     if top:
         height += 0.03
-        yield kit.part(top, space.inset(y0=-0.015).cut(z0=space.z1, z1=height))
+        yield top, space.inset(y0=-0.015).cut(z0=space.z1, z1=height)
     yield Top(inset.inset(y0=0.04, y1=0.03).floor, height)
 
 
@@ -208,11 +206,11 @@ def _doors(kit: Kit, wood: Material, body: Box, shape: Shape) -> Piece:
     x = np.arange(columns)[:, None] * dx + body.x0
     y = body.y0
     z = body.z0 + np.arange(rows) * dz
-    yield kit.part(wood, Box(x + gap, x + (dx - gap), y, y + 0.02, z + gap, z + (dz - gap)))
+    yield wood, Box(x + gap, x + (dx - gap), y, y + 0.02, z + gap, z + (dz - gap))
     if kit.chance(0.6):
         x = x + dx / 2
         z = z + 0.8 * dz
-        yield kit.part("metal", Box(x - 0.05, x + 0.05, y - 0.025, y, z, z + 0.012))
+        yield "metal", Box(x - 0.05, x + 0.05, y - 0.025, y, z, z + 0.012)
 
 
 def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece:
@@ -227,8 +225,8 @@ def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece
     left = np.minimum(x, space.x1 - thickness)
     sides = space.cut(x0=left, x1=left + thickness)
     boards = space.inset(y0=0.005).cut(z0=z, z1=z + thickness)
-    yield kit.part(wood, sides, boards)
-    yield kit.part(wood, space.layer("y1", 0.01).cut(z0=0.05))
+    yield wood, sides, boards
+    yield wood, space.layer("y1", 0.01).cut(z0=0.05)
     bays = space.inset(y0=0.02).cut(x0=x[:-1, None] + thickness, x1=x[1:, None])
     yield from _fill(kit, bays.cut(z0=z[:-1] + thickness, z1=z[1:]), fill)
     yield Top(space.floor, height, 0.5)
@@ -255,5 +253,5 @@ def _books(kit: Kit, space: Box) -> Piece:
         front = space.y0 + kit.between(0, 0.25) * depth
         start = x + thickness * np.arange(max(1, int(run / thickness)))
         books = space.cut(x0=start, x1=start + thickness - 0.001, y0=front, z1=top)
-        yield kit.part("paper", books)
+        yield "paper", books
         x += len(start) * thickness + 0.002

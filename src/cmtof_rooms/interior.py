@@ -35,10 +35,8 @@ class Picture(NamedTuple):
 class Surface(NamedTuple):
     """What N rays meet."""
 
-    key: Numbers
-    """Number of the part, (N,); -1 where nothing is met: there the other arrays mean nothing."""
     part: Numbers
-    """The same, but of any part where nothing is met."""
+    """Number of the part, (N,); -1 where nothing is met: there the other arrays mean nothing."""
     distance: Array
     """m, (N,)."""
     cosine: Array
@@ -128,7 +126,7 @@ class Interior:
         light = self._direct_smooth(seen, shape)
         light += self._scattered(seen, shape)
         color = albedo * (light + self.palette.emission[seen.part][:, None])
-        missed = seen.key < 0
+        missed = seen.part < 0
         color[missed] = self.sky
         seen.normal[missed] = 0.0
         seen.distance[missed] = np.nan
@@ -145,7 +143,7 @@ class Interior:
         light = self.direct(seen.position, seen.normal, _tiles(*shape))
         smooth = _smooth(
             light.reshape(*shape, 3),
-            seen.key.reshape(shape),
+            seen.part.reshape(shape),
             seen.normal.reshape(*shape, 3),
         )
         return smooth.reshape(-1, 3)
@@ -161,10 +159,8 @@ class Interior:
         plane = self.normals[triangle]
         along = np.einsum("ij,ij->i", plane, rays)
         distance = (self._offsets[triangle] - plane @ eye) / np.where(along == 0, 1e-12, along)
-        part = self.part[triangle]
         return Surface(
-            np.where(triangle >= 0, part, -1),
-            part,
+            np.where(triangle >= 0, self.part[triangle], -1),
             distance,
             np.abs(along),
             (eye + distance[:, None] * rays).astype(np.float32),
@@ -229,7 +225,7 @@ class Interior:
         """Irradiance (N, 3) by one bounce; it varies slowly: 2 x 2 pixels of a surface share it."""
         y, x = np.indices(shape).reshape(2, -1) // 2 * 2
         lead = y * shape[1] + x
-        alike = seen.key == seen.key[lead]
+        alike = seen.part == seen.part[lead]
         alike &= np.einsum("ij,ij->i", seen.normal, seen.normal[lead]) > 0.98
         asked = np.flatnonzero(~alike | (lead == np.arange(len(lead))))
         found = np.zeros_like(seen.normal)

@@ -1,7 +1,7 @@
 """What makers of furniture work with: random numbers, materials, and what they yield.
 
 A maker fills a `Box` that stands on z = 0 about the z axis, its front towards -y. It yields the
-parts of a piece of furniture, tops on which other things can stand, and the light of a lamp.
+solids of a piece of furniture, tops on which other things can stand, and the light of a lamp.
 """
 
 from collections.abc import Iterator, Sequence
@@ -28,7 +28,10 @@ class Top(NamedTuple):
     """Free height above it, m."""
 
 
-Piece = Iterator[Part | Top | Light]
+Solids = tuple[Material | str, *tuple[Trimesh | Box, ...]]
+"""Solids of one material, or of one drawn for a role, which become a part."""
+
+Piece = Iterator[Solids | Top | Light]
 """A piece of furniture as its maker yields it."""
 
 
@@ -68,13 +71,12 @@ class Kit:
 
     def between(self, low: float, high: float) -> float:
         """Draw a number evenly."""
-        return float(self.rng.uniform(low, high))
+        return self.rng.uniform(low, high)
 
     def count(self, limits: Sequence[int]) -> int:
         """Draw a whole number evenly from the lowest to the highest."""
-        low, high = limits
-        return int(self.rng.integers(low, high + 1))
+        return int(self.rng.integers(*limits, endpoint=True))
 
     def chance(self, share: float) -> bool:
         """Draw whether something happens that does so in a share of cases."""
-        return bool(self.rng.uniform() < share)
+        return self.rng.uniform() < share

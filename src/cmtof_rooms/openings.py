@@ -72,11 +72,12 @@ def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:
         (kit.material("floor"), outer.cut(y0=0.0, z0=-0.2, z1=0.0)),
         (paint, outer.cut(z0=height, z1=height + t)),
     )
-    start = wall.place((left, far, 0.0)).tolist()
-    shell.beyond.append(Wall((start[0], start[1]), wall.turn, right - left))
-    middle = wall.place(((left + right) / 2, (t + far) / 2, height - 0.03))
-    power = min(0.25 * (right - left) * depth, 2.0)
-    shell.lights.append(level_light(middle, 0.4, 0.4, power))
+    width = right - left
+    corner = wall.place((left, far, 0.0))[:2]
+    shell.beyond.append(Wall(tuple(corner), wall.turn, width))
+    lamp = ((left + right) / 2, (t + far) / 2, height - 0.03)
+    power = min(0.25 * width * depth, 2.0)
+    shell.lights.append(level_light(wall.place(lamp), 0.4, 0.4, power))
 
 
 def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:

@@ -83,10 +83,17 @@ class RenderedView(NamedTuple):
     """One rendered view, in memory."""
 
     room: FurnishedRoom
+    lens: Lens
     camera: str
     """``cam_00`` across the room, ``cam_01`` close to things."""
+    number: int
+    """Of the view among those of its camera."""
     picture: Picture
-    frame: Frame
+
+    @property
+    def frame(self) -> Frame:
+        """Frame for the simulator."""
+        return frame_of(self.picture, self.lens, f"{self.room.name}/{self.camera}")
 
 
 class Report(NamedTuple):
@@ -179,23 +186,28 @@ def render_view(room: FurnishedRoom, camera: Camera, lens: Lens, number: int) ->
 def render_views(settings: Settings) -> Iterator[RenderedView]:
     """Render a set in this process, view by view, without writing anything."""
     for index in range(settings.scenes):
-        room = build_room(settings.seed, index)
-        lens = settings.lens(index)
-        for camera, poses in room.cameras(settings.views, lens).items():
-            for frame, pose in enumerate(poses):
-                seen = render_view(room, pose, lens, _number(camera, frame))
-                name = f"{room.name}/{camera}"
-                yield RenderedView(room, camera, seen, frame_of(seen, lens, name))
+        yield from _render(settings, index, _views(index, settings.views))
+
+
+def _render(
+    settings: Settings,
+    index: int,
+    views: list[tuple[str, int]],
+) -> Iterator[RenderedView]:
+    """Render views of one room, given by camera and number."""
+    room = build_room(settings.seed, index)
+    lens = settings.lens(index)
+    cameras = room.cameras(settings.views, lens)
+    for camera, number in views:
+        pose = cameras[camera][number]
+        # this count of a view does not depend on how many there are
+        picture = render_view(room, pose, lens, number + 4 * int(camera[-2:]))
+        yield RenderedView(room, lens, camera, number, picture)
 
 
 def frame_of(seen: Picture, lens: Lens, name: str) -> Frame:
     """Frame for the simulator: range, linear green, camera."""
     return Frame(seen.depth, seen.color[..., 1], lens.camera, name)
-
-
-def _number(camera: str, frame: int) -> int:
-    """Count of a view within its room that does not depend on how many there are."""
-    return frame + 4 * int(camera[-2:])
 
 
 def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
@@ -230,14 +242,8 @@ def render_room(root: Path, settings: Settings, index: int) -> Report:
     name = room_name(settings.seed, index)
     views = _views(index, settings.views)
     missing = [view for view in views if not view_exists(root, name, *view)]
-    if missing:
-        room = build_room(settings.seed, index)
-        lens = settings.lens(index)
-        cameras = room.cameras(settings.views, lens)
-        for camera, frame in missing:
-            pose = cameras[camera][frame]
-            seen = render_view(room, pose, lens, _number(camera, frame))
-            write_view(root, name, camera, frame, **seen._asdict())
+    for view in _render(settings, index, missing) if missing else ():
+        write_view(root, name, view.camera, view.number, **view.picture._asdict())
     return Report(name, len(missing))
 
 

@@ -119,9 +119,7 @@ class Vacancy:
     def _at_wall(self, kind: Kind, size: Extents, foot: float) -> Place | None:
         """Try a place before a wall, in a corner, or on a wall with its foot at a height."""
         width, _, height = size
-        lengths = np.array([wall.length for wall in self.shell.walls])
-        number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
-        wall = self.shell.walls[int(number)]
+        wall = self._some_wall()
         last = wall.length - width - 0.04
         if wall.length < width + 0.1 or foot + height > self.shell.height - 0.02:
             return None
@@ -132,6 +130,12 @@ class Vacancy:
         if not wall.free(spot):
             return None
         return self._before_wall(kind, size, wall, spot)
+
+    def _some_wall(self) -> Wall:
+        """Draw a wall, long ones more often."""
+        lengths = np.array([wall.length for wall in self.shell.walls])
+        number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
+        return self.shell.walls[number]
 
     def _before_wall(self, kind: Kind, size: Extents, wall: Wall, spot: Rectangle) -> Place | None:
         """Try to take a spot of a wall and the floor before it."""
@@ -151,7 +155,7 @@ class Vacancy:
                 self.clear.append(wall.footprint(spot, front - reach, front))
         wall.taken.append(spot.grown(0.03, 0.03, 0.03, 0.05))
         middle = (spot.x0 + width / 2, -depth / 2 - gap, spot.y0)
-        return Place(*wall.place(middle).tolist(), wall.turn)
+        return Place(*wall.place(middle), wall.turn)
 
     def _on_floor(self, kind: Kind, size: Extents) -> Place | None:
         """Try a place on the floor, mostly about the middle of a room."""
@@ -171,7 +175,7 @@ class Vacancy:
             self._take(area, size[2])
         else:
             return None
-        return Place(*middle.tolist(), 0.0, turn)
+        return Place(*middle, 0.0, turn)
 
     def _turned(self, size: Extents, flat: bool) -> tuple[float, Array]:
         """Draw a turn, rad, and say what size of the floor, m, a thing then covers."""
@@ -201,4 +205,4 @@ class Vacancy:
                 return None
         if area.meets(self.tall) or z + height > self.shell.headroom(area):
             return None
-        return Place(float(x), float(y), float(z), 0.0)
+        return Place(x, y, z, 0.0)

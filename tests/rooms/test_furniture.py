@@ -13,7 +13,7 @@ from cmtof_rooms.materials import PATTERNS, Material, Palette
 from cmtof_rooms.presets import household, presets
 from cmtof_rooms.rendering import Settings
 from cmtof_rooms.rooms import build_room
-from cmtof_rooms.things import Part
+from cmtof_rooms.things import Light, Part
 from cmtof_rooms.walls import THICKNESS
 
 KINDS = presets()["kinds"]
@@ -50,7 +50,8 @@ def test_a_kind_is_closed_and_stays_within_its_size(name):
     kind = KINDS[name]
     kit = household(np.random.default_rng(5))
     size = np.array([kit.between(*limits) for limits in kind["size"]])
-    made = list(MAKERS[kind["maker"]](kit, Box.standing(size), **kind.get("make", {})))
+    made = MAKERS[kind["maker"]](kit, Box.standing(size), **kind.get("make", {}))
+    made = [one if isinstance(one, Top | Light) else kit.part(*one) for one in made]
     parts = [one for one in made if isinstance(one, Part)]
     assert all(part.mesh.is_watertight and part.mesh.volume > 0 for part in parts)
     low, high = bounds(parts)
