@@ -27,9 +27,7 @@ def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
     width, depth, height = (kit.between(*pair) for pair in room["size"])
     is_open = bool(room.get("open", False))
     day = is_open or kit.chance(0.75)
-    notch = (0.0, 0.0)  # size of the block that is cut off
-    if not is_open and min(width, depth) >= 3.6 and kit.chance(0.25):
-        notch = (kit.between(0.2, 0.45) * width, kit.between(0.2, 0.45) * depth)
+    notch = (0.0, 0.0) if is_open else _notch(kit, width, depth)
     walls = _walls(width, depth, notch)
     shell = Shell(width, depth, height, walls, _floor(width, depth, notch), is_open, day)
     _add_openings(kit, shell)
@@ -47,6 +45,14 @@ def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
     if kit.chance(0.5):
         _add_skirting(kit, shell)
     return shell
+
+
+def _notch(kit: Kit, width: float, depth: float) -> Pair:
+    """Draw the size of a block that is cut off in one corner, 0 in most rooms."""
+    if min(width, depth) < 3.6 or not kit.chance(0.25):
+        return 0.0, 0.0
+    share_x, share_y = kit.draw("notch")
+    return share_x * width, share_y * depth
 
 
 def _floor(width: float, depth: float, notch: Pair) -> list[Rectangle]:
@@ -108,9 +114,9 @@ def _add_slopes(kit: Kit, shell: Shell) -> None:
     plaster = kit.material("ceiling")
     reach = shell.reach(0.0, height)
     for way in (1, -1) if kit.chance(0.5) else (1,):
-        start = depth * (0.5 + way * kit.between(0.05, 0.25))
-        lost = height - kit.between(0.9, 1.6)
-        fall = lost / abs((depth if way > 0 else 0.0) - start)
+        share, low = kit.draw("slope")
+        start = depth * (0.5 + way * share)
+        fall = (height - low) / abs((depth if way > 0 else 0.0) - start)
         end = reach.y1 if way > 0 else reach.y0
         x, y = np.meshgrid([reach.x0, reach.x1], [start, end], indexing="ij")
         roof = sheet(np.stack([x, y, height - fall * np.abs(y - start)], -1), 0.02)

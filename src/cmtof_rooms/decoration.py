@@ -36,8 +36,9 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> P
         yield level_light((0, 0, -0.01), radius, radius, power)
         yield shade, space
         return
-    tall = min(kit.between(0.6, 1.2) * 2 * radius, 0.45 * height)
-    narrow = radius * kit.between(0.4, 1.0)
+    tall, narrow = kit.draw("shade")
+    tall = min(tall * 2 * radius, 0.45 * height)
+    narrow *= radius
     metal = kit.material("metal")
     if style == "stand":
         foot = min(0.7 * radius, 0.16)
@@ -129,16 +130,20 @@ def _leaves(kit: Kit, green: Material, width: float, pot: float, crown: float) -
     leaves = []
     stems = []
     for k in range(kit.count((7, 17))):
-        turn = 2.4 * k + kit.between(-0.3, 0.3)
-        out = kit.between(0.2, 0.6)
+        shift, reach, rise = kit.draw("leaf")
+        turn = 2.4 * k + shift
         way = np.array([np.cos(turn), np.sin(turn)]) * width / 2
-        tip = [*(out * way), pot + crown * kit.between(0.35, 0.88)]
-        bend = [*(0.3 * out * way), (pot + tip[2]) / 2]
-        stem = [(0, 0, 0.8 * pot), bend, tip]
+        stem = _stem(pot, reach * way, 0.3 * reach * way, crown * rise)
         stems.append(sweep(stem, 0.004 + 0.004 * crown, 5))
-        leaves.append(move(leaf, tip, turn))
+        leaves.append(move(leaf, stem[-1], turn))
     yield green, *leaves
     yield green, *stems
+
+
+def _stem(pot: float, tip: Array, bend: Array, rise: float) -> Array:
+    """Foot, bend and tip (3, 3) of a stem whose tip is higher than its pot by ``rise``, m."""
+    top = pot + rise
+    return np.array([[0, 0, 0.8 * pot], [*bend, (pot + top) / 2], [*tip, top]])
 
 
 def picture(
@@ -250,9 +255,9 @@ def stack(
 def _case(kit: Kit, space: Box) -> Trimesh:
     """A box turned a little, which does not leave the floor of its space."""
     width, depth, _ = space.size
-    turn = kit.between(-0.15, 0.15)
+    turn, share_x, share_y = kit.draw("case")
     longer = max(width / depth, depth / width)
     fit = 0.5 / (np.cos(turn) + longer * abs(np.sin(turn)))
-    x = width * fit * kit.between(0.75, 1.0)
-    y = depth * fit * kit.between(0.75, 1.0)
+    x = width * fit * share_x
+    y = depth * fit * share_y
     return move(slab(-x, x, -y, y, space.z0, space.z1), (0, 0, 0), turn)

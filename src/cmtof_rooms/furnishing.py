@@ -102,13 +102,16 @@ class Furnishing:
                 continue
             x = size[0] * ((column + 0.5) / columns - 0.5)
             y = size[1] / 2 + seat[1] / 2 + self.kit.between(0.02, 0.25)
-            foot = place.carry(x, y if side else -y)
-            turn = place.turn + (0.0 if side else np.pi) + self.kit.between(-0.1, 0.1)
-            area = Rectangle.about(*foot, *turned_size(*seat[:2], turn))
+            spot = Place(
+                *place.carry(x, y if side else -y),
+                0.0,
+                place.turn + (0.0 if side else np.pi) + self.kit.between(-0.1, 0.1),
+            )
+            area = Rectangle.about(spot.x, spot.y, *turned_size(*seat[:2], spot.turn))
             # a seat may stand where its table keeps the floor clear
             if self._vacancy.fits(area, seat[2], area, self.shell.keep):
                 self._vacancy.taken.append(area)
-                self._stand(name, seat, Place(*foot, 0.0, turn))
+                self._stand(name, seat, spot)
 
     def _decorate(self, tops: list[Top], counts: dict[str, float], place: Place) -> None:
         """Stand things on the tops of another."""

@@ -215,17 +215,16 @@ def _doors(kit: Kit, wood: Material, body: Box, shape: Shape) -> Piece:
 
 def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece:
     """Boards between sides, some of them with rows of books, others free for things."""
-    width, _, height = space.size
+    height = space.z1
     wood = kit.material("wood")
     thickness = 0.025
-    columns = max(1, round(width / bay))
+    columns = max(1, round(space.size[0] / bay))
     rows = max(1, round(height / kit.between(0.32, 0.42)))
     x = np.linspace(space.x0, space.x1, columns + 1)
     z = np.linspace(0.05, height - thickness, rows + 1)
     left = np.minimum(x, space.x1 - thickness)
-    sides = space.cut(x0=left, x1=left + thickness)
     boards = space.inset(y0=0.005).cut(z0=z, z1=z + thickness)
-    yield wood, sides, boards
+    yield wood, space.cut(x0=left, x1=left + thickness), boards
     yield wood, space.layer("y1", 0.01).cut(z0=0.05)
     bays = space.inset(y0=0.02).cut(x0=x[:-1, None] + thickness, x1=x[1:, None])
     yield from _fill(kit, bays.cut(z0=z[:-1] + thickness, z1=z[1:]), fill)
@@ -247,10 +246,10 @@ def _books(kit: Kit, space: Box) -> Piece:
     x = space.x0
     end = x + kit.between(0.4, 1.0) * width
     while x < end - 0.03:
-        run = min(kit.between(0.06, 0.4), end - x)  # one edition: equal heights
-        top = space.z0 + height * kit.between(0.6, 0.95)
-        thickness = kit.between(0.018, 0.045)
-        front = space.y0 + kit.between(0, 0.25) * depth
+        run, high, thickness, shift = kit.draw("books")
+        run = min(run, end - x)  # one edition: equal heights
+        top = space.z0 + height * high
+        front = space.y0 + shift * depth
         start = x + thickness * np.arange(max(1, int(run / thickness)))
         books = space.cut(x0=start, x1=start + thickness - 0.001, y0=front, z1=top)
         yield "paper", books

@@ -46,11 +46,14 @@ class Kit:
         Materials to choose from, by role: wood, fabric, metal, ...
     profiles : dict
         Outlines of vessels, by name: share of the radius and of the height, from the foot on.
+    sizes : dict
+        Lowest and highest value of each of several sizes, by the name of what has them.
     """
 
     rng: np.random.Generator
     palette: dict[str, list[Material]]
     profiles: dict[str, list[Pair]]
+    sizes: dict[str, dict[str, Pair]]
 
     def material(self, *roles: str) -> Material:
         """Draw one of the household's materials of a role, or of one of several roles."""
@@ -72,6 +75,10 @@ class Kit:
     def between(self, low: float, high: float) -> float:
         """Draw a number evenly."""
         return self.rng.uniform(low, high)
+
+    def draw(self, name: str) -> list[float]:
+        """Draw all sizes of what has a name in `sizes`, evenly."""
+        return [self.between(*limits) for limits in self.sizes[name].values()]
 
     def count(self, limits: Sequence[int]) -> int:
         """Draw a whole number evenly from the lowest to the highest."""

@@ -7,6 +7,7 @@ from cmtof_rooms.arrays import Triple
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Colour, Material
+from cmtof_rooms.presets import presets
 from cmtof_rooms.shell import Shell
 from cmtof_rooms.solids import ball, move, plate
 from cmtof_rooms.things import Light, level_light
@@ -18,8 +19,7 @@ SKY: Colour = (0.95, 1.0, 1.06)
 
 def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:
     """Add a door in its frame, shut, where the wall has room for it."""
-    width = kit.between(0.8, 1.0)
-    height = kit.between(1.98, 2.15)
+    width, height = kit.draw("door")
     x = wall.gap(kit, width)
     if x is None:
         return
@@ -42,58 +42,57 @@ def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:
 
 def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     """Add an open passage to a room beyond, where the wall has room for it."""
-    width = min(kit.between(0.9, 2.6), 0.6 * wall.length)
-    height = min(kit.between(2.05, 2.6), shell.height - 0.15)
+    width, height = kit.draw("passage")
+    width = min(width, 0.6 * wall.length)
+    height = min(height, shell.height - 0.15)
     x = wall.gap(kit, width)
     if x is None:
         return
     hole = Rectangle(x, x + width, 0.0, height)
     wall.cut(hole)
     shell.keep.append(wall.footprint(hole, -0.9, 0.0))
-    left = x - kit.between(0.1, 1.5)
-    right = hole.x1 + kit.between(0.1, 1.5)
-    depth = kit.between(2.0, 7.0)
+    left, right, depth = kit.draw("room_beyond")
+    far = THICKNESS + depth
     ceiling = max(height + 0.1, min(shell.height, 3.0))
-    _add_room_beyond(kit, shell, wall, Box(left, right, 0.0, depth, 0.0, ceiling))
+    space = Box(x - left, hole.x1 + right, THICKNESS, far, 0.0, ceiling)
+    _add_room_beyond(kit, shell, wall, space)
+    wide = space.x1 - space.x0
+    corner = wall.place((space.x0, far, 0.0))[:2]
+    shell.beyond.append(Wall(tuple(corner), wall.turn, wide))
+    lamp = ((space.x0 + space.x1) / 2, (THICKNESS + far) / 2, ceiling - 0.03)
+    power = min(0.25 * wide * depth, 2.0)
+    shell.lights.append(level_light(wall.place(lamp), 0.4, 0.4, power))
 
 
 def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:
-    """Add walls, floor, ceiling and a lamp of a room beyond a wall, from its outer face on."""
+    """Add walls, floor and ceiling of a room beyond a wall, about its free space."""
     t = THICKNESS
-    left, right, _, depth, _, height = space
-    far = t + depth
     paint = kit.material("wall")
-    outer = Box(left - t, right + t, t, far + t, 0.0, height)
-    sides = np.array([left - t, right])
+    outer = space.inset(x0=-t, x1=-t, y1=-t)
+    sides = np.array([space.x0 - t, space.x1])
     shell.build(
         "room beyond",
         wall,
-        (paint, outer.cut(x0=sides, x1=sides + t), outer.cut(y0=far)),
+        (paint, outer.cut(x0=sides, x1=sides + t), outer.cut(y0=space.y1)),
         (kit.material("floor"), outer.cut(y0=0.0, z0=-0.2, z1=0.0)),
-        (paint, outer.cut(z0=height, z1=height + t)),
+        (paint, outer.cut(z0=space.z1, z1=space.z1 + t)),
     )
-    width = right - left
-    corner = wall.place((left, far, 0.0))[:2]
-    shell.beyond.append(Wall(tuple(corner), wall.turn, width))
-    lamp = ((left + right) / 2, (t + far) / 2, height - 0.03)
-    power = min(0.25 * width * depth, 2.0)
-    shell.lights.append(level_light(wall.place(lamp), 0.4, 0.4, power))
 
 
 def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:
     """Add a row of windows: bright panes or, with a ``view``, open to what is outside."""
-    count = int(max(1, min(5, wall.length / kit.between(1.6, 3.5))))
+    spacing, width, sill, head = kit.draw("windows")
+    count = int(max(1, min(5, wall.length / spacing)))
     each = wall.length / count
-    width = min(kit.between(0.8, 2.4), 0.75 * each)
-    sill = kit.between(0.02, 1.0)
-    head = shell.height * kit.between(0.75, 0.92)
-    starts = [each * (k + 0.5) - width / 2 for k in range(count)]
-    holes = [Rectangle(x, x + width, sill, head) for x in starts]
+    width = min(width, 0.75 * each)
+    head *= shell.height
+    starts = each * (np.arange(count) + 0.5) - width / 2
+    holes = [Rectangle(x, x + width, sill, head) for x in starts.tolist()]
     holes = [hole for hole in holes if wall.free(hole.grown(0.1, 0.1, 0, 0))]
     if holes:
         _glaze(kit, shell, wall, holes, view=view)
-        area = len(holes) * width * (head - sill)
-        shell.lights.append(_daylight(wall, holes, area * shell.sky / np.pi))
+        power = len(holes) * width * (head - sill) * shell.sky / np.pi
+        shell.lights.append(_daylight(wall, holes, power))
         if view:
             _add_outdoors(kit, shell, wall)
 
@@ -142,34 +141,36 @@ def _daylight(wall: Wall, holes: list[Rectangle], power: float) -> Light:
 
 def _add_outdoors(kit: Kit, shell: Shell, wall: Wall) -> None:
     """Add ground, a house across the street and trees, bright by themselves."""
-    level = -kit.between(0.2, 4.0)
-    far = kit.between(9.0, 40.0)
+    drop, far, share, width, height = kit.draw("outdoors")
+    look = _outdoor_materials(shell.sky * share)
     middle = wall.length / 2
-    glow = shell.sky * kit.between(0.5, 1.0)
-    lawn = Material((0.12, 0.2, 0.06), (0.25, 0.24, 0.2), "noise", 0.8, glow)
-    facade = Material((0.6, 0.5, 0.4), emission=glow)
-    rooms = Material((0.05, 0.06, 0.07), emission=glow)
-    width = kit.between(15, 45)
-    height = kit.between(5, 14)
-    left = middle - width / 2
-    ground = Box(middle - 60, middle + 60, 0.3, far + 30, level - 0.5, level)
-    behind = Box(left, middle + width / 2, far + 0.3, far + 8, level, level + height)
-    front = move(_facade(width, height), (left, far, level))
-    shell.build("house outside", wall, (lawn, ground), (facade, front), (rooms, behind))
-    _add_trees(kit, shell, wall, (far, level, glow))
+    house = Box(middle - width / 2, middle + width / 2, far + 0.3, far + 8, -drop, height - drop)
+    facade = move(_facade(width, height), (house.x0, far, -drop))
+    shell.build(
+        "house outside",
+        wall,
+        (look["lawn"], Box(middle - 60, middle + 60, 0.3, far + 30, -drop - 0.5, -drop)),
+        (look["front"], facade),
+        (look["behind"], house),
+    )
+    for _ in range(kit.count((0, 3))):
+        tree = _tree(kit, (middle, far, -drop))
+        shell.build("tree outside", wall, (look["tree"], tree))
 
 
-def _add_trees(kit: Kit, shell: Shell, wall: Wall, place: Triple) -> None:
-    """Add up to three trees before what lies far, on a level, of a radiance per reflectance."""
-    far, level, glow = place
-    green = Material((0.08, 0.18, 0.05), emission=glow)
-    for _ in range(int(kit.rng.integers(0, 4))):
-        size = kit.between(1.0, 2.5)
-        crown = ball((size, size, 1.2 * size), noise=0.3, rng=kit.rng, fineness=3)
-        x = wall.length / 2 + kit.between(-8, 8)
-        y = kit.between(0.3, 0.9) * far
-        tree = move(crown, (x, y, level + 1.4 * size))
-        shell.build("tree outside", wall, (green, tree))
+def _outdoor_materials(glow: float) -> dict[str, Material]:
+    """Materials of what is outside, by name, of a radiance per reflectance."""
+    looks = presets()["outdoors"]
+    return {name: Material(**fields, emission=glow) for name, fields in looks.items()}
+
+
+def _tree(kit: Kit, place: Triple) -> Trimesh:
+    """Crown of a tree at some way from the window to a place, m."""
+    middle, far, level = place
+    size = kit.between(1.0, 2.5)
+    crown = ball((size, size, 1.2 * size), noise=0.3, rng=kit.rng, fineness=3)
+    along, share = kit.draw("tree")
+    return move(crown, (middle + along, share * far, level + 1.4 * size))
 
 
 def _facade(width: float, height: float) -> Trimesh:

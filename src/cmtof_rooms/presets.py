@@ -13,7 +13,7 @@ from cmtof_rooms.materials import Material
 
 @lru_cache(maxsize=1)
 def presets() -> dict[str, Any]:
-    """Contents of `presets.yml`: ``kinds``, ``rooms``, ``profiles``, ``materials``."""
+    """Contents of `presets.yml`: ``kinds``, ``rooms``, ``sizes``, ``materials`` and others."""
     text = Path(__file__).with_name("presets.yml").read_text(encoding="utf-8")
     return yaml.safe_load(text)
 
@@ -24,7 +24,7 @@ def household(rng: np.random.Generator) -> Kit:
         role: [_material(rng, drawn) for _ in range(drawn["count"])]
         for role, drawn in presets()["materials"].items()
     }
-    return Kit(rng, palette, presets()["profiles"])
+    return Kit(rng, palette, presets()["profiles"], presets()["sizes"])
 
 
 def _material(rng: np.random.Generator, drawn: dict[str, Any]) -> Material:
