@@ -18,6 +18,13 @@ from cmtof_rooms.materials import Palette
 from cmtof_rooms.solids import join
 from cmtof_rooms.things import Light, Thing
 
+_NEIGHBOURS = [
+    (np.s_[2:], np.s_[:-2]),
+    (np.s_[1:], np.s_[:-1]),
+    (np.s_[:-1], np.s_[1:]),
+]
+"""Rows of an image, and those two before, one before and one after them."""
+
 
 class Picture(NamedTuple):
     """One view, (H, W) each."""
@@ -80,8 +87,8 @@ class Interior:
         *,
         sky: float = 0.0,
     ) -> None:
-        self.things = list(things)
-        self.lights = list(lights)
+        self.things = things
+        self.lights = lights
         self.sky = sky
         parts = [part for thing in things for part in thing.parts]
         whole = join(part.mesh for part in parts)
@@ -257,21 +264,15 @@ def _tiles(height: int, width: int) -> Numbers:
 
 def _smooth(image: Array, part: Numbers, normal: Array) -> Array:
     """Mean (H, W, 3) over 4 x 4 pixels that lie on the same part and face the same way."""
-    for axis in (0, 1):
+    for _ in ("rows", "columns"):
         total = image.copy()
         count = np.ones(part.shape, np.float32)
-        for step in (-2, -1, 1):
-            here = _shifted(part.shape[axis], axis, step)
-            there = _shifted(part.shape[axis], axis, -step)
+        for here, there in _NEIGHBOURS:
             alike = np.einsum("ijk,ijk->ij", normal[here], normal[there]) > 0.9
             alike &= part[here] == part[there]
             total[here] += image[there] * alike[..., None]
             count[here] += alike
-        image = total / count[..., None]
+        image = (total / count[..., None]).swapaxes(0, 1)
+        normal = normal.swapaxes(0, 1)
+        part = part.T
     return image
-
-
-def _shifted(length: int, axis: int, step: int) -> tuple[slice, ...]:
-    """Pixels that still have a neighbour a number of steps ahead along an axis of an image."""
-    along = slice(max(0, -step), length - max(0, step))
-    return (slice(None),) * axis + (along,)

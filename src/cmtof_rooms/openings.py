@@ -56,12 +56,16 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     ceiling = max(height + 0.1, min(shell.height, 3.0))
     space = Box(x - left, hole.x1 + right, THICKNESS, far, 0.0, ceiling)
     _add_room_beyond(kit, shell, wall, space)
-    wide = space.x1 - space.x0
     corner = wall.place((space.x0, far, 0.0))[:2]
-    shell.beyond.append(Wall(tuple(corner), wall.turn, wide))
-    lamp = ((space.x0 + space.x1) / 2, (THICKNESS + far) / 2, ceiling - 0.03)
-    power = min(0.25 * wide * depth, 2.0)
-    shell.lights.append(level_light(wall.place(lamp), 0.4, 0.4, power))
+    shell.beyond.append(Wall(tuple(corner), wall.turn, space.x1 - space.x0))
+    shell.lights.append(_lamp_beyond(wall, space, depth))
+
+
+def _lamp_beyond(wall: Wall, space: Box, depth: float) -> Light:
+    """Lamp under the ceiling of a room beyond a wall, stronger in a larger one."""
+    x0, x1, y0, y1, _, height = space
+    middle = wall.place(((x0 + x1) / 2, (y0 + y1) / 2, height - 0.03))
+    return level_light(middle, 0.4, 0.4, min(0.25 * (x1 - x0) * depth, 2.0))
 
 
 def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:

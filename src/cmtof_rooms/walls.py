@@ -74,7 +74,6 @@ class Wall:
 
     def solid(self, height: float) -> Trimesh:
         """The wall itself, to a height, m, a little longer than the room at both ends."""
-        shift = np.array([THICKNESS, THICKNESS, 0.0, 0.0])
-        holes = np.array(self.holes).reshape(-1, 4) + shift
+        holes = [hole.grown(-THICKNESS, THICKNESS, 0, 0) for hole in self.holes]
         whole = plate(self.length + 2 * THICKNESS, height, THICKNESS, holes)
         return move(whole, (-THICKNESS, 0, 0))
