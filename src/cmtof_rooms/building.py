@@ -24,7 +24,7 @@ def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
         One of the ``rooms`` of `presets.yml`: ``size`` (lowest and highest width, depth and height,
         m), and perhaps ``open``, ``slope``, ``beams``.
     """
-    width, depth, height = (kit.between(*pair) for pair in room["size"])
+    width, depth, height = kit.each(room["size"])
     is_open = bool(room.get("open", False))
     day = is_open or kit.chance(0.75)
     notch = (0.0, 0.0) if is_open else _notch(kit, width, depth)

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.random import Generator
 
 from cmtof.frame import rays_from_camera
 from cmtof_rooms.arrays import Array, Flags, Numbers, Shape
@@ -82,7 +83,7 @@ def room_cameras(
     *,
     floor: list[Rectangle],
     height: float,
-    rng: np.random.Generator,
+    rng: Generator,
 ) -> list[Camera]:
     """Views across a room from where a person could stand or sit.
 
@@ -111,7 +112,7 @@ def room_cameras(
     return views
 
 
-def _across(floor: list[Rectangle], height: float, rng: np.random.Generator) -> Camera:
+def _across(floor: list[Rectangle], height: float, rng: Generator) -> Camera:
     """Draw a camera that a person could hold in a room."""
     area = np.array([np.prod(piece.size) for piece in floor])
     piece = floor[rng.choice(len(floor), p=area / area.sum())]
@@ -137,7 +138,7 @@ def close_cameras(
     lens: Lens,
     *,
     things: Numbers,
-    rng: np.random.Generator,
+    rng: Generator,
 ) -> list[Camera]:
     """Views of single things from 0.5 to 1.2 m away.
 
@@ -160,7 +161,7 @@ def close_cameras(
     return views
 
 
-def _close(middles: Array, rng: np.random.Generator) -> Camera:
+def _close(middles: Array, rng: Generator) -> Camera:
     """Draw a camera close to one of several things, given by their middles (N, 3), m."""
     target = middles[rng.integers(len(middles))] + rng.normal(0, 0.05, 3)
     away = _direction(rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(0, 45)))

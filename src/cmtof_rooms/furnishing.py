@@ -69,7 +69,7 @@ class Furnishing:
 
     def _size(self, kind: Kind) -> Extents:
         """Draw a size, m, that fits under the ceiling."""
-        width, depth, height = (self.kit.between(*limits) for limits in kind["size"])
+        width, depth, height = self.kit.each(kind["size"])
         return width, depth, min(height, self.shell.height - self.shell.lowest - 0.01)
 
     def _stand(self, name: str, size: Extents, place: Place) -> list[Top]:

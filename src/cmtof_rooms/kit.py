@@ -4,11 +4,11 @@ A maker fills a `Box` that stands on z = 0 about the z axis, its front towards -
 solids of a piece of furniture, tops on which other things can stand, and the light of a lamp.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
+from numpy.random import Generator
 from trimesh import Trimesh
 
 from cmtof_rooms.arrays import Pair
@@ -50,7 +50,7 @@ class Kit:
         Lowest and highest value of each of several sizes, by the name of what has them.
     """
 
-    rng: np.random.Generator
+    rng: Generator
     palette: dict[str, list[Material]]
     profiles: dict[str, list[Pair]]
     sizes: dict[str, dict[str, Pair]]
@@ -78,7 +78,11 @@ class Kit:
 
     def draw(self, name: str) -> list[float]:
         """Draw all sizes of what has a name in `sizes`, evenly."""
-        return [self.between(*limits) for limits in self.sizes[name].values()]
+        return self.each(self.sizes[name].values())
+
+    def each(self, limits: Iterable[Pair]) -> list[float]:
+        """Draw a number evenly between each of several pairs of limits."""
+        return [self.between(*pair) for pair in limits]
 
     def count(self, limits: Sequence[int]) -> int:
         """Draw a whole number evenly from the lowest to the highest."""

@@ -86,7 +86,7 @@ def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:
 def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:
     """Add a row of windows: bright panes or, with a ``view``, open to what is outside."""
     spacing, width, sill, head = kit.draw("windows")
-    count = int(max(1, min(5, wall.length / spacing)))
+    count = int(np.clip(wall.length / spacing, 1, 5))
     each = wall.length / count
     width = min(width, 0.75 * each)
     head *= shell.height

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import yaml
+from numpy.random import Generator
 
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Material
@@ -18,7 +19,7 @@ def presets() -> dict[str, Any]:
     return yaml.safe_load(text)
 
 
-def household(rng: np.random.Generator) -> Kit:
+def household(rng: Generator) -> Kit:
     """Draw the materials that everything in a room is made of."""
     palette = {
         role: [_material(rng, drawn) for _ in range(drawn["count"])]
@@ -27,7 +28,7 @@ def household(rng: np.random.Generator) -> Kit:
     return Kit(rng, palette, presets()["profiles"], presets()["sizes"])
 
 
-def _material(rng: np.random.Generator, drawn: dict[str, Any]) -> Material:
+def _material(rng: Generator, drawn: dict[str, Any]) -> Material:
     """Draw one material of a role: two of its colours, a pattern and its scale."""
     start = np.array(drawn["colours"])[rng.integers(len(drawn["colours"]), size=2)]
     first, second = np.clip(start * rng.uniform(0.75, 1.2, (2, 1)), 0.01, 0.92)
@@ -38,7 +39,7 @@ def _material(rng: np.random.Generator, drawn: dict[str, Any]) -> Material:
     return Material(tuple(first), tuple(second * 0.8), pattern, scale)
 
 
-def weighted_choice(rng: np.random.Generator, weights: dict[str, float]) -> str:
+def weighted_choice(rng: Generator, weights: dict[str, float]) -> str:
     """Draw a name by its weight."""
     odds = np.array(list(weights.values()), float)
     return str(rng.choice(list(weights), p=odds / odds.sum()))

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.random import Generator
 
 from cmtof_rooms.boxes import Rectangle
 from cmtof_rooms.building import build_shell
@@ -25,7 +26,7 @@ LIGHTS = 4
 ROOM, ACROSS, CLOSE, LENS, EXPOSURE = range(5)
 
 
-def stream(seed: int, index: int, use: int) -> np.random.Generator:
+def stream(seed: int, index: int, use: int) -> Generator:
     """Random numbers of one room that no other and no other use of it share."""
     return np.random.default_rng([seed, index, use])
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import trimesh
+from numpy.random import Generator
 from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
@@ -201,9 +202,7 @@ def _circles(line: Array, sections: int) -> Array:
     aside = np.eye(3)[np.abs(along).max(axis=0).argmin()]
     u = _unit(np.cross(along, aside))
     v = np.cross(along, u)
-    turn = 2 * np.pi * np.arange(sections) / sections
-    cosine = np.cos(turn)[:, None]
-    sine = np.sin(turn)[:, None]
+    cosine, sine = ellipse(2.0, 2.0, sections).T[:, :, None]
     return cosine * u[:, None] + sine * v[:, None]
 
 
@@ -216,7 +215,7 @@ def ball(
     radius: ArrayLike,
     *,
     noise: float = 0.0,
-    rng: np.random.Generator | None = None,
+    rng: Generator | None = None,
     fineness: int = 2,
     squareness: float = 0.0,
 ) -> Trimesh:

@@ -134,8 +134,7 @@ class Vacancy:
     def _some_wall(self) -> Wall:
         """Draw a wall, long ones more often."""
         lengths = np.array([wall.length for wall in self.shell.walls])
-        number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
-        return self.shell.walls[number]
+        return self.kit.rng.choice(self.shell.walls, p=lengths / lengths.sum())
 
     def _before_wall(self, kind: Kind, size: Extents, wall: Wall, spot: Rectangle) -> Place | None:
         """Try to take a spot of a wall and the floor before it."""
