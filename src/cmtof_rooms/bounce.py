@@ -71,7 +71,7 @@ def measure_bounce(low: Array, high: Array, look: Look) -> Bounce:
     rays = sphere_of_directions(RAYS)
     origins = np.repeat(places, RAYS, axis=0)
     radiance, behind = look(origins, np.tile(rays, (len(places), 1)))
-    faces = np.stack([np.maximum(rays, 0), np.maximum(-rays, 0)], axis=2).reshape(RAYS, 6)
+    faces = np.maximum(np.stack([rays, -rays], axis=2), 0).reshape(RAYS, 6)
     light = np.einsum(
         "pdc,df->pfc",
         radiance.reshape(-1, RAYS, 3),
@@ -84,7 +84,7 @@ def measure_bounce(low: Array, high: Array, look: Look) -> Bounce:
 def _grid_axes(low: Array, high: Array) -> list[Array]:
     """Places along x, y and z, m: 2 to 15 of them, 0.7 m apart or more."""
     size = high - low
-    step = max(0.7, float(size.max()) / 14)
+    step = max(0.7, size.max() / 14)
     counts = np.clip(np.round(size / step).astype(int) + 1, 2, 15)
     return [np.linspace(*limits) for limits in zip(low, high, counts, strict=True)]
 

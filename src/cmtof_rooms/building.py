@@ -8,10 +8,9 @@ from cmtof_rooms.arrays import Pair
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.openings import SKY, add_door, add_passage, add_windows
-from cmtof_rooms.shell import Shell
+from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.solids import sheet, slab
 from cmtof_rooms.things import Part, level_light
-from cmtof_rooms.walls import Wall
 
 
 def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
@@ -121,7 +120,7 @@ def _add_slopes(kit: Kit, shell: Shell) -> None:
         x, y = np.meshgrid([reach.x0, reach.x1], [start, end], indexing="ij")
         roof = sheet(np.stack([x, y, height - fall * np.abs(y - start)], -1), 0.02)
         shell.add("slope", Part(roof, plaster))
-        shell.eaves.append((float(way), start, fall))
+        shell.eaves.append((way, start, fall))
 
 
 def _add_beams(kit: Kit, shell: Shell) -> None:

@@ -171,8 +171,8 @@ def _close(middles: Array, rng: Generator) -> Camera:
 
 def _middles(interior: Interior, things: Numbers) -> Array:
     """Middles (N, 3) of things of 0.1 to 1.6 m; of all where there are none."""
-    boxes = np.array([interior.things[number - 1].bounds for number in things])
-    low, high = boxes.reshape(-1, 2, 3).swapaxes(0, 1)
+    boxes = np.stack([interior.things[number - 1].bounds for number in things])
+    low, high = boxes.swapaxes(0, 1)
     size = (high - low).max(axis=1)
     fit = (size > 0.1) & (size < 1.6)
     middles = (low + high) / 2
@@ -222,7 +222,7 @@ def _sight(candidates: list[Camera], interior: Interior, lens: Lens) -> _Sight:
     """Look through coarse pictures of candidates, and around them."""
     count = len(candidates)
     rays = np.concatenate([_probes(camera, lens) for camera in candidates])
-    eyes = np.stack([camera.position for camera in candidates]).astype(np.float32)
+    eyes = _poses(candidates)[0].astype(np.float32)
     hits = interior.tracer.nearest(np.repeat(eyes, len(rays) // count, axis=0), rays)
     met = hits.triangle >= 0
     distance = np.where(met, hits.distance, _FAR).reshape(count, -1)

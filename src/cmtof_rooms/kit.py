@@ -57,7 +57,7 @@ class Kit:
 
     def material(self, *roles: str) -> Material:
         """Draw one of the household's materials of a role, or of one of several roles."""
-        role = roles[0] if len(roles) == 1 else str(self.rng.choice(roles))
+        role = roles[0] if len(roles) == 1 else self.rng.choice(roles)
         materials = self.palette[role]
         return materials[self.index(materials)]
 

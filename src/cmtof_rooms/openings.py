@@ -8,10 +8,9 @@ from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Colour, Material
 from cmtof_rooms.presets import presets
-from cmtof_rooms.shell import Shell
+from cmtof_rooms.shell import THICKNESS, Shell, Wall
 from cmtof_rooms.solids import ball, move, plate
 from cmtof_rooms.things import Light, level_light
-from cmtof_rooms.walls import THICKNESS, Wall
 
 SKY: Colour = (0.95, 1.0, 1.06)
 """Colour of daylight."""

@@ -35,8 +35,7 @@ def _material(rng: Generator, drawn: dict[str, Any]) -> Material:
     mix = rng.uniform(0.15, 0.7)
     second = first + mix * (second - first) * rng.uniform(0.5, 1.0)
     pattern = weighted_choice(rng, drawn["patterns"])
-    scale = float(rng.uniform(*drawn["scale"]))
-    return Material(tuple(first), tuple(second * 0.8), pattern, scale)
+    return Material(tuple(first), tuple(second * 0.8), pattern, rng.uniform(*drawn["scale"]))
 
 
 def weighted_choice(rng: Generator, weights: dict[str, float]) -> str:

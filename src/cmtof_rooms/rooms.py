@@ -12,9 +12,8 @@ from cmtof_rooms.furnishing import Furnishing
 from cmtof_rooms.interior import Interior
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.presets import household, presets, weighted_choice
-from cmtof_rooms.shell import Shell
+from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.things import Light, Thing, level_light
-from cmtof_rooms.walls import Wall
 
 CLOSE_SHARE = 0.05
 """Share of a set's views that are taken from 0.5 to 1.2 m."""

@@ -1,15 +1,83 @@
-"""Shell of a room: what stands before anything is put into it.
+"""Shell of a room: walls with openings, floor, slopes; what stands before anything is put in.
 
 The room is a rectangle, 0 to width by 0 to depth, m, from which a block may be cut off in one
-corner (an L).
+corner (an L). A wall's own frame has x along it and y outwards.
 """
 
 from dataclasses import dataclass, field
 
-from cmtof_rooms.arrays import Triple
+import numpy as np
+from numpy.typing import ArrayLike
+from trimesh import Trimesh
+
+from cmtof_rooms.arrays import Array, Pair, Triple
 from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.kit import Kit
+from cmtof_rooms.materials import Material
+from cmtof_rooms.solids import move, plate, slab, turn_about_z
 from cmtof_rooms.things import Light, Part, Thing
-from cmtof_rooms.walls import THICKNESS, Wall
+
+THICKNESS = 0.15
+"""Of walls, m."""
+
+
+@dataclass
+class Wall:
+    """One side of a room."""
+
+    origin: Pair
+    """Its left end, seen from inside, m."""
+    turn: float
+    """Of its own frame about z, rad."""
+    length: float
+    """m."""
+    taken: list[Rectangle] = field(default_factory=list)
+    """What is in it or stands before it, along the wall and in height."""
+    holes: list[Rectangle] = field(default_factory=list)
+    """What is cut out of it."""
+
+    def place(self, points: ArrayLike) -> Array:
+        """Points (..., 3) of the wall's frame in the room, m."""
+        return np.asarray(points, float) @ turn_about_z(self.turn) + np.array([*self.origin, 0.0])
+
+    def parts(self, material: Material, *solids: Trimesh | Box) -> list[Part]:
+        """Solids of the wall's frame, each as a part of one material in the room."""
+        meshes: list[Trimesh] = []
+        for solid in solids:
+            if isinstance(solid, Box):
+                meshes += [slab(*single) for single in solid.singles()]
+            else:
+                meshes.append(solid)
+        return [Part(move(one, (*self.origin, 0.0), self.turn), material) for one in meshes]
+
+    def footprint(self, piece: Rectangle, y0: float, y1: float) -> Rectangle:
+        """Floor along a piece of it between two distances outwards, m; quarter turns only."""
+        corners = self.place([(piece.x0, y0, 0.0), (piece.x1, y1, 0.0)])
+        x, y, _ = np.sort(corners, axis=0).T.tolist()
+        return Rectangle(*x, *y)
+
+    def free(self, piece: Rectangle) -> bool:
+        """Whether nothing is in or before a piece of it."""
+        return not piece.meets(self.taken, gap=0.0)
+
+    def gap(self, kit: Kit, width: float) -> float | None:
+        """Draw the start of a free piece, m, for a door or a passage; None after some tries."""
+        for _ in range(12 if self.length >= width + 0.3 else 0):
+            x = kit.between(0.15, self.length - width - 0.15)
+            if self.free(Rectangle(x - 0.1, x + width + 0.1, 0, 9)):
+                return x
+        return None
+
+    def cut(self, hole: Rectangle, side: float = 0.05, above: float = 0.05) -> None:
+        """Cut a hole; at its sides and above it nothing else fits, m."""
+        self.holes.append(hole)
+        self.taken.append(hole.grown(side, side, 0.03, above))
+
+    def solid(self, height: float) -> Trimesh:
+        """The wall itself, to a height, m, a little longer than the room at both ends."""
+        holes = [hole.grown(-THICKNESS, THICKNESS, 0, 0) for hole in self.holes]
+        whole = plate(self.length + 2 * THICKNESS, height, THICKNESS, holes)
+        return move(whole, (-THICKNESS, 0, 0))
 
 
 @dataclass

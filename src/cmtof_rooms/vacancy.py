@@ -8,9 +8,8 @@ import numpy as np
 from cmtof_rooms.arrays import Array, Pair, Triple
 from cmtof_rooms.boxes import Rectangle
 from cmtof_rooms.kit import Kit
-from cmtof_rooms.shell import Shell
+from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.things import Light
-from cmtof_rooms.walls import Wall
 
 Kind = dict[str, Any]
 """One of the ``kinds`` of `presets.yml`."""
@@ -179,7 +178,7 @@ class Vacancy:
     def _turned(self, size: Extents, flat: bool) -> tuple[float, Array]:
         """Draw a turn, rad, and say what size of the floor, m, a thing then covers."""
         width, depth, _ = size
-        quarters = int(self.kit.rng.integers(4))
+        quarters = self.kit.rng.integers(4)
         tilt = 0.0
         if not flat and self.kit.chance(0.3):
             tilt = self.kit.between(-0.3, 0.3)

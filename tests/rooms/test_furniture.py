@@ -13,8 +13,8 @@ from cmtof_rooms.materials import PATTERNS, Material, Palette
 from cmtof_rooms.presets import household, presets
 from cmtof_rooms.rendering import Settings
 from cmtof_rooms.rooms import build_room
+from cmtof_rooms.shell import THICKNESS
 from cmtof_rooms.things import Light, Part
-from cmtof_rooms.walls import THICKNESS
 
 KINDS = presets()["kinds"]
 ROOMS = presets()["rooms"]
