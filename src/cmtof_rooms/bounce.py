@@ -78,7 +78,11 @@ def measure_bounce(low: Array, high: Array, look: Look) -> Bounce:
         faces * (4 / RAYS),
     )
     inside = behind.reshape(-1, RAYS).sum(axis=1) > RAYS / 4
-    return Bounce(low, high, _filled(light.reshape(*shape, 6, 3), inside.reshape(shape)))
+    return Bounce(
+        low,
+        high,
+        _filled(light.reshape(*shape, 6, 3), inside.reshape(shape)),
+    )
 
 
 def _grid_axes(low: Array, high: Array) -> list[Array]:

@@ -46,8 +46,7 @@ class Rectangle(NamedTuple):
 
     def contains(self, other: "Rectangle") -> bool:
         """Whether another rectangle lies within this one."""
-        x0, x1, y0, y1 = other
-        return self.x0 <= x0 and x1 <= self.x1 and self.y0 <= y0 and y1 <= self.y1
+        return bool((self.start <= other.start).all() and (other.end <= self.end).all())
 
     def meets(self, others: Iterable["Rectangle"], gap: float = 1e-6) -> bool:
         """Whether it shares more than an edge with one of several others.
@@ -136,7 +135,12 @@ class Box(NamedTuple):
 
     def ends(self, axis: str, thickness: float) -> "Box":
         """Two boxes of a thickness, m, at both ends along an axis ``x``, ``y`` or ``z``."""
-        start = np.array([getattr(self, axis + "0"), self._inside(axis + "1", thickness)])
+        start = np.array(
+            [
+                getattr(self, axis + "0"),
+                self._inside(axis + "1", thickness),
+            ]
+        )
         return self._replace(**{axis + "0": start, axis + "1": start + thickness})
 
     def bars(self, axis: str, middles: Array, half: float) -> "Box":

@@ -7,7 +7,12 @@ import numpy as np
 from cmtof_rooms.arrays import Pair
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit
-from cmtof_rooms.openings import SKY, add_door, add_passage, add_windows
+from cmtof_rooms.openings import (
+    SKY,
+    add_door,
+    add_passage,
+    add_windows,
+)
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.solids import sheet, slab
 from cmtof_rooms.things import Part, level_light
@@ -28,7 +33,15 @@ def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
     day = is_open or kit.chance(0.75)
     notch = (0.0, 0.0) if is_open else _notch(kit, width, depth)
     walls = _walls(width, depth, notch)
-    shell = Shell(width, depth, height, walls, _floor(width, depth, notch), is_open, day)
+    shell = Shell(
+        width,
+        depth,
+        height,
+        walls,
+        _floor(width, depth, notch),
+        is_open,
+        day,
+    )
     _add_openings(kit, shell)
     paint = kit.material("wall")
     for wall in walls[:4]:
@@ -96,7 +109,10 @@ def _add_levels(kit: Kit, shell: Shell) -> None:
     width = shell.width
     depth = shell.depth
     height = shell.height
-    shell.add("floor", Part(slab(*shell.reach(-0.2, 0.0)), kit.material("floor")))
+    shell.add(
+        "floor",
+        Part(slab(*shell.reach(-0.2, 0.0)), kit.material("floor")),
+    )
     if shell.open:
         centre = (width / 2, depth / 2, height + 5)
         sky = level_light(centre, width / 2, depth / 2, width * depth / np.pi)
@@ -118,7 +134,10 @@ def _add_slopes(kit: Kit, shell: Shell) -> None:
         fall = (height - low) / abs((depth if way > 0 else 0.0) - start)
         end = reach.y1 if way > 0 else reach.y0
         x, y = np.meshgrid([reach.x0, reach.x1], [start, end], indexing="ij")
-        roof = sheet(np.stack([x, y, height - fall * np.abs(y - start)], -1), 0.02)
+        roof = sheet(
+            np.stack([x, y, height - fall * np.abs(y - start)], -1),
+            0.02,
+        )
         shell.add("slope", Part(roof, plaster))
         shell.eaves.append((way, start, fall))
 
@@ -131,7 +150,10 @@ def _add_beams(kit: Kit, shell: Shell) -> None:
     low = shell.height - thickness
     middles = shell.width / count * (np.arange(count) + 0.5)
     beams = Box(0, 0, 0, shell.depth, low, shell.height).bars("x", middles, thickness / 3)
-    shell.add("beams", *[Part(slab(*beam), wood) for beam in beams.singles()])
+    shell.add(
+        "beams",
+        *[Part(slab(*beam), wood) for beam in beams.singles()],
+    )
     shell.lowest = thickness
 
 

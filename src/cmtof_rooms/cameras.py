@@ -72,7 +72,11 @@ def look_at(position: Array, target: Array, roll: float = 0.0) -> Camera:
     up = np.cross(back, right)
     cosine = np.cos(roll)
     sine = np.sin(roll)
-    axes = [cosine * right + sine * up, cosine * up - sine * right, back]
+    axes = [
+        cosine * right + sine * up,
+        cosine * up - sine * right,
+        back,
+    ]
     return Camera(position, np.stack(axes, -1))
 
 

@@ -13,6 +13,7 @@ from cmtof_rooms.arrays import Array
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material
+from cmtof_rooms.presets import presets
 from cmtof_rooms.solids import (
     ball,
     box,
@@ -42,7 +43,12 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> P
     metal = kit.material("metal")
     if style == "stand":
         foot = min(0.7 * radius, 0.16)
-        stand = [(foot, 0), (foot, 0.02), (0.012, 0.03), (0.012, height - tall)]
+        stand = [
+            (foot, 0),
+            (foot, 0.02),
+            (0.012, 0.03),
+            (0.012, height - tall),
+        ]
         cone = revolution([(radius, 0), (narrow, tall)])
         half = 0.5 * narrow
         yield level_light((0, 0, height + 0.05), half, half, power, 0.0)
@@ -58,9 +64,18 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> P
         yield metal, sweep([(0, 0, tall), (0, 0, height)], 0.008, 6)
 
 
-def vessel(kit: Kit, space: Box, *, profile: str = "vase", material: str = "ceramic") -> Piece:
+def vessel(
+    kit: Kit,
+    space: Box,
+    *,
+    profile: str = "vase",
+    material: str = "ceramic",
+) -> Piece:
     """A turned vessel, of another width than depth where the size says so."""
-    turned = revolution(np.array(kit.profiles[profile]) * [0.5, 1], sections=32)
+    turned = revolution(
+        np.array(presets()["profiles"][profile]) * [0.5, 1],
+        sections=32,
+    )
     turned.vertices = turned.vertices * space.size
     yield material, turned
 
@@ -74,13 +89,25 @@ def blob(
     squareness: float = 0.0,
 ) -> Piece:
     """Something soft or grown: cushion, fruit, stone, toy."""
-    body = ball(1.0, noise=noise, rng=kit.rng, squareness=squareness, fineness=3)
+    body = ball(
+        1.0,
+        noise=noise,
+        rng=kit.rng,
+        squareness=squareness,
+        fineness=3,
+    )
     low, high = body.bounds
     body.vertices = (body.vertices - (low + high) / 2) * space.size / (high - low)
     yield material, move(body, (0, 0, space.z1 / 2))
 
 
-def cloth(kit: Kit, space: Box, *, style: str = "curtain", material: str = "fabric") -> Piece:
+def cloth(
+    kit: Kit,
+    space: Box,
+    *,
+    style: str = "curtain",
+    material: str = "fabric",
+) -> Piece:
     """A curtain in folds, a rug on the floor, or a towel that hangs."""
     if style == "rug":
         yield _rug(kit, space, material)
@@ -159,7 +186,10 @@ def picture(
     edge = min(frame, width / 6)
     half = edge / 2
     paint = kit.material(material)._replace(emission=emission)
-    yield paint, space.inset(x0=half, x1=half, y0=depth / 3, z0=half, z1=half)
+    yield (
+        paint,
+        space.inset(x0=half, x1=half, y0=depth / 3, z0=half, z1=half),
+    )
     upright = space.inset(z0=edge, z1=edge)
     yield (
         kit.material("wood", "metal"),
@@ -170,7 +200,13 @@ def picture(
     )
 
 
-def pipe(kit: Kit, space: Box, *, count: Sequence[int] = (1, 2), level: bool = False) -> Piece:
+def pipe(
+    kit: Kit,
+    space: Box,
+    *,
+    count: Sequence[int] = (1, 2),
+    level: bool = False,
+) -> Piece:
     """Upright pipes from floor to height, or level rails from side to side."""
     radius = min(0.4 * space.size[1], 0.03)
     metal = kit.material("metal")
@@ -215,8 +251,14 @@ def radiator(kit: Kit, space: Box) -> Piece:
     yield (
         "paint",
         box((0.04, depth, 0.86 * height), places + 0.54 * up),
-        box((width - 0.04, 0.5 * depth, 0.04), np.outer([0.16, 0.92], up)),
-        box((0.03, 0.6 * depth, 0.12 * height), places[[0, -1]] + 0.06 * up),
+        box(
+            (width - 0.04, 0.5 * depth, 0.04),
+            np.outer([0.16, 0.92], up),
+        ),
+        box(
+            (0.03, 0.6 * depth, 0.12 * height),
+            places[[0, -1]] + 0.06 * up,
+        ),
     )
 
 
@@ -227,7 +269,14 @@ def stairs(kit: Kit, space: Box, *, rail: bool = True) -> Piece:
     z = np.linspace(0, space.z1, count + 1)[1:]
     yield "wood", space.cut(x0=x[:-1], x1=x[1:], z1=z)
     if rail:
-        feet = np.stack([(x[:-1] + x[1:]) / 2, np.full(count, space.y0 + 0.04), z], 1)
+        feet = np.stack(
+            [
+                (x[:-1] + x[1:]) / 2,
+                np.full(count, space.y0 + 0.04),
+                z,
+            ],
+            1,
+        )
         tops = feet + np.array([0, 0, 0.9])
         bars = [sweep(ends, 0.012, 6) for ends in np.stack([feet, tops], 1)]
         yield "metal", *bars
@@ -248,8 +297,15 @@ def stack(
     levels = height * np.unique([0.0, *shares.round(2), 1.0])
     for z0, z1 in pairwise(levels):
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
-        yield material, _case(kit, layer) if number > 1 else slab(*layer)
-    yield Top(Rectangle.about(0, 0, 2 * width / 3, 2 * depth / 3), height, 0.4)
+        yield (
+            material,
+            _case(kit, layer) if number > 1 else slab(*layer),
+        )
+    yield Top(
+        Rectangle.about(0, 0, 2 * width / 3, 2 * depth / 3),
+        height,
+        0.4,
+    )
 
 
 def _case(kit: Kit, space: Box) -> Trimesh:

@@ -47,7 +47,11 @@ class Tracer:
                 "Install it: pip install 'cmtof[rooms]'."
             ) from error
         self._scene: Any = EmbreeScene(robust=True)
-        TriangleMesh(self._scene, np.asarray(vertices, np.float32), np.asarray(faces, np.int32))
+        TriangleMesh(
+            self._scene,
+            np.asarray(vertices, np.float32),
+            np.asarray(faces, np.int32),
+        )
 
     def nearest(self, origins: Array, directions: Array) -> RayHits:
         """First triangle along each ray.

@@ -10,12 +10,25 @@ from cmtof_rooms.presets import presets
 from cmtof_rooms.shell import Shell
 from cmtof_rooms.solids import move
 from cmtof_rooms.things import Light, Thing
-from cmtof_rooms.vacancy import Extents, Kind, Place, Vacancy, turned_size
+from cmtof_rooms.vacancy import (
+    Extents,
+    Kind,
+    Place,
+    Vacancy,
+    turned_size,
+)
 
 WARM = (1.0, 0.93, 0.82)
 """Colour of lamps."""
 
-RANK = {"wall": 0, "corner": 0, "free": 1, "hung": 2, "flat": 3, "ceiling": 4}
+RANK = {
+    "wall": 0,
+    "corner": 0,
+    "free": 1,
+    "hung": 2,
+    "flat": 3,
+    "ceiling": 4,
+}
 """Order in which things are placed, by where they stand."""
 
 
@@ -70,7 +83,11 @@ class Furnishing:
     def _size(self, kind: Kind) -> Extents:
         """Draw a size, m, that fits under the ceiling."""
         width, depth, height = self.kit.each(kind["size"])
-        return width, depth, min(height, self.shell.height - self.shell.lowest - 0.01)
+        return (
+            width,
+            depth,
+            min(height, self.shell.height - self.shell.lowest - 0.01),
+        )
 
     def _stand(self, name: str, size: Extents, place: Place) -> list[Top]:
         """Make a thing and stand it at its place; return the tops of it."""

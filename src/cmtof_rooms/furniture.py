@@ -11,7 +11,13 @@ from cmtof_rooms.arrays import Pair, Shape
 from cmtof_rooms.boxes import Box, Rectangle, mirrored
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material
-from cmtof_rooms.solids import ball, ellipse, extrusion, move, revolution
+from cmtof_rooms.solids import (
+    ball,
+    ellipse,
+    extrusion,
+    move,
+    revolution,
+)
 
 
 def posts(x: float, y: float, thickness: float, z0: float, z1: float) -> Box:
@@ -52,7 +58,12 @@ def table(
 def _pedestal(kit: Kit, wood: Material, board: Box) -> Piece:
     """A turned foot of metal below a table's board."""
     foot = 0.3 * min(board.size[:2])
-    profile = [(foot, 0), (foot, 0.03), (0.05, 0.06), (0.04, board.z0)]
+    profile = [
+        (foot, 0),
+        (foot, 0.03),
+        (0.05, 0.06),
+        (0.04, board.z0),
+    ]
     yield "metal", revolution(profile)
 
 
@@ -74,7 +85,11 @@ def _four_legs(kit: Kit, wood: Material, board: Box) -> Piece:
         yield wood, below.bars("y", mirrored(y), 0.01)
 
 
-LEGS = {"four": _four_legs, "panel": _leg_panels, "pedestal": _pedestal}
+LEGS = {
+    "four": _four_legs,
+    "panel": _leg_panels,
+    "pedestal": _pedestal,
+}
 """What carries a table, by the name that `presets.yml` uses."""
 
 
@@ -112,7 +127,10 @@ def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:
     back = kit.between(0.16, 0.24) if height > 0.5 else 0.0
     level = min(0.42, 0.9 * height)
     yield cover, space.cut(z0=0.08, z1=level - 0.12)
-    yield "wood", posts(space.x1 - 0.06, space.y1 - 0.06, 0.06, 0, 0.08)
+    yield (
+        "wood",
+        posts(space.x1 - 0.06, space.y1 - 0.06, 0.06, 0, 0.08),
+    )
     if arms:
         top = min(kit.between(0.55, 0.65), height)
         yield cover, space.ends("x", arm).cut(z0=0.08, z1=top)
@@ -122,7 +140,10 @@ def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:
     if back:
         yield cover, inside.layer("y1", 0.08).cut(z0=level - 0.12)
         cushions = (width - 2 * arm, back, height - level)
-        middle = (space.y1 - back / 2 - 0.03, level + 0.9 * ((height - level) / 2))
+        middle = (
+            space.y1 - back / 2 - 0.03,
+            level + 0.9 * ((height - level) / 2),
+        )
         yield _cushions(cover, cushions, middle, 0.7)
 
 
@@ -159,7 +180,10 @@ def bed(kit: Kit, space: Box) -> Piece:
     axes = (width / 2, depth * 0.33, (level - 0.2) / 2 + 0.02)
     wrinkles = kit.between(0.005, 0.03)
     blanket = ball(axes, squareness=0.85, fineness=4, noise=wrinkles, rng=kit.rng)
-    yield "fabric", move(blanket, (0, -depth * 0.17, (level + 0.2) / 2))
+    yield (
+        "fabric",
+        move(blanket, (0, -depth * 0.17, (level + 0.2) / 2)),
+    )
     yield from _pillows(kit, width, (depth / 2 - 0.32, level + 0.05))
 
 
@@ -187,7 +211,11 @@ def cabinet(
     plinth = min(0.06, space.z1 / 8)
     inset = space.inset(x0=0.03, x1=0.03)
     body = space.inset(z0=plinth)
-    yield wood, body.inset(y0=0.02), inset.inset(y0=0.06).cut(z1=plinth)
+    yield (
+        wood,
+        body.inset(y0=0.02),
+        inset.inset(y0=0.06).cut(z1=plinth),
+    )
     yield from _doors(kit, wood, body, (kit.count(columns), kit.count(rows)))
     height = space.z1
     if top:
@@ -206,11 +234,24 @@ def _doors(kit: Kit, wood: Material, body: Box, shape: Shape) -> Piece:
     x = np.arange(columns)[:, None] * dx + body.x0
     y = body.y0
     z = body.z0 + np.arange(rows) * dz
-    yield wood, Box(x + gap, x + (dx - gap), y, y + 0.02, z + gap, z + (dz - gap))
+    yield (
+        wood,
+        Box(
+            x + gap,
+            x + (dx - gap),
+            y,
+            y + 0.02,
+            z + gap,
+            z + (dz - gap),
+        ),
+    )
     if kit.chance(0.6):
         x = x + dx / 2
         z = z + 0.8 * dz
-        yield "metal", Box(x - 0.05, x + 0.05, y - 0.025, y, z, z + 0.012)
+        yield (
+            "metal",
+            Box(x - 0.05, x + 0.05, y - 0.025, y, z, z + 0.012),
+        )
 
 
 def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece:
@@ -237,7 +278,11 @@ def _fill(kit: Kit, compartments: Box, share: float) -> Piece:
         if kit.chance(share):
             yield from _books(kit, space.inset(y1=0.02))
         else:
-            yield Top(space.inset(y1=0.03).floor, space.z0, space.z1 - space.z0)
+            yield Top(
+                space.inset(y1=0.03).floor,
+                space.z0,
+                space.z1 - space.z0,
+            )
 
 
 def _books(kit: Kit, space: Box) -> Piece:

@@ -174,7 +174,12 @@ class Interior:
             (plane * -np.sign(along)[:, None]).astype(np.float32),
         )
 
-    def direct(self, position: Array, normal: Array, sample: Numbers | None = None) -> Array:
+    def direct(
+        self,
+        position: Array,
+        normal: Array,
+        sample: Numbers | None = None,
+    ) -> Array:
         """Irradiance (N, 3) from the lights, with shadows.
 
         Parameters

@@ -6,14 +6,16 @@ solids of a piece of furniture, tops on which other things can stand, and the li
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.random import Generator
 from trimesh import Trimesh
 
 from cmtof_rooms.arrays import Pair
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.materials import Material
+from cmtof_rooms.presets import presets
 from cmtof_rooms.solids import join, slab
 from cmtof_rooms.things import Light, Part
 
@@ -44,16 +46,10 @@ class Kit:
     rng : Generator
     palette : dict
         Materials to choose from, by role: wood, fabric, metal, ...
-    profiles : dict
-        Outlines of vessels, by name: share of the radius and of the height, from the foot on.
-    sizes : dict
-        Lowest and highest value of each of several sizes, by the name of what has them.
     """
 
     rng: Generator
     palette: dict[str, list[Material]]
-    profiles: dict[str, list[Pair]]
-    sizes: dict[str, dict[str, Pair]]
 
     def material(self, *roles: str) -> Material:
         """Draw one of the household's materials of a role, or of one of several roles."""
@@ -77,8 +73,8 @@ class Kit:
         return self.rng.uniform(low, high)
 
     def draw(self, name: str) -> list[float]:
-        """Draw all sizes of what has a name in `sizes`, evenly."""
-        return self.each(self.sizes[name].values())
+        """Draw all ``sizes`` that `presets.yml` has for a name, evenly."""
+        return self.each(presets()["sizes"][name].values())
 
     def each(self, limits: Iterable[Pair]) -> list[float]:
         """Draw a number evenly between each of several pairs of limits."""
@@ -91,3 +87,34 @@ class Kit:
     def chance(self, share: float) -> bool:
         """Draw whether something happens that does so in a share of cases."""
         return self.rng.uniform() < share
+
+
+def household(rng: Generator) -> Kit:
+    """Draw the materials that everything in a room is made of."""
+    palette = {
+        role: [_material(rng, drawn) for _ in range(drawn["count"])]
+        for role, drawn in presets()["materials"].items()
+    }
+    return Kit(rng, palette)
+
+
+def _material(rng: Generator, drawn: dict[str, Any]) -> Material:
+    """Draw one material of a role: two of its colours, a pattern and its scale."""
+    colours = np.array(drawn["colours"])
+    pair = colours[rng.integers(len(colours), size=2)]
+    first, second = np.clip(pair * rng.uniform(0.75, 1.2, (2, 1)), 0.01, 0.92)
+    mix = rng.uniform(0.15, 0.7) * (second - first) * rng.uniform(0.5, 1.0)
+    second = 0.8 * (first + mix)
+    pattern = weighted_choice(rng, drawn["patterns"])
+    return Material(
+        tuple(first),
+        tuple(second),
+        pattern,
+        rng.uniform(*drawn["scale"]),
+    )
+
+
+def weighted_choice(rng: Generator, weights: dict[str, float]) -> str:
+    """Draw a name by its weight."""
+    odds = np.array(list(weights.values()), float)
+    return str(rng.choice(list(weights), p=odds / odds.sum()))

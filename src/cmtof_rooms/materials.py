@@ -150,7 +150,13 @@ class Palette:
         share = np.where(self._pattern == "plain", 0.0, MEAN_SHARE)[:, None].astype(np.float32)
         self.mean = self._colour + share * (self._second - self._colour)
 
-    def albedo(self, number: Numbers, position: Array, normal: Array, footprint: Array) -> Array:
+    def albedo(
+        self,
+        number: Numbers,
+        position: Array,
+        normal: Array,
+        footprint: Array,
+    ) -> Array:
         """Reflectance (N, 3) of points of materials ``number`` (N,).
 
         Parameters

@@ -35,7 +35,11 @@ def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:
         wall,
         (front, leaf),
         (kit.material("metal"), handle),
-        (front, frame.cut(x0=jambs, x1=jambs + 0.07), frame.cut(z0=height)),
+        (
+            front,
+            frame.cut(x0=jambs, x1=jambs + 0.07),
+            frame.cut(z0=height),
+        ),
     )
 
 
@@ -76,7 +80,11 @@ def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:
     shell.build(
         "room beyond",
         wall,
-        (paint, outer.cut(x0=sides, x1=sides + t), outer.cut(y0=space.y1)),
+        (
+            paint,
+            outer.cut(x0=sides, x1=sides + t),
+            outer.cut(y0=space.y1),
+        ),
         (kit.material("floor"), outer.cut(y0=0.0, z0=-0.2, z1=0.0)),
         (paint, outer.cut(z0=space.z1, z1=space.z1 + t)),
     )
@@ -100,7 +108,14 @@ def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:
             _add_outdoors(kit, shell, wall)
 
 
-def _glaze(kit: Kit, shell: Shell, wall: Wall, holes: list[Rectangle], *, view: bool) -> None:
+def _glaze(
+    kit: Kit,
+    shell: Shell,
+    wall: Wall,
+    holes: list[Rectangle],
+    *,
+    view: bool,
+) -> None:
     """Cut windows into a wall, with frames and, without a view, bright panes."""
     trim = kit.material("front")
     pane = Material(SKY, emission=shell.sky * kit.between(0.7, 1.3))
@@ -147,12 +162,29 @@ def _add_outdoors(kit: Kit, shell: Shell, wall: Wall) -> None:
     drop, far, share, width, height = kit.draw("outdoors")
     look = _outdoor_materials(shell.sky * share)
     middle = wall.length / 2
-    house = Box(middle - width / 2, middle + width / 2, far + 0.3, far + 8, -drop, height - drop)
+    house = Box(
+        middle - width / 2,
+        middle + width / 2,
+        far + 0.3,
+        far + 8,
+        -drop,
+        height - drop,
+    )
     facade = move(_facade(width, height), (house.x0, far, -drop))
     shell.build(
         "house outside",
         wall,
-        (look["lawn"], Box(middle - 60, middle + 60, 0.3, far + 30, -drop - 0.5, -drop)),
+        (
+            look["lawn"],
+            Box(
+                middle - 60,
+                middle + 60,
+                0.3,
+                far + 30,
+                -drop - 0.5,
+                -drop,
+            ),
+        ),
         (look["front"], facade),
         (look["behind"], house),
     )

@@ -73,7 +73,7 @@ class Settings:
         """
         angle = np.radians(stream(self.seed, index, LENS).choice([60, 60, 60, 52, 44, 35]))
         drawn = self.width / 2 / np.tan(angle / 2)
-        focal = float(drawn if self.focal is None else self.focal)
+        focal = float(self.focal if self.focal is not None else drawn)
         if not 1 <= focal < 1e6:
             raise ValueError(f"Expected a focal length of 1 to 1e6 px, got {focal}. Try the width.")
         return Lens((self.height, self.width), focal)
@@ -180,7 +180,10 @@ def render_view(room: FurnishedRoom, camera: Camera, lens: Lens, number: int) ->
     """
     seen = room.interior.render(camera.position, lens.rays(camera.orientation))
     start = stream(room.seed, 0, EXPOSURE).uniform()
-    return expose(seen, (start + 0.6180339887498949 * (7 * room.index + number)) % 1)
+    return expose(
+        seen,
+        (start + 0.6180339887498949 * (7 * room.index + number)) % 1,
+    )
 
 
 def render_views(settings: Settings) -> Iterator[RenderedView]:
@@ -215,7 +218,13 @@ def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
     return all(View(scene, camera, frame).file(root, kind).is_file() for kind in FILES)
 
 
-def write_view(root: str | Path, scene: str, camera: str, frame: int, **arrays: ArrayLike) -> None:
+def write_view(
+    root: str | Path,
+    scene: str,
+    camera: str,
+    frame: int,
+    **arrays: ArrayLike,
+) -> None:
     """Write color (linear radiance), depth (m), normal and instance, whole and always alike."""
     import h5py
 
@@ -243,7 +252,13 @@ def render_room(root: Path, settings: Settings, index: int) -> Report:
     views = _views(index, settings.views)
     missing = [view for view in views if not view_exists(root, name, *view)]
     for view in _render(settings, index, missing) if missing else ():
-        write_view(root, name, view.camera, view.number, **view.picture._asdict())
+        write_view(
+            root,
+            name,
+            view.camera,
+            view.number,
+            **view.picture._asdict(),
+        )
     return Report(name, len(missing))
 
 

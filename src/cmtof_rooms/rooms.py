@@ -7,11 +7,16 @@ from numpy.random import Generator
 
 from cmtof_rooms.boxes import Rectangle
 from cmtof_rooms.building import build_shell
-from cmtof_rooms.cameras import Camera, Lens, close_cameras, room_cameras
+from cmtof_rooms.cameras import (
+    Camera,
+    Lens,
+    close_cameras,
+    room_cameras,
+)
 from cmtof_rooms.furnishing import Furnishing
 from cmtof_rooms.interior import Interior
-from cmtof_rooms.kit import Kit
-from cmtof_rooms.presets import household, presets, weighted_choice
+from cmtof_rooms.kit import Kit, household, weighted_choice
+from cmtof_rooms.presets import presets
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.things import Light, Thing, level_light
 
@@ -132,7 +137,12 @@ def _lit(shell: Shell, inside: Furnishing) -> Interior:
     low = np.full(3, 0.1)
     high = np.array([shell.width, shell.depth, shell.height]) - 0.1
     lights = _strongest(shell, inside.lights)
-    return Interior(shell.things + inside.things, lights, [low, high], sky=shell.sky)
+    return Interior(
+        shell.things + inside.things,
+        lights,
+        [low, high],
+        sky=shell.sky,
+    )
 
 
 def _numbers(shell: Shell, inside: Furnishing) -> range:
@@ -146,14 +156,25 @@ def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:
     """Furniture at the far wall of a room beyond a passage."""
     everywhere = Rectangle(-99.0, 99.0, -99.0, 99.0)
     far = Furnishing(Shell(0.0, 0.0, 2.0, [wall], [everywhere]), kit)
-    far.fill({"sideboard": 0.5, "picture": 0.7, "big_plant": 0.5, "bookcase": 0.3})
+    far.fill(
+        {
+            "sideboard": 0.5,
+            "picture": 0.7,
+            "big_plant": 0.5,
+            "bookcase": 0.3,
+        }
+    )
     return far.things
 
 
 def _strongest(shell: Shell, lamps: list[Light]) -> list[Light]:
     """At most `LIGHTS` lights; the strongest lamps shine for those that were left out."""
     if not shell.lights and not lamps:  # a lamp that nobody sees
-        middle = (shell.width / 2, shell.depth / 2, shell.height - 0.05)
+        middle = (
+            shell.width / 2,
+            shell.depth / 2,
+            shell.height - 0.05,
+        )
         lamps = [level_light(middle, 0.3, 0.3, 2.0)]
     dimmed = 0.15 if shell.day else 1.0
     lamps = [lamp._replace(power=lamp.power * dimmed) for lamp in lamps]

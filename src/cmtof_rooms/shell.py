@@ -128,7 +128,10 @@ class Shell:
 
     def build(self, kind: str, wall: Wall, *pieces: tuple) -> None:
         """Add a thing made of pieces of one material each, given in the frame of a wall."""
-        self.add(kind, *[part for piece in pieces for part in wall.parts(*piece)])
+        self.add(
+            kind,
+            *[part for piece in pieces for part in wall.parts(*piece)],
+        )
 
     def headroom(self, area: Rectangle) -> float:
         """Free height above a rectangle of the floor, m."""

@@ -52,4 +52,10 @@ def level_light(
     direction: float = -1.0,
 ) -> Light:
     """White light of half widths along x and y, m, that shines up (1), down (-1), all round (0)."""
-    return Light(centre, (half_x, 0, 0), (0, half_y, 0), (0, 0, direction), power)
+    return Light(
+        centre,
+        (half_x, 0, 0),
+        (0, half_y, 0),
+        (0, 0, direction),
+        power,
+    )

@@ -33,14 +33,20 @@ class Place(NamedTuple):
         """Point of the thing's own frame in the room, m."""
         cosine = np.cos(self.turn)
         sine = np.sin(self.turn)
-        return self.x + cosine * x - sine * y, self.y + sine * x + cosine * y
+        return (
+            self.x + cosine * x - sine * y,
+            self.y + sine * x + cosine * y,
+        )
 
 
 def turned_size(width: float, depth: float, turn: float) -> Pair:
     """Size along x and y, m, of a rectangle that is turned by ``turn``, rad."""
     cosine = abs(np.cos(turn))
     sine = abs(np.sin(turn))
-    return width * cosine + depth * sine, depth * cosine + width * sine
+    return (
+        width * cosine + depth * sine,
+        depth * cosine + width * sine,
+    )
 
 
 @dataclass
@@ -169,7 +175,12 @@ class Vacancy:
         if flat:
             if area.meets(self.shell.keep):
                 return None
-        elif self.fits(area, size[2], area.grown(margin, margin, margin, margin), self.clear):
+        elif self.fits(
+            area,
+            size[2],
+            area.grown(margin, margin, margin, margin),
+            self.clear,
+        ):
             self._take(area, size[2])
         else:
             return None

@@ -7,10 +7,10 @@ import pytest
 
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.building import build_shell
-from cmtof_rooms.kit import Top
+from cmtof_rooms.kit import Top, household
 from cmtof_rooms.makers import MAKERS
 from cmtof_rooms.materials import PATTERNS, Material, Palette
-from cmtof_rooms.presets import household, presets
+from cmtof_rooms.presets import presets
 from cmtof_rooms.rendering import Settings
 from cmtof_rooms.rooms import build_room
 from cmtof_rooms.shell import THICKNESS
