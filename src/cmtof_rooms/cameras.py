@@ -108,7 +108,7 @@ def room_cameras(
         Of the ceiling, m.
     rng : Generator
     """
-    views: list[Camera] = []
+    views = []
     for _ in range(count):
         wanted = MIDDLE * np.exp(SPREAD * rng.normal())
         candidates = [_across(floor, height, rng) for _ in range(TRIES)]
@@ -157,7 +157,7 @@ def close_cameras(
     rng : Generator
     """
     middles = _middles(interior, things)
-    views: list[Camera] = []
+    views = []
     for _ in range(count):
         wanted = rng.uniform(0.6, _CLOSE[1])
         candidates = [_close(middles, rng) for _ in range(TRIES)]

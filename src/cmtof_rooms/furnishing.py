@@ -132,7 +132,7 @@ class Furnishing:
 
     def _decorate(self, tops: list[Top], counts: dict[str, float], place: Place) -> None:
         """Stand things on the tops of another."""
-        used: list[list[Rectangle]] = [[] for _ in tops]
+        used = [[] for _ in tops]
         for name, mean in counts.items():
             for _ in range(self._times(mean)):
                 number = self.kit.index(tops)

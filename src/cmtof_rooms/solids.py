@@ -68,10 +68,8 @@ def extrusion(outline: ArrayLike, height: float) -> Trimesh:
     3.0
     """
     flat = np.asarray(outline, float)
-    count = len(flat)
-    ring = np.arange(count)
-    middle = np.full(count, count)
-    faces = np.stack([middle, ring, np.roll(ring, -1)], axis=1)
+    ring = np.arange(len(flat))
+    faces = _join_corners(len(flat), ring, np.roll(ring, -1))
     points = np.vstack([flat, flat.mean(0)])
     return trimesh.creation.extrude_triangulation(points, faces, height)
 
@@ -79,7 +77,9 @@ def extrusion(outline: ArrayLike, height: float) -> Trimesh:
 def ellipse(width: float, depth: float, sections: int = 32) -> Array:
     """Outline (N, 2) of an ellipse about the origin, m."""
     turn = 2 * np.pi * np.arange(sections) / sections
-    return np.stack([width / 2 * np.cos(turn), depth / 2 * np.sin(turn)], 1)
+    x = width / 2 * np.cos(turn)
+    y = depth / 2 * np.sin(turn)
+    return np.stack([x, y], 1)
 
 
 def plate(
@@ -121,7 +121,8 @@ def plate(
 
 def _lines(length: float, edges: Array) -> Array:
     """Positions of grid lines: both ends and every edge of a hole between them."""
-    return np.unique(np.clip(np.append(edges, [0.0, length]), 0, length))
+    every = np.append(edges, [0.0, length])
+    return np.unique(np.clip(every, 0, length))
 
 
 def _outside(holes: Array, x: Array, z: Array) -> Flags:
@@ -148,6 +149,11 @@ def _cells(number: Numbers) -> Numbers:
 def _triangles(cells: Numbers) -> Numbers:
     """Triangles (2 N, 3) of cells (N, 4): first one half of each, then the other."""
     return np.concatenate([cells[:, half] for half in _HALVES])
+
+
+def _join_corners(first: Numbers | int, second: Numbers, third: Numbers) -> Numbers:
+    """Triangles (N, 3) of N first, second and third corners, or of one first corner for all."""
+    return np.stack(np.broadcast_arrays(first, second, third), 1)
 
 
 def revolution(profile: ArrayLike, sections: int = 28) -> Trimesh:
@@ -184,15 +190,10 @@ def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
     cells = _cells(closed)[..., [0, 3, 2, 1]]
     faces = [
         _triangles(cells.reshape(-1, 4)),
-        _fan(len(vertices) - 2, closed[0, 1:], closed[0, :-1]),
-        _fan(len(vertices) - 1, closed[-1, :-1], closed[-1, 1:]),
+        _join_corners(len(vertices) - 2, closed[0, 1:], closed[0, :-1]),
+        _join_corners(len(vertices) - 1, closed[-1, :-1], closed[-1, 1:]),
     ]
     return mesh_from(vertices, np.concatenate(faces))
-
-
-def _fan(middle: int, first: Numbers, second: Numbers) -> Numbers:
-    """Triangles (N, 3) of one point with N pairs of others."""
-    return np.stack(np.broadcast_arrays(middle, first, second), 1)
 
 
 def _circles(line: Array, sections: int) -> Array:
@@ -293,8 +294,8 @@ def _sheet_faces(count: int, columns: int) -> Numbers:
     faces = [
         front,
         front[:, ::-1] + count,
-        np.stack([rim, rim + count, following], 1),
-        np.stack([following, rim + count, following + count], 1),
+        _join_corners(rim, rim + count, following),
+        _join_corners(following, rim + count, following + count),
     ]
     return np.concatenate(faces)
 
