@@ -26,7 +26,7 @@ PACKAGES = {
     "notebooks": ["notebooks", "train"],
 }
 """Extras that the modules of a folder may import from, beside the package's own dependencies."""
-BACKENDS = {"pyvisa-py"}
+BACKENDS = {"pyusb", "pyvisa-py"}
 """Requirements that are found by their name and never imported."""
 DISTRIBUTIONS = packages_distributions()
 WORKFLOWS = sorted((ROOT / ".github/workflows").glob("*.yml"))

@@ -31,7 +31,7 @@ app = Typer(
 )
 
 MODULES = {
-    "hardware": "pymodbus pyvisa serial thorlabs_apt_protocol",
+    "hardware": "pyvisa serial thorlabs_apt_protocol",
     "lab": "cv2",
     "plot": "cycler matplotlib pandas",
     "rooms": "embreex trimesh",

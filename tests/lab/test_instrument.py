@@ -26,7 +26,7 @@ from cmtof_lab.instrument import (
 from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
 from cmtof_lab.targets import FrameTarget, Plane
 
-REFERENCE = Path(__file__).parents[1] / "reference" / "ci"
+FIGURES = Path(__file__).parents[2] / "figures"
 IDEAL = TwinSettings.ideal()
 NOISY = replace(IDEAL, noise=True)
 ANGLES = np.random.default_rng(0).uniform(-0.1, 0.1, (40, 2))
@@ -143,16 +143,16 @@ def test_phase_noise_of_a_point_meets_the_closed_form(mode):
 # --- the noise of the published captures
 
 
-def stored(name):
-    """Numbers of a figure that chapter 7 drew from the captures."""
-    return {k: v["value"] for k, v in json.loads((REFERENCE / name).read_text()).items()}
+def accepted(name):
+    """Numbers of an accepted figure that chapter 7 drew from the captures."""
+    return json.loads((FIGURES / f"{name}.json").read_text("utf-8"))["numbers"]
 
 
 def test_captures_noise_is_what_chapter_7_found():
-    found = stored("noise_matching_spectra.measured.json")
+    found = accepted("noise_matching_spectra")["line_noise"]
     for name, (level, correlation) in CAPTURES.items():
-        assert level == round(found[f"line_noise.{name}.white"], 3)
-        assert correlation == round(found[f"line_noise.{name}.down"], 2)
+        assert level == round(found[name]["white"], 3)
+        assert correlation == round(found[name]["down"], 2)
     assert NOISE["captures"]["phase_noise"][0] == pytest.approx(0.117, abs=1e-3)
 
 
@@ -170,9 +170,10 @@ def test_disturbance_has_its_level_and_grain(mode):
 @pytest.mark.parametrize(("name", "left"), [("curlyhair1", 0), ("head", 70), ("owl", 70)])
 def test_noise_on_the_captures_objects_is_the_captures(name, left, shared_data):
     """On the wall behind each object; a scan's line is a column of the captures' maps."""
-    noted, kinds = stored("capture_noise.measured.json"), ("down", "across")
-    levels = {n: noted[f"sigma_rad.{n}"] for n in CAPTURES}
-    near = [[noted[f"correlation_down_across.{n}[{k}]"] for n in CAPTURES] for k in (0, 1)]
+    noted = accepted("capture_noise")
+    kinds = ("down", "across")
+    levels = noted["sigma_rad"]
+    near = [[noted["correlation_down_across"][n][k] for n in CAPTURES] for k in (0, 1)]
     phase, reference = read_capture(shared_data / f"captures/phase/scene_{name}_phase.csv")
     smooth = noise.denoise(phase).phase
     wraps = consistent_wrap_count(reference, smooth, FREQUENCY_SINGLE)
