@@ -428,13 +428,15 @@ def train(
 
 @app.command()
 def scan(
-    output: Output,
+    output: Annotated[Path | None, Option("--output", "-o", help="Measurement, *.nc.")] = None,
     rig: Annotated[Path | None, Argument(help="RIG file, *.yml.")] = None,
     twin: Annotated[bool, Option("--twin", help="Simulate the instrument, by RIG's twin.")] = False,
     scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
     seed: Annotated[int | None, _SEED] = None,
     size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
     resume: Annotated[bool, Option("--resume", help="Go on with a scan that was stopped.")] = False,
+    check: Annotated[bool, Option("--check", help="Ask every device, move nothing.")] = False,
+    log: Annotated[Path | None, Option(help="File of all requests and replies.")] = None,
     quiet: Quiet = False,
 ) -> None:
     """Scan with the instrument, or with its simulation, into a measurement.
@@ -444,6 +446,7 @@ def scan(
 
     Example: [bold]cmtof scan --twin --scene still_life --size 64 --seed 0 -o m.nc[/bold]
     """
+    from cmtof.hardware.checkup import states_of
     from cmtof.hardware.connect import connected_bench
     from cmtof.hardware.journal import journal_path
     from cmtof.hardware.plan import planned
@@ -457,12 +460,20 @@ def scan(
         raise ValueError(f"Expected {what}. Leave them out.")
     settings = Rig.default() if rig is None else Rig.load(rig)
     plan = planned(settings, size=size)
-    bench = partial(connected_bench, settings)
+    requests = log.open("w", encoding="utf-8") if log else None
+    bench = partial(connected_bench, settings, requests)
     if twin:
         from cmtof_lab.rehearsal import simulated_bench
 
         scene = scene or (None if rig else "still_life")
         bench = partial(simulated_bench, settings, scene, seed=seed or 0)
+    if check:
+        with bench() as on:
+            states = list(states_of(on))
+        _print_table("", ("device", "reports"), states)
+        raise SystemExit(any("Expected" in text for _, text in states))
+    if output is None:
+        raise ValueError("Expected an output, got none. Add -o m.nc.")
     try:
         with progress(len(plan.lines), quiet) as advance:
             options = {"report": lambda line: advance(f"{line.mode}: {line.kind}")}

@@ -1,14 +1,18 @@
 """RIG files, the way to the instruments, and the beam on a read-out that records."""
 
+import errno
 import json
+import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+import serial
 
 from cmtof.hardware import connect
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.connect import connected_bench, connected_driver
-from cmtof.hardware.device import ConnectionLost, Unsafe
+from cmtof.hardware.device import ConnectionLost, Unsafe, one_error
 from cmtof.hardware.rig import DRIVERS, Rig
 
 RIG = Rig.default()
@@ -52,6 +56,23 @@ def test_nothing_at_an_address_is_one_line():
             connected_driver(role, replace(RIG.devices[role], address=address))
 
 
+def test_a_port_that_may_not_be_opened_says_what_helps():
+    refusal = serial.SerialException(errno.EACCES, "could not open port")
+    with (
+        pytest.raises(ConnectionLost, match="Add yourself to the group dialout"),
+        one_error("a serial port"),
+    ):
+        raise refusal
+    with pytest.raises(ConnectionLost, match="ls -l /dev/serial/by-id"):
+        connected_driver("stage", replace(RIG.devices["stage"], address="/dev/no-port"))
+
+
+def test_the_default_rig_finds_its_libraries_in_the_extra():
+    text = (Path(__file__).parents[2] / "pyproject.toml").read_text()
+    extra = tomllib.loads(text)["project"]["optional-dependencies"]["hardware"]
+    assert {"pyserial", "pyusb", "pyvisa", "pyvisa-py", "thorlabs-apt-protocol"} <= set(extra)
+
+
 class Listed:
     """Device that lists what is done to it; the read-out may be missing."""
 
@@ -65,7 +86,7 @@ class Listed:
 
 def test_a_device_that_is_missing_at_the_start_leaves_no_light_and_no_rf(monkeypatch):
     calls = []
-    listed = lambda name, _: Listed(name, calls, missing="stage")  # noqa: E731
+    listed = lambda name, *_: Listed(name, calls, missing="stage")  # noqa: E731
     monkeypatch.setattr(connect, "connected_driver", listed)
     with pytest.raises(ConnectionLost), connected_bench(RIG):
         pass
@@ -77,7 +98,7 @@ def test_a_device_that_is_missing_at_the_start_leaves_no_light_and_no_rf(monkeyp
 
 def test_every_device_is_safe_at_the_end_and_closed(monkeypatch):
     calls = []
-    monkeypatch.setattr(connect, "connected_driver", lambda name, _: Listed(name, calls, ""))
+    monkeypatch.setattr(connect, "connected_driver", lambda name, *_: Listed(name, calls, ""))
     with connected_bench(RIG):
         calls.clear()
     names = [role.replace("_", " ") for role in DRIVERS]
@@ -86,7 +107,7 @@ def test_every_device_is_safe_at_the_end_and_closed(monkeypatch):
 
 
 def test_thin_air_changes_the_index_that_goes_into_the_file(monkeypatch):
-    monkeypatch.setattr(connect, "connected_driver", lambda name, _: Listed(name, [], ""))
+    monkeypatch.setattr(connect, "connected_driver", lambda name, *_: Listed(name, [], ""))
     found = []
     for pressure in (101325.0, 83e3):
         with connected_bench(replace(RIG, pressure=pressure)) as bench:

@@ -4,6 +4,7 @@ import contextlib
 import itertools
 import threading
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -292,9 +293,30 @@ def test_a_reference_target_that_cannot_calibrate_ends_the_scan(tmp_path, twin, 
     assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 9
 
 
+def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line(tmp_path):
+    lose = partial(failing, role="clock", method="output_is_on", error=InstrumentTimeout, at=13)
+    bench, error = take(tmp_path / "m.nc", prepare=lose)
+    assert isinstance(error, InstrumentTimeout)
+    assert_safe(bench)
+    assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 13  # header and twelve lines
+    assert take(tmp_path / "m.nc", resume=True)[1] is None
+
+
 # --- command line --------------------------------------------------------------------------------
 
+
+def test_a_check_prints_what_every_device_reports(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["scan", "--twin", "--check"])
+    assert end.value.code == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any("interlock" in line and "closed" in line for line in lines)
+    assert sum("TWIN" in line for line in lines) == 8
+    assert sum("not homed" in line for line in lines) == 3
+
+
 WRONG = [
+    (["--twin"], 1, "Expected an output, got none"),
     (["-o", "m.nc"], 1, "either a RIG file or --twin"),
     (["--twin", "-o", "m.txt"], 1, "Expected an output named *.nc"),
     (["--twin", "-o", "no/m.nc"], 1, "Expected an existing folder"),

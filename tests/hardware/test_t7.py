@@ -166,6 +166,20 @@ def test_bursts_come_over_tcp(peer, far):
         far.set_line("FIO0", True)
 
 
+def test_a_log_has_every_request_and_reply(network, tmp_path):
+    settings = DeviceSettings("labjack-t7", network.address)
+    with (tmp_path / "log.txt").open("w") as log:
+        driver = connected_driver("daq", settings, log)
+        driver.line("FIO7")
+        network.silent = True
+        with pytest.raises(InstrumentTimeout):
+            driver.line("FIO7")
+        driver.close()
+    lines = [line.split(" ", 1)[1] for line in (tmp_path / "log.txt").read_text().splitlines()]
+    asked = "daq > 00 07 d7 01"
+    assert lines == [asked, "daq < 00 01", asked, "daq ! timed out", asked, "daq ! timed out"]
+
+
 def test_another_serial_number_is_refused(peer, far):
     peer.set(60028, "I", 470010002)
     with pytest.raises(Refused, match="470010001, got T7 470010002"):

@@ -1,5 +1,6 @@
 """Common parts of all drivers: one error pattern, limits, one repeated question, read-back."""
 
+import errno
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -52,7 +53,33 @@ def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterato
         late = names & _LATE or "VI_ERROR_TMO" in str(error)
         kind = InstrumentTimeout if late else ConnectionLost if names & _GONE else otherwise
         line = " ".join(str(error).split())
-        raise kind(_PATTERNS[kind].format(name, line[:200])) from None
+        message = _PATTERNS[kind].format(name, line[:200])
+        raise kind(" ".join([message, *_hints(error)])) from None
+
+
+def _hints(error: Exception) -> list[str]:
+    """What helps against an error that the operating system or a library reports."""
+    number = getattr(error, "errno", None)
+    found = [HINTS[number]] if number in HINTS else []
+    return found + [hint for words, hint in PHRASES.items() if words in str(error)]
+
+
+HINTS = {
+    errno.EACCES: (
+        "Add yourself to the group dialout (`sudo usermod -aG dialout $USER`) and log in again; "
+        "for USB add a udev rule."
+    ),
+    errno.ENOENT: "See which ports there are: ls -l /dev/serial/by-id.",
+    errno.EAGAIN: "Another program has it: close that.",
+    errno.EBUSY: "Another program has it: close that.",
+    errno.ECONNREFUSED: "Something is there, but does not listen: check the port.",
+    errno.EHOSTUNREACH: "Nothing is there: check network and address.",
+}
+PHRASES = {
+    "install PyUSB": "Install it: pip install 'cmtof[hardware]'.",
+    "VI_ERROR_RSRC_NFOUND": "List what VISA finds: pyvisa-shell -b py, then list.",
+    "No backend available": "Install libusb (Debian: apt install libusb-1.0-0).",
+}
 
 
 class Device:

@@ -1,0 +1,45 @@
+"""A record of what goes over the wires."""
+
+from collections.abc import Callable
+from datetime import datetime
+from typing import Any, TextIO
+
+TALK = ("write", "read", "read_until", "ask")
+
+
+class Logged:
+    """A connection whose requests and replies go into a file as well, each with its time."""
+
+    def __init__(self, connection: Any, name: str, log: TextIO) -> None:
+        vars(self).update(_connection=connection, _name=name, _log=log)
+
+    def __getattr__(self, attribute: str) -> Any:
+        found = getattr(self._connection, attribute)
+        return self._telling(found) if attribute in TALK else found
+
+    def __setattr__(self, attribute: str, value: Any) -> None:
+        setattr(self._connection, attribute, value)
+
+    def _telling(self, act: Callable[..., Any]) -> Callable[..., Any]:
+        """The same method, which writes down what it sends, gets or fails at."""
+
+        def told(*arguments: Any) -> Any:
+            sent = arguments[0] if act.__name__ in ("write", "ask") else None
+            if sent is not None:
+                self._note(">", sent)
+            try:
+                reply = act(*arguments)
+            except Exception as error:
+                self._note("!", error)
+                raise
+            if isinstance(reply, str | bytes) and reply:
+                self._note("<", reply)
+            return reply
+
+        return told
+
+    def _note(self, direction: str, content: object) -> None:
+        shown = content.hex(" ") if isinstance(content, bytes) else str(content).strip()
+        now = datetime.now().isoformat(timespec="milliseconds")
+        self._log.write(f"{now} {self._name} {direction} {shown}\n")
+        self._log.flush()
