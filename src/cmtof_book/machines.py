@@ -47,8 +47,17 @@ def main(words: list[str]) -> int:
     """Run the machines one after the other; return the exit code."""
     place = words.index("--") if "--" in words else len(words)
     machines = read_machines()
-    flags = Path("/proc/cpuinfo").read_text("utf-8").split()
-    named = words[:place] or [name for name in machines if machines[name]["needs"] in flags]
+    about = Path("/proc/cpuinfo")
+    flags = about.read_text("utf-8").split() if about.is_file() else []
+    possible = [name for name in machines if machines[name]["needs"] in flags]
+    named = words[:place] or possible
+    if not named or not machines.keys() >= set(named):
+        got = " ".join(words[:place]) or "a processor that is none"
+        print(
+            f"Expected some of {', '.join(possible)}, got {got}. Choose among those.",
+            file=sys.stderr,
+        )
+        return 2
     tests = words[place + 1 :] or ["-m", "not slow", *(f"--ignore=tests/{name}" for name in APART)]
     failed = 0
     for machine in named:
