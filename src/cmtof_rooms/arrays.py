@@ -1,5 +1,7 @@
 """Types that several modules share."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,9 @@ Flags = NDArray[np.bool_]
 
 Numbers = NDArray[np.integer]
 """Numbers of parts, things, triangles, vertices."""
+
+Vector = Sequence[float] | Array
+"""A few numbers, such as a point or a size, m."""
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]

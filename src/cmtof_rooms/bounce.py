@@ -56,15 +56,17 @@ class Bounce(NamedTuple):
         return cell, place - cell
 
 
-def measure_bounce(low: Array, high: Array, look: Look) -> Bounce:
-    """Bounce in the space between two corners (3,), m, by what is seen from places within it.
+def measure_bounce(space: Array, look: Look) -> Bounce:
+    """Bounce in a space, by what is seen from places within it.
 
     Parameters
     ----------
-    low, high : ndarray of float32, shape (3,)
+    space : ndarray of float32, shape (2, 3)
+        Its lowest and highest corner, m.
     look : callable
         See `Look`; without lamps and sky, whose light is direct.
     """
+    low, high = space
     axes = _grid_axes(low, high)
     shape = [len(axis) for axis in axes]
     places = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3).astype(np.float32)

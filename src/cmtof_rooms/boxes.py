@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cmtof_rooms.arrays import Array
+from cmtof_rooms.arrays import Array, Vector
 
 Limit = Any
 """A number, m, or an array of them where a `Box` stands for several."""
@@ -20,8 +20,10 @@ class Rectangle(NamedTuple):
     y1: float
 
     @classmethod
-    def about(cls, x: float, y: float, width: float, depth: float) -> "Rectangle":
-        """Rectangle of a size about a point, m."""
+    def about(cls, middle: Vector, size: Vector) -> "Rectangle":
+        """Rectangle of a size (x, y) about a point (x, y), m."""
+        x, y = middle
+        width, depth = size
         return cls(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)
 
     @property

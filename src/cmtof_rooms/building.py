@@ -147,9 +147,9 @@ def _add_beams(kit: Kit, shell: Shell) -> None:
     thickness = kit.between(0.12, 0.3)
     wood = kit.material("wood")
     count = max(1, int(shell.width / kit.between(1.2, 3.0)))
-    low = shell.height - thickness
     middles = shell.width / count * (np.arange(count) + 0.5)
-    beams = Box(0, 0, 0, shell.depth, low, shell.height).bars("x", middles, thickness / 3)
+    below = shell.reach(shell.height - thickness, shell.height).cut(y0=0, y1=shell.depth)
+    beams = below.bars("x", middles, thickness / 3)
     shell.add(
         "beams",
         *[Part(slab(*beam), wood) for beam in beams.singles()],

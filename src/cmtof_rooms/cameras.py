@@ -111,8 +111,8 @@ def room_cameras(
     views = []
     for _ in range(count):
         wanted = MIDDLE * np.exp(SPREAD * rng.normal())
-        candidates = [_across(floor, height, rng) for _ in range(TRIES)]
-        views.append(_best(candidates, wanted, interior, lens, views))
+        drawn = [_across(floor, height, rng) for _ in range(TRIES)]
+        views.append(_best(drawn, wanted, interior, lens, views))
     return views
 
 
@@ -122,8 +122,7 @@ def _across(floor: list[Rectangle], height: float, rng: Generator) -> Camera:
     piece = floor[rng.choice(len(floor), p=area / area.sum())]
     eye_height = min(rng.choice([1.1, 1.4, 1.6, 1.9]), height - 0.4)
     # with one's back to the wall, mostly
-    foot = piece.start + rng.beta(0.6, 0.6, 2) * piece.size
-    eye = np.append(foot, eye_height)
+    eye = np.append(piece.start + rng.beta(0.6, 0.6, 2) * piece.size, eye_height)
     heading = rng.uniform(0, 2 * np.pi)
     if rng.uniform() < SQUARE:
         heading = np.pi / 2 * rng.integers(4) + rng.normal(0, 0.05)
@@ -160,8 +159,8 @@ def close_cameras(
     views = []
     for _ in range(count):
         wanted = rng.uniform(0.6, _CLOSE[1])
-        candidates = [_close(middles, rng) for _ in range(TRIES)]
-        views.append(_best(candidates, wanted, interior, lens, views))
+        drawn = [_close(middles, rng) for _ in range(TRIES)]
+        views.append(_best(drawn, wanted, interior, lens, views))
     return views
 
 

@@ -3,7 +3,7 @@
 Each fills a box and has options that `presets.yml` names; see `cmtof_rooms.kit`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -87,7 +87,7 @@ def blob(
     material: str = "fabric",
     noise: float = 0.1,
     squareness: float = 0.0,
-) -> Piece:
+) -> Iterator[Solids]:
     """Something soft or grown: cushion, fruit, stone, toy."""
     body = ball(
         1.0,
@@ -125,12 +125,11 @@ def cloth(
 
 def _rug(kit: Kit, space: Box, material: str) -> Solids:
     """A rug, a fifth of them oval."""
-    width, depth, height = space.size
     x0, x1, y0, y1 = space.floor
     outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     if kit.chance(0.2):
-        outline = ellipse(width, depth, 40)
-    return material, extrusion(outline, height)
+        outline = ellipse(*space.size[:2], 40)
+    return material, extrusion(outline, space.z1)
 
 
 def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
@@ -302,7 +301,7 @@ def stack(
             _case(kit, layer) if number > 1 else slab(*layer),
         )
     yield Top(
-        Rectangle.about(0, 0, 2 * width / 3, 2 * depth / 3),
+        Rectangle.about((0, 0), (2 * width / 3, 2 * depth / 3)),
         height,
         0.4,
     )

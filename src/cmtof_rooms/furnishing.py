@@ -124,7 +124,7 @@ class Furnishing:
                 0.0,
                 place.turn + (0.0 if side else np.pi) + self.kit.between(-0.1, 0.1),
             )
-            area = Rectangle.about(spot.x, spot.y, *turned_size(*seat[:2], spot.turn))
+            area = Rectangle.about(spot[:2], turned_size(*seat[:2], spot.turn))
             # a seat may stand where its table keeps the floor clear
             if self._vacancy.fits(area, seat[2], area, self.shell.keep):
                 self._vacancy.taken.append(area)
@@ -137,11 +137,11 @@ class Furnishing:
             for _ in range(self._times(mean)):
                 number = self.kit.index(tops)
                 top = tops[number]
-                spot = self._spot(top, _kind(name), used[number])
-                if spot is not None:
-                    size, middle = spot
-                    foot = (*place.carry(*middle), place.z + top.z)
-                    self._stand(name, size, Place(*foot, place.turn))
+                found = self._spot(top, _kind(name), used[number])
+                if found is not None:
+                    size, middle = found
+                    x, y = place.carry(*middle)
+                    self._stand(name, size, Place(x, y, place.z + top.z, place.turn))
 
     def _spot(
         self,
@@ -156,7 +156,7 @@ class Furnishing:
                 continue
             half = np.array(size[:2]) / 2
             middle = self.kit.rng.uniform(top.area.start + half, top.area.end - half)
-            area = Rectangle.about(*middle, *size[:2])
+            area = Rectangle.about(middle, size[:2])
             if not area.meets(used):
                 used.append(area)
                 return size, middle

@@ -115,7 +115,7 @@ def _chair(kit: Kit, space: Box, *, back: bool) -> Piece:
         half = thickness / 2
         behind = Box(-x, x, y - half, y + half, level, height)
         low = level + 0.5 * (height - level) if kit.chance(0.5) else level + 0.08
-        board = behind.cut(z0=low).bars("y", np.array(y), 0.012)
+        board = behind.cut(y0=y - 0.012, y1=y + 0.012, z0=low)
         yield wood, behind.bars("x", mirrored(x), half), board
 
 

@@ -103,7 +103,7 @@ class Interior:
         area = np.linalg.norm(across, axis=1, keepdims=True)
         self.normals = across / np.maximum(area, 1e-30)
         self._offsets = (self.normals * a).sum(axis=1)
-        self.bounce = measure_bounce(*np.asarray(space, np.float32), self.lit)
+        self.bounce = measure_bounce(np.asarray(space, np.float32), self.lit)
 
     def thing_of(self, triangle: Numbers) -> Numbers:
         """Number of the thing, from 1 on, that each triangle of given number belongs to."""
@@ -201,8 +201,8 @@ class Interior:
             if facing.any():
                 given *= np.maximum(-(to @ facing), 0)
             some = np.flatnonzero(given > 0)
-            limit = reach[some] * 0.999
-            lit = some[~self.tracer.blocked(start[some], to[some], limit)]
+            blocked = self.tracer.blocked(start[some], to[some], reach[some] * 0.999)
+            lit = some[~blocked]
             found[lit] += given[lit, None] * np.asarray(light.colour, np.float32)
         return found
 

@@ -82,7 +82,8 @@ class Kit:
 
     def count(self, limits: Sequence[int]) -> int:
         """Draw a whole number evenly from the lowest to the highest."""
-        return int(self.rng.integers(*limits, endpoint=True))
+        low, high = limits
+        return int(self.rng.integers(low, high, endpoint=True))
 
     def chance(self, share: float) -> bool:
         """Draw whether something happens that does so in a share of cases."""

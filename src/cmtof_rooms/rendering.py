@@ -157,7 +157,7 @@ def expose(seen: Picture, rank: float) -> Picture:
     rank : float
         0 to 1: which of all views, by brightness.
     """
-    middle = float(np.median(brightness(seen.color)[np.isfinite(seen.depth)]))
+    middle = np.median(brightness(seen.color)[np.isfinite(seen.depth)])
     dim = rank < DIM_SHARE
     within = rank / DIM_SHARE if dim else (rank - DIM_SHARE) / (1 - DIM_SHARE)
     wanted = MEDIAN * np.exp(CONTRAST * ndtri(np.clip(within, 0.01, 0.99)) - DIM * dim)
@@ -344,8 +344,8 @@ def _claim(root: Path, settings: Settings) -> None:
     wanted = asdict(settings) | {"version": __version__}
     if path.is_file():
         found = read_document(path)
-        grown = {key: wanted[key] for key in ("scenes", "views")}  # a set may grow
-        if found | grown != wanted:
+        # a set may grow
+        if found | {"scenes": settings.scenes, "views": settings.views} != wanted:
             raise ValueError(
                 f"Expected an empty folder or one with {wanted}, got {found} in {path}. "
                 "Choose another folder."

@@ -134,13 +134,11 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
 
 def _lit(shell: Shell, inside: Furnishing) -> Interior:
     """The furnished room with its strongest lights."""
-    low = np.full(3, 0.1)
-    high = np.array([shell.width, shell.depth, shell.height]) - 0.1
-    lights = _strongest(shell, inside.lights)
+    size = np.array([shell.width, shell.depth, shell.height])
     return Interior(
         shell.things + inside.things,
-        lights,
-        [low, high],
+        _strongest(shell, inside.lights),
+        [np.full(3, 0.1), size - 0.1],
         sky=shell.sky,
     )
 

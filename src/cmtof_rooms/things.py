@@ -1,16 +1,12 @@
 """What a room consists of: solids of one material, things made of them, and lights."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 from trimesh import Trimesh
 
-from cmtof_rooms.arrays import Array
+from cmtof_rooms.arrays import Array, Vector
 from cmtof_rooms.materials import Colour, Material
 from cmtof_rooms.solids import join
-
-Vector = Sequence[float] | Array
-"""Three numbers, m."""
 
 
 class Part(NamedTuple):

@@ -139,7 +139,8 @@ class Vacancy:
     def _some_wall(self) -> Wall:
         """Draw a wall, long ones more often."""
         lengths = np.array([wall.length for wall in self.shell.walls])
-        return self.kit.rng.choice(self.shell.walls, p=lengths / lengths.sum())
+        number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
+        return self.shell.walls[number]
 
     def _before_wall(self, kind: Kind, size: Extents, wall: Wall, spot: Rectangle) -> Place | None:
         """Try to take a spot of a wall and the floor before it."""
@@ -151,15 +152,19 @@ class Vacancy:
         if spot.y0 > 0 and spot.y1 > self.shell.headroom(area):
             return None
         if spot.y0 < 0.5:  # what hangs higher leaves the floor free
-            before = wall.footprint(spot, front - reach, -gap)
-            if not self.fits(area, height, before, self.clear):
+            if not self.fits(
+                area,
+                height,
+                wall.footprint(spot, front - reach, -gap),
+                self.clear,
+            ):
                 return None
             self._take(area, height)
             if reach:
                 self.clear.append(wall.footprint(spot, front - reach, front))
         wall.taken.append(spot.grown(0.03, 0.03, 0.03, 0.05))
-        middle = (spot.x0 + width / 2, -depth / 2 - gap, spot.y0)
-        return Place(*wall.place(middle), wall.turn)
+        x, y, _ = wall.place((spot.x0 + width / 2, -depth / 2 - gap, 0.0))
+        return Place(x, y, spot.y0, wall.turn)
 
     def _on_floor(self, kind: Kind, size: Extents) -> Place | None:
         """Try a place on the floor, mostly about the middle of a room."""
@@ -171,7 +176,7 @@ class Vacancy:
             return None
         spare = floor.size - covered - 2 * margin
         middle = floor.start + margin + covered / 2 + self.kit.rng.beta(2, 2, 2) * spare
-        area = Rectangle.about(*middle, *covered)
+        area = Rectangle.about(middle, covered)
         if flat:
             if area.meets(self.shell.keep):
                 return None
@@ -184,15 +189,14 @@ class Vacancy:
             self._take(area, size[2])
         else:
             return None
-        return Place(*middle, 0.0, turn)
+        return Place(middle[0], middle[1], 0.0, turn)
 
     def _turned(self, size: Extents, flat: bool) -> tuple[float, Array]:
         """Draw a turn, rad, and say what size of the floor, m, a thing then covers."""
         width, depth, _ = size
         quarters = self.kit.rng.integers(4)
-        tilt = 0.0
-        if not flat and self.kit.chance(0.3):
-            tilt = self.kit.between(-0.3, 0.3)
+        tilted = not flat and self.kit.chance(0.3)
+        tilt = self.kit.between(-0.3, 0.3) if tilted else 0.0
         turned = (width, depth) if quarters % 2 == 0 else (depth, width)
         return quarters * np.pi / 2 + tilt, np.array(turned_size(*turned, tilt))
 
@@ -208,7 +212,7 @@ class Vacancy:
         floor = self._some_floor()
         x, y = floor.start + width + self.kit.rng.beta(2, 2, 2) * (floor.size - 2 * width)
         z = self.shell.height - self.shell.lowest - height
-        area = Rectangle.about(x, y, width, depth)
+        area = Rectangle.about((x, y), (width, depth))
         for other_x, other_y, other_z in (light.centre for light in self.lights):
             if abs(other_z - z) < 1.0 and np.hypot(other_x - x, other_y - y) <= 1.2:
                 return None

@@ -59,7 +59,7 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
     def look(origins, rays):
         return np.ones(origins.shape, np.float32), np.zeros(len(origins), bool)
 
-    bounce = measure_bounce(*np.array(INSIDE, np.float32), look)
+    bounce = measure_bounce(np.array(INSIDE, np.float32), look)
     normals = np.random.default_rng(1).normal(size=(50, 3))
     normals = (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
     points = np.tile(np.array([0.3, -0.2, 0.9], np.float32), (50, 1))
