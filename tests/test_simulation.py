@@ -106,7 +106,7 @@ def test_embedded_frames_simulate_in_both_protocols(name):
     ("changes", "message"),
     [
         ({"order": "papr"}, "order 'paper' or 'released', got 'papr'"),
-        ({"gain": -1.0}, "gain and integration_time > 0"),
+        ({"gain": -1.0}, "gain and integration_time >= 0"),
         ({"protocol": "both"}, "protocol 'released' or 'full'"),
         ({"frequencies": (7.15, 14.32)}, "State them in Hz"),
     ],

@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from io import StringIO
 from pathlib import Path
@@ -171,46 +171,56 @@ def unwrap(
 
     Example: [bold]cmtof unwrap m.nc -o out.nc --ply cloud.ply[/bold]
     """
-    from cmtof.evaluation import Tally, scored_pixels
-    from cmtof.pointcloud import write_ply
-    from cmtof.unwrapping import unwrap_file
-
     several = len(measurement) > 1
     targets = [output / f"{path.stem}.nc" for path in measurement] if several else [output]
-    named = (path for path in (*measurement, *targets, ply) if path is not None)
-    paths = [Path(os.path.realpath(path)) for path in named]  # of a circle, too
-    if len(set(paths)) < len(paths):
-        what = "another file for each of inputs and outputs"
-        raise ValueError(f"Expected {what}, got {paths[0].name} twice. Name another.")
+    _check_distinct([*measurement, *targets, *([ply] if ply else [])])
     one = not (tile or several)
     if ply is not None and not one:
         raise ValueError("Expected one file, seen at once, for --ply, got more. Leave --ply out.")
     given = {"method": method, "range": range, "window": window, "weights": weights}
     given |= {"min_confidence": min_confidence, "fast": int(fast) or None}
-    chosen = {name: value for name, value in given.items() if value is not None}
-    rows = []
+    how = {name: value for name, value in given.items() if value is not None} | {"tile": tile}
     if several:
         output.mkdir(exist_ok=True)
     for target in targets:
         check_output(target, ".nc")
     with progress(len(targets), quiet or one) as advance:
-        for path, target in zip(measurement, targets, strict=True):
-            tally, valid, size = Tally(), 0, 0
-            for share, opened, result in unwrap_file(path, target, tile=tile, **chosen):
-                kept = int(result.depth.notnull().sum())
-                valid, size = valid + kept, size + opened.mask.size
-                if opened.depth is not None and kept:
-                    tally.add(scored_pixels(result, opened))
-                if ply is not None:
-                    depth, sure = (result[name].to_numpy() for name in ("depth", "confidence"))
-                    images = {"brightness": opened.amplitude[0], "confidence": sure}
-                    print(f"{ply}: {write_ply(ply, depth, opened.camera, **images)} points")
-                advance(path.name, share)
-            names = [path.name, f"{valid / size:.1%}"]
-            rows.append((names, _rates(tally.score()) if tally.frames else {}))
+        pairs = zip(measurement, targets, strict=True)
+        rows = [_unwrapped(*pair, ply, how, advance) for pair in pairs]
     head = dict.fromkeys(title for _, rates in rows for title in rates)
     cells = ([*names, *(rates.get(title, "") for title in head)] for names, rates in rows)
     print_table(f"method {method}, into {output}", ("file", "valid", *head), cells)
+
+
+def _check_distinct(paths: list[Path]) -> None:
+    """Raise a ValueError if two of inputs and outputs are one file."""
+    real = {os.path.realpath(path) for path in paths}  # of a circle of links, too
+    if len(real) < len(paths):
+        what = f"another file for each of inputs and outputs, got {paths[0].name} twice"
+        raise ValueError(f"Expected {what}. Name another.")
+
+
+def _unwrapped(
+    path: Path, target: Path, ply: Path | None, how: dict[str, Any], advance: Callable[..., None]
+) -> tuple[list[str], dict[str, str]]:
+    """Unwrap a file; return its name and share of valid pixels, and its rates by their titles."""
+    from cmtof.evaluation import Tally, scored_pixels
+    from cmtof.pointcloud import write_ply
+    from cmtof.unwrapping import unwrap_file
+
+    tally, valid, size = Tally(), 0, 0
+    for share, opened, result in unwrap_file(path, target, **how):
+        kept = int(result.depth.notnull().sum())
+        valid += kept
+        size += opened.mask.size
+        if opened.depth is not None and kept:
+            tally.add(scored_pixels(result, opened))
+        if ply is not None:
+            depth, sure = (result[name].to_numpy() for name in ("depth", "confidence"))
+            images = {"brightness": opened.amplitude[0], "confidence": sure}
+            print(f"{ply}: {write_ply(ply, depth, opened.camera, **images)} points")
+        advance(path.name, share)
+    return [path.name, f"{valid / size:.1%}"], _rates(tally.score()) if tally.frames else {}
 
 
 @app.command()

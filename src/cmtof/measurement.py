@@ -172,9 +172,9 @@ def _dataset(
     from cmtof import __version__
 
     depth, mask = more.pop("depth", None), more.pop("mask", None)
-    variables = variables | {"camera": more.pop("camera", None)}
-    if depth is not None:
-        variables["depth"] = np.ma.filled(np.ma.asarray(depth), np.nan)
+    if np.ma.is_masked(depth):
+        depth = np.ma.filled(np.ma.asarray(depth, float), np.nan)
+    variables = variables | {"camera": more.pop("camera", None), "depth": depth}
     held = {name: values for name, values in variables.items() if values is not None}
     try:
         if (valid := _valid_pixels(held, mask)) is not None:

@@ -51,11 +51,7 @@ def simulate(
     (Table 3). The noise is drawn from ``default_rng([seed, frame_number])``.
     """
     frequencies = checked_frequencies(frequencies)
-    if order not in get_args(NoiseOrder):
-        raise ValueError(f"Expected order 'paper' or 'released', got {order!r}. Choose one.")
-    if not (0 < gain < np.inf and 0 < integration_time < np.inf):
-        got = f"{gain} and {integration_time}"
-        raise ValueError(f"Expected gain and integration_time > 0, got {got}. Correct them.")
+    _check_sensor(gain, integration_time, order)
     try:
         depth, mask, limits = staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
     except ValueError as error:  # a note may tell why
@@ -93,6 +89,15 @@ def simulate(
         gain=gain,
         integration_time_ms=integration_time,
     )
+
+
+def _check_sensor(gain: float, integration_time: float, order: str) -> None:
+    """Raise a ValueError for settings that no sensor has."""
+    if order not in get_args(NoiseOrder):
+        raise ValueError(f"Expected order 'paper' or 'released', got {order!r}. Choose one.")
+    if not (0 <= gain < np.inf and 0 <= integration_time < np.inf):
+        got = f"{gain} and {integration_time}"
+        raise ValueError(f"Expected gain and integration_time >= 0, got {got}. Correct them.")
 
 
 def _means(

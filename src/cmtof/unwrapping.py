@@ -16,7 +16,7 @@ from cmtof.correlation import (
     wrap_count_from_depth,
     wrap_length,
 )
-from cmtof.estimate import within_range
+from cmtof.estimate import Estimate, within_range
 from cmtof.files import written_whole
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
@@ -55,9 +55,26 @@ def unwrap(
     if range is not None:
         measurement = _narrowed(measurement, *range)
     estimate = chosen(measurement, **options)
+    attributes = {
+        "method": chosen.name,
+        "method_source": chosen.source,
+        "frequency": float(measurement.frequencies[0]),
+        "range_min": measurement.range[0],
+        "range_max": measurement.range[1],
+        "min_confidence": float(min_confidence),
+        **{f"option_{k}": str(v) if isinstance(v, Path) else v for k, v in options.items()},
+        "version": measurement.dataset.attrs.get("version", ""),
+    }
+    return xr.Dataset(_images(estimate, measurement, min_confidence), attrs=attributes)
+
+
+def _images(
+    estimate: Estimate, measurement: Measurement, min_confidence: float
+) -> dict[str, tuple[Any, ...]]:
+    """Wrap count, depth and confidence of an estimate, the measured phase in every depth."""
     frequency = measurement.frequencies[0]
     phase, mask = measurement.phase[0], measurement.mask
-    # the estimate of a pixel without a phase may be NaN
+    # the estimate of a masked pixel may be NaN
     believed = within_range(np.where(mask, estimate.depth, measurement.range[0]), measurement)
     # wraps whose depth obeys min <= z < max
     ends = np.asarray(measurement.range) / wrap_length(frequency)
@@ -69,22 +86,11 @@ def unwrap(
     sure = np.where(mask, estimate.confidence, 0).astype(np.float32)  # as it is stored and scored
     mask &= sure >= min_confidence
     dims = ("y", "x")
-    images = {
+    return {
         "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
         "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
         "confidence": (dims, sure),
     }
-    attributes = {
-        "method": chosen.name,
-        "method_source": chosen.source,
-        "frequency": float(frequency),
-        "range_min": measurement.range[0],
-        "range_max": measurement.range[1],
-        "min_confidence": float(min_confidence),
-        **{f"option_{k}": str(v) if isinstance(v, Path) else v for k, v in options.items()},
-        "version": measurement.dataset.attrs.get("version", ""),
-    }
-    return xr.Dataset(images, attrs=attributes)
 
 
 def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
