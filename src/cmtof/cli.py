@@ -480,7 +480,7 @@ def scan(
     if check:
         with bench() as on:
             states = list(states_of(on))
-        _print_table("", ("device", "reports"), states)
+        print_table("", ("device", "reports"), states)
         raise SystemExit(any("Expected" in text for _, text in states))
     if output is None:
         raise ValueError("Expected an output, got none. Add -o m.nc.")
