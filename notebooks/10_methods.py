@@ -15,8 +15,9 @@
 # same simulated measurements of the same rooms.
 #
 # **Is Table 2 reproduced?** Its order is, for {glue:text}`order:.0f` % of the pairs of methods that
-# the paper has clearly apart; its numbers are open, since our scenes and our training are not the
-# paper's, and {glue:text}`inside:.0f` of {glue:text}`values:.0f` lie within our 95 % intervals.
+# the paper has clearly apart; most of its numbers are open, since our scenes and our training are
+# not the paper's, though {glue:text}`inside:.0f` of {glue:text}`values:.0f` lie within our 95 %
+# intervals.
 #
 # The paper's network has {glue:text}`network:.1f` % of the wraps right here after fourteen hours of
 # one core (the paper: 51.6 %). Our `surfaces`, which pools over whole surfaces, is far ahead.
