@@ -148,8 +148,8 @@ def _add_beams(kit: Kit, shell: Shell) -> None:
     wood = kit.material("wood")
     count = max(1, int(shell.width / kit.between(1.2, 3.0)))
     middles = shell.width / count * (np.arange(count) + 0.5)
-    below = shell.reach(shell.height - thickness, shell.height).cut(y0=0, y1=shell.depth)
-    beams = below.bars("x", middles, thickness / 3)
+    space = Box(0, 0, 0, shell.depth, shell.height - thickness, shell.height)
+    beams = space.bars("x", middles, thickness / 3)
     shell.add(
         "beams",
         *[Part(slab(*beam), wood) for beam in beams.singles()],

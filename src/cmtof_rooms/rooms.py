@@ -145,9 +145,8 @@ def _lit(shell: Shell, inside: Furnishing) -> Interior:
 
 def _numbers(shell: Shell, inside: Furnishing) -> range:
     """Numbers of the furniture; of everything in an empty room."""
-    house = len(shell.things)
-    count = len(inside.things)
-    return range(house + 1 if count else 1, house + count + 1)
+    first = len(shell.things) + 1
+    return range(first if inside.things else 1, first + len(inside.things))
 
 
 def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:
