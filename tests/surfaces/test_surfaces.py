@@ -122,3 +122,15 @@ def test_clear_pixels_vote_where_no_surface_explains_them():
     depth = np.repeat(np.repeat(rng.uniform(0.8, 1.1, (16, 20)), 4, 0), 4, 1)
     m = simulate(Frame(depth, np.ones(depth.shape)), noise_free=True)
     assert right(m) > 0.9
+
+
+@pytest.mark.parametrize("valid", ["left", "nowhere"])
+def test_images_whose_surfaces_lie_outside_the_mask_are_unwrapped(valid):
+    """A wall that is masked beside dark pixels that are not, and an image that is all masked."""
+    left = np.broadcast_to(np.arange(SHAPE[1]) < 16, SHAPE)
+    m = simulate(plane_frame((0, 0, 1), 2.5, np.where(left, 0.0, 1.0)), protocol="full", seed=0)
+    mask = left & (valid == "left")
+    count, depth, confidence = unwrapped(Measurement(m.dataset.assign(mask=(("y", "x"), mask))))
+    assert (count[mask] >= 0).all() and (count[~mask] == -1).all()
+    assert np.isfinite(depth[mask]).all() and np.isnan(depth[~mask]).all()
+    assert not confidence[~mask].any()

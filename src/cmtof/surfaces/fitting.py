@@ -21,7 +21,7 @@ _V = np.array([0, 1, 0, 0, 1, 2])
 FARTHEST = 0.02  # smallest 1 / z, 1 / m, of a surface
 
 
-@njit(inline="always", fastmath=True)
+@njit(inline="always")
 def _turn(turns):  # pragma: no cover - compiled
     """Cosine and sine of an angle in turns, to 2e-8: Taylor series on a quarter turn each side."""
     whole = np.floor(2 * turns + 0.5)
@@ -33,7 +33,7 @@ def _turn(turns):  # pragma: no cover - compiled
     return odd * c, odd * s
 
 
-@njit(inline="always", fastmath=True)
+@njit(inline="always")
 def depth_at(field, q, y, x):  # pragma: no cover - compiled
     """Depth, m, of a surface at a pixel."""
     u, v, cosine = field[5], field[6], field[7]
@@ -42,7 +42,7 @@ def depth_at(field, q, y, x):  # pragma: no cover - compiled
     return 1.0 / max(cosine[y, x] * inverse, FARTHEST)
 
 
-@njit(inline="always", fastmath=True)
+@njit(inline="always")
 def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
     """S of a surface at one pixel."""
     real, imaginary, wavenumber = field[0], field[1], field[3]
@@ -53,7 +53,7 @@ def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
     return total + real[1, y, x] * c2 + imaginary[1, y, x] * s2
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
     """S of a surface over one cell."""
     total = 0.0
@@ -63,7 +63,7 @@ def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
     return total
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compiled
     """Add a rectangle's sums to moments: S, E, b, c, then g from 4, h from 10, M from 16 on."""
     real, imaginary, information, wavenumber, turns, u, v, cosine = field

@@ -289,7 +289,7 @@ def _beats(field, top, left, side, down, right, information):  # pragma: no cove
     return out, np.angle(np.sum(sums[0, half - 1 : half + 1, half - 1 : half + 1]))
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True)
 def _blocks(field, top, left, side, count, down, right):  # pragma: no cover - compiled
     """Sums of both phasors over count x count blocks, turned back by a slope."""
     real, imaginary, _, wavenumber = field[:4]

@@ -128,6 +128,8 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
 def _inside(joined: placing.Tied, depth: Array, label: Labels, field: Field) -> placing.Tied:
     """Move groups by whole beats, then by wraps, until their median lies within the limits."""
     known = label >= 0
+    if not known.any():  # all surfaces lie outside the mask
+        return joined
     group, every = joined.group[label[known]], np.arange(joined.wraps.size)
     middle = median(depth[known] / field.period + joined.wraps[label[known]], group, every)
     low, high = np.array(field.limits) / field.period

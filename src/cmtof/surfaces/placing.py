@@ -104,7 +104,7 @@ def _depth(field: Field, surfaces: Array, which: Labels, y: Labels, x: Labels) -
     return 1 / np.maximum(field.cosine[y, x] * inverse, FARTHEST)
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True)
 def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
     """Sum S of every surface about a cell over squares about its pixels; keep the largest."""
     height, width = label.shape
