@@ -197,16 +197,19 @@ def main(options: list[str]) -> int:
     if "--accept" in options:
         accepted = {name: value for name, value in values.items() if value > budget_of(name)}
         ACCEPTED.write_text(json.dumps(accepted, indent=1) + "\n", encoding="utf-8")
-    over = False
-    for name, value in values.items():
-        budget = budget_of(name)
-        exceeded = value > max(budget, accepted.get(name, 0))
-        over = over or exceeded
-        note = "OVER" if exceeded else "to do" if value > budget else ""
-        print(f"{name:32} {value:9,g} of {budget:7,g}  {note}".rstrip())
+    notes = {name: judged(name, value, accepted) for name, value in values.items()}
+    for name, note in notes.items():
+        print(f"{name:32} {values[name]:9,g} of {budget_of(name):7,g}  {note}".rstrip())
     for finding in sorted(found, reverse=True) if "-v" in options else ():
         print(f"{finding.budget}: {finding.value:g}  {finding.place}")
-    return int(over)
+    return int("OVER" in notes.values())
+
+
+def judged(name: str, value: float, accepted: dict[str, float]) -> str:
+    """What is to be said of a value: nothing within its budget, OVER beyond the accepted one."""
+    if value <= budget_of(name):
+        return ""
+    return "OVER" if value > accepted.get(name, 0) else "to do"
 
 
 if __name__ == "__main__":

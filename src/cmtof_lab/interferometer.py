@@ -140,13 +140,11 @@ class Interferometer:
         found = np.zeros((repeats, stops.size))
         for repeat in range(repeats):
             rng = np.random.default_rng([seed, repeat])
-            speckle = self._speckle(target, stops, rng)
-            colour = self.wavelength_error * rng.standard_normal()
-            way = self._way(target, stops, move, rng)
-            field = fringes.amplitude * move.along(speckle)
-            counted = self._counted(way, field, fringes.variance, rng)
-            metres = counted[move.stations] * self.wavelength * (1 + colour) / (4 * np.pi)
-            found[repeat, 1:] = metres[1:]
+            speckle = move.along(self._speckle(target, stops, rng))
+            shown = fringes._replace(amplitude=fringes.amplitude * speckle)
+            believed = self.wavelength * (1 + self.wavelength_error * rng.standard_normal())
+            counted = self._counted(self._way(target, stops, move, rng), shown, rng)
+            found[repeat, 1:] = counted[move.stations[1:]] * believed / (4 * np.pi)
         return target.distance + stops[0] + found
 
     def _move(self, stops: Array) -> "Move":
@@ -171,13 +169,11 @@ class Interferometer:
         slow = _carried(rng.standard_normal(move.count), forgotten)
         return way + warmth * (slow - slow[0])
 
-    def _counted(
-        self, way: Array, field: NDArray, variance: Array, rng: np.random.Generator
-    ) -> Array:
+    def _counted(self, way: Array, shown: Fringes, rng: np.random.Generator) -> Array:
         """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
-        noise = np.sqrt(2 * variance / self.steps) * circular_normals(rng, way.size)
-        read = field * np.exp(4j * np.pi / self.wavelength * way) + noise
-        start = np.angle(field[0])
+        noise = np.sqrt(2 * shown.variance / self.steps) * circular_normals(rng, way.size)
+        read = shown.amplitude * np.exp(4j * np.pi / self.wavelength * way) + noise
+        start = np.angle(shown.amplitude[0])
         return np.unwrap(np.append(start, np.angle(read)))[1:] - start
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:

@@ -143,23 +143,29 @@ class RfRanger:
         times = self._times(ranges.size)
         averaged = self._averaged(times.size)
         slow = self._slow_drifts(times, rng)
-        constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
-        constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
+        constant = self._offset(slow, rng)
         place = ranges + self.stage_error * rng.standard_normal(ranges.size)
         light = np.append(self._received(target, ranges, rng), 0.0)
         turn = self._turn(averaged, slow[2], rng)
         own = self._seen(light * self._fibre(slow[3]), np.append(place, 0.0), turn)
         stray = self._stray() * (times > 0)
         back = self._seen(stray * self._fibre(slow[3]), self.settings.back_range, turn)
-        signal = constant + (own + back)
         noise = self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
+        return self._read(constant + (own + back) + noise, rng)
+
+    def _read(self, envelopes: Complex, rng: np.random.Generator) -> Complex:
+        """Readings (P,) of envelopes (P + 1,), V, of which the last is the blocked beam's."""
         known = np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
-        read = skewed(signal + noise, *(known + self.drift * rng.standard_normal(2)))
+        read = skewed(envelopes, *(known + self.drift * rng.standard_normal(2)))
         if not self.calibrated:
             return read[:-1]
         # the blocked beam is read, and the imbalance known, before they drift
-        blocked = skewed((signal + noise)[-1], *known)
-        return straightened(read - blocked, *known)[:-1]
+        return straightened(read - skewed(envelopes[-1], *known), *known)[:-1]
+
+    def _offset(self, slow: list[Array], rng: np.random.Generator) -> Complex:
+        """Envelope without light, V, as it drifts."""
+        constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
+        return constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
 
     def _times(self, count: int) -> Array:
         """Times, s, of ``count`` positions; the last is that of the blocked beam."""

@@ -201,8 +201,7 @@ class Interior:
             if facing.any():
                 given *= np.maximum(-(to @ facing), 0)
             some = np.flatnonzero(given > 0)
-            blocked = self.tracer.blocked(start[some], to[some], reach[some] * 0.999)
-            lit = some[~blocked]
+            lit = some[~self.tracer.blocked(start[some], to[some], reach[some] * 0.999)]
             found[lit] += given[lit, None] * np.asarray(light.colour, np.float32)
         return found
 

@@ -202,9 +202,13 @@ def _render(
     lens = settings.lens(index)
     cameras = room.cameras(settings.views, lens)
     for camera, number in views:
-        pose = cameras[camera][number]
         # this count of a view does not depend on how many there are
-        picture = render_view(room, pose, lens, number + 4 * int(camera[-2:]))
+        picture = render_view(
+            room,
+            cameras[camera][number],
+            lens,
+            number + 4 * int(camera[-2:]),
+        )
         yield RenderedView(room, lens, camera, number, picture)
 
 

@@ -35,7 +35,16 @@ def test_kinds_are_those_that_rooms_and_other_kinds_name():
 
 
 def test_kinds_have_no_unknown_key():
-    known = {"maker", "at", "size", "clear", "make", "around", "upon", "over"}
+    known = {
+        "maker",
+        "at",
+        "size",
+        "clear",
+        "make",
+        "around",
+        "upon",
+        "over",
+    }
     assert set().union(*KINDS.values()) == known
 
 
@@ -83,7 +92,12 @@ def test_furniture_shares_no_space(room):
 
 def test_furniture_stays_between_floor_and_ceiling(room):
     for name, low, high in standing(room):
-        on_floor = KINDS[name]["at"] in ("wall", "corner", "free", "around")
+        on_floor = KINDS[name]["at"] in (
+            "wall",
+            "corner",
+            "free",
+            "around",
+        )
         assert -2e-3 < low[2] < (2e-3 if on_floor else 99), name
         assert high[2] < room.height + 1.0, name  # a banister reaches into the storey above
 

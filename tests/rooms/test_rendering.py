@@ -9,7 +9,13 @@ import pytest
 from cmtof.frame import brightness
 from cmtof.hardness import hardness
 from cmtof_rooms.interior import Picture
-from cmtof_rooms.rendering import Settings, expose, render_rooms, render_views, shape_from_text
+from cmtof_rooms.rendering import (
+    Settings,
+    expose,
+    render_rooms,
+    render_views,
+    shape_from_text,
+)
 
 pytest.importorskip("embreex")
 SMALL = Settings(seed=3, scenes=2, views=3, height=48, width=64)
@@ -34,7 +40,11 @@ def test_the_same_seed_gives_the_same_bytes_by_two_processes(rendered, tmp_path)
 
 
 def test_a_set_grows_and_keeps_its_first_rooms_and_views(rendered, tmp_path):
-    render_rooms(tmp_path, Settings(seed=3, scenes=1, views=2, height=48, width=64), workers=1)
+    render_rooms(
+        tmp_path,
+        Settings(seed=3, scenes=1, views=2, height=48, width=64),
+        workers=1,
+    )
     render_rooms(tmp_path, SMALL, workers=1)
     grown, whole = contents(tmp_path), contents(rendered)
     assert all(grown[name] == whole[name] for name in whole if "/images/" in name)
@@ -52,7 +62,12 @@ def test_depth_agrees_with_stored_values_of_another_machine():
 
 def test_views_are_exposed_to_the_median_of_their_rank():
     color = np.random.default_rng(2).uniform(0, 3, (40, 50, 3)).astype(np.float32)
-    seen = Picture(color, np.ones((40, 50), np.float32), color, np.ones((40, 50), np.int32))
+    seen = Picture(
+        color,
+        np.ones((40, 50), np.float32),
+        color,
+        np.ones((40, 50), np.int32),
+    )
     ranks = np.linspace(0.21, 0.99, 9)
     medians = [float(np.median(brightness(expose(seen, rank).color))) for rank in ranks]
     assert np.all(np.diff(medians) > 0)
@@ -68,7 +83,13 @@ def views():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("percentile", "published", "ratio"),
-    [(5, 1.27, 1.6), (25, 3.0, 1.4), (50, 4.8, 1.3), (75, 7.8, 1.4), (95, 23.0, 1.9)],
+    [
+        (5, 1.27, 1.6),
+        (25, 3.0, 1.4),
+        (50, 4.8, 1.3),
+        (75, 7.8, 1.4),
+        (95, 23.0, 1.9),
+    ],
 )
 def test_depth_is_spread_nearly_as_hypersims(views, percentile, published, ratio):
     depth = np.concatenate([view.frame.depth[np.isfinite(view.frame.depth)] for view in views])
@@ -78,7 +99,12 @@ def test_depth_is_spread_nearly_as_hypersims(views, percentile, published, ratio
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("percentile", "published", "ratio"),
-    [(25, 0.08, 1.6), (50, 0.27, 1.4), (75, 0.7, 1.4), (90, 1.6, 1.5)],
+    [
+        (25, 0.08, 1.6),
+        (50, 0.27, 1.4),
+        (75, 0.7, 1.4),
+        (90, 1.6, 1.5),
+    ],
 )
 def test_brightness_is_spread_nearly_as_hypersims(views, percentile, published, ratio):
     light = np.concatenate([brightness(view.picture.color).ravel() for view in views])
@@ -95,7 +121,10 @@ def test_views_are_mostly_smooth_and_whole(views):
 @pytest.mark.parametrize("focal", [0.0, -1.0, 1e6, float("nan"), float("inf")])
 def test_an_impossible_focal_length_is_refused_before_anything_is_written(focal, tmp_path):
     root = tmp_path / "set"
-    with pytest.raises(ValueError, match=r"Expected a focal length of 1 to 1e6 px, got .* Try"):
+    with pytest.raises(
+        ValueError,
+        match=r"Expected a focal length of 1 to 1e6 px, got .* Try",
+    ):
         render_rooms(root, Settings(scenes=1, focal=focal), workers=1)
     assert not root.exists()
 
@@ -103,9 +132,15 @@ def test_an_impossible_focal_length_is_refused_before_anything_is_written(focal,
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("big", "Expected a size like 512x512, got big. Try 768x1024."),
+        (
+            "big",
+            "Expected a size like 512x512, got big. Try 768x1024.",
+        ),
         ("512", "Expected a size like 512x512, got 512."),
-        ("0x8", "Expected 1 to 4096 px, got a size of 0x8. Try 768x1024."),
+        (
+            "0x8",
+            "Expected 1 to 4096 px, got a size of 0x8. Try 768x1024.",
+        ),
         ("8x4097", "Expected 1 to 4096 px, got a size of 8x4097."),
     ],
 )
@@ -116,13 +151,19 @@ def test_an_impossible_size_is_refused(text, message):
 
 def test_a_set_of_other_settings_is_refused(rendered):
     other = Settings(seed=3, scenes=2, views=3, height=48, width=48)
-    with pytest.raises(ValueError, match=r"Expected an empty folder .*rooms.json. Choose another"):
+    with pytest.raises(
+        ValueError,
+        match=r"Expected an empty folder .*rooms.json. Choose another",
+    ):
         render_rooms(rendered, other, workers=1)
 
 
 def test_a_folder_of_other_files_is_refused(tmp_path):
     (tmp_path / "holiday.jpg").write_bytes(b"")
-    with pytest.raises(ValueError, match=r"got other files in .* Choose another folder."):
+    with pytest.raises(
+        ValueError,
+        match=r"got other files in .* Choose another folder.",
+    ):
         render_rooms(tmp_path, SMALL, workers=1)
 
 

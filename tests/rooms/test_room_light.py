@@ -12,11 +12,23 @@ from cmtof_rooms.things import Light, Part, Thing, level_light
 
 pytest.importorskip("embreex")
 INSIDE = ((-1, -1, 0.1), (1, 1, 1.9))
-POINT = {"half_u": (0, 0, 0), "half_v": (0, 0, 0), "normal": (0, 0, 0)}
+POINT = {
+    "half_u": (0, 0, 0),
+    "half_v": (0, 0, 0),
+    "normal": (0, 0, 0),
+}
 
 
 def floor(albedo=0.5, **more):
-    return Thing("floor", [Part(box((20, 20, 1), (0, 0, -0.5)), Material((albedo,) * 3, **more))])
+    return Thing(
+        "floor",
+        [
+            Part(
+                box((20, 20, 1), (0, 0, -0.5)),
+                Material((albedo,) * 3, **more),
+            )
+        ],
+    )
 
 
 def up(points):
@@ -67,9 +79,18 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
 
 
 @pytest.mark.parametrize("albedo", [0.0, 0.4, 0.8])
-def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo):
-    roof = Thing("roof", [Part(box((20, 20, 1), (0, 0, 2.5)), Material((albedo,) * 3))])
-    interior = Interior([floor(albedo), roof], [level_light((0, 0, 1.9), 0.2, 0.2, 1.0)], INSIDE)
+def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(
+    albedo,
+):
+    roof = Thing(
+        "roof",
+        [Part(box((20, 20, 1), (0, 0, 2.5)), Material((albedo,) * 3))],
+    )
+    interior = Interior(
+        [floor(albedo), roof],
+        [level_light((0, 0, 1.9), 0.2, 0.2, 1.0)],
+        INSIDE,
+    )
     x, y = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9))
     points = np.stack([x.ravel(), y.ravel(), np.full(81, 1.99)], 1).astype(np.float32)
     scattered = interior.bounce.irradiance(points, -up(points))
@@ -98,7 +119,11 @@ def test_range_of_a_plane_is_exact_to_single_precision():
     expected = -1.7 / rays[..., 2].astype(float)
     hit = (rays[..., 2] < 0) & (expected < 8)
     np.testing.assert_allclose(seen.depth[hit], expected[hit], rtol=3e-7)
-    np.testing.assert_allclose(seen.normal[hit], np.tile([0, 0, 1.0], (hit.sum(), 1)), atol=1e-6)
+    np.testing.assert_allclose(
+        seen.normal[hit],
+        np.tile([0, 0, 1.0], (hit.sum(), 1)),
+        atol=1e-6,
+    )
     assert np.isnan(seen.depth[rays[..., 2] >= 0]).all()
     assert set(np.unique(seen.instance)) == {-1, 1}
 

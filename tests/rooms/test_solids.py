@@ -5,7 +5,13 @@ import pytest
 
 from cmtof_rooms import solids
 
-GRID = np.stack([*np.meshgrid([0, 1, 2], [0, 1], indexing="ij"), np.zeros((3, 2))], -1)
+GRID = np.stack(
+    [
+        *np.meshgrid([0, 1, 2], [0, 1], indexing="ij"),
+        np.zeros((3, 2)),
+    ],
+    -1,
+)
 BOWL = [(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)]
 
 
@@ -13,7 +19,11 @@ BOWL = [(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)]
     ("solid", "volume"),
     [
         pytest.param(solids.box((1, 2, 3), (5, 5, 5)), 6.0, id="box"),
-        pytest.param(solids.slab(0, 1, 0, 2, [0, 4], [3, 5]), 8.0, id="two boxes"),
+        pytest.param(
+            solids.slab(0, 1, 0, 2, [0, 4], [3, 5]),
+            8.0,
+            id="two boxes",
+        ),
         pytest.param(
             solids.extrusion(solids.ellipse(2.0, 2.0, 200), 2.0),
             2 * np.pi,
@@ -29,8 +39,16 @@ BOWL = [(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)]
             0.3,
             id="plate with a hole over its edge",
         ),
-        pytest.param(solids.revolution([(1, 0), (0, 3)], sections=300), np.pi, id="cone"),
-        pytest.param(solids.revolution(BOWL, sections=300), 0.271 * np.pi, id="bowl"),
+        pytest.param(
+            solids.revolution([(1, 0), (0, 3)], sections=300),
+            np.pi,
+            id="cone",
+        ),
+        pytest.param(
+            solids.revolution(BOWL, sections=300),
+            0.271 * np.pi,
+            id="bowl",
+        ),
         pytest.param(
             solids.sweep([(0, 0, 0), (1, 0, 0), (3, 0, 0)], 0.1, sections=300),
             0.03 * np.pi,
@@ -43,7 +61,11 @@ BOWL = [(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)]
         ),
         pytest.param(solids.ball(1.0, fineness=5), 4 * np.pi / 3, id="ball"),
         pytest.param(solids.sheet(GRID, 0.01), 0.02, id="sheet"),
-        pytest.param(solids.sheet(GRID[::-1], 0.01), 0.02, id="sheet from its other side"),
+        pytest.param(
+            solids.sheet(GRID[::-1], 0.01),
+            0.02,
+            id="sheet from its other side",
+        ),
     ],
 )
 def test_a_solid_is_closed_and_has_its_volume(solid, volume):
@@ -53,7 +75,12 @@ def test_a_solid_is_closed_and_has_its_volume(solid, volume):
 
 
 def test_joined_solids_keep_their_volumes():
-    both = solids.join([solids.box((1, 1, 1)), solids.move(solids.box((1, 1, 2)), (5, 0, 0), 0.3)])
+    both = solids.join(
+        [
+            solids.box((1, 1, 1)),
+            solids.move(solids.box((1, 1, 2)), (5, 0, 0), 0.3),
+        ]
+    )
     assert both.is_watertight
     assert both.volume == pytest.approx(3.0)
 
