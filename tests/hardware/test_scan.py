@@ -1,8 +1,6 @@
 """Whole scans of the simulated instrument: truth, faults, safe states, kill and resume."""
 
-import contextlib
 import itertools
-import threading
 from dataclasses import replace
 from functools import partial
 
@@ -12,7 +10,6 @@ import pytest
 from cmtof.cli import main
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.files import alone
-from cmtof.hardware.bench import Bench
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, Unsafe
 from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import mirror_settling, planned
@@ -20,7 +17,7 @@ from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.scan import scan
 from cmtof.measurement import open_measurement
 from cmtof_lab.optics import directions_from_angles
-from cmtof_lab.rehearsal import scan_scene, simulated_bench, virtual_time
+from cmtof_lab.rehearsal import scan_scene, simulated_bench
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, Plane
 
@@ -204,35 +201,32 @@ def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(tmp_pat
     assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 2  # the header and the dark line
 
 
-@pytest.mark.parametrize(("settling", "same"), [(0.15, True), (0.0, False)])
-def test_a_slow_flip_mirror_is_waited_for(tmp_path, whole, settling, same):
-    """It takes 0.1 s; without a settling time the first lines behind a flip see another target."""
-    rig = replace(RIG, flip_mirror_settling=settling, shutter_settling=0.0)
-    timers = []
+@pytest.mark.parametrize(("settling", "same"), [(2.8, True), (0.5, False)])
+def test_a_flip_mirror_that_takes_two_seconds_is_waited_for(tmp_path, whole, settling, same):
+    """With too short a settling time the lines behind a flip see another target."""
+    rig = replace(RIG, flip_mirror_settling=settling)
+    turning = []
 
-    def opened():
-        bench = simulated_bench(rig, WALL, seed=4)
-        bench = Bench(rig, bench.devices, clock_of=virtual_time, **bench.about)
-        works, wait = bench.daq.set_line, bench.wait
+    def prepare(bench):
+        works = bench.daq.set_line
 
         def set_line(dio, high):
-            if dio == LINES["flip_mirror"] and high != bench.daq.panel.flip_mirror_in:
-                timers.append(threading.Timer(0.1, works, (dio, high)))
-                timers[-1].start()
+            if dio == LINES["flip_mirror"]:
+                turning.append(high)
             else:
                 works(dio, high)
 
+        def wait(seconds):
+            if seconds > 2 and turning:
+                works(LINES["flip_mirror"], turning[-1])
+
         bench.daq.set_line = set_line
-        bench.wait = lambda seconds: wait(seconds if seconds == settling else 0.0)
-        return bench
+        bench.wait = wait
 
     output = tmp_path / "m.nc"
-    with contextlib.suppress(ValueError):  # a calibration on the wrong target may fail
-        scan(planned(rig, size=4), opened, output)
-    for timer in timers:
-        timer.join()
+    _, error = take(output, rig=rig, prepare=prepare)
     seen = [open_measurement(p).dataset["raw_counts"] for p in (output, whole) if p.exists()]
-    assert (len(seen) == 2 and bool((seen[0] == seen[1]).all())) == same
+    assert (error is None and bool((seen[0] == seen[1]).all())) == same
 
 
 def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(tmp_path):
