@@ -71,16 +71,22 @@ def cells_of_surfaces(field: Field, inner: Labels, surfaces: Surfaces) -> Cells:
     phasors = _turned_back(field, np.where(chosen, inner, -1), surfaces)
     sums = _sum_cells(np.where(chosen, phasors, 0))
     told = _sum_cells(np.where(chosen, field.information, 0).astype(float))
-    near = sums.copy()  # six functions miss what these turn back
+    near = _neighbourhoods(owner, sums, told)
+    residual = common_phase(near, field.multiple)
+    both = np.array([1, field.multiple])[:, None, None]
+    return Cells(owner, sums * np.exp(-1j * both * residual), told, residual)
+
+
+def _neighbourhoods(owner: Labels, sums: Array, told: Array) -> Array:
+    """Phasors (2, h, w) of cells, of darker ones with those about them."""
+    near = sums.copy()
     reached = told.sum(axis=0)
     for radius in _WIDER:
         weak = reached < _ENOUGH
         wider = _same(np.concatenate([sums, told]), owner, radius)
         near = np.where(weak, wider[:2], near)
         reached = np.where(weak, np.real(wider[2:]).sum(axis=0), reached)
-    residual = common_phase(near, field.multiple)
-    both = np.array([1, field.multiple])[:, None, None]
-    return Cells(owner, sums * np.exp(-1j * both * residual), told, residual)
+    return near
 
 
 def common_phase(phasors: Array, multiple: int) -> Array:
@@ -216,28 +222,41 @@ def _scatter_of_neighbours(owner: Labels, lag: Array, weight: Array) -> Array:
 def _two_sides(owner: Labels, lag: Array, weight: Array, count: int) -> tuple[Array, Array]:
     """Which cells lie on the upper side of a step, and which surfaces (N + 1,) are to be cut."""
     index = np.where(owner < 0, count, owner)
-    mean = sum_over(owner, weight * lag, count) / np.maximum(sum_over(owner, weight, count), 1e-9)
-    middle = mean[index]
+    middle = _side(owner, lag, weight, count).mean[index]
     apart = np.ones(owner.shape)
-    for turn in range(_SIDES):
-        pull = _same((weight * (lag - middle) * apart)[None], owner, 1 + (turn > 0))[0]
+    radius = 1
+    for _ in range(_SIDES):
+        pull = _same((weight * (lag - middle) * apart)[None], owner, radius)[0]
+        radius = 2
         upper = pull > 0
-        low, low_known = _side(owner, lag, weight * ~upper, count)
-        high, high_known = _side(owner, lag, weight * upper, count)
-        middle = ((low + high) / 2)[index]
-        apart = (high - low)[index]
-    gain = (high - low) ** 2 / (1 / low_known + 1 / high_known) / 2
-    good = gain > np.maximum(_CUT, _EDGE * _border(index, upper, count))
+        low = _side(owner, lag, weight * ~upper, count)
+        high = _side(owner, lag, weight * upper, count)
+        middle = ((low.mean + high.mean) / 2)[index]
+        apart = (high.mean - low.mean)[index]
+    good = _worth(low, high, _border(index, upper, count))
     for side in (upper, ~upper):
         good &= sum_over(owner, side, count) >= _PART
-    good &= (np.abs(high - low) > _APART) & (np.arange(count + 1) < count)
-    return upper, good
+    return upper, good & (np.arange(count + 1) < count)
 
 
-def _side(owner: Labels, lag: Array, weight: Array, count: int) -> tuple[Array, Array]:
-    """Mean beat (N + 1,) of one side of each surface, and its inverse variance."""
+class _Side(NamedTuple):
+    """One side of each surface, one entry (N + 1,) each."""
+
+    mean: Array  # beat, wraps
+    known: Array  # inverse variance of that
+
+
+def _side(owner: Labels, lag: Array, weight: Array, count: int) -> _Side:
+    """Mean beat of one side of each surface, the last entry for cells of none."""
     known = np.maximum(sum_over(owner, weight, count), 1e-9)
-    return sum_over(owner, weight * lag, count) / known, known
+    return _Side(sum_over(owner, weight * lag, count) / known, known)
+
+
+def _worth(low: _Side, high: _Side, border: Array) -> Array:
+    """Which surfaces gain enough by a cut along a border of that many cells (N + 1,)."""
+    step = high.mean - low.mean
+    gain = step**2 / (1 / low.known + 1 / high.known) / 2
+    return (gain > np.maximum(_CUT, _EDGE * border)) & (np.abs(step) > _APART)
 
 
 def _border(index: Labels, upper: Array, count: int) -> Array:

@@ -160,28 +160,39 @@ def _add_row(wavenumber, turns, row, q, basis, sums):  # pragma: no cover - comp
     """Add one row to the sums."""
     z = _row_depth(row, q)
     slope = -z * z / np.sqrt(1 + row[_U] ** 2 + row[_V] ** 2)
-    pull = 0.0
-    coupling = 0.0
-    weight = 0.0
+    products = np.zeros(3)  # of the parameters: pull, coupling with the offset, weight
     for f in range(2):
         k = wavenumber[f]
-        angle = k * (z - row[_DEPTH])
-        c = np.cos(angle)
-        s = np.sin(angle)
-        misfit = row[_PHASOR + 2 * f + 1] * c - row[_PHASOR + 2 * f] * s
         told = row[_INFORMATION + f]
-        sums[_S + f] += row[_PHASOR + 2 * f] * c + row[_PHASOR + 2 * f + 1] * s
+        fit, misfit = _turned(row, f, k * (z - row[_DEPTH]))
+        sums[_S + f] += fit
         sums[_E + f] += told
         sums[_B] += misfit * turns[f]
         sums[_C] += told * turns[f] ** 2
-        pull += misfit * k * slope
-        coupling += told * turns[f] * k * slope
-        weight += told * (k * slope) ** 2
+        products[0] += misfit * k * slope
+        products[1] += told * turns[f] * k * slope
+        products[2] += told * (k * slope) ** 2
+    _add_products(products, basis, sums)
+
+
+@njit(inline="always")
+def _turned(row, f, angle):  # pragma: no cover - compiled
+    """Parts along and across of the phasor of a row, turned back by an angle."""
+    c = np.cos(angle)
+    s = np.sin(angle)
+    real = row[_PHASOR + 2 * f]
+    imaginary = row[_PHASOR + 2 * f + 1]
+    return real * c + imaginary * s, imaginary * c - real * s
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _add_products(products, basis, sums):  # pragma: no cover - compiled
+    """Add what a row tells of the parameters."""
     for i in range(BENT):
-        sums[_G + i] += pull * basis[i]
-        sums[_H + i] += coupling * basis[i]
+        sums[_G + i] += products[0] * basis[i]
+        sums[_H + i] += products[1] * basis[i]
         for j in range(i + 1):
-            sums[_M + 6 * i + j] += weight * basis[i] * basis[j]
+            sums[_M + 6 * i + j] += products[2] * basis[i] * basis[j]
 
 
 @njit(cache=True, nogil=True)
@@ -273,27 +284,33 @@ def leaning(field, rows, q):  # pragma: no cover - compiled
 @njit(cache=True, nogil=True)
 def moved(field, q, rows, size, distance, down=0, right=0):  # pragma: no cover - compiled
     """Nearest surface to this one moved, by m and by wraps per pixel; their distance, m (rms)."""
+    depths = _moved_depths(field, q, rows, distance, down, right)
     sums = np.zeros(_SUMS)
     wanted = np.zeros(BENT)
     basis = np.empty(BENT)
-    wrap = 2 * np.pi / field[3][0]
-    # per unit of direction
-    down = down * wrap / (field[6][1] - field[6][0])
-    right = right * wrap / (field[5][1] - field[5][0])
-    # at a pixel, for a slope of a turn per pixel must be whole turns at all of them
-    middle_u = _nearest_pixel(field[5], np.mean(rows[:, _U]))
-    middle_v = _nearest_pixel(field[6], np.mean(rows[:, _V]))
-    square = 0.0
     for n in range(len(rows)):
-        row = rows[n]
-        _functions(row, basis)
-        cosine = 1 / np.sqrt(1 + row[_U] ** 2 + row[_V] ** 2)
-        shift = distance + down * (row[_V] - middle_v) + right * (row[_U] - middle_u)
-        z = max(_row_depth(row, q) + shift, 0.05)
-        square += z * z
-        _add_depth(z, cosine, basis, wanted, sums)
+        _functions(rows[n], basis)
+        cosine = 1 / np.sqrt(1 + rows[n, _U] ** 2 + rows[n, _V] ** 2)
+        _add_depth(depths[n], cosine, basis, wanted, sums)
     out = _solved(sums, wanted, size)
-    return out, np.sqrt(max(square - np.sum(out * wanted), 0.0) / max(len(rows), 1))
+    left = np.sum(depths**2) - np.sum(out * wanted)
+    return out, np.sqrt(max(left, 0.0) / max(len(rows), 1))
+
+
+@njit(cache=True, nogil=True)
+def _moved_depths(field, q, rows, distance, down, right):  # pragma: no cover - compiled
+    """Depths of a surface at rows, moved by m and by wraps per pixel."""
+    wrap = 2 * np.pi / field[3][0]
+    slope_u = right * wrap / (field[5][1] - field[5][0])
+    slope_v = down * wrap / (field[6][1] - field[6][0])
+    # about a pixel, for a slope of a turn per pixel must be whole turns at all of them
+    u = _nearest_pixel(field[5], np.mean(rows[:, _U]))
+    v = _nearest_pixel(field[6], np.mean(rows[:, _V]))
+    out = np.empty(len(rows))
+    for n in range(len(rows)):
+        shift = distance + slope_v * (rows[n, _V] - v) + slope_u * (rows[n, _U] - u)
+        out[n] = max(_row_depth(rows[n], q) + shift, 0.05)
+    return out
 
 
 @njit(inline="always")
@@ -405,14 +422,12 @@ def inflation(field, rows, q):  # pragma: no cover - compiled
     squares = np.zeros(len(rows))
     for n in range(len(rows)):
         row = rows[n]
-        z = _row_depth(row, q)
+        distance = _row_depth(row, q) - row[_DEPTH]
         pull = 0.0
         weight = 0.0
         for f in range(2):
             k = field[3][f]
-            angle = k * (z - row[_DEPTH])
-            misfit = row[_PHASOR + 2 * f + 1] * np.cos(angle) - row[_PHASOR + 2 * f] * np.sin(angle)
-            pull += k * misfit
+            pull += k * _turned(row, f, k * distance)[1]
             weight += k * k * row[_INFORMATION + f]
         squares[n] = pull * pull / max(weight, 1e-9)
     return max(np.median(squares) / _MEDIAN, 1.0)
@@ -438,12 +453,17 @@ def select(field, label, only, q, blocks, gain):  # pragma: no cover - compiled
     noise = inflation(field, bent[2], bent[0])
     if likelihood(bent[1]) - likelihood(plane[1]) > gain * noise:
         plane = _straightened(field, label, only, bent[0], plane, blocks)
-    # S falls by half of K k^2 times the square of what a plane misses
-    stiff = max(expected(plane[1]) * (field[3][0] ** 2 + field[3][1] ** 2) / 4, 1e-9)
     lost = likelihood(bent[1]) - likelihood(plane[1])
-    missed = np.sqrt(max(lost - 4.0 * noise, 0.0) / stiff)
+    stiff = _stiffness(field, plane[1])
     best = bent if lost > gain * noise + stiff * FLAT**2 else plane
+    missed = np.sqrt(max(lost - 4.0 * noise, 0.0) / stiff)
     return best[0], best[1], best[2], missed
+
+
+@njit(inline="always")
+def _stiffness(field, sums):  # pragma: no cover - compiled
+    """Loss of S, 1 / m^2, by the square of what a surface misses: half of K k^2."""
+    return max(expected(sums) * (field[3][0] ** 2 + field[3][1] ** 2) / 4, 1e-9)
 
 
 @njit(inline="always")

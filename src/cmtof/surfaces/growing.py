@@ -57,8 +57,18 @@ def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Surface
         start = windows(field, owner < 0, kind)
         added = _grow(field.arrays(), start, information, bounds, owner, len(found))
         found = np.concatenate([found, added])
-    surfaces = fitted(field, np.full((CELL * rows, CELL * columns), -1), found[:, :6], gain)
-    surfaces = surfaces._replace(roughness=found[:, 6])
+    return _settled(field, owner, information, found, gain)
+
+
+def _settled(
+    field: Field, owner: Labels, information: Array, found: Array, gain: float
+) -> tuple[Labels, Surfaces]:
+    """Owner and surfaces after cells were reassigned and surfaces fitted again, in turn.
+
+    ``found`` (N, 7) holds the parameters of surfaces and their roughness.
+    """
+    nothing = np.full(field.cosine.shape, -1)
+    surfaces = fitted(field, nothing, found[:, :6], gain)._replace(roughness=found[:, 6])
     for turn in range(_ROUNDS):
         fit = surfaces.parameters, coherence(surfaces.roughness)
         owner = _reassigned(field.arrays(), owner, *fit, information)
@@ -70,18 +80,22 @@ def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Surface
 
 def fitted(field: Field, label: Labels, parameters: Array, gain: float) -> Surfaces:
     """Fit every surface (N, 6) to its pixels."""
-    rows, columns = (n // CELL for n in label.shape)
-    y, x = np.nonzero(label >= 0)
-    # one entry for each surface and cell that share pixels
-    pairs = np.unique((label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL)
-    of, order = np.divmod(pairs, rows * columns)
-    top, left = np.divmod(order, columns)
-    blocks = CELL * np.stack([top, top + 1, left, left + 1], axis=1)
-    starts = np.searchsorted(of, np.arange(len(parameters) + 1))
+    blocks, starts = _blocks_of_labels(label, len(parameters))
     bounds = (*field.limits, gain)
     out = _fit_all(field.arrays(), label.astype(np.int32), blocks, starts, parameters, bounds)
     covariance = out[:, 14:].reshape(-1, 3, 3)
     return Surfaces(out[:, :6], *out[:, 6:11].T, out[:, 11:14], covariance)
+
+
+def _blocks_of_labels(label: Labels, count: int) -> tuple[Labels, Labels]:
+    """Cells (B, 4) that share pixels with a surface, by surface, and where each begins (N + 1,)."""
+    rows, columns = (n // CELL for n in label.shape)
+    y, x = np.nonzero(label >= 0)
+    pairs = np.unique((label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL)
+    of, order = np.divmod(pairs, rows * columns)
+    top, left = np.divmod(order, columns)
+    blocks = CELL * np.stack([top, top + 1, left, left + 1], axis=1)
+    return blocks, np.searchsorted(of, np.arange(count + 1))
 
 
 @njit(inline="always")
@@ -97,24 +111,21 @@ def _grow(field, start, information, bounds, owner, first):  # pragma: no cover 
     found = np.zeros((len(start), fitting.BENT + 1))
     new = 0
     for n in range(len(start)):
-        window = start[n]
-        least = _FILLED * _free_cells(owner, window)
-        side = max(int(window[2]) // CELL, 1)
-        if least < _FILLED * FREE * side * side:
+        free = _free_cells(owner, start[n])
+        side = max(int(start[n, 2]) // CELL, 1)
+        if free < FREE * side * side:
             continue
-        q, sums = plane_in_window(field, window, bounds)
+        q, sums = plane_in_window(field, start[n], bounds)
         if not _begins(sums):
             continue
-        state = _cells_of_window(field, q, sums, owner, window, information)
-        if np.sum(state == 1) < least:
+        state = _cells_of_window(field, q, sums, owner, start[n], information)
+        if np.sum(state == 1) < _FILLED * free:
             continue
         roughest = min(fitting.roughness(sums) + _ROUGHER, _ROUGHEST)
-        q, rough = _grown(field, q, state, owner, information, (*bounds, roughest))
+        found[new] = _grown(field, q, state, owner, information, (*bounds, roughest))
         if np.sum(state == 1) < _FILLED * side * side:
             continue
         _take(owner, state, first + new)
-        found[new, :6] = q
-        found[new, 6] = rough
         new += 1
     return found[:new]
 
@@ -175,47 +186,58 @@ def _cells_of_window(field, q, sums, owner, window, information):  # pragma: no 
 
 @njit(cache=True, nogil=True)
 def _grown(field, q, state, owner, information, bounds):  # pragma: no cover - compiled
-    """Fit a surface and let it spread, in turn, until it takes no more cells: q and roughness."""
+    """Fit a surface and let it spread until it takes no more cells: parameters and roughness."""
     nothing = np.zeros((1, 1), np.int32)
-    rough = 0.0
+    out = np.zeros(fitting.BENT + 1)
+    out[:6] = q
     while True:
         blocks = _blocks_of_cells(state)
-        fit = fitting.select(field, nothing, fitting.EVERY, q, blocks, bounds[2])
+        fit = fitting.select(field, nothing, fitting.EVERY, out[:6].copy(), blocks, bounds[2])
         z = np.mean(fit[2][:, 8])
         if _NEAREST * bounds[1] < z < _BEYOND * bounds[1]:
-            q = fit[0]
-            rough = min(fitting.roughness(fit[1]), bounds[3])
-        if not _spread(field, q, rough, state, owner, information):
-            return q, rough
+            out[:6] = fit[0]
+            out[6] = min(fitting.roughness(fit[1]), bounds[3])
+        if not _spread(field, out, state, owner, information):
+            return out
 
 
 @njit(cache=True, nogil=True)
-def _spread(field, q, rough, state, owner, information):  # pragma: no cover - compiled
+def _spread(field, surface, state, owner, information):  # pragma: no cover - compiled
     """Add rings of free cells that the surface explains, until it has doubled; whether it grew."""
-    rows, columns = owner.shape
     ring = np.argwhere(state == 1)
     goal = max(len(ring), 8)
-    tested = state > 0
+    tested = (state > 0) | (owner >= 0)
     grown = 0
     while grown < goal and len(ring):
-        ahead = np.zeros((4 * len(ring), 2), np.int64)
-        size = 0
+        ring = _beyond(ring, tested)
+        kept = np.zeros(len(ring), np.bool_)
         for n in range(len(ring)):
-            for dy, dx in _BESIDE:
-                y = ring[n, 0] + dy
-                x = ring[n, 1] + dx
-                if not (0 <= y < rows and 0 <= x < columns) or tested[y, x] or owner[y, x] >= 0:
-                    continue
-                tested[y, x] = True
-                least = _JOIN * _expected(rough, information, y, x)
-                if fitting.cell_likelihood(field, q, y, x) > least:
-                    state[y, x] = 1
-                    ahead[size, 0] = y
-                    ahead[size, 1] = x
-                    size += 1
-        ring = ahead[:size]
-        grown += size
+            y = ring[n, 0]
+            x = ring[n, 1]
+            least = _JOIN * _expected(surface[6], information, y, x)
+            kept[n] = fitting.cell_likelihood(field, surface[:6], y, x) > least
+            if kept[n]:
+                state[y, x] = 1
+        ring = ring[kept]
+        grown += len(ring)
     return grown > 0
+
+
+@njit(cache=True, nogil=True)
+def _beyond(ring, tested):  # pragma: no cover - compiled
+    """Cells (N, 2) beside those of a ring that were not tested yet; from now on they are."""
+    ahead = np.zeros((4 * len(ring), 2), np.int64)
+    size = 0
+    for n in range(len(ring)):
+        for dy, dx in _BESIDE:
+            y = ring[n, 0] + dy
+            x = ring[n, 1] + dx
+            if 0 <= y < tested.shape[0] and 0 <= x < tested.shape[1] and not tested[y, x]:
+                tested[y, x] = True
+                ahead[size, 0] = y
+                ahead[size, 1] = x
+                size += 1
+    return ahead[:size]
 
 
 @njit(cache=True, nogil=True)

@@ -21,7 +21,7 @@ from cmtof.classical.region import nearest
 from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces.beats import cells_of_surfaces, cut_where_beats_step, uneven_phase
-from cmtof.surfaces.field import CELL, Array, Field, Labels, field_from_measurement
+from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask, field_from_measurement
 from cmtof.surfaces.growing import GAIN, Surfaces, fitted, grown_surfaces
 from cmtof.surfaces.labels import depth_of_labels, interiors, pixel_labels
 from cmtof.surfaces.offsets import Offsets, aligned, offsets, unevenness
@@ -99,31 +99,53 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
     shapes = _shapes(field, without)
-    parameters = shapes.surfaces.parameters
-    shape = "shape" not in without and measurement.camera is not None  # else it is assumed
-    alone = _offsets(field, shapes, without, shape)
-    touching = borders(field, shapes.label, parameters)
+    # without a camera one is assumed, and shapes tell nothing
+    assumed = {"shape"} if measurement.camera is None else set()
+    alone = _offsets(field, shapes, assumed.union(without))
+    touching = borders(field, shapes.label, shapes.surfaces.parameters)
     joined = tied(alone, touching._replace(odds=touching.odds * ("ties" not in without)))
-    inside = tuple(slice(0, n) for n in measurement.shape)
+    joined, depth = _placed(field, shapes, joined, measurement)
     explained = shapes.label >= 0
-    everywhere = shapes.label[nearest(explained)]
-    depth = depth_of_labels(field, everywhere, parameters)
-    if len(parameters):
-        masked = np.where(measurement.mask, shapes.label[inside], -1)
-        joined = _inside(joined, depth[inside], masked, field)
-        departure = uneven_phase(field, depth, _variance(shapes)) / field.wavenumber[0]
-        depth = depth + field.period * joined.wraps[everywhere] + departure
     distance = np.where(explained.any(), distance_transform_edt(~explained), np.inf)
-    lost = ~np.isfinite(depth) | ((distance > REACH) & ("fill" not in without))
-    if lost.any():
-        depth[inside] = np.where(lost[inside], beat(measurement).depth, depth[inside])
+    depth = _filled(depth, (distance > REACH) & ("fill" not in without), measurement)
     elected, votes = voted(field, depth, explained, alone.closure)
     depth = np.where(votes > 0, elected, depth)
-    sure = _confidence(field, joined, everywhere, shapes.share, distance, votes)
-    number = np.append(1 + np.unique(joined.group, return_inverse=True)[1], 0)
-    component = np.where(votes > 0, 0, number[shapes.label])
-    place = shapes.owner, shapes.label, parameters
-    return Stages(field, *place, alone, touching, joined, depth, sure, component)
+    sure = _confidence(field, joined, shapes, distance, votes)
+    component = np.where(votes > 0, 0, _components(joined, shapes.label))
+    found = shapes.owner, shapes.label, shapes.surfaces.parameters
+    return Stages(field, *found, alone, touching, joined, depth, sure, component)
+
+
+def _components(joined: Ties, label: Labels) -> Labels:
+    """Number (H, W) of the group to which the surface of each pixel is tied, from 1 on."""
+    number = 1 + np.unique(joined.group, return_inverse=True)[1]
+    return np.append(number, 0)[label]
+
+
+def _placed(
+    field: Field, shapes: _Shapes, joined: Ties, measurement: Measurement
+) -> tuple[Ties, Array]:
+    """Ties within the limits, and depth (H, W), m, of every pixel on its nearest surface."""
+    everywhere = shapes.label[nearest(shapes.label >= 0)]
+    depth = depth_of_labels(field, everywhere, shapes.surfaces.parameters)
+    if not joined.wraps.size:
+        return joined, depth
+    inside = tuple(slice(0, n) for n in measurement.shape)
+    masked = np.where(measurement.mask, shapes.label[inside], -1)
+    joined = _inside(joined, depth[inside], masked, field)
+    departure = uneven_phase(field, depth, _variance(shapes)) / field.wavenumber[0]
+    return joined, depth + field.period * joined.wraps[everywhere] + departure
+
+
+def _filled(depth: Array, far: Mask, measurement: Measurement) -> Array:
+    """The depth with that of the beat far off all surfaces, and where there is none."""
+    lost = ~np.isfinite(depth) | far
+    if not lost.any():
+        return depth
+    inside = tuple(slice(0, n) for n in measurement.shape)
+    out = depth.copy()
+    out[inside] = np.where(lost[inside], beat(measurement).depth, depth[inside])
+    return out
 
 
 def _variance(shapes: _Shapes) -> Array:
@@ -151,11 +173,12 @@ def _shapes(field: Field, without: Collection[str]) -> _Shapes:
     return _Shapes(owner, label, share, inner, final)
 
 
-def _offsets(field: Field, shapes: _Shapes, without: Collection[str], shape: bool) -> Offsets:
+def _offsets(field: Field, shapes: _Shapes, without: Collection[str]) -> Offsets:
     """Offset of each surface by itself."""
     found = shapes.surfaces
     cells = cells_of_surfaces(field, shapes.inner, found)
     uneven = unevenness(field, cells, len(found.offset))
+    shape = "shape" not in without
     alone = offsets(field, cells, found, uneven, shape=shape, closed="closure" in without)
     if shape and "axes" not in without and len(found.offset):
         alone = aligned(alone, found, uneven, shapes.label)
@@ -189,11 +212,13 @@ def _odds(joined: Ties) -> Array:
 
 
 def _confidence(
-    field: Field, joined: Ties, everywhere: Labels, share: Array, distance: Array, votes: Array
+    field: Field, joined: Ties, shapes: _Shapes, distance: Array, votes: Array
 ) -> Array:
     """Calibrated probability (H, W) that the wrap of each pixel is right."""
+    everywhere = shapes.label[nearest(shapes.label >= 0)]
     odds = np.append(_odds(joined), 0.0)[everywhere]
-    fits = np.where(distance == 0, np.interp(share, *FITTING), np.interp(distance, *BESIDE))
+    beside = np.interp(distance, *BESIDE)
+    fits = np.where(distance == 0, np.interp(shapes.share, *FITTING), beside)
     odds = np.interp(odds, *CALIBRATION) * fits
     odds += NARROW * odds * (1 - odds) * (np.ptp(field.limits) < 100 * field.period)
     return np.where(votes > 0, np.interp(votes, *VOTING), odds)

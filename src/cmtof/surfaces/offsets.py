@@ -70,21 +70,38 @@ def unevenness(field: Field, cells: Cells, count: int) -> Unevenness:
 
 def _blocks(cells: Cells, multiple: int, scale: int, count: int) -> tuple[Array, Array, Array]:
     """Number of blocks (N,) of each surface, their summed chi^2, and their mean noise, rad^2."""
-    rows, columns = np.indices(cells.owner.shape) // scale
-    key = (cells.owner * (rows.max() + 1) + rows) * (columns.max() + 1) + columns
-    known = cells.owner >= 0
-    _, first, block = np.unique(key[known], return_index=True, return_inverse=True)
+    block, of = _number_blocks(cells.owner, scale)
     both = np.array([1, multiple])[:, None, None]
-    phasors = (cells.phasors * np.exp(1j * both * cells.residual))[:, known]
-    real, imaginary = ([np.bincount(block, f) for f in one] for one in (phasors.real, phasors.imag))
-    told = np.array([np.bincount(block, f[known]) for f in cells.information])
+    phasors = _sum_blocks(cells.phasors * np.exp(1j * both * cells.residual), block)
+    told = _sum_blocks(cells.information, block).real
     weight = told[0] + multiple**2 * told[1]
-    residual = common_phase(np.array(real) + 1j * np.array(imaginary), multiple)
+    square = weight * common_phase(phasors, multiple) ** 2
     clear = told.sum(axis=0) > _CLEARLY
-    of = cells.owner[known][first][clear]
-    whole = np.bincount(of, minlength=count)
-    chi = np.bincount(of, (weight * residual**2)[clear], count)
-    return whole, chi, whole / np.maximum(np.bincount(of, weight[clear], count), 1e-9)
+    whole = np.bincount(of[clear], minlength=count)
+    chi = np.bincount(of[clear], square[clear], count)
+    return whole, chi, whole / np.maximum(np.bincount(of[clear], weight[clear], count), 1e-9)
+
+
+def _number_blocks(owner: Labels, scale: int) -> tuple[Labels, Labels]:
+    """Number (h, w) of the block of each cell, -1 for none, and the surface (B,) of each block."""
+    rows, columns = np.indices(owner.shape) // scale
+    key = (owner * (rows.max() + 1) + rows) * (columns.max() + 1) + columns
+    known = owner >= 0
+    _, first, number = np.unique(key[known], return_index=True, return_inverse=True)
+    block = np.full(owner.shape, -1)
+    block[known] = number
+    return block, owner[known][first]
+
+
+def _sum_blocks(images: Array, block: Labels) -> Array:
+    """Sums (2, B) of images (2, h, w) over blocks."""
+    known = block >= 0
+    count = int(block.max(initial=-1)) + 1
+    out = np.zeros((2, count), complex)
+    for one in range(2):
+        out[one].real = np.bincount(block[known], images[one][known].real, count)
+        out[one].imag = np.bincount(block[known], images[one][known].imag, count)
+    return out
 
 
 def _weighted_median(values: Array, weights: Array) -> float:
@@ -191,11 +208,8 @@ def _axes(normals: _Normals, found: Offsets, label: Labels) -> list[Array]:
     """
     now = normals.at + found.mean[:, None] * normals.turn
     now /= np.linalg.norm(now, axis=1, keepdims=True)
-    variance = found.spread**2
-    trace = np.trace(normals.noise, axis1=1, axis2=2)
-    trace = trace + variance * np.sum(normals.turn**2, axis=1)
-    width = np.sqrt(trace + normals.plumb**2)
-    size = np.bincount(label[label >= 0], minlength=variance.size)
+    width = _width_of_normals(normals, found.spread**2)
+    size = np.bincount(label[label >= 0], minlength=width.size)
     clear = normals.plane & (width < _CLEAR)
     cosine = np.abs(now @ now.T)
     apart = 3 * np.hypot(width, width[:, None])
@@ -209,3 +223,10 @@ def _axes(normals: _Normals, found: Offsets, label: Labels) -> list[Array]:
     second = now[other] - now[one] * (now[other] @ now[one])
     second /= np.linalg.norm(second)
     return [now[one], second, np.cross(now[one], second)]
+
+
+def _width_of_normals(normals: _Normals, variance: Array) -> Array:
+    """Uncertainty (N,) of normals, rad, whose offsets have a variance, wraps^2."""
+    trace = np.trace(normals.noise, axis1=1, axis2=2)
+    trace = trace + variance * np.sum(normals.turn**2, axis=1)
+    return np.sqrt(trace + normals.plumb**2)

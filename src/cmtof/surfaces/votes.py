@@ -28,6 +28,8 @@ class _Poll(NamedTuple):
     sharp: Array  # inverse variance of the misfit of both, 1 / turns^2, halved
     place: Array  # depth, wraps, where a surface explains it; else NaN
     near: Array  # weight of neighbours, a square
+    ratio: float  # of both frequencies
+    farthest: float  # misfit, turns, of the depths that are put to the vote
 
 
 def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[Array, Array]:
@@ -38,11 +40,7 @@ def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[
     """
     out = np.full(depth.shape, np.nan)
     share = np.zeros(depth.shape)
-    ratio = float(field.wavenumber[1] / field.wavenumber[0])
-    with np.errstate(divide="ignore"):
-        variance = 1 / np.maximum(field.information, 0).astype(float)
-    step = TAU * abs(field.excess)  # of the misfit from wrap to wrap, rad
-    doubt = np.sqrt(variance[1] + ratio**2 * variance[0]) / step
+    doubt = _doubt(field)
     clear = doubt < DOUBT
     # pixels among those whose phases are not those of their surface vote again
     fits = explained & (_astray(field, depth) < _ASTRAY)
@@ -51,9 +49,16 @@ def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[
     if asked.any():
         place = np.where(explained, depth / field.period, np.nan)
         limits = np.array(field.limits) / field.period
-        poll = _poll(field, asked, doubt, place, closure)
-        _vote(poll, (ratio, _FARTHEST * step / TAU), limits, out, share)
+        _vote(_poll(field, asked, doubt, place, closure), limits, out, share)
     return out * field.period, share
+
+
+def _doubt(field: Field) -> Array:
+    """Deviation (H, W), wraps, of the beat of each pixel; infinite in the dark."""
+    with np.errstate(divide="ignore"):
+        variance = 1 / np.maximum(field.information, 0).astype(float)
+    ratio = field.wavenumber[1] / field.wavenumber[0]
+    return np.sqrt(variance[1] + ratio**2 * variance[0]) / (TAU * abs(field.excess))
 
 
 def _astray(field: Field, depth: Array) -> Array:
@@ -70,14 +75,14 @@ def _poll(field: Field, asked: Mask, doubt: Array, place: Array, closure: float)
     # a quarter of a wrap at least: without noise all other wraps would be ruled out
     spread = np.maximum(np.where(np.isfinite(doubt), doubt, 1.0), 0.25) * abs(field.excess)
     near = np.exp(-((np.arange(-_RADIUS, _RADIUS + 1) / (_RADIUS / 2)) ** 2) / 2)
-    sharp = 1 / (2 * spread**2)
-    return _Poll(asked, np.mod(turns[0], 1), turns[1], sharp, place, np.outer(near, near))
+    ratio = float(field.wavenumber[1] / field.wavenumber[0])
+    images = np.mod(turns[0], 1), turns[1], 1 / (2 * spread**2), place
+    return _Poll(asked, *images, np.outer(near, near), ratio, _FARTHEST * abs(field.excess))
 
 
 @njit(cache=True, nogil=True)
-def _vote(poll, beat, limits, out, share):  # pragma: no cover - compiled
-    """Elect a depth for each pixel that is asked: ``beat`` is the ratio and the largest misfit."""
-    ratio, farthest = beat
+def _vote(poll, limits, out, share):  # pragma: no cover - compiled
+    """Elect a depth, wraps, for each pixel that is asked, and its share of the votes."""
     votes = np.empty(4 * _FARTHEST)
     depths = np.empty(4 * _FARTHEST)
     for y in range(poll.asked.shape[0]):
@@ -87,11 +92,11 @@ def _vote(poll, beat, limits, out, share):  # pragma: no cover - compiled
             low = poll.low[y, x]
             count = 0
             for n in range(int(np.ceil(limits[0] - low)), int(np.ceil(limits[1] - low))):
-                left = poll.high[y, x] - ratio * (low + n)
-                if abs(left - np.rint(left)) > farthest or count == votes.size:
+                left = poll.high[y, x] - poll.ratio * (low + n)
+                if abs(left - np.rint(left)) > poll.farthest or count == votes.size:
                     continue
                 depths[count] = low + n
-                votes[count] = _votes_for(poll, ratio, y, x, low + n)
+                votes[count] = _votes_for(poll, y, x, low + n)
                 count += 1
             best = int(np.argmax(votes[:count])) if count > 0 else 0
             if count > 0 and votes[best] > _ENOUGH * _CAP:
@@ -100,7 +105,7 @@ def _vote(poll, beat, limits, out, share):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True)
-def _votes_for(poll, ratio, y, x, z):  # pragma: no cover - compiled
+def _votes_for(poll, y, x, z):  # pragma: no cover - compiled
     """Weight of the neighbours of a pixel that agree with a depth, wraps."""
     height, width = poll.asked.shape
     scale = 1 / (2 * _KERNEL**2)
@@ -113,7 +118,7 @@ def _votes_for(poll, ratio, y, x, z):  # pragma: no cover - compiled
             elif poll.asked[v, u]:
                 near = poll.low[v, u] + np.rint(z - poll.low[v, u])
                 away = near - z
-                left = poll.high[v, u] - ratio * near
+                left = poll.high[v, u] - poll.ratio * near
                 left -= np.rint(left)
                 cost = scale * away * away + poll.sharp[v, u] * left * left
             else:

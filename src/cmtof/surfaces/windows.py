@@ -72,13 +72,17 @@ def spectral_slopes(field: Field, top: Labels, left: Labels, side: int, finer: i
     peaks = [np.empty((2, 0), int)]
     for start in range(0, top.size, batch):
         some = slice(start, start + batch)
-        rows = fft(squares[:, top[some], left[some]], size)  # before rows of zeros are added
-        spectrum = np.asarray(fft(rows, size, axis=-2))
-        power = spectrum.real**2 + spectrum.imag**2
-        joint = power[0] + power[1][:, higher[:, None], higher]
-        place = joint.reshape(len(joint), -1).argmax(axis=1)
-        peaks.append(np.array(np.divmod(place, size)))
+        peaks.append(_joint_peaks(squares[:, top[some], left[some]], size, higher))
     return TAU * whole[np.concatenate(peaks, axis=1)] / size
+
+
+def _joint_peaks(squares: Array, size: int, higher: Labels) -> Labels:
+    """Row and column (2, N) at which both spectra of squares (2, N, side, side) peak together."""
+    rows = fft(squares, size)  # before rows of zeros are added
+    spectrum = np.asarray(fft(rows, size, axis=-2))
+    power = spectrum.real**2 + spectrum.imag**2
+    joint = power[0] + power[1][:, higher[:, None], higher]
+    return np.array(np.divmod(joint.reshape(len(joint), -1).argmax(axis=1), size))
 
 
 @njit(cache=True, nogil=True)
@@ -91,21 +95,28 @@ def plane_in_window(field, window, limits):  # pragma: no cover - compiled
     best = np.zeros(54)
     for _ in range(_CANDIDATES):
         at = np.argmax(size)
-        a = at // size.shape[1]
-        b = at % size.shape[1]
-        size[a, b] = -1
-        down = window[3] + 2 * np.pi * (a - _ALIASES)
-        right = window[4] + 2 * np.pi * (b - _ALIASES)
-        if max(abs(down), abs(right)) > 2 * np.pi * _STEEPEST:
+        turns = at // size.shape[1], at % size.shape[1]
+        size[turns] = -1
+        start, steep = _start(field, window, turns, (np.angle(beats[turns]), angle), limits)
+        if steep:
             continue
-        # the middle lies between pixels, where a slope of a turn per pixel is half a turn
-        middle = angle + np.pi * (a + b)
-        z = _depth_of_beat(field, np.angle(beats[a, b]), middle, limits)
-        q, sums = _climbed(field, _plane(field, window, z, down, right), blocks)
+        q, sums = _climbed(field, start, blocks)
         if fitting.likelihood(sums) > fitting.likelihood(best):
             plane = q
             best = sums
     return plane, best
+
+
+@njit(cache=True, nogil=True)
+def _start(field, window, turns, phases, limits):  # pragma: no cover - compiled
+    """Plane whose slopes are off by turns per pixel, by its beat and lower phase; if too steep."""
+    down = window[3] + 2 * np.pi * (turns[0] - _ALIASES)
+    right = window[4] + 2 * np.pi * (turns[1] - _ALIASES)
+    # the middle lies between pixels, where a slope of a turn per pixel is half a turn
+    middle = phases[1] + np.pi * (turns[0] + turns[1])
+    z = _depth_of_beat(field, phases[0], middle, limits)
+    steep = max(abs(down), abs(right)) > 2 * np.pi * _STEEPEST
+    return _plane(field, window, z, down, right), steep
 
 
 @njit(cache=True, nogil=True)
@@ -130,20 +141,24 @@ def _beats(field, window):  # pragma: no cover - compiled
     count = sums.shape[1]
     multiple = np.rint(field[3][1] / field[3][0])
     excess = (field[3][1] / field[3][0] - multiple) * 2 * np.pi  # a turn's mark on the higher
-    aliases = 2 * _ALIASES + 1
-    out = np.zeros((aliases, aliases), np.complex128)
+    out = np.zeros((2 * _ALIASES + 1, 2 * _ALIASES + 1), np.complex128)
     for i in range(count):
         for j in range(count):
             low = sums[0, i, j]
             beat = sums[1, i, j] * np.conj((low / max(abs(low), 1e-9)) ** multiple)
             y = (i + 0.5 - count / 2) * side / count
             x = (j + 0.5 - count / 2) * side / count
-            for a in range(aliases):
-                for b in range(aliases):
-                    turn = excess * ((a - _ALIASES) * y + (b - _ALIASES) * x)
-                    out[a, b] += beat * np.exp(-1j * turn)
+            _add_beat(out, beat, excess * y, excess * x)
     half = count // 2
     return out, np.angle(np.sum(sums[0, half - 1 : half + 1, half - 1 : half + 1]))
+
+
+@njit(cache=True, nogil=True)
+def _add_beat(out, beat, down, right):  # pragma: no cover - compiled
+    """Add the beat of a block, turned back by each alias."""
+    for a in range(len(out)):
+        for b in range(len(out)):
+            out[a, b] += beat * np.exp(-1j * ((a - _ALIASES) * down + (b - _ALIASES) * right))
 
 
 @njit(cache=True, nogil=True)
@@ -152,17 +167,16 @@ def _block_phasors(field, window, count):  # pragma: no cover - compiled
     top = int(window[0])
     left = int(window[1])
     side = int(window[2])
-    block = side // count
+    steps = np.arange(side) - (side - 1) / 2
     sums = np.zeros((2, count, count), np.complex128)
     for f in range(2):
         ratio = field[3][f] / field[3][0]
-        steps = np.arange(side) - (side - 1) / 2
         down = np.exp(-1j * ratio * window[3] * steps)
         right = np.exp(-1j * ratio * window[4] * steps)
         for y in range(side):
             for x in range(side):
                 p = complex(field[0][f, top + y, left + x], field[1][f, top + y, left + x])
-                sums[f, y // block, x // block] += p * right[x] * down[y]
+                sums[f, y * count // side, x * count // side] += p * right[x] * down[y]
     return sums
 
 
