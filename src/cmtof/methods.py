@@ -56,7 +56,7 @@ class Method:
             found = self.run(measurement, **options)
             if not self.one_beat:
                 return found
-            return Estimate(found.depth, found.confidence / beat_repeats(measurement))
+            return found._replace(confidence=found.confidence / beat_repeats(measurement))
         images = np.empty((2, *measurement.shape))
         side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: only `rapid` sees more
         for seen, inner, place in tiles(measurement.dataset, side, 256):
