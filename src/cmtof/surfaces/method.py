@@ -26,7 +26,7 @@ from cmtof.surfaces.growing import GAIN, Surfaces, fitted, grown_surfaces
 from cmtof.surfaces.labels import depth_of_labels, interiors, pixel_labels
 from cmtof.surfaces.offsets import Offsets, aligned, offsets, unevenness
 from cmtof.surfaces.ties import Borders, Ties, borders, tied
-from cmtof.surfaces.votes import voted
+from cmtof.surfaces.votes import DOUBT, doubt_of_beats, voted
 
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 
@@ -133,7 +133,9 @@ def _placed(
     inside = tuple(slice(0, n) for n in measurement.shape)
     masked = np.where(measurement.mask, shapes.label[inside], -1)
     joined = _inside(joined, depth[inside], masked, field)
-    departure = uneven_phase(field, depth, _variance(shapes)) / field.wavenumber[0]
+    # clear pixels that depart from their surface vote instead
+    variance = np.where(doubt_of_beats(field) < DOUBT, 0, _variance(shapes))
+    departure = uneven_phase(field, depth, variance) / field.wavenumber[0]
     return joined, depth + field.period * joined.wraps[everywhere] + departure
 
 

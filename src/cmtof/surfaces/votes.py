@@ -40,7 +40,7 @@ def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[
     """
     out = np.full(depth.shape, np.nan)
     share = np.zeros(depth.shape)
-    doubt = _doubt(field)
+    doubt = doubt_of_beats(field)
     clear = doubt < DOUBT
     # pixels among those whose phases are not those of their surface vote again
     fits = explained & (_astray(field, depth) < _ASTRAY)
@@ -53,7 +53,7 @@ def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[
     return out * field.period, share
 
 
-def _doubt(field: Field) -> Array:
+def doubt_of_beats(field: Field) -> Array:
     """Deviation (H, W), wraps, of the beat of each pixel; infinite in the dark."""
     with np.errstate(divide="ignore"):
         variance = 1 / np.maximum(field.information, 0).astype(float)
