@@ -40,7 +40,7 @@ from cmtof.statistics import reliability, risk_coverage
 from cmtof.surfaces import stages
 from cmtof.surfaces.field import field_from_measurement
 from cmtof.surfaces.fitting import PLANE, refine
-from cmtof.surfaces.labels import depth_of_labels
+from cmtof.surfaces.placing import depth_of_labels
 from cmtof_book import notes, plotting, views
 from cmtof_book.compared import closed_form, decision, sum_over_draws
 from cmtof_book.comparison import Scene, comparison_figure
@@ -188,9 +188,8 @@ def offset_of_wall(side, draw):
     depth = 3.0 * ray_lengths((side, side), camera)
     frame = Frame(depth, np.full(depth.shape, LIGHT), camera, "wall")
     field = field_from_measurement(cmtof.simulate(frame, protocol="full", seed=seed + draw))
-    top, left = np.mgrid[0:side:8, 0:side:8].reshape(2, -1)
-    q, blocks = np.array([0, 0, 1 / 3.0, 0, 0, 0]), np.stack([top, top + 8, left, left + 8], axis=1)
-    fit = refine(field.arrays(), np.zeros((1, 1), np.int32), -1, q, blocks, PLANE, 0)
+    q, boxes = np.array([0, 0, 1 / 3.0, 0, 0, 0]), np.array([[0, side, 0, side]])
+    fit = refine(field.arrays(), np.zeros((1, 1), np.int32), -1, q, boxes, PLANE, 2, 0)
     return fit[3], 1 / np.sqrt(fit[4])
 
 
@@ -421,8 +420,7 @@ notes.table(["%", "pixels", "right", "or with known shapes", "or contacts", "by 
 # %%
 with cProfile.Profile() as watch:
     stages(held["full"][0][1])
-STEPS = ("field_from_measurement", "grown_surfaces", "pixel_labels", "cut_where_beats_step",
-         "fitted", "offsets")  # fmt: skip
+STEPS = ("field_from_measurement", "grown_surfaces", "pixel_labels", "parted", "fitted", "offsets")
 STEPS += ("aligned", "borders", "tied", "voted")
 spent = {getattr(e.code, "co_name", ""): e.totaltime for e in watch.getstats() if "cmtof" in str(e)}
 notes.table(["step", "ms"], [[f"`{one}`", f"{1e3 * spent.get(one, 0):.0f}"] for one in STEPS])

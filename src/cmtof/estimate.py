@@ -18,8 +18,6 @@ class Estimate(NamedTuple):
 
     depth: Array  # best depth (H, W), m; it need not agree with the measured phase
     confidence: Array  # probability in [0, 1] that the wrap is right (H, W)
-    component: NDArray[np.integer] | None = None  # pixels (H, W) that share one offset, from 1 on
-    component_doubt: Array | None = None  # probability that the offset of component i + 1 is wrong
 
 
 def wraps_in_range(measurement: Measurement) -> tuple[int, int]:

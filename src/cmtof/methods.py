@@ -56,11 +56,11 @@ class Method:
             found = self.run(measurement, **options)
             if not self.one_beat:
                 return found
-            return found._replace(confidence=found.confidence / beat_repeats(measurement))
+            return Estimate(found.depth, found.confidence / beat_repeats(measurement))
         images = np.empty((2, *measurement.shape))
         side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: only `rapid` sees more
         for seen, inner, place in tiles(measurement.dataset, side, 256):
-            images[:, *place] = np.stack(self.run(seen, **options)[:2])[:, *inner.values()]
+            images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
         images[1] /= beat_repeats(measurement) if self.one_beat else 1
         return Estimate(*images)
 

@@ -22,8 +22,6 @@ from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
 from cmtof.storage import opened_dataset, save_dataset
 
-COMPONENTS = ["component", "component_doubt"]
-
 
 def unwrap(
     measurement: Measurement,
@@ -42,10 +40,7 @@ def unwrap(
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
     frequency, -1 where masked or without a phase; ``depth``, m, of the measured phase with the
-    wraps consistent with it, NaN there; ``confidence`` in [0, 1]. Some methods add ``component``,
-    the number of the connected component: pixels of one number share one offset, which is right
-    for all of them or wrong for all; 0 belongs to none. ``component_doubt`` on
-    (component_number) holds the probability that it is wrong.
+    wraps consistent with it, NaN there; ``confidence`` in [0, 1].
 
     >>> import cmtof
     >>> measurement = cmtof.simulate(cmtof.load_frame("still_life"), noise_free=True)
@@ -91,17 +86,11 @@ def _images(
     sure = np.where(mask, estimate.confidence, 0).astype(np.float32)  # as it is stored and scored
     mask &= sure >= min_confidence
     dims = ("y", "x")
-    images: dict[str, Any] = {
+    return {
         "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
         "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
         "confidence": (dims, sure),
     }
-    if estimate.component is not None:
-        shared = np.where(mask, estimate.component, 0).astype(np.int32)
-        doubt = np.asarray(estimate.component_doubt, np.float32)
-        images["component"] = (dims, shared)
-        images["component_doubt"] = ("component_number", doubt)
-    return images
 
 
 def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
@@ -138,8 +127,6 @@ def unwrap_file(
             file.dimensions = {"y": height, "x": width}
             for seen, inner, place in tiles(held, tile, margin):
                 found = unwrap(seen, **how).isel(inner)
-                # the numbers of components hold within one tile
-                found = found.drop_vars(COMPONENTS, errors="ignore")
                 _write_tile(file, found, place)
                 file.attrs.update(found.attrs | {"tile": tile, "margin": margin})
                 share = found.depth.size / (height * width)

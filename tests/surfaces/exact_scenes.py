@@ -10,7 +10,6 @@ from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.frame import Frame, rays_from_camera
 from cmtof.measurement import Measurement
 from cmtof.surfaces.field import CELL, Field, field_from_measurement
-from cmtof.surfaces.growing import Surfaces
 
 SHAPE = (128, 160)
 CAMERA = (140.0, 138.0, 81.0, 62.5)
@@ -89,14 +88,6 @@ def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA) -> Fi
     return field._replace(
         real=p.real.astype(np.float32), imaginary=p.imag.astype(np.float32), information=k
     )
-
-
-def fitted_surfaces(parameters, offset=0.0, known=0.0, missed=0.0, roughness=0.0) -> Surfaces:
-    """Surfaces (N, 6) as if they had been fitted; a wrap bends each of them by 1 mm."""
-    count = len(parameters)
-    zero = np.zeros((count, 3, 3))
-    columns = (np.broadcast_to(one, count) for one in (roughness, offset, known, missed, 1e-3))
-    return Surfaces(np.asarray(parameters), *columns, zero[:, 0], zero)
 
 
 def whole_boxes(shape: tuple[int, int]) -> NDArray[np.int64]:

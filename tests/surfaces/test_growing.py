@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from exact_scenes import (
     CAMERA,
+    NOTHING,
     SHAPE,
     WRAP,
     corner_scene,
@@ -18,9 +19,8 @@ from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
 from cmtof.simulation import simulate
 from cmtof.surfaces.field import CELL, field_from_measurement
-from cmtof.surfaces.growing import grown_surfaces
-from cmtof.surfaces.labels import depth_of_labels
-from cmtof.surfaces.windows import KINDS, plane_in_window, spectral_slopes
+from cmtof.surfaces.growing import WINDOWS, grown_surfaces, plane_in_window, spectral_slopes
+from cmtof.surfaces.placing import depth_of_labels
 
 CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
 
@@ -55,7 +55,7 @@ def test_slopes_are_those_of_a_ramp(rng):
     for down, right in [(0, 0), (0.31, -0.82), (-7.0, 1.0)]:
         depth = 2.0 + (down * y + right * x) * WRAP / TAU
         field = exact_field(depth, information=20.0, noise_of=rng)
-        for *_, core, finer in KINDS:
+        for *_, core, finer in WINDOWS:
             found = spectral_slopes(field, np.array([0, 20]), np.array([3, 17]), core, finer)
             for got, true in zip(found, (down, right), strict=True):
                 off = np.abs((got - true + np.pi) % TAU - np.pi)
@@ -72,11 +72,12 @@ def test_planes_are_found_though_their_phase_turns_more_than_half_a_turn_a_pixel
         field = exact_field(depth, information=56.0, noise_of=rng)
         top, left = y - side // 2, x - side // 2
         down, across = spectral_slopes(field, np.array([top + 2]), np.array([left + 2]), 12, 4)
-        window = np.array([top, left, side, down[0], across[0]])
-        q, sums = plane_in_window(field.arrays(), window, field.limits)
+        told = float(field.information[:, top : top + side, left : left + side].sum())
+        window = (top, left, side, down[0], across[0])
+        q, likely = plane_in_window(field.arrays(), NOTHING, window, field.limits, told)
         found = depth_of_labels(field, np.zeros(SHAPE, int), q[None])
         slopes = [d[y, x + 1] - d[y, x] for d in (found, depth)]
-        right += sums[:2].sum() > 0.9 * sums[2:4].sum() and abs(slopes[0] - slopes[1]) < 0.02 * WRAP
+        right += likely > 0.9 * told and abs(slopes[0] - slopes[1]) < 0.02 * WRAP
     assert right >= 6  # of nine; by chance one of 25 aliases is
 
 

@@ -64,43 +64,28 @@ class Field(NamedTuple):
 
 def field_from_measurement(measurement: Measurement) -> Field:
     """Weighted phasors of a measurement; masked pixels count, for they were measured as well."""
-    real, imaginary, information = (_padded(one) for one in _phasors(measurement))
-    u, v = _directions(measurement, information.shape[1:])
-    wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
-    turns = TAU * np.rint(wavenumber / wavenumber[0])
-    cosine = 1 / np.sqrt(1 + u**2 + v[:, None] ** 2)
-    return Field(real, imaginary, information, wavenumber, turns, u, v, cosine, measurement.range)
-
-
-def _phasors(measurement: Measurement) -> tuple[Array, Array, Array]:
-    """Real and imaginary part of P, and K, of both frequencies (2, H, W)."""
-    phase = measurement.phase[:2].astype(float)
+    phase, amplitude = measurement.phase[:2].astype(float), measurement.amplitude[:2].astype(float)
     spread = phase_noise(measurement)
-    known = np.isfinite([phase, measurement.amplitude[:2], spread]).all(axis=(0, 1))
+    known = np.isfinite([phase, amplitude, spread]).all(axis=(0, 1))
     ratio = np.where(known, 1 / np.maximum(np.where(known, spread, 1), _SHARPEST), 0)
     information = ratio**2  # phases alone do not say how noisy they are
     if "correlation" in measurement.dataset and measurement.dataset.sizes["step"] > 3:
         information = _smoothed(ratio**2, known)
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
-    size = np.sqrt(information) * ratio
-    turned = np.where(known, phase, 0)
-    return size * np.cos(turned), size * np.sin(turned), information
-
-
-def _padded(images: Array) -> Array:
-    """Images (2, H, W) with pixels without information up to whole cells."""
-    side = [max(-(-n // CELL) * CELL, _SMALLEST) for n in images.shape[1:]]
-    beyond = [(0, whole - n) for whole, n in zip(side, images.shape[1:], strict=True)]
-    return np.pad(images.astype(np.float32), [(0, 0), *beyond])
-
-
-def _directions(measurement: Measurement, shape: tuple[int, ...]) -> tuple[Array, Array]:
-    """Directions x / z of each column and y / z of each row, by the camera or an assumed one."""
+    size, turned = np.sqrt(information) * ratio, np.where(known, phase, 0)
     height, width = measurement.shape
+    side = [max(-(-n // CELL) * CELL, _SMALLEST) for n in (height, width)]
+    beyond = [(0, 0), (0, side[0] - height), (0, side[1] - width)]
+    images = size * np.cos(turned), size * np.sin(turned), information
+    real, imaginary, information = (np.pad(one.astype(np.float32), beyond) for one in images)
     focal = _FOCAL_LENGTH * max(height, width)
     camera = measurement.camera
     fx, fy, cx, cy = (focal, focal, width / 2, height / 2) if camera is None else camera[:4]
-    return (np.arange(shape[1]) + 0.5 - cx) / fx, (np.arange(shape[0]) + 0.5 - cy) / fy
+    u, v = (np.arange(side[1]) + 0.5 - cx) / fx, (np.arange(side[0]) + 0.5 - cy) / fy
+    wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
+    turns = TAU * np.rint(wavenumber / wavenumber[0])
+    cosine = 1 / np.sqrt(1 + u**2 + v[:, None] ** 2)
+    return Field(real, imaginary, information, wavenumber, turns, u, v, cosine, measurement.range)
 
 
 def _smoothed(power: Array, known: Mask) -> Array:
@@ -108,8 +93,7 @@ def _smoothed(power: Array, known: Mask) -> Array:
     share = np.array([max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power])
     share /= share.mean()
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2
-    left = known.copy()
-    mean = np.zeros(known.shape)
+    left, mean = known.copy(), np.zeros(known.shape)
     for width, least in _SCALES:
         images = left.astype(float), np.where(left, excess, 0)
         weight, total = (gaussian_filter(i, width, mode="constant", truncate=3.0) for i in images)

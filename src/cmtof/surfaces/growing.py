@@ -1,275 +1,187 @@
-"""Surfaces grow from windows, ring by ring; then every cell takes the likeliest beside it.
+"""Planes begin in windows and grow from cell to cell; every cell takes the likeliest beside it.
 
-Nothing depends on the order of pixels: a mirrored image has mirrored surfaces, but for rounding.
+Within a window a plane's phases are ramps, so both spectra peak: at a slope nu, rad/px, and at
+``(k_2 / k_1) nu``. Slopes that differ by whole turns per pixel look alike but for the beat.
 """
 
-from typing import NamedTuple
-
 import numpy as np
+from scipy.fft import fft, fftfreq, next_fast_len
 
 from cmtof.compiled import njit
+from cmtof.correlation import TAU
 from cmtof.surfaces import fitting
-from cmtof.surfaces.field import CELL, Array, Field, Labels
-from cmtof.surfaces.windows import FREE, KINDS, plane_in_window, windows
+from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask
 
-# Share of the likelihood expected of it that a plane must reach to begin in a window, to grow into
-# a cell, and to keep it.
+# Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
+# many times its bins are refined. Large ones come first: what is large should stay in one piece.
+WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
+
+# Share S / E that a plane must reach to begin in a window, to grow into a cell, and to keep it.
 _START, _JOIN, _STAY = 0.75, 0.6, 0.5
 GAIN = 15.0  # in S from which on a surface counts as bent
-_FILLED = 0.6  # share of the free cells of a window that its surface must explain
-_ROUNDS = 6  # of reassignment
-_NEIGHBOURLY = 3.0  # gain in S per neighbour in the same surface
-_ROUGHEST = 0.9  # variance, rad^2, of the depths about a surface, up to which it is one
-_ROUGHER = 0.1  # by which it may grow beyond that of the window in which it began
-_SURE = 6.0  # deviations of S from noise for a rough surface to begin
-_ALIKE = (0.08, 2.0)  # tolerance of its coherence at the higher frequency, and in deviations
-_NEAREST, _BEYOND = 0.02, 2.0  # depths of surfaces, in units of the largest one to choose from
-_BESIDE = ((1, 0), (-1, 0), (0, 1), (0, -1))
+_LEAST = 150.0  # information E below which a window starts nothing: its noise would fit as well
+_FREE = 0.7  # share of the cells of a window that must be without a surface
+_ALIASES, _STEEPEST = 2, 1.6  # whole turns per pixel tried to each side; largest slope, turns/px
+_CANDIDATES = 4  # slopes out of all aliases that are fitted
+_STEPS, _CELLS = np.int64(2), np.int64(100)  # of a fit; cells of a surface that it looks at
+_ROUNDS, _NEIGHBOURLY = 6, 3.0  # of reassignment; gain in S per neighbour in the same surface
 
 
-class Surfaces(NamedTuple):
-    """Surfaces, one entry (N,) each, and how they were fitted."""
-
-    parameters: Array  # (N, 6), as `cmtof.surfaces.fitting` has them
-    roughness: Array  # variance of single pixels about it, rad^2 at the lower frequency
-    offset: Array  # that is lacking by its shape, wraps
-    known: Array  # inverse variance of that; 0 where nothing was fitted
-    missed: Array  # what a plane misses, m (rms)
-    bend: Array  # by how much a wrap bends a plane, m (rms)
-    turn: Array  # change (N, 3) of a plane's parameters by a wrap; 0 for what is bent
-    covariance: Array  # (N, 3, 3) of these
-
-
-def coherence(roughness: Array) -> Array:
-    """Share of S (2, ...) that is left at both frequencies."""
-    return np.exp(-np.multiply.outer([0.5, 2.0], roughness))
-
-
-def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Surfaces]:
-    """Owner of each cell, -1 for none, and the surfaces grown from windows."""
-    rows, columns = (n // CELL for n in field.cosine.shape)
-    cells = field.information.astype(float).reshape(2, rows, CELL, columns, CELL)
-    information = cells.sum(axis=(2, 4))
-    owner = np.full((rows, columns), -1, np.int64)
-    found = np.zeros((0, fitting.BENT + 1))
-    bounds = (*field.limits, gain)
-    for kind in KINDS:
-        start = windows(field, owner < 0, kind)
-        added = _grow(field.arrays(), start, information, bounds, owner, len(found))
-        found = np.concatenate([found, added])
-    return _settled(field, owner, information, found, gain)
-
-
-def _settled(
-    field: Field, owner: Labels, information: Array, found: Array, gain: float
-) -> tuple[Labels, Surfaces]:
-    """Owner and surfaces after cells were reassigned and surfaces fitted again, in turn.
-
-    ``found`` (N, 7) holds the parameters of surfaces and their roughness.
-    """
-    nothing = np.full(field.cosine.shape, -1)
-    surfaces = fitted(field, nothing, found[:, :6], gain)._replace(roughness=found[:, 6])
+def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Array]:
+    """Owner of each cell, -1 for none, and the parameters (N, 6) of surfaces grown from windows."""
+    shape = tuple(n // CELL for n in field.cosine.shape)
+    both = field.information.sum(axis=0, dtype=float)
+    information = both.reshape(shape[0], CELL, shape[1], CELL).sum(axis=(1, 3))
+    label = np.zeros((1, 1), np.int32)  # fits look at whole cells
+    owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, fitting.BENT))
+    for kind in WINDOWS:
+        start, held = windows(field, owner < 0, *kind), (owner, len(surfaces))
+        added = _grow(field.arrays(), label, start, information, field.limits, gain, *held)
+        surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
-        fit = surfaces.parameters, coherence(surfaces.roughness)
-        owner = _reassigned(field.arrays(), owner, *fit, information)
+        owner = _reassigned(field.arrays(), owner, surfaces, information)
         if turn % 2:
             label = np.kron(owner, np.ones((CELL, CELL), int))
-            surfaces = fitted(field, label, surfaces.parameters, gain)
+            surfaces, _ = fitted(field, label, surfaces, (_STEPS, _CELLS), gain)
     return owner, surfaces
 
 
-def fitted(field: Field, label: Labels, parameters: Array, gain: float) -> Surfaces:
-    """Fit every surface (N, 6) to its pixels."""
-    blocks, starts = _blocks_of_labels(label, len(parameters))
-    bounds = (*field.limits, gain)
-    out = _fit_all(field.arrays(), label.astype(np.int32), blocks, starts, parameters, bounds)
-    covariance = out[:, 14:].reshape(-1, 3, 3)
-    return Surfaces(out[:, :6], *out[:, 6:11].T, out[:, 11:14], covariance)
+def fitted(field: Field, label: Labels, surfaces: Array, effort: tuple, gain: float) -> tuple:
+    """Fit every surface (N, 6) to its pixels, with so many steps, on so many cells at most.
 
-
-def _blocks_of_labels(label: Labels, count: int) -> tuple[Labels, Labels]:
-    """Cells (B, 4) that share pixels with a surface, by surface, and where each begins (N + 1,)."""
+    And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
+    m (rms); by how much a wrap bends a plane, m; for planes `leaning`.
+    """
     rows, columns = (n // CELL for n in label.shape)
     y, x = np.nonzero(label >= 0)
+    # one entry for each surface and cell that share pixels
     pairs = np.unique((label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL)
     of, order = np.divmod(pairs, rows * columns)
-    top, left = np.divmod(order, columns)
-    blocks = CELL * np.stack([top, top + 1, left, left + 1], axis=1)
-    return blocks, np.searchsorted(of, np.arange(count + 1))
-
-
-@njit(inline="always")
-def _expected(roughness, information, y, x):  # pragma: no cover - compiled
-    """S that a surface of this roughness has in a cell on average."""
-    low = np.exp(-roughness / 2) * information[0, y, x]
-    return low + np.exp(-2 * roughness) * information[1, y, x]
+    cells = order, np.searchsorted(of, np.arange(len(surfaces) + 1)), columns
+    label, farthest = label.astype(np.int32), field.limits[1]
+    return _fit_all(field.arrays(), label, cells, surfaces, effort, farthest, gain)
 
 
 @njit(cache=True, nogil=True)
-def _grow(field, start, information, bounds, owner, first):  # pragma: no cover - compiled
-    """Grow surfaces from windows, numbered from ``first`` on; their parameters and roughness."""
-    found = np.zeros((len(start), fitting.BENT + 1))
-    new = 0
-    for n in range(len(start)):
-        free = _free_cells(owner, start[n])
-        side = max(int(start[n, 2]) // CELL, 1)
-        if free < FREE * side * side:
+def _grow(field, label, start, information, limits, gain, owner, count):  # pragma: no cover
+    """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
+    rows, columns = information.shape
+    stamp = np.zeros((rows, columns), np.int64)
+    surfaces, new = np.zeros((start[0].size, fitting.BENT)), 0
+    for n in range(start[0].size):
+        window = (start[0][n], start[1][n], start[2][n], start[3][n], start[4][n])
+        side = max(window[2] // CELL, 1)
+        y0, x0 = window[0] // CELL, window[1] // CELL
+        told = information[y0 : y0 + side, x0 : x0 + side].sum()
+        free = (owner[y0 : y0 + side, x0 : x0 + side] < 0).sum()
+        if free < _FREE * side * side:
             continue
-        q, sums = plane_in_window(field, start[n], bounds)
-        if not _begins(sums):
+        q, likelihood = plane_in_window(field, label, window, limits, told)
+        if likelihood < _START * told:
             continue
-        state = _cells_of_window(field, q, sums, owner, start[n], information)
-        if np.sum(state == 1) < _FILLED * free:
+        region = np.empty(rows * columns, np.int64)
+        size = 0
+        for y in range(y0, y0 + side):
+            for x in range(x0, x0 + side):
+                least = _JOIN * information[y, x]
+                if owner[y, x] < 0 and fitting.cell_likelihood(field, q, y, x) > least:
+                    region[size] = y * columns + x
+                    stamp[y, x] = n + 1
+                    size += 1
+        if size < 0.6 * free:
             continue
-        roughest = min(fitting.roughness(sums) + _ROUGHER, _ROUGHEST)
-        found[new] = _grown(field, q, state, owner, information, (*bounds, roughest))
-        if np.sum(state == 1) < _FILLED * side * side:
-            continue
-        _take(owner, state, first + new)
-        new += 1
-    return found[:new]
+        while True:
+            before = size
+            boxes = _boxes_of_cells(region[:size], columns, _CELLS)
+            weight = size / boxes.shape[0]
+            fit = fitting.select(field, label, fitting.EVERY, q, boxes, _STEPS, gain, weight)
+            z = fitting.depth_at(field, fit[0], boxes[0, 0], boxes[0, 2])
+            if 0.02 * limits[1] < z < 2 * limits[1]:
+                q = fit[0]
+            size = _spread(field, q, owner, stamp, n + 1, region, size, information)
+            if size == before:
+                break
+        if size >= 0.6 * side * side:
+            for i in range(size):
+                owner[region[i] // columns, region[i] % columns] = count + new
+            surfaces[new] = q
+            new += 1
+    return surfaces[:new]
 
 
 @njit(cache=True, nogil=True)
-def _take(owner, state, number):  # pragma: no cover - compiled
-    """Give the cells of a region to a surface."""
-    for y in range(owner.shape[0]):
-        for x in range(owner.shape[1]):
-            if state[y, x] == 1:
-                owner[y, x] = number
-
-
-@njit(cache=True, nogil=True)
-def _free_cells(owner, window):  # pragma: no cover - compiled
-    """Number of the cells of a window without an owner."""
-    y0, y1, x0, x1 = _span(window)
-    return np.sum(owner[y0:y1, x0:x1] < 0)
-
-
-@njit(cache=True, nogil=True)
-def _span(window):  # pragma: no cover - compiled
-    """First and last row and column of the cells that lie within a window."""
-    side = max(int(window[2]) // CELL, 1)
-    y = -(-int(window[0]) // CELL)
-    x = -(-int(window[1]) // CELL)
-    return y, y + side, x, x + side
-
-
-@njit(cache=True, nogil=True)
-def _begins(sums):  # pragma: no cover - compiled
-    """Whether a plane explains its window, or a rough one by both frequencies."""
-    if fitting.expected(sums) <= 0:
-        return False
-    if fitting.likelihood(sums) >= _START * fitting.expected(sums):
-        return True
-    low = sums[0] / sums[2]
-    high = sums[1] / sums[3]
-    rough = -2 * np.log(max(low, 1e-3))
-    tolerance = _ALIKE[0] + _ALIKE[1] / np.sqrt(sums[3])
-    sure = fitting.likelihood(sums) > _SURE * np.sqrt(fitting.expected(sums))
-    return sure and rough < _ROUGHEST and abs(high - low**4) < tolerance
-
-
-@njit(cache=True, nogil=True)
-def _cells_of_window(field, q, sums, owner, window, information):  # pragma: no cover - compiled
-    """State of each cell: 1 for those free ones of a window that the surface explains, else 0."""
-    state = np.zeros(owner.shape, np.int8)
-    rough = min(fitting.roughness(sums), _ROUGHEST)
-    y0, y1, x0, x1 = _span(window)
-    for y in range(y0, y1):
-        for x in range(x0, x1):
-            least = _JOIN * _expected(rough, information, y, x)
-            if owner[y, x] < 0 and fitting.cell_likelihood(field, q, y, x) > least:
-                state[y, x] = 1
-    return state
-
-
-@njit(cache=True, nogil=True)
-def _grown(field, q, state, owner, information, bounds):  # pragma: no cover - compiled
-    """Fit a surface and let it spread until it takes no more cells: parameters and roughness."""
-    nothing = np.zeros((1, 1), np.int32)
-    out = np.zeros(fitting.BENT + 1)
-    out[:6] = q
-    while True:
-        blocks = _blocks_of_cells(state)
-        fit = fitting.select(field, nothing, fitting.EVERY, out[:6].copy(), blocks, bounds[2])
-        z = np.mean(fit[2][:, 8])
-        if _NEAREST * bounds[1] < z < _BEYOND * bounds[1]:
-            out[:6] = fit[0]
-            out[6] = min(fitting.roughness(fit[1]), bounds[3])
-        if not _spread(field, out, state, owner, information):
-            return out
-
-
-@njit(cache=True, nogil=True)
-def _spread(field, surface, state, owner, information):  # pragma: no cover - compiled
-    """Add rings of free cells that the surface explains, until it has doubled; whether it grew."""
-    ring = np.argwhere(state == 1)
-    goal = max(len(ring), 8)
-    tested = (state > 0) | (owner >= 0)
-    grown = 0
-    while grown < goal and len(ring):
-        ring = _beyond(ring, tested)
-        kept = np.zeros(len(ring), np.bool_)
-        for n in range(len(ring)):
-            y = ring[n, 0]
-            x = ring[n, 1]
-            least = _JOIN * _expected(surface[6], information, y, x)
-            kept[n] = fitting.cell_likelihood(field, surface[:6], y, x) > least
-            if kept[n]:
-                state[y, x] = 1
-        ring = ring[kept]
-        grown += len(ring)
-    return grown > 0
-
-
-@njit(cache=True, nogil=True)
-def _beyond(ring, tested):  # pragma: no cover - compiled
-    """Cells (N, 2) beside those of a ring that were not tested yet; from now on they are."""
-    ahead = np.zeros((4 * len(ring), 2), np.int64)
-    size = 0
-    for n in range(len(ring)):
-        for dy, dx in _BESIDE:
-            y = ring[n, 0] + dy
-            x = ring[n, 1] + dx
-            if 0 <= y < tested.shape[0] and 0 <= x < tested.shape[1] and not tested[y, x]:
-                tested[y, x] = True
-                ahead[size, 0] = y
-                ahead[size, 1] = x
+def _spread(field, q, owner, stamp, mark, region, size, information):  # pragma: no cover
+    """Add free cells beside the region that the surface explains, until it has doubled."""
+    rows, columns = information.shape
+    goal = max(2 * size, size + 8)
+    i = 0
+    while i < size and size < goal:
+        for dy, dx in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            y, x = region[i] // columns + dy, region[i] % columns + dx
+            inside = 0 <= y < rows and 0 <= x < columns
+            if not inside or owner[y, x] >= 0 or stamp[y, x] == mark:
+                continue
+            if fitting.cell_likelihood(field, q, y, x) > _JOIN * information[y, x]:
+                stamp[y, x] = mark
+                region[size] = y * columns + x
                 size += 1
-    return ahead[:size]
+        i += 1
+    return size
 
 
 @njit(cache=True, nogil=True)
-def _reassigned(field, owner, surfaces, shares, information):  # pragma: no cover - compiled
+def _reassigned(field, owner, surfaces, information):  # pragma: no cover - compiled
     """Give each cell the likeliest of the surfaces about it, or none."""
+    rows, columns = owner.shape
     out = owner.copy()
-    for y in range(owner.shape[0]):
-        for x in range(owner.shape[1]):
+    for y in range(rows):
+        for x in range(columns):
             found = around(owner, y, x)
             if found.size == 0 or (found.size == 1 and owner[y, x] == found[0]):
                 continue
-            best = -np.inf
-            at = -1
+            best, at = -np.inf, -1
             for n in found:
                 value = fitting.cell_likelihood(field, surfaces[n], y, x)
-                value += _NEIGHBOURLY * _neighbours(owner, n, y, x)
+                for dy, dx in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+                    a, b = y + dy, x + dx
+                    if 0 <= a < rows and 0 <= b < columns and owner[a, b] == n:
+                        value += _NEIGHBOURLY
                 if value > best:
-                    best = value
-                    at = n
-            told = shares[0, at] * information[0, y, x] + shares[1, at] * information[1, y, x]
+                    best, at = value, n
+            told = information[y, x]
             out[y, x] = at if best >= _STAY * told - np.sqrt(told) else -1
     return out
 
 
 @njit(cache=True, nogil=True)
-def _neighbours(owner, number, y, x):  # pragma: no cover - compiled
-    """How many of the four cells beside one belong to a surface."""
-    count = 0
-    for dy, dx in _BESIDE:
-        if 0 <= y + dy < owner.shape[0] and 0 <= x + dx < owner.shape[1]:
-            count += owner[y + dy, x + dx] == number
-    return count
+def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: no cover - compiled
+    """Do what `fitted` says; cells sorted by surface, where each begins, and cells in a row."""
+    k, (order, starts, columns) = field[3], cells
+    out, fit = surfaces.copy(), np.zeros((len(surfaces), 16))
+    for n in range(len(surfaces)):
+        own = order[starts[n] : starts[n + 1]]
+        if own.size == 0:
+            continue
+        boxes = _boxes_of_cells(own, columns, effort[1])
+        weight = own.size / boxes.shape[0]
+        found = fitting.select(field, label, n, out[n], boxes, effort[0], gain, weight)
+        q, most, offset, known, missed = found
+        z = fitting.depth_at(field, q, boxes[0, 0], boxes[0, 2])
+        if 0.02 * farthest < z < 2 * farthest:  # before the camera and not far beyond the limits
+            stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
+            out[n] = q
+            fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
+            if q[3] == 0 and q[4] == 0 and q[5] == 0:
+                fit[n, 4:] = fitting.leaning(field, label, n, q, boxes, weight).ravel()
+    return out, fit
+
+
+@njit(cache=True, nogil=True)
+def _boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
+    """Rectangles of at most so many cells, spread over the list."""
+    chosen = cells[:: max(1, cells.size // most)]
+    y, x = chosen // columns * CELL, chosen % columns * CELL
+    return np.stack((y, y + CELL, x, x + CELL), axis=1)
 
 
 @njit(cache=True, nogil=True)
@@ -279,47 +191,153 @@ def around(owner, y, x):  # pragma: no cover - compiled
     return near[near >= 0]
 
 
+def windows(field: Field, free: Mask, side: int, stride: int, core: int, finer: int) -> tuple:
+    """Top, left, side (N,) of windows on free cells, the clearest first, and slopes, rad/px."""
+    ends = (slice(0, n - side + 1, stride) for n in field.cosine.shape)
+    top, left = np.mgrid[tuple(ends)].reshape(2, -1)
+    inside = _sums(field.information.sum(axis=0, dtype=float), top, left, side)
+    cells = max(side // CELL, 1)
+    open_cells = _sums(free.astype(float), top // CELL, left // CELL, cells)
+    order = np.argsort(-inside, kind="stable")
+    order = order[(inside[order] >= _LEAST) & (open_cells[order] >= _FREE * cells**2)]
+    top, left = top[order], left[order]
+    margin = (side - core) // 2
+    down, right = spectral_slopes(field, top + margin, left + margin, core, finer)
+    return top, left, np.full(top.size, side), down, right
+
+
+def _sums(image: Array, top: Labels, left: Labels, side: int) -> Array:
+    """Sum (N,) of an image (H, W) over squares."""
+    total = np.pad(image.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
+    bottom, edge = top + side, left + side
+    return total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
+
+
+def spectral_slopes(field: Field, top: Labels, left: Labels, side: int, finer: int) -> tuple:
+    """Slopes (N,) down and right, rad/px, at the joint peak of both spectra of each square."""
+    size = int(next_fast_len(finer * side) or 1)
+    whole = np.rint(fftfreq(size) * size)
+    higher = np.rint(field.wavenumber[1] / field.wavenumber[0] * whole).astype(int) % size
+    down, right = np.empty(top.size), np.empty(top.size)
+    phasors = (field.real + 1j * field.imaginary).astype(np.complex64)
+    squares = np.lib.stride_tricks.sliding_window_view(phasors, (side, side), axis=(1, 2))
+    batch = max(1, 2**19 // size**2)  # spectra that stay in the cache
+    for start in range(0, top.size, batch):
+        some = slice(start, start + batch)
+        rows = fft(squares[:, top[some], left[some]], size)  # before rows of zeros are added
+        spectrum = np.asarray(fft(rows, size, axis=-2))
+        power = spectrum.real**2 + spectrum.imag**2
+        joint = power[0] + power[1][:, higher[:, None], higher]
+        row, column = np.divmod(joint.reshape(len(joint), -1).argmax(axis=1), size)
+        down[some], right[some] = TAU * whole[row] / size, TAU * whole[column] / size
+    return down, right
+
+
 @njit(cache=True, nogil=True)
-def _fit_all(field, label, blocks, starts, surfaces, bounds):  # pragma: no cover - compiled
-    """Columns of `Surfaces` (N, 23), from blocks sorted by surface and where each begins."""
-    out = np.zeros((len(surfaces), 23))
-    out[:, :6] = surfaces
-    for n in range(len(surfaces)):
-        own = blocks[starts[n] : starts[n + 1]]
-        if len(own) == 0:
+def plane_in_window(field, label, window, limits, information):  # pragma: no cover - compiled
+    """The likeliest plane of a window, out of all aliases of its slope, and its S."""
+    top, left, side, down, right = window
+    wavenumber = field[3]
+    wrap = 2 * np.pi / wavenumber[0]
+    beats, angle = _beats(field, top, left, side, down, right, information)
+    size = np.abs(beats)
+    best, plane = -1.0, np.zeros(fitting.BENT)
+    synthetic = wavenumber[1] - np.rint(wavenumber[1] / wavenumber[0]) * wavenumber[0]
+    for _ in range(_CANDIDATES):
+        at = np.argmax(size)
+        a, b = at // size.shape[1], at % size.shape[1]
+        size[a, b] = -1
+        slopes = (down + 2 * np.pi * (a - _ALIASES), right + 2 * np.pi * (b - _ALIASES))
+        if max(abs(slopes[0]), abs(slopes[1])) > 2 * np.pi * _STEEPEST:
             continue
-        q, sums, rows, missed = fitting.select(field, label, n, surfaces[n], own, bounds[2])
-        z = np.mean(rows[:, 8])
-        # before the camera and not far beyond the limits
-        if _NEAREST * bounds[1] < z < _BEYOND * bounds[1]:
-            out[n, :6] = q
-            _describe(field, q, sums, rows, out[n])
-            out[n, 9] = missed
-    return out
+        period = 2 * np.pi / abs(synthetic)
+        z = limits[0] + (np.angle(beats[a, b]) / synthetic - limits[0]) % period
+        if z > limits[1]:
+            z = limits[1] if z - limits[1] < limits[0] - (z - period) else limits[0]
+        z = angle / wavenumber[0] + wrap * np.rint((z - angle / wavenumber[0]) / wrap)
+        z = max(z, wrap)
+        q = _plane(field, top + side // 2, left + side // 2, z, slopes[0], slopes[1])
+        q, likelihood, whole = _climbed(field, label, q, top, left, side)
+        if whole and likelihood > best:
+            best, plane = likelihood, q
+    return plane, best
 
 
 @njit(cache=True, nogil=True)
-def _describe(field, q, sums, rows, out):  # pragma: no cover - compiled
-    """Fill in the columns of `Surfaces` that follow from the sums of a fit."""
-    flat = q[3] == 0 and q[4] == 0 and q[5] == 0
-    offset, known = fitting.offset_of(sums, fitting.PLANE if flat else fitting.BENT)
-    stiff = fitting.expected(sums) * (field[3][0] ** 2 + field[3][1] ** 2) / 2
-    out[6] = min(fitting.roughness(sums), _ROUGHEST)
-    out[7] = offset
-    out[8] = known
-    out[10] = np.sqrt(known / max(stiff, 1e-9))
-    if flat:
-        out[11:] = fitting.leaning(field, rows, q).ravel()
+def _beats(field, top, left, side, down, right, information):  # pragma: no cover - compiled
+    """Beat summed over the blocks for each alias (A, A), and the lower phase at the centre."""
+    count = 8 if side >= 32 and information > 4 * _LEAST else 4
+    sums = _blocks(field, top, left, side, count, down, right)
+    wavenumber = field[3]
+    multiple = np.rint(wavenumber[1] / wavenumber[0])
+    excess = (wavenumber[1] / wavenumber[0] - multiple) * 2 * np.pi  # a turn's mark on the higher
+    aliases = 2 * _ALIASES + 1
+    out = np.zeros((aliases, aliases), np.complex128)
+    block = side // count
+    for i in range(count):
+        for j in range(count):
+            low = sums[0, i, j]
+            unit = low / max(abs(low), 1e-9)
+            beat = sums[1, i, j] * np.conj(unit**multiple)
+            y = (i + 0.5) * block - 0.5 - side // 2
+            x = (j + 0.5) * block - 0.5 - side // 2
+            for a in range(aliases):
+                for b in range(aliases):
+                    turn = excess * ((a - _ALIASES) * y + (b - _ALIASES) * x)
+                    out[a, b] += beat * np.exp(-1j * turn)
+    half = count // 2
+    return out, np.angle(np.sum(sums[0, half - 1 : half + 1, half - 1 : half + 1]))
 
 
 @njit(cache=True, nogil=True)
-def _blocks_of_cells(state):  # pragma: no cover - compiled
-    """Rectangles (N, 4) of the cells of a region."""
-    cells = np.argwhere(state == 1)
-    blocks = np.empty((len(cells), 4), np.int64)
-    for n in range(len(cells)):
-        blocks[n, 0] = CELL * cells[n, 0]
-        blocks[n, 1] = CELL * cells[n, 0] + CELL
-        blocks[n, 2] = CELL * cells[n, 1]
-        blocks[n, 3] = CELL * cells[n, 1] + CELL
-    return blocks
+def _blocks(field, top, left, side, count, down, right):  # pragma: no cover - compiled
+    """Sums of both phasors over count x count blocks, turned back by a slope."""
+    real, imaginary, _, wavenumber = field[:4]
+    block = side // count
+    sums = np.zeros((2, count, count), np.complex128)
+    for f in range(2):
+        ratio = wavenumber[f] / wavenumber[0]
+        across = np.exp(-1j * ratio * right * (np.arange(side) - side // 2))
+        for i in range(count):
+            for y in range(i * block, i * block + block):
+                turn = np.exp(-1j * ratio * down * (y - side // 2))
+                for j in range(count):
+                    part = 0j
+                    for x in range(j * block, j * block + block):
+                        p = complex(real[f, top + y, left + x], imaginary[f, top + y, left + x])
+                        part += p * across[x]
+                    sums[f, i, j] += part * turn
+    return sums
+
+
+@njit(cache=True, nogil=True)
+def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
+    """The plane through a depth at a pixel with slopes, rad/px, of the lower phase."""
+    u, v, cosine = field[5], field[6], field[7]
+    fall = 1 / (field[3][0] * z * z)  # of 1 / z per radian
+    here = 1 / z / cosine[row, column]
+    below = (1 / z - fall * down) / cosine[row + 1, column]
+    beside = (1 / z - fall * right) / cosine[row, column + 1]
+    q = np.zeros(fitting.BENT)
+    q[0] = (beside - here) / (u[column + 1] - u[column])
+    q[1] = (below - here) / (v[row + 1] - v[row])
+    q[2] = here - q[0] * u[column] - q[1] * v[row]
+    return q
+
+
+@njit(cache=True, nogil=True)
+def _climbed(field, label, q, top, left, side):  # pragma: no cover - compiled
+    """Fit a plane to the middle of a window first, then on outwards, for steep phases bend."""
+    core = 6
+    while True:
+        core = min(core, side)
+        y, x = top + (side - core) // 2, left + (side - core) // 2
+        box = np.array([[y, y + core, x, x + core]])
+        area = field[2][0, y : y + core, x : x + core]
+        if core == side or np.sum(area) > 100:
+            work = (fitting.PLANE, 2 if core < side else 3, np.int64(0))
+            fit = fitting.refine(field, label, fitting.EVERY, q, box, *work)
+            q = fit[0]
+            if core == side or fit[1] < 0.4 * fit[2]:
+                return q, fit[1], core == side
+        core = int(core * 1.5)

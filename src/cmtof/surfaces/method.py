@@ -1,32 +1,27 @@
 """Unwrapping by surfaces in true geometry, each pooled over all of its pixels.
 
 1. `cmtof.surfaces.field`: the phasors of each pixel, weighted so that likelihoods add up.
-2. `cmtof.surfaces.windows`, `growing`: planes begin in windows, take the cells that they explain,
-   and bend.
-3. `cmtof.surfaces.labels`, `beats`, `offsets`, `ties`: pixels take surfaces; beat, shape and what
-   meets give their wraps.
-4. Here and in `cmtof.surfaces.votes`: other pixels take the nearest one, the beat about them, or
-   the vote of neighbours.
+2. `cmtof.surfaces.growing`: planes begin in windows, take the cells that they explain, and bend.
+3. `cmtof.surfaces.placing`: pixels take surfaces; beat, shape and what meets give their wraps.
+4. Here: other pixels take the nearest one, the beat about them, or the vote of neighbours.
 """
 
 from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, median
+from scipy.ndimage import distance_transform_edt, median, uniform_filter
 from scipy.special import ndtr
 
 from cmtof.classical.beat import beat, synthetic_frequency
 from cmtof.classical.region import nearest
+from cmtof.compiled import njit
+from cmtof.correlation import TAU
 from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
-from cmtof.surfaces.beats import cells_of_surfaces, cut_where_beats_step, uneven_phase
+from cmtof.surfaces import placing
 from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask, field_from_measurement
-from cmtof.surfaces.growing import GAIN, Surfaces, fitted, grown_surfaces
-from cmtof.surfaces.labels import depth_of_labels, interiors, pixel_labels
-from cmtof.surfaces.offsets import Offsets, aligned, offsets, unevenness
-from cmtof.surfaces.ties import Borders, Ties, borders, tied
-from cmtof.surfaces.votes import DOUBT, doubt_of_beats, voted
+from cmtof.surfaces.growing import GAIN, fitted, grown_surfaces
 
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 
@@ -35,14 +30,22 @@ CALIBRATION = (  # odds of an offset by its Gaussian, and the share that was rig
     (0.0, 0.1, 0.25, 0.35, 0.5, 0.6, 0.75, 0.9, 0.99, 1.0),
     (0.08, 0.08, 0.14, 0.16, 0.4, 0.445, 0.67, 0.83, 0.905, 0.955),
 )
-FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))  # share of S about a pixel, and a factor
+FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))  # S / E about a pixel, and a factor
 # px off the nearest surface, and a factor; farther off the beat counts, hardly ever right
 BESIDE = ((1.0, 2.0, REACH, REACH + 0.1), (0.36, 0.2, 0.1, 0.03))
 NARROW = 0.5  # share of the doubt that goes with fewer than 100 wraps to choose from
 # share of the winner of a vote, and how often it was right
 VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
 
-_EVEN = 0.02  # roughness of a surface, rad^2, that leaks alone give it
+_STEPS, _CELLS = np.int64(6), np.int64(400)  # of the last fit; cells of a surface it looks at
+DOUBT = 4.0  # deviation, wraps, of a single pixel's beat up to which it may vote and be voted on
+_RADIUS = 5  # of the neighbourhood of a vote, px; its Gaussian has half of that
+_KERNEL = 0.25  # distance, wraps, within which two depths mean the same
+_CAP = 4.0  # largest cost of a neighbour that disagrees, as a log-likelihood
+_ASTRAY = 0.3  # distance, rad, of a phase from its surface's beyond which the pixel lies off it
+_SQUARE, _MOST = 5, 0.7  # side, px, of a square and the share of it that has to lie on surfaces
+_ENOUGH = 3.0  # votes that decide; a pixel alone has one
+_FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvote it
 
 
 class Stages(NamedTuple):
@@ -52,22 +55,11 @@ class Stages(NamedTuple):
     owner: Labels  # surface of each cell, -1 for none
     label: Labels  # surface of each pixel, -1 for none
     surfaces: Array  # parameters (N, 6) before any offset is added
-    offsets: Offsets
-    borders: Borders
-    tied: Ties
+    offsets: placing.Offsets
+    borders: placing.Borders
+    tied: placing.Tied
     depth: Array  # of all pixels, m
     confidence: Array
-    component: Labels  # pixels that share one offset, from 1 on; 0 for those of none
-
-
-class _Shapes(NamedTuple):
-    """Surfaces and the pixels (H, W) that lie on them."""
-
-    owner: Labels
-    label: Labels
-    share: Array  # of the S expected about each pixel
-    inner: Labels  # the labels without borders
-    surfaces: Surfaces
 
 
 def surfaces(measurement: Measurement, *, without: Collection[str] = ()) -> Estimate:
@@ -76,17 +68,9 @@ def surfaces(measurement: Measurement, *, without: Collection[str] = ()) -> Esti
     Steps named in ``without`` are left out, as in `stages`.
     """
     found = stages(measurement, without)
-    inside = tuple(slice(0, n) for n in measurement.shape)
-    depth = within_range(found.depth[inside], measurement)
-    confidence = np.where(measurement.mask, found.confidence[inside], 0)
-    return Estimate(depth, confidence, found.component[inside], _doubts(found))
-
-
-def _doubts(found: Stages) -> Array:
-    """Probability that the offset of each component is wrong: of its surest surface."""
-    groups = np.unique(found.tied.group)
-    sure = np.interp(_odds(found.tied), *CALIBRATION)
-    return 1 - np.array([sure[found.tied.group == one].max() for one in groups])
+    height, width = measurement.shape
+    depth = within_range(found.depth[:height, :width], measurement)
+    return Estimate(depth, np.where(measurement.mask, found.confidence[:height, :width], 0))
 
 
 def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
@@ -98,129 +82,134 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
-    shapes = _shapes(field, without)
-    # without a camera one is assumed, and shapes tell nothing
-    assumed = {"shape"} if measurement.camera is None else set()
-    alone = _offsets(field, shapes, assumed.union(without))
-    touching = borders(field, shapes.label, shapes.surfaces.parameters)
-    joined = tied(alone, touching._replace(odds=touching.odds * ("ties" not in without)))
-    joined, depth = _placed(field, shapes, joined, measurement)
-    explained = shapes.label >= 0
+    gain = np.inf if "bent" in without else GAIN
+    owner, surfaces = grown_surfaces(field, gain=gain)
+    label, share = placing.pixel_labels(field, owner, surfaces)
+    inner = placing.interiors(label, share)
+    main, cut = placing.parted(field, inner, surfaces)
+    if "parts" not in without and len(cut) > len(surfaces):
+        old, owner = owner, np.where(main < len(surfaces), owner, main)
+        both = np.isin(owner, [old[owner != old], owner[owner != old]])  # of what was cut
+        cells = np.kron(np.where(both, owner, -1), np.ones((CELL, CELL), int))
+        surfaces = fitted(field, cells, cut, (_STEPS, _CELLS), gain)[0]
+        label, share = placing.pixel_labels(field, owner, surfaces)
+        inner = placing.interiors(label, share)
+    surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
+    shape = "shape" not in without and measurement.camera is not None  # else it is assumed
+    alone = placing.offsets(field, inner, surfaces, fit, shape=shape, closed="closure" in without)
+    if shape and "axes" not in without and len(surfaces):
+        alone = placing.aligned(alone, surfaces, fit, label)
+    touching = placing.borders(field, label, surfaces)
+    joined = placing.tied(alone, touching._replace(odds=touching.odds * ("ties" not in without)))
+    inside, explained = tuple(slice(0, n) for n in measurement.shape), label >= 0
+    everywhere = label[nearest(explained)]
+    depth = placing.depth_of_labels(field, everywhere, surfaces)
+    if len(surfaces):
+        masked = np.where(measurement.mask, label[inside], -1)
+        joined = _inside(joined, depth[inside], masked, field)
+        depth = depth + field.period * joined.wraps[everywhere]
+    # probability that the offset of a group, a Gaussian, was rounded to the right wrap
+    off, spread = joined.mean - joined.wraps, joined.spread
+    right = ndtr((0.5 - off) / spread) - ndtr((-0.5 - off) / spread)
+    odds = right[everywhere] if len(surfaces) else np.zeros(label.shape)
     distance = np.where(explained.any(), distance_transform_edt(~explained), np.inf)
-    depth = _filled(depth, (distance > REACH) & ("fill" not in without), measurement)
+    lost = ~np.isfinite(depth) | ((distance > REACH) & ("fill" not in without))
+    if lost.any():
+        depth[inside] = np.where(lost[inside], beat(measurement).depth, depth[inside])
     elected, votes = voted(field, depth, explained, alone.closure)
     depth = np.where(votes > 0, elected, depth)
-    sure = _confidence(field, joined, shapes, distance, votes)
-    component = np.where(votes > 0, 0, _components(joined, shapes.label))
-    found = shapes.owner, shapes.label, shapes.surfaces.parameters
-    return Stages(field, *found, alone, touching, joined, depth, sure, component)
+    fits = np.where(explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE))
+    odds = np.interp(odds, *CALIBRATION) * fits
+    odds += NARROW * odds * (1 - odds) * (np.ptp(field.limits) < 100 * field.period)
+    odds = np.where(votes > 0, np.interp(votes, *VOTING), odds)
+    return Stages(field, owner, label, surfaces, alone, touching, joined, depth, odds)
 
 
-def _components(joined: Ties, label: Labels) -> Labels:
-    """Number (H, W) of the group to which the surface of each pixel is tied, from 1 on."""
-    number = 1 + np.unique(joined.group, return_inverse=True)[1]
-    return np.append(number, 0)[label]
-
-
-def _placed(
-    field: Field, shapes: _Shapes, joined: Ties, measurement: Measurement
-) -> tuple[Ties, Array]:
-    """Ties within the limits, and depth (H, W), m, of every pixel on its nearest surface."""
-    everywhere = shapes.label[nearest(shapes.label >= 0)]
-    depth = depth_of_labels(field, everywhere, shapes.surfaces.parameters)
-    if not joined.wraps.size:
-        return joined, depth
-    inside = tuple(slice(0, n) for n in measurement.shape)
-    masked = np.where(measurement.mask, shapes.label[inside], -1)
-    joined = _inside(joined, depth[inside], masked, field)
-    # clear pixels that depart from their surface vote instead
-    variance = np.where(doubt_of_beats(field) < DOUBT, 0, _variance(shapes))
-    departure = uneven_phase(field, depth, variance) / field.wavenumber[0]
-    return joined, depth + field.period * joined.wraps[everywhere] + departure
-
-
-def _filled(depth: Array, far: Mask, measurement: Measurement) -> Array:
-    """The depth with that of the beat far off all surfaces, and where there is none."""
-    lost = ~np.isfinite(depth) | far
-    if not lost.any():
-        return depth
-    inside = tuple(slice(0, n) for n in measurement.shape)
-    out = depth.copy()
-    out[inside] = np.where(lost[inside], beat(measurement).depth, depth[inside])
-    return out
-
-
-def _variance(shapes: _Shapes) -> Array:
-    """Variance (H, W), rad^2, of each pixel about its surface, beyond that of even ones."""
-    return np.append(np.maximum(shapes.surfaces.roughness - _EVEN, 0), 0.0)[shapes.label]
-
-
-def _shapes(field: Field, without: Collection[str]) -> _Shapes:
-    """Surfaces grown, cut where their beat steps, and fitted to the pixels inside of them."""
-    gain = np.inf if "bent" in without else GAIN
-    owner, grown = grown_surfaces(field, gain=gain)
-    label, share = pixel_labels(field, owner, grown)
-    inner = interiors(label, share)
-    cells = cells_of_surfaces(field, inner, grown)
-    main, cut = cut_where_beats_step(field, cells, grown.parameters)
-    if "parts" not in without and len(cut) > len(grown.parameters):
-        old = owner
-        owner = np.where(main < len(grown.parameters), owner, main)
-        both = np.isin(owner, [old[owner != old], owner[owner != old]])  # of what was cut
-        whole = np.kron(np.where(both, owner, -1), np.ones((CELL, CELL), int))
-        grown = fitted(field, whole, cut, gain)
-        label, share = pixel_labels(field, owner, grown)
-        inner = interiors(label, share)
-    final = fitted(field, inner, grown.parameters, gain)
-    return _Shapes(owner, label, share, inner, final)
-
-
-def _offsets(field: Field, shapes: _Shapes, without: Collection[str]) -> Offsets:
-    """Offset of each surface by itself."""
-    found = shapes.surfaces
-    cells = cells_of_surfaces(field, shapes.inner, found)
-    uneven = unevenness(field, cells, len(found.offset))
-    shape = "shape" not in without
-    alone = offsets(field, cells, found, uneven, shape=shape, closed="closure" in without)
-    if shape and "axes" not in without and len(found.offset):
-        alone = aligned(alone, found, uneven, shapes.label)
-    return alone
-
-
-def _inside(joined: Ties, depth: Array, label: Labels, field: Field) -> Ties:
+def _inside(joined: placing.Tied, depth: Array, label: Labels, field: Field) -> placing.Tied:
     """Move groups by whole beats, then by wraps, until their median lies within the limits."""
     known = label >= 0
     if not known.any():  # all surfaces lie outside the mask
         return joined
-    group = joined.group[label[known]]
-    every = np.arange(joined.wraps.size)
+    group, every = joined.group[label[known]], np.arange(joined.wraps.size)
     middle = median(depth[known] / field.period + joined.wraps[label[known]], group, every)
     low, high = np.array(field.limits) / field.period
     middle = np.where(np.isin(every, group), middle, low)
     repeat = 1 / abs(field.excess)  # wraps
     beats = np.ceil((low - middle) / repeat)
     beats = np.where(middle + beats * repeat < high, beats, 0)
-    middle = middle + beats * repeat
-    lacking = joined.mean + (beats * repeat)[joined.group]
+    middle, lacking = middle + beats * repeat, joined.mean + (beats * repeat)[joined.group]
     wraps = np.where(beats[joined.group] != 0, np.rint(lacking), joined.wraps)
     extra = np.ceil(np.maximum(low - middle, 0)) - np.ceil(np.maximum(middle - high, 0))
     return joined._replace(mean=lacking, wraps=wraps + extra[joined.group])
 
 
-def _odds(joined: Ties) -> Array:
-    """Probability (N,) that the offset of a group, a Gaussian, was rounded to the right wrap."""
-    off = joined.mean - joined.wraps
-    return ndtr((0.5 - off) / joined.spread) - ndtr((-0.5 - off) / joined.spread)
+def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[Array, Array]:
+    """Depth (H, W), m, by votes of and for clear pixels that no surface explains, and their share.
+
+    A neighbour costs its distance and its beat's misfit, squared over their variances, up to a cap,
+    or where ``explained`` by a surface of that ``depth``, not contradicting it, the first alone.
+    """
+    out, share = np.full(depth.shape, np.nan), np.zeros(depth.shape)
+    ratio = float(field.wavenumber[1] / field.wavenumber[0])
+    step = TAU * abs(field.excess)  # of the misfit from wrap to wrap, rad
+    phasor = field.real + 1j * field.imaginary
+    with np.errstate(divide="ignore"):
+        variance = 1 / np.maximum(field.information, 0).astype(float)
+    doubt = np.sqrt(variance[1] + ratio**2 * variance[0]) / step
+    clear = doubt < DOUBT
+    # pixels among those whose phases are not those of their surface vote again
+    turned = phasor * np.exp(-1j * field.wavenumber[:, None, None] * depth)
+    fits = explained & (np.abs(np.angle(turned)).max(axis=0) < _ASTRAY)
+    explained = explained & (~clear | (uniform_filter(fits.astype(float), _SQUARE) >= _MOST))
+    asked = ~explained & clear
+    if asked.any():
+        turns = np.arctan2(field.imaginary, field.real).astype(float) / TAU
+        turns[1] -= field.excess * closure
+        # a quarter of it at least: without noise all other wraps would be ruled out
+        spread = np.maximum(np.where(np.isfinite(doubt), doubt, 1.0), 0.25) * step
+        place = np.where(explained, depth / field.period, np.nan)
+        limits = np.array(field.limits) / field.period
+        near = np.exp(-((np.arange(-_RADIUS, _RADIUS + 1) / (_RADIUS / 2)) ** 2) / 2)
+        images = np.mod(turns[0], 1), turns[1], TAU**2 / (2 * spread**2), place
+        farthest = _FARTHEST * step / TAU
+        _vote(asked, *images, ratio, farthest, limits, np.outer(near, near), out, share)
+    return out * field.period, share
 
 
-def _confidence(
-    field: Field, joined: Ties, shapes: _Shapes, distance: Array, votes: Array
-) -> Array:
-    """Calibrated probability (H, W) that the wrap of each pixel is right."""
-    everywhere = shapes.label[nearest(shapes.label >= 0)]
-    odds = np.append(_odds(joined), 0.0)[everywhere]
-    beside = np.interp(distance, *BESIDE)
-    fits = np.where(distance == 0, np.interp(shapes.share, *FITTING), beside)
-    odds = np.interp(odds, *CALIBRATION) * fits
-    odds += NARROW * odds * (1 - odds) * (np.ptp(field.limits) < 100 * field.period)
-    return np.where(votes > 0, np.interp(votes, *VOTING), odds)
+@njit(cache=True, nogil=True)
+def _vote(asked, low, high, sharp, place, ratio, far, limits, near, out, share):  # pragma: no cover
+    height, width = asked.shape
+    scale = 1 / (2 * _KERNEL**2)
+    votes, depths = np.empty(4 * _FARTHEST), np.empty(4 * _FARTHEST)
+    for y in range(height):
+        for x in range(width):
+            if not asked[y, x]:
+                continue
+            first = int(np.ceil(limits[0] - low[y, x]))
+            last = int(np.ceil(limits[1] - low[y, x]))
+            count = 0
+            for n in range(first, last):
+                left = high[y, x] - ratio * (low[y, x] + n)
+                if abs(left - np.rint(left)) > far or count == votes.size:
+                    continue
+                z, told = low[y, x] + n, 0.0
+                for v in range(max(0, y - _RADIUS), min(height, y + _RADIUS + 1)):
+                    for u in range(max(0, x - _RADIUS), min(width, x + _RADIUS + 1)):
+                        if np.isfinite(place[v, u]):
+                            away = place[v, u] - z
+                            cost = scale * away * away
+                        elif asked[v, u]:
+                            m = np.rint(z - low[v, u])
+                            away = low[v, u] + m - z
+                            left = high[v, u] - ratio * (low[v, u] + m)
+                            left -= np.rint(left)
+                            cost = scale * away * away + sharp[v, u] * left * left
+                        else:
+                            continue
+                        told += near[v - y + _RADIUS, u - x + _RADIUS] * max(_CAP - cost, 0.0)
+                votes[count], depths[count] = told, z
+                count += 1
+            best = int(np.argmax(votes[:count])) if count > 0 else 0
+            if count > 0 and votes[best] > _ENOUGH * _CAP:
+                out[y, x] = depths[best]
+                share[y, x] = 1 / np.sum(np.exp(votes[:count] - votes[best]))

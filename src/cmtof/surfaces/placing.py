@@ -1,0 +1,356 @@
+"""From surfaces to depths: which one each pixel lies on, and how many whole wraps it is off.
+
+The pooled higher phase lags behind the lower one by ``2 pi m (k_2 / k_1 - 2)`` after m wraps: the
+beat. A plane moved along the rays is bent, the more so the wider it is: the shape. Along a border
+two surfaces either meet, with the same depth but for whole wraps, or one hides the other, and their
+difference takes any value.
+"""
+
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
+
+from cmtof.compiled import njit
+from cmtof.correlation import TAU
+from cmtof.surfaces.field import CELL, Array, Field, Labels
+from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood
+from cmtof.surfaces.growing import around
+
+RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
+EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on none of them
+_INSIDE, _CERTAIN = 4, 0.6  # fits use pixels without another surface this near, and this S / E
+_OPEN, _CLOSING = 2.5, 20  # deviations above which a common offset of beats counts; iterations
+_SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
+_FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
+_BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
+_CUT, _EDGE = 20.0, 0.12  # least gain, as a log-likelihood, of a part, also per cell of its border
+_PART, _APART, _CUTS = 6, 0.7, 3  # least size, cells, and distance, wraps, of a part; rounds
+_PLUMB, _UPRIGHT = 5e-4, 5.0  # deviation, rad, of what is upright; least likelihood, 1 / rad
+_CLEAR, _SHARP = 1e-2, 1.5e-3  # uncertainty, rad, of normals that vote, and of those elected
+_FARTHEST = 10.0  # offset, wraps, up to which a plane turns in proportion
+_ENOUGH = 60.0  # information from which on a cell is turned back by its own phasors alone
+
+_LEAST, _LONG = 8, 24  # border, px, below which nothing follows from it; with full odds
+# Tolerance, wraps, of a pixel's difference, and per wrap of slope; the same of the median.
+_TOLERANCE = (0.25, 1.5, 0.1, 0.3)
+# Odds that surfaces meet, by the share of their border that differs by the same whole wraps.
+_SUPPORT = ((0.95, 2.0), (0.85, 0.7), (0.6, 0.2), (0.0, 0.02))
+_JUMP = 40.0  # wraps over which the depths of surfaces that do not meet are spread
+_MEET, _LOOSE = 0.3, 0.05  # odds from which on two surfaces are tied; variance, wraps^2, of a tie
+
+
+class Offsets(NamedTuple):
+    """Offset of each surface (N,), wraps to add, and its standard deviation."""
+
+    mean: Array
+    spread: Array
+    closure: float = 0.0  # common offset of all beats, wraps, that was subtracted
+
+
+class Borders(NamedTuple):
+    """Pairs of surfaces with a common border, one entry (B,) each."""
+
+    first: Labels
+    second: Labels
+    step: Array  # whole wraps by which the first lies behind along most of it
+    odds: Array  # that both meet there, before their offsets are known
+
+
+class Tied(NamedTuple):
+    """Surfaces after the ties, one entry (N,) each."""
+
+    wraps: Array  # whole, to add
+    group: Labels
+    mean: Array  # offset of the group before rounding, wraps
+    spread: Array  # standard deviation of that
+
+
+def pixel_labels(field: Field, owner: Labels, surfaces: Array) -> tuple[Labels, Array]:
+    """Likeliest surface (H, W), -1 for none, of a square about each pixel, and its share S / E."""
+    side = 2 * RADIUS + 1
+    both = field.information.sum(axis=0, dtype=float)
+    told = side**2 * uniform_filter(both, side, mode="constant")
+    label, best = np.full(both.shape, -1, np.int32), np.full(both.shape, -np.inf)
+    _label(field.arrays(), owner, surfaces, label, best)
+    share = np.where(label < 0, 0, best / np.maximum(told, 1e-9)).astype(np.float32)
+    return np.where(share > EXPLAINED, label, -1).astype(np.int32), share
+
+
+def interiors(label: Labels, share: Array) -> Labels:
+    """The labels without the borders of surfaces, unless little else would be left of one."""
+    side = 2 * _INSIDE + 1
+    inner = (minimum_filter(label, side) == maximum_filter(label, side)) & (share > _CERTAIN)
+    known = label >= 0
+    count = int(label.max()) + 1
+    whole, left = (np.bincount(label[known & of], minlength=count) for of in (True, inner))
+    thin = np.append(left < whole / 4, False)
+    return np.where(inner | thin[label], label, -1).astype(np.int32)
+
+
+def depth_of_labels(field: Field, label: Labels, surfaces: Array) -> Array:
+    """Depth (H, W), m, of each pixel on its surface; NaN without one."""
+    out = np.full(label.shape, np.nan)
+    y, x = np.nonzero(label >= 0)
+    out[y, x] = _depth(field, surfaces, label[y, x], y, x)
+    return out
+
+
+def _depth(field: Field, surfaces: Array, which: Labels, y: Labels, x: Labels) -> Array:
+    """Depth (P,), m, of surfaces by their number (P,) at pixels (P,)."""
+    q, u, v = surfaces[which].T, field.u[x], field.v[y]
+    inverse = q[0] * u + q[1] * v + q[2] + q[3] * u * u + q[4] * u * v + q[5] * v * v
+    return 1 / np.maximum(field.cosine[y, x] * inverse, FARTHEST)
+
+
+@njit(cache=True, nogil=True)
+def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
+    """Sum S of every surface about a cell over squares about its pixels; keep the largest."""
+    height, width = label.shape
+    side = 2 * RADIUS + 1
+    patch = np.zeros((CELL + 2 * RADIUS, CELL + 2 * RADIUS))
+    for cell in range(owner.size):
+        row, column = cell // owner.shape[1], cell % owner.shape[1]
+        top, left = row * CELL - RADIUS, column * CELL - RADIUS
+        for n in around(owner, row, column):
+            patch[:] = 0.0
+            for y in range(max(top, 0), min(top + patch.shape[0], height)):
+                for x in range(max(left, 0), min(left + patch.shape[1], width)):
+                    patch[y - top, x - left] = pixel_likelihood(field, surfaces[n], y, x)
+            for y in range(CELL):
+                for x in range(CELL):
+                    total = 0.0
+                    for a in range(side):
+                        for b in range(side):
+                            total += patch[y + a, x + b]
+                    at = (row * CELL + y, column * CELL + x)
+                    if total > best[at]:
+                        best[at], label[at] = total, n
+
+
+def offsets(
+    field: Field, inner: Labels, surfaces: Array, fit: Array, *, shape=True, closed=False
+) -> Offsets:
+    """Offset of each surface, from its shape as far as a plane misses it little, and its beat.
+
+    An offset between the frequencies moves all beats and no shape. It is the mean excess of beats
+    over shapes of planes, with Student's weights, and zero if ``closed`` or not significant.
+    """
+    beat, noise, coherence = pooled_beats(field, inner, surfaces)
+    doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
+    by_beat = 1 / (noise**2 + doubt**2)
+    known, missed, bend = (np.maximum(fit[:, i], 1e-12) for i in (1, 2, 3))
+    variance = 1 / known + (np.maximum(missed, _SMOOTH) / bend) ** 2 + _FLOOR[0] ** 2
+    by_shape = np.where((fit[:, 1] > 0) & shape, 1 / variance, 0)
+    flat = ~surfaces[:, 3:].any(axis=1)  # what is bent may have been bent by a wrap
+    off, both = 0.0, flat * by_beat * by_shape / (by_beat + by_shape)
+    for _ in range(0 if closed else _CLOSING):
+        weight = both / (1 + both * (beat - fit[:, 0] - off) ** 2 / 2)
+        off = float(weight @ (beat - fit[:, 0]) / max(weight.sum(), 1e-12))
+    off = 0.0 if closed or abs(off) < _OPEN / np.sqrt(weight.sum() + 1e-12) else off
+    mean = (fit[:, 0] * by_shape + (beat - off) * by_beat) / (by_shape + by_beat)
+    return Offsets(mean, 1 / np.sqrt(by_shape + by_beat), off)
+
+
+def aligned(found: Offsets, surfaces: Array, fit: Array, label: Labels) -> Offsets:
+    """Offsets of planes, made sharper where these stand upright to the axes of a room.
+
+    Moved by m wraps, a plane of normal n turns to n + m dn: a right angle to an axis a gives m.
+    The first axis is the normal to which most are parallel or upright, the second upright to it.
+    """
+    length = np.linalg.norm(surfaces[:, :3], axis=1)[:, None]
+    normal, shift = surfaces[:, :3] / length, fit[:, 4:7]
+    turn = (shift - normal * np.sum(normal * shift, axis=1, keepdims=True)) / length
+    noise = fit[:, 7:].reshape(-1, 3, 3) / length[:, :, None] ** 2
+    plane, mean, variance = shift.any(axis=1), found.mean, found.spread**2
+    now = normal + mean[:, None] * turn
+    now /= np.linalg.norm(now, axis=1, keepdims=True)
+    trace = np.trace(noise, axis1=1, axis2=2) + variance * np.sum(turn**2, axis=1)
+    width, size = np.sqrt(trace + _PLUMB**2), np.bincount(label[label >= 0], minlength=mean.size)
+    clear = plane & (width < _CLEAR)
+    cosine, apart = np.abs(now @ now.T), 3 * np.hypot(width, width[:, None])
+    square = cosine < apart
+    votes = (square | (1 - cosine**2 < apart**2)) @ np.where(clear, size, 0) - size
+    votes = np.where(clear, votes / (1 + (width / _SHARP) ** 2), 0)
+    one = int(np.argmax(votes))
+    other = int(np.argmax(votes * square[one]))
+    if not votes[other] * square[one, other]:
+        return found
+    second = now[other] - now[one] * (now[other] @ now[one])
+    second /= np.linalg.norm(second)
+    for axis in (now[one], second, np.cross(now[one], second)):
+        slope, off = turn @ axis, (normal + mean[:, None] * turn) @ axis
+        total = noise @ axis @ axis + _PLUMB**2 + slope**2 * variance
+        likely = np.exp(-(off**2) / total / 2) / np.sqrt(TAU * total)
+        use = plane & (likely > _UPRIGHT) & (np.abs(mean) < _FARTHEST)
+        gain = np.where(use, slope * variance / total, 0)
+        left = np.maximum(variance * (1 - gain * slope), np.minimum(variance, _FLOOR[0] ** 2))
+        mean, variance = mean - gain * off, left
+    return found._replace(mean=mean, spread=np.sqrt(variance))
+
+
+def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, Array, Array]:
+    """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on."""
+    count, multiple = len(surfaces), field.multiple
+    main, turned, told = cell_phasors(field, inner, surfaces)
+    parts = [turned.real, turned.imag, told]
+    real, imaginary, most = ([_summed(main, f, count)[:count] for f in one] for one in parts)
+    total, most = np.array(real) + 1j * np.array(imaginary), np.maximum(most, 1e-9)
+    length = np.maximum(np.abs(total), 1e-9)
+    wrap = TAU * field.excess
+    beat = np.angle(total[1] * np.conj(total[0] / length[0]) ** multiple) / wrap
+    variance = most / length**2
+    noise = np.sqrt(variance[1] + multiple**2 * variance[0]) / abs(wrap)
+    return beat, noise, (length / most).min(axis=0)
+
+
+def cell_phasors(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array, Array]:
+    """Surface in the middle of each cell (h, w), phasors (2, h, w) turned back, and their E."""
+    shape = tuple(n // CELL for n in inner.shape)
+    main = inner[CELL // 2 :: CELL, CELL // 2 :: CELL].astype(int)
+    chosen = (np.kron(main, np.ones((CELL, CELL), int)) == inner) & (inner >= 0)
+    depth = np.nan_to_num(depth_of_labels(field, inner, surfaces))
+    back = np.exp(-1j * field.wavenumber[:, None, None] * depth)
+    phasors = (field.real + 1j * field.imaginary) * back
+    blocks = (2, shape[0], CELL, shape[1], CELL)
+    sums = np.where(chosen, phasors, 0).reshape(blocks).sum(axis=(2, 4))
+    told = np.where(chosen, field.information, 0).astype(float).reshape(blocks).sum(axis=(2, 4))
+    near, reached = sums.copy(), told.sum(axis=0)  # six functions miss what these turn back
+    for radius in (1, 2, 4):
+        weak = reached < _ENOUGH
+        wider = _same(np.concatenate([sums, told]), main, radius)
+        near = np.where(weak, wider[:2], near)
+        reached = np.where(weak, np.real(wider[2:]).sum(axis=0), reached)
+    multiple = field.multiple
+    low = np.angle(near[0])
+    high = np.angle(near[1] * np.exp(-1j * multiple * low))
+    size = np.abs(near)
+    residual = low + size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
+    return main, sums * np.exp(-1j * np.array([1, multiple])[:, None, None] * residual), told
+
+
+def parted(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array]:
+    """Surface of most pixels in each cell, and surfaces (N, 6), those cut whose beat steps.
+
+    Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
+    that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
+    """
+    main, turned, told = cell_phasors(field, inner, surfaces)
+    wrap, ratio = TAU * field.excess, field.multiple
+    low, high = turned.imag / np.maximum(told, 1e-6)
+    lag = (high - ratio * low) / wrap
+    weight = wrap**2 * told[0] * told[1] / np.maximum(told[0] + ratio**2 * told[1], 1e-9)
+    for _ in range(_CUTS):
+        count = len(surfaces)
+        index, summed = np.where(main < 0, count, main), partial(_summed, main, count=count)
+        middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[index]
+        apart, radius = np.ones(main.shape), 1
+        for _ in range(5):
+            pull = _same((weight * (lag - middle) * apart)[None], main, radius)[0]
+            sides = [pull <= 0, pull > 0]
+            known = [np.maximum(summed(weight * side), 1e-9) for side in sides]
+            rest, part = (summed(weight * lag * sides[i]) / known[i] for i in (0, 1))
+            middle, apart, radius = ((part + rest) / 2)[index], (part - rest)[index], 2
+        border = np.zeros(count + 1)
+        for axis in (0, 1):
+            a, b = np.delete(index, 0, axis), np.delete(index, -1, axis)
+            crossed = (a == b) & np.diff(sides[1], axis=axis)
+            border += np.bincount(a.ravel(), crossed.ravel(), count + 1)
+        gain = (part - rest) ** 2 / (1 / known[0] + 1 / known[1]) / 2
+        good = gain > np.maximum(_CUT, _EDGE * border)
+        good &= np.minimum(*map(summed, sides)) >= _PART
+        good &= (np.abs(part - rest) > _APART) & (np.arange(count + 1) < count)
+        new = count + np.cumsum(good) - 1
+        main = np.where(sides[1] & good[index], new[index], main)
+        surfaces = np.concatenate([surfaces, surfaces[np.flatnonzero(good)]])
+    return main, surfaces
+
+
+def _summed(main: Labels, image: Array, count: int) -> Array:
+    """Sum (N + 1,) of an image over the cells of each surface, and over those of none."""
+    return np.bincount(np.where(main < 0, count, main).ravel(), image.ravel(), count + 1)
+
+
+def _same(images: Array, main: Labels, radius: int) -> Array:
+    """Sum of images (N, h, w) over the cells of the same surface within a radius."""
+    height, width = main.shape
+    edge = (radius, radius)
+    padded = np.pad(images, ((0, 0), edge, edge))
+    owner = np.pad(main, radius, constant_values=-2)
+    out = np.zeros_like(images)
+    for y in range(2 * radius + 1):
+        for x in range(2 * radius + 1):
+            place = (slice(y, y + height), slice(x, x + width))
+            out += np.where(owner[place] == main, padded[(slice(None), *place)], 0)
+    return out
+
+
+def borders(field: Field, label: Labels, surfaces: Array) -> Borders:
+    """Odds that surfaces meet, from their depths across every border between labels (H, W)."""
+    count = len(surfaces)
+    keys, steps, slopes = [], [], []
+    for down, right in ((1, 0), (0, 1)):
+        here = label[: len(label) - down, : label.shape[1] - right]
+        ahead = label[down:, right:]
+        y, x = np.nonzero((here != ahead) & (here >= 0) & (ahead >= 0))
+        low, high = np.sort([here[y, x], ahead[y, x]], axis=0)
+        first, second = (  # differences of depth on this side of the border and on the other
+            _depth(field, surfaces, low, *at) - _depth(field, surfaces, high, *at)
+            for at in ((y, x), (y + down, x + right))
+        )
+        keys.append(low.astype(np.int64) * count + high)
+        steps.append((first + second) / 2 / field.period)
+        slopes.append(np.abs(first - second) / field.period)
+    key, jump, tilt = (np.concatenate(parts) for parts in (keys, steps, slopes))
+    order = np.argsort(key, kind="stable")
+    found = []
+    for part in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
+        if part.size < _LEAST:
+            continue
+        step, slope = jump[part], np.minimum(tilt[part], 1)
+        near = _TOLERANCE[0] + _TOLERANCE[1] * slope
+        whole = np.unique(np.rint(step))
+        support = (np.abs(step[:, None] - whole) < near[:, None]).mean(axis=0)
+        best = int(np.argmax(support))
+        agreeing = step[np.abs(step - whole[best]) < near.max()]
+        rest = np.median(agreeing) - whole[best] if agreeing.size else 0.5
+        width = _TOLERANCE[2] + _TOLERANCE[3] * np.median(slope)
+        odds = next(value for least, value in _SUPPORT if support[best] >= least)
+        odds *= np.exp(-((rest / width) ** 2) / 2) * min(1, part.size / _LONG)
+        found.append((*divmod(int(key[part[0]]), count), whole[best], odds))
+    columns = np.array(found, float).reshape(-1, 4).T
+    return Borders(*columns[:2].astype(int), *columns[2:])
+
+
+def tied(found: Offsets, borders: Borders) -> Tied:
+    """Tie surfaces, the surest pair first, as long as the odds are good.
+
+    They are those of the border times how much likelier both offsets agree than are anywhere.
+    """
+    count = found.mean.size
+    group, shift = np.arange(count), np.zeros(count)
+    mean, variance = found.mean.copy(), found.spread**2
+    first, second, step, odds = borders
+    live = odds > 0
+    while live.any():
+        a, b = group[first], group[second]
+        live &= a != b
+        # meeting: wraps_first - wraps_second = -step
+        apart = -step - shift[first] + shift[second]
+        width = variance[a] + variance[b] + _LOOSE
+        off = mean[a] - mean[b] - apart
+        value = odds * _JUMP * np.exp(-(off**2) / (2 * width)) / np.sqrt(TAU * width)
+        value = np.where(live, value, 0)
+        n = int(np.argmax(value))
+        if value[n] <= _MEET:
+            break
+        keep, join = a[n], b[n]
+        weights = 1 / variance[[keep, join]]
+        both = mean[keep] * weights[0] + (mean[join] + apart[n]) * weights[1]
+        mean[keep] = both / weights.sum()
+        variance[keep] = 1 / weights.sum()
+        members = group == join
+        group[members] = keep
+        shift[members] -= apart[n]
+    return Tied(np.rint(mean[group]) + shift, group, mean[group] + shift, np.sqrt(variance[group]))

@@ -1,0 +1,136 @@
+"""Whole wraps of a surface by its beat and by its shape, and ties between surfaces that meet."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from exact_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth, whole_boxes
+
+from cmtof.surfaces import placing
+from cmtof.surfaces.fitting import BENT, PLANE, leaning, moved
+from cmtof.surfaces.method import _inside
+
+INNER = np.zeros(SHAPE, np.int32)
+BOXES = whole_boxes(SHAPE)
+GOOD = 2.0
+
+
+def a_fit(offset, known, missed=0.0):
+    return np.array([[offset, known, missed, 1e-3]])
+
+
+def known(mean, spread):
+    return placing.Offsets(np.array(mean, float), np.array(spread, float))
+
+
+def between(*entries):
+    columns = np.array(entries, float).reshape(-1, 4).T
+    return placing.Borders(*columns[:2].astype(int), *columns[2:])
+
+
+def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
+    """Sixty draws: unbiased, a deviation to 9 %, and sqrt(1 + 4) over root of the information."""
+    rng, found = np.random.default_rng(9), []
+    depth, q = plane_depth((0.3, -0.2, 1), 2.5)
+    for _ in range(60):
+        field = exact_field(depth, information=10.0, noise_of=rng)
+        found.append([part[0] for part in placing.pooled_beats(field, INNER, q[None])])
+    beat, noise, coherence = np.array(found).T
+    assert abs(beat.mean()) < 3 * noise.mean() / np.sqrt(60)
+    assert noise.mean() == pytest.approx(np.std(beat), rel=0.28)
+    expected = np.sqrt(5 / (10.0 * SHAPE[0] * SHAPE[1])) / (2 * np.pi * 20 / 7150)
+    # turning cells back by their own phasors takes some of the noise along
+    assert noise.mean() == pytest.approx(expected, rel=0.05)
+    assert (coherence > 0.95).all()
+
+
+def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
+    depth, q = plane_depth((0.2, 0.1, 1), 2.5)
+    field = exact_field(depth)
+    beat, _, _ = placing.pooled_beats(field, INNER, q[None])
+    alone = placing.offsets(field, INNER, q[None], a_fit(12.0, 1e6), shape=False)
+    assert alone.mean[0] == pytest.approx(beat[0], abs=1e-9)
+    sharp, bent = (placing.offsets(field, INNER, q[None], a_fit(12.0, 1e6, m)) for m in (0, 1e-4))
+    assert abs(sharp.mean[0] - 12) < abs(beat[0] - 12)
+    assert sharp.spread[0] < bent.spread[0] < alone.spread[0]
+
+
+def test_two_planes_with_one_phase_are_cut_where_the_beat_steps(rng):
+    depth, q = plane_depth((0.3, -0.2, 1), 2.5)
+    depth = depth + 5 * WRAP * (np.arange(SHAPE[1]) >= 80)
+    field = exact_field(depth, information=50.0, noise_of=rng)
+    main, surfaces = placing.parted(field, INNER, q[None])
+    right = np.mean((main > 0) == (np.arange(SHAPE[1] // 8) >= 10))
+    assert len(surfaces) == 2 and max(right, 1 - right) > 0.97
+
+
+def test_planes_at_right_angles_place_each_other():
+    camera, found, fit = (400.0, 400.0, 81.0, 62.5), [], []
+    for normal, off in (((2, 2, 1), 0), ((-2, 1, 2), 0), ((1, -2, 2), 2)):
+        depth, q = plane_depth(normal, 1.5, camera=camera)
+        field = exact_field(depth, camera=camera).arrays()
+        found.append(moved(field, q, BOXES, PLANE, -off * WRAP)[0])
+        fit.append([0, 1, 0, 1e-3, *leaning(field, NOTHING, -1, found[-1], BOXES, 1.0).ravel()])
+    alone, label = known([0, 0, 0.6], [0.05, 0.05, 1.5]), np.repeat([0, 1, 2], 1000)
+    sharp = placing.aligned(alone, np.array(found), np.array(fit), label)
+    np.testing.assert_allclose([*sharp.mean, sharp.spread[2]], [0, 0, 2, 0.05], atol=0.1)
+
+
+def test_pixels_take_the_likeliest_surface_and_borders_find_whole_wraps():
+    """Left one plane, right another that meets it, moved by three wraps."""
+    one, q = plane_depth((0.3, 0, 1), 2.5)
+    other, p = plane_depth((-0.3, 0, 1), 2.5)
+    depth = np.maximum(one, other)  # they meet at the optical axis
+    field = exact_field(depth)
+    off, _ = moved(field.arrays(), p, BOXES, BENT, 3 * WRAP)
+    owner = np.zeros((SHAPE[0] // 8, SHAPE[1] // 8), np.int64)
+    owner[:, 10:] = 1
+    first, second = (q, off) if one[0, 0] > other[0, 0] else (off, q)
+    surfaces = np.stack([first, second])
+    label, share = placing.pixel_labels(field, owner, surfaces)
+    truth = np.where(np.arange(SHAPE[1]) < 81, 0, 1)
+    assert np.mean(label == truth) > 0.97
+    assert share.max() == pytest.approx(1, abs=0.05)
+    assert (placing.interiors(label, share)[:, 78:84] == -1).all()
+    found = placing.borders(field, label, surfaces)
+    assert (found.first.tolist(), found.second.tolist()) == ([0], [1])
+    assert abs(found.step[0]) == 3
+    assert found.odds[0] > 0.5
+
+
+def test_two_that_meet_share_their_precision():
+    """The mean of two Gaussians, one of them shifted by the step of the border."""
+    found = placing.tied(known([0.3, 2.5], [0.2, 0.4]), between((0, 1, 2, GOOD)))
+    mean = (0.3 / 0.2**2 + 0.5 / 0.4**2) / (1 / 0.2**2 + 1 / 0.4**2)
+    np.testing.assert_allclose(found.mean, [mean, mean + 2])
+    np.testing.assert_allclose(found.spread, (1 / 0.2**2 + 1 / 0.4**2) ** -0.5)
+    np.testing.assert_array_equal(found.wraps, [0, 2])
+
+
+def test_the_middle_of_a_group_decides_which_beat_it_lies_in_and_not_its_far_pixels():
+    field, depth = exact_field(plane_depth((0, 0, 1), 2.5)[0]), np.full(SHAPE, 2.5)
+    depth[0] = 5000.0
+    held = placing.Tied(np.zeros(1), np.zeros(1, int), np.zeros(1), np.ones(1))
+    assert _inside(held, depth, INNER, field).wraps == 0
+    assert _inside(held, depth + 7.5, INNER, field).wraps < -350
+
+
+def test_none_are_tied_that_disagree_or_against_the_odds():
+    found = placing.tied(known([0, 9], [0.3, 0.3]), between((0, 1, 0, GOOD)))
+    np.testing.assert_allclose(found.mean, [0, 9])
+    found = placing.tied(known([0.2, 0.6], [0.2, 0.2]), between((0, 1, 0, 1e-6)))
+    assert found.group[0] != found.group[1]
+    assert placing.tied(known([], []), between()).wraps.size == 0
+
+
+def test_neither_the_order_of_borders_nor_their_sides_matter(rng):
+    for count in (2, 5, 9):
+        true, spread = rng.integers(-20, 20, count), rng.uniform(0.05, 2, count)
+        pairs = [pair for pair in combinations(range(count), 2) if rng.random() < 0.7]
+        steps = [(true[b] - true[a] + rng.integers(-1, 2), rng.uniform(0.01, 2)) for a, b in pairs]
+        found = known(true + spread * rng.normal(size=count), spread)
+        once = placing.tied(found, between(*((*p, *s) for p, s in zip(pairs, steps, strict=True))))
+        turned = [(b, a, -s, o) for (a, b), (s, o) in zip(pairs, steps, strict=True)]
+        got = placing.tied(found, between(*(turned[i] for i in rng.permutation(len(turned)))))
+        np.testing.assert_array_equal(got.wraps, once.wraps)
+        np.testing.assert_allclose(got.mean, once.mean)
