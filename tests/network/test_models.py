@@ -1,5 +1,7 @@
 """Networks: sizes, any shape, how far they see, what their first layer sees."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import torch
@@ -80,3 +82,32 @@ def test_path_to_the_pyramid_carries_the_beat_from_the_start():
     carried = held[0].mean((-2, -1)).double().numpy()
     difference = carried[:, 128 + 2]  # first pool, third channel: sum at one beta minus the other
     assert abs(np.corrcoef(difference, wraps)[0, 1]) > 0.95
+
+
+@pytest.mark.parametrize("precision", [torch.float32, torch.bfloat16])
+def test_frozen_norms_go_into_the_kernels_and_change_nothing(precision):
+    """The same answers as of norms that are applied after their convolution."""
+    torch.manual_seed(2)
+    network = build_network("fast-scnn").eval()
+    for layer in network.modules():
+        if isinstance(layer, torch.nn.BatchNorm2d):
+            torch.nn.init.uniform_(layer.running_mean, -1, 1)
+            torch.nn.init.uniform_(layer.running_var, 0.5, 2)
+            torch.nn.init.uniform_(layer.weight, 0.5, 2)
+    image = torch.randn(1, network.inputs, 32, 40)
+    with torch.no_grad(), torch.autocast("cpu", precision, enabled=precision != torch.float32):
+        folded = network(image).float()
+        for layer in network.modules():
+            if isinstance(layer, torch.nn.BatchNorm2d):
+                layer.train()
+                layer.forward = partial(apply_statistics, layer)
+        apart = network(image).float()
+    tolerance = 1e-4 if precision == torch.float32 else 0.1
+    assert (folded - apart).abs().max() < tolerance * apart.abs().max()
+
+
+def apply_statistics(norm, x):
+    """A batch norm with its running statistics, though it is in training mode."""
+    return torch.nn.functional.batch_norm(
+        x, norm.running_mean, norm.running_var, norm.weight, norm.bias, eps=norm.eps
+    )

@@ -18,11 +18,35 @@ BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
 """Change of the beat ``phi_2 - 2 phi_1`` from one wrap of the lower frequency to the next, rad."""
 
 
+class Normed(nn.Sequential):
+    """Convolution, batch norm, and what follows them.
+
+    A norm that keeps its statistics is a scale and an offset: they go into the kernel and its bias,
+    which spares passes over the image.
+    """
+
+    def forward(self, x: Tensor) -> Tensor:
+        layer, norm, *more = self
+        if norm.training:
+            return super().forward(x)
+        scale, offset = scale_and_offset(norm)
+        x = layer._conv_forward(x, layer.weight * scale.view(-1, 1, 1, 1), offset)
+        for function in more:
+            x = function(x)
+        return x
+
+
+def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
+    """What a batch norm with fixed statistics multiplies each channel with, and adds to it."""
+    scale = norm.weight * torch.rsqrt(norm.running_var + norm.eps)
+    return scale, norm.bias - norm.running_mean * scale
+
+
 def conv(i: int, o: int, kernel: int = 3, stride: int = 1, relu: bool = True, **more: int):
     """Convolution, batch norm, ReLU."""
     padding = more.get("dilation", 1) * (kernel // 2)
     layer = nn.Conv2d(i, o, kernel, stride, padding, bias=False, **more)
-    return nn.Sequential(layer, nn.BatchNorm2d(o), *([nn.ReLU(inplace=True)] if relu else []))
+    return Normed(layer, nn.BatchNorm2d(o), *([nn.ReLU(inplace=True)] if relu else []))
 
 
 def separable(i: int, o: int, stride: int = 1) -> nn.Sequential:
@@ -147,7 +171,16 @@ class FastSCNN(Network):
         down = self.down(skip)  # (B, 64, H/4, W/4)
         deep = self.deep(self.pyramid(self.extract(down)))  # (B, 128, H/8, W/8)
         context = self.classify(functional.relu(resized(deep, down) + self.fine(down)))
-        return self.output(functional.relu(self.norm(resized(context, skip) + self.skip(skip))))
+        return self.output(self.joined(context, skip))
+
+    def joined(self, context: Tensor, skip: Tensor) -> Tensor:
+        """Sum of the context, at full resolution, and the skip's convolution; norm, ReLU."""
+        if self.norm.training:
+            return functional.relu(self.norm(resized(context, skip) + self.skip(skip)))
+        scale, offset = (x.view(-1, 1, 1, 1) for x in scale_and_offset(self.norm))
+        context = (context * scale[..., 0] + offset[..., 0]).to(context.dtype)
+        fine = self.skip._conv_forward(skip, self.skip.weight * scale, None)
+        return functional.relu_(fine.add_(resized(context, skip)))
 
     @torch.no_grad()
     def see_the_beat(self, first: int) -> None:
