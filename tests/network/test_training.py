@@ -58,7 +58,9 @@ def test_bad_configurations_are_refused_in_one_line(tmp_path, changes, stage, me
         read_config("nowhere")
 
 
-def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config):
+@pytest.mark.parametrize("optimizer", ["adamw", "muon"])
+def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config, optimizer):
+    config = config.model_copy(update={"optimizer": optimizer})
     whole = train(config, tmp_path / "whole", **CPU)
     parts = tmp_path / "parts"
     assert train(config, parts, minutes=0, **CPU) is None
@@ -81,6 +83,12 @@ def test_training_goes_on_from_given_weights(config, stored):
     module = unwrapping(config, path)
     held = load_weights(path).network.state_dict()
     assert all(torch.equal(held[k], v) for k, v in module.network.state_dict().items())
+
+
+def test_weight_of_the_depth_is_that_of_the_configuration(config):
+    assert unwrapping(config).network.model.depth_weight == 0.1
+    changed = unwrapping(config.model_copy(update={"depth_weight": 0.0}))
+    assert changed.network.model.depth_weight == changed.average.model.depth_weight == 0.0
 
 
 def test_device_that_is_not_there_is_refused(tmp_path, config):

@@ -55,6 +55,9 @@ class Config(Strict):
     protocol: Literal["released", "full"] = "released"
     stages: tuple[Stage, ...] = Field(min_length=1)
     rooms: Rooms | None = Rooms()  # without them it validates on leaves
+    depth_weight: Annotated[float, Field(ge=0)] | None = None  # w of Eq. 7; None: the model's
+    average: Annotated[float, Field(ge=0, lt=1)] = 0.998  # share of the old in averaged weights
+    optimizer: Literal["adamw", "muon"] = "adamw"
     precision: str = "bf16-mixed"  # Lightning's
     save_every: PositiveInt = 250  # steps
     validate_every: PositiveInt = 4  # checkpoints

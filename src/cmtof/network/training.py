@@ -33,6 +33,7 @@ from cmtof.network.data import WRAP, Batch, Packs, Sample, Steps, batch_of, meas
 from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
+from cmtof.network.muon import Muon
 from cmtof.network.recipe import Config
 from cmtof.validation import expect
 
@@ -50,6 +51,20 @@ def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
     return [layer for layer in network.modules() if isinstance(layer, nn.BatchNorm2d)]
 
 
+def parameter_groups(network: nn.Module) -> list[dict[str, Any]]:
+    """Parameters apart: dense kernels, kernels of single channels, and offsets and scales."""
+    every = list(network.parameters())
+    kernels = [weight for weight in every if weight.ndim > 1]
+    dense = [weight for weight in kernels if weight.shape[1] > 1]
+    single = [weight for weight in kernels if weight.shape[1] == 1]
+    others = [weight for weight in every if weight.ndim < 2]
+    return [
+        {"params": dense, "weight_decay": 1e-3},
+        {"params": single, "weight_decay": 1e-3},
+        {"params": others, "weight_decay": 0.0},
+    ]
+
+
 class Unwrapping(LightningModule):
     """Network, loss and schedule of a configuration, and the average of its weights.
 
@@ -61,6 +76,9 @@ class Unwrapping(LightningModule):
         self.config, self.checkpoint, (self.seen, self.held_out) = config, last, packs
         torch.manual_seed(config.seed)
         self.network = build_network(config.model, config.protocol)
+        if config.depth_weight is not None:
+            changed = self.network.model._replace(depth_weight=config.depth_weight)
+            self.network.model = changed
         if init is not None:
             self.network.load_state_dict(weights.load_weights(init).network.state_dict())
         for layer in norms(self.network):
@@ -91,7 +109,7 @@ class Unwrapping(LightningModule):
         return loss
 
     def on_train_batch_end(self, *_: Any) -> None:
-        keep = min(0.998, self.global_step / (self.global_step + 9))
+        keep = min(self.config.average, self.global_step / (self.global_step + 9))
         new = self.network.state_dict()
         for name, old in self.average.state_dict().items():
             old.lerp_(new[name], 1 - keep) if old.is_floating_point() else old.copy_(new[name])
@@ -107,10 +125,9 @@ class Unwrapping(LightningModule):
             self.trainer.save_checkpoint(part)
 
     def configure_optimizers(self) -> Any:
-        every = list(self.network.parameters())
-        kernels = {"params": [w for w in every if w.ndim > 1], "weight_decay": 1e-3}
-        others = {"params": [w for w in every if w.ndim < 2], "weight_decay": 0.0}
-        optimizer = torch.optim.AdamW([kernels, others], lr=1.0, betas=(0.9, 0.99))
+        groups = parameter_groups(self.network)
+        groups[0]["orthogonal"] = self.config.optimizer == "muon"
+        optimizer = Muon(groups, lr=1.0, betas=(0.9, 0.99))
         schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, self.config.rate_at)
         return [optimizer], [{"scheduler": schedule, "interval": "step"}]
 
