@@ -18,6 +18,17 @@ BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
 """Change of the beat ``phi_2 - 2 phi_1`` from one wrap of the lower frequency to the next, rad."""
 
 
+class SingleConv2d(nn.Conv2d):
+    """Convolution in single precision, whatever the network's.
+
+    On CPUs PyTorch 2.13's bfloat16 gradient of dilated depthwise kernels reads unset memory.
+    """
+
+    def _conv_forward(self, input: Tensor, weight: Tensor, bias: Tensor | None) -> Tensor:
+        with torch.autocast(input.device.type, enabled=False):
+            return super()._conv_forward(input.float(), weight.float(), bias)
+
+
 class Normed(nn.Sequential):
     """Convolution, batch norm, and what follows them.
 
@@ -44,8 +55,10 @@ def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
 
 def conv(i: int, o: int, kernel: int = 3, stride: int = 1, relu: bool = True, **more: int):
     """Convolution, batch norm, ReLU."""
-    padding = more.get("dilation", 1) * (kernel // 2)
-    layer = nn.Conv2d(i, o, kernel, stride, padding, bias=False, **more)
+    dilation = more.get("dilation", 1)
+    faulty = dilation > 1 and more.get("groups", 1) > 1
+    kind = SingleConv2d if faulty else nn.Conv2d
+    layer = kind(i, o, kernel, stride, dilation * (kernel // 2), bias=False, **more)
     return Normed(layer, nn.BatchNorm2d(o), *([nn.ReLU(inplace=True)] if relu else []))
 
 
@@ -62,10 +75,10 @@ def resized(x: Tensor, like: Tensor) -> Tensor:
 class Bottleneck(nn.Module):
     """Inverted residual of MobileNetV2: widen, convolve each channel, narrow, add."""
 
-    def __init__(self, i: int, o: int, stride: int, expansion: int) -> None:
+    def __init__(self, i: int, o: int, stride: int, expansion: int, dilation: int = 1) -> None:
         super().__init__()
         wide, self.residual = expansion * i, stride == 1 and i == o
-        middle = conv(wide, wide, 3, stride, groups=wide)
+        middle = conv(wide, wide, 3, stride, groups=wide, dilation=dilation)
         self.body = nn.Sequential(conv(i, wide, 1), middle, conv(wide, o, 1, relu=False))
 
     def forward(self, x: Tensor) -> Tensor:
@@ -84,14 +97,21 @@ class Residual(nn.Module):
         return functional.relu(self.body(x) + self.shortcut(x))
 
 
+def window_mean(side: int) -> nn.Sequential:
+    """Mean over a square window, of what lies in the image: along columns, then along rows."""
+    columns = nn.AvgPool2d((side, 1), 1, (side // 2, 0), count_include_pad=False)
+    rows = nn.AvgPool2d((1, side), 1, (0, side // 2), count_include_pad=False)
+    return nn.Sequential(columns, rows)
+
+
 class Pyramid(nn.Module):
     """Means over several neighbourhoods beside the features themselves (pyramid pooling)."""
 
-    def __init__(self, width: int) -> None:
+    def __init__(self, width: int, sides: tuple[int, ...]) -> None:
         super().__init__()
-        means = [nn.AvgPool2d(k, 1, k // 2, count_include_pad=False) for k in (3, 5, 9, 17)]
-        self.branches = nn.ModuleList(conv(width, width // 4, 1).append(mean) for mean in means)
-        self.join = conv(2 * width, width, 1)
+        branches = (conv(width, width // 4, 1).append(window_mean(side)) for side in sides)
+        self.branches = nn.ModuleList(branches)
+        self.join = conv(width + len(sides) * (width // 4), width, 1)
 
     def forward(self, x: Tensor) -> Tensor:
         return self.join(torch.cat([x, *(branch(x) for branch in self.branches)], 1))
@@ -143,10 +163,12 @@ class FastSCNN(Network):
     The stem goes to the output as well (the paper's skip); pools are local, not over the image.
     """
 
-    stride, reach = 8, 160
+    stride, reach = 8, 256
     stem_width, head_width = 32, 64  # at full resolution
     down_widths = 48, 64  # at 1/2 and 1/4
     widths, expansion = (64, 64, 64, 96, 96, 96, 128, 128, 128), 6  # bottlenecks at 1/8
+    dilations = 1, 1, 1, 1, 1, 1, 1, 2, 4  # so that they see farther, as theirs do at 1/32
+    pools = 3, 5, 9, 17, 33  # sides of windows at 1/8
     context = 128  # fused features, at 1/4
 
     def build(self) -> None:
@@ -154,9 +176,12 @@ class FastSCNN(Network):
         self.stem = conv(self.inputs, self.stem_width)
         self.down = nn.Sequential(conv(self.stem_width, half, 3, 2), separable(half, quarter, 2))
         pairs, deep = enumerate(pairwise((quarter, *self.widths))), self.widths[-1]
-        blocks = [Bottleneck(i, o, 1 if k else 2, self.expansion) for k, (i, o) in pairs]
+        blocks = [
+            Bottleneck(i, o, 1 if k else 2, self.expansion, self.dilations[k])
+            for k, (i, o) in pairs
+        ]
         self.extract = nn.Sequential(*blocks)
-        self.pyramid = Pyramid(deep)
+        self.pyramid = Pyramid(deep, self.pools)
         self.deep = conv(deep, self.context, 1, relu=False)
         self.fine = conv(quarter, self.context, 1, relu=False)
         fused = [separable(self.context, self.context) for _ in range(2)]
@@ -230,6 +255,8 @@ class LightFastSCNN(FastSCNN):
     stem_width, head_width, context = 16, 32, 64
     down_widths = 24, 32
     widths, expansion = (48, 48, 64, 64), 3
+    dilations = 1, 1, 1, 1
+    pools = 3, 5, 9, 17
 
 
 class UNet(Network):
