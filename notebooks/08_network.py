@@ -61,8 +61,9 @@ blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "
 #
 # The paper lists the layers in a supplement that could not be obtained, so **these are our
 # reading**; height is resolution. Deep features have wide context (the pyramid adds means over up
-# to 136 pixels), shallow ones fine detail; both are added at a quarter of the resolution. The
-# orange line is the paper's skip from the first layer to the last.
+# to 264 pixels), shallow ones fine detail; both are added at a quarter of the resolution. The
+# orange line is the paper's skip from the first layer to the last. Ours are batch norms, first
+# filters that form the beat, two dilated bottlenecks and the widest mean.
 
 # %% tags=["hide-input"]
 network = build_network("fast-scnn").eval()
@@ -259,7 +260,7 @@ for sigma in (100.0, NOISE_SIGMA):
 
 # %% [markdown]
 # For odds of 95 % theory requires this many pixels of *one smooth surface of known shape*
-# ({doc}`03_wraps`); the network's receptive field has 160 pixels to each side.
+# ({doc}`03_wraps`); the network's receptive field has 256 pixels to each side.
 
 # %%
 for level in (1.0, 0.3, 0.1):
