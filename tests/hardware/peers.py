@@ -240,6 +240,7 @@ class Network:
         self.silent = False
         self.requests = []
         self.sockets = []
+        self.streaming = threading.Event()  # both ports are connected
         self.listeners = self._two_ports()
         self.address = f"127.0.0.1:{self.listeners[0].getsockname()[1]}"
         for serve, listener in zip((self._requests, self._stream), self.listeners, strict=True):
@@ -261,6 +262,7 @@ class Network:
 
     def _stream(self, client):
         self.model.stream = SimpleNamespace(write=client.sendall)
+        self.streaming.set()
 
     def _requests(self, client):
         with contextlib.suppress(OSError, struct.error):
@@ -271,6 +273,7 @@ class Network:
                 self.requests.append(frame)
                 if self.silent:
                     continue
+                self.streaming.wait(10)
                 if self.model.fault == "refuse" and frame[:3] != b"\x00\xd6\xd8":
                     self.model.set(55000, "H", 2603)
                     client.sendall(struct.pack(">HHHBBB", number, 0, 3, unit, 76 | 0x80, 6))
