@@ -47,9 +47,6 @@ def read(register: Register) -> bytes:
     return struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
 
 
-PATIENCE = 2.0  # s beyond the time of a burst, for a busy host and a network
-
-
 class LabJackT7(device.Device):
     """A T7: requests to a `modbus.Feedback`, packets from a ``stream`` (pyserial).
 
@@ -115,7 +112,7 @@ class LabJackT7(device.Device):
         number, bit = int(channel.removeprefix("AIN")), 1 << int(pulse_line[-1])
         inhibit = (0xFF & ~bit) << 8
         self._scans = scans
-        self._stream.timeout = scans / rate + PATIENCE
+        self._stream.timeout = scans / rate + 0.5
         self._settings = {
             (40000 + 2 * number, "f"): range,  # AIN_RANGE
             (41000 + number, "H"): 199,  # AIN_NEGATIVE_CH: single-ended
