@@ -5,7 +5,7 @@
 #     - table2_released_1200.json
 #     - table2_full_1200.json
 #     - table2_released_300.json
-#     - table2_768x1024.json
+#     - table2_768x1024_1200.json
 #     - methods_cost.json
 # ---
 # %% [markdown]
@@ -55,7 +55,7 @@ plotting.begin(profile=profile, seed=seed)
 # rows of the paper's Table 2, by their names in paper.yml
 BEFORE = ("phasor", "crt", "kde", "one-step", "u-net", "deep-tof", "rapid")
 PAPERS = {name.replace("-", "_"): name for name in BEFORE} | {"proposed": "fast-scnn"}
-CONDITIONS = (("released", 1200), ("full", 1200), ("released", 300))
+CONDITIONS = (("released", 1200), ("full", 1200), ("released", 300), ("768x1024", 1200))
 states = {name: method.state() for name, method in METHODS.items()}
 ready = [name for name, state in states.items() if state not in ("untrained", "no weights")]
 
@@ -186,11 +186,7 @@ show(("released", 300))
 # each side, and a part of the methods:
 
 # %% tags=["hide-input"]
-large = read_counts(Path(results) / "table2_768x1024.json")
-for name in large[0]["methods"] if large else ():
-    found.setdefault(("768 × 1024", 1200), {})[name] = rates(large, name, draws=draws)
-counts["768 × 1024", 1200] = large
-show(("768 × 1024", 1200))
+show(("768x1024", 1200))
 
 # %% tags=["hide-input"]
 table = found.get(CONDITIONS[0], {})
