@@ -1,10 +1,11 @@
 # %% [markdown]
 # # Correlation
 #
-# A correlation camera does not resolve its modulation at 7 GHz. It multiplies the returned light by
-# a copy of the emitted modulation, and a slow detector averages the product. This average is a
-# cosine of the light's delay, so a few averages at different reference phases give the distance
-# within one period (Paper Fig. 2, simulated; Eqs. 1–4 and 20).
+# How does a camera that sees nothing faster than a kilohertz measure the delay of light that is
+# modulated at 7 GHz (Paper Fig. 2, simulated; Eqs. 1–4 and 20)?
+#
+# Everything in this book rests on this cosine: its phase is the distance within one period, and its
+# contrast sets the noise.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -125,41 +126,41 @@ plotting.save(
 # %% [markdown]
 # ## The equations
 #
-# The laser is modulated {cite}`baek2023,lange2000`, travels to the target and back, weaker and
-# later by $\tau = 2z/c$, and meets a reference of phase ψ. The product is summed over an exposure
-# of many periods:
+# The laser is modulated ([Baek et al. 2023](../book/references.bib#baek2023),
+# [Lange 2000](../book/references.bib#lange2000)), travels to the target and back, weaker and later
+# by $\tau = 2z/c$, and meets a reference of phase ψ. The product is summed over an exposure of many
+# periods:
 #
-# ```{math}
-# :label: eq-1
+# $$
 # p(t) = \alpha\cos(\omega_p t) + \beta,
-# ```
-# ```{math}
-# :label: eq-2
+# \tag{1}$$
+#
+# $$
 # \tilde p(t-\tau) = \tilde\alpha\cos(\omega_p t-\phi) + \tilde\beta,
 # \qquad \phi = 2\pi\omega_p\tau ,
-# ```
-# ```{math}
-# :label: eq-3
+# \tag{2}$$
+#
+# $$
 # r(t) = \cos(\omega_r t+\psi) + \tfrac12 ,
-# ```
-# ```{math}
-# :label: eq-4
+# \tag{3}$$
+#
+# $$
 # C_\psi = \int_0^T \tilde p(t-\tau)\,r(t)\,dt = \frac{\tilde\alpha}{2}\cos(\psi-\phi) + TK .
-# ```
+# \tag{4}$$
 #
 # These are the printed equations. This book corrects three points: $\omega = 2\pi f$ is angular and
-# $\varphi = \omega\tau = 4\pi fz/c$ ({ref}`erratum 3 <erratum-3>`); the product of {eq}`eq-2` and
-# {eq}`eq-3` has **cos(φ + ψ)**, so the correlation is greatest at ψ = −φ ({ref}`erratum 2
-# <erratum-2>`); and the reference drawn above is a raised cosine: no transmission is negative.
+# $\varphi = \omega\tau = 4\pi fz/c$ ([erratum 3](22_errata.ipynb#erratum-3)); the product of
+# [Eq. 2](#eq-2) and [Eq. 3](#eq-3) has **cos(φ + ψ)**, so the correlation is greatest at ψ = −φ
+# ([erratum 2](22_errata.ipynb#erratum-2)); and the reference drawn above is a raised cosine: no
+# transmission is negative.
 #
 # The waveforms need not be cosines. With the Fourier coefficients of each waveform, $p = P_0 +
 # 2\,\mathrm{Re}\sum_k P_k e^{ik\omega t}$, only equal harmonics remain in the average:
 #
-# ```{math}
-# :label: correlation-harmonics
+# $$
 # \frac{C_\psi}{T} = P_0R_0 + 2\,\mathrm{Re}\sum_{k\ge1}
 #   P_kR_k^*\,e^{-ik(\varphi+\psi+2\pi\delta t)}\,\mathrm{sinc}(k\,\delta T).
-# ```
+# \tag{1.1}$$
 #
 # In the **homodyne** case δ = 0 and the correlation is constant. In the **heterodyne** case the
 # reference frequency is higher by δ: the correlation oscillates at δ, and an exposure that is not
@@ -167,13 +168,13 @@ plotting.save(
 #
 # ## The gate of Eq. 8
 #
-# The paper simulates $\tfrac12+\tfrac1\pi\cos(\varphi+\psi)$, {eq}`eq-8`. By
-# {eq}`correlation-harmonics` that is a raised cosine (½, ¼) times a square gate open for half of
-# every period (½, 1/π), as in an electronic *pixel*. The prototype multiplies **two optical
-# modulators**: two perfect raised cosines give a contrast of ½, two {doc}`two-pass modulators
-# <04_modulator>` $2J_1^2(2\eta)$ at a drive amplitude η. The chapters on light use η = 0.26, the
-# 50 % modulator contrast that the paper states; those on the instrument assume π/4, since at 0.26
-# the doubled mode's signal is too weak for a scan ({doc}`13_instrument`).
+# The paper simulates $\tfrac12+\tfrac1\pi\cos(\varphi+\psi)$, [Eq. 8](05_simulation.ipynb#eq-8). By
+# [Eq. 1.1](#eq-1.1) that is a raised cosine (½, ¼) times a square gate open for half of every
+# period (½, 1/π), as in an electronic *pixel*. The prototype multiplies **two optical modulators**:
+# two perfect raised cosines give a contrast of ½, two [two-pass modulators](04_modulator.ipynb)
+# $2J_1^2(2\eta)$ at a drive amplitude η. The chapters on light use η = 0.26, the 50 % modulator
+# contrast that the paper states; those on the instrument assume π/4, since at 0.26 the doubled
+# mode's signal is too weak for a scan ([chapter 13](13_instrument.ipynb)).
 
 # %%
 weak, strong = (replace(SINGLE, eta=eta).harmonics(24) for eta in (eta_weak, eta_strong))
@@ -191,7 +192,7 @@ means = {name: float((a[0] * b[0]).real) for name, (a, b) in pairs.items()}
 # %% [markdown]
 # In the table every instrument collects the mean count of Eq. 8 at full brightness, with the
 # paper's σ = 1200. The phase noise (its Cramér–Rao bound) is then inversely proportional to the
-# contrast, and the pixels needed for one right wrap ({doc}`03_wraps`) to its square.
+# contrast, and the pixels needed for one right wrap ([chapter 3](03_wraps.ipynb)) to its square.
 
 # %% tags=["hide-input"]
 mean_count = GAIN * INTEGRATION_TIME / 2
@@ -208,19 +209,22 @@ for name, value in noise.items():
     rows.append((name, *numbers.split()))
 head = "contrast, mean of $p\\,r$, $\\sigma_\\varphi$ (rad), $\\sigma_z$ (mm), pixels over Eq. 8"
 notes.table(["instrument", *head.split(", ")], rows)
-notes.tell(
+
+# %% tags=["hide-input"]
+notes.say(
+    """
+    Two modulators of 50 % contrast, which the paper calls high, give a correlation contrast of
+    {contrast_weak:.3f}, {contrast_fifth:.1f} times less than Eq. 8 assumes. At η = π/4 it is
+    {contrast_strong:.3f}, slightly more than in Eq. 8. The noise of the paper's simulation, which
+    this book adopts, is therefore that of an instrument with a *strong* drive
+    ([erratum 6](22_errata.ipynb#erratum-6)).
+    """,
     contrast_weak=contrasts[weak_name],
-    contrast_strong=contrasts[strong_name],
     contrast_fifth=contrasts[eq8] / contrasts[weak_name],
+    contrast_strong=contrasts[strong_name],
 )
 
 # %% [markdown]
-# Two modulators of 50 % contrast, which the paper calls high, give a correlation contrast of
-# {glue:text}`contrast_weak:.3f`, {glue:text}`contrast_fifth:.1f` times less than Eq. 8 assumes. At
-# η = π/4 it is {glue:text}`contrast_strong:.3f`, slightly more than in Eq. 8. The noise of the
-# paper's simulation, which this book adopts, is therefore that of an instrument with a *strong*
-# drive ({ref}`erratum 6 <erratum-6>`).
-#
 # ## Cyclic error of a strong drive
 #
 # A strong drive distorts the sinusoid: the third harmonic of the light is $J_3/J_1$ of the first,
@@ -286,24 +290,30 @@ plotting.save(
     "periods, with a weak drive next to nothing, with sixteen steps zero. Right, errors that rise "
     "steeply with the drive: four steps most, three a thousand times less, eight less still.",
 )
-notes.tell(cyclic_weak=largest[eta_weak, 4], cyclic_strong=largest[eta_strong, 4])
-notes.tell(cyclic_strong_um=largest[eta_strong, 4] * micron_per_mrad, table4=table4)
+
+# %% tags=["hide-input"]
+notes.say(
+    """
+    With four steps the error is {cyclic_weak:.2f} mrad at η = 0.26 and {cyclic_strong:.0f} mrad at
+    π/4, or {cyclic_strong_um:.0f} µm of depth, more than the {table4:.1f} µm that the paper reports
+    for the whole instrument. The prototype's sixteen steps remove it. (Three steps are better than
+    four only in an ideal single mode, which has odd harmonics alone.)
+    """,
+    cyclic_weak=largest[eta_weak, 4],
+    cyclic_strong=largest[eta_strong, 4],
+    cyclic_strong_um=largest[eta_strong, 4] * micron_per_mrad,
+    table4=table4,
+)
+
 # %% [markdown]
-# With four steps the error is {glue:text}`cyclic_weak:.2f` mrad at η = 0.26 and
-# {glue:text}`cyclic_strong:.0f` mrad at π/4, or {glue:text}`cyclic_strong_um:.0f` µm of depth, more
-# than the {glue:text}`table4:.1f` µm that the paper reports for the whole instrument. The
-# prototype's sixteen steps remove it. (Three steps are better than four only in an ideal single
-# mode, which has odd harmonics alone.)
-#
 # ## Detector and converter
 #
 # A detector of gain G and a converter Q complete the chain:
 #
-# ```{math}
-# :label: eq-20
+# $$
 # C_\psi = Q\!\left(G\int_0^T\tilde p(t-\tau)\,r(t)\,dt\right)
 #        = Q\!\left(\frac{\tilde\alpha}{2}\cos(\psi-\phi)+TK\right)
-# ```
+# \tag{20}$$
 #
 # (as printed; the right-hand side lacks the sign of φ and the factors G and T). When the signal
 # fills the converter and nothing else is noisy, rounding to 14 bits costs this much phase:
@@ -316,7 +326,23 @@ rounding = 1e3 * np.abs(centred(phase_from_correlation(digital, quarters) - angl
 print(f"largest error: {rounding:.3f} mrad, {rounding * micron_per_mrad:.2f} µm")
 
 # %% [markdown]
-# Rounding is negligible beside {doc}`noise <02_precision>`.
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** It multiplies the returned light by a copy of the modulation and averages. The
+    average is a cosine of the delay, and {steps} averages at different reference phases give its
+    phase. Two modulators of 50 % contrast leave {fifth:.1f} times less contrast than Eq. 8 of the
+    paper assumes, and with a strong drive four steps err by {error:.0f} µm of depth.
+    """,
+    steps=quarters.size,
+    fifth=contrasts[eq8] / contrasts[weak_name],
+    error=largest[eta_strong, 4] * micron_per_mrad,
+)
+
+# %% [markdown]
+# Rounding is negligible beside [noise](02_precision.ipynb).
 #
 # ## Against the paper
 

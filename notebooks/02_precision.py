@@ -1,10 +1,10 @@
 # %% [markdown]
 # # Precision
 #
-# Noise causes a phase error, and the higher the modulation frequency, the smaller the depth error
-# of a given phase error. From 100 MHz to 10 GHz depth becomes a hundred times more precise at the
-# same noise, as the paper states (Paper Fig. 3, simulated). The range within which a phase is
-# unambiguous shrinks by the same factor.
+# How much does a higher modulation frequency improve the depth (Paper Fig. 3, simulated)?
+#
+# The gain is the reason to build an instrument for gigahertz light; its price is that the phase
+# repeats every two centimetres.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -41,7 +41,7 @@ colours = plotting.PALETTE
 # One point, 3 m away and half as bright as white, is measured repeatedly with the paper's settings:
 # $G\,T = 20\,000$ counts, photon noise, Gaussian noise of σ = 1200 counts, four reference phases.
 # The scale of the 14-bit converter leaves five σ at either end, so that noise is not clipped
-# ({ref}`erratum 16 <erratum-16>`).
+# ([erratum 16](22_errata.ipynb#erratum-16)).
 
 # %% tags=["hide-input"]
 frequencies, psi = np.geomspace(1e8, 1e10, points), np.arange(4) * np.pi / 2
@@ -103,26 +103,39 @@ plotting.save(
     "gigahertz, its mean near zero. Right, on logarithmic scales, parallel falling lines: the wrap "
     "length, and far below it the bound with the simulated dots on it.",
 )
-notes.tell(ratio=ratio, ratio_error=ratio / np.sqrt(samples - 1), spread_low=spread[0])
-notes.tell(spread_high=spread[-1], wrap_spreads=1e3 * wrap_length(1e10) / law[-1])
+
+# %% tags=["hide-input"]
+notes.say(
+    r"""
+    The spread falls from {spread_low:.0f} mm to {spread_high:.2f} mm, by {ratio:.0f} ±
+    {ratio_error:.0f} times, the ratio of the frequencies. The noise does not depend on the
+    modulation frequency, so $\sigma_\varphi$ is the same everywhere, and
+    """,
+    spread_low=spread[0],
+    spread_high=spread[-1],
+    ratio=ratio,
+    ratio_error=ratio / np.sqrt(samples - 1),
+)
 
 # %% [markdown]
-# The spread falls from {glue:text}`spread_low:.0f` mm to {glue:text}`spread_high:.2f` mm, by
-# {glue:text}`ratio:.0f` ± {glue:text}`ratio_error:.0f` times, the ratio of the frequencies. The
-# noise does not depend on the modulation frequency, so $\sigma_\varphi$ is the same everywhere, and
-#
-# ```{math}
-# :label: precision-depth
+# $$
 # \sigma_z = \frac{c}{4\pi f}\,\sigma_\varphi , \qquad
 # \sigma_\varphi \ge \frac{1}{a}\sqrt{\frac{2v}{K}} , \qquad
 # a = \frac{GTI}{\pi},\quad v = \frac{GTI}{2}+\sigma^2 ,
-# ```
-#
-# where the right-hand side is the Cramér–Rao bound {cite}`kay1993` of K samples of variance v with
-# amplitude and offset unknown. The wrap length falls as 1/f too: at every frequency it is
-# {glue:text}`wrap_spreads:.0f` standard deviations. A higher frequency thus trades unambiguous
-# range for precision. The {doc}`next chapter <03_wraps>` counts the wraps.
-#
+# \tag{2.1}$$
+
+# %% tags=["hide-input"]
+notes.say(
+    """
+    where the right-hand side is the Cramér–Rao bound ([Kay 1993](../book/references.bib#kay1993))
+    of K samples of variance v with amplitude and offset unknown. The wrap length falls as 1/f too:
+    at every frequency it is {wrap_spreads:.0f} standard deviations. A higher frequency thus trades
+    unambiguous range for precision. The [next chapter](03_wraps.ipynb) counts the wraps.
+    """,
+    wrap_spreads=1e3 * wrap_length(1e10) / law[-1],
+)
+
+# %% [markdown]
 # ## Signal change at maximum and slope
 #
 # The paper motivates high frequencies by the change of the signal when a target moves by 1 mm, at
@@ -141,22 +154,21 @@ gain = crest[1] / crest[0], quadrature[1] / quadrature[0]
 print(f"gain: {gain[0]:.0f} at the maximum, {gain[1]:.0f} at quadrature")
 
 # %% [markdown]
-# The paper's two numbers are correct, but hold where their ratio is greatest ({ref}`erratum 13
-# <erratum-13>`). Of four samples at quarter turns some always lie on a slope, so the phase error
-# does not depend on the phase.
+# The paper's two numbers are correct, but hold where their ratio is greatest
+# ([erratum 13](22_errata.ipynb#erratum-13)). Of four samples at quarter turns some always lie on a
+# slope, so the phase error does not depend on the phase.
 #
 # ## Large phase noise
 #
 # A phase is the angle of a phasor. Gaussian noise of σ causes a phase noise
 # $\sigma_\varphi=\sigma/a$ as long as σ ≪ a. For darker pixels the tails grow; in the limit the
 # angle is uniform, with standard deviation $\pi/\sqrt3$. With $\rho = a/\sigma$ the density of the
-# error is {cite}`goodman2015`
+# error is ([Goodman 2015](../book/references.bib#goodman2015))
 #
-# ```{math}
-# :label: precision-law
+# $$
 # p(\theta) = \frac{e^{-\rho^2/2}}{2\pi}
 #  + \frac{\rho\cos\theta}{\sqrt{2\pi}}\,e^{-\rho^2\sin^2\theta/2}\,\Phi(\rho\cos\theta).
-# ```
+# \tag{2.2}$$
 
 # %%
 brightness = np.array([1.0, 0.7, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02])
@@ -212,6 +224,22 @@ plotting.save(
 )
 worst = np.abs(drawn / exact - 1).max()
 print(f"simulated pixels agree with the law within {worst:.1%}")
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** From 100 MHz to 10 GHz, at the same noise, depth becomes {ratio:.0f} ± {error:.0f}
+    times more precise, as the paper states (100): the spread falls from {low:.0f} to {high:.2f} mm.
+    The range within which a phase is unambiguous shrinks by the same factor.
+    """,
+    ratio=ratio,
+    error=ratio / np.sqrt(samples - 1),
+    low=spread[0],
+    high=spread[-1],
+)
 
 # %% [markdown]
 # If phasors are averaged *before* the angle is taken, the estimate stays near the bound.

@@ -1,9 +1,11 @@
 # %% [markdown]
 # # Wraps
 #
-# At 100 MHz the phase wraps every 1.5 m, at 7.15 GHz every 21 mm (Paper Fig. 4, simulated). Two
-# frequencies together determine the wrap count in principle. At the paper's noise the count of one
-# white pixel is right in 2 % of cases; a reliable count needs thousands of pixels.
+# At 100 MHz the phase wraps every 1.5 m, at 7.15 GHz every 21 mm (Paper Fig. 4, simulated). Can two
+# frequencies tell how often it has wrapped?
+#
+# A wrong count moves a point by 21 mm or more, so depth is only as good as the count. The rest of
+# the book looks for pixels that belong together.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -89,11 +91,10 @@ plotting.save(
 # wrap of 21 mm changes it very little, and the subtraction *adds* the noise of both phases. In
 # wraps, with σ₁ and σ₂ the phase noise and Δ = |f₂ − 2f₁|,
 #
-# ```{math}
-# :label: wraps-noise
+# $$
 # \sigma_n = \frac{\sqrt{f_1^2\sigma_2^2+f_2^2\sigma_1^2}}{2\pi\,\Delta},\qquad
 # P(\text{correct}) \approx \mathrm{erf}\frac{1}{2\sqrt2\,\sigma_n} .
-# ```
+# \tag{3.1}$$
 
 # %%
 beat_range = unambiguous_range(FREQUENCIES)
@@ -107,7 +108,7 @@ print(f"at full brightness the count of one pixel has a standard deviation of {w
 # %% [markdown]
 # A simulation tests the formula: on flat targets of one brightness the right wraps are counted
 # (those *consistent* with the measured phase). For dark pixels `wrap_probability_law` takes the
-# {doc}`exact law <02_precision>` of the phase.
+# [exact law](02_precision.ipynb) of the phase.
 
 
 # %%
@@ -203,19 +204,50 @@ plotting.save(
     "percent for white ones, points on the exact law. Right, odds over the side of the pooled "
     "square: S-shaped curves that reach 95 percent; dots lie on them, crosses below.",
 )
-notes.tell(odds_white=100 * counted[0], odds_dark=100 * counted[3], guess=100 / beat_wraps)
-notes.tell(need_white=need[1.0], need_dark=need[0.3], side_dark=np.sqrt(need[0.3]))
-notes.tell(big_phasor=100 * pooled[0.3, 64][0], big_product=100 * pooled[0.3, 64][1])
+
+# %% tags=["hide-input"]
+notes.say(
+    """
+    The count of a white pixel is right in {odds_white:.1f} % of cases, at I = 0.3 in
+    {odds_dark:.1f} %; chance is {guess:.2f} %. For 95 % a white surface must pool {need_white:.0f}
+    pixels.
+    """,
+    odds_white=100 * counted[0],
+    odds_dark=100 * counted[3],
+    guess=100 / beat_wraps,
+    need_white=need[1.0],
+)
+
+# %% tags=["hide-input"]
+notes.say(
+    """
+    At I = 0.3 it needs {need_dark:.0f}, a square of {side_dark:.0f}. In squares of 64 pooled
+    phasors are then right in {big_phasor:.0f} %, pooled beats in {big_product:.0f} %. For other
+    frequencies ($f_2 = 2f_1$ + 20 MHz) and noise:
+    """,
+    need_dark=need[0.3],
+    side_dark=np.sqrt(need[0.3]),
+    big_phasor=100 * pooled[0.3, 64][0],
+    big_product=100 * pooled[0.3, 64][1],
+)
 
 # %% [markdown]
-# The count of a white pixel is right in {glue:text}`odds_white:.1f` % of cases, at I = 0.3 in
-# {glue:text}`odds_dark:.1f` %; chance is {glue:text}`guess:.2f` %. For 95 % a white surface must
-# pool {glue:text}`need_white:.0f` pixels.
-#
-# At I = 0.3 it needs {glue:text}`need_dark:.0f`, a square of {glue:text}`side_dark:.0f`. In squares
-# of 64 pooled phasors are then right in {glue:text}`big_phasor:.0f` %, pooled beats in
-# {glue:text}`big_product:.0f` %. For other frequencies ($f_2 = 2f_1$ + 20 MHz) and noise:
-#
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** In principle, up to {range:.1f} m. At the paper's noise the count of one white pixel
+    is right in {odds:.1f} % of cases; for 95 % it takes {white:,.0f} white pixels, or {dark:,.0f}
+    of brightness 0.3.
+    """,
+    range=beat_range,
+    odds=100 * counted[0],
+    white=need[1.0],
+    dark=need[0.3],
+)
+
+# %% [markdown]
 # <div data-play="odds"></div>
 #
 # Real surfaces are not flat: before the phasors of neighbours are added, their phases must be

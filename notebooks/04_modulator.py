@@ -1,10 +1,11 @@
 # %% [markdown]
 # # The modulator
 #
-# A resonant electro-optic crystal only shifts phases. Two passes through it, two wave plates and a
-# polarising splitter convert that into intensity modulation at the drive's frequency, or, with one
-# plate turned by 11.25°, at twice that frequency (Sec. 6.2; Paper Figs. 7 and 8, computed; Eqs.
-# 10–19). All printed equations are right except Eq. 19, which is too small by a factor of two.
+# A resonant electro-optic crystal only shifts phases. How does it modulate the intensity of light,
+# at its own frequency or at twice that (Sec. 6.2; Paper Figs. 7 and 8, computed; Eqs. 10–19)?
+#
+# No photodiode and no camera follows 14 GHz. Two such modulators do the multiplication in the light
+# itself.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -122,27 +123,26 @@ def residual(expression):
 # The crystal's axes lie horizontal and vertical and share the voltage V, measured as the retardance
 # that it causes. The splitter sends vertically polarised light through half-wave plate,
 # quarter-wave plate and crystal to the mirror and back. For the returning light the horizontal axis
-# is reversed, hence the minus in M and the opposite plate angles in {eq}`eq-14`.
+# is reversed, hence the minus in M and the opposite plate angles in [Eq. 14](#eq-14).
 #
-# ```{math}
-# :label: eq-10
+# $$
 # B(V) = \begin{bmatrix} e^{-iV/2} & 0\\ 0 & e^{iV/2} \end{bmatrix}, \qquad
 # V = \eta\cos(\omega t-\phi)
-# ```
-# ```{math}
-# :label: eq-11
-# E_0 = A\begin{bmatrix}0\\1\end{bmatrix}
-# ```
-# ```{math}
-# :label: eq-12
-# E_1 = B(V)\,Q(\theta_q)\,H(\theta_h)\,E_0
-# ```
-# ```{math}
-# :label: eq-13
-# E_2 = M E_1, \qquad M = \begin{bmatrix} 1 & 0\\ 0 & -1 \end{bmatrix}
-# ```
+# \tag{10}$$
 #
-# (The paper drives with a cosine here and with a sine in {eq}`eq-16`; we keep the sine.) With
+# $$
+# E_0 = A\begin{bmatrix}0\\1\end{bmatrix}
+# \tag{11}$$
+#
+# $$
+# E_1 = B(V)\,Q(\theta_q)\,H(\theta_h)\,E_0
+# \tag{12}$$
+#
+# $$
+# E_2 = M E_1, \qquad M = \begin{bmatrix} 1 & 0\\ 0 & -1 \end{bmatrix}
+# \tag{13}$$
+#
+# (The paper drives with a cosine here and with a sine in [Eq. 16](#eq-16); we keep the sine.) With
 # $\theta_q = 45°$ the horizontal component of the returning field is one cosine for *any* angle of
 # the half-wave plate, $E_3 = -iA\cos(4\theta_h + V)$. All else follows from it:
 
@@ -157,38 +157,36 @@ print("E_3 + i cos(4θ_h + V):", residual(field + sp.I * sp.cos(4 * theta_h + V)
 
 # %% [markdown]
 # **The single mode**, $\theta_h = 11.25°$ (printed as a second $\theta_q$,
-# {ref}`erratum 8 <erratum-8>`):
+# [erratum 8](22_errata.ipynb#erratum-8)):
 #
-# ```{math}
-# :label: eq-14
+# $$
 # \begin{aligned}
 # E_3 &= L_h H(-\theta_h) Q(-\theta_q) B(V) M B(V) Q(\theta_q) H(\theta_h) E_0\\
 #     &= A\begin{bmatrix} \frac{i(\cos V-\sin V)}{\sqrt2}\\ 0\end{bmatrix}
 # \end{aligned}
-# ```
-# ```{math}
-# :label: eq-15
+# \tag{14}$$
+#
+# $$
 # I(V) = |E_3|^2 = \frac{A^2}{2}(1-\sin 2V)
-# ```
-# ```{math}
-# :label: eq-16
+# \tag{15}$$
+#
+# $$
 # \begin{aligned}
 # I(t) &= \frac{A^2}{2}\bigl(1-\sin(2\eta\sin(\omega t-\phi))\bigr)\\
 #      &\approx \frac{A^2}{2}\bigl(1-2\eta\sin(\omega t-\phi)\bigr)
 # \end{aligned}
-# ```
+# \tag{16}$$
 #
 # **The doubled mode**, $\theta_h = 22.5°$. The bias moves from the steepest point of the transfer
 # curve to its minimum:
 #
-# ```{math}
-# :label: eq-17
+# $$
 # E_3 = A\begin{bmatrix} -i\sin V\\ 0\end{bmatrix}
-# ```
-# ```{math}
-# :label: eq-18
+# \tag{17}$$
+#
+# $$
 # I(V) = |E_3|^2 = \frac{A^2}{2}(1-\cos 2V)
-# ```
+# \tag{18}$$
 
 # %%
 single, doubled = field.subs(theta_h, sp.pi / 16), field.subs(theta_h, sp.pi / 8)
@@ -243,19 +241,18 @@ print(f"doubled drive on the single mode's spacing: {late:.1f} mrad late, {lost:
 # %% [markdown]
 # ## Doubling and the factor of two
 #
-# ```{math}
-# :label: eq-19
+# $$
 # \begin{aligned}
 # I(t) &= \frac{A^2}{2}\bigl(1-\cos(2\eta\sin(\omega t-\phi))\bigr)\\
 #      &\approx \frac{A^2}{2}\eta^2\sin^2(\omega t-\phi)\\
 #      &= \frac{A^2}{4}\eta^2\bigl(1-\cos(2\omega t-2\phi)\bigr)
 # \end{aligned}
-# ```
+# \tag{19}$$
 #
 # The first line is exact. Since $1-\cos x \approx x^2/2$, the second is *half* of the lowest order.
 # The text then states a quarter of the single mode's amplitude for the doubled mode. The exact
 # series (Jacobi–Anger) has the amplitudes $A^2J_1(2\eta)$ and $A^2J_2(2\eta)$; their ratio is about
-# η/2 and depends on the drive ({ref}`erratum 9 <erratum-9>`).
+# η/2 and depends on the drive ([erratum 9](22_errata.ipynb#erratum-9)).
 
 # %%
 lowest = sp.series((1 - sp.cos(2 * eta_s * sp.sin(theta))) / 2, eta_s, 0, 4).removeO()
@@ -320,14 +317,21 @@ plotting.save(
     "steeply; right, a 14.32 gigahertz wave that rises from zero, with even harmonics. Equation 19 "
     "as printed is half as high. Behind the photodiode both waves are weaker and later.",
 )
-notes.tell(response_single=response[0], response_doubled=response[1], ratio=ratio)
+
+# %% tags=["hide-input"]
+notes.say(
+    r"""
+    At η = 0.26 the doubled amplitude is {ratio:.3f} of the single one. The photodiode passes
+    {response_single:.2f} of the amplitude at 7.15 GHz and {response_doubled:.2f} at 14.32 GHz, but
+    all of the mean, so that the contrast it shows is a lower bound of the light's. For any plate,
+    $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$:
+    """,
+    ratio=ratio,
+    response_single=response[0],
+    response_doubled=response[1],
+)
 
 # %% [markdown]
-# At η = 0.26 the doubled amplitude is {glue:text}`ratio:.3f` of the single one. The photodiode
-# passes {glue:text}`response_single:.2f` of the amplitude at 7.15 GHz and
-# {glue:text}`response_doubled:.2f` at 14.32 GHz, but all of the mean, so that the contrast it shows
-# is a lower bound of the light's. For any plate, $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$:
-#
 # <div data-play="modulator"></div>
 #
 # ## Drive amplitude
@@ -415,7 +419,7 @@ notes.table(["error", "single, depth", "doubled, depth", "doubled, leak"], rows)
 #
 # ## The simulated instrument on a fast detector
 #
-# Paper Fig. 8 was measured. The simulated {doc}`instrument <13_instrument>`, with leaking
+# Paper Fig. 8 was measured. The simulated [instrument](13_instrument.ipynb), with leaking
 # splitters, is observed with a first-order detector of 12 GHz. Its drive is assumed to be η = π/4,
 # because at this chapter's 0.26, the paper's 50 % contrast, the doubled signal is too weak for a
 # scan. The harmonics over their mean do not depend on the laser's power:
@@ -494,14 +498,35 @@ plotting.save(
     "the single mode's depth grows; the doubled mode's dots lie far below its closed form at low "
     "power and approach it at high power.",
 )
-notes.tell(off_doubled=100 * off["doubled"], half_power=half_power)
+
+# %% tags=["hide-input"]
+notes.say(
+    """
+    At 22.5° $m_1$ vanishes and $m_2$ is largest. At the lowest power the doubled mode's depth is
+    {off_doubled:.0f} % below its law: most of the little light is the 2 % of the wrong polarisation
+    that the splitter reflects (a usual value of such cubes, not verified). A drive of
+    {half_power:.1f} dBm would give η = 0.26, the paper's 50 % contrast.
+    """,
+    off_doubled=100 * off["doubled"],
+    half_power=half_power,
+)
 
 # %% [markdown]
-# At 22.5° $m_1$ vanishes and $m_2$ is largest. At the lowest power the doubled mode's depth is
-# {glue:text}`off_doubled:.0f` % below its law: most of the little light is the 2 % of the wrong
-# polarisation that the splitter reflects (a usual value of such cubes, not verified). A drive of
-# {glue:text}`half_power:.1f` dBm would give η = 0.26, the paper's 50 % contrast.
-#
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** Two passes through the crystal, two wave plates and a polarising splitter turn phase
+    into intensity; one plate turned by 11.25° doubles the frequency. At η = {eta:.2f} the doubled
+    amplitude is {ratio:.3f} of the single one. All printed equations are right except Eq. 19, which
+    is too small by a factor of two.
+    """,
+    eta=eta,
+    ratio=ratio,
+)
+
+# %% [markdown]
 # ## Against the paper
 
 # %%

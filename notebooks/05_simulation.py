@@ -1,10 +1,11 @@
 # %% [markdown]
 # # Simulated measurements
 #
-# No public data set has correlation images at 7 GHz with known depth. The paper therefore simulates
-# them from depth and brightness, as does this book (Secs. 5.3 and 5.4, Eqs. 5, 8 and 9). This
-# chapter computes correlation images of a frame, their phase and amplitude, and the inputs of the
-# paper's network (Paper Fig. 5). All of it is simulated.
+# No public data set has correlation images at 7 GHz with known depth. What would the camera have
+# seen (Secs. 5.3 and 5.4, Eqs. 5, 8 and 9)?
+#
+# Training and every comparison of this book use these images, so their noise and the order of the
+# steps decide all rates. All of it is simulated.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -85,30 +86,27 @@ plotting.save(
 # A pixel of range z and linear brightness I (the green channel; the laser is green) has the phase
 # $\varphi = 4\pi fz/c$ and gives, at reference phase ψ,
 #
-# ```{math}
-# :label: eq-8
+# $$
 # C_\psi = G\,T\,I_g\left(0.5+\frac{\cos(\phi+\psi)}{\pi}\right)+\eta_P+\eta_G ,
-# ```
+# \tag{8}$$
 #
 # with $GT = 20\,000$ counts, photon noise $\eta_P$ and Gaussian noise $\eta_G$ of σ = 1200 counts.
-# ({doc}`01_correlation` discusses this contrast of 2/π.) The paper decodes with a Fourier transform
-# along ψ,
+# ([chapter 1](01_correlation.ipynb) discusses this contrast of 2/π.) The paper decodes with a
+# Fourier transform along ψ,
 #
-# ```{math}
-# :label: eq-9
+# $$
 # \hat\phi = \mathrm{angle}\bigl(\mathcal F_2(C_\psi)\bigr),\qquad
 # \hat a = 2\,\bigl|\mathcal F_2(C_\psi)\bigr| .
-# ```
+# \tag{9}$$
 #
 # That holds for equal steps in rising order, and if $\mathcal F_0$ is the mean, as the paper says,
 # the fundamental is $\mathcal F_1$; of four samples $\mathcal F_2$ is the Nyquist bin, which is
-# real ({ref}`erratum 7 <erratum-7>`). Here decoding is a **least-squares fit** of
+# real ([erratum 7](22_errata.ipynb#erratum-7)). Here decoding is a **least-squares fit** of
 #
-# ```{math}
-# :label: simulation-fit
+# $$
 # C_\psi = d + x\cos\psi - y\sin\psi ,\qquad
 # \hat\varphi = \mathrm{atan2}(y, x),\quad \hat a=\sqrt{x^2+y^2},
-# ```
+# \tag{5.1}$$
 #
 # to whatever ψ the file states: any number from three up, any spacing, any order.
 
@@ -132,7 +130,7 @@ for name, error in zip(readings, reading_error, strict=True):
     print(f"{name}: {error:.2f} rad rms")
 
 # %% [markdown]
-# {eq}`eq-9` read literally, or the right bin with ψ in the printed order, does not recover the
+# [Eq. 9](#eq-9) read literally, or the right bin with ψ in the printed order, does not recover the
 # phase; a random phase errs by $\pi/\sqrt3 = 1.81$ rad rms. Without noise decoding must be exact:
 
 # %%
@@ -149,13 +147,13 @@ for name in embedded_frames():
 
 # %% [markdown]
 # Rounding may move a pixel across the boundary of a wrap; with the neighbouring count its depth is
-# still right, so this book distinguishes {doc}`two wrap counts <../book/notation>`.
+# still right, so this book distinguishes [two wrap counts](../book/notation.md).
 #
 # ## The order of the two noise terms
 #
-# {eq}`eq-8` adds photon noise, then Gaussian noise. The authors' released code draws Gaussian noise
-# first, clips it at zero, and then draws Poisson counts. For bright pixels that is equivalent; for
-# dark ones clipping raises the mean and reduces the amplitude.
+# [Eq. 8](#eq-8) adds photon noise, then Gaussian noise. The authors' released code draws Gaussian
+# noise first, clips it at zero, and then draws Poisson counts. For bright pixels that is
+# equivalent; for dark ones clipping raises the mean and reduces the amplitude.
 
 # %%
 levels = np.geomspace(0.02, 1, 12)
@@ -212,24 +210,28 @@ plotting.save(
     "both orders lie close to the law, ambient light lies higher. Right, the decoded signal: whole "
     "at all brightnesses in the paper's order, falling for dark pixels in the released code's.",
 )
-notes.tell(
-    kept_dark=100 * kept[theirs][0], white=spread[ours][-1], white_ambient=spread[ambient][-1]
+
+# %% tags=["hide-input"]
+notes.say(
+    """
+    In the released code's order a pixel of brightness 0.02 keeps {kept_dark:.0f} % of its signal at
+    equal phase noise, since clipping reduces both. This book uses the paper's order
+    (`order="released"` selects the other). Ambient light, as the paper models it, raises a white
+    pixel's noise from {white:.3f} to {white_ambient:.3f} rad.
+    """,
+    kept_dark=100 * kept[theirs][0],
+    white=spread[ours][-1],
+    white_ambient=spread[ambient][-1],
 )
 
 # %% [markdown]
-# In the released code's order a pixel of brightness 0.02 keeps {glue:text}`kept_dark:.0f` % of its
-# signal at equal phase noise, since clipping reduces both. This book uses the paper's order
-# (`order="released"` selects the other). Ambient light, as the paper models it, raises a white
-# pixel's noise from {glue:text}`white:.3f` to {glue:text}`white_ambient:.3f` rad.
-#
 # ## Two protocols, and the target
 #
 # The network predicts the **wrap count**
 #
-# ```{math}
-# :label: inputs-target
+# $$
 # n=\left\lfloor\frac{\varphi}{2\pi}\right\rfloor=\left\lfloor\frac{2f_1z}{c}\right\rfloor
-# ```
+# \tag{5.2}$$
 #
 # of the lower frequency, as one class for each pixel. **released** follows the authors' code: the
 # scene is shrunk until nearly all of it lies within 1.195 m, and only pixels in wraps 36 to 56 are
@@ -284,15 +286,14 @@ plotting.save(
 # A wrapped phase jumps from 2π to 0 where depth is continuous, which makes it a poor input for
 # convolutions; its sine and cosine are continuous. The paper uses octaves,
 #
-# ```{math}
-# :label: eq-5
+# $$
 # \gamma(\hat\phi)=\bigl[\cos(2^0\hat\phi),\ \sin(2^0\hat\phi),\ \cos(2^1\hat\phi),\ \ldots,\
 # \sin(2^{E_C}\hat\phi)\bigr],
-# ```
+# \tag{5}$$
 #
-# without stating where they stop; the authors' released code stops at $E_C=5$ ({ref}`erratum 4
-# <erratum-4>`). A phase error ε is an error $2^k\epsilon$ of the k-th octave, which reduces its
-# cosine by $\langle\cos 2^k\epsilon\rangle$.
+# without stating where they stop; the authors' released code stops at $E_C=5$
+# ([erratum 4](22_errata.ipynb#erratum-4)). A phase error ε is an error $2^k\epsilon$ of the k-th
+# octave, which reduces its cosine by $\langle\cos 2^k\epsilon\rangle$.
 
 # %%
 measured = cmtof.simulate(frame, protocol="released", seed=seed)
@@ -339,10 +340,9 @@ plotting.save(
 # Differences of neighbouring pixels show outlines, but those of a wrapped phase also show every
 # wrap. Wrapping the difference corrects this,
 #
-# ```{math}
-# :label: inputs-edges
+# $$
 # \Delta=\bigl(\hat\varphi_{x}-\hat\varphi_{x'}+\pi\bigr)\bmod 2\pi-\pi ,
-# ```
+# \tag{5.3}$$
 #
 # as long as depth changes by less than half a turn from one pixel to the next. Four neighbours are
 # used: left, above, and the two on the left diagonals.
@@ -427,6 +427,23 @@ plotting.save(
     "octaves fringes, the last octaves grain, the edges outlines; at the end the target in steps "
     "of depth and the mask.",
     format="png",
+)
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** Noisy images from which decoding recovers the phase: a white pixel has a phase noise
+    of {white:.2f} rad. Of the network's octave features the first keeps {first:.0f} % of its cosine
+    over the frame and the last {last:.0f} %. The released code's order of the noise loses light in
+    dark pixels: at brightness 0.02 {kept:.0f} % is left.
+    """,
+    white=spread[ours][-1],
+    first=100 * remains[0],
+    last=100 * abs(remains[-1]),
+    kept=100 * kept[theirs][0],
 )
 
 # %% [markdown]

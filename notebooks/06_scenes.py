@@ -1,16 +1,12 @@
-# ---
-# cmtof:
-#   data: [frames]
-# ---
-
 # %% [markdown]
 # # Rendered scenes
 #
-# A simulation needs scenes whose range is known to a fraction of a wrap; training a network needs
-# thousands. The paper uses Hypersim {cite}`roberts2021hypersim`, 1.9 TB of rendered interiors whose
-# depth is stored too coarsely for gigahertz phases. This book reads it, but uses rooms of its own,
-# rendered from a seed. Their median pixel lies in a surface of {glue:text}`median_size:.0f` pixels
-# whose range changes by {glue:text}`median_slope:.3f` wraps a pixel.
+# A simulation needs scenes whose range is known to a fraction of a wrap; training needs thousands.
+# Where do they come from?
+#
+# The paper uses Hypersim ([Roberts et al. 2021](../book/references.bib#roberts2021hypersim)), 1.9
+# TB of rendered interiors whose depth is stored too coarsely for gigahertz phases. This book reads
+# it, but uses rooms of its own, rendered from a seed.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -76,9 +72,10 @@ plotting.save(
 
 # %% [markdown]
 # A seed determines floor plan, furniture, objects, lamps, windows and the sun; Embree
-# {cite}`wald2014` traces the rays. Cameras stand where a person could; one view in ten is a close
-# view of an object. Intensities are linear. `cmtof render` writes such sets to disk in Hypersim's
-# own layout; the same seed gives the same bytes. Range is exact to single precision.
+# ([Wald et al. 2014](../book/references.bib#wald2014)) traces the rays. Cameras stand where a
+# person could; one view in ten is a close view of an object. Intensities are linear. `cmtof render`
+# writes such sets to disk in Hypersim's own layout; the same seed gives the same bytes. Range is
+# exact to single precision.
 
 # %% tags=["hide-input"]
 one = max(shown, key=lambda view: np.unique(view.picture.instance).size)
@@ -154,7 +151,6 @@ steep = float(np.mean(samples["rooms"][0] > 0.5))
 rows = [[k, *(f"{v[i]:.{i + 3}g}" for v in medians.values())] for i, k in enumerate(labels)]
 notes.table(["median", *medians], rows)
 print(f"{steep:.1%} of neighbours in rooms differ by more than half a wrap")
-notes.tell(median_slope=medians["rooms"][0], median_size=medians["rooms"][2])
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(11.4, 3.6), sharey=True)
@@ -196,3 +192,18 @@ off = exact.astype(np.float16).astype(float) - exact
 flat = ~bends(exact) & np.isfinite(exact)
 rms = float(np.sqrt(np.mean(phase_from_depth(off[flat], FREQUENCY_SINGLE) ** 2)))
 print(f"on the surfaces of one view {rms:.3f} rad rms at 7.15 GHz")
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** Furnished rooms drawn at random, ray-traced in double precision. Their median pixel
+    lies in a surface of {size:,.0f} pixels whose range changes by {slope:.3f} wraps a pixel. The
+    depth that Hypersim stores would add {rms:.2f} rad of phase error.
+    """,
+    size=medians["rooms"][2],
+    slope=medians["rooms"][0],
+    rms=rms,
+)

@@ -1,17 +1,14 @@
-# ---
-# cmtof:
-#   data: [captures]
-# ---
-
 # %% [markdown]
 # # Real captures and their noise
 #
-# Three raster scans of the authors' line of all-optical prototypes are published: wrapped phase at
-# 7.15 GHz of busts before a wall, and a coarse reference depth {cite}`pan2024`. On the wall the
-# noise of one point is {glue:text}`single_low:.0f` to {glue:text}`single_high:.0f` µm. The
-# simulator has the same noise level (Paper Fig. 11) with σ = {glue:text}`matched_low:.0f` to
-# {glue:text}`matched_high:.0f` counts on a white wall, but not always the same grain.
-# **The maps here are {glue:text}`capture_source`.**
+# How noisy are real all-optical measurements, and does the simulator have that noise (Paper Fig.
+# 11)?
+#
+# Three raster scans of the authors' line of prototypes are published: wrapped phase at 7.15 GHz of
+# busts before a wall, and a coarse reference depth
+# ([Pan et al. 2024](../book/references.bib#pan2024)). They are the only measurements that this book
+# can check itself against. The files are not part of it; the last line of the answer says whether
+# this page had them.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -24,7 +21,6 @@ stills: int = 3  # captures drawn in three dimensions
 # %% tags=["hide-input"]
 import matplotlib.pyplot as plt
 import numpy as np
-from myst_nb import glue
 from scipy import ndimage, optimize, stats
 from skimage.restoration import unwrap_phase
 
@@ -77,7 +73,6 @@ names, count = list(captures), len(captures)
 phases, references = (
     dict(zip(names, two, strict=True)) for two in zip(*captures.values(), strict=True)
 )
-glue("capture_source", source, display=False)
 
 
 # %% [markdown]
@@ -117,10 +112,9 @@ inside = {
 # between them, leaves the noise (`cmtof.noise`). In the simulator the phase noise of four images
 # comes from photons and from Gaussian noise of σ counts:
 #
-# ```{math}
-# :label: matching-noise
+# $$
 # \sigma_\varphi\approx\frac{\sqrt{GTI/2+\sigma^2}}{\sqrt2\,a},\qquad a=\frac{GTI}{\pi}.
-# ```
+# \tag{7.1}$$
 #
 # At I = 1 this gives σ. The simulated scene is the capture's own averaged surface.
 
@@ -137,8 +131,6 @@ for name, phase in phases.items():
     simulated[name] = [one.phase[0].astype(float) for one in maps]
     print(f"{name}: {sigma[name]:.3f} rad, σ = {matched[name]:.0f} counts at I = 1")
 single = 1e6 * depth_from_phase(list(sigma.values()), FREQUENCY_SINGLE)
-notes.tell(single_low=single.min(), single_high=single.max())
-notes.tell(matched_low=min(matched.values()), matched_high=max(matched.values()))
 
 # %% tags=["hide-input"]
 shown = [simulated[name][0] for name in names] + list(phases.values())
@@ -233,8 +225,9 @@ for name, value in sigma.items():
 # ## From phase to depth
 #
 # Within a surface the wrap follows from neighbours; across an occlusion it does not. Wall and
-# objects are therefore unwrapped apart {cite}`herraez2002`, where the average is coherent. Each
-# connected piece gets the whole wraps that bring its median nearest to the reference.
+# objects are therefore unwrapped apart
+# ([Herr{\'a}ez et al. 2002](../book/references.bib#herraez2002)), where the average is coherent.
+# Each connected piece gets the whole wraps that bring its median nearest to the reference.
 
 
 # %%
@@ -357,11 +350,10 @@ plotting.save(
 # filters and overlapping beam spots correlate *neighbours*. Between lines the instrument drifts, so
 # all pixels of a *line* share an error:
 #
-# ```{math}
-# :label: line-noise
+# $$
 # P(k_y,k_x)=\sigma_\mathrm{w}^2\,(1+2\rho_\mathrm{d}\cos k_y)(1+2\rho_\mathrm{a}\cos k_x)
 # \;+\;H\,\sigma_\mathrm{l}^2\,\delta_{k_y}.
-# ```
+# \tag{7.2}$$
 #
 # The four numbers are maximum-likelihood estimates from the residual's spectrum. A ρ of ½ is a
 # running mean of two samples, or a scan sampled twice as finely as it is resolved.
@@ -471,3 +463,20 @@ notes.table([f"**{source}** / white / lines", *names], [[k, *v] for k, v in tabl
 # quadratic fits, fine relief, dark paint, or a beam of finite width across two depths. The data do
 # not separate these causes. **Not settled**: the amplitude over the scene is unknown, so noise is
 # compared with that of uniform brightness; and one map a scene does not show changes between scans.
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** On the wall one point scatters by {low:.0f} to {high:.0f} µm. The simulator has the
+    same noise level with σ = {least:.0f} to {most:.0f} counts on a white wall, but not always the
+    same grain. **The maps on this page are {source}.**
+    """,
+    low=single.min(),
+    high=single.max(),
+    least=min(matched.values()),
+    most=max(matched.values()),
+    source=source,
+)

@@ -1,10 +1,11 @@
 # %% [markdown]
 # # The instrument
 #
-# Section 7 of the paper lists the parts of a prototype; drawings and code were not published. The
-# plan below (Paper Fig. 6) is of the instrument in this package's rig file. Of 150 mW of laser
-# light less than a nanowatt reaches the detector; for a grey wall at 1 m photons and electronics
-# then cause a few micrometres of range noise. Everything here is *simulated*.
+# Section 7 of the paper lists the parts of a prototype; drawings and code were not published. What
+# does a complete plan look like (Paper Fig. 6), and how much light arrives?
+#
+# The plan is of the instrument in this package's rig file, which the drivers can run. Everything
+# here is *simulated*.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -127,11 +128,11 @@ plotting.save(
 
 # %% [markdown]
 # The emission module is a polarising splitter, two wave plates, the crystal and a mirror, so light
-# passes the crystal twice ({doc}`04_modulator`). One splitter sends half to a power meter, the next
-# half to the interferometer's arm; the rest goes over the scan mirrors to the scene. The returned
-# light is multiplied by the reference in the detection module, a copy of the first, so that a slow
-# detector suffices. Both RF drivers share one clock. The detection's driver holds a table of
-# phases; each rising edge from the read-out advances it by one.
+# passes the crystal twice ([chapter 4](04_modulator.ipynb)). One splitter sends half to a power
+# meter, the next half to the interferometer's arm; the rest goes over the scan mirrors to the
+# scene. The returned light is multiplied by the reference in the detection module, a copy of the
+# first, so that a slow detector suffices. Both RF drivers share one clock. The detection's driver
+# holds a table of phases; each rising edge from the read-out advances it by one.
 #
 # ## Power budget
 #
@@ -289,28 +290,28 @@ for mode, one in here.items():
 # Below the crossing the noise does not depend on the target: it comes from the amplifier and the
 # shot noise of the room's light. The converter's noise is negligible, even with the paper's 14
 # bits. At the photon limit precision is *lower* at the higher frequency, since the amplitude falls
-# faster than the wavelength. Both values are below the paper's 33 µm; {doc}`18_error_budget` adds
-# drift, air, back-reflected light and cyclic errors.
+# faster than the wavelength. Both values are below the paper's 33 µm;
+# [chapter 18](18_error_budget.ipynb) adds drift, air, back-reflected light and cyclic errors.
 #
 # ## Two noise cases
 #
-# Real captures of such an instrument are far noisier ({doc}`07_captures`), 0.08 to 0.13 rad at 7.15
-# GHz. The *captures' noise* is therefore a second case beside this *photon limit*: the phase
-# between both drives fluctuates from step to step, in part correlated with the point before. Its
-# level and grain, 0.117 rad a point and a correlation of 0.17, are means of three published scans;
-# at 14.32 GHz the same value in radians is assumed (a jitter in time would double it). In a rig
-# file it is `twin: {phase_noise: [0.117, 0.117], grain: 0.167}`.
+# Real captures of such an instrument are far noisier ([chapter 7](07_captures.ipynb)), 0.08 to 0.13
+# rad at 7.15 GHz. The *captures' noise* is therefore a second case beside this *photon limit*: the
+# phase between both drives fluctuates from step to step, in part correlated with the point before.
+# Its level and grain, 0.117 rad a point and a correlation of 0.17, are means of three published
+# scans; at 14.32 GHz the same value in radians is assumed (a jitter in time would double it). In a
+# rig file it is `twin: {phase_noise: [0.117, 0.117], grain: 0.167}`.
 #
 # ## Differences from the paper
 #
 # Every setting of the simulation has its source; none was fitted to the paper's results. The RC
 # constant is 20 µs; the paper's 0.1 s would damp the sweep of ψ 47 times. The converter has the 16
 # bits of the T7's stream, not 14. The drive is η = π/4, not the 0.26 of the chapters on light
-# ({doc}`04_modulator`), the paper's 50 % contrast: at 0.26 the doubled mode has 2 % of the single
-# mode's signal, too little for a scan. Drive amplitude, laser power, aperture, avalanche gain and
-# back-reflection are not stated in the paper and are assumed. Not verified in a manufacturer's
-# document: noise, gain and excess of the detector, the order of the filter EF120, reflectances and
-# extinction ratios, and every error of the RF drivers.
+# ([chapter 4](04_modulator.ipynb)), the paper's 50 % contrast: at 0.26 the doubled mode has 2 % of
+# the single mode's signal, too little for a scan. Drive amplitude, laser power, aperture, avalanche
+# gain and back-reflection are not stated in the paper and are assumed. Not verified in a
+# manufacturer's document: noise, gain and excess of the detector, the order of the filter EF120,
+# reflectances and extinction ratios, and every error of the RF drivers.
 
 # %%
 reached = {
@@ -331,3 +332,20 @@ reached = {
 }
 for key, value in reached.items():
     paper.check(key, value)
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** Of {laser:.0f} mW of laser light {light:.2f} nW reach the detector from a wall of
+    reflectance {reflectance:.1f} at {distance:g} m in the single mode. Photons and electronics then
+    cause {noise:.1f} µm of range noise.
+    """,
+    laser=1e3 * twin.laser_power,
+    light=1e9 * here["single"]["light"],
+    reflectance=reflectance,
+    distance=distance,
+    noise=micron["single"] * here["single"]["phase_noise"],
+)

@@ -2,10 +2,10 @@
 # # Correlation profiles
 #
 # For a fixed mirror the signal is a cosine of the reference phase (Eq. 20); Paper Fig. 12 shows it
-# *measured*. Here the *simulated* instrument takes the same profiles, as in a scan. At the photon
-# limit they are nearly cosines; the residual consists of harmonics of the light, errors of the
-# drivers, and noise. With the phase noise of the published captures one sweep is visibly rough: the
-# paper's smooth profile is an average, or that of a quieter instrument.
+# *measured*. How nearly a cosine is it?
+#
+# What is not a cosine becomes an error of the phase. The *simulated* instrument takes the same
+# profiles here, as in a scan.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -46,11 +46,10 @@ known = TwinSettings()
 # %% [markdown]
 # ## Equation 20
 #
-# ```{math}
-# :label: eq-20-profile
+# $$
 # C_\psi = Q\!\left(G\int_0^T \tilde p(t-\tau)\,r(t)\,dt\right)
 #        = Q\!\left(\frac{\tilde\alpha}{2}\cos(\psi-\phi) + TK\right)
-# ```
+# \tag{14.1}$$
 #
 # Both $\tilde p$ and $r$ are transmissions of a two-pass modulator, with harmonics $W_k$ and $R_k$.
 # With the light $P$ through open modulators, the detector's volts per watt $S$ and the room's light
@@ -61,8 +60,8 @@ known = TwinSettings()
 #
 # with m = 1 in the single mode and 2 in the doubled one, and higher harmonics behind the dots. The
 # read-out adds up samples for a time $T$, so *both* terms get the factor $T$; in
-# {eq}`eq-20-profile` the first one lacks it. The sign is that of our convention
-# ({doc}`22_errata`).
+# [Eq. 14.1](#eq-14.1) the first one lacks it. The sign is that of our convention
+# ([chapter 22](22_errata.ipynb)).
 
 
 # %% tags=["hide-input"]
@@ -239,7 +238,7 @@ plotting.save(
 # %% [markdown]
 # Ideal modules would have contrasts of $2J_1^2$ and $2J_2^2/(1-J_0)^2$; leakage of the splitters
 # reduces them. The residuals agree with the predicted harmonics, and beyond these with noise and
-# code errors. Rounding to the 14 bits of {eq}`eq-20-profile` would be negligible.
+# code errors. Rounding to the 14 bits of [Eq. 14.1](#eq-14.1) would be negligible.
 #
 # ## Linearity with four and sixteen steps
 #
@@ -324,3 +323,18 @@ print(f"damped {damping:.1f} times, closed form {np.hypot(1, TAU * sweep_rate * 
 paper.check("fig12.psi_range", PHASES * (psi[1] - psi[0]))
 paper.check("sec7.rc_time", known.rc_time)
 paper.check("sec7.samples_per_phase", reading.samples_per_phase)
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** At the photon limit the residual consists of harmonics of the light, errors of the
+    drivers, and noise: it scatters {single:.2f} times (single) and {doubled:.2f} times (doubled) as
+    much as these predict. With the phase noise of the published captures one sweep is visibly
+    rough: the paper's smooth profile is an average, or that of a quieter instrument.
+    """,
+    single=pull["single"],
+    doubled=pull["doubled"],
+)

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # The precision sweep
 #
-# A stage moves a target by one millimetre before three instruments (Paper Fig. 13, Table 4), each
-# *simulated* on {glue:text}`repeats:.0f` days. With plausible systematic errors the all-optical one
-# has RMS errors of {glue:text}`plausible_l:.0f` to {glue:text}`plausible_h:.0f` µm on a mirror at
-# the photon limit, a range that contains the paper's 33.5 µm. RF demodulation is as good there but
-# fails on the diffuse plate ({glue:text}`rf_plate:.1f` mm).
+# A stage moves a target by one millimetre before three instruments (Paper Fig. 13, Table 4). Which
+# follows it best?
+#
+# This is the paper's headline, 33.5 µm. Each instrument is *simulated* on many days, with
+# systematic errors of plausible sizes drawn anew.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -108,11 +108,11 @@ def published(name, what):
     return [paper.published(f"table4.{AXES[name]}.{n}_{what}").value for n in ("rmse", "mae")]
 
 
-for case in ("plausible", "captures"):
-    ends = 1e6 * np.array(band(found["all-optical", "mirror", case].rmse))
-    notes.tell(**{f"{case}_l": ends[0], f"{case}_h": ends[1]})
+errors_of = {
+    case: 1e6 * np.array(band(found["all-optical", "mirror", case].rmse))
+    for case in ("plausible", "captures")
+}
 needed = (median["all-optical", "mirror", "captures"] / published("all-optical", "mirror")[0]) ** 2
-notes.tell(repeats=repeats, rf_plate=1e3 * median["RF", "diffuse", "plausible"], needed=needed)
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(4, 3, figsize=(10.4, 10.2), height_ratios=[1.25, 1, 1.25, 1])
@@ -154,9 +154,6 @@ plotting.save(
 )
 
 # %% [markdown]
-# With the phase noise of the published captures the all-optical one has {glue:text}`captures_l:.0f`
-# to {glue:text}`captures_h:.0f` µm; {glue:text}`needed:.0f` readings a position give 33.5 µm.
-#
 # All three share the laser, the emission module, the optics and the air of the simulated
 # instrument, which sends about 3 mW to the target. A reading of the all-optical one is 16 phases of
 # 20 samples, 13.3 ms; a filter keeps the mirror's light within the detector's range.
@@ -165,8 +162,8 @@ plotting.save(
 # the sweep, at eight known ranges over one wrap, as in a scan: by one reading at each, for RF a
 # hundred (in its favour). Fringes are counted from the known first position. Phases are unwrapped
 # with the known range. No data sheet that we have states the drivers' errors in `SPANS`; each day
-# draws its own. The captures' noise ({doc}`07_captures`) is treated as a disturbance between the
-# two RF drives, so it affects RF demodulation too.
+# draws its own. The captures' noise ([chapter 7](07_captures.ipynb)) is treated as a disturbance
+# between the two RF drives, so it affects RF demodulation too.
 #
 # ## Table 4
 #
@@ -218,12 +215,11 @@ notes.table(
 # Zero-mean Gaussian errors have MAE/RMSE = $\sqrt{2/\pi}$ = 0.80, a constant offset has 1. For an
 # offset $\mu$ with a Gaussian scatter $\sigma$
 #
-# ```{math}
-# :label: eq-17-folded
+# $$
 # \mathrm{RMSE}^2 = \mu^2+\sigma^2, \qquad
 # \mathrm{MAE} = \sigma\sqrt{\tfrac2\pi}\,e^{-\mu^2/2\sigma^2}
 #   + \mu\,\mathrm{erf}\frac{\mu}{\sqrt2\,\sigma},
-# ```
+# \tag{17.1}$$
 #
 # which turns the paper's pairs into pairs $(\mu,\sigma)$. Where RMSE and MAE are equal, their
 # rounding gives an upper bound of the scatter.
@@ -302,7 +298,8 @@ plotting.save(
 #   errors come from a phase that does not follow the target, in a wrong wrap.
 # - **Interferometer**: a constant error of tens of fringes, which counting does not cause.
 #
-# Erratum 15 in {doc}`22_errata` has the arithmetic, {doc}`18_error_budget` the single errors.
+# Erratum 15 in [chapter 22](22_errata.ipynb) has the arithmetic,
+# [chapter 18](18_error_budget.ipynb) the single errors.
 #
 # ## RF demodulation
 #
@@ -375,12 +372,11 @@ plotting.save(
 # the wavelength. The stage therefore moves 50 nm between readings. With a step $s$ and vibration of
 # the standard deviation $\sigma$ between readings, a reading loses on average
 #
-# ```{math}
-# :label: eq-17-fringe-loss
+# $$
 # \langle m\rangle = \sum_{k\ge1}
 #   Q\!\left(\frac{(2k-1)\lambda/4-s}{\sigma}\right)
 #   - Q\!\left(\frac{(2k-1)\lambda/4+s}{\sigma}\right) \text{ fringes.}
-# ```
+# \tag{17.2}$$
 
 
 # %%
@@ -433,6 +429,27 @@ notes.table(
     + [["right wrap, one pixel", *(f"{x:.0%}" for x in odds)]],
 )
 print(f"with the captures' noise {coarse:.0f} µm, and {rough:.0%} right, at any range")
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** On {repeats} days the all-optical one has RMS errors of {low:.0f} to {high:.0f} µm
+    (95 %) on a mirror at the photon limit; the paper's is 33.5 µm. RF demodulation is as good there
+    but fails on the diffuse plate ({plate:.1f} mm). With the phase noise of the published captures
+    the all-optical one has {rough_low:.0f} to {rough_high:.0f} µm; {needed:.0f} readings a position
+    give 33.5 µm.
+    """,
+    repeats=repeats,
+    low=errors_of["plausible"][0],
+    high=errors_of["plausible"][1],
+    plate=1e3 * median["RF", "diffuse", "plausible"],
+    rough_low=errors_of["captures"][0],
+    rough_high=errors_of["captures"][1],
+    needed=needed,
+)
 
 # %% [markdown]
 # For near and bright targets light must be filtered away; for far and dark ones the amplifier's

@@ -1,12 +1,11 @@
 # %% [markdown]
 # # The error budget
 #
-# In the *simulated* all-optical instrument the largest errors are the phase drift between the RF
-# drivers and photon noise. At the photon limit all errors of assumed size give
-# {glue:text}`whole_single:.1f` µm rms in the single and {glue:text}`whole_doubled:.1f` µm in the
-# doubled mode. The paper's 33.5 µm (Paper Fig. 13, Table 4) is several times that, but within the
-# plausible sizes of {doc}`17_precision_sweep`; a later section lists possible causes. The captures'
-# noise, 390 µm a reading, exceeds all of them.
+# Which errors limit the *simulated* all-optical instrument?
+#
+# Whoever builds one wants to know what to improve first. The paper's 33.5 µm (Paper Fig. 13, Table
+# 4) is several times the sum at the photon limit, but within the plausible sizes of
+# [chapter 17](17_precision_sweep.ipynb); a later section lists possible causes.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -62,9 +61,6 @@ bound = {
     for name, what in targets.items()
     for mode in MODES
 }
-notes.tell(
-    whole_single=1e6 * rms["diffuse", "single"], whole_doubled=1e6 * rms["diffuse", "doubled"]
-)
 
 # %% tags=["hide-input"]
 figure, ax = plt.subplots(figsize=(8.0, 5.2))
@@ -129,10 +125,9 @@ notes.table(["µm", "rms", "offset", "scatter", "bound", "MAE/RMSE"], rows)
 #
 # With $x=\phi+\psi$ a small change $a\,\epsilon_k$ of the readings $C_k=d+a\cos x_k$ causes
 #
-# ```{math}
-# :label: eq-18-first-order
+# $$
 # \delta\phi = -\frac2K\sum_k \epsilon_k\sin x_k .
-# ```
+# \tag{18.1}$$
 #
 # A back-reflection of the power ratio $r$ causes $\arg(1+re^{i(\phi_b-\phi)})$, an I/Q imbalance
 # $\varepsilon$ causes $\tfrac\varepsilon2\sin2\phi$ in the single mode, and the third harmonic with
@@ -358,6 +353,20 @@ for name, ordinary, extraordinary in (("LiNbO3", 2.323, 2.234), ("LiTaO3", 2.183
     light = pupil**2 / aperture_area(known) / 64**2
     rows.append([name, f"{points:.2g}", f"{1e3 * pupil:.2f} mm", f"{light:.1e}"])
 notes.table(["", "points", "pupil, ±0.2 rad", "light a pixel over ours, 64 × 64"], rows)
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** The phase drift between the RF drivers and photon noise. At the photon limit all
+    errors of assumed size give {single:.1f} µm rms in the single and {doubled:.1f} µm in the
+    doubled mode. The captures' noise, 390 µm a reading, exceeds all of them.
+    """,
+    single=1e6 * rms["diffuse", "single"],
+    doubled=1e6 * rms["diffuse", "doubled"],
+)
 
 # %% [markdown]
 # Tens to hundreds of thousands of points are possible, but with the same laser each pixel of a

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Gauge blocks and a slanted plane
 #
-# Two gauge blocks stand 0.5 mm apart in height at a distance of 1 m, and the *simulated* instrument
-# scans them, as the paper's did (Paper Fig. 14). The mean over {glue:text}`repeats:.0f` repeats is
-# {glue:text}`mean_um:.1f` µm; one scan is uncertain by {glue:text}`scatter_um:.1f` µm at the photon
-# limit, and by {glue:text}`rough_um:.0f` µm with the phase noise of the published captures. The R²
-# of a slanted plane, the paper's second number, depends on its tilt as well as on the precision.
+# Two gauge blocks stand 0.5 mm apart in height at a distance of 1 m. How well does the *simulated*
+# instrument measure the step (Paper Fig. 14)?
+#
+# The paper states the height from one scan, and the R² of a slanted plane. The R² depends on the
+# tilt as well as on the precision.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -57,11 +57,11 @@ COLOURS = {
 # Both faces are parallel planes, and the step is their distance along the normal. With the points
 # of block $g$ on
 #
-# $$z = a\,x + b\,y + c_g,\qquad h = \frac{c_0 - c_1}{\sqrt{1+a^2+b^2}},$$ (eq-parallel-planes)
+# $$z = a\,x + b\,y + c_g,\qquad h = \frac{c_0 - c_1}{\sqrt{1+a^2+b^2}},
+# \tag{19.1}$$
 #
 # a least-squares fit finds tilt and offsets together, and from its residual the standard error
 # of $h$. The two modes are combined with the inverse squares of their errors as weights.
-
 
 # %% tags=["hide-input"]
 Planes = namedtuple("Planes", "slopes offsets covariance residual r_squared")
@@ -142,8 +142,6 @@ notes.table(
         ("standard error of a fit", errors.mean(0)),
         ("scatter of one scan, captures' noise", rough_scatter))],
 )  # fmt: skip
-notes.tell(repeats=repeats, mean_um=1e6 * mean[2], scatter_um=1e6 * scatter[2])
-notes.tell(rough_um=1e6 * rough_scatter[2])
 
 # %% [markdown]
 # A large plane of reflectance 0.5 stands at the same distance, slanted by several angles.
@@ -244,7 +242,8 @@ print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 
 # %% [markdown]
 # Most systematic errors are equal on both faces and cancel. A back-reflection of constant phase
-# changes the step with equal sign in every repeat ({doc}`18_error_budget` has its size).
+# changes the step with equal sign in every repeat ([chapter 18](18_error_budget.ipynb) has its
+# size).
 #
 # ## Meaning of R²
 #
@@ -252,7 +251,8 @@ print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 # that a fitted plane explains, R² = 0.9998. In expected values
 #
 # $$R^2 = 1 - \frac{\sigma^2}{\mathrm{var}(z)},\qquad
-#   \mathrm{var}(z) = \sigma^2 + \frac{(a L_x)^2 + (b L_y)^2}{12},$$ (eq-r-squared-plane)
+#   \mathrm{var}(z) = \sigma^2 + \frac{(a L_x)^2 + (b L_y)^2}{12},
+# \tag{19.2}$$
 #
 # with the slopes $a$, $b$ and the extent $L_x$ by $L_y$ of the plane: R² is a signal-to-noise ratio
 # whose signal is the tilt. The paper states neither tilt nor extent. A plane that runs over $L_z$
@@ -261,7 +261,8 @@ print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 # One error grows with the slope $g$: speckle shifts the centre of the spot by $w/2\sqrt N$ for a
 # radius $w$ and $N$ speckle cells in the aperture, which on a slope changes the range,
 #
-# $$\sigma^2 = \sigma_0^2 + g^2\,\frac{w^2}{4N}.$$ (eq-slope-noise)
+# $$\sigma^2 = \sigma_0^2 + g^2\,\frac{w^2}{4N}.
+# \tag{19.3}$$
 
 # %%
 left = np.array([[fit.residual.std() for fit in both] for _, both in planes])
@@ -310,13 +311,32 @@ plotting.save(
 )
 
 # %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** The mean of {repeats} repeats is {mean:.1f} µm ({low:.1f}–{high:.1f}). One scan is
+    uncertain by {scatter:.1f} µm at the photon limit, and by {rough:.0f} µm with the phase noise of
+    the published captures.
+    """,
+    repeats=repeats,
+    mean=1e6 * mean[2],
+    low=1e6 * (mean - half)[2],
+    high=1e6 * (mean + half)[2],
+    scatter=1e6 * scatter[2],
+    rough=1e6 * rough_scatter[2],
+)
+
+# %% [markdown]
 # The plane with the larger error thus has the higher R².
 #
 # ## Against the paper
 #
 # The paper's 0.4988 mm is 1.2 µm short of the nominal step, not 12 µm as its text has it
-# ({doc}`22_errata`). The number of points, the treatment of the tilt and the scatter are not
-# stated. Without tilt and extent an R² of 0.9998 neither supports nor contradicts any precision.
+# ([chapter 22](22_errata.ipynb)). The number of points, the treatment of the tilt and the scatter
+# are not stated. Without tilt and extent an R² of 0.9998 neither supports nor contradicts any
+# precision.
 
 # %%
 print(f"the plane with the captures' noise has R² {rough_fit.r_squared:.5f}")

@@ -1,7 +1,7 @@
 """Number the paper's equations as the paper does.
 
-A label ``eq-14`` is shown as (14) wherever it stands in the book. Any other label is numbered
-within its page: (4.1) in ``notebooks/04_…``, (N.1) in ``book/notation``.
+A label ``eq-14`` is shown as (14) wherever it stands in the book, ``eq-4.1`` as (4.1). Any other
+label is numbered within its page: (N.1) in ``book/notation``.
 """
 
 import re
@@ -19,16 +19,11 @@ class PaperMathDomain(MathDomain):
         """Store the number of an equation: the paper's, or the next one of the page."""
         super().note_equation(docname, labelid, location)
         equations: dict[str, tuple[str, Any]] = self.equations
-        if paper := re.fullmatch(r"eq-(\d+[a-z]?)", labelid):
+        if paper := re.fullmatch(r"eq-([\d.]+[a-z]?)", labelid):
             number = paper[1]
         else:
-            page = PurePosixPath(docname).name
-            chapter = page[:2].lstrip("0") if page[:2].isdigit() else page[0].upper()
-            before = sum(
-                where == docname and str(shown).startswith(f"{chapter}.")
-                for where, shown in equations.values()
-            )
-            number = f"{chapter}.{before + 1}"
+            before = sum(where == docname for where, _ in equations.values())
+            number = f"{PurePosixPath(docname).name[0].upper()}.{before + 1}"
         equations[labelid] = (docname, number)
 
 

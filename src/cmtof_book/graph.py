@@ -81,7 +81,7 @@ class Book:
         """Every file that a notebook's results depend on, relative to the checkout."""
         script = self.script(stem)
         fixed = {script, self.root / "environment.lock", self.source / "cmtof_book" / "execute.py"}
-        return self._relative(fixed | self.closure(script) | set(self._declared(script)))
+        return self._relative(fixed | self.closure(script) | set(self._declared(stem)))
 
     def tool(self, name: str) -> list[str]:
         """A module of `cmtof_book` and the files of the packages that it reaches."""
@@ -123,31 +123,22 @@ class Book:
                 names = [cmtof.WHERE.get(node.attr, "")] if node.value.id == "cmtof" else []
             yield from (name for name in names if name in self.imports.modules)
 
-    def _declared(self, script: Path) -> Iterator[Path]:
-        """Files that a notebook's front matter names under ``cmtof: {data: [], results: []}``.
-
-        Stored results lie in ``book/results``. Data lie outside the checkout and are optional.
-        """
-        declared = front_matter(script).get("cmtof", {})
-        for name in declared.get("results", []):
-            path = self.root / "book" / "results" / name
-            yield from [path] if path.is_file() else []
-        if declared.get("data"):
+    def _declared(self, stem: str) -> Iterator[Path]:
+        """Files that ``configs/inputs.yml`` names for a notebook; data are optional."""
+        listed = yaml.safe_load((self.root / "configs" / "inputs.yml").read_text("utf-8"))
+        declared = listed.get(stem, {})
+        results = (self.root / "book" / "results" / name for name in declared.get("results", []))
+        yield from filter(Path.is_file, results)
+        if words := declared.get("data"):
             from cmtof.captures import data_root
 
             base = data_root()
-            for word in declared["data"] if base else []:
-                yield from (file for file in (Path(base) / word).rglob("*") if file.is_file())
+            for word in words if base else []:
+                yield from filter(Path.is_file, (Path(base) / word).rglob("*"))
 
     def _relative(self, files: Any) -> list[str]:
         inside = (f.relative_to(self.root) if f.is_relative_to(self.root) else f for f in files)
         return sorted(map(str, inside))
-
-
-def front_matter(script: Path) -> dict[str, Any]:
-    """YAML header of a percent-format notebook, {} without one."""
-    header = re.match(r"# ---\n((?:#.*\n)*?)# ---\n", script.read_text(encoding="utf-8"))
-    return yaml.safe_load(re.sub(r"(?m)^# ?", "", header[1])) or {} if header else {}
 
 
 def _is_data(file: Path) -> bool:

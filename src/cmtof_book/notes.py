@@ -1,21 +1,34 @@
-"""Numbers and tables that a notebook puts into its page."""
+"""Sentences and tables of a notebook whose numbers come from its run."""
 
 import re
 from collections.abc import Iterable, Sequence
+from inspect import cleandoc
 
 from cmtof_book import record
+
+SAID = "cmtof-said"
+"""Key in an output's metadata by which `cmtof_book.stage` knows a sentence."""
 
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
 POWER = re.compile(r"(?<![\w`])(\d[\d.]*)e\+?(-?)0*(\d+)\b")
 
 
-def tell(**numbers: float) -> None:
-    """Glue numbers, so that the text can show them as ``{glue:text}`name:.2f` ``."""
-    from myst_nb import glue
+def say(text: str, **numbers: float | str) -> None:
+    """Show a paragraph of Markdown with numbers of this run where it has ``{name:.2f}``."""
+    _show("text", text, numbers)
+
+
+def answer(text: str, **numbers: float | str) -> None:
+    """Show the answer to a chapter's question, which the book repeats at the head of its page."""
+    _show("answer", text, numbers)
+
+
+def _show(kind: str, text: str, numbers: dict[str, float | str]) -> None:
+    from IPython.display import display
 
     record.add(record.TEXT, numbers)
-    for name, value in numbers.items():
-        glue(name, float(value), display=False)
+    said = cleandoc(text).format(**numbers)
+    display({"text/markdown": said}, raw=True, metadata={SAID: kind})
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

@@ -1,46 +1,23 @@
 """Keep the two halves of every notebook the same: the text is the source, the .ipynb follows.
 
-The .ipynb begins with a cell that installs cmtof where it is missing, as on Colab.
+A cell that draws is folded in JupyterLab as it is on the page.
 
 python -m cmtof_book.pairs          write each .ipynb that is missing or differs
 python -m cmtof_book.pairs --check  only tell, and exit 1 if one is missing or differs
 """
 
-import re
 import sys
 from pathlib import Path
 from typing import Any
 
 import jupytext
 import nbformat
-import yaml
-from nbformat.v4 import new_code_cell
 
 ROOT = Path(__file__).resolve().parents[2]
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 # the metadata that a pair shares; anything else is some editor's
 CELL_KEYS = {"tags", "mystnb"}
-INSTALL = """\
-# @title Installation of cmtof where it is missing
-from importlib.util import find_spec
-
-if find_spec("cmtof") is None:
-    """
-COLLAPSED = {"tags": ["remove-cell"], "jupyter": {"source_hidden": True}, "cellView": "form"}
-
-
-def install_cell(text: str) -> nbformat.NotebookNode:
-    """Return the first cell: it gets the repository where that has an address, else the package."""
-    extras = "notebooks,train" if re.search("fast-scnn|torch", text) else "notebooks"
-    repository = yaml.safe_load((ROOT / "_config.yml").read_text("utf-8"))["repository"]
-    steps = [f'%pip install -q "cmtof[{extras}]"']
-    if repository["url"]:
-        clone = f"!git clone -q --depth 1 -b {repository['branch']} {repository['url']} cmtof"
-        steps = [clone, "%cd -q cmtof/notebooks", f'%pip install -q "..[{extras}]"']
-    elif '"../book' in text:
-        steps.append('print("Cells that read ../book/results need a checkout of the repository.")')
-    return new_code_cell(INSTALL + "\n    ".join(steps), id="install", metadata=COLLAPSED)
 
 
 def notebook_from_script(script: Path) -> nbformat.NotebookNode:
@@ -50,7 +27,8 @@ def notebook_from_script(script: Path) -> nbformat.NotebookNode:
     for number, cell in enumerate(notebook.cells):
         cell["id"] = f"cell-{number:02d}"
         cell["metadata"] = {k: v for k, v in cell.metadata.items() if k in CELL_KEYS}
-    notebook.cells.insert(0, install_cell(script.read_text("utf-8")))
+        if "hide-input" in cell.metadata.get("tags", []):
+            cell.metadata["jupyter"] = {"source_hidden": True}
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     nbformat.validate(notebook)
     return notebook

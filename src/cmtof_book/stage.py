@@ -18,6 +18,8 @@ from nbformat.v4 import new_code_cell, new_markdown_cell
 
 from cmtof_book import claims, scoreboard
 from cmtof_book.graph import Book
+from cmtof_book.markdown import myst
+from cmtof_book.notes import SAID
 from cmtof_book.record import read_all
 from cmtof_book.views import STATIC
 
@@ -57,6 +59,29 @@ def place_figures(notebook: Any, stem: str) -> None:
             placed = {"figure": figure, "image": {"alt": about["alt"]}}
             cells[-1].metadata |= {"tags": ["remove-input"], "mystnb": placed}
     notebook.cells = cells
+
+
+def place_sentences(notebook: Any) -> None:
+    """Make every sentence that a run has written a cell of text; repeat the answer at the head."""
+    cells: list[Any] = []
+    for cell in notebook.cells:
+        outputs = cell.get("outputs", [])
+        said = [output for output in outputs if SAID in output.get("metadata", {})]
+        if not said or not cell.source.startswith("notes."):
+            cells.append(cell)
+        for output in said:
+            outputs.remove(output)
+            cells.append(new_markdown_cell(output.data["text/markdown"]))
+            if output.metadata[SAID] == "answer":
+                put_behind_question(cells, cells[-1].source)
+    notebook.cells = cells
+
+
+def put_behind_question(cells: list[Any], answer: str) -> None:
+    """Insert the answer behind the first paragraph of the chapter, which asks for it."""
+    head = next(cell for cell in cells if cell.cell_type == "markdown")
+    title, question, *rest = head.source.split("\n\n")
+    head.source = "\n\n".join([title, question, answer, *rest])
 
 
 def lead_with_figure(notebook: Any) -> None:
@@ -113,6 +138,7 @@ def provenance_block(about: dict[str, Any]) -> str:
 def stage_notebook(executed: Path, target: Path) -> None:
     """Write the page of an executed notebook."""
     notebook: Any = nbformat.read(executed, as_version=4)
+    place_sentences(notebook)
     place_figures(notebook, executed.stem)
     lead_with_figure(notebook)
     join_folded(notebook)
@@ -122,6 +148,8 @@ def stage_notebook(executed: Path, target: Path) -> None:
     notebook.cells.append(new_markdown_cell(provenance_block(notebook.metadata.pop("cmtof"))))
     notebook.metadata.pop("papermill", None)
     for number, cell in enumerate(notebook.cells):
+        if cell.cell_type == "markdown":
+            cell.source = myst(cell.source)
         cell["id"] = f"cell-{number:02d}"
         for key in ("papermill", "execution"):
             cell.metadata.pop(key, None)
