@@ -350,3 +350,27 @@ notes.answer(
 paper.check("sec3.phase_steps", quarters.size)
 paper.check("sec1.wrap_depth_7ghz", closed_form(wrap_length(frequency)))
 paper.check("sec7.phase_steps", max(against_drive))
+
+# %% [markdown]
+# ## Exercises
+#
+# **1.** Three readings at ψ = 0, 2π/3 and 4π/3 are 0.62, 0.29 and 0.59. What is their phase, and
+# which ranges below 50 mm are possible at 7.15 GHz?
+
+# %% tags=["hide-cell"]
+# The phase is that of the first harmonic, fitted by least squares; further wraps add c/2f each.
+thirds = TAU * np.arange(3) / 3
+read = phase_from_correlation(np.array([0.62, 0.29, 0.59]), thirds)
+ranges = depth_from_phase(read, frequency) + np.arange(3) * wrap_length(frequency)
+print(f"{read:.2f} rad:", *(f"{1e3 * z:.1f} mm" for z in ranges))
+
+# %% [markdown]
+# **2.** What is the contrast of the correlation of a raised cosine with a gate that is open for a
+# quarter of the period?
+
+# %% tags=["hide-cell"]
+# A gate open for the share d has R_k = sin(πkd)/(πk) and R_0 = d. The shorter gate has a higher
+# contrast than one of half the period, but passes half as much light.
+quarter = np.array([0.25, np.sin(np.pi / 4) / np.pi], complex)
+half = np.array([0.5, 1 / np.pi], complex)
+[round(float(correlation_contrast(raised, one)), 3) for one in (half, quarter)]

@@ -63,8 +63,6 @@ ratio = spread[0] / spread[-1]
 gain_in_precision = sum_over_draws(ratio, error=ratio / np.sqrt(samples - 1))
 step = full_scale / (2**ADC_BITS - 1)
 rounding_share = step**2 / 12 / (signal / 2 + NOISE_SIGMA**2)
-print(f"spread {spread[0]:.1f} mm at 100 MHz, {spread[-1]:.3f} mm at 10 GHz")
-print(f"gain {ratio:.1f} ± {ratio / np.sqrt(samples - 1):.1f}")
 print(f"spread over the exact law {np.mean(spread / law):.3f}")
 print(f"rounding to {ADC_BITS} bits adds {rounding_share:.1e} of the variance")
 
@@ -104,20 +102,10 @@ plotting.save(
     "length, and far below it the bound with the simulated dots on it.",
 )
 
-# %% tags=["hide-input"]
-notes.say(
-    r"""
-    The spread falls from {spread_low:.0f} mm to {spread_high:.2f} mm, by {ratio:.0f} ±
-    {ratio_error:.0f} times, the ratio of the frequencies. The noise does not depend on the
-    modulation frequency, so $\sigma_\varphi$ is the same everywhere, and
-    """,
-    spread_low=spread[0],
-    spread_high=spread[-1],
-    ratio=ratio,
-    ratio_error=ratio / np.sqrt(samples - 1),
-)
-
 # %% [markdown]
+# The noise does not depend on the modulation frequency, so $\sigma_\varphi$ is the same everywhere,
+# and
+#
 # $$
 # \sigma_z = \frac{c}{4\pi f}\,\sigma_\varphi , \qquad
 # \sigma_\varphi \ge \frac{1}{a}\sqrt{\frac{2v}{K}} , \qquad
@@ -254,3 +242,23 @@ paper.check("fig3.bits", ADC_BITS)
 paper.check("fig3.precision_ratio", gain_in_precision)
 paper.check("sec3.signal_change_100mhz", closed_form(crest[0]))
 paper.check("sec3.signal_change_8ghz", closed_form(crest[1]))
+
+# %% [markdown]
+# ## Exercises
+#
+# **1.** How many times longer must an exposure be at 1 GHz to reach the depth precision of
+# 7.15 GHz, with photon noise alone?
+
+# %% tags=["hide-cell"]
+# σ_z is proportional to 1/f and, with photon noise, to one over the root of the exposure.
+round((7.15e9 / 1e9) ** 2, 1)
+
+# %% [markdown]
+# **2.** At which brightness do photons and the Gaussian noise of σ = 1200 counts contribute
+# equally? What is the phase noise of a white pixel without the Gaussian noise?
+
+# %% tags=["hide-cell"]
+# At none: the photons' variance is their mean count GTI/2, which never reaches σ².
+ratio = NOISE_SIGMA**2 / (GAIN * INTEGRATION_TIME / 2)
+print(f"σ² is {ratio:.0f} times the photons' variance of a white pixel")
+[round(float(simulated_phase_noise(1.0, sigma=sigma)), 4) for sigma in (NOISE_SIGMA, 0)]

@@ -208,25 +208,12 @@ plotting.save(
 # %% tags=["hide-input"]
 notes.say(
     """
-    The count of a white pixel is right in {odds_white:.1f} % of cases, at I = 0.3 in
-    {odds_dark:.1f} %; chance is {guess:.2f} %. For 95 % a white surface must pool {need_white:.0f}
-    pixels.
+    At I = 0.3 the count of one pixel is right in {odds_dark:.1f} %, where chance is {guess:.2f} %.
+    In squares of 64 pooled phasors are then right in {big_phasor:.0f} %, pooled beats in
+    {big_product:.0f} %. For other frequencies ($f_2 = 2f_1$ + 20 MHz) and noise:
     """,
-    odds_white=100 * counted[0],
     odds_dark=100 * counted[3],
     guess=100 / beat_wraps,
-    need_white=need[1.0],
-)
-
-# %% tags=["hide-input"]
-notes.say(
-    """
-    At I = 0.3 it needs {need_dark:.0f}, a square of {side_dark:.0f}. In squares of 64 pooled
-    phasors are then right in {big_phasor:.0f} %, pooled beats in {big_product:.0f} %. For other
-    frequencies ($f_2 = 2f_1$ + 20 MHz) and noise:
-    """,
-    need_dark=need[0.3],
-    side_dark=np.sqrt(need[0.3]),
     big_phasor=100 * pooled[0.3, 64][0],
     big_product=100 * pooled[0.3, 64][1],
 )
@@ -259,3 +246,24 @@ notes.answer(
 paper.check("fig4.wraps_low", crossed[1e8])
 paper.check("fig4.wraps_high", crossed[f1])
 paper.check("sec4.frequency_ratio", f1 / 1e8)
+
+# %% [markdown]
+# ## Exercises
+#
+# **1.** A third frequency of 7.25 GHz is added to 7.15 GHz. How many wraps has the range of their
+# beat, and what is the spread of a white pixel's count?
+
+# %% tags=["hide-cell"]
+# The beat has 100 MHz and a range of 1.5 m, five times fewer wraps than that of 20 MHz, and by
+# Eq. 3.1 with Δ = f₂ − f₁ a spread of 2.2 wraps instead of 17.
+other = 7.25e9
+spread = white * np.hypot(f1, other) / (TAU * (other - f1))
+print(f"{wrap_length(other - f1) / wrap_length(f1):.1f} wraps, spread {spread:.2f}")
+
+# %% [markdown]
+# **2.** How many white pixels must be pooled for 99.9 %?
+
+# %% tags=["hide-cell"]
+# The spread is proportional to one over the root of the number of pixels; 99.9 % lie within 3.29
+# spreads, which may be half a wrap.
+round((2 * 3.2905 * wrap_spread) ** 2, -2)

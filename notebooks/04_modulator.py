@@ -321,12 +321,11 @@ plotting.save(
 # %% tags=["hide-input"]
 notes.say(
     r"""
-    At η = 0.26 the doubled amplitude is {ratio:.3f} of the single one. The photodiode passes
-    {response_single:.2f} of the amplitude at 7.15 GHz and {response_doubled:.2f} at 14.32 GHz, but
-    all of the mean, so that the contrast it shows is a lower bound of the light's. For any plate,
+    The photodiode passes {response_single:.2f} of the amplitude at 7.15 GHz and
+    {response_doubled:.2f} at 14.32 GHz, but all of the mean, so that the contrast it shows is a
+    lower bound of the light's. For any plate,
     $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$:
     """,
-    ratio=ratio,
     response_single=response[0],
     response_doubled=response[1],
 )
@@ -550,3 +549,24 @@ reached = {
 }
 for key, value in reached.items():
     paper.check(key, value)
+
+# %% [markdown]
+# ## Exercises
+#
+# **1.** Which drive amplitude gives the doubled mode its largest amplitude, and how large is it?
+
+# %% tags=["hide-cell"]
+# The amplitude is J₂(2η); it is largest where its derivative vanishes.
+largest = jv(2, 2 * etas).argmax()
+print(f"η = {etas[largest]:.2f}: {jv(2, 2 * etas[largest]):.3f}")
+
+# %% [markdown]
+# **2.** The half-wave plate is at 20° instead of 22.5°, the quarter-wave plate at its right angle.
+# What is the ratio of the amplitudes at the drive's own frequency and at the doubled one at
+# η = 0.26?
+
+# %% tags=["hide-cell"]
+# Over the mean the harmonics are 2 J₁(2η)|sin 8θ| and 2 J₂(2η)|cos 8θ|, so the drive's own is the
+# larger one. The slider above shows the same.
+turned = 8 * np.deg2rad(20)
+round(abs(jv(1, 0.52) * np.sin(turned) / (jv(2, 0.52) * np.cos(turned))), 2)

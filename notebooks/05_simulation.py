@@ -21,6 +21,7 @@ import numpy as np
 
 import cmtof
 from cmtof.bounds import phase_spread, simulated_phase_noise
+from cmtof.classical.beat import beat_depth, beat_phasor
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (
     centred,
@@ -214,12 +215,11 @@ plotting.save(
 # %% tags=["hide-input"]
 notes.say(
     """
-    In the released code's order a pixel of brightness 0.02 keeps {kept_dark:.0f} % of its signal at
-    equal phase noise, since clipping reduces both. This book uses the paper's order
+    In the released code's order a dark pixel keeps less of its signal at equal phase noise, since
+    clipping reduces both. This book uses the paper's order
     (`order="released"` selects the other). Ambient light, as the paper models it, raises a white
     pixel's noise from {white:.3f} to {white_ambient:.3f} rad.
     """,
-    kept_dark=100 * kept[theirs][0],
     white=spread[ours][-1],
     white_ambient=spread[ambient][-1],
 )
@@ -458,3 +458,24 @@ paper.check("sec8.noise_mean", (offset - signal * brightness / 2)[measurement.ma
 paper.check("sec8.noise_sigma", about["noise_sigma"])
 paper.check("sec8.noise_sigma_high", ambient_noise)
 paper.check("sec8.noise_ratio", ambient_noise / NOISE_SIGMA)
+
+# %% [markdown]
+# ## Exercises
+#
+# **1.** Compare the spread of the phase of this frame with
+# [Eq. 2.1](02_precision.ipynb#eq-2.1).
+
+# %% tags=["hide-cell"]
+# The noise of a pixel follows from its brightness; the ratio of both is one.
+lit = scored & (frame.intensity > 0.5)
+law = simulated_phase_noise(frame.intensity[lit])
+round(float(error[lit].std() / np.sqrt(np.mean(law**2))), 1)
+
+# %% [markdown]
+# **2.** Unwrap the measurement by the beat of single pixels. Which share has the right wrap?
+
+# %% tags=["hide-cell"]
+# About one in a hundred, the odds of a single pixel.
+found = beat_depth(np.angle(beat_phasor(measured)), measured)
+wraps = [consistent_wrap_count(z, measured.phase[0], f1) for z in (found, measured.depth)]
+round(float(np.mean((wraps[0] == wraps[1])[scored])), 2)

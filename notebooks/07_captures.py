@@ -380,26 +380,23 @@ drawn = {
 }
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(4, count, figsize=(3.4 * count + 0.9, 11.0), squeeze=False)
+figure, axes = plt.subplots(2, count, figsize=(3.4 * count + 0.9, 5.6), squeeze=False)
 half = phases[names[0]].shape[0] // 2
 waves = np.arange(1, half) / (2 * half)
 for column, name in zip(axes.T, names, strict=True):
     level = 1e3 * spectra[name].mean()
-    held = np.where(inside[name], residual[name], np.nan)
-    title = f"{name}, {source}"
-    style = {"cmap": "RdBu_r", "limits": (-0.4, 0.4)}
-    plotting.image(column[0], held, label="residual (rad)", title=title, **style)
-    shown = np.fft.fftshift(1e3 * ndimage.uniform_filter(spectra[name], 3, mode="wrap"))
-    plotting.image(column[1], shown, label="10⁻³ rad²", limits=(0, 2.5 * level))
-    for ax, axis, title in ((column[2], 1, "down the columns"), (column[3], 0, "across the rows")):
+    for ax, axis, along in ((column[0], 1, "down the columns"), (column[1], 0, "across the rows")):
         for kind, colour in (("white", vermillion), ("lines", green)):
             curves = 1e3 * np.mean(drawn[kind][name], axis=1 + axis)[:, 1:half]
             low, high = np.percentile(curves, [5, 95], axis=0)
             ax.fill_between(waves, low, high, color=colour, alpha=0.25, lw=0)
             ax.plot(waves, curves.mean(0), color=colour, label=f"simulated, {kind}")
         ax.plot(waves, 1e3 * spectra[name].mean(axis)[1:half], ".", color=blue, label=source)
-        ax.set(title=title, ylim=(0, 2 * level), xlabel="frequency (1/px)")
-axes[2, 0].legend(fontsize="small")
+        ax.set(title=f"{name}, {along}", ylim=(0, 2 * level))
+    column[1].set_xlabel("frequency (1/px)")
+for ax in axes[:, 0]:
+    ax.set_ylabel("power (10⁻³ rad²)")
+axes[0, 0].legend(fontsize="small")
 plotting.save(
     figure,
     "noise_matching_spectra",
@@ -408,12 +405,10 @@ plotting.save(
         "line_noise": {n: line._asdict() for n, line in lines.items()},
         "rms_rad": {n: float(residual[n][inside[n]].std()) for n in names},
     },
-    caption=f"Residual of a quadratic fit to the phase on the wall ({source}), its spectrum with "
-    "zero frequency in the middle, and spectra down and across (dots), with the range (5 to 95 %) "
-    "of simulations with white and with line noise.",
-    alt="Residual maps of grain; two-dimensional spectra; dots among two bands, one of white "
-    "noise, nearly level, and one of line noise.",
-    format="png",
+    caption=f"Spectra of the noise on the wall ({source}, dots), with the range (5 to 95 %) of "
+    "simulations with white and with line noise. White noise is level; noise that neighbours "
+    "share falls with the frequency.",
+    alt="Dots among two bands, one of white noise, nearly level, and one of line noise.",
 )
 
 

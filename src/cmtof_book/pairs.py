@@ -1,6 +1,6 @@
 """Keep the two halves of every notebook the same: the text is the source, the .ipynb follows.
 
-A cell that draws is folded in JupyterLab as it is on the page.
+What is folded on the page is folded in JupyterLab too.
 
 python -m cmtof_book.pairs          write each .ipynb that is missing or differs
 python -m cmtof_book.pairs --check  only tell, and exit 1 if one is missing or differs
@@ -18,6 +18,11 @@ ROOT = Path(__file__).resolve().parents[2]
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 # the metadata that a pair shares; anything else is some editor's
 CELL_KEYS = {"tags", "mystnb"}
+FOLDED = {
+    "hide-input": {"source_hidden": True},
+    "hide-cell": {"source_hidden": True, "outputs_hidden": True},
+}
+"""What JupyterLab folds by a tag that folds it on the page."""
 
 
 def notebook_from_script(script: Path) -> nbformat.NotebookNode:
@@ -27,8 +32,8 @@ def notebook_from_script(script: Path) -> nbformat.NotebookNode:
     for number, cell in enumerate(notebook.cells):
         cell["id"] = f"cell-{number:02d}"
         cell["metadata"] = {k: v for k, v in cell.metadata.items() if k in CELL_KEYS}
-        if "hide-input" in cell.metadata.get("tags", []):
-            cell.metadata["jupyter"] = {"source_hidden": True}
+        if folded := FOLDED.keys() & cell.metadata.get("tags", []):
+            cell.metadata["jupyter"] = FOLDED[min(folded)]
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     nbformat.validate(notebook)
     return notebook

@@ -142,9 +142,6 @@ def stage_notebook(executed: Path, target: Path) -> None:
     place_figures(notebook, executed.stem)
     lead_with_figure(notebook)
     join_folded(notebook)
-    exercises = ROOT / "book" / "exercises" / f"{executed.stem}.md"
-    if exercises.is_file():
-        notebook.cells.append(new_markdown_cell(exercises.read_text("utf-8")))
     notebook.cells.append(new_markdown_cell(provenance_block(notebook.metadata.pop("cmtof"))))
     notebook.metadata.pop("papermill", None)
     for number, cell in enumerate(notebook.cells):
