@@ -7,8 +7,8 @@ MAKEFLAGS += --no-print-directory --no-builtin-rules
 
 BIN := .venv/bin
 
-# a recipe reads F from its environment: make would paste it into the shell's own words
-export F
+# a recipe reads F and P from its environment: make would paste them into the shell's own words
+export F P
 
 PROFILES := ci book paper
 ifneq ($(words $(PROFILE))$(filter-out $(PROFILES),$(PROFILE)),1)
@@ -55,11 +55,12 @@ figures: book ## Accept the figures and numbers of the build into figures/
 	@$(BIN)/python -m cmtof_book.figures build/$(PROFILE)/results figures
 
 # a name that a notebook puts together stands there as its first word and a brace
-figure: setup ## Draw one figure, and what else its notebook draws: make figure F=fig13
+figure: setup ## Draw a figure with your own parameters: make figure F=fig13 [P="seed=1 repeats=6"]
 	@stem=; [[ ! "$$F" =~ ^[a-z0-9_]+$$ ]] || stem=$$({ grep -lE "\"$$F(_|\")" notebooks/*.py; \
 		grep -lF "\"$${F%%_*}_{" notebooks/*.py || true; } | sed -n '1s/\.py$$//p'); \
 	stem=$${stem#*/}; [ "$$stem" ] || { echo "Expected a figure, got F=$$F. Try F=fig13." >&2; exit 1; }; \
-	$(call build,$(PROFILE),build/$(PROFILE)/results/$$stem); ls build/$(PROFILE)/results/$$stem/"$$F"*
+	folder=build/$${P:+own}; [ "$$P" ] || folder+=$(PROFILE); \
+	$(call build,$(PROFILE),$$folder/results/$$stem); ls $$folder/results/$$stem/"$$F"*
 
 pdf: book ## Print the whole book to build/PROFILE/book.pdf (Debian: apt-get install chromium)
 	@$(BIN)/jupyter-book build build/$(PROFILE)/stage --builder=custom --custom-builder=singlehtml -q \
@@ -88,7 +89,8 @@ fuzz: setup ## Five thousand hostile inputs for the command line
 size: setup ## Volume and density of every part beside its budget (V=-v names what is over)
 	@$(BIN)/python -m cmtof_book.size $(V)
 
-lab: setup ## Open the notebooks in JupyterLab
+lab: setup ## Open the notebooks in JupyterLab, each as its newer half is
+	@$(BIN)/jupytext --sync --quiet notebooks/[0-9]*.ipynb
 	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
 lint: setup ## Check style, types, notebook pairs and words

@@ -2,20 +2,24 @@
 #   .venv/bin/snakemake --config profile=ci --dry-run
 # Every notebook is a job of its own; what it depends on is worked out by `cmtof_book.graph`.
 import json
+import os
 import shutil
 from pathlib import Path
 
-from cmtof_book.graph import Book
+from cmtof_book.graph import Book, parameters_from_text
 
 PROFILE = config.get("profile", "book")
-BUILD = config.get("build", f"build/{PROFILE}")
+# a reader's own parameters, as in `make figure F=fig13 P="repeats=6"`: built apart from the book
+OWN = parameters_from_text(os.environ.get("P", ""))
+BUILD = config.get("build", "build/own" if OWN else f"build/{PROFILE}")
 PYTHON = ".venv/bin/python"
 CHAPTERS = Book(Path(workflow.basedir))
 NOTEBOOKS = CHAPTERS.notebooks()
 
 
 def parameters_of(wildcards):
-    return json.dumps(CHAPTERS.parameters(wildcards.notebook, PROFILE), sort_keys=True)
+    parameters = CHAPTERS.parameters(wildcards.notebook, PROFILE) | OWN
+    return json.dumps(parameters, sort_keys=True)
 
 
 wildcard_constraints:

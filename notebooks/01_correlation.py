@@ -103,7 +103,6 @@ plotting.save(
     "fig02_principle",
     numbers={
         "phase": closed_form(phi),
-        "crest_psi": float(sweep[profile_of_phi.argmax()]),
         "contrast": closed_form(correlation_contrast(returned, raised)),
     },
     caption=(
@@ -233,7 +232,7 @@ notes.say(
 # does not remove.
 
 
-# %%
+# %% tags=["hide-input"]
 def cyclic_error(wave, phase, samples):
     """Phase error of the harmonics with so many uniform steps, rad; harmonics k = m K ± 1 alias."""
     psi = TAU * np.arange(samples) / samples
@@ -280,7 +279,6 @@ plotting.save(
     "correlation_cyclic_error",
     numbers={
         "mrad_4_steps": closed_form([largest[e, 4] for e in waves]),
-        "mrad_16_steps": [largest[e, 16] for e in waves],
     },
     caption="Cyclic error of the waveforms' harmonics with K steps of ψ, two single-mode "
     "modulators, simulated without noise. (a) Four steps alias the third harmonic of a strong "

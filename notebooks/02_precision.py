@@ -89,7 +89,6 @@ plotting.save(
     "fig03_precision",
     numbers={
         "ratio": gain_in_precision,
-        "spread_mm": [spread[0], spread[-1]],
         "spread_over_law": sum_over_draws(np.mean(spread / law), error=1 / np.sqrt(2 * error.size)),
         "rounding_share": closed_form(rounding_share),
     },
@@ -130,7 +129,7 @@ notes.say(
 # the *maximum* of the cosine: $1-\cos\Delta\varphi\approx\Delta\varphi^2/2$. There a cosine changes
 # least. At quadrature it changes by $\sin\Delta\varphi$.
 
-# %%
+# %% tags=["hide-input"]
 turn = phase_from_depth(1e-3, np.array([1e8, 8e9]))
 crest, quadrature = 1 - np.cos(turn), np.sin(turn)
 rows = [
@@ -234,7 +233,7 @@ notes.answer(
 #
 # ## Against the paper
 
-# %%
+# %% tags=["hide-input"]
 paper.check("fig3.frequency_low", frequencies[0])
 paper.check("fig3.frequency_high", frequencies[-1])
 paper.check("fig3.samples", samples)

@@ -72,7 +72,6 @@ plotting.save(
     figure,
     "fig04_wraps",
     format="png",
-    numbers={"crossed": list(crossed.values()), "span_m": float(np.ptp(line))},
     caption=f"The embedded frame `{frame_name}` at 100 MHz, 7.15 GHz and 14.32 GHz, simulated with "
     "the paper's noise (the paper shows another scene). (a–c) Measured wrapped phase. (d–f) Along "
     "the line: the measured phase (dots) and the true wrap count (blue).",
@@ -111,7 +110,7 @@ print(f"at full brightness the count of one pixel has a standard deviation of {w
 # [exact law](02_precision.ipynb) of the phase.
 
 
-# %%
+# %% tags=["hide-input"]
 def flat(brightness):
     shape = (odds_side, odds_side)
     target = Frame(np.full(shape, flat_depth), np.full(shape, brightness))
@@ -136,7 +135,7 @@ error = np.sqrt(law * (1 - law)) / odds_side
 # Pixels must be pooled: either the *beats* of neighbours (products of noisy phasors), or the
 # correlations first, so that each frequency's phasor is clean *before* the beat is taken.
 
-# %%
+# %% tags=["hide-input"]
 sides = np.array([1, 4, 8, 16, 24, 32, 48, 64])
 
 
@@ -190,7 +189,6 @@ plotting.save(
     figure,
     "wraps_odds",
     numbers={
-        "brightness": brightness,
         "formula": closed_form(formula),
         "law": closed_form(law),
         "counted": sum_over_draws(counted, error=error),

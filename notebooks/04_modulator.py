@@ -188,7 +188,7 @@ print("E_3 + i cos(4θ_h + V):", residual(field + sp.I * sp.cos(4 * theta_h + V)
 # I(V) = |E_3|^2 = \frac{A^2}{2}(1-\cos 2V)
 # \tag{18}$$
 
-# %%
+# %% tags=["hide-input"]
 single, doubled = field.subs(theta_h, sp.pi / 16), field.subs(theta_h, sp.pi / 8)
 I_single, I_doubled = (1 - sp.sin(2 * V)) / 2, (1 - sp.cos(2 * V)) / 2
 driven = I_single.subs(V, eta_s * sp.sin(theta))
@@ -206,12 +206,6 @@ print("up to the common phase −1,", ", ".join(f"{k}: {left}" for k, left in re
 plotting.save(
     figure,
     "fig07_two_pass",
-    numbers={
-        "eta": eta,
-        "contrast": [mode.contrast() for mode in modes.values()],
-        "throughput": [mode.throughput() for mode in modes.values()],
-        "residuals": [float(r) for r in residuals.values()],
-    },
     caption="The two-pass modulator, computed. (a) The folded light path, and the polarisation "
     "before each element on the way out (upper rows) and behind it on the way back (lower rows), "
     "for three drive voltages; left, the light that leaves. (b) The intensity of both modes at η = "
@@ -301,11 +295,7 @@ plotting.save(
     figure,
     "fig08_doubling",
     numbers={
-        "amplitude_single": 2 * abs(spectra["single"][1]),
-        "amplitude_doubled": 2 * abs(spectra["doubled"][2]),
         "doubled_over_single": closed_form(ratio),
-        "third_harmonic": abs(spectra["single"][3] / spectra["single"][1]),
-        "fourth_harmonic": abs(spectra["doubled"][4] / spectra["doubled"][2]),
         "photodiode_response": closed_form(response),
         "taylor_error": closed_form(taylor_error),
     },
@@ -364,11 +354,8 @@ plotting.save(
     figure,
     "modulator_eta",
     numbers={
-        "correlation_contrast_single": contrast[0],
         "correlation_contrast_doubled": closed_form(contrast[1]),
         "signal_ratio": closed_form(signal_ratio),
-        "bright_contrast": replace(modes["doubled"], output="returned").contrast(),
-        "best_eta": [etas[swing[name].argmax()] for name in ("single", "doubled, dark")],
     },
     caption="Two modules correlated, against the drive amplitude η (simulated): mean, contrast and "
     "signal of the correlation. Dark and bright bias of the doubled mode share one signal.",
@@ -397,7 +384,7 @@ def depth_and_leak(name, **errors):
     return 2 * w[ORDER[name]] / w[0], w[1] / w[2]
 
 
-# %%
+# %% tags=["hide-input"]
 rows = []
 for name, error, value in (
     ("none", "half_wave_angle_error", 0.0),
@@ -426,7 +413,7 @@ notes.table(["error", "single, depth", "doubled, depth", "doubled, leak"], rows)
 # $$m_1 = \frac{2 J_1(2\eta)\,|\sin 8\theta_h|}{1 + J_0(2\eta)\cos 8\theta_h},\qquad
 #   m_2 = \frac{2 J_2(2\eta)\,|\cos 8\theta_h|}{1 + J_0(2\eta)\cos 8\theta_h}.$$
 
-# %%
+# %% tags=["hide-input"]
 settings = TwinSettings()
 instrument = SimulatedInstrument(settings, seed=seed)
 FAST_BANDWIDTH = 12e9  # Hz, of the fast detector ET-4000 (Sec. 7.4)
@@ -483,9 +470,6 @@ plotting.save(
     figure,
     "instrument_plate_and_power",
     numbers={
-        "plate_worst": worst,
-        "power_worst": list(off.values()),
-        "plate_of_second": float(np.rad2deg(plate[by_plate[2].argmax()])),
         "half_contrast_dbm": closed_form(half_power),
     },
     caption="Harmonics of the simulated instrument's emitted light over its mean, detector "
@@ -528,7 +512,7 @@ notes.answer(
 # %% [markdown]
 # ## Against the paper
 
-# %%
+# %% tags=["hide-input"]
 strongest = 1 + int(np.abs(spectra["doubled"][1:]).argmax())
 reached = {
     "sec1.contrast": closed_form(replace(SINGLE, eta=float(quarter_at)).contrast()),

@@ -69,10 +69,6 @@ plotting.save(
     figure,
     "simulation_correlations",
     format="png",
-    numbers={
-        "median_amplitude": float(np.median(amplitude)),
-        "median_count": float(np.median(images[0])),
-    },
     caption=f"The frame `{frame_name}`, simulated at 7.15 GHz. (a, b) The inputs. (e–h) The four "
     "correlation images at the paper's noise. (c, d) Phase and amplitude decoded from them; every "
     "fringe of (c) is 21 mm of depth.",
@@ -111,7 +107,7 @@ plotting.save(
 #
 # to whatever ψ the file states: any number from three up, any spacing, any order.
 
-# %%
+# %% tags=["hide-input"]
 truth = np.linspace(0, 2 * np.pi, 400, endpoint=False)
 irregular = np.array([5.1, 0.2, 2.9, 1.0, 4.4, 3.3, 1.9])
 curve = correlation_from_phase(truth, irregular, amplitude=2.0, offset=7.0)
@@ -156,7 +152,7 @@ for name in embedded_frames():
 # noise first, clips it at zero, and then draws Poisson counts. For bright pixels that is
 # equivalent; for dark ones clipping raises the mean and reduces the amplitude.
 
-# %%
+# %% tags=["hide-input"]
 levels = np.geomspace(0.02, 1, 12)
 settings = {
     "paper's order": ("paper", NOISE_SIGMA),
@@ -200,7 +196,6 @@ plotting.save(
     figure,
     "simulation_noise",
     numbers={
-        "spread_paper": spread[ours],
         "spread_released": sum_over_draws(spread[theirs], error=spread_error),
         "kept_released": sum_over_draws(kept[theirs], error=kept_error),
     },
@@ -238,7 +233,7 @@ notes.say(
 # scored, 21 classes. **full** leaves the scene as it is and scores everything within the beat's
 # 7.495 m. A pixel that is not scored keeps its signal.
 
-# %%
+# %% tags=["hide-input"]
 frames = {name: cmtof.load_frame(name) for name in embedded_frames()}
 quiet = {
     (name, protocol): cmtof.simulate(held, protocol=protocol, noise_free=True)
@@ -295,7 +290,7 @@ plotting.save(
 # ([erratum 4](22_errata.ipynb#erratum-4)). A phase error ε is an error $2^k\epsilon$ of the k-th
 # octave, which reduces its cosine by $\langle\cos 2^k\epsilon\rangle$.
 
-# %%
+# %% tags=["hide-input"]
 measured = cmtof.simulate(frame, protocol="released", seed=seed)
 exact = quiet[frame_name, "released"]
 error = centred(measured.phase[0] - exact.phase[0])
@@ -318,11 +313,6 @@ figure, _ = plotting.maps([*stacks[0], *stacks[1]], label="", titles=titles, **l
 plotting.save(
     figure,
     "inputs_features",
-    numbers={
-        "kept": remains,
-        "kept_brightest_tenth": remains_bright,
-        "kept_white": remains_white.tolist(),
-    },
     caption=f"The cosines of the Fourier features of `{frame_name}` at 7.15 GHz, simulated, "
     "without noise (above) and at the paper's noise (below), with the share of each cosine left on "
     "average over the scored pixels.",
@@ -417,7 +407,6 @@ plotting.save(
     "fig05_inputs",
     numbers={
         "channels": closed_form(channels),
-        "classes": counts,
         "scored": share_of_pixels(scored.mean(), pixels=scored.size),
     },
     caption=f"The network's inputs: {channels} channels of the frame `{frame_name}` at the paper's "
@@ -449,7 +438,7 @@ notes.answer(
 # %% [markdown]
 # ## Against the paper
 
-# %%
+# %% tags=["hide-input"]
 about = measurement.dataset.attrs
 paper.check("sec5.phase_steps", images.shape[1])
 paper.check("sec8.gain", about["gain"])

@@ -60,11 +60,6 @@ plotting.save(
     figure,
     "scenes_sheet",
     format="png",
-    numbers={
-        "triangles": [min(triangles), max(triangles)],
-        "things": [min(things), max(things)],
-        "mean_brightness": light,
-    },
     caption=f"Rooms rendered from a seed, {views} views of each side by side.",
     alt="Contact sheet of rendered interiors: furnished rooms with windows, lamps and patterns, "
     "and a few close views of things.",
@@ -91,10 +86,6 @@ plotting.save(
     figure,
     "scenes_layers",
     format="png",
-    numbers={
-        "range_5_50_95_m": np.nanpercentile(exact, [5, 50, 95]).tolist(),
-        "things_seen": int(np.unique(one.picture.instance).size),
-    },
     caption="Data of each rendered view: linear colour, range, and the object in each pixel.",
     alt="Three panels of one view: the tone-mapped picture, its range, and its objects as colours.",
 )
@@ -105,7 +96,7 @@ plotting.save(
 # Of Hypersim only percentiles are compared: brightness (0.30 R + 0.59 G + 0.11 B) determines the
 # noise, range the number of wraps.
 
-# %%
+# %% tags=["hide-input"]
 HYPERSIM = {
     "brightness": {5: 0.010, 25: 0.08, 50: 0.27, 75: 0.70, 90: 1.6},
     "range (m)": {5: 1.27, 25: 3.0, 50: 4.8, 75: 7.8, 95: 23.0},
@@ -135,7 +126,7 @@ print(f"beyond 7.5 m: {np.mean(ours['range (m)'] > 7.5):.0%} of the pixels")
 # were looked at while the rooms were written, and the rooms came nearer to them. That both agree
 # below is therefore no independent test.
 
-# %%
+# %% tags=["hide-input"]
 root = data_root()
 files = sorted(root.glob("frames/*.npz")) if root else []
 sets = {"rooms": [view.frame.depth for view in shown]}
@@ -167,10 +158,6 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "scenes_hardness",
-    numbers={
-        "median": dict(zip(("slope", "jump", "patch"), medians["rooms"], strict=True)),
-        "steeper_than_half_a_wrap": steep,
-    },
     caption="Slope, jumps and size of surfaces in the rendered rooms, over all pixels, in wraps of "
     "7.15 GHz (20.96 mm). Beyond half a wrap a pixel the sign of the slope is ambiguous.",
     alt="Three cumulative curves on logarithmic axes: slope, jump, and size of surfaces.",

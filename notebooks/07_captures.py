@@ -143,9 +143,6 @@ plotting.save(
     "fig11_noise_matching",
     numbers={
         "source": source,
-        "phase_noise_rad": sigma,
-        "sigma_at_full_brightness": matched,
-        "phase_noise_simulated_rad": dict(zip(names, again, strict=True)),
     },
     caption="Noise matching at 7.15 GHz: phase simulated with the noise level found, then the "
     f"{source} phase to which it is matched (scenes: {count}). A turn of colour is "
@@ -161,7 +158,7 @@ plotting.save(
 # that follow a χ² law with 19 degrees of freedom (25 pixels less six coefficients), no correlation
 # of neighbours, and a fifth of its size in the average of 5×5 phasors, less the local slope.
 
-# %%
+# %% tags=["hide-input"]
 local = {name: noise.local_phase_noise(phase, window=fit_window) for name, phase in phases.items()}
 spread, neighbours, after = {}, {}, {}
 few = (slice(fit_window // 2, None, fit_window),) * 2  # windows that share no pixel
@@ -195,10 +192,6 @@ plotting.save(
     "capture_noise",
     numbers={
         "source": source,
-        "sigma_rad": sigma,
-        "percentiles_5_95_rad": spread,
-        "noise_after_rad": after,
-        "correlation_down_across": neighbours,
     },
     caption=f"Phase noise at 7.15 GHz ({source}) about quadratics fitted to "
     f"{fit_window}×{fit_window} pixels; white lines enclose the wall. Below: its distribution on "
@@ -230,7 +223,7 @@ for name, value in sigma.items():
 # Each connected piece gets the whole wraps that bring its median nearest to the reference.
 
 
-# %%
+# %% tags=["hide-input"]
 def unwrapped(phase, region):
     return np.ma.filled(unwrap_phase(np.ma.masked_array(np.float32(phase), ~region), rng=0), np.nan)
 
@@ -261,7 +254,7 @@ for name in names:
 # $\langle e^{i(\hat\varphi-\varphi_\mathrm{ref})}\rangle$ is 1 for a constant and 0 for no
 # relation. A slow tilt is taken out in a second step.
 
-# %%
+# %% tags=["hide-input"]
 y, x = np.mgrid[:1:100j, :1:100j]
 agreement, off_wraps = {}, {}
 for name in names:
@@ -302,9 +295,6 @@ plotting.save(
     "capture_depth",
     numbers={
         "source": source,
-        "agreement": agreement,
-        "object_off_wraps_5_95": off_wraps,
-        "unwrapped_in_one_piece_wrong": misled,
     },
     caption=f"Depth from 7.15 GHz alone ({source}), its whole wraps taken from the reference "
     f"depth, and its difference from that reference in wraps of {1e3 * WRAP:.2f} mm. Grey: no "
@@ -334,7 +324,9 @@ fine = {n: (1e6 * depth_from_phase([sigma[n], after[n]], FREQUENCY_SINGLE)).toli
 plotting.save(
     figure,
     "capture_surface",
-    numbers={"source": source, "noise_um": fine},
+    numbers={
+        "source": source,
+    },
     caption=f"The recovered surface ({source}): phase at 7.15 GHz averaged and unwrapped with "
     "whole wraps from the reference depth, in space by the fitted camera. Yellow is near; holes "
     "have no coherent average.",
@@ -358,7 +350,7 @@ plotting.save(
 # The four numbers are maximum-likelihood estimates from the residual's spectrum. A ρ of ½ is a
 # running mean of two samples, or a scan sampled twice as finely as it is resolved.
 
-# %%
+# %% tags=["hide-input"]
 lines, with_lines = {}, {}
 rng = np.random.default_rng([seed, 11])
 for name in names:
@@ -402,8 +394,6 @@ plotting.save(
     "noise_matching_spectra",
     numbers={
         "source": source,
-        "line_noise": {n: line._asdict() for n, line in lines.items()},
-        "rms_rad": {n: float(residual[n][inside[n]].std()) for n in names},
     },
     caption=f"Spectra of the noise on the wall ({source}, dots), with the range (5 to 95 %) of "
     "simulations with white and with line noise. White noise is level; noise that neighbours "
@@ -418,7 +408,7 @@ plotting.save(
 # Each number of a map: **as captured** / simulated with white noise / with lines. A simulation that
 # is off by more than four standard deviations of its draws is marked ≠.
 
-# %%
+# %% tags=["hide-input"]
 
 
 def described(phase, r, where):

@@ -98,7 +98,6 @@ ax.axis("off")
 plotting.save(
     figure,
     "fig05_network",
-    numbers={"parameters": parameters, "channels": {k: count for k, (count, _) in shapes.items()}},
     caption=f"The network as we read it, {parameters / 1e6:.2f} million weights. Under "
     f"each block its channels and the side of its output for a patch of {PATCH} px. Orange: the "
     "skip at full resolution; blue: the features at a quarter of it.",
@@ -185,7 +184,7 @@ def slope(depth_weight):
     return torch.autograd.grad(loss, logits)[0]
 
 
-# %%
+# %% tags=["hide-input"]
 kept = label != IGNORED
 one_hot = torch.nn.functional.one_hot(label.clamp(min=0), classes).movedim(-1, 1)
 closed = (torch.softmax(logits, 1) - one_hot).detach() * kept[:, None] / kept.sum()
@@ -216,7 +215,7 @@ print(f"one wrap is {WRAP_MM:.1f} mm, and costs {w * WRAP_MM:.1f}; slope where m
 # this initialisation. Below, a linear regression estimates the wrap from the features of an
 # *untrained* network at its pyramid.
 
-# %%
+# %% tags=["hide-input"]
 pooled = {}
 
 
@@ -295,7 +294,7 @@ print(f"gain, paired by view: {gain[0]:.1f} points ({gain[1]:.1f} to {gain[2]:.1
 # paper does not state what its baselines read; here all read raw correlations, and learn with noise
 # that rises from 20 counts on.
 
-# %%
+# %% tags=["hide-input"]
 ROWS = ("proposed", "ce_only", "fourier", "phase_only", "random_stem")
 KEYS = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_3")
 path = Path(results).parent / "table1_released_1200.json"
@@ -352,9 +351,7 @@ plotting.save(
     figure,
     "table1_training",
     numbers={
-        "miniature": {"steps": miniature.steps, "beats_constant": miniature.gain[1] > 0},
         "rows": {row: float(found.value[0]) for row, found in alike.items()},
-        "shipped": {c.model: [c.crops, c.validation.delta_lt_1] for c in shipped.values()},
     },
     caption="Validation curves on simulated data, σ = 1200 in (b, c). (a) The recipe in miniature, "
     "trained on this page, σ = 60. (b) The rows of Table 1 that learnt, at equal crops, 0.3 % of "
@@ -369,7 +366,7 @@ plotting.save(
 # A row is *trained* if its validation rate beats the best constant answer with 95 % confidence, by
 # its card, which has every stage of its training. Other networks have no weights here.
 
-# %%
+# %% tags=["hide-input"]
 held = {}
 for name, protocol in product(MODELS, CLASSES):
     if (path := weights_path(name, protocol)).is_file() or protocol == "released":
@@ -393,7 +390,7 @@ for c in filter(None, held.values()):
 # The same frames, with methods that need no training. The light network has the beat as an input
 # and a tenth of the weights; the last line is the difference, paired by scene.
 
-# %%
+# %% tags=["hide-input"]
 counts = read_counts(results)
 shown = [*trained, "beat", "crt", "middle"]
 found = {name: rates(counts, name, draws=draws) for name in shown}
@@ -410,7 +407,7 @@ print(f"light less full, δ < 1: {spread(apart, 0, '+')} points")
 # On large and bright surfaces network and averaged beat are mostly right. The network keeps edges
 # that a window blurs; on dark and on small surfaces it often gives a neighbour's wrap.
 
-# %%
+# %% tags=["hide-input"]
 frames, images, titles, right = held_out_frames(), [], [], {}
 for place in places:
     frame = frames[place].middle(height, width)
@@ -435,7 +432,6 @@ figure, _ = plotting.maps(
 plotting.save(
     figure,
     "table1_maps",
-    numbers={"right": right},
     caption=f"Wraps of simulated test frames ({len(places)}; released protocol, σ = 1200 counts; "
     "grey: not scored) by `beat` and by our networks, trained far less than the paper's, with the "
     "share of right pixels.",
@@ -455,7 +451,7 @@ plotting.save(
 # bfloat16 (`cmtof unwrap --fast`) helps where the processor multiplies it natively; emulated it is
 # ten times slower. It moved δ < 1 by −0.3 points on the test frames; other rates are of float32.
 
-# %%
+# %% tags=["hide-input"]
 SIZES, TIMED = (tuple(small), tuple(large)), ("fast-scnn", "fast-scnn-light")
 products = {}
 for name in TIMED:
@@ -469,7 +465,7 @@ for name in TIMED:
     print(f"{name}: {products[name] / 1e3:.1f} thousand multiply-adds a pixel, and "
           f"{sum(bytes_moved) / 1e3 / np.prod(SIZES[0]):.1f} kB between its layers")  # fmt: skip
 
-# %%
+# %% tags=["hide-input"]
 rng = np.random.default_rng(seed)
 
 
@@ -507,7 +503,6 @@ ax.legend(fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))
 plotting.save(
     figure,
     "speed_runtimes",
-    numbers={"sizes": [list(size) for size in SIZES], "multiply_adds_per_pixel": products},
     caption="Time from wrapped phases to depth of our networks (random weights) on one thread of "
     f"{provenance.processor()}, beside the paper's stated time for its own on a V100. Logarithmic.",
     alt="Bars in two groups, for the small and the large image; the light network and bfloat16 are "
@@ -535,7 +530,7 @@ notes.answer(
 # All rows have equal training, a thirtieth of the paper's. The gain by Fourier features is measured
 # between rows that also differ in edges; edges alone change little here.
 
-# %%
+# %% tags=["hide-input"]
 stage = read_config("paper").stages[0]
 paper.check("sec8.loss_weight", w)
 paper.check("sec8.patch", stage.crop)

@@ -84,7 +84,6 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "limits_windows",
-    numbers={"sides": sides} | {f"{p}_{m}": row for (p, m), row in window_rates.items()},
     caption="Right wraps against the side of the pooled window in simulated test frames (σ = "
     "1200), for `beat`, and for a reference that is given the true shape of every surface.",
     alt="Two panels of curves over the side of the window. The one of the true surfaces rises all "
@@ -165,10 +164,6 @@ scenes = [
 plotting.save(
     comparison_figure(scenes, names),
     "limits_maps",
-    numbers={
-        "scenes": [scene.frame.name for scene in scenes],
-        "right": {name: [scene.right(name) for scene in scenes] for name in names},
-    },
     caption="Simulated test rooms, full protocol, σ = 1200: wraps above, errors below (black: "
     "right, white: ten wraps or more). `mrf-graphcut` and our `surfaces` are methods; "
     "references know a part of the truth.",
@@ -183,7 +178,7 @@ plotting.save(
 # Information adds up over a surface: n pixels of phase noise σ equal one of σ/√n. The scene alone
 # thus predicts how much of it can be unwrapped: the odds of every surface, weighted by its pixels.
 
-# %%
+# %% tags=["hide-input"]
 for light in (1.0, 0.1):
     noise = float(bounds.simulated_phase_noise(light))
     pixels = bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES)
@@ -205,7 +200,7 @@ def predicted(frame, measurement, number):
     return np.array([one[number][measurement.mask].sum() for one in odds])
 
 
-# %%
+# %% tags=["hide-input"]
 groups = {"reference-offset": surfaces, "reference-contact": bodies}
 rows = []
 for protocol in PROTOCOLS:

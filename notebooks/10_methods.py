@@ -50,7 +50,7 @@ ready = [name for name, state in states.items() if state not in ("untrained", "n
 # wraps. Grey pixels lie outside them. Networks appear only if their validation beats a trivial
 # answer; all have far less training than the paper's ([chapter 8](08_network.ipynb)).
 
-# %%
+# %% tags=["hide-input"]
 frames = held_out_frames()
 scenes, beliefs = [], {name: [] for name in ready}
 for place in places:
@@ -69,10 +69,6 @@ def draw(stem, names, caption):
     plotting.save(
         comparison_figure(scenes, shown),
         stem,
-        numbers={
-            "scenes": [scene.frame.name for scene in scenes],
-            "right": {name: [scene.right(name) for scene in scenes] for name in shown},
-        },
         caption=f"{caption} Simulated test rooms ({len(places)}), released protocol, σ = 1200. "
         "Above, wraps; below, errors (black: none).",
         alt="Rooms, each in two rows of pictures: the wraps of each method and their errors, with "
@@ -133,7 +129,7 @@ notes.table(["method", "state", "what it does", "source"], rows)
 # ([chapter 3](03_wraps.ipynb)). The last column has the paper's δ < 1 / < 2 / < 3, on its own
 # scenes.
 
-# %%
+# %% tags=["hide-input"]
 counts = {key: read_counts(Path(results) / f"table2_{key[0]}_{key[1]}.json") for key in CONDITIONS}
 found = {
     key: {name: rates(held, name, draws=draws) for name in held[0]["methods"] if name in ready}
@@ -198,7 +194,6 @@ plotting.save(
     figure,
     "table2_rates",
     numbers={
-        "frames": len(counts[CONDITIONS[0]]),
         "delta_lt_1": {name: float(table[name].value[0]) for name in order},
     },
     caption="Share of pixels in the right wrap, simulated, released protocol, σ = 1200, 32 test "
@@ -307,7 +302,7 @@ def interval(values):
     return values[0], *np.quantile(values[1:], [0.025, 0.975])
 
 
-# %%
+# %% tags=["hide-input"]
 first, fewest = counts[CONDITIONS[0]], min(crops[name] for name in PAPERS.values() if name in crops)
 share = dict(zip(PAPERS.values(), redrawn(first, list(PAPERS.values())), strict=True))
 apart = [

@@ -107,7 +107,6 @@ for ax, (title, picture, colours, limits) in zip(axes.ravel(), pictures, strict=
 plotting.save(
     figure,
     "surfaces_steps",
-    numbers={"frame": frame.name, "surfaces": count, "right": shares},
     caption="Steps of this book's method `surfaces` on one simulated room, full protocol, σ = "
     "1200; in the last three black is right, and white ten wraps off or more.",
     alt="Eight pictures of one room: brightness, information, surfaces in colours that grow over "
@@ -175,7 +174,7 @@ views.show_scene("scene_room", title="the room")
 # a known camera this curvature reveals the shift. It grows with the square of the width; the
 # likelihood of a wall thus grows with the sixth power of its width, the beat's with the second.
 
-# %%
+# %% tags=["hide-input"]
 FOCAL, LIGHT = 886.81, 0.3  # px, of Hypersim's standard projection; brightness of the wall
 
 
@@ -212,11 +211,8 @@ plotting.save(
     figure,
     "surfaces_shape",
     numbers={
-        "sides": sizes,
         "beat": closed_form(beat_only),
         "both": sum_over_draws(both, error=walls[..., 1].std(axis=1, ddof=1) / np.sqrt(trials)),
-        "found": scatter,
-        "light": LIGHT,
     },
     caption="Uncertainty of the whole wraps of a simulated frontal wall (σ = 1200, I = 0.3, focal "
     "length 887 px), predicted and found by fits of its plane.",
@@ -237,7 +233,7 @@ plotting.save(
 #
 # ## Ablation
 
-# %%
+# %% tags=["hide-input"]
 VARIANTS = {
     "all of it": [],
     "planes only": ["bent"],
@@ -279,7 +275,7 @@ notes.table([f"%, {len(places)} test frames", *head], rows)
 # Over all test frames, with 95 % intervals over scenes. The goal was set before the method existed:
 # about the rate of `reference-offset` on path-traced interiors, which independent surfaces miss.
 
-# %%
+# %% tags=["hide-input"]
 GOALS = ["**goal**: at least, at least, at most", 80, 93, 2, 75, 90, 4]
 SHOWN = ("crt", "phasor", "kde", "kde-tuned", "beat", "beat-guided", "region", "mrf",
          "mrf-graphcut", "fast-scnn", "surfaces", "reference-offset", "reference-contact",
@@ -334,8 +330,6 @@ plotting.save(
     comparison_figure(scenes, names),
     "surfaces_maps",
     numbers={
-        "scenes": [scene.frame.name for scene in scenes],
-        "right": right,
         "surfaces": decision(right["surfaces"], at_least=right["beat"]),
     },
     caption=f"The two of {len(places)} simulated test rooms with most errors, full protocol, "
@@ -352,7 +346,7 @@ plotting.save(
 # They were calibrated once, on training rooms, for leaks and wrong ties. The pixels of a surface
 # are right or wrong together, so a few frames contain few independent trials.
 
-# %%
+# %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.9))
 errors, kept = {}, {}
 for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
@@ -378,7 +372,6 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "surfaces_confidence",
-    numbers={"calibration_error": errors, "right_of_90_and_all": kept},
     caption="Confidence of `surfaces` on simulated test rooms, σ = 1200. (a) Share right against "
     "confidence. (b) Share wrong among the most confident pixels.",
     alt="Two panels. The share of right pixels follows the confidence near the diagonal; the share "
@@ -390,7 +383,7 @@ plotting.save(
 #
 # Each column uses more of the truth: none, shapes, contacts. Dark: phase noise above 1 rad.
 
-# %%
+# %% tags=["hide-input"]
 rows = []
 for protocol in PROTOCOLS:
     parts = []

@@ -234,9 +234,7 @@ plotting.save(
     "noise_offset",
     numbers={
         "wall_moved": closed_form(wall_moved),
-        "wall_delta_lt_1": [r["delta_lt_1"] for r in wall_rates],
         "wall_theory": closed_form(theory),
-        "gain": gain,
     },
     caption="A phase offset, in wraps of the beat, simulated. (a) Averages of the beat over 41×41 "
     "px on a white wall: points counted, lines by the formula. (b) Rates of the methods in test "
@@ -285,8 +283,6 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "noise_sweeps",
-    numbers={"beat": {key: {f"{x:g}".replace(".", "_"): found["beat"]["delta_lt_1"]
-                            for x, found in points} for key, points in sweeps.items()}},
     caption=f"Share of pixels in the right wrap in simulated test rooms ({len(frames)}) against "
     "(a) Gaussian noise, (b) brightness, (c) reference phases; `fast-scnn` trained less than the "
     "paper's.",
@@ -301,7 +297,7 @@ plotting.save(
 # unknown range: a smooth surface is fitted and subtracted from both phases; phasors are summed.
 
 
-# %%
+# %% tags=["hide-input"]
 def closures(measurement, tile):
     """Closure and its spread, rad, of every square tile of a smooth, bright target."""
     relative = relative_phase(measurement)
@@ -333,7 +329,7 @@ def pooled_closure(value, width):
     return float(np.angle(mean) / turn), float(1 / (turn * np.sqrt(np.sum(2 * rho**2 / lost))))
 
 
-# %%
+# %% tags=["hide-input"]
 board, restored = wall(384, 0.5, 0.9), []
 for draw, value in enumerate(np.array(calibrated) / 1e3):
     m = cmtof.simulate(board, protocol="full", phase_offset=(0, value), seed=seed + 1,
@@ -371,7 +367,6 @@ inside = [row[3]["delta_lt_1"] for row in restored if abs(row[0]) < 0.35 * perio
 plotting.save(
     figure,
     "noise_closure",
-    numbers={"kept": [min(inside), max(inside)], "usual": usual["beat"]["delta_lt_1"]},
     caption="(a) Closure applied and found on a simulated wall of 384×384 px; line, modulo one "
     "wrap. (b) The averaged beat in the simulated rooms before and after calibration.",
     alt="Left, points on a saw-tooth. Right, the rate of the beat over the offset: as it is a "
@@ -412,7 +407,7 @@ plotting.save(
 # Pooling P pixels multiplies D by √P.
 
 
-# %%
+# %% tags=["hide-input"]
 def misfit(residual, f, noise):
     """Squared residual over its noise that no shift of the depth removes; frequencies first."""
     w = 1 / noise**2
@@ -449,7 +444,7 @@ def enough_pixels(f, noise, reach, error=0.05):
     return np.where(least < 1e12, np.ceil(many), np.inf)
 
 
-# %%
+# %% tags=["hide-input"]
 eta, far = np.pi / 4, float(wrap_length(20e6))  # drive of full contrast, rad; range, m
 
 
@@ -534,7 +529,6 @@ plotting.save(
     figure,
     "frequencies_pairs",
     numbers={
-        "pairs": list(pixels),
         "pixels": closed_form(list(pixels.values())),
         "best_of_map": closed_form([needed.min() for needed in maps.values()]),
     },
@@ -550,7 +544,7 @@ plotting.save(
 # had been averaged, and the most likely of all wraps is taken.
 
 
-# %%
+# %% tags=["hide-input"]
 def counted(f, noise, pooled, rng):
     """Share of right wraps among drawn depths, with its 95 % interval."""
     f, depth = np.asarray(f, float), rng.uniform(0, far, draws)
@@ -596,8 +590,6 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "frequencies_odds",
-    numbers={"best_three_ghz": [f / 1e9 for f in sets["best three"][0]]}
-    | {f"{case}: {key}": share[:, 0] for (case, key), share in odds.items()},
     caption="Odds of the right wrap within 7.49 m against the number of white pixels pooled. "
     "Lines, bounds by theory; dots, counted in simulated draws, with 95 % intervals.",
     alt="Two panels of rising curves with dots on them. Left, the best three frequencies come "
@@ -609,7 +601,7 @@ print(f"{met} of {sum(len(o) for o in odds.values())} counted intervals meet the
 # At η = 0.26 the doubled mode has 2 % of the single mode's signal, at π/4 19 %, so that sets that
 # rely on it fail. No set of frequencies makes one pixel suffice.
 
-# %%
+# %% tags=["hide-input"]
 crops = read_card(weights_path("fast-scnn", "released")).crops
 
 

@@ -108,11 +108,6 @@ for number, (role, device) in enumerate(rig.devices.items()):
     ax.text(2.15 * (number + 0.5), 1.55, text, fontsize=7.2, ha="center", va="top")
 plotting.save(
     figure, "fig06_instrument",
-    numbers={
-        "devices": list(rig.devices),
-        "mirror_distance": 2 * [twin.mirror_distance],
-        "drive_frequencies": [rig.frequency_single, rig.frequency_doubled],
-    },
     caption=(
         "The simulated instrument of the default rig file, our reconstruction of the paper's, not "
         "to scale: path of the light out (dark green) and back (pale green), drives (red), clock "
@@ -142,7 +137,7 @@ plotting.save(
 #
 # the factor ½ is the polarisation that the splitter rejects. This step loses more than the rest.
 
-# %%
+# %% tags=["hide-input"]
 phase_time = rig.samples_per_phase / rig.rate
 converter = twin.converter_noise * SLOPE / np.sqrt(rig.samples_per_phase)
 
@@ -168,7 +163,7 @@ def budget(mode, z, rho):
     }  # fmt: skip
 
 
-# %%
+# %% tags=["hide-input"]
 here = {mode: budget(mode, distance, reflectance) for mode in COLOURS}
 fibre = (twin.fibre_low + twin.fibre_high) / 2
 steps = {
@@ -227,7 +222,7 @@ plotting.save(
 # For white noise averaged over a time $T$, $B = 1/2T$. The phase of a point with 16 steps has the
 # noise $\sqrt{2/16}\,\sigma/a$ for an amplitude a, its range $c/4\pi f$ times as much.
 
-# %%
+# %% tags=["hide-input"]
 output = np.geomspace(1e-4, twin.saturation, points)
 shot = np.sqrt((density(twin, output) - density(twin, 0)) / (2 * phase_time))
 amplifier = float(np.sqrt(density(twin, 0) / (2 * phase_time)))
@@ -313,7 +308,7 @@ for mode, one in here.items():
 # manufacturer's document: noise, gain and excess of the detector, the order of the filter EF120,
 # reflectances and extinction ratios, and every error of the RF drivers.
 
-# %%
+# %% tags=["hide-input"]
 reached = {
     "sec6.laser_wavelength": twin.wavelength,
     "sec6.bits": np.log2(FULL_SCALE + 1),

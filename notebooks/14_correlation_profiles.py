@@ -217,12 +217,8 @@ plotting.label_panels(axes.flat)
 plotting.save(
     figure, "fig12_correlation_profiles",
     numbers={
-        "offset": [float(fits[m].offset) for m in ORDER],
-        "amplitude": [float(fits[m].amplitude) for m in ORDER],
-        "contrast": list(contrast.values()),
         "third_of_single": sum_over_draws(harmonic["single"][2], error=floor["single"]),
         "second_of_doubled": sum_over_draws(harmonic["doubled"][1], error=floor["doubled"]),
-        "pull": [float(pull[m]) for m in ORDER],
     },
     caption=(
         "Correlation of a fixed mirror against the reference phase, in the single and the doubled "
@@ -248,7 +244,7 @@ plotting.save(
 # the single mode, and a negligible $(J_6/J_2)^2$ in the doubled one. With sixteen the drivers'
 # errors remain.
 
-# %%
+# %% tags=["hide-input"]
 errors, curves = {}, {}
 fine = np.linspace(0, TAU, 241)
 for mode in ORDER:
@@ -274,7 +270,6 @@ for ax, mode in zip(axes, ORDER, strict=True):
 plotting.label_panels(axes)
 plotting.save(
     figure, "instrument_linearity",
-    numbers={f"{mode}_{number}": value for (mode, number), value in rms.items()},
     caption=(
         "Decoded minus programmed phase, mean removed, with 4 and with 16 steps of the reference, "
         "at the photon limit; dots: simulated, one sweep each; lines: expected without noise. The "
@@ -291,7 +286,7 @@ plotting.save(
 # reference takes 13.3 ms, so this RC damps it by $\sqrt{1+(2\pi f\,t_{RC})^2}$. Here the simulated
 # instrument has this RC and takes many sweeps in one burst.
 
-# %%
+# %% tags=["hide-input"]
 runs, paper_rc, ours = {}, paper.published("sec7.rc_time").value, known.rc_time
 for rc in (ours, paper_rc):
     slow = bench_of(16, rc_time=rc)

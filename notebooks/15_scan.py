@@ -90,11 +90,6 @@ plotting.image(axes[3], truth, label="range (m)", title="the scene's range")
 plotting.label_panels(axes)
 plotting.save(
     figure, "scan_images",
-    numbers={
-        "range_m": [float(np.nanmin(truth)), float(np.nanmax(truth))],
-        "median_error_mrad": [1e3 * typical(e) for e in error],
-        "valid": float(measurement.mask.mean()),
-    },
     caption="A scan simulated at the photon limit: amplitude, wrapped phases, and the true range.",
     alt="Four small images: an amplitude grainy with speckle, fringes of phase over the scene, "
     "twice as many at the doubled frequency, and the range.",
@@ -108,7 +103,7 @@ plotting.save(
 # detection module's drive: 16 phases of 20 samples. Here one burst is repeated. Noise and drift
 # depend on the number of the burst alone, so its sums equal those of the file.
 
-# %%
+# %% tags=["hide-input"]
 row = column = size // 3
 raw, same = {}, []
 bench.set_up()
@@ -141,10 +136,6 @@ axes[0].legend()
 plotting.label_panels(axes)
 plotting.save(
     figure, "scan_point",
-    numbers={
-        "contrast": contrasts, "reproduced": all(same),
-        "mean_counts": {mode: float(np.mean(raw[mode])) for mode in MODES},
-    },
     caption="(a) Simulated samples of one point in both modes, photon limit. (b) Means, and fits.",
     alt="Left: samples of two bursts in 16 steps through one period of a cosine; right: their "
     "means on fitted cosines.",
@@ -162,7 +153,7 @@ plotting.save(
 # The target stands at known distances over one whole wrap, so that back-reflected light averages
 # out. The remaining offset is negligible as depth, but matters in the beat: a wrap is 17.6 mrad.
 
-# %%
+# %% tags=["hide-input"]
 found, drift = (data[name].to_numpy() for name in ("phase_offset", "phase_drift"))
 paths = 4 * np.pi * measurement.frequencies * given.internal_path / SPEED_OF_LIGHT
 wanted = centred(paths - np.array([1, 2]) * given.phase_offset)
@@ -198,7 +189,7 @@ fine = replace(smooth, divergence=0.0, exit_radius=0.0)
 clear = replace(fine, back_fraction=0.0)
 ideal = replace(clear, phase_drift=0.0, phase_step_error=0.0, iq_imbalance=0.0, leakage=0.0)
 
-# %%
+# %% tags=["hide-input"]
 psi, CAUSES = data["psi"].to_numpy(), ("noise", "speckle", "spot", "back-reflection", "RF drivers")
 steps = [
     decode(one, psi).phase
@@ -230,7 +221,6 @@ ax.set(yscale="log", ylim=(0.05, None), ylabel="median phase error (mrad)")
 ax.legend(ncols=3, loc="lower left", bbox_to_anchor=(0, 1))
 plotting.save(
     figure, "scan_errors",
-    numbers={"mrad": sizes, "expected_over_found": pulls, "wrap_mrad": 1e3 * wrap_in_beat},
     caption=(
         "Median phase error by its cause, simulated at the photon limit, in both modes and in "
         "their beat, which determines the wraps."
@@ -251,7 +241,7 @@ plotting.save(
 # The fibre's transmission drifts. Each line is divided by the reading of the power meter at its
 # end. This corrects the brightness; phases are unaffected.
 
-# %%
+# %% tags=["hide-input"]
 steady = replace(quiet, fibre_low=0.25, fibre_high=0.25)
 reference = decode(scanned(steady), psi).amplitude
 power = data["laser_power"].to_numpy()[:, :, 0]
@@ -273,7 +263,7 @@ print(f"the power swings by {swing:.1f} %; spread of the lines: {spread}")
 # smoothness (`mrf`), or over surfaces. The table has the share of right wraps, and in brackets of
 # those off by two at most.
 
-# %%
+# %% tags=["hide-input"]
 METHODS = {name: (name, {}) for name in ("crt-ml", "beat", "region", "mrf", "surfaces")}
 METHODS["beat, small window"] = ("beat", {"window": window})
 
@@ -301,7 +291,7 @@ answers = {
 wraps = {key: np.abs(np.rint((depth - truth) / period)) for key, depth in answers.items()}
 right, close = ({key: 100 * float(np.nanmean(w < n)) for key, w in wraps.items()} for n in (1, 3))
 
-# %%
+# %% tags=["hide-input"]
 rows = [[name, *(f"{right[name, m]:.0f} ({close[name, m]:.0f})" for m in METHODS)]
         for name in variants]  # fmt: skip
 notes.table(["right wraps in %", *METHODS], rows)
@@ -325,11 +315,6 @@ for ax, values, words, end in (
 plotting.label_panels(axes)
 plotting.save(
     figure, "scan_depth",
-    numbers={
-        "right": {m: right["as scanned", m] for m in METHODS},
-        "close": {m: close["as scanned", m] for m in METHODS},
-        "best": best, "residual_um": 1e6 * typical(residual),
-    },
     caption="True range of the scene; range of the scan, simulated at the photon limit and "
         f"unwrapped by `{best}`, the best method; its error in whole wraps, and the rest.",
     alt="Four images: true range, scanned range, wraps by which it is off, and a remaining error "
@@ -349,7 +334,7 @@ plotting.save(
 # bench the RF drivers' dead man's timers would then turn RF off, and the read-out's watchdog close
 # the shutter. With `--resume` the file equals that of an uninterrupted scan, byte for byte.
 
-# %%
+# %% tags=["hide-input"]
 options = ["--twin", "--scene", scene, "--size", str(killed_size), "--seed", str(seed), "--quiet"]
 command = [sys.executable, "-m", "cmtof.cli", "scan", *options, "-o"]
 killed, whole = here / "k.nc", here / "whole.nc"

@@ -11,6 +11,8 @@
 profile: str = "book"  # size profile
 seed: int = 0  # of noise, drift, speckle and errors
 repeats: int = 120  # days on which each sweep is simulated
+distance: float = 0.6  # of mirror and plate at the first position, m
+laser_power: float = 0.15  # W
 
 # %% tags=["hide-input"]
 from dataclasses import replace
@@ -42,10 +44,17 @@ BLUE, RED, GREEN, BLACK = (
 COLOURS = {"all-optical": BLUE, "RF": RED, "interferometer": GREEN}
 
 # %% tags=["hide-input"]
-settings, NOISY = TwinSettings(), NOISE["captures"]
-optical, rf, ruler = OpticalRanger(settings), RfRanger(), Interferometer()
+settings, NOISY = TwinSettings(laser_power=laser_power), NOISE["captures"]
+optical, rf, ruler = (
+    OpticalRanger(settings),
+    RfRanger(settings=settings),
+    Interferometer(settings=settings),
+)
 rangers = {"all-optical": optical, "RF": rf, "interferometer": ruler}
-targets = {"mirror": MIRROR, "diffuse": PLATE}
+targets = {
+    "mirror": replace(MIRROR, distance=distance),
+    "diffuse": replace(PLATE, distance=distance),
+}
 SPANS = {  # plausible sizes of what is assumed; drawn each day, evenly in the logarithm
     "iq_imbalance": (1e-3, 20e-3),  # rad; ordinary microwave parts have 20 mrad
     "back_fraction": (1e-9, 1e-7),  # of the emitted light: -90 to -70 dB
@@ -133,17 +142,11 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "fig13_precision_sweep",
-    numbers={
-        f"{name}_{what}_{case}".replace("-", "_"): {
-            "rmse_um": 1e6 * float(np.median(one.rmse)),
-            "mae_um": 1e6 * float(np.median(one.mae)),
-        }
-        for (name, what, case), one in found.items()
-    },
-    caption="Errors over a sweep of 1 mm at 60 cm, three simulated instruments (the paper's are "
-    "measured), before a mirror (a) and a diffuse plate (b). Lines: the median day with plausible "
-    "sizes of all errors, at the photon limit; bands: 95 % of the days. Dashed: the all-optical "
-    "one with the phase noise of the published captures, which does not affect fringe counting.",
+    caption=f"Errors over a sweep of 1 mm at {100 * distance:.0f} cm, three simulated instruments "
+    "(the paper's are measured), before a mirror (a) and a diffuse plate (b). Lines: the median "
+    "day with plausible sizes of all errors, at the photon limit; bands: 95 % of the days. Dashed: "
+    "the all-optical one with the phase noise of the published captures, which does not affect "
+    "fringe counting.",
     alt="Two panels of errors on a logarithmic axis. All-optical errors are about ten micrometres "
     "before both targets, half a millimetre with the captures' noise. RF does as well before the "
     "mirror and errs by millimetres before the plate. The interferometer errs by a tenth of a "
@@ -183,7 +186,7 @@ notes.table(["", "sizes assumed", "plausible", "and captures' noise", "bound", "
 # errors; the doubled mode; a zero that is an hour old; RF with ten times the light, which the paper
 # tried «with the same result»; and RF without correction of its offsets.
 
-# %%
+# %% tags=["hide-input"]
 ratio_30 = paper.published("sec8.laser_power_ratio").value
 bright = replace(settings, laser_power=ratio_30 * settings.laser_power)
 more = {
@@ -222,7 +225,7 @@ notes.table(
 # rounding gives an upper bound of the scatter.
 
 
-# %%
+# %% tags=["hide-input"]
 def offset_and_scatter(rmse, mae):
     """Constant offset and Gaussian scatter, m, with this RMSE and MAE; angle 0 is no offset."""
 
@@ -267,16 +270,6 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "table4_offset_and_scatter",
-    numbers={
-        "_".join(pair).replace("-", "_"): {
-            "offset_um": [1e6 * float(np.median(offset[*pair, case])) for case in CASES],
-            "scatter_um": [1e6 * float(np.median(scatter[*pair, case])) for case in CASES],
-            "paper_offset_um": 1e6 * theirs[pair][0],
-            "paper_scatter_um": 1e6 * theirs[pair][1],
-            "paper_scatter_at_most_um": 1e6 * most_scatter(*pair),
-        }
-        for pair in theirs
-    },
     caption="Constant offset and scatter of each sweep. Dots: simulated days with plausible errors "
     "at the photon limit; crosses: with the captures' noise added; diamonds: from the paper's RMSE "
     "and MAE; triangles: where these are equal, the upper bound of the scatter. Grey: equal parts, "
@@ -314,7 +307,7 @@ plotting.save(
 # %%
 light = np.logspace(-12, -2, 201)
 snr = {"RF": rf.snr(light), "all-optical": 1 / (2 * optical.dimming_and_noise(light)[1] ** 2)}
-plate = float(rf.power(targets["diffuse"], 0.6))
+plate = float(rf.power(targets["diffuse"], distance))
 own, reach = float(rf.snr(plate)), float(np.interp(2.2e-9, light, snr["all-optical"]))
 needed = 10 ** brentq(lambda p: float(np.log(rf.snr(10**p) / reach)), -12, -1)
 crossing = light[np.argmax(snr["RF"] > snr["all-optical"])]
@@ -337,13 +330,12 @@ plotting.save(
     "rf_snr_power",
     numbers={
         "snr_rf_diffuse": closed_form(own),
-        "snr_rf_mirror": closed_form(rf.snr(rf.power(targets["mirror"], 0.6))),
+        "snr_rf_mirror": closed_form(rf.snr(rf.power(targets["mirror"], distance))),
         "snr_optical_diffuse": closed_form(reach),
         "power_for_equal": closed_form(needed),
-        "crossing": float(crossing),
     },
     caption="SNR of a simulated phase reading in 13.3 ms, photon and electronic noise alone, "
-    "against the light collected. Dotted: plate and mirror at 60 cm. Below an SNR of 1 the phase "
+    "against the light collected. Dotted: plate and mirror. Below an SNR of 1 the phase "
     "is nearly random.",
     alt="A log-log plot. The RF line climbs two decades a decade, the all-optical line one until "
     "the grey filter holds it; they cross near a microwatt. At the plate's two nanowatts the "
@@ -376,7 +368,7 @@ plotting.save(
 # \tag{17.2}$$
 
 
-# %%
+# %% tags=["hide-input"]
 def lost(rms, speed=ruler.speed):
     """Fringes lost in 1 mm by vibration, m rms."""
     one = replace(ruler, shaking=rms, speed=speed)
@@ -411,7 +403,7 @@ notes.table(
 #
 # A tenth of the reflectance $\rho$ or of the laser's power $P$ thus equals 3.2 times the range.
 
-# %%
+# %% tags=["hide-input"]
 axis, micron, noise = np.array([0.3, 0.6, 1.0, 2.0, 5.0]), {}, []
 for mode, frequency in FREQUENCY.items():
     light = collected_power(settings, PLATE, axis, mode)
@@ -456,7 +448,7 @@ notes.answer(
 #
 # ## Against the paper
 
-# %%
+# %% tags=["hide-input"]
 burst = optical.phases * optical.samples / SAMPLE_RATE
 judged = {
     f"table4.{AXES[name]}.{size}_{what}": (name, what, size)

@@ -47,7 +47,7 @@ known, target = TwinSettings(), PLATE
 targets = {"diffuse": PLATE, "specular": MIRROR}
 MODES = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
 
-# %%
+# %% tags=["hide-input"]
 DRAWN = ("RF leakage", "laser drift")  # terms by Monte Carlo
 terms = {mode: budget_terms(target, mode, days=days, seed=seed) for mode in MODES}
 whole = {
@@ -136,7 +136,7 @@ notes.table(["µm", "rms", "offset", "scatter", "bound", "MAE/RMSE"], rows)
 # its table of phases spans only half a turn of the drive.
 
 
-# %%
+# %% tags=["hide-input"]
 def correlation_phase(settings, ranges):
     """Phase of the single mode's correlation, rad, inner path and cable included."""
     index = settings.group_index
@@ -178,7 +178,6 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "budget_cyclic",
-    numbers={f"{name}_single_apart_um": value for name, value in apart.items()},
     caption=(
         "Cyclic errors over one wrap, each alone, single mode: circles simulated without noise, "
         "lines closed form. Yellow: the sweep of 1 mm. The scales differ; the scatter is the "
@@ -202,7 +201,7 @@ plotting.save(
 # power equals a tenth of the reflectance. RF phases and laser drift do not depend on the target.
 # The sliders below give other values, other powers among them.
 
-# %%
+# %% tags=["hide-input"]
 PHASES = ("RF phase drift", "phase codes", "I/Q imbalance", "RF leakage")
 
 
@@ -262,7 +261,7 @@ display(HTML(f'<div data-play="distance" data-numbers="{escape(held)}"></div>'))
 # Every term is linear in its size, so the closed forms give the size that alone causes 33.5 µm of
 # constant error, or 7.5 µm of scatter. A cyclic error is taken at its maximum.
 
-# %%
+# %% tags=["hide-input"]
 wanted = paper.published("fig13.accuracy").value
 spread = paper.published("fig13.standard_deviation").value
 phase = float(phase_from_depth(wanted, FREQUENCY["single"]))
@@ -343,7 +342,7 @@ plotting.save(
 #
 # bound the resolvable points $N$ and the pupil's side $D$ for a field of $\pm\theta_F$.
 
-# %%
+# %% tags=["hide-input"]
 side, crystal, wavelength = 2.5e-3, 5e-3, known.wavelength  # m; crystal assumed
 rows = []
 for name, ordinary, extraordinary in (("LiNbO3", 2.323, 2.234), ("LiTaO3", 2.183, 2.188)):  # known

@@ -200,17 +200,6 @@ noise = [float(fit.residual.std()) for fit in fits]
 plotting.save(
     figure,
     "fig14_gage_blocks",
-    numbers={
-        "height_um": (1e6 * mean).tolist(),
-        "mean_interval_um": [1e6 * (mean - half)[2], 1e6 * (mean + half)[2]],
-        "scatter_um": (1e6 * scatter).tolist(),
-        "standard_error_um": (1e6 * errors.mean(0)).tolist(),
-        "point_noise_um": [1e6 * value for value in noise],
-        "points": int(inside.sum()),
-        "plane_residual_um": [1e6 * float(fit.residual.std()) for fit in (*plane_fits, rough_fit)],
-        "scatter_captures_um": (1e6 * rough_scatter).tolist(),
-        "plane_one_minus_r_squared_captures": 1 - rough_fit.r_squared,
-    },
     caption="A step of two gauge blocks and a slanted plane at 1 m, simulated (the paper's is a "
     "measurement). (a) Height over the left block, edges left out. (b) All points of one scan "
     "across the blocks; both at the photon limit. (c) The step in each repeat: dots with standard "
@@ -295,12 +284,6 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "plane_r_squared",
-    numbers={
-        "tilt_rad": tilts.tolist(),
-        "noise_single_um": (1e6 * left[:, 0]).tolist(),
-        "one_minus_r_squared_single": (1 - r_squared[:, 0]).tolist(),
-        "speckle_um": 1e6 * speckle,
-    },
     caption="A slanted plane at 1 m, simulated at the photon limit. (a) Scatter of a point about "
     "the fitted plane, and {eq}`eq-slope-noise`. (b) The same scans as 1 − R², with "
     "{eq}`eq-r-squared-plane`.",
@@ -338,7 +321,7 @@ notes.answer(
 # are not stated. Without tilt and extent an R² of 0.9998 neither supports nor contradicts any
 # precision.
 
-# %%
+# %% tags=["hide-input"]
 print(f"the plane with the captures' noise has R² {rough_fit.r_squared:.5f}")
 ends = 1.96 * np.array([0, -1, 1])
 scans = {

@@ -170,7 +170,7 @@ plotting.save(
 # to average 5 × 5 pixels; the GHz scan is not smoothed.
 
 
-# %%
+# %% tags=["hide-input"]
 def averaged(found, area=5):
     """Range of phasors averaged over squares of pixels."""
     phase = phase_from_depth(np.nan_to_num(found[0]), camera.frequency)
@@ -241,7 +241,7 @@ plotting.save(
 # lens; for the scanner $n = 1$. The paper calls both photon budgets comparable; this holds for the
 # instruments, not for a pixel.
 
-# %%
+# %% tags=["hide-input"]
 time = paper.published("sec7.integration_time").value
 pixels = camera.shape[0] * camera.shape[1]
 electrons = 4 * float(camera.signal(card(0.5))[0, 0])
@@ -268,7 +268,7 @@ notes.table(("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"), [
 # phases, it shifts the phase by $\delta = \arg(1 + s\,e^{i\Delta})$: at most to the range of the
 # scattering surface, and not at all in a scene at one range.
 
-# %%
+# %% tags=["hide-input"]
 sizes = np.array([0.03, 0.1, 0.3, 0.8])
 noise = {w: [replace(camera, power=w).bound(card(r))[0, 0] for r in sizes]
          for w in (camera.power, strong.power)}  # fmt: skip
@@ -289,7 +289,7 @@ print("if all of it comes from a wall 0.3 m behind")
 # shows no ground truth. The scan sends each point {glue:text}`more_light:,.0f` times the light, and
 # at 14.32 GHz a millimetre is 143 times the phase. Only the second is due to the frequency.
 
-# %%
+# %% tags=["hide-input"]
 dim = flat["owl"] & (owl.reflectance < 0.1)
 paper.check("fig15.mhz_error", rms(error["owl"][dark]))
 paper.check("fig15.mhz_error_dark", float(np.nanmedian(np.abs(error["owl"][dim]))))

@@ -293,7 +293,7 @@ plotting.save(
 # The same light on the fast photodiode, demodulated after photo-conversion: each pixel's power for
 # the same 13.3 ms, with offsets and imbalance assumed calibrated.
 
-# %%
+# %% tags=["hide-input"]
 phase_error, rf, rf_rms = {}, {}, {}
 for (name, room), scan in scans.items():
     low, high = (

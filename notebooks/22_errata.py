@@ -104,7 +104,7 @@ holds[3] = np.isclose(literal, TAU)
 # quarter of the single mode's: the ratio is $J_2(2\eta)/J_1(2\eta)\approx\eta/2$, and squared in
 # the correlation.
 
-# %%
+# %% tags=["hide-input"]
 logits = 3.0 * (np.arange(21) == 7)  # a network that is sure of class 7
 sums = [np.sum(w) / np.exp(10 * logits).sum() for w in (10 * np.exp(logits), np.exp(10 * logits))]
 print(f"5: weights add up to {sums[0]:.1e} as printed, {sums[1]:.3f} with γ in both")
@@ -185,7 +185,7 @@ holds[8] = depths[1] < depths[0] and light > 3
 # 7.15 and 7.16 GHz are called optimal within the band; with ±10 MHz (Section 5), 7.14 and 7.16 GHz
 # are feasible and halve the noise of the wrap count. The method's rate in Table 2 would remain low.
 
-# %%
+# %% tags=["hide-input"]
 sweep = said("sec7.sample_rate") / (said("sec7.samples_per_phase") * said("sec7.phase_steps"))
 damping = abs(1 + 2j * np.pi * sweep * said("sec7.rc_time"))  # of a first-order low-pass
 print(f"12: a sweep of {sweep:.0f} Hz is damped {damping:.0f} times")
@@ -219,7 +219,7 @@ holds[22] = gains[0] / gains[1] > 1.9
 # SDG2024X (8.1); the MHz camera errs by «cm to 10 cm» on dark surfaces and by 200 mm on the owl;
 # OneCycle is no fixed ratio of 0.995 (8.1); the ℓ1 term is plain in Eq. 7 and «smooth» below it.
 
-# %%
+# %% tags=["hide-input"]
 table4 = {
     f"{name}, {target}": tuple(said(f"table4.{key}.{m}_{target}") for m in ("rmse", "mae"))
     for name, key in (("proposed", "proposed"), ("RF", "rf"), ("interferometer", "interferometry"))
@@ -251,7 +251,7 @@ holds[30] = owl > 1
 # $1-R^2$ is the residual's variance over that of the depths. For evenly spread depths of span L the
 # residual is $L\sqrt{(1-R^2)/12}$: R² = 0.9998 means 33.5 µm over 8 mm, or 0.41 mm over 10 cm.
 
-# %%
+# %% tags=["hide-input"]
 counts = GAIN * INTEGRATION_TIME  # signal at full brightness, G·T
 sigma_phi = float(bounds.simulated_phase_noise(1.0))
 kept = np.exp(-((2.0 ** np.arange(6) * sigma_phi) ** 2) / 2)
@@ -299,7 +299,7 @@ holds[27] = abs(r_squared - said("fig14.r_squared")) < 1e-5
 # error has nearly the same magnitude. The sign is not determined. A constant offset is the likely
 # reading; a calibration would remove it.
 
-# %%
+# %% tags=["hide-input"]
 bucket = correlation.correlation_contrast(sinusoid(0.5, 0.5), gate(1))
 rising = np.arcsin([0.5, 0.7, 1.0]) / 2  # drive η of a modulator contrast sin 2η
 gaps = [f"{bucket / float(2 * np.interp(e, drives, j1) ** 2):.1f}" for e in rising]
@@ -346,7 +346,7 @@ holds[15] = by_chance < 1e-3 * chance.size
 # scales of a 14-bit converter; with the Poisson noise of [Eq. 8](05_simulation.ipynb#eq-8) it takes
 # 156 full scales.
 
-# %%
+# %% tags=["hide-input"]
 top = counts * (0.5 + 1 / np.pi)
 clipped = norm.sf((2**14 - 1 - top) / np.hypot(np.sqrt(top), NOISE_SIGMA))
 print(f"16: maximum {top:.0f} of {2**14 - 1}; {clipped:.0%} of its samples would clip")
@@ -384,7 +384,7 @@ holds[20] = scales.min() > 1
 # would give RMSE 11.7 and MAE 10.0 mm; equal RMSE and MAE suggest a constant phase, as from leakage
 # between RF parts.
 
-# %%
+# %% tags=["hide-input"]
 difference, beat = f2 - f1, f2 - 2 * f1
 w1, w2 = single_mode_harmonics(np.pi / 4, 1), doubled_mode_harmonics(np.pi / 4, 2)
 signals = abs(w1[1]) ** 2 / abs(w2[2]) ** 2
@@ -467,7 +467,7 @@ notes.answer(
     equal=by_chance,
 )
 
-# %%
+# %% tags=["hide-input"]
 reached = {
     "sec1.unambiguous_range_100mhz": closed_form(wraps[1e8]),
     "sec7.integration_time": closed_form(1 / sweep),

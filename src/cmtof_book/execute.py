@@ -86,8 +86,8 @@ def execute(script: Path, parameters: dict[str, Any], work: Path) -> None:
     defaults = {name: one["default"] for name, one in papermill.inspect_notebook(staged).items()}
     if unknown := sorted(parameters.keys() - defaults):  # a misspelt size would be ignored
         raise ValueError(
-            f"Expected parameters that the parameters cell of {script.name} defines, got "
-            f"{', '.join(unknown)}. Correct configs/{parameters['profile']}.yml or the cell."
+            f"Expected parameters of {script.name} ({', '.join(sorted(defaults))}), got "
+            f"{', '.join(unknown)}. Correct P or configs/{parameters['profile']}.yml."
         )
     executed: Any = papermill.execute_notebook(
         staged,

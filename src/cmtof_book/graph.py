@@ -7,6 +7,7 @@ its folder; `DATA` says which module reads a folder that holds data alone.
 
 import ast
 import re
+import shlex
 from collections.abc import Iterator
 from functools import cache, cached_property
 from pathlib import Path
@@ -139,6 +140,14 @@ class Book:
     def _relative(self, files: Any) -> list[str]:
         inside = (f.relative_to(self.root) if f.is_relative_to(self.root) else f for f in files)
         return sorted(map(str, inside))
+
+
+def parameters_from_text(text: str) -> dict[str, Any]:
+    """Parameters from ``name=value`` pairs, values as in YAML: ``distance=1.0 repeats=6``."""
+    pairs = [word.partition("=") for word in shlex.split(text)]
+    if wrong := [name + sign + value for name, sign, value in pairs if not (name and value)]:
+        raise ValueError(f'Expected name=value, got {" ".join(wrong)}. Try P="seed=1 repeats=6".')
+    return {name: yaml.safe_load(value) for name, _, value in pairs}
 
 
 def _is_data(file: Path) -> bool:

@@ -3,8 +3,9 @@
 Colours are those of Okabe and Ito (2008), which stay apart for colour-blind readers and in grey.
 """
 
+import csv
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -211,6 +212,15 @@ def label_panels(axes: Iterable[Axes]) -> None:
         ax.set_title(f"({letter}) {title}".rstrip(), loc="left")
 
 
+def points(fig: Figure) -> Iterator[tuple[int, str, float, float]]:
+    """Panel, line, x and y of every point of a figure, without clouds of more than 10,000."""
+    for panel, ax in enumerate(fig.axes):
+        for line in ax.lines:
+            if len(line.get_xydata()) <= 10_000:
+                name = str(line.get_label()).lstrip("_")
+                yield from ((panel, name, *xy) for xy in line.get_xydata().round(9))
+
+
 def _save_space(path: Path) -> None:
     """Keep 256 colours of a picture if that changes them by less than half a level on average."""
     drawn = Image.open(path).convert("RGB")
@@ -224,24 +234,27 @@ def save(
     fig: Figure,
     name: str,
     *,
-    numbers: Mapping[str, Any],
+    numbers: Mapping[str, Any] | None = None,
     caption: str,
     alt: str,
     format: Literal["svg", "png"] = "svg",
 ) -> None:
     """Save a figure with the numbers it shows, close it, and display it in a notebook.
 
-    Writes ``name.svg`` or ``name.png`` (for large images), the same bytes on every run, and
-    ``name.json``. ``name`` is ``figNN_topic`` with the paper's number, or ``topic_name``;
-    ``numbers`` are finite scalars and short lists, of which tests compare those with a kind
-    (`cmtof_book.compared`); ``caption`` is in MyST Markdown. Raises ValueError if the name or one
-    of the numbers cannot be used.
+    Writes ``name.svg`` or ``name.png`` (for large images), the same bytes on every run,
+    ``name.json`` with ``numbers``, and ``name.csv`` with the points of every line. ``name`` is
+    ``figNN_topic`` with the paper's number, or ``topic_name``; ``numbers`` are finite scalars and
+    short lists that others use: tests compare those with a kind (`cmtof_book.compared`);
+    ``caption`` is in MyST Markdown. Raises ValueError if the name or one of the numbers cannot be
+    used.
     """
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)+", name):
         raise ValueError(f"Expected a stem like fig03_precision, got {name!r}. Use underscores.")
     target = provenance.output_folder() / f"{name}.{format}"
     words = {"caption": caption, "alt": alt}
-    record.write(name, numbers, figure=target.name, **words)
+    record.write(name, numbers or {}, figure=target.name, **words)
+    with target.with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([("panel", "line", "x", "y"), *points(fig)])
     # without this a file would carry the date or the version of the library that drew it
     metadata = {"Date": None, "Creator": None} if format == "svg" else {"Software": None}
     with written_whole(target) as part:

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import nbformat
-import yaml
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
 from cmtof_book import claims, scoreboard
@@ -33,7 +32,7 @@ def caption(about: dict[str, Any], stem: str) -> str:
     paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
     title = f"**Paper {'Fig.' if paper[1] == 'fig' else 'Table'} {paper[2]}.** " if paper else ""
     return (
-        f'{title}{about["caption"]}\n\n<a href="../{NUMBERS}/{about["name"]}.json">numbers</a> · '
+        f'{title}{about["caption"]}\n\n<a href="../{NUMBERS}/{about["name"]}.csv">numbers</a> · '
         f'<a href="../_sources/notebooks/{stem}.ipynb">notebook</a> · '
         f"`make figure F={about['name']}`"
     )
@@ -153,18 +152,9 @@ def stage_notebook(executed: Path, target: Path) -> None:
     nbformat.write(notebook, target)
 
 
-def without_buttons(config: Path) -> None:
-    """Take from the settings the buttons that lead to a repository whose address is not set."""
-    settings = yaml.safe_load(config.read_text("utf-8"))
-    if not settings["repository"]["url"]:
-        kept = {key: held for key, held in settings["html"].items() if "button" not in key}
-        settings |= {"repository": {}, "launch_buttons": {}, "html": kept}
-        config.write_text(yaml.safe_dump(settings), "utf-8")
-
-
 def place_results(build: Path, stage: Path) -> None:
     """Copy scenes and the numbers of figures to where pages look for them; never committed."""
-    for place, suffix in ((STATIC, "js"), (NUMBERS, "json")):
+    for place, suffix in ((STATIC, "js"), (NUMBERS, "csv")):
         (stage / "book" / place).mkdir(parents=True, exist_ok=True)
         for file in build.glob(f"results/*/*_*.{suffix}"):
             shutil.copyfile(file, stage / "book" / place / file.name)
@@ -190,7 +180,6 @@ def main(build: Path, stage: Path) -> None:
     for chapter in book.chapters():
         (stage / chapter).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / chapter, stage / chapter)
-    without_buttons(stage / "_config.yml")
     for stem in book.notebooks():
         stage_notebook(build / "notebooks" / f"{stem}.ipynb", stage / "notebooks" / f"{stem}.ipynb")
     place_results(build, stage)
