@@ -90,7 +90,7 @@ size: setup ## Volume and density of every part beside its budget (V=-v names wh
 	@$(BIN)/python -m cmtof_book.size $(V)
 
 lab: setup ## Open the notebooks in JupyterLab, each as its newer half is
-	@$(BIN)/jupytext --sync --quiet notebooks/[0-9]*.ipynb
+	@$(BIN)/python -m cmtof_book.pairs --newer
 	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
 lint: setup ## Check style, types, notebook pairs and words

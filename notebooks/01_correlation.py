@@ -324,6 +324,9 @@ rounding = 1e3 * np.abs(centred(phase_from_correlation(digital, quarters) - angl
 print(f"largest error: {rounding:.3f} mrad, {rounding * micron_per_mrad:.2f} µm")
 
 # %% [markdown]
+# Rounding is negligible beside [noise](02_precision.ipynb).
+
+# %% [markdown]
 # ## Answer
 
 # %% tags=["hide-input"]
@@ -340,8 +343,6 @@ notes.answer(
 )
 
 # %% [markdown]
-# Rounding is negligible beside [noise](02_precision.ipynb).
-#
 # ## Against the paper
 
 # %%

@@ -213,6 +213,9 @@ worst = np.abs(drawn / exact - 1).max()
 print(f"simulated pixels agree with the law within {worst:.1%}")
 
 # %% [markdown]
+# If phasors are averaged *before* the angle is taken, the estimate stays near the bound.
+
+# %% [markdown]
 # ## Answer
 
 # %% tags=["hide-input"]
@@ -229,8 +232,6 @@ notes.answer(
 )
 
 # %% [markdown]
-# If phasors are averaged *before* the angle is taken, the estimate stays near the bound.
-#
 # ## Against the paper
 
 # %% tags=["hide-input"]

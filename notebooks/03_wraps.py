@@ -217,6 +217,12 @@ notes.say(
 )
 
 # %% [markdown]
+# <div data-play="odds"></div>
+#
+# Real surfaces are not flat: before the phasors of neighbours are added, their phases must be
+# aligned, which requires knowledge of the surface. This makes unwrapping difficult here.
+
+# %% [markdown]
 # ## Answer
 
 # %% tags=["hide-input"]
@@ -233,11 +239,6 @@ notes.answer(
 )
 
 # %% [markdown]
-# <div data-play="odds"></div>
-#
-# Real surfaces are not flat: before the phasors of neighbours are added, their phases must be
-# aligned, which requires knowledge of the surface. This makes unwrapping difficult here.
-#
 # ## Against the paper
 
 # %%

@@ -420,6 +420,12 @@ notes.table(
 print(f"with the captures' noise {coarse:.0f} µm, and {rough:.0%} right, at any range")
 
 # %% [markdown]
+# For near and bright targets light must be filtered away; for far and dark ones the amplifier's
+# noise exceeds that of the photons and grows with $z^2$. The wrap fails first: the beat of both
+# modes determines it in one pixel at 60 cm, but in fewer than half of all cases at 2 m, where many
+# pixels of a surface must be pooled.
+
+# %% [markdown]
 # ## Answer
 
 # %% tags=["hide-input"]
@@ -441,11 +447,6 @@ notes.answer(
 )
 
 # %% [markdown]
-# For near and bright targets light must be filtered away; for far and dark ones the amplifier's
-# noise exceeds that of the photons and grows with $z^2$. The wrap fails first: the beat of both
-# modes determines it in one pixel at 60 cm, but in fewer than half of all cases at 2 m, where many
-# pixels of a surface must be pooled.
-#
 # ## Against the paper
 
 # %% tags=["hide-input"]

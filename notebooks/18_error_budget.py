@@ -354,6 +354,10 @@ for name, ordinary, extraordinary in (("LiNbO3", 2.323, 2.234), ("LiTaO3", 2.183
 notes.table(["", "points", "pupil, ±0.2 rad", "light a pixel over ours, 64 × 64"], rows)
 
 # %% [markdown]
+# Tens to hundreds of thousands of points are possible, but with the same laser each pixel of a
+# modest image has only 2 to 30 millionths of the scanned spot's light.
+
+# %% [markdown]
 # ## Answer
 
 # %% tags=["hide-input"]
@@ -368,9 +372,6 @@ notes.answer(
 )
 
 # %% [markdown]
-# Tens to hundreds of thousands of points are possible, but with the same laser each pixel of a
-# modest image has only 2 to 30 millionths of the scanned spot's light.
-#
 # ## Against the paper
 
 # %%

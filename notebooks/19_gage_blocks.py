@@ -294,6 +294,9 @@ plotting.save(
 )
 
 # %% [markdown]
+# The plane with the larger error thus has the higher R².
+
+# %% [markdown]
 # ## Answer
 
 # %% tags=["hide-input"]
@@ -312,8 +315,6 @@ notes.answer(
 )
 
 # %% [markdown]
-# The plane with the larger error thus has the higher R².
-#
 # ## Against the paper
 #
 # The paper's 0.4988 mm is 1.2 µm short of the nominal step, not 12 µm as its text has it

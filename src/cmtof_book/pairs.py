@@ -4,6 +4,7 @@ What is folded on the page is folded in JupyterLab too.
 
 python -m cmtof_book.pairs          write each .ipynb that is missing or differs
 python -m cmtof_book.pairs --check  only tell, and exit 1 if one is missing or differs
+python -m cmtof_book.pairs --newer  take over what was changed in the .ipynb alone, as by an editor
 """
 
 import sys
@@ -12,6 +13,7 @@ from typing import Any
 
 import jupytext
 import nbformat
+from jupytext.cli import jupytext as jupytext_cli
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -44,10 +46,22 @@ def same(script: Path, notebook: Path) -> bool:
     return notebook.is_file() and nbformat.read(notebook, 4) == notebook_from_script(script)
 
 
+def take_newer(script: Path, notebook: Path) -> None:
+    """Write the script again where the cells of the notebook differ and are younger."""
+    if notebook.is_file() and notebook.stat().st_mtime > script.stat().st_mtime:
+        halves = nbformat.read(notebook, 4), notebook_from_script(script)
+        if len({tuple(cell.source for cell in half.cells) for half in halves}) > 1:
+            jupytext_cli(["--sync", "--quiet", str(notebook)])
+
+
 def main(mode: str) -> int:
     """Write, or with ``--check`` only name, every pair that is not the same; give the exit code."""
     check = mode == "--check"
     scripts = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
+    if mode == "--newer":
+        for script in scripts:
+            take_newer(script, script.with_suffix(".ipynb"))
+        return 0
     stale = [script for script in scripts if not same(script, script.with_suffix(".ipynb"))]
     for script in stale:
         notebook = script.with_suffix(".ipynb")
