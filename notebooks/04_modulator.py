@@ -313,8 +313,7 @@ notes.say(
     r"""
     The photodiode passes {response_single:.2f} of the amplitude at 7.15 GHz and
     {response_doubled:.2f} at 14.32 GHz, but all of the mean, so that the contrast it shows is a
-    lower bound of the light's. For any plate,
-    $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$:
+    lower bound of the light's. For any plate, $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$:
     """,
     response_single=response[0],
     response_doubled=response[1],

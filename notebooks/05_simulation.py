@@ -211,9 +211,9 @@ plotting.save(
 notes.say(
     """
     In the released code's order a dark pixel keeps less of its signal at equal phase noise, since
-    clipping reduces both. This book uses the paper's order
-    (`order="released"` selects the other). Ambient light, as the paper models it, raises a white
-    pixel's noise from {white:.3f} to {white_ambient:.3f} rad.
+    clipping reduces both. This book uses the paper's order (`order="released"` selects the other).
+    Ambient light, as the paper models it, raises a white pixel's noise from {white:.3f} to
+    {white_ambient:.3f} rad.
     """,
     white=spread[ours][-1],
     white_ambient=spread[ambient][-1],

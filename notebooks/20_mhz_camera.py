@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Comparison with a 100 MHz camera
 #
-# In Paper Fig. 15 a commercial camera at 100 MHz has errors of 200 mm on an owl's dark feathers. A
-# simulated one has {glue:text}`error_dark:.0f` mm rms on those of an owl of our own, and **this is
-# noise**: {glue:text}`bias_dark:.1f` mm remain without it. The simulated GHz scan has
-# {glue:text}`right_photon:.0f` % of the owl's wraps right at the photon limit, and
-# {glue:text}`right_captures:.0f` % with the captures' phase noise.
+# In Paper Fig. 15 a commercial camera at 100 MHz has errors of 200 mm on an owl's dark feathers.
+# Are they noise or bias, and what does a GHz scan have there?
+#
+# A camera sees the whole scene at once; a scan needs minutes. The comparison tells what the minutes
+# buy.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -110,13 +110,11 @@ right = {key: float(np.mean(np.abs(off) < period / 2)) for key, off in ghz_error
 residual = {key: off - period * np.rint(off / period) for key, off in ghz_error.items()}
 phase_error = {key: float(np.nanmedian(np.abs(off))) for key, off in residual.items()}
 lost = float(np.isnan(mhz["helmet"][0][view["helmet"].range < 1.15]).mean())
-notes.tell(error_dark=1e3 * rms(error["owl"][dark]), bias_dark=1e3 * rms(bias["owl"][dark]))
 notes.table(
     ("error", "one image", "without noise"),
     [(f"owl, {n} feathers", f"{1e3 * rms(error['owl'][m]):.0f} mm",
       f"{1e3 * rms(bias['owl'][m]):.1f} mm") for n, m in (("dark", dark), ("pale", pale))],
 )  # fmt: skip
-notes.tell(**{f"right_{case}": 100 * right["owl", case] for case in NOISE})
 print("\n".join(f"{' '.join(k)} {right[k]:.0%} right, {1e6 * phase_error[k]:.0f} µm" for k in both))
 print(f"helmet: {lost:.0%} of the shell without a range at 100 MHz")
 
@@ -138,16 +136,6 @@ plotting.label_panels(axes.flat)
 plotting.save(
     figure,
     "fig15_mhz_camera",
-    numbers={
-        "owl_dark_error_m": rms(error["owl"][dark]),
-        "owl_pale_error_m": rms(error["owl"][pale]),
-        "owl_dark_bias_m": rms(bias["owl"][dark]),
-        "owl_pale_bias_m": rms(bias["owl"][pale]),
-        "helmet_error_m": rms(error["helmet"][flat["helmet"]]),
-        "helmet_without_answer": lost,
-        "ghz_wraps_right": {" ".join(key): right[key] for key in both},
-        "ghz_phase_error_m": {" ".join(key): phase_error[key] for key in both},
-    },
     caption="A textured owl and a polished helmet, simulated: amplitude and range of one image of "
     "the 100 MHz camera at the stated power, whose grain on dark feathers is noise; the same with "
     "strong light; the range of GHz scans at the photon limit and with the noise of the published "
@@ -163,8 +151,8 @@ plotting.save(
 # %% [markdown]
 # The GHz phase is precise to a few tens of micrometres, and to 0.3 mm with the captures' noise; its
 # errors are wrong wraps, most of all on the helmet, which returns little diffuse light. At 100 MHz
-# a wrap is 1.5 m, not the 3 m of the paper's introduction ({doc}`22_errata`), so no wrong wrap can
-# fill the helmet's holes, but stray light and filters can.
+# a wrap is 1.5 m, not the 3 m of the paper's introduction ([chapter 22](22_errata.ipynb)), so no
+# wrong wrap can fill the helmet's holes, but stray light and filters can.
 #
 # Normals of neighbouring points show the effect of a millimetre. The camera's software is assumed
 # to average 5 × 5 pixels; the GHz scan is not smoothed.
@@ -282,12 +270,17 @@ veil = np.sin(turn) / np.sin(away - turn) * spot / wall
 print(f"200 mm on 3 % by scattered light alone: {veil / (1 + veil):.0%} of all light,")
 print("if all of it comes from a wall 0.3 m behind")
 
-# %% [markdown]
-# At the stated power the error on dark feathers is thus noise, seen as grain that changes from
-# image to image. It depends on assumed values (lens, quantum efficiency, read noise), and a random
-# phase gives 433 mm in any case: agreement with the paper's 200 mm proves nothing, and the paper
-# shows no ground truth. The scan sends each point {glue:text}`more_light:,.0f` times the light, and
-# at 14.32 GHz a millimetre is 143 times the phase. Only the second is due to the frequency.
+# %% tags=["hide-input"]
+notes.say(
+    """
+    At the stated power the error on dark feathers is thus noise, seen as grain that changes from
+    image to image. It depends on assumed values (lens, quantum efficiency, read noise), and a
+    random phase gives 433 mm in any case: agreement with the paper's 200 mm proves nothing, and the
+    paper shows no ground truth. The scan sends each point {more_light:,.0f} times the light, and at
+    14.32 GHz a millimetre is 143 times the phase. Only the second is due to the frequency.
+    """,
+    more_light=float(f"{sent[0] / sent[1]:.1g}"),
+)
 
 # %% tags=["hide-input"]
 dim = flat["owl"] & (owl.reflectance < 0.1)
@@ -297,4 +290,19 @@ paper.check("fig15.mhz_power", camera.power)
 paper.check("fig15.mhz_wavelength", camera.wavelength)
 paper.check("fig15.mhz_exposure", camera.exposure)
 paper.check("sec1.unambiguous_range_100mhz", camera.wrap)
-notes.tell(more_light=float(f"{sent[0] / sent[1]:.1g}"))
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** Noise: a simulated camera has {error:.0f} mm rms on the dark feathers of an owl of
+    our own, and {bias:.1f} mm without noise. The simulated GHz scan has {photon:.0f} % of the owl's
+    wraps right at the photon limit, and {captures:.0f} % with the captures' phase noise.
+    """,
+    error=1e3 * rms(error["owl"][dark]),
+    bias=1e3 * rms(bias["owl"][dark]),
+    photon=100 * right["owl", "photon"],
+    captures=100 * right["owl", "captures"],
+)
