@@ -280,7 +280,7 @@ GOALS = ["**goal**: at least, at least, at most", 80, 93, 2, 75, 90, 4]
 SHOWN = ("crt", "phasor", "kde", "kde-tuned", "beat", "beat-guided", "region", "mrf",
          "mrf-graphcut", "fast-scnn", "surfaces", "reference-offset", "reference-contact",
          "reference-depth")  # fmt: skip
-rows, share = [], {}
+rows, overall = [], {}
 for name in SHOWN:
     cells = []
     for protocol in PROTOCOLS:
@@ -289,7 +289,7 @@ for name in SHOWN:
             cells += [""] * 3
             continue
         value, low, high = [100 * part for part in rates(counts, name, draws=draws)]
-        share[protocol, name] = value[0], low[0], high[0]
+        overall[protocol, name] = value[0], low[0], high[0]
         cells += [f"{value[0]:.1f} ({low[0]:.1f}–{high[0]:.1f})", f"{value[2]:.1f}"]
         cells.append(f"{value[3]:.1f}")
     rows += [[f"`{name}`", *cells]] if any(cells) else []  # where it was counted
@@ -426,10 +426,10 @@ notes.answer(
     ({low:.0f}–{high:.0f}) of the wraps right in the released protocol and {full:.0f} % in the full
     one, where the averaged beat has {beat:.0f} and {beat_full:.0f} %, in seconds on one core.
     """,
-    ours=share["released", "surfaces"][0],
-    low=share["released", "surfaces"][1],
-    high=share["released", "surfaces"][2],
-    full=share["full", "surfaces"][0],
-    beat=share["released", "beat"][0],
-    beat_full=share["full", "beat"][0],
+    ours=overall["released", "surfaces"][0],
+    low=overall["released", "surfaces"][1],
+    high=overall["released", "surfaces"][2],
+    full=overall["full", "surfaces"][0],
+    beat=overall["released", "beat"][0],
+    beat_full=overall["full", "beat"][0],
 )

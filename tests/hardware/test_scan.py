@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+import cmtof
 from cmtof.cli import main
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.files import alone
@@ -111,6 +112,14 @@ def test_a_scan_begun_is_not_overwritten(tmp_path, whole):
     output.write_bytes(whole.read_bytes())
     journal_path(output).unlink()
     assert take(output, resume=True)[1] is None
+    error = take(output, rig=other, resume=True)[1]
+    assert "got another power_dbm, 30.0. Scan with its settings" in str(error)
+
+
+def test_a_foreign_measurement_is_not_a_finished_scan(tmp_path):
+    cmtof.simulate(cmtof.load_frame("still_life")).save(tmp_path / "m.nc")
+    error = take(tmp_path / "m.nc", resume=True)[1]
+    assert "to be of these settings, got another" in str(error)
 
 
 def test_a_journal_that_another_scan_is_writing_is_left_alone(tmp_path):

@@ -9,6 +9,7 @@ import torch
 
 import cmtof
 from cmtof.correlation import TAU
+from cmtof.files import alone
 from cmtof.network import training
 from cmtof.network.data import WRAP, Steps, open_rooms
 from cmtof.network.losses import IGNORED
@@ -56,6 +57,12 @@ def test_bad_configurations_are_refused_in_one_line(tmp_path, changes, stage, me
     assert "\n" not in str(caught.value)
     with pytest.raises(FileNotFoundError, match="out of miniature, cpu, table1"):
         read_config("nowhere")
+
+
+def test_two_trainings_do_not_share_a_folder(tmp_path, config):
+    with alone(tmp_path), pytest.raises(ValueError, match="Expected .* to be free"):
+        train(config, tmp_path, **CPU)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("optimizer", ["adamw", "muon"])

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from cmtof.hardware.plan import Line, Plan, Record
-from cmtof.validation import expect
 
 
 def journal_path(output: str | Path) -> Path:
@@ -46,6 +45,16 @@ def append(path: Path, content: Mapping[str, Any]) -> None:
         os.fsync(file.fileno())
 
 
+def check_settings(path: Path, old: Mapping[str, Any], new: Mapping[str, Any]) -> None:
+    """Raise ValueError unless the settings of a file are these."""
+    for name in new:
+        if old.get(name) != new[name]:
+            raise ValueError(
+                f"Expected {path} to be of these settings, got another {name}, "
+                f"{old.get(name)!r:.60}. Scan with its settings, or remove it to begin again."
+            )
+
+
 def begun(path: Path, header: Mapping[str, Any], plan: Plan) -> list[Record]:
     """Records of a plan's journal, which is cut behind them, or begun where there is none.
 
@@ -54,17 +63,20 @@ def begun(path: Path, header: Mapping[str, Any], plan: Plan) -> list[Record]:
     if not path.exists() or not path.stat().st_size:
         append(path, header)
     lines = whole_lines(path)
+    broken = ValueError(
+        f"Expected a journal of this scan, got another file or a damaged one, {path}. "
+        "Remove it, or restore it from a copy."
+    )
     try:
-        old, new = (one["settings"] | one for one in (json.loads(lines[0]), header))
-        other = [name for name in new if old.get(name) != new[name]]
-        rows = [] if other else lines[1:]
-        records = [_record(row, plan.lines[n], plan.kept.size) for n, row in enumerate(rows)]
+        old = json.loads(lines[0])
+        old = old["settings"] | old
+    except (LookupError, RecursionError, TypeError, ValueError):
+        raise broken from None
+    check_settings(path, old, header["settings"] | header)
+    try:
+        records = [_record(row, plan.lines[n], plan.kept.size) for n, row in enumerate(lines[1:])]
     except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
-        what = f"a journal of this scan, got another file or a damaged one, {path}"
-        raise ValueError(f"Expected {what}. Remove it, or restore it from a copy.") from None
-    got = f"another {other[0]}, {old.get(other[0])!r:.60}" if other else ""
-    advice = "Scan with its settings, or remove it to begin again."
-    expect(not other, f"{path} to be of these settings", got, advice)
+        raise broken from None
     os.truncate(path, sum(len(framed(line)) for line in lines))  # without a torn end
     return records
 

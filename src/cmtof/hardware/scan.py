@@ -6,6 +6,7 @@ closes the shutter, parks the beam and turns RF off, and ``resume`` goes on at t
 is not in the journal.
 """
 
+import json
 import os
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -14,11 +15,20 @@ from pathlib import Path
 from cmtof import __version__
 from cmtof.files import alone, check_output
 from cmtof.hardware.bench import VOLTS_RANGE, Bench
-from cmtof.hardware.journal import append, begun, journal_path, whole_lines
+from cmtof.hardware.journal import append, begun, check_settings, journal_path, whole_lines
 from cmtof.hardware.plan import SWEEP, Line, Plan
 from cmtof.hardware.reduction import calibrated, measurement_from_records
 from cmtof.measurement import Measurement, open_measurement
 from cmtof.validation import expect
+
+
+def finished(output: Path, plan: Plan) -> Measurement:
+    """Measurement of a scan that is done; a ValueError for one of other settings, or none."""
+    measurement = open_measurement(output)
+    old = json.loads(measurement.dataset.attrs.get("settings", "{}"))
+    size = {"size": list(measurement.mask.shape)}
+    check_settings(output, old | size, plan.rig.as_dict() | {"size": list(plan.angles.shape[:2])})
+    return measurement
 
 
 def scan(
@@ -42,7 +52,7 @@ def scan(
         got = f"{max(len(whole_lines(path)) - 1, 0)} lines in {path}"
         expect(False, "no scan begun", got, "Go on with --resume, or remove it to begin again.")
     if resume and output.exists() and not path.exists():
-        return open_measurement(output)  # the journal goes when the file is whole
+        return finished(output, plan)  # the journal goes when the file is whole
     mode = None
     with bench() as on:
         header = {

@@ -16,6 +16,7 @@ import numpy as np
 import torch
 from lightning import LightningModule, Trainer
 from lightning.fabric.utilities.exceptions import MisconfigurationException
+from lightning.fabric.utilities.rank_zero import rank_zero_only
 from numpy.typing import NDArray
 from scipy.stats import ttest_1samp
 from torch import Tensor, nn
@@ -24,7 +25,7 @@ from torch.utils.data import DataLoader
 from cmtof import __version__
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
-from cmtof.files import written_whole
+from cmtof.files import alone, written_whole
 from cmtof.frame import broken
 from cmtof.hypersim import Hypersim
 from cmtof.measurement import Measurement
@@ -177,27 +178,34 @@ def _rates(deltas: list[NDArray[np.integer]]) -> weights.Rates:
     return weights.Rates(**below, delta_ge_10=float((delta >= 10).mean()))
 
 
-def train(
+def train(config: Config, folder: Path, *, tree: Path | None = None, **options: Any) -> Path | None:
+    """Train, or go on training, and write the averaged weights with their card into a folder.
+
+    ``tree`` holds frames in Hypersim's layout (by default rooms are rendered). Of the ``options``,
+    ``init`` are weights to begin with, ``resume`` goes on from the folder's checkpoint, and a leg
+    ends at the first checkpoint after some ``minutes``; the others are Lightning's: accelerator,
+    devices, num_nodes, strategy. Returned is the file of weights, or None while steps are left.
+    Raises ValueError if another process trains in the folder.
+    """
+    if tree is not None:
+        Hypersim(tree)  # refused before anything is written
+    folder.mkdir(parents=True, exist_ok=True)
+    with alone(folder) if rank_zero_only.rank == 0 else nullcontext():
+        return _train(config, folder, tree=tree, **options)
+
+
+def _train(
     config: Config,
     folder: Path,
     *,
-    tree: Path | None = None,
+    tree: Path | None,
     init: Path | None = None,
     resume: bool = False,
     minutes: float | None = None,
     quiet: bool = False,
     **flags: Any,
 ) -> Path | None:
-    """Train, or go on training, and write the averaged weights with their card into a folder.
-
-    ``tree`` holds frames in Hypersim's layout (by default rooms are rendered), ``init`` weights to
-    begin with, ``resume`` goes on from the folder's checkpoint. A leg ends at the first checkpoint
-    after some ``minutes``. ``flags`` are Lightning's: accelerator, devices, num_nodes, strategy.
-    Returned is the file of weights, or None while steps are left.
-    """
-    if tree is not None:
-        Hypersim(tree)  # refused before anything is written
-    folder.mkdir(parents=True, exist_ok=True)
+    """Training as in `train`, in a folder that no other process writes."""
     last = folder / "last.ckpt"
     if begun := last.is_file():
         expect(resume, "a new folder", f"a run in {folder}", "Pass --resume, or choose another.")
