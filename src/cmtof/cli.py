@@ -18,7 +18,7 @@ from typing import Annotated, Any
 from typer import Argument, Option, Typer
 
 from cmtof.files import check_output
-from cmtof.terminal import hidden, prepare_streams, print_table, progress, shown
+from cmtof.terminal import hidden, later, prepare_streams, print_table, progress, shown
 
 app = Typer(
     name="cmtof",
@@ -390,7 +390,8 @@ def render(
 
     Example: [bold]cmtof render --scenes 20 --views 5 --seed 1 -o rooms[/bold]
     """
-    from cmtof_rooms.rendering import Settings, render_rooms, shape_from_text
+    with later():
+        from cmtof_rooms.rendering import Settings, render_rooms, shape_from_text
 
     settings = Settings(seed, scenes, views, *shape_from_text(size), focal)
     with progress(scenes, quiet) as advance:

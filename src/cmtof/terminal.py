@@ -2,6 +2,7 @@
 
 import codecs
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -41,6 +42,19 @@ def shown(text: object) -> str:
     'a\\x1b[31mb'
     """
     return "".join(c if c.isprintable() or c in "\n\t" else repr(c)[1:-1] for c in str(text))
+
+
+@contextmanager
+def later() -> Iterator[None]:
+    """Delay Ctrl-C to the end of the block; processes begun inside never hear it.
+
+    Packages catch it while they load, and a terminal sends it to workers too.
+    """
+    heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, heard)
 
 
 @contextmanager

@@ -3,7 +3,6 @@
 import io
 import json
 import os
-import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
@@ -20,6 +19,7 @@ from scipy.special import ndtri
 from cmtof.files import alone, read_document, written_whole
 from cmtof.frame import Frame, brightness
 from cmtof.hypersim import FILES, View, write_metadata
+from cmtof.terminal import later
 from cmtof_rooms.arrays import Shape
 from cmtof_rooms.cameras import Camera, Lens
 from cmtof_rooms.interior import Picture
@@ -326,14 +326,15 @@ def _each(root: Path, settings: Settings, workers: int) -> Iterator[Report]:
     spawn = get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_follow) as pool:
         try:
-            yield from pool.map(render, range(settings.scenes))
+            with later():  # Ctrl-C is for the parent
+                reports = pool.map(render, range(settings.scenes))
+            yield from reports
         finally:
             pool.shutdown(cancel_futures=True)
 
 
 def _follow() -> None:
-    """End this worker with its parent, however that ends; Ctrl-C is for the parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """End this worker with its parent, however that ends."""
     parent: Any = parent_process()
     Thread(target=lambda: (parent.join(), os._exit(1)), daemon=True).start()
 

@@ -1,0 +1,31 @@
+"""Ctrl-C, which a terminal sends to a command and to its workers."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+COMMAND = "from cmtof.cli import main; main()"
+
+
+def children(process):
+    return Path(f"/proc/{process}/task/{process}/children").read_text().split()
+
+
+def test_render_ends_in_silence_when_its_whole_group_is_interrupted(tmp_path):
+    arguments = ["render", "--scenes=8", "--views=1", "--size=48x64", "--workers=2", "-o", "set"]
+    run = subprocess.Popen(
+        [sys.executable, "-c", COMMAND, *arguments],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    while run.poll() is None and len(children(run.pid)) < 3:  # two workers and their tracker
+        time.sleep(0.01)
+    os.killpg(run.pid, signal.SIGINT)
+    said = run.communicate()[1]
+    assert run.returncode == 130
+    assert len(said.splitlines()) < 2
