@@ -242,6 +242,7 @@ paper.check("fig3.bits", ADC_BITS)
 paper.check("fig3.precision_ratio", gain_in_precision)
 paper.check("sec3.signal_change_100mhz", closed_form(crest[0]))
 paper.check("sec3.signal_change_8ghz", closed_form(crest[1]))
+paper.table()
 
 # %% [markdown]
 # ## Exercises

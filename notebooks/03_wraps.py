@@ -241,10 +241,11 @@ notes.answer(
 # %% [markdown]
 # ## Against the paper
 
-# %%
+# %% tags=["hide-input"]
 paper.check("fig4.wraps_low", crossed[1e8])
 paper.check("fig4.wraps_high", crossed[f1])
 paper.check("sec4.frequency_ratio", f1 / 1e8)
+paper.table()
 
 # %% [markdown]
 # ## Exercises

@@ -532,6 +532,7 @@ reached = {
 }
 for key, value in reached.items():
     paper.check(key, value)
+paper.table()
 
 # %% [markdown]
 # ## Exercises

@@ -447,6 +447,7 @@ paper.check("sec8.noise_mean", (offset - signal * brightness / 2)[measurement.ma
 paper.check("sec8.noise_sigma", about["noise_sigma"])
 paper.check("sec8.noise_sigma_high", ambient_noise)
 paper.check("sec8.noise_ratio", ambient_noise / NOISE_SIGMA)
+paper.table()
 
 # %% [markdown]
 # ## Exercises

@@ -545,3 +545,4 @@ for row in (row for row in cards if row != "random_stem"):
         paper.check(f"table1.{row}.{key}", share, crops=crops)
 apart = rates(tested, "random_stem", against="phase_only", draws=draws)
 paper.check("sec8.fourier_gain", np.array(apart)[:, 0], crops=crops)
+paper.table()

@@ -316,6 +316,7 @@ better = {
     "at equal training": interval(alike[0] / alike[1]),
 }
 paper.check("sec8.improvement", better, crops=fewest)
+paper.table()
 
 # %% [markdown]
 # ## Answer

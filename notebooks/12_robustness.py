@@ -620,6 +620,7 @@ paper.check("sec8.phase_offset_drop", lost[:, lost[0].argmax()], crops=crops)
 for end, tone in zip(("low", "high"), known["phasor"], strict=True):
     paper.check(f"sec8.phasor_frequency_{end}", tone)
 paper.check("sec5.bandwidth_half", float(np.ptp(grid)) / 2)
+paper.table()
 
 # %% [markdown]
 # ## Answer

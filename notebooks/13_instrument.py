@@ -327,6 +327,7 @@ reached = {
 }
 for key, value in reached.items():
     paper.check(key, value)
+paper.table()
 
 # %% [markdown]
 # ## Answer

@@ -314,10 +314,11 @@ print(f"damped {damping:.1f} times, closed form {np.hypot(1, TAU * sweep_rate * 
 # measured. In an image most of a reading would come from the points before. With 20 µs the filter
 # settles within the samples that are dropped.
 
-# %%
+# %% tags=["hide-input"]
 paper.check("fig12.psi_range", PHASES * (psi[1] - psi[0]))
 paper.check("sec7.rc_time", known.rc_time)
 paper.check("sec7.samples_per_phase", reading.samples_per_phase)
+paper.table()
 
 # %% [markdown]
 # ## Answer

@@ -151,10 +151,11 @@ plotting.save(
 # ([Zhang 2000](../book/references.bib#zhang2000)) is repeated with its corners redrawn, and the
 # variance of the ranges is added.
 
-# %%
+# %% tags=["hide-input"]
 focal = float(cameras.matrices[0, 0, 0]) * sensor.pitch
 paper.check("sec6.lens_focal_length", focal)
 print(f"speckle {sensor.speckle:.3f} px; all noise {np.nanmedian(spots.sigma):.3f} px")
+paper.table()
 
 # %% [markdown]
 # ## Reach: the same rig before a room

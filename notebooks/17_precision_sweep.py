@@ -495,3 +495,4 @@ reached = {
 }
 for key, value in reached.items():
     paper.check(key, float(value))
+paper.table()

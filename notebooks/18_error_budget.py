@@ -374,6 +374,7 @@ notes.answer(
 # %% [markdown]
 # ## Against the paper
 
-# %%
+# %% tags=["hide-input"]
 paper.check("sec8.stage_error", OpticalRanger.stage_error)
 paper.check("sec9.active_area", side)
+paper.table()

@@ -290,6 +290,7 @@ paper.check("fig15.mhz_power", camera.power)
 paper.check("fig15.mhz_wavelength", camera.wavelength)
 paper.check("fig15.mhz_exposure", camera.exposure)
 paper.check("sec1.unambiguous_range_100mhz", camera.wrap)
+paper.table()
 
 # %% [markdown]
 # ## Answer

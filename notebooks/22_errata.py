@@ -475,3 +475,4 @@ reached = {
 }
 for key, value in reached.items():
     paper.check(key, value)
+paper.table()

@@ -31,10 +31,11 @@ def _show(kind: str, text: str, numbers: dict[str, float | str]) -> None:
     display({"text/markdown": said}, raw=True, metadata={SAID: kind})
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+def table(head: Sequence[str], rows: Iterable[Sequence[object]], *, fold: str = "") -> None:
     """Show a table of texts under the cell; columns of numbers but the first are right-aligned.
 
-    Powers of ten and minus signs are set as such, and a comparison stays on one line.
+    Powers of ten and minus signs are set as such, and a comparison stays on one line. A long table
+    may ``fold`` under a title.
     """
     from IPython.display import Markdown, display
 
@@ -47,4 +48,6 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     text = re.sub(r" ([<≥]) ", "\u00a0\\1\u00a0", text)
     for broken in ("–", "\u2060–\u2060"), (" (", "\u00a0("):
         text = text.replace(*broken)
+    if fold:
+        text = f"<details><summary>{fold}</summary>\n\n{text}\n\n</details>"
     display(Markdown(text))

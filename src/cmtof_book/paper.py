@@ -5,6 +5,7 @@ A notebook calls `check` for each number of ``paper.yml`` that it touches; the v
 """
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -16,7 +17,7 @@ import numpy as np
 import yaml
 from matplotlib.ticker import EngFormatter
 
-from cmtof_book import provenance, record
+from cmtof_book import notes, provenance, record
 from cmtof_book.compared import Compared
 from cmtof_book.verdict import Dependency, Estimate, Result, Value, verdict
 
@@ -91,7 +92,7 @@ def published(key: str) -> Published:
 
 
 def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int = 0) -> None:
-    """Compare a result with the paper, print one line, and note it for the scoreboard.
+    """Compare a result with the paper, for `table` and for the scoreboard.
 
     ``value`` is in the unit of the published number: one number, or three with the ends of its 95 %
     interval; several by their case, such as «with photon noise alone», all decide. ``crops`` is how
@@ -104,10 +105,22 @@ def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int
         kind = value.record()
         given = kind["value"] + 1.96 * kind.get("error", 0.0) * np.array([0, -1, 1])
     result = Result.of(given, str(provenance.RUN["profile"]), crops)
-    said = verdict(number, result)
-    print(f"{key}: paper {number.text()}, ours {result_text(number, result)}: {said}")
-    found = {**kind, "cases": result.cases, "verdict": said, "crops": crops}
+    found = {**kind, "cases": result.cases, "verdict": verdict(number, result), "crops": crops}
     record.add(record.PAPER, {key: found})
+
+
+def table() -> None:
+    """Show what a chapter has checked so far: the paper's number, ours, the verdict."""
+    rows = []
+    for key, held in record.read(record.PAPER).items():
+        number = published(key)
+        result = Result.of(held["cases"], str(provenance.RUN["profile"]), held["crops"])
+        what = f"{number.where}, {number.what}"
+        rows.append([what, number.text(), result_text(number, result), held["verdict"]])
+    verdicts = Counter(row[-1] for row in rows)
+    said = ", ".join(f"{count} {name}" for name, count in verdicts.most_common())
+    fold = f"{len(rows)} numbers: {said}" if len(rows) > 12 else ""
+    notes.table(["number", "paper", "here", "verdict"], rows, fold=fold)
 
 
 def result_text(number: Published, result: Result, digits: int = 4) -> str:

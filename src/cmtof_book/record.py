@@ -57,9 +57,13 @@ def write(name: str, numbers: Mapping[str, Any], **about: Any) -> None:
 
 def add(name: str, numbers: Mapping[str, Any]) -> None:
     """Add numbers to a record, which is made if need be."""
+    write(name, read(name) | dict(numbers))
+
+
+def read(name: str) -> dict[str, Any]:
+    """Numbers of a record of this run, {} where there is none."""
     path = provenance.output_folder() / f"{name}.json"
-    held = json.loads(path.read_text("utf-8"))["numbers"] if path.exists() else {}
-    write(name, held | dict(numbers))
+    return json.loads(path.read_text("utf-8"))["numbers"] if path.exists() else {}
 
 
 def read_all(results: Path) -> Iterator[Record]:
