@@ -157,18 +157,16 @@ for protocol in PROTOCOLS:
 
 # %% tags=["hide-input"]
 names = ("mrf-graphcut", "surfaces", "reference-offset", "reference-contact", "reference-depth")
-scenes = [
-    Scene(frame, m, {name: cmtof.unwrap(m, method=name) for name in names})
-    for frame, m in list(zip(frames, measured["full"], strict=True))[:2]
-]
+first = measured["full"][0]
+answers = {name: cmtof.unwrap(first, method=name) for name in names}
 plotting.save(
-    comparison_figure(scenes, names),
+    comparison_figure(Scene(frames[0], first, answers), names),
     "limits_maps",
-    caption="Simulated test rooms, full protocol, σ = 1200: wraps above, errors below (black: "
-    "right, white: ten wraps or more). `mrf-graphcut` and our `surfaces` are methods; "
-    "references know a part of the truth.",
-    alt="Rooms with the wraps of two methods and of three references; the errors shrink from left "
-    "to right to the boundaries of wraps.",
+    caption="A simulated test room, full protocol, σ = 1200: errors in wraps (black: none) and the "
+    "share of right pixels. `mrf-graphcut` and our `surfaces` are methods; references know a part "
+    "of the truth.",
+    alt="A room, its true wraps, and the errors of two methods and of three references, which "
+    "shrink to the boundaries of wraps.",
     format="png",
 )
 

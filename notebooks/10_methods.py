@@ -44,7 +44,7 @@ states = {name: method.state() for name, method in METHODS.items()}
 ready = [name for name, state in states.items() if state not in ("untrained", "no weights")]
 
 # %% [markdown]
-# ## Two rooms (Paper Fig. 10)
+# ## One room (Paper Fig. 10)
 #
 # The paper's simulator and its released protocol: each room is shrunk to 1.195 m, with 21 possible
 # wraps. Grey pixels lie outside them. Networks appear only if their validation beats a trivial
@@ -67,12 +67,12 @@ for place in places:
 def draw(stem, names, caption):
     shown = [name for name in names if name in ready]
     plotting.save(
-        comparison_figure(scenes, shown),
+        comparison_figure(scenes[0], shown),
         stem,
-        caption=f"{caption} Simulated test rooms ({len(places)}), released protocol, σ = 1200. "
-        "Above, wraps; below, errors (black: none).",
-        alt="Rooms, each in two rows of pictures: the wraps of each method and their errors, with "
-        f"the share of right pixels above each map. Methods: {', '.join(shown)}.",
+        caption=f"{caption} A simulated test room, released protocol, σ = 1200. Errors in wraps "
+        "(black: none), and the share of right pixels.",
+        alt="A room, its true wraps, and a map of errors for each method, with the share of right "
+        f"pixels above it. Methods: {', '.join(shown)}.",
         format="png",
     )
 

@@ -1,4 +1,4 @@
-"""Methods side by side on the same scenes (Fig. 10): the wraps of each and their errors."""
+"""Methods side by side on the same scene (Fig. 10): the error of each."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -6,7 +6,6 @@ from typing import NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -42,35 +41,21 @@ class Scene(NamedTuple):
         return float(np.mean(error[self.measurement.mask] < 1))
 
 
-def comparison_figure(scenes: Sequence[Scene], labels: Sequence[str]) -> Figure:
-    """Fig. 10: two rows a scene, its brightness and true wraps, then methods and their errors."""
-    height, width = scenes[0].measurement.shape
-    columns = 1 + len(labels)
-    side = 1.2  # inches
-    size = (side * columns + 0.6, 2 * len(scenes) * (side * height / width + 0.2) + 0.2)
-    figure, axes = plt.subplots(2 * len(scenes), columns, figsize=size, squeeze=False)
-    for scene, pair in zip(scenes, axes.reshape(len(scenes), 2, columns), strict=True):
-        _draw_scene(scene, *pair[:, 0])
-        for label, above, below in zip(labels, *pair[:, 1:], strict=True):
-            _draw_method(scene, label, above, below, bar=label == labels[-1])
-    for ax in figure.axes:
-        ax.title.set_size(9)
-    return figure
-
-
-def _draw_scene(scene: Scene, above: Axes, below: Axes) -> None:
-    """Brightness of a scene above its true wraps."""
-    room = scene.frame.name.partition("/")[0]
+def comparison_figure(scene: Scene, labels: Sequence[str], *, columns: int = 4) -> Figure:
+    """Fig. 10: brightness and true wraps of a scene, then the errors of each method."""
+    height, width = scene.measurement.shape
+    rows = -(-(2 + len(labels)) // columns)
+    size = (2.6 * columns, rows * (2.6 * height / width + 0.25))
+    figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False)
+    light, truth, *others = axes.flat
     brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
-    image(above, brightness, label="", cmap="gray", title=room, bar=False)
-    image(below, scene.count(), label="", limits=scene.limits, title="true wraps", bar=False)
-
-
-def _draw_method(scene: Scene, label: str, above: Axes, below: Axes, *, bar: bool) -> None:
-    """Wraps of a method above their errors; with colour bars or without."""
-    found = scene.count(label)
-    name = label.replace("reference-", "reference\n")
-    image(above, found, label="wraps n", limits=scene.limits, title=name, bar=bar)
-    error = np.abs(found - scene.count())
-    share = f"{100 * scene.right(label):.0f} % right"
-    image(below, error, label="error δ", cmap="magma", limits=(0, 10), title=share, bar=bar)
+    image(light, brightness, label="", cmap="gray", title="the room", bar=False)
+    image(truth, scene.count(), label="", limits=scene.limits, title="true wraps", bar=False)
+    for ax, label in zip(others, labels, strict=False):
+        error = np.abs(scene.count(label) - scene.count())
+        title = f"{label}: {100 * scene.right(label):.0f} %"
+        image(ax, error, label="", cmap="magma", limits=(0, 10), title=title, bar=False)
+    for ax in others[len(labels) :]:
+        ax.remove()
+    figure.colorbar(others[0].images[0], ax=axes, label="wraps off", shrink=0.6)
+    return figure
