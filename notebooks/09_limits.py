@@ -231,9 +231,9 @@ with_shapes = share["released", "reference-offset"]
 with_contacts = share["released", "reference-contact"]
 notes.answer(
     """
-    **Answer.** Given the shape of every surface, {shapes:.0f} % of the pixels of the small test
-    frames (384×512, released protocol); given what touches what too, {contacts:.0f} %
-    ({low:.0f}–{high:.0f}). Our `surfaces`, which is given neither, has {ours:.0f} %. What remains
+    **Answer.** Who knows the shape of every surface unwraps {shapes:.0f} % of the pixels of the
+    small test frames (384×512, released protocol); who also knows what touches what, {contacts:.0f}
+    % ({low:.0f}–{high:.0f}). Our `surfaces`, which is told neither, has {ours:.0f} %. What remains
     lies on surfaces too small or too dark for their noise.
     """,
     shapes=with_shapes[0][0],

@@ -309,10 +309,10 @@ light = np.logspace(-12, -2, 201)
 snr = {"RF": rf.snr(light), "all-optical": 1 / (2 * optical.dimming_and_noise(light)[1] ** 2)}
 plate = float(rf.power(targets["diffuse"], distance))
 own, reach = float(rf.snr(plate)), float(np.interp(2.2e-9, light, snr["all-optical"]))
-needed = 10 ** brentq(lambda p: float(np.log(rf.snr(10**p) / reach)), -12, -1)
+power_needed = 10 ** brentq(lambda p: float(np.log(rf.snr(10**p) / reach)), -12, -1)
 crossing = light[np.argmax(snr["RF"] > snr["all-optical"])]
 print(f"RF before the plate: {1e9 * plate:.2g} nW, SNR {own:.2g}; all-optical SNR {reach:,.0f}")
-print(f"for which RF needs {needed / plate:.0f} times the light")
+print(f"for which RF needs {power_needed / plate:.0f} times the light")
 print(f"offsets over the plate's signal: {rf.offsets.sum() / rf.envelope(plate):.0f}")
 
 # %% tags=["hide-input"]
@@ -332,7 +332,7 @@ plotting.save(
         "snr_rf_diffuse": closed_form(own),
         "snr_rf_mirror": closed_form(rf.snr(rf.power(targets["mirror"], distance))),
         "snr_optical_diffuse": closed_form(reach),
-        "power_for_equal": closed_form(needed),
+        "power_for_equal": closed_form(power_needed),
     },
     caption="SNR of a simulated phase reading in 13.3 ms, photon and electronic noise alone, "
     "against the light collected. Dotted: plate and mirror. Below an SNR of 1 the phase "

@@ -22,10 +22,12 @@ TO_EQUATION = re.compile(r"\[(Eqs?\.\s)?[\d.]+\w?\]\((?:\w+\.ipynb)?#(eq-[\w.]+)
 TO_ERRATUM = re.compile(r"\[([^\]]+)\]\((?:22_errata\.ipynb)?#(erratum-\d+)\)")
 ERRATUM = re.compile(r"^### (\d+) · ", re.M)
 TO_SOURCE = re.compile(r"\[[^\]]+\]\(\.\./book/references\.bib#(\w+)\)")
+PERCENT = re.compile(r"\n(?=%)")
 
 
 def myst(text: str) -> str:
     """Return the text of a page from that of a notebook's cell."""
+    text = PERCENT.sub("\u00a0", text)  # at the start of a line it would begin a comment
     text = EQUATION.sub(r"\n$$ (eq-\1)", text)
     text = TO_EQUATION.sub(r"\1{eq}`\2`", text)
     text = TO_ERRATUM.sub(r"{ref}`\1 <\2>`", text)
