@@ -427,7 +427,7 @@ notes.answer(
     **Answer.** Noisy images from which decoding recovers the phase: a white pixel has a phase noise
     of {white:.2f} rad. Of the network's octave features the first keeps {first:.0f} % of its cosine
     over the frame and the last {last:.0f} %. The released code's order of the noise loses light in
-    dark pixels: at brightness 0.02 {kept:.0f} % is left.
+    dark pixels: {kept:.0f} % is left at brightness 0.02.
     """,
     white=spread[ours][-1],
     first=100 * remains[0],
