@@ -23,6 +23,7 @@ results: str = "../book/results/table2_released_1200.json"  # counts over all te
 import json
 import tempfile
 import time
+from functools import partial
 from itertools import pairwise, product
 from pathlib import Path
 
@@ -40,11 +41,12 @@ from cmtof.evaluation import measured, rates, read_counts, scored_pixels
 from cmtof.frame import held_out_frames
 from cmtof.network.data import batch_of, leaves, measure
 from cmtof.network.features import CLASSES, FEATURE_SETS, ORDER, features, fourier_features
+from cmtof.network.inference import load_network, run_padded
 from cmtof.network.losses import IGNORED, WRAP_MM, soft_argmax, unwrapping_loss
 from cmtof.network.models import MODELS, build_network
 from cmtof.network.recipe import read_config
 from cmtof.network.training import train
-from cmtof.network.weights import Card, read_card, state, weights_path
+from cmtof.network.weights import Card, load_weights, read_card, state, weights_path
 from cmtof_book import notes, paper, plotting, provenance
 
 plotting.begin(profile=profile, seed=seed)
@@ -444,12 +446,9 @@ plotting.save(
 # ## Speed
 #
 # The paper's network takes 16.5 ms for 256×256 pixels and 50 ms for 768×1024 on a V100. The number
-# of operations follows from the layers; the times hold for one thread of the machine that made this
-# page, with random weights, and include the features before and the depth after the network. At
-# 768×1024 px the light network has 11 billion multiply-adds and moves 2 GB: in 150 ms that would be
-# 73 billion and 13 GB a second, above the 48 billion of a 3 GHz core with AVX2 in float32.
-# bfloat16 (`cmtof unwrap --fast`) helps where the processor multiplies it natively; emulated it is
-# ten times slower. It moved δ < 1 by −0.3 points on the test frames; other rates are of float32.
+# of operations follows from the layers; the times are those of one thread of the machine that made
+# this page, from wrapped phases to depth, features included. A network is trained with PyTorch and
+# runs by ONNX Runtime, which needs no PyTorch; both read the same weights and find the same wraps.
 
 # %% tags=["hide-input"]
 SIZES, TIMED = (tuple(small), tuple(large)), ("fast-scnn", "fast-scnn-light")
@@ -469,26 +468,42 @@ for name in TIMED:
 rng = np.random.default_rng(seed)
 
 
-def seconds(name, size, half):
-    """Median time from wrapped phases to depth."""
-    one = build_network(name).eval().to(memory_format=torch.channels_last)
+def by_torch(name):
+    """Network of PyTorch with the shipped weights."""
+    network = load_weights(weights_path(name, "released")).network
+    network.to(memory_format=torch.channels_last)
+
+    def run(given):
+        image = torch.from_numpy(given).contiguous(memory_format=torch.channels_last)
+        with torch.inference_mode():
+            return network(image)[0].numpy()
+
+    return run
+
+
+def by_onnx(name):
+    """Network of ONNX Runtime with the shipped weights."""
+    return partial(run_padded, load_network(weights_path(name, "released")).network)
+
+
+def seconds(name, size, run):
+    """Median processor time from wrapped phases to depth."""
     phase = rng.uniform(0, TAU, (2, *size)).astype(np.float32)
     taken = []
     for _ in range(runs):
-        start = time.perf_counter()
+        start = time.process_time()
         given = features(phase, 1e3 * (1 + phase), MODELS[name].features)
-        image = torch.from_numpy(given)[None].contiguous(memory_format=torch.channels_last)
-        with torch.inference_mode(), torch.autocast("cpu", torch.bfloat16, enabled=half):
-            wraps = one(image).argmax(1)[0].numpy()
+        wraps = run(given[None]).argmax(0)
         depth_from_wraps(phase[0], first + wraps, FREQUENCIES[0])
-        taken.append(time.perf_counter() - start)
+        taken.append(time.process_time() - start)
     return float(np.median(taken))
 
 
 taken = {}
 for name in TIMED:
-    for kind, half in (("float32", False), ("bfloat16", True)):
-        taken[f"{name}, {kind}"] = [1e3 * seconds(name, size, half) for size in SIZES]
+    for kind, made in (("ONNX Runtime", by_onnx), ("PyTorch", by_torch)):
+        run = made(name)
+        taken[f"{name}, {kind}"] = [1e3 * seconds(name, size, run) for size in SIZES]
 notes.table(
     ["ms an image", *(f"{h}×{w}" for h, w in SIZES)],
     [[name, *(f"{t:.0f}" for t in times)] for name, times in taken.items()],
@@ -503,10 +518,10 @@ ax.legend(fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))
 plotting.save(
     figure,
     "speed_runtimes",
-    caption="Time from wrapped phases to depth of our networks (random weights) on one thread of "
+    caption="Time from wrapped phases to depth of our networks on one thread of "
     f"{provenance.processor()}, beside the paper's stated time for its own on a V100. Logarithmic.",
-    alt="Bars in two groups, for the small and the large image; the light network and bfloat16 are "
-    "faster, and the paper's GPU is fastest.",
+    alt="Bars in two groups, for the small and the large image; the light network and ONNX Runtime "
+    "are faster, and the paper's GPU is fastest.",
 )
 
 # %% [markdown]

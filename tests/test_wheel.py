@@ -163,7 +163,7 @@ def test_bare_from_a_frame_to_scores(bare):
 def test_bare_evaluate_leaves_out_what_needs_an_extra(bare):
     done = bare.cmtof("evaluate", "wall.npz", "--json", "all.json")
     (line,) = done.stderr.splitlines()
-    assert line.endswith("Expected torch, got none. Install it: pip install 'cmtof[train]'.")
+    assert line.endswith("onnxruntime, got none. Install it: pip install 'cmtof[networks]'.")
     others = {name for name, method in METHODS.items() if method.kind in ("classical", "trivial")}
     assert json.loads((bare.folder / "all.json").read_text())["methods"].keys() == others
 
@@ -175,7 +175,7 @@ def test_bare_every_method_runs_or_names_its_extra(bare):
     assert set(re.findall("[a-z-]+", line.partition(":")[2].partition(".")[0])) >= LEARNED
     ran = json.loads((bare.folder / "named.json").read_text())["methods"].keys()
     assert ran == METHODS.keys() - LEARNED
-    assert "'cmtof[train]'" in bare.refused("evaluate", "wall.npz", "--method", "fast-scnn")
+    assert "'cmtof[networks]'" in bare.refused("evaluate", "wall.npz", "--method", "fast-scnn")
 
 
 def test_bare_the_simulated_instrument_scans(bare):
@@ -188,7 +188,7 @@ def test_bare_the_simulated_instrument_scans(bare):
     [
         ("rooms", "render --scenes 1 --views 1 -o rooms"),
         ("train", "train miniature -o run"),
-        ("train", "unwrap wall.nc -o n.nc --method fast-scnn"),
+        ("networks", "unwrap wall.nc -o n.nc --method fast-scnn"),
         ("hardware", "scan rig.yml -o s.nc"),
     ],
 )
@@ -215,7 +215,7 @@ def alone(environment, extra) -> Environment:
     return environment(extra)
 
 
-QUICK = ["book", "hardware", "lab", "plot", "rooms", "view"]
+QUICK = ["book", "hardware", "lab", "networks", "plot", "rooms", "view"]
 LONG = [pytest.param(extra, marks=pytest.mark.slow) for extra in ("notebooks", "train")]
 
 

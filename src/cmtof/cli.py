@@ -33,9 +33,10 @@ app = Typer(
 MODULES = {
     "hardware": "pyvisa serial thorlabs_apt_protocol",
     "lab": "cv2",
+    "networks": "onnxruntime safetensors",
     "plot": "cycler matplotlib pandas",
     "rooms": "embreex trimesh",
-    "train": "lightning safetensors torch",
+    "train": "lightning torch",
     "view": "IPython pyvista",
 }
 EXTRAS = {module: extra for extra, modules in MODULES.items() for module in modules.split()}
@@ -161,7 +162,6 @@ def unwrap(
     window: Annotated[int | None, Option(help="Side of the window, px (method beat).")] = None,
     weights: Annotated[Path | None, Option(help="Own .safetensors (learned methods).")] = None,
     ply: Annotated[Path | None, _file(".ply", "--ply", text="Point cloud (camera).")] = None,
-    fast: Annotated[bool, Option("--fast", help="Networks calculate in bfloat16.")] = False,
     tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a .nc above memory.")] = 0,
     quiet: Quiet = False,
 ) -> None:
@@ -178,7 +178,7 @@ def unwrap(
     if ply is not None and not one:
         raise ValueError("Expected one file, seen at once, for --ply, got more. Leave --ply out.")
     given = {"method": method, "range": range, "window": window, "weights": weights}
-    given |= {"min_confidence": min_confidence, "fast": int(fast) or None}
+    given["min_confidence"] = min_confidence
     how = {name: value for name, value in given.items() if value is not None} | {"tile": tile}
     if several:
         output.mkdir(exist_ok=True)
@@ -341,8 +341,9 @@ def info(
         print(shown(text.getvalue()))
         return
     print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
-    missing = "is not installed (only learned methods need it)"
-    print("torch", version("torch") if find_spec("torch") else missing)
+    for name, needed in (("onnxruntime", "learned methods need"), ("torch", "training needs")):
+        missing = f"is not installed (only {needed} it)"
+        print(name, version(name) if find_spec(name) else missing)
     print(f"embedded frames: {', '.join(embedded_frames())}")
     print(f"published captures: {data_root() or 'not on this machine'}")
 

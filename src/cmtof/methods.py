@@ -88,14 +88,11 @@ class Method:
 
 
 def _learned(name: str, source: str, about: str) -> Method:
-    def run(measurement: Measurement, *, weights: str | Path | None = None, fast=0) -> Estimate:
-        import torch
-
-        from cmtof.network.weights import unwrap_with_network
+    def run(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
+        from cmtof.network.inference import unwrap_with_network
 
         whole = without_holes(measurement)  # a network was never shown any
-        with torch.autocast("cpu", torch.bfloat16, enabled=bool(fast)):
-            return Estimate(*unwrap_with_network(whole, model=name, weights=weights))
+        return Estimate(*unwrap_with_network(whole, model=name, weights=weights))
 
     return Method(name, "learned", source, run, about=about, memory=1300)
 

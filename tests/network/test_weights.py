@@ -11,7 +11,7 @@ import cmtof
 from cmtof import methods
 from cmtof.correlation import TAU
 from cmtof.measurement import tiles
-from cmtof.network import weights
+from cmtof.network import inference, weights
 from cmtof.network.features import FULL_AMPLITUDE
 from cmtof.network.models import build_network
 
@@ -47,6 +47,7 @@ def test_weights_with_the_fewest_classes_are_found(stored):
         ({"classes": 20}, "no such model with 20 classes"),
         ({"gain": [0.1, float("nan"), 1]}, "Expected gain.1 .* finite number"),
         ({"model": "fast-scnn"}, "Expected finite weights of fast-scnn"),
+        ({"model": "fast"}, "no such model"),
         ({"sha256": "0" * 64}, "the hash .* instead of 000000000000"),
         ({"colour": "red"}, "Expected colour .* known key"),
     ],
@@ -55,9 +56,10 @@ def test_cards_that_do_not_fit_are_refused(stored, changes, message):
     path = stored()
     held = json.loads(path.with_suffix(".json").read_text())
     path.with_suffix(".json").write_text(json.dumps(held | changes))
-    with pytest.raises(ValueError, match=message) as caught:
-        weights.load_weights(path)
-    assert "\n" not in str(caught.value)
+    for load in (weights.load_weights, inference.load_network):
+        with pytest.raises(ValueError, match=message) as caught:
+            load(path)
+        assert "\n" not in str(caught.value)
 
 
 def test_weights_that_are_not_numbers_or_not_there_are_refused(tmp_path):
@@ -74,7 +76,7 @@ def test_weights_that_are_not_numbers_or_not_there_are_refused(tmp_path):
 
 @pytest.mark.parametrize("name", ["fast-scnn-light", "one-step", "rapid"])
 def test_methods_answer_within_the_range(stored, measurement, name):
-    depth, sure = weights.unwrap_with_network(measurement, weights=stored(name))
+    depth, sure = inference.unwrap_with_network(measurement, weights=stored(name))
     low, high = measurement.range
     assert ((depth >= low) & (depth < high)).all() and ((sure >= 0) & (sure <= 1)).all()
     assert (sure == 0.3).all() == (name == "one-step")
@@ -102,7 +104,7 @@ def test_what_would_take_too_much_memory_goes_in_tiles_like_the_whole(stored, mo
 def test_masked_pixels_do_not_spread(stored, measurement):
     measurement.dataset["mask"][5:9, 5:9] = False
     measurement.dataset["correlation"][:, :, 5:9, 5:9] = np.nan
-    depth, sure = weights.unwrap_with_network(measurement, weights=stored())
+    depth, sure = inference.unwrap_with_network(measurement, weights=stored())
     assert np.isfinite(depth[~np.isnan(depth)]).all() and np.isfinite(sure[20:]).all()
     assert np.isfinite(depth[20:]).all()
 
@@ -110,7 +112,7 @@ def test_masked_pixels_do_not_spread(stored, measurement):
 def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
     def amplitude(scale):
         scaled = measurement.dataset.assign(correlation=scale * measurement.dataset.correlation)
-        return weights.network_images(cmtof.Measurement(scaled), "proposed")[1]
+        return inference.network_images(cmtof.Measurement(scaled), "proposed")[1]
 
     np.testing.assert_allclose(amplitude(1.0), measurement.amplitude, rtol=1e-5)
     np.testing.assert_allclose(amplitude(1e-6), amplitude(1e-4), rtol=1e-4)
@@ -118,20 +120,20 @@ def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
 
 
 def test_range_and_frequencies_that_do_not_fit_are_refused(stored, frame, measurement):
-    trained = weights.load_weights(stored())
+    ready = inference.load_network(stored())
     with pytest.raises(ValueError, match="Expected wraps within 36 to 56"):
-        weights.classify(trained, measurement, 30, 50)
+        inference.classify(ready, measurement, 30, 50)
     other = cmtof.simulate(frame, frequencies=(7.15e9, 7.16e9))
     with pytest.raises(ValueError, match=r"Expected 7.15 and 14.32 GHz, .* got 7.15, 7.16 GHz"):
-        weights.unwrap_with_network(other, weights=stored())
+        inference.unwrap_with_network(other, weights=stored())
 
 
 def test_raw_correlations_are_taken_by_their_psi(stored, frame):
     path = stored("deep-tof")
     usual = cmtof.simulate(frame, noise_free=True)
     turned = cmtof.simulate(frame, noise_free=True, psi=np.array([0, 3, 1, 2]) * TAU / 4)
-    first, second = (weights.unwrap_with_network(one, weights=path)[0] for one in (usual, turned))
+    first, second = (inference.unwrap_with_network(one, weights=path)[0] for one in (usual, turned))
     assert np.allclose(first, second, atol=1e-5)
     skewed = cmtof.simulate(frame, psi=np.arange(4) * TAU / 4 + 0.1)
     with pytest.raises(ValueError, match=r"Expected correlations at psi = 0, 1/2"):
-        weights.unwrap_with_network(skewed, weights=path)
+        inference.unwrap_with_network(skewed, weights=path)

@@ -35,6 +35,14 @@ FULL_AMPLITUDE = 20 * 1000 / np.pi
 """Amplitude of a white surface, G T / pi, counts."""
 
 
+def padding(size: int, stride: int) -> int:
+    """Pixels that an image lacks to a multiple of a network's stride.
+
+    Two strides at least: in training a batch norm needs more than one value.
+    """
+    return max(-(-size // stride), 2) * stride - size
+
+
 def channels(name: str) -> int:
     """Number of channels of a set of features."""
     phase = np.zeros((2, 1, 1))

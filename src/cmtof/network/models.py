@@ -12,7 +12,7 @@ from torch.nn import functional
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
-from cmtof.network.features import CLASSES, FEATURE_SETS, channels
+from cmtof.network.features import CLASSES, FEATURE_SETS, channels, padding
 
 BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
 """Change of the beat ``phi_2 - 2 phi_1`` from one wrap of the lower frequency to the next, rad."""
@@ -148,8 +148,7 @@ class Network(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         height, width = x.shape[-2:]
-        # two pixels at least: in training a batch norm needs more than one value
-        more = [max(-(-size // self.stride), 2) * self.stride - size for size in (height, width)]
+        more = [padding(size, self.stride) for size in (height, width)]
         if any(more):
             x = functional.pad(x, (0, more[1], 0, more[0]), mode="replicate")
         found = self.body(x)[..., :height, :width]

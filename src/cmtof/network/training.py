@@ -32,6 +32,7 @@ from cmtof.measurement import Measurement
 from cmtof.network import weights
 from cmtof.network.data import WRAP, Batch, Packs, Sample, Steps, batch_of, measure, open_rooms
 from cmtof.network.features import CLASSES, features
+from cmtof.network.inference import network_images
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.muon import Muon
@@ -322,7 +323,7 @@ def _view(trained: weights.Trained, measurement: Measurement, wraps: NDArray, de
     (network, card), turns = trained, np.asarray(depth, float) / WRAP
     label = np.asarray(wraps, np.int64) - card.first_wrap
     known = (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
-    images = weights.network_images(measurement, network.model.features)
+    images = network_images(measurement, network.model.features)
     return images, np.where(known, label, IGNORED), np.where(known, turns - card.first_wrap, 0)
 
 

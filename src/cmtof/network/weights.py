@@ -1,4 +1,7 @@
-"""Trained networks, safetensors in half precision, never unpickled: cards, state, unwrapping."""
+"""Weights of trained networks: safetensors in half precision, their cards and states.
+
+Nothing is ever unpickled. Inference reads weights as NumPy arrays, training as a network of torch.
+"""
 
 import hashlib
 import json
@@ -10,14 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
-from cmtof.constants import FREQUENCIES
-from cmtof.correlation import centred, depth_from_wraps, wrap_length
-from cmtof.estimate import within_range, wraps_in_range
 from cmtof.files import check_input, small_file, written_whole
-from cmtof.measurement import Measurement
-from cmtof.network.features import CLASSES, FULL_AMPLITUDE, features
-from cmtof.simulation import QUADRATURES
-from cmtof.validation import checked, expect
+from cmtof.network.features import CLASSES
+from cmtof.validation import checked
 
 Network = Tensor = Any  # of cmtof.network.models and of torch, which are imported late
 FOLDER = Path(str(files("cmtof"))) / "weights"  # those that travel with the package
@@ -67,10 +65,14 @@ class Card(Strict):
 
 
 class Trained(NamedTuple):
-    """A network with its weights, in evaluation mode, and its card."""
+    """A network of torch with its weights, in evaluation mode, and its card."""
 
     network: Network
     card: Card
+
+
+class Refused(RuntimeError):
+    """Why weights cannot be used."""
 
 
 def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
@@ -124,102 +126,49 @@ def read_card(weights: Path) -> Card:
     return checked(Card, held, path)
 
 
-def load_weights(path: Path) -> Trained:
-    """Network for inference; a ValueError if its file or card is missing, damaged, or no match."""
+def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
+    """Arrays of a file of weights by their names, and its card.
+
+    Raises a ValueError if the file or its card is missing, damaged, or does not match the other.
+    """
     from safetensors import SafetensorError
-    from safetensors.torch import load
+    from safetensors.numpy import load
+
+    content = check_input(path, "weights, *.safetensors").read_bytes()
+    card = read_card(path)
+    found = hashlib.sha256(content).hexdigest()
+    try:
+        if (card.first_wrap, card.classes) != CLASSES[card.protocol]:
+            raise Refused(f"no such model with {card.classes} classes")
+        if found != card.sha256:
+            raise Refused(f"the hash {found[:12]}… instead of {card.sha256[:12]}…")
+        arrays = load(content)
+        if not all(np.isfinite(array).all() for array in arrays.values()):
+            raise Refused("NaN or infinity")
+    except (Refused, SafetensorError) as error:
+        raise refused(path, card, error) from error
+    return arrays, card
+
+
+def refused(path: Path, card: Card, error: Exception) -> ValueError:
+    """Error of weights that cannot be used, with its reason."""
+    what = f"finite weights of {card.model} in {path} that fit their card"
+    got = f"got others ({str(error).splitlines()[0]}). Fetch or train them again."
+    return ValueError(f"Expected {what}, {got}")
+
+
+def load_weights(path: Path) -> Trained:
+    """Network of torch, to go on training; a ValueError if its file or card cannot be used."""
+    import torch
 
     from cmtof.network.models import MODELS, build_network
 
-    content, card = check_input(path, "weights, *.safetensors").read_bytes(), read_card(path)
-    found = hashlib.sha256(content).hexdigest()
+    arrays, card = read_weights(path)
     try:
-        if card.model not in MODELS or (card.first_wrap, card.classes) != CLASSES[card.protocol]:
-            raise RuntimeError(f"no such model with {card.classes} classes")
-        if found != card.sha256:
-            raise RuntimeError(f"the hash {found[:12]}… instead of {card.sha256[:12]}…")
+        if card.model not in MODELS:
+            raise Refused("no such model")
         network = build_network(card.model, card.protocol)
-        network.load_state_dict(load(content))
-        if not all(bool(tensor.isfinite().all()) for tensor in network.state_dict().values()):
-            raise RuntimeError("NaN or infinity")
-    except (RuntimeError, SafetensorError) as error:
-        what = f"finite weights of {card.model} in {path} that fit their card"
-        got = f"got others ({str(error).splitlines()[0]}). Fetch or train them again."
-        raise ValueError(f"Expected {what}, {got}") from error
+        network.load_state_dict({name: torch.from_numpy(x) for name, x in arrays.items()})
+    except RuntimeError as error:
+        raise refused(path, card, error) from error
     return Trained(network.eval(), card)
-
-
-def unwrap_with_network(
-    measurement: Measurement, *, model: str | None = None, weights: str | Path | None = None
-) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
-    """Depth by a network that classifies each pixel's wrap (Sec. 5) or regresses its depth.
-
-    Weights are the shipped ones that hold every wrap in range, or a ``.safetensors`` of one's own.
-    Returned are depth, m, and the probability of the chosen class, of a regression the share of
-    right wraps in validation; both (H, W).
-    """
-    tones = np.asarray(measurement.frequencies, float)
-    right = tones.size > 1 and np.allclose(tones[:2], FREQUENCIES, rtol=1e-6)
-    got = f"{', '.join(f'{f / 1e9:g}' for f in tones)} GHz"
-    what = "7.15 and 14.32 GHz, which the weights were trained at"
-    expect(right, what, got, "Choose the method crt.")
-    first, last = wraps_in_range(measurement)
-    trained = load_weights(Path(weights or find_weights(model or "fast-scnn", first, last)))
-    given = trained.card.model
-    expect(model in (None, given), f"weights of {model}", f"those of {given}", "Name that method.")
-    if trained.network.target == "depth":
-        turns = trained.card.first_wrap + _output(trained, measurement)[0].numpy()
-        depth = turns * wrap_length(FREQUENCIES[0])
-        sure = np.full(depth.shape, trained.card.validation.delta_lt_1)
-    else:
-        wraps, sure = classify(trained, measurement, first, last)
-        phase = np.nan_to_num(measurement.phase[0]).astype(float)
-        depth = depth_from_wraps(phase, wraps, FREQUENCIES[0])
-    return within_range(depth, measurement), sure
-
-
-def classify(
-    trained: Trained, measurement: Measurement, first: int, last: int
-) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
-    """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W)."""
-    low, stop = trained.card.first_wrap, trained.card.first_wrap + trained.card.classes
-    what = f"wraps within {low} to {stop - 1}, which {trained.card.model} distinguishes"
-    expect(low <= first and last < stop, what, f"{first} to {last}", "Narrow the range.")
-    found = _output(trained, measurement)[first - low : last - low + 1].float().numpy()
-    np.exp(np.subtract(found, found.max(0), out=found), out=found)  # a softmax, in place
-    return first + found.argmax(0), 1 / found.sum(0)
-
-
-def network_images(measurement: Measurement, kind: str) -> list[NDArray[np.float32]]:
-    """Phases, amplitudes (2, H, W) and, if read, correlations (2, 4, H, W): the features' source.
-
-    Amplitudes in other units than the simulation's counts are scaled, for each frequency, so that
-    the brightest tenth of the image begins at a white surface's.
-    """
-    # a masked pixel may be NaN; the network gets a dark one, or its neighbours would be NaN too
-    images = [measurement.phase[:2], measurement.amplitude[:2]]
-    if kind == "correlation" and "correlation" in measurement.dataset:
-        psi = measurement.dataset["psi"].to_numpy()[:2]
-        off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
-        what = "correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was trained on"
-        got = f"psi = {np.round(psi[0], 3).tolist()} rad"
-        expect((off.min(1) <= 1e-6).all(), what, got, "Choose another method.")
-        held = measurement.dataset["correlation"]
-        images.append(np.stack([held[f, k].to_numpy() for f, k in enumerate(off.argmin(1))]))
-    phase, amplitude, *more = (np.nan_to_num(np.asarray(x, np.float32)) for x in images)
-    bright = np.quantile(amplitude, 0.9, axis=(1, 2), keepdims=True)
-    if not 0.1 < bright[0].item() / FULL_AMPLITUDE < 2:  # noise alone has more in the simulation
-        amplitude *= FULL_AMPLITUDE / np.maximum(bright, np.float32(1e-30))
-    return [phase, amplitude, *more]
-
-
-def _output(trained: Trained, measurement: Measurement) -> Tensor:
-    """Output (C, H, W) of a network for a measurement."""
-    import torch
-
-    kind = trained.network.model.features
-    phase, amplitude, *more = network_images(measurement, kind)
-    inputs = features(phase, amplitude, kind, *more)
-    image = torch.from_numpy(inputs)[None].contiguous(memory_format=torch.channels_last)
-    with torch.inference_mode():
-        return trained.network(image)[0].float()

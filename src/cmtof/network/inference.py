@@ -1,0 +1,152 @@
+"""Inference by ONNX Runtime: a network's graph, joined with weights, and the unwrapping by it.
+
+Graphs travel with the package, without weights (`cmtof_book.onnx_graphs` writes them);
+weights are those of `cmtof.network.weights`, which training goes on from. torch is not needed.
+"""
+
+import os
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import centred, depth_from_wraps, wrap_length
+from cmtof.estimate import within_range, wraps_in_range
+from cmtof.measurement import Measurement
+from cmtof.network.features import FULL_AMPLITUDE, features, padding
+from cmtof.network.protobuf import onnx_model, read_graph
+from cmtof.network.weights import Card, find_weights, read_weights, refused
+from cmtof.simulation import QUADRATURES
+from cmtof.validation import expect
+
+Network = Any  # an InferenceSession of ONNX Runtime, which is imported late
+
+
+class Ready(NamedTuple):
+    """A network that can run, and its card."""
+
+    network: Network
+    card: Card
+
+
+def load_network(path: Path) -> Ready:
+    """Network with the weights of a file; a ValueError if file or card cannot be used."""
+    from onnxruntime import InferenceSession, SessionOptions
+
+    arrays, card = read_weights(path)
+    options = SessionOptions()
+    options.log_severity_level = 4  # an error is raised anyway
+    threads = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]
+    options.intra_op_num_threads = int(threads or os.cpu_count() or 1)
+    try:
+        model = onnx_model(read_graph(card.model), arrays)
+        network = InferenceSession(model, options, providers=["CPUExecutionProvider"])
+    except Exception as error:  # ONNX Runtime raises a dozen kinds
+        raise refused(path, card, error) from error
+    return Ready(network, card)
+
+
+def unwrap_with_network(
+    measurement: Measurement, *, model: str | None = None, weights: str | Path | None = None
+) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    """Depth by a network that classifies each pixel's wrap (Sec. 5) or regresses its depth.
+
+    Weights are the shipped ones that hold every wrap in range, or a ``.safetensors`` of one's own.
+    Returned are depth, m, and the probability of the chosen class, of a regression the share of
+    right wraps in validation; both (H, W).
+    """
+    _check_tones(measurement)
+    first, last = wraps_in_range(measurement)
+    path = Path(weights or find_weights(model or "fast-scnn", first, last))
+    ready = load_network(path)
+    card = ready.card
+    what = f"weights of {model}"
+    expect(model in (None, card.model), what, f"those of {card.model}", "Name that method.")
+    if about(ready.network)["target"] == "depth":
+        turns = card.first_wrap + card.classes * (0.5 + output(ready.network, measurement)[0])
+        depth = turns * wrap_length(FREQUENCIES[0])
+        sure = np.full(depth.shape, card.validation.delta_lt_1)
+    else:
+        wraps, sure = classify(ready, measurement, first, last)
+        phase = np.nan_to_num(measurement.phase[0]).astype(float)
+        depth = depth_from_wraps(phase, wraps, FREQUENCIES[0])
+    return within_range(depth, measurement), sure
+
+
+def _check_tones(measurement: Measurement) -> None:
+    """Raise a ValueError if the frequencies are not those of the training."""
+    tones = np.asarray(measurement.frequencies, float)
+    right = tones.size > 1 and np.allclose(tones[:2], FREQUENCIES, rtol=1e-6)
+    got = f"{', '.join(f'{f / 1e9:g}' for f in tones)} GHz"
+    what = "7.15 and 14.32 GHz, which the weights were trained at"
+    expect(right, what, got, "Choose the method crt.")
+
+
+def classify(
+    ready: Ready, measurement: Measurement, first: int, last: int
+) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
+    """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W)."""
+    network, card = ready
+    low = card.first_wrap
+    stop = low + card.classes
+    what = f"wraps within {low} to {stop - 1}, which {card.model} distinguishes"
+    expect(low <= first and last < stop, what, f"{first} to {last}", "Narrow the range.")
+    found = output(network, measurement)[first - low : last - low + 1]
+    found -= found.max(0)
+    np.exp(found, out=found)  # a softmax, in place
+    return first + found.argmax(0), 1 / found.sum(0)
+
+
+def network_images(measurement: Measurement, kind: str) -> list[NDArray[np.float32]]:
+    """Phases, amplitudes (2, H, W) and, if read, correlations (2, 4, H, W): the features' source.
+
+    Amplitudes in other units than the simulation's counts are scaled, for each frequency, so that
+    the brightest tenth of the image begins at a white surface's.
+    """
+    # a masked pixel may be NaN; the network gets a dark one, or its neighbours would be NaN too
+    images = [measurement.phase[:2], measurement.amplitude[:2]]
+    if kind == "correlation" and "correlation" in measurement.dataset:
+        images.append(_at_quadratures(measurement.dataset))
+    phase, amplitude, *more = (np.nan_to_num(np.asarray(x, np.float32)) for x in images)
+    bright = np.quantile(amplitude, 0.9, axis=(1, 2), keepdims=True)
+    if not 0.1 < bright[0].item() / FULL_AMPLITUDE < 2:  # noise alone has more in the simulation
+        amplitude *= FULL_AMPLITUDE / np.maximum(bright, np.float32(1e-30))
+    return [phase, amplitude, *more]
+
+
+def _at_quadratures(dataset: xr.Dataset) -> NDArray[np.floating]:
+    """Correlations (2, 4, H, W) at psi = 0, 1/2, 1 and 3/2 pi."""
+    psi = dataset["psi"].to_numpy()[:2]
+    off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
+    what = "correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was trained on"
+    got = f"psi = {np.round(psi[0], 3).tolist()} rad"
+    expect((off.min(1) <= 1e-6).all(), what, got, "Choose another method.")
+    held = dataset["correlation"]
+    taken = [held[tone, step].to_numpy() for tone, step in enumerate(off.argmin(1))]
+    return np.stack(taken)
+
+
+def about(network: Network) -> dict[str, str]:
+    """What a graph reads (``features``), answers (``target``), and its ``stride``, px."""
+    return network.get_modelmeta().custom_metadata_map
+
+
+def output(network: Network, measurement: Measurement) -> NDArray[np.float32]:
+    """Output (C, H, W) of a network for a measurement."""
+    kind = about(network)["features"]
+    phase, amplitude, *more = network_images(measurement, kind)
+    return run_padded(network, features(phase, amplitude, kind, *more)[None])
+
+
+def run_padded(network: Network, inputs: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Output (C, H, W) for inputs (1, C', H, W), which are padded to the network's stride."""
+    stride = int(about(network)["stride"])
+    height, width = inputs.shape[-2:]
+    rows = 0, padding(height, stride)
+    columns = 0, padding(width, stride)
+    inputs = np.pad(inputs, [(0, 0), (0, 0), rows, columns], mode="edge")
+    (found,) = network.run(None, {network.get_inputs()[0].name: inputs})
+    return found[0, :, :height, :width]

@@ -1,0 +1,64 @@
+"""Graphs of all networks, ONNX files without weights, beside the weights of the package.
+
+    python -m cmtof_book.onnx_graphs
+
+Only a change of `cmtof.network.models` asks for it: other weights of a model fit its graph.
+"""
+
+import gzip
+import io
+import warnings
+from types import MethodType
+
+import onnx
+import torch
+
+from cmtof.network.models import MODELS, Network, build_network
+from cmtof.network.weights import FOLDER
+
+OPSET = 17
+
+
+def graph_of(network: Network) -> bytes:
+    """ONNX graph of a network's body, whose weights are named and left out.
+
+    It states what it reads and answers. Norms stay apart: ONNX Runtime folds them at its start.
+    """
+    kind = network.model.features
+    for weight in network.state_dict().values():
+        if weight.is_floating_point():
+            weight.uniform_()  # equal ones would become one
+    network.forward = MethodType(type(network).body, network)
+    written = io.BytesIO()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        torch.onnx.export(
+            network.eval(),
+            (torch.zeros(1, network.inputs, 64, 64),),
+            written,
+            dynamo=False,
+            opset_version=OPSET,
+            export_params=False,
+            do_constant_folding=False,
+            training=torch.onnx.TrainingMode.PRESERVE,  # or names of weights would be lost
+            input_names=[kind],
+            output_names=[network.target],
+            dynamic_axes={kind: [2, 3], network.target: [1, 2, 3]},
+        )
+    model = onnx.load_from_string(written.getvalue())
+    del model.graph.input[1:]  # the weights
+    about = {"features": kind, "target": network.target, "stride": str(network.stride)}
+    onnx.helper.set_model_props(model, about)
+    return model.SerializeToString(deterministic=True)
+
+
+def main() -> None:
+    """Write the graph of every model."""
+    for name in MODELS:
+        path = FOLDER / f"{name}.onnx.gz"
+        path.write_bytes(gzip.compress(graph_of(build_network(name)), mtime=0))
+        print(f"{path.name}: {path.stat().st_size} bytes")
+
+
+if __name__ == "__main__":
+    main()
