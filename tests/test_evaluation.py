@@ -80,6 +80,7 @@ def test_every_method_sees_the_same_noise(tilted_wall):
 
 def test_a_method_whose_package_is_missing_is_left_out(tilted_wall, monkeypatch):
     monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    monkeypatch.delitem(sys.modules, "cmtof.network.inference", raising=False)
     several = Evaluation(["fast-scnn", "crt"], seed=1).add_all([tilted_wall, tilted_wall])
     assert several.report()["methods"].keys() == {"crt"}
     assert several.missing["fast-scnn"].name == "onnxruntime"

@@ -6,11 +6,12 @@ weights are those of `cmtof.network.weights`, which training goes on from. torch
 
 import os
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from onnxruntime import InferenceSession, SessionOptions
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_wraps, wrap_length
@@ -22,20 +23,16 @@ from cmtof.network.weights import Card, find_weights, read_weights, refused
 from cmtof.simulation import QUADRATURES
 from cmtof.validation import expect
 
-Network = Any  # an InferenceSession of ONNX Runtime, which is imported late
-
 
 class Ready(NamedTuple):
     """A network that can run, and its card."""
 
-    network: Network
+    network: InferenceSession
     card: Card
 
 
 def load_network(path: Path) -> Ready:
     """Network with the weights of a file; a ValueError if file or card cannot be used."""
-    from onnxruntime import InferenceSession, SessionOptions
-
     arrays, card = read_weights(path)
     options = SessionOptions()
     options.log_severity_level = 4  # an error is raised anyway
@@ -129,19 +126,19 @@ def _at_quadratures(dataset: xr.Dataset) -> NDArray[np.floating]:
     return np.stack(taken)
 
 
-def about(network: Network) -> dict[str, str]:
+def about(network: InferenceSession) -> dict[str, str]:
     """What a graph reads (``features``), answers (``target``), and its ``stride``, px."""
     return network.get_modelmeta().custom_metadata_map
 
 
-def output(network: Network, measurement: Measurement) -> NDArray[np.float32]:
+def output(network: InferenceSession, measurement: Measurement) -> NDArray[np.float32]:
     """Output (C, H, W) of a network for a measurement."""
     kind = about(network)["features"]
     phase, amplitude, *more = network_images(measurement, kind)
     return run_padded(network, features(phase, amplitude, kind, *more)[None])
 
 
-def run_padded(network: Network, inputs: NDArray[np.float32]) -> NDArray[np.float32]:
+def run_padded(network: InferenceSession, inputs: NDArray[np.float32]) -> NDArray[np.float32]:
     """Output (C, H, W) for inputs (1, C', H, W), which are padded to the network's stride."""
     stride = int(about(network)["stride"])
     height, width = inputs.shape[-2:]
