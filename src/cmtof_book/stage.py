@@ -15,7 +15,7 @@ from typing import Any
 import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof_book import claims, scoreboard
+from cmtof_book import claims, laboratory, scoreboard
 from cmtof_book.graph import Book
 from cmtof_book.markdown import myst
 from cmtof_book.notes import SAID
@@ -183,6 +183,7 @@ def main(build: Path, stage: Path) -> None:
     for stem in book.notebooks():
         stage_notebook(build / "notebooks" / f"{stem}.ipynb", stage / "notebooks" / f"{stem}.ipynb")
     place_results(build, stage)
+    laboratory.write(stage / "book" / "_static" / "laboratory")
     records = list(read_all(build / "results"))
     chapters = sorted((build / "notebooks").glob("*.ipynb"))
     found = scoreboard.found_in(records)

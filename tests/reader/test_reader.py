@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 import browse
+import numpy as np
 import pytest
 
 BUILD = Path(__file__).resolve().parents[2] / "build"
@@ -137,3 +138,61 @@ def test_the_book_is_light():
         loads = re.findall(r'<img[^>]* src="([^"]+)"', page.read_text())
         images = {(page.parent / source).resolve() for source in loads if "data:" not in source}
         assert sizes[page] + sum(image.stat().st_size for image in images) < 3e6, page.stem
+
+
+LOOKS = [(1280, "light"), (390, "light"), (1280, "dark"), (390, "dark")]
+DONE = "document.querySelector('#laboratory').dataset.milliseconds"
+
+
+def right_share(tab, method):
+    """Share of right wraps that the laboratory shows, once nothing is left to compute."""
+    tab.wait_for_timeout(100)
+    tab.wait_for_function(DONE)
+    caption = tab.locator("#laboratory figcaption", has_text=f"errors of the {method}")
+    return float(re.search(r"([\d.]+) % right", caption.inner_text())[1])
+
+
+@pytest.mark.parametrize(("width", "colours"), LOOKS)
+def test_the_laboratory_measures_and_unwraps(browser, width, colours, tmp_path):
+    with browse.opened(browser, HTML / "book" / "laboratory.html", width) as (tab, problems):
+        tab.emulate_media(color_scheme=colours)
+        tab.locator("#laboratory[data-ready]").wait_for(timeout=120_000)
+        noisy = {method: right_share(tab, method) for method in ("beat", "network")}
+        tab.locator("[name=sigma]").focus()
+        tab.keyboard.press("Home")
+        assert all(right_share(tab, method) > noisy[method] for method in noisy)
+        tab.locator("[name=offset]").focus()
+        tab.keyboard.press("End")
+        assert all(right_share(tab, method) < noisy[method] for method in noisy)
+        read_a_pixel(tab)
+        take_own_scenes(tab, tmp_path)
+        assert not problems
+
+
+def read_a_pixel(tab):
+    """Move the pixel by mouse, by touch and by keyboard."""
+    canvas, pixel = tab.locator("#laboratory canvas").first, tab.locator("#laboratory .spot p")
+    seen = [pixel.inner_text()]
+    canvas.hover(position={"x": 30, "y": 40})
+    seen.append(pixel.inner_text())
+    box = canvas.bounding_box()
+    touch = {"pointerType": "touch", "clientX": box["x"] + 50, "clientY": box["y"] + 60}
+    canvas.dispatch_event("pointerdown", touch)
+    seen.append(pixel.inner_text())
+    canvas.focus()
+    tab.keyboard.press("ArrowDown")
+    seen.append(pixel.inner_text())
+    assert len(set(seen)) == 4
+
+
+def take_own_scenes(tab, folder):
+    """Take a frame of the reader's, and refuse what is none."""
+    y, x = np.mgrid[:70, :90]
+    np.savez(folder / "own.npz", depth=1.0 + 0.001 * x, intensity=0.4 + 0.005 * y)
+    (folder / "other.npz").write_bytes(b"no frame")
+    taken = tab.locator("#laboratory input[type=file]")
+    taken.set_input_files(folder / "other.npz")
+    tab.locator("#laboratory .said", has_text="Expected an .npz file").wait_for()
+    taken.set_input_files(folder / "own.npz")
+    tab.locator("#laboratory option", has_text="own.npz").wait_for(state="attached")
+    assert tab.locator("#laboratory canvas").first.get_attribute("width") == "88"

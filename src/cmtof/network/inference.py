@@ -94,7 +94,8 @@ def classify(
     found = output(network, measurement)[first - low : last - low + 1]
     found -= found.max(0)
     np.exp(found, out=found)  # a softmax, in place
-    return first + found.argmax(0), 1 / found.sum(0)
+    chosen = found.argmax(0)
+    return first + chosen, 1 / found.sum(0)
 
 
 def network_images(measurement: Measurement, kind: str) -> list[NDArray[np.float32]]:
@@ -145,5 +146,6 @@ def run_padded(network: InferenceSession, inputs: NDArray[np.float32]) -> NDArra
     rows = 0, padding(height, stride)
     columns = 0, padding(width, stride)
     inputs = np.pad(inputs, [(0, 0), (0, 0), rows, columns], mode="edge")
-    (found,) = network.run(None, {network.get_inputs()[0].name: inputs})
+    (read,) = network.get_inputs()
+    (found,) = network.run(None, {read.name: inputs})
     return found[0, :, :height, :width]

