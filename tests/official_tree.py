@@ -53,7 +53,9 @@ def write_tree(root: Path) -> Path:
         depth = wall(projection).astype(np.float16)
         depth[0, :3] = np.nan, np.inf, 0
         color = np.broadcast_to(np.array([0.2, 0.5, 0.9], np.float16), (*SHAPE, 3)).copy()
-        color[5, 5], color[6, 6], color[7, 7] = np.nan, np.inf, -1
+        color[5, 5] = np.nan
+        color[6, 6] = np.inf
+        color[7, 7] = -1
         for camera, frame in VIEWS:
             place = root / scene / "images" / f"scene_{camera}"
             name = f"frame.{frame:04d}"

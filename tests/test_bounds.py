@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy import integrate
 
 from cmtof import bounds
@@ -32,25 +34,25 @@ def test_phase_noise_meets_the_bound_where_it_is_small(rng, phase):
     signal = 20_000.0
     bound = bounds.phase_bound(signal / np.pi, signal / 2, PSI, sigma=1200.0, phase=phase)
     assert float(bound) <= 0.15
-    assert errors(1.0, rng, phase=phase).std() == pytest.approx(float(bound), rel=0.02)
+    assert errors(1.0, rng, phase=phase).std() == approx(float(bound), rel=0.02)
 
 
 @pytest.mark.parametrize("intensity", [1.0, 0.3, 0.1, 0.05])
 def test_phase_noise_follows_the_exact_law_everywhere(rng, intensity):
     law = bounds.phase_spread(linear(intensity))
-    assert errors(intensity, rng).std() == pytest.approx(law, rel=0.03)
+    assert errors(intensity, rng).std() == approx(law, rel=0.03)
 
 
 @pytest.mark.parametrize("noise", [0.05, 0.445, 8.0])
 def test_phase_density_is_a_probability(noise):
     inside = [0.0] if noise > 0.3 else [-5 * noise, 0.0, 5 * noise]
     total = integrate.quad(bounds.phase_density, -np.pi, np.pi, args=(noise,), points=inside)[0]
-    assert total == pytest.approx(1.0, abs=1e-8)
+    assert total == approx(1.0, abs=1e-8)
 
 
 def test_phase_spread_tends_to_the_linear_and_to_the_uniform_limit():
-    assert bounds.phase_spread(0.01) == pytest.approx(0.01, rel=1e-3)
-    assert bounds.phase_spread(1e4) == pytest.approx(np.pi / np.sqrt(3), rel=1e-3)
+    assert bounds.phase_spread(0.01) == approx(0.01, rel=1e-3)
+    assert bounds.phase_spread(1e4) == approx(np.pi / np.sqrt(3), rel=1e-3)
 
 
 def test_fisher_information_is_the_curvature_of_the_likelihood(rng):
@@ -60,23 +62,23 @@ def test_fisher_information_is_the_curvature_of_the_likelihood(rng):
         return theta[2] + theta[1] * np.cos(theta[0] + PSI)
 
     def expected_nll(theta):
-        v, v0 = mean(theta) + 50**2, mean(truth) + 50**2
+        v = mean(theta) + 50**2
+        v0 = mean(truth) + 50**2
         return np.sum(np.log(v) + (v0 + (mean(truth) - mean(theta)) ** 2) / v) / 2
 
     step = np.array([1e-3, 1.0, 1.0])
     curvature = np.empty((3, 3))
     for i in range(3):
         for j in range(3):
-            ei, ej = np.eye(3)[i] * step, np.eye(3)[j] * step
+            ei = np.eye(3)[i] * step
+            ej = np.eye(3)[j] * step
             corners = [truth + ei + ej, truth + ei - ej, truth - ei + ej, truth - ei - ej]
             value = expected_nll(corners[0]) - expected_nll(corners[1])
             value += expected_nll(corners[3]) - expected_nll(corners[2])
             curvature[i, j] = value / (4 * step[i] * step[j])
     fisher = bounds.fisher_information(900.0, 2000.0, PSI, sigma=50.0, phase=0.7)
     scale = np.sqrt(np.diag(fisher))
-    np.testing.assert_allclose(
-        curvature / np.outer(scale, scale), fisher / np.outer(scale, scale), atol=1e-4
-    )
+    assert_allclose(curvature / np.outer(scale, scale), fisher / np.outer(scale, scale), atol=1e-4)
 
 
 def test_more_steps_and_less_noise_never_hurt():
@@ -88,15 +90,15 @@ def test_more_steps_and_less_noise_never_hurt():
     # where the Gaussian noise rules, four times the steps halve the bound
     few = bounds.phase_bound(900.0, 1500.0, PSI, sigma=5000.0)
     many = bounds.phase_bound(900.0, 1500.0, TAU * np.arange(16) / 16, sigma=5000.0)
-    assert many == pytest.approx(few / 2, rel=1e-3)
+    assert many == approx(few / 2, rel=1e-3)
 
 
 def test_odds_and_pixels_of_the_paper_settings():
     noise = linear(1.0)
     odds = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
-    assert float(odds) == pytest.approx(0.0234, abs=1e-4)
-    assert bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES) == pytest.approx(4459, abs=3)
-    assert bounds.pixels_needed(linear(0.3), linear(0.3), frequencies=FREQUENCIES) == pytest.approx(
+    assert float(odds) == approx(0.0234, abs=1e-4)
+    assert bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES) == approx(4459, abs=3)
+    assert bounds.pixels_needed(linear(0.3), linear(0.3), frequencies=FREQUENCIES) == approx(
         49_311, rel=1e-3
     )
 
@@ -105,7 +107,7 @@ def test_pooling_the_needed_pixels_gives_the_stated_odds():
     noise = linear(1.0)
     pixels = bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES, odds=0.8)
     pooled = noise / np.sqrt(pixels)
-    assert float(bounds.wrap_probability(pooled, pooled, frequencies=FREQUENCIES)) == pytest.approx(
+    assert float(bounds.wrap_probability(pooled, pooled, frequencies=FREQUENCIES)) == approx(
         0.8, abs=1e-3
     )
 
@@ -121,16 +123,16 @@ def test_odds_of_one_pixel_equal_counting(rng, intensity):
     beat = centred(error[1] - 2 * error[0])
     wraps = np.rint((low / (high - 2 * low)) * beat / TAU - error[0] / TAU)
     law = bounds.wrap_probability_law(noise, noise, frequencies=FREQUENCIES)
-    assert np.mean(wraps == 0) == pytest.approx(law, rel=0.04)
+    assert np.mean(wraps == 0) == approx(law, rel=0.04)
     if intensity == 1:
         formula = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
-        assert float(formula) == pytest.approx(law, rel=0.05)
+        assert float(formula) == approx(law, rel=0.05)
 
 
 def test_the_law_of_the_odds_meets_the_formula_in_small_noise_and_a_guess_in_darkness():
     small = bounds.wrap_probability_law(0.02, 0.02, frequencies=FREQUENCIES)
-    assert small == pytest.approx(
+    assert small == approx(
         float(bounds.wrap_probability(0.02, 0.02, frequencies=FREQUENCIES)), rel=1e-3
     )
     dark = bounds.wrap_probability_law(50.0, 50.0, frequencies=FREQUENCIES)
-    assert dark == pytest.approx(20 / 7150, rel=0.05)
+    assert dark == approx(20 / 7150, rel=0.05)

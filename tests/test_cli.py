@@ -7,6 +7,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 import xarray as xr
+from pytest import approx
 
 import cmtof
 from cmtof.measurement import Measurement
@@ -36,7 +37,7 @@ def test_simulate_options_reach_the_file(run, tmp_path, tilted_wall):
     assert run("simulate", tmp_path, "-o", m, *options)[0] == 0  # the folder's first frame
     made = cmtof.open(m)
     assert made.frequencies.tolist() == [7.15e9, 7.16e9]
-    assert made.range[1] == pytest.approx(14.99, abs=0.01)
+    assert made.range[1] == approx(14.99, abs=0.01)
     assert made.dataset.attrs["noise_sigma"] == 300
     assert run("simulate", tmp_path / "wall.npz", "-o", m, "--noise-free")[0] == 0
     assert cmtof.open(m).dataset.attrs["photon_noise"] == 0
@@ -72,7 +73,7 @@ def test_evaluate_writes_the_contract(run, tmp_path):
     keys |= {"mean_confidence"}
     for scores in report["methods"].values():
         assert set(scores) == keys
-        assert scores["delta_lt_3"] + scores["delta_ge_3"] == pytest.approx(1)
+        assert scores["delta_lt_3"] + scores["delta_ge_3"] == approx(1)
     assert report["methods"]["beat"]["delta_lt_1"] > 3 * report["methods"]["crt"]["delta_lt_1"]
 
 
@@ -93,7 +94,8 @@ def test_methods_and_info(run, measurement_file, tmp_path):
 
 
 def test_rooms_are_rendered_and_evaluated_as_a_folder(run, tmp_path):
-    rooms, scores = tmp_path / "rooms", tmp_path / "scores.json"
+    rooms = tmp_path / "rooms"
+    scores = tmp_path / "scores.json"
     options = ("--scenes", 1, "--views", 2, "--size", "48x64", "--seed", 2, "--workers", 1)
     code, text, _ = run("render", *options, "-o", rooms)
     assert code == 0
@@ -115,7 +117,8 @@ def test_rooms_are_rendered_and_evaluated_as_a_folder(run, tmp_path):
 def test_inputs_are_never_replaced(fails, tmp_path, measured):
     Measurement(measured.dataset.drop_vars("camera")).save(tmp_path / "m.nc")
     before = (tmp_path / "m.nc").read_bytes()
-    m, out = tmp_path / "m.nc", tmp_path / "out.nc"
+    m = tmp_path / "m.nc"
+    out = tmp_path / "out.nc"
     assert "got m.nc twice" in fails("unwrap", m, "-o", m)
     assert "named *.ply, got m.nc" in fails("unwrap", m, "-o", out, "--ply", m)
     assert "named *.json, got m.nc" in fails("evaluate", "room", "--json", m)

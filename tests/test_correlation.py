@@ -4,19 +4,22 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from pytest import approx
 
 from cmtof import correlation as co
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
+from cmtof.correlation import TAU
 from cmtof.modulator import SINGLE
 from cmtof.waveform import gate, sinusoid, waveform_from_harmonics
 
 QUADRATURES = np.arange(4) * np.pi / 2
-angles = st.floats(0, 2 * np.pi, exclude_max=True)
+angles = st.floats(0, TAU, exclude_max=True)
 
 
 def time_average(p, r, *, phase, psi, samples=4096):
     """Brute force: the mean of p(t - tau) r(t) over one period."""
-    theta = 2 * np.pi * np.arange(samples) / samples
+    theta = TAU * np.arange(samples) / samples
     emitted = waveform_from_harmonics(p, theta - phase)
     reference = waveform_from_harmonics(r, theta + psi)
     return np.mean(emitted * reference)
@@ -24,9 +27,10 @@ def time_average(p, r, *, phase, psi, samples=4096):
 
 @given(angles, angles)
 def test_harmonic_sum_equals_the_time_integral_of_any_waveforms(phase, psi):
-    p, r = SINGLE.harmonics(12), gate(12)
+    p = SINGLE.harmonics(12)
+    r = gate(12)
     fast = co.correlation_from_harmonics(p, r, phase=phase, psi=psi)
-    assert fast == pytest.approx(time_average(p, r, phase=phase, psi=psi), abs=1e-12)
+    assert fast == approx(time_average(p, r, phase=phase, psi=psi), abs=1e-12)
 
 
 def test_real_modulator_pair_departs_from_equation_4_by_its_harmonics():
@@ -34,7 +38,7 @@ def test_real_modulator_pair_departs_from_equation_4_by_its_harmonics():
     full = co.correlation_from_harmonics(p, p, phase=0.7, psi=0.0)
     first = co.correlation_from_harmonics(p[:2], p[:2], phase=0.7, psi=0.0)
     rest = 2 * sum(abs(p[k]) ** 2 * np.cos(0.7 * k) for k in range(2, 10))
-    assert full - first == pytest.approx(rest, abs=1e-15)
+    assert full - first == approx(rest, abs=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -46,17 +50,16 @@ def test_real_modulator_pair_departs_from_equation_4_by_its_harmonics():
     ],
 )
 def test_contrast_of_pairs(emitted, reference, contrast):
-    assert co.correlation_contrast(emitted, reference) == pytest.approx(contrast, rel=1e-12)
+    assert co.correlation_contrast(emitted, reference) == approx(contrast, rel=1e-12)
 
 
 def test_heterodyne_damping_equals_the_time_average_over_the_exposure():
-    p, cycles = SINGLE.harmonics(5), 0.3
+    p = SINGLE.harmonics(5)
+    cycles = 0.3
     t = (np.arange(20000) + 0.5) / 20000 - 0.5
-    slow = co.correlation_from_harmonics(
-        p, p, phase=0.4, psi=1.0, beat_phase=2 * np.pi * cycles * t
-    )
+    slow = co.correlation_from_harmonics(p, p, phase=0.4, psi=1.0, beat_phase=TAU * cycles * t)
     damped = co.correlation_from_harmonics(p, p, phase=0.4, psi=1.0, beat_cycles=cycles)
-    assert damped == pytest.approx(slow.mean(), abs=1e-9)
+    assert damped == approx(slow.mean(), abs=1e-9)
 
 
 @given(
@@ -71,40 +74,41 @@ def test_decoding_undoes_encoding_for_any_distinct_psi(steps, phase, amplitude, 
     decoded = co.decode(c, psi)
     # neighbouring steps 0.1 rad apart make the fit up to 1e3 times less certain
     assert abs(co.centred(decoded.phase - phase))[0] < 1e-6 * (1 + abs(offset) / amplitude)
-    assert decoded.amplitude[0] == pytest.approx(amplitude, rel=1e-6, abs=1e-6 * abs(offset))
+    assert decoded.amplitude[0] == approx(amplitude, rel=1e-6, abs=1e-6 * abs(offset))
 
 
 def test_four_steps_equal_the_first_fourier_bin(rng):
     c = rng.normal(10, 1, (4, 200))
     bin_1 = np.fft.fft(c, axis=0)[1]
     decoded = co.decode(c, QUADRATURES)
-    np.testing.assert_allclose(decoded.phase, co.wrapped(np.angle(bin_1)), atol=1e-12)
-    np.testing.assert_allclose(decoded.amplitude, 2 * np.abs(bin_1) / 4, atol=1e-12)
+    assert_allclose(decoded.phase, co.wrapped(np.angle(bin_1)), atol=1e-12)
+    assert_allclose(decoded.amplitude, 2 * np.abs(bin_1) / 4, atol=1e-12)
 
 
 @pytest.mark.parametrize("steps", [3, 4, 16])
 def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
-    psi = rng.permutation(2 * np.pi * np.arange(steps) / steps)
-    phase = rng.uniform(0, 2 * np.pi, (40, 101))
+    psi = rng.permutation(TAU * np.arange(steps) / steps)
+    phase = rng.uniform(0, TAU, (40, 101))
     amplitude = rng.uniform(10, 6366, phase.shape)
     # float32 counts carry half an ulp each: compare with float64 arithmetic on the same counts
     c = co.correlation_from_phase(phase, psi, amplitude=amplitude, offset=amplitude * 1.6)
     c = c.astype(np.float32)
-    fast, exact = co.decode(c, psi), co.decode(c.astype(float), psi)
+    fast = co.decode(c, psi)
+    exact = co.decode(c.astype(float), psi)
     assert fast.phase.dtype == np.float32
     assert np.abs(co.centred(fast.phase - exact.phase)).max() < 5e-6
-    np.testing.assert_allclose(fast.amplitude, exact.amplitude, rtol=1e-5, atol=1e-2)
-    np.testing.assert_allclose(fast.offset, exact.offset, rtol=1e-5)
+    assert_allclose(fast.amplitude, exact.amplitude, rtol=1e-5, atol=1e-2)
+    assert_allclose(fast.offset, exact.offset, rtol=1e-5)
     assert fast.phase.min() >= 0
-    assert fast.phase.max() < 2 * np.pi
+    assert fast.phase.max() < TAU
 
 
 def test_compiled_decoding_at_the_seams_of_the_arctangent():
-    phase = np.array([0.0, np.pi / 4, np.pi / 2, np.pi, 3 * np.pi / 2, 2 * np.pi - 1e-7])
+    phase = np.array([0.0, np.pi / 4, np.pi / 2, np.pi, 3 * np.pi / 2, TAU - 1e-7])
     c = co.correlation_from_phase(phase, QUADRATURES, amplitude=1.0).astype(np.float32)
     decoded = co.phase_from_correlation(c, QUADRATURES)
     assert np.abs(co.centred(decoded - phase)).max() < 5e-6
-    assert (decoded < 2 * np.pi).all()
+    assert (decoded < TAU).all()
 
 
 def test_darkness_decodes_to_a_finite_phase():
@@ -115,18 +119,18 @@ def test_darkness_decodes_to_a_finite_phase():
 
 def test_two_frequencies_decode_each_with_its_own_steps(rng):
     psi = np.stack([QUADRATURES, QUADRATURES + 0.2])
-    phase = rng.uniform(0, 2 * np.pi, (2, 6, 7))
+    phase = rng.uniform(0, TAU, (2, 6, 7))
     c = np.stack(
         [co.correlation_from_phase(p, s, amplitude=2.0) for p, s in zip(phase, psi, strict=True)]
     )
-    np.testing.assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
+    assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
 
 
 @pytest.mark.parametrize(
     ("psi", "message"),
     [
         ([0.0, 1.0], "at least 3 reference phases"),
-        ([0.0, 1.0, 2.0, 2 * np.pi], "duplicates"),
+        ([0.0, 1.0, 2.0, TAU], "duplicates"),
         ([0.0, 1.0, np.nan], "finite reference phases"),
     ],
 )
@@ -136,41 +140,42 @@ def test_undecodable_psi_is_refused(psi, message):
 
 
 def test_residual_noise_finds_the_noise_of_the_samples(rng):
-    psi = 2 * np.pi * np.arange(6) / 6
+    psi = TAU * np.arange(6) / 6
     signal = co.correlation_from_phase(
         rng.uniform(0, 6, 50_000), psi, amplitude=100.0, offset=200.0
     )
     noise = co.residual_noise(signal + 7.0 * rng.normal(size=signal.shape), psi)
-    assert noise == pytest.approx(7.0, rel=0.02)
+    assert noise == approx(7.0, rel=0.02)
     with pytest.raises(ValueError, match="more than 3"):
         co.residual_noise(np.zeros((3, 9)), psi[:3])
 
 
 def test_wraps_of_the_prototype():
     low, high = co.wrap_length(np.array(FREQUENCIES))
-    assert 1e3 * low == pytest.approx(20.9645, abs=1e-4)
-    assert 1e3 * high == pytest.approx(10.4676, abs=1e-4)
-    assert co.phase_from_depth(SPEED_OF_LIGHT / (2 * 7.15e9), 7.15e9) == pytest.approx(2 * np.pi)
+    assert 1e3 * low == approx(20.9645, abs=1e-4)
+    assert 1e3 * high == approx(10.4676, abs=1e-4)
+    assert co.phase_from_depth(SPEED_OF_LIGHT / (2 * 7.15e9), 7.15e9) == approx(TAU)
 
 
 @given(st.floats(0, 20), st.sampled_from([0.1e9, 7.15e9, 14.32e9]))
 def test_depth_survives_phase_and_back(depth, frequency):
     phase = co.phase_from_depth(depth, frequency)
-    assert co.depth_from_phase(phase, frequency) == pytest.approx(depth, abs=1e-12)
+    assert co.depth_from_phase(phase, frequency) == approx(depth, abs=1e-12)
 
 
 @given(st.floats(0, 20), st.sampled_from([7.15e9, 14.32e9]))
 def test_wrapped_phase_and_wrap_count_rebuild_the_depth(depth, frequency):
     phase = co.wrapped(co.phase_from_depth(depth, frequency))
     wraps = co.consistent_wrap_count(depth, phase, frequency)
-    assert co.depth_from_wraps(phase, wraps, frequency) == pytest.approx(depth, abs=1e-9)
+    assert co.depth_from_wraps(phase, wraps, frequency) == approx(depth, abs=1e-9)
     assert abs(int(wraps) - int(co.wrap_count_from_depth(depth, frequency))) <= 1
 
 
 @given(st.floats(-1e6, 1e6))
 def test_wrapping_keeps_the_angle_and_stays_in_range(phase):
-    w, c = float(co.wrapped(phase)), float(co.centred(phase))
-    assert 0 <= w < 2 * np.pi
+    w = float(co.wrapped(phase))
+    c = float(co.centred(phase))
+    assert 0 <= w < TAU
     assert -np.pi <= c < np.pi
     assert abs(np.exp(1j * w) - np.exp(1j * phase)) < 1e-9
     assert abs(np.exp(1j * c) - np.exp(1j * phase)) < 1e-9
@@ -178,4 +183,4 @@ def test_wrapping_keeps_the_angle_and_stays_in_range(phase):
 
 def test_wrapping_never_rounds_up_to_two_pi():
     assert co.wrapped(-1e-20) == 0.0
-    assert co.wrapped(np.float32(-1e-9)) < 2 * np.pi
+    assert co.wrapped(np.float32(-1e-9)) < TAU

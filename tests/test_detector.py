@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pytest import approx
 
 from cmtof import detector
 
@@ -16,13 +17,13 @@ def test_poisson_gaussian_has_both_variances_in_the_given_precision(rng):
     means = np.full(DRAWS, 900.0, np.float32)
     counts = detector.poisson_gaussian(means, rng=rng, sigma=40.0, mu=5.0)
     assert counts.dtype == np.float32
-    assert counts.mean() == pytest.approx(905.0, abs=4 * 50 / np.sqrt(DRAWS))
-    assert counts.var() == pytest.approx(900 + 1600, rel=VARIANCE)
+    assert counts.mean() == approx(905.0, abs=4 * 50 / np.sqrt(DRAWS))
+    assert counts.var() == approx(900 + 1600, rel=VARIANCE)
 
 
 def test_released_order_adds_gaussian_noise_first_and_never_goes_negative(rng):
     counts = detector.poisson_gaussian(np.full(DRAWS, 900.0), rng=rng, sigma=40.0, order="released")
-    assert counts.var() == pytest.approx(900 + 1600, rel=VARIANCE)
+    assert counts.var() == approx(900 + 1600, rel=VARIANCE)
     dark = detector.poisson_gaussian(np.zeros(1000), rng=rng, sigma=40.0, order="released")
     assert dark.min() >= 0
     assert detector.poisson_gaussian(np.zeros(1000), rng=rng, sigma=40.0).min() < 0
@@ -38,8 +39,8 @@ def test_impossible_means_are_refused(rng, bad):
 
 def test_skellam_difference_keeps_the_sum_of_the_variances(rng):
     d = detector.skellam_gaussian(np.full(DRAWS, 500.0), np.full(DRAWS, 300.0), rng=rng, sigma=10.0)
-    assert d.mean() == pytest.approx(200.0, abs=4 * 30 / np.sqrt(DRAWS))
-    assert d.var() == pytest.approx(500 + 300 + 100, rel=VARIANCE)
+    assert d.mean() == approx(200.0, abs=4 * 30 / np.sqrt(DRAWS))
+    assert d.var() == approx(500 + 300 + 100, rel=VARIANCE)
 
 
 @given(st.floats(-10, 2e4), st.integers(1, 16))

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 
 import cmtof
 from cmtof import evaluation
@@ -17,7 +19,8 @@ from cmtof.simulation import simulate
 
 
 def pixels(found, truth, error=0.0):
-    found, truth = np.asarray(found), np.asarray(truth)
+    found = np.asarray(found)
+    truth = np.asarray(truth)
     return {
         "wrap_count": found,
         "true_count": truth,
@@ -32,8 +35,8 @@ def test_rates_count_as_the_tables_do():
     found = score(pixels([10, 11, 12, 13, 20, 9], [10] * 6))
     sixths = {"delta_lt_1": 1, "delta_lt_2": 3, "delta_lt_3": 4, "delta_ge_3": 2, "delta_ge_10": 1}
     for name, count in sixths.items():
-        assert found[name] == pytest.approx(count / 6)
-    assert found["consistent_lt_1"] == pytest.approx(1 / 6)
+        assert found[name] == approx(count / 6)
+    assert found["consistent_lt_1"] == approx(1 / 6)
 
 
 def test_pooled_frames_are_one_large_frame(rng):
@@ -41,11 +44,12 @@ def test_pooled_frames_are_one_large_frame(rng):
     parts = [pixels(rng.integers(0, 9, n), rng.integers(0, 9, n), rng.normal(0, 0.02, n))
              for n in (100, 1, 5000)]  # fmt: skip
     whole = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
-    one, many = score(whole), score(parts)
-    assert one == pytest.approx(many)
+    one = score(whole)
+    many = score(parts)
+    assert one == approx(many)
     errors = np.abs(whole["depth_error"])
-    assert many["depth_median_error_m"] == pytest.approx(np.median(errors), rel=2e-3)
-    assert many["depth_rmse_m"] == pytest.approx(np.sqrt(np.mean(errors**2)))
+    assert many["depth_median_error_m"] == approx(np.median(errors), rel=2e-3)
+    assert many["depth_rmse_m"] == approx(np.sqrt(np.mean(errors**2)))
 
 
 def test_a_tally_keeps_a_few_numbers_a_frame():
@@ -68,8 +72,9 @@ def test_every_method_sees_the_same_noise(tilted_wall):
     report = both.add_all([tilted_wall, tilted_wall]).report()
     assert report["frames"] == ["wall", "wall"]
     assert (report["protocol"], report["noise"], report["seed"]) == ("released", 1200.0, 4)
-    crt, fused = report["methods"]["crt"], report["methods"]["crt-ml"]
-    assert crt["delta_lt_3"] == pytest.approx(fused["delta_lt_3"], abs=0.01)
+    crt = report["methods"]["crt"]
+    fused = report["methods"]["crt-ml"]
+    assert crt["delta_lt_3"] == approx(fused["delta_lt_3"], abs=0.01)
     alone = Evaluation(["crt"], seed=4).add_all([tilted_wall, tilted_wall]).counts()
     assert [frame["methods"]["crt"] for frame in alone] == [
         frame["methods"]["crt"] for frame in both.counts()
@@ -92,7 +97,7 @@ def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):
     given = measured(tilted_wall, ["beat", "phasor", "crt"], seed=1)
     assert given["beat"] is given["crt"]
     assert given["phasor"].frequencies.tolist() == [7.15e9, 7.16e9]
-    np.testing.assert_array_equal(given["phasor"].mask, given["beat"].mask)
+    assert_array_equal(given["phasor"].mask, given["beat"].mask)
 
 
 def test_stored_counts_are_read_and_give_rates_with_intervals(tmp_path, tilted_wall):
@@ -106,11 +111,11 @@ def test_stored_counts_are_read_and_give_rates_with_intervals(tmp_path, tilted_w
     found = rates(held, "crt", draws=200)
     whole = sum(frame["methods"]["crt"]["pixels"] for frame in counts)
     right = sum(frame["methods"]["crt"]["below"][0] for frame in counts)
-    assert found.value[0] == pytest.approx(right / whole)
+    assert found.value[0] == approx(right / whole)
     assert (found.low <= found.value).all()
     assert (found.high >= found.value).all()
     apart = rates(held, "crt", against="middle", draws=200)
-    np.testing.assert_allclose(apart.value, found.value - rates(held, "middle", draws=50).value)
+    assert_allclose(apart.value, found.value - rates(held, "middle", draws=50).value)
     counts[0]["frame"] = "another"
     path.write_text(json.dumps({"frames": counts, "sha256": evaluation.digest(held)}))
     with pytest.raises(ValueError, match="edited ones. Count again"):
@@ -139,7 +144,7 @@ def test_beats_of_path_traced_rooms_score_as_an_independent_simulation(shared_da
             tally.add(found | {"wrap_count": found["consistent"]})
         ours = tally.score()
         found = [100 * ours[f"delta_{key}"] for key in ("lt_1", "lt_2", "lt_3", "ge_10")]
-        np.testing.assert_allclose(found, percent, atol=5.0)
+        assert_allclose(found, percent, atol=5.0)
 
 
 @pytest.mark.slow

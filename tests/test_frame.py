@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
 import cmtof
 from cmtof import captures
-from cmtof.correlation import centred, phase_from_depth
+from cmtof.correlation import TAU, centred, phase_from_depth
 from cmtof.frame import Frame, Frames, ray_lengths, rays_from_camera
 from cmtof.scenes import embedded_frames, frames_in, load_frame
 
@@ -23,7 +24,7 @@ def test_rays_of_a_skewed_camera_land_on_their_pixels(fx, fy, cx, cy, skew):
     rays = rays_from_camera((6, 8), [fx, fy, cx, cy, skew])
     pinhole = np.array([[fx, skew, cx], [0, fy, cy], [0, 0, 1]])
     v, u = np.indices((6, 8)) + 0.5
-    np.testing.assert_allclose(rays @ pinhole.T, np.stack([u, v, ONES], axis=-1), atol=1e-9)
+    assert_allclose(rays @ pinhole.T, np.stack([u, v, ONES], axis=-1), atol=1e-9)
 
 
 def test_frames_survive_their_file(tmp_path, rng):
@@ -31,8 +32,8 @@ def test_frames_survive_their_file(tmp_path, rng):
         frame = Frame(rng.uniform(1, 2, (6, 8)), rng.uniform(0, 2, (6, 8)), camera, note="float16")
         frame.save(tmp_path / "a.npz")
         read = load_frame(tmp_path / "a.npz")
-        np.testing.assert_array_equal(read.depth, frame.depth)
-        np.testing.assert_array_equal(read.intensity, frame.intensity)
+        assert_array_equal(read.depth, frame.depth)
+        assert_array_equal(read.intensity, frame.intensity)
         assert (read.note, read.name) == ("float16", "a")
         assert read.camera is None if camera is None else read.camera.tolist() == camera
 
@@ -101,11 +102,11 @@ def test_a_pair_of_images_loads_with_its_scale(pairs):
         how = {"depth_scale": 5000, "planar": planar, "camera": CAMERA}
         frame = load_frame(folder / "depth" / "2.png", intensity=folder / "rgb" / "2.png", **how)
         assert np.isnan(frame.depth[0, 0])
-        np.testing.assert_allclose(frame.depth[1:], (depth * shape)[1:], atol=1.2e-4)
-        np.testing.assert_allclose(frame.intensity, 0.5, atol=0.005)
+        assert_allclose(frame.depth[1:], (depth * shape)[1:], atol=1.2e-4)
+        assert_allclose(frame.intensity, 0.5, atol=0.005)
         listed = frames_in(folder, **how)
         assert [source.name for source in listed] == [f"{folder.name}/2", f"{folder.name}/10"]
-        np.testing.assert_array_equal(listed[0].load().depth, frame.depth)
+        assert_array_equal(listed[0].load().depth, frame.depth)
 
 
 def test_pairs_that_lack_something(pairs):
@@ -145,11 +146,11 @@ def write_capture(folder, phase, depth=None):
 def test_a_capture_opens_from_everywhere(tmp_path, rng, monkeypatch):
     """In its own folder as well, where its path has no parents."""
     depth = rng.uniform(0.6, 0.8, (7, 9))
-    path = write_capture(tmp_path, phase_from_depth(depth, 7.15e9) % (2 * np.pi), 1000 * depth)
+    path = write_capture(tmp_path, phase_from_depth(depth, 7.15e9) % TAU, 1000 * depth)
     monkeypatch.chdir(path.parent)
     for place in (path, path.name):
         measurement = cmtof.open(place)
-        np.testing.assert_allclose(measurement.dataset["reference_depth"], depth)
+        assert_allclose(measurement.dataset["reference_depth"], depth)
         error = centred(measurement.phase[0] - phase_from_depth(depth, 7.15e9))
         assert np.abs(error).max() < 1e-5
         assert measurement.frequencies.tolist() == [7.15e9]

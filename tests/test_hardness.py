@@ -1,7 +1,7 @@
 """Slopes, jumps and sizes of surfaces whose answer is known."""
 
 import numpy as np
-import pytest
+from pytest import approx
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
@@ -13,15 +13,15 @@ WRAP = float(wrap_length(FREQUENCY_SINGLE))
 def test_a_slanted_plane_has_one_slope_no_jump_and_is_one_surface():
     seen = hardness(1 + 0.003 * np.arange(40)[None, :] + np.zeros((30, 1)))
     across = seen.slope[seen.slope > 1e-6]
-    assert across == pytest.approx(np.full(across.size, 0.003 / WRAP), rel=1e-3)
+    assert across == approx(np.full(across.size, 0.003 / WRAP), rel=1e-3)
     assert seen.jump.size == 0
-    assert seen.size == pytest.approx(np.full(1200, 1200.0))
+    assert seen.size == approx(np.full(1200, 1200.0))
 
 
 def test_a_step_is_one_jump_a_row_and_two_surfaces():
     depth = np.where(np.arange(40) < 20, 1.0, 1.5) + np.zeros((20, 1))
     seen = hardness(depth)
-    assert seen.jump == pytest.approx(np.full(20, 0.5 / WRAP))
+    assert seen.jump == approx(np.full(20, 0.5 / WRAP))
     # the two columns beside the step belong to neither surface
     assert np.unique(seen.size).tolist() == [1, 20 * 19]
     assert (seen.size == 1).sum() == 2 * 20

@@ -6,7 +6,9 @@ import official_tree
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 from official_tree import PLAIN, PROJECTIONS, SHAPE, VIEWS, wall, write_official, write_rows
+from pytest import approx
 from scipy.spatial.transform import Rotation
 
 from cmtof.frame import Frames, rays_from_camera
@@ -37,7 +39,7 @@ def test_a_tree_holds_its_views_and_official_float16_files_load(tree):
     assert Hypersim(tree / "ai_001_002").views == whole.views[3:6]
     frame = whole.frame(FIRST)
     stored = wall(PLAIN).astype(np.float16).astype(np.float32)
-    np.testing.assert_array_equal(frame.depth[1:], stored[1:])
+    assert_array_equal(frame.depth[1:], stored[1:])
     assert np.isnan(frame.depth).sum() == 3  # NaN, infinite and 0
     assert frame.intensity[3, 3] == 0.5  # green, linear, as stored
     assert frame.intensity[[5, 6, 7], [5, 6, 7]].tolist() == [0, 65504, 0]  # NaN, inf, negative
@@ -55,8 +57,8 @@ def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree):
         rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
         points = (rays * frame.depth[..., None]).reshape(-1, 3)
         normal = np.linalg.lstsq(points, np.ones(len(points)), rcond=None)[0]
-        assert 1 / np.linalg.norm(normal) == pytest.approx(2.0, abs=1e-5)
-        np.testing.assert_allclose(points @ normal, 1.0, atol=1e-5)
+        assert 1 / np.linalg.norm(normal) == approx(2.0, abs=1e-5)
+        assert_allclose(points @ normal, 1.0, atol=1e-5)
 
 
 @given(
@@ -66,14 +68,16 @@ def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree):
     st.tuples(*[st.floats(-0.3, 0.3)] * 3),
 )
 def test_a_turned_pinhole_with_skew_is_found_again(focal, centre, skew, angles):
-    (fx, fy), (cx, cy), turn = focal, centre, Rotation.from_euler("xyz", angles).as_matrix()
+    (fx, fy) = focal
+    (cx, cy) = centre
+    turn = Rotation.from_euler("xyz", angles).as_matrix()
     pinhole = np.array([[fx, skew * fx, cx], [0, fy, cy], [0, 0, 1]])
     to_pixel = np.array([[4, 0, 4], [0, -3, 3], [0, 0, 1]])
     projection = np.diag([1.0, -1, -1]) @ turn @ np.linalg.inv(pinhole) @ to_pixel
     camera = camera_from_projection(projection, (6, 8))
     expected = [fx, fy, cx, cy, skew * fx][: len(camera)]
     assert len(camera) == 5 or abs(skew) < 2e-6
-    np.testing.assert_allclose(camera, expected, rtol=1e-7, atol=1e-7)
+    assert_allclose(camera, expected, rtol=1e-7, atol=1e-7)
 
 
 def test_projections_that_show_nothing_are_refused():
@@ -188,7 +192,8 @@ def picture(rng, shape=(40, 48)):
 
 
 def write_rooms(root):
-    split, views = {"room_000_000": "train", "room_000_001": "test"}, [("cam_00", 0), ("cam_00", 1)]
+    split = {"room_000_000": "train", "room_000_001": "test"}
+    views = [("cam_00", 0), ("cam_00", 1)]
     for number, scene in enumerate(split):
         for view in views:
             write_view(root, scene, *view, **picture(np.random.default_rng(number)))
@@ -199,15 +204,16 @@ def write_rooms(root):
 def test_rooms_are_written_alike_every_time_and_read_by_the_one_reader(tmp_path):
     once = write_rooms(tmp_path / "rooms")
     assert write_rooms(tmp_path / "rooms") == once == write_rooms(tmp_path / "again")
-    tree, expected = Hypersim(tmp_path / "rooms"), picture(np.random.default_rng(0))
+    tree = Hypersim(tmp_path / "rooms")
+    expected = picture(np.random.default_rng(0))
     view = tree.views[1]
     frame = tree.frame(view)
-    np.testing.assert_array_equal(frame.depth, expected["depth"])  # every bit
-    np.testing.assert_allclose(frame.intensity, expected["color"][..., 1], rtol=2.0**-11)
+    assert_array_equal(frame.depth, expected["depth"])  # every bit
+    assert_allclose(frame.intensity, expected["color"][..., 1], rtol=2.0**-11)
     normal, instance = (view.file(tree.root, kind) for kind in ("normal", "instance"))
-    np.testing.assert_allclose(read_array(normal, 3), expected["normal"], atol=2.0**-11)
-    np.testing.assert_array_equal(read_array(instance, 2), expected["instance"])
-    np.testing.assert_allclose(frame.camera, [41.6, 41.6, 24, 20])
+    assert_allclose(read_array(normal, 3), expected["normal"], atol=2.0**-11)
+    assert_array_equal(read_array(instance, 2), expected["instance"])
+    assert_allclose(frame.camera, [41.6, 41.6, 24, 20])
     assert frame.note == ""
     assert [v.name for v in tree.split()["test"]] == ["room_000_001/cam_00/0000"]
     assert all(view_exists(tree.root, *view[:3]) for view in tree.views)

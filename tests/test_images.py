@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
 from cmtof.frame import Frame
@@ -53,7 +54,7 @@ UNKNOWN = np.where(DEPTH > 2.9, 65535, levels(1000)).astype(np.uint16)
 )
 def test_levels_are_depths_and_odd_ones_are_named(read, depth, how, right, note):
     frame = read(depth, **how)
-    np.testing.assert_allclose(frame.depth, right, atol=6e-4)
+    assert_allclose(frame.depth, right, atol=6e-4)
     assert note in frame.note
 
 
@@ -68,17 +69,17 @@ def test_levels_are_depths_and_odd_ones_are_named(read, depth, how, right, note)
 )
 def test_light_is_linear_and_dark_light_is_named(read, light, how, right, note):
     frame = read(levels(1000), light, **how)
-    np.testing.assert_allclose(frame.intensity, right, atol=0.005)
+    assert_allclose(frame.intensity, right, atol=0.005)
     assert note in frame.note
 
 
 @pytest.mark.parametrize("name", ["d.pgm", "d.npy"])
 def test_other_formats_of_levels_are_read(read, name):
-    np.testing.assert_allclose(read(levels(1000), name=name).depth, DEPTH, atol=6e-4)
+    assert_allclose(read(levels(1000), name=name).depth, DEPTH, atol=6e-4)
 
 
 def test_floats_are_metres(read):
-    np.testing.assert_allclose(read(DEPTH, name="d.npy").depth, DEPTH, rtol=1e-6)
+    assert_allclose(read(DEPTH, name="d.npy").depth, DEPTH, rtol=1e-6)
 
 
 def test_what_cannot_be_read_is_told_how_to_convert(tmp_path):
@@ -100,9 +101,9 @@ def test_what_cannot_be_read_is_told_how_to_convert(tmp_path):
 def test_light_of_an_archive_is_what_its_type_says(tmp_path, light, right, note):
     np.savez(tmp_path / "a.npz", depth=DEPTH, intensity=light)
     frame = load_frame(tmp_path / "a.npz")
-    np.testing.assert_allclose(frame.intensity, right, rtol=1e-6)
+    assert_allclose(frame.intensity, right, rtol=1e-6)
     assert note in frame.note and bool(note) == bool(frame.note)
-    np.testing.assert_array_equal(Frame(DEPTH, light).intensity, frame.intensity)
+    assert_array_equal(Frame(DEPTH, light).intensity, frame.intensity)
 
 
 @pytest.fixture
@@ -121,7 +122,7 @@ def tum(tmp_path):
 def test_a_tum_sequence_is_read_as_downloaded(tum):
     frames = [source.load() for source in frames_in(tum)]
     assert [frame.name for frame in frames] == ["1.01", "1.04"]
-    np.testing.assert_allclose(frames[0].depth, DEPTH, atol=2e-4)
+    assert_allclose(frames[0].depth, DEPTH, atol=2e-4)
     assert [round(float(frame.intensity[0, 0]), 1) for frame in frames] == [0.5, 1.0]
     along_axis = frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load()
     assert (along_axis.depth > frames[0].depth).all()

@@ -5,6 +5,8 @@ import os
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.ndimage import zoom
 
 import cmtof
@@ -36,8 +38,9 @@ def stack(tmp_path):
 def test_tiles_of_a_method_of_single_pixels_equal_the_whole(stack, tmp_path, margin):
     tiles = list(unwrap_file(stack, tmp_path / "t.nc", tile=128, margin=margin, method="crt"))
     assert len(tiles) == 12
-    assert sum(share for share, *_ in tiles) == pytest.approx(1)
-    whole, found = cmtof.unwrap(cmtof.open(stack), method="crt"), xr.load_dataset(tmp_path / "t.nc")
+    assert sum(share for share, *_ in tiles) == approx(1)
+    whole = cmtof.unwrap(cmtof.open(stack), method="crt")
+    found = xr.load_dataset(tmp_path / "t.nc")
     # confidences differ in their noise, which is estimated from each tile
     names = ["wrap_count", "depth"]
     xr.testing.assert_equal(found[names], whole[names])
@@ -50,7 +53,7 @@ def test_every_tile_has_the_rays_of_the_whole(stack, tmp_path):
     tiles = unwrap_file(stack, tmp_path / "t.nc", tile=256, margin=32, method="crt")
     centres = [tile.camera[2:4].tolist() for _, tile, _ in tiles]
     corners = [(0, 0), (224, 0), (0, 224), (224, 224)]  # x, y of what each of them saw
-    np.testing.assert_allclose(centres, [whole[2:4] - corner for corner in corners])
+    assert_allclose(centres, [whole[2:4] - corner for corner in corners])
 
 
 def test_nothing_is_written_unless_all_tiles_are_whole(stack, tmp_path):
@@ -76,14 +79,17 @@ def test_many_files_make_a_table(run, fails, stack, tmp_path):
 @pytest.mark.slow
 def test_seams_are_no_worse_than_the_inside(tmp_path):
     cmtof.simulate(room(SIDE), protocol="full").save(tmp_path / "m.nc")
-    tile, wrong, near = min(1024, SIDE // 2), [], []
+    tile = min(1024, SIDE // 2)
+    wrong = []
+    near = []
     for _, measurement, result in unwrap_file(tmp_path / "m.nc", tmp_path / "t.nc", tile=tile):
         pixels = scored_pixels(result, measurement)
         y, x = np.nonzero(measurement.mask & np.isfinite(measurement.depth))
         edge = np.minimum(np.minimum(y, tile - 1 - y), np.minimum(x, tile - 1 - x))
         wrong.append(pixels["consistent"] != pixels["true_consistent"])
         near.append(edge < 16)
-    wrong, near = np.concatenate(wrong), np.concatenate(near)
+    wrong = np.concatenate(wrong)
+    near = np.concatenate(near)
     print(f"{SIDE} px: wrong {wrong[near].mean():.4f} near seams, {wrong[~near].mean():.4f} inside")
     assert wrong[near].mean() < wrong[~near].mean() + 0.02
 
@@ -111,4 +117,4 @@ def test_what_is_no_measurement_is_refused_in_tiles_too(stack, tmp_path, kind):
 def test_tiles_are_read_from_either_netcdf(stack, tmp_path, engine):
     cmtof.open(stack).dataset.to_netcdf(tmp_path / "other.nc", engine=engine)
     tiles = unwrap_file(tmp_path / "other.nc", tmp_path / "t.nc", tile=256, method="middle")
-    assert sum(share for share, *_ in tiles) == pytest.approx(1)
+    assert sum(share for share, *_ in tiles) == approx(1)

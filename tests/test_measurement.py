@@ -8,9 +8,11 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 
 import cmtof
-from cmtof.correlation import correlation_from_phase
+from cmtof.correlation import TAU, correlation_from_phase
 from cmtof.measurement import Measurement, unambiguous_range
 from cmtof.storage import save_dataset
 
@@ -46,13 +48,13 @@ def test_arrays_come_back_from_the_file(tmp_path, rng):
     made.save(tmp_path / "m.nc")
     read = cmtof.open(tmp_path / "m.nc")
     xr.testing.assert_equal(read.dataset, made.dataset)
-    np.testing.assert_array_equal(read.mask, mask)
+    assert_array_equal(read.mask, mask)
     assert read.dataset.attrs["note"] == "hi"
     assert read.dataset["depth"].attrs["units"] == "m"
     assert read.range == (0.0, 3.0)
     assert read.shape == (5, 6)
-    np.testing.assert_allclose(read.phase[:, mask], 1.0, atol=1e-5)
-    np.testing.assert_allclose(read.amplitude[:, mask], 600.0, rtol=1e-5)
+    assert_allclose(read.phase[:, mask], 1.0, atol=1e-5)
+    assert_allclose(read.amplitude[:, mask], 600.0, rtol=1e-5)
     assert np.isnan(read.amplitude[:, ~mask]).all()
     assert "7.15, 14.32 GHz" in repr(read)
 
@@ -63,8 +65,8 @@ def test_npz_of_the_same_names_opens(tmp_path):
 
 
 def test_default_range_ends_where_the_phases_repeat():
-    assert unambiguous_range(FREQUENCIES) == pytest.approx(7.4948, abs=1e-4)
-    assert unambiguous_range([7.15e9]) == pytest.approx(0.0209645, abs=1e-7)
+    assert unambiguous_range(FREQUENCIES) == approx(7.4948, abs=1e-4)
+    assert unambiguous_range([7.15e9]) == approx(0.0209645, abs=1e-7)
 
 
 def test_units_stand_in_every_stored_array(measurement_file):
@@ -90,14 +92,14 @@ LEFT_OUT = np.arange(30).reshape(5, 6) % 4 == 0
 )
 def test_every_mark_of_an_invalid_pixel_is_understood(mask):
     made = Measurement.from_arrays(stack(), PSI, FREQUENCIES, mask=mask)
-    np.testing.assert_array_equal(made.mask, ~LEFT_OUT)
+    assert_array_equal(made.mask, ~LEFT_OUT)
     assert np.isnan(made.dataset["correlation"].to_numpy()[..., LEFT_OUT]).all()
 
 
 def test_a_masked_array_of_images_masks_its_pixels():
     hidden = np.broadcast_to(LEFT_OUT, (2, 4, 5, 6))
     made = Measurement.from_arrays(np.ma.array(stack(), mask=hidden), PSI, FREQUENCIES)
-    np.testing.assert_array_equal(made.mask, ~LEFT_OUT)
+    assert_array_equal(made.mask, ~LEFT_OUT)
 
 
 @pytest.mark.parametrize("fill", [0, 1])
@@ -106,7 +108,7 @@ def test_a_mask_with_a_fill_value_survives_its_file(tmp_path, fill):
     dataset["mask"].encoding["_FillValue"] = np.int8(fill)
     dataset.to_netcdf(tmp_path / "m.nc", engine="h5netcdf")
     found = cmtof.open(tmp_path / "m.nc").mask
-    np.testing.assert_array_equal(found, ~LEFT_OUT & (fill == 0))
+    assert_array_equal(found, ~LEFT_OUT & (fill == 0))
 
 
 @pytest.mark.parametrize(
@@ -118,22 +120,22 @@ def test_units_that_a_file_states_are_used(name, unit, size):
     stated = right.assign({name: right[name] / size})
     stated[name].attrs["units"] = unit
     found = Measurement(stated).dataset[name]
-    np.testing.assert_allclose(found, right[name], rtol=1e-12)
+    assert_allclose(found, right[name], rtol=1e-12)
     assert found.attrs["units"] == right[name].attrs.get("units", "m")
 
 
 def test_phases_of_any_turn_are_wrapped():
     phase = np.linspace(-np.pi, np.pi, 12).reshape(1, 3, 4)
-    dataset = Measurement.from_phase(np.mod(phase, 2 * np.pi), [7.15e9]).dataset
+    dataset = Measurement.from_phase(np.mod(phase, TAU), [7.15e9]).dataset
     found = Measurement(dataset.assign(phase=dataset["phase"].copy(data=phase)))
-    np.testing.assert_allclose(found.phase, np.mod(phase, 2 * np.pi), atol=1e-12)
+    assert_allclose(found.phase, np.mod(phase, TAU), atol=1e-12)
 
 
 def test_differences_of_two_buckets_decode_as_they_are():
     whole = Measurement.from_arrays(stack(), PSI, FREQUENCIES)
     signed = (stack() - 1000).astype(np.int16)
     found = Measurement.from_arrays(signed, PSI, FREQUENCIES)
-    np.testing.assert_allclose(found.phase, whole.phase, atol=2e-3)
+    assert_allclose(found.phase, whole.phase, atol=2e-3)
 
 
 @pytest.mark.parametrize("kind", ["netCDF-3", "plain HDF5", "psi undeclared"])
@@ -150,8 +152,8 @@ def test_files_of_other_writers_open(tmp_path, kind):
                 file[name] = variable.to_numpy()
             file.attrs.update(range_min=0.0, range_max=made.range[1])
     found = cmtof.open(path)
-    np.testing.assert_array_equal(found.phase, made.phase)
-    np.testing.assert_array_equal(found.mask, made.mask)
+    assert_array_equal(found.phase, made.phase)
+    assert_array_equal(found.mask, made.mask)
     assert found.range == made.range
 
 

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import cmtof
 from cmtof.correlation import phase_from_depth, wrap_length
@@ -40,7 +41,8 @@ def masked(measurement, mask, **images):
 
 
 def results_obey_range_and_mask_and_repeat(name):
-    low, high = 0.86, 1.05
+    low = 0.86
+    high = 1.05
     m = given_to(name, wall(24, 32))
     mask = m.mask & (np.indices(m.shape)[0] >= 5)
     m = masked(m, mask)
@@ -51,13 +53,15 @@ def results_obey_range_and_mask_and_repeat(name):
     assert not confidence[~mask].any() and ((confidence >= 0) & (confidence <= 1)).all()
     again = images(m, name, range=(low, high))
     for one, other in zip((count, depth, confidence), again, strict=True):
-        np.testing.assert_array_equal(one, other)
+        assert_array_equal(one, other)
 
 
 def masked_pixels_may_be_nan(name):
     m = given_to(name, wall(24, 32))
-    samples, mask = m.dataset["correlation"].to_numpy().copy(), m.mask.copy()
-    samples[:, :, 7:9, 3], mask[7:9, 3] = np.nan, False
+    samples = m.dataset["correlation"].to_numpy().copy()
+    mask = m.mask.copy()
+    samples[:, :, 7:9, 3] = np.nan
+    mask[7:9, 3] = False
     holed = masked(m, mask, correlation=(m.dataset["correlation"].dims, samples))
     count, depth, _ = images(holed, name)
     assert (count[7:9, 3] == -1).all() and np.isnan(depth[7:9, 3]).all()
@@ -77,7 +81,8 @@ def any_size_light_or_dark_or_masked(name):
 def the_order_of_the_steps_does_not_matter(name):
     m = given_to(name, wall(24, 32), noise_free=True)
     shuffled = Measurement(m.dataset.isel(step=[2, 0, 3, 1]))
-    count, again = images(m, name)[0], images(shuffled, name)[0]
+    count = images(m, name)[0]
+    again = images(shuffled, name)[0]
     assert np.mean(count == again) > 0.98 or name == "uniform"  # wraps end within a pixel
 
 

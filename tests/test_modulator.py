@@ -8,12 +8,14 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.optimize import minimize_scalar
 from scipy.special import jv
 
 from cmtof import jones
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.correlation import correlation_contrast, correlation_from_harmonics
+from cmtof.correlation import TAU, correlation_contrast, correlation_from_harmonics
 from cmtof.modulator import (
     DOUBLED,
     SINGLE,
@@ -25,7 +27,7 @@ from cmtof.waveform import waveform_from_harmonics
 
 ETAS = [0.26, 1.527]
 DOUBLED_BRIGHT = replace(DOUBLED, output="returned")
-THETA = np.linspace(0, 2 * np.pi, 101)
+THETA = np.linspace(0, TAU, 101)
 small = st.floats(-0.3, 0.3, allow_subnormal=False)
 
 V, theta_h, static = sp.symbols("V theta_h Gamma", real=True)
@@ -79,7 +81,7 @@ def test_half_wave_plate_sets_the_bias_and_cancels_static_birefringence():
 def test_transmission_follows_the_bias_law(voltage, angle):
     modulator = replace(SINGLE, half_wave_angle=angle)
     expected = (1 + np.cos(8 * angle + 2 * voltage)) / 2
-    assert modulator.transmission(voltage) == pytest.approx(expected, abs=1e-13)
+    assert modulator.transmission(voltage) == approx(expected, abs=1e-13)
 
 
 @pytest.mark.parametrize("eta", ETAS)
@@ -87,8 +89,8 @@ def test_waveforms_are_the_exact_lines_of_equations_16_and_19(eta):
     drive = eta * np.sin(THETA)
     single = replace(SINGLE, eta=eta).waveform(THETA)
     doubled = replace(DOUBLED, eta=eta).waveform(THETA)
-    np.testing.assert_allclose(single, (1 - np.sin(2 * drive)) / 2, atol=1e-14)
-    np.testing.assert_allclose(doubled, (1 - np.cos(2 * drive)) / 2, atol=1e-14)
+    assert_allclose(single, (1 - np.sin(2 * drive)) / 2, atol=1e-14)
+    assert_allclose(doubled, (1 - np.cos(2 * drive)) / 2, atol=1e-14)
 
 
 @pytest.mark.parametrize("eta", ETAS)
@@ -97,7 +99,7 @@ def test_waveforms_are_the_exact_lines_of_equations_16_and_19(eta):
 )
 def test_harmonics_equal_bessel_values(mode, series, eta):
     found = replace(mode, eta=eta).harmonics(24)
-    np.testing.assert_allclose(found, series(eta, 24), rtol=0, atol=1e-12)
+    assert_allclose(found, series(eta, 24), rtol=0, atol=1e-12)
 
 
 def test_waveform_and_harmonics_tell_the_same():
@@ -105,7 +107,7 @@ def test_waveform_and_harmonics_tell_the_same():
         SINGLE, half_wave_angle_error=0.03, static_retardance=0.1, mirror_distance=0.02, eta=0.9
     )
     back = waveform_from_harmonics(modulator.harmonics(20), THETA)
-    np.testing.assert_allclose(back, modulator.waveform(THETA), atol=1e-12)
+    assert_allclose(back, modulator.waveform(THETA), atol=1e-12)
 
 
 erroneous = st.builds(
@@ -130,42 +132,43 @@ erroneous = st.builds(
 @settings(max_examples=40, deadline=None)
 @given(erroneous)
 def test_the_two_ports_share_what_the_mirror_returns(modulator):
-    other, wave = replace(modulator, output="returned"), modulator.waveform(THETA)
+    other = replace(modulator, output="returned")
+    wave = modulator.waveform(THETA)
     assert wave.min() >= 0
     assert wave.max() <= 1 + 1e-12
     total = wave + other.waveform(THETA)
     entered = jones.intensity(modulator.states(0.0)["PBS in"])
-    np.testing.assert_allclose(total, modulator.mirror_reflectance * entered, atol=1e-12)
+    assert_allclose(total, modulator.mirror_reflectance * entered, atol=1e-12)
 
 
 @pytest.mark.parametrize("mode", [SINGLE, DOUBLED])
 def test_horizontal_input_of_section_7_gives_the_light_of_vertical_input(mode):
     """The off-diagonal elements of a unitary matrix are equal in magnitude."""
     horizontal = replace(mode, input_axis="horizontal")
-    np.testing.assert_allclose(horizontal.waveform(THETA), mode.waveform(THETA), atol=1e-14)
+    assert_allclose(horizontal.waveform(THETA), mode.waveform(THETA), atol=1e-14)
 
 
 def test_another_sign_of_the_mirror_brightens_the_doubled_mode():
     elements = [matrix for _, matrix in DOUBLED.elements(DOUBLED.eta * np.sin(THETA))]
     elements[4] = np.eye(2, dtype=complex)
     field = jones.apply(reduce(np.matmul, reversed(elements)), jones.linear_polarisation(np.pi / 2))
-    np.testing.assert_allclose(jones.intensity(field), DOUBLED_BRIGHT.waveform(THETA), atol=1e-14)
+    assert_allclose(jones.intensity(field), DOUBLED_BRIGHT.waveform(THETA), atol=1e-14)
 
 
 @pytest.mark.parametrize("eta", [0.26, np.pi / 4])
 def test_bright_bias_has_its_mean_and_contrast(eta):
     bright = replace(DOUBLED_BRIGHT, eta=eta)
-    assert bright.throughput() == pytest.approx((1 + jv(0, 2 * eta)) / 2, abs=1e-14)
-    assert bright.contrast() == pytest.approx(np.sin(eta) ** 2 / (1 + np.cos(eta) ** 2), abs=1e-14)
+    assert bright.throughput() == approx((1 + jv(0, 2 * eta)) / 2, abs=1e-14)
+    assert bright.contrast() == approx(np.sin(eta) ** 2 / (1 + np.cos(eta) ** 2), abs=1e-14)
 
 
 @pytest.mark.parametrize(("eta", "contrast"), [(0.26, 0.497), (np.pi / 4, 1.0)])
 def test_single_mode_contrast_is_the_sine_of_two_eta(eta, contrast):
     modulator = replace(SINGLE, eta=eta)
-    assert modulator.contrast() == pytest.approx(np.sin(2 * eta), abs=1e-14)
-    assert modulator.contrast() == pytest.approx(contrast, abs=5e-4)
-    assert modulator.modulation_depth() == pytest.approx(2 * jv(1, 2 * eta), abs=1e-14)
-    assert modulator.throughput() == pytest.approx(0.5, abs=1e-14)
+    assert modulator.contrast() == approx(np.sin(2 * eta), abs=1e-14)
+    assert modulator.contrast() == approx(contrast, abs=5e-4)
+    assert modulator.modulation_depth() == approx(2 * jv(1, 2 * eta), abs=1e-14)
+    assert modulator.throughput() == approx(0.5, abs=1e-14)
 
 
 @pytest.mark.parametrize(("order", "at", "peak"), [(1, 1.841, 0.582), (2, 3.054, 0.486)])
@@ -177,15 +180,15 @@ def test_signal_peaks_where_the_bessel_functions_do(order, at, peak):
         method="bounded",
         options={"xatol": 1e-6},
     )
-    assert best.x == pytest.approx(at, abs=5e-4)
-    assert -best.fun == pytest.approx(peak, abs=5e-4)
+    assert best.x == approx(at, abs=5e-4)
+    assert -best.fun == approx(peak, abs=5e-4)
 
 
 @pytest.mark.parametrize(("eta", "contrast"), [(0.26, 0.126), (np.pi / 4, 0.64)])
 def test_correlation_contrast_of_two_single_mode_modules(eta, contrast):
     w = replace(SINGLE, eta=eta).harmonics(12)
-    assert correlation_contrast(w, w) == pytest.approx(2 * jv(1, 2 * eta) ** 2, abs=1e-13)
-    assert correlation_contrast(w, w) == pytest.approx(contrast, abs=0.004)
+    assert correlation_contrast(w, w) == approx(2 * jv(1, 2 * eta) ** 2, abs=1e-13)
+    assert correlation_contrast(w, w) == approx(contrast, abs=0.004)
 
 
 @pytest.mark.parametrize(("eta", "signal"), [(0.26, 0.017), (np.pi / 4, 0.19)])
@@ -193,49 +196,50 @@ def test_correlation_of_two_doubled_modules(eta, signal):
     single = replace(SINGLE, eta=eta).harmonics(12)
     doubled = replace(DOUBLED, eta=eta).harmonics(12)[::2]
     j0, j1, j2 = jv([0, 1, 2], 2 * eta)
-    assert correlation_contrast(doubled, doubled) == pytest.approx(2 * j2**2 / (1 - j0) ** 2)
-    mean = correlation_from_harmonics(doubled, doubled, phase=0.0, psi=2 * np.pi * np.arange(8) / 8)
-    assert mean.mean() == pytest.approx((1 - j0) ** 2 / 4)
+    assert correlation_contrast(doubled, doubled) == approx(2 * j2**2 / (1 - j0) ** 2)
+    mean = correlation_from_harmonics(doubled, doubled, phase=0.0, psi=TAU * np.arange(8) / 8)
+    assert mean.mean() == approx((1 - j0) ** 2 / 4)
     ratio = abs(doubled[1] / single[1]) ** 2
-    assert ratio == pytest.approx((j2 / j1) ** 2)
-    assert ratio == pytest.approx(signal, abs=0.005)
+    assert ratio == approx((j2 / j1) ** 2)
+    assert ratio == approx(signal, abs=0.005)
 
 
 def test_doubled_drive_on_the_single_modes_spacing_is_late_by_9_mrad():
     mode = replace(DOUBLED, mirror_distance=SPEED_OF_LIGHT / (2 * SINGLE.frequency))
-    assert mode.pass_delay == pytest.approx(8.8e-3, abs=5e-5)
-    assert mode.effective_eta == pytest.approx(DOUBLED.eta * (1 - mode.pass_delay**2 / 8))
+    assert mode.pass_delay == approx(8.8e-3, abs=5e-5)
+    assert mode.effective_eta == approx(DOUBLED.eta * (1 - mode.pass_delay**2 / 8))
 
 
 @given(st.floats(0, 0.2), st.sampled_from([SINGLE, DOUBLED]))
 def test_delay_scales_the_drive_and_shifts_the_waveform(distance, mode):
     delayed = replace(mode, mirror_distance=distance)
     matched = replace(mode, eta=delayed.effective_eta)
-    np.testing.assert_allclose(
+    assert_allclose(
         delayed.waveform(THETA), matched.waveform(THETA + delayed.pass_delay / 2), atol=1e-12
     )
 
 
 def test_mirror_at_a_quarter_wavelength_stops_the_modulation():
     stopped = replace(SINGLE, mirror_distance=SPEED_OF_LIGHT / (4 * SINGLE.frequency))
-    assert stopped.contrast() == pytest.approx(0, abs=1e-12)
+    assert stopped.contrast() == approx(0, abs=1e-12)
 
 
 def test_taylor_forms_are_off_by_what_they_say(eta=0.26):
     """The lowest orders of Eq. 16 and 19 in eta sin(theta)."""
-    theta = 2 * np.pi * np.arange(400) / 400
+    theta = TAU * np.arange(400) / 400
     sine = eta * np.sin(theta)
     single = (1 - 2 * sine) / 2 - replace(SINGLE, eta=eta).waveform(theta)
     doubled = sine**2 - replace(DOUBLED, eta=eta).waveform(theta)
-    assert np.abs(single).max() == pytest.approx(eta - np.sin(2 * eta) / 2, abs=1e-14)
-    assert np.abs(doubled).max() == pytest.approx(eta**2 - np.sin(eta) ** 2, abs=1e-14)
+    assert np.abs(single).max() == approx(eta - np.sin(2 * eta) / 2, abs=1e-14)
+    assert np.abs(doubled).max() == approx(eta**2 - np.sin(eta) ** 2, abs=1e-14)
 
 
 def test_equation_19_as_printed_is_half_of_the_light():
-    theta, eta = THETA[1:50], 1e-3
+    theta = THETA[1:50]
+    eta = 1e-3
     exact = replace(DOUBLED, eta=eta).waveform(theta)
     printed = (eta * np.sin(theta)) ** 2 / 2
-    np.testing.assert_allclose(printed / exact, 0.5, rtol=1e-5)
+    assert_allclose(printed / exact, 0.5, rtol=1e-5)
 
 
 @pytest.mark.parametrize(

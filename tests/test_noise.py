@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.stats import chi2
 
 import cmtof
@@ -69,16 +71,17 @@ def test_averaging_brings_white_noise_down_by_the_window(sigma, window):
 
 def test_curvature_shifts_by_the_documented_bias():
     y, x = np.mgrid[:41, :41]
-    kappa, window = 0.01, 7
+    kappa = 0.01
+    window = 7
     phase = kappa / 2 * ((x - 20.0) ** 2 + (y - 20.0) ** 2)
     bias = centred(denoise(phase, window=window).phase - phase)[20, 20]
-    assert bias == pytest.approx(kappa * (window**2 - 1) / 12, rel=0.02)
+    assert bias == approx(kappa * (window**2 - 1) / 12, rel=0.02)
 
 
 def test_coherence_falls_with_noise_and_at_edges():
     plane = np.add.outer(0.2 * np.arange(300), 0.5 * np.arange(300))
     seen = np.median(denoise(noisy(0.3, 3, plane), window=9).coherence)
-    assert seen == pytest.approx(np.exp(-(0.3**2) / 2), rel=0.01)
+    assert seen == approx(np.exp(-(0.3**2) / 2), rel=0.01)
     plane[:, 150:] += np.pi
     coherence = denoise(plane).coherence
     assert coherence[50, 150] < 0.9 < coherence[50, 20]
@@ -94,7 +97,7 @@ def test_surfaces_up_to_third_order_leave_nothing_and_ripples_their_response(win
         ripple = 1e-4 * np.cos(TAU * (ky * y + kx * x) / 96)
         left = local_residual(wrapped(0.3 * x - 0.2 * y + ripple), window=window)
         known = np.isfinite(left)
-        np.testing.assert_allclose(left[known], (response[ky, kx] * ripple)[known], atol=1e-9)
+        assert_allclose(left[known], (response[ky, kx] * ripple)[known], atol=1e-9)
 
 
 @pytest.mark.parametrize(("window", "kept"), [(3, 4 / 9), (5, 148 / 175)])
@@ -102,8 +105,8 @@ def test_white_noise_leaves_the_share_of_savitzky_and_golay(window, kept):
     """Their smoothing gives its centre 5/9 in 3 x 3 and 27/175 in 5 x 5; the rest is left."""
     response = fit_response(SHAPE, window=window)
     assert abs(response[0, 0]) < 1e-12
-    assert np.mean(response) == pytest.approx(kept)
-    assert np.mean(response**2) == pytest.approx(kept)  # a projector: K * K = K
+    assert np.mean(response) == approx(kept)
+    assert np.mean(response**2) == approx(kept)  # a projector: K * K = K
 
 
 def part():
@@ -115,7 +118,7 @@ def part():
 def test_spectrum_of_white_noise_is_flat_and_its_mean_is_the_mean_square():
     values = 0.13 * np.random.default_rng(3).standard_normal(SHAPE)
     held = power_spectrum(np.where(part(), values, np.nan), part())
-    assert held.mean() == pytest.approx(np.mean(values[part()] ** 2))
+    assert held.mean() == approx(np.mean(values[part()] ** 2))
     # each is the mean of 96 exponential laws: chi-squared, 99.9 % for all 39 at once
     along = power_spectrum(values, EVERYWHERE).mean(axis=0)[1:40]
     low, high = chi2.ppf([5e-4 / 39, 1 - 5e-4 / 39], 2 * SHAPE[0]) / (2 * SHAPE[0])
@@ -131,8 +134,8 @@ def test_spectrum_of_white_noise_is_flat_and_its_mean_is_the_mean_square():
 )
 def test_line_noise_correlates_as_its_numbers(noise, lag, correlation):
     covariance = np.fft.ifft2(noise.spectrum(SHAPE)).real
-    assert covariance[lag] / covariance[0, 0] == pytest.approx(correlation, abs=1e-12)
-    assert covariance[0, 0] == pytest.approx(noise.white**2 + noise.line**2)
+    assert covariance[lag] / covariance[0, 0] == approx(correlation, abs=1e-12)
+    assert covariance[0, 0] == approx(noise.white**2 + noise.line**2)
 
 
 @pytest.mark.parametrize(
@@ -140,11 +143,13 @@ def test_line_noise_correlates_as_its_numbers(noise, lag, correlation):
 )
 def test_line_noise_is_found_again(known):
     """Within a mask, behind the fit: mean of six draws, to four of its standard errors."""
-    rng, found = np.random.default_rng(9), []
+    rng = np.random.default_rng(9)
+    found = []
     for _ in range(6):
         drawn = noise_from_spectrum(known.spectrum(SHAPE), rng=rng)
         found.append(fit_line_noise(local_residual(wrapped(drawn)), part()))
-    mean, error = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(6)
+    mean = np.mean(found, axis=0)
+    error = np.std(found, axis=0, ddof=1) / np.sqrt(6)
     floors = [0.002, 0.006, 0.02, 0.02]  # what finite windows bias
     assert (np.abs(mean - known) < 4 * error + floors).all()
 
@@ -152,15 +157,15 @@ def test_line_noise_is_found_again(known):
 @pytest.mark.parametrize(("sigma", "intensity"), [(300.0, 1.0), (2000.0, 0.3)])
 def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity):
     noise = phase_spread(float(simulated_phase_noise(intensity, sigma=sigma)))
-    assert sigma_from_phase_noise(noise, intensity=intensity) == pytest.approx(sigma, rel=1e-8)
-    assert intensity_from_phase_noise(noise, sigma) == pytest.approx(intensity, rel=1e-8)
+    assert sigma_from_phase_noise(noise, intensity=intensity) == approx(sigma, rel=1e-8)
+    assert intensity_from_phase_noise(noise, sigma) == approx(intensity, rel=1e-8)
 
 
 def test_gaussian_noise_keeps_to_the_bound_and_its_law_is_inverted():
     bound = phase_bound(20_000 / np.pi, 10_000.0, QUADRATURES, sigma=1200, phase=np.pi / 4)
-    assert phase_spread(float(simulated_phase_noise(1.0))) == pytest.approx(float(bound), rel=0.012)
+    assert phase_spread(float(simulated_phase_noise(1.0))) == approx(float(bound), rel=0.012)
     for linear in (1e-4, 0.5, 3.0, 20.0):
-        assert linear_from_spread(phase_spread(linear)) == pytest.approx(linear, rel=1e-6)
+        assert linear_from_spread(phase_spread(linear)) == approx(linear, rel=1e-6)
 
 
 def test_sigma_is_found_in_a_simulated_map_despite_outliers():

@@ -1,9 +1,10 @@
 """Points of a depth map, and their file."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from pytest import approx
 
 from cmtof.pointcloud import mesh_triangles, points_from_depth, write_ply
 
@@ -13,9 +14,9 @@ CAMERA = [50.0, 60.0, 8.0, 6.0]
 @given(st.floats(0.1, 10), st.integers(0, 15), st.integers(0, 11))
 def test_points_lie_at_their_range_on_their_ray(depth, x, y):
     point = points_from_depth(np.full((12, 16), depth), CAMERA)[y, x]
-    assert np.linalg.norm(point) == pytest.approx(depth)
-    assert point[0] / point[2] * 50 + 8 == pytest.approx(x + 0.5)
-    assert point[1] / point[2] * 60 + 6 == pytest.approx(y + 0.5)
+    assert np.linalg.norm(point) == approx(depth)
+    assert point[0] / point[2] * 50 + 8 == approx(x + 0.5)
+    assert point[1] / point[2] * 60 + 6 == approx(y + 0.5)
 
 
 def test_ply_holds_every_finite_pixel(tmp_path, rng):
@@ -29,8 +30,8 @@ def test_ply_holds_every_finite_pixel(tmp_path, rng):
     record = np.dtype([("xyz", "<f4", 3), ("rgb", "u1", 3), ("confidence", "<f4")])
     vertices = np.frombuffer(body, record)
     held = depth[np.isfinite(depth)]
-    np.testing.assert_allclose(np.linalg.norm(vertices["xyz"], axis=1), held, rtol=1e-6)
-    np.testing.assert_allclose(vertices["confidence"], held / 4, rtol=1e-6)
+    assert_allclose(np.linalg.norm(vertices["xyz"], axis=1), held, rtol=1e-6)
+    assert_allclose(vertices["confidence"], held / 4, rtol=1e-6)
     assert (vertices["rgb"] == 255).all()
 
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 
 import cmtof
 from cmtof.constants import FREQUENCIES
@@ -18,7 +20,7 @@ def test_noise_free_correlations_are_equation_8(tilted_wall):
             expected = (
                 20_000 * tilted_wall.intensity * (0.5 + np.cos(phase + k * np.pi / 2) / np.pi)
             )
-            np.testing.assert_allclose(m.dataset.correlation[f, k], expected, atol=0.02)
+            assert_allclose(m.dataset.correlation[f, k], expected, atol=0.02)
 
 
 def test_noise_free_phase_is_the_true_phase_for_any_psi(tilted_wall):
@@ -30,9 +32,11 @@ def test_noise_free_phase_is_the_true_phase_for_any_psi(tilted_wall):
 
 
 def test_same_seed_same_counts_and_frames_draw_apart(tilted_wall):
-    a, b = simulate(tilted_wall, seed=1), simulate(tilted_wall, seed=1)
-    c, d = simulate(tilted_wall, seed=2), simulate(tilted_wall, seed=1, frame_number=1)
-    np.testing.assert_array_equal(a.dataset.correlation, b.dataset.correlation)
+    a = simulate(tilted_wall, seed=1)
+    b = simulate(tilted_wall, seed=1)
+    c = simulate(tilted_wall, seed=2)
+    d = simulate(tilted_wall, seed=1, frame_number=1)
+    assert_array_equal(a.dataset.correlation, b.dataset.correlation)
     assert (a.dataset.correlation != c.dataset.correlation).mean() > 0.99
     assert (a.dataset.correlation != d.dataset.correlation).mean() > 0.99
 
@@ -45,24 +49,24 @@ def test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model(step):
     mean = float(clean[0, 0])
     variance = mean + 1200**2
     error = float(noisy.mean()) - mean
-    assert error == pytest.approx(0, abs=4 * np.sqrt(variance / noisy.size))
-    assert float(noisy.var()) == pytest.approx(variance, rel=4 * np.sqrt(2 / noisy.size))
+    assert error == approx(0, abs=4 * np.sqrt(variance / noisy.size))
+    assert float(noisy.var()) == approx(variance, rel=4 * np.sqrt(2 / noisy.size))
 
 
 def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):
     depth = rng.uniform(1.0, 9.0, (100, 100))
     m = simulate(Frame(depth, np.ones_like(depth)), noise_free=True)
     assert m.depth is not None
-    assert np.percentile(m.depth, 99.9) == pytest.approx(1.195, abs=1e-4)
+    assert np.percentile(m.depth, 99.9) == approx(1.195, abs=1e-4)
     counts = wrap_count_from_depth(m.depth.astype(float), 7.15e9)
     # float32 storage may move a depth across a limit by a tenth of a micrometre
     assert ((counts >= 36) & (counts <= 56))[m.mask].mean() > 0.9999
-    assert m.range == pytest.approx((0.754722, 1.194977), abs=1e-6)
+    assert m.range == approx((0.754722, 1.194977), abs=1e-6)
 
 
 def test_released_protocol_never_enlarges_and_stops_at_a_hundredth():
     near = Frame(np.full((4, 4), 0.9), np.ones((4, 4)))
-    assert float(simulate(near, noise_free=True).depth[0, 0]) == pytest.approx(0.9)
+    assert float(simulate(near, noise_free=True).depth[0, 0]) == approx(0.9)
     with pytest.raises(ValueError, match="Expected depths between"):
         simulate(Frame(np.full((4, 4), 300.0), np.ones((4, 4))), noise_free=True)
 
@@ -71,16 +75,16 @@ def test_full_protocol_scales_nothing_and_masks_beyond_the_beat():
     depth = np.array([[0.3, 7.49, 7.50, 20.0, np.nan]])
     m = simulate(Frame(depth, np.ones_like(depth)), protocol="full", noise_free=True)
     assert m.mask.tolist() == [[True, True, False, False, False]]
-    np.testing.assert_allclose(m.depth[:, :4], depth[:, :4].astype(np.float32))
+    assert_allclose(m.depth[:, :4], depth[:, :4].astype(np.float32))
 
 
 def test_masked_pixels_keep_their_signal_and_unknown_ones_are_dark():
     """The contrast of Eq. 8 is 2 / pi wherever there is light, and intensity is clipped to 1."""
     depth = np.array([[1.0, 20.0, np.nan]])
     m = simulate(Frame(depth, np.full_like(depth, 7.0)), protocol="full", noise_free=True)
-    np.testing.assert_allclose(m.amplitude[0], [[6366.2, 6366.2, 0.0]], rtol=1e-5)
+    assert_allclose(m.amplitude[0], [[6366.2, 6366.2, 0.0]], rtol=1e-5)
     lit = (0, 0, slice(2))
-    np.testing.assert_allclose(m.amplitude[lit] / m.decoded.offset[lit], 2 / np.pi, rtol=1e-5)
+    assert_allclose(m.amplitude[lit] / m.decoded.offset[lit], 2 / np.pi, rtol=1e-5)
 
 
 def test_bad_settings_are_refused(tilted_wall):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from cmtof.statistics import ratio_interval, reliability, risk_coverage
 
@@ -19,8 +20,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say(rng):
 
 def test_a_difference_on_the_same_scenes_is_known_better_than_its_rates(rng):
     hard = rng.random(50)
-    one, other = 0.6 * hard + 0.1, 0.6 * hard
-    rate, apart = ratio_interval(one, np.ones(50)), ratio_interval(one - other, np.ones(50))
+    one = 0.6 * hard + 0.1
+    other = 0.6 * hard
+    rate = ratio_interval(one, np.ones(50))
+    apart = ratio_interval(one - other, np.ones(50))
     assert apart.high - apart.low < 0.01 * (rate.high - rate.low)
     assert apart.low > 0
     level = ratio_interval(hard - 0.5, np.ones(50))
@@ -32,7 +35,7 @@ def test_arrays_of_rates_share_their_scenes_and_empty_ones_are_nan(rng):
     both = ratio_interval(part, np.ones(20), seed=5)
     for i in range(3):
         alone = ratio_interval(part[i], np.ones(20), seed=5)
-        np.testing.assert_allclose([both.low[i], both.high[i]], [alone.low, alone.high])
+        assert_allclose([both.low[i], both.high[i]], [alone.low, alone.high])
     empty = ratio_interval(np.zeros((2, 9)), np.stack([np.zeros(9), np.ones(9)]))
     assert np.isnan([empty.value[0], empty.low[0], empty.high[0]]).all()
     assert (empty.value[1], empty.low[1]) == (0, 0)
@@ -61,4 +64,4 @@ def test_risk_falls_with_the_coverage_where_confidence_is_true(rng):
     right = rng.random(confidence.size) < confidence
     curve = risk_coverage(confidence, right, points=10)
     # the surest share c has confidences above 1 - c, so that c/2 of it is wrong
-    np.testing.assert_allclose(curve.risk, curve.coverage / 2, atol=0.01)
+    assert_allclose(curve.risk, curve.coverage / 2, atol=0.01)

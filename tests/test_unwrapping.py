@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import cmtof
 from cmtof.constants import FREQUENCIES
@@ -37,8 +38,8 @@ def test_depth_is_the_measured_phase_with_the_nearest_wraps(answering, rng):
     depth = rng.uniform(1.0, 7.0, (20, 20))
     estimate = depth + rng.uniform(-0.49, 0.49, depth.shape) * WRAP
     result = cmtof.unwrap(exact(depth), method=answering(estimate))
-    np.testing.assert_allclose(result.depth, depth, atol=1e-6)
-    np.testing.assert_array_equal(result.wrap_count, np.floor(estimate / WRAP))
+    assert_allclose(result.depth, depth, atol=1e-6)
+    assert_array_equal(result.wrap_count, np.floor(estimate / WRAP))
 
 
 def test_estimates_out_of_range_end_at_its_wraps(answering, rng):

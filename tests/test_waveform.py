@@ -5,8 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from numpy.testing import assert_allclose
+from pytest import approx
 
-from cmtof.correlation import correlation_from_harmonics
+from cmtof.correlation import TAU, correlation_from_harmonics
 from cmtof.waveform import (
     gate,
     harmonics_from_waveform,
@@ -20,15 +22,15 @@ finite = st.floats(-10, 10, allow_subnormal=False)
 
 @given(hnp.arrays(float, st.tuples(st.integers(1, 3), st.just(9)), elements=finite))
 def test_an_odd_number_of_samples_comes_back_from_its_harmonics(samples):
-    theta = 2 * np.pi * np.arange(9) / 9
+    theta = TAU * np.arange(9) / 9
     back = waveform_from_harmonics(harmonics_from_waveform(samples, 4), theta)
-    np.testing.assert_allclose(back, samples, atol=1e-12)
+    assert_allclose(back, samples, atol=1e-12)
 
 
 def test_coefficients_follow_the_convention_with_their_sign():
-    theta = 2 * np.pi * np.arange(32) / 32
+    theta = TAU * np.arange(32) / 32
     samples = 2 + 3 * np.cos(theta) - 4 * np.sin(2 * theta)
-    np.testing.assert_allclose(harmonics_from_waveform(samples, 3), [2, 1.5, 2j, 0], atol=1e-14)
+    assert_allclose(harmonics_from_waveform(samples, 3), [2, 1.5, 2j, 0], atol=1e-14)
 
 
 @pytest.mark.parametrize("count", [-1, 4, 9])
@@ -38,20 +40,20 @@ def test_harmonics_that_the_samples_cannot_tell_apart_are_refused(count):
 
 
 def test_gate_is_the_series_of_the_square_wave():
-    np.testing.assert_allclose(
+    assert_allclose(
         gate(5), [1 / 2, 1 / np.pi, 0, -1 / (3 * np.pi), 0, 1 / (5 * np.pi)], atol=1e-16
     )
     wave = waveform_from_harmonics(gate(4001), np.array([0.0, 1.0, 2.5, np.pi, np.pi / 2]))
-    np.testing.assert_allclose(wave, [1, 1, 0, 0, 0.5], atol=3e-4)
+    assert_allclose(wave, [1, 1, 0, 0, 0.5], atol=3e-4)
 
 
 def test_gate_against_a_raised_cosine_is_the_kernel_of_equation_8():
-    phase = np.linspace(0, 2 * np.pi, 17)
+    phase = np.linspace(0, TAU, 17)
     kernel = correlation_from_harmonics(sinusoid(1, 1), gate(7), phase=phase, psi=0.4)
-    np.testing.assert_allclose(kernel, 0.5 + np.cos(phase + 0.4) / np.pi, atol=1e-14)
+    assert_allclose(kernel, 0.5 + np.cos(phase + 0.4) / np.pi, atol=1e-14)
 
 
 def test_low_pass_halves_the_power_at_its_cutoff_and_keeps_the_mean():
     passed = low_pass_harmonics([1.0, 1.0, 1.0], frequency=12e9, cutoff=12e9)
-    np.testing.assert_allclose(np.abs(passed) ** 2, [1, 1 / 2, 1 / 5], rtol=1e-14)
-    assert np.angle(passed[1]) == pytest.approx(-np.pi / 4)
+    assert_allclose(np.abs(passed) ** 2, [1, 1 / 2, 1 / 5], rtol=1e-14)
+    assert np.angle(passed[1]) == approx(-np.pi / 4)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 
 import cmtof
 from cmtof.classical import mrf
@@ -31,9 +33,11 @@ def random_field(rng, height, width, labels):
 
 def viterbi(cost, step):
     """Least cost of a chain through each label at each of its pixels (W, N), pair by pair."""
-    n, ends = np.arange(cost.shape[1]), []
+    n = np.arange(cost.shape[1])
+    ends = []
     for order in (1, -1):
-        total, signed = [cost[::order][0]], step if order == 1 else -step[::-1]
+        total = [cost[::order][0]]
+        signed = step if order == 1 else -step[::-1]
         for own, d in zip(cost[::order][1:], signed, strict=True):
             pair = np.minimum(mrf.JUMP * np.abs(n[None, :] - n[:, None] - d), mrf.MOST)
             total.append(own + (total[-1][:, None] + pair).min(axis=0))
@@ -52,9 +56,9 @@ def test_one_row_is_the_best_chain(rng, shape):
         cost = viterbi(unary.reshape(40, labels), step)
         found, odds = mrf.semi_global_labels(field)
         chosen = np.take_along_axis(cost, found.reshape(40, 1), 1)[:, 0]
-        np.testing.assert_allclose(chosen, cost.min(axis=1), atol=1e-5)
+        assert_allclose(chosen, cost.min(axis=1), atol=1e-5)
         share = np.exp(-(cost - cost.min(axis=1, keepdims=True)) / mrf._TEMPERATURE).sum(axis=1)
-        np.testing.assert_allclose(odds.ravel(), 1 / share, rtol=1e-3)
+        assert_allclose(odds.ravel(), 1 / share, rtol=1e-3)
 
 
 def test_turning_the_image_turns_the_labels(rng):
@@ -64,7 +68,7 @@ def test_turning_the_image_turns_the_labels(rng):
         beat = np.stack([transform(field.beat[..., i]) for i in (0, 1)], axis=-1)
         phase = np.ascontiguousarray(transform(field.phase))
         turned = field._replace(phase=phase, beat=np.ascontiguousarray(beat))
-        np.testing.assert_array_equal(transform(found), mrf.semi_global_labels(turned)[0])
+        assert_array_equal(transform(found), mrf.semi_global_labels(turned)[0])
 
 
 @pytest.mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9), (7.15e9, 7.16e9)])
@@ -88,4 +92,4 @@ def test_a_move_is_the_best_of_all(seed, step):
     others = [labels + step * np.reshape(x, (2, 4)) for x in product((0, 1), repeat=8)]
     inside = [x for x in others if x.min() >= 0 and x.max() < 5]
     least = min(mrf.energy(field, x) for x in inside)
-    assert mrf.energy(field, moved) == pytest.approx(least, abs=1e-6)
+    assert mrf.energy(field, moved) == approx(least, abs=1e-6)

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 
 import cmtof
 from cmtof import bounds
@@ -9,7 +11,7 @@ from cmtof.classical import crt
 from cmtof.classical.beat import beat_depth
 from cmtof.classical.phasor import match, phasor
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import phase_from_depth, wrap_length
+from cmtof.correlation import TAU, phase_from_depth, wrap_length
 from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
@@ -28,15 +30,15 @@ def test_exact_phases_are_unwrapped_exactly(exact, rng, method):
 def test_search_is_that_over_all_wraps(rng, pair):
     """The wrap of least misfit, tried one after the other, at any pair of frequencies."""
     limits = {"range_min": 0.4, "range_max": 7.3}
-    m = Measurement.from_phase(rng.uniform(0, 2 * np.pi, (2, 30, 40)), pair, **limits)
+    m = Measurement.from_phase(rng.uniform(0, TAU, (2, 30, 40)), pair, **limits)
     found, residual = crt.nearest_wrap(m)
     length = wrap_length(pair[0])
     wraps = np.arange(int(0.4 / length), int(np.ceil(7.3 / length)))
-    phase = m.phase / (2 * np.pi)
+    phase = m.phase / TAU
     misfit = phase[1] - pair[1] / pair[0] * (phase[0] + wraps[:, None, None])
     misfit -= np.rint(misfit)
     least = np.abs(misfit).min(axis=0)
-    np.testing.assert_allclose(np.abs(residual) / (2 * np.pi), least, atol=1e-9)
+    assert_allclose(np.abs(residual) / TAU, least, atol=1e-9)
     assert np.isin(found, wraps).all()
 
 
@@ -47,8 +49,8 @@ def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
     unit = wrap_length(FREQUENCIES[0]) / 1432
     signs = zip((1, -1), FREQUENCIES, strict=True)
     shift = np.stack([phase_from_depth(s * offset * unit / 2, f) for s, f in signs])
-    inner = np.stack([phase_from_depth(depth, f) % (2 * np.pi) for f in FREQUENCIES])
-    keep = np.all((inner > 0.01) & (inner < 2 * np.pi - 0.01), axis=0)
+    inner = np.stack([phase_from_depth(depth, f) % TAU for f in FREQUENCIES])
+    keep = np.all((inner > 0.01) & (inner < TAU - 0.01), axis=0)
     m = Measurement.from_phase(inner + shift[:, None, None], FREQUENCIES)
     error = np.abs(crt.crt_closed_form(m).depth - depth)[keep]
     assert (error.max() < 1e-4) == (offset < 0.5)
@@ -63,16 +65,17 @@ def test_single_pixels_are_right_as_often_as_theory_predicts(method, pair):
     rate = score(scored_pixels(result, m))["consistent_lt_1"]
     noise = float(bounds.simulated_phase_noise(1.0))
     theory = bounds.wrap_probability_law(noise, noise, frequencies=pair)
-    assert rate == pytest.approx(theory, abs=4 * np.sqrt(theory / m.mask.size))
-    assert float(result.confidence.mean()) == pytest.approx(theory, rel=0.15)
+    assert rate == approx(theory, abs=4 * np.sqrt(theory / m.mask.size))
+    assert float(result.confidence.mean()) == approx(theory, rel=0.15)
 
 
 def test_look_up_is_exact_over_fifteen_metres_and_no_entry_is_nearer(exact, rng):
     depth = rng.uniform(0.0001, 14.9895, (90, 100))
-    np.testing.assert_allclose(phasor(exact(depth, CLOSE)).depth, depth, atol=1e-9)
+    assert_allclose(phasor(exact(depth, CLOSE)).depth, depth, atol=1e-9)
     frame = Frame(rng.uniform(0.8, 1.1, (12, 12)), rng.uniform(0.05, 1, (12, 12)))
     m = simulate(frame, protocol="full", frequencies=CLOSE, seed=2).between(0.75, 1.19)
-    phase, amplitude = m.phase.astype(float), m.amplitude.astype(float)
+    phase = m.phase.astype(float)
+    amplitude = m.amplitude.astype(float)
     entries = np.arange(*m.range, 1e-4)
     table = np.stack([match(phase, amplitude, np.full(m.shape, z), CLOSE) for z in entries])
     ours = match(phase, amplitude, phasor(m).depth, CLOSE)
@@ -83,7 +86,7 @@ def test_look_up_is_exact_over_fifteen_metres_and_no_entry_is_nearer(exact, rng)
 def test_the_beat_of_one_pixel_is_exact_on_either_side_of_the_multiple(exact, rng, pair):
     depth = rng.uniform(0.1, 7.0, (9, 9))
     found = cmtof.unwrap(exact(depth, pair), method="beat", window=1).depth
-    np.testing.assert_allclose(found, depth, atol=1e-6)
+    assert_allclose(found, depth, atol=1e-6)
     m = exact(np.ones((1, 1)), pair, range_min=0.755, range_max=1.195)
     inside = beat_depth(np.linspace(-10, 10, 500)[None], m)
     assert ((inside >= 0.755) & (inside < 1.195)).all()

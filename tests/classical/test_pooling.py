@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.ndimage import uniform_filter
 
 import cmtof
@@ -10,7 +12,7 @@ from cmtof.classical import region
 from cmtof.classical.beat import guided_filter
 from cmtof.classical.kde import _densest, hypotheses
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import phase_from_depth, wrap_length
+from cmtof.correlation import TAU, phase_from_depth, wrap_length
 from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame
 from cmtof.simulation import simulate
@@ -21,7 +23,7 @@ WRAP = float(wrap_length(FREQUENCIES[0]))
 def test_walls_of_one_depth_are_exact(exact):
     m = exact(np.full((20, 20), 3.21))
     for method in ("beat", "beat-guided", "kde", "kde-tuned", "region", "mrf", "mrf-graphcut"):
-        np.testing.assert_allclose(cmtof.unwrap(m, method=method).depth, 3.21, atol=1e-6)
+        assert_allclose(cmtof.unwrap(m, method=method).depth, 3.21, atol=1e-6)
 
 
 def test_averages_divide_the_noise_by_the_side_of_the_window():
@@ -33,23 +35,24 @@ def test_averages_divide_the_noise_by_the_side_of_the_window():
     assert rates[0] < rates[1] < rates[2]
     noise = float(bounds.simulated_phase_noise(0.8)) / 41
     odds = float(bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES))
-    assert rates[2] == pytest.approx(odds, abs=0.1)
+    assert rates[2] == approx(odds, abs=0.1)
 
 
 def test_guided_filter_passes_linear_functions_and_tends_to_the_mean(rng):
     guide = rng.normal(size=(3, 40, 50))
     linear = guide[0] - 2 * guide[1] + 3j * guide[2] + (1 - 1j)
     found = guided_filter(linear, guide, rng.uniform(0.1, 1, (40, 50)), 11, 1e-9)
-    np.testing.assert_allclose(found, linear, atol=1e-5)
+    assert_allclose(found, linear, atol=1e-5)
     smooth = guided_filter(linear, guide, np.ones((40, 50)), 11, 1e9)
-    np.testing.assert_allclose(smooth, uniform_filter(uniform_filter(linear, 11), 11), atol=1e-6)
+    assert_allclose(smooth, uniform_filter(uniform_filter(linear, 11), 11), atol=1e-6)
 
 
 def densities(m, kernel, radius):
     """D (H, W, N) by the sum as it is written, over neighbours and their wraps."""
     weights = np.moveaxis(np.stack(list(hypotheses(m))).astype(float), 0, -1)
     height, width, count = weights.shape
-    turns, steps = m.phase[0] / (2 * np.pi), np.arange(count)
+    turns = m.phase[0] / TAU
+    steps = np.arange(count)
     window = np.exp(-((np.arange(-radius, radius + 1) / max(radius / 2, 0.5)) ** 2) / 2)
     out = np.zeros(weights.shape)
     for y, x in np.ndindex(height, width):
@@ -69,8 +72,8 @@ def test_densities_equal_the_sum_as_it_is_written(kernel, radius):
     m = simulate(Frame(0.9 + 0.004 * x + 0.002 * y, bright), seed=1)
     direct = densities(m, kernel, radius)
     found, best, total = _densest(m, kernel, radius)
-    np.testing.assert_allclose(best, direct.max(axis=2), atol=0.01 * direct.max())
-    np.testing.assert_allclose(total, direct.sum(axis=2), rtol=0.04)
+    assert_allclose(best, direct.max(axis=2), atol=0.01 * direct.max())
+    assert_allclose(total, direct.sum(axis=2), rtol=0.04)
     ranked = np.sort(direct, axis=2)
     clear = ranked[..., -1] - ranked[..., -2] > 0.02 * direct.max()
     assert (found == direct.argmax(axis=2))[clear].all()
@@ -94,9 +97,10 @@ def test_walls_with_a_step_of_phase_are_two_regions(exact, jump):
 
 def test_pooled_noise_is_that_of_the_sum(rng):
     """Of 300 sums of 100 phasors with noise of one fifth, to three standard errors."""
-    number, found = np.zeros((1, 100), int), []
+    number = np.zeros((1, 100), int)
+    found = []
     for _ in range(300):
         real, imaginary = 0.2 * rng.normal(size=(2, 1, 100))
         found.append(region.pool(1 + real + 1j * imaginary, number))
-    assert np.std([one.phase[0] for one in found]) == pytest.approx(0.02, rel=0.13)
-    assert np.mean([one.spread[0] for one in found]) == pytest.approx(0.02, rel=0.02)
+    assert np.std([one.phase[0] for one in found]) == approx(0.02, rel=0.13)
+    assert np.mean([one.spread[0] for one in found]) == approx(0.02, rel=0.02)

@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
+from pytest import approx
 
 import cmtof
 from cmtof import bounds
 from cmtof.classical import references, trivial
 from cmtof.classical.references import bodies, surfaces
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import wrap_length
+from cmtof.correlation import TAU, wrap_length
 from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame
 from cmtof.hardness import bends
@@ -27,12 +29,13 @@ def bent():
 
 
 def test_surfaces_end_at_steps_and_not_at_slopes(bent):
-    number, boundary = surfaces(bent), bends(bent)
+    number = surfaces(bent)
+    boundary = bends(bent)
     assert len(np.unique(number[~boundary])) == 2
     edge = np.zeros_like(boundary)
     edge[15:35, [19, 20, 39, 40]] = True
     edge[[14, 15, 34, 35], 20:40] = True
-    np.testing.assert_array_equal(boundary, edge)
+    assert_array_equal(boundary, edge)
 
 
 def test_bodies_end_at_jumps_and_not_at_creases():
@@ -51,7 +54,8 @@ def test_bodies_end_at_jumps_and_not_at_creases():
 def test_shapes_are_known_and_places_are_not(exact, bent, what):
     """Exact without noise; an offset of a whole surface's truth changes nothing."""
     run = getattr(references, f"reference_{what}")
-    number, boundary = surfaces(bent), bends(bent)
+    number = surfaces(bent)
+    boundary = bends(bent)
     moved = bent + np.where(number == number[0, 0], 0.0123, 0.517)
     for truth in (bent, moved):
         estimate = run(exact(bent, truth=truth))
@@ -81,7 +85,7 @@ def test_true_depth_brings_the_phase_within_half_a_wrap():
     depth = cmtof.unwrap(m, method="reference-depth").depth
     assert np.abs(depth - 4.0).max() < WRAP / 2
     noise = bounds.phase_spread(float(bounds.simulated_phase_noise(1.0)))
-    assert np.std(depth) == pytest.approx(noise * WRAP / (2 * np.pi), rel=0.02)
+    assert np.std(depth) == approx(noise * WRAP / TAU, rel=0.02)
 
 
 def test_trivial_answers_are_right_as_often_as_chance(rng):
@@ -93,9 +97,9 @@ def test_trivial_answers_are_right_as_often_as_chance(rng):
         for name in ("middle", "uniform", "mode")
     }
     for name in ("middle", "uniform"):
-        assert rates[name]["delta_lt_1"] == pytest.approx(1 / 21, abs=0.005)
-    assert rates["middle"]["delta_lt_3"] == pytest.approx(5 / 21, abs=0.01)
+        assert rates[name]["delta_lt_1"] == approx(1 / 21, abs=0.005)
+    assert rates["middle"]["delta_lt_3"] == approx(5 / 21, abs=0.01)
     share = trivial.mode(m).confidence[0, 0]
-    assert rates["mode"]["delta_lt_1"] == pytest.approx(share, abs=1e-3)
+    assert rates["mode"]["delta_lt_1"] == approx(share, abs=1e-3)
     other = cmtof.Measurement(m.dataset.assign_attrs(frame_number=1))
     assert (trivial.uniform(m).depth != trivial.uniform(other).depth).mean() > 0.9

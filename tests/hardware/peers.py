@@ -20,10 +20,16 @@ class Wire:
     """Requests to a model; those that hold ``marker`` meet a fault, so many times."""
 
     def __init__(self, answer):
-        self.answer, self.sent, self.marker, self.fault, self.times = answer, [], b"", b"", 0
+        self.answer = answer
+        self.sent = []
+        self.marker = b""
+        self.fault = b""
+        self.times = 0
 
     def fail(self, marker, fault, times=10**9):
-        self.marker, self.fault, self.times = marker, fault, times
+        self.marker = marker
+        self.fault = fault
+        self.times = times
 
     def __call__(self, request):
         self.sent.append(request)
@@ -42,7 +48,8 @@ class Port:
     """
 
     def __init__(self, answer=lambda data: data):
-        self._loop, self._answer = serial.serial_for_url("loop://", timeout=0), answer
+        self._loop = serial.serial_for_url("loop://", timeout=0)
+        self._answer = answer
 
     def write(self, data):
         self._loop.write(self._answer(data))
@@ -61,7 +68,8 @@ class Visa:
     """A VISA resource: what is written is answered by a function of bytes."""
 
     def __init__(self, answer):
-        self._answer, self.lines = answer, []
+        self._answer = answer
+        self.lines = []
 
     def write(self, text):
         self.lines += self._answer(text.encode()).decode().splitlines()
@@ -83,7 +91,8 @@ def modbus(answer):
 @contextmanager
 def dialogue(kind, *pairs):
     """Port or resource that holds one dialogue of (sent, reply), and no other."""
-    heard, replies = [], [reply for _, reply in pairs]
+    heard = []
+    replies = [reply for _, reply in pairs]
 
     def answer(request):
         heard.append(request)
@@ -96,7 +105,8 @@ def dialogue(kind, *pairs):
 class Firmware:
     """An RF driver's firmware: numbers and switches by word, lock, table."""
 
-    model, locked = "CMTOF-RF", True
+    model = "CMTOF-RF"
+    locked = True
 
     def __init__(self):
         self.values = {"RF": "OFF"}
@@ -116,19 +126,26 @@ class Firmware:
         return framed(f"<{head[1:]} OK {replies.get(word, '')}".strip())
 
 
-HOMED, MOVING, ERROR = 1 << 10, 1 << 4, 1 << 14
+HOMED = 1 << 10
+MOVING = 1 << 4
+ERROR = 1 << 14
 
 
 class Controller:
     """A KDC101: position, status bits, and messages that come unasked."""
 
-    model, serial = b"KDC101", 27000001
+    model = b"KDC101"
+    serial = 27000001
 
     def __init__(self):
-        self.position, self.status, self.looks = 0, HOMED | 1 << 31, 0
-        self.deaf, self.moves = False, []
+        self.position = 0
+        self.status = HOMED | 1 << 31
+        self.looks = 0
+        self.deaf = False
+        self.moves = []
         # direction, limit switch, velocity, offset; least velocity, acceleration, largest velocity
-        self.home_parameters, self.velocities = (2, 1, 5, 0), (0, 1, 5)
+        self.home_parameters = (2, 1, 5, 0)
+        self.velocities = (0, 1, 5)
         self.chatter = b""  # what it says before every answer
 
     def __call__(self, data):
@@ -147,7 +164,8 @@ class Controller:
             goal = struct.unpack_from("<Hl", data, 6)[1] if number == 0x0453 else 0
             self.moves.append(goal)
             if not self.deaf:
-                self.position, self.looks = goal, max(self.looks, 1)
+                self.position = goal
+                self.looks = max(self.looks, 1)
             return struct.pack("<HBBBB", 0x0464, 1, 0, 0x01, 0x50)  # comes unasked
         if number == 0x0440:
             self.home_parameters = struct.unpack_from("<HHll", data, 8)
@@ -166,8 +184,11 @@ class T7:
     """Registers of a T7, function 76, and a burst's packets on ``stream``; a burst may fail."""
 
     def __init__(self):
-        self.words, self.written, self.fault = {2007: 1}, [], ""
-        self.outputs, self.power_up = set(), {}
+        self.words = {2007: 1}
+        self.written = []
+        self.fault = ""
+        self.outputs = set()
+        self.power_up = {}
         self.stream = Port()
         self.set(60000, "f", 7.0)  # PRODUCT_ID
         self.set(60004, "f", 1.0292)  # FIRMWARE_VERSION
@@ -191,7 +212,8 @@ class T7:
         return self.words.get(address, 0) << 16 | self.words.get(address + 1, 0)
 
     def __call__(self, frame):
-        reply, at = b"", 0
+        reply = b""
+        at = 0
         while at < len(frame):
             writes, address, count = struct.unpack_from(">BHB", frame, at)
             at += 4
@@ -213,14 +235,17 @@ class T7:
         if address == 49002:
             self.power_up = {line: self.words[2000 + line] for line in self.outputs}
         if address == 4990 and words[-1]:
-            self.words[4494], self.words[4495] = self.words[4002], self.words[4003]
+            self.words[4494] = self.words[4002]
+            self.words[4495] = self.words[4003]
             self._send_burst()
 
     def _send_burst(self):
         """Packets of a ramp that starts at the label of the burst."""
-        scans, size = self.get(4020), self.get(4006)
+        scans = self.get(4020)
+        size = self.get(4006)
         counts = (np.arange(scans) + self.get(46100)).astype(">u2")
-        fault, self.fault = self.fault, ""
+        fault = self.fault
+        self.fault = ""
         for n, start in enumerate(range(0, scans, size)):
             part = counts[start : start + size].tobytes()
             status = 2941 if fault == "skipped" and n else 2944 if start + size >= scans else 0

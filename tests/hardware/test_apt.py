@@ -5,11 +5,12 @@ import os
 import struct
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 import thorlabs_apt_protocol as apt_bytes
 from peers import ERROR, HOMED, Controller, Port
+from pytest import approx
 
+from cmtof.correlation import TAU
 from cmtof.hardware.apt import LONGEST, MOTORS, Motor, open_controller
 from cmtof.hardware.device import ConnectionLost, InstrumentError, InstrumentTimeout, Refused
 
@@ -36,7 +37,7 @@ def test_a_motor_homes_and_moves_where_it_should(controller, motor):
     controller.position = 1000
     motor.home()
     assert motor.position == 0
-    assert motor.move_to(0.010) == pytest.approx(0.010, abs=2e-8)
+    assert motor.move_to(0.010) == approx(0.010, abs=2e-8)
     assert controller.moves == [0, 345550]
 
 
@@ -60,7 +61,7 @@ def test_speeds_are_set_before_the_first_move(controller, motor):
 
 @pytest.mark.parametrize("kind", MOTORS.values(), ids=MOTORS)
 def test_the_longest_way_home_takes_less_than_is_waited_for(kind):
-    longest = min(kind.travel[1] - kind.travel[0], 2 * np.pi)
+    longest = min(kind.travel[1] - kind.travel[0], TAU)
     assert longest / kind.home_velocity < LONGEST
 
 

@@ -22,7 +22,8 @@ class Scpi:
     """A device of SCPI: answers by question, and outputs that follow."""
 
     def __init__(self, model, answers):
-        self.model, self.answers = model, dict(answers)
+        self.model = model
+        self.answers = dict(answers)
 
     def __call__(self, text):
         words = text.decode().split()

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.hardware.journal import append, begun, whole_lines
@@ -36,14 +38,16 @@ def test_every_burst_has_its_own_label():
 def test_rays_are_those_of_a_pinhole():
     plan = planned(RIG, size=(3, 5))
     across = np.tan(plan.angles[..., 0])
-    np.testing.assert_allclose(np.diff(across, axis=1), 2 * np.tan(np.deg2rad(10)) / 5)
+    assert_allclose(np.diff(across, axis=1), 2 * np.tan(np.deg2rad(10)) / 5)
     down = np.tan(plan.angles[:, 0, 1])[0]
-    assert down == pytest.approx(-2 * np.tan(np.deg2rad(10)) / 3)
+    assert down == approx(-2 * np.tan(np.deg2rad(10)) / 3)
 
 
 def test_sums_drop_the_settling_samples_and_count_what_clips():
     counts = np.arange(320).reshape(16, 20)
-    counts[3, 5], counts[4, 19], counts[5, 0] = 0, 65535, 65535
+    counts[3, 5] = 0
+    counts[4, 19] = 65535
+    counts[5, 0] = 65535
     sums, clipped = sums_from_counts(counts.reshape(1, -1), [3, *15 * [16]])
     assert sums[0, 0] == counts[0, 17:].sum()
     assert sums[0, 3] == counts[3, 4:].sum()
@@ -53,7 +57,7 @@ def test_sums_drop_the_settling_samples_and_count_what_clips():
 def test_drive_steps_psi_through_one_turn():
     for mode, order in MODES.items():
         psi = -order * drive_phases(16, mode)
-        np.testing.assert_allclose(centred(psi - nominal_psi(16)), 0, atol=1e-12)
+        assert_allclose(centred(psi - nominal_psi(16)), 0, atol=1e-12)
 
 
 @pytest.mark.parametrize("stray", [0.0, 0.3])
@@ -63,8 +67,8 @@ def test_calibration_finds_the_offset_behind_stray_light(stray):
     psi = nominal_psi(16)
     seen = 3 + np.cos(phase_from_depth(z, 7.15e9)[:, None] + psi - 1.2) + stray * np.cos(psi)
     offset, drift = calibrate(np.stack([seen, seen]), z, 7.15e9)
-    assert offset == pytest.approx(-1.2, abs=1e-6 + 0.02 * stray)
-    assert drift == pytest.approx(0, abs=1e-9)
+    assert offset == approx(-1.2, abs=1e-6 + 0.02 * stray)
+    assert drift == approx(0, abs=1e-9)
     with pytest.raises(ValueError, match="contrast above 0.001"):
         calibrate(np.full((1, 8, 16), 3.0), z, 7.15e9)
 
@@ -83,7 +87,7 @@ def test_a_torn_tail_is_cut_and_the_rest_goes_on(tmp_path):
         path.write_bytes(whole[:-cut])
         assert len(whole_lines(path)) == 3
     records = begun(path, HEADER, PLAN)
-    np.testing.assert_array_equal(records[1].sums, record(1).sums)
+    assert_array_equal(records[1].sums, record(1).sums)
     append(path, record(2)._asdict())
     assert path.read_bytes() == whole
     with pytest.raises(ValueError, match="got another seed, 0"):

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 from peers import Firmware, Port, dialogue
+from pytest import approx
 
+from cmtof.correlation import TAU
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Refused, Unsafe
 from cmtof.hardware.rf import RfDriver, framed
 
@@ -15,10 +17,10 @@ def test_settings_arrive_and_are_read_back():
     assert rf.identify()["serial_number"] == "R0001"
     rf.set_frequency(7.15e9)
     rf.set_power(np.float64(30.5))
-    assert rf.set_phase(-3 * np.pi / 2) == pytest.approx(np.pi / 2)
+    assert rf.set_phase(-3 * np.pi / 2) == approx(np.pi / 2)
     words = [firmware.values[one] for one in ("FREQ", "POWR", "PHAS")]
     assert words == ["7150000000", "30.5", "16384"]
-    rf.load_table(-2 * np.pi * np.arange(16) / 16 % (2 * np.pi))
+    rf.load_table(-2 * np.pi * np.arange(16) / 16 % TAU)
     assert firmware.codes == [0, *range(61440, 0, -4096)]
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import serial
+from pytest import approx
 
 from cmtof.hardware import connect
 from cmtof.hardware.bench import Bench
@@ -20,7 +21,7 @@ RIG = Rig.default()
 
 def test_the_default_rig_holds_every_device_of_section_7():
     assert set(RIG.devices) == set(DRIVERS)
-    assert RIG.scans / RIG.rate == pytest.approx(13.3e-3, rel=5e-3)
+    assert RIG.scans / RIG.rate == approx(13.3e-3, rel=5e-3)
     assert [RIG.drive_frequency(mode) for mode in ("single", "doubled")] == [7.15e9, 7.16e9]
     assert "address" not in RIG.as_dict()["devices"]["daq"]
 
@@ -40,7 +41,8 @@ HOSTILE = {
 
 
 def test_a_file_that_cannot_be_is_one_line(tmp_path):
-    path, whole = tmp_path / "rig.yml", json.dumps(RIG.as_dict()["devices"])
+    path = tmp_path / "rig.yml"
+    whole = json.dumps(RIG.as_dict()["devices"])
     for what, (text, words) in HOSTILE.items():
         text = text.replace("CLOCK", whole.replace("sdg2042x", "labjack-t7"))
         path.write_text(text if text[0] == "d" else f"devices: {whole}\n{text}")
@@ -112,7 +114,7 @@ def test_thin_air_changes_the_index_that_goes_into_the_file(monkeypatch):
     for pressure in (101325.0, 83e3):
         with connected_bench(replace(RIG, pressure=pressure)) as bench:
             found.append(bench.about["group_index"])
-    assert found[0] - found[1] == pytest.approx(52e-6, abs=2e-6)  # m per metre
+    assert found[0] - found[1] == approx(52e-6, abs=2e-6)  # m per metre
     assert RIG.as_dict()["pressure"] == 101325.0
 
 

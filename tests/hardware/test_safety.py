@@ -39,7 +39,8 @@ def outcome(inside, number=None, *, fails=False, during=None):
         assert one.stdout.readline() == "ready\n"
         if number is not None:
             one.send_signal(number)
-        out, err = one.stdout.read(), one.stderr.read()
+        out = one.stdout.read()
+        err = one.stderr.read()
         return sorted(out.splitlines()), err, one.wait(20)
 
 
@@ -79,7 +80,8 @@ def test_a_device_that_hangs_delays_no_other():
 
     class Slow:
         def __init__(self, name, seconds):
-            self.name, self.seconds = name, seconds
+            self.name = name
+            self.seconds = seconds
 
         def safe_state(self):
             time.sleep(self.seconds)

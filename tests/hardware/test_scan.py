@@ -6,6 +6,8 @@ from functools import partial
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 
 import cmtof
 from cmtof.cli import main
@@ -71,7 +73,7 @@ def test_phases_are_those_of_the_true_ranges():
         error = centred(seen.phase[n] - phase_from_depth(truth, frequency))
         assert np.abs(error).max() < 0.02
     rays = directions_from_angles(seen.dataset["angle"].to_numpy())
-    np.testing.assert_allclose(truth, WALL.look(rays).range, rtol=1e-6)
+    assert_allclose(truth, WALL.look(rays).range, rtol=1e-6)
     assert seen.mask.all()
 
 
@@ -148,7 +150,8 @@ PLACES = {
 
 def failing(bench, role, method, error, at=1, times=10**9):
     """Have a method of a device raise an error from its nth call on, so many times."""
-    device, calls = getattr(bench, role), itertools.count(1)
+    device = getattr(bench, role)
+    calls = itertools.count(1)
     works = getattr(device, method)
 
     def act(*values, **options):
@@ -163,7 +166,8 @@ def failing(bench, role, method, error, at=1, times=10**9):
 @pytest.mark.parametrize("fault", [InstrumentTimeout, Refused, BadReply, ConnectionLost])
 def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, fault):
     for role, method in PLACES.items():
-        output, at = tmp_path / f"{role}.nc", 1 if role in ("clock", "daq", "power_meter") else 2
+        output = tmp_path / f"{role}.nc"
+        at = 1 if role in ("clock", "daq", "power_meter") else 2
         bench, error = take(output, prepare=lambda one: failing(one, role, method, fault, at=at))  # noqa: B023
         assert isinstance(error, fault), role
         assert_safe(bench)
@@ -174,7 +178,8 @@ def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, fau
 
 def after_lines(bench, act):
     """Have something happen after the bursts of each line, by its number."""
-    works, calls = bench.daq.bursts, itertools.count()
+    works = bench.daq.bursts
+    calls = itertools.count()
 
     def bursts(requests):
         yield from works(requests)
@@ -245,11 +250,12 @@ def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(tmp_path):
         bench.wait = waited.append
 
     assert take(tmp_path / "m.nc", prepare=prepare)[1] is None
-    across, down = np.abs(PLAN.angles[0, -1] - PLAN.angles[0, 0]).max(), PLAN.angles[0, 0]
+    across = np.abs(PLAN.angles[0, -1] - PLAN.angles[0, 0]).max()
+    down = PLAN.angles[0, 0]
     expected = [mirror_settling(float(step)) for step in (np.abs(down).max(), across)]
     flybacks = [seconds for seconds in waited if 0 < seconds < 0.05]
-    assert flybacks[:2] == pytest.approx(expected)
-    assert expected[1] == pytest.approx(3.3e-3, abs=2e-4)  # 15 degrees
+    assert flybacks[:2] == approx(expected)
+    assert expected[1] == approx(3.3e-3, abs=2e-4)  # 15 degrees
 
 
 def test_rf_comes_up_in_steps(tmp_path):

@@ -9,6 +9,7 @@ import pytest
 from peers import T7, Network, modbus
 from pymodbus.framer import FramerSocket
 from pymodbus.pdu import DecodePDU
+from pytest import approx
 
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused
@@ -37,7 +38,7 @@ def test_identity_and_calibration(peer, daq):
         "serial_number": "470010001",
         "firmware": "1.0292",
     }
-    assert daq.gain(10.0) == pytest.approx((3.16e-4, -3.16e-4, 33520.0))
+    assert daq.gain(10.0) == approx((3.16e-4, -3.16e-4, 33520.0))
     assert peer.get(61810) == 0x3C4000
     peer.set(61812, "fff", 1.0, -1.0, 0.0)
     with pytest.raises(Refused, match="its slope to 0.0003158, got 1"):

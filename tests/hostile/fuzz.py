@@ -32,7 +32,8 @@ import xarray as xr
 from PIL import Image
 
 ROOT = Path(__file__).parents[2]
-SECONDS, MEGABYTES = 20, 1500  # of the processor, and of memory at its peak
+SECONDS = 20
+MEGABYTES = 1500  # of the processor, and of memory at its peak
 STUCK = 300  # s after which a case that uses no processor, either, has failed
 Files = dict[str, bytes | None]  # None is a pipe
 Made = tuple[Files, list[str]]
@@ -166,10 +167,12 @@ def measurement(rng: np.random.Generator) -> Made:
         case _:
             data = data * rng.choice([np.nan, -1.0, 1e30, 0.0])
             data.attrs = {"range_min": 0.75, "range_max": 1.19}
-    raw, name = netcdf(data), "m.nc"
+    raw = netcdf(data)
+    name = "m.nc"
     if rng.uniform() < 0.2:  # as plain arrays
         held = {k: v.to_numpy() for k, v in data.variables.items() if v.dtype.kind in "biuf"}
-        raw, name = npz(**{str(k): v for k, v in held.items()}), "m.npz"
+        raw = npz(**{str(k): v for k, v in held.items()})
+        name = "m.npz"
     raw = damaged(raw, rng) if rng.uniform() < 0.5 else raw
     if rng.uniform() < 0.1:
         return {name: raw}, ["info", name]
@@ -183,7 +186,8 @@ def measurement(rng: np.random.Generator) -> Made:
 def foreign(rng: np.random.Generator) -> Made:
     """A measurement as other programs write it, or one that was made to harm."""
     data = whole_measurement().copy(deep=True)
-    valid, name = rng.uniform(size=(6, 8)) < 0.7, "m.nc"
+    valid = rng.uniform(size=(6, 8)) < 0.7
+    name = "m.nc"
     match int(rng.integers(8)):
         case 0:
             data["mask"] = (("y", "x"), np.where(valid, 1.0, np.nan))
@@ -274,7 +278,8 @@ def png(pixels: np.ndarray) -> bytes:
 def card(rng: np.random.Generator) -> Made:
     """Weights whose card or whose numbers are not theirs."""
     path = ROOT / "src/cmtof/weights/fast-scnn-light.released.safetensors"
-    known, content = json.loads(path.with_suffix(".json").read_text("utf-8")), path.read_bytes()
+    known = json.loads(path.with_suffix(".json").read_text("utf-8"))
+    content = path.read_bytes()
     files: Files = {"m.nc": netcdf(whole_measurement()), "w.json": json.dumps(known).encode()}
     match int(rng.integers(3)):
         case 0:
@@ -316,7 +321,8 @@ def whole_journal() -> bytes:
             raise KeyboardInterrupt
 
     with tempfile.TemporaryDirectory() as folder:
-        output, settings = Path(folder, "out.nc"), Rig.default()
+        output = Path(folder, "out.nc")
+        settings = Rig.default()
         bench = simulated_bench(settings, "still_life", seed=0)
         with contextlib.suppress(KeyboardInterrupt):
             scan(planned(settings, size=2), lambda: bench, output, report=stop)
@@ -359,7 +365,8 @@ def options(rng: np.random.Generator) -> Made:
     numbers = ["nan", "inf", "-1", "0", "1e300", "9" * 400, "1000000001", "x", "", "1e-320"]
     numbers += [str(10**23), str(2**63), "pipe.yml", "/dev/zero", "/dev/null", "/", "\udcff"]
     value = str(rng.choice(numbers))
-    simulate, unwrap = ["simulate", "still_life"], ["unwrap", "m.nc", "-o", "out.nc"]
+    simulate = ["simulate", "still_life"]
+    unwrap = ["unwrap", "m.nc", "-o", "out.nc"]
     render = ["render", "--scenes", "1", "--views", "1", "--workers", "1", "-o", "set"]
     commands = [
         [*simulate, "-o", "out.nc", "--noise", value],
@@ -412,7 +419,8 @@ def started(command: list[str], folder: str | Path, err: IO[str]) -> int:
             os.chdir(folder)
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
             os.dup2(err.fileno(), 2)
-            sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w", buffering=1)
+            sys.stdout = os.fdopen(1, "w")
+            sys.stderr = os.fdopen(2, "w", buffering=1)
             signal.signal(signal.SIGINT, signal.default_int_handler)
             signal.setitimer(signal.ITIMER_PROF, 20 * SECONDS)
             signal.alarm(STUCK)

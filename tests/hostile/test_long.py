@@ -85,7 +85,9 @@ def contents(path):
 
 @pytest.mark.parametrize(("name", "kill"), [*KILLS, ("scan", "SIGHUP")])
 def test_killed_at_any_moment_it_resumes_to_equal_bytes(folder, name, kill):
-    number, cut, took = getattr(signal, kill), 0, 0.0
+    number = getattr(signal, kill)
+    cut = 0
+    took = 0.0
     for whole in (folder("first"), folder("whole")):  # the first also compiles
         start = time.monotonic()
         assert begun(name, whole)() == (0, [])
@@ -125,11 +127,14 @@ def test_thousands_of_calls_take_no_more_memory_or_files(tmp_path, measurement_f
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_full_disk_is_one_line_and_the_run_goes_on(tmp_path, folder, name):
     (tmp_path / "disk").mkdir()
-    mount, disk, full = ["mount", "-t", "tmpfs", "-o"], tmp_path / "disk", 0
+    mount = ["mount", "-t", "tmpfs", "-o"]
+    disk = tmp_path / "disk"
+    full = 0
     if subprocess.run([*mount, "size=1M", "cmtof", disk], capture_output=True).returncode:
         pytest.skip("only root mounts a small disk")
     try:
-        inputs, whole = contents(folder("disk")), folder("whole")
+        inputs = contents(folder("disk"))
+        whole = folder("whole")
         assert begun(name, whole)() == (0, [])
         used = sum(-(-len(content) // 4096) * 4 for content in inputs.values())
         for room in np.geomspace(4, 20_000, 25):  # KiB
@@ -157,7 +162,8 @@ def take(tmp_path):
     """Scan by a bench that a function prepares, which is dark then; return the error."""
 
     def taken(name, size, prepare=lambda bench: None, **options):
-        bench, found = simulated_bench(Rig.default(), Plane(0.9, tilt_x=0.3), seed=4), None
+        bench = simulated_bench(Rig.default(), Plane(0.9, tilt_x=0.3), seed=4)
+        found = None
         prepare(bench)
         try:
             scan(planned(bench.rig, size=size), lambda: bench, tmp_path / name, **options)
@@ -172,7 +178,9 @@ def take(tmp_path):
 
 
 def test_faults_on_the_way_are_recovered_or_end_in_the_dark(tmp_path, take):
-    bursts, struck, ended = itertools.count(1), 0, 0
+    bursts = itertools.count(1)
+    struck = 0
+    ended = 0
     kinds = [InstrumentTimeout, ConnectionLost, BadReply, "interlock_closed", "edges", "clock_on"]
 
     def prepare(bench):
@@ -182,7 +190,8 @@ def test_faults_on_the_way_are_recovered_or_end_in_the_dark(tmp_path, take):
             nonlocal struck
             for burst in works(requests):
                 if next(bursts) % EVERY == 0:
-                    kind, struck = kinds[struck % len(kinds)], struck + 1
+                    kind = kinds[struck % len(kinds)]
+                    struck = struck + 1
                     if not isinstance(kind, str):
                         raise kind("Expected an answer, got none. Check it.")
                     target = bench.rf_detection if kind == "edges" else bench.daq.panel
@@ -219,7 +228,8 @@ def test_after_a_kill_timers_are_armed_and_the_next_scan_begins_in_the_dark(tmp_
         take("m.nc", 4, lambda bench: telling(bench, tell))
         os._exit(0)
     os.close(writer)
-    told, lit = [], ["daq set_line", "FIO1", True]
+    told = []
+    lit = ["daq set_line", "FIO1", True]
     with os.fdopen(reader) as lines:
         while len(told) < 60 or told[-1] != lit:
             told.append(json.loads(next(lines)))

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from cmtof.correlation import TAU
 from cmtof_lab.instrument import Panel, RfKnobs
 
 ORDER = {"single": 1, "doubled": 2}
@@ -9,13 +10,13 @@ DRIVE = {"single": 7.15e9, "doubled": 7.16e9}
 PLATE = {"single": np.deg2rad(11.25), "doubled": np.deg2rad(22.5)}
 MODES = ("single", "doubled")
 EDGES = np.arange(320) // 20
-PSI = 2 * np.pi * np.arange(16) / 16
+PSI = TAU * np.arange(16) / 16
 
 
 def ready(mode, **knobs):
     """Everything on; the table steps psi upwards, so the drive steps downwards."""
     rf = {"on": True, "frequency": DRIVE[mode], "power": 30.0}
-    table = np.mod(-PSI / ORDER[mode], 2 * np.pi)
+    table = np.mod(-PSI / ORDER[mode], TAU)
     on = {"laser_on": True, "shutter_open": True, "clock_on": True} | knobs
     drives = RfKnobs(**rf), RfKnobs(**rf, table=table)
     return Panel(*drives, plate_emission=PLATE[mode], plate_detection=PLATE[mode], **on)

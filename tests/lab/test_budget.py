@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from cmtof_lab.budget import budget_terms, drift_spread, only, simulated
 from cmtof_lab.instrument import DRIFT_RMS, drift
@@ -29,7 +30,7 @@ def test_closed_forms_meet_the_simulation(name, field, mode):
     floor = rms(simulated(TwinSettings.ideal(), MIRROR, mode, days=5, seed=1, **STILL))
     found = np.sqrt(rms(errors) ** 2 - floor**2)
     expected = budget_terms(MIRROR, mode, days=1)[name]
-    assert found == pytest.approx(expected, rel=3 / np.sqrt(160))
+    assert found == approx(expected, rel=3 / np.sqrt(160))
 
 
 def test_noise_meets_its_part_of_the_bound():
@@ -38,7 +39,7 @@ def test_noise_meets_its_part_of_the_bound():
     whole = np.sqrt(sum(terms[n] ** 2 for n in ("photon noise", "amplifier", "converter")))
     quiet = only("noise", "divergence", "exit_radius", "ambient_radiance")
     errors = simulated(quiet, MIRROR, "single", days=40, seed=2, **STILL)
-    assert rms(errors) == pytest.approx(whole, rel=0.12)
+    assert rms(errors) == approx(whole, rel=0.12)
 
 
 def test_leakage_averages_out_in_the_single_mode_alone():
@@ -52,12 +53,13 @@ def test_the_sum_of_squares_is_the_whole():
     """The drift's rms over 100 days is known to 10 %."""
     terms = budget_terms(PLATE)
     errors = simulated(TwinSettings(), PLATE, "single", days=100, seed=3)
-    assert rms(errors) == pytest.approx(rms(list(terms.values())) * len(terms) ** 0.5, rel=0.2)
+    assert rms(errors) == approx(rms(list(terms.values())) * len(terms) ** 0.5, rel=0.2)
 
 
 def test_drift_spread_is_that_of_many_days():
-    times, zero = np.arange(21.0) + 600, np.arange(8.0)
+    times = np.arange(21.0) + 600
+    zero = np.arange(8.0)
     days = [drift(seed, 0, np.append(times, zero)) / DRIFT_RMS for seed in range(3000)]
     found = rms([day[:21] - day[21:].mean() for day in days])
-    assert found == pytest.approx(drift_spread(times, zero), rel=0.03)
+    assert found == approx(drift_spread(times, zero), rel=0.03)
     assert drift_spread([0.0], [0.0]) == 0

@@ -1,8 +1,10 @@
 """Detector, filters and converter against closed forms and Monte Carlo."""
 
 import numpy as np
-import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 
+from cmtof.correlation import TAU
 from cmtof_lab.electronics import (
     Chain,
     counts_from_volts,
@@ -17,14 +19,14 @@ STEP = 1 / 24000
 
 def test_conversion_follows_the_data_sheet():
     sheet = TwinSettings(gain=100.0, efficiency=0.8215, wavelength=800e-9)
-    assert volts_per_watt(sheet) == pytest.approx(2.65e9, rel=2e-3)
+    assert volts_per_watt(sheet) == approx(2.65e9, rel=2e-3)
 
 
 def test_shot_noise_grows_with_the_output():
     one = TwinSettings()
     slope = 2 * 1.602176634e-19 * one.gain**1.3 * one.transimpedance
-    assert density(one, 0.0) == pytest.approx(one.noise_density**2)
-    assert density(one, 2.0) - density(one, 1.0) == pytest.approx(slope)
+    assert density(one, 0.0) == approx(one.noise_density**2)
+    assert density(one, 2.0) - density(one, 1.0) == approx(slope)
 
 
 def test_step_response_is_that_of_three_poles():
@@ -32,10 +34,10 @@ def test_step_response_is_that_of_three_poles():
     t = STEP * np.arange(199)[:, None]
     for rc_time in (20e-6, 2e-3):
         found = Chain(TwinSettings(rc_time=rc_time), STEP).run(light, light, None)[0, 1:]
-        times = np.array([1 / (2 * np.pi * 1e5), 1 / (2 * np.pi * 1e4), rc_time])
+        times = np.array([1 / (TAU * 1e5), 1 / (TAU * 1e4), rc_time])
         others = [np.delete(times, i) for i in range(3)]
         weights = [a**2 / np.prod(a - b) for a, b in zip(times, others, strict=True)]
-        np.testing.assert_allclose(found, 1 - np.exp(-t / times) @ weights, atol=1e-9)
+        assert_allclose(found, 1 - np.exp(-t / times) @ weights, atol=1e-9)
 
 
 def test_filtered_noise_has_its_memory():
@@ -44,10 +46,10 @@ def test_filtered_noise_has_its_memory():
     still = np.zeros((20000, 12))
     seen = filters.run(still, np.ones_like(still), normals)
     found = [np.mean(seen[:, lag:] * seen[:, : 12 - lag]) for lag in (0, 1, 2)]
-    np.testing.assert_allclose(found, filters.memory(3), rtol=4 * np.sqrt(3 / 20000))
+    assert_allclose(found, filters.memory(3), rtol=4 * np.sqrt(3 / 20000))
     # one slow pole: density over 4 RC
     slow = TwinSettings(rc_time=1e-2, bandwidth=1e8, low_pass=1e8)
-    assert Chain(slow, STEP).memory(1)[0] == pytest.approx(25.0, rel=1e-3)
+    assert Chain(slow, STEP).memory(1)[0] == approx(25.0, rel=1e-3)
 
 
 def test_counts_and_volts_invert_each_other():

@@ -4,7 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 
+from cmtof.correlation import TAU
 from cmtof_lab.interferometer import Interferometer, _gaussian_root
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, PLATE
@@ -19,23 +22,24 @@ def test_contrast_halves_at_the_coherence_length():
     # |gamma|^2 of a Gaussian line is 1/2 at tau = sqrt(2) ln 2 / (pi dnu)
     half = np.sqrt(2) * np.log(2) / (np.pi * ruler.linewidth) * 299792458 / 2
     amplitude = ruler.fringes(MIRROR, [0.6, 0.6 + half])[0]
-    assert (amplitude[1] / amplitude[0]) ** 2 == pytest.approx(0.5, rel=1e-6)
+    assert (amplitude[1] / amplitude[0]) ** 2 == approx(0.5, rel=1e-6)
 
 
 def test_modes_that_match():
-    assert Interferometer(settings=TwinSettings(divergence=0.0)).matched_share(
-        MIRROR
-    ) == pytest.approx(1.0)
+    assert Interferometer(settings=TwinSettings(divergence=0.0)).matched_share(MIRROR) == approx(
+        1.0
+    )
     # one mode against the speckle cells, where the mode is far smaller than a cell
-    narrow, area = Interferometer(reference_radius=1e-5), np.pi * TwinSettings().aperture ** 2 / 4
-    assert narrow.matched_share(PLATE) == pytest.approx(2 * np.pi * 1e-10 / area, rel=0.01)
+    narrow = Interferometer(reference_radius=1e-5)
+    area = np.pi * TwinSettings().aperture ** 2 / 4
+    assert narrow.matched_share(PLATE) == approx(TAU * 1e-10 / area, rel=0.01)
 
 
 def test_sweep_reaches_the_bound():
     ruler = Interferometer(settings=TwinSettings(speckle=False), **STEADY)
     found = ruler.sweep(PLATE, np.linspace(0, 2e-5, 300), repeats=20, seed=0)
     error = found - 0.6 - np.linspace(0, 2e-5, 300)
-    assert error[:, 1:].std() == pytest.approx(ruler.bound(PLATE, [0.0])[0], rel=0.04)
+    assert error[:, 1:].std() == approx(ruler.bound(PLATE, [0.0])[0], rel=0.04)
 
 
 @pytest.mark.parametrize("margin", [0.99, 1.01])
@@ -44,17 +48,18 @@ def test_a_move_is_counted_right_below_a_quarter_wavelength_and_backwards_above(
     ruler = replace(ruler, speed=margin * ruler.wavelength / 4 / ruler.reading_time)
     found = ruler.sweep(MIRROR, [0.0, 400 * ruler.stride], repeats=1, seed=0)[0, 1] - 0.6
     counted = ruler.stride - (margin > 1) * ruler.wavelength / 2
-    assert found == pytest.approx(400 * counted, abs=1e-12)
+    assert found == approx(400 * counted, abs=1e-12)
 
 
 def test_vibration_has_its_rms_and_its_change():
     ruler = Interferometer(quality=5.0)
-    found, angle = ruler.vibration(np.random.default_rng(0), 400_000), 2 * np.pi * 30 / 600
-    assert found.std() == pytest.approx(2e-8, rel=0.02)
+    found = ruler.vibration(np.random.default_rng(0), 400_000)
+    angle = TAU * 30 / 600
+    assert found.std() == approx(2e-8, rel=0.02)
     for lag in (1, 5, 40):
         kept = np.exp(-angle * lag / 10) * np.cos(angle * lag)
         spread = np.std(found[lag:] - found[:-lag])
-        assert spread == pytest.approx(2e-8 * np.sqrt(2 - 2 * kept), rel=0.02)
+        assert spread == approx(2e-8 * np.sqrt(2 - 2 * kept), rel=0.02)
 
 
 def test_fringes_lost_to_vibration():
@@ -66,15 +71,16 @@ def test_fringes_lost_to_vibration():
     lost = np.rint((travel - found) / (ruler.wavelength / 2))
     expected = 400 * ruler.lost_fringes()
     assert expected > 0.5
-    assert lost.mean() == pytest.approx(expected, abs=4 * lost.std() / 20)
+    assert lost.mean() == approx(expected, abs=4 * lost.std() / 20)
     assert Interferometer(speed=0.0).lost_fringes() == 0
 
 
 def test_speckle_is_circular_gaussian_with_its_length():
-    rng, places = np.random.default_rng(2), np.linspace(0, 3.0, 31)
+    rng = np.random.default_rng(2)
+    places = np.linspace(0, 3.0, 31)
     normals = rng.standard_normal((31, 20_000, 2)).view(complex)[..., 0]
     field = _gaussian_root(places) @ normals
-    assert np.mean(np.abs(field) ** 2 < 0.1) == pytest.approx(1 - np.exp(-0.1), rel=0.05)
+    assert np.mean(np.abs(field) ** 2 < 0.1) == approx(1 - np.exp(-0.1), rel=0.05)
     assert abs(np.mean(field**2)) < 0.02
     together = np.mean(field * np.conj(field[:1]), axis=1)
-    np.testing.assert_allclose(together, np.exp(-(places**2)), atol=0.03)
+    assert_allclose(together, np.exp(-(places**2)), atol=0.03)

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.constants import c, h
 
 from cmtof.correlation import TAU, phase_from_depth
@@ -28,31 +30,32 @@ def test_the_field_returns_what_a_lambertian_wall_sends_into_the_pupil():
     photons = CLEAN.power * CLEAN.exposure / 4 * CLEAN.wavelength / (h * c)
     share = 0.5 * CLEAN.pupil_area / np.pi / 0.8**2
     found = CLEAN.signal(flat(0.8)).mean() * 480 * 640
-    assert found == pytest.approx(photons * share * 0.8 * 0.5)
+    assert found == approx(photons * share * 0.8 * 0.5)
 
 
 def test_polished_metal_is_faint_aside_and_blinding_ahead():
     aside, ahead = (CLEAN.signal(flat(cosine=x, mirrored=1.0))[0, 0] for x in (0.9, 1.0))
-    assert aside == pytest.approx(0.02 * CLEAN.signal(flat(cosine=0.9))[0, 0])
+    assert aside == approx(0.02 * CLEAN.signal(flat(cosine=0.9))[0, 0])
     assert ahead > 1000 * CLEAN.signal(flat())[0, 0]
 
 
 def test_ranges_are_exact_without_noise_and_repeat_after_one_wrap():
     camera = replace(CLEAN, power=1.0, full_scale=1e6)
-    assert camera.wrap == pytest.approx(c / 2e8)  # 1.5 m, not the 3 m of Sec. 1
+    assert camera.wrap == approx(c / 2e8)  # 1.5 m, not the 3 m of Sec. 1
     for z in (0.2, 1.4, 1.4 + camera.wrap):
         images = camera.differences(camera.light(flat(z), flat(z)))
-        np.testing.assert_allclose(camera.depth(images)[0], z % camera.wrap, atol=1e-9)
+        assert_allclose(camera.depth(images)[0], z % camera.wrap, atol=1e-9)
 
 
 @pytest.mark.parametrize(("power", "distance"), [(8e-3, 0.4), (2.0, 1.23)])
 def test_noise_reaches_its_closed_form(power, distance, rng):
     """12 800 pixels: the standard error of a standard deviation is 0.6 %, the margin 3 %."""
-    camera, view = MhzCamera(power=power), flat(distance, shape=(16, 16))
+    camera = MhzCamera(power=power)
+    view = flat(distance, shape=(16, 16))
     images = camera.capture(camera.light(view, view), rng=rng, repeats=50)
     error = camera.error(camera.depth(images)[0], view.range)
     bound = camera.bound(view)[0, 0]
-    assert error.std() == pytest.approx(bound, rel=0.03)
+    assert error.std() == approx(bound, rel=0.03)
     assert abs(error.mean()) < 4 * bound / np.sqrt(error.size)
 
 
@@ -68,13 +71,14 @@ def test_dark_and_saturated_pixels_have_no_range(rng):
 
 def test_a_veil_pulls_a_dark_spot_by_the_closed_form():
     """A spot at 1 m before a bright field 0.3 m behind it: arg(1 + s exp(i D))."""
-    camera, field = replace(CLEAN, veil=0.2), flat(1.3, 0.8)
+    camera = replace(CLEAN, veil=0.2)
+    field = flat(1.3, 0.8)
     away = phase_from_depth(0.3, camera.frequency)
     for dark in (0.5, 0.005):
         spot = flat(1.0, dark)
         ratio = 0.2 / 0.8 * camera.signal(field)[0, 0] / camera.signal(spot)[0, 0]
         pull = np.angle(1 + ratio * np.exp(1j * away)) * camera.wrap / TAU
-        np.testing.assert_allclose(bias(camera, spot, field), pull, rtol=1e-9)
+        assert_allclose(bias(camera, spot, field), pull, rtol=1e-9)
         assert np.abs(bias(camera, spot, flat(1.0, 0.8))).max() < 1e-12  # nothing at equal ranges
 
 

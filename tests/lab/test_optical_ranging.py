@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 
 from cmtof.correlation import TAU, wrap_length
 from cmtof_lab.budget import back_ratio, only
@@ -26,28 +28,30 @@ def test_counts_are_those_of_a_scan(mode):
     """A plane in the scene and the target on the stage, at one moment of one seed."""
     settings = TwinSettings(speckle=False)
     scan = scan_scene(settings, Plane(0.6), size=1, field_of_view=0.01, seed=5).dataset
-    ranger, row = OpticalRanger(settings, mode), ["single", "doubled"].index(mode)
+    ranger = OpticalRanger(settings, mode)
+    row = ["single", "doubled"].index(mode)
     label = round(float(scan["time"][row, 0, 0]) / BURST_INTERVAL)
     counts = ranger.counts(SimulatedInstrument(ranger.before(PLATE), seed=5), np.zeros(1), [label])
     means = counts.reshape(16, 20)[:, 4:].mean(-1)
     # a scan drops more of the first phase, in which the mirrors may still move
-    np.testing.assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])
+    assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])
 
 
 @pytest.mark.parametrize(("mode", "what"), [("single", "diffuse"), ("doubled", "mirror")])
 def test_noise_alone_meets_the_bound(mode, what):
     """5000 estimates and the zeros of 50 days fix a standard deviation to 1.5 %."""
-    ranger, places = OpticalRanger(NOISY, mode, visits=8, **STILL), np.linspace(0, 1e-3, 100)
+    ranger = OpticalRanger(NOISY, mode, visits=8, **STILL)
+    places = np.linspace(0, 1e-3, 100)
     errors = ranger.sweep(TARGETS[what], places, repeats=50, seed=2) - 0.6 - places
     pulls = errors / ranger.bound(TARGETS[what], places)
-    assert np.sqrt(np.mean(pulls**2)) == pytest.approx(1, abs=0.045)
+    assert np.sqrt(np.mean(pulls**2)) == approx(1, abs=0.045)
 
 
 def test_noise_of_the_zero_samples_and_phases():
     ranger = OpticalRanger(NOISY, visits=1)
     for change, ratio in ({"visits": 8}, 2 / 1.125), ({"samples": 36}, 2), ({"phases": 32}, 2):
         better = replace(ranger, **change).bound(PLATE, [0.0])
-        np.testing.assert_allclose(ranger.bound(PLATE, [0.0]) / better, ratio**0.5, rtol=0.01)
+        assert_allclose(ranger.bound(PLATE, [0.0]) / better, ratio**0.5, rtol=0.01)
 
 
 @pytest.mark.parametrize(("mode", "most"), [("single", 1e-6), ("doubled", 3e-6)])
@@ -63,7 +67,7 @@ def test_air_that_changed_since_the_zero():
     ranger = OpticalRanger(AIR, stage_error=0.0, air_change=(5.0, 0.0))
     errors = ranger.sweep(PLATE, [0.0], repeats=100, seed=3) - 0.6
     expected = (AIR.group_index - 1) * 0.6 * 5.0 / 293.15
-    assert errors.std() == pytest.approx(expected, rel=5 / np.sqrt(200))
+    assert errors.std() == approx(expected, rel=5 / np.sqrt(200))
 
 
 def test_coaxial_light_makes_a_cyclic_error():
@@ -73,14 +77,15 @@ def test_coaxial_light_makes_a_cyclic_error():
     errors = ranger.sweep(PLATE, places, repeats=1, seed=0)[0] - 0.6 - places
     crest = back_ratio(TwinSettings(), PLATE) * wrap_length(ranger.frequency) / TAU
     turn = np.exp(1j * TAU * places / wrap_length(ranger.frequency))
-    assert 2 * abs(np.mean(errors * turn)) == pytest.approx(crest, rel=0.15)
+    assert 2 * abs(np.mean(errors * turn)) == approx(crest, rel=0.15)
 
 
 def test_the_grey_filter_keeps_a_mirror_within_range():
-    ranger, mirror = OpticalRanger(TwinSettings.ideal(), "doubled"), MIRROR
+    ranger = OpticalRanger(TwinSettings.ideal(), "doubled")
+    mirror = MIRROR
     counts = ranger.counts(
         SimulatedInstrument(ranger.before(mirror)), np.linspace(0, 0.02, 30), np.arange(30)
     )
-    assert volts_from_counts(counts).max() == pytest.approx(0.5 * 4.1, rel=0.03)
+    assert volts_from_counts(counts).max() == approx(0.5 * 4.1, rel=0.03)
     assert ranger.before(mirror).efficiency < 1e-3 * TwinSettings().efficiency
     assert ranger.before(PLATE).efficiency == TwinSettings().efficiency

@@ -3,8 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 
+from cmtof.correlation import TAU
 from cmtof_lab.optics import (
     returned_fractions,
     sent_power,
@@ -27,22 +29,22 @@ def returned(z, cosine=1.0, mirrored=0.0):
 def test_air_slows_with_pressure_and_cold():
     excess = TwinSettings().group_index - 1
     assert 2.8e-4 < excess < 2.9e-4
-    assert TwinSettings(pressure=50662.5).group_index - 1 == pytest.approx(excess / 2)
-    assert TwinSettings(temperature=586.3).group_index - 1 == pytest.approx(excess / 2)
+    assert TwinSettings(pressure=50662.5).group_index - 1 == approx(excess / 2)
+    assert TwinSettings(temperature=586.3).group_index - 1 == approx(excess / 2)
 
 
 def test_diffuse_light_falls_with_the_square_of_the_range():
     area = np.pi * REAL.aperture**2 / 4
-    expected = 0.5 * 0.8 * area / (2 * np.pi * np.array([1, 4]))
-    np.testing.assert_allclose(returned([1.0, 2.0], cosine=0.8), expected)
+    expected = 0.5 * 0.8 * area / (TAU * np.array([1, 4]))
+    assert_allclose(returned([1.0, 2.0], cosine=0.8), expected)
 
 
 def test_a_mirror_returns_more_and_turns_away():
     straight, tilted = (returned(1.0, np.cos(t), mirrored=1.0) for t in (0.0, np.deg2rad(1)))
     paper = returned(1.0)
     assert straight > 1e3 * paper
-    assert tilted == pytest.approx(0.02 * paper, rel=1e-2)
-    assert returned(1.0, mirrored=0.3) == pytest.approx(0.7 * paper + 0.3 * straight)
+    assert tilted == approx(0.02 * paper, rel=1e-2)
+    assert returned(1.0, mirrored=0.3) == approx(0.7 * paper + 0.3 * straight)
 
 
 def test_speckle_has_its_mean_and_contrast():
@@ -52,21 +54,21 @@ def test_speckle_has_its_mean_and_contrast():
     plain = replace(REAL, speckle=False)
     relative = rough / trace(Plane(1.0), angles, plain, seed=5).fraction.sum(1)
     cells = float(speckle_cells(REAL, 1.0))
-    assert relative.mean() == pytest.approx(1, abs=4 / np.sqrt(20000 * cells))
-    assert relative.std() == pytest.approx(1 / np.sqrt(cells), rel=0.05)
+    assert relative.mean() == approx(1, abs=4 / np.sqrt(20000 * cells))
+    assert relative.std() == approx(1 / np.sqrt(cells), rel=0.05)
 
 
 def test_the_spot_is_symmetric_and_sees_the_mean_range():
     settings = TwinSettings.ideal(divergence=5e-3)
     paths = trace(Plane(1.0), np.zeros((1, 2)), settings, seed=0)
     weights = paths.fraction[0] / paths.fraction.sum()
-    assert weights[0] == pytest.approx(0.5, rel=1e-3)
-    assert (weights * paths.range[0]).sum() - 1 == pytest.approx(5e-3**2 / 4, rel=1e-2)
+    assert weights[0] == approx(0.5, rel=1e-3)
+    assert (weights * paths.range[0]).sum() - 1 == approx(5e-3**2 / 4, rel=1e-2)
 
 
 def test_three_milliwatts_reach_the_scene():
     single, doubled = (sent_power(TwinSettings(), mode) for mode in ("single", "doubled"))
-    assert single == pytest.approx(3e-3, rel=0.1)
+    assert single == approx(3e-3, rel=0.1)
     assert doubled < single
 
 
@@ -74,5 +76,5 @@ def test_numbers_of_places_depend_on_the_place_alone():
     places = np.stack(np.meshgrid(np.arange(100), np.arange(100)), -1).reshape(-1, 2)
     numbers = uniform_from_places(1, places, 3)
     assert np.array_equal(numbers[::-1], uniform_from_places(1, places[::-1], 3))
-    assert numbers.mean() == pytest.approx(0.5, abs=0.01)
-    assert np.corrcoef(numbers.T)[0, 1] == pytest.approx(0, abs=0.03)
+    assert numbers.mean() == approx(0.5, abs=0.01)
+    assert np.corrcoef(numbers.T)[0, 1] == approx(0, abs=0.03)

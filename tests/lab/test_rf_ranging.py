@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 
 from cmtof.bounds import phase_spread
-from cmtof.correlation import centred
+from cmtof.correlation import TAU, centred
 from cmtof_lab.rf_ranging import RfRanger, rf_image, skewed, straightened
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import POSITIONS, collected_power
@@ -18,28 +20,28 @@ def test_snr_goes_with_the_square_of_light_and_with_light_beyond_the_shot_noise(
         low, high = RfRanger().snr([power, 2 * power])
         return np.log2(high / low)
 
-    assert slope(1e-9) == pytest.approx(2, abs=1e-4)
-    assert slope(1e4) == pytest.approx(1, abs=2e-3)
+    assert slope(1e-9) == approx(2, abs=1e-4)
+    assert slope(1e4) == approx(1, abs=2e-3)
 
 
 def test_noise_is_the_closed_form_of_thermal_and_shot_noise():
     """Behind an amplifier of high gain and no noise figure only these are left."""
     receiver = RfRanger(noise_figure=0.0, amplifier_gain=120.0, dark_current=0.0)
-    assert receiver.noise_factor == pytest.approx(1, abs=1e-6)
+    assert receiver.noise_factor == approx(1, abs=1e-6)
     thermal = 1.380649e-23 * 290 * 50 / receiver.time
-    assert receiver.noise(0.0) ** 2 == pytest.approx(thermal, rel=1e-6)
+    assert receiver.noise(0.0) ** 2 == approx(thermal, rel=1e-6)
     shot = receiver.noise(1e-3) ** 2 - receiver.noise(0.0) ** 2
-    assert shot == pytest.approx(2 * 1.602176634e-19 * 0.2e-3 * 50**2 / receiver.time)
+    assert shot == approx(2 * 1.602176634e-19 * 0.2e-3 * 50**2 / receiver.time)
     friis = RfRanger(amplifier_gain=10.0, filter_loss=0.0, mixer_noise_figure=10.0)
-    assert friis.noise_factor == pytest.approx(10**0.3 + 9 / 10)
+    assert friis.noise_factor == approx(10**0.3 + 9 / 10)
 
 
 @pytest.mark.parametrize(("gain", "error"), [(0.9, -0.2)])
 def test_an_imbalance_errs_twice_a_turn_and_is_taken_away(gain, error):
-    angle = np.linspace(0, 2 * np.pi, 400, endpoint=False)
+    angle = np.linspace(0, TAU, 400, endpoint=False)
     read = skewed(2 * np.exp(1j * angle), gain, error)
-    np.testing.assert_allclose(read.imag, 2 * gain * np.sin(angle + error))
-    np.testing.assert_allclose(straightened(read, gain, error), 2 * np.exp(1j * angle))
+    assert_allclose(read.imag, 2 * gain * np.sin(angle + error))
+    assert_allclose(straightened(read, gain, error), 2 * np.exp(1j * angle))
     wrong = centred(np.angle(read) - angle)
     assert np.argmax(np.abs(np.fft.rfft(wrong - wrong.mean()))) == 2
 
@@ -48,9 +50,9 @@ def test_small_diode_sees_part_of_a_spot_and_all_of_a_mirror():
     settings = TwinSettings()
     share = RfRanger().seen_share(0.6)
     assert 0.2 < share < 0.6
-    assert RfRanger(diameter=1e-2).seen_share(0.6) == pytest.approx(1)
+    assert RfRanger(diameter=1e-2).seen_share(0.6) == approx(1)
     plate = share * collected_power(settings, PLATE, 0.6)
-    assert RfRanger().power(PLATE, 0.6) == pytest.approx(plate)
+    assert RfRanger().power(PLATE, 0.6) == approx(plate)
     assert RfRanger().power(MIRROR, 0.6) == collected_power(settings, MIRROR, 0.6)
 
 
@@ -63,11 +65,12 @@ def test_sweep_follows_the_law_of_a_noisy_phase_where_nothing_drifts(reflectance
     error = ranger.sweep(target, np.zeros(400), repeats=20, seed=1) - target.distance
     linear = ranger.bound(target, [0.0])[0] * ranger.phase(1.0) * np.sqrt(1.0 + 1 / 800 + 1 / 100)
     expected = phase_spread(float(linear)) if linear > 0.05 else linear
-    assert error.std() * ranger.phase(1.0) == pytest.approx(expected, rel=0.04)
+    assert error.std() * ranger.phase(1.0) == approx(expected, rel=0.04)
 
 
 def test_calibration_helps_a_mirror_and_the_offset_hides_a_plate():
-    target, rms = MIRROR, {}
+    target = MIRROR
+    rms = {}
     for calibrated in (True, False):
         ranger = RfRanger(calibrated=calibrated)
         error = ranger.sweep(target, POSITIONS, repeats=20, seed=2) - target.distance - POSITIONS
@@ -75,7 +78,7 @@ def test_calibration_helps_a_mirror_and_the_offset_hides_a_plate():
     assert rms[True] < 0.3 * rms[False]
     # without calibration the offset is all there is: the reading stands still
     stuck = RfRanger(calibrated=False, visits=1).sweep(PLATE, POSITIONS, repeats=5, seed=2)
-    np.testing.assert_allclose(stuck, PLATE.distance, atol=20e-6)
+    assert_allclose(stuck, PLATE.distance, atol=20e-6)
 
 
 def test_image_has_the_noise_of_the_ranging_instrument():
@@ -83,4 +86,4 @@ def test_image_has_the_noise_of_the_ranging_instrument():
     phase = rf_image(ranger, Plane(0.3), np.zeros((100, 100, 2)), seed=1)
     bound = ranger.bound(PLATE, [0.3 - PLATE.distance])[0] * ranger.phase(1.0)
     assert bound < 0.1  # small enough for the bound to hold
-    assert centred(phase - ranger.phase(0.3)).std() == pytest.approx(bound, rel=0.03)
+    assert centred(phase - ranger.phase(0.3)).std() == approx(bound, rel=0.03)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 from scipy.ndimage import gaussian_filter
 
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH
@@ -47,7 +49,7 @@ def exact(frame, sigma=0.05):
 @given(st.floats(-0.3, 0.3), st.floats(-0.25, 0.25), st.floats(0.6, 8))
 def test_triangulation_inverts_projection(x, y, z):
     point = np.array([x * z, y * z, z])
-    np.testing.assert_allclose(RIG.triangulate(RIG.project(point)), point, atol=1e-6 * z**2)
+    assert_allclose(RIG.triangulate(RIG.project(point)), point, atol=1e-6 * z**2)
 
 
 def test_points_behind_and_missing_spots_are_nan():
@@ -61,9 +63,10 @@ def test_depth_noise_follows_the_closed_form(rng, z=4.0):
     """sigma_z = sqrt(2) z^2 sigma / (f b): 4000 draws know it to 1.1 %; the margin is 5 %."""
     exact_pixels = RIG.project([0.0, 0.0, z])[:, None]
     found = RIG.triangulate(exact_pixels + 0.1 * rng.standard_normal((2, 4000, 2)))
-    focal, baseline = RIG.matrices[0, 0, 0], np.linalg.norm(np.diff(RIG.centres, axis=0))
-    assert baseline == pytest.approx(0.3)
-    assert found[:, 2].std() == pytest.approx(np.sqrt(2) * z**2 * 0.1 / focal / baseline, rel=0.05)
+    focal = RIG.matrices[0, 0, 0]
+    baseline = np.linalg.norm(np.diff(RIG.centres, axis=0))
+    assert baseline == approx(0.3)
+    assert found[:, 2].std() == approx(np.sqrt(2) * z**2 * 0.1 / focal / baseline, rel=0.05)
 
 
 def test_corners_of_a_picture_are_found():
@@ -91,10 +94,10 @@ def between(rig):
 def test_boards_calibrate_the_rig(corners):
     found, rms = stereo.calibrate(corners, SMALL.shape)
     assert rms < 0.04  # px, of 18 px a square
-    np.testing.assert_allclose(found.matrices, SMALL_RIG.matrices, atol=2)  # of 580 px
-    np.testing.assert_allclose(found.distortions[:, 0], SMALL_RIG.distortions[:, 0], atol=0.02)
-    np.testing.assert_allclose(between(found)[:3], between(SMALL_RIG)[:3], atol=4e-3)  # rad
-    np.testing.assert_allclose(between(found)[3:], between(SMALL_RIG)[3:], atol=2e-3)  # m
+    assert_allclose(found.matrices, SMALL_RIG.matrices, atol=2)  # of 580 px
+    assert_allclose(found.distortions[:, 0], SMALL_RIG.distortions[:, 0], atol=0.02)
+    assert_allclose(between(found)[:3], between(SMALL_RIG)[:3], atol=4e-3)  # rad
+    assert_allclose(between(found)[3:], between(SMALL_RIG)[3:], atol=2e-3)  # m
 
 
 def test_without_noise_each_camera_is_recovered(rng):
@@ -105,9 +108,9 @@ def test_without_noise_each_camera_is_recovered(rng):
     seen = np.stack([rig.project(p.apply(stereo.BOARD)) for p in poses], axis=1)
     found, rms = stereo.calibrate(seen, rig.shape)
     assert rms < 1e-3
-    np.testing.assert_allclose(found.matrices, rig.matrices, atol=0.05)
-    np.testing.assert_allclose(found.distortions, rig.distortions, atol=1e-3)
-    np.testing.assert_allclose(between(found), between(rig), atol=1e-4)
+    assert_allclose(found.matrices, rig.matrices, atol=0.05)
+    assert_allclose(found.distortions, rig.distortions, atol=1e-3)
+    assert_allclose(between(found), between(rig), atol=1e-4)
 
 
 def test_spots_locate_the_scanner(rng):
@@ -115,9 +118,7 @@ def test_spots_locate_the_scanner(rng):
     beams = points_from_depth(planar(1.5 + 0.01 * np.arange(40)), CAMERA)
     pixels = RIG.project(beams) + 0.1 * rng.standard_normal((2, *SHAPE, 2))
     pixels[:, ::3] = np.nan
-    np.testing.assert_allclose(
-        stereo.locate_scanner(rig, pixels, 3.7 * beams).centres, RIG.centres, atol=1e-3
-    )
+    assert_allclose(stereo.locate_scanner(rig, pixels, 3.7 * beams).centres, RIG.centres, atol=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -151,7 +152,7 @@ def test_spots_are_placed_as_well_as_stated(brightness, sigma, rng):
     found, stated = stereo.place_spots(light, quiet)
     assert np.isfinite(stated).mean() > 0.99
     error = (found - places) / stated[:, None]
-    assert np.nanstd(error) == pytest.approx(1, abs=0.08)
+    assert np.nanstd(error) == approx(1, abs=0.08)
     assert np.abs(np.nanmean(error, axis=0)).max() < 4 / np.sqrt(1500)
     # the Cramer-Rao bound of a spot without background
     assert np.nanmedian(stated) > sigma / np.sqrt(brightness)
@@ -167,7 +168,9 @@ def test_no_spot_and_saturated_spots_are_refused(rng):
 
 def test_speckle_moves_a_centroid_as_the_formula_says(rng, width=1.6):
     """120 waves of random phase through the round aperture: 240 coordinates, known to 4.6 %."""
-    sensor, side, finer = stereo.Sensor(contrast=1.0), 160, 4
+    sensor = stereo.Sensor(contrast=1.0)
+    side = 160
+    finer = 4
     place = (np.arange(side) - (side - 1) / 2) / finer
     envelope = np.exp(-(place[:, None] ** 2 + place**2) / 4 / width**2)
     cutoff = sensor.pitch / finer / (2 * LASER_WAVELENGTH * sensor.f_number)
@@ -177,7 +180,7 @@ def test_speckle_moves_a_centroid_as_the_formula_says(rng, width=1.6):
         wave = envelope * (rng.standard_normal((side, side, 2)) @ [1, 1j])
         light = np.abs(np.fft.ifft2(np.fft.fft2(wave) * passed)) ** 2
         centroids.append([light.sum(0) @ place, light.sum(1) @ place] / light.sum())
-    assert np.std(centroids) == pytest.approx(sensor.speckle, rel=0.15)
+    assert np.std(centroids) == approx(sensor.speckle, rel=0.15)
 
 
 def test_no_plane_hides_itself():
@@ -200,11 +203,12 @@ def test_a_post_hides_what_geometry_says(side):
 def test_stereo_alone_is_in_doubt_near_a_wraps_boundary():
     frame = wall()
     truth = stereo.truth_from_spots(exact(frame), RIG, sigmas=2.0)
-    place, margin = np.mod(frame.depth, WRAP), 2.0 * truth.uncertainty
+    place = np.mod(frame.depth, WRAP)
+    margin = 2.0 * truth.uncertainty
     near = (place < margin) | (place > WRAP - margin)
     assert (truth.mask == ~near).mean() > 0.999
     assert 0.02 < near.mean() < 0.9
-    np.testing.assert_array_equal(truth.wraps[truth.mask], (frame.depth // WRAP)[truth.mask])
+    assert_array_equal(truth.wraps[truth.mask], (frame.depth // WRAP)[truth.mask])
 
 
 @pytest.mark.parametrize(("sigma", "labelled"), [(0.2, True), (3.0, False)])
@@ -236,4 +240,4 @@ def test_labels_of_a_simulated_scan_are_right_and_silent_where_hidden():
     # k = 3: at most 0.3 % of labels may err
     assert (truth.wraps == frame.depth // WRAP)[truth.mask].mean() > 0.99
     error = (truth.range - frame.depth) / truth.uncertainty
-    assert np.nanstd(error) == pytest.approx(1, abs=0.12)
+    assert np.nanstd(error) == approx(1, abs=0.12)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 
 from cmtof_lab.interferometer import Interferometer
 from cmtof_lab.optical_ranging import OpticalRanger
@@ -21,14 +22,15 @@ def test_the_parts_add_up(offset, slope, noise, seed):
     errors = errors + noise * np.random.default_rng(seed).standard_normal((4, 21))
     found = parts(errors)
     total = found.offset**2 + found.slope**2 * about.var() + 19 / 21 * found.scatter**2
-    np.testing.assert_allclose(total, found.rmse**2, rtol=1e-9, atol=1e-20)
+    assert_allclose(total, found.rmse**2, rtol=1e-9, atol=1e-20)
 
 
 @pytest.mark.parametrize("ranger", RANGERS, ids=lambda one: type(one).__name__)
 def test_repeats_are_days_of_their_own(ranger):
-    target, places = MIRROR, POSITIONS[:3]
+    target = MIRROR
+    places = POSITIONS[:3]
     three = ranger.sweep(target, places, repeats=3, seed=9)
-    np.testing.assert_array_equal(ranger.sweep(target, places, repeats=1, seed=9)[0], three[0])
+    assert_array_equal(ranger.sweep(target, places, repeats=1, seed=9)[0], three[0])
     assert len({row.tobytes() for row in three}) == 3
     assert not np.array_equal(ranger.sweep(target, places, repeats=1, seed=8)[0], three[0])
     assert np.abs(three - 0.6 - places).max() < 5e-5

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
@@ -24,15 +25,16 @@ def plane_frame(tilt):
 def test_plane_is_met_where_it_stands(tilt):
     found = Plane(0.8, tilt_x=tilt).look(RAYS)
     points = RAYS * found.range[:, None]
-    np.testing.assert_allclose(points[:, 2] - np.tan(tilt) * points[:, 0], 0.8)
+    assert_allclose(points[:, 2] - np.tan(tilt) * points[:, 0], 0.8)
     assert np.isnan(Plane(0.8).look(-RAYS).range).all()
 
 
 @pytest.mark.parametrize("tilt", [0.0, 0.4])
 def test_a_frame_of_a_plane_is_that_plane(tilt):
-    frame, plane = FrameTarget(plane_frame(tilt)).look(RAYS), Plane(1.0, tilt_x=tilt).look(RAYS)
-    np.testing.assert_allclose(frame.range, plane.range, rtol=1e-6)
-    np.testing.assert_allclose(frame.cosine, plane.cosine, atol=1e-2)
+    frame = FrameTarget(plane_frame(tilt)).look(RAYS)
+    plane = Plane(1.0, tilt_x=tilt).look(RAYS)
+    assert_allclose(frame.range, plane.range, rtol=1e-6)
+    assert_allclose(frame.cosine, plane.cosine, atol=1e-2)
     assert set(frame.reflectance.round(6)) == {0.4}
 
 
@@ -56,10 +58,10 @@ def test_a_mesh_interpolates_its_vertices():
     bright = np.array([0.0, 1.0, 1.0, 0.0])
     target = MeshTarget(corners, faces, bright, 0.25)
     found = target.look(RAYS)
-    np.testing.assert_allclose(found.range, Plane(2.0).look(RAYS).range, rtol=1e-6)
+    assert_allclose(found.range, Plane(2.0).look(RAYS).range, rtol=1e-6)
     x = (RAYS * found.range[:, None])[:, 0]
-    np.testing.assert_allclose(found.reflectance, (x + 1) / 2, atol=1e-5)
-    np.testing.assert_allclose(found.mirrored, 0.25)
+    assert_allclose(found.reflectance, (x + 1) / 2, atol=1e-5)
+    assert_allclose(found.mirrored, 0.25)
     behind = np.array([[0.0, 0.0, 3.0], [0.0, 0.0, 1.0]])
     assert target.hidden(behind, (0.0, 0.0, 0.0)).tolist() == [True, False]
 

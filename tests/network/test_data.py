@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import torch
+from pytest import approx
 
 import cmtof
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME
@@ -17,7 +18,8 @@ WRAP = float(wrap_length(FREQUENCIES[0]))
 
 
 def flat(depth, intensity, sigma, side=200, seed=0):
-    whole, rng = np.ones((side, side)), np.random.default_rng(seed)
+    whole = np.ones((side, side))
+    rng = np.random.default_rng(seed)
     return data.batch_of([(depth * whole, intensity * whole, sigma, rng)])
 
 
@@ -26,9 +28,9 @@ def test_noise_free_phasors_are_those_of_the_depth():
     phase, amplitude, images = data.phasors(batch)
     for f, tone in enumerate(FREQUENCIES):
         expected = TAU * 0.91 / wrap_length(tone) % TAU
-        assert phase[0, f].numpy() == pytest.approx(expected, abs=1e-4)
+        assert phase[0, f].numpy() == approx(expected, abs=1e-4)
     full = GAIN * INTEGRATION_TIME
-    assert amplitude.numpy() == pytest.approx(0.7 * full / np.pi, rel=1e-5)
+    assert amplitude.numpy() == approx(0.7 * full / np.pi, rel=1e-5)
     k = torch.arange(4).view(-1, 1, 1) * TAU / 4
     closed = 0.7 * full * (0.5 + torch.cos(phase[:, :, None] + k) / np.pi)
     assert torch.allclose(images, closed, rtol=1e-4)
@@ -36,7 +38,8 @@ def test_noise_free_phasors_are_those_of_the_depth():
 
 def test_images_have_the_simulators_mean_and_noise():
     """Means within 5 standard errors, variances within 4 %, of images drawn one by one."""
-    intensity, sigma = 0.4, 1200.0
+    intensity = 0.4
+    sigma = 1200.0
     frame = Frame(np.full((200, 200), 0.93), np.full((200, 200), intensity), None, "", "")
     # its farthest depth is brought to 1.195 m if it lies beyond, and 0.93 m does not
     drawn = cmtof.simulate(frame, noise=sigma, seed=2).dataset["correlation"].to_numpy()
@@ -44,7 +47,7 @@ def test_images_have_the_simulators_mean_and_noise():
     error = np.sqrt(ours.var((-2, -1)) / ours[0, 0].size * 2)
     assert (np.abs(ours.mean((-2, -1)) - drawn.mean((-2, -1))) < 5 * error).all()
     pooled = (ours.var((-2, -1)).mean(1), drawn.var((-2, -1)).mean(1))
-    assert pooled[0] == pytest.approx(pooled[1], rel=0.04)
+    assert pooled[0] == approx(pooled[1], rel=0.04)
     # they decode to their phasor
     phase, amplitude, images = data.phasors(flat(0.93, 0.5, 800.0, 30))
     z = images[:, :, 0] - images[:, :, 2] + 1j * (images[:, :, 3] - images[:, :, 1])
@@ -61,19 +64,21 @@ def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
     )
     sample = data.measure(batch, inputs="phase", protocol=protocol)
     assert sample.label[0, 0].tolist() == [IGNORED, 3, IGNORED, IGNORED]
-    assert float(sample.turns[0, 0, 1]) == pytest.approx(3.5)
+    assert float(sample.turns[0, 0, 1]) == approx(3.5)
     assert torch.isfinite(sample.inputs).all()
 
 
 @pytest.mark.parametrize("protocol", ["released", "full"])
 def test_leaves_cover_all_classes_and_hide_them_from_brightness(protocol):
     first, classes = CLASSES[protocol]
-    turns, light = [], []
+    turns = []
+    light = []
     for k in range(150):
         depth, shade = data.leaves(np.random.default_rng(k), 48, protocol)
         turns.append(depth[::8, ::8].ravel() / WRAP - first)
         light.append(np.log(shade[::8, ::8].ravel() + 1e-3))
-    turns, light = np.concatenate(turns), np.concatenate(light)
+    turns = np.concatenate(turns)
+    light = np.concatenate(light)
     inside = (turns >= 0) & (turns < classes)
     assert inside.mean() > 0.5
     counts = np.histogram(turns[inside], 7, (0, classes))[0]
@@ -88,7 +93,7 @@ def test_room_crops_are_staged_and_mostly_in_range():
     pack = data.Pack(depth.astype(np.float32), light, depth.max((1, 2)))
     first, classes = CLASSES["released"]
     depth, _ = pack.staged(0, "released")
-    assert depth.max() == pytest.approx(1.195, rel=1e-3)
+    assert depth.max() == approx(1.195, rel=1e-3)
     crops = [data.room_crop(rng, pack, 32, "released") for _ in range(30)]
     turns = np.concatenate([depth.ravel() / WRAP - first for depth, _ in crops])
     assert np.mean((turns >= 0) & (turns < classes)) > 0.6
@@ -97,7 +102,8 @@ def test_room_crops_are_staged_and_mostly_in_range():
 
 
 def test_steps_depend_on_their_number_alone_and_share_out(config):
-    alone, again = data.Steps(config, None)[3], data.Steps(config, None)[3]
+    alone = data.Steps(config, None)[3]
+    again = data.Steps(config, None)[3]
     shares = [data.Steps(config, None, rank, 2)[3] for rank in (0, 1)]
     for whole, same, *parts in zip(alone, again, *shares, strict=True):
         assert torch.equal(whole.nan_to_num(), same.nan_to_num())

@@ -4,6 +4,7 @@ import math
 
 import pytest
 import torch
+from pytest import approx
 from torch.autograd import gradcheck
 
 from cmtof.correlation import TAU
@@ -20,14 +21,15 @@ def pixels():
     label = torch.randint(N, (1, 3, 4), generator=generator)
     phase = TAU * torch.rand((1, 3, 4), generator=generator, dtype=torch.float64)
     turns = label + phase / TAU
-    label[0, 0], turns[0, 0] = IGNORED, math.nan
+    label[0, 0] = IGNORED
+    turns[0, 0] = math.nan
     return weights, label, phase, turns
 
 
 def test_soft_argmax_is_the_mean_class_and_hardens_to_the_argmax():
     weights = torch.tensor([[0.0, math.log(2), math.log(3)]])
-    assert float(soft_argmax(weights)[0]) == pytest.approx((2 + 2 * 3) / 6)
-    assert float(soft_argmax(weights, 1e3)[0]) == pytest.approx(2)
+    assert float(soft_argmax(weights)[0]) == approx((2 + 2 * 3) / 6)
+    assert float(soft_argmax(weights, 1e3)[0]) == approx(2)
 
 
 def test_gradient_of_the_cross_entropy_is_probability_minus_truth(pixels):
@@ -46,17 +48,18 @@ def test_depth_term_counts_millimetres(off):
     """A sharp answer n wraps off costs w (21 n - 1/2), Huber's distance of width 1 mm."""
     weights = torch.full((1, N, 1, 1), -1e3)
     weights[0, off] = 1e3
-    label, phase = torch.zeros(1, 1, 1, dtype=torch.long), torch.ones(1, 1, 1)
+    label = torch.zeros(1, 1, 1, dtype=torch.long)
+    phase = torch.ones(1, 1, 1)
     given = weights.double(), label, phase, phase / TAU
     depth = unwrapping_loss(*given, depth_weight=0.1) - unwrapping_loss(*given, depth_weight=0)
-    assert float(depth) == pytest.approx(0.1 * (WRAP_MM * off - 0.5), rel=1e-5)
+    assert float(depth) == approx(0.1 * (WRAP_MM * off - 0.5), rel=1e-5)
 
 
 def test_regression_counts_wraps_over_classes_and_the_slope(pixels):
     _, label, _, turns = pixels
     found = torch.nan_to_num(turns[:, None]) + 0.5
     loss = regression_loss(found, label, turns, classes=N)
-    assert float(loss) == pytest.approx(0.5 / N)
+    assert float(loss) == approx(0.5 / N)
     flat = torch.full_like(found, 2.0)
     smooth, plain = (regression_loss(flat, label, turns, classes=N, smoothness=s) for s in (1, 0))
     assert torch.equal(smooth, plain)

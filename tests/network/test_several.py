@@ -72,7 +72,8 @@ def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start, tmp_pa
 
 def test_a_run_goes_on_after_one_of_its_processes_was_killed(start, tmp_path):
     assert start("whole").wait(600) == 0
-    run, last = start("killed"), tmp_path / "killed" / "last.ckpt"
+    run = start("killed")
+    last = tmp_path / "killed" / "last.ckpt"
     while not last.is_file():
         assert run.poll() is None
         time.sleep(0.05)

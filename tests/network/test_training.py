@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from numpy.testing import assert_allclose
+from pytest import approx
 
 import cmtof
 from cmtof.correlation import TAU
@@ -35,8 +37,8 @@ def test_presets_are_configurations():
 
 def test_stages_follow_each_other(config):
     assert [config.stage_at(step)[0].name for step in range(5)] == ["a", "a", "a", "b", "b"]
-    assert config.rate_at(0) == pytest.approx(1e-3)  # half of the way up
-    assert config.rate_at(1) == pytest.approx(2e-3 - 1e-3 / 3)
+    assert config.rate_at(0) == approx(1e-3)  # half of the way up
+    assert config.rate_at(1) == approx(2e-3 - 1e-3 / 3)
 
 
 @pytest.mark.parametrize(
@@ -111,7 +113,8 @@ def test_every_model_learns_a_batch_by_heart(name):
     stage = Stage(name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1)
     module = unwrapping(Config(model=name, stages=(stage,), rooms=None, validation_views=2))
     sample = module.measured(Steps(module.config, None)[0])
-    optimizer, losses = torch.optim.Adam(module.network.parameters(), 3e-3), []
+    optimizer = torch.optim.Adam(module.network.parameters(), 3e-3)
+    losses = []
     for _ in range(10):
         loss = loss_of(module.network.train(), sample)
         optimizer.zero_grad()
@@ -122,7 +125,8 @@ def test_every_model_learns_a_batch_by_heart(name):
 
 
 def test_validation_scores_a_network_that_answers_with_the_middle(config):
-    module, middle = unwrapping(config), torch.eye(21)[10].view(1, 21, 1, 1)
+    module = unwrapping(config)
+    middle = torch.eye(21)[10].view(1, 21, 1, 1)
     module.average.forward = lambda x: middle.expand(1, 21, *x.shape[-2:])
     found = module.validated()
     assert found["validation"] == found["trivial"]["middle"]
@@ -152,20 +156,23 @@ def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(stored, example):
 
 def test_crops_of_fine_tuning_move_over_the_classes(stored, frame):
     """Without noise, wraps, phase and depth of a moved crop still belong together."""
-    exact, trained = cmtof.simulate(frame, noise_free=True), load_weights(stored())
+    exact = cmtof.simulate(frame, noise_free=True)
+    trained = load_weights(stored())
     wraps = np.floor(exact.depth / WRAP).astype(int)
-    view, rng = training._view(trained, exact, wraps, exact.depth), np.random.default_rng(0)
+    view = training._view(trained, exact, wraps, exact.depth)
+    rng = np.random.default_rng(0)
     pieces = [training._piece(view, 21, 24, "proposed", rng) for _ in range(30)]
     for piece in pieces:
         known = piece.label != IGNORED
         off = np.exp(1j * (TAU * piece.turns - piece.phase))[known]
-        np.testing.assert_allclose(off, 1, atol=1e-3)
+        assert_allclose(off, 1, atol=1e-3)
         assert np.mean((piece.label == np.floor(piece.turns))[known]) > 0.99  # or on an edge
     assert len({int(np.median(piece.label)) for piece in pieces}) > 5
 
 
 def test_unlabelled_pixels_teach_nothing(stored, example):
-    trained, (measurement, wraps, depth) = load_weights(stored()), example
+    trained = load_weights(stored())
+    (measurement, wraps, depth) = example
     half = np.where(np.arange(56) < 28, wraps, -1)
     moved = np.where(half < 0, depth + 1, depth)
     first, second = (

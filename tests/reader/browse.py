@@ -70,7 +70,8 @@ def chromium() -> Iterator[Browser]:
 @contextmanager
 def opened(browser: Browser, page: Path, width: int) -> Iterator[tuple[Page, list[str]]]:
     """Yield a page in its tab, and the list that its complaints are added to."""
-    tab, problems = browser.new_page(viewport={"width": width, "height": 900}), []
+    tab = browser.new_page(viewport={"width": width, "height": 900})
+    problems = []
     local = ("file:", "data:", "blob:")
     tab.on("request", lambda r: r.url.startswith(local) or problems.append(f"asks for {r.url}"))
     tab.on("requestfailed", lambda r: problems.append(f"could not load {r.url}"))

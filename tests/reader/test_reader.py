@@ -62,7 +62,8 @@ def test_search_finds_a_term(browser, words):
 @pytest.mark.parametrize("chapter", ["03_wraps", "04_modulator"])
 def test_every_slider_changes_the_curve(browser, chapter):
     with browse.opened(browser, HTML / "notebooks" / f"{chapter}.html", 1280) as (tab, problems):
-        curve, seen = tab.locator("[data-play] .curve"), set()
+        curve = tab.locator("[data-play] .curve")
+        seen = set()
         for slider in tab.locator("[data-play] input").all():
             slider.focus()
             for key in ("Home", "End"):
@@ -77,7 +78,8 @@ def test_a_scene_turns_changes_and_is_reset(browser, chapter):
     with browse.opened(browser, HTML / "notebooks" / f"{chapter}.html", 1280) as (tab, problems):
         scene = tab.locator("details.scene").first
         scene.locator("summary").click()
-        canvas, pictures = scene.locator("canvas"), []
+        canvas = scene.locator("canvas")
+        pictures = []
         canvas.focus()
         acts = [lambda: tab.keyboard.press("ArrowLeft"), lambda: tab.keyboard.press("ArrowUp")]
         for name in ("wraps off", "truth", "nearer", "reset"):

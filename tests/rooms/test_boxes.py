@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.solids import slab
@@ -34,7 +35,7 @@ def test_a_layer_lies_inside_at_its_side(side):
 def test_limits_that_are_arrays_stand_for_several_boxes():
     ends = CUBE.ends("x", 0.25)
     assert ends.singles() == [CUBE.cut(x1=0.25), CUBE.cut(x0=0.75)]
-    assert slab(*ends).volume == pytest.approx(0.5)
+    assert slab(*ends).volume == approx(0.5)
     bars = CUBE.bars("z", np.array([0.2, 0.5, 0.9]), 0.01)
     assert [round(bar.z0, 9) for bar in bars.singles()] == [
         0.19,

@@ -4,7 +4,9 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from pytest import approx
 
+from cmtof.correlation import TAU
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.building import build_shell
 from cmtof_rooms.kit import Top, household
@@ -112,7 +114,7 @@ def test_furniture_stays_between_the_walls(room):
 
 
 def test_no_camera_stands_in_a_solid_or_close_to_a_surface(room):
-    turn = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    turn = np.linspace(0, TAU, 24, endpoint=False)
     rays = np.stack([np.cos(turn), np.sin(turn), 0.3 * np.sin(5 * turn)], 1)
     rays = (rays / np.linalg.norm(rays, axis=1, keepdims=True)).astype(np.float32)
     lens = Settings(SEED, height=48, width=64).lens(room.index)
@@ -162,4 +164,4 @@ def test_a_pattern_mixes_two_colours_and_fades_with_distance(pattern):
     assert (np.ptp(near) > 0.2) == (pattern != "plain")
     far = seen(1.0)
     assert np.ptp(far) < 1e-6
-    assert far[0] == pytest.approx(palette.mean[0, 0])
+    assert far[0] == approx(palette.mean[0, 0])

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from cmtof.frame import brightness
 from cmtof.hardness import hardness
@@ -46,7 +47,8 @@ def test_a_set_grows_and_keeps_its_first_rooms_and_views(rendered, tmp_path):
         workers=1,
     )
     render_rooms(tmp_path, SMALL, workers=1)
-    grown, whole = contents(tmp_path), contents(rendered)
+    grown = contents(tmp_path)
+    whole = contents(rendered)
     assert all(grown[name] == whole[name] for name in whole if "/images/" in name)
 
 
@@ -71,7 +73,7 @@ def test_views_are_exposed_to_the_median_of_their_rank():
     ranks = np.linspace(0.21, 0.99, 9)
     medians = [float(np.median(brightness(expose(seen, rank).color))) for rank in ranks]
     assert np.all(np.diff(medians) > 0)
-    assert medians[4] == pytest.approx(0.38, rel=0.02)
+    assert medians[4] == approx(0.38, rel=0.02)
     assert float(np.median(brightness(expose(seen, 0.1).color))) < 0.05
 
 

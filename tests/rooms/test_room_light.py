@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 
 from cmtof_rooms.bounce import measure_bounce
 from cmtof_rooms.cameras import Lens, look_at
@@ -44,7 +46,7 @@ def test_a_point_light_follows_lamberts_law():
     radius = np.array([0.0, 0.5, 1.0, 3.0])
     found = interior.direct(places(radius), up(radius))
     expected = 3 * 2 / (radius**2 + 4) ** 1.5
-    np.testing.assert_allclose(found[:, 1], expected, rtol=3e-4)  # rays start 0.2 mm above
+    assert_allclose(found[:, 1], expected, rtol=3e-4)  # rays start 0.2 mm above
 
 
 def test_a_small_square_light_gives_its_form_factor():
@@ -54,7 +56,7 @@ def test_a_small_square_light_gives_its_form_factor():
     radius = np.repeat([0.0, 1.0, 2.0], 16)
     found = interior.direct(places(radius), up(radius), np.tile(np.arange(16), 3))[:, 0]
     expected = height**2 / (np.array([0.0, 1.0, 2.0]) ** 2 + height**2) ** 2
-    np.testing.assert_allclose(found.reshape(3, 16).mean(axis=1), expected, rtol=0.01)
+    assert_allclose(found.reshape(3, 16).mean(axis=1), expected, rtol=0.01)
 
 
 def test_shadows_are_where_the_light_is_hidden():
@@ -75,7 +77,7 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
     normals = np.random.default_rng(1).normal(size=(50, 3))
     normals = (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
     points = np.tile(np.array([0.3, -0.2, 0.9], np.float32), (50, 1))
-    np.testing.assert_allclose(bounce.irradiance(points, normals), 1.0, atol=0.03)
+    assert_allclose(bounce.irradiance(points, normals), 1.0, atol=0.03)
 
 
 @pytest.mark.parametrize("albedo", [0.0, 0.4, 0.8])
@@ -105,7 +107,7 @@ def test_only_what_is_lit_from_its_front_scatters_light():
     origins = np.array([[0, 0, 1], [0, 0, -0.5], [0, 0, 1]], np.float32)
     down = np.array([[0, 0, -1], [0, 0, -1], [0, 0, 1]], np.float32)
     radiance, behind = interior.lit(origins, down)
-    assert radiance[0, 0] == pytest.approx(0.5 * 3 / 4, rel=1e-3)
+    assert radiance[0, 0] == approx(0.5 * 3 / 4, rel=1e-3)
     assert not radiance[1:].any()
     assert behind.tolist() == [False, True, False]
 
@@ -118,8 +120,8 @@ def test_range_of_a_plane_is_exact_to_single_precision():
     seen = interior.render(camera.position, rays)
     expected = -1.7 / rays[..., 2].astype(float)
     hit = (rays[..., 2] < 0) & (expected < 8)
-    np.testing.assert_allclose(seen.depth[hit], expected[hit], rtol=3e-7)
-    np.testing.assert_allclose(
+    assert_allclose(seen.depth[hit], expected[hit], rtol=3e-7)
+    assert_allclose(
         seen.normal[hit],
         np.tile([0, 0, 1.0], (hit.sum(), 1)),
         atol=1e-6,
@@ -133,4 +135,4 @@ def test_radiance_is_reflectance_times_irradiance_plus_emission():
     interior = Interior([floor(0.3, emission=0.7)], [light], INSIDE)
     camera = look_at(np.array([0, 0.01, 1.0]), np.array([0.0, 0.0, 0.0]))
     seen = interior.render(camera.position, Lens((9, 9), 900.0).rays(camera.orientation))
-    assert seen.color[4, 4, 1] == pytest.approx(0.3 * (3 / 4 + 0.7), rel=1e-3)
+    assert seen.color[4, 4, 1] == approx(0.3 * (3 / 4 + 0.7), rel=1e-3)

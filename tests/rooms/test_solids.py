@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from pytest import approx
 
+from cmtof.correlation import TAU
 from cmtof_rooms import solids
 
 GRID = np.stack(
@@ -26,7 +28,7 @@ BOWL = [(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)]
         ),
         pytest.param(
             solids.extrusion(solids.ellipse(2.0, 2.0, 200), 2.0),
-            2 * np.pi,
+            TAU,
             id="cylinder",
         ),
         pytest.param(
@@ -71,7 +73,7 @@ BOWL = [(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)]
 def test_a_solid_is_closed_and_has_its_volume(solid, volume):
     assert solid.is_watertight
     assert solid.is_winding_consistent
-    assert solid.volume == pytest.approx(volume, rel=2e-3)
+    assert solid.volume == approx(volume, rel=2e-3)
 
 
 def test_joined_solids_keep_their_volumes():
@@ -82,7 +84,7 @@ def test_joined_solids_keep_their_volumes():
         ]
     )
     assert both.is_watertight
-    assert both.volume == pytest.approx(3.0)
+    assert both.volume == approx(3.0)
 
 
 def test_noise_keeps_a_ball_closed_and_follows_the_seed():
