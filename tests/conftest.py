@@ -1,7 +1,5 @@
 """Things that several tests lean on."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -20,12 +18,12 @@ settings.load_profile("cmtof")
 
 
 @pytest.fixture
-def rng() -> np.random.Generator:
+def rng():
     return np.random.default_rng(20230217)
 
 
 @pytest.fixture(scope="session")
-def tilted_wall() -> Frame:
+def tilted_wall():
     """A wall from 0.80 to 1.15 m, bright, so that its depth is known in closed form."""
     x, y = np.meshgrid(np.linspace(0, 1, 64), np.linspace(0, 1, 48))
     return Frame(
@@ -34,20 +32,20 @@ def tilted_wall() -> Frame:
 
 
 @pytest.fixture(scope="session")
-def measured(tilted_wall: Frame) -> cmtof.Measurement:
+def measured(tilted_wall):
     """The wall with the paper's noise."""
     return cmtof.simulate(tilted_wall, seed=3)
 
 
 @pytest.fixture(scope="session")
-def measurement_file(measured: cmtof.Measurement, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def measurement_file(measured, tmp_path_factory):
     path = tmp_path_factory.mktemp("measured") / "wall.nc"
     measured.save(path)
     return path
 
 
 @pytest.fixture(scope="session")
-def shared_data() -> Path:
+def shared_data():
     """Folder with real captures and path-traced frames; the test is skipped without it."""
     root = data_root()
     if root is None:

@@ -20,7 +20,7 @@ PARTITIONS = {"ai_001_001": "train", "ai_001_002": "train", "ai_002_001": "test"
 VIEWS = [("cam_00", 0), ("cam_00", 42), ("cam_01", 3)]
 
 
-def official_rays(projection: np.ndarray, shape: tuple[int, int] = SHAPE) -> np.ndarray:
+def official_rays(projection, shape=SHAPE):
     """Rays as the data set's authors describe them: uv from -1 to 1, v up, half a pixel inwards."""
     height, width = shape
     u = np.linspace(-1 + 1 / width, 1 - 1 / width, width)
@@ -30,24 +30,24 @@ def official_rays(projection: np.ndarray, shape: tuple[int, int] = SHAPE) -> np.
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
-def wall(projection: np.ndarray) -> np.ndarray:
+def wall(projection):
     """Range of a slanted plane, 2 m away."""
     normal = np.array([0.3, -0.2, 1.0]) / np.linalg.norm([0.3, -0.2, 1.0])
     return -2.0 / (official_rays(projection) @ normal)
 
 
-def write_official(path: Path, array: np.ndarray) -> None:
+def write_official(path, array):
     path.parent.mkdir(parents=True, exist_ok=True)
     with h5py.File(path, "w") as file:
         file.create_dataset("dataset", data=array, compression="gzip", compression_opts=9)
 
 
-def write_rows(path: Path, rows: list[list[object]]) -> None:
+def write_rows(path, rows):
     with path.open("w", newline="") as file:
         csv.writer(file).writerows(rows)
 
 
-def write_tree(root: Path) -> Path:
+def write_tree(root):
     """Three official scenes of three views each, and both tables."""
     for scene, projection in PROJECTIONS.items():
         depth = wall(projection).astype(np.float16)

@@ -46,7 +46,7 @@ STILL_UPWARD = {
 
 
 @pytest.fixture(scope="module")
-def imports() -> list[tuple[str, str]]:
+def imports():
     graph = grimp.build_graph(*PACKAGES, exclude_type_checking_imports=True, cache_dir=None)
     # the root loads its names on first use, and gives its version to everybody
     modules = graph.modules - {"cmtof"}
@@ -55,11 +55,11 @@ def imports() -> list[tuple[str, str]]:
     ]
 
 
-def package(module: str) -> str:
+def package(module):
     return module.partition(".")[0]
 
 
-def room(module: str) -> str:
+def room(module):
     return module.split(".")[1]
 
 
@@ -90,13 +90,13 @@ def test_no_companion_knows_the_book(imports):
 
 
 def test_no_module_is_part_of_a_circle(imports):
-    above: dict[str, set[str]] = {}
+    above = {}
     for a, b in imports:
         above.setdefault(a, set()).add(b)
     TopologicalSorter(above).prepare()  # raises CycleError, which names the circle
 
 
-def walks() -> dict[str, list[str]]:
+def walks():
     """Modules of each walk through the code that CONTRIBUTING describes."""
     text = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
     section = text.split("## A newcomer's walk")[1].split("\n## ")[0]
@@ -107,7 +107,7 @@ def walks() -> dict[str, list[str]]:
     }
 
 
-def module_of(name: str) -> str:
+def module_of(name):
     within = ROOT / "src" / "cmtof" / f"{name}.py"
     return ("cmtof." if within.is_file() else "") + name.replace("/", ".")
 

@@ -41,19 +41,6 @@ def test_products_of_lossless_elements_are_unitary(elements):
     assert_allclose(dagger(product) @ product, np.eye(2), atol=1e-14)
 
 
-@given(st.lists(lossless, min_size=1, max_size=5), vector)
-def test_lossless_elements_keep_the_intensity(elements, field):
-    before = jones.intensity(field)
-    after = jones.intensity(jones.apply(compose(*elements), field))
-    assert after == approx(before, rel=1e-12, abs=1e-300)
-
-
-@given(angle, angle, angle)
-def test_retarders_on_one_axis_add_up(first, second, axis):
-    both = compose(jones.retarder(first, axis), jones.retarder(second, axis))
-    assert_allclose(both, jones.retarder(first + second, axis), atol=1e-14)
-
-
 def rotation(angle):
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 

@@ -65,7 +65,7 @@ CHAIN = ("sign of psi", "Poisson without gain")
 """Mistakes between a frame and its depth."""
 
 
-def run_with(source: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+def run_with(source, *arguments):
     """Run a program with the packages of a folder."""
     environment = os.environ | {"PYTHONPATH": str(source), "PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.run(
@@ -78,7 +78,7 @@ def run_with(source: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def failures(test: str, source: Path) -> str:
+def failures(test, source):
     """What pytest says of a test with the packages of a folder."""
     return run_with(source, "-m", "pytest", "-p", "no:cacheprovider", "-rf", test).stdout
 
@@ -90,7 +90,7 @@ def source(tmp_path):
     return Path(shutil.copytree(ROOT / "src", tmp_path / "src", ignore=left_out))
 
 
-def make(mistake: Mistake, source: Path) -> None:
+def make(mistake, source):
     """Write the wrong line in place of the right one."""
     module = source / "cmtof" / mistake.module
     text = module.read_text(encoding="utf-8")

@@ -26,7 +26,7 @@ the slopes that guide lie half a pixel beside."""
 def scene():
     """Measurement of a part of the room with little noise, for any method."""
     frame = cmtof.load_frame("room").middle(96, 112)
-    kept: dict[tuple, Measurement] = {}
+    kept = {}
 
     def of(name, **conditions):
         key = (*find_method(name).tones, *conditions)
@@ -59,7 +59,6 @@ ROUNDED = {
     "int32": lambda c: np.rint(c).astype(np.int32),
 }
 SAME = {
-    "repeated": lambda m: m,
     "steps in another order": lambda m: Measurement(m.dataset.isel(step=[2, 0, 3, 1])),
     "psi a turn further": lambda m: Measurement(
         m.dataset.assign_coords(psi=m.dataset.psi + TAU * np.array([1, -3, 0, 7]))

@@ -32,10 +32,10 @@ DISTRIBUTIONS = packages_distributions()
 WORKFLOWS = sorted((ROOT / ".github/workflows").glob("*.yml"))
 
 
-def required(*extras: str) -> dict[str, Requirement]:
+def required(*extras):
     """Requirements of the package without extras, or of extras, by their normalised name."""
     chosen = [PROJECT["optional-dependencies"][extra] for extra in extras]
-    found: dict[str, Requirement] = {}
+    found = {}
     for line in chain(*chosen) if extras else PROJECT["dependencies"]:
         requirement = Requirement(line)
         if requirement.name == PROJECT["name"]:
@@ -46,10 +46,10 @@ def required(*extras: str) -> dict[str, Requirement]:
 
 
 @cache
-def imports(folder: str) -> dict[str, Path]:
+def imports(folder):
     """Foreign modules that a folder imports, each with a file that does."""
     own = {path.name for path in (ROOT / "src").iterdir()}
-    found: dict[str, Path] = {}
+    found = {}
     for path in (ROOT / folder).rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
@@ -59,7 +59,7 @@ def imports(folder: str) -> dict[str, Path]:
     return {name: path for name, path in found.items() if name not in sys.stdlib_module_names | own}
 
 
-def providers(module: str) -> set[str]:
+def providers(module):
     """Distributions that a module may come from."""
     return {canonicalize_name(name) for name in DISTRIBUTIONS.get(module, [])}
 
@@ -95,7 +95,7 @@ def test_the_command_line_names_the_extra_of_every_module():
 def test_the_lock_holds_what_is_declared():
     lines = (ROOT / "environment.lock").read_text("utf-8").splitlines()
     pins = [Requirement(line.rstrip("\\ ")) for line in lines if re.match("[a-z0-9]", line)]
-    locked: dict[str, list[str]] = {}
+    locked = {}
     for pin in pins:
         (version,) = pin.specifier
         locked.setdefault(canonicalize_name(pin.name), []).append(version.version)

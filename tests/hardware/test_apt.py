@@ -6,7 +6,6 @@ import struct
 from types import SimpleNamespace
 
 import pytest
-import thorlabs_apt_protocol as apt_bytes
 from peers import ERROR, HOMED, Controller, Port
 from pytest import approx
 
@@ -23,13 +22,6 @@ def controller():
 @pytest.fixture
 def motor(controller):
     return Motor(Port(controller), MOTORS["mts50-z8"], "stage", "27000001")
-
-
-def test_bytes_are_those_of_the_public_protocol():
-    counts = round(0.010 * MOTORS["mts50-z8"].scale)
-    assert apt_bytes.mot_move_home(0x50, 0x01, 1).hex(" ") == "43 04 01 00 50 01"
-    wanted = "53 04 06 00 d0 01 01 00 ce 45 05 00"
-    assert apt_bytes.mot_move_absolute(0x50, 0x01, 1, counts).hex(" ") == wanted
 
 
 def test_a_motor_homes_and_moves_where_it_should(controller, motor):
@@ -113,9 +105,3 @@ def test_a_motor_that_does_not_arrive_is_stopped(controller, motor, monkeypatch,
         motor.move_to(0.01)
     assert controller.looks == 0
     assert len(controller.moves) == 1
-
-
-def test_another_serial_number_is_refused(controller, motor):
-    controller.serial = 27000002
-    with pytest.raises(Refused, match="27000001, got KDC101 27000002"):
-        motor.identify()

@@ -40,8 +40,8 @@ METER = {
     "SENS:POW:UNIT?": "W",
     "SENS:POW:RANG:AUTO?": "1",
 }
-# model, driver, a question and a change with the bytes sent for them, faults (silence, garbage, the
-# other end gone), a value beyond the limits
+# model, driver, a question and a change with the bytes sent for them, faults on the wire, a value
+# beyond the limits
 CONTRACTS = {
     "rf": SimpleNamespace(
         model=Firmware,
@@ -50,7 +50,7 @@ CONTRACTS = {
         question=b"STAT?",
         change=lambda one: one.set_power(30.0),
         command=b"POWR",
-        faults=(b"", b"\xff\xfe\n", LOST),
+        faults={"silence": b"", "garbage": b"\xff\xfe\n", "lost": LOST},
         beyond=lambda one: one.set_frequency(8e9),
     ),
     "clock": SimpleNamespace(
@@ -60,7 +60,7 @@ CONTRACTS = {
         question=b"C1:OUTP?",
         change=lambda one: one.output(1, True),
         command=b"C1:OUTP ON",
-        faults=(b"", b"C1:BSWV ON", VISA_LOST),
+        faults={"silence": b"", "garbage": b"C1:BSWV ON", "lost": VISA_LOST},
         beyond=lambda one: one.sine(1, frequency=41e6, amplitude=1.0),
     ),
     "meter": SimpleNamespace(
@@ -70,7 +70,7 @@ CONTRACTS = {
         question=b"MEAS:POW?",
         change=lambda one: one.set_up(wavelength=532e-9, readings=10),
         command=b"SENS:CORR:WAV 532",
-        faults=(b"", b"nonsense", VISA_LOST),
+        faults={"silence": b"", "garbage": b"nonsense", "lost": VISA_LOST},
         beyond=lambda one: one.set_up(wavelength=1e-7, readings=10),
     ),
     "motor": SimpleNamespace(
@@ -80,7 +80,7 @@ CONTRACTS = {
         question=b"\x11\x04",
         change=lambda one: one.move_to(0.01),
         command=b"\x53\x04",
-        faults=(b"", b"\xff" * 12, LOST),
+        faults={"silence": b"", "garbage": b"\xff" * 12, "lost": LOST},
         beyond=lambda one: one.move_to(0.06),
     ),
     "daq": SimpleNamespace(
@@ -90,7 +90,7 @@ CONTRACTS = {
         question=b"\x00\x07\xd7",
         change=lambda one: one.set_line("FIO0", True),
         command=b"\x01\x07\xd0",
-        faults=(TimeoutError(), b"\xff", ConnectionResetError()),
+        faults={"silence": TimeoutError(), "garbage": b"\xff", "lost": ConnectionResetError()},
         beyond=lambda one: one.configure_burst(
             channel="AIN0", rate=1e6, scans=20, range=10.0, pulse_line="FIO4", pulse=20
         ),
@@ -113,31 +113,37 @@ def sent(wire, request):
     return sum(request in one for one in wire.sent)
 
 
-def test_a_question_is_asked_once_more(contract):
-    for fault in contract.faults[:2]:
-        wire, one = opened(contract)
-        wire.fail(contract.question, fault, times=1)
-        assert contract.ask(one)
-        assert sent(wire, contract.question) == 2
+@pytest.mark.parametrize("fault", ["silence", "garbage"])
+def test_a_question_is_asked_once_more(contract, fault):
+    wire, one = opened(contract)
+    wire.fail(contract.question, contract.faults[fault], times=1)
+    assert contract.ask(one)
+    assert sent(wire, contract.question) == 2
 
 
-def test_a_fault_that_stays_is_one_error(contract):
-    kinds = InstrumentTimeout, (BadReply, InstrumentTimeout), ConnectionLost
-    for fault, errors in zip(contract.faults, kinds, strict=True):
-        wire, one = opened(contract)
-        wire.fail(contract.question, fault)
-        with pytest.raises(errors, match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
-            contract.ask(one)
-        assert "\n" not in str(found.value)
+ERRORS = {
+    "silence": InstrumentTimeout,
+    "garbage": (BadReply, InstrumentTimeout),
+    "lost": ConnectionLost,
+}
 
 
-def test_a_change_is_sent_once(contract):
-    for fault in contract.faults:
-        wire, one = opened(contract)
-        wire.fail(contract.command, fault)
-        with pytest.raises(OSError, match="Expected"):
-            contract.change(one)
-        assert sent(wire, contract.command) == 1
+@pytest.mark.parametrize("fault", ERRORS)
+def test_a_fault_that_stays_is_one_error(contract, fault):
+    wire, one = opened(contract)
+    wire.fail(contract.question, contract.faults[fault])
+    with pytest.raises(ERRORS[fault], match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
+        contract.ask(one)
+    assert "\n" not in str(found.value)
+
+
+@pytest.mark.parametrize("fault", ERRORS)
+def test_a_change_is_sent_once(contract, fault):
+    wire, one = opened(contract)
+    wire.fail(contract.command, contract.faults[fault])
+    with pytest.raises(OSError, match="Expected"):
+        contract.change(one)
+    assert sent(wire, contract.command) == 1
 
 
 def test_another_device_is_refused(contract):
@@ -158,24 +164,27 @@ def test_another_serial_number_is_refused(contract):
         one.identify()
 
 
-def test_a_value_beyond_the_limits_is_not_sent():
-    for contract in CONTRACTS.values():
-        wire, one = opened(contract)
-        with pytest.raises(ValueError, match="Expected .* of device from .* Stay within"):
-            contract.beyond(one)
-        assert not wire.sent
+def test_a_value_beyond_the_limits_is_not_sent(contract):
+    wire, one = opened(contract)
+    with pytest.raises(ValueError, match="Expected .* of device from .* Stay within"):
+        contract.beyond(one)
+    assert not wire.sent
 
 
 def test_a_safe_state_is_tried_again(contract):
     wire, one = opened(contract)
-    wire.fail(b"", contract.faults[2], times=1)
+    wire.fail(b"", contract.faults["lost"], times=1)
     one.safe_state()
     one.close()
     one.close()
 
 
-def test_numbers_come_with_a_unit_or_not_at_all():
-    assert [number("1.5E+7HZ"), number(" -0.25")] == [1.5e7, -0.25]
-    for text in ("9.9E+37", "nan", "volts", ""):
-        with pytest.raises(BadReply, match="Expected a number"):
-            number(text)
+@pytest.mark.parametrize(("text", "value"), [("1.5E+7HZ", 1.5e7), (" -0.25", -0.25)])
+def test_a_number_may_have_a_unit(text, value):
+    assert number(text) == value
+
+
+@pytest.mark.parametrize("text", ["9.9E+37", "nan", "volts", ""])
+def test_what_is_no_number_is_a_bad_reply(text):
+    with pytest.raises(BadReply, match="Expected a number"):
+        number(text)

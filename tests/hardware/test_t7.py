@@ -181,12 +181,6 @@ def test_a_log_has_every_request_and_reply(network, tmp_path):
     assert lines == [asked, "daq < 00 01", asked, "daq ! timed out", asked, "daq ! timed out"]
 
 
-def test_another_serial_number_is_refused(peer, far):
-    peer.set(60028, "I", 470010002)
-    with pytest.raises(Refused, match="470010001, got T7 470010002"):
-        far.identify()
-
-
 def test_a_device_that_hangs_is_lost_within_seconds(network, far):
     far.configure_burst(**BURST)
     begun = far.bursts([{"USER_RAM0_U32": 1}, {"USER_RAM0_U32": 2}])

@@ -9,6 +9,6 @@ def _loaded():
     fuzz.loaded()
 
 
-@pytest.mark.parametrize("first", range(0, 100, 10))
-def test_hostile_inputs_end_in_one_line(first):
-    assert not [line for case in range(first, first + 10) for line in fuzz.run(case)[0]]
+@pytest.mark.parametrize("case", range(100))
+def test_a_hostile_input_ends_in_one_line(case):
+    assert not fuzz.run(case)

@@ -10,12 +10,10 @@ Chromium (Debian: apt-get install chromium).
 import re
 import shutil
 import sys
-from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import sync_playwright
 
 WIDTHS = {"desk": 1280, "phone": 390}
 FLAGS = (
@@ -54,7 +52,7 @@ UNWANTED = {
 
 
 @contextmanager
-def chromium() -> Iterator[Browser]:
+def chromium():
     """Start a browser without a profile and without a network."""
     program = shutil.which("chromium") or shutil.which("chromium-browser")
     if program is None:
@@ -68,7 +66,7 @@ def chromium() -> Iterator[Browser]:
 
 
 @contextmanager
-def opened(browser: Browser, page: Path, width: int) -> Iterator[tuple[Page, list[str]]]:
+def opened(browser, page, width):
     """Yield a page in its tab, and the list that its complaints are added to."""
     tab = browser.new_page(viewport={"width": width, "height": 900})
     problems = []
@@ -82,7 +80,7 @@ def opened(browser: Browser, page: Path, width: int) -> Iterator[tuple[Page, lis
     tab.close()
 
 
-def faults(state: dict[str, Any], width: int) -> Iterator[str]:
+def faults(state, width):
     """What is wrong with a page by what it says about itself."""
     if state["undrawn"] > 0 or state["broken"]:
         yield f"{state['undrawn']} formulas are not drawn, {state['broken']} hold an error"
@@ -99,14 +97,14 @@ def faults(state: dict[str, Any], width: int) -> Iterator[str]:
             yield f"{name}: {found[0]!r}"
 
 
-def pages(html: Path) -> list[Path]:
+def pages(html):
     """Pages of a book, those that only serve the theme or lead on left out."""
     skipped = {"genindex.html", "py-modindex.html", "index.html"}
     found = sorted(html.rglob("*.html"))
     return [p for p in found if "_static" not in p.parts and p.name not in skipped]
 
 
-def main(html: Path, shots: Path | None = None) -> int:
+def main(html, shots=None):
     """Visit every page; return the exit code."""
     wrong = 0
     with chromium() as browser:
