@@ -11,7 +11,7 @@ from official_tree import PLAIN, PROJECTIONS, SHAPE, VIEWS, wall, write_official
 from pytest import approx
 from scipy.spatial.transform import Rotation
 
-from cmtof.frame import Frames, rays_from_camera
+from cmtof.frame import Frames
 from cmtof.hypersim import (
     PARTITIONS,
     Hypersim,
@@ -21,6 +21,7 @@ from cmtof.hypersim import (
     split_views,
     write_metadata,
 )
+from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import load_frame
 from cmtof_rooms.rendering import view_exists, write_view
 
@@ -47,18 +48,16 @@ def test_a_tree_holds_its_views_and_official_float16_files_load(tree):
     assert frame.note == "float16 depth in steps of up to 2.0 mm"
 
 
-def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree):
+@pytest.mark.parametrize("scene", PROJECTIONS)
+def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree, scene):
     """Points by the frame's camera are the true ones, turned: a plane, 2 m away."""
-    for scene, projection in PROJECTIONS.items():
-        view = View(scene, "cam_00", 0)
-        write_official(view.file(tree, "depth"), wall(projection).astype(np.float32))
-        frame = Hypersim(tree).frame(view)
-        rays = rays_from_camera(SHAPE, frame.camera)
-        rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
-        points = (rays * frame.depth[..., None]).reshape(-1, 3)
-        normal = np.linalg.lstsq(points, np.ones(len(points)), rcond=None)[0]
-        assert 1 / np.linalg.norm(normal) == approx(2.0, abs=1e-5)
-        assert_allclose(points @ normal, 1.0, atol=1e-5)
+    view = View(scene, "cam_00", 0)
+    write_official(view.file(tree, "depth"), wall(PROJECTIONS[scene]).astype(np.float32))
+    frame = Hypersim(tree).frame(view)
+    points = points_from_depth(frame.depth, frame.camera).reshape(-1, 3)
+    normal = np.linalg.lstsq(points, np.ones(len(points)), rcond=None)[0]
+    assert 1 / np.linalg.norm(normal) == approx(2.0, abs=1e-5)
+    assert_allclose(points @ normal, 1.0, atol=1e-5)
 
 
 @given(
@@ -80,10 +79,14 @@ def test_a_turned_pinhole_with_skew_is_found_again(focal, centre, skew, angles):
     assert_allclose(camera, expected, rtol=1e-7, atol=1e-7)
 
 
-def test_projections_that_show_nothing_are_refused():
-    for projection in (np.eye(3), np.full((3, 3), np.nan)):
-        with pytest.raises(ValueError, match="M_cam_from_uv"):
-            camera_from_projection(projection, SHAPE)
+@pytest.mark.parametrize("projection", [np.eye(3), np.full((3, 3), np.nan)], ids=["I", "nan"])
+def test_projections_that_show_nothing_are_refused(projection):
+    with pytest.raises(ValueError, match="M_cam_from_uv"):
+        camera_from_projection(projection, SHAPE)
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:700])
 
 
 def claims_much(path):
@@ -91,21 +94,36 @@ def claims_much(path):
         file.create_dataset("dataset", shape=(10**6, 10**6), dtype="f4", chunks=(100, 100))
 
 
-def test_a_broken_depth_file_is_named_and_left_out(tree):
-    path = FIRST.file(tree, "depth")
-    for damage, message in (
-        (lambda: path.write_bytes(path.read_bytes()[:700]), "whole HDF5 file"),
-        (lambda: claims_much(path), r"its header claims 4e\+12 bytes"),
-        (lambda: h5py.File(path, "w").close(), "key dataset"),
-        (lambda: write_official(path, np.ones((2, 2), complex)), "numbers on 2 axes"),
-        (lambda: write_official(path, np.full(SHAPE, np.nan)), "none above 0"),
-    ):
-        damage()
-        with pytest.raises(ValueError, match=f"(?s){message}.*") as error:
-            Hypersim(tree).frame(FIRST)
-        assert "ai_001_001" in str(error.value)
+def holds_nothing(path):
+    h5py.File(path, "w").close()
+
+
+def holds_complex_numbers(path):
+    write_official(path, np.ones((2, 2), complex))
+
+
+def knows_no_depth(path):
+    write_official(path, np.full(SHAPE, np.nan))
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (cut, "whole HDF5 file"),
+        (claims_much, r"its header claims 4e\+12 bytes"),
+        (holds_nothing, "key dataset"),
+        (holds_complex_numbers, "numbers on 2 axes"),
+        (knows_no_depth, "none above 0"),
+    ],
+)
+def test_a_broken_depth_file_is_named_and_left_out(tree, damage, message):
+    damage(FIRST.file(tree, "depth"))
+    hypersim = Hypersim(tree)
+    with pytest.raises(ValueError, match=f"(?s){message}") as error:
+        hypersim.frame(FIRST)
+    assert "ai_001_001" in str(error.value)
     View("ai_001_002", "cam_00", 42).file(tree, "color").unlink()
-    frames = Frames(Hypersim(tree).sources(Hypersim(tree).views))
+    frames = Frames(hypersim.sources(hypersim.views))
     assert len(list(frames)) == 7
     assert set(frames.skipped) == {FIRST.name, "ai_001_002/cam_00/0042"}
 
@@ -138,16 +156,16 @@ def test_damaged_tables_are_named(tree):
         _ = Hypersim(tree).projections
 
 
-def test_papers_frames_are_tested_and_their_scenes_never_trained_on(tree):
-    for place in (".", "../analysis"):
-        (tree / place).mkdir(exist_ok=True)
-        for table in list(tree.glob("*.csv")):
-            table.rename(tree / place / table.name)
-        split = Hypersim(tree).split()
-        tested = [view.name for view in split["test"]]
-        assert tested == ["ai_001_001/cam_00/0042", "ai_002_001/cam_00/0042"]
-        assert {view.scene for view in split["train"]} == {"ai_001_002"}
-        assert load_frame(tree).name == "ai_001_001/cam_00/0042"
+@pytest.mark.parametrize("place", [".", "../analysis"])
+def test_papers_frames_are_tested_and_their_scenes_never_trained_on(tree, place):
+    (tree / place).mkdir(exist_ok=True)
+    for table in list(tree.glob("*.csv")):
+        table.rename(tree / place / table.name)
+    split = Hypersim(tree).split()
+    tested = [view.name for view in split["test"]]
+    assert tested == ["ai_001_001/cam_00/0042", "ai_002_001/cam_00/0042"]
+    assert {view.scene for view in split["train"]} == {"ai_001_002"}
+    assert load_frame(tree).name == "ai_001_001/cam_00/0042"
 
 
 scenes = [f"ai_00{i}_00{j}" for i in range(3) for j in range(1, 4)] + ["room_0", "room_1"]

@@ -87,17 +87,20 @@ def test_coherence_falls_with_noise_and_at_edges():
     assert coherence[50, 150] < 0.9 < coherence[50, 20]
 
 
-@pytest.mark.parametrize("window", [9])
-def test_surfaces_up_to_third_order_leave_nothing_and_ripples_their_response(window):
+def test_surfaces_up_to_third_order_leave_nothing():
     y, x = np.mgrid[:96, :96]
     cubic = 1e-5 * (x - 48.0) ** 3 - 2e-5 * (x - 48.0) * y * y + 0.5 * y - 1.1 * x
-    assert np.nanmax(np.abs(local_residual(wrapped(cubic), window=window))) < 1e-8
-    response = fit_response((96, 96), window=window)
-    for ky, kx in ((0, 7), (12, 5), (30, 48)):
-        ripple = 1e-4 * np.cos(TAU * (ky * y + kx * x) / 96)
-        left = local_residual(wrapped(0.3 * x - 0.2 * y + ripple), window=window)
-        known = np.isfinite(left)
-        assert_allclose(left[known], (response[ky, kx] * ripple)[known], atol=1e-9)
+    assert np.nanmax(np.abs(local_residual(wrapped(cubic), window=9))) < 1e-8
+
+
+@pytest.mark.parametrize(("ky", "kx"), [(0, 7), (12, 5), (30, 48)])
+def test_a_ripple_leaves_its_response(ky, kx):
+    y, x = np.mgrid[:96, :96]
+    ripple = 1e-4 * np.cos(TAU * (ky * y + kx * x) / 96)
+    left = local_residual(wrapped(0.3 * x - 0.2 * y + ripple), window=9)
+    expected = fit_response((96, 96), window=9)[ky, kx] * ripple
+    known = np.isfinite(left)
+    assert_allclose(left[known], expected[known], atol=1e-9)
 
 
 @pytest.mark.parametrize(("window", "kept"), [(3, 4 / 9), (5, 148 / 175)])
@@ -161,11 +164,14 @@ def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity)
     assert intensity_from_phase_noise(noise, sigma) == approx(intensity, rel=1e-8)
 
 
-def test_gaussian_noise_keeps_to_the_bound_and_its_law_is_inverted():
+def test_gaussian_noise_keeps_to_the_bound():
     bound = phase_bound(20_000 / np.pi, 10_000.0, QUADRATURES, sigma=1200, phase=np.pi / 4)
     assert phase_spread(float(simulated_phase_noise(1.0))) == approx(float(bound), rel=0.012)
-    for linear in (1e-4, 0.5, 3.0, 20.0):
-        assert linear_from_spread(phase_spread(linear)) == approx(linear, rel=1e-6)
+
+
+@pytest.mark.parametrize("linear", [1e-4, 0.5, 3.0, 20.0])
+def test_the_law_of_the_spread_is_inverted(linear):
+    assert linear_from_spread(phase_spread(linear)) == approx(linear, rel=1e-6)
 
 
 def test_sigma_is_found_in_a_simulated_map_despite_outliers():
@@ -179,15 +185,20 @@ def test_sigma_is_found_in_a_simulated_map_despite_outliers():
     assert low - 0.01 < sigma_from_phase_noise(noise, intensity=0.6) / 500 < high + 0.03
 
 
-def test_what_cannot_be_is_refused_in_one_line():
-    flat = np.zeros((30, 30))
-    for call, message in (
+FLAT = np.zeros((30, 30))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
         (lambda: sigma_from_phase_noise(1.9), r"phase noise between 0 and 1\.81 rad"),
         (lambda: sigma_from_phase_noise(0.1, intensity=[0.01, 1]), r"brightness of 0\.0\d+ or"),
-        (lambda: typical_phase_noise(flat, flat > 0), "whole windows of 5 px"),
-        (lambda: denoise(flat, window=4), "odd window of 3 px or more, got 4"),
+        (lambda: typical_phase_noise(FLAT, FLAT > 0), "whole windows of 5 px"),
+        (lambda: denoise(FLAT, window=4), "odd window of 3 px or more, got 4"),
         (lambda: local_phase_noise(np.zeros((2, 9, 9))), r"phase map \(H, W\)"),
-        (lambda: power_spectrum(flat, np.ones((4, 5), bool)), "finite values within"),
-    ):
-        with pytest.raises(ValueError, match=f"Expected .*{message}"):
-            call()
+        (lambda: power_spectrum(FLAT, np.ones((4, 5), bool)), "finite values within"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(call, message):
+    with pytest.raises(ValueError, match=f"Expected .*{message}"):
+        call()

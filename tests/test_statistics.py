@@ -52,10 +52,13 @@ def test_true_confidences_have_no_calibration_error(rng):
     assert reliability(confidence, right).answers.sum() == confidence.size
 
 
-def test_reliability_refuses_what_is_no_probability():
-    for confidence in ([0.5, 1.2], [0.5, np.nan], [0.5]):
-        with pytest.raises(ValueError, match=r"probability in \[0, 1\]"):
-            reliability(confidence, [True, False])
+@pytest.mark.parametrize("confidence", [[0.5, 1.2], [0.5, np.nan], [0.5]])
+def test_reliability_refuses_what_is_no_probability(confidence):
+    with pytest.raises(ValueError, match=r"probability in \[0, 1\]"):
+        reliability(confidence, [True, False])
+
+
+def test_reliability_of_nothing_is_nan():
     assert np.isnan(reliability([], []).calibration_error)
 
 
