@@ -33,14 +33,6 @@ def test_harmonic_sum_equals_the_time_integral_of_any_waveforms(phase, psi):
     assert fast == approx(time_average(p, r, phase=phase, psi=psi), abs=1e-12)
 
 
-def test_real_modulator_pair_departs_from_equation_4_by_its_harmonics():
-    p = SINGLE.harmonics(9)
-    full = co.correlation_from_harmonics(p, p, phase=0.7, psi=0.0)
-    first = co.correlation_from_harmonics(p[:2], p[:2], phase=0.7, psi=0.0)
-    rest = 2 * sum(abs(p[k]) ** 2 * np.cos(0.7 * k) for k in range(2, 10))
-    assert full - first == approx(rest, abs=1e-15)
-
-
 @pytest.mark.parametrize(
     ("emitted", "reference", "contrast"),
     [

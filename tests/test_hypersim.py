@@ -190,11 +190,12 @@ def test_official_tables_and_the_public_depth_file(shared_data):
     cameras = [camera_from_projection(m, (12, 16)) for m in tree.projections.values()]
     assert (len(cameras), sum(len(camera) == 5 for camera in cameras)) == (482, 31)
     frame = load_frame(next(tree.root.rglob("frame.0000.depth_meters.hdf5")))
-    assert frame.depth.shape == (768, 1024) and frame.note.startswith("float16 depth in steps of")
+    assert frame.depth.shape == (768, 1024)
+    assert frame.note.startswith("float16 depth in steps of")
     assert np.abs(frame.camera[2:] - [512, 384]).min() > 50  # shifted
     assert tree.split()["test"] == []  # on disk is none
-    with (shared_data / "hypersim").joinpath("metadata_images_split_scene_v1.csv").open() as file:
-        rows = [line.rstrip("\n").split(",") for line in file][1:]
+    table = (tree.root / "metadata_images_split_scene_v1.csv").read_text()
+    rows = [line.split(",") for line in table.splitlines()[1:]]
     test = split_views(View(row[0], row[1], int(row[2]), row[-1]) for row in rows)["test"]
     assert [sum(v.partition == name for v in test) for name in PARTITIONS] == [34, 5, 7]
 
@@ -209,31 +210,34 @@ def picture(rng, shape=(40, 48)):
     }
 
 
-def write_rooms(root):
+@pytest.fixture
+def rooms(tmp_path):
+    """A training room and a test room of two equal views each."""
     split = {"room_000_000": "train", "room_000_001": "test"}
     views = [("cam_00", 0), ("cam_00", 1)]
     for number, scene in enumerate(split):
         for view in views:
-            write_view(root, scene, *view, **picture(np.random.default_rng(number)))
-    write_metadata(root, (40, 48), {scene: (part, 41.6, views) for scene, part in split.items()})
-    return {p.relative_to(root): p.read_bytes() for p in root.rglob("*.*") if p.is_file()}
+            write_view(tmp_path, scene, *view, **picture(np.random.default_rng(number)))
+    write_metadata(tmp_path, (40, 48), {name: (part, 41.6, views) for name, part in split.items()})
+    return Hypersim(tmp_path)
 
 
-def test_rooms_are_written_alike_every_time_and_read_by_the_one_reader(tmp_path):
-    once = write_rooms(tmp_path / "rooms")
-    assert write_rooms(tmp_path / "rooms") == once == write_rooms(tmp_path / "again")
-    tree = Hypersim(tmp_path / "rooms")
+def test_rooms_are_read_by_the_one_reader(rooms):
     expected = picture(np.random.default_rng(0))
-    view = tree.views[1]
-    frame = tree.frame(view)
+    view = rooms.views[1]
+    frame = rooms.frame(view)
     assert_array_equal(frame.depth, expected["depth"])  # every bit
     assert_allclose(frame.intensity, expected["color"][..., 1], rtol=2.0**-11)
-    normal, instance = (view.file(tree.root, kind) for kind in ("normal", "instance"))
+    normal, instance = (view.file(rooms.root, kind) for kind in ("normal", "instance"))
     assert_allclose(read_array(normal, 3), expected["normal"], atol=2.0**-11)
     assert_array_equal(read_array(instance, 2), expected["instance"])
     assert_allclose(frame.camera, [41.6, 41.6, 24, 20])
     assert frame.note == ""
-    assert [v.name for v in tree.split()["test"]] == ["room_000_001/cam_00/0000"]
-    assert all(view_exists(tree.root, *view[:3]) for view in tree.views)
-    view.file(tree.root, "normal").unlink()
-    assert not view_exists(tree.root, *view[:3])
+    assert [v.name for v in rooms.split()["test"]] == ["room_000_001/cam_00/0000"]
+
+
+def test_a_view_exists_once_all_its_files_do(rooms):
+    assert all(view_exists(rooms.root, *view[:3]) for view in rooms.views)
+    view = rooms.views[1]
+    view.file(rooms.root, "normal").unlink()
+    assert not view_exists(rooms.root, *view[:3])

@@ -1,8 +1,10 @@
 """Other ends for the drivers: small models of the devices, behind wires that can fail."""
 
 import contextlib
+import io
 import os
 import socket
+import socketserver
 import struct
 import threading
 from contextlib import contextmanager
@@ -184,12 +186,13 @@ class T7:
     """Registers of a T7, function 76, and a burst's packets on ``stream``; a burst may fail."""
 
     def __init__(self):
-        self.words = {2007: 1}
+        self.memory = bytearray(2 * 65536)
         self.written = []
         self.fault = ""
         self.outputs = set()
         self.power_up = {}
         self.stream = Port()
+        self.set(2007, "H", 1)
         self.set(60000, "f", 7.0)  # PRODUCT_ID
         self.set(60004, "f", 1.0292)  # FIRMWARE_VERSION
         self.set(60028, "I", 470010001)  # SERIAL_NUMBER
@@ -197,46 +200,45 @@ class T7:
 
     def set(self, address, kind, *values):
         """Set registers from an address on."""
-        data = struct.pack(f">{kind}", *values)
-        words = struct.unpack(f">{len(data) // 2}H", data)
-        self.words.update({address + n: word for n, word in enumerate(words)})
+        struct.pack_into(f">{kind}", self.memory, 2 * address, *values)
+
+    def get(self, address, kind="I"):
+        """Value of a register."""
+        return struct.unpack_from(f">{kind}", self.memory, 2 * address)[0]
+
+    @property
+    def levels(self):
+        """Bits of the digital lines."""
+        return self.get(2500, "H")
 
     def cycle_power(self):
         """Switch off and on: lines are inputs, pulled high, unless others are saved."""
         self.outputs = set(self.power_up)
-        levels = [self.power_up.get(line, 1) for line in range(8)]
-        self.words[2500] = sum(level << line for line, level in enumerate(levels))
-
-    def get(self, address):
-        """Value of a register of 32 bits."""
-        return self.words.get(address, 0) << 16 | self.words.get(address + 1, 0)
+        self.set(2500, "H", sum(self.power_up.get(line, 1) << line for line in range(8)))
 
     def __call__(self, frame):
         reply = b""
-        at = 0
-        while at < len(frame):
-            writes, address, count = struct.unpack_from(">BHB", frame, at)
-            at += 4
+        rest = io.BytesIO(frame)
+        while head := rest.read(4):
+            writes, address, count = struct.unpack(">BHB", head)
             if writes:
-                self.write(address, struct.unpack_from(f">{count}H", frame, at))
-                at += 2 * count
+                self.write(address, rest.read(2 * count))
             else:
-                words = [self.words.get(address + n, 0) for n in range(count)]
-                reply += struct.pack(f">{count}H", *words)
+                reply += self.memory[2 * address : 2 * (address + count)]
         return reply
 
-    def write(self, address, words):
-        self.words.update({address + n: word for n, word in enumerate(words)})
-        self.written.append((address, words))
+    def write(self, address, data):
+        self.memory[2 * address : 2 * address + len(data)] = data
+        self.written.append((address, data))
         if 2000 <= address < 2008:
-            self.words[2500] = self.words.get(2500, 0) & ~(1 << (address - 2000))
-            self.words[2500] |= words[0] << (address - 2000)
-            self.outputs.add(address - 2000)
-        if address == 49002:
-            self.power_up = {line: self.words[2000 + line] for line in self.outputs}
-        if address == 4990 and words[-1]:
-            self.words[4494] = self.words[4002]
-            self.words[4495] = self.words[4003]
+            line = address - 2000
+            self.outputs.add(line)
+            others = self.levels & ~(1 << line)
+            self.set(2500, "H", others | self.get(address, "H") << line)
+        elif address == 49002:
+            self.power_up = {line: self.get(2000 + line, "H") for line in self.outputs}
+        elif address == 4990 and any(data):
+            self.set(4494, "I", self.get(4002))
             self._send_burst()
 
     def _send_burst(self):
@@ -248,10 +250,23 @@ class T7:
         self.fault = ""
         for n, start in enumerate(range(0, scans, size)):
             part = counts[start : start + size].tobytes()
-            status = 2941 if fault == "skipped" and n else 2944 if start + size >= scans else 0
-            number = n + bool(fault == "lost" and n)
+            status = 2944 if start + size >= scans else 0
+            number = n
+            if n and fault == "short":
+                return
+            if n and fault == "skipped":
+                status = 2941
+            if n and fault == "lost":
+                number += 1
             head = struct.pack(">HHHBBBBHHH", number, 0, 10 + len(part), 1, 76, 16, 0, 0, status, 0)
-            self.stream.write(head + part if not (fault == "short" and n) else b"")
+            self.stream.write(head + part)
+
+
+def served(port, handle):
+    """Server of a port; a function handles the socket of each connection."""
+    server = socketserver.ThreadingTCPServer(("127.0.0.1", port), lambda client, *_: handle(client))
+    server.daemon_threads = True
+    return server
 
 
 class Network:
@@ -263,52 +278,38 @@ class Network:
     def __init__(self, model):
         self.model = model
         self.silent = False
-        self.requests = []
-        self.sockets = []
         self.streaming = threading.Event()  # both ports are connected
-        self.listeners = self._two_ports()
-        self.address = f"127.0.0.1:{self.listeners[0].getsockname()[1]}"
-        for serve, listener in zip((self._requests, self._stream), self.listeners, strict=True):
-            threading.Thread(target=self._accept, args=(serve, listener), daemon=True).start()
+        self.servers = self._two_servers()
+        self.address = "{}:{}".format(*self.servers[0].server_address)
+        for server in self.servers:
+            threading.Thread(target=server.serve_forever, args=(0.01,)).start()
 
-    def _two_ports(self):
+    def _two_servers(self):
         for port in range(20_000 + os.getpid() % 10_000, 60_000):
             with contextlib.suppress(OSError):
-                first = socket.create_server(("127.0.0.1", port))
-                return first, socket.create_server(("127.0.0.1", port + 200))
+                return served(port, self._requests), served(port + 200, self._stream)
         raise OSError("Expected two free ports, got none. Close something.")
-
-    def _accept(self, serve, listener):
-        with contextlib.suppress(OSError):
-            while True:
-                client, _ = listener.accept()
-                self.sockets.append(client)
-                threading.Thread(target=serve, args=(client,), daemon=True).start()
 
     def _stream(self, client):
         self.model.stream = SimpleNamespace(write=client.sendall)
         self.streaming.set()
+        client.recv(1)  # until the other end closes
 
     def _requests(self, client):
-        with contextlib.suppress(OSError, struct.error):
-            while True:
-                head = client.recv(8, socket.MSG_WAITALL)
-                number, _, length, unit, function = struct.unpack(">HHHBB", head)
-                frame = client.recv(length - 2, socket.MSG_WAITALL)
-                self.requests.append(frame)
-                if self.silent:
-                    continue
-                self.streaming.wait(10)
-                if self.model.fault == "refuse" and frame[:3] != b"\x00\xd6\xd8":
-                    self.model.set(55000, "H", 2603)
-                    client.sendall(struct.pack(">HHHBBB", number, 0, 3, unit, 76 | 0x80, 6))
-                    continue
-                body = self.model(frame)
-                head = struct.pack(">HHHBB", number, 0, len(body) + 2, unit, function)
-                client.sendall(head + body)
+        while head := client.recv(8, socket.MSG_WAITALL):
+            number, _, length, unit, function = struct.unpack(">HHHBB", head)
+            frame = client.recv(length - 2, socket.MSG_WAITALL)
+            if self.silent:
+                continue
+            self.streaming.wait(10)
+            if self.model.fault == "refuse" and frame[:3] != b"\x00\xd6\xd8":
+                self.model.set(55000, "H", 2603)
+                client.sendall(struct.pack(">HHHBBB", number, 0, 3, unit, 76 | 0x80, 6))
+                continue
+            body = self.model(frame)
+            client.sendall(struct.pack(">HHHBB", number, 0, len(body) + 2, unit, function) + body)
 
     def close(self):
-        for one in (*self.listeners, *self.sockets):
-            with contextlib.suppress(OSError):
-                one.shutdown(socket.SHUT_RDWR)  # wakes the thread that waits for it
-            one.close()
+        for server in self.servers:
+            server.shutdown()
+            server.server_close()

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -25,19 +26,20 @@ pytestmark = pytest.mark.slow
 # kills of a kind, processes, calls, side of a scan in px, bursts between faults
 COUNTS = os.environ.get("CMTOF_LONG", "[5, 10, 500, 64, 100]")  # in full 30, 10, 2000, 256, 500
 MOMENTS, CROWD, CALLS, SIDE, EVERY = json.loads(COUNTS)
+FAULTS = [InstrumentTimeout, ConnectionLost, BadReply, "interlock_closed", "edges", "clock_on"]
 RECIPE = """
 {model: fast-scnn-light, precision: 32-true, rooms: null, save_every: 2, validate_every: 2,
 validation_views: 3, stages: [{name: leaves, crops: 24, crop: 32, batch: 2, noise: [30, 60],
 rate: [1.0e-3, 1.0e-4]}]}
 """
 COMMANDS = {
-    "simulate": ["simulate", "still_life", "-o", "m.nc"],
-    "unwrap": ["unwrap", "in.nc", "-o", "out.nc", "--method", "crt", "--quiet"],
-    "render": ["render", "--scenes=2", "--views=3", "--size=48x64", "-o", "set", "--quiet"],
-    "scan": ["scan", "--twin", "--size", "16", "-o", "m.nc", "--quiet"],
-    "train": ["train", "recipe.yml", "-o", "run", "--quiet"],
+    "simulate": "simulate still_life -o m.nc",
+    "unwrap": "unwrap in.nc -o out.nc --method crt --quiet",
+    "render": "render --scenes=2 --views=3 --size=48x64 -o set --quiet",
+    "scan": "scan --twin --size 16 -o m.nc --quiet",
+    "train": "train recipe.yml -o run --quiet",
 }
-KILLS = list(itertools.product(["render", "scan", "train"], ["SIGINT", "SIGTERM", "SIGKILL"]))
+KILLS = itertools.product(["render", "scan", "train"], ["SIGINT", "SIGTERM", "SIGKILL"])
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -58,13 +60,13 @@ def folder(tmp_path, measurement_file):
     return made
 
 
-def begun(name, path, resume=False):
+def start(name, path, resume=False):
     """Start a command in a folder; what is returned waits for its exit code and its lines."""
     said = tempfile.TemporaryFile("w+")  # noqa: SIM115
     more = ["--resume"] if resume and name in ("scan", "train") else []
-    child = fuzz.started([*COMMANDS[name], *more], path, said)
+    child = fuzz.started([*COMMANDS[name].split(), *more], path, said)
 
-    def ended(number=None, after=0.0):
+    def end(number=None, after=0.0):
         if number:
             time.sleep(after)
             os.kill(child, number)
@@ -73,7 +75,7 @@ def begun(name, path, resume=False):
             said.seek(0)
             return code, said.readlines()
 
-    return ended
+    return end
 
 
 def contents(path):
@@ -86,70 +88,88 @@ def contents(path):
 @pytest.mark.parametrize(("name", "kill"), [*KILLS, ("scan", "SIGHUP")])
 def test_killed_at_any_moment_it_resumes_to_equal_bytes(folder, name, kill):
     number = getattr(signal, kill)
-    cut = 0
-    took = 0.0
-    for whole in (folder("first"), folder("whole")):  # the first also compiles
-        start = time.monotonic()
-        assert begun(name, whole)() == (0, [])
-        took = time.monotonic() - start
+    assert start(name, folder("first"))() == (0, [])  # compiles
+    whole = folder("whole")
+    begin = time.monotonic()
+    assert start(name, whole)() == (0, [])
+    took = time.monotonic() - begin
     rng = np.random.default_rng(int(number))
+    cut = 0
     for moment in map(str, range(MOMENTS)):
-        code, lines = begun(name, path := folder(moment))(number, rng.uniform(0, took))
+        path = folder(moment)
+        code, lines = start(name, path)(number, rng.uniform(0, took))
         assert code in (0, -number, 128 + number), moment
-        assert kill == "SIGKILL" or len(lines) < 2, (moment, lines)
-        assert kill == "SIGKILL" or not list(path.rglob(".*.part-*")), moment
+        if kill != "SIGKILL":
+            assert len(lines) < 2, (moment, lines)
+            assert not list(path.rglob(".*.part-*")), moment
         cut += code != 0
-        assert begun(name, path, resume=True)() == (0, []), moment
+        assert start(name, path, resume=True)() == (0, []), moment
         assert contents(path) == contents(whole), moment
     print(f"{name}: {cut} of {MOMENTS} by {kill} within {took:.1f} s")
 
 
 def test_a_crowd_that_writes_one_file_leaves_it_whole(folder):
     path = folder("crowd")
-    crowd = [begun("unwrap", path) for _ in range(CROWD)]
-    assert [ended() for ended in crowd] == [(0, [])] * CROWD
-    begun("unwrap", alone := folder("alone"))()
+    crowd = [start("unwrap", path) for _ in range(CROWD)]
+    assert [end() for end in crowd] == [(0, [])] * CROWD
+    start("unwrap", alone := folder("alone"))()
     assert contents(path) == contents(alone)
 
 
 def test_thousands_of_calls_take_no_more_memory_or_files(tmp_path, measurement_file):
     methods = itertools.cycle(["crt", "beat", "spatial", "kde", "crt-ml", "region", "surfaces"])
-    held = []
-    for call, method in zip(range(CALLS + 1), methods, strict=False):
-        if call in (CALLS // 20, CALLS):
-            pages = int(Path("/proc/self/statm").read_text().split()[1])
-            held += [pages * os.sysconf("SC_PAGE_SIZE") / 2**20, len([*Path("/dev/fd").iterdir()])]
-        list(unwrap_file(measurement_file, tmp_path / "out.nc", method=method))
-    print(f"{CALLS} calls: {held[0]:.1f} MiB and {held[1]} files, then {held[2]:.1f}, {held[3]}")
-    assert held[2] < held[0] + 8 and held[3] == held[1]
+
+    def call(times):
+        """MiB and files that are held after so many calls."""
+        for method in itertools.islice(methods, times):
+            list(unwrap_file(measurement_file, tmp_path / "out.nc", method=method))
+        pages = int(Path("/proc/self/statm").read_text().split()[1])
+        return pages * os.sysconf("SC_PAGE_SIZE") / 2**20, len([*Path("/dev/fd").iterdir()])
+
+    memory, files = call(CALLS // 20)
+    more, files_then = call(CALLS - CALLS // 20)
+    print(f"{CALLS} calls: {memory:.1f} MiB and {files} files, then {more:.1f}, {files_then}")
+    assert more < memory + 8
+    assert files_then == files
+
+
+@pytest.fixture
+def resized(tmp_path):
+    """A small disk, and what sets its size."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+
+    def resize(size):
+        command = ["mount", "-t", "tmpfs", "-o", f"{size}k", "cmtof", disk]
+        return subprocess.run(command, capture_output=True).returncode
+
+    if resize("size=1000"):
+        pytest.skip("only root mounts a small disk")
+    yield disk, lambda size: resize(f"remount,size={size:.0f}")
+    subprocess.run(["umount", "-l", disk], check=True)
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_full_disk_is_one_line_and_the_run_goes_on(tmp_path, folder, name):
-    (tmp_path / "disk").mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o"]
-    disk = tmp_path / "disk"
+def test_a_full_disk_is_one_line_and_the_run_goes_on(resized, folder, name):
+    disk, resize = resized
+    inputs = contents(folder("disk"))
+    whole = folder("whole")
+    assert start(name, whole)() == (0, [])
+    used = sum(-(-len(content) // 4096) * 4 for content in inputs.values())
     full = 0
-    if subprocess.run([*mount, "size=1M", "cmtof", disk], capture_output=True).returncode:
-        pytest.skip("only root mounts a small disk")
-    try:
-        inputs = contents(folder("disk"))
-        whole = folder("whole")
-        assert begun(name, whole)() == (0, [])
-        used = sum(-(-len(content) // 4096) * 4 for content in inputs.values())
-        for room in np.geomspace(4, 20_000, 25):  # KiB
-            subprocess.run([*mount, f"remount,size={used + room:.0f}k", "cmtof", disk], check=True)
-            code, lines = begun(name, disk, resume=True)()
-            if code == 0:
-                break
-            full += 1
-            assert code == 1 and len(lines) == 1 and "No space left" in lines[0], (room, lines)
-            assert not list(disk.rglob(".*.part-*")), room
-            assert name in ("render", "scan", "train") or contents(disk) == inputs
-        print(f"{name}: {full} times full, whole with {room:.0f} KiB")
-        assert full and contents(disk) == contents(whole)
-    finally:
-        subprocess.run(["umount", "-l", disk], check=True)
+    for room in np.geomspace(4, 20_000, 25):  # KiB
+        assert resize(used + room) == 0
+        code, lines = start(name, disk, resume=True)()
+        if code == 0:
+            break
+        full += 1
+        assert (code, len(lines)) == (1, 1), (room, lines)
+        assert "No space left" in lines[0], room
+        assert not list(disk.rglob(".*.part-*")), room
+        assert name in ("render", "scan", "train") or contents(disk) == inputs
+    print(f"{name}: {full} times full, whole with {room:.0f} KiB")
+    assert full
+    assert contents(disk) == contents(whole)
 
 
 # --- the instrument -------------------------------------------------------------------------------
@@ -181,7 +201,6 @@ def test_faults_on_the_way_are_recovered_or_end_in_the_dark(tmp_path, take):
     bursts = itertools.count(1)
     struck = 0
     ended = 0
-    kinds = [InstrumentTimeout, ConnectionLost, BadReply, "interlock_closed", "edges", "clock_on"]
 
     def prepare(bench):
         works = bench.daq.bursts
@@ -190,8 +209,8 @@ def test_faults_on_the_way_are_recovered_or_end_in_the_dark(tmp_path, take):
             nonlocal struck
             for burst in works(requests):
                 if next(bursts) % EVERY == 0:
-                    kind = kinds[struck % len(kinds)]
-                    struck = struck + 1
+                    kind = FAULTS[struck % len(FAULTS)]
+                    struck += 1
                     if not isinstance(kind, str):
                         raise kind("Expected an answer, got none. Check it.")
                     target = bench.rf_detection if kind == "edges" else bench.daq.panel
@@ -208,46 +227,60 @@ def test_faults_on_the_way_are_recovered_or_end_in_the_dark(tmp_path, take):
     assert (tmp_path / "m.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
 
 
-def test_after_a_kill_timers_are_armed_and_the_next_scan_begins_in_the_dark(tmp_path, take):
-    parts = [("daq", "watchdog"), ("daq", "set_line")]
-    parts += itertools.product(("rf_emission", "rf_detection"), ("set_dead_man", "output"))
+ACTS = [("daq", "watchdog"), ("daq", "set_line")]
+ACTS += itertools.product(["rf_emission", "rf_detection"], ["set_dead_man", "output"])
 
-    def telling(bench, tell):
-        for role, name in parts:
-            works = getattr(bench.devices[role], name)
 
-            def act(*values, works=works, what=f"{role} {name}", **_):
-                works(*values)
-                tell([what, *values])
+def tell_acts(bench, tell):
+    """Have each act of a device told once it is done."""
 
-            setattr(bench.devices[role], name, act)
+    def telling(works, what):
+        def act(*values, **_):
+            works(*values)
+            tell([what, *values])
 
-    reader, writer = os.pipe()
-    if (child := os.fork()) == 0:
-        tell = lambda done: os.write(writer, json.dumps(done).encode() + b"\n")  # noqa: E731
-        take("m.nc", 4, lambda bench: telling(bench, tell))
-        os._exit(0)
-    os.close(writer)
+        return act
+
+    for role, name in ACTS:
+        device = bench.devices[role]
+        setattr(device, name, telling(getattr(device, name), f"{role} {name}"))
+
+
+@pytest.fixture
+def acts_of_a_killed_scan(take):
+    """What a scan did until it was killed in the light."""
+    processes = multiprocessing.get_context("fork")
+    receiver, sender = processes.Pipe(duplex=False)
+    arguments = ("m.nc", 4, lambda bench: tell_acts(bench, sender.send))
+    child = processes.Process(target=take, args=arguments)
+    child.start()
+    sender.close()
     told = []
-    lit = ["daq set_line", "FIO1", True]
-    with os.fdopen(reader) as lines:
-        while len(told) < 60 or told[-1] != lit:
-            told.append(json.loads(next(lines)))
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-    # timers that end it were armed before: the watchdog, 5 s, and each dead man's, 5 s
-    assert told.index(["daq watchdog", 5]) < told.index(["daq set_line", "FIO0", True])
+    while len(told) < 60 or told[-1] != ["daq set_line", "FIO1", True]:
+        told.append(receiver.recv())
+    child.kill()
+    child.join()
+    return told
+
+
+def test_timers_that_end_a_killed_scan_are_armed_before_the_light(acts_of_a_killed_scan):
+    when = acts_of_a_killed_scan.index
+    assert when(["daq watchdog", 5]) < when(["daq set_line", "FIO0", True])
     for rf in ("rf_emission", "rf_detection"):
-        assert told.index([f"{rf} set_dead_man", 5.0]) < told.index([f"{rf} output", True])
+        assert when([f"{rf} set_dead_man", 5.0]) < when([f"{rf} output", True])
+
+
+@pytest.mark.usefixtures("acts_of_a_killed_scan")
+def test_after_a_kill_the_next_scan_begins_in_the_dark(tmp_path, take):
     done = []
 
-    def as_killed(bench):
+    def prepare(bench):
         panel = bench.daq.panel
         panel.emission.on = panel.detection.on = panel.laser_on = panel.shutter_open = True
-        telling(bench, done.append)
+        tell_acts(bench, done.append)
 
-    assert take("m.nc", 4, as_killed, resume=True) is None
-    first = done[: next(n for n, act in enumerate(done) if act[-1] is True)]
+    assert take("m.nc", 4, prepare, resume=True) is None
+    first = list(itertools.takewhile(lambda act: act[-1] is not True, done))
     assert first[:3] == [["daq set_line", line, False] for line in LIGHT]
     assert ["rf_emission output", False] in first
     take("whole.nc", 4)

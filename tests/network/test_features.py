@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import torch
+from numpy.testing import assert_allclose
 
 from cmtof.correlation import TAU
 from cmtof.network.features import FEATURE_SETS, channels, features, fourier_features, phase_edges
@@ -13,15 +14,17 @@ AMPLITUDE = rng.uniform(0, 6000, (2, 12, 15))
 CORRELATION = rng.normal(5000, 1000, (2, 4, 12, 15))
 
 
-def test_fourier_features_are_cosines_and_sines_of_octaves():
+@pytest.mark.parametrize("k", range(5))
+def test_fourier_features_are_cosines_and_sines_of_octaves(k):
     found = fourier_features(PHASE[0], order=4)
-    for k in range(5):
-        assert np.allclose(found[2 * k], np.cos(2**k * PHASE[0]), atol=1e-12)
-        assert np.allclose(found[2 * k + 1], np.sin(2**k * PHASE[0]), atol=1e-12)
-    # whole turns change neither octaves nor edges
+    assert_allclose(found[2 * k], np.cos(2**k * PHASE[0]), atol=1e-12)
+    assert_allclose(found[2 * k + 1], np.sin(2**k * PHASE[0]), atol=1e-12)
+
+
+def test_whole_turns_change_neither_octaves_nor_edges():
     moved = PHASE[0] + 57 * TAU * (rng.uniform(size=PHASE[0].shape) < 0.5)
-    assert np.allclose(fourier_features(moved), fourier_features(PHASE[0]), atol=1e-9)
-    assert np.allclose(np.exp(1j * phase_edges(moved)), np.exp(1j * phase_edges(PHASE[0])))
+    assert_allclose(fourier_features(moved), fourier_features(PHASE[0]), atol=1e-9)
+    assert_allclose(np.exp(1j * phase_edges(moved)), np.exp(1j * phase_edges(PHASE[0])), atol=1e-9)
 
 
 def test_edges_of_a_plane_are_its_slopes_wherever_it_wraps():
@@ -32,15 +35,14 @@ def test_edges_of_a_plane_are_its_slopes_wherever_it_wraps():
     assert not edges[0, :, 0].any() and not edges[1, 0].any() and not edges[3, -1].any()
 
 
-def test_numpy_and_torch_agree_in_every_set():
-    arrays = PHASE, AMPLITUDE, CORRELATION
-    phase, amplitude, correlation = map(torch.from_numpy, arrays)
-    for name in FEATURE_SETS:
-        ours = features(PHASE, AMPLITUDE, name, CORRELATION)
-        theirs = features(phase, amplitude, name, correlation)
-        assert ours.shape == (channels(name), 12, 15)
-        assert np.allclose(ours, theirs.numpy(), atol=1e-9)
-        assert np.isfinite(features(PHASE, 0 * AMPLITUDE, name, CORRELATION)).all()
+@pytest.mark.parametrize("name", FEATURE_SETS)
+def test_numpy_and_torch_agree_in_every_set(name):
+    phase, amplitude, correlation = map(torch.from_numpy, (PHASE, AMPLITUDE, CORRELATION))
+    ours = features(PHASE, AMPLITUDE, name, CORRELATION)
+    theirs = features(phase, amplitude, name, correlation)
+    assert ours.shape == (channels(name), 12, 15)
+    assert_allclose(ours, theirs.numpy(), atol=1e-9)
+    assert np.isfinite(features(PHASE, 0 * AMPLITUDE, name, CORRELATION)).all()
 
 
 def test_beat_features_turn_with_the_beat():

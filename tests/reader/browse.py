@@ -1,17 +1,8 @@
-"""Look at built pages in headless Chromium with networking off.
-
-    python tests/reader/browse.py HTML [SHOTS]
-
-Opens every page of the folder ``HTML`` at the width of a desk and of a phone, prints what is wrong
-with it, and with ``SHOTS`` stores a picture of each there. Exit code 1 if anything is wrong. Needs
-Chromium (Debian: apt-get install chromium).
-"""
+"""Look at built pages in headless Chromium (Debian: apt-get install chromium) without a network."""
 
 import re
 import shutil
-import sys
 from contextlib import contextmanager
-from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
@@ -102,25 +93,3 @@ def pages(html):
     skipped = {"genindex.html", "py-modindex.html", "index.html"}
     found = sorted(html.rglob("*.html"))
     return [p for p in found if "_static" not in p.parts and p.name not in skipped]
-
-
-def main(html, shots=None):
-    """Visit every page; return the exit code."""
-    wrong = 0
-    with chromium() as browser:
-        for page in pages(html):
-            for name, width in WIDTHS.items():
-                with opened(browser, page, width) as (tab, problems):
-                    problems += faults(tab.evaluate(PROBE), width)
-                    if shots:
-                        shots.mkdir(parents=True, exist_ok=True)
-                        tab.screenshot(path=shots / f"{page.stem}_{name}.png", full_page=True)
-                for problem in problems:
-                    print(f"{page.relative_to(html)} ({name}): {problem}")
-                wrong += bool(problems)
-    print(f"{len(pages(html))} pages at {len(WIDTHS)} widths, {wrong} with something wrong")
-    return int(wrong > 0)
-
-
-if __name__ == "__main__":
-    sys.exit(main(*map(Path, sys.argv[1:3])))
