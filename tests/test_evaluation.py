@@ -61,19 +61,17 @@ def test_scores_need_a_truth_and_a_pixel(measured):
 
 
 def test_every_method_sees_the_same_noise(tilted_wall):
-    both = Evaluation(["crt", "crt-ml"], seed=4)
-    report = both.add_all([tilted_wall, tilted_wall]).report()
+    frames = [tilted_wall, tilted_wall]
+    both = Evaluation(["crt", "crt-ml"], seed=4).add_all(frames)
+    report = both.report()
     assert report["frames"] == ["wall", "wall"]
     assert (report["protocol"], report["noise"], report["seed"]) == ("released", 1200.0, 4)
-    crt = report["methods"]["crt"]
-    fused = report["methods"]["crt-ml"]
+    crt, fused = report["methods"].values()
     assert crt["delta_lt_3"] == approx(fused["delta_lt_3"], abs=0.01)
-    alone = Evaluation(["crt"], seed=4).add_all([tilted_wall, tilted_wall]).counts()
-    assert [frame["methods"]["crt"] for frame in alone] == [
-        frame["methods"]["crt"] for frame in both.counts()
-    ]
-    first, second = alone
-    assert first["methods"] != second["methods"]  # each frame has noise of its own
+    alone = Evaluation(["crt"], seed=4).add_all(frames)
+    first, second = ([frame["methods"]["crt"] for frame in one.counts()] for one in (alone, both))
+    assert first == second
+    assert first[0] != first[1]  # each frame has noise of its own
 
 
 def test_a_method_whose_package_is_missing_is_left_out(tilted_wall, monkeypatch):
@@ -93,26 +91,38 @@ def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):
     assert_array_equal(given["phasor"].mask, given["beat"].mask)
 
 
-def test_stored_counts_are_read_and_give_rates_with_intervals(tmp_path, tilted_wall):
-    frames = [tilted_wall] * 4
-    counts = Evaluation(["crt", "middle"], seed=2).add_all(frames).counts()
+@pytest.fixture
+def table(tmp_path, tilted_wall):
+    """Stored counts of four frames by two methods, and where they stand."""
+    counts = Evaluation(["crt", "middle"], seed=2).add_all([tilted_wall] * 4).counts()
     path = tmp_path / "table.json"
-    assert read_counts(path) == []
     path.write_text(json.dumps({"frames": counts, "sha256": evaluation.digest(counts)}))
-    held = read_counts(path)
-    assert held == counts
-    found = rates(held, "crt", draws=200)
-    whole = sum(frame["methods"]["crt"]["pixels"] for frame in counts)
-    right = sum(frame["methods"]["crt"]["below"][0] for frame in counts)
-    assert found.value[0] == approx(right / whole)
-    assert (found.low <= found.value).all()
-    assert (found.high >= found.value).all()
-    apart = rates(held, "crt", against="middle", draws=200)
-    assert_allclose(apart.value, found.value - rates(held, "middle", draws=50).value)
-    counts[0]["frame"] = "another"
-    path.write_text(json.dumps({"frames": counts, "sha256": evaluation.digest(held)}))
+    return path, counts
+
+
+def test_stored_counts_are_read(table):
+    path, counts = table
+    assert read_counts(path) == counts
+    assert read_counts(path.with_name("none.json")) == []
+
+
+def test_edited_counts_are_refused(table):
+    path, _ = table
+    path.write_text(path.read_text().replace('"wall"', '"another"', 1))
     with pytest.raises(ValueError, match="edited ones. Count again"):
         read_counts(path)
+
+
+def test_counts_give_rates_with_intervals(table):
+    _, counts = table
+    found = rates(counts, "crt", draws=200)
+    pooled = [frame["methods"]["crt"] for frame in counts]
+    right = sum(frame["below"][0] for frame in pooled)
+    assert found.value[0] == approx(right / sum(frame["pixels"] for frame in pooled))
+    assert (found.low <= found.value).all()
+    assert (found.high >= found.value).all()
+    apart = rates(counts, "crt", against="middle", draws=200)
+    assert_allclose(apart.value, found.value - rates(counts, "middle", draws=50).value)
 
 
 def test_true_depth_read_against_the_measured_phase_loses_the_boundaries():

@@ -7,12 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from PIL import Image
 
 import cmtof
 from cmtof import captures
 from cmtof.correlation import TAU, centred, phase_from_depth
-from cmtof.frame import Frame, Frames, ray_lengths, rays_from_camera
+from cmtof.frame import Frame, Frames, rays_from_camera
 from cmtof.scenes import frames_in, load_frame
 
 CAMERA = [50.0, 60.0, 8.0, 6.0]
@@ -84,54 +83,6 @@ def test_files_that_are_no_frame_are_refused(tmp_path, name, message):
     (tmp_path / "a.jpg").touch()
     with pytest.raises(ValueError, match=message):
         load_frame(tmp_path / name)
-
-
-def test_an_unknown_name_lists_the_known_ones():
-    with pytest.raises(FileNotFoundError, match="room, stairs, still_life"):
-        load_frame("no_such_frame")
-
-
-@pytest.fixture
-def pairs(tmp_path):
-    """A folder of two pairs: depth from 0 to 3 m, sRGB of one half."""
-    depth = np.linspace(0, 3.0, 12 * 16).reshape(12, 16)
-    colour = np.zeros((12, 16, 3), np.uint8)
-    colour[..., 1] = 188
-    for folder, image in (("depth", np.rint(depth * 5000).astype(np.uint16)), ("rgb", colour)):
-        (tmp_path / folder).mkdir()
-        for name in ("2", "10"):
-            Image.fromarray(image).save(tmp_path / folder / f"{name}.png")
-    return tmp_path, depth
-
-
-@pytest.mark.parametrize(("planar", "shape"), [(False, 1.0), (True, ray_lengths((12, 16), CAMERA))])
-def test_a_pair_of_images_loads_with_its_scale(pairs, planar, shape):
-    folder, depth = pairs
-    how = {"depth_scale": 5000, "planar": planar, "camera": CAMERA}
-    frame = load_frame(folder / "depth" / "2.png", intensity=folder / "rgb" / "2.png", **how)
-    assert np.isnan(frame.depth[0, 0])
-    assert_allclose(frame.depth[1:], (depth * shape)[1:], atol=1.2e-4)
-    assert_allclose(frame.intensity, 0.5, atol=0.005)
-    listed = frames_in(folder, **how)
-    assert [source.name for source in listed] == [f"{folder.name}/2", f"{folder.name}/10"]
-    assert_array_equal(listed[0].load().depth, frame.depth)
-
-
-@pytest.mark.parametrize(
-    ("depth", "light", "how", "message"),
-    [
-        ("depth/2.png", None, {}, "intensity image beside"),
-        ("depth/2.png", "rgb/2.png", {"planar": True}, "for planar depth a camera"),
-        ("depth/2.png", "rgb/2.png", {"depth_scale": 0}, "depth scale > 0"),
-        ("depth/2.png", "fake.png", {}, "Expected a PNG image"),
-        ("rgb/2.png", "rgb/2.png", {}, "one channel of depth"),
-    ],
-)
-def test_pairs_that_lack_something_are_refused(pairs, depth, light, how, message):
-    folder, _ = pairs
-    (folder / "fake.png").write_bytes(b"no image")
-    with pytest.raises(ValueError, match=message):
-        load_frame(folder / depth, intensity=light and folder / light, **how)
 
 
 def test_a_folder_is_read_through_what_is_broken(tmp_path):

@@ -7,10 +7,11 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
-from cmtof.frame import Frame
+from cmtof.frame import Frame, ray_lengths
 from cmtof.scenes import frames_in, load_frame
 
 SHAPE = (12, 16)
+CAMERA = [50.0, 60.0, 8.0, 6.0]
 DEPTH = np.linspace(1.5, 3.0, 192).reshape(SHAPE)
 LIGHT = np.full((*SHAPE, 3), 188, np.uint8)  # sRGB of one half
 
@@ -73,9 +74,47 @@ def test_light_is_linear_and_dark_light_is_named(read, light, how, right, note):
     assert note in frame.note
 
 
+def test_planar_depth_becomes_range_along_the_ray(read):
+    frame = read(levels(5000), depth_scale=5000, planar=True, camera=CAMERA)
+    assert_allclose(frame.depth, DEPTH * ray_lengths(SHAPE, CAMERA), atol=1.2e-4)
+
+
 @pytest.mark.parametrize("name", ["d.pgm", "d.npy"])
 def test_other_formats_of_levels_are_read(read, name):
     assert_allclose(read(levels(1000), name=name).depth, DEPTH, atol=6e-4)
+
+
+@pytest.mark.parametrize(
+    ("depth", "how", "message"),
+    [
+        (LIGHT, {}, "one channel of depth"),
+        (levels(1000), {"planar": True}, "for planar depth a camera"),
+        (levels(1000), {"depth_scale": 0}, "depth scale > 0"),
+    ],
+)
+def test_what_a_pair_lacks_is_asked_for(read, depth, how, message):
+    with pytest.raises(ValueError, match=message):
+        read(depth, **how)
+
+
+def test_depth_without_light_is_refused(tmp_path):
+    depth = write(tmp_path / "d.png", levels(1000))
+    with pytest.raises(ValueError, match="intensity image beside"):
+        load_frame(depth)
+    (tmp_path / "fake.png").write_bytes(b"no image")
+    with pytest.raises(ValueError, match="Expected a PNG image"):
+        load_frame(depth, intensity=tmp_path / "fake.png")
+
+
+def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
+    depth = levels(1000)
+    depth[0, 0] = 0
+    for name in ("2.png", "10.png"):
+        write(tmp_path / "depth" / name, depth)
+        write(tmp_path / "rgb" / name, LIGHT)
+    listed = frames_in(tmp_path)
+    assert [source.name for source in listed] == [f"{tmp_path.name}/2", f"{tmp_path.name}/10"]
+    assert np.argwhere(np.isnan(listed[0].load().depth)).tolist() == [[0, 0]]
 
 
 def test_floats_are_metres(read):

@@ -21,7 +21,7 @@ import sys
 import tempfile
 import warnings
 import zlib
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 
@@ -114,6 +114,17 @@ def netcdf(data):
     return buffer.getvalue()
 
 
+def plain_arrays(data):
+    """Content of an ``.npz`` with the arrays of a measurement."""
+    held = {k: v.to_numpy() for k, v in data.variables.items()}
+    return npz(**{k: v for k, v in held.items() if v.dtype.kind in "biuf"})
+
+
+def netcdf_3(data):
+    """Content of a netCDF-3 file."""
+    return bytes(data.to_netcdf(engine="scipy"))
+
+
 def plain_hdf5(data):
     """Content of an HDF5 file whose dimensions have no names."""
     with h5py.File(buffer := io.BytesIO(), "w") as file:
@@ -192,18 +203,12 @@ scan --twin --scene f.npz --size 2 -o out.nc"""
     return {"f.npz": data}, rng.choice(commands.splitlines()).split()
 
 
-METHODS = "surfaces beat beat-guided crt crt-ml kde mrf mrf-graphcut middle region spatial mode"
-
-
-def measurement(rng):
-    """A measurement with strange variables, attributes or bytes."""
-    data = whole_measurement()
+def strangely_filled(rng, data):
+    """A measurement with strange variables or attributes."""
     match rng.randrange(6):
         case 0:
             array = strange_array(rng)
-            name = rng.choice(
-                ["correlation", "frequency", "psi", "mask", "depth", "camera", "phase"]
-            )
+            name = rng.choice([*data.variables, "mask", "depth", "camera", "phase"])
             if array.dtype.kind not in "OVmM":
                 dimensions = [f"d{i}" for i in range(array.ndim)]
                 data = data.drop_vars("psi").assign({name: (dimensions, array)})
@@ -220,24 +225,11 @@ def measurement(rng):
             data.attrs["protocol"] = rng.choice(["full", "x", 3, [1, 2]])
         case 5:
             data["correlation"] *= rng.choice([np.nan, -1.0, 1e30, 0.0])
-    if rng.random() < 0.2:
-        arrays = {k: v.to_numpy() for k, v in data.variables.items() if v.dtype.kind in "biuf"}
-        name = "m.npz"
-        content = npz(**arrays)
-    else:
-        name = "m.nc"
-        content = netcdf(data)
-    files = {name: perhaps_damaged(rng, content, 0.5)}
-    if rng.random() < 0.1:
-        return files, ["info", name]
-    method = rng.choice([*METHODS.split(), "fast-scnn-light", "phasor"])
-    outputs = ["-o out.nc"] * 4 + ["-o m.nc", "-o out.nc --ply out.ply"]
-    return files, f"unwrap {name} --method {method} {rng.choice(outputs)}".split()
+    return data
 
 
-def foreign(rng):
+def foreign(rng, data):
     """A measurement as other programs write it, or one that was made to harm."""
-    data = whole_measurement()
     match rng.randrange(8):
         case 0:
             valid = np.arange(48).reshape(6, 8) % 3 > 0
@@ -257,14 +249,29 @@ def foreign(rng):
             data = data.drop_vars("psi").assign(psi=data["psi"].variable)
         case _:
             data.attrs["note"] = "\x1b[31m[red]\u202e" * rng.randrange(1, 4)
-    writers = [netcdf] * 4 + [lambda data: bytes(data.to_netcdf(engine="scipy")), plain_hdf5]
-    writers += [lambda data: reaching_out(rng, data)] * 2
-    files = {"m.nc": perhaps_damaged(rng, rng.choice(writers)(data), 0.2), "pipe.nc": None}
-    if rng.random() < 0.2:
-        return files, ["info", "m.nc"]
-    method = rng.choice(["beat", "region", "crt", "kde", "mrf", "surfaces", "spatial"])
-    tile = rng.choice(["", "", "", "--tile 4", "--tile 4"])
-    return files, f"unwrap m.nc -o out.nc --method {method} {tile}".split()
+    return data
+
+
+METHODS = "surfaces beat beat-guided crt crt-ml kde mrf mrf-graphcut middle region spatial mode"
+
+
+def measurement(rng):
+    """A measurement with strange or foreign content, from a strange writer, or damaged."""
+    if rng.random() < 0.5:
+        data = strangely_filled(rng, whole_measurement())
+        writers = [netcdf] * 4 + [plain_arrays]
+    else:
+        data = foreign(rng, whole_measurement())
+        writers = [netcdf] * 4 + [netcdf_3, plain_hdf5] + [partial(reaching_out, rng)] * 2
+    write = rng.choice(writers)
+    name = "m.npz" if write is plain_arrays else "m.nc"
+    files = {name: perhaps_damaged(rng, write(data), 0.4), "pipe.nc": None}
+    if rng.random() < 0.15:
+        return files, ["info", name]
+    method = rng.choice([*METHODS.split(), "fast-scnn-light", "phasor"])
+    outputs = ["-o out.nc"] * 4 + ["-o out.nc --tile 4"] * 2
+    outputs += ["-o m.nc", "-o out.nc --ply out.ply"]
+    return files, f"unwrap {name} --method {method} {rng.choice(outputs)}".split()
 
 
 def pictures(rng):
@@ -390,8 +397,8 @@ def options(rng):
 
 
 KINDS = [
-    frame, measurement, measurement, rig, configuration, options, options,
-    card, journal, foreign, foreign, pictures,
+    frame, measurement, measurement, measurement, measurement, rig, configuration, options, options,
+    card, journal, pictures,
 ]  # fmt: skip
 
 # --- one case -------------------------------------------------------------------------------------

@@ -26,13 +26,14 @@ def unwrapping(config, init=None):
     return Unwrapping(config, open_rooms(config, None, Path()), Path(), init)
 
 
-def test_presets_are_configurations():
-    for name in PRESETS:
-        config = read_config(name, model="rapid", seed=4)
-        assert (config.name, config.model, config.seed) == (name, "rapid", 4)
-        assert config.stage_at(config.steps - 1)[0] is config.stages[-1]
-        rates = [config.rate_at(step) for step in range(0, config.steps + 1, config.steps // 10)]
-        assert min(rates) > 0 and rates[-1] < 0.1 * max(rates)
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_are_configurations(name):
+    config = read_config(name, model="rapid", seed=4)
+    assert (config.name, config.model, config.seed) == (name, "rapid", 4)
+    assert config.stage_at(config.steps - 1)[0] is config.stages[-1]
+    rates = [config.rate_at(step) for step in range(0, config.steps + 1, config.steps // 10)]
+    assert min(rates) > 0
+    assert rates[-1] < 0.1 * max(rates)
 
 
 def test_stages_follow_each_other(config):
@@ -157,17 +158,17 @@ def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(stored, example):
 def test_crops_of_fine_tuning_move_over_the_classes(stored, frame):
     """Without noise, wraps, phase and depth of a moved crop still belong together."""
     exact = cmtof.simulate(frame, noise_free=True)
-    trained = load_weights(stored())
     wraps = np.floor(exact.depth / WRAP).astype(int)
-    view = training._view(trained, exact, wraps, exact.depth)
+    view = training._view(load_weights(stored()), exact, wraps, exact.depth)
     rng = np.random.default_rng(0)
     pieces = [training._piece(view, 21, 24, "proposed", rng) for _ in range(30)]
-    for piece in pieces:
-        known = piece.label != IGNORED
-        off = np.exp(1j * (TAU * piece.turns - piece.phase))[known]
-        assert_allclose(off, 1, atol=1e-3)
-        assert np.mean((piece.label == np.floor(piece.turns))[known]) > 0.99  # or on an edge
-    assert len({int(np.median(piece.label)) for piece in pieces}) > 5
+    label, turns, phase = (
+        np.stack([getattr(piece, name) for piece in pieces]) for name in ("label", "turns", "phase")
+    )
+    known = label != IGNORED
+    assert_allclose(np.exp(1j * (TAU * turns - phase))[known], 1, atol=1e-3)
+    assert np.mean((label == np.floor(turns))[known]) > 0.99  # or on an edge
+    assert len({int(np.median(one)) for one in label}) > 5
 
 
 def test_unlabelled_pixels_teach_nothing(stored, example):
@@ -181,8 +182,9 @@ def test_unlabelled_pixels_teach_nothing(stored, example):
     assert first == second
 
 
-def test_fine_tuning_refuses_what_has_no_labels(stored, example):
-    blank = example[0], np.full((40, 56), -1), example[2]
-    for examples in ([blank], []):
-        with pytest.raises(ValueError, match=f"got none in {len(examples)} measurements"):
-            fine_tune(load_weights(stored()), examples)
+@pytest.mark.parametrize("count", [0, 1])
+def test_fine_tuning_refuses_what_has_no_labels(stored, example, count):
+    measurement, wraps, depth = example
+    blank = (measurement, np.full_like(wraps, -1), depth)
+    with pytest.raises(ValueError, match=f"got none in {count} measurements"):
+        fine_tune(load_weights(stored()), [blank] * count)

@@ -37,16 +37,7 @@ def test_kinds_are_those_that_rooms_and_other_kinds_name():
 
 
 def test_kinds_have_no_unknown_key():
-    known = {
-        "maker",
-        "at",
-        "size",
-        "clear",
-        "make",
-        "around",
-        "upon",
-        "over",
-    }
+    known = {"maker", "at", "size", "clear", "make", "around", "upon", "over"}
     assert set().union(*KINDS.values()) == known
 
 
@@ -94,12 +85,7 @@ def test_furniture_shares_no_space(room):
 
 def test_furniture_stays_between_floor_and_ceiling(room):
     for name, low, high in standing(room):
-        on_floor = KINDS[name]["at"] in (
-            "wall",
-            "corner",
-            "free",
-            "around",
-        )
+        on_floor = KINDS[name]["at"] in ("wall", "corner", "free", "around")
         assert -2e-3 < low[2] < (2e-3 if on_floor else 99), name
         assert high[2] < room.height + 1.0, name  # a banister reaches into the storey above
 
@@ -154,14 +140,11 @@ def test_a_pattern_mixes_two_colours_and_fades_with_distance(pattern):
     palette = Palette([Material((0.2, 0.2, 0.2), (0.6, 0.6, 0.6), pattern, 0.2)])
     points = np.random.default_rng(3).uniform(-2, 2, (4000, 3)).astype(np.float32)
     up = np.tile(np.array([0, 0, 1], np.float32), (4000, 1))
-
-    def seen(pixel):
-        footprint = np.full(4000, pixel, np.float32)
-        return palette.albedo(np.zeros(4000, int), points, up, footprint)[:, 0]
-
-    near = seen(0.0)
+    near, far = (
+        palette.albedo(np.zeros(4000, int), points, up, np.full(4000, pixel, np.float32))[:, 0]
+        for pixel in (0.0, 1.0)
+    )
     assert 0.2 - 1e-6 <= near.min() <= near.max() <= 0.6 + 1e-6
     assert (np.ptp(near) > 0.2) == (pattern != "plain")
-    far = seen(1.0)
     assert np.ptp(far) < 1e-6
     assert far[0] == approx(palette.mean[0, 0])
