@@ -84,12 +84,15 @@ def test_an_extra_declares_nothing_that_is_not_imported(extra):
     assert not required(extra).keys() - used
 
 
-def test_the_command_line_names_the_extra_of_every_module():
-    for folder in ("src/cmtof", "src/cmtof_rooms", "src/cmtof_lab"):
-        foreign = {name for name in imports(folder) if not providers(name) & required().keys()}
-        assert foreign <= EXTRAS.keys()
-    for module, extra in EXTRAS.items():
-        assert providers(module) & required(extra).keys(), (module, extra)
+@pytest.mark.parametrize("folder", ["src/cmtof", "src/cmtof_rooms", "src/cmtof_lab"])
+def test_the_command_line_knows_every_module_of_an_extra(folder):
+    foreign = {name for name in imports(folder) if not providers(name) & required().keys()}
+    assert foreign <= EXTRAS.keys()
+
+
+@pytest.mark.parametrize(("module", "extra"), EXTRAS.items())
+def test_the_command_line_names_the_extra_of_a_module(module, extra):
+    assert providers(module) & required(extra).keys()
 
 
 def test_the_lock_holds_what_is_declared():

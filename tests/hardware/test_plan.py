@@ -54,10 +54,10 @@ def test_sums_drop_the_settling_samples_and_count_what_clips():
     assert clipped.tolist() == [2]
 
 
-def test_drive_steps_psi_through_one_turn():
-    for mode, order in MODES.items():
-        psi = -order * drive_phases(16, mode)
-        assert_allclose(centred(psi - nominal_psi(16)), 0, atol=1e-12)
+@pytest.mark.parametrize(("mode", "order"), MODES.items())
+def test_drive_steps_psi_through_one_turn(mode, order):
+    psi = -order * drive_phases(16, mode)
+    assert_allclose(centred(psi - nominal_psi(16)), 0, atol=1e-12)
 
 
 @pytest.mark.parametrize("stray", [0.0, 0.3])
@@ -76,20 +76,30 @@ def test_calibration_finds_the_offset_behind_stray_light(stray):
 # --- journals ------------------------------------------------------------------------------------
 
 
-def test_a_torn_tail_is_cut_and_the_rest_goes_on(tmp_path):
+@pytest.fixture
+def journal(tmp_path):
+    """Path of a journal of three lines and its header."""
     path = tmp_path / "m.nc.journal"
     assert begun(path, HEADER, PLAN) == []
     for index in range(3):
         append(path, record(index)._asdict())
-    whole = path.read_bytes()
-    last = len(whole) - whole[:-1].rindex(b"\n") - 1
-    for cut in (1, 9, last - 1):
-        path.write_bytes(whole[:-cut])
-        assert len(whole_lines(path)) == 3
-    records = begun(path, HEADER, PLAN)
+    return path
+
+
+@pytest.mark.parametrize("kept", [0, 1, -9, -1])
+def test_a_torn_tail_is_cut_and_the_rest_goes_on(journal, kept):
+    whole = journal.read_bytes()
+    *others, last = whole.splitlines(keepends=True)
+    journal.write_bytes(b"".join(others) + last[:kept])
+    assert len(whole_lines(journal)) == 3
+    records = begun(journal, HEADER, PLAN)
     assert_array_equal(records[1].sums, record(1).sums)
-    append(path, record(2)._asdict())
-    assert path.read_bytes() == whole
+    append(journal, record(2)._asdict())
+    assert journal.read_bytes() == whole
+
+
+def test_a_journal_of_another_scan_is_left_alone(journal):
+    whole = journal.read_bytes()
     with pytest.raises(ValueError, match="got another seed, 0"):
-        begun(path, HEADER | {"seed": 1}, PLAN)
-    assert path.read_bytes() == whole
+        begun(journal, HEADER | {"seed": 1}, PLAN)
+    assert journal.read_bytes() == whole

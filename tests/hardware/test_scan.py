@@ -10,7 +10,6 @@ from numpy.testing import assert_allclose
 from pytest import approx
 
 import cmtof
-from cmtof.cli import main
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.files import alone
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, Unsafe
@@ -69,9 +68,8 @@ def test_phases_are_those_of_the_true_ranges():
     settings = replace(TwinSettings.ideal(), noise=True)
     seen = scan_scene(settings, WALL, size=6, field_of_view=0.3, seed=1)
     truth = seen.dataset["depth"].to_numpy()
-    for n, frequency in enumerate(seen.frequencies):
-        error = centred(seen.phase[n] - phase_from_depth(truth, frequency))
-        assert np.abs(error).max() < 0.02
+    expected = [phase_from_depth(truth, frequency) for frequency in seen.frequencies]
+    assert np.abs(centred(seen.phase - expected)).max() < 0.02
     rays = directions_from_angles(seen.dataset["angle"].to_numpy())
     assert_allclose(truth, WALL.look(rays).range, rtol=1e-6)
     assert seen.mask.all()
@@ -146,6 +144,7 @@ PLACES = {
     "stage": "move_to",
     "power_meter": "set_up",
 }
+SET_UP_ONCE = ("clock", "daq", "power_meter")
 
 
 def failing(bench, role, method, error, at=1, times=10**9):
@@ -164,14 +163,14 @@ def failing(bench, role, method, error, at=1, times=10**9):
 
 
 @pytest.mark.parametrize("fault", [InstrumentTimeout, Refused, BadReply, ConnectionLost])
-def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, fault):
-    for role, method in PLACES.items():
-        output = tmp_path / f"{role}.nc"
-        at = 1 if role in ("clock", "daq", "power_meter") else 2
-        bench, error = take(output, prepare=lambda one: failing(one, role, method, fault, at=at))  # noqa: B023
-        assert isinstance(error, fault), role
-        assert_safe(bench)
-        assert not output.exists()
+@pytest.mark.parametrize("role", PLACES)
+def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, role, fault):
+    output = tmp_path / "m.nc"
+    fail = partial(failing, role=role, method=PLACES[role], error=fault)
+    bench, error = take(output, prepare=partial(fail, at=1 if role in SET_UP_ONCE else 2))
+    assert isinstance(error, fault)
+    assert_safe(bench)
+    assert not output.exists()
     assert take(output, resume=True)[1] is None
     assert output.read_bytes() == whole.read_bytes()
 
@@ -314,32 +313,30 @@ def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line(tmp_path):
 # --- command line --------------------------------------------------------------------------------
 
 
-def test_a_check_prints_what_every_device_reports(capsys):
-    with pytest.raises(SystemExit) as end:
-        main(["scan", "--twin", "--check"])
-    assert end.value.code == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_a_check_prints_what_every_device_reports(run):
+    code, text, _ = run("scan", "--twin", "--check")
+    assert code == 0
+    lines = text.splitlines()
     assert any("interlock" in line and "closed" in line for line in lines)
     assert sum("TWIN" in line for line in lines) == 8
     assert sum("not homed" in line for line in lines) == 3
 
 
-WRONG = [
-    (["--twin"], 1, "Expected an output, got none"),
-    (["-o", "m.nc"], 1, "either a RIG file or --twin"),
-    (["--twin", "-o", "m.txt"], 1, "Expected an output named *.nc"),
-    (["--twin", "-o", "no/m.nc"], 1, "Expected an existing folder"),
-    (["no.yml", "-o", "m.nc"], 1, "no.yml"),
-    (["--twin", "--size", "100000", "-o", "m.nc"], 2, "--size"),
-    (["--twin", "--scene", "nobody", "-o", "m.nc"], 1, "nobody"),
-]
-
-
-def test_a_wrong_command_is_one_line(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(
+    ("line", "code", "text"),
+    [
+        ("--twin", 1, "Expected an output, got none"),
+        ("-o m.nc", 1, "either a RIG file or --twin"),
+        ("--twin -o m.txt", 1, "Expected an output named *.nc"),
+        ("--twin -o no/m.nc", 1, "Expected an existing folder"),
+        ("no.yml -o m.nc", 1, "no.yml"),
+        ("--twin --size 100000 -o m.nc", 2, "--size"),
+        ("--twin --scene nobody -o m.nc", 1, "nobody"),
+    ],
+)
+def test_a_wrong_command_is_one_line(tmp_path, monkeypatch, run, line, code, text):
     monkeypatch.chdir(tmp_path)
-    for arguments, code, text in WRONG:
-        with pytest.raises(SystemExit) as end:
-            main(["scan", *arguments])
-        assert end.value.code == code
-        assert text in capsys.readouterr().err
+    found, _, err = run("scan", *line.split())
+    assert found == code
+    assert text in err
     assert not list(tmp_path.iterdir())

@@ -66,15 +66,25 @@ def test_regression_counts_wraps_over_classes_and_the_slope(pixels):
     assert regression_loss(found, label, turns, classes=N, smoothness=1.0) > loss
 
 
-def test_masked_pixels_cost_nothing_and_have_no_gradient(pixels):
-    weights, label, phase, turns = pixels
-    for masked in (label, torch.full_like(label, IGNORED)):
-        w = weights.clone().requires_grad_()
-        found = weights[:, :1].clone().requires_grad_()
-        total = unwrapping_loss(w, masked, phase, turns)
-        total = total + regression_loss(found, masked, turns, classes=N, smoothness=1)
-        total.backward()
-        for grad in (w.grad, found.grad):
-            assert torch.isfinite(grad).all()
-            assert not grad[:, :, 0].any()
-        assert masked is label or float(total.detach()) == 0
+def masked_loss(pixels, label):
+    """Both losses together, and the gradients of what they were given."""
+    weights, _, phase, turns = pixels
+    w = weights.clone().requires_grad_()
+    found = weights[:, :1].clone().requires_grad_()
+    total = unwrapping_loss(w, label, phase, turns)
+    total = total + regression_loss(found, label, turns, classes=N, smoothness=1)
+    total.backward()
+    return float(total.detach()), (w.grad, found.grad)
+
+
+def test_masked_pixels_have_no_gradient(pixels):
+    _, gradients = masked_loss(pixels, pixels[1])
+    for gradient in gradients:
+        assert torch.isfinite(gradient).all()
+        assert not gradient[:, :, 0].any()
+
+
+def test_an_image_of_masked_pixels_costs_nothing(pixels):
+    loss, gradients = masked_loss(pixels, torch.full_like(pixels[1], IGNORED))
+    assert loss == 0
+    assert not any(gradient.any() for gradient in gradients)

@@ -50,13 +50,16 @@ def test_the_menu_opens_and_closes(browser, width):
         else:
             tab.keyboard.press("Escape")
         bar.wait_for(state="visible" if before else "hidden")
+        assert bar.is_visible() == before
 
 
 @pytest.mark.parametrize("words", ["Cramer-Rao", "SCPI", "frequency doubling"])
 def test_search_finds_a_term(browser, words):
     with browse.opened(browser, HTML / "search.html", 1280) as (tab, _):
         tab.goto(f"{(HTML / 'search.html').as_uri()}?q={words}")
-        tab.locator("#search-results li p.context").first.wait_for()
+        found = tab.locator("#search-results li p.context").first
+        found.wait_for()
+        assert found.inner_text().strip()
 
 
 @pytest.mark.parametrize("chapter", ["03_wraps", "04_modulator"])
