@@ -12,7 +12,7 @@ from pathlib import Path
 
 from cmtof_book.provenance import write_json
 from cmtof_book.record import PAPER, TEXT, read_all
-from cmtof_book.scoreboard import accepted
+from cmtof_book.scoreboard import accepted, scores_in
 
 SCOREBOARD = "scoreboard.json"
 SUFFIXES = {".svg", ".png", ".json"}
@@ -39,7 +39,7 @@ def main(results: Path, figures: Path) -> None:
             part.write_bytes(content)
             part.replace(target)
         print(name)
-    write_json(figures / SCOREBOARD, accepted(read_all(results)))
+    write_json(figures / SCOREBOARD, accepted(scores_in(read_all(results))))
 
 
 def _source(numbers: Path) -> str | None:

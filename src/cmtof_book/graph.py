@@ -20,7 +20,11 @@ import cmtof
 
 PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book")
 NOTEBOOK = re.compile(r"\d\d_[a-z0-9_]+")
-DATA = {"frames": "cmtof.frame", "weights": "cmtof.network.weights"}
+DATA = {
+    "cmtof/frames": "cmtof.frame",
+    "cmtof/weights": "cmtof.network.weights",
+    "cmtof_book/templates": "cmtof_book.pages",
+}
 SOURCE = {".py", ".pyc", ".nbc", ".nbi"}
 
 
@@ -97,7 +101,7 @@ class Book:
         files = set().union(*map(self._files, modules))
         for folder, module in DATA.items():
             if module in modules:
-                files |= {f for f in (self.source / "cmtof" / folder).rglob("*") if _is_data(f)}
+                files |= {f for f in (self.source / folder).rglob("*") if _is_data(f)}
         return files
 
     @cache  # noqa: B019 (one book a process)

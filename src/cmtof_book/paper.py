@@ -6,7 +6,7 @@ A notebook calls `check` for each number of ``paper.yml`` that it touches; the v
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -19,7 +19,7 @@ from matplotlib.ticker import EngFormatter
 
 from cmtof_book import notes, provenance, record
 from cmtof_book.compared import Compared
-from cmtof_book.verdict import Dependency, Estimate, Result, Value, verdict
+from cmtof_book.verdict import Dependency, Estimate, Result, Score, Value
 
 _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
@@ -42,11 +42,11 @@ class Published:
     note: str = ""
     erratum: int | None = None
 
-    def text(self, joint: str = " ") -> str:
+    def text(self) -> str:
         """Return the number with the sign of its relation and its tolerance."""
         text = _SIGNS[self.relation] + quantity_text(self.value, self.unit)
         allowed = quantity_text(self.tolerance, self.unit, 2)
-        return f"{text}{joint}± {allowed}" if self.tolerance else text
+        return f"{text} ± {allowed}" if self.tolerance else text
 
     def dependencies(self) -> list[Dependency]:
         """What the number depends on."""
@@ -68,18 +68,28 @@ def dependencies() -> dict[str, Dependency]:
 @cache
 def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
-    entries = {key: held for key, held in _document().items() if not key.startswith("_")}
-    found = {}
-    for name, fields in entries.items():
-        columns = fields.get("columns", {"": ""})  # those of a row of a table
-        values = np.atleast_1d(fields["value"]).tolist()
-        for (column, title), value in zip(columns.items(), values, strict=True):
-            scale = {"absolute": 1.0, "relative": abs(value)}
-            tolerance = min(scale[kind] * size for kind, size in fields["tolerance"].items())
-            key, what = f"{name}.{column}".strip("."), f"{fields['what']}, {title}".strip(", ")
-            one = fields | {"key": key, "what": what, "value": value, "tolerance": tolerance}
-            found[key] = Published(**{k: v for k, v in one.items() if k != "columns"})
-    return found
+    entries = [(name, held) for name, held in _document().items() if name[0] != "_"]
+    return {one.key: one for name, fields in entries for one in _numbers_of(name, **fields)}
+
+
+def _numbers_of(
+    key: str,
+    *,
+    value: Any,
+    what: str,
+    tolerance: dict[str, float],
+    columns: Any = None,
+    **fields: Any,
+) -> Iterator[Published]:
+    """The number of an entry, or those of a row of a table, one a column."""
+    if columns:
+        for (column, title), one in zip(columns.items(), value, strict=True):
+            about = {"value": one, "what": f"{what}, {title}", "tolerance": tolerance}
+            yield from _numbers_of(f"{key}.{column}", **about, **fields)
+    else:
+        scale = {"absolute": 1.0, "relative": abs(value)}
+        least = min(scale[kind] * size for kind, size in tolerance.items())
+        yield Published(key=key, value=value, what=what, tolerance=least, **fields)
 
 
 def published(key: str) -> Published:
@@ -98,14 +108,13 @@ def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int
     interval; several by their case, such as «with photon noise alone», all decide. ``crops`` is how
     many a network was trained on. The standard error of a sum over draws gives its interval.
     """
-    number = published(key)
     kind: dict[str, Any] = {}
     given: Any = value
     if isinstance(value, Compared):
         kind = value.record()
         given = kind["value"] + 1.96 * kind.get("error", 0.0) * np.array([0, -1, 1])
-    result = Result.of(given, str(provenance.RUN["profile"]), crops)
-    found = {**kind, "cases": result.cases, "verdict": verdict(number, result), "crops": crops}
+    score = Score(published(key), Result.of(given, str(provenance.RUN["profile"]), crops))
+    found = {**kind, "cases": score.result.cases, "verdict": score.verdict, "crops": crops}
     record.add(record.PAPER, {key: found})
 
 
@@ -113,21 +122,21 @@ def table() -> None:
     """Show what a chapter has checked so far: the paper's number, ours, the verdict."""
     rows = []
     for key, held in record.read(record.PAPER).items():
-        number = published(key)
         result = Result.of(held["cases"], str(provenance.RUN["profile"]), held["crops"])
-        what = f"{number.where}, {number.what}"
-        rows.append([what, number.text(), result_text(number, result), held["verdict"]])
+        score = Score(published(key), result)
+        what = f"{score.number.where}, {score.number.what}"
+        rows.append([what, score.number.text(), result_text(score), score.verdict])
     verdicts = Counter(row[-1] for row in rows)
     said = ", ".join(f"{count} {name}" for name, count in verdicts.most_common())
     fold = f"{len(rows)} numbers: {said}" if len(rows) > 12 else ""
     notes.table(["number", "paper", "here", "verdict"], rows, fold=fold)
 
 
-def result_text(number: Published, result: Result, digits: int = 4) -> str:
+def result_text(score: Score, digits: int = 4) -> str:
     """Our numbers with their intervals, each with its case; so many digits where exact."""
     texts = [
-        f"{estimate_text(one, number.unit, digits)} {case}".strip()
-        for case, one in result.cases.items()
+        f"{estimate_text(one, score.number.unit, digits)} {case}".strip()
+        for case, one in score.result.cases.items()
     ]
     return "; ".join(texts) or "not finite"
 

@@ -1,200 +1,133 @@
 """The scoreboard page of the book: the published numbers, ours, and the verdicts.
 
 Written from the records of each run (`cmtof_book.record`) and from the equations of the chapters.
-Where several runs checked one number, the worst verdict is shown.
+Where several runs checked one number, the worst verdict is shown. A picture sets our results over
+the paper's, a line for each number. It is HTML, so that it reads on a phone and in the dark; the
+script of the book hides the lines that a reader does not want.
 """
 
+import math
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
+from itertools import groupby
 from pathlib import Path
-from typing import Any
+from string import ascii_lowercase
+from typing import Any, get_args
 
-from cmtof_book import ratios
-from cmtof_book.claims import badge
-from cmtof_book.paper import Published, published, published_numbers, result_text
+from cmtof_book import pages
+from cmtof_book.paper import published, published_numbers
 from cmtof_book.record import PAPER, Record
-from cmtof_book.verdict import WORST_FIRST, Outcome, Result, deciding, reason, verdict
+from cmtof_book.verdict import WORST_FIRST, Outcome, Result, Score
 
-MEANING: dict[Outcome, str] = {
-    "reproduced": "The paper's number lies within our tolerance, and our uncertainty is small "
-    "enough to have missed it.",
-    "contradicted": "It lies outside our 95 % interval, and everything on which the number depends "
-    "is the paper's.",
-    "open": "It lies outside, but something on which it depends is not the paper's; or our "
-    "interval is too wide; or two cases of ours disagree. The note says which.",
-    "untested": "No result of ours can be compared with it; the note says why.",
-    "as stated": "A setting of the paper that is ours too.",
-    "changed": "A setting that is another one here; the note says why.",
-}
+Scores = dict[str, Score]
+"""All published numbers with our results, by key."""
 
 GROUPS = {"table": "Table", "fig": "Figure", "abstract": "Abstract", "sec": "Section"}
+ITEMS = {"Figure": 16, "Table": 4, "Equation": 20}
+"""How many of each the paper has."""
 
-SPACE = "\N{NO-BREAK SPACE}"
-
-HEAD = """# Scoreboard
-
-Each number that the paper {{cite}}`baek2023` reports or chooses, beside this book's, in simulation.
-The ten main claims stand on the {{doc}}`first page <intro>`.
-
-{meanings}
-
-{summary}
-
-## Our results over the paper's
-
-{picture}
-
-## Number by number
-
-The tables fold out, one for each figure, table and section. The tolerance stands beside the paper's
-number. It is half a unit of the last digit printed, in Tables 1 to 3 two percentage points, or a
-fifth of the number where that is less. Brackets hold 95 % intervals.
-"""
+SPAN = 30  # greatest ratio that is drawn, and its inverse
+SHOWN: tuple[Outcome, ...] = ("reproduced", "contradicted", "open")
 
 
-Found = dict[str, tuple[Result, str]]
-"""Our result and the chapter that computed it, by key."""
-
-
-def chapter_link(notebook: str) -> str:
-    """Return a link to a chapter by its number."""
-    return f"{{doc}}`{notebook[:2]} <../notebooks/{notebook}>`"
-
-
-def page(found: Found, records: Iterable[Record] = (), notebooks: Iterable[Path] = ()) -> str:
-    """Return the page as MyST Markdown, from what was found and the records of all runs.
-
-    ``notebooks`` are the chapters themselves; ValueError for an unknown key.
-    """
-    groups: dict[str, list[Published]] = {}
-    for number in published_numbers().values():
-        groups.setdefault(number.key.partition(".")[0], []).append(number)
-    meanings = "\n".join(f"- {badge(name)} {text}" for name, text in MEANING.items())
-    picture = ratios.picture({key: result for key, (result, _) in found.items()})
-    parts = [HEAD.format(meanings=meanings, summary=summary(found), picture=picture)]
-    parts += [section(name, groups[name], found) for name in sorted(groups, key=_order)]
-    parts.append(coverage_section(records, notebooks))
-    return "\n".join(parts)
-
-
-def found_in(records: Iterable[Record]) -> Found:
-    """Return the results of runs, that of the worst verdict where several checked one number."""
-    found: Found = {}
+def scores_in(records: Iterable[Record]) -> Scores:
+    """Every published number with the result of the runs, that of the worst verdict of several."""
+    scores = {key: Score(number) for key, number in published_numbers().items()}
     for record in records:
-        profile = record.content.get("provenance", {}).get("profile", "")
-        for key, number in record.numbers.items() if record.name == PAPER else ():
-            result = Result.of(number["cases"], profile, number["crops"])
-            if key not in found or _rank(key, result) < _rank(key, found[key][0]):
-                found[key] = (result, record.chapter)
-    return found
+        for key, held in record.numbers.items() if record.name == PAPER else ():
+            result = Result.of(
+                held["cases"], record.content["provenance"]["profile"], held["crops"]
+            )
+            score = Score(published(key), result, record.chapter)
+            others = [scores[key]] if scores[key].chapter else []
+            scores[key] = min([*others, score], key=lambda one: WORST_FIRST.index(one.verdict))
+    return scores
 
 
-def accepted(records: Iterable[Record]) -> dict[str, Any]:
+def page(scores: Scores, records: Iterable[Record] = (), notebooks: Iterable[Path] = ()) -> str:
+    """Return the page as MyST Markdown; ``notebooks`` are the chapters themselves."""
+    return pages.page(
+        "scoreboard",
+        counts=counts(scores.values()),
+        picture=picture(scores),
+        sections=sections(scores),
+        coverage=coverage(records, notebooks),
+        worst_first=WORST_FIRST,
+        tied=lambda text: re.sub(r" ([<≥]) (?=\d)", "\u00a0\\1\u00a0", text),
+        breakable=lambda key: re.sub(r"(\.|_(?!\d))", r"\1<wbr>", key),
+    )
+
+
+def counts(scores: Iterable[Score]) -> dict[Outcome, int]:
+    """How many numbers have each verdict."""
+    said = Counter(score.verdict for score in scores)
+    return {name: said[name] for name in get_args(Outcome)}
+
+
+def accepted(scores: Scores) -> dict[str, Any]:
     """Return the scoreboard for ``figures/scoreboard.json``: counts, and each number's verdict."""
-    found = found_in(records)
     numbers = {}
-    for key, (result, chapter) in sorted(found.items()):
-        number = published(key)
-        held = {"paper": number.value, "unit": number.unit, "verdict": verdict(number, result)}
-        numbers[key] = held | asdict(result) | {"chapter": chapter}
-    counts = verdicts(published_numbers().values(), found)
-    return {"counts": {name: counts[name] for name in MEANING}, "numbers": numbers}
+    for key, score in sorted(scores.items()):
+        if score.chapter:
+            number = score.number
+            held = {"paper": number.value, "unit": number.unit, "verdict": score.verdict}
+            numbers[key] = held | asdict(score.result) | {"chapter": score.chapter}
+    return {"counts": counts(scores.values()), "numbers": numbers}
 
 
-def _rank(key: str, result: Result) -> int:
-    return WORST_FIRST.index(verdict(published(key), result))
+def sections(scores: Scores) -> Iterator[dict[str, Any]]:
+    """Tables, figures and sections of the paper: title, numbers, and the notes below them."""
+    for kind, title in GROUPS.items():
+        chosen = [one for one in scores.values() if one.number.key.startswith(kind)]
+        for group, members in groupby(chosen, lambda one: one.number.key.partition(".")[0]):
+            numbers = list(members)
+            texts = filter(None, dict.fromkeys(map(note, numbers)))
+            notes = dict(zip(texts, ascii_lowercase, strict=False))
+            yield {
+                "title": f"{title} {group.removeprefix(kind)}".strip(),
+                "counts": counts(numbers),
+                "rows": [(one, notes.get(note(one))) for one in numbers],
+                "notes": notes,
+            }
 
 
-def verdicts(numbers: Iterable[Published], found: Found) -> Counter[Outcome]:
-    """Return how many numbers have each verdict."""
-    return Counter(verdict(number, found.get(number.key, (None,))[0]) for number in numbers)
+def note(score: Score) -> str:
+    """Everything that is to be said about a number under its table."""
+    number = score.number
+    erratum = number.erratum and f"Erratum {number.erratum}."
+    return " ".join(filter(None, (score.reason, number.note, score.deciding, erratum)))
 
 
-def summary(found: Found) -> str:
-    """Return the table of verdicts."""
-    counts = verdicts(published_numbers().values(), found)
-    rows = [f"| {badge(name)} | {counts[name]} |" for name in MEANING]
-    total = f"| **numbers** | **{counts.total()}** |"
-    return "\n".join(["| verdict | numbers |", "| :-- | --: |", *rows, total])
+def picture(scores: Scores) -> str:
+    """Return the picture of our results over the paper's as MyST Markdown."""
+    drawn = [one for one in scores.values() if one.verdict in SHOWN and one.number.value]
+    kinds = {name: count for name, count in counts(drawn).items() if name in SHOWN}
+    return pages.page("ratios", drawn=drawn, kinds=kinds, span=SPAN, across=_across)
 
 
-def section(group: str, numbers: list[Published], found: Found) -> str:
-    """Return the table of one table, figure or section of the paper, with its notes."""
-    notes: dict[str, str] = {}
-    rows = [row(number, found, notes) for number in numbers]
-    name, digits = _split(group)
-    said = verdicts(numbers, found)
-    counted = ", ".join(f"{said[one]} {one}" for one in WORST_FIRST if said[one])
-    head = [f":::{{dropdown}} {GROUPS[name]} {digits}".rstrip() + f": {counted}", ""]
-    table = ["| number | paper | ours | verdict |", "| :-- | :-- | :-- | :-- |", *rows, ""]
-    return "\n".join([*head, *table, *(f"**{c}** {text}\n" for text, c in notes.items()), ":::\n"])
+def _across(ratio: float) -> float:
+    """Place of a ratio between the edges, 0 and 100; what lies beyond them is put there."""
+    held = min(max(ratio, 1 / SPAN), SPAN)
+    return round(50 + 48 * math.log(held) / math.log(SPAN), 1)
 
 
-def row(number: Published, found: Found, notes: dict[str, str]) -> str:
-    """Return the row of a number; a note that it needs joins ``notes``."""
-    result, chapter = found.get(number.key, (None, ""))
-    texts = [reason(number, result), number.note, *deciding(number, result)]
-    texts.append(f"Erratum {number.erratum}." if number.erratum is not None else "")
-    said, ours = badge(verdict(number, result)), ""
-    if note := " ".join(filter(None, texts)):
-        said += f"{SPACE}<sup>{notes.setdefault(note, chr(ord('a') + len(notes)))}</sup>"
-    if result:
-        ours = f"{result_text(number, result).replace('; ', '<br>')}<br>{chapter_link(chapter)}"
-    key = re.sub(r"(\.|_(?!\d))", r"\1<wbr>", number.key.partition(".")[2])  # a phone's lines
-    what = re.sub(r" ([<≥]) (?=\d)", rf"{SPACE}\1{SPACE}", number.what)
-    paper = number.text(joint="<br>").replace(" ", SPACE)
-    return f"| {what}<br><code>{key}</code> | {paper} | {ours} | {said} |"
-
-
-def _split(group: str) -> tuple[str, str]:
-    name = group.rstrip("0123456789")
-    return name, group[len(name) :]
-
-
-def _order(group: str) -> tuple[int, int]:
-    name, digits = _split(group)
-    return list(GROUPS).index(name), int(digits or 0)
-
-
-ITEMS = [
-    f"{kind} {number}"
-    for kind, count in (("Figure", 16), ("Table", 4), ("Equation", 20))
-    for number in range(1, count + 1)
-]
-
-_DRAWN = re.compile(r"(fig|table)(\d+)_")
-_CHECKED = re.compile(r"table(\d)\.")
-_LABELLED = re.compile(r":label: eq-(\d+)\b(?!-)")
-
-
-def chapters_by_item(records: Iterable[Record], notebooks: Iterable[Path]) -> dict[str, list[str]]:
-    """Return the chapters in which each item stands; an item that no chapter has is left out.
+def coverage(records: Iterable[Record], notebooks: Iterable[Path]) -> dict[str, list[str]]:
+    """Return the chapters in which each figure, table and equation of the paper stands.
 
     A figure stands where ``figNN_*`` was drawn, a table where ``tableN_*`` was drawn or its numbers
-    were checked, an equation where it bears the label ``eq-N``. ``notebooks`` are the chapters.
+    were checked, an equation where it bears its number. ``notebooks`` are the chapters.
     """
-    found: dict[str, set[str]] = {}
-    kinds = {"fig": "Figure", "table": "Table"}
+    found: dict[str, set[str]] = {
+        f"{kind} {number + 1}": set() for kind, count in ITEMS.items() for number in range(count)
+    }
     for record in records:
-        if drawn := _DRAWN.match(record.name):
-            found.setdefault(f"{kinds[drawn[1]]} {int(drawn[2])}", set()).add(record.chapter)
-        for key in record.numbers if record.name == PAPER else ():
-            if checked := _CHECKED.match(key):
-                found.setdefault(f"Table {checked[1]}", set()).add(record.chapter)
+        for name in (record.name, *(record.numbers if record.name == PAPER else ())):
+            if named := re.match(r"(fig(?=\d+_)|table)(\d+)[_.]", name):
+                item = f"{GROUPS[named[1]]} {int(named[2])}"
+                found.setdefault(item, set()).add(record.chapter)
     for notebook in notebooks:
-        for number in _LABELLED.findall(notebook.read_text(encoding="utf-8")):
-            found.setdefault(f"Equation {number}", set()).add(notebook.stem)
+        for number in re.findall(r"\\tag\{(\d+)\}", notebook.read_text(encoding="utf-8")):
+            found[f"Equation {number}"].add(notebook.stem)
     return {item: sorted(chapters) for item, chapters in found.items()}
-
-
-def coverage_section(records: Iterable[Record], notebooks: Iterable[Path]) -> str:
-    """Return the section on figures, tables and equations as MyST Markdown."""
-    found = chapters_by_item(records, notebooks)
-    missing = [item for item in ITEMS if item not in found]
-    said = f"Not yet reached: {', '.join(missing)}." if missing else "None of them is missing."
-    links = {item: ", ".join(map(chapter_link, found[item])) for item in ITEMS if item in found}
-    rows = [f"| {item} | {chapters} |" for item, chapters in links.items()]
-    head = ["## Figures, tables and equations", "", "Where each of the paper's stands. " + said, ""]
-    return "\n".join([*head, "| of the paper | chapters |", "| :-- | :-- |", *rows, ""])

@@ -39,6 +39,7 @@ FUNCTION_LINES = 60
 COMPLEXITY = 12
 PACKED = 3  # percent of assignments such as `a, b = x, y`
 PAGES = 1_500  # lines of JavaScript, CSS and templates together
+PAGE_FILES = {".css", ".html", ".jinja", ".js"}
 
 SCOPES = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -161,7 +162,8 @@ def complex_functions() -> Iterator[Finding]:
 
 def page_lines() -> int:
     """Lines of JavaScript, CSS and templates of the book."""
-    files = [p for p in (ROOT / "book").rglob("*") if p.suffix in (".js", ".css", ".html")]
+    folders = (ROOT / "book", ROOT / "src" / "cmtof_book" / "templates")
+    files = [path for folder in folders for path in folder.rglob("*") if path.suffix in PAGE_FILES]
     return sum(path.read_bytes().count(b"\n") for path in files)
 
 

@@ -165,7 +165,7 @@ def place_claims(numbers: claims.Numbers, build: Path, book: Path) -> None:
     (book / "claims.md").write_text(claims.table(numbers), encoding="utf-8")
     (book / "findings.md").write_text(claims.findings(numbers), encoding="utf-8")
     (book / "claims").mkdir()
-    for claim in claims.claims():
+    for claim in claims.claims(numbers.scores):
         page = claims.page(claim, numbers)
         (book / "claims" / f"{claim.name}.md").write_text(page, encoding="utf-8")
         for drawn in build.glob(f"results/*/{claim.figure}.[sp][vn]g"):
@@ -186,11 +186,10 @@ def main(build: Path, stage: Path) -> None:
     laboratory.write(stage / "book" / "_static" / "laboratory")
     records = list(read_all(build / "results"))
     chapters = sorted((build / "notebooks").glob("*.ipynb"))
-    found = scoreboard.found_in(records)
-    page = scoreboard.page(found, records, chapters)
+    scores = scoreboard.scores_in(records)
+    page = scoreboard.page(scores, records, chapters)
     (stage / "book" / "scoreboard.md").write_text(page, encoding="utf-8")
-    results = {key: result for key, (result, _) in found.items()}
-    place_claims(claims.Numbers(results, records), build, stage / "book")
+    place_claims(claims.Numbers(scores, records), build, stage / "book")
     for name in re.findall(r"\w+\.(?:png|svg)$", (ROOT / "book/intro.md").read_text(), re.M):
         shutil.copyfile(next(build.glob(f"results/*/{name}")), stage / "book" / name)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 CROPS = 500_000  # on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
 WIDEST = 3  # an interval over so great a factor, or so many tolerances, decides nothing
 
-Outcome = Literal["reproduced", "contradicted", "open", "as stated", "changed", "untested"]
+Outcome = Literal["reproduced", "contradicted", "open", "untested", "as stated", "changed"]
 WORST_FIRST: tuple[Outcome, ...] = (
     "contradicted",
     "open",
@@ -101,55 +101,76 @@ def place_of(number: Published, ours: Estimate) -> Place:
     return "inside" if near and ours.is_narrow(number.tolerance) else "undecided"
 
 
-def differing(number: Published, result: Result) -> list[Dependency]:
-    """What the number depends on that is not the paper's."""
-    return [one for one in number.dependencies() if not one.is_papers(result)]
+@dataclass(frozen=True)
+class Score:
+    """A published number beside our result, and what follows from the two."""
+
+    number: Published
+    result: Result = field(default_factory=Result)
+    chapter: str = ""  # that computed the result
+
+    @property
+    def places(self) -> dict[Place, list[str]]:
+        """Our cases by their place beside the paper's number."""
+        places: dict[Place, list[str]] = {}
+        for case, one in self.result.cases.items():
+            places.setdefault(place_of(self.number, one), []).append(case)
+        return places
+
+    @property
+    def differing(self) -> list[Dependency]:
+        """What the number depends on that is not the paper's."""
+        return [one for one in self.number.dependencies() if not one.is_papers(self.result)]
+
+    @property
+    def small(self) -> list[Dependency]:
+        """The sizes of a quick build, which decide nothing."""
+        return [one for one in self.differing if one.name == "sizes"]
+
+    @property
+    def verdict(self) -> Outcome:
+        """The verdict; every case counts."""
+        found = set(self.places)
+        if self.number.kind == "setting" and found:
+            return "as stated" if found == {"inside"} else "changed"
+        if self.number.untested or self.small or not found:
+            return "untested"
+        if found == {"inside"}:
+            return "reproduced"
+        return "contradicted" if found == {"outside"} and not self.differing else "open"
+
+    @property
+    def undecided(self) -> str:
+        """What our own number leaves undecided: cases that disagree, or too wide an interval."""
+        places = self.places
+        if places.keys() == {"undecided"}:
+            return "our interval is too wide to decide"
+        if len(places) < 2:
+            return ""
+        agree = " and ".join(places.get("inside", []))
+        wide = " and ".join(places.get("undecided", []))
+        return f"it agrees {agree}, not otherwise" if agree else f"our interval is too wide {wide}"
+
+    @property
+    def reason(self) -> str:
+        """What stands behind the verdict: what is undecided, and what is not the paper's."""
+        if self.number.untested or not self.places:
+            return self.number.untested or "No chapter computes it."
+        if self.number.kind == "setting":
+            return self.number.changed if self.verdict == "changed" else ""
+        told = [] if self.small else [sentence(self.undecided)]
+        told += [one.text(self.result) for one in self.small or self.differing]
+        return " ".join(filter(None, told))
+
+    @property
+    def deciding(self) -> str:
+        """What would decide an open number."""
+        found = [one.decides.rstrip(".") for one in self.differing]
+        if self.verdict != "open" or not found:
+            return ""
+        return f"It would be decided by: {'; '.join(found)}."
 
 
-def verdict(number: Published, result: Result | None) -> Outcome:
-    """The verdict; every case counts."""
-    places = {place_of(number, one) for one in result.cases.values()} if result else set()
-    if result is None or not places:
-        return "untested"
-    if number.kind == "setting":
-        return "as stated" if places == {"inside"} else "changed"
-    others = differing(number, result)
-    if number.untested or any(one.name == "sizes" for one in others):
-        return "untested"
-    if places == {"inside"}:
-        return "reproduced"
-    return "contradicted" if places == {"outside"} and not others else "open"
-
-
-def reason(number: Published, result: Result | None) -> str:
-    """What stands behind the verdict: what is undecided, and what is not the paper's."""
-    if number.untested or result is None or not result.cases:
-        return number.untested or "No chapter computes it."
-    if number.kind == "setting":
-        return number.changed if verdict(number, result) == "changed" else ""
-    others = differing(number, result)
-    small = [one.text(result) for one in others if one.name == "sizes"]
-    told = [f"{one[0].upper()}{one[1:]}." for one in undecided(number, result)]
-    return " ".join(small or [*told, *(one.text(result) for one in others)])
-
-
-def deciding(number: Published, result: Result | None) -> list[str]:
-    """What would decide an open number."""
-    if result is None or verdict(number, result) != "open":
-        return []
-    found = [one.decides.rstrip(".") for one in differing(number, result)]
-    return [f"It would be decided by: {'; '.join(found)}."] if found else []
-
-
-def undecided(number: Published, result: Result) -> list[str]:
-    """What our own numbers leave undecided: cases that disagree, an interval that is too wide."""
-    cases: dict[Place, list[str]] = {}
-    for case, one in result.cases.items():
-        cases.setdefault(place_of(number, one), []).append(case)
-    if cases.keys() == {"undecided"}:
-        return ["our interval is too wide to decide"]
-    if len(cases) == 1:
-        return []
-    agree = " and ".join(cases.get("inside", []))
-    wide = " and ".join(cases.get("undecided", []))
-    return [f"it agrees {agree}, not otherwise" if agree else f"our interval is too wide {wide}"]
+def sentence(text: str) -> str:
+    """A text as a sentence of its own; none if there is no text."""
+    return f"{text[0].upper()}{text[1:]}." if text else ""

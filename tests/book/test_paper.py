@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from cmtof_book import claims, compared, paper, provenance, ratios, record, scoreboard, verdict
-from cmtof_book.verdict import Estimate, Result
+from cmtof_book import claims, compared, paper, provenance, record, scoreboard
+from cmtof_book.verdict import CROPS, Estimate, Result, Score
 
 ROOT = Path(__file__).parents[2]
 ACCEPTED = ROOT / "figures" / "scoreboard.json"
@@ -30,7 +30,17 @@ def folder(tmp_path, monkeypatch):
 def said(number, *values, profile="book", crops=0):
     """The verdict on a number, from one value of ours or several."""
     cases = {str(place): value for place, value in enumerate(values)}
-    return verdict.verdict(number, Result.of(cases, profile, crops))
+    return Score(number, Result.of(cases, profile, crops)).verdict
+
+
+def scores(results):
+    """All published numbers, some with results."""
+    return {key: Score(one, results.get(key, Result())) for key, one in NUMBERS.items()}
+
+
+def claims_by(results):
+    """The claims by name, as results lead to them."""
+    return {one.name: one for one in claims.claims(scores(results))}
 
 
 def test_every_entry_is_well_formed():
@@ -90,33 +100,33 @@ def test_an_interval_must_be_narrow_to_reproduce_and_apart_to_contradict():
 
 def test_what_differs_from_the_paper_leaves_a_number_open():
     differs = replace(PLAIN, depends=("scenes", "training"))
-    assert said(differs, 20) == said(differs, 20, crops=verdict.CROPS) == "open"
+    assert said(differs, 20) == said(differs, 20, crops=CROPS) == "open"
     assert said(differs, 10) == "reproduced"
     trained = replace(PLAIN, depends=("training",))
-    assert said(trained, 20, crops=verdict.CROPS) == "contradicted"
+    assert said(trained, 20, crops=CROPS) == "contradicted"
     sized = replace(PLAIN, depends=("sizes",))
     assert [said(sized, 10, profile=one) for one in ("ci", "book")] == ["untested", "reproduced"]
     assert said(PLAIN, 10, 20) == said(PLAIN, 20, 10) == "open"  # two cases disagree
     assert said(PLAIN, 20, 30) == "contradicted"
     short = Result.of(20, "book", 28_000)
-    told = verdict.reason(trained, short)
+    told = Score(trained, short).reason
     assert "28,000" in told and "500,000" in told
-    assert verdict.deciding(trained, short) and not verdict.deciding(PLAIN, short)
+    assert Score(trained, short).deciding and not Score(PLAIN, short).deciding
 
 
 def test_settings_are_compared_too():
     setting = replace(PLAIN, kind="setting", changed="Why.")
     assert [said(setting, value) for value in (10.2, 11)] == ["as stated", "changed"]
-    assert verdict.reason(setting, Result.of(11, "ci", 0)) == "Why."
+    assert Score(setting, Result.of(11, "ci", 0)).reason == "Why."
     assert said(replace(PLAIN, untested="other data"), 10) == "untested"
 
 
 def test_few_numbers_can_be_contradicted_and_every_dependency_is_known():
     """Only those that depend on nothing but what is the paper's; training counts as it."""
-    whole = Result(crops=verdict.CROPS)
+    whole = Result(crops=CROPS)
     results = [one for one in NUMBERS.values() if one.kind == "result"]
     assert all(one.dependencies() for one in results)
-    judged = [n for n in results if not n.untested and not verdict.differing(n, whole)]
+    judged = [n for n in results if not n.untested and not Score(n, whole).differing]
     assert 10 <= len(judged) <= 20
     used = {name for one in results for name in one.depends}
     assert used == set(paper.dependencies())
@@ -124,45 +134,40 @@ def test_few_numbers_can_be_contradicted_and_every_dependency_is_known():
         assert one.same is True or one.decides
 
 
-def outcomes(claim):
+def outcomes(name):
     """Every verdict that a claim can have, each from results that lead to it."""
-    holds, numbers = {}, claim.numbers()
-    for one in numbers:
-        agreeing = one.value * SIDE.get(one.relation, 1)
-        holds[one.key] = Result.of(agreeing, "book", verdict.CROPS)
-    yield claim.outcome(holds)
-    yield claim.outcome({})
+    numbers = [score.number for score in claims_by({})[name].scores]
+    holds = {one.key: one.value * SIDE.get(one.relation, 1) for one in numbers}
+    given = [holds, {}]
     for one in numbers:
         wrong = one.value * (2 - SIDE.get(one.relation, -3))
         wide = (one.value, 0.1 * one.value, 10 * one.value)
-        for value in (wrong, wide):
-            yield claim.outcome(holds | {one.key: Result.of(value, "book", verdict.CROPS)})
-        yield claim.outcome({k: held for k, held in holds.items() if k != one.key})
+        given += [holds | {one.key: value} for value in (wrong, wide, math.nan)]
+    for values in given:
+        results = {key: Result.of(value, "book", CROPS) for key, value in values.items()}
+        yield claims_by(results)[name].outcome
 
 
 def test_each_claim_goes_through_every_verdict_that_it_can_have():
-    assert len(claims.claims()) == 10
-    whole = Result(crops=verdict.CROPS)
-    for claim in claims.claims():
-        open_ones = [bool(verdict.differing(one, whole)) for one in claim.numbers()]
-        expected = {"reproduced", "untested", "open"} | (
-            set() if all(open_ones) else {"contradicted"}
-        )
-        assert set(outcomes(claim)) == expected, claim.name
+    whole = claims_by({key: Result(crops=CROPS) for key in NUMBERS})
+    assert len(whole) == 10
+    for name, claim in whole.items():
+        expected = {"reproduced", "untested", "open"}
+        if not all(score.differing for score in claim.scores):
+            expected.add("contradicted")
+        assert set(outcomes(name)) == expected, name
 
 
 def test_a_claim_says_in_one_line_why():
-    claim = {one.name: one for one in claims.claims()}
     wide = {"fig3.precision_ratio": Result.of((100, 20, 180), "book", 0)}
-    assert claim["precision"].why(wide) == "Our interval is too wide to decide."
-    far = {
-        key: Result.of({"at once": 1.0, "later": 0.1}, "book", 0) for key in claim["scanned"].keys
-    }
+    assert claims_by(wide)["precision"].why == "Our interval is too wide to decide."
+    apart = Result.of({"at once": 1.0, "later": 0.1}, "book", 0)
+    far = dict.fromkeys(("sec8.network_scanned", "sec8.kde_scanned"), apart)
     told = "Network: it agrees at once, not otherwise. KDE: it agrees later, not otherwise."
-    assert claim["scanned"].why(far).startswith(told)
-    order = {"sec8.order": Result.of(1.0, "book", 36_000)}
-    assert claim["order"].why(order).startswith("It holds although the scenes, the training")
-    assert claim["order"].why({}) == "No chapter computes it."
+    assert claims_by(far)["scanned"].why.startswith(told)
+    order = claims_by({"sec8.order": Result.of(1.0, "book", 36_000)})["order"]
+    assert order.why.startswith("It holds although the scenes, the training")
+    assert claims_by({})["order"].why == "No chapter computes it."
 
 
 def test_what_was_checked_is_recorded_with_all_cases_and_shown(folder, monkeypatch):
@@ -182,17 +187,18 @@ def test_what_was_checked_is_recorded_with_all_cases_and_shown(folder, monkeypat
     (run,) = record.read_all(folder.parent)
     assert run.content["provenance"]["profile"] == "book"
     assert run.compared() == {"fig3.precision_ratio": compared.sum_over_draws(99.8, error=3.2)}
-    found = scoreboard.found_in([run])
-    assert found["table4.rf.rmse_mirror"][0].cases["with more noise"] == Estimate(2e-4, 1e-4, 3e-4)
-    assert found["table2.kde.delta_lt_1"][0].crops == 28_000
-    assert found["fig3.precision_ratio"][1] == "02_precision"
+    found = scoreboard.scores_in([run])
+    noisy = found["table4.rf.rmse_mirror"].result.cases["with more noise"]
+    assert noisy == Estimate(2e-4, 1e-4, 3e-4)
+    assert found["table2.kde.delta_lt_1"].result.crops == 28_000
+    assert found["fig3.precision_ratio"].chapter == "02_precision"
 
 
 def test_scoreboard_lists_and_counts_every_number_once(folder):
     paper.check("fig3.precision_ratio", (99.8, 95, 105))
     paper.check("fig14.height_error", 1.2e-6)
     paper.check("sec8.gain", 20)
-    page = scoreboard.page(scoreboard.found_in(record.read_all(folder.parent)))
+    page = scoreboard.page(scoreboard.scores_in(record.read_all(folder.parent)))
     listed = re.findall(r"<br><code>([a-z0-9_.]+)</code>", page.replace("<wbr>", ""))
     assert sorted(listed) == sorted(key.partition(".")[2] for key in NUMBERS)
     counts = dict(re.findall(r'^\| <span class="verdict .*">(.+)</span> \| (\d+) \|$', page, re.M))
@@ -206,7 +212,7 @@ def test_the_picture_has_a_line_for_each_result_at_its_ratio():
         "fig3.precision_ratio": Result.of((100, 90, 110), "book", 0),
         "table4.proposed.rmse_mirror": Result.of({"quiet": 1, "noisy": 1e-9}, "book", 0),
     }
-    text = ratios.picture(results)
+    text = scoreboard.picture(scores(results))
     lines = re.findall(r'<li data-verdict="(\w+)" data-same="(\w+)"', text)
     assert lines == [("reproduced", "yes"), ("open", "no")]
     dots = re.findall(r'class="dot" d="M([\d.]+) ', text)
@@ -218,10 +224,10 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
         monkeypatch.setenv(provenance.OUTPUT_VARIABLE, str(tmp_path / name))
         paper.check("fig3.precision_ratio", value)
     runs = list(record.read_all(tmp_path))
-    page = scoreboard.page(scoreboard.found_in(runs))
+    page = scoreboard.page(scoreboard.scores_in(runs))
     (row,) = [r for r in page.splitlines() if "precision_<wbr>ratio" in r]
     assert "contradicted" in row and "| 10<br>" in row and "02_bad" in row
-    (number,) = scoreboard.accepted(runs)["numbers"].values()
+    (number,) = scoreboard.accepted(scoreboard.scores_in(runs))["numbers"].values()
     assert number["cases"][""] == Estimate(10, 10, 10)
     assert number["verdict"] == "contradicted"
     assert number["chapter"] == "02_bad"
@@ -233,7 +239,7 @@ def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
     held = json.loads(ACCEPTED.read_text("utf-8"))["numbers"]
     for key, number in held.items():
         result = Result.of(number["cases"], number["profile"], number["crops"])
-        assert verdict.verdict(NUMBERS[key], result) == number["verdict"], key
+        assert Score(NUMBERS[key], result).verdict == number["verdict"], key
         assert NUMBERS[key].value == pytest.approx(number["paper"], rel=1e-9)
     contradicted = [key for key, number in held.items() if number["verdict"] == "contradicted"]
     assert len(contradicted) <= 20
@@ -249,11 +255,12 @@ def test_claims_are_filled_with_numbers_of_the_build():
         record.Record("03_wraps", record.TEXT, {"numbers": {"x": 2.5}}),
     ]
     found = {"fig3.precision_ratio": Result.of(104.63, "book", 0)}
-    numbers = claims.Numbers(found, records)
+    numbers = claims.Numbers(scores(found), records)
     asked = "{03_wraps/wraps_odds.law.1|.0%} {03_wraps/wraps_odds.rates.right|d} {03_wraps:x|.1f} "
     assert numbers.fill(asked + "{fig3.precision_ratio}") == "25\N{NO-BREAK SPACE}% 3 2.5 105"
     assert numbers.fill("{sec1.contrast}") == "(not computed)"
     found["sec8.rf_plate"] = Result.of({"quiet": (2e-3, 1e-3, 3e-3), "noisy": 4e-3}, "book", 0)
+    numbers = claims.Numbers(scores(found), records)
     filled = numbers.fill("{sec8.rf_plate@0|alone}, {sec8.rf_plate@0}, {sec8.rf_plate@1}")
     assert filled.replace("\N{NO-BREAK SPACE}", " ") == "2 mm, 2 mm (1–3 mm), 4 mm"
 
@@ -262,8 +269,8 @@ def test_claims_of_the_book_name_what_exists():
     stems = {path.stem for path in (ROOT / "notebooks").glob("*.py")}
     figures = {path.stem for path in (ROOT / "figures").glob("*.json")}
     listed = re.findall(r"book/claims/(\w+)", (ROOT / "_toc.yml").read_text(encoding="utf-8"))
-    assert listed == [claim.name for claim in claims.claims()]
-    for claim in claims.claims():
+    assert listed == list(claims_by({}))
+    for claim in claims_by({}).values():
         assert claim.chapter in stems and claim.figure in figures
 
 
@@ -274,21 +281,23 @@ def test_figures_tables_and_equations_are_found_where_they_stand(tmp_path):
         record.Record("07_table", record.PAPER, {"numbers": {"table3.a": {}, "fig13.b": {}}}),
     ]
     notebook = tmp_path / "01_light.py"
-    notebook.write_text("# :label: eq-12\n# :label: eq-20-profile\n# {eq}`eq-3`\n")
-    assert scoreboard.chapters_by_item(records, [notebook]) == {
+    notebook.write_text("# \\tag{12}$$\n# \\tag{20.1}$$\n# [Eq. 3](#eq-3)\n")
+    found = scoreboard.coverage(records, [notebook])
+    assert {item: chapters for item, chapters in found.items() if chapters} == {
         "Figure 4": ["03_wraps"],
         "Table 3": ["07_table"],
         "Equation 12": ["01_light"],
     }
-    page = scoreboard.coverage_section(records, [notebook])
+    page = scoreboard.page(scores({}), records, [notebook])
     assert "| Figure 4 | {doc}`03 <../notebooks/03_wraps>` |" in page
     missing = page.partition("Not yet reached: ")[2].partition(".\n")[0].split(", ")
     assert len(missing) == 40 - 3 and "Equation 20" in missing
 
 
 def test_every_figure_and_equation_of_the_paper_stands_in_the_book():
-    found = scoreboard.chapters_by_item([], sorted((ROOT / "notebooks").glob("*.py")))
-    assert {int(item.split()[1]) for item in found} == set(range(1, 21))
-    assert all(len(chapters) == 1 for chapters in found.values())
+    found = scoreboard.coverage([], sorted((ROOT / "notebooks").glob("*.py")))
+    equations = {item: chapters for item, chapters in found.items() if "Equation" in item}
+    assert len(equations) == 20
+    assert all(len(chapters) == 1 for chapters in equations.values())
     names = {path.name[:5] for path in (ROOT / "figures").glob("fig*.json")}
     assert names >= {f"fig{number:02d}" for number in range(1, 17)}
