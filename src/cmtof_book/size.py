@@ -9,11 +9,11 @@ still larger; ``--accept`` stores the values of today as limits.
 """
 
 import ast
-import io
 import json
 import subprocess
 import sys
 import tokenize
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -31,30 +31,33 @@ VOLUME = {
 """Nodes that a part may have."""
 
 DENSITY = 11  # nodes a code line of a part
-MODULE_DENSITY = 13
-MODULE_LINES = 400
-NAMES = 15  # that a function binds, parameters included
-PARAMETERS = 7
-FUNCTION_LINES = 60
-COMPLEXITY = 12
 PACKED = 3  # percent of assignments such as `a, b = x, y`
 PAGES = 1_500  # lines of JavaScript, CSS and templates together
-PAGE_FILES = {".css", ".html", ".jinja", ".js"}
-
-SCOPES = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
-SILENT = {
-    tokenize.COMMENT,
-    tokenize.NL,
-    tokenize.NEWLINE,
-    tokenize.INDENT,
-    tokenize.DEDENT,
-    tokenize.ENDMARKER,
+LIMITS = {
+    "dense modules": 13,  # nodes a code line
+    "long modules": 400,  # lines; notebooks are as long as their subject
+    "functions of many names": 15,  # that it binds, parameters included
+    "functions of many parameters": 7,
+    "long functions": 60,
+    "complex functions": 12,  # branches, as ruff counts them (C901)
 }
+"""What a module or a function may have."""
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+Rows = dict[str, tuple[float, float]]
+"""A value and its budget, by name."""
+
+
+class Finding(NamedTuple):
+    """What was measured of a module or function: the limit's name, the value, and where."""
+
+    limit: str
+    value: float
+    place: str
 
 
 class Module(NamedTuple):
-    """One file: its syntax tree and its number of code lines."""
+    """One file: its syntax tree, its number of code lines, and that of all lines."""
 
     path: Path
     tree: ast.Module
@@ -66,18 +69,9 @@ class Module(NamedTuple):
         """Nodes of the syntax tree."""
         return sum(1 for _ in ast.walk(self.tree))
 
-    @property
-    def density(self) -> float:
-        """Nodes a code line."""
-        return self.nodes / max(self.code, 1)
-
-
-class Finding(NamedTuple):
-    """What exceeds its budget: the budget's name, the value, and where."""
-
-    budget: str
-    value: float
-    place: str
+    def functions(self) -> Iterator[Function]:
+        """All functions, those within others included."""
+        return (node for node in ast.walk(self.tree) if isinstance(node, Function))
 
 
 def read_module(path: Path) -> Module:
@@ -85,74 +79,55 @@ def read_module(path: Path) -> Module:
     source = path.read_text(encoding="utf-8")
     tree = ast.parse(source)
     used: set[int] = set()
-    for token in tokenize.generate_tokens(io.StringIO(source).readline):
-        if token.type not in SILENT:
+    for token in tokenize.generate_tokens(iter(source.splitlines(keepends=True)).__next__):
+        if token.string.strip() and token.type != tokenize.COMMENT:
             used.update(range(token.start[0], token.end[0] + 1))
     for node in ast.walk(tree):
-        if isinstance(node, SCOPES) and ast.get_docstring(node, clean=False) is not None:
+        if isinstance(node, ast.Module | ast.ClassDef | Function) and ast.get_docstring(node):
             text = node.body[0]
             used.difference_update(range(text.lineno, (text.end_lineno or text.lineno) + 1))
     return Module(path, tree, len(used), source.count("\n"))
 
 
-def modules_of(part: str) -> list[Module]:
-    """All Python files of a part."""
-    return [read_module(path) for path in sorted((ROOT / part).rglob("*.py"))]
-
-
-def bound_names(function: ast.AST) -> set[str]:
-    """Names that a function binds, those of its parameters included."""
-    stored = {
-        node.id
-        for node in ast.walk(function)
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-    }
-    return stored | {node.arg for node in parameters(function)}
-
-
-def parameters(function: ast.AST) -> list[ast.arg]:
+def parameters(function: Function) -> list[str]:
     """Parameters of a function."""
-    given = function.args  # type: ignore[attr-defined]
-    return [*given.posonlyargs, *given.args, *given.kwonlyargs]
+    given = function.args
+    return [one.arg for one in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
 
 
-def is_packed(assignment: ast.Assign) -> bool:
-    """Whether several values are assigned to as many names in one line."""
-    return isinstance(assignment.targets[0], ast.Tuple) and isinstance(assignment.value, ast.Tuple)
+def bound_names(function: Function) -> set[str]:
+    """Names that a function binds, those of its parameters included."""
+    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+    return {name.id for name in names if isinstance(name.ctx, ast.Store)} | {*parameters(function)}
 
 
 def packed_share(modules: list[Module]) -> float:
-    """Share of packed assignments, percent."""
-    every = [n for m in modules for n in ast.walk(m.tree) if isinstance(n, ast.Assign)]
-    return 100 * sum(map(is_packed, every)) / max(len(every), 1)
+    """Share of assignments that pack several values into one line, percent."""
+    nodes = [node for module in modules for node in ast.walk(module.tree)]
+    every = [node for node in nodes if isinstance(node, ast.Assign)]
+    packed = [one for one in every if {type(one.value), type(one.targets[0])} == {ast.Tuple}]
+    return 100 * len(packed) / max(len(every), 1)
 
 
-def findings_of(module: Module) -> Iterator[Finding]:
-    """What a module and its functions have too much of."""
+def measured(module: Module) -> Iterator[Finding]:
+    """What has a limit in a module and in its functions."""
     name = str(module.path.relative_to(ROOT))
-    if module.density > MODULE_DENSITY:
-        yield Finding("dense modules", round(module.density, 1), name)
-    if module.lines > MODULE_LINES and not name.startswith("notebooks"):
+    yield Finding("dense modules", module.nodes / max(module.code, 1), name)
+    if not name.startswith("notebooks"):
         yield Finding("long modules", module.lines, name)
-    for function in ast.walk(module.tree):
-        if not isinstance(function, FUNCTIONS):
-            continue
+    for function in module.functions():
         place = f"{name}:{function.lineno} {function.name}"
         length = (function.end_lineno or 0) - function.lineno + 1
-        measured = {
-            "functions of many names": (len(bound_names(function)), NAMES),
-            "functions of many parameters": (len(parameters(function)), PARAMETERS),
-            "long functions": (length, FUNCTION_LINES),
-        }
-        for budget, (value, limit) in measured.items():
-            if value > limit:
-                yield Finding(budget, value, place)
+        yield Finding("long functions", length, place)
+        yield Finding("functions of many names", len(bound_names(function)), place)
+        yield Finding("functions of many parameters", len(parameters(function)), place)
 
 
-def complex_functions() -> Iterator[Finding]:
-    """Functions of too many branches, as ruff counts them (C901)."""
+def complexities() -> Iterator[Finding]:
+    """Functions of too many branches."""
+    most = f"lint.mccabe.max-complexity={LIMITS['complex functions']}"
     command = [sys.executable, "-m", "ruff", "check", "--isolated", "--select", "C901", *VOLUME]
-    command += ["--config", f"lint.mccabe.max-complexity={COMPLEXITY}", "--output-format", "json"]
+    command += ["--config", most, "--output-format", "json"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     for found in json.loads(done.stdout):
         path = Path(found["filename"]).relative_to(ROOT)
@@ -163,55 +138,52 @@ def complex_functions() -> Iterator[Finding]:
 def page_lines() -> int:
     """Lines of JavaScript, CSS and templates of the book."""
     folders = (ROOT / "book", ROOT / "src" / "cmtof_book" / "templates")
-    files = [path for folder in folders for path in folder.rglob("*") if path.suffix in PAGE_FILES]
-    return sum(path.read_bytes().count(b"\n") for path in files)
+    files = [path for folder in folders for path in folder.rglob("*.*")]
+    kinds = {".css", ".html", ".jinja", ".js"}
+    return sum(path.read_bytes().count(b"\n") for path in files if path.suffix in kinds)
 
 
-def measured_values(parts: dict[str, list[Module]]) -> dict[str, float]:
-    """Volume, density and packing of each part."""
-    values: dict[str, float] = {}
-    for part, modules in parts.items():
-        nodes = sum(module.nodes for module in modules)
-        code = sum(module.code for module in modules)
-        values[f"{part} volume"] = nodes
-        values[f"{part} density"] = round(nodes / code, 1)
-        values[f"{part} packed %"] = round(packed_share(modules), 1)
-    values["book pages lines"] = page_lines()
-    return values
+def rows_of(part: str, modules: list[Module]) -> Rows:
+    """Volume, density and packing of a part."""
+    nodes = sum(module.nodes for module in modules)
+    density = nodes / sum(module.code for module in modules)
+    return {
+        f"{part} volume": (nodes, VOLUME[part]),
+        f"{part} density": (round(density, 1), DENSITY),
+        f"{part} packed %": (round(packed_share(modules), 1), PACKED),
+    }
 
 
-def budget_of(name: str) -> float:
-    """Budget of a value by its name; what is counted in findings may not occur."""
-    part, _, what = name.rpartition(" ")
-    fixed = {"density": DENSITY, "%": PACKED, "lines": PAGES}
-    return VOLUME[part] if what == "volume" else fixed.get(what, 0)
+def everything() -> tuple[Rows, list[Finding]]:
+    """All rows of the table, and what is over its limit."""
+    rows: Rows = {}
+    found = [*complexities()]
+    for part in VOLUME:
+        modules = [read_module(path) for path in sorted((ROOT / part).rglob("*.py"))]
+        rows |= rows_of(part, modules)
+        found += [one for module in modules for one in measured(module)]
+    rows["book pages lines"] = (page_lines(), PAGES)
+    over = [one for one in found if one.value > LIMITS[one.limit]]
+    return rows | {name: (count, 0) for name, count in Counter(f.limit for f in over).items()}, over
 
 
 def main(options: list[str]) -> int:
     """Print the table; return the exit code."""
-    parts = {part: modules_of(part) for part in VOLUME}
-    values = measured_values(parts)
-    found = [f for modules in parts.values() for m in modules for f in findings_of(m)]
-    found += complex_functions()
-    for finding in found:
-        values[finding.budget] = values.get(finding.budget, 0) + 1
+    rows, found = everything()
     accepted = json.loads(ACCEPTED.read_text("utf-8")) if ACCEPTED.is_file() else {}
     if "--accept" in options:
-        accepted = {name: value for name, value in values.items() if value > budget_of(name)}
+        accepted = {name: value for name, (value, budget) in rows.items() if value > budget}
         ACCEPTED.write_text(json.dumps(accepted, indent=1) + "\n", encoding="utf-8")
-    notes = {name: judged(name, value, accepted) for name, value in values.items()}
-    for name, note in notes.items():
-        print(f"{name:32} {values[name]:9,g} of {budget_of(name):7,g}  {note}".rstrip())
-    for finding in sorted(found, reverse=True) if "-v" in options else ():
-        print(f"{finding.budget}: {finding.value:g}  {finding.place}")
-    return int("OVER" in notes.values())
-
-
-def judged(name: str, value: float, accepted: dict[str, float]) -> str:
-    """What is to be said of a value: nothing within its budget, OVER beyond the accepted one."""
-    if value <= budget_of(name):
-        return ""
-    return "OVER" if value > accepted.get(name, 0) else "to do"
+    failed = False
+    for name, (value, budget) in rows.items():
+        over = value > max(budget, accepted.get(name, 0))
+        failed |= over
+        note = "OVER" if over else "to do" if value > budget else ""
+        print(f"{name:32} {value:9,g} of {budget:7,g}  {note}".rstrip())
+    if "-v" in options:
+        for one in sorted(found, reverse=True):
+            print(f"{one.limit}: {one.value:.3g}  {one.place}")
+    return int(failed)
 
 
 if __name__ == "__main__":
