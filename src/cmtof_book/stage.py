@@ -15,7 +15,7 @@ from typing import Any
 import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof_book import claims, laboratory, scoreboard
+from cmtof_book import claims, laboratory, pages, scoreboard
 from cmtof_book.graph import Book
 from cmtof_book.markdown import myst
 from cmtof_book.notes import SAID
@@ -25,38 +25,44 @@ from cmtof_book.views import STATIC
 ROOT = Path(__file__).resolve().parents[2]
 
 NUMBERS = "_static/numbers"  # of the figures, in the book
+PLACES = {"js": STATIC, "csv": NUMBERS}
+"""Where pages look for what chapters have written, by its suffix."""
 
 
 def caption(about: dict[str, Any], stem: str) -> str:
     """Caption of a figure with its number in the paper, and a line on how to get at it."""
     paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
-    title = f"**Paper {'Fig.' if paper[1] == 'fig' else 'Table'} {paper[2]}.** " if paper else ""
-    return (
-        f'{title}{about["caption"]}\n\n<a href="../{NUMBERS}/{about["name"]}.csv">numbers</a> · '
-        f'<a href="../_sources/notebooks/{stem}.ipynb">notebook</a> · '
-        f"`make figure F={about['name']}`"
-    )
+    where = paper and f"{'Fig.' if paper[1] == 'fig' else 'Table'} {paper[2]}"
+    return pages.page("caption", about=about, stem=stem, paper=where, folder=NUMBERS)
+
+
+def figure_cell(output: Any, stem: str) -> Any:
+    """A cell of its own for a saved figure, with the metadata that number it."""
+    about = output.metadata.pop("cmtof")
+    name = "fig-" + about["name"].replace("_", "-")
+    figure = {"caption": caption(about, stem), "name": name}
+    placed = {"figure": figure, "image": {"alt": about["alt"]}}
+    metadata = {"tags": ["remove-input"], "mystnb": placed}
+    return new_code_cell("# continued", outputs=[output], metadata=metadata)
+
+
+def taken(cell: Any, key: str) -> list[Any]:
+    """Outputs of a cell whose metadata have a key; the cell loses them."""
+    outputs = cell.get("outputs", [])
+    chosen = [output for output in outputs if key in output.get("metadata", {})]
+    for output in chosen:
+        outputs.remove(output)
+    return chosen
 
 
 def place_figures(notebook: Any, stem: str) -> None:
-    """Make every saved figure a cell of its own, with the metadata that number it.
-
-    The source of the cell that drew it folds away.
-    """
+    """Make every saved figure a cell of its own; the source of the cell that drew it folds away."""
     cells: list[Any] = []
     for cell in notebook.cells:
-        cells.append(cell)
-        drawn = [o for o in cell.get("outputs", []) if "cmtof" in o.get("metadata", {})]
-        if drawn:  # how it was drawn is for whoever wants to know
+        figures = [figure_cell(output, stem) for output in taken(cell, "cmtof")]
+        if figures:
             cell.metadata["tags"] = sorted({*cell.metadata.get("tags", []), "hide-input"})
-        for output in drawn:
-            cell.outputs.remove(output)
-            cells.append(new_code_cell("# continued", outputs=[output]))
-            about = output.metadata.pop("cmtof")
-            name = "fig-" + about["name"].replace("_", "-")
-            figure = {"caption": caption(about, stem), "name": name}
-            placed = {"figure": figure, "image": {"alt": about["alt"]}}
-            cells[-1].metadata |= {"tags": ["remove-input"], "mystnb": placed}
+        cells += [cell, *figures]
     notebook.cells = cells
 
 
@@ -64,12 +70,10 @@ def place_sentences(notebook: Any) -> None:
     """Make every sentence that a run has written a cell of text; repeat the answer at the head."""
     cells: list[Any] = []
     for cell in notebook.cells:
-        outputs = cell.get("outputs", [])
-        said = [output for output in outputs if SAID in output.get("metadata", {})]
+        said = taken(cell, SAID)
         if not said or not cell.source.startswith("notes."):
             cells.append(cell)
         for output in said:
-            outputs.remove(output)
             cells.append(new_markdown_cell(output.data["text/markdown"]))
             if output.metadata[SAID] == "answer":
                 put_behind_question(cells, cells[-1].source)
@@ -103,35 +107,14 @@ def join_folded(notebook: Any) -> None:
     for cell in notebook.cells:
         if "injected-parameters" in cell.metadata.get("tags", []):
             continue  # they stand at the end of the page
-        before = cells[-1] if cells else None
-        if before is not None and _is_folded(before) and _is_folded(cell) and not before.outputs:
-            cell.source = f"{before.source}\n\n{cell.source}"
-            cells.pop()
+        if cells and _is_folded(cells[-1]) and _is_folded(cell) and not cells[-1].outputs:
+            cell.source = f"{cells.pop().source}\n\n{cell.source}"
         cells.append(cell)
     notebook.cells = cells
 
 
 def _is_folded(cell: Any) -> bool:
     return cell.cell_type == "code" and "hide-input" in cell.metadata.get("tags", [])
-
-
-def provenance_block(about: dict[str, Any]) -> str:
-    """Return the last block of a page: what was run, with what, when and for how long."""
-    parameters = dict(about["parameters"])
-    rows = {
-        "profile": parameters.pop("profile"),
-        "seed": parameters.pop("seed", ""),
-        "parameters": ", ".join(f"{k} = {v}" for k, v in parameters.items()),
-        "cmtof": about["version"] + (f", commit {about['commit']}" if about["commit"] else ""),
-        "run": f"{about['date']}, {about['seconds']:.1f} s on one thread",
-        "Python": about["python"],
-        "libraries": ", ".join(f"{k} {v}" for k, v in about["libraries"].items()),
-    }
-    lines = "\n".join(f"| {key} | {value} |" for key, value in rows.items() if value != "")
-    return (
-        ":::{admonition} How this page was made\n:class: note provenance\n\n"
-        f"| | |\n|---|---|\n{lines}\n:::"
-    )
 
 
 def stage_notebook(executed: Path, target: Path) -> None:
@@ -141,7 +124,8 @@ def stage_notebook(executed: Path, target: Path) -> None:
     place_figures(notebook, executed.stem)
     lead_with_figure(notebook)
     join_folded(notebook)
-    notebook.cells.append(new_markdown_cell(provenance_block(notebook.metadata.pop("cmtof"))))
+    about = pages.page("provenance", **notebook.metadata.pop("cmtof"))
+    notebook.cells.append(new_markdown_cell(about))
     notebook.metadata.pop("papermill", None)
     for number, cell in enumerate(notebook.cells):
         if cell.cell_type == "markdown":
@@ -152,24 +136,32 @@ def stage_notebook(executed: Path, target: Path) -> None:
     nbformat.write(notebook, target)
 
 
-def place_results(build: Path, stage: Path) -> None:
-    """Copy scenes and the numbers of figures to where pages look for them; never committed."""
-    for place, suffix in ((STATIC, "js"), (NUMBERS, "csv")):
-        (stage / "book" / place).mkdir(parents=True, exist_ok=True)
-        for file in build.glob(f"results/*/*_*.{suffix}"):
-            shutil.copyfile(file, stage / "book" / place / file.name)
-
-
-def place_claims(numbers: claims.Numbers, build: Path, book: Path) -> None:
-    """Write what the first page includes, and a page for each claim with its figure beside it."""
-    (book / "claims.md").write_text(claims.table(numbers), encoding="utf-8")
-    (book / "findings.md").write_text(claims.findings(numbers), encoding="utf-8")
-    (book / "claims").mkdir()
+def write_pages(build: Path, book: Path) -> None:
+    """Write the scoreboard, a page for each claim, and what the first page includes."""
+    records = list(read_all(build / "results"))
+    numbers = claims.Numbers(scoreboard.scores_in(records), records)
+    chapters = sorted((build / "notebooks").glob("*.ipynb"))
+    texts = {
+        "scoreboard": scoreboard.page(numbers.scores, records, chapters),
+        "claims": claims.table(numbers),
+        "findings": claims.findings(numbers),
+    }
     for claim in claims.claims(numbers.scores):
-        page = claims.page(claim, numbers)
-        (book / "claims" / f"{claim.name}.md").write_text(page, encoding="utf-8")
-        for drawn in build.glob(f"results/*/{claim.figure}.[sp][vn]g"):
-            shutil.copyfile(drawn, book / "claims" / drawn.name)
+        texts[f"claims/{claim.name}"] = claims.page(claim, numbers)
+    (book / "claims").mkdir()
+    for name, text in texts.items():
+        (book / f"{name}.md").write_text(text, encoding="utf-8")
+
+
+def copy_drawn(build: Path, book: Path) -> None:
+    """Copy what chapters have drawn to where pages look for it; never committed."""
+    for suffix, place in PLACES.items():
+        (book / place).mkdir(parents=True, exist_ok=True)
+        for file in build.glob(f"results/*/*_*.{suffix}"):
+            shutil.copyfile(file, book / place / file.name)
+    for page in (book / "intro.md", *book.glob("claims/*.md")):
+        for name in re.findall(r"\w+\.(?:png|svg)$", page.read_text("utf-8"), re.M):
+            shutil.copyfile(next(build.glob(f"results/*/{name}")), page.with_name(name))
 
 
 def main(build: Path, stage: Path) -> None:
@@ -181,17 +173,11 @@ def main(build: Path, stage: Path) -> None:
         (stage / chapter).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / chapter, stage / chapter)
     for stem in book.notebooks():
-        stage_notebook(build / "notebooks" / f"{stem}.ipynb", stage / "notebooks" / f"{stem}.ipynb")
-    place_results(build, stage)
+        name = f"notebooks/{stem}.ipynb"
+        stage_notebook(build / name, stage / name)
+    write_pages(build, stage / "book")
+    copy_drawn(build, stage / "book")
     laboratory.write(stage / "book" / "_static" / "laboratory")
-    records = list(read_all(build / "results"))
-    chapters = sorted((build / "notebooks").glob("*.ipynb"))
-    scores = scoreboard.scores_in(records)
-    page = scoreboard.page(scores, records, chapters)
-    (stage / "book" / "scoreboard.md").write_text(page, encoding="utf-8")
-    place_claims(claims.Numbers(scores, records), build, stage / "book")
-    for name in re.findall(r"\w+\.(?:png|svg)$", (ROOT / "book/intro.md").read_text(), re.M):
-        shutil.copyfile(next(build.glob(f"results/*/{name}")), stage / "book" / name)
 
 
 if __name__ == "__main__":
