@@ -7,52 +7,26 @@ Without names: every method and reference. Only methods that are new or have oth
 counted, unless ``--again`` is given. With ``--runs`` weights are counted by their folders' names.
 """
 
-import argparse
 import hashlib
 import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
+
+import typer
+
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")  # before NumPy and torch are loaded
+
+from cmtof import __version__  # noqa: E402
+from cmtof.evaluation import Evaluation, digest  # noqa: E402
+from cmtof.files import written_whole  # noqa: E402
+from cmtof.frame import held_out_frames  # noqa: E402
+from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
+from cmtof.network.weights import read_card, weights_path  # noqa: E402
 
 RESULTS = Path(__file__).resolve().parents[2] / "book" / "results"
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Count and store."""
-    given = options(arguments)
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ.setdefault(name, "1")  # before NumPy and torch are loaded
-    from cmtof.evaluation import Evaluation
-    from cmtof.frame import held_out_frames
-
-    settings = {"protocol": given.protocol, "noise": given.noise, "seed": 0}
-    path = given.into / f"table{1 if given.runs else 2}_{given.protocol}_{given.noise:g}.json"
-    held = stored_counts(path, settings, runs=given.runs is not None)
-    frames = held_out_frames()
-    for row in rows_of(given):
-        if row.counted_in(held) and not given.again:
-            continue
-        evaluation = Evaluation([row.method], **settings)
-        if row.weights:
-            held["weights"][row.name] = row.weights
-            evaluation.options = {"weights": row.file}
-        add(held, row.name, evaluation.add_all(frames))
-        if given.runs:
-            held["cards"][row.name] = row.card().model_dump(exclude={"sha256"})
-        write(held, path)
-
-
-def options(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Options of the command line."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("methods", nargs="*", metavar="METHOD")
-    parser.add_argument("--protocol", default="released", choices=("released", "full"))
-    parser.add_argument("--noise", type=float, default=1200.0, help="Gaussian sigma, counts")
-    parser.add_argument("--again", action="store_true", help="count these methods again")
-    parser.add_argument("--runs", type=Path, help="folder of trainings")
-    parser.add_argument("--into", type=Path, default=RESULTS, help="folder of the counts")
-    return parser.parse_args(arguments)
 
 
 class Row(NamedTuple):
@@ -67,64 +41,53 @@ class Row(NamedTuple):
         """Hash of the weights, or ''."""
         return hashlib.sha256(self.file.read_bytes()).hexdigest() if self.file.is_file() else ""
 
-    def card(self) -> Any:
-        """Card of the weights."""
-        from cmtof.network.weights import read_card
-
-        return read_card(self.file)
-
-    def counted_in(self, held: dict[str, Any]) -> bool:
+    def is_counted(self, held: dict[str, Any]) -> bool:
         """Whether these weights were counted before."""
-        if not held["frames"] or self.name not in held["frames"][0]["methods"]:
-            return False
-        return held["weights"].get(self.name, "") == self.weights
+        names = held["frames"][0]["methods"] if held["frames"] else ()
+        return self.name in names and held["weights"].get(self.name, "") == self.weights
 
 
-def rows_of(given: argparse.Namespace) -> list[Row]:
-    """Rows that the options ask for: methods, or the trainings of a folder."""
-    from cmtof.methods import METHODS, find_method, names_of
-    from cmtof.network.weights import read_card, weights_path
-
-    if given.runs:
-        files = sorted(given.runs.glob(f"*/*.{given.protocol}.safetensors"))
-        return [Row(file.parent.name, read_card(file).model, file) for file in files]
+def rows_of_methods(methods: Sequence[str], protocol: str) -> list[Row]:
+    """A row for each method; without names those that are ready, and the references."""
     references = [name for name, method in METHODS.items() if method.kind == "reference"]
-    names = given.methods or [*names_of("all", given.protocol), *references]
-    names = [find_method(name).name for name in names]
-    return [Row(name, name, weights_path(name, given.protocol)) for name in names]
+    chosen = methods or [*names_of("all", protocol), *references]
+    names = [find_method(name).name for name in chosen]
+    return [Row(name, name, weights_path(name, protocol)) for name in names]
 
 
-def stored_counts(path: Path, settings: dict[str, Any], *, runs: bool) -> dict[str, Any]:
+def rows_of_runs(runs: Path, protocol: str) -> list[Row]:
+    """A row for each training in a folder."""
+    files = sorted(runs.glob(f"*/*.{protocol}.safetensors"))
+    return [Row(file.parent.name, read_card(file).model, file) for file in files]
+
+
+def stored_counts(path: Path, settings: dict[str, Any], more: str) -> dict[str, Any]:
     """Counts of a file, or an empty store where it is missing or has other settings."""
-    if path.is_file():
-        held = json.loads(path.read_text("utf-8"))
-        if held["settings"] == settings:
-            return held
-    command = (
-        f"python -m cmtof_book.tables --protocol {settings['protocol']} "
-        f"--noise {settings['noise']:g}{' --runs FOLDER' if runs else ''}"
-    )
+    held = json.loads(path.read_text("utf-8")) if path.is_file() else {}
+    if held.get("settings") == settings:
+        return held
+    options = f"--protocol {settings['protocol']} --noise {settings['noise']:g}{more}"
+    command = f"python -m cmtof_book.tables {options}"
     return {"command": command, "settings": settings, "weights": {}, "cards": {}, "frames": []}
 
 
-def add(held: dict[str, Any], name: str, evaluation: Any) -> None:
-    """Join the counts of a method over all frames with those of the others, under a name."""
-    counts = evaluation.counts()
-    ((method, scores),) = evaluation.report()["methods"].items()
+def count(held: dict[str, Any], row: Row) -> None:
+    """Join the counts of a method over all frames with those of the others."""
+    evaluation = Evaluation([row.method], **held["settings"])
+    if row.weights:
+        held["weights"][row.name] = row.weights
+        evaluation.options = {"weights": row.file}
+    counts = evaluation.add_all(held_out_frames()).counts()
     old = held["frames"] or [{"methods": {}} for _ in counts]
-    held["frames"] = [
-        new | {"methods": before["methods"] | {name: new["methods"][method]}}
-        for before, new in zip(old, counts, strict=True)
-    ]
-    print(name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
+    for new, before in zip(counts, old, strict=True):
+        new["methods"] = before["methods"] | {row.name: new["methods"][row.method]}
+    held["frames"] = counts
+    scores = evaluation.report()["methods"][row.method]
+    print(row.name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
 
 
 def write(held: dict[str, Any], path: Path) -> None:
     """Store counts, one frame a line, with their hash."""
-    from cmtof import __version__
-    from cmtof.evaluation import digest
-    from cmtof.files import written_whole
-
     frames = ",\n".join(json.dumps(frame) for frame in held["frames"])
     head = {key: part for key, part in held.items() if key != "frames"}
     head |= {"version": __version__, "sha256": digest(held["frames"])}
@@ -132,5 +95,26 @@ def write(held: dict[str, Any], path: Path) -> None:
         part.write_text(json.dumps(head)[:-1] + f',\n"frames": [\n{frames}\n]}}\n', "utf-8")
 
 
+def main(
+    methods: Annotated[list[str], typer.Argument(metavar="METHOD", default_factory=list)],
+    protocol: Literal["released", "full"] = "released",
+    noise: float = 1200.0,
+    again: bool = False,
+    runs: Path | None = None,
+    into: Path = RESULTS,
+) -> None:
+    """Count methods over all test frames and store the counts."""
+    settings = {"protocol": protocol, "noise": noise, "seed": 0}
+    path = into / f"table{1 if runs else 2}_{protocol}_{noise:g}.json"
+    held = stored_counts(path, settings, " --runs FOLDER" if runs else "")
+    rows = rows_of_runs(runs, protocol) if runs else rows_of_methods(methods, protocol)
+    for row in rows:
+        if again or not row.is_counted(held):
+            count(held, row)
+            if runs:
+                held["cards"][row.name] = read_card(row.file).model_dump(exclude={"sha256"})
+            write(held, path)
+
+
 if __name__ == "__main__":
-    main()
+    typer.run(main)
