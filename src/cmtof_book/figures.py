@@ -7,9 +7,11 @@ drawn from measured data stays where a machine without those data draws a simula
 """
 
 import json
+import shutil
 import sys
 from pathlib import Path
 
+from cmtof.files import written_whole
 from cmtof_book.provenance import write_json
 from cmtof_book.record import PAPER, TEXT, read_all
 from cmtof_book.scoreboard import accepted, scores_in
@@ -30,15 +32,11 @@ def main(results: Path, figures: Path) -> None:
         if file.suffix in SUFFIXES and file.name not in (*drawn, SCOREBOARD):
             file.unlink()
     for name, file in drawn.items():
-        content, target = file.read_bytes(), figures / name
-        sources = [_source(path.with_suffix(".json")) for path in (target, file)]
-        if sources == ["measured", "simulated"]:
-            continue
-        if not target.is_file() or target.read_bytes() != content:
-            part = figures / f".{name}.part"
-            part.write_bytes(content)
-            part.replace(target)
-        print(name)
+        sources = [_source(path.with_suffix(".json")) for path in (figures / name, file)]
+        if sources != ["measured", "simulated"]:
+            with written_whole(figures / name) as part:
+                shutil.copyfile(file, part)
+            print(name)
     write_json(figures / SCOREBOARD, accepted(scores_in(read_all(results))))
 
 

@@ -117,19 +117,23 @@ def maps(
     ``width`` is that of a panel, inches.
     """
     arrays = np.asarray(images, float)
-    count, height, across = arrays.shape
-    columns = int(columns or count)
-    rows = -(-count // columns)
-    size = (columns * width + 0.9, rows * (width * height / across + 0.35))
-    fig, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
-    axes = list(grid.flat[:count])
+    aspect = arrays.shape[1] / arrays.shape[2]
+    fig, axes = _grid(len(arrays), int(columns or len(arrays)), width, aspect)
     limits = limits or (np.nanmin(arrays), np.nanmax(arrays))
-    for ax, values, title in zip(axes, arrays, titles or count * [""], strict=True):
+    for ax, values, title in zip(axes, arrays, titles or len(arrays) * [""], strict=True):
         image(ax, values, label="", title=title, cmap=cmap, limits=limits, bar=False)
-    for ax in grid.flat[count:]:
-        ax.remove()
     _colour_bar(axes[0].images[0], ax=axes, label=label)
     return fig, axes
+
+
+def _grid(count: int, columns: int, width: float, aspect: float) -> tuple[Figure, list[Axes]]:
+    """So many panels in columns, with space for titles and one colour bar; sizes in inches."""
+    rows = -(-count // columns)
+    size = (columns * width + 0.9, rows * (width * aspect + 0.35))
+    fig, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
+    for ax in grid.flat[count:]:
+        ax.remove()
+    return fig, list(grid.flat[:count])
 
 
 def _colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
@@ -160,19 +164,20 @@ def sweep(
     *,
     errors: ArrayLike | None = None,
     bound: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
-    label: str = "",
     bound_label: str = "",
-    color: str = PALETTE["blue"],
     log: str = "xy",
+    **style: Any,
 ) -> None:
     """Dots (N,) of a sweep, with error bars, and the line of a bound or theory.
 
-    ``errors`` are half-lengths; ``bound`` holds values, or its own settings and values.
+    ``errors`` are half-lengths; ``bound`` holds values, or its own settings and values. ``style``
+    is that of the dots; the line has their ``color``.
     """
+    dots = {"fmt": "o", "ms": 4.5, "color": PALETTE["blue"], "lw": 1.2} | style
     if bound is not None:
         line = bound if isinstance(bound, tuple) else (x, bound)
-        ax.plot(*line, color=color, lw=1.4, label=bound_label or None)
-    ax.errorbar(x, values, errors, fmt="o", ms=4.5, color=color, label=label or None, lw=1.2)
+        ax.plot(*line, color=dots["color"], lw=1.4, label=bound_label or None)
+    ax.errorbar(x, values, errors, **dots)
     ax.set(**{f"{axis}scale": "log" for axis in log})
 
 

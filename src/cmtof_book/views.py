@@ -24,17 +24,23 @@ from cmtof_book import provenance
 Array = NDArray[np.float64]
 
 STATIC = "_static/scenes"  # where `cmtof_book.stage` puts the files
+LIGHTS = {(-0.5, -0.6, -0.1): 0.75, (0.6, -0.1, 0.0): 0.35}
+"""Where the lamps of a still stand, and how bright they are."""
 
 
 def save_scene(
     name: str, layers: Mapping[str, tuple[Array, Array]], *, longest: float, eye: tuple
 ) -> None:
     """Write surfaces, points and colours by what they show, to ``name.js``, seen as in `still`."""
-    packed, shape = {}, next(iter(layers.values()))[0].shape[:2]
+    packed: dict[str, list[str]] = {}
+    shape: tuple[int, ...] = ()
     for label, (points, colours) in layers.items():
         shades = np.rint(255 * np.clip(np.nan_to_num(colours), 0, 1)).astype(np.uint8)
-        arrays = points.astype("<f4"), shades
-        packed[label] = [b64encode(array.tobytes()).decode() for array in arrays]
+        shape = points.shape[:2]
+        packed[label] = [
+            b64encode(points.astype("<f4").tobytes()).decode(),
+            b64encode(shades.tobytes()).decode(),
+        ]
     about = {"shape": shape, "longest": longest, "eye": eye, "layers": packed}
     with written_whole(provenance.output_folder() / f"{name}.js") as part:
         part.write_text(f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", encoding="utf-8")
@@ -74,14 +80,27 @@ def _drawn(points: Array, colours: Array, faces: NDArray, eye: tuple) -> Array:
     mesh["colours"] = np.rint(255 * colours).astype(np.uint8)
     plotter = pv.Plotter(off_screen=True, window_size=[900, 900], lighting="none")
     plotter.renderer.SetBackground(1, 1, 1)
-    look = {"ambient": 0.25, "diffuse": 0.8, "specular": 0.25, "specular_power": 12}
-    plotter.add_mesh(mesh, scalars="colours", rgb=True, smooth_shading=True, **look)
+    plotter.add_mesh(
+        mesh,
+        scalars="colours",
+        rgb=True,
+        smooth_shading=True,
+        ambient=0.25,
+        diffuse=0.8,
+        specular=0.25,
+        specular_power=12,
+    )
     centre = 0.5 * (points.min(0) + points.max(0))
-    for place, strength in (((-0.5, -0.6, -0.1), 0.75), ((0.6, -0.1, 0.0), 0.35)):
+    for place, strength in LIGHTS.items():
         plotter.add_light(pv.Light(position=place, focal_point=centre, intensity=strength))
     plotter.camera_position = [list(eye), centre.tolist(), (0.0, -1.0, 0.0)]
     plotter.enable_anti_aliasing("ssaa")
-    image = np.asarray(plotter.screenshot(None, return_img=True))
+    return _cropped(np.asarray(plotter.screenshot(None, return_img=True))) / 255
+
+
+def _cropped(image: NDArray) -> NDArray:
+    """A picture without its empty margins."""
     drawn = np.argwhere((image < 250).any(axis=-1))
-    (top, left), (bottom, right) = drawn.min(0), drawn.max(0) + 1  # without the empty margins
-    return image[top:bottom, left:right] / 255
+    top, left = drawn.min(0)
+    bottom, right = drawn.max(0) + 1
+    return image[top:bottom, left:right]
