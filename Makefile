@@ -78,7 +78,7 @@ test-slow: setup ## The long tests: kills at random moments, sweeps over seeds, 
 	@$(BIN)/python -m pytest -m slow
 
 test-machines: setup ## Test the numbers as other processors compute them: make test-machines [MACHINES="oldest zen"]
-	@mkdir -p build && $(ONE_AT_A_TIME)$(BIN)/python -m cmtof_book.machines $(MACHINES) $(if $(TESTS),-- $(TESTS))
+	@mkdir -p build && $(ONE_AT_A_TIME)$(BIN)/python -m cmtof_book.machines $(MACHINES) $(if $(TESTS),--tests "$(TESTS)")
 
 test-book: setup ## Read the built book in a browser without a network
 	@$(BIN)/python -m pytest tests/reader

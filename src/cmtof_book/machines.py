@@ -1,24 +1,28 @@
 """Run the ci profile and test its numbers as other machines would, each in its own process.
 
-    python -m cmtof_book.machines [MACHINE...] [-- TESTS...]
+    python -m cmtof_book.machines [MACHINE...] [--tests TESTS]
 
 Without names: all machines of ``configs/machines.yml`` that this processor can imitate. Without
 tests: all that are not slow, but for those of pages and packages.
 """
 
 import os
+import shlex
 import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import typer
 import yaml
 
 from cmtof_book.reference import ROOT, stored_numbers
 
 APART = ("hostile", "reader", "test_wheel.py", "test_house.py", "book/test_book.py")
 """Tests that no processor can change."""
+
+USUAL = " ".join(["-m 'not slow'", *(f"--ignore=tests/{name}" for name in APART)])
 
 
 def read_machines() -> dict[str, dict[str, Any]]:
@@ -27,47 +31,53 @@ def read_machines() -> dict[str, dict[str, Any]]:
     return {name: held for name, held in yaml.safe_load(text).items() if name[0] != "_"}
 
 
-def passes(machine: str, variables: dict[str, str], tests: list[str]) -> bool:
+def possible() -> list[str]:
+    """Machines that this processor can imitate."""
+    about = Path("/proc/cpuinfo")
+    flags = about.read_text("utf-8").split() if about.is_file() else []
+    return [name for name, held in read_machines().items() if held["needs"] in flags]
+
+
+def passes(machine: str, tests: str) -> bool:
     """Run the chapters that are compared, and the tests, as on a machine; both print."""
     build = f"build/machines/{machine}"
-    usual = {name: value for name, value in os.environ.items() if name != "OPENBLAS_CORETYPE"}
-    settings = usual | variables | {"CMTOF_RESULTS": str(ROOT / build / "results")}
+    settings = {**os.environ, "CMTOF_RESULTS": str(ROOT / build / "results")}
+    settings.pop("OPENBLAS_CORETYPE", None)
+    settings |= read_machines()[machine]["variables"]
     chapters = sorted({name.partition("/")[0] for name in stored_numbers()})
-    snakemake = [sys.executable, "-m", "snakemake", "--nolock", "--quiet", "all"]
-    snakemake += ["--cores", str(os.cpu_count()), "--rerun-incomplete"]
-    snakemake += ["--config", "profile=ci", f"build={build}", "--"]
-    snakemake += [f"{build}/results/{chapter}" for chapter in chapters]
+    results = " ".join(f"{build}/results/{chapter}" for chapter in chapters)
+    commands = (
+        f"snakemake --nolock --quiet all --cores {os.cpu_count()} --rerun-incomplete"
+        f" --config profile=ci build={build} -- {results}",
+        f"pytest {tests}",
+    )
     return all(
-        subprocess.run(command, cwd=ROOT, env=settings, check=False).returncode == 0
-        for command in (snakemake, [sys.executable, "-m", "pytest", *tests])
+        subprocess.run(
+            [sys.executable, "-m", *shlex.split(command)], cwd=ROOT, env=settings
+        ).returncode
+        == 0
+        for command in commands
     )
 
 
-def main(words: list[str]) -> int:
-    """Run the machines one after the other; return the exit code."""
-    place = words.index("--") if "--" in words else len(words)
-    machines = read_machines()
-    about = Path("/proc/cpuinfo")
-    flags = about.read_text("utf-8").split() if about.is_file() else []
-    possible = [name for name in machines if machines[name]["needs"] in flags]
-    named = words[:place] or possible
-    if not named or not machines.keys() >= set(named):
-        got = " ".join(words[:place]) or "a processor that is none"
-        print(
-            f"Expected some of {', '.join(possible)}, got {got}. Choose among those.",
-            file=sys.stderr,
-        )
-        return 2
-    tests = words[place + 1 :] or ["-m", "not slow", *(f"--ignore=tests/{name}" for name in APART)]
-    failed = 0
-    for machine in named:
+def main(
+    machines: Annotated[list[str], typer.Argument(default_factory=possible)],
+    tests: str = USUAL,
+) -> None:
+    """Run the machines one after the other."""
+    if not machines or not read_machines().keys() >= set(machines):
+        got = " ".join(machines) or "a processor that is none"
+        known = ", ".join(possible())
+        raise typer.BadParameter(f"Expected some of {known}, got {got}. Choose among those.")
+    failed = False
+    for machine in machines:
         started = time.monotonic()
-        good = passes(machine, machines[machine]["variables"], tests)
-        failed += not good
+        good = passes(machine, tests)
+        failed |= not good
         said = "PASS" if good else "FAIL"
         print(f"{said}  {machine}: {time.monotonic() - started:.0f} s", flush=True)
-    return int(failed > 0)
+    raise typer.Exit(failed)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    typer.run(main)
