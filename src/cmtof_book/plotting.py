@@ -40,32 +40,11 @@ DEPTH_CMAP = "cividis"  # for depth, amplitude and counts
 Limits = tuple[float, float]
 TURN: Limits = (0.0, 2 * np.pi)  # of a wrapped phase, rad
 
-_STYLE: Any = {  # beside Matplotlib's own
-    "figure.figsize": (6.4, 3.8),
-    "figure.constrained_layout.use": True,
-    "figure.constrained_layout.w_pad": 0.08,  # inches, so that the label of a bar stands apart
-    "savefig.dpi": 110,
-    "axes.prop_cycle": cycler(color=list(PALETTE.values())),
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlesize": "medium",
-    "font.size": 10.5,
-    "grid.color": "#E4E4E4",
-    "grid.linewidth": 0.7,
-    "image.cmap": DEPTH_CMAP,
-    "image.interpolation": "nearest",
-    "legend.frameon": False,
-    "lines.linewidth": 1.7,
-    "svg.hashsalt": "cmtof",
-}
-
 
 def begin(*, profile: str = "book", seed: int = 0) -> None:
     """Set the style, and the profile and seed stored with every result."""
     mpl.rcdefaults()
-    mpl.rcParams.update(_STYLE)
+    plt.style.use(["cmtof_book.book", {"axes.prop_cycle": cycler(color=list(PALETTE.values()))}])
     plt.switch_backend("agg")  # a notebook shows a figure when it is saved, and only then
     provenance.RUN.update(profile=profile, seed=seed)
 
