@@ -2,13 +2,13 @@
 
 The Snakefile asks here, so that a change re-runs what depends on it and nothing else. grimp follows
 the imports, those inside functions included. A data file of the package belongs to the modules of
-its folder; `DATA` says which module reads a folder that holds data alone.
+its folder; `DATA` says which folder of data alone a module reads.
 """
 
 import ast
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,9 @@ import cmtof
 PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book")
 NOTEBOOK = re.compile(r"\d\d_[a-z0-9_]+")
 DATA = {
-    "cmtof/frames": "cmtof.frame",
-    "cmtof/weights": "cmtof.network.weights",
-    "cmtof_book/templates": "cmtof_book.pages",
+    "cmtof.frame": "cmtof/frames",
+    "cmtof.network.weights": "cmtof/weights",
+    "cmtof_book.pages": "cmtof_book/templates",
 }
 SOURCE = {".py", ".pyc", ".nbc", ".nbi"}
 
@@ -47,13 +47,16 @@ class Book:
         """Stems of the notebooks that the table of contents lists, in its order."""
         text = (self.root / "_toc.yml").read_text(encoding="utf-8")
         listed = re.findall(r"^\s*- file: notebooks/(\S+)$", text, re.MULTILINE)
-        missing = [stem for stem in listed if not self.script(stem).is_file()]
-        if missing:
+        if missing := self._missing(listed):
             raise FileNotFoundError(
-                f"Expected the notebooks that _toc.yml lists, got no {', '.join(missing)}. "
+                f"Expected the notebooks that _toc.yml lists, got no {missing}. "
                 "Write them or take them off the list."
             )
         return listed
+
+    def _missing(self, stems: Iterable[str]) -> str:
+        """Those names of notebooks that there are none of."""
+        return ", ".join(sorted(stem for stem in stems if not self.script(stem).is_file()))
 
     def script(self, stem: str) -> Path:
         """Source of a notebook: the text half of its pair."""
@@ -73,11 +76,11 @@ class Book:
             raise FileNotFoundError(
                 f"Expected a profile of configs/, got {profile!r}. Choose ci, book or paper."
             )
-        sizes = (yaml.safe_load(path.read_text(encoding="utf-8")) or {}).get("notebooks") or {}
-        unknown = sorted(name for name in sizes if not self.script(name).is_file())
-        if unknown:
+        held = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+        sizes = held.get("notebooks") or {}
+        if unknown := self._missing(sizes):
             raise ValueError(
-                f"Expected names of notebooks in configs/{profile}.yml, got {', '.join(unknown)}. "
+                f"Expected names of notebooks in configs/{profile}.yml, got {unknown}. "
                 "Correct or remove them."
             )
         return {**(sizes.get(stem) or {}), "profile": profile}
@@ -95,26 +98,19 @@ class Book:
 
     def closure(self, script: Path) -> set[Path]:
         """Files of the package that a Python file reaches, data included."""
-        modules = set(self._imported(script))
-        for module in list(modules):
-            modules |= self._reached(module)
-        files = set().union(*map(self._files, modules))
-        for folder, module in DATA.items():
-            if module in modules:
-                files |= {f for f in (self.source / folder).rglob("*") if _is_data(f)}
-        return files
+        named = set(self._imported(script))
+        modules = named.union(*map(self.imports.find_upstream_modules, named))
+        return set().union(*map(self._files, modules))
 
     @cache  # noqa: B019 (one book a process)
-    def _reached(self, module: str) -> set[str]:
-        return self.imports.find_upstream_modules(module)
-
-    @cache  # noqa: B019
     def _files(self, module: str) -> set[Path]:
-        """A module's file and the data beside it."""
+        """A module's file and the data that belong to it."""
         path = self.source.joinpath(*module.split("."))
         own = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-        beside = own.parent.glob("*" if own.parent.parent == self.source else "**/*")
-        return {own, *(file for file in beside if _is_data(file))}
+        data = [*own.parent.glob("*" if own.parent.parent == self.source else "**/*")]
+        if module in DATA:
+            data += (self.source / DATA[module]).rglob("*")
+        return {own, *(file for file in data if file.is_file() and file.suffix not in SOURCE)}
 
     def _imported(self, script: Path) -> Iterator[str]:
         """Modules of the package that a script names in its imports, or uses as ``cmtof.name``."""
@@ -132,14 +128,13 @@ class Book:
         """Files that ``configs/inputs.yml`` names for a notebook; data are optional."""
         listed = yaml.safe_load((self.root / "configs" / "inputs.yml").read_text("utf-8"))
         declared = listed.get(stem, {})
-        results = (self.root / "book" / "results" / name for name in declared.get("results", []))
-        yield from filter(Path.is_file, results)
+        places = [self.root / "book" / "results" / name for name in declared.get("results", [])]
         if words := declared.get("data"):
             from cmtof.captures import data_root
 
-            base = data_root()
-            for word in words if base else []:
-                yield from filter(Path.is_file, (Path(base) / word).rglob("*"))
+            if base := data_root():
+                places += [file for word in words for file in Path(base, word).rglob("*")]
+        return filter(Path.is_file, places)
 
     def _relative(self, files: Any) -> list[str]:
         inside = (f.relative_to(self.root) if f.is_relative_to(self.root) else f for f in files)
@@ -152,7 +147,3 @@ def parameters_from_text(text: str) -> dict[str, Any]:
     if wrong := [name + sign + value for name, sign, value in pairs if not (name and value)]:
         raise ValueError(f'Expected name=value, got {" ".join(wrong)}. Try P="seed=1 repeats=6".')
     return {name: yaml.safe_load(value) for name, _, value in pairs}
-
-
-def _is_data(file: Path) -> bool:
-    return file.is_file() and file.suffix not in SOURCE
