@@ -34,6 +34,7 @@ from cmtof.network.weights import read_card, weights_path
 from cmtof.statistics import reliability
 from cmtof_book import notes, paper, plotting
 from cmtof_book.comparison import Scene, comparison_figure
+from cmtof_book.swipe import show_swipe
 
 plotting.begin(profile=profile, seed=seed)
 # rows of the paper's Table 2, by their names in paper.yml
@@ -82,6 +83,12 @@ draw(
     [*PAPERS.values(), "surfaces"],
     "Methods of the paper (its networks as far as trained, with far fewer crops) and `surfaces`.",
 )
+
+# %% [markdown]
+# The first room by the paper's network and by `surfaces`; the divider between them moves.
+
+# %% tags=["hide-input"]
+show_swipe(scenes[0], "fast-scnn", "surfaces")
 
 # %% [markdown]
 # The next figure has methods outside the paper, and three references. `reference-depth` combines

@@ -95,6 +95,19 @@ def test_a_scene_turns_changes_and_is_reset(browser, chapter):
         assert not problems
 
 
+def test_a_divider_shows_one_method_or_the_other(browser):
+    with browse.opened(browser, HTML / "notebooks" / "10_methods.html", 1280) as (tab, problems):
+        figure = tab.locator("figure.swipe")
+        shown = [figure.screenshot()]
+        figure.locator("[type=range]").focus()
+        for key in ("Home", "End"):
+            tab.keyboard.press(key)
+            shown.append(figure.screenshot())
+        figure.get_by_label("errors").check()
+        shown.append(figure.screenshot())
+        assert len(set(shown)) == len(shown) and not problems
+
+
 @pytest.mark.parametrize("kind", ["#equation-", "bibliography.html#"])
 def test_a_link_shows_what_it_leads_to(browser, kind):
     with browse.opened(browser, HTML / "notebooks" / "08_network.html", 1280) as (tab, problems):

@@ -35,7 +35,6 @@
     made.onerror = () => failed(new Error(`Expected ${name}.js beside the page, got none. Build the book again.`));
   });
 
-  // --- the parts of the page ---
   const controls = add(place, "div", { class: "controls" });
   const chosen = add(add(controls, "label", {}, "scene"), "select", { name: "scene" });
   const own = add(add(controls, "label", {}, "your own .npz"), "input", { type: "file", accept: ".npz" });
@@ -64,7 +63,6 @@
     read();
   }
 
-  // --- what is computed ---
   function measured() {
     const { scene, values } = state;
     const frequencies = [LOW, 1e9 * values.high];
@@ -91,7 +89,6 @@
     return found;
   }
 
-  // --- what is drawn ---
   function drawWraps(name, found) {
     const { scene } = state;
     const wraps = found.wraps[name];
@@ -194,7 +191,6 @@
     });
   }
 
-  // --- scenes and the start ---
   chosen.addEventListener("change", async () => enter(await lab.unpackedScene(lab.scenes[chosen.value])));
   async function take(file) {
     try {
