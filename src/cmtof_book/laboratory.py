@@ -26,7 +26,7 @@ SCRIPTS = {
 }
 SIDE = 256  # px, of a scene
 DEPTH_STEP = 2e-5  # m, of stored depths
-ROOMS = {"bright room": 27, "dim room": 31}  # frames of the test set
+ROOMS = {"study": 5, "living room": 16}  # frames of the test set
 OBJECTS = ("bust", "owl", "helmet")
 
 

@@ -13,7 +13,9 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
     return SCALE[k].map((low, c) => low + (place - k) * (SCALE[k + 1][c] - low));
   }
 
-  const circle = (angle) => [0, 1, 2].map((c) => 127.5 + 127.5 * Math.cos(angle - (c * TAU) / 3));
+  const hue = (angle) => [0, 1, 2].map((c) => 127.5 + 127.5 * Math.cos(angle - (c * TAU) / 3));
+  const HUES = Array.from({ length: 256 }, (_, k) => hue((k * TAU) / 256));
+  const circle = (angle) => HUES[Math.floor((256 * angle) / TAU) & 255];
 
   // Blue where a wrap is too low, red where it is too high, paler where it is off by one or two.
   function deviation(off) {

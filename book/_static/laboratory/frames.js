@@ -41,14 +41,12 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
   // Array of a .npy member: its shape and its numbers.
   function array(buffer) {
     const view = new DataView(buffer);
-    const long = view.getUint8(6) > 1;
-    const start = long ? 12 + view.getUint32(8, true) : 10 + view.getUint16(8, true);
+    const start = view.getUint8(6) > 1 ? 12 + view.getUint32(8, true) : 10 + view.getUint16(8, true);
     const head = new TextDecoder().decode(new Uint8Array(buffer, 0, start));
     const kinds = { f8: Float64Array, f4: Float32Array, u1: Uint8Array, u2: Uint16Array };
     const kind = kinds[(head.match(/'descr': '[<|](\w\d)'/) ?? [])[1]];
     const shape = ((head.match(/'shape': \((\d+), (\d+)\)/) ?? []).slice(1) ?? []).map(Number);
-    const usable = kind && shape.length === 2 && head.includes("'fortran_order': False");
-    if (!usable) throw new Error("Expected images of float32 or float64, got other arrays. Convert them.");
+    if (!kind || shape.length !== 2 || !head.includes("'fortran_order': False")) throw new Error("Expected images of float32 or float64, got other arrays. Convert them.");
     return { shape, numbers: new kind(buffer.slice(start)) };
   }
 

@@ -8,15 +8,16 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
 
   // Amplitudes so dim or bright as no training had are scaled: the brightest tenth begins at white.
   function usualAmplitudes(tones) {
-    const bright = tones.map(({ amplitude }) => {
+    const bright = ({ amplitude }) => {
       const sorted = Float32Array.from(amplitude).sort();
       const place = 0.9 * (sorted.length - 1);
       const below = sorted[Math.floor(place)];
       return below + (place % 1) * (sorted[Math.ceil(place)] - below);
-    });
-    const share = bright[0] / FULL_AMPLITUDE;
+    };
+    const share = bright(tones[0]) / FULL_AMPLITUDE;
     if (share > 0.1 && share < 2) return tones.map((tone) => tone.amplitude);
-    return tones.map(({ amplitude }, k) => amplitude.map((a) => (a * FULL_AMPLITUDE) / Math.max(bright[k], 1e-30)));
+    const factors = tones.map((tone) => FULL_AMPLITUDE / Math.max(bright(tone), 1e-30));
+    return tones.map(({ amplitude }, k) => amplitude.map((a) => a * factors[k]));
   }
 
   // Phases, Fourier features, edges, amplitudes and beat: (38, H, W).
@@ -48,7 +49,9 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
       for (let k = 0; k <= ORDER; k++) {
         channels[2 * k][i] = x;
         channels[2 * k + 1][i] = y;
-        [x, y] = [(x - y) * (x + y), 2 * x * y];
+        const twice = 2 * x * y;
+        x = (x - y) * (x + y);
+        y = twice;
       }
     }
   }
@@ -81,8 +84,7 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
     );
     const address = (content) => URL.createObjectURL(new Blob([content], { type: "text/javascript" }));
     await new Promise((done, failed) => {
-      const made = Object.assign(document.createElement("script"), { src: address(script), onload: done, onerror: failed });
-      document.head.append(made);
+      document.head.append(Object.assign(document.createElement("script"), { src: address(script), onload: done, onerror: failed }));
     });
     Object.assign(ort.env.wasm, { wasmBinary: binary, wasmPaths: { mjs: address(loader) }, numThreads: 1 });
     return ort.InferenceSession.create(new Uint8Array(model), { executionProviders: ["wasm"] });

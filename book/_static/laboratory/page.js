@@ -20,6 +20,8 @@
     network: "wraps by the light network",
     networkError: "errors of the network",
   };
+  const COLOURS = Array.from({ length: lab.CLASSES }, (_, n) => lab.scale(n / (lab.CLASSES - 1)));
+  const ERRORS = Array.from({ length: 2 * lab.CLASSES + 1 }, (_, n) => lab.deviation(n - lab.CLASSES));
   const state = { scene: null, session: null, spot: null, shown: null, values: {} };
 
   const add = (parent, tag, options = {}, text = "") => {
@@ -92,25 +94,23 @@
   function drawWraps(name, found) {
     const { scene } = state;
     const wraps = found.wraps[name];
-    captions[name].textContent = VIEWS[name];
+    const missing = found.knows ? ": loading" : ": it knows 14.320 GHz alone";
+    captions[name].textContent = VIEWS[name] + (wraps ? "" : missing);
     if (!wraps) {
-      const why = found.knows ? "loading" : "it knows 14.320 GHz alone";
-      captions[name].textContent += `: ${why}`;
       for (const canvas of [canvases[name], canvases[`${name}Error`]]) lab.paint(canvas, scene, () => lab.UNSCORED);
       captions[`${name}Error`].textContent = VIEWS[`${name}Error`];
       return;
     }
     const share = lab.shareRight(wraps, found.truth, scene.mask);
     captions[`${name}Error`].textContent = `${VIEWS[`${name}Error`]}: ${(100 * share).toFixed(1)} % right`;
-    canvases[name].dataset.right = share;
-    lab.paint(canvases[name], scene, (i) => lab.scale((wraps[i] - lab.FIRST) / (lab.CLASSES - 1)));
-    lab.paint(canvases[`${name}Error`], scene, (i) => (scene.mask[i] ? lab.deviation(wraps[i] - found.truth[i]) : lab.UNSCORED));
+    lab.paint(canvases[name], scene, (i) => COLOURS[wraps[i] - lab.FIRST]);
+    lab.paint(canvases[`${name}Error`], scene, (i) => (scene.mask[i] ? ERRORS[wraps[i] - found.truth[i] + lab.CLASSES] : lab.UNSCORED));
   }
 
   function draw() {
     const { scene, shown, spot } = state;
     lab.paint(canvases.phase, scene, (i) => lab.circle(shown.tones[0].phase[i]));
-    lab.paint(canvases.truth, scene, (i) => (scene.mask[i] ? lab.scale((shown.truth[i] - lab.FIRST) / (lab.CLASSES - 1)) : lab.UNSCORED));
+    lab.paint(canvases.truth, scene, (i) => (scene.mask[i] ? COLOURS[shown.truth[i] - lab.FIRST] : lab.UNSCORED));
     drawWraps("beat", shown);
     drawWraps("network", shown);
     for (const canvas of Object.values(canvases)) lab.cross(canvas, spot.x, spot.y);
