@@ -520,8 +520,8 @@ plotting.save(
     "speed_runtimes",
     caption="Time from wrapped phases to depth of our networks on one thread of "
     f"{provenance.processor()}, beside the paper's stated time for its own on a V100. Logarithmic.",
-    alt="Bars in two groups, for the small and the large image; the light network and ONNX Runtime "
-    "are faster, and the paper's GPU is fastest.",
+    alt="Bars in two groups, for the small and the large image; the light network is faster, "
+    "and the paper's GPU is fastest.",
 )
 
 # %% [markdown]

@@ -145,7 +145,8 @@ def run_padded(network: InferenceSession, inputs: NDArray[np.float32]) -> NDArra
     height, width = inputs.shape[-2:]
     rows = 0, padding(height, stride)
     columns = 0, padding(width, stride)
-    inputs = np.pad(inputs, [(0, 0), (0, 0), rows, columns], mode="edge")
+    if any(rows + columns):  # or the copy would take a tenth of the time
+        inputs = np.pad(inputs, [(0, 0), (0, 0), rows, columns], mode="edge")
     (read,) = network.get_inputs()
     (found,) = network.run(None, {read.name: inputs})
     return found[0, :, :height, :width]
