@@ -148,7 +148,6 @@ class Controller:
         # direction, limit switch, velocity, offset; least velocity, acceleration, largest velocity
         self.home_parameters = (2, 1, 5, 0)
         self.velocities = (0, 1, 5)
-        self.chatter = b""  # what it says before every answer
 
     def __call__(self, data):
         (number,) = struct.unpack_from("<H", data)
@@ -179,7 +178,7 @@ class Controller:
             return b""
         reply, layout, *values = answers[number]
         body = struct.pack(layout, *values)
-        return self.chatter + struct.pack("<HHBB", reply, len(body), 0x81, 0x50) + body
+        return struct.pack("<HHBB", reply, len(body), 0x81, 0x50) + body
 
 
 class T7:
