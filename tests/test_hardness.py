@@ -29,7 +29,8 @@ def test_a_step_is_one_jump_a_row_and_two_surfaces():
 
 def test_a_crease_and_a_gap_end_a_surface_without_a_jump():
     crease = 2 + 0.003 * np.abs(np.arange(-20, 20)) + np.zeros((10, 1))
-    assert bends(crease).sum() == 10 and hardness(crease).jump.size == 0
+    assert bends(crease).sum() == 10
+    assert hardness(crease).jump.size == 0
     gap = np.where(np.arange(11) == 5, np.nan, 1.0) + np.zeros((10, 1))
     assert hardness(gap).jump.size == 0
     assert hardness(gap).size.max() == 40  # four columns each: those beside the gap are ends

@@ -134,7 +134,8 @@ def test_what_is_missing_is_named(tree):
     with pytest.raises(FileNotFoundError, match=r"frame\.0000\.color\.hdf5"):
         Hypersim(tree).frame(FIRST)
     frame = load_frame(depth)
-    assert (frame.intensity == 1).all() and frame.note.endswith("intensity 1 everywhere")
+    assert (frame.intensity == 1).all()
+    assert frame.note.endswith("intensity 1 everywhere")
     (tree / "metadata_camera_parameters.csv").unlink()
     assert load_frame(depth).camera is None
     (tree / "metadata_images_split_scene_v1.csv").unlink()
@@ -179,7 +180,8 @@ def test_no_view_stands_in_two_partitions(partitions, views):
     listed = [View(scene, *view, p) for scene, p in partitions.items() for view in views]
     parts = split_views(listed)
     found = [view for part in parts.values() for view in part]
-    assert len(found) == len(set(found)) and set(found) <= {v for v in listed if v.partition}
+    assert len(found) == len(set(found))
+    assert set(found) <= {v for v in listed if v.partition}
     train, val, test = ({v.scene for v in parts[name]} for name in PARTITIONS)
     assert not (train & test or val & test or train & val)
 

@@ -141,7 +141,8 @@ def test_light_of_an_archive_is_what_its_type_says(tmp_path, light, right, note)
     np.savez(tmp_path / "a.npz", depth=DEPTH, intensity=light)
     frame = load_frame(tmp_path / "a.npz")
     assert_allclose(frame.intensity, right, rtol=1e-6)
-    assert note in frame.note and bool(note) == bool(frame.note)
+    assert note in frame.note
+    assert bool(note) == bool(frame.note)
     assert_array_equal(Frame(DEPTH, light).intensity, frame.intensity)
 
 

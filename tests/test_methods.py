@@ -211,4 +211,5 @@ def test_confidence_is_no_promise_beyond_the_rate(name, noise, protocol):
 @pytest.mark.parametrize("name", ["surfaces", "fast-scnn-light"])
 def test_an_image_without_a_valid_pixel_comes_back_masked(measured, name):
     result = cmtof.unwrap(masked(measured, np.zeros(measured.shape, bool)), method=name)
-    assert (result.wrap_count == -1).all() and not result.confidence.any()
+    assert (result.wrap_count == -1).all()
+    assert not result.confidence.any()

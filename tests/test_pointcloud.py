@@ -26,7 +26,8 @@ def test_ply_holds_every_finite_pixel(tmp_path, rng):
         tmp_path / "c.ply", depth, CAMERA, brightness=np.ones((12, 16)), confidence=depth / 4
     )
     head, body = (tmp_path / "c.ply").read_bytes().split(b"end_header\n", 1)
-    assert f"element vertex {count}\n".encode() in head and count == 191
+    assert f"element vertex {count}\n".encode() in head
+    assert count == 191
     record = np.dtype([("xyz", "<f4", 3), ("rgb", "u1", 3), ("confidence", "<f4")])
     vertices = np.frombuffer(body, record)
     held = depth[np.isfinite(depth)]
@@ -41,4 +42,5 @@ def test_the_mesh_is_whole_on_a_surface_and_open_at_edges_and_holes():
     depth[:, 8:] += 0.1
     depth[5, 3] = np.nan
     cut = mesh_triangles(points_from_depth(depth, CAMERA), longest=0.05)
-    assert len(cut) == 2 * 11 * 14 - 6 and 5 * 16 + 3 not in cut
+    assert len(cut) == 2 * 11 * 14 - 6
+    assert 5 * 16 + 3 not in cut

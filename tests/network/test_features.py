@@ -32,7 +32,9 @@ def test_edges_of_a_plane_are_its_slopes_wherever_it_wraps():
     edges = phase_edges((0.7 * x - 0.4 * y) % TAU)
     inside = edges[:, 1:-1, 1:]
     assert np.allclose(inside, np.array([0.7, -0.4, 0.3, 1.1])[:, None, None])
-    assert not edges[0, :, 0].any() and not edges[1, 0].any() and not edges[3, -1].any()
+    assert not edges[0, :, 0].any()
+    assert not edges[1, 0].any()
+    assert not edges[3, -1].any()
 
 
 @pytest.mark.parametrize("name", FEATURE_SETS)

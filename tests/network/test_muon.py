@@ -13,7 +13,8 @@ def test_singular_values_come_close_to_one(shape):
     found = orthogonal(matrix)
     assert found.shape == shape
     values = torch.linalg.svdvals(found)
-    assert values.min() > 0.3 and values.max() < 1.3
+    assert values.min() > 0.3
+    assert values.max() < 1.3
     assert float((found * matrix).sum()) > 0.9 * float(torch.linalg.svdvals(matrix).sum())
 
 
