@@ -67,6 +67,18 @@ def run(capsys):
 
 
 @pytest.fixture
+def succeeds(run):
+    """Run a command that must succeed; return its standard output."""
+
+    def runner(*arguments):
+        code, out, err = run(*arguments)
+        assert code == 0, err
+        return out
+
+    return runner
+
+
+@pytest.fixture
 def fails(run):
     """Run a command that must fail; return its one line."""
 

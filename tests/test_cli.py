@@ -12,13 +12,11 @@ import cmtof
 from cmtof.measurement import Measurement
 
 
-def test_from_frame_to_depth_and_points(run, tmp_path):
+def test_from_frame_to_depth_and_points(succeeds, tmp_path):
     m, out, cloud = (tmp_path / name for name in ("m.nc", "out.nc", "cloud.ply"))
-    code, text, _ = run("simulate", "still_life", "-o", m, "--seed", 5)
-    assert code == 0
+    text = succeeds("simulate", "still_life", "-o", m, "--seed", 5)
     assert "0.755-1.195 m" in text
-    code, text, _ = run("unwrap", m, "-o", out, "--ply", cloud)
-    assert code == 0
+    text = succeeds("unwrap", m, "-o", out, "--ply", cloud)
     assert "δ<1" in text
     result = xr.load_dataset(out)
     assert set(result.data_vars) == {"wrap_count", "depth", "confidence"}
@@ -29,23 +27,23 @@ def test_from_frame_to_depth_and_points(run, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["cloud.ply", "m.nc", "out.nc"]
 
 
-def test_simulate_options_reach_the_file(run, tmp_path, tilted_wall):
+def test_simulate_options_reach_the_file(succeeds, tmp_path, tilted_wall):
     tilted_wall.save(tmp_path / "wall.npz")
     m = tmp_path / "m.nc"
     options = ("--protocol", "full", "--frequencies", "7.15e9,7.16e9", "--noise", "300")
-    assert run("simulate", tmp_path, "-o", m, *options)[0] == 0  # the folder's first frame
+    succeeds("simulate", tmp_path, "-o", m, *options)  # the folder's first frame
     made = cmtof.open(m)
     assert made.frequencies.tolist() == [7.15e9, 7.16e9]
     assert made.range[1] == approx(14.99, abs=0.01)
     assert made.dataset.attrs["noise_sigma"] == 300
-    assert run("simulate", tmp_path / "wall.npz", "-o", m, "--noise-free")[0] == 0
+    succeeds("simulate", tmp_path / "wall.npz", "-o", m, "--noise-free")
     assert cmtof.open(m).dataset.attrs["photon_noise"] == 0
 
 
-def test_range_and_window_bound_the_depth(run, tmp_path, measurement_file):
+def test_range_and_window_bound_the_depth(succeeds, tmp_path, measurement_file):
     out = tmp_path / "out.nc"
     arguments = ("--method", "beat", "--window", 5, "--range", 0.9, 1.0)
-    assert run("unwrap", measurement_file, "-o", out, *arguments)[0] == 0
+    succeeds("unwrap", measurement_file, "-o", out, *arguments)
     depth = xr.load_dataset(out).depth
     assert depth.min() >= 0.9 - 1e-6
     assert depth.max() < 1.0
@@ -65,10 +63,9 @@ SCORES = {
 }
 
 
-def test_evaluate_writes_the_contract(run, tmp_path):
+def test_evaluate_writes_the_contract(succeeds, tmp_path):
     path = tmp_path / "scores.json"
-    code, text, _ = run("evaluate", "still_life", "room", "--method", "crt,beat", "--json", path)
-    assert code == 0
+    text = succeeds("evaluate", "still_life", "room", "--method", "crt,beat", "--json", path)
     assert "beat" in text
     report = json.loads(path.read_text())
     told = {"protocol", "noise", "seed", "frames", "notes", "coverage", "methods"}
@@ -81,35 +78,33 @@ def test_evaluate_writes_the_contract(run, tmp_path):
     assert report["methods"]["beat"]["delta_lt_1"] > 3 * report["methods"]["crt"]["delta_lt_1"]
 
 
-def test_methods_and_info(run, measurement_file, tmp_path):
-    listed = {entry["name"]: entry for entry in json.loads(run("methods", "--json")[1])}
+def test_methods_and_info(succeeds, measurement_file, tmp_path):
+    listed = {entry["name"]: entry for entry in json.loads(succeeds("methods", "--json"))}
     assert {"crt", "kde", "mrf", "surfaces", "fast-scnn", "reference-offset"} <= listed.keys()
     assert [name for name, entry in listed.items() if entry["default"]] == ["surfaces"]
     learned = {entry["state"] for entry in listed.values() if entry["kind"] == "learned"}
     assert learned <= {"trained", "untrained", "no weights"}
-    assert "Default: surfaces." in run("methods")[1]
-    assert f"cmtof {cmtof.__version__}" in run("info")[1]
-    text = run("info", measurement_file)[1]
+    assert "Default: surfaces." in succeeds("methods")
+    assert f"cmtof {cmtof.__version__}" in succeeds("info")
+    text = succeeds("info", measurement_file)
     assert "float32 correlation(frequency, step, y, x)" in text
     assert ":seed = 3" in text
-    run("unwrap", measurement_file, "-o", tmp_path / "out.nc")
-    assert "int32 wrap_count(y, x)" in run("info", tmp_path / "out.nc")[1]
-    assert "depth (240, 320) float32" in run("info", "room")[1]
+    succeeds("unwrap", measurement_file, "-o", tmp_path / "out.nc")
+    assert "int32 wrap_count(y, x)" in succeeds("info", tmp_path / "out.nc")
+    assert "depth (240, 320) float32" in succeeds("info", "room")
 
 
-def test_rooms_are_rendered_and_evaluated_as_a_folder(run, tmp_path):
+def test_rooms_are_rendered_and_evaluated_as_a_folder(succeeds, tmp_path):
     rooms = tmp_path / "rooms"
     scores = tmp_path / "scores.json"
     options = ("--scenes", 1, "--views", 2, "--size", "48x64", "--seed", 2, "--workers", 1)
-    code, text, _ = run("render", *options, "-o", rooms)
-    assert code == 0
+    text = succeeds("render", *options, "-o", rooms)
     assert "1 rooms, 2 views each; 2 views rendered" in text
-    assert "0 views rendered" in run("render", *options, "-o", rooms)[1]
+    assert "0 views rendered" in succeeds("render", *options, "-o", rooms)
     lost = next(rooms.rglob("frame.0001.color.hdf5"))
     lost.write_bytes(lost.read_bytes()[:100])
     arguments = ("--method", "beat", "--protocol", "full", "--json", scores)
-    code, text, _ = run("evaluate", rooms, *arguments)
-    assert code == 0
+    text = succeeds("evaluate", rooms, *arguments)
     assert len(json.loads(scores.read_text())["frames"]) == 1
     assert "skipped" in text
     assert "frame.0001.color.hdf5" in text
@@ -150,9 +145,9 @@ def test_wrong_command_lines_end_with_2(run, line):
 @pytest.mark.parametrize(
     "command", ["simulate", "unwrap", "evaluate", "methods", "info", "replicate", "scan"]
 )
-def test_help_teaches(run, command):
-    assert command in run("--help")[1]
-    assert "Usage" in run(command, "--help")[1]
+def test_help_teaches(succeeds, command):
+    assert command in succeeds("--help")
+    assert "Usage" in succeeds(command, "--help")
 
 
 @pytest.mark.parametrize(
@@ -194,20 +189,19 @@ def test_own_warnings_are_one_line(run, measurement_file, tmp_path, monkeypatch)
     ]
 
 
-def test_a_rig_file_is_simulated_with_its_own_twin(run, tmp_path):
+def test_a_rig_file_is_simulated_with_its_own_twin(succeeds, tmp_path):
     """Without --twin its devices would be opened."""
     rig = tmp_path / "rig.yml"
     default = files("cmtof.hardware").joinpath("rig.yml").read_text()
     rig.write_text(default + "twin: {phase_noise: [0.3, 0.3], grain: 0.2}\n")
-    code, _, _ = run("scan", rig, "--twin", "--size", 2, "-o", tmp_path / "m.nc", "--quiet")
-    assert code == 0
+    succeeds("scan", rig, "--twin", "--size", 2, "-o", tmp_path / "m.nc", "--quiet")
     settings = json.loads(cmtof.open(tmp_path / "m.nc").dataset.attrs["twin"])
     assert settings["phase_noise"] == [0.3, 0.3]
 
 
-def test_a_training_that_is_there_is_not_replaced(run, fails, tmp_path):
+def test_a_training_that_is_there_is_not_replaced(succeeds, fails, tmp_path):
     stage = "{name: a, crops: 8, crop: 32, batch: 2, noise: [30, 60], rate: [1.0e-3, 1.0e-4]}"
     (recipe := tmp_path / "a.yml").write_text(f"{{rooms: null, stages: [{stage}]}}")
     train = ("train", recipe, "--model", "fast-scnn-light", "-o", tmp_path / "run", "--quiet")
-    assert run(*train)[0] == 0
+    succeeds(*train)
     assert "--resume" in fails(*train)

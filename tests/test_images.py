@@ -168,13 +168,12 @@ def test_a_tum_sequence_is_read_as_downloaded(tum):
     assert (along_axis.depth > frames[0].depth).all()
 
 
-def test_evaluate_reads_images_as_told_and_stores_what_is_odd(run, tmp_path):
+def test_evaluate_reads_images_as_told_and_stores_what_is_odd(succeeds, tmp_path):
     write(tmp_path / "set" / "depth" / "1.png", levels(5000))
     write(tmp_path / "set" / "color" / "1.png", LIGHT)
     scores = tmp_path / "scores.json"
     command = ("evaluate", tmp_path / "set", "--method", "middle", "--json", scores)
-    code, text, _ = run(*command, "--depth-scale", 5000)
-    assert code == 0
+    text = succeeds(*command, "--depth-scale", 5000)
     assert "1: depth taken along the ray" in text
     assert json.loads(scores.read_text())["notes"]["1"] == "depth taken along the ray"
-    assert "1000 levels a metre" in run(*command)[1]
+    assert "1000 levels a metre" in succeeds(*command)

@@ -36,9 +36,9 @@ def test_closed_streams_change_no_exit_code(measurement_file, tmp_path, closed):
     assert (tmp_path / "out.nc").is_file()
 
 
-def test_names_are_printed_as_they_are(run, measurement_file, tmp_path):
+def test_names_are_printed_as_they_are(succeeds, measurement_file, tmp_path):
     command = unwrapping(measurement_file, tmp_path, "[red]x.nc")
-    assert "[red]x.nc" in run(*command[3:])[1]
+    assert "[red]x.nc" in succeeds(*command[3:])
 
 
 def test_a_circle_of_links_is_no_defect(fails, tmp_path):
@@ -49,7 +49,7 @@ def test_a_circle_of_links_is_no_defect(fails, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["nc", "npz"])
-def test_a_file_cannot_steer_the_terminal(run, measurement_file, tmp_path, kind):
+def test_a_file_cannot_steer_the_terminal(succeeds, measurement_file, tmp_path, kind):
     path = tmp_path / f"m.{kind}"
     if kind == "nc":
         path.write_bytes(measurement_file.read_bytes())
@@ -57,15 +57,15 @@ def test_a_file_cannot_steer_the_terminal(run, measurement_file, tmp_path, kind)
             file.attrs["note"] = "\x1b[2Jgone"
     else:
         np.savez(path, **{"a\x1b[2J": np.ones(3)})
-    text = run("info", path)[1]
+    text = succeeds("info", path)
     assert "\x1b" not in text
     assert "\\x1b[2J" in text
 
 
-def test_info_lists_an_archive_without_reading_it(run, tmp_path, monkeypatch):
+def test_info_lists_an_archive_without_reading_it(succeeds, tmp_path, monkeypatch):
     np.savez(tmp_path / "a.npz", depth=np.ones((3, 4)))
     monkeypatch.setattr(np, "load", None)
-    assert "depth (3, 4) float64" in run("info", tmp_path / "a.npz")[1]
+    assert "depth (3, 4) float64" in succeeds("info", tmp_path / "a.npz")
 
 
 def test_a_picture_of_no_known_kind_is_refused_at_once(fails, tmp_path):

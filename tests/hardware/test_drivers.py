@@ -104,9 +104,14 @@ def contract(request, monkeypatch):
     return CONTRACTS[request.param]
 
 
-def opened(contract, *serial_number):
-    wire = Wire(contract.model())
-    return wire, contract.driver(wire, *serial_number)
+@pytest.fixture
+def wire(contract):
+    return Wire(contract.model())
+
+
+@pytest.fixture
+def driver(contract, wire):
+    return contract.driver(wire)
 
 
 def sent(wire, request):
@@ -114,10 +119,9 @@ def sent(wire, request):
 
 
 @pytest.mark.parametrize("fault", ["silence", "garbage"])
-def test_a_question_is_asked_once_more(contract, fault):
-    wire, one = opened(contract)
+def test_a_question_is_asked_once_more(contract, wire, driver, fault):
     wire.fail(contract.question, contract.faults[fault], times=1)
-    assert contract.ask(one)
+    assert contract.ask(driver)
     assert sent(wire, contract.question) == 2
 
 
@@ -129,55 +133,49 @@ ERRORS = {
 
 
 @pytest.mark.parametrize("fault", ERRORS)
-def test_a_fault_that_stays_is_one_error(contract, fault):
-    wire, one = opened(contract)
+def test_a_fault_that_stays_is_one_error(contract, wire, driver, fault):
     wire.fail(contract.question, contract.faults[fault])
     with pytest.raises(ERRORS[fault], match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
-        contract.ask(one)
+        contract.ask(driver)
     assert "\n" not in str(found.value)
 
 
 @pytest.mark.parametrize("fault", ERRORS)
-def test_a_change_is_sent_once(contract, fault):
-    wire, one = opened(contract)
+def test_a_change_is_sent_once(contract, wire, driver, fault):
     wire.fail(contract.command, contract.faults[fault])
     with pytest.raises(OSError, match="Expected"):
-        contract.change(one)
+        contract.change(driver)
     assert sent(wire, contract.command) == 1
 
 
-def test_another_device_is_refused(contract):
-    wire, one = opened(contract)
-    assert one.identify()["model"].startswith(one.MODELS)
+def test_another_device_is_refused(wire, driver):
+    assert driver.identify()["model"].startswith(driver.MODELS)
     model = wire.answer
     if isinstance(model, T7):
         model.set(60000, "f", 4.0)
     else:
         model.model = b"TDC9" if isinstance(model, Controller) else "OTHER"
     with pytest.raises(Refused, match="Expected device to be .* Check the address"):
-        one.identify()
+        driver.identify()
 
 
-def test_another_serial_number_is_refused(contract):
-    _, one = opened(contract, "OTHER")
+def test_another_serial_number_is_refused(contract, wire):
     with pytest.raises(Refused, match="OTHER, got .* Check the address"):
-        one.identify()
+        contract.driver(wire, "OTHER").identify()
 
 
-def test_a_value_beyond_the_limits_is_not_sent(contract):
-    wire, one = opened(contract)
+def test_a_value_beyond_the_limits_is_not_sent(contract, wire, driver):
     with pytest.raises(ValueError, match="Expected .* of device from .* Stay within"):
-        contract.beyond(one)
+        contract.beyond(driver)
     assert not wire.sent
 
 
-def test_a_safe_state_is_tried_again(contract):
-    wire, one = opened(contract)
+def test_a_safe_state_is_tried_again(contract, wire, driver):
     wire.fail(b"", contract.faults["lost"], times=1)
-    one.safe_state()
+    driver.safe_state()
     assert len(wire.sent) != 1  # a power meter has no safe state and is asked nothing
-    one.close()
-    one.close()
+    driver.close()
+    driver.close()
 
 
 @pytest.mark.parametrize(("text", "value"), [("1.5E+7HZ", 1.5e7), (" -0.25", -0.25)])

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx
 
 import cmtof
@@ -30,38 +30,51 @@ DARK = TwinSettings.ideal(reference=Plane(0.6, reflectance=0.0), ambient_radianc
 
 
 def take(output, rig=RIG, prepare=lambda bench: None, twin=None, **options):
-    """Scan the wall; ``prepare`` sees the bench before. Returns the bench and the error."""
-    held = []
+    """Scan the wall, which ends in the safe state; ``prepare`` sees the bench before."""
+    benches = []
 
     def opened():
-        held.append(simulated_bench(rig, WALL, twin, seed=4))
-        prepare(held[0])
-        return held[0]
+        bench = simulated_bench(rig, WALL, twin, seed=4)
+        benches.append(bench)
+        prepare(bench)
+        return bench
 
     try:
         scan(planned(rig, size=4), opened, output, **options)
-    except BaseException as error:
-        return held[0] if held else None, error
-    return held[0] if held else None, None
+    finally:
+        for bench in benches:
+            assert_safe(bench.daq.panel)
+
+
+def assert_safe(panel):
+    """Laser and shutter dark, RF off, beam parked."""
+    assert not (panel.laser_on or panel.shutter_open)
+    assert not (panel.emission.on or panel.detection.on)
+    assert panel.galvo_volts == [0.0, 0.0]
+    assert not panel.beam_block_out
+
+
+def stop(line):
+    """A report that stops a scan."""
+    raise KeyboardInterrupt
+
+
+def recorded(output):
+    """Lines in the journal of a scan, its header included."""
+    return len(whole_lines(journal_path(output)))
+
+
+@pytest.fixture
+def output(tmp_path):
+    return tmp_path / "m.nc"
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """File of an uninterrupted scan."""
     output = tmp_path_factory.mktemp("whole") / "m.nc"
-    bench, error = take(output)
-    assert error is None
-    assert_safe(bench)
+    take(output)
     return output
-
-
-def assert_safe(bench):
-    """Laser and shutter dark, RF off, beam parked."""
-    panel = bench.daq.panel
-    assert not (panel.laser_on or panel.shutter_open)
-    assert not (panel.emission.on or panel.detection.on)
-    assert panel.galvo_volts == [0.0, 0.0]
-    assert not panel.beam_block_out
 
 
 def test_phases_are_those_of_the_true_ranges():
@@ -87,49 +100,60 @@ def test_a_file_holds_raw_counts_power_and_settings(whole):
 # --- stop and resume -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("stop", [5, len(PLAN.lines) - 1])
-def test_stopped_and_resumed_gives_equal_bytes(tmp_path, whole, stop):
+@pytest.mark.parametrize("last", [5, len(PLAN.lines) - 1])
+def test_stopped_and_resumed_gives_equal_bytes(output, whole, last):
     def report(line):
-        if line.index == stop:
+        if line.index == last:
             raise KeyboardInterrupt
 
-    output = tmp_path / "m.nc"
-    bench, error = take(output, report=report)
-    assert isinstance(error, KeyboardInterrupt)
-    assert_safe(bench)
-    assert len(whole_lines(journal_path(output))) == stop + 2
-    assert take(output, resume=True)[1] is None
+    with pytest.raises(KeyboardInterrupt):
+        take(output, report=report)
+    assert recorded(output) == last + 2
+    take(output, resume=True)
     assert output.read_bytes() == whole.read_bytes()
 
 
-def test_a_scan_begun_is_not_overwritten(tmp_path, whole):
-    output = tmp_path / "m.nc"
-    take(output, report=lambda line: (_ for _ in ()).throw(KeyboardInterrupt))
-    assert "Expected no scan begun, got 1 lines" in str(take(output)[1])
+@pytest.fixture
+def stopped(output):
+    """Output of a scan that was stopped after its first line."""
+    with pytest.raises(KeyboardInterrupt):
+        take(output, report=stop)
+    return output
+
+
+def test_a_scan_begun_is_not_overwritten(stopped):
+    with pytest.raises(ValueError, match="Expected no scan begun, got 1 lines"):
+        take(stopped)
+
+
+def test_a_scan_goes_on_with_its_own_settings_only(stopped):
     other = replace(RIG, power_dbm=29.0)
-    error = take(output, rig=other, resume=True)[1]
-    assert "got another power_dbm, 30.0. Scan with its settings" in str(error)
+    with pytest.raises(ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"):
+        take(stopped, rig=other, resume=True)
+
+
+def test_a_whole_scan_needs_no_journal_to_be_resumed(output, whole):
     output.write_bytes(whole.read_bytes())
-    journal_path(output).unlink()
-    assert take(output, resume=True)[1] is None
-    error = take(output, rig=other, resume=True)[1]
-    assert "got another power_dbm, 30.0. Scan with its settings" in str(error)
+    take(output, resume=True)
+    with pytest.raises(ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"):
+        take(output, rig=replace(RIG, power_dbm=29.0), resume=True)
 
 
-def test_a_foreign_measurement_is_not_a_finished_scan(tmp_path):
-    cmtof.simulate(cmtof.load_frame("still_life")).save(tmp_path / "m.nc")
-    error = take(tmp_path / "m.nc", resume=True)[1]
-    assert "to be of these settings, got another" in str(error)
+def test_a_foreign_measurement_is_not_a_finished_scan(output):
+    cmtof.simulate(cmtof.load_frame("still_life")).save(output)
+    with pytest.raises(ValueError, match="to be of these settings, got another"):
+        take(output, resume=True)
 
 
-def test_a_journal_that_another_scan_is_writing_is_left_alone(tmp_path):
-    output = tmp_path / "m.nc"
-    take(output, report=lambda line: (_ for _ in ()).throw(KeyboardInterrupt))
-    before = journal_path(output).read_bytes()
-    with alone(journal_path(output)):
-        assert "to be free, got a process that is writing it" in str(take(output, resume=True)[1])
-    assert journal_path(output).read_bytes() == before
-    assert take(output, resume=True)[1] is None
+def test_a_journal_that_another_scan_is_writing_is_left_alone(stopped):
+    before = journal_path(stopped).read_bytes()
+    with (
+        alone(journal_path(stopped)),
+        pytest.raises(ValueError, match="to be free, got a process that is writing it"),
+    ):
+        take(stopped, resume=True)
+    assert journal_path(stopped).read_bytes() == before
+    take(stopped, resume=True)
 
 
 # --- faults --------------------------------------------------------------------------------------
@@ -164,14 +188,13 @@ def failing(bench, role, method, error, at=1, times=10**9):
 
 @pytest.mark.parametrize("fault", [InstrumentTimeout, Refused, BadReply, ConnectionLost])
 @pytest.mark.parametrize("role", PLACES)
-def test_every_fault_of_every_device_ends_in_the_safe_state(tmp_path, whole, role, fault):
-    output = tmp_path / "m.nc"
-    fail = partial(failing, role=role, method=PLACES[role], error=fault)
-    bench, error = take(output, prepare=partial(fail, at=1 if role in SET_UP_ONCE else 2))
-    assert isinstance(error, fault)
-    assert_safe(bench)
+def test_every_fault_of_every_device_ends_in_the_safe_state(output, whole, role, fault):
+    at = 1 if role in SET_UP_ONCE else 2
+    fail = partial(failing, role=role, method=PLACES[role], error=fault, at=at)
+    with pytest.raises(fault):
+        take(output, prepare=fail)
     assert not output.exists()
-    assert take(output, resume=True)[1] is None
+    take(output, resume=True)
     assert output.read_bytes() == whole.read_bytes()
 
 
@@ -197,25 +220,28 @@ def miss_edges(bench, times):
 
 
 @pytest.mark.parametrize("lose", [lose_samples, miss_edges])
-def test_bursts_with_lost_samples_or_edges_are_taken_again(tmp_path, whole, lose):
-    output = tmp_path / "m.nc"
-    assert take(output, prepare=lambda bench: lose(bench, 2))[1] is None
+def test_bursts_with_lost_samples_or_edges_are_taken_again(output, whole, lose):
+    take(output, prepare=partial(lose, times=2))
     assert output.read_bytes() == whole.read_bytes()
-    bench, error = take(tmp_path / "n.nc", prepare=lambda bench: lose(bench, 3))
-    assert isinstance(error, InstrumentTimeout | BadReply)
-    assert_safe(bench)
 
 
-def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(tmp_path):
+@pytest.mark.parametrize(
+    ("lose", "error"), [(lose_samples, InstrumentTimeout), (miss_edges, BadReply)]
+)
+def test_bursts_that_are_lost_three_times_end_the_scan(output, lose, error):
+    with pytest.raises(error):
+        take(output, prepare=partial(lose, times=3))
+
+
+def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(output):
     stronger = TwinSettings(laser_power=1.5 * TwinSettings().laser_power)
-    bench, error = take(tmp_path / "m.nc", twin=stronger)
-    assert "above 0 and up to 4 mW sent out, got" in str(error)
-    assert_safe(bench)
-    assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 2  # the header and the dark line
+    with pytest.raises(Unsafe, match="above 0 and up to 4 mW sent out, got"):
+        take(output, twin=stronger)
+    assert recorded(output) == 2  # the header and the dark line
 
 
 @pytest.mark.parametrize(("settling", "same"), [(2.8, True), (0.5, False)])
-def test_a_flip_mirror_that_takes_two_seconds_is_waited_for(tmp_path, whole, settling, same):
+def test_a_flip_mirror_that_takes_two_seconds_is_waited_for(output, whole, settling, same):
     """With too short a settling time the lines behind a flip see another target."""
     rig = replace(RIG, flip_mirror_settling=settling)
     turning = []
@@ -236,54 +262,54 @@ def test_a_flip_mirror_that_takes_two_seconds_is_waited_for(tmp_path, whole, set
         bench.daq.set_line = set_line
         bench.wait = wait
 
-    output = tmp_path / "m.nc"
-    _, error = take(output, rig=rig, prepare=prepare)
-    seen = [open_measurement(p).dataset["raw_counts"] for p in (output, whole) if p.exists()]
-    assert (error is None and bool((seen[0] == seen[1]).all())) == same
+    if not same:
+        with pytest.raises(ValueError, match="Expected"):
+            take(output, rig=rig, prepare=prepare)
+        return
+    take(output, rig=rig, prepare=prepare)
+    assert_array_equal(*(open_measurement(p).dataset["raw_counts"] for p in (output, whole)))
 
 
-def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(tmp_path):
+def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(output):
     waited = []
 
     def prepare(bench):
         bench.wait = waited.append
 
-    assert take(tmp_path / "m.nc", prepare=prepare)[1] is None
+    take(output, prepare=prepare)
     across = np.abs(PLAN.angles[0, -1] - PLAN.angles[0, 0]).max()
-    down = PLAN.angles[0, 0]
-    expected = [mirror_settling(float(step)) for step in (np.abs(down).max(), across)]
+    down = np.abs(PLAN.angles[0, 0]).max()
     flybacks = [seconds for seconds in waited if 0 < seconds < 0.05]
-    assert flybacks[:2] == approx(expected)
-    assert expected[1] == approx(3.3e-3, abs=2e-4)  # 15 degrees
+    assert flybacks[:2] == approx([mirror_settling(down), mirror_settling(across)])
+    assert flybacks[1] == approx(3.3e-3, abs=2e-4)  # 15 degrees
 
 
-def test_rf_comes_up_in_steps(tmp_path):
+def test_rf_comes_up_in_steps(output):
     powers = []
 
     def prepare(bench):
         works = bench.rf_emission.output
         knobs = bench.rf_emission.knobs
 
-        def output(on, **options):
+        def switch(on, **options):
             powers.append(knobs.power if on else None)
             works(on, **options)
 
-        bench.rf_emission.output = output
+        bench.rf_emission.output = switch
 
-    assert take(tmp_path / "m.nc", prepare=prepare)[1] is None
+    take(output, prepare=prepare)
     ramp = [10.0, 20.0, 24.0, 27.0, 30.0]
     assert powers == [None, None, *ramp, None, *ramp]  # set up, then both modes
 
 
 @pytest.mark.parametrize("lost", ["interlock_closed", "clock_on"])
-def test_an_open_interlock_and_a_lost_lock_end_the_scan(tmp_path, lost):
-    def spoil(bench):
+def test_an_open_interlock_and_a_lost_lock_end_the_scan(output, lost):
+    def prepare(bench):
         after_lines(bench, lambda n: setattr(bench.daq.panel, lost, n < 20))
 
-    bench, error = take(tmp_path / "m.nc", prepare=spoil)
-    assert isinstance(error, Unsafe)
-    assert_safe(bench)
-    assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 21  # the line is not recorded
+    with pytest.raises(Unsafe):
+        take(output, prepare=prepare)
+    assert recorded(output) == 21  # the line is not recorded
 
 
 @pytest.mark.parametrize(
@@ -293,29 +319,25 @@ def test_an_open_interlock_and_a_lost_lock_end_the_scan(tmp_path, lost):
         (DARK, "Expected a reference target with a contrast"),
     ],
 )
-def test_a_reference_target_that_cannot_calibrate_ends_the_scan(tmp_path, twin, text):
-    bench, error = take(tmp_path / "m.nc", twin=twin)
-    assert isinstance(error, ValueError)
-    assert text in str(error)
-    assert_safe(bench)
-    assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 9
+def test_a_reference_target_that_cannot_calibrate_ends_the_scan(output, twin, text):
+    with pytest.raises(ValueError, match=text):
+        take(output, twin=twin)
+    assert recorded(output) == 9
 
 
-def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line(tmp_path):
+def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line(output):
     lose = partial(failing, role="clock", method="output_is_on", error=InstrumentTimeout, at=13)
-    bench, error = take(tmp_path / "m.nc", prepare=lose)
-    assert isinstance(error, InstrumentTimeout)
-    assert_safe(bench)
-    assert len(whole_lines(journal_path(tmp_path / "m.nc"))) == 13  # header and twelve lines
-    assert take(tmp_path / "m.nc", resume=True)[1] is None
+    with pytest.raises(InstrumentTimeout):
+        take(output, prepare=lose)
+    assert recorded(output) == 13  # header and twelve lines
+    take(output, resume=True)
 
 
 # --- command line --------------------------------------------------------------------------------
 
 
-def test_a_check_prints_what_every_device_reports(run):
-    code, text, _ = run("scan", "--twin", "--check")
-    assert code == 0
+def test_a_check_prints_what_every_device_reports(succeeds):
+    text = succeeds("scan", "--twin", "--check")
     lines = text.splitlines()
     assert any("interlock" in line and "closed" in line for line in lines)
     assert sum("TWIN" in line for line in lines) == 8
