@@ -1,7 +1,7 @@
 """A Hypersim tree written from the published description, by other code than the package's."""
 
 import csv
-from pathlib import Path
+import itertools
 
 import h5py
 import numpy as np
@@ -47,27 +47,36 @@ def write_rows(path, rows):
         csv.writer(file).writerows(rows)
 
 
-def write_tree(root):
-    """Three official scenes of three views each, and both tables."""
-    for scene, projection in PROJECTIONS.items():
+def write_views(root):
+    """Depth and colour of three views of each scene."""
+    color = np.broadcast_to(np.array([0.2, 0.5, 0.9], np.float16), (*SHAPE, 3)).copy()
+    color[5, 5] = np.nan
+    color[6, 6] = np.inf
+    color[7, 7] = -1
+    for (scene, projection), (camera, number) in itertools.product(PROJECTIONS.items(), VIEWS):
         depth = wall(projection).astype(np.float16)
         depth[0, :3] = np.nan, np.inf, 0
-        color = np.broadcast_to(np.array([0.2, 0.5, 0.9], np.float16), (*SHAPE, 3)).copy()
-        color[5, 5] = np.nan
-        color[6, 6] = np.inf
-        color[7, 7] = -1
-        for camera, frame in VIEWS:
-            place = root / scene / "images" / f"scene_{camera}"
-            name = f"frame.{frame:04d}"
-            write_official(Path(f"{place}_geometry_hdf5") / f"{name}.depth_meters.hdf5", depth)
-            write_official(Path(f"{place}_final_hdf5") / f"{name}.color.hdf5", color)
+        images = root / scene / "images"
+        name = f"frame.{number:04d}"
+        write_official(images / f"scene_{camera}_geometry_hdf5/{name}.depth_meters.hdf5", depth)
+        write_official(images / f"scene_{camera}_final_hdf5/{name}.color.hdf5", color)
+
+
+def write_tables(root):
+    """Cameras of the scenes, and partitions of the views, one of them withdrawn."""
     matrix = [f"M_cam_from_uv_{i}{j}" for i in range(3) for j in range(3)]
-    rows = [[s, 24.0, False, *m.ravel()] for s, m in PROJECTIONS.items()]
     head = ["scene_name", "settings_output_img_height", "use_camera_physical", *matrix]
+    rows = [[s, 24.0, False, *m.ravel()] for s, m in PROJECTIONS.items()]
     write_rows(root / "metadata_camera_parameters.csv", [head, *rows])
     head = ["scene_name", "camera_name", "frame_id", "included_in_public_release"]
+    head += ["exclude_reason", "split_partition_name"]
     rows = [[s, c, f, True, "", p] for s, p in PARTITIONS.items() for c, f in VIEWS]
     hidden = ["ai_002_001", "cam_00", 7, False, "CONTENT FLAGGED FOR REMOVAL", ""]
-    head += ["exclude_reason", "split_partition_name"]
     write_rows(root / "metadata_images_split_scene_v1.csv", [head, *rows, hidden])
+
+
+def write_tree(root):
+    """Three official scenes of three views each, and both tables."""
+    write_views(root)
+    write_tables(root)
     return root
