@@ -32,6 +32,16 @@ def tilted_wall():
 
 
 @pytest.fixture(scope="session")
+def flat_wall():
+    """Maker of a square wall: its side, px, its depth, m, and its brightness."""
+
+    def made(side, depth, light=1.0):
+        return Frame(np.full((side, side), depth), np.full((side, side), light))
+
+    return made
+
+
+@pytest.fixture(scope="session")
 def measured(tilted_wall):
     """The wall with the paper's noise."""
     return cmtof.simulate(tilted_wall, seed=3)

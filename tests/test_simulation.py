@@ -41,8 +41,8 @@ def test_same_seed_same_counts_and_frames_draw_apart(tilted_wall):
 
 
 @pytest.mark.parametrize("step", range(4))
-def test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model(step):
-    wall = Frame(np.ones((200, 200)), np.full((200, 200), 0.5))
+def test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model(flat_wall, step):
+    wall = flat_wall(200, 1.0, 0.5)
     clean = simulate(wall, noise_free=True).dataset.correlation[0, step]
     noisy = simulate(wall, seed=5).dataset.correlation[0, step]
     mean = float(clean[0, 0])
@@ -63,11 +63,11 @@ def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):
     assert m.range == approx((0.754722, 1.194977), abs=1e-6)
 
 
-def test_released_protocol_never_enlarges_and_stops_at_a_hundredth():
-    near = Frame(np.full((4, 4), 0.9), np.ones((4, 4)))
-    assert float(simulate(near, noise_free=True).depth[0, 0]) == approx(0.9)
+def test_released_protocol_never_enlarges_and_stops_at_a_hundredth(flat_wall):
+    near = simulate(flat_wall(4, 0.9), noise_free=True)
+    assert near.depth == approx(0.9)
     with pytest.raises(ValueError, match="Expected depths between"):
-        simulate(Frame(np.full((4, 4), 300.0), np.ones((4, 4))), noise_free=True)
+        simulate(flat_wall(4, 300.0), noise_free=True)
 
 
 def test_full_protocol_scales_nothing_and_masks_beyond_the_beat():

@@ -57,10 +57,9 @@ def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
 
 
 @pytest.mark.parametrize(("method", "pair"), [("crt", FREQUENCIES), ("phasor", CLOSE)])
-def test_single_pixels_are_right_as_often_as_theory_predicts(method, pair):
+def test_single_pixels_are_right_as_often_as_theory_predicts(flat_wall, method, pair):
     """To four standard deviations of 250 000 pixels; the confidence predicts the same."""
-    wall = Frame(np.full((500, 500), 4.0), np.ones((500, 500)))
-    m = simulate(wall, protocol="full", frequencies=pair, seed=11)
+    m = simulate(flat_wall(500, 4.0), protocol="full", frequencies=pair, seed=11)
     result = cmtof.unwrap(m, method=method)
     rate = score(scored_pixels(result, m))["consistent_lt_1"]
     noise = float(bounds.simulated_phase_noise(1.0))

@@ -30,8 +30,8 @@ def test_walls_of_one_depth_are_exact(exact, method):
     assert_allclose(cmtof.unwrap(m, method=method).depth, 3.21, atol=1e-6)
 
 
-def test_averages_divide_the_noise_by_the_side_of_the_window():
-    m = simulate(Frame(np.full((120, 120), 1.0), np.full((120, 120), 0.8)), seed=2)
+def test_averages_divide_the_noise_by_the_side_of_the_window(flat_wall):
+    m = simulate(flat_wall(120, 1.0, 0.8), seed=2)
     found = [cmtof.unwrap(m, method="beat", window=window) for window in (1, 11, 41)]
     rates = [score(scored_pixels(one, m))["delta_lt_1"] for one in found]
     assert rates[0] < rates[1] < rates[2]

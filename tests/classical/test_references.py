@@ -72,16 +72,16 @@ def test_contact_carries_an_offset_across_a_crease():
     assert tied < 0.01 < alone
 
 
-def test_wider_windows_are_right_more_often():
-    m = simulate(Frame(np.full((90, 90), 3.0), np.ones((90, 90))), protocol="full", seed=3)
+def test_wider_windows_are_right_more_often(flat_wall):
+    m = simulate(flat_wall(90, 3.0), protocol="full", seed=3)
     found = [cmtof.unwrap(m, method="reference-field", side=side) for side in (1, 11, 41, 181)]
     rates = [score(scored_pixels(one, m))["delta_lt_2"] for one in found]
     assert rates == sorted(rates)
     assert rates[-1] == 1.0
 
 
-def test_true_depth_brings_the_phase_within_half_a_wrap():
-    m = simulate(Frame(np.full((300, 300), 4.0), np.ones((300, 300))), protocol="full", seed=1)
+def test_true_depth_brings_the_phase_within_half_a_wrap(flat_wall):
+    m = simulate(flat_wall(300, 4.0), protocol="full", seed=1)
     depth = cmtof.unwrap(m, method="reference-depth").depth
     assert np.abs(depth - 4.0).max() < WRAP / 2
     noise = bounds.phase_spread(float(bounds.simulated_phase_noise(1.0)))

@@ -36,9 +36,9 @@ def test_noise_free_phasors_are_those_of_the_depth():
     assert torch.allclose(images, closed, rtol=1e-4)
 
 
-def test_images_have_the_simulators_mean_and_noise():
+def test_images_have_the_simulators_mean_and_noise(flat_wall):
     """Means within 5 standard errors, variances within 4 %, of images drawn one by one."""
-    frame = Frame(np.full((200, 200), 0.93), np.full((200, 200), 0.4), None, "", "")
+    frame = flat_wall(200, 0.93, 0.4)
     # its farthest depth is brought to 1.195 m if it lies beyond, and 0.93 m does not
     drawn = cmtof.simulate(frame, noise=1200.0, seed=2).dataset["correlation"].to_numpy()
     ours = data.phasors(flat(0.93, 0.4, 1200.0))[2][0].numpy()
