@@ -15,6 +15,8 @@ import jupytext
 import nbformat
 from jupytext.cli import jupytext as jupytext_cli
 
+from cmtof.files import written_whole
+
 ROOT = Path(__file__).resolve().parents[2]
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
@@ -41,13 +43,15 @@ def notebook_from_script(script: Path) -> nbformat.NotebookNode:
     return notebook
 
 
-def same(script: Path, notebook: Path) -> bool:
+def same(script: Path) -> bool:
     """Tell whether the notebook is the one that follows from the script, without outputs."""
+    notebook = script.with_suffix(".ipynb")
     return notebook.is_file() and nbformat.read(notebook, 4) == notebook_from_script(script)
 
 
-def take_newer(script: Path, notebook: Path) -> None:
+def take_newer(script: Path) -> None:
     """Write the script again where the cells of the notebook differ and are younger."""
+    notebook = script.with_suffix(".ipynb")
     if notebook.is_file() and notebook.stat().st_mtime > script.stat().st_mtime:
         halves = nbformat.read(notebook, 4), notebook_from_script(script)
         if len({tuple(cell.source for cell in half.cells) for half in halves}) > 1:
@@ -56,22 +60,20 @@ def take_newer(script: Path, notebook: Path) -> None:
 
 def main(mode: str) -> int:
     """Write, or with ``--check`` only name, every pair that is not the same; give the exit code."""
-    check = mode == "--check"
     scripts = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
+    check = mode == "--check"
     if mode == "--newer":
         for script in scripts:
-            take_newer(script, script.with_suffix(".ipynb"))
+            take_newer(script)
         return 0
-    stale = [script for script in scripts if not same(script, script.with_suffix(".ipynb"))]
-    for script in stale:
-        notebook = script.with_suffix(".ipynb")
+    stale = [script.with_suffix(".ipynb") for script in scripts if not same(script)]
+    for notebook in stale:
         print(f"{'differs' if check else 'written'}: {notebook.relative_to(ROOT)}")
         if not check:
-            part = notebook.with_name(f".{notebook.name}.part")
-            nbformat.write(notebook_from_script(script), part)
-            part.replace(notebook)
-    return 1 if check and stale else 0
+            with written_whole(notebook) as part:
+                nbformat.write(notebook_from_script(notebook.with_suffix(".py")), part)
+    return int(check and bool(stale))
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1] if len(sys.argv) > 1 else ""))
+    sys.exit(main("".join(sys.argv[1:2])))

@@ -24,27 +24,29 @@ UNUSED = re.compile(
 
 
 def lighten(html: Path) -> None:
-    """Remove what no page loads; store texts for the search, and what links show when hovered.
-
-    A notebook is offered for download without the outputs that its page shows.
-    """
+    """Remove what no page loads; offer notebooks without the outputs that their pages show."""
     for file in (html / "_static").rglob("*"):
         if file.is_file() and UNUSED.search(file.as_posix()):
             file.unlink()
-    held: dict[str, dict[str, str]] = {"Texts": {}, "Previews": {}}
+    for notebook in (html / "_sources" / "notebooks").iterdir():
+        shutil.copyfile(NOTEBOOKS / notebook.name, notebook)
+
+
+def store_texts(html: Path) -> None:
+    """Store the texts of pages for the search, and what links show when hovered."""
+    texts: dict[str, str] = {}
+    previews: dict[str, str] = {}
     for page in html.glob("*/*.html"):
         if article := BeautifulSoup(page.read_text("utf-8"), "html.parser").article:
             name = page.relative_to(html).as_posix()
-            held["Texts"][name] = escape(article.get_text(" "))
+            texts[name] = escape(article.get_text(" "))
             for place in article.select(SHOWN):
                 kind = {"dt": "dd", "section": "p", "span": "p"}.get(place.name)
                 shown = place.find_next(kind) if kind else place
-                held["Previews"][f"{name}#{place['id']}"] = str(shown)
-    for name, texts in held.items():
+                previews[f"{name}#{place['id']}"] = str(shown)
+    for name, held in {"Texts": texts, "Previews": previews}.items():
         path = html / "_static" / f"{name.lower()}.js"
-        path.write_text(f"const cmtof{name} = {json.dumps(texts)};", "utf-8")
-    for notebook in (html / "_sources" / "notebooks").iterdir():
-        shutil.copyfile(NOTEBOOKS / notebook.name, notebook)
+        path.write_text(f"const cmtof{name} = {json.dumps(held)};", "utf-8")
 
 
 def main(stage: Path, html: Path) -> int:
@@ -54,18 +56,18 @@ def main(stage: Path, html: Path) -> int:
     options = ["-W", "-n", "--keep-going", "-q", "--path-output", work]
     command = [Path(sys.executable).with_name("jupyter-book"), "build", stage, *options]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    # colours are for a terminal, not for a file
-    lines = re.sub(r"\x1b\[[0-9;]*m", "", done.stdout).splitlines()
-    log.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    text = re.sub(r"\x1b\[[0-9;]*m", "", done.stdout)  # colours are for a terminal
+    log.write_text(text, encoding="utf-8")
     if done.returncode:
-        told = [line for line in lines if "WARNING" in line or "ERROR" in line]
-        print("\n".join(told or lines), file=sys.stderr)
+        told = re.findall(r".*(?:WARNING|ERROR).*", text)
+        print("\n".join(told) or text, file=sys.stderr)
         print(f"The book did not build; warnings count as errors. Log: {log}", file=sys.stderr)
         return 1
     shutil.rmtree(html, ignore_errors=True)
     (work / "_build" / "html").replace(html)
     shutil.rmtree(work)
     lighten(html)
+    store_texts(html)
     print(f"book: {html / 'index.html'}", file=sys.stderr, flush=True)
     return 0
 

@@ -57,7 +57,7 @@ def test_unknown_profiles_and_notebooks_are_refused(tmp_path):
 
 def test_notebook_pairs_agree():
     scripts = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
-    stale = [s.stem for s in scripts if not pairs.same(s, s.with_suffix(".ipynb"))]
+    stale = [s.stem for s in scripts if not pairs.same(s)]
     assert not stale, "run make pairs"
 
 
