@@ -48,11 +48,16 @@ def store(path: Path, frames: list[Frame]) -> None:
     with written_whole(path) as part:
         np.savez_compressed(
             part,
-            depth=np.diff(steps, n=2, axis=2, prepend=np.zeros((*steps.shape[:2], 2), np.int32)),
-            intensity=np.diff(levels, axis=2, prepend=np.zeros_like(levels[..., :1])),
+            depth=_differences(_differences(steps)),
+            intensity=_differences(levels),
             camera=np.stack([frame.camera for frame in frames if frame.camera is not None]),
             name=np.array([frame.name for frame in frames]),
         )
+
+
+def _differences(images: np.ndarray) -> np.ndarray:
+    """What each pixel adds to that on its left, of the same type; they pack better."""
+    return np.diff(images, axis=2, prepend=images.dtype.type(0))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ import ast
 import json
 import subprocess
 import sys
-import tokenize
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -78,15 +77,13 @@ def read_module(path: Path) -> Module:
     """Parse a file and count its code lines."""
     source = path.read_text(encoding="utf-8")
     tree = ast.parse(source)
-    used: set[int] = set()
-    for token in tokenize.generate_tokens(iter(source.splitlines(keepends=True)).__next__):
-        if token.string.strip() and token.type != tokenize.COMMENT:
-            used.update(range(token.start[0], token.end[0] + 1))
+    lines = source.splitlines()
+    used = {number for number, line in enumerate(lines, 1) if line.strip()[:1] not in ("", "#")}
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | Function) and ast.get_docstring(node):
             text = node.body[0]
             used.difference_update(range(text.lineno, (text.end_lineno or text.lineno) + 1))
-    return Module(path, tree, len(used), source.count("\n"))
+    return Module(path, tree, len(used), len(lines))
 
 
 def parameters(function: Function) -> list[str]:
