@@ -36,7 +36,8 @@ class Claim:
     @property
     def outcome(self) -> Outcome:
         """The worst verdict of its numbers."""
-        return min((one.verdict for one in self.scores), key=WORST_FIRST.index)
+        said: list[Outcome] = [one.verdict for one in self.scores]
+        return min(said, key=WORST_FIRST.index)
 
     @property
     def why(self) -> str:

@@ -96,7 +96,7 @@ def sections(scores: Scores) -> Iterator[dict[str, Any]]:
 def note(score: Score) -> str:
     """Everything that is to be said about a number under its table."""
     number = score.number
-    erratum = number.erratum and f"Erratum {number.erratum}."
+    erratum = f"Erratum {number.erratum}." if number.erratum else ""
     return " ".join(filter(None, (score.reason, number.note, score.deciding, erratum)))
 
 

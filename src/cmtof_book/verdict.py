@@ -59,7 +59,9 @@ class Result:
     crops: int = 0  # on which the network was trained
 
     @classmethod
-    def of(cls, value: Value | Mapping[str, Value], profile: str, crops: int) -> Result:
+    def of(
+        cls, value: Value | Mapping[str, Value], profile: str = "book", crops: int = 0
+    ) -> Result:
         """From one number, or from several by their case; what is not finite is left out."""
         given = value if isinstance(value, Mapping) else {"": value}
         cases = {case: Estimate.of(one) for case, one in given.items()}

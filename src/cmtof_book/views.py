@@ -32,18 +32,23 @@ def save_scene(
     name: str, layers: Mapping[str, tuple[Array, Array]], *, longest: float, eye: tuple
 ) -> None:
     """Write surfaces, points and colours by what they show, to ``name.js``, seen as in `still`."""
-    packed: dict[str, list[str]] = {}
-    shape: tuple[int, ...] = ()
-    for label, (points, colours) in layers.items():
-        shades = np.rint(255 * np.clip(np.nan_to_num(colours), 0, 1)).astype(np.uint8)
-        shape = points.shape[:2]
-        packed[label] = [
-            b64encode(points.astype("<f4").tobytes()).decode(),
-            b64encode(shades.tobytes()).decode(),
-        ]
+    shape = next(iter(layers.values()))[0].shape[:2]
+    packed = {
+        label: [_packed(points.astype("<f4")), _packed(_levels(np.nan_to_num(colours)))]
+        for label, (points, colours) in layers.items()
+    }
     about = {"shape": shape, "longest": longest, "eye": eye, "layers": packed}
     with written_whole(provenance.output_folder() / f"{name}.js") as part:
         part.write_text(f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", encoding="utf-8")
+
+
+def _levels(colours: Array) -> NDArray[np.uint8]:
+    """Colours from 0 to 1 in levels of a byte."""
+    return np.rint(255 * np.clip(colours, 0, 1)).astype(np.uint8)
+
+
+def _packed(array: NDArray) -> str:
+    return b64encode(array.tobytes()).decode()
 
 
 def show_scene(name: str, *, title: str) -> None:
@@ -77,7 +82,7 @@ def _drawn(points: Array, colours: Array, faces: NDArray, eye: tuple) -> Array:
     import pyvista as pv
 
     mesh = pv.PolyData.from_regular_faces(points, faces)
-    mesh["colours"] = np.rint(255 * colours).astype(np.uint8)
+    mesh["colours"] = _levels(colours)
     plotter = pv.Plotter(off_screen=True, window_size=[900, 900], lighting="none")
     plotter.renderer.SetBackground(1, 1, 1)
     plotter.add_mesh(
