@@ -12,7 +12,7 @@ from cmtof_book import pages
 from cmtof_book.paper import estimate_text, result_text
 from cmtof_book.record import TEXT, Record
 from cmtof_book.scoreboard import Scores
-from cmtof_book.verdict import WORST_FIRST, Dependency, Estimate, Outcome, Result, Score, sentence
+from cmtof_book.verdict import WORST_FIRST, Dependency, Estimate, Outcome, Score, sentence
 
 TOKEN = re.compile(r"\{([^{}|]+)(?:\|([^{}]+))?\}")
 
@@ -67,14 +67,14 @@ class Claim:
     @property
     def dependencies(self) -> dict[str, bool]:
         """What we have of each thing on which its numbers depend, and whether it is the paper's."""
-        held: dict[str, tuple[Dependency, Result]] = {}
+        held: dict[str, tuple[Dependency, Score]] = {}
         for score in sorted(self.scores, key=lambda one: not one.chapter):  # computed ones first
             for one in score.number.dependencies():
-                held.setdefault(one.name, (one, score.result))
+                held.setdefault(one.name, (one, score))
         return {
-            one.text(result): one.is_papers(result)
-            for one, result in held.values()
-            if one.name != "sizes" or not one.is_papers(result)
+            one.text(score): one.is_papers(score)
+            for one, score in held.values()
+            if one.name != "sizes" or not one.is_papers(score)
         }
 
 
@@ -121,11 +121,11 @@ class Numbers:
 
     def _result(self, score: Score, case: str, *, alone: bool) -> str:
         """Our result beside a published number, or one case of it."""
-        if not score.result.cases:
+        if not score.cases:
             return "(not computed)"
         if not case:
             return result_text(score, 3)
-        one = list(score.result.cases.values())[int(case)]
+        one = list(score.cases.values())[int(case)]
         return estimate_text(Estimate.of(one.value) if alone else one, score.number.unit, 3)
 
 

@@ -19,7 +19,7 @@ from matplotlib.ticker import EngFormatter
 
 from cmtof_book import notes, provenance, record
 from cmtof_book.compared import Compared
-from cmtof_book.verdict import Dependency, Estimate, Result, Score, Value
+from cmtof_book.verdict import Dependency, Estimate, Score, Value
 
 _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
@@ -113,8 +113,8 @@ def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int
     if isinstance(value, Compared):
         kind = value.record()
         given = kind["value"] + 1.96 * kind.get("error", 0.0) * np.array([0, -1, 1])
-    score = Score(published(key), Result.of(given, str(provenance.RUN["profile"]), crops))
-    found = {**kind, "cases": score.result.cases, "verdict": score.verdict, "crops": crops}
+    score = Score.of(published(key), given, profile=provenance.RUN["profile"], crops=crops)
+    found = {**kind, "cases": score.cases, "verdict": score.verdict, "crops": crops}
     record.add(record.PAPER, {key: found})
 
 
@@ -122,8 +122,8 @@ def table() -> None:
     """Show what a chapter has checked so far: the paper's number, ours, the verdict."""
     rows = []
     for key, held in record.read(record.PAPER).items():
-        result = Result.of(held["cases"], str(provenance.RUN["profile"]), held["crops"])
-        score = Score(published(key), result)
+        profile = provenance.RUN["profile"]
+        score = Score.of(published(key), held["cases"], profile=profile, crops=held["crops"])
         what = f"{score.number.where}, {score.number.what}"
         rows.append([what, score.number.text(), result_text(score), score.verdict])
     verdicts = Counter(row[-1] for row in rows)
@@ -136,7 +136,7 @@ def result_text(score: Score, digits: int = 4) -> str:
     """Our numbers with their intervals, each with its case; so many digits where exact."""
     texts = [
         f"{estimate_text(one, score.number.unit, digits)} {case}".strip()
-        for case, one in score.result.cases.items()
+        for case, one in score.cases.items()
     ]
     return "; ".join(texts) or "not finite"
 

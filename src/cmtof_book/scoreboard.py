@@ -10,7 +10,6 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict
 from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
@@ -19,7 +18,7 @@ from typing import Any, get_args
 from cmtof_book import pages
 from cmtof_book.paper import published, published_numbers
 from cmtof_book.record import PAPER, Record
-from cmtof_book.verdict import WORST_FIRST, Outcome, Result, Score
+from cmtof_book.verdict import WORST_FIRST, Outcome, Score
 
 Scores = dict[str, Score]
 """All published numbers with our results, by key."""
@@ -37,10 +36,9 @@ def scores_in(records: Iterable[Record]) -> Scores:
     scores = {key: Score(number) for key, number in published_numbers().items()}
     for record in records:
         for key, held in record.numbers.items() if record.name == PAPER else ():
-            result = Result.of(
-                held["cases"], record.content["provenance"]["profile"], held["crops"]
-            )
-            score = Score(published(key), result, record.chapter)
+            about = {"crops": held["crops"], "chapter": record.chapter}
+            about["profile"] = record.content["provenance"]["profile"]
+            score = Score.of(published(key), held["cases"], **about)
             others = [scores[key]] if scores[key].chapter else []
             scores[key] = min([*others, score], key=lambda one: WORST_FIRST.index(one.verdict))
     return scores
@@ -71,9 +69,15 @@ def accepted(scores: Scores) -> dict[str, Any]:
     numbers = {}
     for key, score in sorted(scores.items()):
         if score.chapter:
-            number = score.number
-            held = {"paper": number.value, "unit": number.unit, "verdict": score.verdict}
-            numbers[key] = held | asdict(score.result) | {"chapter": score.chapter}
+            numbers[key] = {
+                "paper": score.number.value,
+                "unit": score.number.unit,
+                "verdict": score.verdict,
+                "cases": score.cases,
+                "profile": score.profile,
+                "crops": score.crops,
+                "chapter": score.chapter,
+            }
     return {"counts": counts(scores.values()), "numbers": numbers}
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -51,24 +51,6 @@ class Estimate(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Result:
-    """Our estimates of one number, by case, and with what they were made."""
-
-    cases: dict[str, Estimate] = field(default_factory=dict)
-    profile: str = "book"
-    crops: int = 0  # on which the network was trained
-
-    @classmethod
-    def of(
-        cls, value: Value | Mapping[str, Value], profile: str = "book", crops: int = 0
-    ) -> Result:
-        """From one number, or from several by their case; what is not finite is left out."""
-        given = value if isinstance(value, Mapping) else {"": value}
-        cases = {case: Estimate.of(one) for case, one in given.items()}
-        return cls({c: one for c, one in cases.items() if np.isfinite(one).all()}, profile, crops)
-
-
-@dataclass(frozen=True)
 class Dependency:
     """Something on which a number depends, and whether ours is the paper's."""
 
@@ -78,15 +60,15 @@ class Dependency:
     short: str = ""
     decides: str = ""
 
-    def is_papers(self, result: Result) -> bool:
-        """Whether a result was made with the paper's."""
+    def is_papers(self, score: Score) -> bool:
+        """Whether our number was made with the paper's."""
         if self.name == "training":
-            return result.crops >= CROPS
-        return self.same if isinstance(self.same, bool) else result.profile in self.same
+            return score.crops >= CROPS
+        return self.same if isinstance(self.same, bool) else score.profile in self.same
 
-    def text(self, result: Result) -> str:
+    def text(self, score: Score) -> str:
         """What we have."""
-        return self.ours.format(crops=result.crops)
+        return self.ours.format(crops=score.crops)
 
 
 def place_of(number: Published, ours: Estimate) -> Place:
@@ -105,24 +87,34 @@ def place_of(number: Published, ours: Estimate) -> Place:
 
 @dataclass(frozen=True)
 class Score:
-    """A published number beside our result, and what follows from the two."""
+    """A published number beside ours, by case, and what follows from the two."""
 
     number: Published
-    result: Result = field(default_factory=Result)
-    chapter: str = ""  # that computed the result
+    cases: dict[str, Estimate] = field(default_factory=dict)
+    profile: str = "book"
+    crops: int = 0  # on which the network was trained
+    chapter: str = ""  # that computed ours
+
+    @classmethod
+    def of(cls, number: Published, value: Value | Mapping[str, Value], **about: Any) -> Score:
+        """From one number of ours, or several by their case; what is not finite is left out."""
+        given = value if isinstance(value, Mapping) else {"": value}
+        cases = {case: Estimate.of(one) for case, one in given.items()}
+        finite = {case: one for case, one in cases.items() if np.isfinite(one).all()}
+        return cls(number, finite, **about)
 
     @property
     def places(self) -> dict[Place, list[str]]:
         """Our cases by their place beside the paper's number."""
         places: dict[Place, list[str]] = {}
-        for case, one in self.result.cases.items():
+        for case, one in self.cases.items():
             places.setdefault(place_of(self.number, one), []).append(case)
         return places
 
     @property
     def differing(self) -> list[Dependency]:
         """What the number depends on that is not the paper's."""
-        return [one for one in self.number.dependencies() if not one.is_papers(self.result)]
+        return [one for one in self.number.dependencies() if not one.is_papers(self)]
 
     @property
     def small(self) -> list[Dependency]:
@@ -161,7 +153,7 @@ class Score:
         if self.number.kind == "setting":
             return self.number.changed if self.verdict == "changed" else ""
         told = [] if self.small else [sentence(self.undecided)]
-        told += [one.text(self.result) for one in self.small or self.differing]
+        told += [one.text(self) for one in self.small or self.differing]
         return " ".join(filter(None, told))
 
     @property

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from cmtof_book import claims, compared, paper, provenance, record, scoreboard
-from cmtof_book.verdict import CROPS, Estimate, Result, Score
+from cmtof_book.verdict import CROPS, Estimate, Score
 
 ROOT = Path(__file__).parents[2]
 ACCEPTED = ROOT / "figures" / "scoreboard.json"
@@ -27,20 +27,19 @@ def folder(tmp_path, monkeypatch):
     return target
 
 
-def said(number, *values, profile="book", crops=0):
+def said(number, *values, **about):
     """The verdict on a number, from one value of ours or several."""
-    cases = {str(place): value for place, value in enumerate(values)}
-    return Score(number, Result.of(cases, profile, crops)).verdict
+    return Score.of(number, dict(zip("abc", values, strict=False)), **about).verdict
 
 
-def scores(results):
-    """All published numbers, some with results."""
-    return {key: Score(one, results.get(key, Result())) for key, one in NUMBERS.items()}
+def scores(values, **about):
+    """All published numbers, some with ours."""
+    return {key: Score.of(one, values.get(key, {}), **about) for key, one in NUMBERS.items()}
 
 
-def claims_by(results):
-    """The claims by name, as results lead to them."""
-    return {one.name: one for one in claims.claims(scores(results))}
+def claims_by(values, **about):
+    """The claims by name, as our numbers lead to them."""
+    return {one.name: one for one in claims.claims(scores(values, **about))}
 
 
 def test_every_entry_is_well_formed():
@@ -108,25 +107,23 @@ def test_what_differs_from_the_paper_leaves_a_number_open():
     assert [said(sized, 10, profile=one) for one in ("ci", "book")] == ["untested", "reproduced"]
     assert said(PLAIN, 10, 20) == said(PLAIN, 20, 10) == "open"  # two cases disagree
     assert said(PLAIN, 20, 30) == "contradicted"
-    short = Result.of(20, "book", 28_000)
-    told = Score(trained, short).reason
-    assert "28,000" in told and "500,000" in told
-    assert Score(trained, short).deciding and not Score(PLAIN, short).deciding
+    short = Score.of(trained, 20, crops=28_000)
+    assert "28,000" in short.reason and "500,000" in short.reason
+    assert short.deciding and not Score.of(PLAIN, 20).deciding
 
 
 def test_settings_are_compared_too():
     setting = replace(PLAIN, kind="setting", changed="Why.")
     assert [said(setting, value) for value in (10.2, 11)] == ["as stated", "changed"]
-    assert Score(setting, Result.of(11)).reason == "Why."
+    assert Score.of(setting, 11).reason == "Why."
     assert said(replace(PLAIN, untested="other data"), 10) == "untested"
 
 
 def test_few_numbers_can_be_contradicted_and_every_dependency_is_known():
     """Only those that depend on nothing but what is the paper's; training counts as it."""
-    whole = Result(crops=CROPS)
     results = [one for one in NUMBERS.values() if one.kind == "result"]
     assert all(one.depends for one in results)
-    judged = [n for n in results if not n.untested and not Score(n, whole).differing]
+    judged = [n for n in results if not n.untested and not Score(n, crops=CROPS).differing]
     assert 10 <= len(judged) <= 20
     used = {name for one in results for name in one.depends}
     assert used == set(paper.dependencies())
@@ -143,28 +140,25 @@ def outcomes(name):
         wrong = one.value * (2 - SIDE.get(one.relation, -3))
         wide = (one.value, 0.1 * one.value, 10 * one.value)
         given += [holds | {one.key: value} for value in (wrong, wide, math.nan)]
-    for values in given:
-        results = {key: Result.of(value, "book", CROPS) for key, value in values.items()}
-        yield claims_by(results)[name].outcome
+    return {claims_by(values, crops=CROPS)[name].outcome for values in given}
 
 
 def test_each_claim_goes_through_every_verdict_that_it_can_have():
-    whole = claims_by({key: Result(crops=CROPS) for key in NUMBERS})
-    for name, claim in whole.items():
+    for name, claim in claims_by({}, crops=CROPS).items():
         expected = {"reproduced", "untested", "open"}
         if not all(score.differing for score in claim.scores):
             expected.add("contradicted")
-        assert set(outcomes(name)) == expected, name
+        assert outcomes(name) == expected, name
 
 
 def test_a_claim_says_in_one_line_why():
-    wide = {"fig3.precision_ratio": Result.of((100, 20, 180))}
+    wide = {"fig3.precision_ratio": (100, 20, 180)}
     assert claims_by(wide)["precision"].why == "Our interval is too wide to decide."
-    apart = Result.of({"at once": 1.0, "later": 0.1})
+    apart = {"at once": 1.0, "later": 0.1}
     far = dict.fromkeys(("sec8.network_scanned", "sec8.kde_scanned"), apart)
     told = "Network: it agrees at once, not otherwise. KDE: it agrees later, not otherwise."
     assert claims_by(far)["scanned"].why.startswith(told)
-    order = claims_by({"sec8.order": Result.of(1.0, "book", 36_000)})["order"]
+    order = claims_by({"sec8.order": 1.0}, crops=36_000)["order"]
     assert order.why.startswith("It holds although the scenes, the training")
     assert claims_by({})["order"].why == "No chapter computes it."
 
@@ -185,7 +179,7 @@ def test_what_was_checked_is_recorded_with_all_cases_and_shown(folder, monkeypat
     assert shown[2][2] == f"{quiet}; 200 µm (100–300 µm) with more noise"
     (run,) = record.read_all(folder.parent)
     assert run.compared() == {"fig3.precision_ratio": compared.sum_over_draws(99.8, error=3.2)}
-    assert scoreboard.scores_in([run])["table2.kde.delta_lt_1"].result.crops == 28_000
+    assert scoreboard.scores_in([run])["table2.kde.delta_lt_1"].crops == 28_000
 
 
 def test_scoreboard_lists_and_counts_every_number_once(folder):
@@ -203,8 +197,8 @@ def test_scoreboard_lists_and_counts_every_number_once(folder):
 
 def test_the_picture_has_a_line_for_each_result_at_its_ratio():
     results = {
-        "fig3.precision_ratio": Result.of((100, 90, 110)),
-        "table4.proposed.rmse_mirror": Result.of({"quiet": 1, "noisy": 1e-9}),
+        "fig3.precision_ratio": (100, 90, 110),
+        "table4.proposed.rmse_mirror": {"quiet": 1, "noisy": 1e-9},
     }
     text = scoreboard.picture(scores(results))
     lines = re.findall(r'<li data-verdict="(\w+)" data-same="(\w+)"', text)
@@ -232,8 +226,8 @@ def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
     """At most twenty contradict the paper, each with a sentence that says why."""
     held = json.loads(ACCEPTED.read_text("utf-8"))["numbers"]
     for key, number in held.items():
-        result = Result.of(number["cases"], number["profile"], number["crops"])
-        assert Score(NUMBERS[key], result).verdict == number["verdict"], key
+        about = {"profile": number["profile"], "crops": number["crops"]}
+        assert Score.of(NUMBERS[key], number["cases"], **about).verdict == number["verdict"], key
         assert NUMBERS[key].value == pytest.approx(number["paper"], rel=1e-9)
     contradicted = [key for key, number in held.items() if number["verdict"] == "contradicted"]
     assert len(contradicted) <= 20
@@ -248,12 +242,12 @@ def test_claims_are_filled_with_numbers_of_the_build():
         record.Record("03_wraps", "wraps_odds", {"numbers": drawn}),
         record.Record("03_wraps", record.TEXT, {"numbers": {"x": 2.5}}),
     ]
-    found = {"fig3.precision_ratio": Result.of(104.63)}
+    found = {"fig3.precision_ratio": 104.63}
     numbers = claims.Numbers(scores(found), records)
     asked = "{03_wraps/wraps_odds.law.1|.0%} {03_wraps/wraps_odds.rates.right|d} {03_wraps:x|.1f} "
     assert numbers.fill(asked + "{fig3.precision_ratio}") == "25\N{NO-BREAK SPACE}% 3 2.5 105"
     assert numbers.fill("{sec1.contrast}") == "(not computed)"
-    found["sec8.rf_plate"] = Result.of({"quiet": (2e-3, 1e-3, 3e-3), "noisy": 4e-3})
+    found["sec8.rf_plate"] = {"quiet": (2e-3, 1e-3, 3e-3), "noisy": 4e-3}
     numbers = claims.Numbers(scores(found), records)
     filled = numbers.fill("{sec8.rf_plate@0|alone}, {sec8.rf_plate@0}, {sec8.rf_plate@1}")
     assert filled.replace("\N{NO-BREAK SPACE}", " ") == "2 mm, 2 mm (1–3 mm), 4 mm"
