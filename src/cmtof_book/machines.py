@@ -17,7 +17,8 @@ from typing import Annotated, Any
 import typer
 import yaml
 
-from cmtof_book.reference import ROOT, stored_numbers
+from cmtof_book import ROOT
+from cmtof_book.reference import stored_numbers
 
 APART = ("hostile", "reader", "test_wheel.py", "test_house.py", "book/test_book.py")
 """Tests that no processor can change."""

@@ -16,8 +16,7 @@ import nbformat
 from jupytext.cli import jupytext as jupytext_cli
 
 from cmtof.files import written_whole
-
-ROOT = Path(__file__).resolve().parents[2]
+from cmtof_book import ROOT
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 # the metadata that a pair shares; anything else is some editor's

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -55,7 +55,7 @@ class Published:
 
 @cache
 def _document() -> dict[str, Any]:
-    return yaml.safe_load(files("cmtof_book").joinpath("paper.yml").read_text("utf-8"))
+    return yaml.safe_load(Path(__file__).with_name("paper.yml").read_text("utf-8"))
 
 
 @cache

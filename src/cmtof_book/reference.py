@@ -12,10 +12,10 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from cmtof_book import ROOT
 from cmtof_book.compared import Compared
 from cmtof_book.record import read_all
 
-ROOT = Path(__file__).resolve().parents[2]
 STORED = ROOT / "tests" / "reference" / "numbers.json"
 RESULTS = Path(os.environ.get("CMTOF_RESULTS") or ROOT / "build" / "ci" / "results")
 """Records of the build to compare; the variable names one that was made as on another machine."""

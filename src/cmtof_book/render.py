@@ -16,7 +16,8 @@ from pathlib import Path
 
 from bs4 import BeautifulSoup
 
-NOTEBOOKS = Path(__file__).resolve().parents[2] / "notebooks"
+from cmtof_book import ROOT
+
 SHOWN = "div.math[id], figure[id], dt[id^=term], div.citation[id], [id^=erratum-]"
 UNUSED = re.compile(
     r"/mathjax/((?!tex-chtml\.js)[\w-]+\.js$|output/svg/|sre/mathmaps/(?!base|en))|/locales/|\.map$"
@@ -29,7 +30,7 @@ def lighten(html: Path) -> None:
         if file.is_file() and UNUSED.search(file.as_posix()):
             file.unlink()
     for notebook in (html / "_sources" / "notebooks").iterdir():
-        shutil.copyfile(NOTEBOOKS / notebook.name, notebook)
+        shutil.copyfile(ROOT / "notebooks" / notebook.name, notebook)
 
 
 def store_texts(html: Path) -> None:

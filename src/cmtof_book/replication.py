@@ -11,7 +11,6 @@ prints every value at a seed.
 
 import sys
 from collections.abc import Iterator, Mapping
-from importlib.resources import files
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
@@ -63,7 +62,7 @@ class Outcome(NamedTuple):
 
 def replicate(figure: Path) -> Iterator[Outcome]:
     """Every check in turn; then, if matplotlib is there, Fig. 10 is drawn to ``figure``."""
-    stored = read_document(Path(str(files("cmtof_book"))) / "replication.yml")
+    stored = read_document(Path(__file__).with_name("replication.yml"))
     for name, value in values(SEED, figure):
         yield Outcome(stored[name]["what"], value, expected(stored[name]))
 

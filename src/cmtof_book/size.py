@@ -17,7 +17,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).resolve().parents[2]
+from cmtof_book import ROOT
+
 ACCEPTED = ROOT / "configs" / "size.json"
 VOLUME = {
     "src/cmtof": 80_000,

@@ -15,14 +15,12 @@ from typing import Any
 import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof_book import claims, laboratory, pages, scoreboard
+from cmtof_book import ROOT, claims, laboratory, pages, scoreboard
 from cmtof_book.graph import Book
 from cmtof_book.markdown import myst
 from cmtof_book.notes import SAID
 from cmtof_book.record import read_all
 from cmtof_book.views import STATIC
-
-ROOT = Path(__file__).resolve().parents[2]
 
 NUMBERS = "_static/numbers"  # of the figures, in the book
 PLACES = {"js": STATIC, "csv": NUMBERS}

@@ -25,8 +25,9 @@ from cmtof.files import written_whole  # noqa: E402
 from cmtof.frame import held_out_frames  # noqa: E402
 from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
+from cmtof_book import ROOT  # noqa: E402
 
-RESULTS = Path(__file__).resolve().parents[2] / "book" / "results"
+RESULTS = ROOT / "book" / "results"
 
 
 class Row(NamedTuple):
