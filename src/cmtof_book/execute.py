@@ -115,7 +115,6 @@ def explain(error: PapermillExecutionError, script: Path, work: Path) -> str:
 def main(arguments: list[str]) -> int:
     """Run one notebook; return the exit code."""
     script, result, folder = (Path(arguments[i]).resolve() for i in (0, 2, 3))
-    parameters = json.loads(arguments[1])
     work = result.parents[1] / "failed" / script.stem
     shutil.rmtree(work, ignore_errors=True)
     (work / "results").mkdir(parents=True)
@@ -123,7 +122,7 @@ def main(arguments: list[str]) -> int:
     os.environ.update(environment(work))
     started = time.time()
     try:
-        execute(script, parameters, work)
+        execute(script, json.loads(arguments[1]), work)
     except PapermillExecutionError as error:
         text = explain(error, script, work)
         (work / "log.txt").write_text(text, encoding="utf-8")

@@ -29,7 +29,8 @@ from cmtof.measurement import Measurement
 from cmtof.scenes import Frame, load_frame
 from cmtof.simulation import simulate
 from cmtof.unwrapping import unwrap
-from cmtof_book.compared import STANDARD_ERRORS, Compared
+from cmtof_book.compared import STANDARD_ERRORS, Compared, decision
+from cmtof_book.record import compared_from_json
 
 SEED = 0
 METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
@@ -73,15 +74,13 @@ def expected(entry: Mapping[str, Any]) -> Compared:
     From the values at several ``seeds`` follow their mean and standard deviation, and the bound of
     a decision: five of these below the mean.
     """
-    parts = {name: part for name, part in entry.items() if name not in ("what", "seeds")}
-    if "seeds" in entry:
-        mean = float(np.mean(entry["seeds"]))
-        spread = float(np.std(entry["seeds"], ddof=1))
-        if entry["kind"] == "decision":
-            parts |= {"value": mean, "at_least": mean - STANDARD_ERRORS * spread}
-        else:
-            parts |= {"value": mean, "error": spread}
-    return Compared(**parts)
+    if "seeds" not in entry:
+        return compared_from_json(entry)
+    mean = float(np.mean(entry["seeds"]))
+    spread = float(np.std(entry["seeds"], ddof=1))
+    if entry["kind"] == "decision":
+        return decision(mean, at_least=mean - STANDARD_ERRORS * spread)
+    return Compared(value=mean, kind=entry["kind"], error=spread)
 
 
 def values(seed: int, figure: Path | None = None) -> Iterator[tuple[str, float]]:

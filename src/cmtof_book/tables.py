@@ -64,9 +64,10 @@ def rows_of_runs(runs: Path, protocol: str) -> list[Row]:
 
 def stored_counts(path: Path, settings: dict[str, Any], more: str) -> dict[str, Any]:
     """Counts of a file, or an empty store where it is missing or has other settings."""
-    held = json.loads(path.read_text("utf-8")) if path.is_file() else {}
-    if held.get("settings") == settings:
-        return held
+    if path.is_file():
+        held = json.loads(path.read_text("utf-8"))
+        if held["settings"] == settings:
+            return held
     options = f"--protocol {settings['protocol']} --noise {settings['noise']:g}{more}"
     command = f"python -m cmtof_book.tables {options}"
     return {"command": command, "settings": settings, "weights": {}, "cards": {}, "frames": []}
