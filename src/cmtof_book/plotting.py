@@ -164,14 +164,13 @@ def intervals(
     ax: Axes,
     rows: Mapping[str, tuple[float, float, float]],
     *,
-    colors: Mapping[str, str] | None = None,
+    colors: Mapping[str, str],
     published: Mapping[str, float],
 ) -> None:
     """Dots with bars (value, low, high), a row a name, the first on top; diamonds of the paper."""
     for place, (name, (value, low, high)) in enumerate(rows.items()):
-        color = colors[name] if colors else PALETTE["blue"]
-        ax.plot([low, high], [place, place], color=color, lw=3, alpha=0.45)
-        ax.plot(value, place, "o", color=color, ms=5)
+        ax.plot([low, high], [place, place], color=colors[name], lw=3, alpha=0.45)
+        ax.plot(value, place, "o", color=colors[name], ms=5)
     if published:
         theirs = [published.get(name, np.nan) for name in rows]
         style: Any = {"mfc": "none", "mec": "black", "ms": 5, "label": "the paper, its own scenes"}

@@ -8,7 +8,7 @@ script of the book hides the lines that a reader does not want.
 
 import math
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 from pathlib import Path
@@ -26,6 +26,11 @@ Scores = dict[str, Score]
 GROUPS = {"table": "Table", "fig": "Figure", "abstract": "Abstract", "sec": "Section"}
 ITEMS = {"Figure": 16, "Table": 4, "Equation": 20}
 """How many of each the paper has."""
+
+DRAWN = re.compile(
+    r"^(fig(?=\d+_)|table)(\d+)[_.]", re.MULTILINE
+)  # numbers of figures do not count
+NUMBERED = re.compile(r"\\tag\{(\d+)\}")
 
 SPAN = 30  # greatest ratio that is drawn, and its inverse
 SHOWN: tuple[Outcome, ...] = ("reproduced", "contradicted", "open")
@@ -123,15 +128,16 @@ def coverage(records: Iterable[Record], notebooks: Iterable[Path]) -> dict[str, 
     A figure stands where ``figNN_*`` was drawn, a table where ``tableN_*`` was drawn or its numbers
     were checked, an equation where it bears its number. ``notebooks`` are the chapters.
     """
-    found: dict[str, set[str]] = {
-        f"{kind} {number + 1}": set() for kind, count in ITEMS.items() for number in range(count)
-    }
+    found: defaultdict[str, set[str]] = defaultdict(set)
     for record in records:
-        for name in (record.name, *(record.numbers if record.name == PAPER else ())):
-            if named := re.match(r"(fig(?=\d+_)|table)(\d+)[_.]", name):
-                item = f"{GROUPS[named[1]]} {int(named[2])}"
-                found.setdefault(item, set()).add(record.chapter)
+        names = [record.name, *(record.numbers if record.name == PAPER else ())]
+        for kind, number in DRAWN.findall("\n".join(names)):
+            found[f"{GROUPS[kind]} {int(number)}"].add(record.chapter)
     for notebook in notebooks:
-        for number in re.findall(r"\\tag\{(\d+)\}", notebook.read_text(encoding="utf-8")):
+        for number in NUMBERED.findall(notebook.read_text(encoding="utf-8")):
             found[f"Equation {number}"].add(notebook.stem)
-    return {item: sorted(chapters) for item, chapters in found.items()}
+    return {
+        item: sorted(found[item])
+        for kind, count in ITEMS.items()
+        for item in (f"{kind} {number + 1}" for number in range(count))
+    }
