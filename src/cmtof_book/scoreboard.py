@@ -27,9 +27,9 @@ GROUPS = {"table": "Table", "fig": "Figure", "abstract": "Abstract", "sec": "Sec
 ITEMS = {"Figure": 16, "Table": 4, "Equation": 20}
 """How many of each the paper has."""
 
-DRAWN = re.compile(
-    r"^(fig(?=\d+_)|table)(\d+)[_.]", re.MULTILINE
-)  # numbers of figures do not count
+DRAWN = re.compile(r"^(fig(?=\d+_)|table)(\d+)[_.]", re.MULTILINE)
+"""What was drawn; or checked, if it is a number of a table."""
+
 NUMBERED = re.compile(r"\\tag\{(\d+)\}")
 
 SPAN = 30  # greatest ratio that is drawn, and its inverse
