@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import onnx
 from numpy.typing import NDArray
 
 from cmtof.frame import Frame, held_out_frames
-from cmtof.network.protobuf import onnx_model, read_graph
+from cmtof.network.inference import read_graph
 from cmtof.network.weights import read_weights, weights_path
 from cmtof.scenes import load_frame
 from cmtof.simulation import simulate
@@ -33,7 +34,11 @@ OBJECTS = ("bust", "owl", "helmet")
 def light_network() -> bytes:
     """ONNX model of the light network with its weights."""
     arrays, card = read_weights(weights_path("fast-scnn-light", "released"))
-    return onnx_model(read_graph(card.model), arrays)
+    model = onnx.load_from_string(read_graph(card))
+    for weight in model.graph.initializer:
+        array = arrays[weight.name].astype(np.float32)
+        weight.CopyFrom(onnx.numpy_helper.from_array(array, weight.name))
+    return model.SerializeToString()
 
 
 def scenes() -> dict[str, Frame]:

@@ -8,11 +8,13 @@ Only a change of `cmtof.network.models` asks for it: other weights of a model fi
 import gzip
 import io
 import warnings
+from itertools import product
 from types import MethodType
 
 import onnx
 import torch
 
+from cmtof.network.features import CLASSES
 from cmtof.network.models import MODELS, Network, build_network
 from cmtof.network.weights import FOLDER
 
@@ -46,17 +48,29 @@ def graph_of(network: Network) -> bytes:
             dynamic_axes={kind: [2, 3], network.target: [1, 2, 3]},
         )
     model = onnx.load_from_string(written.getvalue())
-    del model.graph.input[1:]  # the weights
+    for weight in model.graph.input[1:]:
+        model.graph.initializer.append(outside(weight))
+    del model.graph.input[1:]
     about = {"features": kind, "target": network.target, "stride": str(network.stride)}
     onnx.helper.set_model_props(model, about)
     return model.SerializeToString(deterministic=True)
 
 
+def outside(weight: onnx.ValueInfoProto) -> onnx.TensorProto:
+    """A weight that is handed over when the network is made ready."""
+    kind = weight.type.tensor_type
+    tensor = onnx.TensorProto(name=weight.name, data_type=kind.elem_type)
+    tensor.dims.extend(side.dim_value for side in kind.shape.dim)
+    tensor.data_location = onnx.TensorProto.EXTERNAL
+    tensor.external_data.add(key="location", value="weights")
+    return tensor
+
+
 def main() -> None:
-    """Write the graph of every model."""
-    for name in MODELS:
-        path = FOLDER / f"{name}.onnx.gz"
-        path.write_bytes(gzip.compress(graph_of(build_network(name)), mtime=0))
+    """Write the graph of every model and protocol."""
+    for name, protocol in product(MODELS, CLASSES):
+        path = FOLDER / f"{name}.{protocol}.onnx.gz"
+        path.write_bytes(gzip.compress(graph_of(build_network(name, protocol)), mtime=0))
         print(f"{path.name}: {path.stat().st_size} bytes")
 
 

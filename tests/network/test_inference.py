@@ -88,5 +88,5 @@ def test_every_network_answers_as_in_torch(tmp_path, name, size):
 @pytest.mark.parametrize("name", MODELS)
 def test_graphs_are_those_of_the_models(name):
     """Else run python -m cmtof_book.onnx_graphs."""
-    stored = gzip.decompress((weights.FOLDER / f"{name}.onnx.gz").read_bytes())
+    stored = gzip.decompress((weights.FOLDER / f"{name}.released.onnx.gz").read_bytes())
     assert stored == graph_of(build_network(name))

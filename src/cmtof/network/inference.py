@@ -4,6 +4,7 @@ Graphs travel with the package, without weights (`cmtof_book.onnx_graphs` writes
 weights are those of `cmtof.network.weights`, which training goes on from. torch is not needed.
 """
 
+import gzip
 import os
 from pathlib import Path
 from typing import NamedTuple
@@ -11,15 +12,14 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from onnxruntime import InferenceSession, SessionOptions
+from onnxruntime import InferenceSession, OrtValue, SessionOptions
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_wraps, wrap_length
 from cmtof.estimate import within_range, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.network.features import FULL_AMPLITUDE, features, padding
-from cmtof.network.protobuf import onnx_model, read_graph
-from cmtof.network.weights import Card, find_weights, read_weights, refused
+from cmtof.network.weights import FOLDER, Card, Refused, find_weights, read_weights, refused
 from cmtof.simulation import QUADRATURES
 from cmtof.validation import expect
 
@@ -31,6 +31,14 @@ class Ready(NamedTuple):
     card: Card
 
 
+def read_graph(card: Card) -> bytes:
+    """Graph of a model, an ONNX file without weights."""
+    path = FOLDER / f"{card.model}.{card.protocol}.onnx.gz"
+    if not path.is_file():
+        raise Refused("no such model")
+    return gzip.decompress(path.read_bytes())
+
+
 def load_network(path: Path) -> Ready:
     """Network with the weights of a file; a ValueError if file or card cannot be used."""
     arrays, card = read_weights(path)
@@ -38,9 +46,14 @@ def load_network(path: Path) -> Ready:
     options.log_severity_level = 4  # an error is raised anyway
     threads = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]
     options.intra_op_num_threads = int(threads or os.cpu_count() or 1)
+    held = {
+        name: OrtValue.ortvalue_from_numpy(array.astype(np.float32))
+        for name, array in arrays.items()
+        if array.dtype.kind == "f"
+    }
     try:
-        model = onnx_model(read_graph(card.model), arrays)
-        network = InferenceSession(model, options, providers=["CPUExecutionProvider"])
+        options.add_external_initializers(list(held), list(held.values()))
+        network = InferenceSession(read_graph(card), options, providers=["CPUExecutionProvider"])
     except Exception as error:  # ONNX Runtime raises a dozen kinds
         raise refused(path, card, error) from error
     return Ready(network, card)
