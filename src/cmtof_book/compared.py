@@ -59,19 +59,19 @@ class Compared:
     def tolerance(self, error: ArrayLike = 0.0) -> NDArray[np.float64]:
         """Largest difference to a number found now, whose standard error is ``error``."""
         if self.kind == "closed form":
-            return ROUNDING * np.abs(np.asarray(self.value, float))
-        noise = np.hypot(np.asarray(self.error or 0.0), np.asarray(error))
+            return ROUNDING * np.abs(self.value)
+        noise = np.hypot(self.error or 0.0, error)
         edge = EDGE_PIXELS / np.asarray(self.pixels) if self.kind == "share of pixels" else 0.0
         return np.maximum(STANDARD_ERRORS * noise, edge)
 
     def accepts(self, value: ArrayLike, error: ArrayLike = 0.0) -> bool:
         """Whether a number found now agrees with this stored one; NaN never does."""
-        found, stored = np.asarray(value, float), np.asarray(self.value, float)
-        if found.shape != stored.shape:
+        found = np.asarray(value, float)
+        if found.shape != np.shape(self.value):
             return False
         if self.kind == "decision":
-            return bool((found >= np.asarray(self.at_least)).all())
-        return bool((np.abs(found - stored) <= self.tolerance(error)).all())
+            return bool(np.all(found >= self.at_least))
+        return bool(np.all(np.abs(found - self.value) <= self.tolerance(error)))
 
 
 def closed_form(value: ArrayLike) -> Compared:
