@@ -41,7 +41,7 @@ def main(results: Path, figures: Path) -> None:
 
 
 def _source(numbers: Path) -> str | None:
-    """Return what a figure's numbers say of their source, if they do."""
+    """Source that stands among a figure's numbers, if one does."""
     if not numbers.is_file():
         return None
     return json.loads(numbers.read_text(encoding="utf-8"))["numbers"].get("source")
