@@ -57,5 +57,6 @@ def comparison_figure(scene: Scene, labels: Sequence[str], *, columns: int = 4) 
         image(ax, error, label="", cmap="magma", limits=(0, 10), title=title, bar=False)
     for ax in others[len(labels) :]:
         ax.remove()
-    figure.colorbar(others[0].images[0], ax=axes, label="wraps off", shrink=0.6)
+    shown = axes.flat[: 2 + len(labels)].tolist()
+    figure.colorbar(others[0].images[0], ax=shown, label="wraps off", shrink=0.6)
     return figure
