@@ -1,5 +1,6 @@
 """The book in a browser without a network, as its readers use it: `make test-book`."""
 
+import contextlib
 import re
 import shutil
 from pathlib import Path
@@ -31,6 +32,21 @@ def browser():
         yield found
 
 
+@pytest.fixture
+def visit(browser):
+    """Open a page of the book, which has nothing to complain about."""
+    problems = []
+    with contextlib.ExitStack() as stack:
+
+        def opened(page, width=1280):
+            tab, found = stack.enter_context(browse.opened(browser, HTML / page, width))
+            problems.append(found)
+            return tab
+
+        yield opened
+    assert not any(problems)
+
+
 @pytest.mark.parametrize("width", browse.WIDTHS.values(), ids=browse.WIDTHS)
 def test_nothing_is_wrong_with_any_page(browser, width):
     found = {}
@@ -42,62 +58,60 @@ def test_nothing_is_wrong_with_any_page(browser, width):
 
 
 @pytest.mark.parametrize("width", [390, 800, 1280])
-def test_the_menu_opens_and_closes(browser, width):
-    with browse.opened(browser, HTML / "book" / "intro.html", width) as (tab, _):
-        bar = tab.locator(".bd-sidebar-primary").first
-        before = bar.is_visible()
+def test_the_menu_opens_and_closes(visit, width):
+    tab = visit("book/intro.html", width)
+    bar = tab.locator(".bd-sidebar-primary").first
+    before = bar.is_visible()
+    tab.locator("button.primary-toggle:visible").click()
+    bar.wait_for(state="hidden" if before else "visible")
+    if before:
         tab.locator("button.primary-toggle:visible").click()
-        bar.wait_for(state="hidden" if before else "visible")
-        if before:
-            tab.locator("button.primary-toggle:visible").click()
-        else:
-            tab.keyboard.press("Escape")
-        bar.wait_for(state="visible" if before else "hidden")
-        assert bar.is_visible() == before
+    else:
+        tab.keyboard.press("Escape")
+    bar.wait_for(state="visible" if before else "hidden")
+    assert bar.is_visible() == before
 
 
 @pytest.mark.parametrize("words", ["Cramer-Rao", "SCPI", "frequency doubling"])
-def test_search_finds_a_term(browser, words):
-    with browse.opened(browser, HTML / "search.html", 1280) as (tab, _):
-        tab.goto(f"{(HTML / 'search.html').as_uri()}?q={words}")
-        found = tab.locator("#search-results li p.context").first
-        found.wait_for()
-        assert found.inner_text().strip()
+def test_search_finds_a_term(visit, words):
+    tab = visit("search.html")
+    tab.goto(f"{(HTML / 'search.html').as_uri()}?q={words}")
+    found = tab.locator("#search-results li p.context").first
+    found.wait_for()
+    assert found.inner_text().strip()
 
 
 @pytest.mark.parametrize("chapter", ["03_wraps", "04_modulator"])
-def test_every_slider_changes_the_curve(browser, chapter):
-    with browse.opened(browser, HTML / "notebooks" / f"{chapter}.html", 1280) as (tab, problems):
-        curve = tab.locator("[data-play] .curve")
-        seen = set()
-        for slider in tab.locator("[data-play] input").all():
-            slider.focus()
-            for key in ("Home", "End"):
-                tab.keyboard.press(key)
-                assert "NaN" not in curve.get_attribute("d")
-                seen.add(curve.get_attribute("d"))
-        assert len(seen) >= tab.locator("[data-play] input").count() + 1
-        assert not problems
+def test_every_slider_changes_the_curve(visit, chapter):
+    tab = visit(f"notebooks/{chapter}.html")
+    curve = tab.locator("[data-play] .curve")
+    seen = set()
+    for slider in tab.locator("[data-play] input").all():
+        slider.focus()
+        for key in ("Home", "End"):
+            tab.keyboard.press(key)
+            assert "NaN" not in curve.get_attribute("d")
+            seen.add(curve.get_attribute("d"))
+    assert len(seen) >= tab.locator("[data-play] input").count() + 1
 
 
 @pytest.mark.parametrize("chapter", ["21_scanned_scenes", "11_surfaces"])
-def test_a_scene_turns_changes_and_is_reset(browser, chapter):
-    with browse.opened(browser, HTML / "notebooks" / f"{chapter}.html", 1280) as (tab, problems):
-        scene = tab.locator("details.scene").first
-        scene.locator("summary").click()
-        canvas = scene.locator("canvas")
-        pictures = []
-        canvas.focus()
-        acts = [lambda: tab.keyboard.press("ArrowLeft"), lambda: tab.keyboard.press("ArrowUp")]
-        for name in ("wraps off", "truth", "nearer", "reset"):
-            acts.append(scene.get_by_role("button", name=name).click)
-        for act in [lambda: None, *acts]:
-            act()
-            tab.wait_for_timeout(300)
-            pictures.append(canvas.evaluate("canvas => canvas.toDataURL()"))
-        assert pictures[0] == pictures[-1]
-        assert len(set(pictures)) == len(pictures) - 1
-        assert not problems
+def test_a_scene_turns_changes_and_is_reset(visit, chapter):
+    tab = visit(f"notebooks/{chapter}.html")
+    scene = tab.locator("details.scene").first
+    scene.locator("summary").click()
+    canvas = scene.locator("canvas")
+    pictures = []
+    canvas.focus()
+    acts = [lambda: tab.keyboard.press("ArrowLeft"), lambda: tab.keyboard.press("ArrowUp")]
+    for name in ("wraps off", "truth", "nearer", "reset"):
+        acts.append(scene.get_by_role("button", name=name).click)
+    for act in [lambda: None, *acts]:
+        act()
+        tab.wait_for_timeout(300)
+        pictures.append(canvas.evaluate("canvas => canvas.toDataURL()"))
+    assert pictures[0] == pictures[-1]
+    assert len(set(pictures)) == len(pictures) - 1
 
 
 def test_a_divider_shows_one_method_or_the_other(browser):
@@ -114,35 +128,34 @@ def test_a_divider_shows_one_method_or_the_other(browser):
 
 
 @pytest.mark.parametrize("kind", ["#equation-", "bibliography.html#"])
-def test_a_link_shows_what_it_leads_to(browser, kind):
-    with browse.opened(browser, HTML / "notebooks" / "08_network.html", 1280) as (tab, problems):
-        tab.locator(f".bd-article a.reference.internal[href*='{kind}']").first.hover()
-        box = tab.locator("div.preview")
-        box.wait_for()
-        assert box.inner_text().strip()
-        assert not problems
-        tab.mouse.move(0, 0)
-        box.wait_for(state="detached")
+def test_a_link_shows_what_it_leads_to(visit, kind):
+    tab = visit("notebooks/08_network.html")
+    tab.locator(f".bd-article a.reference.internal[href*='{kind}']").first.hover()
+    box = tab.locator("div.preview")
+    box.wait_for()
+    assert box.inner_text().strip()
+    tab.mouse.move(0, 0)
+    box.wait_for(state="detached")
 
 
-def test_a_picture_opens_and_closes(browser):
-    with browse.opened(browser, HTML / "notebooks" / "01_correlation.html", 1280) as (tab, _):
-        tab.locator("figure img").first.click()
-        assert tab.locator("dialog.zoom img").bounding_box()["width"] > 900
-        tab.keyboard.press("Escape")
-        tab.locator("dialog.zoom").wait_for(state="detached")
+def test_a_picture_opens_and_closes(visit):
+    tab = visit("notebooks/01_correlation.html")
+    tab.locator("figure img").first.click()
+    assert tab.locator("dialog.zoom img").bounding_box()["width"] > 900
+    tab.keyboard.press("Escape")
+    tab.locator("dialog.zoom").wait_for(state="detached")
 
 
-def test_figures_and_tables_of_the_paper_are_two_clicks_away(browser):
+def test_figures_and_tables_of_the_paper_are_two_clicks_away(visit):
     reached = set()
-    with browse.opened(browser, HTML / "book" / "intro.html", 1280) as (tab, _):
-        tab.locator("article").get_by_role("link", name="Scoreboard").first.click()
-        rows = tab.locator("#figures-tables-and-equations tr")
-        rows.first.wait_for()
-        for row in rows.all()[1:]:
-            for link in row.locator("a").all():
-                assert (HTML / "book" / link.get_attribute("href")).is_file()
-                reached.add(row.locator("td").first.inner_text())
+    tab = visit("book/intro.html")
+    tab.locator("article").get_by_role("link", name="Scoreboard").first.click()
+    rows = tab.locator("#figures-tables-and-equations tr")
+    rows.first.wait_for()
+    for row in rows.all()[1:]:
+        for link in row.locator("a").all():
+            assert (HTML / "book" / link.get_attribute("href")).is_file()
+            reached.add(row.locator("td").first.inner_text())
     figures = {f"Figure {number}" for number in range(1, 17)}
     assert reached >= figures | {f"Table {number}" for number in range(1, 5)}
 

@@ -14,23 +14,16 @@ from cmtof_rooms.things import Light, Part, Thing, level_light
 
 pytest.importorskip("embreex")
 INSIDE = ((-1, -1, 0.1), (1, 1, 1.9))
-POINT = {
-    "half_u": (0, 0, 0),
-    "half_v": (0, 0, 0),
-    "normal": (0, 0, 0),
-}
 
 
-def floor(albedo=0.5, **more):
-    return Thing(
-        "floor",
-        [
-            Part(
-                box((20, 20, 1), (0, 0, -0.5)),
-                Material((albedo,) * 3, **more),
-            )
-        ],
-    )
+def floor(albedo=0.5, z=-0.5, **more):
+    """A large plate; its middle lies at a height, m."""
+    return Thing("floor", [Part(box((20, 20, 1), (0, 0, z)), Material((albedo,) * 3, **more))])
+
+
+def point_light(power):
+    """A light of no size 2 m above the floor."""
+    return Light((0, 0, 2), (0, 0, 0), (0, 0, 0), (0, 0, 0), power)
 
 
 def up(points):
@@ -42,7 +35,7 @@ def places(radius):
 
 
 def test_a_point_light_follows_lamberts_law():
-    interior = Interior([floor()], [Light((0, 0, 2), power=3.0, **POINT)], INSIDE)
+    interior = Interior([floor()], [point_light(3.0)], INSIDE)
     radius = np.array([0.0, 0.5, 1.0, 3.0])
     found = interior.direct(places(radius), up(radius))
     expected = 3 * 2 / (radius**2 + 4) ** 1.5
@@ -61,7 +54,7 @@ def test_a_small_square_light_gives_its_form_factor():
 
 def test_shadows_are_where_the_light_is_hidden():
     above = Thing("ball", [Part(move(ball(0.3), (0, 0, 1)), Material())])
-    light = Light((0, 0, 2), power=1.0, **POINT)
+    light = point_light(1.0)
     interior = Interior([floor(), above], [light], INSIDE)
     edge = 2 * np.tan(np.arcsin(0.3))
     found = interior.direct(places([0.0, edge - 0.03, edge + 0.03]), up(range(3)))[:, 0]
@@ -84,15 +77,8 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
 def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(
     albedo,
 ):
-    roof = Thing(
-        "roof",
-        [Part(box((20, 20, 1), (0, 0, 2.5)), Material((albedo,) * 3))],
-    )
-    interior = Interior(
-        [floor(albedo), roof],
-        [level_light((0, 0, 1.9), 0.2, 0.2, 1.0)],
-        INSIDE,
-    )
+    light = level_light((0, 0, 1.9), 0.2, 0.2, 1.0)
+    interior = Interior([floor(albedo), floor(albedo, 2.5)], [light], INSIDE)
     x, y = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9))
     points = np.stack([x.ravel(), y.ravel(), np.full(81, 1.99)], 1).astype(np.float32)
     scattered = interior.bounce.irradiance(points, -up(points))
@@ -131,7 +117,7 @@ def test_range_of_a_plane_is_exact_to_single_precision():
 
 
 def test_radiance_is_reflectance_times_irradiance_plus_emission():
-    light = Light((0, 0, 2), power=3.0, **POINT)
+    light = point_light(3.0)
     interior = Interior([floor(0.3, emission=0.7)], [light], INSIDE)
     camera = look_at(np.array([0, 0.01, 1.0]), np.array([0.0, 0.0, 0.0]))
     seen = interior.render(camera.position, Lens((9, 9), 900.0).rays(camera.orientation))
