@@ -24,9 +24,7 @@ class Wire:
     def __init__(self, answer):
         self.answer = answer
         self.sent = []
-        self.marker = b""
-        self.fault = b""
-        self.times = 0
+        self.fail(b"", b"", times=0)
 
     def fail(self, marker, fault, times=10**9):
         self.marker = marker
