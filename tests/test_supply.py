@@ -22,7 +22,7 @@ PACKAGES = {
     "src/cmtof": ["hardware", "train"],
     "src/cmtof_rooms": ["rooms"],
     "src/cmtof_lab": ["lab"],
-    "src/cmtof_book": ["book", "dev", "plot", "train", "view"],
+    "src/cmtof_book": ["book", "plot", "train", "view"],
     "notebooks": ["notebooks", "train"],
 }
 """Extras that the modules of a folder may import from, beside the package's own dependencies."""
