@@ -20,6 +20,11 @@ _U = np.array([1, 0, 0, 2, 1, 0])  # powers of u of the six functions
 _V = np.array([0, 1, 0, 0, 1, 2])
 FARTHEST = 0.02  # smallest 1 / z, 1 / m, of a surface
 
+# Taylor series of cosine and sine, as factors: divisions took a third of the time of a fit.
+_C2, _C4, _C6 = -1 / 2, 1 / 24, -1 / 720
+_C8, _C10, _C12 = 1 / 40320, -1 / 3628800, 1 / 479001600
+_S3, _S5, _S7, _S9, _S11 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800
+
 
 @njit(inline="always")
 def _turn(turns):  # pragma: no cover - compiled
@@ -28,8 +33,8 @@ def _turn(turns):  # pragma: no cover - compiled
     x = (turns - 0.5 * whole) * 2 * np.pi
     odd = 1.0 - 2.0 * (whole - 2.0 * np.floor(0.5 * whole))
     y = x * x
-    c = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90 * (1 - y / 132)))))
-    s = x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72 * (1 - y / 110)))))
+    c = 1 + y * (_C2 + y * (_C4 + y * (_C6 + y * (_C8 + y * (_C10 + y * _C12)))))
+    s = x * (1 + y * (_S3 + y * (_S5 + y * (_S7 + y * (_S9 + y * _S11)))))
     return odd * c, odd * s
 
 
