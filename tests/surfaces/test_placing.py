@@ -55,6 +55,20 @@ def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
     assert sharp.spread[0] < bent.spread[0] < alone.spread[0]
 
 
+def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision():
+    """0.12 wraps a pixel: 0.75 rad, and twice that, which a pixel's two phases share."""
+    rng, off = np.random.default_rng(3), []
+    depth, q = plane_depth((0.3, -0.2, 1), 2.5)
+    lifted, _ = moved(exact_field(depth).arrays(), q, BOXES, PLANE, -11 * WRAP)
+    for _ in range(12):
+        uneven = depth + 0.12 * WRAP * rng.normal(size=SHAPE)
+        field = exact_field(uneven, information=20.0, noise_of=rng)
+        off.append([placing.pooled_beats(field, INNER, one[None])[0][0] for one in (q, lifted)])
+    smooth = np.sqrt(5 / (20.0 * SHAPE[0] * SHAPE[1])) / (2 * np.pi * 20 / 7150)
+    assert (np.std(off, axis=0) < 2 * smooth).all()
+    np.testing.assert_allclose(np.mean(off, axis=0), [0, 11], atol=3 * smooth)
+
+
 def test_two_planes_with_one_phase_are_cut_where_the_beat_steps(rng):
     depth, q = plane_depth((0.3, -0.2, 1), 2.5)
     depth = depth + 5 * WRAP * (np.arange(SHAPE[1]) >= 80)

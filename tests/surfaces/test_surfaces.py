@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from exact_scenes import CAMERA, SHAPE, corner_scene, plane_depth, plane_frame
+from exact_scenes import CAMERA, SHAPE, WRAP, corner_scene, plane_depth, plane_frame
 
 import cmtof
 from cmtof.constants import FREQUENCIES
@@ -92,6 +92,19 @@ def test_turned_and_mirrored_images_have_turned_answers(clean_corner, clean):
     depth = np.flip(clean_corner.depth, 1)
     mirrored = rebuilt(clean_corner, np.flip(images, 3), depth=depth, camera=camera)
     assert np.mean(np.flip(unwrapped(mirrored)[0], 1) == clean[0]) >= 0.98
+
+
+@pytest.mark.parametrize("kind", ["waves", "rough"])
+def test_uneven_walls_keep_their_wraps(kind, rng):
+    """Waves of 0.1 wraps over 24 px, or 0.12 wraps (rms) a pixel; unevenness is followed too."""
+    wall = plane_frame((-0.1, 0.6, 1), 2.5, 0.6)
+    rows, columns = np.indices(SHAPE)
+    waves = 0.1 * np.sin(2 * np.pi / 24 * (columns + 0.5 * rows))
+    uneven = waves if kind == "waves" else 0.12 * rng.normal(size=SHAPE)
+    frame = Frame(wall.depth + WRAP * uneven, wall.intensity, wall.camera)
+    m = simulate(frame, protocol="full", seed=1)
+    assert right(m, within=2) > 0.97
+    assert right(m) > 0.85
 
 
 def test_one_frame_shows_the_offset_between_its_frequencies():

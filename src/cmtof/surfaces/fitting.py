@@ -69,6 +69,21 @@ def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def frequency_sums(field, q, boxes):  # pragma: no cover - compiled
+    """S of both frequencies (2,) over rectangles, then E of both (2,)."""
+    out = np.zeros((2, 2))
+    for box in boxes:
+        for y in range(box[0], box[1]):
+            for x in range(box[2], box[3]):
+                turns = depth_at(field, q, y, x) / (2 * np.pi)
+                for f in range(2):
+                    c, s = _turn(field[3][f] * turns)
+                    out[0, f] += field[0][f, y, x] * c + field[1][f, y, x] * s
+                    out[1, f] += field[2][f, y, x]
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compiled
     """Add a rectangle's sums to moments: S, E, b, c, then g from 4, h from 10, M from 16 on."""
     real, imaginary, information, wavenumber, turns, u, v, cosine = field

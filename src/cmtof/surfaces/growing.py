@@ -19,6 +19,10 @@ WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
 # Share S / E that a plane must reach to begin in a window, to grow into a cell, and to keep it.
 _START, _JOIN, _STAY = 0.75, 0.6, 0.5
 GAIN = 15.0  # in S from which on a surface counts as bent
+_ROUGHEST = 0.9  # variance, rad^2, of the depths about a surface, up to which it is one
+_ROUGHER = 0.1  # by which it may grow beyond that of the window in which it began
+_SURE = 6.0  # deviations of S from noise for a rough surface to begin
+_ALIKE = (0.08, 2.0)  # tolerance of its coherence at the higher frequency, and in deviations
 _LEAST = 150.0  # information E below which a window starts nothing: its noise would fit as well
 _FREE = 0.7  # share of the cells of a window that must be without a surface
 _ALIASES, _STEEPEST = 2, 1.6  # whole turns per pixel tried to each side; largest slope, turns/px
@@ -28,12 +32,15 @@ _ROUNDS, _NEIGHBOURLY = 6, 3.0  # of reassignment; gain in S per neighbour in th
 
 
 def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Array]:
-    """Owner of each cell, -1 for none, and the parameters (N, 6) of surfaces grown from windows."""
+    """Owner of each cell, -1 for none, and the surfaces (N, 7) grown from windows.
+
+    Their parameters, and their roughness: the variance of pixels about them, rad^2.
+    """
     shape = tuple(n // CELL for n in field.cosine.shape)
-    both = field.information.sum(axis=0, dtype=float)
-    information = both.reshape(shape[0], CELL, shape[1], CELL).sum(axis=(1, 3))
+    cells = field.information.astype(float).reshape(2, shape[0], CELL, shape[1], CELL)
+    information = cells.sum(axis=(2, 4))
     label = np.zeros((1, 1), np.int32)  # fits look at whole cells
-    owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, fitting.BENT))
+    owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, fitting.BENT + 1))
     for kind in WINDOWS:
         start, held = windows(field, owner < 0, *kind), (owner, len(surfaces))
         added = _grow(field.arrays(), label, start, information, field.limits, gain, *held)
@@ -47,7 +54,7 @@ def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Array]:
 
 
 def fitted(field: Field, label: Labels, surfaces: Array, effort: tuple, gain: float) -> tuple:
-    """Fit every surface (N, 6) to its pixels, with so many steps, on so many cells at most.
+    """Fit every surface (N, 7) to its pixels, with so many steps, on so many cells at most.
 
     And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
     m (rms); by how much a wrap bends a plane, m; for planes `leaning`.
@@ -65,25 +72,29 @@ def fitted(field: Field, label: Labels, surfaces: Array, effort: tuple, gain: fl
 @njit(cache=True, nogil=True)
 def _grow(field, label, start, information, limits, gain, owner, count):  # pragma: no cover
     """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
-    rows, columns = information.shape
+    rows, columns = owner.shape
     stamp = np.zeros((rows, columns), np.int64)
-    surfaces, new = np.zeros((start[0].size, fitting.BENT)), 0
+    surfaces, new = np.zeros((start[0].size, fitting.BENT + 1)), 0
     for n in range(start[0].size):
         window = (start[0][n], start[1][n], start[2][n], start[3][n], start[4][n])
         side = max(window[2] // CELL, 1)
         y0, x0 = window[0] // CELL, window[1] // CELL
-        told = information[y0 : y0 + side, x0 : x0 + side].sum()
+        told = information[:, y0 : y0 + side, x0 : x0 + side].sum()
         free = (owner[y0 : y0 + side, x0 : x0 + side] < 0).sum()
         if free < _FREE * side * side:
             continue
         q, likelihood = plane_in_window(field, label, window, limits, told)
+        rough = 0.0
         if likelihood < _START * told:
-            continue
+            rough = _roughness(field, q, window) if likelihood > 0 else 0.0
+            if rough == 0:
+                continue
+        roughest = min(rough + _ROUGHER, _ROUGHEST)
         region = np.empty(rows * columns, np.int64)
         size = 0
         for y in range(y0, y0 + side):
             for x in range(x0, x0 + side):
-                least = _JOIN * information[y, x]
+                least = _JOIN * _expected(rough, information, y, x)
                 if owner[y, x] < 0 and fitting.cell_likelihood(field, q, y, x) > least:
                     region[size] = y * columns + x
                     stamp[y, x] = n + 1
@@ -98,21 +109,52 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
             z = fitting.depth_at(field, fit[0], boxes[0, 0], boxes[0, 2])
             if 0.02 * limits[1] < z < 2 * limits[1]:
                 q = fit[0]
-            size = _spread(field, q, owner, stamp, n + 1, region, size, information)
+            if rough > 0:
+                rough = min(_scatter(fitting.frequency_sums(field, q, boxes)), roughest)
+            size = _spread(field, q, rough, owner, stamp, n + 1, region, size, information)
             if size == before:
                 break
         if size >= 0.6 * side * side:
             for i in range(size):
                 owner[region[i] // columns, region[i] % columns] = count + new
-            surfaces[new] = q
+            surfaces[new, :6] = q
+            surfaces[new, 6] = rough
             new += 1
     return surfaces[:new]
 
 
+@njit(inline="always")
+def _expected(rough, information, y, x):  # pragma: no cover - compiled
+    """S that a surface of this roughness has in a cell on average."""
+    return np.exp(-rough / 2) * information[0, y, x] + np.exp(-2 * rough) * information[1, y, x]
+
+
 @njit(cache=True, nogil=True)
-def _spread(field, q, owner, stamp, mark, region, size, information):  # pragma: no cover
+def _scatter(sums):  # pragma: no cover - compiled
+    """Variance, rad^2, of depths about a surface by its coherence at the lower frequency."""
+    return -2 * np.log(min(max(sums[0, 0] / max(sums[1, 0], 1e-9), 0.05), 1.0))
+
+
+@njit(cache=True, nogil=True)
+def _roughness(field, q, window):  # pragma: no cover - compiled
+    """Roughness of a window if both frequencies agree on it, else zero.
+
+    A Gaussian of variance r costs one frequency exp(-r / 2), twice that frequency exp(-2 r).
+    """
+    box = np.array([[window[0], window[0] + window[2], window[1], window[1] + window[2]]])
+    sums = fitting.frequency_sums(field, q, box)
+    rough = _scatter(sums)
+    told = sums[1].sum()
+    off = sums[0, 1] / max(sums[1, 1], 1e-9) - np.exp(-2 * rough)
+    tolerance = _ALIKE[0] + _ALIKE[1] / np.sqrt(max(sums[1, 1], 1e-9))
+    sure = sums[0].sum() > _SURE * np.sqrt(told) and abs(off) < tolerance
+    return rough if sure and rough < _ROUGHEST else 0.0
+
+
+@njit(cache=True, nogil=True)
+def _spread(field, q, rough, owner, stamp, mark, region, size, information):  # pragma: no cover
     """Add free cells beside the region that the surface explains, until it has doubled."""
-    rows, columns = information.shape
+    rows, columns = owner.shape
     goal = max(2 * size, size + 8)
     i = 0
     while i < size and size < goal:
@@ -121,7 +163,8 @@ def _spread(field, q, owner, stamp, mark, region, size, information):  # pragma:
             inside = 0 <= y < rows and 0 <= x < columns
             if not inside or owner[y, x] >= 0 or stamp[y, x] == mark:
                 continue
-            if fitting.cell_likelihood(field, q, y, x) > _JOIN * information[y, x]:
+            least = _JOIN * _expected(rough, information, y, x)
+            if fitting.cell_likelihood(field, q, y, x) > least:
                 stamp[y, x] = mark
                 region[size] = y * columns + x
                 size += 1
@@ -148,7 +191,7 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
                         value += _NEIGHBOURLY
                 if value > best:
                     best, at = value, n
-            told = information[y, x]
+            told = _expected(surfaces[at, 6], information, y, x)
             out[y, x] = at if best >= _STAY * told - np.sqrt(told) else -1
     return out
 
@@ -164,12 +207,12 @@ def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: 
             continue
         boxes = _boxes_of_cells(own, columns, effort[1])
         weight = own.size / boxes.shape[0]
-        found = fitting.select(field, label, n, out[n], boxes, effort[0], gain, weight)
+        found = fitting.select(field, label, n, out[n, :6], boxes, effort[0], gain, weight)
         q, most, offset, known, missed = found
         z = fitting.depth_at(field, q, boxes[0, 0], boxes[0, 2])
         if 0.02 * farthest < z < 2 * farthest:  # before the camera and not far beyond the limits
             stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
-            out[n] = q
+            out[n, :6] = q
             fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
             if q[3] == 0 and q[4] == 0 and q[5] == 0:
                 fit[n, 4:] = fitting.leaning(field, label, n, q, boxes, weight).ravel()

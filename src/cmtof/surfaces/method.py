@@ -3,6 +3,7 @@
 1. `cmtof.surfaces.field`: the phasors of each pixel, weighted so that likelihoods add up.
 2. `cmtof.surfaces.growing`: planes begin in windows, take the cells that they explain, and bend.
 3. `cmtof.surfaces.placing`: pixels take surfaces; beat, shape and what meets give their wraps.
+   `cmtof.surfaces.roughness`: how far pixels depart from their surface.
 4. Here: other pixels take the nearest one, the beat about them, or the vote of neighbours.
 """
 
@@ -22,6 +23,7 @@ from cmtof.measurement import Measurement
 from cmtof.surfaces import placing
 from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask, field_from_measurement
 from cmtof.surfaces.growing import GAIN, fitted, grown_surfaces
+from cmtof.surfaces.roughness import departure, turned_back
 
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 
@@ -54,7 +56,7 @@ class Stages(NamedTuple):
     field: Field
     owner: Labels  # surface of each cell, -1 for none
     label: Labels  # surface of each pixel, -1 for none
-    surfaces: Array  # parameters (N, 6) before any offset is added
+    surfaces: Array  # parameters and roughness (N, 7) before any offset is added
     offsets: placing.Offsets
     borders: placing.Borders
     tied: placing.Tied
@@ -108,6 +110,8 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
         masked = np.where(measurement.mask, label[inside], -1)
         joined = _inside(joined, depth[inside], masked, field)
         depth = depth + field.period * joined.wraps[everywhere]
+        rough = placing.roughness_of_surfaces(field, inner, surfaces)
+        depth = _departed(field, depth, np.append(rough, 0)[label])
     # probability that the offset of a group, a Gaussian, was rounded to the right wrap
     off, spread = joined.mean - joined.wraps, joined.spread
     right = ndtr((0.5 - off) / spread) - ndtr((-0.5 - off) / spread)
@@ -123,6 +127,15 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     odds += NARROW * odds * (1 - odds) * (np.ptp(field.limits) < 100 * field.period)
     odds = np.where(votes > 0, np.interp(votes, *VOTING), odds)
     return Stages(field, owner, label, surfaces, alone, touching, joined, depth, odds)
+
+
+def _departed(field: Field, depth: Array, rough: Array) -> Array:
+    """Depth (H, W), m, with the departure of each pixel of rough surfaces; clear ones vote."""
+    variance = np.where(doubt_of_beats(field) < DOUBT, 0, rough)
+    if not variance.any():
+        return depth
+    off = departure(field, turned_back(field, depth), variance)
+    return depth + off / field.wavenumber[0]
 
 
 def _inside(joined: placing.Tied, depth: Array, label: Labels, field: Field) -> placing.Tied:
@@ -152,14 +165,10 @@ def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[
     out, share = np.full(depth.shape, np.nan), np.zeros(depth.shape)
     ratio = float(field.wavenumber[1] / field.wavenumber[0])
     step = TAU * abs(field.excess)  # of the misfit from wrap to wrap, rad
-    phasor = field.real + 1j * field.imaginary
-    with np.errstate(divide="ignore"):
-        variance = 1 / np.maximum(field.information, 0).astype(float)
-    doubt = np.sqrt(variance[1] + ratio**2 * variance[0]) / step
+    doubt = doubt_of_beats(field)
     clear = doubt < DOUBT
     # pixels among those whose phases are not those of their surface vote again
-    turned = phasor * np.exp(-1j * field.wavenumber[:, None, None] * depth)
-    fits = explained & (np.abs(np.angle(turned)).max(axis=0) < _ASTRAY)
+    fits = explained & (np.abs(np.angle(turned_back(field, depth))).max(axis=0) < _ASTRAY)
     explained = explained & (~clear | (uniform_filter(fits.astype(float), _SQUARE) >= _MOST))
     asked = ~explained & clear
     if asked.any():
@@ -174,6 +183,14 @@ def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[
         farthest = _FARTHEST * step / TAU
         _vote(asked, *images, ratio, farthest, limits, np.outer(near, near), out, share)
     return out * field.period, share
+
+
+def doubt_of_beats(field: Field) -> Array:
+    """Deviation (H, W), wraps, of the beat of each pixel; infinite in the dark."""
+    with np.errstate(divide="ignore"):
+        variance = 1 / np.maximum(field.information, 0).astype(float)
+    ratio = field.wavenumber[1] / field.wavenumber[0]
+    return np.sqrt(variance[1] + ratio**2 * variance[0]) / (TAU * abs(field.excess))
 
 
 @njit(cache=True, nogil=True)

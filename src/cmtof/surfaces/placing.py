@@ -17,6 +17,7 @@ from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Array, Field, Labels
 from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood
 from cmtof.surfaces.growing import around
+from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, sum_cells
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
 EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on none of them
@@ -25,6 +26,7 @@ _OPEN, _CLOSING = 2.5, 20  # deviations above which a common offset of beats cou
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
 _FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
 _BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
+_AGAIN = 2  # times that beats of rough surfaces are pooled again
 _CUT, _EDGE = 20.0, 0.12  # least gain, as a log-likelihood, of a part, also per cell of its border
 _PART, _APART, _CUTS = 6, 0.7, 3  # least size, cells, and distance, wraps, of a part; rounds
 _PLUMB, _UPRIGHT = 5e-4, 5.0  # deviation, rad, of what is upright; least likelihood, 1 / rad
@@ -70,10 +72,14 @@ class Tied(NamedTuple):
 def pixel_labels(field: Field, owner: Labels, surfaces: Array) -> tuple[Labels, Array]:
     """Likeliest surface (H, W), -1 for none, of a square about each pixel, and its share S / E."""
     side = 2 * RADIUS + 1
-    both = field.information.sum(axis=0, dtype=float)
-    told = side**2 * uniform_filter(both, side, mode="constant")
-    label, best = np.full(both.shape, -1, np.int32), np.full(both.shape, -np.inf)
+    shape = field.cosine.shape
+    label, best = np.full(shape, -1, np.int32), np.full(shape, -np.inf)
     _label(field.arrays(), owner, surfaces, label, best)
+    told = np.zeros(shape)
+    for frequency, loss in enumerate((0.5, 2.0)):  # of S by roughness
+        information = field.information[frequency].astype(float)
+        left = np.append(np.exp(-loss * surfaces[:, 6:].sum(axis=1)), 1.0)
+        told += side**2 * uniform_filter(information, side, mode="constant") * left[label]
     share = np.where(label < 0, 0, best / np.maximum(told, 1e-9)).astype(np.float32)
     return np.where(share > EXPLAINED, label, -1).astype(np.int32), share
 
@@ -143,7 +149,7 @@ def offsets(
     known, missed, bend = (np.maximum(fit[:, i], 1e-12) for i in (1, 2, 3))
     variance = 1 / known + (np.maximum(missed, _SMOOTH) / bend) ** 2 + _FLOOR[0] ** 2
     by_shape = np.where((fit[:, 1] > 0) & shape, 1 / variance, 0)
-    flat = ~surfaces[:, 3:].any(axis=1)  # what is bent may have been bent by a wrap
+    flat = ~surfaces[:, 3:6].any(axis=1)  # what is bent may have been bent by a wrap
     off, both = 0.0, flat * by_beat * by_shape / (by_beat + by_shape)
     for _ in range(0 if closed else _CLOSING):
         weight = both / (1 + both * (beat - fit[:, 0] - off) ** 2 / 2)
@@ -191,9 +197,26 @@ def aligned(found: Offsets, surfaces: Array, fit: Array, label: Labels) -> Offse
 
 
 def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, Array, Array]:
-    """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on."""
-    count, multiple = len(surfaces), field.multiple
-    main, turned, told = cell_phasors(field, inner, surfaces)
+    """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on.
+
+    Pixels of rough surfaces are turned back by their own departure, which takes a part of the
+    offset along: it is pooled again without the offset that was found.
+    """
+    cells = _cells(field, inner, surfaces)
+    turn = -1j * TAU * field.excess
+    found = _beats(field, cells)
+    for _ in range(_AGAIN if cells.rough.any() else 0):
+        turned = cells.turned.copy()
+        turned[1] *= np.exp(turn * np.append(found[0], 0)[cells.label])
+        again = _beats(field, cells._replace(turned=turned, sums=sum_cells(turned)))
+        found = (found[0] + again[0], *again[1:])
+    return found
+
+
+def _beats(field: Field, cells: Cells) -> tuple[Array, Array, Array]:
+    """One pass of `pooled_beats`."""
+    count, multiple = cells.rough.size, field.multiple
+    main, turned, told = _cell_phasors(field, cells)
     parts = [turned.real, turned.imag, told]
     real, imaginary, most = ([_summed(main, f, count)[:count] for f in one] for one in parts)
     total, most = np.array(real) + 1j * np.array(imaginary), np.maximum(most, 1e-9)
@@ -205,38 +228,46 @@ def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, A
     return beat, noise, (length / most).min(axis=0)
 
 
-def cell_phasors(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array, Array]:
-    """Surface in the middle of each cell (h, w), phasors (2, h, w) turned back, and their E."""
-    shape = tuple(n // CELL for n in inner.shape)
-    main = inner[CELL // 2 :: CELL, CELL // 2 :: CELL].astype(int)
-    chosen = (np.kron(main, np.ones((CELL, CELL), int)) == inner) & (inner >= 0)
-    depth = np.nan_to_num(depth_of_labels(field, inner, surfaces))
-    back = np.exp(-1j * field.wavenumber[:, None, None] * depth)
-    phasors = (field.real + 1j * field.imaginary) * back
-    blocks = (2, shape[0], CELL, shape[1], CELL)
-    sums = np.where(chosen, phasors, 0).reshape(blocks).sum(axis=(2, 4))
-    told = np.where(chosen, field.information, 0).astype(float).reshape(blocks).sum(axis=(2, 4))
-    near, reached = sums.copy(), told.sum(axis=0)  # six functions miss what these turn back
+def _cell_phasors(field: Field, cells: Cells) -> tuple[Labels, Array, Array]:
+    """Surface of each cell (h, w), phasors (2, h, w) without what moves both alike, and their E."""
+    main, label, turned, sums, told, rough = cells
+    multiple = field.multiple
+    both = np.array([1, multiple])[:, None, None]
+    if rough.any():  # pixels are turned back by their own departure first
+        off = departure(field, turned, np.append(rough, 0)[label])
+        sums = sum_cells(turned * np.exp(-1j * both * off))
+    near = sums.copy()
+    reached = told.sum(axis=0)  # six functions miss what these turn back
     for radius in (1, 2, 4):
         weak = reached < _ENOUGH
         wider = _same(np.concatenate([sums, told]), main, radius)
         near = np.where(weak, wider[:2], near)
         reached = np.where(weak, np.real(wider[2:]).sum(axis=0), reached)
-    multiple = field.multiple
     low = np.angle(near[0])
     high = np.angle(near[1] * np.exp(-1j * multiple * low))
     size = np.abs(near)
     residual = low + size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
-    return main, sums * np.exp(-1j * np.array([1, multiple])[:, None, None] * residual), told
+    return main, sums * np.exp(-1j * both * residual), told
+
+
+def _cells(field: Field, inner: Labels, surfaces: Array) -> Cells:
+    """Phasors turned back by surfaces, and how rough these are."""
+    depth = np.nan_to_num(depth_of_labels(field, inner, surfaces))
+    return cells_of_surfaces(field, inner, depth, len(surfaces))
+
+
+def roughness_of_surfaces(field: Field, inner: Labels, surfaces: Array) -> Array:
+    """Variance (N,), rad^2, of the pixels of each surface about it."""
+    return _cells(field, inner, surfaces).rough
 
 
 def parted(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array]:
-    """Surface of most pixels in each cell, and surfaces (N, 6), those cut whose beat steps.
+    """Surface of most pixels in each cell, and surfaces (N, 7), those cut whose beat steps.
 
     Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
     that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
     """
-    main, turned, told = cell_phasors(field, inner, surfaces)
+    main, turned, told = _cell_phasors(field, _cells(field, inner, surfaces))
     wrap, ratio = TAU * field.excess, field.multiple
     low, high = turned.imag / np.maximum(told, 1e-6)
     lag = (high - ratio * low) / wrap

@@ -1,0 +1,99 @@
+"""How rough surfaces are, and by how much each pixel departs from its own.
+
+What departs from a surface moves both phases of a pixel alike. So the beat does not lose by it
+where pixels are turned back by their own departure, and a pixel has the wrap of its own depth.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from cmtof.surfaces.field import CELL, Array, Field, Labels
+
+_EVEN = 0.02  # roughness, rad^2, that an even surface shows as well
+_ALIKE = 0.2  # largest excess of coherence at the higher frequency over that of uneven surfaces
+_NEAR = 1.5  # width, px, of the Gaussian that finds the lobe of a pixel's phases
+_TURNS = 3  # steps towards the likeliest departure of a pixel
+
+
+class Cells(NamedTuple):
+    """Phasors turned back by surfaces, of pixels and of cells."""
+
+    main: Labels  # surface in the middle of each cell (h, w)
+    label: Labels  # (H, W), of the pixels of this surface, -1 for others
+    turned: Array  # phasors (2, H, W) of these, zero for others
+    sums: Array  # of these (2, h, w)
+    told: Array  # and their E
+    rough: Array  # variance (N,), rad^2, of the pixels of each surface about it
+
+
+def cells_of_surfaces(field: Field, inner: Labels, depth: Array, count: int) -> Cells:
+    """Phasors turned back by the depth, m, of surfaces, and how rough these are."""
+    rows, columns = (n // CELL for n in inner.shape)
+    middle = slice(CELL // 2 - 1, CELL // 2 + 1)  # of the four pixels there, as in a mirror
+    main = inner.reshape(rows, CELL, columns, CELL)[:, middle, :, middle].max(axis=(1, 3))
+    main = main.astype(int)
+    whole = np.kron(main, np.ones((CELL, CELL), int))
+    chosen = (whole == inner) & (inner >= 0)
+    turned = np.where(chosen, turned_back(field, depth), 0)
+    told = sum_cells(np.where(chosen, field.information, 0).astype(float))
+    sums = sum_cells(turned)
+    rough = roughness(main, sums, told, count)
+    return Cells(main, np.where(chosen, inner, -1), turned, sums, told, rough)
+
+
+def turned_back(field: Field, depth: Array) -> Array:
+    """Phasors (2, H, W) turned back by a depth (H, W), m."""
+    phasors = field.real + 1j * field.imaginary
+    return phasors * np.exp(-1j * field.wavenumber[:, None, None] * depth)
+
+
+def sum_cells(images: Array) -> Array:
+    """Sums of images (2, H, W) over cells."""
+    _, height, width = images.shape
+    return images.reshape(2, height // CELL, CELL, width // CELL, CELL).sum(axis=(2, 4))
+
+
+def roughness(owner: Labels, sums: Array, told: Array, count: int) -> Array:
+    """Variance (N,), rad^2, of pixels about their surface, by the coherence of each frequency.
+
+    Unevenness s of a Gaussian costs one frequency exp(-s^2 / 2) and twice that frequency the fourth
+    power of this. Pixels of other surfaces cost both alike: then there is none.
+    """
+    low, high = (
+        _coherence(owner, total, most, count) for total, most in zip(sums, told, strict=True)
+    )
+    found = np.minimum(-2 * np.log(low), -np.log(high) / 2)
+    return np.where((high - low**4 > _ALIKE) | (found < _EVEN), 0, found)
+
+
+def _coherence(owner: Labels, total: Array, most: Array, count: int) -> Array:
+    """Share (N,) of the information of each surface that its cells (h, w) add up to."""
+    known = owner >= 0
+    of = owner[known]
+    real = np.bincount(of, total.real[known], count)
+    imaginary = np.bincount(of, total.imag[known], count)
+    expected = np.bincount(of, most[known], count)
+    share = np.hypot(real, imaginary) / np.maximum(expected, 1e-9)
+    return np.clip(share, 0.05, 1)
+
+
+def departure(field: Field, turned: Array, variance: Array) -> Array:
+    """Likeliest phase (H, W), rad at the lower frequency, by which pixels depart from a surface.
+
+    From phasors (2, H, W) turned back by it; a Gaussian of this ``variance`` (H, W), rad^2, that
+    moves both frequencies alike.
+    """
+    multiple = field.multiple
+    stiff = field.information[0] + multiple**2 * field.information[1]
+    across = gaussian_filter(turned[0].imag, _NEAR)
+    along = gaussian_filter(turned[0].real, _NEAR)
+    reach = variance * stiff / (1 + variance * stiff)
+    out = reach * np.arctan2(across, along)
+    for _ in range(_TURNS):
+        low = (turned[0] * np.exp(-1j * out)).imag
+        high = (turned[1] * np.exp(-1j * multiple * out)).imag
+        pull = variance * (low + multiple * high) - out
+        out += pull / (1 + variance * stiff)
+    return np.clip(out, -np.pi, np.pi)
