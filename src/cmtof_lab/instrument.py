@@ -49,6 +49,20 @@ def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
     return Generator(Philox(key=words, counter=np.array([0, key & (2**64 - 1), 0, 0], np.uint64)))
 
 
+def normals_by_key(seed: int, purpose: int, keys: NDArray[np.integer], count: int) -> Array:
+    """Standard normals (N, count): row n is what `keyed_generator` draws first for key n."""
+    words = np.array([seed & (2**64 - 1), purpose], np.uint64)
+    source = Philox(key=words)
+    draw = Generator(source).standard_normal
+    state = source.state  # to set it is faster than to make a generator for each key
+    made = np.empty((len(keys), count))
+    for row, key in zip(made, np.asarray(keys).tolist(), strict=True):
+        state["state"]["counter"] = np.array([0, key & (2**64 - 1), 0, 0], np.uint64)
+        source.state = state
+        draw(out=row)
+    return made
+
+
 def drift(seed: int, channel: int, time: ArrayLike) -> Array:
     """Drift in [-1, 1] at times (...), s, 1/f in spectrum: ten equal sinusoids, one an octave."""
     rng = keyed_generator(seed, DRIFT, channel)
@@ -102,6 +116,7 @@ class SimulatedInstrument:
         self.modulator = TwoPassModulator(half_wave_angle=0, input_axis="horizontal", **parts)
         codes = [keyed_generator(self.seed, CODE, n).standard_normal(CODES) for n in (0, 1)]
         self.code_errors = settings.phase_step_error * np.stack(codes)
+        self._chains: dict[float, Chain] = {}
 
     def bursts(
         self,
@@ -148,9 +163,9 @@ class SimulatedInstrument:
         """Disturbance (N, S) of the phase at steps of bursts (N,), in units of its rms."""
         if not any(self.settings.phase_noise):
             return np.zeros((len(labels), steps))
-        keys = np.append(labels, labels - 1).tolist()
-        made = [keyed_generator(self.seed, JITTER, n) for n in keys]
-        own, before = np.array([one.standard_normal(steps) for one in made]).reshape(2, -1, steps)
+        keys, place = np.unique(np.append(labels, labels - 1), return_inverse=True)
+        made = normals_by_key(self.seed, JITTER, keys, steps)
+        own, before = made[place].reshape(2, -1, steps)
         mix = np.arcsin(2 * self.settings.grain) / 2  # cos sin of it is the correlation
         return np.cos(mix) * own + np.sin(mix) * before
 
@@ -181,18 +196,24 @@ class SimulatedInstrument:
         """Counts (N, T) of light (N, T), W, held for a sample each: noise, filters, converter."""
         settings, samples = self.settings, light.shape[1]
         volts = np.minimum(light * volts_per_watt(settings), settings.saturation)
-        filters, spread = Chain(settings, 1 / rate), np.sqrt(density(settings, volts))
+        filters, spread = self._filters(rate), np.sqrt(density(settings, volts))
         if not settings.noise:
             return counts_from_volts(filters.run(volts, spread, None))
         # a row: the filters' initial state, then for each sample the filters' noise and the ADC's
         size = POLES + (POLES + 1) * samples
-        drawn = [keyed_generator(self.seed, LABEL, int(n)).standard_normal(size) for n in labels]
-        initial, by_sample = np.split(np.stack(drawn), [POLES], axis=1)
+        drawn = normals_by_key(self.seed, LABEL, labels, size)
+        initial, by_sample = np.split(drawn, [POLES], axis=1)
         by_sample = by_sample.reshape(-1, samples, POLES + 1)
         normals = np.concatenate([initial[:, None], by_sample[..., :POLES]], axis=1)
         output = filters.run(volts, spread, normals)
         output = np.clip(output, -settings.saturation, settings.saturation)
         return counts_from_volts(output, settings.converter_noise * by_sample[..., POLES])
+
+    def _filters(self, rate: float) -> Chain:
+        """Filters at a rate, Hz; a matrix exponential finds them once for all bursts of a rate."""
+        if rate not in self._chains:
+            self._chains[rate] = Chain(self.settings, 1 / rate)
+        return self._chains[rate]
 
     def emission(self, panel: Panel) -> Complex:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
