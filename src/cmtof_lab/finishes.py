@@ -160,3 +160,19 @@ def ribs(x: Array, y: Array, z: Array) -> Array:
 def stripes(x: Array, y: Array, z: Array) -> Array:
     """Stripes that run askew."""
     return mix(0.1, 0.65, np.floor((0.8 * x + 0.2 * y + 0.56 * z) / 0.0125) % 2)
+
+
+def lumps(x: Array, y: Array, z: Array) -> Array:
+    """Dents and creases of leather and leaves."""
+    return 0.0015 * np.sin(90 * x + 60 * z) + 0.001 * np.sin(140 * z - 70 * y)
+
+
+def folds(x: Array, y: Array, z: Array) -> Array:
+    """Folds of a cloth that hangs, wider below."""
+    wide = 70 + 60 * z
+    return 0.012 * np.sin(wide * x) + 0.004 * np.sin(2.3 * wide * x + 12 * z)
+
+
+def plush(x: Array, y: Array, z: Array) -> Array:
+    """Tufts of a plush toy."""
+    return 0.0012 * np.sin(300 * x + 100 * z) * np.sin(310 * z - 90 * x)

@@ -1,4 +1,4 @@
-"""Objects a metre before the instrument, as Figs. 1 and 14 to 16 show them; all of them our own.
+"""Objects before the instrument, as Figs. 1 and 14 to 16 show them; all of them our own.
 
 Meshes lie in the instrument's axes (m; x right, y down, z forward); vertices carry ``reflectance``
 at 532 nm and ``mirrored``, the weight of a specular law against a diffuse one, both 0 to 1.
@@ -23,14 +23,18 @@ from cmtof_lab import finishes
 Array = NDArray[np.float64]
 
 STEEL = 0.58  # reflectance of polished or lapped steel (known: 0.55 to 0.6)
-DISTANCE = 1.0  # from the instrument to the middle of an object, m
+DISTANCE = 0.9  # from the instrument to the middle of an object, m
+WALL = 0.25  # from there to the wall behind, m
 WIDTH = 9e-3  # face of a gauge block up to 10 mm long, m (known)
 HEIGHT = 30e-3  # m (known)
 GRADE_2 = 0.45e-6  # greatest error of such a length, m (DIN 861, grade 2, by makers' tables)
 MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
 
 _CATALOGUE = yaml.safe_load((files("cmtof_lab") / "objects.yml").read_text("utf-8"))
-OBJECTS: dict[str, dict[str, Any]] = _CATALOGUE["objects"]
+TRAINING: dict[str, dict[str, Any]] = _CATALOGUE["training"]
+"""Objects on whose scans a network is fine-tuned (Sec. 6.4)."""
+
+OBJECTS: dict[str, dict[str, Any]] = _CATALOGUE["objects"] | TRAINING
 """Scanned objects by name, as ``objects.yml`` describes them."""
 
 FIELD_OF_VIEW: dict[str, float] = {name: one["field_of_view"] for name, one in OBJECTS.items()}
@@ -39,18 +43,22 @@ FIELD_OF_VIEW: dict[str, float] = {name: one["field_of_view"] for name, one in O
 
 @lru_cache(maxsize=4)
 def object_mesh(name: str) -> Trimesh:
-    """Mesh of one of `OBJECTS` about 1 m before the instrument, on a table before a wall."""
+    """Mesh of one of `OBJECTS` 0.9 m before the instrument, on a table before a wall.
+
+    From any point of the scene light has a range of 0.77 to 1.19 m: the wraps 36 to 56.
+    """
     if name not in OBJECTS:
         known = ", ".join(OBJECTS)
         raise ValueError(f"Expected an object out of {known}, got {name!r}. Choose one.")
     held = OBJECTS[name]
     board = _finished(_box((1.2, 0.9, 0.01)), 0.4, at=(0, -0.15, -0.01))
-    wall = _finished(_box((1.2, 0.01, 1.3)), 0.55, at=(0, 0.305, -0.1))
+    wall = _finished(_box((1.2, 0.01, 1.3)), 0.55, at=(0, WALL + 0.005, -0.1))
     mesh: Any = concatenate([*map(_piece, held["pieces"]), board, wall])
     cos = np.cos(held["pitch"])
     sin = np.sin(held["pitch"])
     axes = np.array([(1, 0, 0), (0, -sin, -cos), (0, cos, -sin)])  # right, down, forward
-    mesh.vertices = (mesh.vertices - [0, 0, held["middle"]]) @ axes.T + [0, 0, DISTANCE]
+    mesh.vertices = (mesh.vertices - [0, 0, held["middle"]]) @ axes.T
+    mesh.vertices += [0, 0, held.get("distance", DISTANCE)]
     return mesh
 
 

@@ -55,20 +55,22 @@ def scan_scene(
     size: int | tuple[int, int],
     field_of_view: float | tuple[float, float],
     seed: int,
+    **rigged: Any,
 ) -> Measurement:
     """Scan of a target by the simulated instrument, with its true depth; no file is left.
 
     Ranges are optical, ``n_g z`` with the attribute ``group_index``, as in every scan: divide what
     comes out of the measurement, its true ``depth`` included, to have metres along the ray. The
     target is one of `cmtof_lab.targets.scene_from`; ``size`` is height and width, px,
-    ``field_of_view`` the full optical angles across and down, rad.
+    ``field_of_view`` the full optical angles across and down, rad; ``rigged`` are other fields of
+    the rig, such as ``frequency_single``, Hz.
 
     >>> wall = {"kind": "plane", "distance": 1.0}
     >>> scan_scene(TwinSettings(), wall, size=2, field_of_view=0.1, seed=0)
     <Measurement 2x2 px at 7.15, 14.32 GHz, 0.000-7.495 m>
     """
     view = tuple(np.rad2deg(np.broadcast_to(field_of_view, 2)).tolist())
-    rig = replace(Rig.default(), field_of_view_deg=view)
+    rig = replace(Rig.default(), field_of_view_deg=view, **rigged)
     plan = planned(rig, size=size)
     bench = simulated_bench(rig, target, settings, seed=seed)
     # every line of the journal waits for the disk: in memory there is nothing to wait for
