@@ -1,19 +1,19 @@
 # %% [markdown]
 # # Stereo supervision
 #
-# Fine-tuning a network on scans ([chapter 21](21_scanned_scenes.ipynb)) needs the wrap count of
-# each pixel. Can two cameras beside the scanner measure it (Section 6.4)?
-#
-# They triangulate the scanner's laser spot. A label that is off by 10 mm is wrong by half a wrap.
-# Everything here is simulated; the paper shows one scan and no numbers.
+# Fine-tuning a network on scans ({doc}`21_scanned_scenes`) requires the wrap count of each pixel.
+# Two cameras beside the scanner can measure it (Section 6.4): they triangulate its laser spot. On
+# books {glue:text}`both:.0f` % of the pixels get a label and {glue:text}`wrong:.2f` % of the
+# labels are wrong; beyond about {glue:text}`limit:.0f` m there are none. Everything here is
+# simulated; the paper shows one scan and no numbers.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of every random draw
-scene: str = "still_life"  # embedded frame that is scanned
+scene: str = "books"  # object that is scanned, one of those that the network learns from
 far_scene: str = "room"  # embedded frame for what lies farther away
-stride: int = 2  # every how many pixels of the first are scanned
-far_stride: int = 4  # and of the second
+size: int = 120  # height and width of the scan, px
+far_stride: int = 4  # every how many pixels of that frame are scanned
 baseline: float = 0.3  # between the cameras, m; assumed
 sigmas: float = 3.0  # standard deviations of a range that must fit
 views: int = 12  # of the board
@@ -34,6 +34,7 @@ from cmtof.frame import Frame
 from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import load_frame
 from cmtof_book import notes, paper, plotting
+from cmtof_book.scanned import frame_of, scan_object
 from cmtof_lab import stereo
 
 plotting.begin(profile=profile, seed=seed)
@@ -86,13 +87,16 @@ def labels(frame, spots, cameras, others=(), **phase):
 
 
 # %% tags=["hide-input"]
-frame = thinned(scene, stride)
-measurement = cmtof.simulate(frame, protocol="full", seed=seed)
+measurement = scan_object(scene, "captures", size=size, seed=seed)
+frame = frame_of(scene, measurement)
 spots = stereo.scan_spots(frame, rig, rng=rng, sensor=sensor)
 alone = labels(frame, spots, cameras, redrawn)
 truth = labels(frame, spots, cameras, redrawn, **measured_phase(measurement))
 wrong = float((np.abs(truth.depth - frame.depth) > WRAP / 2)[truth.mask].mean())
 print(f"labelled: stereo alone {alone.mask.mean():.1%}, with the phase {truth.mask.mean():.1%}")
+notes.tell(both=100 * truth.mask.mean(), wrong=100 * wrong)
+
+
 # %% tags=["hide-input"]
 figure = plt.figure(figsize=(11.0, 3.5))
 axes = [figure.add_subplot(131, projection="3d", computed_zorder=False)]
@@ -123,13 +127,22 @@ least, largest = int(np.nanmin(wraps)), int(np.nanmax(wraps))
 plotting.save(
     figure,
     "fig09_stereo",
+    numbers={
+        "labelled": truth.mask.mean(),
+        "labelled_by_stereo_alone": alone.mask.mean(),
+        "wrong": wrong,
+        "least_wrap": least,
+        "largest_wrap": largest,
+        "median_uncertainty_mm": 1e3 * float(np.nanmedian(truth.uncertainty)),
+    },
     caption=(
-        "Active stereo supervision, simulated on one embedded frame. (a) Rig and scene. (b) The "
-        "phase of the scan. (c) The wrap map from the cameras; grey pixels have no label."
+        "Active stereo supervision, simulated on one scan of those that the network learns from, "
+        "with the noise of the published captures. (a) Rig and scene. (b) Its phase. (c) The wrap "
+        "map from the cameras; grey pixels have no label."
     ),
     alt=(
-        "A point cloud of a table with objects, met by a beam and the lines of two cameras. Beside "
-        f"it a phase map with fringes, and a smooth wrap map from {least} to {largest}."
+        f"A point cloud of {scene}, met by a beam and the lines of two cameras. Beside it a phase "
+        f"map with fringes, and a smooth wrap map from {least} to {largest}."
     ),
     format="png",
 )
@@ -146,16 +159,13 @@ plotting.save(
 #
 # $$\sigma = \frac{C\lambda N}{\sqrt2\,\pi}$$
 #
-# on the sensor, whatever the size of the spot
-# ([Dorsch et al. 1994](../book/references.bib#dorsch1994)). The calibration
-# ([Zhang 2000](../book/references.bib#zhang2000)) is repeated with its corners redrawn, and the
-# variance of the ranges is added.
+# on the sensor, whatever the size of the spot {cite}`dorsch1994`. The calibration {cite}`zhang2000`
+# is repeated with its corners redrawn, and the variance of the ranges is added.
 
-# %% tags=["hide-input"]
+# %%
 focal = float(cameras.matrices[0, 0, 0]) * sensor.pitch
 paper.check("sec6.lens_focal_length", focal)
 print(f"speckle {sensor.speckle:.3f} px; all noise {np.nanmedian(spots.sigma):.3f} px")
-paper.table()
 
 # %% [markdown]
 # ## Reach: the same rig before a room
@@ -168,6 +178,7 @@ far = labels(far_frame, far_spots, cameras, redrawn, **far_phase)
 reach = WRAP / 2 / sigmas
 ideal = np.sqrt(2) * sensor.speckle / (rig.matrices[0, 0, 0] * baseline)  # 1/m
 limit = float(np.sqrt(reach / ideal))
+notes.tell(limit=limit)
 print(f"labelled in the room: {far.mask.mean():.1%}; speckle alone ends labels at {limit:.2f} m")
 
 # %% tags=["hide-input"]
@@ -187,6 +198,11 @@ ax.legend(loc="lower right", markerscale=5)
 plotting.save(
     figure,
     "stereo_uncertainty",
+    numbers={
+        "speckle_limit_m": limit,
+        "near_share": truth.mask.mean(),
+        "far_share": far.mask.mean(),
+    },
     caption="Uncertainty of the range from stereo in two simulated scans, and its limit by "
     "speckle.",
     alt="On logarithmic axes the uncertainty rises with the square of the range, along the line of "
@@ -210,17 +226,3 @@ for name, vector in {"none": [0, 0, 0], "about y": [0, 5e-4, 0], "about x": [5e-
     off = int((np.abs(got.depth - far_frame.depth) > WRAP / 2)[got.mask].sum())
     rows.append((name, f"{got.mask.mean():.1%}", f"{off} of {got.mask.sum()}"))
 notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), rows)
-
-# %% [markdown]
-# ## Answer
-
-# %% tags=["hide-input"]
-notes.answer(
-    """
-    **Answer.** Yes, on a table: {both:.0f} % of the pixels get a label, and {wrong:.2f} % of the
-    labels are wrong. Beyond about {limit:.0f} m there are none.
-    """,
-    both=100 * truth.mask.mean(),
-    wrong=100 * wrong,
-    limit=limit,
-)

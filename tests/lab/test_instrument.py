@@ -19,9 +19,12 @@ from cmtof_lab.electronics import Chain, density
 from cmtof_lab.instrument import (
     BURST_INTERVAL,
     DRIFT_RMS,
+    LABEL,
     SimulatedInstrument,
     amplitude,
     drift,
+    keyed_generator,
+    normals_by_key,
 )
 from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
 from cmtof_lab.targets import FrameTarget, Plane
@@ -199,3 +202,9 @@ def test_noise_on_the_captures_objects_is_the_captures(name, left, shared_data):
             a, b = (one[np.isfinite(sum(both))] for one in both)
             found, slack = np.corrcoef(a, b)[0, 1], 3 / np.sqrt(a.size)
             assert min(range_of) - slack < found < max(range_of) + slack, kind
+
+
+def test_normals_by_key_are_those_of_a_generator_for_each():
+    keys = np.array([0, 7, 2**40])
+    apart = [keyed_generator(-3, LABEL, key).standard_normal(5) for key in keys.tolist()]
+    assert (normals_by_key(-3, LABEL, keys, 5) == apart).all()

@@ -1,0 +1,367 @@
+"""Scanned scenes, and the paper's network fine-tuned on scans of other objects (Sec. 6.4, 8.2).
+
+    python -m cmtof_book.scanned [FOLDER] [--legs N] [--again METHOD...]
+
+Everything is simulated. Scans go to FOLDER, by default build/scanned, and what is there is not
+computed again. Rates and fine-tuned weights go where the chapters read them: book/results.
+"""
+
+import argparse
+import hashlib
+import json
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import cmtof
+from cmtof import __version__
+from cmtof.correlation import wrap_length
+from cmtof.evaluation import Tally, scored_pixels
+from cmtof.files import written_whole
+from cmtof.frame import Frame
+from cmtof.measurement import Measurement
+from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
+from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING
+from cmtof_lab.optics import directions_from_angles
+from cmtof_lab.rehearsal import scan_scene
+from cmtof_lab.settings import NOISE, TwinSettings
+from cmtof_lab.targets import scene_from
+
+Example = tuple[Measurement, NDArray[np.integer], NDArray[np.floating]]
+"""Scan, its wraps, -1 where unknown, and its depth, m."""
+
+Rows = dict[str, tuple[str, dict[str, Any]]]
+"""Method and options of each row of a table."""
+
+RESULTS = Path(__file__).resolve().parents[2] / "book" / "results"
+RATES = RESULTS / "scanned.json"
+TUNED = RESULTS / "scanned"
+"""Folder of the fine-tuned weights."""
+
+SHOWN = ("bust", "helmet", "owl", "table")
+HELD_OUT = ("glasses", "column", "radio")
+"""Objects on which steps and rate of the fine-tuning were chosen."""
+
+LEARNT = tuple(name for name in TRAINING if name not in HELD_OUT)
+"""Objects that the network is fine-tuned on."""
+
+SIZE = 200
+SEEDS = (0, 1, 2)
+METHODS = ("kde", "region", "phasor", "rapid", "fast-scnn", "surfaces")
+TOLD = ("reference-contact",)
+"""A reference, which knows the shape of every surface and which of them touch."""
+
+CURVE = (1, 3, 10)
+"""Labelled scans whose worth is compared."""
+
+NETWORK = "fast-scnn"
+FIRST_SEED = 10
+"""Seed of the first scan with labels; every scan has another."""
+
+FIRST_LEG: dict[str, Any] = {"steps": 500, "learning_rate": 3e-4, "crop": 96, "batch": 4}
+NEXT_LEGS: dict[str, Any] = {"steps": 800, "learning_rate": 5e-4, "crop": 160, "batch": 2}
+"""Options of `cmtof.network.training.fine_tune`: small crops first, then large ones."""
+
+MOST_LEGS = 6
+FLAT = 0.01
+LEVELS = {"0": "photon", "0.5": 0.5, "1": "captures", "2": 2.0}
+"""Phase noise over that of the captures, and its name."""
+
+STRIDES = (1, 2, 4)
+SWEPT = ("bust", "owl")
+"""Scenes of which fewer points and other noise are tried."""
+
+
+def scan_object(
+    name: str, noise: str | float = "photon", *, size: int = SIZE, seed: int = 0, **rigged: Any
+) -> Measurement:
+    """Scan of an object, its ranges optical, among the wraps 36 to 56 of the released protocol.
+
+    ``noise`` is one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'. The zero of the
+    beat is that of the reference target at the photon limit.
+    """
+    settings = TwinSettings()
+    target = scene_from({"kind": "object", "name": name})
+    view = {"field_of_view": FIELD_OF_VIEW[name], "seed": seed, **rigged}
+    scan = scan_scene(replace(settings, **noise_settings(noise)), target, size=size, **view)
+    data = scan.dataset
+    if noise != "photon":
+        data = data.assign(psi=scan_scene(settings, target, size=1, **view).dataset["psi"])
+    low, high = (n * wrap_length(scan.frequencies[0]) for n in RELEASED_WRAPS)
+    return Measurement(data).between(low, high)
+
+
+def noise_settings(noise: str | float) -> dict[str, Any]:
+    """Settings of the instrument for a noise by name, or a multiple of the captures'."""
+    if isinstance(noise, str):
+        return NOISE[noise]
+    usual = NOISE["captures"]
+    return {**usual, "phase_noise": tuple(noise * level for level in usual["phase_noise"])}
+
+
+def close_pair(scan: Measurement, other: Measurement) -> Measurement:
+    """Measurement at two close frequencies, as `phasor` needs it, from the single modes of two."""
+    both = (scan, other)
+    phase = np.stack([one.phase[0] for one in both])
+    amplitude = np.stack([one.amplitude[0] for one in both])
+    tones = [one.frequencies[0] for one in both]
+    return Measurement.from_phase(phase, tones, amplitude=amplitude, **_held(scan))
+
+
+def four_phases(scan: Measurement) -> Measurement:
+    """Scan as a network of raw correlations knows it: four quadratures, in counts.
+
+    Sixteen phases are decoded and put back, with the mean of an ideal correlation, pi/2 of the
+    amplitude, and the brightest tenth as bright as a white surface.
+    """
+    from cmtof.network.features import FULL_AMPLITUDE
+
+    bright = np.quantile(scan.amplitude, 0.9, axis=(1, 2), keepdims=True)
+    amplitude = scan.amplitude * (FULL_AMPLITUDE / bright)
+    psi = np.asarray(QUADRATURES)
+    angle = scan.phase[:, None] + psi[:, None, None]
+    made = amplitude[:, None] * (np.pi / 2 + np.cos(angle))
+    return Measurement.from_arrays(made, psi, scan.frequencies, **_held(scan))
+
+
+def _held(scan: Measurement) -> dict[str, Any]:
+    """What another measurement of a scan keeps of it."""
+    low, high = scan.range
+    return {"depth": scan.depth, "mask": scan.mask, "range_min": low, "range_max": high}
+
+
+def frame_of(name: str, scan: Measurement) -> Frame:
+    """True range, m, and reflectance of an object at the points of a scan."""
+    target = scene_from({"kind": "object", "name": name})
+    hits = target.look(directions_from_angles(scan.dataset["angle"].to_numpy()))
+    return Frame(hits.range, hits.reflectance, scan.camera, name)
+
+
+def example_of(name: str, scan: Measurement, *, seed: int = 0) -> Example:
+    """Scan of an object with the labels that a stereo rig beside the scanner gives it."""
+    from cmtof_lab import stereo
+
+    rig = stereo.simulated_rig()
+    spots = stereo.scan_spots(frame_of(name, scan), rig, rng=np.random.default_rng(seed))
+    found = stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
+    return scan, found.wraps, found.depth
+
+
+class Scans:
+    """Scans by object, noise and seed, kept in a folder."""
+
+    def __init__(self, folder: Path, size: int = SIZE) -> None:
+        self.folder = folder
+        self.size = size
+
+    def scan(
+        self, name: str, noise: str | float = "captures", seed: int = 0, **rigged: Any
+    ) -> Measurement:
+        """Scan of an object as `scan_object` makes it."""
+        parts = (name, noise, self.size, seed, *(f"{x:g}" for x in rigged.values()))
+        path = self.folder / ("_".join(map(str, parts)) + ".nc")
+        if not path.exists():
+            self.folder.mkdir(parents=True, exist_ok=True)
+            found = scan_object(name, noise, size=self.size, seed=seed, **rigged)
+            found.save(path)
+            print(f"scanned {path.stem}", flush=True)
+        return cmtof.open(path)
+
+    def training(self, name: str) -> Measurement:
+        """Scan of a training object with the captures' noise."""
+        return self.scan(name, seed=FIRST_SEED + list(TRAINING).index(name))
+
+    def example(self, name: str) -> Example:
+        """That scan with its labels."""
+        path = self.folder / f"labels_{name}_{self.size}.npz"
+        scan = self.training(name)
+        if not path.exists():
+            _, wraps, depth = example_of(name, scan, seed=list(TRAINING).index(name))
+            with written_whole(path) as part, part.open("wb") as file:
+                np.savez_compressed(file, wraps=wraps, depth=depth)
+        with np.load(path) as held:
+            return scan, held["wraps"], held["depth"]
+
+
+def tuned_weights(scans: Scans, count: int, legs: int) -> Path:
+    """Weights after some legs on the first so many labelled scans, each made from the one before.
+
+    In a leg the rate falls to zero; in half precision where the processor can.
+    """
+    import torch
+
+    from cmtof.network.training import fine_tune
+    from cmtof.network.weights import load_weights, save_weights, weights_path
+
+    path = weights_path(NETWORK, "released", scans.folder / f"tuned_{count}_{legs}")
+    if not path.exists():
+        before = tuned_weights(scans, count, legs - 1) if legs > 1 else None
+        trained = load_weights(before or weights_path(NETWORK, "released"))
+        options = NEXT_LEGS if legs > 1 else FIRST_LEG
+        examples = [scans.example(name) for name in LEARNT[:count]]
+        torch.set_num_threads(1)
+        torch.manual_seed(legs)
+        with torch.autocast("cpu", torch.bfloat16):
+            tuned, losses = fine_tune(trained, examples, seed=legs, **options)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        save_weights(path, tuned.network, tuned.card)
+        print(f"{path.parent.name}: loss {np.mean(losses[-50:]):.3f}", flush=True)
+    return path
+
+
+class Counts:
+    """Right pixels of scans, in a file of JSON that is written after each of them."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.held: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.exists() else {}
+
+    def keep(self, *keys: str, of: Callable[[], Any]) -> Any:
+        """What is held below some keys; what is not yet held is computed and stored."""
+        place = self.held
+        for key in keys[:-1]:
+            place = place.setdefault(key, {})
+        if keys[-1] not in place:
+            place[keys[-1]] = of()
+            print(*keys, place[keys[-1]], flush=True)
+            self.store()
+        return place[keys[-1]]
+
+    def store(self, **about: Any) -> None:
+        """Write everything."""
+        self.held |= about
+        with written_whole(self.path) as part:
+            part.write_text(json.dumps(self.held, indent=1) + "\n", "utf-8")
+
+
+def counts_of(scan: Measurement, method: str, **options: Any) -> list[int]:
+    """Scored pixels, and how many of them are off by fewer wraps than 1, 2, 3 and 10."""
+    counted = Tally().add(scored_pixels(cmtof.unwrap(scan, method=method, **options), scan))
+    return [counted["pixels"], *counted["below"]]
+
+
+def given_to(scans: Scans, method: str, name: str, noise: str | float, seed: int) -> Measurement:
+    """Scan as a method reads it: four phases for `rapid`, two close frequencies for `phasor`."""
+    scan = scans.scan(name, noise, seed)
+    if method == "rapid":
+        return four_phases(scan)
+    if method == "phasor":
+        return close_pair(scan, scans.scan(name, noise, seed + 100, frequency_single=7.16e9))
+    return scan
+
+
+def validated(scans: Scans, weights: Path | None) -> list[float]:
+    """Shares of right wraps on the scans of the objects that are held out."""
+    options = {"weights": weights} if weights else {}
+    found = []
+    for name in HELD_OUT:
+        pixels, right, *_ = counts_of(scans.training(name), NETWORK, **options)
+        found.append(round(right / pixels, 4))
+    return found
+
+
+def chosen_legs(scans: Scans, counts: Counts, most: int) -> int:
+    """Legs of training after which another one gains less than `FLAT` on objects held out."""
+    best = counts.keep("validation", "0", of=lambda: validated(scans, None))
+    for legs in range(1, most + 1):
+        weights = tuned_weights(scans, CURVE[-1], legs)
+        found = counts.keep("validation", str(legs), of=partial(validated, scans, weights))
+        if np.mean(found) < np.mean(best) + FLAT:
+            return legs
+        best = found
+    return most
+
+
+def compare(scans: Scans, counts: Counts, noise: str, rows: Rows) -> None:
+    """Count rows of methods on the shown scenes."""
+    for (row, (method, options)), name in product(rows.items(), SHOWN):
+        of = partial(counts_of_seeds, scans, name, noise, method, **options)
+        counts.keep("counts", noise, row, name, of=of)
+
+
+def counts_of_seeds(
+    scans: Scans, name: str, noise: str, method: str, **options: Any
+) -> list[list[int]]:
+    """Counts of a method on three scans of a scene."""
+    given = (given_to(scans, method, name, noise, seed) for seed in SEEDS)
+    return [counts_of(scan, method, **options) for scan in given]
+
+
+def sweep(scans: Scans, counts: Counts, weights: Path) -> None:
+    """Count scans of fewer points and of other noise: every second, every fourth point of each."""
+    rows = {NETWORK: {"weights": weights}, "kde": {}, "reference-contact": {}}
+    for level, stride, (method, options) in product(LEVELS, STRIDES, rows.items()):
+        of = partial(counts_of_thinned, scans, LEVELS[level], stride, method, **options)
+        counts.keep("sweep", level, str(SIZE // stride), method, of=of)
+
+
+def counts_of_thinned(
+    scans: Scans, noise: str | float, stride: int, method: str, **options: Any
+) -> list[list[int]]:
+    """Counts of a method on scans of which every so many points are left."""
+    every = (thinned(scans.scan(name, noise), stride) for name in SWEPT)
+    return [counts_of(scan, method, **options) for scan in every]
+
+
+def thinned(scan: Measurement, stride: int) -> Measurement:
+    """Every so many points of a scan: what a scan of fewer points would have measured."""
+    data = scan.dataset.isel(x=slice(None, None, stride), y=slice(None, None, stride))
+    return Measurement(data.drop_vars("camera"))
+
+
+def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
+    """Drop the counts of some methods, and those of the tuned network if it is another now."""
+    found = hashlib.sha256(weights.read_bytes()).hexdigest()
+    if counts.held.get("weights", found) != found:
+        counts.held.pop("sweep", None)
+        again = [*again, "tuned"]
+    for kept in counts.held.get("counts", {}).values():
+        for row in again:
+            kept.pop(row, None)
+    counts.held["weights"] = found
+
+
+def main(folder: Path, most_legs: int = MOST_LEGS, again: Sequence[str] = ()) -> None:
+    """Compute what is missing, and store it."""
+    scans = Scans(folder)
+    counts = Counts(RATES)
+    legs = chosen_legs(scans, counts, most_legs)
+    best = tuned_weights(scans, CURVE[-1], legs)
+    forget(counts, best, again)
+    TUNED.mkdir(parents=True, exist_ok=True)
+    for path in (best, best.with_suffix(".json")):
+        shutil.copyfile(path, TUNED / path.name)
+    counts.store(
+        command="python -m cmtof_book.scanned",
+        version=__version__,
+        settings={"size": SIZE, "seeds": SEEDS, "legs": legs},
+        legs=[FIRST_LEG, NEXT_LEGS],
+        learnt=LEARNT,
+        held_out=HELD_OUT,
+    )
+    usual: Rows = {name: (name, {}) for name in (NETWORK, "kde", "region", "rapid", *TOLD)}
+    usual |= {"tuned": (NETWORK, {"weights": best})}
+    compare(scans, counts, "captures", usual)
+    sweep(scans, counts, best)
+    compare(scans, counts, "photon", usual)
+    fewer: Rows = {f"{n} scans": (NETWORK, {"weights": tuned_weights(scans, n, 1)}) for n in CURVE}
+    compare(scans, counts, "captures", fewer)
+    slow: Rows = {name: (name, {}) for name in ("phasor", "surfaces")}
+    compare(scans, counts, "captures", slow)
+    compare(scans, counts, "photon", {"surfaces": slow["surfaces"]})
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("folder", nargs="?", type=Path, default=Path("build", "scanned"))
+    parser.add_argument("--legs", type=int, default=MOST_LEGS, help="of training, at most")
+    parser.add_argument("--again", nargs="+", default=(), help="methods to count again")
+    given = parser.parse_args()
+    main(given.folder, given.legs, given.again)

@@ -1,0 +1,39 @@
+"""Scans as the methods of chapter 21 read them, and counts that are computed once."""
+
+import numpy as np
+import pytest
+
+from cmtof.correlation import centred
+from cmtof.measurement import Measurement
+from cmtof_book import scanned
+
+
+def test_four_phases_hold_the_phase_of_the_scan(measured):
+    four = scanned.four_phases(measured)
+    assert four.dataset.sizes["step"] == 4
+    assert np.abs(centred(four.phase - measured.phase)).max() < 1e-5
+    assert four.range == measured.range
+
+
+def test_a_close_pair_has_the_lower_frequency_of_both(measured):
+    other = Measurement.from_phase(measured.phase[:1] / 2, [7.16e9])
+    pair = scanned.close_pair(measured, other)
+    assert pair.frequencies.tolist() == [7.15e9, 7.16e9]
+    assert pair.phase[1] == pytest.approx(measured.phase[0] / 2)
+
+
+def test_every_second_point_is_left(measured):
+    few = scanned.thinned(measured, 2)
+    assert few.phase == pytest.approx(measured.phase[:, ::2, ::2])
+    assert few.depth == pytest.approx(measured.depth[::2, ::2])
+
+
+def test_a_count_is_computed_once_and_survives_the_process(tmp_path):
+    path = tmp_path / "counts.json"
+    first = scanned.Counts(path).keep("counts", "kde", of=lambda: [3, 1])
+    assert scanned.Counts(path).keep("counts", "kde", of=lambda: 1 / 0) == first
+
+
+def test_nothing_that_is_shown_is_learnt():
+    assert not set(scanned.SHOWN) & {*scanned.LEARNT, *scanned.HELD_OUT}
+    assert len(scanned.LEARNT) == scanned.CURVE[-1] == 10
