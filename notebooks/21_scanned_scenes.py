@@ -66,13 +66,16 @@ crops = read_card(weights_path("fast-scnn", "released")).crops
 # Each scene is scanned with two kinds of noise: that of photons and electronics alone (the photon
 # limit), and besides with the level and the grain of the noise in the published captures, as many
 # radians in both modes ({doc}`07_captures`). With the captures' noise a zero of the beat would
-# require thousands of readings of the reference target; that of the photon limit is used.
+# require thousands of readings of the reference target; that of a short scan at the photon limit is
+# used.
 #
 # The paper's network, `fast-scnn`, was trained on rooms ({doc}`08_network`). It is fine-tuned on
 # scans of other things (a vase, a shoe, a toy, tools, a plant, fabric, books, a kettle, a pumpkin,
-# a plush bear) with labels by stereo ({doc}`16_stereo`), as in Section 6.4, until a further leg of
-# {glue:text}`steps:.0f` steps gains less than a point on three more objects. No shown object is
-# among them. This was computed once by `python -m cmtof_book.scanned`.
+# a plush bear) with labels by stereo ({doc}`16_stereo`), as in Section 6.4. Three more objects are
+# held out. The stored weights had {glue:text}`legs:.0f` legs of training; the last gained
+# {glue:text}`gain:.1f` points on those objects, so a gain of more than one point means that further
+# legs would help. All this was computed once by `python -m cmtof_book.scanned`, which goes on where
+# it ended. No shown object is among those learnt or held out.
 
 # %% tags=["hide-input"]
 told = [*scanned.METHODS, *scanned.TOLD]
@@ -93,9 +96,13 @@ mean = {
 }
 for key, row in {"kde": "kde", "net": "tuned", "rooms": "fast-scnn"}.items():
     notes.tell(**{key: mean["photon"][row], f"{key}_captures": mean["captures"][row]})
+legs = [100 * float(np.mean(one)) for one in stored["validation"].values()]
 notes.tell(
     labelled=len(stored["learnt"]),
-    steps=stored["legs"][1]["steps"],
+    legs=len(legs) - 1,
+    gain=legs[-1] - legs[-2],
+    leg_first=legs[0],
+    leg_last=legs[-1],
     points=stored["settings"]["size"],
     wraps=card.classes,
     pitch=1e3 * 0.9 * FIELD_OF_VIEW[teaser] / stored["settings"]["size"],
@@ -110,34 +117,47 @@ def cell(rates):
 
 notes.table(
     ("right wraps (%), captures' noise", *SCENES, "mean", "photon limit"),
-    [(ROWS.get(row, row), *map(cell, shares("captures", row)), f"{mean['captures'][row]:.0f}",
-      f"{mean['photon'][row]:.0f}" if row in mean["photon"] else "") for row in rows],
-)  # fmt: skip
+    [
+        (
+            ROWS.get(row, row),
+            *map(cell, shares("captures", row)),
+            f"{mean['captures'][row]:.0f}",
+            f"{mean['photon'][row]:.0f}" if row in mean["photon"] else "",
+        )
+        for row in rows
+    ],
+)
 
 # %% [markdown]
 # Means over three scans of each scene, with other speckle and noise, and from which to which. The
 # last row is a reference, which is told the shape of every surface and which of them touch, and
-# seeks one offset for these together: what the data hold. `rapid`, the network of
-# Zhang et al. (2019), reads four phases; the sixteen are decoded and put back into four. It is not
-# fine-tuned. `phasor` needs two close frequencies, and had a second scan at 7.16 GHz.
+# seeks one offset for these together: what the data hold. The captures' noise takes KDE from
+# {glue:text}`kde:.0f` to {glue:text}`kde_captures:.0f` %, the fine-tuned network from
+# {glue:text}`net:.0f` to {glue:text}`net_captures:.0f` %. `rapid`, the network of Zhang et al.
+# (2019), reads four phases; the sixteen are decoded and put back into four. It is not fine-tuned.
+# `phasor` needs two close frequencies, and had a second scan at 7.16 GHz.
 #
 # ## Before and after
 
 # %% tags=["hide-input"]
 pair = ("fast-scnn", "tuned")
-gained = {b: [shares("captures", row, b) for row in pair] for b in (1, 3)}
-table = [(n, *(f"{one[k].mean():.1f}" for both in gained.values() for one in both))
-         for k, n in enumerate(SCENES)]  # fmt: skip
-whole = ("mean", *(f"{one.mean():.1f}" for both in gained.values() for one in both))
-head = [f"δ < {b}, {when}" for b in gained for when in ("rooms", "fine-tuned")]
-notes.table(("fast-scnn (%), captures' noise", *head), [*table, whole])
+places = [*zip(SCENES, range(len(SCENES)), strict=True), ("mean", slice(None))]
+notes.table(
+    ("fast-scnn (%)", *(f"δ < {b}, {when}" for b in (1, 3) for when in ("rooms", "fine-tuned"))),
+    [
+        (name, *(f"{shares('captures', row, b)[place].mean():.1f}" for b in (1, 3) for row in pair))
+        for name, place in places
+    ],
+)
 
 
 # %% tags=["hide-input"]
 by_labels = {0: shares("captures", "fast-scnn")}
-by_labels |= {n: shares("captures", f"{n} scans") for n in scanned.CURVE
-              if f"{n} scans" in stored["counts"]["captures"]}  # fmt: skip
-legs = [100 * float(np.mean(one)) for one in stored["validation"].values()]
+by_labels |= {
+    n: shares("captures", f"{n} scans")
+    for n in scanned.CURVE
+    if f"{n} scans" in stored["counts"]["captures"]
+}
 
 
 def swept(level, points, row):
@@ -147,32 +167,33 @@ def swept(level, points, row):
 
 
 sides = [stored["settings"]["size"] // stride for stride in scanned.STRIDES][::-1]
-LOOK = {"fast-scnn": ("fine-tuned", "-o"), "kde": ("KDE", ":s"),
-        "reference-contact": ("reference-contact", "--^")}  # fmt: skip
-grid = {(row, level): [swept(level, side, row) for side in sides]
-        for row in LOOK for level in scanned.LEVELS}  # fmt: skip
+LOOK = {
+    "fast-scnn": ("fine-tuned", "-o"),
+    "kde": ("KDE", ":s"),
+    "reference-contact": ("reference-contact", "--^"),
+}
+grid = {
+    (row, level): [swept(level, side, row) for side in sides]
+    for row in LOOK
+    for level in scanned.LEVELS
+}
 usual = 1e3 * NOISE["captures"]["phase_noise"][0]
 
 figure, axes = plt.subplots(1, 3, figsize=(11, 4.1))
-axes[0].plot(range(len(by_labels)), np.transpose([r.mean(1) for r in by_labels.values()]).T, "-o")
-axes[0].plot(range(len(by_labels)), [r.mean() for r in by_labels.values()], "k--", lw=1)
-axes[0].set_xticks(range(len(by_labels)), [str(n) for n in by_labels])
-axes[0].set(xlabel="labelled scans", ylabel="right wraps (%)", ylim=(0, 100), title="labels")
-axes[0].legend([*SCENES, "mean"], fontsize="small")
-for ax, across, title in zip(axes[1:], ("points", "noise"), ("points", "noise"), strict=True):
-    for row, (label, look) in LOOK.items():
-        if across == "points":
-            ax.plot(sides, grid[row, "1"], look, label=label)
-        else:
-            level = [usual * float(one) for one in scanned.LEVELS]
-            ax.plot(level, [grid[row, one][-1] for one in scanned.LEVELS], look, label=label)
-    ax.set(ylim=(0, 102), title=title)
+axes[0].plot([str(n) for n in by_labels], [r.mean(1) for r in by_labels.values()], "-o")
+axes[0].set(xlabel="labelled scans", ylabel="right wraps (%)", title="labels")
+axes[0].legend(SCENES, fontsize="small")
+levels = [usual * float(one) for one in scanned.LEVELS]
+for row, (label, look) in LOOK.items():
+    axes[1].plot(sides, grid[row, "1"], look, label=label)
+    axes[2].plot(levels, [grid[row, one][-1] for one in scanned.LEVELS], look)
 axes[1].set(xscale="log", xlabel="points a side", title="points, captures' noise")
 axes[1].set_xticks(sides, [str(side) for side in sides])
 axes[1].minorticks_off()
+axes[1].legend(fontsize="small")
 axes[2].set(xlabel="phase noise of a point (mrad)", title=f"noise, {sides[-1]} points a side")
 plotting.mark(axes[2], x=usual, text="captures")
-axes[1].legend(fontsize="small")
+plt.setp(axes, ylim=(0, 102))
 plotting.label_panels(axes)
 plotting.save(
     figure,
@@ -195,12 +216,10 @@ plotting.save(
 )
 
 # %% [markdown]
-# The network was fine-tuned at one pitch, {glue:text}`points:.0f` points a side. The legs of its
-# training took the objects that were held out from {glue:text}`leg_first:.0f` to
-# {glue:text}`leg_last:.0f` %.
+# The network was fine-tuned at one pitch, {glue:text}`points:.0f` points a side. Its training took
+# the objects that were held out from {glue:text}`leg_first:.0f` to {glue:text}`leg_last:.0f` %.
 
 # %% tags=["hide-input"]
-notes.tell(leg_first=legs[0], leg_last=max(legs))
 how = {"size": size, "seed": seed}
 scans = {(n, noise): scan_object(n, noise, **how) for n in objects for noise in NOISE}
 first = scans[objects[0], "photon"]
@@ -280,11 +299,10 @@ def bare(ax, colours, title):
 
 
 # %% tags=["hide-input"]
-residual, tilt = {}, {}
+tilt = {}
 for name in objects:
     depth = depths[name, "tuned"]
     off = wraps_off(name, "tuned")
-    residual[name] = 1e6 * float(np.nanmedian(np.abs(depth - truth[name] - off * period)))
     cosine = (normals_of(name, depth) * normals_of(name, truth[name])).sum(-1)
     tilt[name] = float(np.nanmedian(np.rad2deg(np.arccos(np.clip(cosine, -1, 1)))))
     shades = plt.cm.ScalarMappable(plt.Normalize(*limits[name]), "cividis_r")
@@ -336,38 +354,35 @@ ABOUT = {
     "owl": "pale and dark plumage",
     "table": "a cluttered table of many materials",
 }
-PLAN = ["aaaaabbbbbccccc", "dddeeefffggghhh", "iiijjjkkklllmmm"]
-SMALL = {"h": "RF", "i": "kde", "j": "phasor", "k": "rapid", "l": "surfaces"}
+SMALL = ("RF", "kde", "phasor", "rapid", "surfaces")
 
 for name in objects:
     scan = scans[name, "captures"]
-    figure, axes = plt.subplot_mosaic(PLAN, figsize=(11, 8.9), height_ratios=[1.65, 1, 1])
+    figure = plt.figure(figsize=(11, 8.8))
+    above, below = figure.subfigures(2, 1, height_ratios=[1.1, 1.4])
+    large, small = above.subplots(1, 3), below.subplots(2, 5).ravel()
     scale = {"label": "range (m)", "limits": limits[name]}
-    plotting.image(axes["a"], truth[name], title="truth", **scale)
+    plotting.image(large[0], truth[name], title="truth", **scale)
     title = f"fast-scnn, {right[name, 'tuned']:.0f} %"
-    plotting.image(axes["b"], depths[name, "tuned"], title=title, bar=False, **scale)
+    plotting.image(large[1], depths[name, "tuned"], title=title, bar=False, **scale)
     off = np.abs(wraps_off(name, "tuned"))
-    plotting.image(axes["c"], off, label="wraps off", cmap="magma", limits=(0, 10), title="error")
-    bare(axes["d"], picture(name), "rendering")
+    plotting.image(large[2], off, label="wraps off", cmap="magma", limits=(0, 10), title="error")
+    bare(small[0], picture(name), "rendering")
     bright = scan.amplitude[0] / np.nanquantile(scan.amplitude[0], 0.98)
-    bare(axes["e"], np.sqrt(np.clip(bright, 0, 1)), "amplitude")
-    for letter, phase, tone in zip("fg", scan.phase, ("7.15", "14.32"), strict=True):
-        look = {"label": "", "cmap": plotting.PHASE_CMAP, "limits": plotting.TURN, "bar": False}
-        plotting.image(axes[letter], np.mod(phase, TAU), title=f"{tone} GHz", **look)
-    for letter, method in SMALL.items():
+    bare(small[1], np.sqrt(np.clip(bright, 0, 1)), "amplitude")
+    look = {"label": "", "cmap": plotting.PHASE_CMAP, "limits": plotting.TURN, "bar": False}
+    for ax, phase, tone in zip(small[2:4], scan.phase, ("7.15", "14.32"), strict=True):
+        plotting.image(ax, np.mod(phase, TAU), title=f"{tone} GHz", **look)
+    for ax, method in zip(small[4:9], SMALL, strict=True):
         title = f"{method}, {right[name, method]:.0f} %"
-        plotting.image(axes[letter], depths[name, method], title=title, bar=False, **scale)
-    bare(axes["m"], (1 + normals_of(name, depths[name, "tuned"]) * [1, -1, -1]) / 2, "normals")
-    plotting.label_panels(axes.values())
-    rates = {method: right[name, method] for method in (*SMALL.values(), "fast-scnn", "tuned")}
+        plotting.image(ax, depths[name, method], title=title, bar=False, **scale)
+    bare(small[9], (1 + normals_of(name, depths[name, "tuned"]) * [1, -1, -1]) / 2, "normals")
+    plotting.label_panels([*large, *small])
+    rates = {method: right[name, method] for method in (*SMALL, "fast-scnn", "tuned")}
     plotting.save(
         figure,
         f"fig16_{name}",
-        numbers={
-            "right_percent": rates,
-            "residual_um": residual[name],
-            "normals_deg": tilt[name],
-        },
+        numbers={"right_percent": rates, "normals_deg": tilt[name]},
         caption=f"{name.capitalize()}: {ABOUT[name]}, simulated scan of {size} × {size} points "
         "with the phase noise of the published captures. (a) True range. (b) Depth by the paper's "
         f"network `fast-scnn`, after {crops:,} of 500,000 crops and fine-tuned on "
@@ -378,9 +393,10 @@ for name in objects:
         "`surfaces`. (m) Normals of (b).",
         alt=f"Thirteen images of the {name}: true depth, depth by the network and its error, "
         "large; below, small, the inputs and the depths by other methods. Right wraps: "
-        + ", ".join(f"{method} {rate:.0f} %" for method, rate in rates.items()) + ".",
+        + ", ".join(f"{method} {rate:.0f} %" for method, rate in rates.items())
+        + ".",
         format="png",
-    )  # fmt: skip
+    )
 
 # %% [markdown]
 # ## Success and failure
@@ -416,8 +432,11 @@ figure, axes = plt.subplots(1, 3, figsize=(11, 4.1), sharey=True)
 for ax, noise, title in zip(axes, NOISE, ("photon limit", "captures' noise"), strict=False):
     plotting.bars(ax, {ROWS.get(m, m): shares(noise, m).mean(1) for m in both}, SCENES)
     ax.set_title(title)
-plotting.bars(axes[2], {m: [of_class[k][m] for k in found] for m in names},
-              [f"{k}\n{share[k]:.0f} %" for k in found])  # fmt: skip
+plotting.bars(
+    axes[2],
+    {m: [of_class[k][m] for k in found] for m in names},
+    [f"{k}\n{share[k]:.0f} %" for k in found],
+)
 axes[0].set(ylabel="right wraps (%)", ylim=(0, 100))
 axes[2].set_title("captures' noise, by class")
 figure.legend(*axes[0].get_legend_handles_labels(), ncols=5, loc="outside lower center")
@@ -435,8 +454,9 @@ plotting.save(
     "(c) with that noise by class of pixel, with its share. `fast-scnn`, our version of the "
     f"paper's network, saw {crops:,} of its 500,000 crops; `surfaces` is this book's.",
     alt="Bars of right wraps. On average over the scenes with the captures' noise: "
-    + ", ".join(f"{ROWS.get(m, m)} {mean['captures'][m]:.0f} %" for m in both) + ".",
-)  # fmt: skip
+    + ", ".join(f"{ROWS.get(m, m)} {mean['captures'][m]:.0f} %" for m in both)
+    + ".",
+)
 for key, method in (("kde", "kde"), ("network", "tuned")):
     rates = {
         "with photon noise alone": mean["photon"][method] / 100,

@@ -85,17 +85,20 @@ def scan_object(
     """Scan of an object, its ranges optical, among the wraps 36 to 56 of the released protocol.
 
     ``noise`` is one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'. The zero of the
-    beat is that of the reference target at the photon limit.
+    beat is that of a short scan at the photon limit.
     """
-    settings = TwinSettings()
+    quiet = TwinSettings()
+    noisy = replace(quiet, **noise_settings(noise))
     target = scene_from({"kind": "object", "name": name})
     view = {"field_of_view": FIELD_OF_VIEW[name], "seed": seed, **rigged}
-    scan = scan_scene(replace(settings, **noise_settings(noise)), target, size=size, **view)
+    scan = scan_scene(noisy, target, size=size, **view)
     data = scan.dataset
     if noise != "photon":
-        data = data.assign(psi=scan_scene(settings, target, size=1, **view).dataset["psi"])
-    low, high = (n * wrap_length(scan.frequencies[0]) for n in RELEASED_WRAPS)
-    return Measurement(data).between(low, high)
+        short = scan_scene(quiet, target, size=1, **view)
+        data = data.assign(psi=short.dataset["psi"])
+    wrap = wrap_length(scan.frequencies[0])
+    low, high = RELEASED_WRAPS
+    return Measurement(data).between(low * wrap, high * wrap)
 
 
 def noise_settings(noise: str | float) -> dict[str, Any]:
@@ -109,10 +112,12 @@ def noise_settings(noise: str | float) -> dict[str, Any]:
 def close_pair(scan: Measurement, other: Measurement) -> Measurement:
     """Measurement at two close frequencies, as `phasor` needs it, from the single modes of two."""
     both = (scan, other)
-    phase = np.stack([one.phase[0] for one in both])
-    amplitude = np.stack([one.amplitude[0] for one in both])
-    tones = [one.frequencies[0] for one in both]
-    return Measurement.from_phase(phase, tones, amplitude=amplitude, **_held(scan))
+    return Measurement.from_phase(
+        np.stack([one.phase[0] for one in both]),
+        [one.frequencies[0] for one in both],
+        amplitude=np.stack([one.amplitude[0] for one in both]),
+        **_held(scan),
+    )
 
 
 def four_phases(scan: Measurement) -> Measurement:
@@ -133,8 +138,12 @@ def four_phases(scan: Measurement) -> Measurement:
 
 def _held(scan: Measurement) -> dict[str, Any]:
     """What another measurement of a scan keeps of it."""
-    low, high = scan.range
-    return {"depth": scan.depth, "mask": scan.mask, "range_min": low, "range_max": high}
+    return {
+        "depth": scan.depth,
+        "mask": scan.mask,
+        "range_min": scan.range[0],
+        "range_max": scan.range[1],
+    }
 
 
 def frame_of(name: str, scan: Measurement) -> Frame:
@@ -243,7 +252,8 @@ class Counts:
 
 def counts_of(scan: Measurement, method: str, **options: Any) -> list[int]:
     """Scored pixels, and how many of them are off by fewer wraps than 1, 2, 3 and 10."""
-    counted = Tally().add(scored_pixels(cmtof.unwrap(scan, method=method, **options), scan))
+    found = cmtof.unwrap(scan, method=method, **options)
+    counted = Tally().add(scored_pixels(found, scan))
     return [counted["pixels"], *counted["below"]]
 
 
