@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Stereo supervision
 #
-# Fine-tuning a network on scans ({doc}`21_scanned_scenes`) requires the wrap count of each pixel.
-# Two cameras beside the scanner can measure it (Section 6.4): they triangulate its laser spot. On
-# books {glue:text}`both:.0f` % of the pixels get a label and {glue:text}`wrong:.2f` % of the
-# labels are wrong; beyond about {glue:text}`limit:.0f` m there are none. Everything here is
-# simulated; the paper shows one scan and no numbers.
+# Fine-tuning a network on scans ([chapter 21](21_scanned_scenes.ipynb)) needs the wrap count of
+# each pixel. Can two cameras beside the scanner measure it (Section 6.4)?
+#
+# They triangulate the scanner's laser spot. A label that is off by 10 mm is wrong by half a wrap.
+# Everything here is simulated; the paper shows one scan and no numbers.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -94,8 +94,6 @@ alone = labels(frame, spots, cameras, redrawn)
 truth = labels(frame, spots, cameras, redrawn, **measured_phase(measurement))
 wrong = float((np.abs(truth.depth - frame.depth) > WRAP / 2)[truth.mask].mean())
 print(f"labelled: stereo alone {alone.mask.mean():.1%}, with the phase {truth.mask.mean():.1%}")
-notes.tell(both=100 * truth.mask.mean(), wrong=100 * wrong)
-
 
 # %% tags=["hide-input"]
 figure = plt.figure(figsize=(11.0, 3.5))
@@ -127,14 +125,6 @@ least, largest = int(np.nanmin(wraps)), int(np.nanmax(wraps))
 plotting.save(
     figure,
     "fig09_stereo",
-    numbers={
-        "labelled": truth.mask.mean(),
-        "labelled_by_stereo_alone": alone.mask.mean(),
-        "wrong": wrong,
-        "least_wrap": least,
-        "largest_wrap": largest,
-        "median_uncertainty_mm": 1e3 * float(np.nanmedian(truth.uncertainty)),
-    },
     caption=(
         "Active stereo supervision, simulated on one scan of those that the network learns from, "
         "with the noise of the published captures. (a) Rig and scene. (b) Its phase. (c) The wrap "
@@ -159,13 +149,16 @@ plotting.save(
 #
 # $$\sigma = \frac{C\lambda N}{\sqrt2\,\pi}$$
 #
-# on the sensor, whatever the size of the spot {cite}`dorsch1994`. The calibration {cite}`zhang2000`
-# is repeated with its corners redrawn, and the variance of the ranges is added.
+# on the sensor, whatever the size of the spot
+# ([Dorsch et al. 1994](../book/references.bib#dorsch1994)). The calibration
+# ([Zhang 2000](../book/references.bib#zhang2000)) is repeated with its corners redrawn, and the
+# variance of the ranges is added.
 
-# %%
+# %% tags=["hide-input"]
 focal = float(cameras.matrices[0, 0, 0]) * sensor.pitch
 paper.check("sec6.lens_focal_length", focal)
 print(f"speckle {sensor.speckle:.3f} px; all noise {np.nanmedian(spots.sigma):.3f} px")
+paper.table()
 
 # %% [markdown]
 # ## Reach: the same rig before a room
@@ -178,7 +171,6 @@ far = labels(far_frame, far_spots, cameras, redrawn, **far_phase)
 reach = WRAP / 2 / sigmas
 ideal = np.sqrt(2) * sensor.speckle / (rig.matrices[0, 0, 0] * baseline)  # 1/m
 limit = float(np.sqrt(reach / ideal))
-notes.tell(limit=limit)
 print(f"labelled in the room: {far.mask.mean():.1%}; speckle alone ends labels at {limit:.2f} m")
 
 # %% tags=["hide-input"]
@@ -198,11 +190,6 @@ ax.legend(loc="lower right", markerscale=5)
 plotting.save(
     figure,
     "stereo_uncertainty",
-    numbers={
-        "speckle_limit_m": limit,
-        "near_share": truth.mask.mean(),
-        "far_share": far.mask.mean(),
-    },
     caption="Uncertainty of the range from stereo in two simulated scans, and its limit by "
     "speckle.",
     alt="On logarithmic axes the uncertainty rises with the square of the range, along the line of "
@@ -226,3 +213,17 @@ for name, vector in {"none": [0, 0, 0], "about y": [0, 5e-4, 0], "about x": [5e-
     off = int((np.abs(got.depth - far_frame.depth) > WRAP / 2)[got.mask].sum())
     rows.append((name, f"{got.mask.mean():.1%}", f"{off} of {got.mask.sum()}"))
 notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), rows)
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** Yes, on books: {both:.0f} % of the pixels get a label, and {wrong:.2f} % of the
+    labels are wrong. Beyond about {limit:.0f} m there are none.
+    """,
+    both=100 * truth.mask.mean(),
+    wrong=100 * wrong,
+    limit=limit,
+)

@@ -1,18 +1,11 @@
-# ---
-# cmtof:
-#   results:
-#     - scanned/fast-scnn.released.safetensors
-#     - scanned/fast-scnn.released.json
-# ---
 # %% [markdown]
 # # Comparison with a 100 MHz camera
 #
-# In Paper Fig. 15 a commercial camera at 100 MHz has errors of 200 mm on an owl's dark feathers. A
-# simulated one has {glue:text}`error_dark:.0f` mm rms on those of an owl of our own, and **this is
-# noise**: {glue:text}`bias_dark:.1f` mm remain without it. The simulated GHz scan has
-# {glue:text}`right_photon:.0f` % of the owl's wraps right at the photon limit by this book's
-# `surfaces`, and {glue:text}`right_captures:.0f` % with the captures' phase noise by the paper's
-# network ({doc}`21_scanned_scenes`).
+# In Paper Fig. 15 a commercial camera at 100 MHz has errors of 200 mm on an owl's dark feathers.
+# Are they noise or bias, and what does a GHz scan have there?
+#
+# A camera sees the whole scene at once; a scan needs minutes. The comparison tells what the minutes
+# buy.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -119,13 +112,11 @@ right = {key: float(np.mean(np.abs(off) < period / 2)) for key, off in ghz_error
 residual = {key: off - period * np.rint(off / period) for key, off in ghz_error.items()}
 phase_error = {key: float(np.nanmedian(np.abs(off))) for key, off in residual.items()}
 lost = float(np.isnan(mhz["helmet"][0][view["helmet"].range < 1.05]).mean())
-notes.tell(error_dark=1e3 * rms(error["owl"][dark]), bias_dark=1e3 * rms(bias["owl"][dark]))
 notes.table(
     ("error", "one image", "without noise"),
     [(f"owl, {n} feathers", f"{1e3 * rms(error['owl'][m]):.0f} mm",
       f"{1e3 * rms(bias['owl'][m]):.1f} mm") for n, m in (("dark", dark), ("pale", pale))],
 )  # fmt: skip
-notes.tell(**{f"right_{case}": 100 * right["owl", case] for case in NOISE})
 print("\n".join(f"{' '.join(k)} {right[k]:.0%} right, {1e6 * phase_error[k]:.0f} µm" for k in both))
 print(f"helmet: {lost:.0%} of the shell without a range at 100 MHz")
 
@@ -147,16 +138,6 @@ plotting.label_panels(axes.flat)
 plotting.save(
     figure,
     "fig15_mhz_camera",
-    numbers={
-        "owl_dark_error_m": rms(error["owl"][dark]),
-        "owl_pale_error_m": rms(error["owl"][pale]),
-        "owl_dark_bias_m": rms(bias["owl"][dark]),
-        "owl_pale_bias_m": rms(bias["owl"][pale]),
-        "helmet_error_m": rms(error["helmet"][flat["helmet"]]),
-        "helmet_without_answer": lost,
-        "ghz_wraps_right": {" ".join(key): right[key] for key in both},
-        "ghz_phase_error_m": {" ".join(key): phase_error[key] for key in both},
-    },
     caption="A textured owl and a polished helmet, simulated: amplitude and range of one image of "
     "the 100 MHz camera at the stated power, whose grain on dark feathers is noise; the same with "
     "strong light; the range of GHz scans at the photon limit and with the noise of the published "
@@ -173,14 +154,14 @@ plotting.save(
 # %% [markdown]
 # The GHz phase is precise to a few tens of micrometres, and to 0.3 mm with the captures' noise; its
 # errors are wrong wraps, most of all on the helmet, which returns little diffuse light. At 100 MHz
-# a wrap is 1.5 m, not the 3 m of the paper's introduction ({doc}`22_errata`), so no wrong wrap can
-# fill the helmet's holes, but stray light and filters can.
+# a wrap is 1.5 m, not the 3 m of the paper's introduction ([chapter 22](22_errata.ipynb)), so no
+# wrong wrap can fill the helmet's holes, but stray light and filters can.
 #
 # Normals of neighbouring points show the effect of a millimetre. The camera's software is assumed
 # to average 5 × 5 pixels; the GHz scan is not smoothed.
 
 
-# %%
+# %% tags=["hide-input"]
 def averaged(found, area=5):
     """Range of phasors averaged over squares of pixels."""
     phase = phase_from_depth(np.nan_to_num(found[0]), camera.frequency)
@@ -252,7 +233,7 @@ plotting.save(
 # lens; for the scanner $n = 1$. The paper calls both photon budgets comparable; this holds for the
 # instruments, not for a pixel.
 
-# %%
+# %% tags=["hide-input"]
 time = paper.published("sec7.integration_time").value
 pixels = camera.shape[0] * camera.shape[1]
 electrons = 4 * float(camera.signal(card(0.5))[0, 0])
@@ -279,7 +260,7 @@ notes.table(("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"), [
 # phases, it shifts the phase by $\delta = \arg(1 + s\,e^{i\Delta})$: at most to the range of the
 # scattering surface, and not at all in a scene at one range.
 
-# %%
+# %% tags=["hide-input"]
 sizes = np.array([0.03, 0.1, 0.3, 0.8])
 noise = {w: [replace(camera, power=w).bound(card(r))[0, 0] for r in sizes]
          for w in (camera.power, strong.power)}  # fmt: skip
@@ -293,14 +274,19 @@ veil = np.sin(turn) / np.sin(away - turn) * spot / wall
 print(f"200 mm on 3 % by scattered light alone: {veil / (1 + veil):.0%} of all light,")
 print("if all of it comes from a wall 0.3 m behind")
 
-# %% [markdown]
-# At the stated power the error on dark feathers is thus noise, seen as grain that changes from
-# image to image. It depends on assumed values (lens, quantum efficiency, read noise), and a random
-# phase gives 433 mm in any case: agreement with the paper's 200 mm proves nothing, and the paper
-# shows no ground truth. The scan sends each point {glue:text}`more_light:,.0f` times the light, and
-# at 14.32 GHz a millimetre is 143 times the phase. Only the second is due to the frequency.
+# %% tags=["hide-input"]
+notes.say(
+    """
+    At the stated power the error on dark feathers is thus noise, seen as grain that changes from
+    image to image. It depends on assumed values (lens, quantum efficiency, read noise), and a
+    random phase gives 433 mm in any case: agreement with the paper's 200 mm proves nothing, and the
+    paper shows no ground truth. The scan sends each point {more_light:,.0f} times the light, and at
+    14.32 GHz a millimetre is 143 times the phase. Only the second is due to the frequency.
+    """,
+    more_light=float(f"{sent[0] / sent[1]:.1g}"),
+)
 
-# %%
+# %% tags=["hide-input"]
 dim = flat["owl"] & (owl.reflectance < 0.1)
 paper.check("fig15.mhz_error", rms(error["owl"][dark]))
 paper.check("fig15.mhz_error_dark", float(np.nanmedian(np.abs(error["owl"][dim]))))
@@ -308,4 +294,21 @@ paper.check("fig15.mhz_power", camera.power)
 paper.check("fig15.mhz_wavelength", camera.wavelength)
 paper.check("fig15.mhz_exposure", camera.exposure)
 paper.check("sec1.unambiguous_range_100mhz", camera.wrap)
-notes.tell(more_light=float(f"{sent[0] / sent[1]:.1g}"))
+paper.table()
+
+# %% [markdown]
+# ## Answer
+
+# %% tags=["hide-input"]
+notes.answer(
+    """
+    **Answer.** Noise: a simulated camera has {error:.0f} mm rms on the dark feathers of an owl of
+    our own, and {bias:.1f} mm without noise. The simulated GHz scan has {photon:.0f} % of the owl's
+    wraps right at the photon limit by this book's `surfaces`, and {captures:.0f} % with the
+    captures' phase noise by the paper's network ([chapter 21](21_scanned_scenes.ipynb)).
+    """,
+    error=1e3 * rms(error["owl"][dark]),
+    bias=1e3 * rms(bias["owl"][dark]),
+    photon=100 * right["owl", "photon"],
+    captures=100 * right["owl", "captures"],
+)
