@@ -278,13 +278,14 @@ def validated(scans: Scans, weights: Path | None) -> list[float]:
 
 
 def chosen_legs(scans: Scans, counts: Counts, most: int) -> int:
-    """Legs of training after which another one gains less than `FLAT` on objects held out."""
+    """Legs of training until one gains less than `FLAT` on objects held out; that if it gains."""
     best = counts.keep("validation", "0", of=lambda: validated(scans, None))
     for legs in range(1, most + 1):
         weights = tuned_weights(scans, CURVE[-1], legs)
         found = counts.keep("validation", str(legs), of=partial(validated, scans, weights))
         if np.mean(found) < np.mean(best) + FLAT:
-            return legs
+            worse = bool(np.mean(found) < np.mean(best))
+            return max(legs - worse, 1)
         best = found
     return most
 
