@@ -329,7 +329,9 @@ for name in objects:
     few = {k: tuple(image[::step, ::step] for image in both) for k, both in layers.items()}
     views.save_scene(f"scene_{name}", few, **view | {"longest": step * view["longest"]})
     if name == teaser:
-        still = views.still(*layers["photon limit"], **view)
+        points, colours = layers["photon limit"]
+        near = np.where(photon[..., None] < 1.05, points, np.nan)  # without the wall
+        still = views.still(near, colours, **view | {"eye": (-0.16, -0.12, -0.1)})
         still = layers["photon limit"][1] if still is None else still
 
 # %% [markdown]
@@ -347,8 +349,8 @@ plotting.save(
     figure,
     "fig01_teaser",
     caption=f"From centimetre waves to shape, simulated: a {teaser} at the photon limit. (a) Its "
-    "wrapped phase repeats every centimetre. (b) The surface in space, unwrapped by this book's "
-    "`surfaces`; at the foot of the chapter it can be turned.",
+    "wrapped phase repeats every centimetre. (b) Its surface in space, without the wall, by this "
+    "book's `surfaces`; at the foot of the chapter it can be turned.",
     alt=f"A {teaser} as fine fringes of a wrapped phase; beside it as a shaded surface in space.",
     format="png",
 )
