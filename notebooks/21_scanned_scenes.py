@@ -324,14 +324,14 @@ for name in objects:
             layers[label] = (points_from_depth(one, camera[name]), shades.to_rgba(one)[..., :3])
     red = plt.get_cmap("YlOrRd")(np.nan_to_num(np.abs(off)) / 10)[..., :3]
     layers["wraps off"] = (layers["depth"][0], red)
-    view = {"longest": 4 * FIELD_OF_VIEW[name] / size, "eye": (-0.3, -0.22, -0.1)}  # m
+    view = {"longest": 4 * FIELD_OF_VIEW[name] / size, "eye": (-0.16, -0.12, -0.1)}  # m
     step = max(size // 100, 1)  # the pages would be slow with all points
     few = {k: tuple(image[::step, ::step] for image in both) for k, both in layers.items()}
     views.save_scene(f"scene_{name}", few, **view | {"longest": step * view["longest"]})
     if name == teaser:
         points, colours = layers["photon limit"]
         near = np.where(photon[..., None] < 1.05, points, np.nan)  # without the wall
-        still = views.still(near, colours, **view | {"eye": (-0.16, -0.12, -0.1)})
+        still = views.still(near, colours, **view)
         still = layers["photon limit"][1] if still is None else still
 
 # %% [markdown]
