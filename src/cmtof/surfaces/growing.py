@@ -19,7 +19,7 @@ WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
 # Share S / E that a plane must reach to begin in a window, to grow into a cell, and to keep it.
 _START, _JOIN, _STAY = 0.75, 0.6, 0.5
 GAIN = 15.0  # in S from which on a surface counts as bent
-_ROUGHEST = 0.9  # variance, rad^2, of the depths about a surface, up to which it is one
+ROUGHEST = 0.9  # variance, rad^2, of the depths about a surface, up to which it is one
 _ROUGHER = 0.1  # by which it may grow beyond that of the window in which it began
 _SURE = 6.0  # deviations of S from noise for a rough surface to begin
 _ALIKE = (0.08, 2.0)  # tolerance of its coherence at the higher frequency, and in deviations
@@ -31,10 +31,13 @@ _STEPS, _CELLS = np.int64(2), np.int64(100)  # of a fit; cells of a surface that
 _ROUNDS, _NEIGHBOURLY = 6, 3.0  # of reassignment; gain in S per neighbour in the same surface
 
 
-def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Array]:
+def grown_surfaces(
+    field: Field, *, gain: float = GAIN, roughest: float = ROUGHEST
+) -> tuple[Labels, Array]:
     """Owner of each cell, -1 for none, and the surfaces (N, 7) grown from windows.
 
-    Their parameters, and their roughness: the variance of pixels about them, rad^2.
+    Their parameters, and their roughness: the variance of pixels about them, rad^2; those that
+    begin rougher than ``roughest`` are none.
     """
     shape = tuple(n // CELL for n in field.cosine.shape)
     cells = field.information.astype(float).reshape(2, shape[0], CELL, shape[1], CELL)
@@ -43,7 +46,9 @@ def grown_surfaces(field: Field, *, gain: float = GAIN) -> tuple[Labels, Array]:
     owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, fitting.BENT + 1))
     for kind in WINDOWS:
         start, held = windows(field, owner < 0, *kind), (owner, len(surfaces))
-        added = _grow(field.arrays(), label, start, information, field.limits, gain, *held)
+        added = _grow(
+            field.arrays(), label, start, information, field.limits, (gain, roughest), *held
+        )
         surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
         owner = _reassigned(field.arrays(), owner, surfaces, information)
@@ -70,7 +75,7 @@ def fitted(field: Field, label: Labels, surfaces: Array, effort: tuple, gain: fl
 
 
 @njit(cache=True, nogil=True)
-def _grow(field, label, start, information, limits, gain, owner, count):  # pragma: no cover
+def _grow(field, label, start, information, limits, bounds, owner, count):  # pragma: no cover
     """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
     rows, columns = owner.shape
     stamp = np.zeros((rows, columns), np.int64)
@@ -86,10 +91,10 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
         q, likelihood = plane_in_window(field, label, window, limits, told)
         rough = 0.0
         if likelihood < _START * told:
-            rough = _roughness(field, q, window) if likelihood > 0 else 0.0
+            rough = _roughness(field, q, window, bounds[1]) if likelihood > 0 else 0.0
             if rough == 0:
                 continue
-        roughest = min(rough + _ROUGHER, _ROUGHEST)
+        roughest = min(rough + _ROUGHER, bounds[1])
         region = np.empty(rows * columns, np.int64)
         size = 0
         for y in range(y0, y0 + side):
@@ -105,7 +110,7 @@ def _grow(field, label, start, information, limits, gain, owner, count):  # prag
             before = size
             boxes = _boxes_of_cells(region[:size], columns, _CELLS)
             weight = size / boxes.shape[0]
-            fit = fitting.select(field, label, fitting.EVERY, q, boxes, _STEPS, gain, weight)
+            fit = fitting.select(field, label, fitting.EVERY, q, boxes, _STEPS, bounds[0], weight)
             z = fitting.depth_at(field, fit[0], boxes[0, 0], boxes[0, 2])
             if 0.02 * limits[1] < z < 2 * limits[1]:
                 q = fit[0]
@@ -136,7 +141,7 @@ def _scatter(sums):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True)
-def _roughness(field, q, window):  # pragma: no cover - compiled
+def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
     """Roughness of a window if both frequencies agree on it, else zero.
 
     A Gaussian of variance r costs one frequency exp(-r / 2), twice that frequency exp(-2 r).
@@ -148,7 +153,7 @@ def _roughness(field, q, window):  # pragma: no cover - compiled
     off = sums[0, 1] / max(sums[1, 1], 1e-9) - np.exp(-2 * rough)
     tolerance = _ALIKE[0] + _ALIKE[1] / np.sqrt(max(sums[1, 1], 1e-9))
     sure = sums[0].sum() > _SURE * np.sqrt(told) and abs(off) < tolerance
-    return rough if sure and rough < _ROUGHEST else 0.0
+    return rough if sure and rough < roughest else 0.0
 
 
 @njit(cache=True, nogil=True)

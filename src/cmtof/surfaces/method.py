@@ -22,7 +22,7 @@ from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import placing
 from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask, field_from_measurement
-from cmtof.surfaces.growing import GAIN, fitted, grown_surfaces
+from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
 from cmtof.surfaces.roughness import departure, turned_back
 
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
@@ -85,7 +85,9 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
     gain = np.inf if "bent" in without else GAIN
-    owner, surfaces = grown_surfaces(field, gain=gain)
+    # through an assumed lens what a surface lacks in shape would look like roughness
+    roughest = 0.0 if measurement.camera is None else ROUGHEST
+    owner, surfaces = grown_surfaces(field, gain=gain, roughest=roughest)
     label, share = placing.pixel_labels(field, owner, surfaces)
     inner = placing.interiors(label, share)
     main, cut = placing.parted(field, inner, surfaces)
