@@ -115,23 +115,18 @@ def _methods(seed: int, figure: Path | None) -> Iterator[tuple[str, float]]:
         pixels = (scored_pixels(found, given[method]) for found, given in pairs)
         yield method, score(pixels)["delta_lt_1"]
     if figure and find_spec("matplotlib"):
-        _draw(figure, frames, [given["beat"] for given in taken], answers)
+        _draw(figure, frames[0], taken[0]["beat"], answers)
 
 
-def _draw(
-    figure: Path, frames: list[Frame], measurements: list[Measurement], answers: Answers
-) -> None:
+def _draw(figure: Path, frame: Frame, measurement: Measurement, answers: Answers) -> None:
     """Draw Fig. 10, whole or not at all."""
     from cmtof_book import plotting
     from cmtof_book.comparison import Scene, comparison_figure
 
     plotting.begin()
-    scenes = [
-        Scene(frame, measurements[k], {method: found[k] for method, found in answers.items()})
-        for k, frame in enumerate(frames)
-    ]
+    first = {method: found[0] for method, found in answers.items()}
     with written_whole(figure) as part:
-        comparison_figure(scenes, METHODS).savefig(part)
+        comparison_figure(Scene(frame, measurement, first), METHODS).savefig(part)
 
 
 if __name__ == "__main__":
