@@ -36,14 +36,18 @@ def read_capture(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.floa
     phase, depth = _read_map(path), None
     least, most = phase.min(), phase.max()
     if least < -np.pi - 1e-5 or most > 2 * np.pi + 1e-5 or most - least > 2 * np.pi + 1e-5:
-        what = f"wrapped phases over one turn of 2 pi rad, got {least:.4g} to {most:.4g} in {path}"
-        raise ValueError(f"Expected {what}. Is it a depth map?")
+        raise ValueError(
+            "Expected wrapped phases over one turn of 2 pi rad, "
+            f"got {least:.4g} to {most:.4g} in {path}. Is it a depth map?"
+        )
     other = path.parent.parent / "depth" / path.name.replace("_phase", "_depth")
     if other.is_file():
         depth = _read_map(other) / 1000
         if depth.shape != phase.shape:
-            what = f"a reference depth of shape {phase.shape}, got {depth.shape} in {other}"
-            raise ValueError(f"Expected {what}. Take the one of the same scene.")
+            raise ValueError(
+                f"Expected a reference depth of shape {phase.shape}, got {depth.shape} in {other}. "
+                "Take the one of the same scene."
+            )
     return phase if least >= 0 else wrapped(phase), depth
 
 

@@ -196,8 +196,10 @@ def _check_distinct(paths: list[Path]) -> None:
     """Raise a ValueError if two of inputs and outputs are one file."""
     real = {os.path.realpath(path) for path in paths}  # of a circle of links, too
     if len(real) < len(paths):
-        what = f"another file for each of inputs and outputs, got {paths[0].name} twice"
-        raise ValueError(f"Expected {what}. Name another.")
+        raise ValueError(
+            f"Expected another file for each of inputs and outputs, got {paths[0].name} twice. "
+            "Name another."
+        )
 
 
 def _unwrapped(
@@ -268,8 +270,10 @@ def evaluate(
                     advance(f"{frame.name}: {done}")
             skipped |= several.skipped
     if not evaluation.frames:
-        none = f"none ({' '.join(skipped.values()):.200}). Name others"
-        raise ValueError(f"Expected a frame that loads and has pixels in range, got {none}.")
+        raise ValueError(
+            "Expected a frame that loads and has pixels in range, "
+            f"got none ({' '.join(skipped.values()):.200}). Name others."
+        )
     report = evaluation.report()
     if json_file is not None:
         with written_whole(json_file) as part:
@@ -361,8 +365,9 @@ def replicate(
     from cmtof_book.replication import replicate as outcomes
 
     if output.suffix not in PICTURES:
-        what = f"a picture named {', '.join(PICTURES)}, got {output.name}"
-        raise ValueError(f"Expected {what}. Rename it.")
+        raise ValueError(
+            f"Expected a picture named {', '.join(PICTURES)}, got {output.name}. Rename it."
+        )
     output.parent.mkdir(parents=True, exist_ok=True)
     failed = 0
     for outcome in outcomes(output):
@@ -468,8 +473,7 @@ def scan(
     if not twin and rig is None:
         raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
     if not twin and (seed, scene) != (None, None):
-        what = "--scene and --seed with --twin, got a RIG file"
-        raise ValueError(f"Expected {what}. Leave them out.")
+        raise ValueError("Expected --scene and --seed with --twin, got a RIG file. Leave them out.")
     settings = Rig.default() if rig is None else Rig.load(rig)
     plan = planned(settings, size=size)
     requests = log.open("w", encoding="utf-8") if log else None

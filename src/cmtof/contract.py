@@ -83,14 +83,17 @@ def structured(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset with its coordinates declared; a ValueError for what is missing or misshapen."""
     main = "correlation" if "correlation" in dataset else "phase"
     if main not in dataset:
-        what = "a variable 'correlation' (frequency, step, y, x)"
-        advice = "See the page «Bring your own data»."
-        raise ValueError(f"Expected {what}, got {list(dataset.variables)}. {advice}")
+        raise ValueError(
+            "Expected a variable 'correlation' (frequency, step, y, x), "
+            f"got {list(dataset.variables)}. See the page «Bring your own data»."
+        )
     needed = ("frequency", "psi") if main == "correlation" else ("frequency",)
     for name in needed:
         if name not in dataset.variables:
-            got = f"{list(dataset.variables)}. State it for every image"
-            raise ValueError(f"Expected a variable '{name}', got {got}.")
+            raise ValueError(
+                f"Expected a variable '{name}', got {list(dataset.variables)}. "
+                "State it for every image."
+            )
     for name in VARIABLES.keys() & set(dataset.variables):
         _check_kind(name, dataset[name])
     # outside xarray a variable of two dimensions is no coordinate
@@ -103,8 +106,10 @@ def _check_kind(name: str, found: xr.DataArray) -> None:
         raise ValueError(f"Expected numbers as {name}, got type {found.dtype}. Store floats.")
     dims = VARIABLES[name].dims or found.dims
     if not found.size or found.dims != dims:
-        what = f"{name} with dimensions {dims}, none of them empty"
-        raise ValueError(f"Expected {what}, got {dict(found.sizes)}. Transpose or rename them.")
+        raise ValueError(
+            f"Expected {name} with dimensions {dims}, none of them empty, got {dict(found.sizes)}. "
+            "Transpose or rename them."
+        )
 
 
 def in_si_units(dataset: xr.Dataset) -> xr.Dataset:
@@ -131,12 +136,16 @@ def _check_range(dataset: xr.Dataset) -> None:
     plain = all(np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends)
     low, high = (float(np.squeeze(end)) if plain else np.nan for end in ends)
     if not 0 <= low < high < np.inf:
-        what = "attributes 0 <= range_min < range_max in m"
-        raise ValueError(f"Expected {what}, got {ends}. Set the depths to choose from.")
+        raise ValueError(
+            f"Expected attributes 0 <= range_min < range_max in m, got {ends}. "
+            "Set the depths to choose from."
+        )
     wraps = high / float(wrap_length(dataset["frequency"].to_numpy()[0]))
     if wraps > MOST_WRAPS:
-        what = f"at most {MOST_WRAPS} wraps of the lowest frequency within range_max"
-        raise ValueError(f"Expected {what}, got {wraps:.3g}. Lower range_max or the frequency.")
+        raise ValueError(
+            f"Expected at most {MOST_WRAPS} wraps of the lowest frequency within range_max, "
+            f"got {wraps:.3g}. Lower range_max or the frequency."
+        )
 
 
 def _with_valid_values(data: xr.Dataset) -> xr.Dataset:

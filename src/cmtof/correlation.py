@@ -110,16 +110,19 @@ def decoding_weights(psi: ArrayLike) -> Array:
 def check_psi(psi: Array) -> None:
     """Raise a ValueError unless ``psi`` (K,) can be decoded: 3 or more, finite, distinct."""
     if psi.ndim != 1 or psi.size < 3:
-        what = f"at least 3 reference phases psi in one dimension, got shape {psi.shape}"
-        raise ValueError(f"Expected {what}. Record more steps or check psi.")
+        raise ValueError(
+            f"Expected at least 3 reference phases psi in one dimension, got shape {psi.shape}. "
+            "Record more steps or check psi."
+        )
     if not np.isfinite(psi).all():
         raise ValueError("Expected finite reference phases psi, got NaN or inf. State every psi.")
     turns = np.exp(1j * psi)
     gaps = np.abs(turns[:, None] - turns[None, :])[np.triu_indices(psi.size, 1)]
     if gaps.min() < 1e-6:
-        what = "distinct reference phases psi modulo 2 pi"
-        got = f"duplicates in {psi.round(6).tolist()}"
-        raise ValueError(f"Expected {what}, got {got}. Average repeated steps or correct psi.")
+        raise ValueError(
+            "Expected distinct reference phases psi modulo 2 pi, "
+            f"got duplicates in {psi.round(6).tolist()}. Average repeated steps or correct psi."
+        )
 
 
 def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
@@ -143,8 +146,10 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
     if psi.ndim == 1 and correlation.ndim == 4:
         psi = np.broadcast_to(psi, (len(correlation), psi.size))
     if psi.ndim not in (1, 2) or correlation.shape[: psi.ndim] != psi.shape:
-        what = f"correlation whose first axes match psi {psi.shape}, got {correlation.shape}"
-        raise ValueError(f"Expected {what}. Put the steps first: (K, ...) or (F, K, ...).")
+        raise ValueError(
+            f"Expected correlation whose first axes match psi {psi.shape}, "
+            f"got {correlation.shape}. Put the steps first: (K, ...) or (F, K, ...)."
+        )
     if psi.ndim == 1:
         return Decoded(*(field[0] for field in decode(correlation[None], psi[None])))
     if correlation.dtype != np.float32:
@@ -174,8 +179,10 @@ def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
     """
     psi = np.asarray(psi, float)
     if psi.size <= 3:
-        what = f"more than 3 reference phases to estimate the noise, got {psi.size}"
-        raise ValueError(f"Expected {what}. Record more steps.")
+        raise ValueError(
+            f"Expected more than 3 reference phases to estimate the noise, got {psi.size}. "
+            "Record more steps."
+        )
     fit = np.stack([np.ones_like(psi), np.cos(psi), np.sin(psi)])
     null = np.linalg.svd(fit)[2][3:]  # orthonormal directions that the fit does not reach
     images = np.asarray(correlation).reshape(psi.size, -1)

@@ -56,23 +56,28 @@ def check_output(path: str | Path, *suffixes: str) -> Path:
         try:
             target = target.resolve()
         except (OSError, RuntimeError):
-            what = f"a link that leads to a file, got a circle at {target}"
-            raise FileExistsError(f"Expected {what}. Name a file.") from None
+            raise FileExistsError(
+                f"Expected a link that leads to a file, got a circle at {target}. Name a file."
+            ) from None
     if target.is_dir():
         raise IsADirectoryError(f"Expected a file to write, got the folder {target}. Name a file.")
     if not target.parent.is_dir():
-        what = f"an existing folder to write into, got {target.parent}"
-        raise FileNotFoundError(f"Expected {what}. Create it first.")
+        raise FileNotFoundError(
+            f"Expected an existing folder to write into, got {target.parent}. Create it first."
+        )
     if target.exists() and not target.is_file():
-        what = f"a regular file to write, got a device or pipe, {target}"
-        raise FileExistsError(f"Expected {what}. Name a file.")
+        raise FileExistsError(
+            f"Expected a regular file to write, got a device or pipe, {target}. Name a file."
+        )
     probe = _part(target)
     try:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        what = f"a folder that can be written to, got {target.parent} ({error.strerror})"
-        raise PermissionError(f"Expected {what}. Choose another.") from error
+        raise PermissionError(
+            f"Expected a folder that can be written to, got {target.parent} ({error.strerror}). "
+            "Choose another."
+        ) from error
     return target
 
 
@@ -125,8 +130,9 @@ def alone(path: Path, *, wait: bool = False) -> Iterator[None]:
         fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         yield
     except BlockingIOError:
-        what = f"{path} to be free, got a process that is writing it"
-        raise ValueError(f"Expected {what}. Wait for its end.") from None
+        raise ValueError(
+            f"Expected {path} to be free, got a process that is writing it. Wait for its end."
+        ) from None
     finally:
         os.close(handle)
 
@@ -139,8 +145,9 @@ def small_file(path: str | Path) -> bytes:
     """Content of a document; a ValueError if it is too large for one."""
     size = check_input(path).stat().st_size
     if size > MOST_BYTES:
-        what = f"at most {MOST_BYTES} bytes in {path}, got {size}"
-        raise ValueError(f"Expected {what}. Name another file.")
+        raise ValueError(
+            f"Expected at most {MOST_BYTES} bytes in {path}, got {size}. Name another file."
+        )
     return Path(path).read_bytes()
 
 

@@ -34,15 +34,18 @@ class Frame:
         depth = numbers(self.depth, f"depth of {where}", np.float32)
         light = numbers(self.intensity, f"intensity of {where}", np.float32)
         if depth.ndim != 2 or depth.shape != light.shape or not depth.size:
-            got = f"{depth.shape} and {light.shape} in {where}. Resample one of them"
-            raise ValueError(f"Expected depth and intensity of one shape (H, W), got {got}.")
+            raise ValueError(
+                "Expected depth and intensity of one shape (H, W), "
+                f"got {depth.shape} and {light.shape} in {where}. Resample one of them."
+            )
         depth[~(np.isfinite(depth) & (depth > 0))] = np.nan
         if np.isnan(depth).all():
             got = f"none above 0 in {where}. Check the depth scale"
             raise ValueError(f"Expected depths in metres, got {got}. {self.note}".strip())
         if not np.isfinite(light).all() or light.min() < 0:
-            got = f"others in {where}. Fill its holes with 0"
-            raise ValueError(f"Expected finite intensities >= 0, got {got}.")
+            raise ValueError(
+                f"Expected finite intensities >= 0, got others in {where}. Fill its holes with 0."
+            )
         kind = np.asarray(self.intensity).dtype.kind
         if kind in "iu" and light.max() > 1:
             white = next(top for top in (255, 65535, light.max()) if light.max() <= top)
@@ -145,8 +148,10 @@ def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
     """Frame of an ``.npz`` with ``depth``, ``intensity`` and, unless given, ``camera``."""
     arrays = read_npz(path)
     if not arrays.keys() >= {"depth", "intensity"}:
-        what = f"arrays depth and intensity in {path}, got {', '.join(sorted(arrays)) or 'none'}"
-        raise ValueError(f"Expected {what}. Add them.")
+        raise ValueError(
+            f"Expected arrays depth and intensity in {path}, "
+            f"got {', '.join(sorted(arrays)) or 'none'}. Add them."
+        )
     stored = arrays.get("camera") if camera is None else camera
     frame = Frame(arrays["depth"], arrays["intensity"], stored, path.stem)
     notes = [str(arrays.get("note", "")), frame.note, light_note(frame.intensity)]

@@ -63,8 +63,9 @@ class Hypersim:
     def __init__(self, root: str | Path):
         path = Path(root).resolve()
         if not is_hypersim(path):
-            what = f"scenes such as ai_001_001/images in {path}"
-            raise ValueError(f"Expected {what}, got none. Name their folder.")
+            raise ValueError(
+                f"Expected scenes such as ai_001_001/images in {path}, got none. Name their folder."
+            )
         alone = (path / "images").is_dir()
         self.root, self._scenes = (path.parent, path.name) if alone else (path, "*")
 
@@ -105,8 +106,9 @@ class Hypersim:
     def split(self) -> dict[str, list[View]]:
         """Views on disk that train, validate and test, as `split_views` has them."""
         if not self._listed:
-            where = f"in or beside {self.root}"
-            raise FileNotFoundError(f"Expected {SPLIT} {where}, got none. Fetch the data set's.")
+            raise FileNotFoundError(
+                f"Expected {SPLIT} in or beside {self.root}, got none. Fetch the data set's."
+            )
         parts, there = split_views(self._listed), {view[:3] for view in self.views}
         return {name: [v for v in part if v[:3] in there] for name, part in parts.items()}
 
@@ -139,8 +141,11 @@ def frame_of_file(path: Path) -> Frame:
     """Frame of a depth file, wherever its tree lies."""
     path = path.resolve()
     if (view := _view_from(path)) is None:
-        what = "a depth file SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.depth_meters.hdf5"
-        raise ValueError(f"Expected {what}, got {path}. Keep the layout of the data set.")
+        raise ValueError(
+            "Expected a depth file "
+            f"SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.depth_meters.hdf5, got {path}. "
+            "Keep the layout of the data set."
+        )
     return Hypersim(path.parents[3]).frame(view, blank=True)
 
 
@@ -161,8 +166,10 @@ def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> NDA
     rays = given @ [[2 / shape[1], 0, -1], [0, -2 / shape[0], 1], [0, 0, 1]]
     rays = np.diag([1.0, -1.0, -1.0]) @ rays
     if not np.isfinite(rays).all() or np.linalg.det(rays) <= 0:
-        what = f"a projection M_cam_from_uv that shows what lies ahead, got {given.tolist()}"
-        raise ValueError(f"Expected {what}. Check the table of camera parameters.")
+        raise ValueError(
+            "Expected a projection M_cam_from_uv that shows what lies ahead, "
+            f"got {given.tolist()}. Check the table of camera parameters."
+        )
     inverse = np.linalg.qr(rays, mode="r")
     pinhole = np.linalg.inv(inverse * np.sign(np.diag(inverse))[:, None])
     camera = (pinhole / pinhole[2, 2])[[0, 1, 0, 1, 0], [0, 1, 2, 2, 1]]

@@ -42,13 +42,16 @@ def frame_from_pair(depth: Path, intensity: str | Path | None, **how: Any) -> Fr
     scale = reading.depth_scale
     wrong = scale is not None and not 0 < scale < np.inf
     if intensity is None or wrong or (reading.planar and reading.camera is None):
-        what = "an intensity image beside depth, a depth scale > 0, and for planar depth a camera"
-        got = f"{intensity}, {scale}, {reading.camera} for {depth.name}"
-        raise ValueError(f"Expected {what}, got {got}. Give what is missing.")
+        raise ValueError(
+            "Expected an intensity image beside depth, a depth scale > 0, and for planar depth a "
+            f"camera, got {intensity}, {scale}, {reading.camera} for {depth.name}. "
+            "Give what is missing."
+        )
     levels, image = read_image(depth), read_image(Path(intensity))
     if levels.ndim != 2:
-        what = f"one channel of depth in {depth}, got {levels.shape[-1]}"
-        raise ValueError(f"Expected {what}. Name depth first.")
+        raise ValueError(
+            f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name depth first."
+        )
     distance, notes = distances(levels, scale)
     if not reading.planar:
         notes.append("depth taken along the ray")
@@ -66,9 +69,10 @@ def read_image(path: Path) -> NDArray:
     from PIL import Image
 
     if path.suffix == ".exr":
-        what = f"an image out of {', '.join(READ)}, got {path.name}"
-        advice = "Convert it: numpy.save('depth.npy', imageio.v3.imread(…)[..., 0])."
-        raise ValueError(f"Expected {what}. {advice}")
+        raise ValueError(
+            f"Expected an image out of {', '.join(READ)}, got {path.name}. "
+            "Convert it: numpy.save('depth.npy', imageio.v3.imread(…)[..., 0])."
+        )
     try:
         if path.suffix == ".npy":
             return np.array(np.load(check_input(path), mmap_mode="r", allow_pickle=False))

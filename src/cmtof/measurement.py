@@ -53,8 +53,10 @@ class Measurement:
             psi = np.broadcast_to(psi, (frequencies.size, psi.size))
         shape = np.shape(correlation)
         if len(shape) != 4 or shape[:2] != psi.shape:
-            what = f"correlation (F, K, H, W), psi {psi.shape}"
-            raise ValueError(f"Expected {what}, got {shape}. Put frequency and step first.")
+            raise ValueError(
+                f"Expected correlation (F, K, H, W), psi {psi.shape}, got {shape}. "
+                "Put frequency and step first."
+            )
         coordinates = {"frequency": frequencies, "psi": (STACK[:2], psi)}
         return cls(_dataset({"correlation": correlation}, coordinates, more))
 
@@ -185,8 +187,9 @@ def _dataset(
         if str(error).startswith("Expected"):
             raise
         reason = str(error).splitlines()[0]
-        what = f"arrays of one image size, got others ({reason})"
-        raise ValueError(f"Expected {what}. Check shapes.") from None
+        raise ValueError(
+            f"Expected arrays of one image size, got others ({reason}). Check shapes."
+        ) from None
     kept = {key: value for key, value in more.items() if value is not None}
     dataset.attrs = {"version": __version__, **kept}
     return dataset
@@ -218,8 +221,9 @@ def open_measurement(path: str | Path) -> Measurement:
         return _open_npz(path)
     if path.suffix == ".csv":
         return _open_capture(path)
-    what = "a file named *.nc, *.npz or *_phase.csv"
-    raise ValueError(f"Expected {what}, got {path.name}. Convert it first.")
+    raise ValueError(
+        f"Expected a file named *.nc, *.npz or *_phase.csv, got {path.name}. Convert it first."
+    )
 
 
 def _open_npz(path: Path) -> Measurement:
@@ -228,9 +232,10 @@ def _open_npz(path: Path) -> Measurement:
     arrays = read_npz(path)
     needed = ("correlation", "psi", "frequency")
     if not arrays.keys() >= set(needed):
-        what = f"arrays {', '.join(needed)} in {path}, got {', '.join(sorted(arrays))}"
-        advice = "A frame of depth and intensity becomes a measurement by `cmtof simulate`."
-        raise ValueError(f"Expected {what}. {advice}")
+        raise ValueError(
+            f"Expected arrays {', '.join(needed)} in {path}, got {', '.join(sorted(arrays))}. "
+            "A frame of depth and intensity becomes a measurement by `cmtof simulate`."
+        )
     stacks = (arrays[name] for name in needed)
     more = {k: arrays[k] for k in ("depth", "mask", "camera") if k in arrays}
     more |= {k: arrays[k].item() for k in ("range_min", "range_max") if k in arrays}

@@ -67,16 +67,20 @@ class Method:
     def _check(self, measurement: Measurement, options: Mapping[str, Any]) -> None:
         """Raise a ValueError if the measurement or an option does not fit the method."""
         if not options.keys() <= inspect.signature(self.run).parameters.keys():
-            what = f"options of method {self.name}, got {', '.join(options)}"
-            raise ValueError(f"Expected {what}. Leave them out.")
+            raise ValueError(
+                f"Expected options of method {self.name}, got {', '.join(options)}. Leave them out."
+            )
         count = measurement.frequencies.size
         if count < self.frequencies:
-            what = f"{self.frequencies} frequencies for method {self.name}, got {count}"
-            advice = "Measure another frequency or choose the method spatial."
-            raise ValueError(f"Expected {what}. {advice}")
+            raise ValueError(
+                f"Expected {self.frequencies} frequencies for method {self.name}, got {count}. "
+                "Measure another frequency or choose the method spatial."
+            )
         if self.knows_truth and measurement.depth is None:
-            what = f"a measurement with its true depth for method {self.name}, got none"
-            raise ValueError(f"Expected {what}. Simulate one, or choose another method.")
+            raise ValueError(
+                f"Expected a measurement with its true depth for method {self.name}, got none. "
+                "Simulate one, or choose another method."
+            )
 
     def state(self, protocol: str = "released") -> str:
         """Kind of a method without weights; else trained, untrained or no weights."""

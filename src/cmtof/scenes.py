@@ -44,8 +44,9 @@ def load_frame(source: str | Path, *, intensity: str | Path | None = None, **giv
         return frame_from_pair(path, intensity, **given)
     if path.suffix == ".hdf5":
         return frame_of_file(path)
-    what = "a frame named *.npz, *.png or *.depth_meters.hdf5"
-    raise ValueError(f"Expected {what}, got {path.name}. Convert it.")
+    raise ValueError(
+        f"Expected a frame named *.npz, *.png or *.depth_meters.hdf5, got {path.name}. Convert it."
+    )
 
 
 def frames_in(source: str | Path, **given: Any) -> list[Source]:
@@ -67,8 +68,11 @@ def frames_in(source: str | Path, **given: Any) -> list[Source]:
     found = [Source(p.stem, partial(frame_from_npz, p, camera)) for p in sorted(path.glob("*.npz"))]
     found += _pairs(path, given)
     if not found:
-        what = f"frames in {path} (a Hypersim tree, depth beside rgb or color, TUM's lists, *.npz)"
-        raise ValueError(f"Expected {what}, got none. Name the folder that holds them.")
+        raise ValueError(
+            f"Expected frames in {path} (a Hypersim tree, depth beside rgb or color, TUM's lists, "
+            "*.npz), got none. "
+            "Name the folder that holds them."
+        )
     return found
 
 
@@ -97,8 +101,10 @@ def _tum_sequence(path: Path, given: dict[str, Any]) -> list[Source]:
             load = partial(frame_from_pair, path / name, path / colours[nearest], **how)
             found.append(Source(f"{path.name}/{Path(name).stem}", load))
     if not found:
-        what = f"depth and colour within {TUM_GAP} s of each other in {path}"
-        raise ValueError(f"Expected {what}, got none. Check depth.txt and rgb.txt.")
+        raise ValueError(
+            f"Expected depth and colour within {TUM_GAP} s of each other in {path}, got none. "
+            "Check depth.txt and rgb.txt."
+        )
     return found
 
 
@@ -111,6 +117,8 @@ def _tum_list(path: Path) -> dict[float, str]:
     except (IndexError, ValueError):
         found = {0.0: ".."}
     if any(Path(name).is_absolute() or ".." in Path(name).parts for name in found.values()):
-        what = f"lines of a time and a file name below it in {path}"
-        raise ValueError(f"Expected {what}, got others. Fetch it again.")
+        raise ValueError(
+            f"Expected lines of a time and a file name below it in {path}, got others. "
+            "Fetch it again."
+        )
     return found

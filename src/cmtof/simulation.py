@@ -96,8 +96,10 @@ def _check_sensor(gain: float, integration_time: float, order: str) -> None:
     if order not in get_args(NoiseOrder):
         raise ValueError(f"Expected order 'paper' or 'released', got {order!r}. Choose one.")
     if not (0 <= gain < np.inf and 0 <= integration_time < np.inf):
-        got = f"{gain} and {integration_time}"
-        raise ValueError(f"Expected gain and integration_time >= 0, got {got}. Correct them.")
+        raise ValueError(
+            f"Expected gain and integration_time >= 0, got {gain} and {integration_time}. "
+            "Correct them."
+        )
 
 
 def _means(

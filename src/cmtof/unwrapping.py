@@ -50,8 +50,9 @@ def unwrap(
     """
     chosen = find_method(method)
     if not 0 <= min_confidence <= 1:
-        what = f"a least confidence from 0 to 1, got {min_confidence}"
-        raise ValueError(f"Expected {what}. Choose 0.5, say.")
+        raise ValueError(
+            f"Expected a least confidence from 0 to 1, got {min_confidence}. Choose 0.5, say."
+        )
     if range is not None:
         measurement = _narrowed(measurement, *range)
     estimate = chosen(measurement, **options)
@@ -97,8 +98,11 @@ def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
     """The measurement with a range asked for, m, which has to meet its own."""
     held = measurement.range
     if not (0 <= low < high and high > held[0] and low < held[1]):
-        what = f"a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to {held[1]:.3f}"
-        raise ValueError(f"Expected {what}, got {low:g} to {high:g}. Widen or move it.")
+        raise ValueError(
+            f"Expected a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to "
+            f"{held[1]:.3f}, got {low:g} to {high:g}. "
+            "Widen or move it."
+        )
     return measurement.between(low, high)
 
 

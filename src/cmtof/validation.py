@@ -40,8 +40,9 @@ def checked(kind: type[T], values: Any, source: object) -> T:
         words = dict.fromkeys(("unexpected_keyword_argument", "extra_forbidden"), "be a known key")
         rule = (words | {"missing": "be there"}).get(first["type"], rule)
         found = repr(first["input"])[:60]
-        what = f"{place} in {source} to {rule}"
-        raise ValueError(f"Expected {what}, got {found}. Correct it.") from None
+        raise ValueError(
+            f"Expected {place} in {source} to {rule}, got {found}. Correct it."
+        ) from None
 
 
 def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDArray[np.floating]:
@@ -54,8 +55,9 @@ def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDAr
     """
     array = np.asarray(values)
     if array.dtype.kind not in "biuf":
-        got = f"values of type {array.dtype}. Store them as float"
-        raise ValueError(f"Expected numbers as {what}, got {got}.")
+        raise ValueError(
+            f"Expected numbers as {what}, got values of type {array.dtype}. Store them as float."
+        )
     with np.errstate(over="ignore"):  # beyond float32 is infinite, and refused as such
         return array.astype(dtype)
 
@@ -76,8 +78,10 @@ def checked_frequencies(values: ArrayLike) -> NDArray[np.float64]:
     if not (found.size and within.all() and (np.diff(found) > 0).all()):
         what = "modulation frequencies in rising order"
         what += f", from {LOWEST_FREQUENCY:g} up to {HIGHEST_FREQUENCY:g} Hz"
-        advice = "State them in Hz, for instance 7.15e9, 14.32e9."
-        raise ValueError(f"Expected {what}, got {found.tolist()}. {advice}")
+        raise ValueError(
+            f"Expected {what}, got {found.tolist()}. "
+            "State them in Hz, for instance 7.15e9, 14.32e9."
+        )
     return found
 
 
@@ -86,6 +90,8 @@ def checked_camera(values: ArrayLike, where: str) -> NDArray[np.float64]:
     found = numbers(values, f"camera of {where}")
     known = found.shape in ((4,), (5,)) and np.isfinite(found).all()
     if not (known and (found[:2] > 0).all()):
-        what = f"camera fx fy cx cy (skew), px, with fx, fy > 0, in {where}"
-        raise ValueError(f"Expected {what}, got {found.tolist()}. Correct it.")
+        raise ValueError(
+            f"Expected camera fx fy cx cy (skew), px, with fx, fy > 0, in {where}, "
+            f"got {found.tolist()}. Correct it."
+        )
     return found

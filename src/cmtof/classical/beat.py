@@ -43,8 +43,10 @@ def synthetic_frequency(low: float, high: float) -> Synthetic:
     multiple = round(high / low)
     difference = high - multiple * low
     if not difference:
-        got = f"{low:g} and {high:g} Hz. Choose the method crt, or detune one of them"
-        raise ValueError(f"Expected frequencies that are no multiples, got {got}.")
+        raise ValueError(
+            f"Expected frequencies that are no multiples, got {low:g} and {high:g} Hz. "
+            "Choose the method crt, or detune one of them."
+        )
     return Synthetic(multiple, abs(difference), 1 if difference > 0 else -1)
 
 

@@ -41,8 +41,10 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     common = gcd(low, high)
     k1, k2 = low // common, high // common
     if k1 * k2 > 10**12:
-        got = f"{low} and {high} Hz with {common} Hz. Round them to whole MHz"
-        raise ValueError(f"Expected frequencies with a large common divisor, got {got}.")
+        raise ValueError(
+            "Expected frequencies with a large common divisor, "
+            f"got {low} and {high} Hz with {common} Hz. Round them to whole MHz."
+        )
     lengths = wrap_length(measurement.frequencies[:2])[:, None, None]
     first, second = measurement.phase[:2] * lengths / TAU
     unit = float(wrap_length(low)) / k2

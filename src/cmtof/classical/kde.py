@@ -39,9 +39,9 @@ def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIU
     Gaussian window, px, with half of it as sigma. The confidence is the share of all densities.
     """
     if not 0 < kernel <= 100 or radius not in range(1, 1000):
-        got = f"{kernel} and {radius}. Try {KERNEL} and {RADIUS}"
         raise ValueError(
-            f"Expected a kernel of 0 to 100 wraps, a radius of 1 to 999 px, got {got}."
+            "Expected a kernel of 0 to 100 wraps, a radius of 1 to 999 px, "
+            f"got {kernel} and {radius}. Try {KERNEL} and {RADIUS}."
         )
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)

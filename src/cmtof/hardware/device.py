@@ -115,8 +115,10 @@ class Device:
         for what, value in settings.items():
             low, high = self.LIMITS[what]
             if not low <= value <= high:
-                got = f"{low:g} to {high:g}, got {value:g}"
-                raise ValueError(f"Expected {what} of {self.name} from {got}. Stay within.")
+                raise ValueError(
+                    f"Expected {what} of {self.name} from {low:g} to {high:g}, got {value:g}. "
+                    "Stay within."
+                )
 
     def _expect(self, what: str, wanted: float, found: float, tolerance: float = 0.0) -> None:
         """Raise `Refused` unless a device reads back what was set."""

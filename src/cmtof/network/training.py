@@ -242,8 +242,10 @@ def _train(
             **flags,
         )
     except (MisconfigurationException, TypeError) as error:
-        what = "accelerator, devices and strategy that this machine has"
-        raise ValueError(f"Expected {what}, got «{error}». Choose others.") from error
+        raise ValueError(
+            f"Expected accelerator, devices and strategy that this machine has, got «{error}». "
+            "Choose others."
+        ) from error
     try:
         trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
     except SystemExit as stop:
