@@ -10,8 +10,6 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.validation import expect
-
 NoiseOrder = Literal["paper", "released"]
 Array = NDArray[np.floating]
 
@@ -50,10 +48,13 @@ def poisson_gaussian(
 
 def _check_counts(mean: Array, sigma: float) -> None:
     low, high = (mean.min(), mean.max()) if mean.size else (0.0, 0.0)
-    got, advice = f"values from {low:.6g} to {high:.6g}", "Check intensity, gain and exposure."
-    # false for NaN as well
-    expect(low >= 0 and high < _LARGEST_MEAN, "finite counts >= 0", got, advice)
-    expect(sigma >= 0, "a noise sigma >= 0", sigma, "Give it in counts.")
+    if not (low >= 0 and high < _LARGEST_MEAN):  # NaN is refused as well
+        raise ValueError(
+            f"Expected finite counts >= 0, got values from {low:.6g} to {high:.6g}. "
+            "Check intensity, gain and exposure."
+        )
+    if not sigma >= 0:
+        raise ValueError(f"Expected a noise sigma >= 0, got {sigma}. Give it in counts.")
 
 
 def skellam_gaussian(
@@ -78,7 +79,10 @@ def quantise(signal: ArrayLike, *, bits: int, full_scale: float) -> Array:
     >>> quantise([-1.0, 0.4, 0.6, 9.0], bits=2, full_scale=3.0).tolist()
     [0.0, 0.0, 1.0, 3.0]
     """
-    right, got = bits >= 1 and full_scale > 0, f"{bits} and {full_scale}"
-    expect(right, "bits >= 1 and full_scale > 0", got, "A 14-bit converter has bits=14.")
+    if not (bits >= 1 and full_scale > 0):
+        raise ValueError(
+            f"Expected bits >= 1 and full_scale > 0, got {bits} and {full_scale}. "
+            "A 14-bit converter has bits=14."
+        )
     step = full_scale / (2**bits - 1)
     return np.clip(np.rint(np.asarray(signal, float) / step), 0, 2**bits - 1) * step

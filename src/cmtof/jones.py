@@ -16,8 +16,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.validation import expect
-
 JonesMatrix = NDArray[np.complex128]
 JonesVector = NDArray[np.complex128]
 Port = Literal["transmitted", "reflected"]
@@ -101,15 +99,18 @@ def mirror(reflectance: ArrayLike = 1.0) -> JonesMatrix:
     outside 0 to 1.
     """
     r = np.asarray(reflectance, float)
-    right = np.all((r >= 0) & (r <= 1))
-    expect(right, "a reflectance from 0 to 1", reflectance, "Give a fraction.")
+    if not np.all((r >= 0) & (r <= 1)):
+        raise ValueError(f"Expected a reflectance from 0 to 1, got {reflectance}. Give a fraction.")
     return _diattenuator(np.sqrt(r), -np.sqrt(r), 0.0)
 
 
 def _leakage(extinction_ratio: ArrayLike, name: str) -> NDArray[np.float64]:
     ratio = np.asarray(extinction_ratio, float)
-    advice = "Give wanted over unwanted intensity, numpy.inf for an ideal element."
-    expect(np.all(ratio > 1), f"{name} above 1", extinction_ratio, advice)
+    if not np.all(ratio > 1):
+        raise ValueError(
+            f"Expected {name} above 1, got {extinction_ratio}. "
+            "Give wanted over unwanted intensity, numpy.inf for an ideal element."
+        )
     return 1 / ratio
 
 

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import jv
 
 from cmtof import constants, jones
-from cmtof.validation import expect
 from cmtof.waveform import Harmonics, harmonics_from_waveform
 
 Array = NDArray[np.float64]
@@ -67,9 +66,12 @@ class TwoPassModulator:
             ("input_axis", self.input_axis, ("vertical", "horizontal")),
             ("output", self.output, ("crossed", "returned")),
         ):
-            expect(value in options, f"{name} in {options}", repr(value), "Choose one.")
-        what, advice = "a frequency above 0 Hz", "Give the drive's in Hz."
-        expect(0 < self.frequency < np.inf, what, self.frequency, advice)
+            if value not in options:
+                raise ValueError(f"Expected {name} in {options}, got {value!r}. Choose one.")
+        if not 0 < self.frequency < np.inf:
+            raise ValueError(
+                f"Expected a frequency above 0 Hz, got {self.frequency}. Give the drive's in Hz."
+            )
 
     @property
     def pass_delay(self) -> float:

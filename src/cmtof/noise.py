@@ -17,7 +17,6 @@ from scipy import optimize, stats
 from cmtof.bounds import phase_spread
 from cmtof.constants import GAIN, INTEGRATION_TIME
 from cmtof.correlation import wrapped
-from cmtof.validation import expect
 
 Array = NDArray[np.float64]
 
@@ -80,7 +79,10 @@ def typical_phase_noise(phase: ArrayLike, where: ArrayLike, *, window: int = 5) 
     """
     held = local_phase_noise(phase, window=window)[np.asarray(where, bool)]
     held = held[np.isfinite(held)]
-    expect(held.size, f"whole windows of {window} px to fit", "none", "Widen the region.")
+    if not held.size:
+        raise ValueError(
+            f"Expected whole windows of {window} px to fit, got none. Widen the region."
+        )
     freedom = window**2 - 6
     return float(np.median(held) / np.sqrt(stats.chi2.median(freedom) / freedom))
 
@@ -88,8 +90,10 @@ def typical_phase_noise(phase: ArrayLike, where: ArrayLike, *, window: int = 5) 
 def _flattened(phase: ArrayLike, window: int) -> NDArray[np.complex128]:
     """Phasors of windows (H, W, window, window), turned back by centre and slope; 0 outside."""
     phase = np.asarray(phase, float)
-    expect(phase.ndim == 2, "a phase map (H, W)", f"shape {phase.shape}", "Pick one plane.")
-    expect(window > 2 and window % 2, "an odd window of 3 px or more", window, "Try 5.")
+    if phase.ndim != 2:
+        raise ValueError(f"Expected a phase map (H, W), got shape {phase.shape}. Pick one plane.")
+    if not (window > 2 and window % 2):
+        raise ValueError(f"Expected an odd window of 3 px or more, got {window}. Try 5.")
     windows = sliding_window_view(np.pad(np.exp(1j * phase), window // 2), (window, window))
     y, x = np.mgrid[:window, :window] - window // 2
     ramp = np.zeros(windows.shape)
@@ -141,10 +145,11 @@ def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:
     ValueError if the shapes differ or a value within the mask is not finite.
     """
     values, mask = np.asarray(values, float), np.asarray(mask, bool)
-    right = values.shape == mask.shape and mask.any() and np.isfinite(values[mask]).all()
-    got = f"a mask of shape {mask.shape} with {mask.sum()} pixels"
-    what = f"finite values within a mask of shape {values.shape}"
-    expect(right, what, got, "Choose another region.")
+    if not (values.shape == mask.shape and mask.any() and np.isfinite(values[mask]).all()):
+        raise ValueError(
+            f"Expected finite values within a mask of shape {values.shape}, got a mask of shape "
+            f"{mask.shape} with {mask.sum()} pixels. Choose another region."
+        )
     return np.abs(np.fft.fft2(np.where(mask, values, 0))) ** 2 / mask.sum()
 
 
@@ -210,8 +215,11 @@ def fit_line_noise(residual: ArrayLike, mask: ArrayLike, *, window: int = 9) -> 
 
 def linear_from_spread(spread: float) -> float:
     """Linear phase noise whose exact law spreads this far, rad: inverse of `phase_spread`."""
-    what = f"a phase noise between 0 and {np.pi / np.sqrt(3):.2f} rad"
-    expect(1e-6 < spread < phase_spread(_LARGEST), what, f"{spread:.4g}", "Average first.")
+    if not 1e-6 < spread < phase_spread(_LARGEST):
+        raise ValueError(
+            f"Expected a phase noise between 0 and {np.pi / np.sqrt(3):.2f} rad, "
+            f"got {spread:.4g}. Average first."
+        )
     root = optimize.brentq(lambda x: phase_spread(x) - spread, 0.6 * spread, _LARGEST, xtol=1e-13)
     return float(root)  # type: ignore[arg-type]
 
@@ -230,9 +238,12 @@ def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) ->
     signal = GAIN * INTEGRATION_TIME * np.asarray(intensity, float)
     variance = 2 * (linear_from_spread(phase_noise) * signal / np.pi) ** 2
     rest = variance - signal / 2
-    least, seen = intensity_from_phase_noise(phase_noise, 0.0), f"{np.min(intensity):.4g}"
-    what = f"a brightness of {least:.4g} or more, with photon noise below {phase_noise:.4g} rad"
-    expect(np.all(rest >= -1e-9 * variance), what, seen, "Assume a brighter surface.")
+    if not np.all(rest >= -1e-9 * variance):
+        least = intensity_from_phase_noise(phase_noise, 0.0)
+        raise ValueError(
+            f"Expected a brightness of {least:.4g} or more, with photon noise below "
+            f"{phase_noise:.4g} rad, got {np.min(intensity):.4g}. Assume a brighter surface."
+        )
     return np.sqrt(np.maximum(rest, 0))
 
 

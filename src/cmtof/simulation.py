@@ -145,10 +145,12 @@ def staged_depth(
         raise ValueError(f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one.")
     mask = known & (np.where(known, depth, -1) >= limits[0]) & (depth < limits[1])
     if not mask.any():
-        nearest, farthest = np.nanmin(depth), np.nanmax(depth)
-        what = f"depths between {limits[0]:.3f} and {limits[1]:.3f} m"
+        nearest = np.nanmin(depth)
         advice = "Are they in millimetres?" if nearest > _FAR else "Use another protocol or frame."
-        raise ValueError(f"Expected {what}, got {nearest:.3f} to {farthest:.3f} m. {advice}")
+        raise ValueError(
+            f"Expected depths between {limits[0]:.3f} and {limits[1]:.3f} m, "
+            f"got {nearest:.3f} to {np.nanmax(depth):.3f} m. {advice}"
+        )
     return depth, mask, limits
 
 

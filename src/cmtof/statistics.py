@@ -9,8 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.validation import expect
-
 Array = NDArray[np.float64]
 
 
@@ -91,13 +89,12 @@ def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> R
     ([1, 3], 0.2)
     """
     said, good = np.ravel(np.asarray(confidence, float)), np.ravel(np.asarray(right, bool))
-    right = said.shape == good.shape and ((said >= 0) & (said <= 1)).all()
-    ends = f"{np.min(said, initial=np.inf):g} to {np.max(said, initial=-np.inf):g}"
-    what, got = (
-        f"a probability in [0, 1] for each of {good.size} answers",
-        f"{said.size} from {ends}",
-    )
-    expect(right, what, got, "Leave out what was not answered.")
+    if said.shape != good.shape or not ((said >= 0) & (said <= 1)).all():
+        least, most = said.min(initial=np.inf), said.max(initial=-np.inf)
+        raise ValueError(
+            f"Expected a probability in [0, 1] for each of {good.size} answers, "
+            f"got {said.size} from {least:g} to {most:g}. Leave out what was not answered."
+        )
     place = np.minimum((said * bins).astype(int), bins - 1)
     count = np.bincount(place, minlength=bins)
     each = np.where(count > 0, count, np.nan)

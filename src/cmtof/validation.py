@@ -12,12 +12,6 @@ HIGHEST_FREQUENCY = 1e12
 """Lowest and highest frequency that is believed to be a modulation's, Hz."""
 
 
-def expect(holds: object, what: str, got: object, advice: str) -> None:
-    """Raise the ValueError «Expected …, got …. Do ….» unless it holds."""
-    if not holds:
-        raise ValueError(f"Expected {what}, got {got}. {advice}")
-
-
 def checked(kind: type[T], values: Any, source: object) -> T:
     """Plain values as a checked type of pydantic; a ValueError of one line names the first fault.
 
@@ -76,10 +70,9 @@ def checked_frequencies(values: ArrayLike) -> NDArray[np.float64]:
     found = np.atleast_1d(numbers(values, "frequencies"))
     within = (found >= LOWEST_FREQUENCY) & (found <= HIGHEST_FREQUENCY)  # false for NaN
     if not (found.size and within.all() and (np.diff(found) > 0).all()):
-        what = "modulation frequencies in rising order"
-        what += f", from {LOWEST_FREQUENCY:g} up to {HIGHEST_FREQUENCY:g} Hz"
         raise ValueError(
-            f"Expected {what}, got {found.tolist()}. "
+            f"Expected modulation frequencies in rising order, from {LOWEST_FREQUENCY:g} up to "
+            f"{HIGHEST_FREQUENCY:g} Hz, got {found.tolist()}. "
             "State them in Hz, for instance 7.15e9, 14.32e9."
         )
     return found

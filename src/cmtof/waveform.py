@@ -8,8 +8,6 @@ of harmonic k. From N uniform samples over one period they are ``fft(w)[k] / N``
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.validation import expect
-
 Harmonics = NDArray[np.complex128]
 
 
@@ -23,9 +21,11 @@ def harmonics_from_waveform(samples: ArrayLike, count: int) -> Harmonics:
     [3.0, 0.5, 0.0]
     """
     w = np.asarray(samples, float)
-    what = f"a highest harmonic from 0 to below N/2 = {w.shape[-1] / 2:g}"
-    advice = "Sample the period more finely or ask for fewer harmonics."
-    expect(0 <= count < w.shape[-1] / 2, what, count, advice)
+    if not 0 <= count < w.shape[-1] / 2:
+        raise ValueError(
+            f"Expected a highest harmonic from 0 to below N/2 = {w.shape[-1] / 2:g}, got {count}. "
+            "Sample the period more finely or ask for fewer harmonics."
+        )
     return np.fft.rfft(w, axis=-1)[..., : count + 1] / w.shape[-1]
 
 

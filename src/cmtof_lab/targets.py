@@ -15,7 +15,6 @@ from pydantic import ConfigDict
 
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
-from cmtof.validation import expect
 
 Array = NDArray[np.float64]
 
@@ -64,7 +63,8 @@ class FrameTarget:
     """A frame's depth and intensity, clipped to 1 as reflectance, looked up through its camera."""
 
     def __init__(self, frame: Frame) -> None:
-        expect(frame.camera is not None, "a frame with a camera", f"{frame.name!r}", "Store one.")
+        if frame.camera is None:
+            raise ValueError(f"Expected a frame with a camera, got {frame.name!r}. Store one.")
         self._camera = np.asarray(frame.camera, float)
         self._reflectance = np.clip(np.asarray(frame.intensity, float), 0, 1)
         planar = np.asarray(frame.depth, float) / ray_lengths(frame.depth.shape, self._camera)

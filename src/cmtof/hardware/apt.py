@@ -179,8 +179,12 @@ class Motor(device.Device):
                     return
                 stuck = status.motion_error or status.motor_current_limit_reached
                 if stuck or time.monotonic() >= deadline:
-                    wish, got = f"arrive at {position:.6g}", f"it at {self.position:.6g}"
-                    self._fail(device.InstrumentError, wish, got, "Free it and home it.")
+                    self._fail(
+                        device.InstrumentError,
+                        f"arrive at {position:.6g}",
+                        f"it at {self.position:.6g}",
+                        "Free it and home it.",
+                    )
                 if waiting:
                     waiting()
                 time.sleep(_POLL)

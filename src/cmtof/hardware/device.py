@@ -103,8 +103,12 @@ class Device:
         found: dict[str, str] = self._identity()  # type: ignore[attr-defined]
         model, serial_number = found["model"], found["serial_number"]
         if self._serial_number not in ("", serial_number) or not model.startswith(self.MODELS):
-            wanted = f"be {' or '.join(self.MODELS)} {self._serial_number}"
-            self._fail(Refused, wanted, f"{model} {serial_number}", "Check the address.")
+            self._fail(
+                Refused,
+                f"be {' or '.join(self.MODELS)} {self._serial_number}",
+                f"{model} {serial_number}",
+                "Check the address.",
+            )
         return found
 
     def _resynchronise(self) -> None:
@@ -123,8 +127,12 @@ class Device:
     def _expect(self, what: str, wanted: float, found: float, tolerance: float = 0.0) -> None:
         """Raise `Refused` unless a device reads back what was set."""
         if not abs(found - wanted) <= tolerance:  # a comparison that NaN fails
-            wish = f"set its {what} to {wanted:.9g}"
-            self._fail(Refused, wish, f"{found:.9g}", "Check value and wiring.")
+            self._fail(
+                Refused,
+                f"set its {what} to {wanted:.9g}",
+                f"{found:.9g}",
+                "Check value and wiring.",
+            )
 
     def _fail(self, kind: type[InstrumentError], wish: str, got: str, remedy: str) -> NoReturn:
         raise kind(f"Expected {self.name} to {wish}, got {got[:80]}. {remedy}")

@@ -25,7 +25,6 @@ from cmtof.correlation import TAU, centred, decode, phase_from_depth
 from cmtof.hardware.plan import REFERENCE_BURSTS, Plan, Record
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
-from cmtof.validation import expect
 
 Array = NDArray[np.float64]
 
@@ -87,9 +86,11 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> tuple[
     visits = np.sum(seen.amplitude * turned, axis=1)
     total, mean = visits.sum(), float(seen.offset.mean())
     contrast = float(abs(total) / seen.offset.size / mean) if mean > 0 else 0.0
-    what = f"a reference target with a contrast above {MIN_CONTRAST:g}"
-    advice = "Check that both modulators run and that its light comes back."
-    expect(contrast > MIN_CONTRAST, what, f"{contrast:.2g}", advice)
+    if not contrast > MIN_CONTRAST:
+        raise ValueError(
+            f"Expected a reference target with a contrast above {MIN_CONTRAST:g}, "
+            f"got {contrast:.2g}. Check that both modulators run and that its light comes back."
+        )
     drift = centred(np.angle(visits[-1]) - np.angle(visits[0]))
     return float(centred(np.angle(total))), float(drift)
 
@@ -106,10 +107,13 @@ def calibrated(
 ) -> tuple[float, float]:
     """`calibrate` by the recorded visits of the target; a ValueError, too, if it saturates."""
     gain, (seen, counts) = Gain(*header["calibration"]), lines_of(plan, records, mode, "reference")
-    volts, clipped = gain.volts_from_counts(counts), int(seen.clipped.sum())
-    got = f"{volts.max():.2f} V and {clipped} clipped samples: it saturates"
-    within, what = volts.max() <= plan.rig.limit_volts, "a reference target in the detector's range"
-    expect(within and not clipped, what, got, "Put a grey filter before it.")
+    volts = gain.volts_from_counts(counts)
+    clipped = int(seen.clipped.sum())
+    if clipped or not volts.max() <= plan.rig.limit_volts:
+        raise ValueError(
+            f"Expected a reference target in the detector's range, got {volts.max():.2f} V and "
+            f"{clipped} clipped samples: it saturates. Put a grey filter before it."
+        )
     dark = gain.volts_from_counts(lines_of(plan, records, mode, "dark")[1].mean())
     ranges = plan.rig.reference_distance + np.repeat(plan.sweep, REFERENCE_BURSTS)
     visits = ((volts - dark) / seen.power[:, None, None]).reshape(-1, ranges.size, counts.shape[2])

@@ -88,8 +88,12 @@ class RfDriver(device.Device):
         try:
             while on and not (status := self.status()).locked:
                 if status.tripped or time.monotonic() >= deadline:
-                    wish = f"lock within {lock_timeout:g} s"
-                    self._fail(device.Unsafe, wish, str(status), "Check frequency and cable.")
+                    self._fail(
+                        device.Unsafe,
+                        f"lock within {lock_timeout:g} s",
+                        str(status),
+                        "Check frequency and cable.",
+                    )
                 time.sleep(0.02)
         except OSError:
             self.safe_state()
@@ -158,8 +162,9 @@ class RfDriver(device.Device):
         while (words := self._line())[:1] != [f"<{self._sequence}"]:
             pass
         if words[1:2] != ["OK"]:
-            wish, got = f"obey {word}", " ".join(words[1:])
-            self._fail(device.Refused, wish, got, "Check state and limits.")
+            self._fail(
+                device.Refused, f"obey {word}", " ".join(words[1:]), "Check state and limits."
+            )
         return words[2:]
 
     def _line(self) -> list[str]:

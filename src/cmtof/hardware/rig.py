@@ -9,7 +9,7 @@ from pydantic.dataclasses import dataclass
 from cmtof.air import group_index
 from cmtof.constants import HALF_WAVE_PLATE_DOUBLED, HALF_WAVE_PLATE_SINGLE
 from cmtof.files import read_document
-from cmtof.validation import checked, expect
+from cmtof.validation import checked
 
 DRIVERS = {
     "rf_emission": ("rf-driver",),
@@ -88,15 +88,20 @@ class Rig:
         for role in DRIVERS | self.devices:
             found = self.devices[role].driver if role in self.devices else "none"
             wanted = DRIVERS.get(role, ("no such role",))
-            what = f"devices.{role}: {' or '.join(wanted)}"
-            expect(found in wanted and role in DRIVERS, what, found, "Correct it.")
+            if found not in wanted or role not in DRIVERS:
+                raise ValueError(
+                    f"Expected devices.{role}: {' or '.join(wanted)}, got {found}. Correct it."
+                )
         if self.power_dbm > self.power_dbm_limit:
             raise ValueError(
                 f"Expected power_dbm up to power_dbm_limit, {self.power_dbm_limit:g}, "
                 f"got {self.power_dbm:g}. Lower it."
             )
-        settled, what = self.settle_samples, "settle_samples below samples_per_phase"
-        expect(settled < self.samples_per_phase, what, settled, "Lower it.")
+        if self.settle_samples >= self.samples_per_phase:
+            raise ValueError(
+                "Expected settle_samples below samples_per_phase, "
+                f"got {self.settle_samples}. Lower it."
+            )
 
     @classmethod
     def load(cls, path: str | Path) -> Self:

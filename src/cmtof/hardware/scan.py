@@ -19,7 +19,6 @@ from cmtof.hardware.journal import append, begun, check_settings, journal_path, 
 from cmtof.hardware.plan import SWEEP, Line, Plan
 from cmtof.hardware.reduction import calibrated, measurement_from_records
 from cmtof.measurement import Measurement, open_measurement
-from cmtof.validation import expect
 
 
 def finished(output: Path, plan: Plan) -> Measurement:
@@ -49,8 +48,10 @@ def scan(
     output = Path(output)
     path = check_output(journal_path(check_output(output, ".nc")))
     if path.exists() and not resume:
-        got = f"{max(len(whole_lines(path)) - 1, 0)} lines in {path}"
-        expect(False, "no scan begun", got, "Go on with --resume, or remove it to begin again.")
+        raise ValueError(
+            f"Expected no scan begun, got {max(len(whole_lines(path)) - 1, 0)} lines in {path}. "
+            "Go on with --resume, or remove it to begin again."
+        )
     if resume and output.exists() and not path.exists():
         return finished(output, plan)  # the journal goes when the file is whole
     mode = None

@@ -178,8 +178,12 @@ class LabJackT7(device.Device):
         number, _, length, function, kind, _, status, _ = words[:, :8].T
         known = (function & 0xFF == 76) & (kind == 0x1000) & (length == 2 * width - 6)
         if not (known & np.isin(status, (0, COMPLETE))).all() or (np.diff(number) != 1).any():
-            got = f"status {status.max()} or a gap"
-            self._fail(device.BadReply, "send every packet and scan", got, "Take it again.")
+            self._fail(
+                device.BadReply,
+                "send every packet and scan",
+                f"status {status.max()} or a gap",
+                "Take it again.",
+            )
         if len(data) < wanted:
             self._fail(device.InstrumentTimeout, "send all samples", "fewer", "Take it again.")
         return words[:, 8:].ravel().astype(np.uint16)

@@ -21,7 +21,6 @@ from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import Config
 from cmtof.simulation import RELEASED_FAR_DEPTH, released_scale
-from cmtof.validation import expect
 
 WRAP = float(wrap_length(FREQUENCIES[0]))
 """Depth of a wrap of the lower frequency, m."""
@@ -167,14 +166,19 @@ def pack_views(views: Sequence[Source]) -> Pack:
         try:
             depth, light = (frame := view.load()).depth, frame.intensity
             shape = depths[0].shape if depths else depth.shape
-            right = depth.shape == shape and np.isfinite(depth).any()
-            expect(right, f"depths of {shape} px", f"{depth.shape} or none", "Look at it.")
+            if depth.shape != shape or not np.isfinite(depth).any():
+                raise ValueError(
+                    f"Expected depths of {shape} px, got {depth.shape} or none. Look at it."
+                )
         except (OSError, ValueError) as error:
             warnings.warn(f"{view.name} is left out. {error}", stacklevel=2)
             continue
         depths.append(depth.astype(np.float32))
         lights.append(np.clip(light, 0, 1).astype(np.float16))
-    expect(depths, "views to train and to validate on", "none", "Render 10 scenes or more.")
+    if not depths:
+        raise ValueError(
+            "Expected views to train and to validate on, got none. Render 10 scenes or more."
+        )
     far = [np.nanpercentile(depth, 99.9) for depth in depths]
     return Pack(np.stack(depths), np.stack(lights), np.array(far))
 

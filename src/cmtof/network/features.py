@@ -9,7 +9,6 @@ from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, wrap_length
 from cmtof.measurement import unambiguous_range
 from cmtof.simulation import RELEASED_WRAPS
-from cmtof.validation import expect
 
 Array = Any  # of NumPy or torch; the result is of the same kind
 
@@ -57,8 +56,11 @@ def features(
     Wrapped phases, rad, and amplitudes, counts, are (..., 2, H, W), correlations at the quadratures
     0, 1/2, 1 and 3/2 pi (..., 2, 4, H, W).
     """
-    what, advice = "raw correlations, which this network reads", "Keep them, or choose another."
-    expect(correlation is not None or name != "correlation", what, "phases alone", advice)
+    if correlation is None and name == "correlation":
+        raise ValueError(
+            "Expected raw correlations, which this network reads, got phases alone. "
+            "Keep them, or choose another."
+        )
     xp = _namespace(phase)
 
     def beat() -> Array:

@@ -21,7 +21,6 @@ from cmtof.measurement import Measurement
 from cmtof.network.features import FULL_AMPLITUDE, features, padding
 from cmtof.network.weights import FOLDER, Card, Refused, find_weights, read_weights, refused
 from cmtof.simulation import QUADRATURES
-from cmtof.validation import expect
 
 
 class Ready(NamedTuple):
@@ -73,8 +72,10 @@ def unwrap_with_network(
     path = Path(weights or find_weights(model or "fast-scnn", first, last))
     ready = load_network(path)
     card = ready.card
-    what = f"weights of {model}"
-    expect(model in (None, card.model), what, f"those of {card.model}", "Name that method.")
+    if model not in (None, card.model):
+        raise ValueError(
+            f"Expected weights of {model}, got those of {card.model}. Name that method."
+        )
     if about(ready.network)["target"] == "depth":
         turns = card.first_wrap + card.classes * (0.5 + output(ready.network, measurement)[0])
         depth = turns * wrap_length(FREQUENCIES[0])
@@ -89,10 +90,11 @@ def unwrap_with_network(
 def _check_tones(measurement: Measurement) -> None:
     """Raise a ValueError if the frequencies are not those of the training."""
     tones = np.asarray(measurement.frequencies, float)
-    right = tones.size > 1 and np.allclose(tones[:2], FREQUENCIES, rtol=1e-6)
-    got = f"{', '.join(f'{f / 1e9:g}' for f in tones)} GHz"
-    what = "7.15 and 14.32 GHz, which the weights were trained at"
-    expect(right, what, got, "Choose the method crt.")
+    if tones.size < 2 or not np.allclose(tones[:2], FREQUENCIES, rtol=1e-6):
+        raise ValueError(
+            "Expected 7.15 and 14.32 GHz, which the weights were trained at, "
+            f"got {', '.join(f'{f / 1e9:g}' for f in tones)} GHz. Choose the method crt."
+        )
 
 
 def classify(
@@ -102,8 +104,11 @@ def classify(
     network, card = ready
     low = card.first_wrap
     stop = low + card.classes
-    what = f"wraps within {low} to {stop - 1}, which {card.model} distinguishes"
-    expect(low <= first and last < stop, what, f"{first} to {last}", "Narrow the range.")
+    if first < low or last >= stop:
+        raise ValueError(
+            f"Expected wraps within {low} to {stop - 1}, which {card.model} distinguishes, "
+            f"got {first} to {last}. Narrow the range."
+        )
     found = output(network, measurement)[first - low : last - low + 1]
     found -= found.max(0)
     np.exp(found, out=found)  # a softmax, in place
@@ -132,9 +137,11 @@ def _at_quadratures(dataset: xr.Dataset) -> NDArray[np.floating]:
     """Correlations (2, 4, H, W) at psi = 0, 1/2, 1 and 3/2 pi."""
     psi = dataset["psi"].to_numpy()[:2]
     off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
-    what = "correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was trained on"
-    got = f"psi = {np.round(psi[0], 3).tolist()} rad"
-    expect((off.min(1) <= 1e-6).all(), what, got, "Choose another method.")
+    if not (off.min(1) <= 1e-6).all():
+        raise ValueError(
+            "Expected correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was trained "
+            f"on, got psi = {np.round(psi[0], 3).tolist()} rad. Choose another method."
+        )
     held = dataset["correlation"]
     taken = [held[tone, step].to_numpy() for tone, step in enumerate(off.argmin(1))]
     return np.stack(taken)

@@ -37,7 +37,6 @@ from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.muon import Muon
 from cmtof.network.recipe import Config
-from cmtof.validation import expect
 
 
 def loss_of(network: Network, sample: Sample) -> Tensor:
@@ -209,15 +208,20 @@ def _train(
     """Training as in `train`, in a folder that no other process writes."""
     last = folder / "last.ckpt"
     if begun := last.is_file():
-        expect(resume, "a new folder", f"a run in {folder}", "Pass --resume, or choose another.")
+        if not resume:
+            raise ValueError(
+                f"Expected a new folder, got a run in {folder}. Pass --resume, or choose another."
+            )
         try:
             if spoilt := zipfile.ZipFile(last).testzip():
                 raise ValueError(f"{spoilt} is damaged")
             held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]["config"]
         except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
             raise broken("a whole checkpoint", last, error) from error
-        same, what = held == config.model_dump_json(), f"the configuration of {last}"
-        expect(same, what, "another", "Change the folder.")
+        if held != config.model_dump_json():
+            raise ValueError(
+                f"Expected the configuration of {last}, got another. Change the folder."
+            )
     if platform.libc_ver()[0] == "glibc":  # fetching freed pages again costs a third of a step
         library = ctypes.CDLL("libc.so.6")
         library.mallopt(-4, 0)  # M_MMAP_MAX
@@ -298,8 +302,12 @@ def fine_tune(
     card, network = trained.card, deepcopy(trained.network).train()
     views = [_view(trained, *example) for example in examples]
     views = [view for view in views if (view[1] != IGNORED).any()]
-    what = f"labels among the wraps {card.first_wrap} to {card.first_wrap + card.classes - 1}"
-    expect(views, what, f"none in {len(examples)} measurements", "Choose other weights.")
+    if not views:
+        raise ValueError(
+            f"Expected labels among the wraps {card.first_wrap} to "
+            f"{card.first_wrap + card.classes - 1}, got none in {len(examples)} measurements. "
+            "Choose other weights."
+        )
     for layer in norms(network):
         layer.eval()
     crop = min(crop, *(size for _, label, _ in views for size in label.shape))

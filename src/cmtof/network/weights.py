@@ -93,8 +93,10 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
         path = weights_path(model, protocol, folder)
         if path.is_file() and low <= first and last < low + count:
             return path
-    what = f"weights of {model} for the wraps {first} to {last}, got none"
-    raise ValueError(f"Expected {what}. Narrow the range, or train them with cmtof train.")
+    raise ValueError(
+        f"Expected weights of {model} for the wraps {first} to {last}, got none. "
+        "Narrow the range, or train them with cmtof train."
+    )
 
 
 def halved(network: Network) -> dict[str, Tensor]:
@@ -121,8 +123,9 @@ def read_card(weights: Path) -> Card:
     try:
         held = json.loads(small_file(path))
     except (OSError, ValueError, RecursionError) as error:
-        got = f"got {error}. Keep both together"
-        raise ValueError(f"Expected the card of {weights.name} in {path}, {got}.") from error
+        raise ValueError(
+            f"Expected the card of {weights.name} in {path}, got {error}. Keep both together."
+        ) from error
     return checked(Card, held, path)
 
 
