@@ -35,6 +35,7 @@ FLOORS = [
     {"waveform", "jones"},
     {"air"},
     {"compiled", "constants", "files", "terminal", "validation"},
+    {"types"},
 ]
 HEIGHT = {room: len(FLOORS) - k for k, floor in enumerate(FLOORS) for room in floor}
 LATE = {"cmtof.cli"}

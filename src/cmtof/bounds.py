@@ -6,13 +6,12 @@ below and spreads further than the bound says.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import integrate, special
 
 from cmtof.constants import GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import TAU
-
-Array = NDArray[np.floating]
+from cmtof.types import Array
 
 
 def fisher_information(

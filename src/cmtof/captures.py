@@ -10,10 +10,10 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cmtof.correlation import wrapped
 from cmtof.frame import broken
+from cmtof.types import Array
 
 
 def data_root() -> Path | None:
@@ -30,7 +30,7 @@ def published_captures() -> dict[str, Path]:
     return {file.stem.removeprefix("scene_").removesuffix("_phase"): file for file in files}
 
 
-def read_capture(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+def read_capture(path: str | Path) -> tuple[Array, Array | None]:
     """Wrapped phase (H, W), rad, and the reference depth, m, or None where it has no file."""
     path = Path(path).resolve()
     phase, depth = _read_map(path), None
@@ -51,7 +51,7 @@ def read_capture(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.floa
     return phase if least >= 0 else wrapped(phase), depth
 
 
-def _read_map(path: Path) -> NDArray[np.float64]:
+def _read_map(path: Path) -> Array:
     """A rectangular table of finite numbers, (H, W)."""
     try:
         with warnings.catch_warnings(action="ignore"):  # of no data: the error below names it

@@ -7,6 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import check_psi, wrap_length, wrapped
+from cmtof.types import Array, Flags
 from cmtof.validation import checked_camera, checked_frequencies, numbers
 
 
@@ -175,14 +176,12 @@ def _with_valid_values(data: xr.Dataset) -> xr.Dataset:
     return data
 
 
-def _as_floats(samples: NDArray) -> NDArray[np.floating]:
+def _as_floats(samples: NDArray) -> Array:
     """Samples in the smallest floats, of 32 bits at least, that hold them exactly."""
     return samples.astype(np.result_type(samples.dtype, np.float32), copy=False)
 
 
-def _hidden(
-    samples: NDArray[np.floating], valid: NDArray[np.bool_], simulated: bool
-) -> NDArray[np.floating]:
+def _hidden(samples: Array, valid: Flags, simulated: bool) -> Array:
     """Samples (..., H, W) with NaN in masked pixels and in those that were never written.
 
     The simulator masks what it does not score, which was measured like the rest: there a masked
@@ -198,7 +197,7 @@ def _hidden(
     return np.where(unknown, np.float32(np.nan), samples)
 
 
-def _refuse(bad: NDArray[np.bool_], what: str, advice: str) -> None:
+def _refuse(bad: Flags, what: str, advice: str) -> None:
     """Raise a ValueError with the number of bad samples, if there is one."""
     if amount := int(bad.sum()):
         raise ValueError(f"Expected {what}, got {amount} others. {advice}")

@@ -8,13 +8,12 @@ peaks at ``psi = -phi``. Wrapped phases lie in [0, 2 pi).
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.types import Array, Numbers
 
 TAU = 2 * np.pi
-
-Array = NDArray[np.floating]
 
 
 # --- light -> correlation ----------------------------------------------------------------------
@@ -220,14 +219,12 @@ def depth_from_phase(phase: ArrayLike, frequency: ArrayLike) -> Array:
     return np.asarray(phase) * (wrap_length(frequency) / TAU)
 
 
-def wrap_count_from_depth(depth: ArrayLike, frequency: ArrayLike) -> NDArray[np.int64]:
+def wrap_count_from_depth(depth: ArrayLike, frequency: ArrayLike) -> Numbers:
     """The paper's wrap count ``floor(2 f z / c)`` of finite depths, m."""
     return np.floor(np.asarray(depth) / wrap_length(frequency)).astype(np.int64)
 
 
-def consistent_wrap_count(
-    depth: ArrayLike, phase: ArrayLike, frequency: ArrayLike
-) -> NDArray[np.int64]:
+def consistent_wrap_count(depth: ArrayLike, phase: ArrayLike, frequency: ArrayLike) -> Numbers:
     """Wraps that bring a measured wrapped phase nearest to a depth: ``round(2fz/c - phi/2pi)``.
 
     Next to a wrap boundary noise moves the phase across it, and this count differs from

@@ -8,10 +8,11 @@ from typing import Literal
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from cmtof.types import Array
 
 NoiseOrder = Literal["paper", "released"]
-Array = NDArray[np.floating]
 
 # numpy draws Poisson counts as int64; beyond this mean the counts would overflow
 _LARGEST_MEAN = 9.2e18

@@ -8,9 +8,7 @@ from scipy.ndimage import distance_transform_edt
 
 from cmtof.correlation import residual_noise, wrap_length
 from cmtof.measurement import Measurement, unambiguous_range
-
-Array = NDArray[np.floating]
-Complex = NDArray[np.complexfloating]
+from cmtof.types import Array
 
 
 class Estimate(NamedTuple):
@@ -52,7 +50,7 @@ def without_holes(measurement: Measurement) -> Measurement:
     return Measurement(data.drop_vars("mask", errors="ignore"))
 
 
-def phase_noise(measurement: Measurement) -> NDArray[np.float64]:
+def phase_noise(measurement: Measurement) -> Array:
     """Phase noise of the first two frequencies (2, H, W), rad: ``sqrt(2 / K) s / a``.
 
     The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
@@ -69,7 +67,7 @@ def phase_noise(measurement: Measurement) -> NDArray[np.float64]:
     return np.where(known, linear / np.where(known, amplitude, 1), np.inf)
 
 
-def _sample_noise(images: NDArray, psi: NDArray[np.floating]) -> float:
+def _sample_noise(images: NDArray, psi: Array) -> float:
     """Noise of one sample, counts, from the pixels whose samples are finite and differ."""
     finite = np.ptp(images, axis=0) > 0  # false for NaN; zeros fill what saw nothing
     if not finite.any():

@@ -18,6 +18,7 @@ from cmtof.methods import find_method
 from cmtof.scenes import Frame
 from cmtof.simulation import simulate
 from cmtof.statistics import Interval, ratio_interval
+from cmtof.types import Numbers
 from cmtof.unwrapping import unwrap
 
 LIMITS = (1, 2, 3, 10)  # wraps off below which pixels are counted, Tables 1 to 3
@@ -225,7 +226,7 @@ def rates(
     """
     whole = np.array([frame["methods"][method]["pixels"] for frame in counts])
 
-    def parts(name: str) -> NDArray[np.int64]:
+    def parts(name: str) -> Numbers:
         held = [frame["methods"][name] for frame in counts]
         below = np.array([one["below"] for one in held]).T
         return np.stack([*below[:3], whole - below[3], [one["consistent"] for one in held]])

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import check_input, written_whole
+from cmtof.types import Array
 from cmtof.validation import check_claim, checked_camera, numbers
 
 EMBEDDED = Path(__file__).parent / "frames"  # the small frames that travel with the package
@@ -23,9 +24,9 @@ _WHITE, _DARK = 0.8, 0.02  # share of white pixels, and brightness, that look li
 class Frame:
     """One view of a scene; a ValueError says what is no number or no possible scene."""
 
-    depth: NDArray[np.floating]  # range along the ray (H, W), m, float32; NaN where invalid
-    intensity: NDArray[np.floating]  # linear radiance (H, W) >= 0, clipped to 1 by the simulator
-    camera: NDArray[np.floating] | None = None  # fx, fy, cx, cy, px (centres at +0.5), and skew
+    depth: Array  # range along the ray (H, W), m, float32; NaN where invalid
+    intensity: Array  # linear radiance (H, W) >= 0, clipped to 1 by the simulator
+    camera: Array | None = None  # fx, fy, cx, cy, px (centres at +0.5), and skew
     name: str = ""  # source of the frame
     note: str = ""  # what a user should know of it
 
@@ -159,7 +160,7 @@ def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
     return frame
 
 
-def light_note(light: NDArray[np.floating]) -> str:
+def light_note(light: Array) -> str:
     """What looks wrong about linear brightness, where 1 is white; nothing if it looks right."""
     white, brightest = float(np.mean(light >= 1)), float(np.percentile(light, 99))
     if white > _WHITE:
@@ -171,7 +172,7 @@ def light_note(light: NDArray[np.floating]) -> str:
     return ""
 
 
-def rays_from_camera(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.float64]:
+def rays_from_camera(shape: tuple[int, ...], camera: ArrayLike) -> Array:
     """Rays (H, W, 3) through the pixel centres: x right, y down, z = 1.
 
     With the camera fx, fy, cx, cy, px, and a skew s: column u = fx x + s y + cx, row v = fy y + cy.
@@ -183,12 +184,12 @@ def rays_from_camera(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.fl
     return np.stack([x, y, np.ones(shape[:2])], axis=-1)
 
 
-def ray_lengths(shape: tuple[int, ...], camera: ArrayLike) -> NDArray[np.float64]:
+def ray_lengths(shape: tuple[int, ...], camera: ArrayLike) -> Array:
     """Range along the ray per planar depth, (H, W); parameters as in `rays_from_camera`."""
     return np.linalg.norm(rays_from_camera(shape, camera), axis=-1)
 
 
-def brightness(color: ArrayLike) -> NDArray[np.floating]:
+def brightness(color: ArrayLike) -> Array:
     """Linear brightness 0.3 R + 0.59 G + 0.11 B of colours (..., 3), as Hypersim defines it."""
     color = np.asarray(color)
     return color @ np.array([0.3, 0.59, 0.11], color.dtype)

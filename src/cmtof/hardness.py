@@ -8,11 +8,12 @@ from scipy import ndimage
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
+from cmtof.types import Array, Flags
 
 BEND = 0.004  # second difference of depth that ends a surface, m; a fifth of a wrap at 7.15 GHz
 
 
-def bends(depth: ArrayLike) -> NDArray[np.bool_]:
+def bends(depth: ArrayLike) -> Flags:
     """Pixels (H, W) where a surface ends: depth bends by more than `BEND`, or is NaN."""
     depth = np.asarray(depth, float)
     ends = ~np.isfinite(depth)
@@ -28,8 +29,8 @@ class Hardness(NamedTuple):
     slope: NDArray[
         np.float64
     ]  # change of depth from a pixel to its neighbour within a surface, wraps
-    jump: NDArray[np.float64]  # the same where a surface ends
-    size: NDArray[np.float64]  # of each valid pixel's surface, px; one where a surface ends
+    jump: Array  # the same where a surface ends
+    size: Array  # of each valid pixel's surface, px; one where a surface ends
 
 
 def hardness(depth: ArrayLike) -> Hardness:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import check_input, check_links, written_whole
 from cmtof.frame import Frame, Source, broken
+from cmtof.types import Array
 from cmtof.validation import check_claim
 
 FILES = {  # folder, file name and, in rendered sets, type of each array of a view
@@ -76,7 +77,7 @@ class Hypersim:
         return sorted(view for file in files if (view := _view_from(file)))
 
     @cached_property
-    def projections(self) -> dict[str, NDArray[np.float64]]:
+    def projections(self) -> dict[str, Array]:
         """M_cam_from_uv (3, 3) of each scene; empty without the table."""
         rows = self._table(CAMERAS, lambda r: (r["scene_name"], [float(r[m]) for m in _MATRIX]))
         return {scene: np.reshape(matrix, (3, 3)) for scene, matrix in rows}
@@ -155,7 +156,7 @@ def _view_from(path: Path) -> View | None:
     return View(found[1], found[2], int(found[3])) if found else None
 
 
-def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Camera fx, fy, cx, cy (and a skew above 1e-6 fx), px, of a projection M_cam_from_uv.
 
     A pixel at (x, y), centres at +0.5, has u = 2x/W - 1 and v = 1 - 2y/H; its ray in the camera's

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import check_input
 from cmtof.frame import Frame, broken, light_note, ray_lengths
+from cmtof.types import Array
 
 READ = (".png", ".pgm", ".jpg", ".jpeg", ".pfm", ".npy")
 """Names that `read_image` understands; only PNG, PGM, PFM and NPY hold depth."""
@@ -85,7 +86,7 @@ def read_image(path: Path) -> NDArray:
     return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels
 
 
-def distances(levels: NDArray, scale: float | None) -> tuple[NDArray[np.float64], list[str]]:
+def distances(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
     """Depth (H, W), m, NaN where a level means «unknown», and what is odd about the levels."""
     if levels.dtype.kind == "f":
         return levels / (scale or 1.0), []
@@ -116,7 +117,7 @@ def resampled(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
     return image[np.ix_(rows.astype(int), columns.astype(int))], note
 
 
-def brightness_of(image: NDArray, linear: bool) -> NDArray[np.float64]:
+def brightness_of(image: NDArray, linear: bool) -> Array:
     """Linear brightness (H, W) of the green of a colour image, or of a grey one."""
     green = image if image.ndim == 2 else image[..., 1 if image.shape[-1] > 2 else 0]
     if linear:

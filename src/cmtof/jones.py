@@ -16,6 +16,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cmtof.types import Array
+
 JonesMatrix = NDArray[np.complex128]
 JonesVector = NDArray[np.complex128]
 Port = Literal["transmitted", "reflected"]
@@ -34,7 +36,7 @@ def linear_polarisation(angle: ArrayLike = 0.0) -> JonesVector:
     return jones_vector(np.cos(angle), np.sin(angle))
 
 
-def intensity(field: ArrayLike) -> NDArray[np.float64]:
+def intensity(field: ArrayLike) -> Array:
     """Intensity ``|E_h|^2 + |E_v|^2`` (...) of Jones vectors (..., 2) (Eq. 15)."""
     e = np.asarray(field, np.complex128)
     return np.sum(e.real**2 + e.imag**2, axis=-1)
@@ -104,7 +106,7 @@ def mirror(reflectance: ArrayLike = 1.0) -> JonesMatrix:
     return _diattenuator(np.sqrt(r), -np.sqrt(r), 0.0)
 
 
-def _leakage(extinction_ratio: ArrayLike, name: str) -> NDArray[np.float64]:
+def _leakage(extinction_ratio: ArrayLike, name: str) -> Array:
     ratio = np.asarray(extinction_ratio, float)
     if not np.all(ratio > 1):
         raise ValueError(

@@ -22,6 +22,7 @@ from cmtof.contract import unambiguous_range as unambiguous_range
 from cmtof.correlation import Decoded, decode
 from cmtof.files import check_input
 from cmtof.storage import loaded, read_dataset, save_dataset
+from cmtof.types import Array, Flags
 from cmtof.validation import numbers
 
 
@@ -75,7 +76,7 @@ class Measurement:
         return cls(_dataset(variables, {"frequency": frequencies}, more))
 
     @property
-    def frequencies(self) -> NDArray[np.float64]:
+    def frequencies(self) -> Array:
         """Modulation frequencies (F,), Hz."""
         return self.dataset["frequency"].to_numpy()
 
@@ -96,28 +97,28 @@ class Measurement:
         return Decoded(np.where(known, phase, 0), np.where(known, amplitude, unknown), unknown)
 
     @property
-    def phase(self) -> NDArray[np.floating]:
+    def phase(self) -> Array:
         """Wrapped phase (F, H, W) in [0, 2 pi), rad; 0 where nothing valid was measured."""
         return self.decoded.phase
 
     @property
-    def amplitude(self) -> NDArray[np.floating]:
+    def amplitude(self) -> Array:
         """Coefficient of the cosine (F, H, W), counts; ones where only phases were kept, or NaN."""
         return self.decoded.amplitude
 
     @property
-    def depth(self) -> NDArray[np.floating] | None:
+    def depth(self) -> Array | None:
         """True range along the ray (H, W), m, where the file holds it."""
         return self._image("depth")
 
     @property
-    def mask(self) -> NDArray[np.bool_]:
+    def mask(self) -> Flags:
         """Valid pixels (H, W)."""
         mask = self._image("mask")
         return np.ones(self.shape, bool) if mask is None else mask.astype(bool)
 
     @property
-    def camera(self) -> NDArray[np.floating] | None:
+    def camera(self) -> Array | None:
         """Camera fx, fy, cx, cy (and skew), px, where the file holds it."""
         return self._image("camera")
 

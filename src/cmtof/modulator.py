@@ -16,13 +16,12 @@ from functools import partial
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import jv
 
 from cmtof import constants, jones
+from cmtof.types import Array
 from cmtof.waveform import Harmonics, harmonics_from_waveform
-
-Array = NDArray[np.float64]
 
 ETA = 0.26
 """Drive amplitude, rad, at which the single mode has the paper's 50 % contrast, sin(2 eta)."""

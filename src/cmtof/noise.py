@@ -11,14 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.random import Generator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import optimize, stats
 
 from cmtof.bounds import phase_spread
 from cmtof.constants import GAIN, INTEGRATION_TIME
 from cmtof.correlation import wrapped
-
-Array = NDArray[np.float64]
+from cmtof.types import Array, Complex
 
 _LARGEST = 50.0  # linear phase noise, rad, beyond which the phase is uniform over the circle
 
@@ -87,7 +86,7 @@ def typical_phase_noise(phase: ArrayLike, where: ArrayLike, *, window: int = 5) 
     return float(np.median(held) / np.sqrt(stats.chi2.median(freedom) / freedom))
 
 
-def _flattened(phase: ArrayLike, window: int) -> NDArray[np.complex128]:
+def _flattened(phase: ArrayLike, window: int) -> Complex:
     """Phasors of windows (H, W, window, window), turned back by centre and slope; 0 outside."""
     phase = np.asarray(phase, float)
     if phase.ndim != 2:

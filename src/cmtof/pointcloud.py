@@ -7,9 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
 from cmtof.frame import ray_lengths, rays_from_camera
+from cmtof.types import Array, Numbers
 
 
-def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64]:
+def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> Array:
     """Points (H, W, 3), m, of ranges (H, W) along the rays; x right, y down, z forward.
 
     ``camera`` is fx, fy, cx, cy in px, pixel centres at +0.5. NaN stays NaN.
@@ -22,7 +23,7 @@ def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> NDArray[np.float64
     return rays * (depth / ray_lengths(depth.shape, camera))[..., None]
 
 
-def normals_from_points(points: ArrayLike) -> NDArray[np.float64]:
+def normals_from_points(points: ArrayLike) -> Array:
     """Unit normals (H, W, 3) towards the scanner, from neighbouring points (H, W, 3), NaN for none.
 
     Beside a hole, where no neighbour gives the slope, they face the scanner.
@@ -69,7 +70,7 @@ def write_ply(
     return vertices.size
 
 
-def _grey(light: NDArray[np.float64]) -> NDArray[np.uint8]:
+def _grey(light: Array) -> NDArray[np.uint8]:
     """Grey of linear brightness (N,): the 99th percentile is white, the gamma 2.2."""
     white = float(np.percentile(light, 99)) if light.size else 1.0
     share = np.clip(light / max(white, 1e-12), 0, 1)
@@ -90,7 +91,7 @@ def _ply_header(vertices: np.recarray) -> str:
     return "\n".join([*lines, "end_header", ""])
 
 
-def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> NDArray[np.int64]:
+def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> Numbers:
     """Triangles (T, 3) between neighbouring pixels of a map of points (H, W, 3), m; NaN for none.
 
     Longer sides than ``longest``, m, bridge an edge and are left out.

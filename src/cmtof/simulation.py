@@ -3,13 +3,14 @@
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement, unambiguous_range
+from cmtof.types import Array, Flags, Single
 from cmtof.validation import checked_frequencies
 
 Protocol = Literal["released", "full"]
@@ -103,11 +104,11 @@ def _check_sensor(gain: float, integration_time: float, order: str) -> None:
 
 
 def _means(
-    signal: NDArray[np.float32],
-    depth: NDArray[np.floating],
-    frequencies: NDArray[np.float64],
-    psi: NDArray[np.float64],
-) -> NDArray[np.float32]:
+    signal: Single,
+    depth: Array,
+    frequencies: Array,
+    psi: Array,
+) -> Single:
     """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)`` (F, K, H, W) at psi (F, K), float32."""
     means = np.empty((*psi.shape, *signal.shape), np.float32)
     for f, frequency in enumerate(frequencies):
@@ -122,8 +123,8 @@ def _means(
 
 
 def staged_depth(
-    depth: NDArray[np.floating], *, protocol: Protocol, frequencies: NDArray[np.float64]
-) -> tuple[NDArray[np.floating], NDArray[np.bool_], tuple[float, float]]:
+    depth: Array, *, protocol: Protocol, frequencies: Array
+) -> tuple[Array, Flags, tuple[float, float]]:
     """Depth (H, W) as a protocol sees it, m, the mask of pixels it scores, and its range, m.
 
     ``"released"``: the scene is shrunk to at most 1.195 m and pixels outside wraps 36 to 56 are

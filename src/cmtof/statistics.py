@@ -7,9 +7,9 @@ its scenes: intervals come from redrawing scenes (the bootstrap of `scipy.stats`
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from cmtof.types import Array, Numbers
 
 
 class Interval(NamedTuple):
@@ -67,7 +67,7 @@ class Reliability(NamedTuple):
 
     confidence: Array
     right: Array
-    answers: NDArray[np.int64]
+    answers: Numbers
 
     @property
     def calibration_error(self) -> float:

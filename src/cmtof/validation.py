@@ -4,7 +4,9 @@ import json
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
+
+from cmtof.types import Array
 
 T = TypeVar("T")
 LOWEST_FREQUENCY = 1e5
@@ -39,7 +41,7 @@ def checked(kind: type[T], values: Any, source: object) -> T:
         ) from None
 
 
-def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> NDArray[np.floating]:
+def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> Array:
     """Values as a new array of floats; text, complex, structured and time types are refused.
 
     >>> numbers(["1.0"], "depth")
@@ -65,7 +67,7 @@ def check_claim(claimed: int, stored: int) -> None:
         raise ValueError(f"its header claims {claimed:.3g} bytes, it holds {stored}")
 
 
-def checked_frequencies(values: ArrayLike) -> NDArray[np.float64]:
+def checked_frequencies(values: ArrayLike) -> Array:
     """Modulation frequencies (F,), Hz; a ValueError unless they are sensible and rise."""
     found = np.atleast_1d(numbers(values, "frequencies"))
     within = (found >= LOWEST_FREQUENCY) & (found <= HIGHEST_FREQUENCY)  # false for NaN
@@ -78,7 +80,7 @@ def checked_frequencies(values: ArrayLike) -> NDArray[np.float64]:
     return found
 
 
-def checked_camera(values: ArrayLike, where: str) -> NDArray[np.float64]:
+def checked_camera(values: ArrayLike, where: str) -> Array:
     """Camera fx, fy, cx, cy and perhaps a skew, px; a ValueError unless they are possible."""
     found = numbers(values, f"camera of {where}")
     known = found.shape in ((4,), (5,)) and np.isfinite(found).all()

@@ -8,6 +8,8 @@ of harmonic k. From N uniform samples over one period they are ``fft(w)[k] / N``
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cmtof.types import Array
+
 Harmonics = NDArray[np.complex128]
 
 
@@ -29,7 +31,7 @@ def harmonics_from_waveform(samples: ArrayLike, count: int) -> Harmonics:
     return np.fft.rfft(w, axis=-1)[..., : count + 1] / w.shape[-1]
 
 
-def waveform_from_harmonics(harmonics: ArrayLike, phase: ArrayLike) -> NDArray[np.float64]:
+def waveform_from_harmonics(harmonics: ArrayLike, phase: ArrayLike) -> Array:
     """Waveform at the phases theta, rad, shape (..., *phase.shape), of coefficients (..., K + 1).
 
     The inverse of `harmonics_from_waveform` for waveforms without harmonics beyond K.

@@ -14,8 +14,9 @@ from scipy.special import erf
 
 from cmtof.bounds import wrap_noise
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
-from cmtof.estimate import Array, Complex, Estimate, within_range
+from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
+from cmtof.types import Array, Complex
 
 WINDOW = 41
 """Side of the averaging window, px: the best mean of both protocols out of 21 to 161 px on 40 views

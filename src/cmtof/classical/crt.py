@@ -8,12 +8,12 @@ and 14.32 GHz M/4 is 3.7 um: the noise of a remainder is a hundred times larger.
 from math import ceil, gcd
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from cmtof.correlation import TAU, depth_from_phase, depth_from_wraps, wrap_length
-from cmtof.estimate import Array, Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
+from cmtof.types import Array, Numbers
 
 _FINEST = 2e-5
 """Least noise of a misfit, rad: the phases are decoded from float32."""
@@ -57,7 +57,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     return Estimate(depth, ndtr((unit / 2 - off) / spread) - ndtr((-unit / 2 - off) / spread))
 
 
-def nearest_wrap(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
     """Wraps in range whose depth best explains the higher phase, and the phase left over, rad.
 
     From wrap to wrap the remainder moves by the fraction of ``f_2 / f_1``, so that each turn has
@@ -81,7 +81,7 @@ def nearest_wrap(measurement: Measurement) -> tuple[NDArray[np.int64], NDArray[n
     return wraps + first, TAU * best
 
 
-def fused_depth(measurement: Measurement, wraps: NDArray[np.integer], residual: Array) -> Array:
+def fused_depth(measurement: Measurement, wraps: Numbers, residual: Array) -> Array:
     """Mean of both phases' depths (H, W), m, weighted by ``(f_i a_i)^2``, by `nearest_wrap`."""
     low, high = measurement.frequencies[:2]
     phase = measurement.phase[0]
@@ -108,7 +108,7 @@ def _misfit_noise(measurement: Measurement, residual: Array, gap: float) -> Arra
     return spread
 
 
-def _posterior(measurement: Measurement, wraps: NDArray[np.int64], residual: Array) -> Array:
+def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Array:
     """Share of the chosen wrap in the likelihood of all in range, whose sum is an integral."""
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)

@@ -16,13 +16,13 @@ from collections.abc import Iterator
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
 from cmtof.classical.crt import fused_depth, nearest_wrap
 from cmtof.correlation import TAU, centred
-from cmtof.estimate import Array, Estimate, phase_noise, wraps_in_range
+from cmtof.estimate import Estimate, phase_noise, wraps_in_range
 from cmtof.measurement import Measurement
+from cmtof.types import Array, Numbers, Single
 
 KERNEL, RADIUS = 0.25, 5  # kernel width h, wraps, and radius of the window, px, as published
 TUNED_KERNEL, TUNED_RADIUS = 0.5, 40
@@ -60,7 +60,7 @@ def kde_tuned(measurement: Measurement) -> Estimate:
     return kde(measurement, kernel=TUNED_KERNEL, radius=TUNED_RADIUS)
 
 
-def hypotheses(measurement: Measurement) -> Iterator[NDArray[np.float32]]:
+def hypotheses(measurement: Measurement) -> Iterator[Single]:
     """Weight w_j (H, W) of every wrap in range, one after the other."""
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
@@ -78,9 +78,7 @@ def hypotheses(measurement: Measurement) -> Iterator[NDArray[np.float32]]:
         yield reliability * np.exp(-left * left / 2)
 
 
-def _densest(
-    measurement: Measurement, kernel: float, radius: int
-) -> tuple[NDArray[np.int64], Array, Array]:
+def _densest(measurement: Measurement, kernel: float, radius: int) -> tuple[Numbers, Array, Array]:
     """Wrap (from 0) of the largest density, that density, and the sum over all wraps, (H, W).
 
     A cubic through nodes h/2 apart, each a blurred image, gives the density at the depths ``u + n``
@@ -104,16 +102,14 @@ def _densest(
     return label, best, total
 
 
-def _kernels(u: NDArray[np.float32], kernel: float, nodes: int) -> NDArray[np.float32]:
+def _kernels(u: Single, kernel: float, nodes: int) -> Single:
     """Kernel (node, wrap, H, W) between the nodes of a wrap and the depths of wraps around it."""
     reach = ceil(4 * kernel)
     apart = np.arange(-reach, reach + 1) - np.arange(nodes)[:, None] / nodes
     return np.exp(-(((u + apart[..., None, None]) / kernel) ** 2) / 2).astype(np.float32)
 
 
-def _blurred_nodes(
-    weights: list[NDArray[np.float32]], kernels: NDArray[np.float32], radius: int
-) -> Iterator[list[NDArray[np.float32]]]:
+def _blurred_nodes(weights: list[Single], kernels: Single, radius: int) -> Iterator[list[Single]]:
     """Blurred images (H, W) of the nodes of each wrap, and of one more wrap at either end."""
     span = kernels.shape[1]
     beyond = [np.zeros_like(weights[0])] * (span // 2 + 1)
@@ -135,7 +131,7 @@ def _gaussian_band(size: int, radius: int) -> csr_array:
     return diags_array(list(shares), offsets=apart[inside], shape=(size, size)).tocsr()
 
 
-def _cubic_shares(place: NDArray[np.float32], nodes: int) -> NDArray[np.float32]:
+def _cubic_shares(place: Single, nodes: int) -> Single:
     """Shares of the nodes -1 ... nodes + 1 in a cubic through the four about a place (H, W)."""
     cell = np.minimum(np.floor(place), nodes - 1)
     f = place - cell

@@ -15,14 +15,14 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, uniform_filter
 
 from cmtof.classical.beat import synthetic_frequency
 from cmtof.compiled import njit
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
-from cmtof.estimate import Array, Complex, Estimate, within_range, wraps_in_range
+from cmtof.estimate import Estimate, within_range, wraps_in_range
 from cmtof.measurement import Measurement
+from cmtof.types import Array, Complex, Flags, Numbers, Single
 
 # the best of 13 settings on six views of validation rooms:
 JUMP, MOST = 0.03, 0.1  # cost of a step by one wrap that the phase does not show; of the largest
@@ -36,17 +36,17 @@ _SHARPEST = 1e4  # largest kappa: a beat known to 0.01 rad needs no more weight
 class Field(NamedTuple):
     """The random field of a measurement."""
 
-    phase: NDArray[np.float32]  # smoothed, (H, W), rad; the labels belong to it
-    beat: NDArray[np.float32]  # (H, W, 2), kappa (cos, sin) of what label 0 leaves of the beat
-    angles: NDArray[np.float64]  # (N,), of the beat at each label, rad
+    phase: Single  # smoothed, (H, W), rad; the labels belong to it
+    beat: Single  # (H, W, 2), kappa (cos, sin) of what label 0 leaves of the beat
+    angles: Array  # (N,), of the beat at each label, rad
     first: int  # wrap of label 0
 
-    def unary(self, labels: NDArray[np.integer]) -> Array:
+    def unary(self, labels: Numbers) -> Array:
         """Cost (H, W) of labels (H, W) but for a constant."""
         cosine, sine = (f(self.angles).astype(np.float32)[labels] for f in (np.cos, np.sin))
         return -(self.beat[..., 0] * cosine + self.beat[..., 1] * sine)
 
-    def depth(self, labels: NDArray[np.integer], measurement: Measurement) -> Array:
+    def depth(self, labels: Numbers, measurement: Measurement) -> Array:
         """Depth (H, W), m, of labels (H, W)."""
         phase, frequency = self.phase.astype(float), measurement.frequencies[0]
         return within_range(depth_from_wraps(phase, labels + self.first, frequency), measurement)
@@ -137,7 +137,7 @@ def _coherent_mean(phasors: Complex, slope: Array, ratio: float, radius: int) ->
     return total / side**2
 
 
-def semi_global_labels(field: Field) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+def semi_global_labels(field: Field) -> tuple[Numbers, Single]:
     """Labels (H, W) of least cost summed over eight paths, and their softmax; see `mrf`."""
     cosine, sine = (f(field.angles).astype(np.float32) for f in (np.cos, np.sin))
     total = np.zeros((*field.phase.shape, cosine.size), np.float32)
@@ -185,7 +185,7 @@ def _cheapest(before, wide, spare):  # pragma: no cover - compiled
     return wide
 
 
-def lowered(field: Field, labels: NDArray[np.integer]) -> NDArray[np.integer]:
+def lowered(field: Field, labels: Numbers) -> Numbers:
     """Labels (H, W) after those of `MOVES` that lower the energy; rounding may propose others."""
     for step in MOVES:
         moved = labels + step * best_move(field, labels, step)
@@ -193,13 +193,13 @@ def lowered(field: Field, labels: NDArray[np.integer]) -> NDArray[np.integer]:
     return labels
 
 
-def energy(field: Field, labels: NDArray[np.integer]) -> float:
+def energy(field: Field, labels: Numbers) -> float:
     """E of labels (H, W) with the convex prior."""
     pairs = sum(np.abs(_steps(field, labels, axis)).sum() for axis in (0, 1))
     return float(field.unary(labels).sum(dtype=float) + JUMP * pairs)
 
 
-def best_move(field: Field, labels: NDArray[np.integer], step: int) -> NDArray[np.bool_]:
+def best_move(field: Field, labels: Numbers, step: int) -> Flags:
     """Pixels (H, W) whose move by ``step`` wraps, all at once, lowers the energy most.
 
     A pair's costs ``A, B, C, A`` for the choices 00, 01, 10, 11 are ``A + (C - A) (x_p - x_q)
@@ -220,13 +220,13 @@ def best_move(field: Field, labels: NDArray[np.integer], step: int) -> NDArray[n
     return minimum_cut(excess, *capacities)
 
 
-def _steps(field: Field, labels: NDArray[np.integer], axis: int) -> NDArray[np.int64]:
+def _steps(field: Field, labels: Numbers, axis: int) -> Numbers:
     """Steps between neighbouring labels beyond those of the phase, ``n_q - n_p - d_pq``."""
     told = -np.rint(np.diff(field.phase, axis=axis) / TAU).astype(np.int64)
     return np.diff(labels.astype(np.int64), axis=axis) - told
 
 
-def minimum_cut(excess: Array, right: Array, down: Array) -> NDArray[np.bool_]:
+def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
     """Binary x (H, W) of least ``sum e_p x_p + sum c_pq (1 - x_p) x_q`` on a grid, c >= 0.
 
     c leads to the pixel ``right`` of p (H, W - 1) or ``down`` from it (H - 1, W); an infinite

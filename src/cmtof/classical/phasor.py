@@ -14,8 +14,9 @@ import numpy as np
 from cmtof.bounds import wrap_probability
 from cmtof.classical.beat import beat_depth
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.estimate import Array, Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
+from cmtof.types import Array
 
 
 def phasor(measurement: Measurement) -> Estimate:

@@ -22,9 +22,10 @@ from cmtof.correlation import (
     depth_from_wraps,
     phase_from_depth,
 )
-from cmtof.estimate import Array, Complex, Estimate, within_range
+from cmtof.estimate import Estimate, within_range
 from cmtof.hardness import BEND, bends
 from cmtof.measurement import Measurement
+from cmtof.types import Array, Complex, Flags, Numbers
 
 SIDE = 281  # receptive field of the paper's network as built here, px
 
@@ -58,7 +59,7 @@ def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
     return _pooled(measurement, surfaces(_truth(measurement)), side=side)
 
 
-def surfaces(depth: Array) -> NDArray[np.intp]:
+def surfaces(depth: Array) -> Numbers:
     """Number of each pixel's surface (H, W): those connected between `bends`, or one that bends."""
     boundary = bends(depth)
     numbers = np.zeros(depth.shape, np.intp)
@@ -67,7 +68,7 @@ def surfaces(depth: Array) -> NDArray[np.intp]:
     return numbers - 1
 
 
-def bodies(depth: Array) -> NDArray[np.intp]:
+def bodies(depth: Array) -> Numbers:
     """Number of each pixel's body (H, W): components of pixels without a jump between them.
 
     No jump is a step within 4 mm of none, or of the step before or behind it, as across a crease.
@@ -97,7 +98,7 @@ def _demodulated(measurement: Measurement) -> Complex:
     return amplitude * np.exp(1j * (measurement.phase[:2] - turned))
 
 
-def _pooled(measurement: Measurement, surface: NDArray[np.intp], side: int = 0) -> Estimate:
+def _pooled(measurement: Measurement, surface: Numbers, side: int = 0) -> Estimate:
     """Estimate of true shapes where phasors summed over surfaces place them."""
     truth = _truth(measurement)
     known = np.isfinite(truth)
@@ -123,12 +124,12 @@ def _offset(sums: list[Pooled], middle: Array, measurement: Measurement) -> Arra
     return whole_wraps(beat, middle, measurement, depth_from_phase(sums[0].phase, low))
 
 
-def _pool_whole(phasors: Complex, surface: NDArray[np.intp]) -> Pooled:
+def _pool_whole(phasors: Complex, surface: Numbers) -> Pooled:
     """Sum of phasors (H, W) over each pixel's surface: angles, spreads (H, W)."""
     return Pooled(*(one[surface] for one in pool(phasors, surface)))
 
 
-def _pool_within(phasors: Complex, surface: NDArray[np.intp], side: int) -> Pooled:
+def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
     """Sum of phasors (H, W) over each pixel's surface within a square: angles, spreads (H, W)."""
     phase = np.angle(phasors)
     spread = np.full(phasors.shape, np.inf)
@@ -158,7 +159,7 @@ def _noise_of_mean(mean: Complex, power: Array, count: Array) -> Array:
     return np.where(known, noise, np.inf)
 
 
-def _pieces(surface: NDArray[np.intp]) -> Iterator[tuple[Any, NDArray[np.bool_]]]:
+def _pieces(surface: Numbers) -> Iterator[tuple[Any, Flags]]:
     """Bounding box of each surface of two pixels and more, and which pixels in it are its own."""
     size = np.bincount(surface.ravel())
     number = np.where(size > 1, np.cumsum(size > 1), 0)[surface]  # single pixels need no box

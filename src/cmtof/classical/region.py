@@ -16,8 +16,9 @@ from scipy.sparse.csgraph import connected_components
 from cmtof.bounds import wrap_probability
 from cmtof.classical.beat import beat_depth, beat_phasor, guides, synthetic_frequency
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.estimate import Array, Complex, Estimate, within_range
+from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
+from cmtof.types import Array, Complex, Flags, Numbers
 
 STEP, EDGE = 1.0, 0.1
 """Steps between neighbours that cut: of the unwrapped phase, rad, and of the smoothed logarithm of
@@ -91,7 +92,7 @@ def relative_phase(measurement: Measurement) -> Array:
     return np.asarray(np.ma.filled(unwrap_phase(np.ma.masked_array(phase, ~mask), rng=0), 0.0))
 
 
-def components(down: NDArray[np.bool_], across: NDArray[np.bool_]) -> NDArray[np.intp]:
+def components(down: Flags, across: Flags) -> Numbers:
     """Number of each pixel's component (H, W) from links to the next row and the next column."""
     shape = (across.shape[0], down.shape[1])
     index = np.arange(shape[0] * shape[1]).reshape(shape)
@@ -101,7 +102,7 @@ def components(down: NDArray[np.bool_], across: NDArray[np.bool_]) -> NDArray[np
     return connected_components(graph, directed=False)[1].reshape(shape).astype(np.intp)
 
 
-def pool(phasors: Complex, number: NDArray[np.intp]) -> Pooled:
+def pool(phasors: Complex, number: Numbers) -> Pooled:
     """Sum of demodulated phasors (H, W) over each region; the noise is what lies across the sum."""
     size = np.bincount(number.ravel())
     total = sum_over(phasors.real, number) + 1j * sum_over(phasors.imag, number)
@@ -127,18 +128,18 @@ def whole_wraps(
     return fraction + length * np.rint((coarse - fraction) / length)
 
 
-def sum_over(values: NDArray, number: NDArray[np.intp]) -> NDArray:
+def sum_over(values: NDArray, number: Numbers) -> NDArray:
     """Sum of real values (H, W) over each region (S,)."""
     return np.bincount(number.ravel(), values.ravel())
 
 
-def mean_over(values: NDArray, number: NDArray[np.intp], counted: NDArray[np.bool_]) -> Array:
+def mean_over(values: NDArray, number: Numbers, counted: Flags) -> Array:
     """Mean of the counted values (H, W) over each region (S,); zero where none counts."""
     size = sum_over(counted.astype(float), number)
     return sum_over(np.where(counted, values, 0), number) / np.maximum(size, 1)
 
 
-def nearest(wanted: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def nearest(wanted: Flags) -> tuple[Numbers, Numbers]:
     """Row and column (H, W) of the wanted pixel nearest to each; its own if none is wanted."""
     if not wanted.any():
         return tuple(np.indices(wanted.shape))

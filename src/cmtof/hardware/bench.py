@@ -14,6 +14,7 @@ from cmtof.hardware.reduction import drive_phases, sums_from_counts
 from cmtof.hardware.rig import LINES, MIRRORS, PLATES, Rig
 from cmtof.hardware.roles import ROLES, ClockRole, MotorRole, PowerMeterRole, ReadOutRole, RfRole
 from cmtof.hardware.safety import EmergencyStop
+from cmtof.types import Array
 
 CHANNEL, VOLTS_RANGE = "AIN0", 10.0  # input of the detector, V
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
@@ -90,7 +91,7 @@ class Bench(EmergencyStop):
         self.daq.write_many(dict.fromkeys(MIRRORS, 0.0))
         self._aim = np.zeros(2)
 
-    def fly_back(self, directions: NDArray[np.float64]) -> None:
+    def fly_back(self, directions: Array) -> None:
         """Aim at the first direction of a line (N, 2), rad, and wait as the step requires."""
         volts = np.round(VOLTS_PER_RADIAN * directions[0], 6).tolist()
         self.daq.write_many(dict(zip(MIRRORS, volts, strict=True)))

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.frame import rays_from_camera
 from cmtof.hardware.rig import MODES, Rig
-
-Array = NDArray[np.float64]
+from cmtof.types import Array, Numbers
 
 DARK_BURSTS = 16  # behind the closed shutter, each mode
 REFERENCE_BURSTS = 8  # at each position of the reference target
@@ -63,7 +62,7 @@ class Plan(NamedTuple):
     angles: Array  # of the beam, optical, rad (H, W, 2)
     camera: Array  # fx, fy, cx, cy, px, of the pinhole with the same rays
     sweep: Array  # positions of the reference target from its zero, m
-    kept: NDArray[np.int64]  # how many samples of each phase are summed, the last ones (K,)
+    kept: Numbers  # how many samples of each phase are summed, the last ones (K,)
     lines: list[Line]
 
 

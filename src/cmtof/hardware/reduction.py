@@ -25,8 +25,7 @@ from cmtof.correlation import TAU, centred, decode, phase_from_depth
 from cmtof.hardware.plan import REFERENCE_BURSTS, Plan, Record
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
-
-Array = NDArray[np.float64]
+from cmtof.types import Array
 
 FULL_SCALE = 65535  # of a 16-bit stream sample; it and 0 mean that the converter clips
 MIN_CONTRAST = 1e-3  # of the reference target; below there is no phase to calibrate on

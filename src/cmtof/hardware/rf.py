@@ -11,12 +11,10 @@ from binascii import crc_hqx
 from math import pi
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cmtof.hardware import device
 from cmtof.hardware.device import number, one_error, question
 from cmtof.hardware.roles import RfStatus
+from cmtof.types import Array
 
 CODES = 65536  # of one turn of the drive
 
@@ -113,7 +111,7 @@ class RfDriver(device.Device):
         if self.status().tripped:
             self._fail(device.Unsafe, "keep RF on", "a trip", "Find the cause.")
 
-    def load_table(self, phases: NDArray[np.float64]) -> None:
+    def load_table(self, phases: Array) -> None:
         """Load phases of the drive, rad, that the trigger steps through."""
         self._within(TABL=len(phases))
         codes = [str(code_from_phase(phase)) for phase in phases]

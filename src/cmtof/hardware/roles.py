@@ -10,6 +10,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cmtof.types import Array
+
 Waiting = Callable[[], object] | None
 """What is called again and again while a device moves: it feeds the timers of the others."""
 
@@ -77,7 +79,7 @@ class RfRole(DeviceRole, Protocol):
         """Feed the dead man's timer."""
         ...
 
-    def load_table(self, phases: NDArray[np.float64]) -> None:
+    def load_table(self, phases: Array) -> None:
         """Load the phases, rad."""
         ...
 

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
@@ -21,11 +20,12 @@ from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import Config
 from cmtof.simulation import RELEASED_FAR_DEPTH, released_scale
+from cmtof.types import Array
 
 WRAP = float(wrap_length(FREQUENCIES[0]))
 """Depth of a wrap of the lower frequency, m."""
 
-Crop = tuple[NDArray[np.floating], NDArray[np.floating]]
+Crop = tuple[Array, Array]
 """Depth, m (NaN where unknown), and linear intensity, 0 to 1."""
 
 
@@ -143,9 +143,9 @@ def _paint(  # pragma: no cover
 class Pack(NamedTuple):
     """Frames of one partition in memory: reading a file a crop would cost more than a step."""
 
-    depth: NDArray[np.floating]  # (V, H, W), m
-    intensity: NDArray[np.floating]
-    far: NDArray[np.floating]  # (V,), m, the 99.9th percentile, by which ``released`` shrinks
+    depth: Array  # (V, H, W), m
+    intensity: Array
+    far: Array  # (V,), m, the 99.9th percentile, by which ``released`` shrinks
 
     def staged(self, view: int, protocol: str, window: Any = ...) -> Crop:
         """Depth as the protocol stages it, and intensity, of a window of one frame."""

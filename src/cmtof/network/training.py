@@ -37,6 +37,7 @@ from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.muon import Muon
 from cmtof.network.recipe import Config
+from cmtof.types import Array, Numbers
 
 
 def loss_of(network: Network, sample: Sample) -> Tensor:
@@ -171,7 +172,7 @@ class Unwrapping(LightningModule):
         return {"views": len(gains), "validation": _rates(ours), "trivial": trivial, "gain": gain}
 
 
-def _rates(deltas: list[NDArray[np.integer]]) -> weights.Rates:
+def _rates(deltas: list[Numbers]) -> weights.Rates:
     """Rates of wrap errors over all views."""
     delta = np.concatenate(deltas)
     below = {f"delta_lt_{k}": float((delta < k).mean()) for k in (1, 2, 3)}
@@ -285,7 +286,7 @@ def _train(
 
 def fine_tune(
     trained: weights.Trained,
-    examples: Sequence[tuple[Measurement, NDArray[np.integer], NDArray[np.floating]]],
+    examples: Sequence[tuple[Measurement, Numbers, Array]],
     *,
     steps: int = 200,
     learning_rate: float = 1e-4,
