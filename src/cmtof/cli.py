@@ -140,10 +140,22 @@ def simulate(
     from cmtof.validation import checked
 
     tones = checked(list[float], frequencies.split(","), "--frequencies HZ,HZ")
-    image = {"depth_scale": depth_scale, "planar": planar, "camera": camera, "linear": linear}
-    loaded = load_frame(frame, intensity=intensity, **image)
-    conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
-    measurement = simulate_frame(loaded, frequencies=tones, **conditions)  # type: ignore[arg-type]
+    loaded = load_frame(
+        frame,
+        intensity=intensity,
+        depth_scale=depth_scale,
+        planar=planar,
+        camera=camera,
+        linear=linear,
+    )
+    measurement = simulate_frame(
+        loaded,
+        frequencies=tones,
+        protocol=protocol,  # type: ignore[arg-type]
+        noise=noise,
+        noise_free=noise_free,
+        seed=seed,
+    )
     measurement.save(output)
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
     if loaded.note:
@@ -218,9 +230,14 @@ def _unwrapped(
         if opened.depth is not None and kept:
             tally.add(scored_pixels(result, opened))
         if ply is not None:
-            depth, sure = (result[name].to_numpy() for name in ("depth", "confidence"))
-            images = {"brightness": opened.amplitude[0], "confidence": sure}
-            print(f"{ply}: {write_ply(ply, depth, opened.camera, **images)} points")
+            points = write_ply(
+                ply,
+                result["depth"].to_numpy(),
+                opened.camera,
+                brightness=opened.amplitude[0],
+                confidence=result["confidence"].to_numpy(),
+            )
+            print(f"{ply}: {points} points")
         advance(path.name, share)
     return [path.name, f"{valid / size:.1%}"], _rates(tally.score()) if tally.frames else {}
 
@@ -255,11 +272,10 @@ def evaluate(
     from cmtof.scenes import frames_in
 
     names = names_of(method, protocol)
-    conditions = {"protocol": protocol, "noise": noise, "noise_free": noise_free, "seed": seed}
     image = {"intensity": intensity, "depth_scale": depth_scale, "planar": planar}
     image |= {"camera": camera, "linear": linear}
     listed = [frames_in(name, **image) for name in frames]
-    evaluation = Evaluation(names, **conditions)
+    evaluation = Evaluation(names, protocol=protocol, noise=noise, noise_free=noise_free, seed=seed)
     skipped: dict[str, str] = {}
     with progress(sum(map(len, listed)) * len(names), quiet) as advance:
         for name, sources in zip(frames, listed, strict=True):
@@ -401,8 +417,9 @@ def render(
 
     settings = Settings(seed, scenes, views, *shape_from_text(size), focal)
     with progress(scenes, quiet) as advance:
-        options = {"workers": workers, "progress": lambda one: advance(one.scene)}
-        done = render_rooms(output, settings, **options)
+        done = render_rooms(
+            output, settings, workers=workers, progress=lambda one: advance(one.scene)
+        )
     rendered = sum(one.rendered for one in done)
     print(f"{output}: {scenes} rooms, {views} views each; {rendered} views rendered")
 
@@ -436,10 +453,19 @@ def train(
 
     chosen = read_config(config, model=model, protocol=protocol, seed=seed)
     folder = output or Path("runs") / f"{chosen.name}-{chosen.model}-{chosen.protocol}"
-    run = {"tree": data, "init": init, "resume": resume, "minutes": minutes}
-    machines = {"accelerator": accelerator, "num_nodes": num_nodes, "strategy": strategy}
-    machines["devices"] = int(devices) if devices.isdigit() else devices
-    written = train_network(chosen, folder, quiet=quiet or hidden(), **run, **machines)
+    written = train_network(
+        chosen,
+        folder,
+        quiet=quiet or hidden(),
+        tree=data,
+        init=init,
+        resume=resume,
+        minutes=minutes,
+        accelerator=accelerator,
+        num_nodes=num_nodes,
+        strategy=strategy,
+        devices=int(devices) if devices.isdigit() else devices,
+    )
     print(written or f"{folder}: stopped before its last step; --resume goes on")
 
 
@@ -492,8 +518,13 @@ def scan(
         raise ValueError("Expected an output, got none. Add -o m.nc.")
     try:
         with progress(len(plan.lines), quiet) as advance:
-            options = {"report": lambda line: advance(f"{line.mode}: {line.kind}")}
-            measurement = run_scan(plan, bench, output, resume=resume, **options)
+            measurement = run_scan(
+                plan,
+                bench,
+                output,
+                resume=resume,
+                report=lambda line: advance(f"{line.mode}: {line.kind}"),
+            )
     except (KeyboardInterrupt, SystemExit):
         print(f"cmtof: stopped; {journal_path(output)} goes on with --resume", file=sys.stderr)
         raise

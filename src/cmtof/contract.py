@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cmtof.correlation import check_psi, wrap_length, wrapped
 from cmtof.types import Array, Flags
@@ -160,7 +160,9 @@ def _with_valid_values(data: xr.Dataset) -> xr.Dataset:
     for name in ("correlation", "phase", "amplitude"):
         if name in data:
             found = data[name]
-            samples = _hidden(_as_floats(found.to_numpy()), valid, simulated)
+            # the smallest floats, of 32 bits at least, that hold them exactly
+            floats = found.to_numpy().astype(np.result_type(found.dtype, np.float32), copy=False)
+            samples = _hidden(floats, valid, simulated)
             if name != "amplitude":
                 _refuse(~np.isfinite(samples) & valid, f"finite {name}", "Mask those pixels.")
             samples = wrapped(samples) if name == "phase" else samples
@@ -174,11 +176,6 @@ def _with_valid_values(data: xr.Dataset) -> xr.Dataset:
         what = f"counts below the saturation {most:g}"
         _refuse((counts >= most) & valid, what, "Lower gain or exposure, or mask.")
     return data
-
-
-def _as_floats(samples: NDArray) -> Array:
-    """Samples in the smallest floats, of 32 bits at least, that hold them exactly."""
-    return samples.astype(np.result_type(samples.dtype, np.float32), copy=False)
 
 
 def _hidden(samples: Array, valid: Flags, simulated: bool) -> Array:

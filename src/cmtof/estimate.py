@@ -25,6 +25,12 @@ def wraps_in_range(measurement: Measurement) -> tuple[int, int]:
     return int(np.floor(low + 1e-9)), int(np.ceil(high - 1e-9)) - 1
 
 
+def guess(measurement: Measurement) -> float:
+    """Odds of a guess among the wraps in range."""
+    first, last = wraps_in_range(measurement)
+    return 1 / (last - first + 1)
+
+
 def beat_repeats(measurement: Measurement) -> float:
     """How often the beat of the first two frequencies repeats within the range, once at least."""
     low, high = measurement.range

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import ndimage
 
 from cmtof.constants import FREQUENCY_SINGLE
@@ -26,9 +26,7 @@ def bends(depth: ArrayLike) -> Flags:
 class Hardness(NamedTuple):
     """Slopes, jumps and sizes of the surfaces of a depth map, for 7.15 GHz."""
 
-    slope: NDArray[
-        np.float64
-    ]  # change of depth from a pixel to its neighbour within a surface, wraps
+    slope: Array  # change of depth from a pixel to its neighbour within a surface, wraps
     jump: Array  # the same where a surface ends
     size: Array  # of each valid pixel's surface, px; one where a surface ends
 

@@ -247,8 +247,13 @@ def _open_capture(path: Path) -> Measurement:
     from cmtof.captures import read_capture
 
     phase, reference = read_capture(path)
-    about = {"source": f"GHz-FMCW capture {path.name}", "protocol": "measured", "range_max": 1.0}
-    measurement = Measurement.from_phase(phase[None], [FREQUENCY_SINGLE], **about)
+    measurement = Measurement.from_phase(
+        phase[None],
+        [FREQUENCY_SINGLE],
+        source=f"GHz-FMCW capture {path.name}",
+        protocol="measured",
+        range_max=1.0,
+    )
     if reference is not None:
         measurement.dataset["reference_depth"] = (("y", "x"), reference, {"units": "m"})
     return measurement

@@ -103,12 +103,7 @@ def _check_sensor(gain: float, integration_time: float, order: str) -> None:
         )
 
 
-def _means(
-    signal: Single,
-    depth: Array,
-    frequencies: Array,
-    psi: Array,
-) -> Single:
+def _means(signal: Single, depth: Array, frequencies: Array, psi: Array) -> Single:
     """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)`` (F, K, H, W) at psi (F, K), float32."""
     means = np.empty((*psi.shape, *signal.shape), np.float32)
     for f, frequency in enumerate(frequencies):

@@ -28,11 +28,8 @@ def _plainer(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
     missing = error.object[error.start : error.end]
-    return "".join(PLAIN.get(one, _escaped(one)) for one in missing), error.end
-
-
-def _escaped(character: str) -> str:
-    return character.encode("ascii", "backslashreplace").decode()
+    plain = "".join(PLAIN.get(one, one) for one in missing)
+    return plain.encode("ascii", "backslashreplace").decode(), error.end
 
 
 def shown(text: object) -> str:

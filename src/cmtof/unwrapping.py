@@ -141,7 +141,13 @@ def _write_tile(file: Any, found: xr.Dataset, place: tuple[slice, slice]) -> Non
     """Write the images of a tile to their place in a file of results."""
     for name, image in found.items():
         if name not in file.variables:
-            packed = {"chunks": image.shape, "compression": "gzip", "compression_opts": 1}
-            file.create_variable(name, ("y", "x"), image.dtype, **packed)
+            file.create_variable(
+                name,
+                ("y", "x"),
+                image.dtype,
+                chunks=image.shape,
+                compression="gzip",
+                compression_opts=1,
+            )
             file.variables[name].attrs.update(image.attrs)
         file.variables[name][place] = image.to_numpy()

@@ -141,7 +141,7 @@ def beat_depth(phase: Array, measurement: Measurement) -> Array:
 
 def _averaged(mean: Complex, size: Array, window: int, measurement: Measurement) -> Estimate:
     """Estimate of an averaged beat, and the odds that noise and window leave its wrap right."""
-    low, high = (float(f) for f in measurement.frequencies[:2])
+    low, high = measurement.frequencies[:2]
     coherent, power = np.abs(mean) ** 2, uniform_filter(size**2, window)
     scatter = np.maximum(power - coherent, 0) if window > 1 else power
     with np.errstate(divide="ignore", invalid="ignore"):

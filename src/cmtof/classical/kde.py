@@ -20,7 +20,7 @@ from scipy.sparse import csr_array, diags_array
 
 from cmtof.classical.crt import fused_depth, nearest_wrap
 from cmtof.correlation import TAU, centred
-from cmtof.estimate import Estimate, phase_noise, wraps_in_range
+from cmtof.estimate import Estimate, guess, phase_noise, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers, Single
 
@@ -44,14 +44,14 @@ def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIU
             f"got {kernel} and {radius}. Try {KERNEL} and {RADIUS}."
         )
     low, high = measurement.frequencies[:2]
-    first, last = wraps_in_range(measurement)
+    first, _ = wraps_in_range(measurement)
     label, best, total = _densest(measurement, kernel, radius)
     dense = best > 1e-32  # else no neighbour has a say, and the least misfit decides
     wraps = np.where(dense, label + first, nearest_wrap(measurement)[0])
     phase = measurement.phase[:2]
     residual = centred(phase[1] - high / low * (phase[0] + TAU * wraps))
     share = np.minimum(best / np.where(dense, total, 1), 1)
-    confidence = np.where(dense, share, 1 / (last - first + 1))
+    confidence = np.where(dense, share, guess(measurement))
     return Estimate(fused_depth(measurement, wraps, residual), confidence)
 
 

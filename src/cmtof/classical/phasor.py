@@ -14,7 +14,7 @@ import numpy as np
 from cmtof.bounds import wrap_probability
 from cmtof.classical.beat import beat_depth
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.estimate import Estimate, guess, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array
 
@@ -25,7 +25,7 @@ def phasor(measurement: Measurement) -> Estimate:
     The confidence is the odds that noise leaves the beat within half a wrap. ValueError if the beat
     repeats within the range.
     """
-    low, high = (float(f) for f in measurement.frequencies[:2])
+    low, high = measurement.frequencies[:2]
     _refuse_far_frequencies(low, high, measurement.range[1] - measurement.range[0])
     noise = phase_noise(measurement)
     known = np.isfinite(noise).all(axis=0)
@@ -67,11 +67,9 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
 
 def _confidence(noise: Array, measurement: Measurement) -> Array:
     """Odds that noise of the phases, rad, leaves the beat within half a wrap; a guess at least."""
-    first, last = wraps_in_range(measurement)
     frequencies = measurement.frequencies[:2]
-    bounded = np.clip(noise, 1e-9, 1e9)
-    odds = wrap_probability(bounded[0], bounded[1], frequencies=frequencies)
-    return np.maximum(odds, 1 / (last - first + 1))
+    odds = wrap_probability(*np.clip(noise, 1e-9, 1e9), frequencies=frequencies)
+    return np.maximum(odds, guess(measurement))
 
 
 def match(phase: Array, amplitude: Array, depth: Array, frequencies: tuple[float, float]) -> Array:

@@ -118,7 +118,7 @@ def _pooled(measurement: Measurement, surface: Numbers, side: int = 0) -> Estima
 
 def _offset(sums: list[Pooled], middle: Array, measurement: Measurement) -> Array:
     """Offset (H, W), m, of shapes about ``middle``, m, from the sums of both frequencies."""
-    low, high = (float(f) for f in measurement.frequencies[:2])
+    low, high = measurement.frequencies[:2]
     synthetic = synthetic_frequency(low, high)
     beat = synthetic.sign * (sums[1].phase - synthetic.multiple * sums[0].phase)
     return whole_wraps(beat, middle, measurement, depth_from_phase(sums[0].phase, low))

@@ -58,7 +58,7 @@ def region(measurement: Measurement) -> Estimate:
     Regions end where the unwrapped phase or the amplitude steps. The angle of the summed phasors of
     the beat, demodulated by the relative depth, gives the whole wraps of each.
     """
-    low, high = (float(f) for f in measurement.frequencies[:2])
+    low, high = measurement.frequencies[:2]
     synthetic, mask = synthetic_frequency(low, high), measurement.mask
     phase = relative_phase(measurement)
     bright, coherent = guides(measurement)[:2]

@@ -3,21 +3,21 @@
 import numpy as np
 
 from cmtof.correlation import wrap_count_from_depth, wrap_length
-from cmtof.estimate import Estimate, within_range, wraps_in_range
+from cmtof.estimate import Estimate, guess, within_range
 from cmtof.measurement import Measurement
 
 
 def middle(measurement: Measurement) -> Estimate:
     """The middle of the range for every pixel, whatever was measured."""
     depth = np.full(measurement.shape, sum(measurement.range) / 2)
-    return Estimate(depth, np.full(measurement.shape, _guess(measurement)))
+    return Estimate(depth, np.full(measurement.shape, guess(measurement)))
 
 
 def uniform(measurement: Measurement, *, seed: int = 0) -> Estimate:
     """A random depth in range, all equally likely; drawn from (seed, frame number)."""
     frame = int(measurement.dataset.attrs.get("frame_number", 0))
     depth = np.random.default_rng([seed, frame]).uniform(*measurement.range, measurement.shape)
-    return Estimate(depth, np.full(measurement.shape, _guess(measurement)))
+    return Estimate(depth, np.full(measurement.shape, guess(measurement)))
 
 
 def mode(measurement: Measurement) -> Estimate:
@@ -32,9 +32,3 @@ def mode(measurement: Measurement) -> Estimate:
     depth = np.full(measurement.shape, (wraps[most] + 0.5) * wrap_length(frequency))
     share = np.full(measurement.shape, counts[most] / counts.sum())
     return Estimate(within_range(depth, measurement), share)
-
-
-def _guess(measurement: Measurement) -> float:
-    """Odds of a guess among the wraps in range."""
-    first, last = wraps_in_range(measurement)
-    return 1 / (last - first + 1)
