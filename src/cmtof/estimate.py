@@ -8,7 +8,7 @@ from scipy.ndimage import distance_transform_edt
 
 from cmtof.correlation import residual_noise, wrap_length
 from cmtof.measurement import Measurement, unambiguous_range
-from cmtof.types import Array
+from cmtof.types import Array, Flags, Numbers
 
 
 class Estimate(NamedTuple):
@@ -43,16 +43,23 @@ def within_range(depth: Array, measurement: Measurement) -> Array:
     return np.clip(depth, low, np.nextafter(high, low))
 
 
+def nearest(wanted: Flags) -> tuple[Numbers, Numbers]:
+    """Row and column (H, W) of the wanted pixel nearest to each; its own if none is wanted."""
+    if not wanted.any():
+        return tuple(np.indices(wanted.shape))
+    return tuple(distance_transform_edt(~wanted, return_distances=False, return_indices=True))
+
+
 def without_holes(measurement: Measurement) -> Measurement:
     """The measurement with the samples of the nearest known pixel where none are known."""
     amplitude = measurement.amplitude.min(axis=0)
     known = np.where(measurement.mask, np.isfinite(amplitude), amplitude > 0)
     if known.all() or not known.any():
         return measurement
-    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    place = nearest(known)
     data = measurement.dataset.copy()
     for name in {"correlation", "phase", "amplitude"} & set(data):
-        data[name] = data[name].copy(data=data[name].to_numpy()[..., rows, columns])
+        data[name] = data[name].copy(data=data[name].to_numpy()[..., *place])
     return Measurement(data.drop_vars("mask", errors="ignore"))
 
 

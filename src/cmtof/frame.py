@@ -112,10 +112,12 @@ def held_out_frames(path: Path = HELD_OUT) -> list[Frame]:
     return [Frame(depth, one, camera, str(name)) for depth, one, camera, name in views]
 
 
-def broken(expected: str, path: Path, error: Exception) -> ValueError:
+def broken(
+    expected: str, path: object, error: Exception, advice: str = "Fetch or write it again."
+) -> ValueError:
     """The one error, of one line, for whatever is wrong with a file."""
     reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-    return ValueError(f"Expected {expected}, got {path} ({reason}). Fetch or write it again.")
+    return ValueError(f"Expected {expected}, got {path} ({reason}). {advice}")
 
 
 def read_npz(path: Path) -> dict[str, NDArray]:

@@ -49,7 +49,9 @@ def load_frame(source: str | Path, *, intensity: str | Path | None = None, **giv
     )
 
 
-def frames_in(source: str | Path, **given: Any) -> list[Source]:
+def frames_in(
+    source: str | Path, *, intensity: str | Path | None = None, **given: Any
+) -> list[Source]:
     """Frames of a file, an embedded name or a folder, listed without loading any.
 
     A folder is a Hypersim tree or scene (its test frames, or every view without the table), a
@@ -59,7 +61,7 @@ def frames_in(source: str | Path, **given: Any) -> list[Source]:
     """
     path = Path(source)
     if str(source) in embedded_frames() or not path.is_dir():
-        return [Source(str(source), partial(load_frame, source, **given))]
+        return [Source(str(source), partial(load_frame, source, intensity=intensity, **given))]
     if is_hypersim(path):
         return Hypersim(path).sources(blank=True)
     if (path / "depth.txt").is_file() and (path / "rgb.txt").is_file():
@@ -80,9 +82,8 @@ def _pairs(path: Path, given: dict[str, Any]) -> list[Source]:
     """Frames of ``depth/NAME`` beside ``rgb/NAME`` or ``color/NAME``, in the order of numbers."""
     colours = {p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")}
     depths = [p for p in (path / "depth").glob("*") if p.suffix in DEPTHS and p.stem in colours]
-    how = {name: value for name, value in given.items() if name != "intensity"}
     return [
-        Source(f"{path.name}/{p.stem}", partial(frame_from_pair, p, colours[p.stem], **how))
+        Source(f"{path.name}/{p.stem}", partial(frame_from_pair, p, colours[p.stem], **given))
         for p in sorted(depths, key=lambda p: (len(p.stem), p))
     ]
 
@@ -90,9 +91,9 @@ def _pairs(path: Path, given: dict[str, Any]) -> list[Source]:
 def _tum_sequence(path: Path, given: dict[str, Any]) -> list[Source]:
     """Frames of a sequence of the TUM benchmark: each depth with the colour nearest in time."""
     depths, colours = _tum_list(path / "depth.txt"), _tum_list(path / "rgb.txt")
-    how = {name: value for name, value in given.items() if name != "intensity"}
-    how["depth_scale"] = how.get("depth_scale") or TUM_LEVELS
-    how["planar"] = how.get("camera") is not None  # depth lies along the axis there
+    how = dict(given)
+    how["depth_scale"] = given.get("depth_scale") or TUM_LEVELS
+    how["planar"] = given.get("camera") is not None  # depth lies along the axis there
     times = np.array(list(colours))
     found = []
     for time, name in depths.items():

@@ -13,6 +13,7 @@ import xarray as xr
 
 from cmtof.contract import VARIABLES
 from cmtof.files import check_input, check_links, check_output, written_whole
+from cmtof.frame import broken
 from cmtof.validation import check_claim
 
 _PLAIN = (str, int, float, np.number, np.ndarray)
@@ -84,8 +85,7 @@ def _handle(path: Path) -> xr.Dataset:
 
 def _damage(path: object, error: Exception) -> ValueError:
     """The one error, of one line, for whatever is wrong with a file."""
-    reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-    return ValueError(f"Expected a whole netCDF4 file, got {path} ({reason}). Write it again.")
+    return broken("a whole netCDF4 file", path, error, "Write it again.")
 
 
 def _named(handle: xr.Dataset) -> xr.Dataset:

@@ -9,14 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from cmtof.bounds import wrap_probability
 from cmtof.classical.beat import beat_depth, beat_phasor, guides, synthetic_frequency
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.estimate import Estimate, within_range
+from cmtof.estimate import Estimate, nearest, within_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Flags, Numbers
 
@@ -137,10 +136,3 @@ def mean_over(values: NDArray, number: Numbers, counted: Flags) -> Array:
     """Mean of the counted values (H, W) over each region (S,); zero where none counts."""
     size = sum_over(counted.astype(float), number)
     return sum_over(np.where(counted, values, 0), number) / np.maximum(size, 1)
-
-
-def nearest(wanted: Flags) -> tuple[Numbers, Numbers]:
-    """Row and column (H, W) of the wanted pixel nearest to each; its own if none is wanted."""
-    if not wanted.any():
-        return tuple(np.indices(wanted.shape))
-    return tuple(distance_transform_edt(~wanted, return_distances=False, return_indices=True))
