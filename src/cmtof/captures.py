@@ -18,7 +18,8 @@ from cmtof.types import Array
 
 def data_root() -> Path | None:
     """Data folder by ``CMTOF_DATA``, else ``../shared/data`` or ``data`` of the checkout."""
-    checkout, named = Path(__file__).parents[2], os.environ.get("CMTOF_DATA")
+    checkout = Path(__file__).parents[2]
+    named = os.environ.get("CMTOF_DATA")
     places = [Path(named)] if named else [checkout.parent / "shared" / "data", checkout / "data"]
     return next((place for place in places if (place / "captures").is_dir()), None)
 
@@ -33,8 +34,10 @@ def published_captures() -> dict[str, Path]:
 def read_capture(path: str | Path) -> tuple[Array, Array | None]:
     """Wrapped phase (H, W), rad, and the reference depth, m, or None where it has no file."""
     path = Path(path).resolve()
-    phase, depth = _read_map(path), None
-    least, most = phase.min(), phase.max()
+    phase = _read_map(path)
+    depth = None
+    least = phase.min()
+    most = phase.max()
     if least < -np.pi - 1e-5 or most > 2 * np.pi + 1e-5 or most - least > 2 * np.pi + 1e-5:
         raise ValueError(
             "Expected wrapped phases over one turn of 2 pi rad, "

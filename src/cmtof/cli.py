@@ -222,7 +222,9 @@ def _unwrapped(
     from cmtof.pointcloud import write_ply
     from cmtof.unwrapping import unwrap_file
 
-    tally, valid, size = Tally(), 0, 0
+    tally = Tally()
+    valid = 0
+    size = 0
     for share, opened, result in unwrap_file(path, target, **how):
         kept = int(result.depth.notnull().sum())
         valid += kept

@@ -117,7 +117,8 @@ def in_si_units(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset with every variable in the unit of `VARIABLES`, by what each states itself."""
     data = dataset.copy()
     for name in VARIABLES.keys() & set(data.variables):
-        unit, found = VARIABLES[name].unit, data[name]
+        unit = VARIABLES[name].unit
+        found = data[name]
         stated = str(found.attrs.get("units", unit)).strip()
         if unit in UNITS:
             factor = UNITS[unit].get(stated)

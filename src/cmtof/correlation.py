@@ -44,7 +44,8 @@ def correlation_from_harmonics(
     >>> float(correlation_from_harmonics([1, 0.5], [0.5, 0.5], phase=0.3, psi=-0.3))
     1.0
     """
-    p, r = np.asarray(emitted, complex), np.asarray(reference, complex)
+    p = np.asarray(emitted, complex)
+    r = np.asarray(reference, complex)
     count = min(p.size, r.size)
     angle = np.asarray(phase) + np.asarray(psi) + np.asarray(beat_phase)
     total = np.full(np.shape(angle), (p[0] * r[0]).real)
@@ -62,7 +63,8 @@ def correlation_from_phase(
 
     ``phase`` (...) and ``psi`` (K,) in rad, ``amplitude`` and ``offset`` (...) in counts.
     """
-    phase, psi = np.asarray(phase), np.asarray(psi)
+    phase = np.asarray(phase)
+    psi = np.asarray(psi)
     steps = psi.reshape((-1,) + (1,) * phase.ndim).astype(phase.dtype, copy=False)
     return np.asarray(offset) + np.asarray(amplitude) * np.cos(phase + steps)
 
@@ -76,7 +78,8 @@ def correlation_contrast(emitted: ArrayLike, reference: ArrayLike) -> float:
     >>> correlation_contrast([0.5, 0.25], [0.5, 0.25])
     0.5
     """
-    p, r = np.asarray(emitted, complex), np.asarray(reference, complex)
+    p = np.asarray(emitted, complex)
+    r = np.asarray(reference, complex)
     return float(2 * abs(p[1] * r[1]) / abs(p[0] * r[0]))
 
 
@@ -141,7 +144,8 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
     >>> np.round(phase, 6).tolist(), np.round(amplitude, 6).tolist()
     ([0.5, 3.0], [2.0, 2.0])
     """
-    correlation, psi = np.asarray(correlation), np.asarray(psi, float)
+    correlation = np.asarray(correlation)
+    psi = np.asarray(psi, float)
     if psi.ndim == 1 and correlation.ndim == 4:
         psi = np.broadcast_to(psi, (len(correlation), psi.size))
     if psi.ndim not in (1, 2) or correlation.shape[: psi.ndim] != psi.shape:

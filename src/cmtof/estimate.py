@@ -74,7 +74,8 @@ def phase_noise(measurement: Measurement) -> Array:
     dataset = measurement.dataset
     if "correlation" not in dataset or dataset.sizes["step"] < 4:
         return np.where(known, 1.0, np.inf)
-    images, psi = dataset["correlation"].to_numpy()[:2], dataset["psi"].to_numpy()[:2]
+    images = dataset["correlation"].to_numpy()[:2]
+    psi = dataset["psi"].to_numpy()[:2]
     sample = np.array([_sample_noise(*pair) for pair in zip(images, psi, strict=True)])
     linear = np.sqrt(2 / psi.shape[1]) * sample[:, None, None]
     return np.where(known, linear / np.where(known, amplitude, 1), np.inf)

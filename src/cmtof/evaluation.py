@@ -36,12 +36,14 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
     truth = measurement.depth
     if truth is None:
         raise ValueError("Expected a measurement with its true depth, got none. Simulate one.")
-    sure, least = result["confidence"].to_numpy(), float(result.attrs.get("min_confidence", 0))
+    sure = result["confidence"].to_numpy()
+    least = float(result.attrs.get("min_confidence", 0))
     scored = measurement.mask & np.isfinite(truth) & (sure >= least)
     if not scored.any():
         raise ValueError("Expected at least one scored pixel, got none. Check mask and range.")
     frequency = measurement.frequencies[0]
-    depth, phase = truth[scored].astype(float), measurement.phase[0][scored]
+    depth = truth[scored].astype(float)
+    phase = measurement.phase[0][scored]
     estimate = result["depth"].to_numpy()[scored].astype(float)
     return {
         "wrap_count": result["wrap_count"].to_numpy()[scored].astype(np.int64),

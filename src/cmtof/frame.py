@@ -68,7 +68,8 @@ class Frame:
         """Middle of the frame, at most that large; the camera moves with it."""
         top = max(0, (self.depth.shape[0] - height) // 2)
         left = max(0, (self.depth.shape[1] - width) // 2)
-        part, camera = np.s_[top : top + height, left : left + width], self.camera
+        part = np.s_[top : top + height, left : left + width]
+        camera = self.camera
         if camera is not None:
             camera = camera - [0, 0, left, top, 0][: len(camera)]
         return Frame(self.depth[part], self.intensity[part], camera, self.name, self.note)
@@ -164,7 +165,8 @@ def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
 
 def light_note(light: Array) -> str:
     """What looks wrong about linear brightness, where 1 is white; nothing if it looks right."""
-    white, brightest = float(np.mean(light >= 1)), float(np.percentile(light, 99))
+    white = float(np.mean(light >= 1))
+    brightest = float(np.percentile(light, 99))
     if white > _WHITE:
         return f"{white:.0%} of the light is at 1 or above, and counts as white"
     if brightest < _DARK:

@@ -34,8 +34,10 @@ class Hardness(NamedTuple):
 def hardness(depth: ArrayLike) -> Hardness:
     """Samples of one depth map (H, W), m, NaN where invalid."""
     depth = np.asarray(depth, float)
-    ends, wrap = bends(depth), float(wrap_length(FREQUENCY_SINGLE))
-    slopes, jumps = [], []
+    ends = bends(depth)
+    wrap = float(wrap_length(FREQUENCY_SINGLE))
+    slopes = []
+    jumps = []
     for axis in (0, 1):
         change = np.moveaxis(np.abs(np.diff(depth, axis=axis)), axis, 0)
         across = np.moveaxis(ends, axis, 0)

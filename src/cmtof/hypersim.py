@@ -84,11 +84,13 @@ class Hypersim:
 
     def frame(self, view: View, *, blank: bool = False) -> Frame:
         """A view with linear green as intensity; with ``blank`` 1 where there is no colour file."""
-        depth, notes = read_array(view.file(self.root, "depth"), 2), []
+        depth = read_array(view.file(self.root, "depth"), 2)
+        notes = []
         if depth.dtype == np.float16:
             step = 1000 * float(np.spacing(np.max(depth, where=np.isfinite(depth), initial=0)))
             notes.append(f"float16 depth in steps of up to {step:.1f} mm")
-        color, intensity = view.file(self.root, "color"), np.ones(depth.shape, np.float32)
+        color = view.file(self.root, "color")
+        intensity = np.ones(depth.shape, np.float32)
         if blank and not color.is_file():
             notes.append("no colour file: intensity 1 everywhere")
         else:
@@ -110,7 +112,8 @@ class Hypersim:
             raise FileNotFoundError(
                 f"Expected {SPLIT} in or beside {self.root}, got none. Fetch the data set's."
             )
-        parts, there = split_views(self._listed), {view[:3] for view in self.views}
+        parts = split_views(self._listed)
+        there = {view[:3] for view in self.views}
         return {name: [v for v in part if v[:3] in there] for name, part in parts.items()}
 
     @cached_property

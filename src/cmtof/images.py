@@ -48,7 +48,8 @@ def frame_from_pair(depth: Path, intensity: str | Path | None, **how: Any) -> Fr
             f"camera, got {intensity}, {scale}, {reading.camera} for {depth.name}. "
             "Give what is missing."
         )
-    levels, image = read_image(depth), read_image(Path(intensity))
+    levels = read_image(depth)
+    image = read_image(Path(intensity))
     if levels.ndim != 2:
         raise ValueError(
             f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name depth first."

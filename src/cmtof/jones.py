@@ -49,8 +49,10 @@ def _matrix(hh: ArrayLike, hv: ArrayLike, vh: ArrayLike, vv: ArrayLike) -> Jones
 
 def _diattenuator(along: ArrayLike, across: ArrayLike, angle: ArrayLike) -> JonesMatrix:
     """Element of real amplitude transmissions along and across its axis at ``angle``."""
-    mean, half = (np.add(along, across) / 2), (np.subtract(along, across) / 2)
-    c, s = half * np.cos(2 * np.asarray(angle)), half * np.sin(2 * np.asarray(angle))
+    mean = np.add(along, across) / 2
+    half = np.subtract(along, across) / 2
+    c = half * np.cos(2 * np.asarray(angle))
+    s = half * np.sin(2 * np.asarray(angle))
     return _matrix(mean + c, s, s, mean - c)
 
 
@@ -68,8 +70,10 @@ def retarder(retardance: ArrayLike, angle: ArrayLike = 0.0) -> JonesMatrix:
     """
     half = np.asarray(retardance, float) / 2
     double = 2 * np.asarray(angle, float)
-    c, s = np.cos(half), np.sin(half)
-    along, across = 1j * s * np.cos(double), -1j * s * np.sin(double)
+    c = np.cos(half)
+    s = np.sin(half)
+    along = 1j * s * np.cos(double)
+    across = -1j * s * np.sin(double)
     return _matrix(c - along, across, across, c + along)
 
 
@@ -138,7 +142,8 @@ def polarising_beam_splitter(
     horizontal = (1 - b) / (1 - a * b)
     vertical = a * horizontal
     if port == "reflected":
-        horizontal, vertical = 1 - horizontal, 1 - vertical
+        horizontal = 1 - horizontal
+        vertical = 1 - vertical
     elif port != "transmitted":
         raise ValueError(f"Expected port 'transmitted' or 'reflected', got {port!r}. Choose one.")
     return _diattenuator(np.sqrt(horizontal), np.sqrt(vertical), angle_error)

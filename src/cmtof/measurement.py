@@ -87,7 +87,8 @@ class Measurement:
         Where nothing valid was measured the phase is 0 and the others NaN.
         """
         if "correlation" in self.dataset:
-            images, psi = self.dataset["correlation"].to_numpy(), self.dataset["psi"].to_numpy()
+            images = self.dataset["correlation"].to_numpy()
+            psi = self.dataset["psi"].to_numpy()
             return Decoded(*(image.astype(float) for image in decode(images, psi)))
         phase = self.dataset["phase"].to_numpy().astype(float)
         stored = self._image("amplitude")
@@ -159,7 +160,8 @@ def tiles(
     Yields what is seen, its rays those of the whole, the part in that, and the part in the image.
     """
     for y, x in product(range(0, dataset.sizes["y"], tile), range(0, dataset.sizes["x"], tile)):
-        top, left = max(y - margin, 0), max(x - margin, 0)
+        top = max(y - margin, 0)
+        left = max(x - margin, 0)
         ends = {"y": slice(top, y + tile + margin), "x": slice(left, x + tile + margin)}
         seen = loaded(dataset.isel(ends))
         if "camera" in seen:
@@ -174,7 +176,8 @@ def _dataset(
     """Dataset of arrays by name; None is left out, and what a masked array masks is masked."""
     from cmtof import __version__
 
-    depth, mask = more.pop("depth", None), more.pop("mask", None)
+    depth = more.pop("depth", None)
+    mask = more.pop("mask", None)
     if np.ma.is_masked(depth):
         depth = np.ma.filled(np.ma.asarray(depth, float), np.nan)
     variables = variables | {"camera": more.pop("camera", None), "depth": depth}

@@ -97,12 +97,14 @@ class TwoPassModulator:
         second is the first by default.
         """
         back = first if second is None else second
-        inward, crossed = ("reflected", "transmitted")
+        inward = "reflected"
+        crossed = "transmitted"
         if self.input_axis == "horizontal":
             inward, crossed = crossed, inward
         h = self.half_wave_angle + self.half_wave_angle_error
         q = self.quarter_wave_angle + self.quarter_wave_angle_error
-        off, static = self.eom_angle_error, self.static_retardance
+        off = self.eom_angle_error
+        static = self.static_retardance
         half = partial(jones.half_wave_plate, retardance_error=self.half_wave_retardance_error)
         quarter = partial(
             jones.quarter_wave_plate, retardance_error=self.quarter_wave_retardance_error
@@ -130,7 +132,8 @@ class TwoPassModulator:
     ) -> dict[str, jones.JonesVector]:
         """Jones vector (..., 2) behind each element, by the element's name; "PBS out" is E_3."""
         angle = np.pi / 2 if self.input_axis == "vertical" else 0.0
-        field, found = jones.linear_polarisation(angle), {}
+        field = jones.linear_polarisation(angle)
+        found = {}
         for name, element in self.elements(first, second):
             field = jones.apply(element, field)
             found[name] = field

@@ -44,7 +44,8 @@ def denoise(phase: ArrayLike, *, window: int = 5) -> Denoised:
     True
     """
     flat = _flattened(phase, window)
-    total, inside = flat.sum(axis=(-2, -1)), np.abs(flat).sum(axis=(-2, -1))
+    total = flat.sum(axis=(-2, -1))
+    inside = np.abs(flat).sum(axis=(-2, -1))
     coherence = np.minimum(np.abs(total) / inside, 1.0)
     return Denoised(wrapped(np.asarray(phase, float) + np.angle(total)), coherence)
 
@@ -116,7 +117,8 @@ def _fit_kernel(window: int) -> Array:
 
 def _inner(values: Array, window: int) -> Array:
     """NaN where a window reaches beyond the map."""
-    inside, reach = np.zeros(values.shape, bool), window // 2
+    inside = np.zeros(values.shape, bool)
+    reach = window // 2
     inside[reach:-reach, reach:-reach] = True
     return np.where(inside, values, np.nan)
 
@@ -143,7 +145,8 @@ def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:
     Its mean is the mean square within the mask (Parseval); that of white noise is flat, sigma^2.
     ValueError if the shapes differ or a value within the mask is not finite.
     """
-    values, mask = np.asarray(values, float), np.asarray(mask, bool)
+    values = np.asarray(values, float)
+    mask = np.asarray(mask, bool)
     if not (values.shape == mask.shape and mask.any() and np.isfinite(values[mask]).all()):
         raise ValueError(
             f"Expected finite values within a mask of shape {values.shape}, got a mask of shape "

@@ -90,7 +90,8 @@ def _pairs(path: Path, given: dict[str, Any]) -> list[Source]:
 
 def _tum_sequence(path: Path, given: dict[str, Any]) -> list[Source]:
     """Frames of a sequence of the TUM benchmark: each depth with the colour nearest in time."""
-    depths, colours = _tum_list(path / "depth.txt"), _tum_list(path / "rgb.txt")
+    depths = _tum_list(path / "depth.txt")
+    colours = _tum_list(path / "rgb.txt")
     how = dict(given)
     how["depth_scale"] = given.get("depth_scale") or TUM_LEVELS
     how["planar"] = given.get("camera") is not None  # depth lies along the axis there

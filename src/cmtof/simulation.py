@@ -112,7 +112,8 @@ def _means(signal: Single, depth: Array, frequencies: Array, psi: Array) -> Sing
         angle = (2 * np.pi * (turns - np.floor(turns))).astype(np.float32)
         x, y = (wave(angle) * signal / np.float32(np.pi) for wave in (np.cos, np.sin))
         for k, step in enumerate(psi[f]):
-            c, s = np.float32(np.cos(step)), np.float32(np.sin(step))
+            c = np.float32(np.cos(step))
+            s = np.float32(np.sin(step))
             means[f, k] = x * c - y * s + signal / 2
     return np.maximum(means, 0, out=means)  # rounding must not make a rate negative
 

@@ -40,7 +40,8 @@ def ratio_interval(
     part, whole = (np.asarray(x, float) for x in np.broadcast_arrays(part, whole))
 
     def ratio(above: Array, below: Array, axis: int = -1) -> Array:
-        above, below = above.sum(axis), below.sum(axis)
+        above = above.sum(axis)
+        below = below.sum(axis)
         return np.divide(above, below, out=np.zeros(below.shape), where=below > 0)
 
     known = whole.sum(-1) > 0
@@ -88,9 +89,11 @@ def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> R
     >>> found.answers.tolist(), round(found.calibration_error, 3)
     ([1, 3], 0.2)
     """
-    said, good = np.ravel(np.asarray(confidence, float)), np.ravel(np.asarray(right, bool))
+    said = np.ravel(np.asarray(confidence, float))
+    good = np.ravel(np.asarray(right, bool))
     if said.shape != good.shape or not ((said >= 0) & (said <= 1)).all():
-        least, most = said.min(initial=np.inf), said.max(initial=-np.inf)
+        least = said.min(initial=np.inf)
+        most = said.max(initial=-np.inf)
         raise ValueError(
             f"Expected a probability in [0, 1] for each of {good.size} answers, "
             f"got {said.size} from {least:g} to {most:g}. Leave out what was not answered."
@@ -117,7 +120,8 @@ def risk_coverage(confidence: ArrayLike, right: ArrayLike, *, points: int = 200)
     >>> found.coverage.tolist(), found.risk.tolist()
     ([0.5, 1.0], [0.0, 0.5])
     """
-    said, good = np.ravel(np.asarray(confidence, float)), np.ravel(np.asarray(right, bool))
+    said = np.ravel(np.asarray(confidence, float))
+    good = np.ravel(np.asarray(right, bool))
     wrong = np.cumsum(~good[np.argsort(-said, kind="stable")])
     kept = np.unique(np.linspace(0, said.size, points + 1).round().astype(int)[1:])
     kept = kept[kept > 0]

@@ -74,7 +74,8 @@ def _images(
 ) -> dict[str, tuple[Any, ...]]:
     """Wrap count, depth and confidence of an estimate, the measured phase in every depth."""
     frequency = measurement.frequencies[0]
-    phase, mask = measurement.phase[0], measurement.mask
+    phase = measurement.phase[0]
+    mask = measurement.mask
     # the estimate of a masked pixel may be NaN
     believed = within_range(np.where(mask, estimate.depth, measurement.range[0]), measurement)
     # wraps whose depth obeys min <= z < max
@@ -124,7 +125,8 @@ def unwrap_file(
 
     with opened_dataset(source) as handle, written_whole(output) as part:
         held = structured(handle)
-        height, width = held.sizes["y"], held.sizes["x"]
+        height = held.sizes["y"]
+        width = held.sizes["x"]
         if shutil.disk_usage(part.parent).free < (need := 12 * height * width):  # or HDF5 ends all
             raise OSError(f"Expected {need} bytes free for {output}, got less. Free some.")
         with h5netcdf.File(part, "w") as file:

@@ -36,7 +36,8 @@ def waveform_from_harmonics(harmonics: ArrayLike, phase: ArrayLike) -> Array:
 
     The inverse of `harmonics_from_waveform` for waveforms without harmonics beyond K.
     """
-    w, theta = np.asarray(harmonics, np.complex128), np.asarray(phase, float)
+    w = np.asarray(harmonics, np.complex128)
+    theta = np.asarray(phase, float)
     rotation = np.exp(1j * np.multiply.outer(np.arange(1, w.shape[-1]), theta))
     mean = w[..., 0].real.reshape(w.shape[:-1] + (1,) * theta.ndim)
     return mean + 2 * np.tensordot(w[..., 1:], rotation, axes=1).real

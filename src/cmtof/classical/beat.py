@@ -93,12 +93,15 @@ def guides(measurement: Measurement) -> Array:
     """
     amplitude = np.nan_to_num(measurement.amplitude[:2])
     phasor = amplitude[0] * np.exp(1j * measurement.phase[0])
-    coherence, slopes = np.ones(phasor.shape), []
+    coherence = np.ones(phasor.shape)
+    slopes = []
     for axis in (0, 1):
         pairs = np.zeros_like(phasor)
-        ahead, behind = np.moveaxis(phasor, axis, 0)[1:], np.moveaxis(phasor, axis, 0)[:-1]
+        ahead = np.moveaxis(phasor, axis, 0)[1:]
+        behind = np.moveaxis(phasor, axis, 0)[:-1]
         np.moveaxis(pairs, axis, 0)[:-1] = ahead * np.conj(behind)
-        total, length = uniform_filter(pairs, 11), uniform_filter(np.abs(pairs), 11)
+        total = uniform_filter(pairs, 11)
+        length = uniform_filter(np.abs(pairs), 11)
         coherence *= np.divide(np.abs(total), length, out=np.zeros_like(length), where=length > 0)
         slope = np.divide(total, np.abs(total), out=np.zeros_like(total), where=total != 0)
         slopes += [slope.real, slope.imag]
@@ -117,7 +120,9 @@ def guided_filter(
     def mean(image: NDArray[Any]) -> NDArray[Any]:
         return uniform_filter(weight * image, window) / total
 
-    middle, centre, count = np.stack([mean(one) for one in guide]), mean(values), len(guide)
+    middle = np.stack([mean(one) for one in guide])
+    centre = mean(values)
+    count = len(guide)
     spread = smoothing * np.broadcast_to(np.eye(count), (*values.shape, count, count))
     for i in range(count):
         for j in range(i + 1):
@@ -142,7 +147,8 @@ def beat_depth(phase: Array, measurement: Measurement) -> Array:
 def _averaged(mean: Complex, size: Array, window: int, measurement: Measurement) -> Estimate:
     """Estimate of an averaged beat, and the odds that noise and window leave its wrap right."""
     low, high = measurement.frequencies[:2]
-    coherent, power = np.abs(mean) ** 2, uniform_filter(size**2, window)
+    coherent = np.abs(mean) ** 2
+    power = uniform_filter(size**2, window)
     scatter = np.maximum(power - coherent, 0) if window > 1 else power
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.sqrt(scatter / (2 * window**2) / coherent)

@@ -39,7 +39,8 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     """
     low, high = (round(f) for f in measurement.frequencies[:2])
     common = gcd(low, high)
-    k1, k2 = low // common, high // common
+    k1 = low // common
+    k2 = high // common
     if k1 * k2 > 10**12:
         raise ValueError(
             "Expected frequencies with a large common divisor, "
@@ -69,7 +70,8 @@ def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
     step = ratio - round(ratio)
     start = phase[1] - ratio * phase[0] - step * first  # turns, at the first wrap
     start -= np.rint(start)
-    wraps, best = np.zeros(start.shape, np.int64), np.full(start.shape, np.inf)
+    wraps = np.zeros(start.shape, np.int64)
+    best = np.full(start.shape, np.inf)
     turns = ceil(abs(step) * (last - first)) + 1
     for turn in range(-1, turns + 1):
         zero = (start + np.sign(step) * turn) / (step or 1.0)
@@ -77,7 +79,8 @@ def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
         left = start - step * n
         left -= np.rint(left)
         closer = np.abs(left) < np.abs(best)
-        wraps, best = np.where(closer, n, wraps), np.where(closer, left, best)
+        wraps = np.where(closer, n, wraps)
+        best = np.where(closer, left, best)
     return wraps + first, TAU * best
 
 
@@ -112,7 +115,8 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
     """Share of the chosen wrap in the likelihood of all in range, whose sum is an integral."""
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
-    ratio, count = high / low, last - first + 1
+    ratio = high / low
+    count = last - first + 1
     step = ratio - round(ratio)
     gap = TAU * max(abs(step), 1e-12)
     spread = _misfit_noise(measurement, residual, gap)

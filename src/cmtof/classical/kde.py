@@ -64,7 +64,8 @@ def hypotheses(measurement: Measurement) -> Iterator[Single]:
     """Weight w_j (H, W) of every wrap in range, one after the other."""
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
-    phase, noise = measurement.phase[:2], phase_noise(measurement)
+    phase = measurement.phase[:2]
+    noise = phase_noise(measurement)
     ratio = high / low
     # at least a quarter of the step from wrap to wrap: without noise no weight may vanish
     step = TAU * abs(ratio - round(ratio))
@@ -91,14 +92,16 @@ def _densest(measurement: Measurement, kernel: float, radius: int) -> tuple[Numb
     label = np.zeros(u.shape, np.int64)
     best = np.zeros_like(u)
     total = np.zeros_like(u)
-    before, here = next(images), next(images)
+    before = next(images)
+    here = next(images)
     for n, ahead in enumerate(images):
         density = np.einsum("mhw,mhw->hw", cubic, np.stack([before[-1], *here, *ahead[:2]]))
         density = np.maximum(density, 0)
         label[density > best] = n
         best = np.maximum(best, density)
         total += density
-        before, here = here, ahead
+        before = here
+        here = ahead
     return label, best, total
 
 

@@ -48,7 +48,8 @@ class Field(NamedTuple):
 
     def depth(self, labels: Numbers, measurement: Measurement) -> Array:
         """Depth (H, W), m, of labels (H, W)."""
-        phase, frequency = self.phase.astype(float), measurement.frequencies[0]
+        phase = self.phase.astype(float)
+        frequency = measurement.frequencies[0]
         return within_range(depth_from_wraps(phase, labels + self.first, frequency), measurement)
 
 
@@ -129,7 +130,8 @@ def _coherent_mean(phasors: Complex, slope: Array, ratio: float, radius: int) ->
     """Mean of phasors (2, H, W) over a square, turned back by the slope, ``ratio`` times it."""
     down, right = np.exp(-1j * np.array([1.0, ratio])[:, None, None] * slope[:, None])
     height, width = slope.shape[1:]
-    beyond, side = np.pad(phasors, [(0, 0)] + [(radius, radius)] * 2), 2 * radius + 1
+    beyond = np.pad(phasors, [(0, 0)] + [(radius, radius)] * 2)
+    side = 2 * radius + 1
     total = np.zeros_like(phasors)
     for v, u in np.ndindex(side, side):
         turn = down ** (v - radius) * right ** (u - radius)
@@ -143,7 +145,8 @@ def semi_global_labels(field: Field) -> tuple[Numbers, Single]:
     total = np.zeros((*field.phase.shape, cosine.size), np.float32)
     for down, right in ((1, 1), (1, 0), (1, -1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1)):
         _add_path(field.beat, field.phase, cosine, sine, down, right, total)
-    labels, odds = np.empty(field.phase.shape, np.intp), np.empty_like(field.phase)
+    labels = np.empty(field.phase.shape, np.intp)
+    odds = np.empty_like(field.phase)
     for y, beat in enumerate(field.beat):
         # each path counts the pixel's own cost, which counts once
         cost = total[y] + 7 * (beat[:, :1] * cosine + beat[:, 1:] * sine)
@@ -162,7 +165,9 @@ def _add_path(beat, phase, cosine, sine, down, right, total):  # pragma: no cove
         y = j if down >= 0 else height - 1 - j
         for i in range(width):
             x = i if right >= 0 else width - 1 - i
-            v, u, here = y - down, x - right, costs[y % 2, x]
+            v = y - down
+            u = x - right
+            here = costs[y % 2, x]
             here[:] = -(beat[y, x, 0] * cosine + beat[y, x, 1] * sine)
             if 0 <= v < height and 0 <= u < width:
                 # labels rise where the phase falls by a wrap
@@ -208,7 +213,8 @@ def best_move(field: Field, labels: Numbers, step: int) -> Flags:
     target = labels + step
     inside = (target >= 0) & (target < field.angles.size)
     gain = field.unary(np.where(inside, target, labels)) - field.unary(labels)
-    excess, capacities = np.where(inside, gain, np.inf).astype(float), []
+    excess = np.where(inside, gain, np.inf).astype(float)
+    capacities = []
     for axis in (1, 0):
         now = _steps(field, labels, axis)
         # x_p = 0, x_q = 1 raises the difference, x_p = 1, x_q = 0 lowers it
@@ -236,7 +242,8 @@ def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
     index = np.arange(excess.size).reshape(excess.shape)
-    source, sink = np.full_like(index, excess.size), np.full_like(index, excess.size + 1)
+    source = np.full_like(index, excess.size)
+    sink = np.full_like(index, excess.size + 1)
     # x = 0 on the side of the sink: edges that lead there are cut for x = 1 before them
     edges = (
         (source, index, np.maximum(-excess, 0)),

@@ -58,7 +58,8 @@ def region(measurement: Measurement) -> Estimate:
     the beat, demodulated by the relative depth, gives the whole wraps of each.
     """
     low, high = measurement.frequencies[:2]
-    synthetic, mask = synthetic_frequency(low, high), measurement.mask
+    synthetic = synthetic_frequency(low, high)
+    mask = measurement.mask
     phase = relative_phase(measurement)
     bright, coherent = guides(measurement)[:2]
     inside = mask & (coherent >= _COHERENCE)
@@ -75,7 +76,8 @@ def region(measurement: Measurement) -> Estimate:
     odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=(low, high)))
     odds = np.interp(odds, *CALIBRATION)
     near = nearest(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
-    depth, confidence = (shape + offset[number])[near], odds[number][near]
+    depth = (shape + offset[number])[near]
+    confidence = odds[number][near]
     return Estimate(within_range(depth, measurement), np.where(mask, confidence, 0))
 
 
@@ -105,7 +107,8 @@ def pool(phasors: Complex, number: Numbers) -> Pooled:
     """Sum of demodulated phasors (H, W) over each region; the noise is what lies across the sum."""
     size = np.bincount(number.ravel())
     total = sum_over(phasors.real, number) + 1j * sum_over(phasors.imag, number)
-    phase, length = np.angle(total), np.abs(total)
+    phase = np.angle(total)
+    length = np.abs(total)
     across = np.imag(phasors * np.exp(-1j * phase[number]))
     known = (size > 1) & (length > 0)
     # one direction was fitted, so that one degree of freedom is lost

@@ -22,7 +22,8 @@ def uniform(measurement: Measurement, *, seed: int = 0) -> Estimate:
 
 def mode(measurement: Measurement) -> Estimate:
     """The image's most frequent true wrap for every pixel, with its share as the confidence."""
-    frequency, truth = measurement.frequencies[0], measurement.depth
+    frequency = measurement.frequencies[0]
+    truth = measurement.depth
     assert truth is not None  # `Method` has made sure
     known = truth[measurement.mask & np.isfinite(truth)].astype(float)
     if not known.size:

@@ -89,7 +89,9 @@ class Device:
     LIMITS: ClassVar[Mapping[str, tuple[float, float]]] = {}  # of settings, in SI units
 
     def __init__(self, connection: Any, name: str, serial_number: str = "") -> None:
-        self._connection, self.name, self._serial_number = connection, name, serial_number
+        self._connection = connection
+        self.name = name
+        self._serial_number = serial_number
 
     def close(self) -> None:
         """Close the connection; may be called again."""
@@ -101,7 +103,8 @@ class Device:
     def identify(self) -> dict[str, str]:
         """Name that the device reports; `Refused` if it is another one."""
         found: dict[str, str] = self._identity()  # type: ignore[attr-defined]
-        model, serial_number = found["model"], found["serial_number"]
+        model = found["model"]
+        serial_number = found["serial_number"]
         if self._serial_number not in ("", serial_number) or not model.startswith(self.MODELS):
             self._fail(
                 Refused,

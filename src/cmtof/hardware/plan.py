@@ -86,7 +86,8 @@ def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
     sweep = wrap * ((np.arange(SWEEP) + 0.5) / SWEEP - 0.5)
     reference = [("reference", n, REFERENCE_BURSTS) for n in range(SWEEP)]
     image = [("scan", row, width) for row in range(height)]
-    lines, label = [], 1
+    lines = []
+    label = 1
     for mode in MODES:
         for kind, row, bursts in [("dark", 0, DARK_BURSTS), *reference, *image, *reference]:
             lines.append(Line(len(lines), mode, kind, row, range(label, label + bursts)))

@@ -64,7 +64,8 @@ def sums_from_counts(
     counts: ArrayLike, kept: ArrayLike
 ) -> tuple[NDArray[np.uint32], NDArray[np.uint16]]:
     """Sums (N, K) of each phase's last ``kept`` (K,) samples, and how many of them clip (N,)."""
-    samples, kept = np.asarray(counts, np.uint32), np.asarray(kept)
+    samples = np.asarray(counts, np.uint32)
+    kept = np.asarray(kept)
     samples = samples.reshape(len(samples), kept.size, -1)
     used = np.arange(samples.shape[2]) >= (samples.shape[2] - kept)[:, None]
     clips = ((samples == 0) | (samples == FULL_SCALE)) & used
@@ -83,7 +84,8 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> tuple[
     seen = decode(np.moveaxis(correlation, -1, 0), nominal_psi(correlation.shape[-1]))
     turned = np.exp(1j * (seen.phase - phase_from_depth(ranges, frequency)))
     visits = np.sum(seen.amplitude * turned, axis=1)
-    total, mean = visits.sum(), float(seen.offset.mean())
+    total = visits.sum()
+    mean = float(seen.offset.mean())
     contrast = float(abs(total) / seen.offset.size / mean) if mean > 0 else 0.0
     if not contrast > MIN_CONTRAST:
         raise ValueError(
@@ -130,11 +132,14 @@ def measurement_from_records(
     simulated, on a clock of the bursts' numbers), the attribute ``sample_rate`` (Hz), and of each
     frequency what the reference target showed. Pixels where the converter clips are masked.
     """
-    gain, found, clipped = Gain(*header["calibration"]), [], []
+    gain = Gain(*header["calibration"])
+    found = []
+    clipped = []
     for mode in MODES:
         offset, drift = calibrated(plan, header, mode, records)
         image, counts = lines_of(plan, records, mode, "scan")
-        dark, power = lines_of(plan, records, mode, "dark")[1].mean(), image.power[:, None]
+        dark = lines_of(plan, records, mode, "dark")[1].mean()
+        power = image.power[:, None]
         volts = gain.volts_from_counts(counts) - gain.volts_from_counts(dark)
         volts = volts * (power[0] / power)[..., None]
         clipped.append(image.clipped > 0)

@@ -109,7 +109,8 @@ class LabJackT7(device.Device):
         self._within(rate=rate, pulse=pulse)
         if scans % pulse:
             raise ValueError(f"Expected pulses of {pulse} samples, got {scans}. Change one.")
-        number, bit = int(channel.removeprefix("AIN")), 1 << int(pulse_line[-1])
+        number = int(channel.removeprefix("AIN"))
+        bit = 1 << int(pulse_line[-1])
         inhibit = (0xFF & ~bit) << 8
         self._scans = scans
         self._stream.timeout = scans / rate + 0.5
@@ -262,7 +263,8 @@ class LabJackT7(device.Device):
     @question
     def _values(self, *registers: str | Register) -> tuple[float, ...]:
         """Values of registers, read in one frame."""
-        frame, kinds = b"", ">"
+        frame = b""
+        kinds = ">"
         for address, kind in (REGISTERS.get(one, one) for one in registers):  # type: ignore[misc]
             frame += read((address, kind))
             kinds += kind

@@ -66,7 +66,8 @@ def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
     y = signal / torch.pi * torch.sin(angle) + spread * batch.noise[:, 1]
     mean = signal / 2 + spread * batch.noise[:, 2] / 2**0.5
     alternating = spread * batch.noise[:, 3] / 2**0.5
-    even, odd = mean + alternating, mean - alternating
+    even = mean + alternating
+    odd = mean - alternating
     correlation = torch.stack([even + x, odd - y, even - x, odd + y], 2)
     return torch.remainder(torch.atan2(y, x), TAU), torch.hypot(x, y), correlation
 
@@ -124,11 +125,14 @@ def _paint(  # pragma: no cover
     level, right, down, bend, bright, contrast, wave_x, wave_y, texture,
 ):  # fmt: skip
     """Put a plate in front of turns and brightness."""
-    reach, side = int(1.5 * max(long, wide)) + 1, len(turns)
+    reach = int(1.5 * max(long, wide)) + 1
+    side = len(turns)
     for i in range(max(0, int(y) - reach), min(side, int(y) + reach)):
         for j in range(max(0, int(x) - reach), min(side, int(x) + reach)):
-            dx, dy = j - x, i - y
-            u, v = (dx * cosine + dy * sine) / long, (dy * cosine - dx * sine) / wide
+            dx = j - x
+            dy = i - y
+            u = (dx * cosine + dy * sine) / long
+            v = (dy * cosine - dx * sine) / wide
             if (max(abs(u), abs(v)) if box else u * u + v * v) > 1:
                 continue
             turns[i, j] = level + dx * right + dy * down + bend * (dx * dx + dy * dy)
@@ -152,7 +156,8 @@ class Pack(NamedTuple):
         scale = 1.0
         if protocol == "released":
             scale = released_scale(self.far[view])
-        depth, light = self.depth[view][window], self.intensity[view][window]
+        depth = self.depth[view][window]
+        light = self.intensity[view][window]
         return depth.astype(float) * scale, light.astype(float)
 
 
@@ -161,10 +166,12 @@ Packs = tuple[Pack | None, Pack]  # to train and to validate on
 
 def pack_views(views: Sequence[Source]) -> Pack:
     """Views in memory; one that is broken, empty, or of another size is left out with a warning."""
-    depths, lights = [], []
+    depths = []
+    lights = []
     for view in views:
         try:
-            depth, light = (frame := view.load()).depth, frame.intensity
+            depth = (frame := view.load()).depth
+            light = frame.intensity
             shape = depths[0].shape if depths else depth.shape
             if depth.shape != shape or not np.isfinite(depth).any():
                 raise ValueError(
@@ -211,7 +218,9 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     """
     first, classes = CLASSES[protocol]
     views, height, width = pack.depth.shape
-    share, depth, light = -1.0, np.empty(0), np.empty(0)
+    share = -1.0
+    depth = np.empty(0)
+    light = np.empty(0)
     for _ in range(4):
         view, y, x = (int(rng.integers(n)) for n in (views, height - side + 1, width - side + 1))
         found, shade = pack.staged(view, protocol, (slice(y, y + side), slice(x, x + side)))
@@ -221,10 +230,13 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
             found[found < WRAP] = np.nan
         scored = float(np.mean((found >= first * WRAP) & (found < (first + classes) * WRAP)))
         if scored > share:
-            share, depth, light = scored, found, shade
+            share = scored
+            depth = found
+            light = shade
         if share > 0.3:
             break
-    turn, mirror = int(rng.integers(4)), 1 - 2 * int(rng.integers(2))
+    turn = int(rng.integers(4))
+    mirror = 1 - 2 * int(rng.integers(2))
     depth, light = (np.rot90(image, turn)[:, ::mirror] for image in (depth, light))
     return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
 
@@ -236,12 +248,16 @@ class Steps(Dataset[Batch]):
     """
 
     def __init__(self, config: Config, pack: Pack | None, rank: int = 0, world: int = 1) -> None:
-        self.config, self.pack, self.rank, self.world = config, pack, rank, world
+        self.config = config
+        self.pack = pack
+        self.rank = rank
+        self.world = world
 
     def __getitem__(self, step: int) -> Batch:
         stage, share = self.config.stage_at(step)
         low, high = stage.noise
-        sigma, crops = low * (high / low) ** min(share / stage.ramp, 1), []
+        sigma = low * (high / low) ** min(share / stage.ramp, 1)
+        crops = []
         for k in range(self.rank, stage.batch, self.world):
             rng = np.random.default_rng([self.config.seed, step, k])
             if self.pack is not None and rng.uniform() < stage.rooms:

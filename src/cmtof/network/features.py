@@ -81,7 +81,8 @@ def features(
         "correlation": scaled,
     }
     parts = [made[kind]() for kind in FEATURE_SETS[name]]
-    lead, size = phase.shape[:-3], phase.shape[-2:]
+    lead = phase.shape[:-3]
+    size = phase.shape[-2:]
     return xp.concatenate([part.reshape(*lead, -1, *size) for part in parts], -3)
 
 
@@ -92,7 +93,8 @@ def fourier_features(phase: Array, order: int = ORDER) -> Array:
     the square of the phasor below it.
     """
     xp = _namespace(phase)
-    cosine, sine = xp.cos(phase), xp.sin(phase)
+    cosine = xp.cos(phase)
+    sine = xp.sin(phase)
     pairs = [cosine, sine]
     for _ in range(order):
         cosine, sine = (cosine - sine) * (cosine + sine), 2 * cosine * sine

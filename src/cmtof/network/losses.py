@@ -38,7 +38,8 @@ def unwrapping_loss(
     with p the softmax of the weights (B, N, H, W) and s Huber's distance of width 1 mm. The true
     class, the wrapped phase (rad), and the true depth (wraps above the first class) are (B, H, W).
     """
-    weights, valid = (weights.float() if weights.dtype.itemsize < 4 else weights), label != IGNORED
+    weights = weights.float() if weights.dtype.itemsize < 4 else weights
+    valid = label != IGNORED
     count = valid.sum().clamp(min=1)
     entropy = functional.cross_entropy(weights, label, ignore_index=IGNORED, reduction="sum")
     if not depth_weight:
@@ -58,7 +59,8 @@ def regression_loss(
     Depths are wraps above the first class, and the loss is over the number of classes; the gradient
     is that to the next row and column.
     """
-    found, valid = found[:, 0].float(), label != IGNORED
+    found = found[:, 0].float()
+    valid = label != IGNORED
     total = (found[valid] - turns[valid]).abs().sum() / (classes * valid.sum().clamp(min=1))
     for axis in (-1, -2) if smoothness else ():
         last = found.shape[axis] - 1

@@ -174,7 +174,8 @@ class FastSCNN(Network):
         half, quarter = self.down_widths
         self.stem = conv(self.inputs, self.stem_width)
         self.down = nn.Sequential(conv(self.stem_width, half, 3, 2), separable(half, quarter, 2))
-        pairs, deep = enumerate(pairwise((quarter, *self.widths))), self.widths[-1]
+        pairs = enumerate(pairwise((quarter, *self.widths)))
+        deep = self.widths[-1]
         blocks = [
             Bottleneck(i, o, 1 if k else 2, self.expansion, self.dilations[k])
             for k, (i, o) in pairs
@@ -218,7 +219,8 @@ class FastSCNN(Network):
         angles = self.stem_width // 2 // len(quarters)
         # large: norms divide it out again, and steps of the optimiser disturb the sums less
         count, large, octaves = angles * len(quarters), 8.0, [14, 15, 4, 5]  # after two phases
-        alpha, middle = TAU / angles * torch.arange(angles), BEAT * (first + self.classes / 2)
+        alpha = TAU / angles * torch.arange(angles)
+        middle = BEAT * (first + self.classes / 2)
         moved = torch.cat([alpha + (middle + TAU / 4 * quarter) for quarter in quarters])
         alpha = alpha.repeat(len(quarters))
         filters = torch.stack([alpha.cos(), -alpha.sin(), -moved.cos(), moved.sin()], 1)
@@ -242,7 +244,8 @@ class FastSCNN(Network):
                 kernel.weight[k, 0 if kernel.groups > 1 else k] = large / kernel.kernel_size[0]
             norm.bias[:8] = 2.0 if relu else 0.0
         if len(quarters) > 2:  # classes near each other begin alike: smooth random functions
-            cycle, place = torch.arange(1, 65), torch.arange(self.classes) + 0.5
+            cycle = torch.arange(1, 65)
+            place = torch.arange(self.classes) + 0.5
             codes = torch.randn(64, self.head_width) / (1 + (cycle[:, None] / 6) ** 2)
             waves = torch.cos(torch.outer(place, cycle) * (TAU / 2 / self.classes))
             self.output.weight[..., 0, 0] = 0.12 * waves @ codes
@@ -265,7 +268,8 @@ class UNet(Network):
     widths = 24, 48, 72, 104, 128
 
     def build(self) -> None:
-        down, up = pairwise((self.inputs, *self.widths)), list(pairwise(self.widths[::-1]))
+        down = pairwise((self.inputs, *self.widths))
+        up = list(pairwise(self.widths[::-1]))
         self.down = nn.ModuleList(self.level(i, o) for i, o in down)
         self.rise = nn.ModuleList(nn.ConvTranspose2d(i, o, 2, 2) for i, o in up)
         self.up = nn.ModuleList(self.level(2 * o, o) for _, o in up)

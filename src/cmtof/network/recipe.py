@@ -96,7 +96,8 @@ class Config(Strict):
 
 def read_config(source: str | Path, **changes: Any) -> Config:
     """Configuration by the name of a preset or from a YAML file; changes that are not None win."""
-    held, path = PRESETS.get(str(source)), Path(source)
+    held = PRESETS.get(str(source))
+    path = Path(source)
     if held is None:
         check_input(path, f"a configuration out of {', '.join(PRESETS)}, or a YAML file")
     held = {"name": path.stem} | (read_document(path) if held is None else held)

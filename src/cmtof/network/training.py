@@ -146,11 +146,15 @@ class Unwrapping(LightningModule):
 
         The gain's interval is Student's, over views: their pixels are right or wrong together.
         """
-        config, network, pack = self.config, self.average.eval(), self.held_out
+        config = self.config
+        network = self.average.eval()
+        pack = self.held_out
         chosen = np.unique(np.linspace(0, len(pack.far) - 1, config.validation_views).round())
-        ours, labels = [], []
+        ours = []
+        labels = []
         for view in chosen.astype(int):
-            rng, sigma = np.random.default_rng([7, view]), config.stages[-1].noise[1]
+            rng = np.random.default_rng([7, view])
+            sigma = config.stages[-1].noise[1]
             batch = batch_of([(*pack.staged(view, config.protocol), sigma, rng)])
             sample = self.measured(Batch(*(x.to(self.device) for x in batch)))
             with torch.inference_mode():
@@ -300,7 +304,8 @@ def fine_tune(
     depth (H, W), m. The rate falls to zero; crops are turned, mirrored and moved to random depths,
     for a few scans hold few wraps; norms keep their means. Returned are a tuned copy and losses.
     """
-    card, network = trained.card, deepcopy(trained.network).train()
+    card = trained.card
+    network = deepcopy(trained.network).train()
     views = [_view(trained, *example) for example in examples]
     views = [view for view in views if (view[1] != IGNORED).any()]
     if not views:
@@ -312,7 +317,8 @@ def fine_tune(
     for layer in norms(network):
         layer.eval()
     crop = min(crop, *(size for _, label, _ in views for size in label.shape))
-    rng, losses = np.random.default_rng(seed), []
+    rng = np.random.default_rng(seed)
+    losses = []
     optimizer = torch.optim.Adam(network.parameters(), learning_rate)
     for step in range(steps):
         optimizer.param_groups[0]["lr"] = learning_rate * (1 - step / steps)
@@ -344,7 +350,8 @@ def _piece(view: tuple, classes: int, side: int, kind: str, rng: np.random.Gener
     place = zip(rng.choice(np.argwhere(label != IGNORED)), label.shape, strict=True)
     y, x = (int(np.clip(at - rng.integers(side), 0, size - side)) for at, size in place)
     window = (..., slice(y, y + side), slice(x, x + side))
-    turn, mirror = int(rng.integers(4)), 1 - 2 * int(rng.integers(2))
+    turn = int(rng.integers(4))
+    mirror = 1 - 2 * int(rng.integers(2))
     cut = (np.rot90(x[window], turn, (-2, -1))[..., ::mirror] for x in (label, turns, *images))
     (label, turns, phase, amplitude, *more), move = map(np.ascontiguousarray, cut), 0.0
     known = label != IGNORED
