@@ -33,6 +33,9 @@ def _say_uncached() -> None:
     """Warn once a process."""
     global _said
     if not _said:
-        what = "Expected a folder that keeps compiled code, got none that can be written"
-        warnings.warn(f"{what}: every run compiles anew. Set NUMBA_CACHE_DIR.", stacklevel=4)
+        warnings.warn(
+            "Expected a folder that keeps compiled code, got none that can be written: "
+            "every run compiles anew. Set NUMBA_CACHE_DIR.",
+            stacklevel=4,
+        )
     _said = True

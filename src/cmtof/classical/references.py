@@ -108,7 +108,8 @@ def _pooled(measurement: Measurement, surface: Numbers, side: int = 0) -> Estima
         sums = [_pool_within(one, surface, side) for one in phasors]
         middle = shape
     else:
-        sums = [_pool_whole(one, surface) for one in phasors]
+        wholes = [pool(one, surface) for one in phasors]
+        sums = [Pooled(one.phase[surface], one.spread[surface]) for one in wholes]
         middle = mean_over(shape, surface, known & measurement.mask)[surface]
     offset = _offset(sums, middle, measurement)
     odds = wrap_probability(sums[0].spread, sums[1].spread, frequencies=measurement.frequencies[:2])
@@ -122,11 +123,6 @@ def _offset(sums: list[Pooled], middle: Array, measurement: Measurement) -> Arra
     synthetic = synthetic_frequency(low, high)
     beat = synthetic.sign * (sums[1].phase - synthetic.multiple * sums[0].phase)
     return whole_wraps(beat, middle, measurement, depth_from_phase(sums[0].phase, low))
-
-
-def _pool_whole(phasors: Complex, surface: Numbers) -> Pooled:
-    """Sum of phasors (H, W) over each pixel's surface: angles, spreads (H, W)."""
-    return Pooled(*(one[surface] for one in pool(phasors, surface)))
 
 
 def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
