@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cmtof.correlation import TAU, depth_from_phase
 from cmtof.hardware.rig import MODES
@@ -19,9 +19,7 @@ from cmtof_lab.instrument import DRIFT_OCTAVES
 from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import POSITIONS, STAGE_ERROR
-from cmtof_lab.targets import MIRROR, Plane, RayEnds
-
-Array = NDArray[np.float64]
+from cmtof_lab.targets import MIRROR, Array, Plane, RayEnds
 
 
 def budget_terms(

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from cmtof_rooms.arrays import Array, Flags
+
 Finish = Callable[[Array, Array, Array], Any]
 
 DARK = 0.03  # reflectance of the owl's black feathers
@@ -77,7 +78,7 @@ def visor(x: Array, y: Array, z: Array) -> Array:
     return comb + brow + keel + 0.003 * bump((z - 0.006, 0.004))
 
 
-def openings(x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
+def openings(x: Array, y: Array, z: Array) -> Flags:
     """Slits, eyes and breathing holes of the helmet, which is open behind."""
     u = np.abs(x) - 0.02
     slits = np.zeros(x.shape, bool)

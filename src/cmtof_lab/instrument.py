@@ -12,7 +12,7 @@ the laser has drift but no fast noise. Optical angles: along (tan x, tan y, 1), 
 """
 
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -27,10 +27,8 @@ from cmtof.modulator import TwoPassModulator
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import POLES, Chain, counts_from_volts, density, volts_per_watt
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.targets import Plane, scene_from
+from cmtof_lab.targets import Array, Complex, Plane, scene_from
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Integers = NDArray[np.integer]
 
 HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
@@ -49,17 +47,16 @@ def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
     return Generator(Philox(key=words, counter=np.array([0, key & (2**64 - 1), 0, 0], np.uint64)))
 
 
-def normals_by_key(seed: int, purpose: int, keys: NDArray[np.integer], count: int) -> Array:
+def normals_by_key(seed: int, purpose: int, keys: Integers, count: int) -> Array:
     """Standard normals (N, count): row n is what `keyed_generator` draws first for key n."""
-    words = np.array([seed & (2**64 - 1), purpose], np.uint64)
-    source = Philox(key=words)
-    draw = Generator(source).standard_normal
-    state = source.state  # to set it is faster than to make a generator for each key
+    draw = keyed_generator(seed, purpose)
+    source = draw.bit_generator
+    state: Any = source.state  # to set it is faster than to make a generator for each key
     made = np.empty((len(keys), count))
     for row, key in zip(made, np.asarray(keys).tolist(), strict=True):
         state["state"]["counter"] = np.array([0, key & (2**64 - 1), 0, 0], np.uint64)
         source.state = state
-        draw(out=row)
+        draw.standard_normal(out=row)
     return made
 
 
@@ -80,7 +77,7 @@ class RfKnobs:
     frequency: float = 7.15e9
     power: float = 0.0
     phase: float = 0.0
-    table: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    table: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass
@@ -109,14 +106,18 @@ class SimulatedInstrument:
         self.settings, self.seed = settings, int(seed)
         self.scene = scene_from(settings.scene if scene is None else scene) or Plane(np.nan)
         self.group_index = settings.group_index
-        names = ("mirror_distance", "mirror_reflectance")
-        names += ("transmitted_extinction", "reflected_extinction")
-        parts = {name: getattr(settings, name) for name in names}
-        # the incident polarisation is that of Sec. 7.1
-        self.modulator = TwoPassModulator(half_wave_angle=0, input_axis="horizontal", **parts)
+        self.modulator = TwoPassModulator(
+            half_wave_angle=0,
+            input_axis="horizontal",  # the incident polarisation is that of Sec. 7.1
+            mirror_distance=settings.mirror_distance,
+            mirror_reflectance=settings.mirror_reflectance,
+            transmitted_extinction=settings.transmitted_extinction,
+            reflected_extinction=settings.reflected_extinction,
+        )
         codes = [keyed_generator(self.seed, CODE, n).standard_normal(CODES) for n in (0, 1)]
         self.code_errors = settings.phase_step_error * np.stack(codes)
-        self._chains: dict[float, Chain] = {}
+        # a matrix exponential finds the filters once for all bursts of a rate, Hz
+        self._filters = cache(lambda rate: Chain(settings, 1 / rate))
 
     def bursts(
         self,
@@ -208,12 +209,6 @@ class SimulatedInstrument:
         output = filters.run(volts, spread, normals)
         output = np.clip(output, -settings.saturation, settings.saturation)
         return counts_from_volts(output, settings.converter_noise * by_sample[..., POLES])
-
-    def _filters(self, rate: float) -> Chain:
-        """Filters at a rate, Hz; a matrix exponential finds them once for all bursts of a rate."""
-        if rate not in self._chains:
-            self._chains[rate] = Chain(self.settings, 1 / rate)
-        return self._chains[rate]
 
     def emission(self, panel: Panel) -> Complex:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""

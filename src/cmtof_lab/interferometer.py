@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from scipy.signal import lfilter
 from scipy.special import ndtr
@@ -24,10 +25,7 @@ from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power
-from cmtof_lab.targets import Plane
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from cmtof_lab.targets import Array, Plane
 
 AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
 
@@ -153,14 +151,14 @@ class Interferometer:
         stations = np.append(0, np.cumsum(np.maximum(1, np.ceil(strides)))).astype(int)
         return Move(stations)
 
-    def _speckle(self, target: Plane, stops: Array, rng: np.random.Generator) -> NDArray:
+    def _speckle(self, target: Plane, stops: Array, rng: Generator) -> NDArray:
         """Factor of the field at the stops: a mirror has none."""
         if not self.settings.speckle or target.mirrored:
             return np.ones(stops.size)
         root = _gaussian_root(stops / self.speckle_length)
         return root @ circular_normals(rng, stops.size)
 
-    def _way(self, target: Plane, stops: Array, move: "Move", rng: np.random.Generator) -> Array:
+    def _way(self, target: Plane, stops: Array, move: "Move", rng: Generator) -> Array:
         """True travel, m, at each reading: stage, shaking, and the drift of temperature."""
         reached = stops + self.stage_error * rng.standard_normal(stops.size)
         way = move.along(reached - reached[0]) + self.vibration(rng, move.count)
@@ -169,7 +167,7 @@ class Interferometer:
         slow = _carried(rng.standard_normal(move.count), forgotten)
         return way + warmth * (slow - slow[0])
 
-    def _counted(self, way: Array, shown: Fringes, rng: np.random.Generator) -> Array:
+    def _counted(self, way: Array, shown: Fringes, rng: Generator) -> Array:
         """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
         noise = np.sqrt(2 * shown.variance / self.steps) * circular_normals(rng, way.size)
         read = shown.amplitude * np.exp(4j * np.pi / self.wavelength * way) + noise
@@ -183,7 +181,7 @@ class Interferometer:
         noise = linear_phase_noise(seen.amplitude, seen.variance, self.steps)
         return np.asarray(self.wavelength / (4 * np.pi) * noise, float)
 
-    def vibration(self, rng: np.random.Generator, count: int) -> Array:
+    def vibration(self, rng: Generator, count: int) -> Array:
         """Displacement (count,), m, at successive readings: a resonance under white forcing."""
         rate = 2 * np.pi * self.resonance * self.reading_time
         decay = rate * (1j - 1 / (2 * self.quality))

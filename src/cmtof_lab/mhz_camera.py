@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import c, h
 from scipy.ndimage import gaussian_filter
@@ -22,8 +23,8 @@ from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from
 from cmtof.detector import quantise, skellam_gaussian
 from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
 from cmtof_lab.targets import RayEnds
+from cmtof_rooms.arrays import Array, Shape
 
-Array = NDArray[np.floating]
 Light = tuple[NDArray[np.complexfloating], Array]
 
 STEPS = 4  # phase steps of an image; their exposures add up to the whole
@@ -38,7 +39,7 @@ class MhzCamera:
     wavelength: float = 850e-9  # m (Sec. 8.2)
     exposure: float = 8e-3  # s (Sec. 8.2)
     frequency: float = 100e6  # Hz: a wrap is 1.5 m (known)
-    shape: tuple[int, int] = (480, 640)  # height and width, px (known: Sony IMX556)
+    shape: Shape = (480, 640)  # height and width, px (known: Sony IMX556)
     pixel: float = 10e-6  # m (known)
     field_of_view: float = float(np.deg2rad(59))  # across, rad (known)
     f_number: float = 1.4  # assumed
@@ -122,7 +123,7 @@ class MhzCamera:
         """Mean of A - B in each step, electrons, (4, H, W)."""
         return self.modulation * (light[0] * np.exp(-1j * PSI[:, None, None])).real
 
-    def capture(self, light: Light, *, rng: np.random.Generator, repeats: int = 1) -> Array:
+    def capture(self, light: Light, *, rng: Generator, repeats: int = 1) -> Array:
         """Difference images (repeats, 4, H, W), electrons: Skellam and read noise, rounded.
 
         NaN where a tap is full, which a camera sees by the sum of its taps.

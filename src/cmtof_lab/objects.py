@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import ArrayLike, NDArray
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 from trimesh import Trimesh
 from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.util import concatenate
 
 from cmtof_lab import finishes
-
-Array = NDArray[np.float64]
+from cmtof_rooms.arrays import Array, Numbers, Shape
 
 STEEL = 0.58  # reflectance of polished or lapped steel (known: 0.55 to 0.6)
 DISTANCE = 0.9  # from the instrument to the middle of an object, m
@@ -159,14 +159,13 @@ def _lathed(sections: Array, stated: dict[str, Any]) -> Trimesh:
     points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     corners = _quadrilaterals(x.shape)
     if "holes" in stated:
-        middles = points[corners].mean(0)
-        corners = corners[:, ~getattr(finishes, stated["holes"])(*middles.T)]
-    first = np.stack(corners[[0, 1, 2]], -1)
-    second = np.stack(corners[[0, 2, 3]], -1)
-    return Trimesh(points, np.concatenate([first, second]), process=False)
+        middles = points[corners].mean(1)
+        corners = corners[~getattr(finishes, stated["holes"])(*middles.T)]
+    faces = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
+    return Trimesh(points, faces, process=False)
 
 
-def _skin(sections: Array, grid: tuple[int, int]) -> tuple[Array, Array, Array]:
+def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:
     """Coordinates (rows, columns) of a body's skin, evenly along its profile and around it."""
     path = sections if sections.shape[1] == 4 else sections[:, [0, 1, 1, 1]]
     lengths = np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1)
@@ -178,9 +177,8 @@ def _skin(sections: Array, grid: tuple[int, int]) -> tuple[Array, Array, Array]:
     return side * np.sin(turn), reach * np.cos(turn), z
 
 
-def _quadrilaterals(shape: tuple[int, int]) -> NDArray[np.intp]:
-    """Corners (4, N) of the quadrilaterals of a grid of points that closes behind."""
-    numbers = np.arange(shape[0] * shape[1]).reshape(shape)
+def _quadrilaterals(shape: Shape) -> Numbers:
+    """Corners (N, 4) of the quadrilaterals of a grid of points that closes behind."""
+    numbers = np.arange(np.prod(shape)).reshape(shape)
     ring = np.pad(numbers, ((0, 0), (0, 1)), "wrap")
-    corners = (ring[:-1, :-1], ring[:-1, 1:], ring[1:, 1:], ring[1:, :-1])
-    return np.stack([corner.ravel() for corner in corners])
+    return sliding_window_view(ring, (2, 2)).reshape(-1, 4)[:, [0, 1, 3, 2]]

@@ -12,6 +12,7 @@ the fundamental of K means of N samples behind the filters,
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from scipy.signal import correlate
 
@@ -25,9 +26,7 @@ from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, WRAP, collected_power, visited
-from cmtof_lab.targets import Plane
-
-Array = NDArray[np.float64]
+from cmtof_lab.targets import Array, Plane
 
 FREQUENCY = {"single": constants.FREQUENCY_SINGLE, "doubled": constants.FREQUENCY_DOUBLED}
 """Modulation frequency of each mode, Hz."""
@@ -93,13 +92,10 @@ class OpticalRanger:
         Each repeat is another instrument on another day; ranges are unwrapped to the known wrap.
         """
         offsets = np.asarray(positions, float)
-        ranges = np.empty((repeats, offsets.size))
-        for repeat in range(repeats):
-            rng = np.random.default_rng((seed, repeat))
-            ranges[repeat] = self._day(target, offsets, rng)
-        return ranges
+        days = [np.random.default_rng((seed, repeat)) for repeat in range(repeats)]
+        return np.stack([self._day(target, offsets, rng) for rng in days])
 
-    def _day(self, target: Plane, offsets: Array, rng: np.random.Generator) -> Array:
+    def _day(self, target: Plane, offsets: Array, rng: Generator) -> Array:
         """Estimated ranges (P,), m, of one sweep."""
         settings = self.before(target)
         stated = np.append(visited(self.visits), offsets)
@@ -119,7 +115,7 @@ class OpticalRanger:
         times = np.append(self.step_time * np.arange(self.visits), later)
         return 1 + np.rint(times / BURST_INTERVAL).astype(int)
 
-    def _air_change(self, settings: TwinSettings, rng: np.random.Generator) -> float:
+    def _air_change(self, settings: TwinSettings, rng: Generator) -> float:
         """Change of the air's index since the zero, by whose index the lab divides."""
         warmer, denser = rng.standard_normal(2) * self.air_change
         change = denser / max(settings.pressure, 1.0) - warmer / settings.temperature
@@ -166,7 +162,7 @@ class OpticalRanger:
         return float(scale**2 * (overlap @ memory - overlap[0] * memory[0] / 2))
 
 
-def _another_day(settings: TwinSettings, rng: np.random.Generator) -> TwinSettings:
+def _another_day(settings: TwinSettings, rng: Generator) -> TwinSettings:
     """Settings whose phases of paths, cables and leaks, which none states, are drawn again."""
     path, back, cable, leak = rng.uniform(0, 1, 4)
     return replace(

@@ -13,6 +13,7 @@ with H = 1/(1 + i f/f_c) and the noise e_n of the amplifier behind the mixer, a 
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann, elementary_charge
 
@@ -24,10 +25,7 @@ from cmtof_lab.instrument import DRIFT_RMS, drift
 from cmtof_lab.optical_ranging import FREQUENCY
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power, visited
-from cmtof_lab.targets import Plane, Target
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from cmtof_lab.targets import Array, Complex, Plane, Target
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +136,7 @@ class RfRanger:
         light = self.power(target, target.distance + np.asarray(positions, float))
         return self.noise(light) / self.envelope(light) / self.phase(1.0)
 
-    def readings(self, target: Plane, ranges: Array, rng: np.random.Generator) -> Complex:
+    def readings(self, target: Plane, ranges: Array, rng: Generator) -> Complex:
         """One day's envelopes (P,), V, at ranges (P,), m, the first ones those of the zero."""
         times = self._times(ranges.size)
         averaged = self._averaged(times.size)
@@ -153,7 +151,7 @@ class RfRanger:
         noise = self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
         return self._read(constant + (own + back) + noise, rng)
 
-    def _read(self, envelopes: Complex, rng: np.random.Generator) -> Complex:
+    def _read(self, envelopes: Complex, rng: Generator) -> Complex:
         """Readings (P,) of envelopes (P + 1,), V, of which the last is the blocked beam's."""
         known = np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
         read = skewed(envelopes, *(known + self.drift * rng.standard_normal(2)))
@@ -162,7 +160,7 @@ class RfRanger:
         # the blocked beam is read, and the imbalance known, before they drift
         return straightened(read - skewed(envelopes[-1], *known), *known)[:-1]
 
-    def _offset(self, slow: list[Array], rng: np.random.Generator) -> Complex:
+    def _offset(self, slow: list[Array], rng: Generator) -> Complex:
         """Envelope without light, V, as it drifts."""
         constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
         return constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
@@ -179,12 +177,12 @@ class RfRanger:
         many[-1] = self.points
         return many
 
-    def _slow_drifts(self, times: Array, rng: np.random.Generator) -> list[Array]:
+    def _slow_drifts(self, times: Array, rng: Generator) -> list[Array]:
         """Four drifts of unit rms: both parts of the offset, the phase, and the fibre."""
         key = int(rng.integers(2**62))
         return [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
 
-    def _received(self, target: Plane, ranges: Array, rng: np.random.Generator) -> Array:
+    def _received(self, target: Plane, ranges: Array, rng: Generator) -> Array:
         """Light on the photodiode, W, with the speckle of a rough target."""
         light = self.power(target, ranges)
         if not self.settings.speckle or target.mirrored:
@@ -192,7 +190,7 @@ class RfRanger:
         cells = free_space.speckle_cells(self.settings, ranges)
         return light * rng.gamma(cells, 1 / cells)
 
-    def _turn(self, averaged: NDArray, drifted: Array, rng: np.random.Generator) -> Array:
+    def _turn(self, averaged: NDArray, drifted: Array, rng: Generator) -> Array:
         """Error of the drivers' phase, rad, as in the instrument: jitter and drift."""
         jitter = self.settings.phase_noise[MODES[self.mode] - 1]
         turn = jitter * rng.standard_normal(averaged.size) / np.sqrt(averaged)

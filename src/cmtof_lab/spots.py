@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.random import Generator
+from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from cmtof.constants import LASER_WAVELENGTH
-
-Array = NDArray[np.floating]
+from cmtof_rooms.arrays import Array, Flags, Shape
 
 WINDOW = 11  # side of the window in which a spot is placed, px
 WEIGHT = 1.3  # standard deviation of the weight of its centroid, px
@@ -19,7 +19,7 @@ WEIGHT = 1.3  # standard deviation of the weight of its centroid, px
 class Sensor:
     """Camera, lens and laser spot, the pixel of Sony's IMX252 (assumed)."""
 
-    shape: tuple[int, int] = (1536, 2048)  # height and width, px
+    shape: Shape = (1536, 2048)  # height and width, px
     pitch: float = 3.45e-6  # m
     focal_length: float = 8e-3  # m (Sec. 6.4)
     f_number: float = 4.0  # assumed
@@ -44,7 +44,7 @@ SENSOR = Sensor()
 
 
 def photographed_spots(
-    true: Array, rate: Array, width: Array, rng: np.random.Generator, sensor: Sensor
+    true: Array, rate: Array, width: Array, rng: Generator, sensor: Sensor
 ) -> Array:
     """Windows (N, S, S) of spots at ``true``, px, in electrons less the room's light."""
     edges = (np.arange(WINDOW + 1) - true[..., None]) / width[:, None, None]
@@ -114,6 +114,6 @@ class _Weighted(NamedTuple):
         slope = (self.lit.sum(1) * (1 - self.x**2 / WEIGHT**2)).sum(1)
         return spread / np.maximum(slope, 1e-9)
 
-    def weak(self, light: Array, sensor: Sensor) -> NDArray[np.bool_]:
+    def weak(self, light: Array, sensor: Sensor) -> Flags:
         """Windows whose light is below six deviations."""
         return self.total() < 6 * np.sqrt(self.noise(light, sensor).sum((1, 2)))

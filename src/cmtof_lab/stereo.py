@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
@@ -18,8 +19,7 @@ from cmtof.frame import Frame
 from cmtof.pointcloud import mesh_triangles, normals_from_points, points_from_depth
 from cmtof_lab.spots import SENSOR, WINDOW, Sensor, photographed_spots, place_spots
 from cmtof_lab.targets import MeshTarget
-
-Array = NDArray[np.floating]
+from cmtof_rooms.arrays import Array, Flags, Shape
 
 COLUMNS = 9  # inner corners of the checkerboard
 ROWS = 6
@@ -30,6 +30,9 @@ BOARD = SQUARE * (np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3) - [4, 2.5, 0])
 
 WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
 
+Label = tuple[NDArray, Flags, Array]
+"""Wraps, whether they are sure, and depth, m, of each pixel."""
+
 
 @dataclass(frozen=True, eq=False)
 class StereoRig:
@@ -38,7 +41,7 @@ class StereoRig:
     matrices: Array  # (2, 3, 3): focal lengths and centres, px
     distortions: Array  # (2, 5): Brown's, in OpenCV's order
     poses: tuple[RigidTransform, RigidTransform]  # from the scanner's frame, m, to each camera's
-    shape: tuple[int, int]  # height and width of the images, px
+    shape: Shape  # height and width of the images, px
 
     @property
     def centres(self) -> Array:
@@ -101,7 +104,7 @@ def simulated_rig(
     return StereoRig(np.stack([matrix] * 2), bent, (left.inv(), right.inv()), sensor.shape)
 
 
-def board_poses(rig: StereoRig, count: int, *, rng: np.random.Generator) -> list[RigidTransform]:
+def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTransform]:
     """Poses of a board about 1.1 m away, tilted by 15 to 40 degrees, whole in both images."""
     poses: list[RigidTransform] = []
     while len(poses) < count:
@@ -129,7 +132,7 @@ def find_corners(image: NDArray[np.uint8]) -> Array:
     return seen.reshape(-1, 2).astype(float) + 0.5  # OpenCV's centres lie at whole numbers
 
 
-def calibrate(corners: ArrayLike, shape: tuple[int, int]) -> tuple[StereoRig, float]:
+def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
     """Rig in the left camera's frame and a corner's rms residual, px, of corners (2, V, 54, 2)."""
     import cv2
 
@@ -170,7 +173,7 @@ class Spots(NamedTuple):
     sigma: Array
 
 
-def visible_from(points: ArrayLike, centre: ArrayLike) -> NDArray[np.bool_]:
+def visible_from(points: ArrayLike, centre: ArrayLike) -> Flags:
     """Points (H, W, 3), m, of a scan that nothing hides from a place (3,), neighbours joined."""
     points = np.asarray(points, float)
     known = np.isfinite(points).all(-1)
@@ -179,9 +182,7 @@ def visible_from(points: ArrayLike, centre: ArrayLike) -> NDArray[np.bool_]:
     return known & ~MeshTarget(points.reshape(-1, 3), faces).hidden(points, centre)
 
 
-def scan_spots(
-    frame: Frame, rig: StereoRig, *, rng: np.random.Generator, sensor: Sensor = SENSOR
-) -> Spots:
+def scan_spots(frame: Frame, rig: StereoRig, *, rng: Generator, sensor: Sensor = SENSOR) -> Spots:
     """Spots (H, W) that both cameras find while a frame with a camera is scanned (simulated).
 
     Lambertian spots with speckle, shot and read noise; the 99th percentile peaks at 70 % of a well.
@@ -202,7 +203,7 @@ def scan_spots(
     return spots
 
 
-def _within_image(pixels: Array, shape: tuple[int, int]) -> NDArray[np.bool_]:
+def _within_image(pixels: Array, shape: Shape) -> Flags:
     """Pixels (H, W, 2) whose window lies within an image of height and width ``shape``."""
     return ((pixels > WINDOW) & (pixels < np.array(shape[::-1]) - WINDOW)).all(-1)
 
@@ -225,7 +226,7 @@ class PseudoTruth(NamedTuple):
     """Labels (H, W) from stereo."""
 
     wraps: NDArray[np.int64]  # -1 without a label
-    mask: NDArray[np.bool_]  # True where a pixel is labelled
+    mask: Flags  # True where a pixel is labelled
     range: Array  # m along the scanner's ray, from stereo alone; NaN without a pair of spots
     uncertainty: Array  # standard deviation of that range, m
     depth: Array  # best range, m: by the phase within the labelled wrap; NaN without a label
@@ -251,34 +252,26 @@ def truth_from_spots(
     safe = np.where(known, found, 0.0)
     reach = np.where(known, sigmas * spread, np.inf)
     if phase is None:
-        label = _label_of_range(safe, reach)
+        wraps, sure, depth = _label_of_range(safe, reach)
     else:
-        own = sigmas * np.asarray(phase_noise) * WRAP / TAU
-        label = _label_of_phase(safe, np.hypot(reach, own), np.asarray(phase, float))
-    mask = known & label.sure & (label.wraps >= 0)
-    wraps = np.where(mask, label.wraps, -1)
-    return PseudoTruth(wraps, mask, found, spread, np.where(mask, label.depth, np.nan))
+        reach = np.hypot(reach, sigmas * np.asarray(phase_noise) * WRAP / TAU)
+        wraps, sure, depth = _label_of_phase(safe, reach, np.asarray(phase, float))
+    mask = known & sure & (wraps >= 0)
+    wraps = np.where(mask, wraps, -1)
+    return PseudoTruth(wraps, mask, found, spread, np.where(mask, depth, np.nan))
 
 
-class _Label(NamedTuple):
-    """Wraps, whether they are sure, and depth, m, of each pixel."""
-
-    wraps: NDArray[np.int64]
-    sure: NDArray[np.bool_]
-    depth: Array
-
-
-def _label_of_range(found: Array, reach: Array) -> _Label:
+def _label_of_range(found: Array, reach: Array) -> Label:
     """Wrap of a range, m, sure where nothing within reach lies in another wrap."""
     sure = np.floor((found - reach) / WRAP) == np.floor((found + reach) / WRAP)
-    return _Label(np.floor(found / WRAP).astype(np.int64), sure, found)
+    return np.floor(found / WRAP).astype(np.int64), sure, found
 
 
-def _label_of_phase(found: Array, reach: Array, phase: Array) -> _Label:
+def _label_of_phase(found: Array, reach: Array, phase: Array) -> Label:
     """Wrap that brings a phase, rad, nearest to a range, m; sure within half a wrap."""
     wraps = consistent_wrap_count(found, np.nan_to_num(phase), FREQUENCY_SINGLE)
     sure = np.isfinite(phase) & (reach < WRAP / 2)
-    return _Label(wraps, sure, depth_from_wraps(phase, wraps, FREQUENCY_SINGLE))
+    return wraps, sure, depth_from_wraps(phase, wraps, FREQUENCY_SINGLE)
 
 
 def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> tuple[Array, Array]:

@@ -10,15 +10,14 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.random import Generator
+from numpy.typing import ArrayLike
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
 from cmtof_lab import optics as free_space
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.targets import Plane, RayEnds
-
-Array = NDArray[np.float64]
+from cmtof_lab.targets import Array, Complex, Plane, RayEnds
 
 POSITIONS = 5e-5 * np.arange(21)  # Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)
 STAGE_ERROR = 5e-8  # Error of a position of the stage, rms, m (Sec. 8.2)
@@ -44,7 +43,7 @@ def collected_power(
     return (power * share[1:] / share[0]).reshape(np.shape(ranges))
 
 
-def circular_normals(rng: np.random.Generator, count: int) -> NDArray[np.complex128]:
+def circular_normals(rng: Generator, count: int) -> Complex:
     """Circular complex normals (count,) whose real and imaginary parts have unit variance."""
     return rng.standard_normal((count, 2)).view(complex)[:, 0]
 

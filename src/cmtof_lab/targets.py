@@ -17,6 +17,7 @@ from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 LARGEST_STEP = 0.02  # Neighbouring pixels whose depths differ by a smaller share: one surface
 SURFACE = 3e-3  # How near to a point its own surface may be met, m
