@@ -4,3 +4,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 """Folder of the checkout."""
+
+RESULTS = ROOT / "book" / "results"
+"""Folder of what is computed once, for chapters to read."""
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+"""Variables that say how many threads numbers are computed on."""

@@ -11,27 +11,25 @@ import multiprocessing
 import os
 import sys
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from statistics import median
 from time import perf_counter
+from timeit import repeat
 from typing import Any
 
 import numpy as np
 
-STORE = Path(__file__).resolve().parents[2] / "book" / "results" / "methods_cost.json"
+from cmtof_book import RESULTS, THREADS
+
+STORE = RESULTS / "methods_cost.json"
 SHAPE = (768, 1024)
 
 
 def seconds(work: Callable[[], object], repeats: int = 15) -> float:
     """Median time of a call, once caches and the memory allocator have settled."""
-    for _ in range(repeats // 3):
-        work()
-    times = []
-    for _ in range(repeats):
-        start = perf_counter()
-        work()
-        times.append(perf_counter() - start)
-    return median(times)
+    settling = repeats // 3
+    return median(repeat(work, number=1, repeat=settling + repeats)[settling:])
 
 
 def large_frame() -> Any:
@@ -39,11 +37,9 @@ def large_frame() -> Any:
     from cmtof.scenes import Frame, load_frame
 
     small = load_frame("room")
-    place = np.ix_(
-        *(np.arange(n) * old // n for n, old in zip(SHAPE, small.depth.shape, strict=True))
-    )
-    scale = np.array(SHAPE[::-1]) / small.depth.shape[::-1]
-    camera = small.camera * np.tile(scale, 2)
+    old = small.depth.shape
+    place = np.ix_(*(np.arange(n) * held // n for n, held in zip(SHAPE, old, strict=True)))
+    camera = small.camera * np.tile(np.divide(SHAPE, old)[::-1], 2)
     return Frame(small.depth[place], small.intensity[place], camera, "room, enlarged")
 
 
@@ -75,12 +71,12 @@ def cost(method: str, protocol: str) -> dict[str, float]:
     from cmtof.evaluation import measured as given_to
 
     measurement = given_to(large_frame(), [method], protocol=protocol)[method]
-    taken, before, start = 0.0, 0.0, 0.0
-    for _ in range(2):
-        Path("/proc/self/clear_refs").write_text("5", "utf-8")  # forget the peak so far
-        before, start = _memory("VmRSS"), perf_counter()
-        cmtof.unwrap(measurement, method=method)
-        taken = perf_counter() - start
+    cmtof.unwrap(measurement, method=method)
+    Path("/proc/self/clear_refs").write_text("5", "utf-8")  # forget the peak so far
+    before = _memory("VmRSS")
+    start = perf_counter()
+    cmtof.unwrap(measurement, method=method)
+    taken = perf_counter() - start
     return {"seconds": round(taken, 3), "megabytes": round(_memory("VmHWM") - before, 1)}
 
 
@@ -92,20 +88,18 @@ def _memory(name: str) -> float:
 
 def store() -> None:
     """Measure every method that is ready, print and store."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ[name] = "1"
+    os.environ |= dict.fromkeys(THREADS, "1")
     from cmtof import __version__
     from cmtof.files import written_whole
     from cmtof.methods import METHODS
     from cmtof_book.provenance import processor
 
-    found: dict[str, dict[str, dict[str, float]]] = {}
+    found: dict[str, Any] = {name: {} for name in METHODS}
     spawn = multiprocessing.get_context("spawn")
-    for protocol in ("released", "full"):
-        for name in METHODS:
-            with spawn.Pool(1) as pool:
-                found.setdefault(name, {})[protocol] = pool.apply(cost, (name, protocol))
-            print(name, protocol, found[name][protocol], flush=True)
+    for protocol, name in product(("released", "full"), METHODS):
+        with spawn.Pool(1) as pool:
+            found[name][protocol] = pool.apply(cost, (name, protocol))
+        print(name, protocol, found[name][protocol], flush=True)
     machine = f"one thread of {processor()}"
     held = {"command": "make bench", "version": __version__, "machine": machine, "methods": found}
     with written_whole(STORE) as part:

@@ -29,6 +29,10 @@ class Scene(NamedTuple):
         found = self.answers[label]["wrap_count"] if label else truth
         return np.where(self.measurement.mask, found, np.nan)
 
+    def error(self, label: str) -> NDArray[np.floating]:
+        """Wraps (H, W) by which a method is off, NaN where not scored."""
+        return np.abs(self.count(label) - self.count())
+
     @property
     def limits(self) -> tuple[float, float]:
         """Wraps between which the colours run."""
@@ -37,8 +41,7 @@ class Scene(NamedTuple):
 
     def right(self, label: str) -> float:
         """Share of the scored pixels in the right wrap."""
-        error = np.abs(self.count(label) - self.count())
-        return float(np.mean(error[self.measurement.mask] < 1))
+        return float(np.mean(self.error(label)[self.measurement.mask] < 1))
 
 
 def comparison_figure(scene: Scene, labels: Sequence[str], *, columns: int = 4) -> Figure:
@@ -52,9 +55,10 @@ def comparison_figure(scene: Scene, labels: Sequence[str], *, columns: int = 4) 
     image(light, brightness, label="", cmap="gray", title="the room", bar=False)
     image(truth, scene.count(), label="", limits=scene.limits, title="true wraps", bar=False)
     for ax, label in zip(others, labels, strict=False):
-        error = np.abs(scene.count(label) - scene.count())
         title = f"{label}: {100 * scene.right(label):.0f} %"
-        image(ax, error, label="", cmap="magma", limits=(0, 10), title=title, bar=False)
+        image(
+            ax, scene.error(label), label="", cmap="magma", limits=(0, 10), title=title, bar=False
+        )
     for ax in others[len(labels) :]:
         ax.remove()
     shown = axes.flat[: 2 + len(labels)].tolist()

@@ -26,10 +26,9 @@ import nbformat  # noqa: E402
 import papermill  # noqa: E402
 from papermill.exceptions import PapermillExecutionError  # noqa: E402
 
-from cmtof_book import ROOT  # noqa: E402
+from cmtof_book import ROOT, THREADS  # noqa: E402
 from cmtof_book.pairs import notebook_from_script  # noqa: E402
 
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matplotlib")
 
 

@@ -5,7 +5,6 @@ They are scripts that hold data, since a page that is opened from a file may fet
 
 import gzip
 import json
-from base64 import b64encode
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +17,10 @@ from cmtof.network.inference import read_graph
 from cmtof.network.weights import read_weights, weights_path
 from cmtof.scenes import load_frame
 from cmtof.simulation import simulate
+from cmtof_book import ROOT
+from cmtof_book.provenance import letters
 
-RUNTIME = Path(__file__).resolve().parents[2] / "book" / "runtime"
+RUNTIME = ROOT / "book" / "runtime"
 SCRIPTS = {
     "script": "ort.wasm.min.js",
     "loader": "ort-wasm-simd-threaded.mjs",
@@ -44,9 +45,9 @@ def light_network() -> bytes:
 def scenes() -> dict[str, Frame]:
     """Frames by what the page calls them: rooms, the staircase, and scanned objects."""
     tested = held_out_frames()
-    found = {name: tested[number] for name, number in ROOMS.items()}
-    found["staircase"] = load_frame("stairs")
-    return found | {name: object_frame(name) for name in OBJECTS}
+    rooms = {name: tested[number] for name, number in ROOMS.items()}
+    objects = {name: object_frame(name) for name in OBJECTS}
+    return {**rooms, "staircase": load_frame("stairs"), **objects}
 
 
 def object_frame(name: str) -> Frame:
@@ -83,11 +84,6 @@ def packed_scene(frame: Frame) -> dict[str, Any]:
 def packed(content: bytes | NDArray) -> str:
     """Gzip in letters."""
     return letters(gzip.compress(bytes(content), mtime=0))
-
-
-def letters(content: bytes) -> str:
-    """Bytes in letters."""
-    return b64encode(content).decode()
 
 
 def write(folder: Path) -> None:

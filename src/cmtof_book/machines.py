@@ -70,9 +70,8 @@ def main(
     failed = False
     for machine in machines:
         started = time.monotonic()
-        good = passes(machine, tests)
-        failed |= not good
-        said = "PASS" if good else "FAIL"
+        said = "PASS" if passes(machine, tests) else "FAIL"
+        failed |= said == "FAIL"
         print(f"{said}  {machine}: {time.monotonic() - started:.0f} s", flush=True)
     raise typer.Exit(failed)
 

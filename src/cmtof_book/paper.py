@@ -124,8 +124,9 @@ def table() -> None:
     for key, held in record.read(record.PAPER).items():
         profile = provenance.RUN["profile"]
         score = Score.of(published(key), held["cases"], profile=profile, crops=held["crops"])
-        what = f"{score.number.where}, {score.number.what}"
-        rows.append([what, score.number.text(), result_text(score), score.verdict])
+        number = score.number
+        what = f"{number.where}, {number.what}"
+        rows.append([what, number.text(), result_text(score), score.verdict])
     verdicts = Counter(row[-1] for row in rows)
     said = ", ".join(f"{count} {name}" for name, count in verdicts.most_common())
     fold = f"{len(rows)} numbers: {said}" if len(rows) > 12 else ""
@@ -134,11 +135,9 @@ def table() -> None:
 
 def result_text(score: Score, digits: int = 4) -> str:
     """Our numbers with their intervals, each with its case; so many digits where exact."""
-    texts = [
-        f"{estimate_text(one, score.number.unit, digits)} {case}".strip()
-        for case, one in score.cases.items()
-    ]
-    return "; ".join(texts) or "not finite"
+    unit = score.number.unit
+    texts = [f"{estimate_text(one, unit, digits)} {case}" for case, one in score.cases.items()]
+    return "; ".join(map(str.strip, texts)) or "not finite"
 
 
 def estimate_text(one: Estimate, unit: str, digits: int = 4) -> str:
@@ -149,10 +148,10 @@ def estimate_text(one: Estimate, unit: str, digits: int = 4) -> str:
     """
     if one.low == one.high:
         return quantity_text(one.value, unit, digits)
-    low, high = (quantity_text(end, unit, 3) for end in (one.low, one.high))
+    value, low, high = (quantity_text(part, unit, 3) for part in one)
     if low.partition(" ")[2] == high.partition(" ")[2]:
         low = low.partition(" ")[0]
-    return f"{quantity_text(one.value, unit, 3)} ({low}–{high})"
+    return f"{value} ({low}–{high})"
 
 
 def quantity_text(value: float, unit: str, digits: int = 4) -> str:

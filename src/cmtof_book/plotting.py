@@ -7,6 +7,7 @@ import csv
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any, Literal
 
 import matplotlib as mpl
@@ -110,9 +111,10 @@ def _grid(count: int, columns: int, width: float, aspect: float) -> tuple[Figure
     rows = -(-count // columns)
     size = (columns * width + 0.9, rows * (width * aspect + 0.35))
     fig, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
-    for ax in grid.flat[count:]:
+    shown, empty = np.split(grid.ravel(), [count])
+    for ax in empty:
         ax.remove()
-    return fig, list(grid.flat[:count])
+    return fig, shown.tolist()
 
 
 def _colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
@@ -173,8 +175,8 @@ def intervals(
         ax.plot(value, place, "o", color=colors[name], ms=5)
     if published:
         theirs = [published.get(name, np.nan) for name in rows]
-        style: Any = {"mfc": "none", "mec": "black", "ms": 5, "label": "the paper, its own scenes"}
-        ax.plot(theirs, range(len(rows)), "D", **style)
+        words = "the paper, its own scenes"
+        ax.plot(theirs, range(len(rows)), "D", mfc="none", mec="black", ms=5, label=words)
     ax.set_yticks(range(len(rows)), list(rows))
     ax.invert_yaxis()
 
@@ -189,7 +191,7 @@ def bars(ax: Axes, series: Mapping[str, ArrayLike], groups: Sequence[str]) -> No
 
 def label_panels(axes: Iterable[Axes]) -> None:
     """Put (a), (b), … before the titles of panels, in the order given."""
-    for letter, ax in zip("abcdefghijklmnopqrstuvwxyz", axes, strict=False):
+    for letter, ax in zip(ascii_lowercase, axes, strict=False):
         title = ax.get_title()
         ax.set_title("")
         ax.set_title(f"({letter}) {title}".rstrip(), loc="left")

@@ -4,6 +4,7 @@ import json
 import os
 import platform
 import re
+from base64 import b64encode
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,11 @@ def processor() -> str:
     about = Path("/proc/cpuinfo")
     named = about.is_file() and re.search(r"model name\s*: (.+)", about.read_text("utf-8"))
     return named[1] if named else platform.processor()
+
+
+def letters(content: bytes) -> str:
+    """Bytes as text, as pages hold them."""
+    return b64encode(content).decode()
 
 
 def _plain(value: Any) -> Any:

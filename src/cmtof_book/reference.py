@@ -64,11 +64,7 @@ def main() -> int:
         return 1
     for line in differences(found, stored_numbers()):
         print(line)
-    lines = [
-        f" {json.dumps(name)}: {json.dumps(number.record())}"
-        for name, number in sorted(found.items())
-    ]
-    STORED.parent.mkdir(parents=True, exist_ok=True)
+    lines = [f' "{name}": {json.dumps(number.record())}' for name, number in sorted(found.items())]
     STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
     print(f"{sum(number.size for number in found.values())} numbers in {STORED.name}")
     return 0

@@ -36,9 +36,6 @@ SEED = 0
 METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
 """Columns of the figure: the paper's that need no training, and three that it leaves out."""
 
-Answers = dict[str, list[xr.Dataset]]
-"""Answers to the embedded frames, by method."""
-
 
 class Outcome(NamedTuple):
     """One line of the replication: our value and the one that is expected."""
@@ -53,10 +50,9 @@ class Outcome(NamedTuple):
         return self.expected.accepts(self.value)
 
     def __str__(self) -> str:
+        allowed = f"{self.expected.value:.4g} ± {self.expected.tolerance():.2g}"
         if self.expected.kind == "decision":
             allowed = f"at least {self.expected.at_least:.4g}"
-        else:
-            allowed = f"{self.expected.value:.4g} ± {self.expected.tolerance():.2g}"
         said = "PASS" if self.passed else "FAIL"
         return f"{said}  {self.what}: {self.value:.4g} (expected {allowed})"
 
@@ -108,25 +104,27 @@ def _methods(seed: int, figure: Path | None) -> Iterator[tuple[str, float]]:
     clean = Evaluation(["crt"], noise_free=True).add_all(frames).report()
     yield "crt_noise_free", clean["methods"]["crt"]["consistent_lt_1"]
     taken = [measured(frame, METHODS, number=k, seed=seed) for k, frame in enumerate(frames)]
-    answers: Answers = {}
+    answers: dict[str, xr.Dataset] = {}
     for method in METHODS:
-        answers[method] = [unwrap(given[method], method=method) for given in taken]
-        pairs = zip(answers[method], taken, strict=True)
-        pixels = (scored_pixels(found, given[method]) for found, given in pairs)
-        yield method, score(pixels)["delta_lt_1"]
+        given = [measurements[method] for measurements in taken]
+        found = [unwrap(one, method=method) for one in given]
+        yield method, score(map(scored_pixels, found, given))["delta_lt_1"]
+        answers[method] = found[0]
     if figure and find_spec("matplotlib"):
         _draw(figure, frames[0], taken[0]["beat"], answers)
 
 
-def _draw(figure: Path, frame: Frame, measurement: Measurement, answers: Answers) -> None:
-    """Draw Fig. 10, whole or not at all."""
+def _draw(
+    figure: Path, frame: Frame, measurement: Measurement, answers: dict[str, xr.Dataset]
+) -> None:
+    """Draw Fig. 10 of a frame, whole or not at all."""
     from cmtof_book import plotting
     from cmtof_book.comparison import Scene, comparison_figure
 
     plotting.begin()
-    first = {method: found[0] for method, found in answers.items()}
+    scene = Scene(frame, measurement, answers)
     with written_whole(figure) as part:
-        comparison_figure(Scene(frame, measurement, first), METHODS).savefig(part)
+        comparison_figure(scene, METHODS).savefig(part)
 
 
 if __name__ == "__main__":

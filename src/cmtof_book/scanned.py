@@ -10,15 +10,14 @@ import argparse
 import hashlib
 import json
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import partial, reduce
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import cmtof
 from cmtof import __version__
@@ -28,19 +27,18 @@ from cmtof.files import written_whole
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
+from cmtof_book import RESULTS
 from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import scene_from
 
-Example = tuple[Measurement, NDArray[np.integer], NDArray[np.floating]]
-"""Scan, its wraps, -1 where unknown, and its depth, m."""
+Options = dict[str, Any]
 
-Rows = dict[str, tuple[str, dict[str, Any]]]
-"""Method and options of each row of a table."""
+Rows = dict[str, Options]
+"""Options by row of a table: the row is a method, or the network if it is given weights."""
 
-RESULTS = Path(__file__).resolve().parents[2] / "book" / "results"
 RATES = RESULTS / "scanned.json"
 TUNED = RESULTS / "scanned"
 """Folder of the fine-tuned weights."""
@@ -65,13 +63,17 @@ NETWORK = "fast-scnn"
 FIRST_SEED = 10
 """Seed of the first scan with labels; every scan has another."""
 
-FIRST_LEG: dict[str, Any] = {"steps": 500, "learning_rate": 3e-4, "crop": 96, "batch": 4}
-NEXT_LEGS: dict[str, Any] = {"steps": 800, "learning_rate": 5e-4, "crop": 160, "batch": 2}
+FIRST_LEG: Options = {"steps": 500, "learning_rate": 3e-4, "crop": 96, "batch": 4}
+NEXT_LEGS: Options = {"steps": 800, "learning_rate": 5e-4, "crop": 160, "batch": 2}
 """Options of `cmtof.network.training.fine_tune`: small crops first, then large ones."""
 
 MOST_LEGS = 6
 FLAT = 0.01
-LEVELS = {"0": "photon", "0.5": 0.5, "1": "captures", "2": 2.0}
+
+Noise = str | float
+"""One of `cmtof_lab.settings.NOISE`, or a multiple of the captures'."""
+
+LEVELS: dict[str, Noise] = {"0": "photon", "0.5": 0.5, "1": "captures", "2": 2.0}
 """Phase noise over that of the captures, and its name."""
 
 STRIDES = (1, 2, 4)
@@ -80,12 +82,11 @@ SWEPT = ("bust", "owl")
 
 
 def scan_object(
-    name: str, noise: str | float = "photon", *, size: int = SIZE, seed: int = 0, **rigged: Any
+    name: str, noise: Noise = "photon", *, size: int = SIZE, seed: int = 0, **rigged: Any
 ) -> Measurement:
     """Scan of an object, its ranges optical, among the wraps 36 to 56 of the released protocol.
 
-    ``noise`` is one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'. The zero of the
-    beat is that of a short scan at the photon limit.
+    The zero of the beat is that of a short scan at the photon limit.
     """
     quiet = TwinSettings()
     noisy = replace(quiet, **noise_settings(noise))
@@ -96,12 +97,11 @@ def scan_object(
     if noise != "photon":
         short = scan_scene(quiet, target, size=1, **view)
         data = data.assign(psi=short.dataset["psi"])
-    wrap = wrap_length(scan.frequencies[0])
-    low, high = RELEASED_WRAPS
-    return Measurement(data).between(low * wrap, high * wrap)
+    ends = wrap_length(scan.frequencies[0]) * np.array(RELEASED_WRAPS)
+    return Measurement(data).between(*ends)
 
 
-def noise_settings(noise: str | float) -> dict[str, Any]:
+def noise_settings(noise: Noise) -> Options:
     """Settings of the instrument for a noise by name, or a multiple of the captures'."""
     if isinstance(noise, str):
         return NOISE[noise]
@@ -136,7 +136,7 @@ def four_phases(scan: Measurement) -> Measurement:
     return Measurement.from_arrays(made, psi, scan.frequencies, **_held(scan))
 
 
-def _held(scan: Measurement) -> dict[str, Any]:
+def _held(scan: Measurement) -> Options:
     """What another measurement of a scan keeps of it."""
     return {
         "depth": scan.depth,
@@ -153,33 +153,22 @@ def frame_of(name: str, scan: Measurement) -> Frame:
     return Frame(hits.range, hits.reflectance, scan.camera, name)
 
 
-def example_of(name: str, scan: Measurement, *, seed: int = 0) -> Example:
-    """Scan of an object with the labels that a stereo rig beside the scanner gives it."""
-    from cmtof_lab import stereo
-
-    rig = stereo.simulated_rig()
-    spots = stereo.scan_spots(frame_of(name, scan), rig, rng=np.random.default_rng(seed))
-    found = stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
-    return scan, found.wraps, found.depth
-
-
 class Scans:
     """Scans by object, noise and seed, kept in a folder."""
 
     def __init__(self, folder: Path, size: int = SIZE) -> None:
         self.folder = folder
         self.size = size
+        folder.mkdir(parents=True, exist_ok=True)
 
     def scan(
-        self, name: str, noise: str | float = "captures", seed: int = 0, **rigged: Any
+        self, name: str, noise: Noise = "captures", seed: int = 0, **rigged: Any
     ) -> Measurement:
         """Scan of an object as `scan_object` makes it."""
         parts = (name, noise, self.size, seed, *(f"{x:g}" for x in rigged.values()))
         path = self.folder / ("_".join(map(str, parts)) + ".nc")
         if not path.exists():
-            self.folder.mkdir(parents=True, exist_ok=True)
-            found = scan_object(name, noise, size=self.size, seed=seed, **rigged)
-            found.save(path)
+            scan_object(name, noise, size=self.size, seed=seed, **rigged).save(path)
             print(f"scanned {path.stem}", flush=True)
         return cmtof.open(path)
 
@@ -187,16 +176,25 @@ class Scans:
         """Scan of a training object with the captures' noise."""
         return self.scan(name, seed=FIRST_SEED + list(TRAINING).index(name))
 
-    def example(self, name: str) -> Example:
-        """That scan with its labels."""
+    def labels(self, name: str) -> dict[str, Any]:
+        """Wraps, -1 where unknown, and depth, m, of that scan by a stereo rig beside it."""
         path = self.folder / f"labels_{name}_{self.size}.npz"
-        scan = self.training(name)
         if not path.exists():
-            _, wraps, depth = example_of(name, scan, seed=list(TRAINING).index(name))
-            with written_whole(path) as part, part.open("wb") as file:
-                np.savez_compressed(file, wraps=wraps, depth=depth)
+            scan = self.training(name)
+            found = stereo_labels(name, scan, seed=list(TRAINING).index(name))
+            with written_whole(path) as part:
+                np.savez_compressed(part, wraps=found.wraps, depth=found.depth)
         with np.load(path) as held:
-            return scan, held["wraps"], held["depth"]
+            return dict(held)
+
+
+def stereo_labels(name: str, scan: Measurement, *, seed: int) -> Any:
+    """Labels that a stereo rig beside the scanner gives the scan of an object."""
+    from cmtof_lab import stereo
+
+    rig = stereo.simulated_rig()
+    spots = stereo.scan_spots(frame_of(name, scan), rig, rng=np.random.default_rng(seed))
+    return stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
 
 
 def tuned_weights(scans: Scans, count: int, legs: int) -> Path:
@@ -209,12 +207,13 @@ def tuned_weights(scans: Scans, count: int, legs: int) -> Path:
     from cmtof.network.training import fine_tune
     from cmtof.network.weights import load_weights, save_weights, weights_path
 
+    if not legs:
+        return weights_path(NETWORK, "released")
     path = weights_path(NETWORK, "released", scans.folder / f"tuned_{count}_{legs}")
     if not path.exists():
-        before = tuned_weights(scans, count, legs - 1) if legs > 1 else None
-        trained = load_weights(before or weights_path(NETWORK, "released"))
+        trained = load_weights(tuned_weights(scans, count, legs - 1))
         options = NEXT_LEGS if legs > 1 else FIRST_LEG
-        examples = [scans.example(name) for name in LEARNT[:count]]
+        examples = [(scans.training(name), *scans.labels(name).values()) for name in LEARNT[:count]]
         torch.set_num_threads(1)
         torch.manual_seed(legs)
         with torch.autocast("cpu", torch.bfloat16):
@@ -230,18 +229,17 @@ class Counts:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.held: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.exists() else {}
+        self.held: Any = json.loads(path.read_text("utf-8")) if path.exists() else {}
 
     def keep(self, *keys: str, of: Callable[[], Any]) -> Any:
         """What is held below some keys; what is not yet held is computed and stored."""
-        place = self.held
-        for key in keys[:-1]:
-            place = place.setdefault(key, {})
-        if keys[-1] not in place:
-            place[keys[-1]] = of()
-            print(*keys, place[keys[-1]], flush=True)
+        *above, key = keys
+        place = reduce(lambda held, name: held.setdefault(name, {}), above, self.held)
+        if key not in place:
+            place[key] = of()
+            print(*keys, place[key], flush=True)
             self.store()
-        return place[keys[-1]]
+        return place[key]
 
     def store(self, **about: Any) -> None:
         """Write everything."""
@@ -257,7 +255,13 @@ def counts_of(scan: Measurement, method: str, **options: Any) -> list[int]:
     return [counted["pixels"], *counted["below"]]
 
 
-def given_to(scans: Scans, method: str, name: str, noise: str | float, seed: int) -> Measurement:
+def counts_of_all(scans: Iterable[Measurement], row: str, options: Options) -> list[list[int]]:
+    """Those counts of several scans by a row of a table."""
+    method = NETWORK if options else row
+    return [counts_of(scan, method, **options) for scan in scans]
+
+
+def given_to(scans: Scans, method: str, name: str, noise: Noise, seed: int) -> Measurement:
     """Scan as a method reads it: four phases for `rapid`, two close frequencies for `phasor`."""
     scan = scans.scan(name, noise, seed)
     if method == "rapid":
@@ -267,64 +271,44 @@ def given_to(scans: Scans, method: str, name: str, noise: str | float, seed: int
     return scan
 
 
-def validated(scans: Scans, weights: Path | None) -> list[float]:
+def validated(scans: Scans, legs: int) -> list[float]:
     """Shares of right wraps on the scans of the objects that are held out."""
-    options = {"weights": weights} if weights else {}
-    found = []
-    for name in HELD_OUT:
-        pixels, right, *_ = counts_of(scans.training(name), NETWORK, **options)
-        found.append(round(right / pixels, 4))
-    return found
+    weights = tuned_weights(scans, CURVE[-1], legs)
+    every = (counts_of(scans.training(name), NETWORK, weights=weights) for name in HELD_OUT)
+    return [round(right / pixels, 4) for pixels, right, *_ in every]
 
 
 def chosen_legs(scans: Scans, counts: Counts, most: int) -> int:
     """Legs of training until one gains less than `FLAT` on objects held out; that if it gains."""
-    best = counts.keep("validation", "0", of=lambda: validated(scans, None))
-    for legs in range(1, most + 1):
-        weights = tuned_weights(scans, CURVE[-1], legs)
-        found = counts.keep("validation", str(legs), of=partial(validated, scans, weights))
-        if np.mean(found) < np.mean(best) + FLAT:
-            worse = bool(np.mean(found) < np.mean(best))
-            return max(legs - worse, 1)
+    best = -1.0
+    for legs in range(most + 1):
+        found = np.mean(counts.keep("validation", str(legs), of=partial(validated, scans, legs)))
+        if found < best + FLAT:
+            return max(legs - int(found < best), 1)
         best = found
     return most
 
 
 def compare(scans: Scans, counts: Counts, noise: str, rows: Rows) -> None:
-    """Count rows of methods on the shown scenes."""
-    for (row, (method, options)), name in product(rows.items(), SHOWN):
-        of = partial(counts_of_seeds, scans, name, noise, method, **options)
-        counts.keep("counts", noise, row, name, of=of)
-
-
-def counts_of_seeds(
-    scans: Scans, name: str, noise: str, method: str, **options: Any
-) -> list[list[int]]:
-    """Counts of a method on three scans of a scene."""
-    given = (given_to(scans, method, name, noise, seed) for seed in SEEDS)
-    return [counts_of(scan, method, **options) for scan in given]
+    """Count rows of methods on three scans of each of the shown scenes."""
+    for (row, options), name in product(rows.items(), SHOWN):
+        given = (given_to(scans, row, name, noise, seed) for seed in SEEDS)
+        counts.keep("counts", noise, row, name, of=partial(counts_of_all, given, row, options))
 
 
 def sweep(scans: Scans, counts: Counts, weights: Path) -> None:
     """Count scans of fewer points and of other noise: every second, every fourth point of each."""
-    rows = {NETWORK: {"weights": weights}, "kde": {}, "reference-contact": {}}
-    for level, stride, (method, options) in product(LEVELS, STRIDES, rows.items()):
-        of = partial(counts_of_thinned, scans, LEVELS[level], stride, method, **options)
-        counts.keep("sweep", level, str(SIZE // stride), method, of=of)
-
-
-def counts_of_thinned(
-    scans: Scans, noise: str | float, stride: int, method: str, **options: Any
-) -> list[list[int]]:
-    """Counts of a method on scans of which every so many points are left."""
-    every = (thinned(scans.scan(name, noise), stride) for name in SWEPT)
-    return [counts_of(scan, method, **options) for scan in every]
+    rows: Rows = {NETWORK: {"weights": weights}, "kde": {}, "reference-contact": {}}
+    for level, stride, (row, options) in product(LEVELS, STRIDES, rows.items()):
+        given = (thinned(scans.scan(name, LEVELS[level]), stride) for name in SWEPT)
+        of = partial(counts_of_all, given, row, options)
+        counts.keep("sweep", level, str(SIZE // stride), row, of=of)
 
 
 def thinned(scan: Measurement, stride: int) -> Measurement:
     """Every so many points of a scan: what a scan of fewer points would have measured."""
-    data = scan.dataset.isel(x=slice(None, None, stride), y=slice(None, None, stride))
-    return Measurement(data.drop_vars("camera"))
+    every = slice(None, None, stride)
+    return Measurement(scan.dataset.isel(x=every, y=every).drop_vars("camera"))
 
 
 def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
@@ -348,7 +332,7 @@ def main(folder: Path, most_legs: int = MOST_LEGS, again: Sequence[str] = ()) ->
     forget(counts, best, again)
     TUNED.mkdir(parents=True, exist_ok=True)
     for path in (best, best.with_suffix(".json")):
-        shutil.copyfile(path, TUNED / path.name)
+        shutil.copy(path, TUNED)
     counts.store(
         command="python -m cmtof_book.scanned",
         version=__version__,
@@ -357,16 +341,14 @@ def main(folder: Path, most_legs: int = MOST_LEGS, again: Sequence[str] = ()) ->
         learnt=LEARNT,
         held_out=HELD_OUT,
     )
-    usual: Rows = {name: (name, {}) for name in (NETWORK, "kde", "region", "rapid", *TOLD)}
-    usual |= {"tuned": (NETWORK, {"weights": best})}
+    usual: Rows = {name: {} for name in (NETWORK, "kde", "region", "rapid", *TOLD)}
+    usual["tuned"] = {"weights": best}
     compare(scans, counts, "captures", usual)
     sweep(scans, counts, best)
     compare(scans, counts, "photon", usual)
-    fewer: Rows = {f"{n} scans": (NETWORK, {"weights": tuned_weights(scans, n, 1)}) for n in CURVE}
-    compare(scans, counts, "captures", fewer)
-    slow: Rows = {name: (name, {}) for name in ("phasor", "surfaces")}
-    compare(scans, counts, "captures", slow)
-    compare(scans, counts, "photon", {"surfaces": slow["surfaces"]})
+    fewer: Rows = {f"{n} scans": {"weights": tuned_weights(scans, n, 1)} for n in CURVE}
+    compare(scans, counts, "captures", fewer | {"phasor": {}, "surfaces": {}})
+    compare(scans, counts, "photon", {"surfaces": {}})
 
 
 if __name__ == "__main__":
@@ -374,5 +356,4 @@ if __name__ == "__main__":
     parser.add_argument("folder", nargs="?", type=Path, default=Path("build", "scanned"))
     parser.add_argument("--legs", type=int, default=MOST_LEGS, help="of training, at most")
     parser.add_argument("--again", nargs="+", default=(), help="methods to count again")
-    given = parser.parse_args()
-    main(given.folder, given.legs, given.again)
+    main(*vars(parser.parse_args()).values())

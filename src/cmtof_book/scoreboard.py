@@ -8,7 +8,7 @@ script of the book hides the lines that a reader does not want.
 
 import math
 import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 from pathlib import Path
@@ -65,24 +65,19 @@ def page(scores: Scores, records: Iterable[Record] = (), notebooks: Iterable[Pat
 
 def counts(scores: Iterable[Score]) -> dict[Outcome, int]:
     """How many numbers have each verdict."""
-    said = Counter(score.verdict for score in scores)
-    return {name: said[name] for name in get_args(Outcome)}
+    said = [score.verdict for score in scores]
+    return {name: said.count(name) for name in get_args(Outcome)}
 
 
 def accepted(scores: Scores) -> dict[str, Any]:
     """Return the scoreboard for ``figures/scoreboard.json``: counts, and each number's verdict."""
-    numbers = {}
-    for key, score in sorted(scores.items()):
-        if score.chapter:
-            numbers[key] = {
-                "paper": score.number.value,
-                "unit": score.number.unit,
-                "verdict": score.verdict,
-                "cases": score.cases,
-                "profile": score.profile,
-                "crops": score.crops,
-                "chapter": score.chapter,
-            }
+    told = ("verdict", "cases", "profile", "crops", "chapter")
+    numbers = {
+        key: {"paper": score.number.value, "unit": score.number.unit}
+        | {name: getattr(score, name) for name in told}
+        for key, score in sorted(scores.items())
+        if score.chapter
+    }
     return {"counts": counts(scores.values()), "numbers": numbers}
 
 
@@ -136,8 +131,5 @@ def coverage(records: Iterable[Record], notebooks: Iterable[Path]) -> dict[str, 
     for notebook in notebooks:
         for number in NUMBERED.findall(notebook.read_text(encoding="utf-8")):
             found[f"Equation {number}"].add(notebook.stem)
-    return {
-        item: sorted(found[item])
-        for kind, count in ITEMS.items()
-        for item in (f"{kind} {number + 1}" for number in range(count))
-    }
+    items = (f"{kind} {n + 1}" for kind, count in ITEMS.items() for n in range(count))
+    return {item: sorted(found[item]) for item in items}

@@ -59,7 +59,7 @@ def place_figures(notebook: Any, stem: str) -> None:
     for cell in notebook.cells:
         figures = [figure_cell(output, stem) for output in taken(cell, "cmtof")]
         if figures:
-            cell.metadata["tags"] = sorted({*cell.metadata.get("tags", []), "hide-input"})
+            cell.metadata["tags"] = sorted({*_tags(cell), "hide-input"})
         cells += [cell, *figures]
     notebook.cells = cells
 
@@ -89,7 +89,7 @@ def lead_with_figure(notebook: Any) -> None:
     """Move the first figure to behind the introduction; a link stays where text stood between."""
     cells = notebook.cells
     place = next((n for n, c in enumerate(cells) if "figure" in c.metadata.get("mystnb", {})), 0)
-    texts = [n for n, cell in enumerate(cells[:place]) if cell.cell_type == "markdown"]
+    texts = [n for n in range(place) if cells[n].cell_type == "markdown"]
     if texts:
         figure = cells.pop(place)
         cells.insert(texts[0] + 1, figure)
@@ -103,16 +103,17 @@ def join_folded(notebook: Any) -> None:
     """Join neighbouring cells whose source is folded and that show nothing between into one."""
     cells: list[Any] = []
     for cell in notebook.cells:
-        if "injected-parameters" in cell.metadata.get("tags", []):
+        if "injected-parameters" in _tags(cell):
             continue  # they stand at the end of the page
-        if cells and _is_folded(cells[-1]) and _is_folded(cell) and not cells[-1].outputs:
+        folded = all("hide-input" in _tags(one) for one in (cell, *cells[-1:]))
+        if cells and folded and not cells[-1].outputs:
             cell.source = f"{cells.pop().source}\n\n{cell.source}"
         cells.append(cell)
     notebook.cells = cells
 
 
-def _is_folded(cell: Any) -> bool:
-    return cell.cell_type == "code" and "hide-input" in cell.metadata.get("tags", [])
+def _tags(cell: Any) -> list[str]:
+    return cell.metadata.get("tags", [])
 
 
 def stage_notebook(executed: Path, target: Path) -> None:
@@ -167,8 +168,8 @@ def main(build: Path, stage: Path) -> None:
     book = Book(ROOT)
     shutil.rmtree(stage, ignore_errors=True)
     (stage / "notebooks").mkdir(parents=True)
-    for chapter in book.chapters():
-        (stage / chapter).parent.mkdir(parents=True, exist_ok=True)
+    for chapter in map(Path, book.chapters()):
+        (stage / chapter.parent).mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / chapter, stage / chapter)
     for stem in book.notebooks():
         name = f"notebooks/{stem}.ipynb"

@@ -1,13 +1,13 @@
 """Two methods on one image, with a divider that the reader moves, and their errors on demand."""
 
-from base64 import b64encode
 from io import BytesIO
+from itertools import product
 
 import matplotlib.pyplot as plt
 import numpy as np
-from numpy.typing import NDArray
 
 from cmtof_book.comparison import Scene
+from cmtof_book.provenance import letters
 
 LAYERS = {"wraps": "viridis", "errors": "magma"}
 WORST = 10  # wraps off, from where on an error is drawn alike
@@ -18,8 +18,8 @@ def show_swipe(scene: Scene, left: str, right: str) -> None:
     """Put the wraps by two methods on the page, left and right of a divider."""
     from IPython.display import HTML, display
 
-    pictures = [_picture(scene, left, kind, "") for kind in LAYERS]
-    pictures += [_picture(scene, right, kind, "over") for kind in LAYERS]
+    both = product(((left, ""), (right, "over")), LAYERS)
+    pictures = [_picture(scene, label, kind, place) for (label, place), kind in both]
     sides = f"{_share(scene, left)} at the left, {_share(scene, right)} at the right"
     display(
         HTML(
@@ -41,17 +41,11 @@ def _picture(scene: Scene, label: str, kind: str, place: str) -> str:
     values = scene.count(label)
     low, high = scene.limits
     if kind == "errors":
-        values = np.abs(values - scene.count())
+        values = scene.error(label)
         low, high = 0, WORST
-    source = b64encode(_png(values, low, high, LAYERS[kind])).decode()
-    text = f"{kind.capitalize()} of {label}."
-    return f'<img class="{kind} {place}" alt="{text}" src="data:image/png;base64,{source}">'
-
-
-def _png(values: NDArray[np.floating], low: float, high: float, colours: str) -> bytes:
-    """PNG of an image; grey where it is NaN."""
+    scale = plt.get_cmap(LAYERS[kind]).with_extremes(bad="0.6")
     written = BytesIO()
-    scale = plt.get_cmap(colours).with_extremes(bad="0.6")
-    shown = scale(np.ma.masked_invalid((values - low) / (high - low)))
-    plt.imsave(written, shown)
-    return written.getvalue()
+    plt.imsave(written, scale(np.ma.masked_invalid((values - low) / (high - low))))
+    text = f"{kind.capitalize()} of {label}."
+    source = f"data:image/png;base64,{letters(written.getvalue())}"
+    return f'<img class="{kind} {place}" alt="{text}" src="{source}">'

@@ -16,7 +16,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import typer
 
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+from cmtof_book import RESULTS, THREADS
+
+for variable in THREADS:
     os.environ.setdefault(variable, "1")  # before NumPy and torch are loaded
 
 from cmtof import __version__  # noqa: E402
@@ -25,9 +27,6 @@ from cmtof.files import written_whole  # noqa: E402
 from cmtof.frame import held_out_frames  # noqa: E402
 from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
-from cmtof_book import ROOT  # noqa: E402
-
-RESULTS = ROOT / "book" / "results"
 
 
 class Row(NamedTuple):

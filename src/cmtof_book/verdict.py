@@ -141,8 +141,7 @@ class Score:
             return "our interval is too wide to decide"
         if len(places) < 2:
             return ""
-        agree = " and ".join(places.get("inside", []))
-        wide = " and ".join(places.get("undecided", []))
+        agree, wide = (" and ".join(places.get(one, [])) for one in ("inside", "undecided"))
         return f"it agrees {agree}, not otherwise" if agree else f"our interval is too wide {wide}"
 
     @property

@@ -8,7 +8,6 @@ import html
 import json
 import os
 import sys
-from base64 import b64encode
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -34,7 +33,10 @@ def save_scene(
     """Write surfaces, points and colours by what they show, to ``name.js``, seen as in `still`."""
     shape = next(iter(layers.values()))[0].shape[:2]
     packed = {
-        label: [_packed(points.astype("<f4")), _packed(_levels(np.nan_to_num(colours)))]
+        label: [
+            provenance.letters(points.astype("<f4").tobytes()),
+            provenance.letters(_levels(np.nan_to_num(colours)).tobytes()),
+        ]
         for label, (points, colours) in layers.items()
     }
     about = {"shape": shape, "longest": longest, "eye": eye, "layers": packed}
@@ -45,10 +47,6 @@ def save_scene(
 def _levels(colours: Array) -> NDArray[np.uint8]:
     """Colours from 0 to 1 in levels of a byte."""
     return np.rint(255 * np.clip(colours, 0, 1)).astype(np.uint8)
-
-
-def _packed(array: NDArray) -> str:
-    return b64encode(array.tobytes()).decode()
 
 
 def show_scene(name: str, *, title: str) -> None:
@@ -82,12 +80,11 @@ def _drawn(points: Array, colours: Array, faces: NDArray, eye: tuple) -> Array:
     import pyvista as pv
 
     mesh = pv.PolyData.from_regular_faces(points, faces)
-    mesh["colours"] = _levels(colours)
     plotter = pv.Plotter(off_screen=True, window_size=[900, 900], lighting="none")
     plotter.renderer.SetBackground(1, 1, 1)
     plotter.add_mesh(
         mesh,
-        scalars="colours",
+        scalars=_levels(colours),
         rgb=True,
         smooth_shading=True,
         ambient=0.25,
@@ -105,7 +102,5 @@ def _drawn(points: Array, colours: Array, faces: NDArray, eye: tuple) -> Array:
 
 def _cropped(image: NDArray) -> NDArray:
     """A picture without its empty margins."""
-    drawn = np.argwhere((image < 250).any(axis=-1))
-    top, left = drawn.min(0)
-    bottom, right = drawn.max(0) + 1
-    return image[top:bottom, left:right]
+    drawn = np.nonzero((image < 250).any(axis=-1))
+    return image[tuple(slice(along.min(), along.max() + 1) for along in drawn)]
