@@ -1,9 +1,13 @@
 """The book's own tools: figures, published numbers, notes and provenance; no physics."""
 
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 """Folder of the checkout."""
+
+Values = dict[str, Any]
+"""What is stored, shown or set, by its name."""
 
 RESULTS = ROOT / "book" / "results"
 """Folder of what is computed once, for chapters to read."""

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from cmtof_book import RESULTS, THREADS
+from cmtof_book import RESULTS, THREADS, Values
 
 STORE = RESULTS / "methods_cost.json"
 SHAPE = (768, 1024)
@@ -94,7 +94,7 @@ def store() -> None:
     from cmtof.methods import METHODS
     from cmtof_book.provenance import processor
 
-    found: dict[str, Any] = {name: {} for name in METHODS}
+    found: Values = {name: {} for name in METHODS}
     spawn = multiprocessing.get_context("spawn")
     for protocol, name in product(("released", "full"), METHODS):
         with spawn.Pool(1) as pool:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cmtof.files import read_document
-from cmtof_book import pages
+from cmtof_book import Values, pages
 from cmtof_book.paper import estimate_text, result_text
 from cmtof_book.record import TEXT, Record
 from cmtof_book.scoreboard import Scores
@@ -79,7 +79,7 @@ class Claim:
 
 
 @cache
-def _document() -> dict[str, Any]:
+def _document() -> Values:
     return read_document(Path(__file__).with_name("claims.yml"))
 
 

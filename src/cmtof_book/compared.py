@@ -16,6 +16,8 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cmtof_book import Values
+
 Kind = Literal["closed form", "sum over draws", "share of pixels", "decision"]
 
 ROUNDING = 1e-9
@@ -47,7 +49,7 @@ class Compared:
             names = ", ".join(get_args(Kind))
             raise ValueError(f"Expected a kind of number, got {self.kind!r}. Use one of {names}.")
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Values:
         """Value, kind and what belongs to the kind, for JSON."""
         return {name: part for name, part in asdict(self).items() if part is not None}
 

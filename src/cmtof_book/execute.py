@@ -26,7 +26,7 @@ import nbformat  # noqa: E402
 import papermill  # noqa: E402
 from papermill.exceptions import PapermillExecutionError  # noqa: E402
 
-from cmtof_book import ROOT, THREADS  # noqa: E402
+from cmtof_book import ROOT, THREADS, Values  # noqa: E402
 from cmtof_book.pairs import notebook_from_script  # noqa: E402
 
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matplotlib")
@@ -65,7 +65,7 @@ def commit() -> str:
     return found.stdout.strip()
 
 
-def provenance(parameters: dict[str, Any], started: float) -> dict[str, Any]:
+def provenance(parameters: Values, started: float) -> Values:
     """Return what the last block of the page tells about this run."""
     return {
         "parameters": parameters,
@@ -78,7 +78,7 @@ def provenance(parameters: dict[str, Any], started: float) -> dict[str, Any]:
     }
 
 
-def execute(script: Path, parameters: dict[str, Any], work: Path) -> None:
+def execute(script: Path, parameters: Values, work: Path) -> None:
     """Run the notebook in the folder ``work``; its copy there shows how far it came."""
     started = time.time()
     staged = work / script.with_suffix(".ipynb").name

@@ -8,8 +8,9 @@ drawn from measured data stays where a machine without those data draws a simula
 
 import json
 import shutil
-import sys
 from pathlib import Path
+
+import typer
 
 from cmtof.files import written_whole
 from cmtof_book.provenance import write_json
@@ -48,4 +49,4 @@ def _source(numbers: Path) -> str | None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    typer.run(main)

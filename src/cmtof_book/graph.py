@@ -17,6 +17,7 @@ import grimp
 import yaml
 
 import cmtof
+from cmtof_book import Values
 
 PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book")
 NOTEBOOK = re.compile(r"\d\d_[a-z0-9_]+")
@@ -69,7 +70,7 @@ class Book:
         shown = [hardware / "rig.yml", hardware / "rig.py"]  # by the guide to the hardware
         return self._relative([self.root / "_config.yml", self.root / "_toc.yml", *shown, *pages])
 
-    def parameters(self, stem: str, profile: str) -> dict[str, Any]:
+    def parameters(self, stem: str, profile: str) -> Values:
         """Parameters that a profile sets for a notebook."""
         path = self.root / "configs" / f"{profile}.yml"
         if not path.is_file():
@@ -141,7 +142,7 @@ class Book:
         return sorted(map(str, inside))
 
 
-def parameters_from_text(text: str) -> dict[str, Any]:
+def parameters_from_text(text: str) -> Values:
     """Parameters from ``name=value`` pairs, values as in YAML: ``distance=1.0 repeats=6``."""
     pairs = [word.partition("=") for word in shlex.split(text)]
     if wrong := [name + sign + value for name, sign, value in pairs if not (name and value)]:

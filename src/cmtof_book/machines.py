@@ -12,12 +12,12 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 import yaml
 
-from cmtof_book import ROOT
+from cmtof_book import ROOT, Values
 from cmtof_book.reference import stored_numbers
 
 APART = ("hostile", "reader", "test_wheel.py", "test_house.py", "book/test_book.py")
@@ -26,7 +26,7 @@ APART = ("hostile", "reader", "test_wheel.py", "test_house.py", "book/test_book.
 USUAL = " ".join(["-m 'not slow'", *(f"--ignore=tests/{name}" for name in APART)])
 
 
-def read_machines() -> dict[str, dict[str, Any]]:
+def read_machines() -> dict[str, Values]:
     """What each machine needs of the processor, and the variables that imitate it."""
     text = (ROOT / "configs" / "machines.yml").read_text("utf-8")
     return {name: held for name, held in yaml.safe_load(text).items() if name[0] != "_"}

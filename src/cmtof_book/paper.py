@@ -17,7 +17,7 @@ import numpy as np
 import yaml
 from matplotlib.ticker import EngFormatter
 
-from cmtof_book import notes, provenance, record
+from cmtof_book import Values, notes, provenance, record
 from cmtof_book.compared import Compared
 from cmtof_book.verdict import Dependency, Estimate, Score, Value
 
@@ -54,7 +54,7 @@ class Published:
 
 
 @cache
-def _document() -> dict[str, Any]:
+def _document() -> Values:
     return yaml.safe_load(Path(__file__).with_name("paper.yml").read_text("utf-8"))
 
 
@@ -108,7 +108,7 @@ def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int
     interval; several by their case, such as «with photon noise alone», all decide. ``crops`` is how
     many a network was trained on. The standard error of a sum over draws gives its interval.
     """
-    kind: dict[str, Any] = {}
+    kind: Values = {}
     given: Any = value
     if isinstance(value, Compared):
         kind = value.record()

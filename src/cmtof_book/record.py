@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cmtof_book import provenance
+from cmtof_book import Values, provenance
 from cmtof_book.compared import Compared
 
 PAPER = "paper"
@@ -27,10 +27,10 @@ class Record(NamedTuple):
 
     chapter: str
     name: str
-    content: dict[str, Any]
+    content: Values
 
     @property
-    def numbers(self) -> dict[str, Any]:
+    def numbers(self) -> Values:
         """Numbers, plain or as a mapping that says the kind."""
         return self.content["numbers"]
 
@@ -60,7 +60,7 @@ def add(name: str, numbers: Mapping[str, Any]) -> None:
     write(name, read(name) | dict(numbers))
 
 
-def read(name: str) -> dict[str, Any]:
+def read(name: str) -> Values:
     """Numbers of a record of this run, {} where there is none."""
     path = provenance.output_folder() / f"{name}.json"
     return json.loads(path.read_text("utf-8"))["numbers"] if path.exists() else {}

@@ -14,6 +14,7 @@ import sys
 from html import escape
 from pathlib import Path
 
+import typer
 from bs4 import BeautifulSoup
 
 from cmtof_book import ROOT
@@ -50,8 +51,8 @@ def store_texts(html: Path) -> None:
         path.write_text(f"const cmtof{name} = {json.dumps(held)};", "utf-8")
 
 
-def main(stage: Path, html: Path) -> int:
-    """Build ``stage`` and put the pages at ``html``; return the exit code."""
+def main(stage: Path, html: Path) -> None:
+    """Build ``stage`` and put the pages at ``html``; exit code 1 where it does not build."""
     work, log = html.with_name("sphinx"), html.with_name("book.log")
     shutil.rmtree(work, ignore_errors=True)
     options = ["-W", "-n", "--keep-going", "-q", "--path-output", work]
@@ -63,15 +64,14 @@ def main(stage: Path, html: Path) -> int:
         told = re.findall(r".*(?:WARNING|ERROR).*", text)
         print("\n".join(told) or text, file=sys.stderr)
         print(f"The book did not build; warnings count as errors. Log: {log}", file=sys.stderr)
-        return 1
+        raise typer.Exit(1)
     shutil.rmtree(html, ignore_errors=True)
     (work / "_build" / "html").replace(html)
     shutil.rmtree(work)
     lighten(html)
     store_texts(html)
     print(f"book: {html / 'index.html'}", file=sys.stderr, flush=True)
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1]), Path(sys.argv[2])))
+    typer.run(main)

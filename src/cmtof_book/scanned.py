@@ -27,16 +27,14 @@ from cmtof.files import written_whole
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
-from cmtof_book import RESULTS
+from cmtof_book import RESULTS, Values
 from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import scene_from
 
-Options = dict[str, Any]
-
-Rows = dict[str, Options]
+Rows = dict[str, Values]
 """Options by row of a table: the row is a method, or the network if it is given weights."""
 
 RATES = RESULTS / "scanned.json"
@@ -63,8 +61,8 @@ NETWORK = "fast-scnn"
 FIRST_SEED = 10
 """Seed of the first scan with labels; every scan has another."""
 
-FIRST_LEG: Options = {"steps": 500, "learning_rate": 3e-4, "crop": 96, "batch": 4}
-NEXT_LEGS: Options = {"steps": 800, "learning_rate": 5e-4, "crop": 160, "batch": 2}
+FIRST_LEG: Values = {"steps": 500, "learning_rate": 3e-4, "crop": 96, "batch": 4}
+NEXT_LEGS: Values = {"steps": 800, "learning_rate": 5e-4, "crop": 160, "batch": 2}
 """Options of `cmtof.network.training.fine_tune`: small crops first, then large ones."""
 
 MOST_LEGS = 6
@@ -101,7 +99,7 @@ def scan_object(
     return Measurement(data).between(*ends)
 
 
-def noise_settings(noise: Noise) -> Options:
+def noise_settings(noise: Noise) -> Values:
     """Settings of the instrument for a noise by name, or a multiple of the captures'."""
     if isinstance(noise, str):
         return NOISE[noise]
@@ -136,7 +134,7 @@ def four_phases(scan: Measurement) -> Measurement:
     return Measurement.from_arrays(made, psi, scan.frequencies, **_held(scan))
 
 
-def _held(scan: Measurement) -> Options:
+def _held(scan: Measurement) -> Values:
     """What another measurement of a scan keeps of it."""
     return {
         "depth": scan.depth,
@@ -176,7 +174,7 @@ class Scans:
         """Scan of a training object with the captures' noise."""
         return self.scan(name, seed=FIRST_SEED + list(TRAINING).index(name))
 
-    def labels(self, name: str) -> dict[str, Any]:
+    def labels(self, name: str) -> Values:
         """Wraps, -1 where unknown, and depth, m, of that scan by a stereo rig beside it."""
         path = self.folder / f"labels_{name}_{self.size}.npz"
         if not path.exists():
@@ -255,7 +253,7 @@ def counts_of(scan: Measurement, method: str, **options: Any) -> list[int]:
     return [counted["pixels"], *counted["below"]]
 
 
-def counts_of_all(scans: Iterable[Measurement], row: str, options: Options) -> list[list[int]]:
+def counts_of_all(scans: Iterable[Measurement], row: str, options: Values) -> list[list[int]]:
     """Those counts of several scans by a row of a table."""
     method = NETWORK if options else row
     return [counts_of(scan, method, **options) for scan in scans]

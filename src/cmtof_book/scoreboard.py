@@ -13,9 +13,9 @@ from collections.abc import Iterable, Iterator
 from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
-from typing import Any, get_args
+from typing import get_args
 
-from cmtof_book import pages
+from cmtof_book import Values, pages
 from cmtof_book.paper import published, published_numbers
 from cmtof_book.record import PAPER, Record
 from cmtof_book.verdict import WORST_FIRST, Outcome, Score
@@ -69,7 +69,7 @@ def counts(scores: Iterable[Score]) -> dict[Outcome, int]:
     return {name: said.count(name) for name in get_args(Outcome)}
 
 
-def accepted(scores: Scores) -> dict[str, Any]:
+def accepted(scores: Scores) -> Values:
     """Return the scoreboard for ``figures/scoreboard.json``: counts, and each number's verdict."""
     told = ("verdict", "cases", "profile", "crops", "chapter")
     numbers = {
@@ -81,7 +81,7 @@ def accepted(scores: Scores) -> dict[str, Any]:
     return {"counts": counts(scores.values()), "numbers": numbers}
 
 
-def sections(scores: Scores) -> Iterator[dict[str, Any]]:
+def sections(scores: Scores) -> Iterator[Values]:
     """Tables, figures and sections of the paper: title, numbers, and the notes below them."""
     for kind, title in GROUPS.items():
         chosen = [one for one in scores.values() if one.number.key.startswith(kind)]

@@ -8,14 +8,14 @@
 
 import re
 import shutil
-import sys
 from pathlib import Path
 from typing import Any
 
 import nbformat
+import typer
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof_book import ROOT, claims, laboratory, pages, scoreboard
+from cmtof_book import ROOT, Values, claims, laboratory, pages, scoreboard
 from cmtof_book.graph import Book
 from cmtof_book.markdown import myst
 from cmtof_book.notes import SAID
@@ -27,7 +27,7 @@ PLACES = {"js": STATIC, "csv": NUMBERS}
 """Where pages look for what chapters have written, by its suffix."""
 
 
-def caption(about: dict[str, Any], stem: str) -> str:
+def caption(about: Values, stem: str) -> str:
     """Caption of a figure with its number in the paper, and a line on how to get at it."""
     paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
     where = paper and f"{'Fig.' if paper[1] == 'fig' else 'Table'} {paper[2]}"
@@ -180,4 +180,4 @@ def main(build: Path, stage: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    typer.run(main)

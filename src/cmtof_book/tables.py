@@ -12,11 +12,11 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import typer
 
-from cmtof_book import RESULTS, THREADS
+from cmtof_book import RESULTS, THREADS, Values
 
 for variable in THREADS:
     os.environ.setdefault(variable, "1")  # before NumPy and torch are loaded
@@ -41,7 +41,7 @@ class Row(NamedTuple):
         """Hash of the weights, or ''."""
         return hashlib.sha256(self.file.read_bytes()).hexdigest() if self.file.is_file() else ""
 
-    def is_counted(self, held: dict[str, Any]) -> bool:
+    def is_counted(self, held: Values) -> bool:
         """Whether these weights were counted before."""
         names = held["frames"][0]["methods"] if held["frames"] else ()
         return self.name in names and held["weights"].get(self.name, "") == self.weights
@@ -61,7 +61,7 @@ def rows_of_runs(runs: Path, protocol: str) -> list[Row]:
     return [Row(file.parent.name, read_card(file).model, file) for file in files]
 
 
-def stored_counts(path: Path, settings: dict[str, Any], more: str) -> dict[str, Any]:
+def stored_counts(path: Path, settings: Values, more: str) -> Values:
     """Counts of a file, or an empty store where it is missing or has other settings."""
     if path.is_file():
         held = json.loads(path.read_text("utf-8"))
@@ -72,7 +72,7 @@ def stored_counts(path: Path, settings: dict[str, Any], more: str) -> dict[str, 
     return {"command": command, "settings": settings, "weights": {}, "cards": {}, "frames": []}
 
 
-def count(held: dict[str, Any], row: Row) -> None:
+def count(held: Values, row: Row) -> None:
     """Join the counts of a method over all frames with those of the others."""
     evaluation = Evaluation([row.method], **held["settings"])
     if row.weights:
@@ -87,7 +87,7 @@ def count(held: dict[str, Any], row: Row) -> None:
     print(row.name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
 
 
-def write(held: dict[str, Any], path: Path) -> None:
+def write(held: Values, path: Path) -> None:
     """Store counts, one frame a line, with their hash."""
     frames = ",\n".join(json.dumps(frame) for frame in held["frames"])
     head = {key: part for key, part in held.items() if key != "frames"}
