@@ -111,9 +111,9 @@ def explain(error: PapermillExecutionError, script: Path, work: Path) -> str:
     )
 
 
-def main(arguments: list[str]) -> int:
-    """Run one notebook; return the exit code."""
-    script, result, folder = (Path(arguments[i]).resolve() for i in (0, 2, 3))
+def main(notebook: str, parameters: str, *places: str) -> None:
+    """Run one notebook; ``places`` are RESULT and FOLDER. Exit code 1 where it fails."""
+    script, result, folder = (Path(name).resolve() for name in (notebook, *places))
     work = result.parents[1] / "failed" / script.stem
     shutil.rmtree(work, ignore_errors=True)
     (work / "results").mkdir(parents=True)
@@ -121,24 +121,20 @@ def main(arguments: list[str]) -> int:
     os.environ.update(environment(work))
     started = time.time()
     try:
-        execute(script, json.loads(arguments[1]), work)
+        execute(script, json.loads(parameters), work)
     except PapermillExecutionError as error:
         text = explain(error, script, work)
         (work / "log.txt").write_text(text, encoding="utf-8")
-        print(f"{text}This message again: {work / 'log.txt'}", file=sys.stderr)
-        return 1
+        sys.exit(f"{text}This message again: {work / 'log.txt'}")
     except ValueError as error:
-        print(f"{script.name}: {error}", file=sys.stderr)
-        return 1
+        sys.exit(f"{script.name}: {error}")
     shutil.rmtree(folder, ignore_errors=True)
-    result.parent.mkdir(parents=True, exist_ok=True)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    (work / "results").replace(folder)
-    (work / result.name).replace(result)
+    for made, place in {"results": folder, result.name: result}.items():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        (work / made).replace(place)
     shutil.rmtree(work)
     print(f"{script.stem}: {time.time() - started:.1f} s", file=sys.stderr, flush=True)
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main(*sys.argv[1:])

@@ -8,6 +8,8 @@ released protocol scores between a fifth and nine tenths of its pixels; the firs
 """
 
 import sys
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -22,11 +24,10 @@ SETTINGS = Settings(seed=3, scenes=10_000, views=2, height=384, width=512)
 COUNT, COVERAGE = 32, (0.2, 0.9)
 
 
-def chosen() -> list[Frame]:
-    """The test views; prints the share of pixels that the released protocol scores."""
-    found: list[Frame] = []
+def views() -> Iterator[Frame]:
+    """Views that fit the rule; prints the share of pixels that the released protocol scores."""
     for index in range(SETTINGS.scenes):
-        if split_of(index) != "test" or len(found) == COUNT:
+        if split_of(index) != "test":
             continue
         room = build_room(SETTINGS.seed, index)
         lens = SETTINGS.lens(index)
@@ -34,16 +35,15 @@ def chosen() -> list[Frame]:
         frame = frame_of(render_view(room, pose, lens, 0), lens, f"{room.name}/cam_00")
         coverage = float(simulate(frame, noise_free=True).mask.mean())
         if COVERAGE[0] <= coverage <= COVERAGE[1]:
-            found.append(frame)
             print(f"{frame.name}: {coverage:.0%} scored", flush=True)
-    return found
+            yield frame
 
 
 def store(path: Path, frames: list[Frame]) -> None:
     """Write what `cmtof.frame.held_out_frames` reads."""
-    depth = np.stack([np.nan_to_num(frame.depth.astype(float)) for frame in frames])
+    depth = np.nan_to_num(np.stack([frame.depth for frame in frames]).astype(float))
     steps = np.round(depth / HELD_OUT_STEP).astype(np.int32)
-    light = np.stack([np.clip(frame.intensity, 0, 1) for frame in frames])
+    light = np.clip([frame.intensity for frame in frames], 0, 1)
     levels = np.round(255 * np.sqrt(light)).astype(np.uint8)
     with written_whole(path) as part:
         np.savez_compressed(
@@ -61,4 +61,4 @@ def _differences(images: np.ndarray) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    store(Path(sys.argv[1]) if len(sys.argv) > 1 else HELD_OUT, chosen())
+    store(Path(*sys.argv[1:2] or [HELD_OUT]), [*islice(views(), COUNT)])

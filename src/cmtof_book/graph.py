@@ -65,10 +65,9 @@ class Book:
 
     def chapters(self) -> list[str]:
         """Every file that the book is built from, notebooks and generated pages left out."""
-        pages = [file for file in (self.root / "book").rglob("*") if file.is_file()]
-        hardware = self.source / "cmtof" / "hardware"
-        shown = [hardware / "rig.yml", hardware / "rig.py"]  # by the guide to the hardware
-        return self._relative([self.root / "_config.yml", self.root / "_toc.yml", *shown, *pages])
+        pages = filter(Path.is_file, (self.root / "book").rglob("*"))
+        shown = (self.source / "cmtof" / "hardware").glob("rig.*")  # by the guide to the hardware
+        return self._relative([*self.root.glob("_*.yml"), *shown, *pages])
 
     def parameters(self, stem: str, profile: str) -> Values:
         """Parameters that a profile sets for a notebook."""
@@ -117,13 +116,14 @@ class Book:
         """Modules of the package that a script names in its imports, or uses as ``cmtof.name``."""
         for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))):
             names: list[str] = []
-            if isinstance(node, ast.Import):
-                names = [alias.name for alias in node.names]
-            elif isinstance(node, ast.ImportFrom) and node.module:
-                names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-            elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-                names = [cmtof.WHERE.get(node.attr, "")] if node.value.id == "cmtof" else []
-            yield from (name for name in names if name in self.imports.modules)
+            match node:
+                case ast.Import(names=aliases):
+                    names = [alias.name for alias in aliases]
+                case ast.ImportFrom(module=str(module), names=aliases):
+                    names = [module, *(f"{module}.{alias.name}" for alias in aliases)]
+                case ast.Attribute(value=ast.Name(id="cmtof"), attr=name):
+                    names = [cmtof.WHERE.get(name, "")]
+            yield from self.imports.modules.intersection(names)
 
     def _declared(self, stem: str) -> Iterator[Path]:
         """Files that ``configs/inputs.yml`` names for a notebook; data are optional."""

@@ -112,7 +112,7 @@ def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int
     given: Any = value
     if isinstance(value, Compared):
         kind = value.record()
-        given = kind["value"] + 1.96 * kind.get("error", 0.0) * np.array([0, -1, 1])
+        given = value.value + 1.96 * (value.error or 0.0) * np.array([0, -1, 1])
     score = Score.of(published(key), given, profile=provenance.RUN["profile"], crops=crops)
     found = {**kind, "cases": score.cases, "verdict": score.verdict, "crops": crops}
     record.add(record.PAPER, {key: found})

@@ -30,7 +30,7 @@ def lighten(html: Path) -> None:
     for file in (html / "_static").rglob("*"):
         if file.is_file() and UNUSED.search(file.as_posix()):
             file.unlink()
-    for notebook in (html / "_sources" / "notebooks").iterdir():
+    for notebook in html.glob("_sources/notebooks/*"):
         shutil.copyfile(ROOT / "notebooks" / notebook.name, notebook)
 
 
@@ -63,8 +63,7 @@ def main(stage: Path, html: Path) -> None:
     if done.returncode:
         told = re.findall(r".*(?:WARNING|ERROR).*", text)
         print("\n".join(told) or text, file=sys.stderr)
-        print(f"The book did not build; warnings count as errors. Log: {log}", file=sys.stderr)
-        raise typer.Exit(1)
+        sys.exit(f"The book did not build; warnings count as errors. Log: {log}")
     shutil.rmtree(html, ignore_errors=True)
     (work / "_build" / "html").replace(html)
     shutil.rmtree(work)

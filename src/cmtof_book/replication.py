@@ -100,7 +100,7 @@ def _noise(seed: int) -> Iterator[tuple[str, float]]:
 
 def _methods(seed: int, figure: Path | None) -> Iterator[tuple[str, float]]:
     """Share of right wraps of each method on the embedded frames."""
-    frames = [load_frame(name) for name in embedded_frames()]
+    frames = [*map(load_frame, embedded_frames())]
     clean = Evaluation(["crt"], noise_free=True).add_all(frames).report()
     yield "crt_noise_free", clean["methods"]["crt"]["consistent_lt_1"]
     taken = [measured(frame, METHODS, number=k, seed=seed) for k, frame in enumerate(frames)]

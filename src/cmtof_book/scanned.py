@@ -350,7 +350,7 @@ def main(folder: Path, most_legs: int = MOST_LEGS, again: Sequence[str] = ()) ->
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser = argparse.ArgumentParser(description=main.__doc__)
     parser.add_argument("folder", nargs="?", type=Path, default=Path("build", "scanned"))
     parser.add_argument("--legs", type=int, default=MOST_LEGS, help="of training, at most")
     parser.add_argument("--again", nargs="+", default=(), help="methods to count again")

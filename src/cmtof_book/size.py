@@ -166,10 +166,10 @@ def everything() -> tuple[Rows, list[Finding]]:
 def main(options: list[str]) -> int:
     """Print the table; return the exit code."""
     rows, found = everything()
-    accepted = json.loads(ACCEPTED.read_text("utf-8")) if ACCEPTED.is_file() else {}
     if "--accept" in options:
         accepted = {name: value for name, (value, budget) in rows.items() if value > budget}
         ACCEPTED.write_text(json.dumps(accepted, indent=1) + "\n", encoding="utf-8")
+    accepted = json.loads(ACCEPTED.read_text("utf-8"))
     failed = False
     for name, (value, budget) in rows.items():
         note = "to do" if value > budget else ""

@@ -149,7 +149,7 @@ def write_pages(build: Path, book: Path) -> None:
         texts[f"claims/{claim.name}"] = claims.page(claim, numbers)
     (book / "claims").mkdir()
     for name, text in texts.items():
-        (book / f"{name}.md").write_text(text, encoding="utf-8")
+        (book / f"{name}.md").write_text(text, "utf-8")
 
 
 def copy_drawn(build: Path, book: Path) -> None:
