@@ -151,39 +151,34 @@ def frame_of(name: str, scan: Measurement) -> Frame:
     return Frame(hits.range, hits.reflectance, scan.camera, name)
 
 
-class Scans:
-    """Scans by object, noise and seed, kept in a folder."""
-
-    def __init__(self, folder: Path, size: int = SIZE) -> None:
-        self.folder = folder
-        self.size = size
+def kept_scan(
+    folder: Path, name: str, noise: Noise = "captures", seed: int = 0, **rigged: Any
+) -> Measurement:
+    """Scan of an object as `scan_object` makes it, computed if a folder does not hold it."""
+    parts = (name, noise, SIZE, seed, *(f"{x:g}" for x in rigged.values()))
+    path = folder / ("_".join(map(str, parts)) + ".nc")
+    if not path.exists():
         folder.mkdir(parents=True, exist_ok=True)
+        scan_object(name, noise, seed=seed, **rigged).save(path)
+        print(f"scanned {path.stem}", flush=True)
+    return cmtof.open(path)
 
-    def scan(
-        self, name: str, noise: Noise = "captures", seed: int = 0, **rigged: Any
-    ) -> Measurement:
-        """Scan of an object as `scan_object` makes it."""
-        parts = (name, noise, self.size, seed, *(f"{x:g}" for x in rigged.values()))
-        path = self.folder / ("_".join(map(str, parts)) + ".nc")
-        if not path.exists():
-            scan_object(name, noise, size=self.size, seed=seed, **rigged).save(path)
-            print(f"scanned {path.stem}", flush=True)
-        return cmtof.open(path)
 
-    def training(self, name: str) -> Measurement:
-        """Scan of a training object with the captures' noise."""
-        return self.scan(name, seed=FIRST_SEED + list(TRAINING).index(name))
+def training_scan(folder: Path, name: str) -> Measurement:
+    """Scan of a training object with the captures' noise."""
+    return kept_scan(folder, name, seed=FIRST_SEED + list(TRAINING).index(name))
 
-    def labels(self, name: str) -> Values:
-        """Wraps, -1 where unknown, and depth, m, of that scan by a stereo rig beside it."""
-        path = self.folder / f"labels_{name}_{self.size}.npz"
-        if not path.exists():
-            scan = self.training(name)
-            found = stereo_labels(name, scan, seed=list(TRAINING).index(name))
-            with written_whole(path) as part:
-                np.savez_compressed(part, wraps=found.wraps, depth=found.depth)
-        with np.load(path) as held:
-            return dict(held)
+
+def example(folder: Path, name: str) -> tuple[Measurement, Any, Any]:
+    """That scan, its wraps, -1 where unknown, and its depth, m, by a stereo rig beside it."""
+    scan = training_scan(folder, name)
+    path = folder / f"labels_{name}_{SIZE}.npz"
+    if not path.exists():
+        found = stereo_labels(name, scan, seed=list(TRAINING).index(name))
+        with written_whole(path) as part:
+            np.savez_compressed(part, wraps=found.wraps, depth=found.depth)
+    with np.load(path) as held:
+        return scan, held["wraps"], held["depth"]
 
 
 def stereo_labels(name: str, scan: Measurement, *, seed: int) -> Any:
@@ -195,7 +190,7 @@ def stereo_labels(name: str, scan: Measurement, *, seed: int) -> Any:
     return stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
 
 
-def tuned_weights(scans: Scans, count: int, legs: int) -> Path:
+def tuned_weights(folder: Path, count: int, legs: int) -> Path:
     """Weights after some legs on the first so many labelled scans, each made from the one before.
 
     In a leg the rate falls to zero; in half precision where the processor can.
@@ -207,11 +202,11 @@ def tuned_weights(scans: Scans, count: int, legs: int) -> Path:
 
     if not legs:
         return weights_path(NETWORK, "released")
-    path = weights_path(NETWORK, "released", scans.folder / f"tuned_{count}_{legs}")
+    path = weights_path(NETWORK, "released", folder / f"tuned_{count}_{legs}")
     if not path.exists():
-        trained = load_weights(tuned_weights(scans, count, legs - 1))
+        trained = load_weights(tuned_weights(folder, count, legs - 1))
         options = NEXT_LEGS if legs > 1 else FIRST_LEG
-        examples = [(scans.training(name), *scans.labels(name).values()) for name in LEARNT[:count]]
+        examples = [example(folder, name) for name in LEARNT[:count]]
         torch.set_num_threads(1)
         torch.manual_seed(legs)
         with torch.autocast("cpu", torch.bfloat16):
@@ -259,46 +254,46 @@ def counts_of_all(scans: Iterable[Measurement], row: str, options: Values) -> li
     return [counts_of(scan, method, **options) for scan in scans]
 
 
-def given_to(scans: Scans, method: str, name: str, noise: Noise, seed: int) -> Measurement:
+def given_to(folder: Path, method: str, name: str, noise: Noise, seed: int) -> Measurement:
     """Scan as a method reads it: four phases for `rapid`, two close frequencies for `phasor`."""
-    scan = scans.scan(name, noise, seed)
+    scan = kept_scan(folder, name, noise, seed)
     if method == "rapid":
         return four_phases(scan)
     if method == "phasor":
-        return close_pair(scan, scans.scan(name, noise, seed + 100, frequency_single=7.16e9))
+        return close_pair(scan, kept_scan(folder, name, noise, seed + 100, frequency_single=7.16e9))
     return scan
 
 
-def validated(scans: Scans, legs: int) -> list[float]:
+def validated(folder: Path, legs: int) -> list[float]:
     """Shares of right wraps on the scans of the objects that are held out."""
-    weights = tuned_weights(scans, CURVE[-1], legs)
-    every = (counts_of(scans.training(name), NETWORK, weights=weights) for name in HELD_OUT)
+    weights = tuned_weights(folder, CURVE[-1], legs)
+    every = (counts_of(training_scan(folder, name), NETWORK, weights=weights) for name in HELD_OUT)
     return [round(right / pixels, 4) for pixels, right, *_ in every]
 
 
-def chosen_legs(scans: Scans, counts: Counts, most: int) -> int:
+def chosen_legs(folder: Path, counts: Counts, most: int) -> int:
     """Legs of training until one gains less than `FLAT` on objects held out; that if it gains."""
     best = -1.0
     for legs in range(most + 1):
-        found = np.mean(counts.keep("validation", str(legs), of=partial(validated, scans, legs)))
+        found = np.mean(counts.keep("validation", str(legs), of=partial(validated, folder, legs)))
         if found < best + FLAT:
             return max(legs - int(found < best), 1)
         best = found
     return most
 
 
-def compare(scans: Scans, counts: Counts, noise: str, rows: Rows) -> None:
+def compare(folder: Path, counts: Counts, noise: str, rows: Rows) -> None:
     """Count rows of methods on three scans of each of the shown scenes."""
     for (row, options), name in product(rows.items(), SHOWN):
-        given = (given_to(scans, row, name, noise, seed) for seed in SEEDS)
+        given = (given_to(folder, row, name, noise, seed) for seed in SEEDS)
         counts.keep("counts", noise, row, name, of=partial(counts_of_all, given, row, options))
 
 
-def sweep(scans: Scans, counts: Counts, weights: Path) -> None:
+def sweep(folder: Path, counts: Counts, weights: Path) -> None:
     """Count scans of fewer points and of other noise: every second, every fourth point of each."""
     rows: Rows = {NETWORK: {"weights": weights}, "kde": {}, "reference-contact": {}}
     for level, stride, (row, options) in product(LEVELS, STRIDES, rows.items()):
-        given = (thinned(scans.scan(name, LEVELS[level]), stride) for name in SWEPT)
+        given = (thinned(kept_scan(folder, name, LEVELS[level]), stride) for name in SWEPT)
         of = partial(counts_of_all, given, row, options)
         counts.keep("sweep", level, str(SIZE // stride), row, of=of)
 
@@ -323,10 +318,9 @@ def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
 
 def main(folder: Path, most_legs: int = MOST_LEGS, again: Sequence[str] = ()) -> None:
     """Compute what is missing, and store it."""
-    scans = Scans(folder)
     counts = Counts(RATES)
-    legs = chosen_legs(scans, counts, most_legs)
-    best = tuned_weights(scans, CURVE[-1], legs)
+    legs = chosen_legs(folder, counts, most_legs)
+    best = tuned_weights(folder, CURVE[-1], legs)
     forget(counts, best, again)
     TUNED.mkdir(parents=True, exist_ok=True)
     for path in (best, best.with_suffix(".json")):
@@ -341,12 +335,12 @@ def main(folder: Path, most_legs: int = MOST_LEGS, again: Sequence[str] = ()) ->
     )
     usual: Rows = {name: {} for name in (NETWORK, "kde", "region", "rapid", *TOLD)}
     usual["tuned"] = {"weights": best}
-    compare(scans, counts, "captures", usual)
-    sweep(scans, counts, best)
-    compare(scans, counts, "photon", usual)
-    fewer: Rows = {f"{n} scans": {"weights": tuned_weights(scans, n, 1)} for n in CURVE}
-    compare(scans, counts, "captures", fewer | {"phasor": {}, "surfaces": {}})
-    compare(scans, counts, "photon", {"surfaces": {}})
+    compare(folder, counts, "captures", usual)
+    sweep(folder, counts, best)
+    compare(folder, counts, "photon", usual)
+    fewer: Rows = {f"{n} scans": {"weights": tuned_weights(folder, n, 1)} for n in CURVE}
+    compare(folder, counts, "captures", fewer | {"phasor": {}, "surfaces": {}})
+    compare(folder, counts, "photon", {"surfaces": {}})
 
 
 if __name__ == "__main__":
