@@ -65,7 +65,7 @@ def ratios() -> None:
     print(f"simulate / drawing its random numbers: {whole / seconds(draw, 3):.2f}, goal < 1.5")
 
 
-def cost(method: str, protocol: str) -> dict[str, float]:
+def cost(method: str, protocol: str) -> Values:
     """Seconds and megabytes of unwrapping one large frame; the second of two runs."""
     import cmtof
     from cmtof.evaluation import measured as given_to

@@ -124,7 +124,7 @@ def main(notebook: str, parameters: str, *places: str) -> None:
         execute(script, json.loads(parameters), work)
     except PapermillExecutionError as error:
         text = explain(error, script, work)
-        (work / "log.txt").write_text(text, encoding="utf-8")
+        (work / "log.txt").write_text(text, "utf-8")
         sys.exit(f"{text}This message again: {work / 'log.txt'}")
     except ValueError as error:
         sys.exit(f"{script.name}: {error}")

@@ -23,25 +23,29 @@ SUFFIXES = {".svg", ".png", ".json"}
 
 def main(results: Path, figures: Path) -> None:
     """Make ``figures`` hold the figures of the chapters' folders in ``results``, and the scores."""
-    files = [file for file in sorted(results.glob("*/*")) if file.suffix in SUFFIXES]
-    drawn = {file.name: file for file in files if file.stem not in (PAPER, TEXT)}
+    drawn = {
+        file.name: file
+        for file in sorted(results.glob("*/*"))
+        if file.suffix in SUFFIXES and file.stem not in (PAPER, TEXT)
+    }
     figures.mkdir(exist_ok=True)
     for file in figures.iterdir():
         if file.suffix in SUFFIXES and file.name not in (*drawn, SCOREBOARD):
             file.unlink()
     for name, file in drawn.items():
-        if (_source(figures / name), _source(file)) != ("measured", "simulated"):
+        sources = [_source(path.with_suffix(".json")) for path in (figures / name, file)]
+        if sources != ["measured", "simulated"]:
             with written_whole(figures / name) as part:
                 shutil.copyfile(file, part)
             print(name)
     write_json(figures / SCOREBOARD, accepted(scores_in(read_all(results))))
 
 
-def _source(figure: Path) -> str:
-    """Source that stands among a figure's numbers, or ''."""
-    path = figure.with_suffix(".json")
-    numbers = json.loads(path.read_text("utf-8"))["numbers"] if path.is_file() else {}
-    return numbers.get("source", "")
+def _source(numbers: Path) -> str | None:
+    """Source that stands among a figure's numbers, if one does."""
+    if not numbers.is_file():
+        return None
+    return json.loads(numbers.read_text(encoding="utf-8"))["numbers"].get("source")
 
 
 if __name__ == "__main__":

@@ -46,7 +46,7 @@ class Book:
 
     def notebooks(self) -> list[str]:
         """Stems of the notebooks that the table of contents lists, in its order."""
-        text = (self.root / "_toc.yml").read_text(encoding="utf-8")
+        text = (self.root / "_toc.yml").read_text("utf-8")
         listed = re.findall(r"^\s*- file: notebooks/(\S+)$", text, re.MULTILINE)
         if missing := self._missing(listed):
             raise FileNotFoundError(
@@ -76,7 +76,7 @@ class Book:
             raise FileNotFoundError(
                 f"Expected a profile of configs/, got {profile!r}. Choose ci, book or paper."
             )
-        held = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+        held = yaml.safe_load(path.read_text("utf-8")) or {}
         sizes = held.get("notebooks") or {}
         if unknown := self._missing(sizes):
             raise ValueError(
@@ -89,7 +89,7 @@ class Book:
         """Every file that a notebook's results depend on, relative to the checkout."""
         script = self.script(stem)
         fixed = {script, self.root / "environment.lock", self.source / "cmtof_book" / "execute.py"}
-        return self._relative(fixed | self.closure(script) | set(self._declared(stem)))
+        return self._relative(fixed.union(self.closure(script), self._declared(stem)))
 
     def tool(self, name: str) -> list[str]:
         """A module of `cmtof_book` and the files of the packages that it reaches."""
@@ -114,7 +114,7 @@ class Book:
 
     def _imported(self, script: Path) -> Iterator[str]:
         """Modules of the package that a script names in its imports, or uses as ``cmtof.name``."""
-        for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))):
+        for node in ast.walk(ast.parse(script.read_text("utf-8"))):
             names: list[str] = []
             match node:
                 case ast.Import(names=aliases):

@@ -93,4 +93,4 @@ def write(folder: Path) -> None:
     held["model"] = packed(light_network())
     for name, data in (("scenes", drawn), ("runtime", held)):
         text = f"laboratory.{name} = {json.dumps(data)};\n"
-        (folder / f"{name}.js").write_text(text, encoding="utf-8")
+        (folder / f"{name}.js").write_text(text, "utf-8")

@@ -54,4 +54,4 @@ def write_json(path: Path, value: Any) -> None:
         raise ValueError(f"{got}. Convert or omit it.") from error
     rounded = json.loads(exact, parse_float=lambda digits: float(f"{float(digits):.10g}"))
     with written_whole(path) as part:
-        part.write_text(json.dumps(rounded, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        part.write_text(json.dumps(rounded, indent=2, ensure_ascii=False) + "\n", "utf-8")

@@ -64,7 +64,7 @@ def main() -> None:
     for line in differences(found, stored_numbers()):
         print(line)
     lines = [f' "{name}": {json.dumps(number.record())}' for name, number in sorted(found.items())]
-    STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
     print(f"{sum(number.size for number in found.values())} numbers in {STORED.name}")
 
 

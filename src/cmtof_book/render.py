@@ -59,7 +59,7 @@ def main(stage: Path, html: Path) -> None:
     command = [Path(sys.executable).with_name("jupyter-book"), "build", stage, *options]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     text = re.sub(r"\x1b\[[0-9;]*m", "", done.stdout)  # colours are for a terminal
-    log.write_text(text, encoding="utf-8")
+    log.write_text(text, "utf-8")
     if done.returncode:
         told = re.findall(r".*(?:WARNING|ERROR).*", text)
         print("\n".join(told) or text, file=sys.stderr)

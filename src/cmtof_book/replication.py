@@ -36,6 +36,9 @@ SEED = 0
 METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
 """Columns of the figure: the paper's that need no training, and three that it leaves out."""
 
+Named = Iterator[tuple[str, float]]
+"""Numbers by their names in ``replication.yml``."""
+
 
 class Outcome(NamedTuple):
     """One line of the replication: our value and the one that is expected."""
@@ -79,12 +82,12 @@ def expected(entry: Mapping[str, Any]) -> Compared:
     return Compared(value=mean, kind=entry["kind"], error=spread)
 
 
-def values(seed: int, figure: Path | None = None) -> Iterator[tuple[str, float]]:
+def values(seed: int, figure: Path | None = None) -> Named:
     """Every number by its name in ``replication.yml``; Fig. 10 is drawn where a file is named."""
     return chain(_noise(seed), _methods(seed, figure))
 
 
-def _noise(seed: int) -> Iterator[tuple[str, float]]:
+def _noise(seed: int) -> Named:
     """Phase noise of the simulation against its law, and what follows for one pixel's wrap."""
     tones = np.geomspace(0.1e9, 10e9, 21)
     wall = Frame(np.full((1, 1000), 0.6), np.full((1, 1000), 0.5))
@@ -98,7 +101,7 @@ def _noise(seed: int) -> Iterator[tuple[str, float]]:
     yield "wrap_odds", float(wrap_probability(noise, noise, frequencies=FREQUENCIES))
 
 
-def _methods(seed: int, figure: Path | None) -> Iterator[tuple[str, float]]:
+def _methods(seed: int, figure: Path | None) -> Named:
     """Share of right wraps of each method on the embedded frames."""
     frames = [*map(load_frame, embedded_frames())]
     clean = Evaluation(["crt"], noise_free=True).add_all(frames).report()

@@ -44,8 +44,8 @@ def scores_in(records: Iterable[Record]) -> Scores:
             about = {"crops": held["crops"], "chapter": record.chapter}
             about["profile"] = record.content["provenance"]["profile"]
             score = Score.of(published(key), held["cases"], **about)
-            others = [scores[key]] if scores[key].chapter else []
-            scores[key] = min([*others, score], key=lambda one: WORST_FIRST.index(one.verdict))
+            both = (scores[key], score) if scores[key].chapter else (score,)
+            scores[key] = min(both, key=lambda one: WORST_FIRST.index(one.verdict))
     return scores
 
 
@@ -125,11 +125,11 @@ def coverage(records: Iterable[Record], notebooks: Iterable[Path]) -> dict[str, 
     """
     found: defaultdict[str, set[str]] = defaultdict(set)
     for record in records:
-        names = [record.name, *(record.numbers if record.name == PAPER else ())]
+        names = record.numbers if record.name == PAPER else [record.name]
         for kind, number in DRAWN.findall("\n".join(names)):
             found[f"{GROUPS[kind]} {int(number)}"].add(record.chapter)
     for notebook in notebooks:
-        for number in NUMBERED.findall(notebook.read_text(encoding="utf-8")):
+        for number in NUMBERED.findall(notebook.read_text("utf-8")):
             found[f"Equation {number}"].add(notebook.stem)
     items = (f"{kind} {n + 1}" for kind, count in ITEMS.items() for n in range(count))
     return {item: sorted(found[item]) for item in items}

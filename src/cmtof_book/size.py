@@ -69,7 +69,7 @@ class Module(NamedTuple):
 
 def read_module(path: Path) -> Module:
     """Parse a file and count its code lines."""
-    source = path.read_text(encoding="utf-8")
+    source = path.read_text("utf-8")
     nodes = [*ast.walk(ast.parse(source))]
     lines = source.splitlines()
     used = {number for number, line in enumerate(lines, 1) if line.strip()[:1] not in ("", "#")}
@@ -168,7 +168,7 @@ def main(options: list[str]) -> int:
     rows, found = everything()
     if "--accept" in options:
         accepted = {name: value for name, (value, budget) in rows.items() if value > budget}
-        ACCEPTED.write_text(json.dumps(accepted, indent=1) + "\n", encoding="utf-8")
+        ACCEPTED.write_text(json.dumps(accepted, indent=1) + "\n", "utf-8")
     accepted = json.loads(ACCEPTED.read_text("utf-8"))
     failed = False
     for name, (value, budget) in rows.items():

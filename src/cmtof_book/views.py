@@ -41,7 +41,7 @@ def save_scene(
     }
     about = {"shape": shape, "longest": longest, "eye": eye, "layers": packed}
     with written_whole(provenance.output_folder() / f"{name}.js") as part:
-        part.write_text(f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", encoding="utf-8")
+        part.write_text(f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", "utf-8")
 
 
 def _levels(colours: Array) -> NDArray[np.uint8]:
