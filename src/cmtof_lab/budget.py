@@ -14,12 +14,13 @@ from numpy.typing import ArrayLike
 
 from cmtof.correlation import TAU, depth_from_phase
 from cmtof.hardware.rig import MODES
+from cmtof.types import Array
 from cmtof_lab import optics as free_space
 from cmtof_lab.instrument import DRIFT_OCTAVES
 from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import POSITIONS, STAGE_ERROR
-from cmtof_lab.targets import MIRROR, Array, Plane, RayEnds
+from cmtof_lab.targets import MIRROR, Plane, RayEnds
 
 
 def budget_terms(

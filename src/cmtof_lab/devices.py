@@ -14,6 +14,7 @@ from cmtof.hardware.plan import BURST_INTERVAL, VOLTS_PER_DEGREE
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import LIGHT, LINES, MIRRORS, SAMPLE_RATE
 from cmtof.hardware.roles import ROLES, RfStatus, Waiting
+from cmtof.types import Array
 from cmtof_lab.electronics import CENTRE, SLOPE
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 
@@ -76,7 +77,7 @@ class SimulatedRf(SimulatedDevice):
         locked = self.knobs.on and self.panel.clock_on
         return RfStatus(self.knobs.on, locked, entry, self.edges, tripped=False)
 
-    def load_table(self, phases: NDArray[np.float64]) -> None:
+    def load_table(self, phases: Array) -> None:
         self.knobs.table = _coded(phases)
 
     def trigger(self, on: bool) -> None:
@@ -206,6 +207,6 @@ def simulated_devices(instrument: SimulatedInstrument) -> dict[str, Any]:
     return devices
 
 
-def _coded(phases: ArrayLike) -> NDArray[np.float64]:
+def _coded(phases: ArrayLike) -> Array:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
     return np.rint(np.asarray(phases) * CODES / (2 * np.pi)) % CODES * (2 * np.pi / CODES)

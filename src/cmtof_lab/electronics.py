@@ -6,8 +6,8 @@ from scipy.constants import c, e, h
 from scipy.linalg import solve_continuous_lyapunov
 from scipy.signal import cont2discrete, lfilter
 
+from cmtof.types import Array
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.targets import Array
 
 # V per count at +-10 V, count of 0 V: nominal calibration (T-Series Datasheet, 20.0.1)
 SLOPE, CENTRE, POLES = 3.15805780e-4, 33523.0, 3

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cmtof_rooms.arrays import Array, Flags
+from cmtof.types import Array, Flags
 
 Finish = Callable[[Array, Array, Array], Any]
 

@@ -24,12 +24,11 @@ from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof.modulator import TwoPassModulator
+from cmtof.types import Array, Complex, Numbers
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import POLES, Chain, counts_from_volts, density, volts_per_watt
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.targets import Array, Complex, Plane, scene_from
-
-Integers = NDArray[np.integer]
+from cmtof_lab.targets import Plane, scene_from
 
 HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
 DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)  # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
@@ -47,7 +46,7 @@ def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
     return Generator(Philox(key=words, counter=np.array([0, key & (2**64 - 1), 0, 0], np.uint64)))
 
 
-def normals_by_key(seed: int, purpose: int, keys: Integers, count: int) -> Array:
+def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
     """Standard normals (N, count): row n is what `keyed_generator` draws first for key n."""
     draw = keyed_generator(seed, purpose)
     source = draw.bit_generator
@@ -125,7 +124,7 @@ class SimulatedInstrument:
         angles: ArrayLike,
         *,
         labels: ArrayLike,
-        pulses: Integers,
+        pulses: Numbers,
         rate: float = SAMPLE_RATE,
         stage: ArrayLike | None = None,
     ) -> NDArray[np.uint16]:
@@ -214,7 +213,7 @@ class SimulatedInstrument:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
         return self._waveforms(panel, np.array([-1]))[0][0]
 
-    def _waveforms(self, panel: Panel, edges: Integers) -> list[Complex]:
+    def _waveforms(self, panel: Panel, edges: Numbers) -> list[Complex]:
         """Fourier coefficients (S, K + 1) of both modules behind edges (S,); -1 is before them."""
         settings, knobs = self.settings, (panel.emission, panel.detection)
         made = []

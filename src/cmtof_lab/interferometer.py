@@ -21,11 +21,12 @@ from scipy.special import ndtr
 from cmtof.bounds import linear_phase_noise
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.hardware.rig import SAMPLE_RATE
+from cmtof.types import Array, Numbers
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power
-from cmtof_lab.targets import Array, Plane
+from cmtof_lab.targets import Plane
 
 AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
 
@@ -41,7 +42,7 @@ class Fringes(NamedTuple):
 class Move(NamedTuple):
     """Readings along the stage's way; ``stations`` are those at the stops."""
 
-    stations: NDArray[np.intp]
+    stations: Numbers
 
     @property
     def count(self) -> int:

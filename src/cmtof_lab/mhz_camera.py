@@ -14,18 +14,19 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.constants import c, h
 from scipy.ndimage import gaussian_filter
 
 from cmtof.bounds import linear_phase_noise
 from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.detector import quantise, skellam_gaussian
+from cmtof.types import Array, Complex
 from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
 from cmtof_lab.targets import RayEnds
-from cmtof_rooms.arrays import Array, Shape
+from cmtof_rooms.arrays import Shape
 
-Light = tuple[NDArray[np.complexfloating], Array]
+Light = tuple[Complex, Array]
 
 STEPS = 4  # phase steps of an image; their exposures add up to the whole
 PSI = TAU * np.arange(STEPS) / STEPS

@@ -19,8 +19,9 @@ from trimesh import Trimesh
 from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.util import concatenate
 
+from cmtof.types import Array, Numbers
 from cmtof_lab import finishes
-from cmtof_rooms.arrays import Array, Numbers, Shape
+from cmtof_rooms.arrays import Shape
 
 STEEL = 0.58  # reflectance of polished or lapped steel (known: 0.55 to 0.6)
 DISTANCE = 0.9  # from the instrument to the middle of an object, m

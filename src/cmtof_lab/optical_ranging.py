@@ -21,12 +21,13 @@ from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from
 from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.hardware.rig import MODES, PLATES, SAMPLE_RATE
+from cmtof.types import Array, Numbers
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, WRAP, collected_power, visited
-from cmtof_lab.targets import Array, Plane
+from cmtof_lab.targets import Plane
 
 FREQUENCY = {"single": constants.FREQUENCY_SINGLE, "doubled": constants.FREQUENCY_DOUBLED}
 """Modulation frequency of each mode, Hz."""
@@ -109,7 +110,7 @@ class OpticalRanger:
         off = depth_from_phase(centred(error[self.visits :] - zero), self.frequency) / index
         return (target.distance + offsets) * (1 + thicker / index) + off
 
-    def _labels(self, count: int) -> NDArray[np.int_]:
+    def _labels(self, count: int) -> Numbers:
         """Labels of the bursts of the zero and of ``count`` positions, which count their time."""
         later = self.age + self.step_time * np.arange(count)
         times = np.append(self.step_time * np.arange(self.visits), later)

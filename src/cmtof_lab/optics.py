@@ -7,8 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammaincinv
 
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
+from cmtof.types import Array
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.targets import Array, RayEnds, Target
+from cmtof_lab.targets import RayEnds, Target
 
 PLACE = 1e-6  # Directions, rad, that share their speckle: finer than a step of the galvo's 14 bits
 SPECULAR_LOBE = 3e-3  # 1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)

@@ -20,12 +20,13 @@ from scipy.constants import Boltzmann, elementary_charge
 from cmtof.correlation import centred, phase_from_depth, wrapped
 from cmtof.hardware.rig import MODES, SAMPLE_RATE
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
+from cmtof.types import Array, Complex, Numbers
 from cmtof_lab import optics as free_space
 from cmtof_lab.instrument import DRIFT_RMS, drift
 from cmtof_lab.optical_ranging import FREQUENCY
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power, visited
-from cmtof_lab.targets import Array, Complex, Plane, Target
+from cmtof_lab.targets import Plane, Target
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,7 +172,7 @@ class RfRanger:
         later = self.age + self.step_time * np.arange(count - self.visits)
         return np.concatenate([zero, later, [0.0]])
 
-    def _averaged(self, count: int) -> NDArray[np.intp]:
+    def _averaged(self, count: int) -> Numbers:
         """Points that each reading averages: many for the zero and for the blocked beam."""
         many = np.where(np.arange(count) < self.visits, self.points, 1)
         many[-1] = self.points

@@ -17,9 +17,10 @@ from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, consistent_wrap_count, depth_from_wraps, wrap_length
 from cmtof.frame import Frame
 from cmtof.pointcloud import mesh_triangles, normals_from_points, points_from_depth
+from cmtof.types import Array, Flags, Numbers
 from cmtof_lab.spots import SENSOR, WINDOW, Sensor, photographed_spots, place_spots
 from cmtof_lab.targets import MeshTarget
-from cmtof_rooms.arrays import Array, Flags, Shape
+from cmtof_rooms.arrays import Shape
 
 COLUMNS = 9  # inner corners of the checkerboard
 ROWS = 6
@@ -225,7 +226,7 @@ def _spot_light(
 class PseudoTruth(NamedTuple):
     """Labels (H, W) from stereo."""
 
-    wraps: NDArray[np.int64]  # -1 without a label
+    wraps: Numbers  # -1 without a label
     mask: Flags  # True where a pixel is labelled
     range: Array  # m along the scanner's ray, from stereo alone; NaN without a pair of spots
     uncertainty: Array  # standard deviation of that range, m

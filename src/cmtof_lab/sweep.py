@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
+from cmtof.types import Array, Complex
 from cmtof_lab import optics as free_space
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.targets import Array, Complex, Plane, RayEnds
+from cmtof_lab.targets import Plane, RayEnds
 
 POSITIONS = 5e-5 * np.arange(21)  # Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)
 STAGE_ERROR = 5e-8  # Error of a position of the stage, rms, m (Sec. 8.2)

@@ -15,9 +15,7 @@ from pydantic import ConfigDict
 
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from cmtof.types import Array, Flags
 
 LARGEST_STEP = 0.02  # Neighbouring pixels whose depths differ by a smaller share: one surface
 SURFACE = 3e-3  # How near to a point its own surface may be met, m
@@ -156,7 +154,7 @@ class MeshTarget:
         there = [(x[corners] * np.stack([1 - u - v, u, v], -1)).sum(-1) for x in held]
         return RayEnds(*(one.reshape(directions.shape[:-1]) for one in (reach, cosine, *there)))
 
-    def hidden(self, points: Array, eye: ArrayLike) -> NDArray[np.bool_]:
+    def hidden(self, points: Array, eye: ArrayLike) -> Flags:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
         way = points.reshape(-1, 3) - np.asarray(eye, float)
         far = np.linalg.norm(way, axis=-1)
