@@ -14,8 +14,9 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cmtof.types import Array
 from cmtof_book import Values
 
 Kind = Literal["closed form", "sum over draws", "share of pixels", "decision"]
@@ -58,7 +59,7 @@ class Compared:
         """How many numbers these are."""
         return np.size(self.value)
 
-    def tolerance(self, error: ArrayLike = 0.0) -> NDArray[np.float64]:
+    def tolerance(self, error: ArrayLike = 0.0) -> Array:
         """Largest difference to a number found now, whose standard error is ``error``."""
         if self.kind == "closed form":
             return ROUNDING * np.abs(self.value)

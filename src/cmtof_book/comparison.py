@@ -7,11 +7,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.measurement import Measurement
 from cmtof.scenes import Frame
+from cmtof.types import Array
 from cmtof_book.plotting import image
 
 
@@ -22,14 +22,14 @@ class Scene(NamedTuple):
     measurement: Measurement
     answers: dict[str, xr.Dataset]
 
-    def count(self, label: str = "") -> NDArray[np.floating]:
+    def count(self, label: str = "") -> Array:
         """Wraps (H, W) by one method or of the true depth, NaN where not scored."""
         depth = np.nan_to_num(self.measurement.depth).astype(float)
         truth = wrap_count_from_depth(depth, self.measurement.frequencies[0])
         found = self.answers[label]["wrap_count"] if label else truth
         return np.where(self.measurement.mask, found, np.nan)
 
-    def error(self, label: str) -> NDArray[np.floating]:
+    def error(self, label: str) -> Array:
         """Wraps (H, W) by which a method is off, NaN where not scored."""
         return np.abs(self.count(label) - self.count())
 

@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import written_whole
 from cmtof.pointcloud import mesh_triangles
+from cmtof.types import Array
 from cmtof_book import provenance
-
-Array = NDArray[np.float64]
 
 STATIC = "_static/scenes"  # where `cmtof_book.stage` puts the files
 LIGHTS = {(-0.5, -0.6, -0.1): 0.75, (0.6, -0.1, 0.0): 0.35}
