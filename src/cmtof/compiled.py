@@ -7,18 +7,21 @@ from typing import Any
 import numba
 
 
-def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable], Any]:
+def njit(**options: Any) -> Callable[[Callable], Any]:
     """Decorator like ``numba.njit`` that goes on without the cache where nothing can be written.
 
-    Numba keeps what it compiled beside the module or in the user's cache folder. An installation
-    that is read-only and a user without a home have neither: each process compiles anew.
+    Loops let other threads run, and divide by zero as NumPy does. Numba keeps what it compiled
+    beside the module or in the user's cache folder. An installation that is read-only and a user
+    without a home have neither: each process compiles anew.
     """
+
+    options |= {"nogil": True, "error_model": "numpy"}
 
     def compiled(function: Callable) -> Any:
         try:
-            return numba.njit(cache=cache, **options)(function)
+            return numba.njit(cache=True, **options)(function)
         except RuntimeError as error:
-            if not cache or "cannot cache" not in str(error):
+            if "cannot cache" not in str(error):
                 raise
         _say_uncached()
         return numba.njit(**options)(function)

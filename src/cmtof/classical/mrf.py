@@ -155,7 +155,7 @@ def semi_global_labels(field: Field) -> tuple[Numbers, Single]:
     return labels, odds
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _add_path(beat, phase, cosine, sine, down, right, total):  # pragma: no cover - compiled
     """Costs of the paths from (y - down, x - right) to each pixel, added to total (H, W, N)."""
     height, width, labels = total.shape
@@ -176,7 +176,7 @@ def _add_path(beat, phase, cosine, sine, down, right, total):  # pragma: no cove
             total[y, x] += here
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _cheapest(before, wide, spare):  # pragma: no cover - compiled
     """Min over m of ``before(m) - least + min(JUMP |n - m|, MOST)``, a label more at each end."""
     wide[0] = wide[-1] = MOST

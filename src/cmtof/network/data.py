@@ -119,7 +119,7 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
     return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(light * np.exp(grain), 1)
 
 
-@njit(cache=True)
+@njit()
 def _paint(  # pragma: no cover
     turns, light, x, y, cosine, sine, long, wide, box,
     level, right, down, bend, bright, contrast, wave_x, wave_y, texture,

@@ -9,17 +9,13 @@ frequencies: a surface is as likely as the sum over it.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
 from cmtof.estimate import phase_noise
 from cmtof.measurement import Measurement
-
-Array = NDArray[np.floating]
-Labels = NDArray[np.integer]
-Mask = NDArray[np.bool_]
+from cmtof.types import Array, Flags
 
 CELL = 8  # side, px, of the cells in which surfaces grow
 _SMALLEST = 64  # side, px, up to which smaller images are padded with pixels without information
@@ -48,14 +44,19 @@ class Field(NamedTuple):
         return float(TAU / self.wavenumber[0])
 
     @property
+    def ratio(self) -> float:
+        """Higher frequency in units of the lower one."""
+        return float(self.wavenumber[1] / self.wavenumber[0])
+
+    @property
     def multiple(self) -> int:
         """Multiple of the lower frequency that is nearest to the higher one."""
-        return round(float(self.wavenumber[1] / self.wavenumber[0]))
+        return round(self.ratio)
 
     @property
     def excess(self) -> float:
         """Turns that a wrap of the lower frequency adds to the beat."""
-        return float(self.wavenumber[1] / self.wavenumber[0]) - self.multiple
+        return self.ratio - self.multiple
 
     def arrays(self) -> tuple[Array, ...]:
         """Arguments of the compiled loops, in their order."""
@@ -88,7 +89,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
     return Field(real, imaginary, information, wavenumber, turns, u, v, cosine, measurement.range)
 
 
-def _smoothed(power: Array, known: Mask) -> Array:
+def _smoothed(power: Array, known: Flags) -> Array:
     """a^2 / s^2 (2, H, W) from |p|^2 / s^2 (2, H, W): one image, times the share of each tone."""
     share = np.array([max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power])
     share /= share.mean()

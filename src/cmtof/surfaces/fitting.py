@@ -58,7 +58,7 @@ def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
     return total + real[1, y, x] * c2 + imaginary[1, y, x] * s2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
     """S of a surface over one cell."""
     total = 0.0
@@ -68,7 +68,7 @@ def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def frequency_sums(field, q, boxes):  # pragma: no cover - compiled
     """S of both frequencies (2,) over rectangles, then E of both (2,)."""
     out = np.zeros((2, 2))
@@ -83,7 +83,7 @@ def frequency_sums(field, q, boxes):  # pragma: no cover - compiled
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit()
 def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compiled
     """Add a rectangle's sums to moments: S, E, b, c, then g from 4, h from 10, M from 16 on."""
     real, imaginary, information, wavenumber, turns, u, v, cosine = field
@@ -143,7 +143,7 @@ def _rectangle(field, label, only, q, box, moments):  # pragma: no cover - compi
                 moments[16 + 6 * i + j] += up * power[_V[j]] * row_w[_U[i] + _U[j]]
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _solved(moments, right, size):  # pragma: no cover - compiled
     """M^-1 right for the first functions, by elimination, M scaled to a unit diagonal."""
     left, scale, out = np.empty((BENT, BENT)), np.empty(BENT), np.zeros(BENT)
@@ -162,7 +162,7 @@ def _solved(moments, right, size):  # pragma: no cover - compiled
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _look(field, label, only, q, boxes, size):  # pragma: no cover - compiled
     """S, E, Gauss-Newton step, offset in wraps that the surface lacks, and what is known of it.
 
@@ -183,7 +183,7 @@ def _look(field, label, only, q, boxes, size):  # pragma: no cover - compiled
     return likelihood, most, step, offset, known * share
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def leaning(field, label, only, q, boxes, weight):  # pragma: no cover - compiled
     """Change (3,) of a plane that is moved by a wrap, and the covariance (3, 3) of its fit."""
     moments, out = np.zeros(52), np.empty((4, 3))
@@ -195,7 +195,7 @@ def leaning(field, label, only, q, boxes, weight):  # pragma: no cover - compile
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def moved(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover - compiled
     """Nearest surface to this one moved, by m and by wraps per pixel; their distance, m (rms)."""
     u, v, cosine = field[5], field[6], field[7]
@@ -224,7 +224,7 @@ def moved(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
     return out, np.sqrt(max(square - np.sum(out * wanted), 0.0) / max(count, 1))
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _climb(field, label, only, q, boxes, size, steps):  # pragma: no cover - compiled
     """Climb by Gauss-Newton steps, as long as S grows by 0.01.
 
@@ -240,7 +240,7 @@ def _climb(field, label, only, q, boxes, size, steps):  # pragma: no cover - com
     return q, best, most, offset, known
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover - compiled
     """Climb, then hop by whole wraps: q, S, E, offset left, its precision."""
     found, wrap = _climb(field, label, only, q, boxes, size, steps), 2 * np.pi / field[3][0]
@@ -256,7 +256,7 @@ def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover
     return found
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _straightened(field, label, only, q, plane, boxes, steps):  # pragma: no cover - compiled
     """The likelier of this plane and those that look bent, their slopes off by a turn per pixel."""
     near, planes = np.full(9, np.inf), np.zeros((9, BENT))
@@ -272,7 +272,7 @@ def _straightened(field, label, only, q, plane, boxes, steps):  # pragma: no cov
     return plane
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def select(field, label, only, q, boxes, steps, gain, weight):  # pragma: no cover - compiled
     """Plane, or a bent surface where that fits much better: by ``gain`` and by `FLAT`.
 

@@ -10,7 +10,8 @@ from scipy.fft import fft, fftfreq, next_fast_len
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces import fitting
-from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask
+from cmtof.surfaces.field import CELL, Field
+from cmtof.types import Array, Flags, Numbers
 
 # Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
 # many times its bins are refined. Large ones come first: what is large should stay in one piece.
@@ -33,7 +34,7 @@ _ROUNDS, _NEIGHBOURLY = 6, 3.0  # of reassignment; gain in S per neighbour in th
 
 def grown_surfaces(
     field: Field, *, gain: float = GAIN, roughest: float = ROUGHEST
-) -> tuple[Labels, Array]:
+) -> tuple[Numbers, Array]:
     """Owner of each cell, -1 for none, and the surfaces (N, 7) grown from windows.
 
     Their parameters, and their roughness: the variance of pixels about them, rad^2; those that
@@ -58,7 +59,7 @@ def grown_surfaces(
     return owner, surfaces
 
 
-def fitted(field: Field, label: Labels, surfaces: Array, effort: tuple, gain: float) -> tuple:
+def fitted(field: Field, label: Numbers, surfaces: Array, effort: tuple, gain: float) -> tuple:
     """Fit every surface (N, 7) to its pixels, with so many steps, on so many cells at most.
 
     And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
@@ -74,7 +75,7 @@ def fitted(field: Field, label: Labels, surfaces: Array, effort: tuple, gain: fl
     return _fit_all(field.arrays(), label, cells, surfaces, effort, farthest, gain)
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _grow(field, label, start, information, limits, bounds, owner, count):  # pragma: no cover
     """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
     rows, columns = owner.shape
@@ -134,13 +135,13 @@ def _expected(rough, information, y, x):  # pragma: no cover - compiled
     return np.exp(-rough / 2) * information[0, y, x] + np.exp(-2 * rough) * information[1, y, x]
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _scatter(sums):  # pragma: no cover - compiled
     """Variance, rad^2, of depths about a surface by its coherence at the lower frequency."""
     return -2 * np.log(min(max(sums[0, 0] / max(sums[1, 0], 1e-9), 0.05), 1.0))
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
     """Roughness of a window if both frequencies agree on it, else zero.
 
@@ -156,7 +157,7 @@ def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
     return rough if sure and rough < roughest else 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _spread(field, q, rough, owner, stamp, mark, region, size, information):  # pragma: no cover
     """Add free cells beside the region that the surface explains, until it has doubled."""
     rows, columns = owner.shape
@@ -177,7 +178,7 @@ def _spread(field, q, rough, owner, stamp, mark, region, size, information):  # 
     return size
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _reassigned(field, owner, surfaces, information):  # pragma: no cover - compiled
     """Give each cell the likeliest of the surfaces about it, or none."""
     rows, columns = owner.shape
@@ -201,7 +202,7 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: no cover - compiled
     """Do what `fitted` says; cells sorted by surface, where each begins, and cells in a row."""
     k, (order, starts, columns) = field[3], cells
@@ -224,7 +225,7 @@ def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: 
     return out, fit
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
     """Rectangles of at most so many cells, spread over the list."""
     chosen = cells[:: max(1, cells.size // most)]
@@ -232,14 +233,14 @@ def _boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
     return np.stack((y, y + CELL, x, x + CELL), axis=1)
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def around(owner, y, x):  # pragma: no cover - compiled
     """The different owners of a cell and its eight neighbours."""
     near = np.unique(owner[max(y - 1, 0) : y + 2, max(x - 1, 0) : x + 2])
     return near[near >= 0]
 
 
-def windows(field: Field, free: Mask, side: int, stride: int, core: int, finer: int) -> tuple:
+def windows(field: Field, free: Flags, side: int, stride: int, core: int, finer: int) -> tuple:
     """Top, left, side (N,) of windows on free cells, the clearest first, and slopes, rad/px."""
     ends = (slice(0, n - side + 1, stride) for n in field.cosine.shape)
     top, left = np.mgrid[tuple(ends)].reshape(2, -1)
@@ -254,18 +255,18 @@ def windows(field: Field, free: Mask, side: int, stride: int, core: int, finer: 
     return top, left, np.full(top.size, side), down, right
 
 
-def _sums(image: Array, top: Labels, left: Labels, side: int) -> Array:
+def _sums(image: Array, top: Numbers, left: Numbers, side: int) -> Array:
     """Sum (N,) of an image (H, W) over squares."""
     total = np.pad(image.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
     bottom, edge = top + side, left + side
     return total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
 
 
-def spectral_slopes(field: Field, top: Labels, left: Labels, side: int, finer: int) -> tuple:
+def spectral_slopes(field: Field, top: Numbers, left: Numbers, side: int, finer: int) -> tuple:
     """Slopes (N,) down and right, rad/px, at the joint peak of both spectra of each square."""
     size = int(next_fast_len(finer * side) or 1)
     whole = np.rint(fftfreq(size) * size)
-    higher = np.rint(field.wavenumber[1] / field.wavenumber[0] * whole).astype(int) % size
+    higher = np.rint(field.ratio * whole).astype(int) % size
     down, right = np.empty(top.size), np.empty(top.size)
     phasors = (field.real + 1j * field.imaginary).astype(np.complex64)
     squares = np.lib.stride_tricks.sliding_window_view(phasors, (side, side), axis=(1, 2))
@@ -281,7 +282,7 @@ def spectral_slopes(field: Field, top: Labels, left: Labels, side: int, finer: i
     return down, right
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def plane_in_window(field, label, window, limits, information):  # pragma: no cover - compiled
     """The likeliest plane of a window, out of all aliases of its slope, and its S."""
     top, left, side, down, right = window
@@ -311,7 +312,7 @@ def plane_in_window(field, label, window, limits, information):  # pragma: no co
     return plane, best
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _beats(field, top, left, side, down, right, information):  # pragma: no cover - compiled
     """Beat summed over the blocks for each alias (A, A), and the lower phase at the centre."""
     count = 8 if side >= 32 and information > 4 * _LEAST else 4
@@ -337,7 +338,7 @@ def _beats(field, top, left, side, down, right, information):  # pragma: no cove
     return out, np.angle(np.sum(sums[0, half - 1 : half + 1, half - 1 : half + 1]))
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _blocks(field, top, left, side, count, down, right):  # pragma: no cover - compiled
     """Sums of both phasors over count x count blocks, turned back by a slope."""
     real, imaginary, _, wavenumber = field[:4]
@@ -358,7 +359,7 @@ def _blocks(field, top, left, side, count, down, right):  # pragma: no cover - c
     return sums
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
     """The plane through a depth at a pixel with slopes, rad/px, of the lower phase."""
     u, v, cosine = field[5], field[6], field[7]
@@ -373,7 +374,7 @@ def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
     return q
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _climbed(field, label, q, top, left, side):  # pragma: no cover - compiled
     """Fit a plane to the middle of a window first, then on outwards, for steep phases bend."""
     core = 6

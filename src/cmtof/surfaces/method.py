@@ -21,9 +21,10 @@ from cmtof.correlation import TAU
 from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import placing
-from cmtof.surfaces.field import CELL, Array, Field, Labels, Mask, field_from_measurement
+from cmtof.surfaces.field import CELL, Field, field_from_measurement
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
 from cmtof.surfaces.roughness import departure, turned_back
+from cmtof.types import Array, Flags, Numbers
 
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 
@@ -54,8 +55,8 @@ class Stages(NamedTuple):
     """Result of each step; images are (H, W), padded to whole cells."""
 
     field: Field
-    owner: Labels  # surface of each cell, -1 for none
-    label: Labels  # surface of each pixel, -1 for none
+    owner: Numbers  # surface of each cell, -1 for none
+    label: Numbers  # surface of each pixel, -1 for none
     surfaces: Array  # parameters and roughness (N, 7) before any offset is added
     offsets: placing.Offsets
     borders: placing.Borders
@@ -140,7 +141,7 @@ def _departed(field: Field, depth: Array, rough: Array) -> Array:
     return depth + off / field.wavenumber[0]
 
 
-def _inside(joined: placing.Tied, depth: Array, label: Labels, field: Field) -> placing.Tied:
+def _inside(joined: placing.Tied, depth: Array, label: Numbers, field: Field) -> placing.Tied:
     """Move groups by whole beats, then by wraps, until their median lies within the limits."""
     known = label >= 0
     if not known.any():  # all surfaces lie outside the mask
@@ -158,14 +159,13 @@ def _inside(joined: placing.Tied, depth: Array, label: Labels, field: Field) -> 
     return joined._replace(mean=lacking, wraps=wraps + extra[joined.group])
 
 
-def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[Array, Array]:
+def voted(field: Field, depth: Array, explained: Flags, closure: float) -> tuple[Array, Array]:
     """Depth (H, W), m, by votes of and for clear pixels that no surface explains, and their share.
 
     A neighbour costs its distance and its beat's misfit, squared over their variances, up to a cap,
     or where ``explained`` by a surface of that ``depth``, not contradicting it, the first alone.
     """
     out, share = np.full(depth.shape, np.nan), np.zeros(depth.shape)
-    ratio = float(field.wavenumber[1] / field.wavenumber[0])
     step = TAU * abs(field.excess)  # of the misfit from wrap to wrap, rad
     doubt = doubt_of_beats(field)
     clear = doubt < DOUBT
@@ -183,7 +183,7 @@ def voted(field: Field, depth: Array, explained: Mask, closure: float) -> tuple[
         near = np.exp(-((np.arange(-_RADIUS, _RADIUS + 1) / (_RADIUS / 2)) ** 2) / 2)
         images = np.mod(turns[0], 1), turns[1], TAU**2 / (2 * spread**2), place
         farthest = _FARTHEST * step / TAU
-        _vote(asked, *images, ratio, farthest, limits, np.outer(near, near), out, share)
+        _vote(asked, *images, field.ratio, farthest, limits, np.outer(near, near), out, share)
     return out * field.period, share
 
 
@@ -191,11 +191,10 @@ def doubt_of_beats(field: Field) -> Array:
     """Deviation (H, W), wraps, of the beat of each pixel; infinite in the dark."""
     with np.errstate(divide="ignore"):
         variance = 1 / np.maximum(field.information, 0).astype(float)
-    ratio = field.wavenumber[1] / field.wavenumber[0]
-    return np.sqrt(variance[1] + ratio**2 * variance[0]) / (TAU * abs(field.excess))
+    return np.sqrt(variance[1] + field.ratio**2 * variance[0]) / (TAU * abs(field.excess))
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _vote(asked, low, high, sharp, place, ratio, far, limits, near, out, share):  # pragma: no cover
     height, width = asked.shape
     scale = 1 / (2 * _KERNEL**2)

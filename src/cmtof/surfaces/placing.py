@@ -14,10 +14,11 @@ from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
-from cmtof.surfaces.field import CELL, Array, Field, Labels
+from cmtof.surfaces.field import CELL, Field
 from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood
 from cmtof.surfaces.growing import around
 from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, sum_cells
+from cmtof.types import Array, Numbers
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
 EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on none of them
@@ -54,8 +55,8 @@ class Offsets(NamedTuple):
 class Borders(NamedTuple):
     """Pairs of surfaces with a common border, one entry (B,) each."""
 
-    first: Labels
-    second: Labels
+    first: Numbers
+    second: Numbers
     step: Array  # whole wraps by which the first lies behind along most of it
     odds: Array  # that both meet there, before their offsets are known
 
@@ -64,12 +65,12 @@ class Tied(NamedTuple):
     """Surfaces after the ties, one entry (N,) each."""
 
     wraps: Array  # whole, to add
-    group: Labels
+    group: Numbers
     mean: Array  # offset of the group before rounding, wraps
     spread: Array  # standard deviation of that
 
 
-def pixel_labels(field: Field, owner: Labels, surfaces: Array) -> tuple[Labels, Array]:
+def pixel_labels(field: Field, owner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
     """Likeliest surface (H, W), -1 for none, of a square about each pixel, and its share S / E."""
     side = 2 * RADIUS + 1
     shape = field.cosine.shape
@@ -84,7 +85,7 @@ def pixel_labels(field: Field, owner: Labels, surfaces: Array) -> tuple[Labels, 
     return np.where(share > EXPLAINED, label, -1).astype(np.int32), share
 
 
-def interiors(label: Labels, share: Array) -> Labels:
+def interiors(label: Numbers, share: Array) -> Numbers:
     """The labels without the borders of surfaces, unless little else would be left of one."""
     side = 2 * _INSIDE + 1
     inner = (minimum_filter(label, side) == maximum_filter(label, side)) & (share > _CERTAIN)
@@ -95,7 +96,7 @@ def interiors(label: Labels, share: Array) -> Labels:
     return np.where(inner | thin[label], label, -1).astype(np.int32)
 
 
-def depth_of_labels(field: Field, label: Labels, surfaces: Array) -> Array:
+def depth_of_labels(field: Field, label: Numbers, surfaces: Array) -> Array:
     """Depth (H, W), m, of each pixel on its surface; NaN without one."""
     out = np.full(label.shape, np.nan)
     y, x = np.nonzero(label >= 0)
@@ -103,14 +104,14 @@ def depth_of_labels(field: Field, label: Labels, surfaces: Array) -> Array:
     return out
 
 
-def _depth(field: Field, surfaces: Array, which: Labels, y: Labels, x: Labels) -> Array:
+def _depth(field: Field, surfaces: Array, which: Numbers, y: Numbers, x: Numbers) -> Array:
     """Depth (P,), m, of surfaces by their number (P,) at pixels (P,)."""
     q, u, v = surfaces[which].T, field.u[x], field.v[y]
     inverse = q[0] * u + q[1] * v + q[2] + q[3] * u * u + q[4] * u * v + q[5] * v * v
     return 1 / np.maximum(field.cosine[y, x] * inverse, FARTHEST)
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
     """Sum S of every surface about a cell over squares about its pixels; keep the largest."""
     height, width = label.shape
@@ -136,7 +137,7 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
 
 
 def offsets(
-    field: Field, inner: Labels, surfaces: Array, fit: Array, *, shape=True, closed=False
+    field: Field, inner: Numbers, surfaces: Array, fit: Array, *, shape=True, closed=False
 ) -> Offsets:
     """Offset of each surface, from its shape as far as a plane misses it little, and its beat.
 
@@ -159,7 +160,7 @@ def offsets(
     return Offsets(mean, 1 / np.sqrt(by_shape + by_beat), off)
 
 
-def aligned(found: Offsets, surfaces: Array, fit: Array, label: Labels) -> Offsets:
+def aligned(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offsets:
     """Offsets of planes, made sharper where these stand upright to the axes of a room.
 
     Moved by m wraps, a plane of normal n turns to n + m dn: a right angle to an axis a gives m.
@@ -196,7 +197,7 @@ def aligned(found: Offsets, surfaces: Array, fit: Array, label: Labels) -> Offse
     return found._replace(mean=mean, spread=np.sqrt(variance))
 
 
-def pooled_beats(field: Field, inner: Labels, surfaces: Array) -> tuple[Array, Array, Array]:
+def pooled_beats(field: Field, inner: Numbers, surfaces: Array) -> tuple[Array, Array, Array]:
     """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on.
 
     Pixels of rough surfaces are turned back by their own departure, which takes a part of the
@@ -228,7 +229,7 @@ def _beats(field: Field, cells: Cells) -> tuple[Array, Array, Array]:
     return beat, noise, (length / most).min(axis=0)
 
 
-def _cell_phasors(field: Field, cells: Cells) -> tuple[Labels, Array, Array]:
+def _cell_phasors(field: Field, cells: Cells) -> tuple[Numbers, Array, Array]:
     """Surface of each cell (h, w), phasors (2, h, w) without what moves both alike, and their E."""
     main, label, turned, sums, told, rough = cells
     multiple = field.multiple
@@ -250,18 +251,18 @@ def _cell_phasors(field: Field, cells: Cells) -> tuple[Labels, Array, Array]:
     return main, sums * np.exp(-1j * both * residual), told
 
 
-def _cells(field: Field, inner: Labels, surfaces: Array) -> Cells:
+def _cells(field: Field, inner: Numbers, surfaces: Array) -> Cells:
     """Phasors turned back by surfaces, and how rough these are."""
     depth = np.nan_to_num(depth_of_labels(field, inner, surfaces))
     return cells_of_surfaces(field, inner, depth, len(surfaces))
 
 
-def roughness_of_surfaces(field: Field, inner: Labels, surfaces: Array) -> Array:
+def roughness_of_surfaces(field: Field, inner: Numbers, surfaces: Array) -> Array:
     """Variance (N,), rad^2, of the pixels of each surface about it."""
     return _cells(field, inner, surfaces).rough
 
 
-def parted(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array]:
+def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
     """Surface of most pixels in each cell, and surfaces (N, 7), those cut whose beat steps.
 
     Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
@@ -298,12 +299,12 @@ def parted(field: Field, inner: Labels, surfaces: Array) -> tuple[Labels, Array]
     return main, surfaces
 
 
-def _summed(main: Labels, image: Array, count: int) -> Array:
+def _summed(main: Numbers, image: Array, count: int) -> Array:
     """Sum (N + 1,) of an image over the cells of each surface, and over those of none."""
     return np.bincount(np.where(main < 0, count, main).ravel(), image.ravel(), count + 1)
 
 
-def _same(images: Array, main: Labels, radius: int) -> Array:
+def _same(images: Array, main: Numbers, radius: int) -> Array:
     """Sum of images (N, h, w) over the cells of the same surface within a radius."""
     height, width = main.shape
     edge = (radius, radius)
@@ -317,7 +318,7 @@ def _same(images: Array, main: Labels, radius: int) -> Array:
     return out
 
 
-def borders(field: Field, label: Labels, surfaces: Array) -> Borders:
+def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
     """Odds that surfaces meet, from their depths across every border between labels (H, W)."""
     count = len(surfaces)
     keys, steps, slopes = [], [], []

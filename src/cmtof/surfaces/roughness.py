@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from cmtof.surfaces.field import CELL, Array, Field, Labels
+from cmtof.surfaces.field import CELL, Field
+from cmtof.types import Array, Numbers
 
 _EVEN = 0.02  # roughness, rad^2, that an even surface shows as well
 _ALIKE = 0.2  # largest excess of coherence at the higher frequency over that of uneven surfaces
@@ -20,15 +21,15 @@ _TURNS = 3  # steps towards the likeliest departure of a pixel
 class Cells(NamedTuple):
     """Phasors turned back by surfaces, of pixels and of cells."""
 
-    main: Labels  # surface in the middle of each cell (h, w)
-    label: Labels  # (H, W), of the pixels of this surface, -1 for others
+    main: Numbers  # surface in the middle of each cell (h, w)
+    label: Numbers  # (H, W), of the pixels of this surface, -1 for others
     turned: Array  # phasors (2, H, W) of these, zero for others
     sums: Array  # of these (2, h, w)
     told: Array  # and their E
     rough: Array  # variance (N,), rad^2, of the pixels of each surface about it
 
 
-def cells_of_surfaces(field: Field, inner: Labels, depth: Array, count: int) -> Cells:
+def cells_of_surfaces(field: Field, inner: Numbers, depth: Array, count: int) -> Cells:
     """Phasors turned back by the depth, m, of surfaces, and how rough these are."""
     rows, columns = (n // CELL for n in inner.shape)
     middle = slice(CELL // 2 - 1, CELL // 2 + 1)  # of the four pixels there, as in a mirror
@@ -55,7 +56,7 @@ def sum_cells(images: Array) -> Array:
     return images.reshape(2, height // CELL, CELL, width // CELL, CELL).sum(axis=(2, 4))
 
 
-def roughness(owner: Labels, sums: Array, told: Array, count: int) -> Array:
+def roughness(owner: Numbers, sums: Array, told: Array, count: int) -> Array:
     """Variance (N,), rad^2, of pixels about their surface, by the coherence of each frequency.
 
     Unevenness s of a Gaussian costs one frequency exp(-s^2 / 2) and twice that frequency the fourth
@@ -68,7 +69,7 @@ def roughness(owner: Labels, sums: Array, told: Array, count: int) -> Array:
     return np.where((high - low**4 > _ALIKE) | (found < _EVEN), 0, found)
 
 
-def _coherence(owner: Labels, total: Array, most: Array, count: int) -> Array:
+def _coherence(owner: Numbers, total: Array, most: Array, count: int) -> Array:
     """Share (N,) of the information of each surface that its cells (h, w) add up to."""
     known = owner >= 0
     of = owner[known]
