@@ -57,9 +57,7 @@ def test_sums_are_those_of_the_likelihood(rng):
 def test_gradient_and_information_are_those_of_the_derivatives(rng):
     depth, q = plane(NORMALS[2])
     field = field_of(depth, information=2.0)
-    moments = np.zeros(52)
-    for box in BOXES:
-        fitting._rectangle(field.arrays(), NOTHING, -1, q, box, moments)
+    moments = fitting._moments(field.arrays(), NOTHING, -1, q, BOXES)
     u, v = np.broadcast_to(field.u, SHAPE), np.broadcast_to(field.v[:, None], SHAPE)
     slopes = -(depth**2) * field.cosine * [u, v, np.ones(SHAPE), u * u, u * v, v * v]
     k = field.wavenumber[:, None, None]
@@ -68,9 +66,7 @@ def test_gradient_and_information_are_those_of_the_derivatives(rng):
     np.testing.assert_allclose(found, np.tril(matrix), rtol=1e-5, atol=1e-3)
     field = field_of(depth, information=2.0, noise_of=rng)
     q += 1e-4 * rng.normal(size=BENT)
-    moments[:] = 0
-    for box in BOXES:
-        fitting._rectangle(field.arrays(), NOTHING, -1, q, box, moments)
+    moments = fitting._moments(field.arrays(), NOTHING, -1, q, BOXES)
     for number in range(BENT):
         ahead, behind = q.copy(), q.copy()
         ahead[number], behind[number] = q[number] + 1e-6, q[number] - 1e-6

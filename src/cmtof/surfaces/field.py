@@ -102,3 +102,8 @@ def _smoothed(power: Array, known: Flags) -> Array:
         mean = np.where(left, found, mean)
         left &= found < least
     return share[:, None, None] * mean
+
+
+def pixels_of_cells(cells: Array) -> Array:
+    """Image (H, W) that shows the value of its cell (h, w) in each pixel."""
+    return cells.repeat(CELL, 0).repeat(CELL, 1)

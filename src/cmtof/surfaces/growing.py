@@ -10,7 +10,8 @@ from scipy.fft import fft, fftfreq, next_fast_len
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces import fitting
-from cmtof.surfaces.field import CELL, Field
+from cmtof.surfaces.field import CELL, Field, pixels_of_cells
+from cmtof.surfaces.roughness import sum_cells
 from cmtof.types import Array, Flags, Numbers
 
 # Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
@@ -40,9 +41,8 @@ def grown_surfaces(
     Their parameters, and their roughness: the variance of pixels about them, rad^2; those that
     begin rougher than ``roughest`` are none.
     """
-    shape = tuple(n // CELL for n in field.cosine.shape)
-    cells = field.information.astype(float).reshape(2, shape[0], CELL, shape[1], CELL)
-    information = cells.sum(axis=(2, 4))
+    information = sum_cells(field.information.astype(float))
+    shape = information.shape[1:]
     label = np.zeros((1, 1), np.int32)  # fits look at whole cells
     owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, fitting.BENT + 1))
     for kind in WINDOWS:
@@ -54,7 +54,7 @@ def grown_surfaces(
     for turn in range(_ROUNDS):
         owner = _reassigned(field.arrays(), owner, surfaces, information)
         if turn % 2:
-            label = np.kron(owner, np.ones((CELL, CELL), int))
+            label = pixels_of_cells(owner)
             surfaces, _ = fitted(field, label, surfaces, (_STEPS, _CELLS), gain)
     return owner, surfaces
 
@@ -81,8 +81,7 @@ def _grow(field, label, start, information, limits, bounds, owner, count):  # pr
     rows, columns = owner.shape
     stamp = np.zeros((rows, columns), np.int64)
     surfaces, new = np.zeros((start[0].size, fitting.BENT + 1)), 0
-    for n in range(start[0].size):
-        window = (start[0][n], start[1][n], start[2][n], start[3][n], start[4][n])
+    for n, window in enumerate(zip(*start)):  # noqa: B905 - unknown to Numba
         side = max(window[2] // CELL, 1)
         y0, x0 = window[0] // CELL, window[1] // CELL
         told = information[:, y0 : y0 + side, x0 : x0 + side].sum()
@@ -220,7 +219,7 @@ def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: 
             stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
             out[n, :6] = q
             fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
-            if q[3] == 0 and q[4] == 0 and q[5] == 0:
+            if not q[3:].any():
                 fit[n, 4:] = fitting.leaning(field, label, n, q, boxes, weight).ravel()
     return out, fit
 

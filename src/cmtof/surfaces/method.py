@@ -21,7 +21,7 @@ from cmtof.correlation import TAU
 from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import placing
-from cmtof.surfaces.field import CELL, Field, field_from_measurement
+from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
 from cmtof.surfaces.roughness import departure, turned_back
 from cmtof.types import Array, Flags, Numbers
@@ -95,7 +95,7 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     if "parts" not in without and len(cut) > len(surfaces):
         old, owner = owner, np.where(main < len(surfaces), owner, main)
         both = np.isin(owner, [old[owner != old], owner[owner != old]])  # of what was cut
-        cells = np.kron(np.where(both, owner, -1), np.ones((CELL, CELL), int))
+        cells = pixels_of_cells(np.where(both, owner, -1))
         surfaces = fitted(field, cells, cut, (_STEPS, _CELLS), gain)[0]
         label, share = placing.pixel_labels(field, owner, surfaces)
         inner = placing.interiors(label, share)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from cmtof.surfaces.field import CELL, Field
+from cmtof.surfaces.field import CELL, Field, pixels_of_cells
 from cmtof.types import Array, Numbers
 
 _EVEN = 0.02  # roughness, rad^2, that an even surface shows as well
@@ -35,7 +35,7 @@ def cells_of_surfaces(field: Field, inner: Numbers, depth: Array, count: int) ->
     middle = slice(CELL // 2 - 1, CELL // 2 + 1)  # of the four pixels there, as in a mirror
     main = inner.reshape(rows, CELL, columns, CELL)[:, middle, :, middle].max(axis=(1, 3))
     main = main.astype(int)
-    whole = np.kron(main, np.ones((CELL, CELL), int))
+    whole = pixels_of_cells(main)
     chosen = (whole == inner) & (inner >= 0)
     turned = np.where(chosen, turned_back(field, depth), 0)
     told = sum_cells(np.where(chosen, field.information, 0).astype(float))
