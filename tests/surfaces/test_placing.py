@@ -9,6 +9,7 @@ from exact_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth, whole_b
 from cmtof.surfaces import placing
 from cmtof.surfaces.fitting import BENT, PLANE, leaning, moved
 from cmtof.surfaces.method import _inside
+from cmtof.surfaces.roughness import cells_of_surfaces
 
 INNER = np.zeros(SHAPE, np.int32)
 BOXES = whole_boxes(SHAPE)
@@ -28,13 +29,18 @@ def between(*entries):
     return placing.Borders(*columns[:2].astype(int), *columns[2:])
 
 
+def beats_of(field, q):
+    depth = placing.depth_of_labels(field, INNER, q[None])
+    return placing.pooled_beats(field, cells_of_surfaces(field, INNER, depth, 1))
+
+
 def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
     """Sixty draws: unbiased, a deviation to 9 %, and sqrt(1 + 4) over root of the information."""
     rng, found = np.random.default_rng(9), []
     depth, q = plane_depth((0.3, -0.2, 1), 2.5)
     for _ in range(60):
         field = exact_field(depth, information=10.0, noise_of=rng)
-        found.append([part[0] for part in placing.pooled_beats(field, INNER, q[None])])
+        found.append([part[0] for part in beats_of(field, q)])
     beat, noise, coherence = np.array(found).T
     assert abs(beat.mean()) < 3 * noise.mean() / np.sqrt(60)
     assert noise.mean() == pytest.approx(np.std(beat), rel=0.28)
@@ -47,11 +53,11 @@ def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
 def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
     depth, q = plane_depth((0.2, 0.1, 1), 2.5)
     field = exact_field(depth)
-    beat, _, _ = placing.pooled_beats(field, INNER, q[None])
-    alone = placing.offsets(field, INNER, q[None], a_fit(12.0, 1e6), shape=False)
-    assert alone.mean[0] == pytest.approx(beat[0], abs=1e-9)
-    sharp, bent = (placing.offsets(field, INNER, q[None], a_fit(12.0, 1e6, m)) for m in (0, 1e-4))
-    assert abs(sharp.mean[0] - 12) < abs(beat[0] - 12)
+    beats = beats_of(field, q)
+    alone = placing.offsets(beats, q[None], a_fit(12.0, 1e6), shape=False)
+    assert alone.mean[0] == pytest.approx(beats[0][0], abs=1e-9)
+    sharp, bent = (placing.offsets(beats, q[None], a_fit(12.0, 1e6, m)) for m in (0, 1e-4))
+    assert abs(sharp.mean[0] - 12) < abs(beats[0][0] - 12)
     assert sharp.spread[0] < bent.spread[0] < alone.spread[0]
 
 
@@ -63,7 +69,7 @@ def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision():
     for _ in range(12):
         uneven = depth + 0.12 * WRAP * rng.normal(size=SHAPE)
         field = exact_field(uneven, information=20.0, noise_of=rng)
-        off.append([placing.pooled_beats(field, INNER, one[None])[0][0] for one in (q, lifted)])
+        off.append([beats_of(field, one)[0][0] for one in (q, lifted)])
     smooth = np.sqrt(5 / (20.0 * SHAPE[0] * SHAPE[1])) / (2 * np.pi * 20 / 7150)
     assert (np.std(off, axis=0) < 2 * smooth).all()
     np.testing.assert_allclose(np.mean(off, axis=0), [0, 11], atol=3 * smooth)

@@ -23,7 +23,7 @@ from cmtof.measurement import Measurement
 from cmtof.surfaces import placing
 from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
-from cmtof.surfaces.roughness import departure, turned_back
+from cmtof.surfaces.roughness import cells_of_surfaces, departure, turned_back
 from cmtof.types import Array, Flags, Numbers
 
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
@@ -101,20 +101,22 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
         inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
     shape = "shape" not in without and measurement.camera is not None  # else it is assumed
-    alone = placing.offsets(field, inner, surfaces, fit, shape=shape, closed="closure" in without)
+    explained = label >= 0
+    everywhere = label[nearest(explained)]
+    depth = placing.depth_of_labels(field, everywhere, surfaces)
+    cells = cells_of_surfaces(field, inner, depth, len(surfaces))
+    beats = placing.pooled_beats(field, cells)
+    alone = placing.offsets(beats, surfaces, fit, shape=shape, closed="closure" in without)
     if shape and "axes" not in without and len(surfaces):
         alone = placing.aligned(alone, surfaces, fit, label)
     touching = placing.borders(field, label, surfaces)
     joined = placing.tied(alone, touching._replace(odds=touching.odds * ("ties" not in without)))
-    inside, explained = tuple(slice(0, n) for n in measurement.shape), label >= 0
-    everywhere = label[nearest(explained)]
-    depth = placing.depth_of_labels(field, everywhere, surfaces)
+    inside = tuple(slice(0, n) for n in measurement.shape)
     if len(surfaces):
         masked = np.where(measurement.mask, label[inside], -1)
         joined = _inside(joined, depth[inside], masked, field)
         depth = depth + field.period * joined.wraps[everywhere]
-        rough = placing.roughness_of_surfaces(field, inner, surfaces)
-        depth = _departed(field, depth, np.append(rough, 0)[label])
+        depth = _departed(field, depth, np.append(cells.rough, 0)[label])
     # probability that the offset of a group, a Gaussian, was rounded to the right wrap
     off, spread = joined.mean - joined.wraps, joined.spread
     right = ndtr((0.5 - off) / spread) - ndtr((-0.5 - off) / spread)

@@ -17,7 +17,14 @@ from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Field
 from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood
 from cmtof.surfaces.growing import around
-from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, sum_cells
+from cmtof.surfaces.roughness import (
+    Cells,
+    cells_of_surfaces,
+    departure,
+    pooled_phasors,
+    sum_cells,
+    sum_surfaces,
+)
 from cmtof.types import Array, Numbers
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
@@ -42,6 +49,10 @@ _TOLERANCE = (0.25, 1.5, 0.1, 0.3)
 _SUPPORT = ((0.95, 2.0), (0.85, 0.7), (0.6, 0.2), (0.0, 0.02))
 _JUMP = 40.0  # wraps over which the depths of surfaces that do not meet are spread
 _MEET, _LOOSE = 0.3, 0.05  # odds from which on two surfaces are tied; variance, wraps^2, of a tie
+
+
+Beats = tuple[Array, Array, Array]
+"""Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on."""
 
 
 class Offsets(NamedTuple):
@@ -136,15 +147,13 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
                         best[at], label[at] = total, n
 
 
-def offsets(
-    field: Field, inner: Numbers, surfaces: Array, fit: Array, *, shape=True, closed=False
-) -> Offsets:
+def offsets(beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=False) -> Offsets:
     """Offset of each surface, from its shape as far as a plane misses it little, and its beat.
 
     An offset between the frequencies moves all beats and no shape. It is the mean excess of beats
     over shapes of planes, with Student's weights, and zero if ``closed`` or not significant.
     """
-    beat, noise, coherence = pooled_beats(field, inner, surfaces)
+    beat, noise, coherence = beats
     doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
     by_beat = 1 / (noise**2 + doubt**2)
     known, missed, bend = (np.maximum(fit[:, i], 1e-12) for i in (1, 2, 3))
@@ -197,13 +206,12 @@ def aligned(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offs
     return found._replace(mean=mean, spread=np.sqrt(variance))
 
 
-def pooled_beats(field: Field, inner: Numbers, surfaces: Array) -> tuple[Array, Array, Array]:
+def pooled_beats(field: Field, cells: Cells) -> Beats:
     """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on.
 
     Pixels of rough surfaces are turned back by their own departure, which takes a part of the
     offset along: it is pooled again without the offset that was found.
     """
-    cells = _cells(field, inner, surfaces)
     turn = -1j * TAU * field.excess
     found = _beats(field, cells)
     for _ in range(_AGAIN if cells.rough.any() else 0):
@@ -214,13 +222,11 @@ def pooled_beats(field: Field, inner: Numbers, surfaces: Array) -> tuple[Array, 
     return found
 
 
-def _beats(field: Field, cells: Cells) -> tuple[Array, Array, Array]:
+def _beats(field: Field, cells: Cells) -> Beats:
     """One pass of `pooled_beats`."""
-    count, multiple = cells.rough.size, field.multiple
+    multiple = field.multiple
     main, turned, told = _cell_phasors(field, cells)
-    parts = [turned.real, turned.imag, told]
-    real, imaginary, most = ([_summed(main, f, count)[:count] for f in one] for one in parts)
-    total, most = np.array(real) + 1j * np.array(imaginary), np.maximum(most, 1e-9)
+    total, most = pooled_phasors(main, turned, told, cells.rough.size)
     length = np.maximum(np.abs(total), 1e-9)
     wrap = TAU * field.excess
     beat = np.angle(total[1] * np.conj(total[0] / length[0]) ** multiple) / wrap
@@ -251,31 +257,22 @@ def _cell_phasors(field: Field, cells: Cells) -> tuple[Numbers, Array, Array]:
     return main, sums * np.exp(-1j * both * residual), told
 
 
-def _cells(field: Field, inner: Numbers, surfaces: Array) -> Cells:
-    """Phasors turned back by surfaces, and how rough these are."""
-    depth = np.nan_to_num(depth_of_labels(field, inner, surfaces))
-    return cells_of_surfaces(field, inner, depth, len(surfaces))
-
-
-def roughness_of_surfaces(field: Field, inner: Numbers, surfaces: Array) -> Array:
-    """Variance (N,), rad^2, of the pixels of each surface about it."""
-    return _cells(field, inner, surfaces).rough
-
-
 def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
     """Surface of most pixels in each cell, and surfaces (N, 7), those cut whose beat steps.
 
     Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
     that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
     """
-    main, turned, told = _cell_phasors(field, _cells(field, inner, surfaces))
+    depth = depth_of_labels(field, inner, surfaces)
+    cells = cells_of_surfaces(field, inner, depth, len(surfaces))
+    main, turned, told = _cell_phasors(field, cells)
     wrap, ratio = TAU * field.excess, field.multiple
     low, high = turned.imag / np.maximum(told, 1e-6)
     lag = (high - ratio * low) / wrap
     weight = wrap**2 * told[0] * told[1] / np.maximum(told[0] + ratio**2 * told[1], 1e-9)
     for _ in range(_CUTS):
         count = len(surfaces)
-        index, summed = np.where(main < 0, count, main), partial(_summed, main, count=count)
+        index, summed = np.where(main < 0, count, main), partial(sum_surfaces, main, count=count)
         middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[index]
         apart, radius = np.ones(main.shape), 1
         for _ in range(5):
@@ -297,11 +294,6 @@ def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Arra
         main = np.where(sides[1] & good[index], new[index], main)
         surfaces = np.concatenate([surfaces, surfaces[np.flatnonzero(good)]])
     return main, surfaces
-
-
-def _summed(main: Numbers, image: Array, count: int) -> Array:
-    """Sum (N + 1,) of an image over the cells of each surface, and over those of none."""
-    return np.bincount(np.where(main < 0, count, main).ravel(), image.ravel(), count + 1)
 
 
 def _same(images: Array, main: Numbers, radius: int) -> Array:

@@ -37,7 +37,7 @@ def cells_of_surfaces(field: Field, inner: Numbers, depth: Array, count: int) ->
     main = main.astype(int)
     whole = pixels_of_cells(main)
     chosen = (whole == inner) & (inner >= 0)
-    turned = np.where(chosen, turned_back(field, depth), 0)
+    turned = np.where(chosen, turned_back(field, np.nan_to_num(depth)), 0)
     told = sum_cells(np.where(chosen, field.information, 0).astype(float))
     sums = sum_cells(turned)
     rough = roughness(main, sums, told, count)
@@ -62,22 +62,22 @@ def roughness(owner: Numbers, sums: Array, told: Array, count: int) -> Array:
     Unevenness s of a Gaussian costs one frequency exp(-s^2 / 2) and twice that frequency the fourth
     power of this. Pixels of other surfaces cost both alike: then there is none.
     """
-    low, high = (
-        _coherence(owner, total, most, count) for total, most in zip(sums, told, strict=True)
-    )
+    total, most = pooled_phasors(owner, sums, told, count)
+    low, high = np.clip(np.hypot(total.real, total.imag) / most, 0.05, 1)
     found = np.minimum(-2 * np.log(low), -np.log(high) / 2)
     return np.where((high - low**4 > _ALIKE) | (found < _EVEN), 0, found)
 
 
-def _coherence(owner: Numbers, total: Array, most: Array, count: int) -> Array:
-    """Share (N,) of the information of each surface that its cells (h, w) add up to."""
-    known = owner >= 0
-    of = owner[known]
-    real = np.bincount(of, total.real[known], count)
-    imaginary = np.bincount(of, total.imag[known], count)
-    expected = np.bincount(of, most[known], count)
-    share = np.hypot(real, imaginary) / np.maximum(expected, 1e-9)
-    return np.clip(share, 0.05, 1)
+def pooled_phasors(main: Numbers, phasors: Array, told: Array, count: int) -> tuple[Array, Array]:
+    """Sums (2, N) of phasors over the cells of each surface, and their E."""
+    parts = [phasors.real, phasors.imag, told]
+    real, imaginary, most = ([sum_surfaces(main, f, count)[:count] for f in one] for one in parts)
+    return np.array(real) + 1j * np.array(imaginary), np.maximum(most, 1e-9)
+
+
+def sum_surfaces(main: Numbers, image: Array, count: int) -> Array:
+    """Sum (N + 1,) of an image over the cells of each surface, and over those of none."""
+    return np.bincount(np.where(main < 0, count, main).ravel(), image.ravel(), count + 1)
 
 
 def departure(field: Field, turned: Array, variance: Array) -> Array:
