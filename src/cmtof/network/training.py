@@ -55,16 +55,11 @@ def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
 
 def parameter_groups(network: nn.Module) -> list[dict[str, Any]]:
     """Parameters apart: dense kernels, kernels of single channels, and offsets and scales."""
-    every = list(network.parameters())
-    kernels = [weight for weight in every if weight.ndim > 1]
-    dense = [weight for weight in kernels if weight.shape[1] > 1]
-    single = [weight for weight in kernels if weight.shape[1] == 1]
-    others = [weight for weight in every if weight.ndim < 2]
-    return [
-        {"params": dense, "weight_decay": 1e-3},
-        {"params": single, "weight_decay": 1e-3},
-        {"params": others, "weight_decay": 0.0},
-    ]
+    groups = [{"params": [], "weight_decay": decay} for decay in (1e-3, 1e-3, 0.0)]
+    for weight in network.parameters():
+        kind = 2 if weight.ndim < 2 else int(weight.shape[1] == 1)
+        groups[kind]["params"].append(weight)
+    return groups
 
 
 class Unwrapping(LightningModule):
@@ -79,8 +74,7 @@ class Unwrapping(LightningModule):
         torch.manual_seed(config.seed)
         self.network = build_network(config.model, config.protocol)
         if config.depth_weight is not None:
-            changed = self.network.model._replace(depth_weight=config.depth_weight)
-            self.network.model = changed
+            self.network.model = self.network.model._replace(depth_weight=config.depth_weight)
         if init is not None:
             self.network.load_state_dict(weights.load_weights(init).network.state_dict())
         for layer in norms(self.network):
@@ -98,8 +92,8 @@ class Unwrapping(LightningModule):
 
     def measured(self, batch: Batch) -> Sample:
         """Inputs and labels of a batch."""
-        features = self.average.model.features
-        sample = measure(batch, inputs=features, protocol=self.config.protocol)
+        kind = self.average.model.features
+        sample = measure(batch, inputs=kind, protocol=self.config.protocol)
         return sample._replace(inputs=sample.inputs.contiguous(memory_format=torch.channels_last))
 
     def training_step(self, batch: Batch, index: int) -> Tensor:

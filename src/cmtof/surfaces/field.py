@@ -65,13 +65,13 @@ class Field(NamedTuple):
 
 def field_from_measurement(measurement: Measurement) -> Field:
     """Weighted phasors of a measurement; masked pixels count, for they were measured as well."""
-    phase, amplitude = measurement.phase[:2].astype(float), measurement.amplitude[:2].astype(float)
+    phase = measurement.phase[:2].astype(float)
     spread = phase_noise(measurement)
-    known = np.isfinite([phase, amplitude, spread]).all(axis=(0, 1))
+    known = np.isfinite([phase, measurement.amplitude[:2], spread]).all(axis=(0, 1))
     ratio = np.where(known, 1 / np.maximum(np.where(known, spread, 1), _SHARPEST), 0)
     information = ratio**2  # phases alone do not say how noisy they are
     if "correlation" in measurement.dataset and measurement.dataset.sizes["step"] > 3:
-        information = _smoothed(ratio**2, known)
+        information = _smoothed(information, known)
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
     size, turned = np.sqrt(information) * ratio, np.where(known, phase, 0)
     height, width = measurement.shape

@@ -9,8 +9,18 @@ from scipy.fft import fft, fftfreq, next_fast_len
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
-from cmtof.surfaces import fitting
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
+from cmtof.surfaces.fitting import (
+    BENT,
+    EVERY,
+    PLANE,
+    cell_likelihood,
+    depth_at,
+    frequency_sums,
+    leaning,
+    refine,
+    select,
+)
 from cmtof.surfaces.roughness import sum_cells
 from cmtof.types import Array, Flags, Numbers
 
@@ -30,6 +40,7 @@ _FREE = 0.7  # share of the cells of a window that must be without a surface
 _ALIASES, _STEEPEST = 2, 1.6  # whole turns per pixel tried to each side; largest slope, turns/px
 _CANDIDATES = 4  # slopes out of all aliases that are fitted
 _STEPS, _CELLS = np.int64(2), np.int64(100)  # of a fit; cells of a surface that it looks at
+_BESIDE = ((1, 0), (-1, 0), (0, 1), (0, -1))  # steps down and right
 _ROUNDS, _NEIGHBOURLY = 6, 3.0  # of reassignment; gain in S per neighbour in the same surface
 
 
@@ -44,12 +55,11 @@ def grown_surfaces(
     information = sum_cells(field.information.astype(float))
     shape = information.shape[1:]
     label = np.zeros((1, 1), np.int32)  # fits look at whole cells
-    owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, fitting.BENT + 1))
+    owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, BENT + 1))
     for kind in WINDOWS:
-        start, held = windows(field, owner < 0, *kind), (owner, len(surfaces))
-        added = _grow(
-            field.arrays(), label, start, information, field.limits, (gain, roughest), *held
-        )
+        start = windows(field, owner < 0, *kind)
+        held = field.limits, (gain, roughest), owner, len(surfaces)
+        added = _grow(field.arrays(), label, start, information, *held)
         surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
         owner = _reassigned(field.arrays(), owner, surfaces, information)
@@ -80,9 +90,9 @@ def _grow(field, label, start, information, limits, bounds, owner, count):  # pr
     """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
     rows, columns = owner.shape
     stamp = np.zeros((rows, columns), np.int64)
-    surfaces, new = np.zeros((start[0].size, fitting.BENT + 1)), 0
+    surfaces, new = np.zeros((start[0].size, BENT + 1)), 0
     for n, window in enumerate(zip(*start)):  # noqa: B905 - unknown to Numba
-        side = max(window[2] // CELL, 1)
+        side = window[2] // CELL
         y0, x0 = window[0] // CELL, window[1] // CELL
         told = information[:, y0 : y0 + side, x0 : x0 + side].sum()
         free = (owner[y0 : y0 + side, x0 : x0 + side] < 0).sum()
@@ -100,7 +110,7 @@ def _grow(field, label, start, information, limits, bounds, owner, count):  # pr
         for y in range(y0, y0 + side):
             for x in range(x0, x0 + side):
                 least = _JOIN * _expected(rough, information, y, x)
-                if owner[y, x] < 0 and fitting.cell_likelihood(field, q, y, x) > least:
+                if owner[y, x] < 0 and cell_likelihood(field, q, y, x) > least:
                     region[size] = y * columns + x
                     stamp[y, x] = n + 1
                     size += 1
@@ -110,18 +120,17 @@ def _grow(field, label, start, information, limits, bounds, owner, count):  # pr
             before = size
             boxes = _boxes_of_cells(region[:size], columns, _CELLS)
             weight = size / boxes.shape[0]
-            fit = fitting.select(field, label, fitting.EVERY, q, boxes, _STEPS, bounds[0], weight)
-            z = fitting.depth_at(field, fit[0], boxes[0, 0], boxes[0, 2])
+            fit = select(field, label, EVERY, q, boxes, _STEPS, bounds[0], weight)
+            z = depth_at(field, fit[0], boxes[0, 0], boxes[0, 2])
             if 0.02 * limits[1] < z < 2 * limits[1]:
                 q = fit[0]
             if rough > 0:
-                rough = min(_scatter(fitting.frequency_sums(field, q, boxes)), roughest)
+                rough = min(_scatter(frequency_sums(field, q, boxes)), roughest)
             size = _spread(field, q, rough, owner, stamp, n + 1, region, size, information)
             if size == before:
                 break
         if size >= 0.6 * side * side:
-            for i in range(size):
-                owner[region[i] // columns, region[i] % columns] = count + new
+            owner.ravel()[region[:size]] = count + new
             surfaces[new, :6] = q
             surfaces[new, 6] = rough
             new += 1
@@ -147,7 +156,7 @@ def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
     A Gaussian of variance r costs one frequency exp(-r / 2), twice that frequency exp(-2 r).
     """
     box = np.array([[window[0], window[0] + window[2], window[1], window[1] + window[2]]])
-    sums = fitting.frequency_sums(field, q, box)
+    sums = frequency_sums(field, q, box)
     rough = _scatter(sums)
     told = sums[1].sum()
     off = sums[0, 1] / max(sums[1, 1], 1e-9) - np.exp(-2 * rough)
@@ -163,13 +172,13 @@ def _spread(field, q, rough, owner, stamp, mark, region, size, information):  # 
     goal = max(2 * size, size + 8)
     i = 0
     while i < size and size < goal:
-        for dy, dx in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        for dy, dx in _BESIDE:
             y, x = region[i] // columns + dy, region[i] % columns + dx
             inside = 0 <= y < rows and 0 <= x < columns
             if not inside or owner[y, x] >= 0 or stamp[y, x] == mark:
                 continue
             least = _JOIN * _expected(rough, information, y, x)
-            if fitting.cell_likelihood(field, q, y, x) > least:
+            if cell_likelihood(field, q, y, x) > least:
                 stamp[y, x] = mark
                 region[size] = y * columns + x
                 size += 1
@@ -189,8 +198,8 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
                 continue
             best, at = -np.inf, -1
             for n in found:
-                value = fitting.cell_likelihood(field, surfaces[n], y, x)
-                for dy, dx in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+                value = cell_likelihood(field, surfaces[n], y, x)
+                for dy, dx in _BESIDE:
                     a, b = y + dy, x + dx
                     if 0 <= a < rows and 0 <= b < columns and owner[a, b] == n:
                         value += _NEIGHBOURLY
@@ -212,15 +221,16 @@ def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: 
             continue
         boxes = _boxes_of_cells(own, columns, effort[1])
         weight = own.size / boxes.shape[0]
-        found = fitting.select(field, label, n, out[n, :6], boxes, effort[0], gain, weight)
-        q, most, offset, known, missed = found
-        z = fitting.depth_at(field, q, boxes[0, 0], boxes[0, 2])
+        q, most, offset, known, missed = select(
+            field, label, n, out[n, :6], boxes, effort[0], gain, weight
+        )
+        z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
         if 0.02 * farthest < z < 2 * farthest:  # before the camera and not far beyond the limits
             stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
             out[n, :6] = q
             fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
             if not q[3:].any():
-                fit[n, 4:] = fitting.leaning(field, label, n, q, boxes, weight).ravel()
+                fit[n, 4:] = leaning(field, label, n, q, boxes, weight).ravel()
     return out, fit
 
 
@@ -244,7 +254,7 @@ def windows(field: Field, free: Flags, side: int, stride: int, core: int, finer:
     ends = (slice(0, n - side + 1, stride) for n in field.cosine.shape)
     top, left = np.mgrid[tuple(ends)].reshape(2, -1)
     inside = _sums(field.information.sum(axis=0, dtype=float), top, left, side)
-    cells = max(side // CELL, 1)
+    cells = side // CELL
     open_cells = _sums(free.astype(float), top // CELL, left // CELL, cells)
     order = np.argsort(-inside, kind="stable")
     order = order[(inside[order] >= _LEAST) & (open_cells[order] >= _FREE * cells**2)]
@@ -289,7 +299,7 @@ def plane_in_window(field, label, window, limits, information):  # pragma: no co
     wrap = 2 * np.pi / wavenumber[0]
     beats, angle = _beats(field, top, left, side, down, right, information)
     size = np.abs(beats)
-    best, plane = -1.0, np.zeros(fitting.BENT)
+    best, plane = -1.0, np.zeros(BENT)
     synthetic = wavenumber[1] - np.rint(wavenumber[1] / wavenumber[0]) * wavenumber[0]
     for _ in range(_CANDIDATES):
         at = np.argmax(size)
@@ -316,9 +326,9 @@ def _beats(field, top, left, side, down, right, information):  # pragma: no cove
     """Beat summed over the blocks for each alias (A, A), and the lower phase at the centre."""
     count = 8 if side >= 32 and information > 4 * _LEAST else 4
     sums = _blocks(field, top, left, side, count, down, right)
-    wavenumber = field[3]
-    multiple = np.rint(wavenumber[1] / wavenumber[0])
-    excess = (wavenumber[1] / wavenumber[0] - multiple) * 2 * np.pi  # a turn's mark on the higher
+    ratio = field[3][1] / field[3][0]
+    multiple = np.rint(ratio)
+    excess = (ratio - multiple) * 2 * np.pi  # a turn's mark on the higher
     aliases = 2 * _ALIASES + 1
     out = np.zeros((aliases, aliases), np.complex128)
     block = side // count
@@ -366,7 +376,7 @@ def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
     here = 1 / z / cosine[row, column]
     below = (1 / z - fall * down) / cosine[row + 1, column]
     beside = (1 / z - fall * right) / cosine[row, column + 1]
-    q = np.zeros(fitting.BENT)
+    q = np.zeros(BENT)
     q[0] = (beside - here) / (u[column + 1] - u[column])
     q[1] = (below - here) / (v[row + 1] - v[row])
     q[2] = here - q[0] * u[column] - q[1] * v[row]
@@ -383,8 +393,7 @@ def _climbed(field, label, q, top, left, side):  # pragma: no cover - compiled
         box = np.array([[y, y + core, x, x + core]])
         area = field[2][0, y : y + core, x : x + core]
         if core == side or np.sum(area) > 100:
-            work = (fitting.PLANE, 2 if core < side else 3, np.int64(0))
-            fit = fitting.refine(field, label, fitting.EVERY, q, box, *work)
+            fit = refine(field, label, EVERY, q, box, PLANE, 2 if core < side else 3, np.int64(0))
             q = fit[0]
             if core == side or fit[1] < 0.4 * fit[2]:
                 return q, fit[1], core == side

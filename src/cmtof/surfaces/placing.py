@@ -156,14 +156,15 @@ def offsets(beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=Fal
     beat, noise, coherence = beats
     doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
     by_beat = 1 / (noise**2 + doubt**2)
-    known, missed, bend = (np.maximum(fit[:, i], 1e-12) for i in (1, 2, 3))
+    known, missed, bend = np.maximum(fit[:, 1:4].T, 1e-12)
     variance = 1 / known + (np.maximum(missed, _SMOOTH) / bend) ** 2 + _FLOOR[0] ** 2
     by_shape = np.where((fit[:, 1] > 0) & shape, 1 / variance, 0)
     flat = ~surfaces[:, 3:6].any(axis=1)  # what is bent may have been bent by a wrap
+    excess = beat - fit[:, 0]
     off, both = 0.0, flat * by_beat * by_shape / (by_beat + by_shape)
     for _ in range(0 if closed else _CLOSING):
-        weight = both / (1 + both * (beat - fit[:, 0] - off) ** 2 / 2)
-        off = float(weight @ (beat - fit[:, 0]) / max(weight.sum(), 1e-12))
+        weight = both / (1 + both * (excess - off) ** 2 / 2)
+        off = float(weight @ excess / max(weight.sum(), 1e-12))
     off = 0.0 if closed or abs(off) < _OPEN / np.sqrt(weight.sum() + 1e-12) else off
     mean = (fit[:, 0] * by_shape + (beat - off) * by_beat) / (by_shape + by_beat)
     return Offsets(mean, 1 / np.sqrt(by_shape + by_beat), off)
