@@ -92,8 +92,7 @@ class Unwrapping(LightningModule):
 
     def measured(self, batch: Batch) -> Sample:
         """Inputs and labels of a batch."""
-        kind = self.average.model.features
-        sample = measure(batch, inputs=kind, protocol=self.config.protocol)
+        sample = measure(batch, inputs=self.average.model.features, protocol=self.config.protocol)
         return sample._replace(inputs=sample.inputs.contiguous(memory_format=torch.channels_last))
 
     def training_step(self, batch: Batch, index: int) -> Tensor:
@@ -159,8 +158,8 @@ class Unwrapping(LightningModule):
             if scored.any():
                 labels.append(sample.label[scored].cpu().numpy())
                 ours.append(abs(wraps[scored].cpu().numpy() - labels[-1]))
-        constants = {"middle": network.classes // 2}
-        constants["mode"] = int(np.bincount(np.concatenate(labels)).argmax())
+        mode = int(np.bincount(np.concatenate(labels)).argmax())
+        constants = {"middle": network.classes // 2, "mode": mode}
         others = {name: [abs(n - true) for true in labels] for name, n in constants.items()}
         trivial = {name: _rates(deltas) for name, deltas in others.items()}
         best = others[max(trivial, key=lambda name: trivial[name].delta_lt_1)]
