@@ -226,8 +226,8 @@ def pooled_beats(field: Field, cells: Cells) -> Beats:
 def _beats(field: Field, cells: Cells) -> Beats:
     """One pass of `pooled_beats`."""
     multiple = field.multiple
-    main, turned, told = _cell_phasors(field, cells)
-    total, most = pooled_phasors(main, turned, told, cells.rough.size)
+    turned = _cell_phasors(field, cells)
+    total, most = pooled_phasors(cells.main, turned, cells.told, cells.rough.size)
     length = np.maximum(np.abs(total), 1e-9)
     wrap = TAU * field.excess
     beat = np.angle(total[1] * np.conj(total[0] / length[0]) ** multiple) / wrap
@@ -236,8 +236,8 @@ def _beats(field: Field, cells: Cells) -> Beats:
     return beat, noise, (length / most).min(axis=0)
 
 
-def _cell_phasors(field: Field, cells: Cells) -> tuple[Numbers, Array, Array]:
-    """Surface of each cell (h, w), phasors (2, h, w) without what moves both alike, and their E."""
+def _cell_phasors(field: Field, cells: Cells) -> Array:
+    """Phasors (2, h, w) of cells without what moves both alike."""
     main, label, turned, sums, told, rough = cells
     multiple = field.multiple
     both = np.array([1, multiple])[:, None, None]
@@ -255,7 +255,7 @@ def _cell_phasors(field: Field, cells: Cells) -> tuple[Numbers, Array, Array]:
     high = np.angle(near[1] * np.exp(-1j * multiple * low))
     size = np.abs(near)
     residual = low + size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
-    return main, sums * np.exp(-1j * both * residual), told
+    return sums * np.exp(-1j * both * residual)
 
 
 def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
@@ -266,7 +266,9 @@ def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Arra
     """
     depth = depth_of_labels(field, inner, surfaces)
     cells = cells_of_surfaces(field, inner, depth, len(surfaces))
-    main, turned, told = _cell_phasors(field, cells)
+    turned = _cell_phasors(field, cells)
+    main = cells.main
+    told = cells.told
     wrap, ratio = TAU * field.excess, field.multiple
     low, high = turned.imag / np.maximum(told, 1e-6)
     lag = (high - ratio * low) / wrap
