@@ -15,7 +15,7 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
 from cmtof.estimate import phase_noise
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Flags
+from cmtof.types import Array, Flags, Numbers
 
 CELL = 8  # side, px, of the cells in which surfaces grow
 _SMALLEST = 64  # side, px, up to which smaller images are padded with pixels without information
@@ -104,6 +104,6 @@ def _smoothed(power: Array, known: Flags) -> Array:
     return share[:, None, None] * mean
 
 
-def pixels_of_cells(cells: Array) -> Array:
+def pixels_of_cells(cells: Numbers) -> Numbers:
     """Image (H, W) that shows the value of its cell (h, w) in each pixel."""
     return cells.repeat(CELL, 0).repeat(CELL, 1)
