@@ -188,7 +188,7 @@ def train(config: Config, folder: Path, *, tree: Path | None = None, **options: 
     if tree is not None:
         Hypersim(tree)  # refused before anything is written
     folder.mkdir(parents=True, exist_ok=True)
-    with alone(folder) if rank_zero_only.rank == 0 else nullcontext():
+    with alone(folder) if getattr(rank_zero_only, "rank", 0) == 0 else nullcontext():
         return _train(config, folder, tree=tree, **options)
 
 
