@@ -207,12 +207,12 @@ def points(fig: Figure) -> Iterator[tuple[int, str, float, float]]:
 
 
 def _save_space(path: Path) -> None:
-    """Keep 256 colours of a picture if that changes them by less than half a level on average."""
+    """Keep 256 colours of a picture if that changes them by less than a level on average."""
     drawn = Image.open(path).convert("RGB")
     few = drawn.quantize(256, kmeans=1, dither=Image.Dither.NONE)
     lost = np.subtract(few.convert("RGB"), drawn, dtype=float)
-    if np.abs(lost).max(-1).mean() < 0.5:
-        few.save(path, "PNG", optimize=True)
+    kept = few if np.abs(lost).max(-1).mean() < 1 else drawn
+    kept.save(path, "PNG", optimize=True)
 
 
 def save(

@@ -113,7 +113,7 @@ def printed_by_errata() -> str:
 
 
 REFERENCES = re.compile(  # formulas, quotes, and what points to a place in the paper
-    r"\$[^$]*\$|«[^»]*»|`[^`]*`|\(erratum-\d+\)=|\(\d[\d.]*\)|"
+    r"\$[^$]*\$|«[^»]*»|`[^`]*`|\[[^]]*\]\([^)]*\)|\(\d[\d.]*\)|"
     r"\b(Sections?|Eqs?\.|Figs?\.|Tab\.|Tables?|entr(y|ies)) [\d.]+((,| and| to) [\d.]+)*"
 )
 
