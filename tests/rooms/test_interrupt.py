@@ -7,7 +7,13 @@ import sys
 import time
 from pathlib import Path
 
-COMMAND = "from cmtof.cli import main; main()"
+# in the background of a shell, as tests may run, Ctrl-C would be ignored
+COMMAND = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from cmtof.cli import main
+main()
+"""
 
 
 def children(process):
