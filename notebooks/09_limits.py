@@ -233,7 +233,7 @@ notes.answer(
     """
     **Answer.** Who knows the shape of every surface unwraps {shapes:.0f} % of the pixels of the
     small test frames (384×512, released protocol); who also knows what touches what, {contacts:.0f}
-    % ({low:.0f}–{high:.0f}). Our `surfaces`, which is told neither, has {ours:.0f} %. What remains
+    % ({low:.0f}–{high:.0f}). Our `surfaces`, which knows neither, has {ours:.0f} %. What remains
     lies on surfaces too small or too dark for their noise.
     """,
     shapes=with_shapes[0][0],

@@ -5,7 +5,7 @@
 # follows it best?
 #
 # This is the paper's headline, 33.5 µm. Each instrument is *simulated* on many days, with
-# systematic errors of plausible sizes drawn anew.
+# systematic errors of plausible sizes drawn for each.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile

@@ -132,7 +132,7 @@ notes.table(
 notes.say(
     """
     Means over three scans of each scene, with other speckle and noise, and from which to which. The
-    last row is a reference, which is told the shape of every surface and which of them touch, and
+    last row is a reference, which knows the shape of every surface and which of them touch, and
     seeks one offset for these together: what the data hold. The captures' noise takes KDE from
     {kde:.0f} to {kde_captures:.0f} %, the fine-tuned network from {net:.0f} to {net_captures:.0f}
     %. `rapid`, the network of Zhang et al. (2019), reads four phases; the sixteen are decoded and
@@ -217,7 +217,7 @@ plotting.save(
     f"of labelled scans, {stored['legs'][0]['steps']} steps each; three scans of every scene. (b) "
     "At the captures' noise by the points in the scan. (c) By the phase noise of a point, zero at "
     "the photon limit; the paper does not state its own. (b, c) are means over bust and owl. "
-    "The reference is told the shapes.",
+    "The reference knows the shapes.",
     alt="Three plots of right wraps. With labelled scans they rise from "
     f"{by_labels[0].mean():.0f} to {by_labels[max(by_labels)].mean():.0f} percent; with points "
     f"from {grid['fast-scnn', '1'][0]:.0f} to {grid['fast-scnn', '1'][-1]:.0f} percent; with noise "

@@ -38,7 +38,7 @@ class Book:
 
     @cached_property
     def imports(self) -> grimp.ImportGraph:
-        """Imports among the packages; the root of `cmtof`, which loads late, leads nowhere."""
+        """Imports among the packages; the root of `cmtof`, which loads late, left out."""
         graph = grimp.build_graph(*PACKAGES, cache_dir=None)
         for module in graph.find_modules_directly_imported_by("cmtof"):
             graph.remove_import(importer="cmtof", imported=module)
