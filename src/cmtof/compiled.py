@@ -12,7 +12,7 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
 
     Loops let other threads run, and divide by zero as NumPy does. Numba keeps what it compiled
     beside the module or in the user's cache folder. An installation that is read-only and a user
-    without a home have neither: each process compiles anew.
+    without a home have neither: each process compiles again.
     """
 
     options |= {"nogil": True, "error_model": "numpy"}
@@ -38,7 +38,7 @@ def _say_uncached() -> None:
     if not _said:
         warnings.warn(
             "Expected a folder that keeps compiled code, got none that can be written: "
-            "every run compiles anew. Set NUMBA_CACHE_DIR.",
+            "every run compiles again. Set NUMBA_CACHE_DIR.",
             stacklevel=4,
         )
     _said = True

@@ -66,7 +66,7 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
 
 
 def _confidence(noise: Array, measurement: Measurement) -> Array:
-    """Odds that noise of the phases, rad, leaves the beat within half a wrap; a guess at least."""
+    """Odds that noise of the phases, rad, leaves the beat within half a wrap, not below a guess."""
     frequencies = measurement.frequencies[:2]
     odds = wrap_probability(*np.clip(noise, 1e-9, 1e9), frequencies=frequencies)
     return np.maximum(odds, guess(measurement))
