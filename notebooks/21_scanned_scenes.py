@@ -23,6 +23,8 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy.stats import sem
+from scipy.stats import t as student
 
 import cmtof
 from cmtof.correlation import TAU, wrap_length
@@ -47,7 +49,6 @@ SCENES, SEEDS = scanned.SHOWN, stored["settings"]["seeds"]
 crops = read_card(weights_path("fast-scnn", "released")).crops
 # right wraps of the objects that were held out, after each leg of the training, %
 legs = [100 * float(np.mean(one)) for one in stored["validation"].values()]
-kept = stored["settings"]["legs"]  # legs of the stored weights
 
 # %% [markdown]
 # ## Scans and methods
@@ -80,15 +81,12 @@ notes.say(
     The paper's network, `fast-scnn`, was trained on rooms ([chapter 8](08_network.ipynb)). It is
     fine-tuned on scans of other things (a vase, a shoe, a toy, tools, a plant, fabric, books, a
     kettle, a pumpkin, a plush bear) with labels by stereo ([chapter 16](16_stereo.ipynb)), as in
-    Section 6.4. Three more objects are held out. The stored weights had {legs} leg of training,
-    which took these from {leg_first:.0f} to {leg_last:.0f} % right wraps; the last leg that was
-    tried ended at {leg_tried:.0f} %. All this was computed once by `python -m cmtof_book.scanned`,
+    Section 6.4. Three more objects are held out. Training took these from {leg_first:.0f} to
+    {leg_last:.0f} % right wraps. All this was computed once by `python -m cmtof_book.scanned`,
     which goes on where it ended. No shown object is among those learnt or held out.
     """,
-    legs=kept,
     leg_first=legs[0],
-    leg_last=legs[kept],
-    leg_tried=legs[-1],
+    leg_last=legs[-1],
 )
 
 # %% tags=["hide-input"]
@@ -207,12 +205,6 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "scan_needs",
-    numbers={
-        "by_labelled_scans_percent": [float(r.mean()) for r in by_labels.values()],
-        "validation_by_leg_percent": legs,
-        "sides": sides,
-    }
-    | {f"{row.replace('-', '_')}_{level}": rates for (row, level), rates in grid.items()},
     caption="What right wraps need, simulated. (a) `fast-scnn` at the captures' noise by number "
     f"of labelled scans, {stored['legs'][0]['steps']} steps each; three scans of every scene. (b) "
     "At the captures' noise by the points in the scan. (c) By the phase noise of a point, zero at "
@@ -460,15 +452,18 @@ plotting.save(
     "limit and (b) with the phase noise of the published captures, means of three scans each, and "
     "(c) with that noise by class of pixel, with its share. `fast-scnn`, our version of the "
     f"paper's network, saw {crops:,} of its 500,000 crops; `surfaces` is this book's.",
-    alt="Bars of right wraps. On average over the scenes with the captures' noise: "
-    + ", ".join(f"{ROWS.get(m, m)} {mean['captures'][m]:.0f} %" for m in both)
-    + ".",
+    alt="Bars of right wraps for each scene and for each class of pixel, a colour a method.",
 )
+CASES = {
+    "photon": "with photon noise alone",
+    "captures": "with the noise of published captures",
+}
 for key, method in (("kde", "kde"), ("network", "tuned")):
-    rates = {
-        "with photon noise alone": mean["photon"][method] / 100,
-        "with the noise of published captures": mean["captures"][method] / 100,
-    }
+    rates = {}
+    for noise, case in CASES.items():
+        each = shares(noise, method).mean(axis=1) / 100  # scenes, not seeds, set the interval
+        ends = np.multiply(student(len(each) - 1).interval(0.95), sem(each))
+        rates[case] = np.clip(each.mean() + np.array([0, *ends]), 0, 1)
     paper.check(f"sec8.{key}_scanned", rates, crops=crops)
 paper.table()
 

@@ -139,7 +139,7 @@ def environment(request, wheel, inputs, tmp_path_factory) -> Iterator[Callable[[
     def make(extra: str = "") -> Environment:
         folder = root / (extra or "bare")
         request.param(folder, wheel, extra)
-        shutil.copytree(inputs, folder / "work")
+        shutil.copytree(inputs, folder / "work", dirs_exist_ok=True)
         return Environment(folder / "bin/python", folder / "work")
 
     yield make

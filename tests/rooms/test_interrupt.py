@@ -22,7 +22,7 @@ def children(process):
 
 
 def test_render_ends_in_silence_when_its_whole_group_is_interrupted(tmp_path):
-    arguments = ["render", "--scenes=40", "--views=1", "--size=48x64", "--workers=2", "-o", "set"]
+    arguments = ["render", "--scenes=40", "--size=48x64", "--workers=2", "-oset"]
     run = subprocess.Popen(
         [sys.executable, "-c", COMMAND, *arguments],
         cwd=tmp_path,
