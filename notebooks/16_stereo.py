@@ -36,6 +36,7 @@ from cmtof.scenes import load_frame
 from cmtof_book import notes, paper, plotting
 from cmtof_book.scanned import frame_of, scan_object
 from cmtof_lab import stereo
+from cmtof_lab.targets import scene_from
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
@@ -88,7 +89,7 @@ def labels(frame, spots, cameras, others=(), **phase):
 
 # %% tags=["hide-input"]
 measurement = scan_object(scene, "captures", size=size, seed=seed)
-frame = frame_of(scene, measurement)
+frame = frame_of(scene_from({"kind": "object", "name": scene}), measurement)
 spots = stereo.scan_spots(frame, rig, rng=rng, sensor=sensor)
 alone = labels(frame, spots, cameras, redrawn)
 truth = labels(frame, spots, cameras, redrawn, **measured_phase(measurement))

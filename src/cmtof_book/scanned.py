@@ -21,18 +21,20 @@ import numpy as np
 
 import cmtof
 from cmtof import __version__
+from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
 from cmtof.evaluation import Tally, scored_pixels
 from cmtof.files import written_whole
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
+from cmtof.types import Array
 from cmtof_book import RESULTS, Values
-from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING
+from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING, still_life
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
-from cmtof_lab.targets import scene_from
+from cmtof_lab.targets import MeshTarget, Target, scene_from
 
 Rows = dict[str, Values]
 """Options by row of a table: the row is a method, or the network if it is given weights."""
@@ -43,10 +45,15 @@ TUNED = RESULTS / "scanned"
 
 SHOWN = ("bust", "helmet", "owl", "table")
 HELD_OUT = ("glasses", "column", "radio")
-"""Objects on which steps and rate of the fine-tuning were chosen."""
+"""Things on whose scans the recipe of the fine-tuning was chosen."""
 
 LEARNT = tuple(name for name in TRAINING if name not in HELD_OUT)
-"""Objects that the network is fine-tuned on."""
+"""Things on whose scans the network is fine-tuned: one, two or three of them in a scan."""
+
+GROUPS = ("learnt", "held_out")
+
+ENDS = wrap_length(FREQUENCIES[0]) * np.array(RELEASED_WRAPS)
+"""Range of the released protocol, m."""
 
 SIZE = 200
 SEEDS = (0, 1, 2)
@@ -54,19 +61,24 @@ METHODS = ("kde", "region", "phasor", "rapid", "fast-scnn", "surfaces")
 TOLD = ("reference-contact",)
 """A reference, which knows the shape of every surface and which of them touch."""
 
-CURVE = (1, 3, 10)
+CURVE = (1, 3, 10, 40, 136)
 """Labelled scans whose worth is compared."""
 
+VALIDATED = 9
+"""Scans of held-out things."""
+
+LABELS = {"labelled": CURVE[-1], "baseline": 0.06}
+"""Labelled scans, and metres between the cameras: side by side they see what the beam sees."""
+
 NETWORK = "fast-scnn"
-FIRST_SEED = 10
-"""Seed of the first scan with labels; every scan has another."""
+FIRST_LEG: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
+NEXT_LEGS: Values = FIRST_LEG | {"steps": 1500}
+"""Options of `cmtof.network.training.fine_tune`."""
 
-FIRST_LEG: Values = {"steps": 500, "learning_rate": 3e-4, "crop": 96, "batch": 4}
-NEXT_LEGS: Values = {"steps": 800, "learning_rate": 5e-4, "crop": 160, "batch": 2}
-"""Options of `cmtof.network.training.fine_tune`: small crops first, then large ones."""
+DEPTH_WEIGHT = 0.005
+"""Weight of the distance in depth, 1/mm, as where the network was trained last."""
 
-MOST_LEGS = 6
-FLAT = 0.01
+MOST_LEGS = 3
 
 Noise = str | float
 """One of `cmtof_lab.settings.NOISE`, or a multiple of the captures'."""
@@ -82,21 +94,24 @@ SWEPT = ("bust", "owl")
 def scan_object(
     name: str, noise: Noise = "photon", *, size: int = SIZE, seed: int = 0, **rigged: Any
 ) -> Measurement:
-    """Scan of an object, its ranges optical, among the wraps 36 to 56 of the released protocol.
+    """Scan of an object by name, as `scan_target` has it."""
+    view = {"field_of_view": FIELD_OF_VIEW[name], "seed": seed, **rigged}
+    return scan_target(scene_from({"kind": "object", "name": name}), noise, size=size, **view)
+
+
+def scan_target(target: Target, noise: Noise, *, size: int = SIZE, **view: Any) -> Measurement:
+    """Scan of a target, its ranges optical, among the wraps 36 to 56 of the released protocol.
 
     The zero of the beat is that of a short scan at the photon limit.
     """
     quiet = TwinSettings()
     noisy = replace(quiet, **noise_settings(noise))
-    target = scene_from({"kind": "object", "name": name})
-    view = {"field_of_view": FIELD_OF_VIEW[name], "seed": seed, **rigged}
     scan = scan_scene(noisy, target, size=size, **view)
     data = scan.dataset
     if noise != "photon":
         short = scan_scene(quiet, target, size=1, **view)
         data = data.assign(psi=short.dataset["psi"])
-    ends = wrap_length(scan.frequencies[0]) * np.array(RELEASED_WRAPS)
-    return Measurement(data).between(*ends)
+    return Measurement(data).between(*ENDS)
 
 
 def noise_settings(noise: Noise) -> Values:
@@ -144,49 +159,58 @@ def _held(scan: Measurement) -> Values:
     }
 
 
-def frame_of(name: str, scan: Measurement) -> Frame:
-    """True range, m, and reflectance of an object at the points of a scan."""
-    target = scene_from({"kind": "object", "name": name})
+def frame_of(target: Target, scan: Measurement) -> Frame:
+    """True range, m, and reflectance of a target at the points of a scan."""
     hits = target.look(directions_from_angles(scan.dataset["angle"].to_numpy()))
-    return Frame(hits.range, hits.reflectance, scan.camera, name)
+    return Frame(hits.range, hits.reflectance, scan.camera)
+
+
+def kept(path: Path, made: Callable[[], Measurement]) -> Measurement:
+    """Measurement of a file, which is computed if there is none."""
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        made().save(path)
+        print(f"scanned {path.stem}", flush=True)
+    return cmtof.open(path)
 
 
 def kept_scan(
     folder: Path, name: str, noise: Noise = "captures", seed: int = 0, **rigged: Any
 ) -> Measurement:
-    """Scan of an object as `scan_object` makes it, computed if a folder does not hold it."""
+    """Scan of an object as `scan_object` makes it."""
     parts = (name, noise, SIZE, seed, *(f"{x:g}" for x in rigged.values()))
     path = folder / ("_".join(map(str, parts)) + ".nc")
-    if not path.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        scan_object(name, noise, seed=seed, **rigged).save(path)
-        print(f"scanned {path.stem}", flush=True)
-    return cmtof.open(path)
+    return kept(path, partial(scan_object, name, noise, seed=seed, **rigged))
 
 
-def training_scan(folder: Path, name: str) -> Measurement:
-    """Scan of a training object with the captures' noise."""
-    return kept_scan(folder, name, seed=FIRST_SEED + list(TRAINING).index(name))
+def example(folder: Path, number: int, group: int = 0) -> tuple[Measurement, Array, Array]:
+    """Scan of a still life, its wraps by stereo, -1 where unknown, and its depth, m."""
+    scan = kept(folder / f"{GROUPS[group]}_{number}.nc", partial(labelled, number, group))
+    return scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))
 
 
-def example(folder: Path, name: str) -> tuple[Measurement, Any, Any]:
-    """That scan, its wraps, -1 where unknown, and its depth, m, by a stereo rig beside it."""
-    scan = training_scan(folder, name)
-    path = folder / f"labels_{name}_{SIZE}.npz"
-    if not path.exists():
-        found = stereo_labels(name, scan, seed=list(TRAINING).index(name))
-        with written_whole(path) as part:
-            np.savez_compressed(part, wraps=found.wraps, depth=found.depth)
-    with np.load(path) as held:
-        return scan, held["wraps"], held["depth"]
+def labelled(number: int, group: int) -> Measurement:
+    """Phases of a still life of a group of things, with the captures' noise, labelled by stereo."""
+    things = (LEARNT, HELD_OUT)[group]
+    rng = np.random.default_rng([number, group])
+    mesh, view = still_life(rng.permutation(things)[: 1 + number % 3], rng)
+    target = MeshTarget.from_mesh(mesh)
+    seed = 1000 + 5000 * group + number
+    scan = scan_target(target, "captures", field_of_view=view, seed=seed)
+    found = stereo_labels(target, scan, seed=number)
+    labels = {"wraps": (("y", "x"), found.wraps), "labels": (("y", "x"), found.depth)}
+    phases = Measurement.from_phase(
+        scan.phase, FREQUENCIES, amplitude=scan.amplitude, **_held(scan)
+    )
+    return Measurement(phases.dataset.assign(labels))
 
 
-def stereo_labels(name: str, scan: Measurement, *, seed: int) -> Any:
-    """Labels that a stereo rig beside the scanner gives the scan of an object."""
+def stereo_labels(target: Target, scan: Measurement, *, seed: int) -> Any:
+    """Labels that a stereo rig beside the scanner gives the scan of a target."""
     from cmtof_lab import stereo
 
-    rig = stereo.simulated_rig()
-    spots = stereo.scan_spots(frame_of(name, scan), rig, rng=np.random.default_rng(seed))
+    rig = stereo.simulated_rig(baseline=LABELS["baseline"])
+    spots = stereo.scan_spots(frame_of(target, scan), rig, rng=np.random.default_rng(seed))
     return stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
 
 
@@ -205,11 +229,13 @@ def tuned_weights(folder: Path, count: int, legs: int) -> Path:
     path = weights_path(NETWORK, "released", folder / f"tuned_{count}_{legs}")
     if not path.exists():
         trained = load_weights(tuned_weights(folder, count, legs - 1))
+        trained.network.model = trained.network.model._replace(depth_weight=DEPTH_WEIGHT)
         options = NEXT_LEGS if legs > 1 else FIRST_LEG
-        examples = [example(folder, name) for name in LEARNT[:count]]
+        examples = [example(folder, number) for number in range(count)]
         torch.set_num_threads(1)
         torch.manual_seed(legs)
-        with torch.autocast("cpu", torch.bfloat16):
+        # without a cache, which would keep the first step's weights for the whole block
+        with torch.autocast("cpu", torch.bfloat16, cache_enabled=False):
             tuned, losses = fine_tune(trained, examples, seed=legs, **options)
         path.parent.mkdir(parents=True, exist_ok=True)
         save_weights(path, tuned.network, tuned.card)
@@ -265,21 +291,18 @@ def given_to(folder: Path, method: str, name: str, noise: Noise, seed: int) -> M
 
 
 def validated(folder: Path, legs: int) -> list[float]:
-    """Shares of right wraps on the scans of the objects that are held out."""
+    """Shares of right wraps on scans of the things that are held out."""
     weights = tuned_weights(folder, CURVE[-1], legs)
-    every = (counts_of(training_scan(folder, name), NETWORK, weights=weights) for name in HELD_OUT)
+    scans = (example(folder, number, 1)[0] for number in range(VALIDATED))
+    every = (counts_of(scan, NETWORK, weights=weights) for scan in scans)
     return [round(right / pixels, 4) for pixels, right, *_ in every]
 
 
 def chosen_legs(folder: Path, counts: Counts, most: int) -> int:
-    """Legs of training until one gains less than `FLAT` on objects held out; that if it gains."""
-    best = -1.0
-    for legs in range(most + 1):
-        found = np.mean(counts.keep("validation", str(legs), of=partial(validated, folder, legs)))
-        if found < best + FLAT:
-            return max(legs - int(found < best), 1)
-        best = found
-    return most
+    """Legs of training after which scans of things held out are best."""
+    made = {legs: partial(validated, folder, legs) for legs in range(most + 1)}
+    rates = [counts.keep("validation", str(legs), of=of) for legs, of in made.items()]
+    return int(np.mean(rates, axis=1).argmax())
 
 
 def compare(folder: Path, counts: Counts, noise: str, rows: Rows) -> None:
@@ -309,7 +332,7 @@ def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
     found = hashlib.sha256(weights.read_bytes()).hexdigest()
     if counts.held.get("weights", found) != found:
         counts.held.pop("sweep", None)
-        again = [*again, "tuned"]
+        again = [*again, "tuned", *(f"{count} scans" for count in CURVE)]
     for kept in counts.held.get("counts", {}).values():
         for row in again:
             kept.pop(row, None)
@@ -328,7 +351,7 @@ def main(folder: Path, most_legs: int = MOST_LEGS, again: Sequence[str] = ()) ->
     counts.store(
         command="python -m cmtof_book.scanned",
         version=__version__,
-        settings={"size": SIZE, "seeds": SEEDS, "legs": legs},
+        settings={"size": SIZE, "seeds": SEEDS, "legs": legs} | LABELS,
         legs=[FIRST_LEG, NEXT_LEGS],
         learnt=LEARNT,
         held_out=HELD_OUT,

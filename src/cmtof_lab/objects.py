@@ -5,7 +5,7 @@ at 532 nm and ``mirrored``, the weight of a specular law against a diffuse one, 
 Triangles of side L lie up to ``L^2 / (8 R)``, 2 um, off a body of radius R.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from importlib.resources import files
 from typing import Any
@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 import yaml
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.random import Generator
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
+from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.util import concatenate
@@ -52,15 +54,59 @@ def object_mesh(name: str) -> Trimesh:
         known = ", ".join(OBJECTS)
         raise ValueError(f"Expected an object out of {known}, got {name!r}. Choose one.")
     held = OBJECTS[name]
-    board = _finished(_box((1.2, 0.9, 0.01)), 0.4, at=(0, -0.15, -0.01))
-    wall = _finished(_box((1.2, 0.01, 1.3)), 0.55, at=(0, WALL + 0.005, -0.1))
-    mesh: Any = concatenate([*map(_piece, held["pieces"]), board, wall])
-    cos = np.cos(held["pitch"])
-    sin = np.sin(held["pitch"])
-    axes = np.array([(1, 0, 0), (0, -sin, -cos), (0, cos, -sin)])  # right, down, forward
-    mesh.vertices = (mesh.vertices - [0, 0, held["middle"]]) @ axes.T
-    mesh.vertices += [0, 0, held.get("distance", DISTANCE)]
-    return mesh
+    mesh = _staged(map(_piece, held["pieces"]), 1.2, WALL, 0.4, 0.55)
+    return _before(mesh, [0, held["pitch"]], held["middle"], held.get("distance", DISTANCE))
+
+
+def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
+    """Things by name, posed at random as `object_mesh` has them, and the field of view, rad."""
+    pitch = rng.uniform(0.04, 0.55)
+    many = len(names) > 1
+    places = rng.permutation(np.linspace(-0.1, 0.1, len(names)) * many)
+    places = places + rng.uniform(-0.04, 0.04, len(names))
+    things = [_posed(name, x, many, rng) for x, name in zip(places, names, strict=True)]
+    mesh = _staged(things, 1.6, *rng.uniform([0.16, 0.15, 0.15], [0.27, 0.7, 0.8]))
+    turn = rng.normal(0, 0.12)
+    share, farther, view = rng.uniform([0.35, -0.03, 0.32], [0.65, 0.02, 0.43])
+    middle = share * max(thing.bounds[1, 2] for thing in things)
+    return _before(mesh, [turn, pitch], middle, DISTANCE + farther), view
+
+
+def _posed(name: str, x: float, many: bool, rng: Generator) -> Any:
+    """A thing stretched, turned, one in five laid down, and put on the table; smaller of many."""
+    size = rng.uniform(0.75 - 0.25 * many, 1.15 - 0.2 * many)
+    mesh: Any = concatenate([_refinished(_piece(one), rng) for one in OBJECTS[name]["pieces"]])
+    points = mesh.vertices * size * rng.uniform(0.8, 1.25, 3)
+    laid = rng.choice([90, -90]) if rng.uniform() < 0.2 else 0
+    turn = Rotation.from_euler("xz", [laid, rng.uniform(-180, 180)], degrees=True)
+    mesh.vertices = turn.apply(points)
+    middle = mesh.bounds.mean(0)
+    room = 0.15 - mesh.extents[1] / 2
+    y = 0.01 + rng.uniform(-room, room) if room > 0 else 0
+    return mesh.apply_translation([x - middle[0], y - middle[1], -mesh.bounds[0, 2]])
+
+
+def _refinished(piece: Trimesh, rng: Generator) -> Trimesh:
+    """A piece that is darker or brighter, one in five more or less polished."""
+    held = piece.vertex_attributes
+    held["reflectance"] = np.clip(held["reflectance"] * np.exp(rng.uniform(-0.8, 0.8)), 0.03, 0.85)
+    if rng.uniform() < 0.2:
+        held["mirrored"][:] = rng.choice([0, 0.15, 0.6, 0.95])
+    return piece
+
+
+def _staged(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) -> Any:
+    """Things on a table before a wall ``wall`` m behind the origin, looks those of both."""
+    board = _finished(_box((wide, 0.75 * wide, 0.01)), looks[0], at=(0, -wide / 8, -0.01))
+    back = _finished(_box((wide, 0.01, wide)), looks[1], at=(0, wall + 0.005, -0.1))
+    return concatenate([*things, board, back])
+
+
+def _before(mesh: Any, angles: ArrayLike, middle: float, distance: float) -> Trimesh:
+    """A scene in the instrument's axes, turned and looked down at by two angles, rad."""
+    turn = Rotation.from_euler("zx", angles + np.array([0, np.pi / 2]))
+    mesh.vertices = turn.apply(mesh.vertices - [0, 0, middle])
+    return mesh.apply_translation([0, 0, distance])
 
 
 def gage_blocks(step: float, distance: float, *, tilt: float, errors: Sequence[float]) -> Trimesh:
@@ -94,15 +140,12 @@ def _finished(
 ) -> Trimesh:
     """A shape on z = 0, front towards -y, of a look (number or function), turned and moved."""
     points = np.asarray(shape.vertices)
-    cos = np.cos(turn)
-    sin = np.sin(turn)
-    rotation = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
     seen = look(*points.T) if callable(look) else look
     held = {
         "reflectance": np.full(len(points), seen, float),
         "mirrored": np.full(len(points), mirrored, float),
     }
-    moved = points @ rotation + np.asarray(at, float)
+    moved = Rotation.from_euler("z", turn).apply(points) + np.asarray(at, float)
     return Trimesh(moved, shape.faces, process=False, vertex_attributes=held)
 
 

@@ -222,7 +222,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     depth = np.empty(0)
     light = np.empty(0)
     for _ in range(4):
-        view, y, x = (int(rng.integers(n)) for n in (views, height - side + 1, width - side + 1))
+        view, y, x = (rng.integers(n) for n in (views, height - side + 1, width - side + 1))
         found, shade = pack.staged(view, protocol, (slice(y, y + side), slice(x, x + side)))
         known = found[np.isfinite(found)]
         if known.size and rng.uniform() < 2 / 3:
@@ -235,8 +235,8 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
             light = shade
         if share > 0.3:
             break
-    turn = int(rng.integers(4))
-    mirror = 1 - 2 * int(rng.integers(2))
+    turn = rng.integers(4)
+    mirror = 1 - 2 * rng.integers(2)
     depth, light = (np.rot90(image, turn)[:, ::mirror] for image in (depth, light))
     return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
 

@@ -20,7 +20,7 @@ from lightning.fabric.utilities.rank_zero import rank_zero_only
 from numpy.typing import NDArray
 from scipy.stats import ttest_1samp
 from torch import Tensor, nn
-from torch.utils.data import DataLoader
+from torch.utils.data import DataLoader, default_collate
 
 from cmtof import __version__
 from cmtof.constants import FREQUENCIES
@@ -53,13 +53,31 @@ def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
     return [layer for layer in network.modules() if isinstance(layer, nn.BatchNorm2d)]
 
 
-def parameter_groups(network: nn.Module) -> list[dict[str, Any]]:
-    """Parameters apart: dense kernels, kernels of single channels, and offsets and scales."""
-    groups = [{"params": [], "weight_decay": decay} for decay in (1e-3, 1e-3, 0.0)]
+def optimizer_of(network: nn.Module, kind: str, rate: float = 1.0) -> Muon:
+    """AdamW, or Muon for dense kernels alone: kernels of single channels and offsets have AdamW."""
+    groups: list[Any] = [{"params": [], "weight_decay": decay} for decay in (1e-3, 1e-3, 0.0)]
     for weight in network.parameters():
-        kind = 2 if weight.ndim < 2 else int(weight.shape[1] == 1)
-        groups[kind]["params"].append(weight)
-    return groups
+        group = 2 if weight.ndim < 2 else int(weight.shape[1] == 1)
+        groups[group]["params"].append(weight)
+    groups[0]["orthogonal"] = kind == "muon"
+    return Muon(groups, lr=rate, betas=(0.9, 0.99))
+
+
+def average_into(average: nn.Module, network: nn.Module, step: int, most: float) -> None:
+    """Move averaged weights towards a network's; at first the average is that of all steps."""
+    keep = min(most, step / (step + 9))
+    new = network.state_dict()
+    for name, old in average.state_dict().items():
+        if old.is_floating_point():  # norms count their steps, which nothing reads
+            old.lerp_(new[name], 1 - keep)
+
+
+def keep_pages() -> None:
+    """Keep freed memory: to fetch its pages again costs a third of a step."""
+    if platform.libc_ver()[0] == "glibc":
+        library = ctypes.CDLL("libc.so.6")
+        library.mallopt(-4, 0)  # M_MMAP_MAX
+        library.mallopt(-1, 2**31 - 1)  # M_TRIM_THRESHOLD
 
 
 class Unwrapping(LightningModule):
@@ -104,10 +122,7 @@ class Unwrapping(LightningModule):
         return loss
 
     def on_train_batch_end(self, *_: Any) -> None:
-        keep = min(self.config.average, self.global_step / (self.global_step + 9))
-        new = self.network.state_dict()
-        for name, old in self.average.state_dict().items():
-            old.lerp_(new[name], 1 - keep) if old.is_floating_point() else old.copy_(new[name])
+        average_into(self.average, self.network, self.global_step, self.config.average)
 
     def on_train_epoch_end(self) -> None:
         due = (self.current_epoch + 1) % self.config.validate_every == 0
@@ -120,9 +135,7 @@ class Unwrapping(LightningModule):
             self.trainer.save_checkpoint(part)
 
     def configure_optimizers(self) -> Any:
-        groups = parameter_groups(self.network)
-        groups[0]["orthogonal"] = self.config.optimizer == "muon"
-        optimizer = Muon(groups, lr=1.0, betas=(0.9, 0.99))
+        optimizer = optimizer_of(self.network, self.config.optimizer)
         schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, self.config.rate_at)
         return [optimizer], [{"scheduler": schedule, "interval": "step"}]
 
@@ -220,10 +233,7 @@ def _train(
             raise ValueError(
                 f"Expected the configuration of {last}, got another. Change the folder."
             )
-    if platform.libc_ver()[0] == "glibc":  # fetching freed pages again costs a third of a step
-        library = ctypes.CDLL("libc.so.6")
-        library.mallopt(-4, 0)  # M_MMAP_MAX
-        library.mallopt(-1, 2**31 - 1)  # M_TRIM_THRESHOLD
+    keep_pages()
     logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module="lightning.*")
     packs = open_rooms(config, tree, folder.parent)
@@ -294,11 +304,14 @@ def fine_tune(
     """Continue the training of a network on labelled measurements of an instrument (Sec. 6.4).
 
     Examples are a measurement, its wraps of the lowest frequency (H, W), -1 where unknown, and
-    depth (H, W), m. The rate falls to zero; crops are turned, mirrored and moved to random depths,
-    for a few scans hold few wraps; norms keep their means. Returned are a tuned copy and losses.
+    depth (H, W), m. The rate falls to zero; crops are mirrored, some turned, and moved to random
+    depths, for a few scans hold few wraps; norms keep their means. Returned are losses and a tuned
+    copy, the average over the last hundred steps.
     """
     card = trained.card
-    network = deepcopy(trained.network).train()
+    keep_pages()
+    average = deepcopy(trained.network).requires_grad_(False)
+    network = deepcopy(trained.network).to(memory_format=torch.channels_last).train()
     views = [_view(trained, *example) for example in examples]
     views = [view for view in views if (view[1] != IGNORED).any()]
     if not views:
@@ -309,23 +322,24 @@ def fine_tune(
         )
     for layer in norms(network):
         layer.eval()
-    crop = min(crop, *(size for _, label, _ in views for size in label.shape))
+    crop = min(crop, *(min(label.shape) for _, label, _ in views))
     rng = np.random.default_rng(seed)
     losses = []
-    optimizer = torch.optim.Adam(network.parameters(), learning_rate)
+    optimizer = optimizer_of(network, "muon", learning_rate)
+    fall = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, steps)
     for step in range(steps):
-        optimizer.param_groups[0]["lr"] = learning_rate * (1 - step / steps)
-        drawn = (views[int(k)] for k in rng.integers(len(views), size=batch))
-        pieces = [_piece(view, card.classes, crop, network.model.features, rng) for view in drawn]
-        images = map(np.stack, zip(*pieces, strict=True))
-        loss = loss_of(network, Sample(*map(torch.from_numpy, images)))
+        drawn = rng.integers(len(views), size=batch)
+        pieces = [_piece(views[k], card.classes, crop, network.model.features, rng) for k in drawn]
+        loss = loss_of(network, default_collate(pieces))
         optimizer.zero_grad()
         loss.backward()
         nn.utils.clip_grad_norm_(network.parameters(), 2.0)
         optimizer.step()
-        losses.append(float(loss.detach()))
+        fall.step()
+        average_into(average, network, step, 0.99)
+        losses.append(loss.item())
     note = {"steps": steps, "learning_rate": learning_rate, "examples": len(views), "seed": seed}
-    return weights.Trained(network.eval(), card.model_copy(update={"fine_tuned": note})), losses
+    return weights.Trained(average.eval(), card.model_copy(update={"fine_tuned": note})), losses
 
 
 def _view(trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray):
@@ -341,17 +355,17 @@ def _piece(view: tuple, classes: int, side: int, kind: str, rng: np.random.Gener
     """Augmented crop with a labelled pixel; NumPy arrays."""
     images, label, turns = view
     place = zip(rng.choice(np.argwhere(label != IGNORED)), label.shape, strict=True)
-    y, x = (int(np.clip(at - rng.integers(side), 0, size - side)) for at, size in place)
+    y, x = (np.clip(at - rng.integers(side), 0, size - side) for at, size in place)
     window = (..., slice(y, y + side), slice(x, x + side))
-    turn = int(rng.integers(4))
-    mirror = 1 - 2 * int(rng.integers(2))
+    turn = rng.integers(4) * rng.integers(2)  # scenes stand upright more often
+    mirror = 1 - 2 * rng.integers(2)
     cut = (np.rot90(x[window], turn, (-2, -1))[..., ::mirror] for x in (label, turns, *images))
     (label, turns, phase, amplitude, *more), move = map(np.ascontiguousarray, cut), 0.0
     known = label != IGNORED
     if not more:  # raw correlations stay where they are
         move = rng.uniform(-turns[known].min(), classes - turns[known].max())
     ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCIES[0]
-    label = np.where(known, label + np.floor(phase[0] / TAU + move).astype(int), IGNORED)
-    label = np.where((label >= 0) & (label < classes), label, IGNORED)
+    label = label + np.floor(phase[0] / TAU + move).astype(int)
+    label[~known | (label < 0) | (label >= classes)] = IGNORED
     phase = np.mod(phase + TAU * move * ratio, TAU).astype(np.float32)
     return Sample(features(phase, amplitude, kind, *more), label, phase[0], turns + move)
