@@ -1,12 +1,11 @@
 """Scanned scenes, and the paper's network fine-tuned on scans of other objects (Sec. 6.4, 8.2).
 
-    python -m cmtof_book.scanned [FOLDER] [--legs N] [--again METHOD...]
+    python -m cmtof_book.scanned [FOLDER] [--legs N] [--again METHOD]...
 
 Everything is simulated. Scans go to FOLDER, by default build/scanned, and what is there is not
 computed again. Rates and fine-tuned weights go where the chapters read them: book/results.
 """
 
-import argparse
 import hashlib
 import json
 import shutil
@@ -15,9 +14,10 @@ from dataclasses import replace
 from functools import partial, reduce
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+import typer
 
 import cmtof
 from cmtof import __version__
@@ -50,7 +50,6 @@ HELD_OUT = ("glasses", "column", "radio")
 LEARNT = tuple(name for name in TRAINING if name not in HELD_OUT)
 """Things on whose scans the network is fine-tuned: one, two or three of them in a scan."""
 
-GROUPS = ("learnt", "held_out")
 
 ENDS = wrap_length(FREQUENCIES[0]) * np.array(RELEASED_WRAPS)
 """Range of the released protocol, m."""
@@ -95,8 +94,9 @@ def scan_object(
     name: str, noise: Noise = "photon", *, size: int = SIZE, seed: int = 0, **rigged: Any
 ) -> Measurement:
     """Scan of an object by name, as `scan_target` has it."""
-    view = {"field_of_view": FIELD_OF_VIEW[name], "seed": seed, **rigged}
-    return scan_target(scene_from({"kind": "object", "name": name}), noise, size=size, **view)
+    target = scene_from({"kind": "object", "name": name})
+    view = FIELD_OF_VIEW[name]
+    return scan_target(target, noise, size=size, seed=seed, field_of_view=view, **rigged)
 
 
 def scan_target(target: Target, noise: Noise, *, size: int = SIZE, **view: Any) -> Measurement:
@@ -126,9 +126,9 @@ def close_pair(scan: Measurement, other: Measurement) -> Measurement:
     """Measurement at two close frequencies, as `phasor` needs it, from the single modes of two."""
     both = (scan, other)
     return Measurement.from_phase(
-        np.stack([one.phase[0] for one in both]),
+        [one.phase[0] for one in both],
         [one.frequencies[0] for one in both],
-        amplitude=np.stack([one.amplitude[0] for one in both]),
+        amplitude=[one.amplitude[0] for one in both],
         **_held(scan),
     )
 
@@ -185,33 +185,26 @@ def kept_scan(
 
 def example(folder: Path, number: int, group: int = 0) -> tuple[Measurement, Array, Array]:
     """Scan of a still life, its wraps by stereo, -1 where unknown, and its depth, m."""
-    scan = kept(folder / f"{GROUPS[group]}_{number}.nc", partial(labelled, number, group))
+    scan = kept(folder / f"still_{group}_{number}.nc", partial(labelled, number, group))
     return scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))
 
 
 def labelled(number: int, group: int) -> Measurement:
-    """Phases of a still life of a group of things, with the captures' noise, labelled by stereo."""
-    things = (LEARNT, HELD_OUT)[group]
+    """Scan of a still life of a group of things, with the captures' noise and labels by stereo."""
+    from cmtof_lab import stereo
+
     rng = np.random.default_rng([number, group])
-    mesh, view = still_life(rng.permutation(things)[: 1 + number % 3], rng)
+    things = rng.permutation((LEARNT, HELD_OUT)[group])
+    mesh, view = still_life(things[: 1 + number % 3], rng)
     target = MeshTarget.from_mesh(mesh)
     seed = 1000 + 5000 * group + number
     scan = scan_target(target, "captures", field_of_view=view, seed=seed)
-    found = stereo_labels(target, scan, seed=number)
-    labels = {"wraps": (("y", "x"), found.wraps), "labels": (("y", "x"), found.depth)}
-    phases = Measurement.from_phase(
-        scan.phase, FREQUENCIES, amplitude=scan.amplitude, **_held(scan)
-    )
-    return Measurement(phases.dataset.assign(labels))
-
-
-def stereo_labels(target: Target, scan: Measurement, *, seed: int) -> Any:
-    """Labels that a stereo rig beside the scanner gives the scan of a target."""
-    from cmtof_lab import stereo
-
     rig = stereo.simulated_rig(baseline=LABELS["baseline"])
-    spots = stereo.scan_spots(frame_of(target, scan), rig, rng=np.random.default_rng(seed))
-    return stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
+    rng = np.random.default_rng(number)
+    spots = stereo.scan_spots(frame_of(target, scan), rig, rng=rng)
+    found = stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
+    labels = {"wraps": (("y", "x"), found.wraps), "labels": (("y", "x"), found.depth)}
+    return Measurement(scan.dataset.drop_vars("raw_counts").assign(labels))
 
 
 def tuned_weights(folder: Path, count: int, legs: int) -> Path:
@@ -233,13 +226,12 @@ def tuned_weights(folder: Path, count: int, legs: int) -> Path:
         options = NEXT_LEGS if legs > 1 else FIRST_LEG
         examples = [example(folder, number) for number in range(count)]
         torch.set_num_threads(1)
-        torch.manual_seed(legs)
         # without a cache, which would keep the first step's weights for the whole block
         with torch.autocast("cpu", torch.bfloat16, cache_enabled=False):
             tuned, losses = fine_tune(trained, examples, seed=legs, **options)
         path.parent.mkdir(parents=True, exist_ok=True)
         save_weights(path, tuned.network, tuned.card)
-        print(f"{path.parent.name}: loss {np.mean(losses[-50:]):.3f}", flush=True)
+        print(path.parent.name, "loss", np.mean(losses[-50:]), flush=True)
     return path
 
 
@@ -267,17 +259,14 @@ class Counts:
             part.write_text(json.dumps(self.held, indent=1) + "\n", "utf-8")
 
 
-def counts_of(scan: Measurement, method: str, **options: Any) -> list[int]:
-    """Scored pixels, and how many of them are off by fewer wraps than 1, 2, 3 and 10."""
-    found = cmtof.unwrap(scan, method=method, **options)
-    counted = Tally().add(scored_pixels(found, scan))
-    return [counted["pixels"], *counted["below"]]
-
-
-def counts_of_all(scans: Iterable[Measurement], row: str, options: Values) -> list[list[int]]:
-    """Those counts of several scans by a row of a table."""
-    method = NETWORK if options else row
-    return [counts_of(scan, method, **options) for scan in scans]
+def counts_of(scans: Iterable[Measurement], row: str, options: Values) -> list[list[int]]:
+    """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10."""
+    rows = []
+    for scan in scans:
+        found = cmtof.unwrap(scan, method=NETWORK if options else row, **options)
+        counted = Tally().add(scored_pixels(found, scan))
+        rows.append([counted["pixels"], *counted["below"]])
+    return rows
 
 
 def given_to(folder: Path, method: str, name: str, noise: Noise, seed: int) -> Measurement:
@@ -294,22 +283,24 @@ def validated(folder: Path, legs: int) -> list[float]:
     """Shares of right wraps on scans of the things that are held out."""
     weights = tuned_weights(folder, CURVE[-1], legs)
     scans = (example(folder, number, 1)[0] for number in range(VALIDATED))
-    every = (counts_of(scan, NETWORK, weights=weights) for scan in scans)
+    every = counts_of(scans, NETWORK, {"weights": weights})
     return [round(right / pixels, 4) for pixels, right, *_ in every]
 
 
 def chosen_legs(folder: Path, counts: Counts, most: int) -> int:
     """Legs of training after which scans of things held out are best."""
-    made = {legs: partial(validated, folder, legs) for legs in range(most + 1)}
-    rates = [counts.keep("validation", str(legs), of=of) for legs, of in made.items()]
-    return int(np.mean(rates, axis=1).argmax())
+    rates = [
+        counts.keep("validation", str(legs), of=partial(validated, folder, legs))
+        for legs in range(most + 1)
+    ]
+    return int(np.mean(rates[1:], axis=1).argmax()) + 1
 
 
 def compare(folder: Path, counts: Counts, noise: str, rows: Rows) -> None:
     """Count rows of methods on three scans of each of the shown scenes."""
     for (row, options), name in product(rows.items(), SHOWN):
         given = (given_to(folder, row, name, noise, seed) for seed in SEEDS)
-        counts.keep("counts", noise, row, name, of=partial(counts_of_all, given, row, options))
+        counts.keep("counts", noise, row, name, of=partial(counts_of, given, row, options))
 
 
 def sweep(folder: Path, counts: Counts, weights: Path) -> None:
@@ -317,7 +308,7 @@ def sweep(folder: Path, counts: Counts, weights: Path) -> None:
     rows: Rows = {NETWORK: {"weights": weights}, "kde": {}, "reference-contact": {}}
     for level, stride, (row, options) in product(LEVELS, STRIDES, rows.items()):
         given = (thinned(kept_scan(folder, name, LEVELS[level]), stride) for name in SWEPT)
-        of = partial(counts_of_all, given, row, options)
+        of = partial(counts_of, given, row, options)
         counts.keep("sweep", level, str(SIZE // stride), row, of=of)
 
 
@@ -339,36 +330,33 @@ def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
     counts.held["weights"] = found
 
 
-def main(folder: Path, most_legs: int = MOST_LEGS, again: Sequence[str] = ()) -> None:
+def main(
+    again: Annotated[list[str], typer.Option(default_factory=list)],
+    folder: Annotated[Path, typer.Argument()] = Path("build", "scanned"),
+    legs: int = MOST_LEGS,
+) -> None:
     """Compute what is missing, and store it."""
     counts = Counts(RATES)
-    legs = chosen_legs(folder, counts, most_legs)
-    best = tuned_weights(folder, CURVE[-1], legs)
+    chosen = chosen_legs(folder, counts, legs)
+    best = tuned_weights(folder, CURVE[-1], chosen)
     forget(counts, best, again)
-    TUNED.mkdir(parents=True, exist_ok=True)
-    for path in (best, best.with_suffix(".json")):
-        shutil.copy(path, TUNED)
+    shutil.copytree(best.parent, TUNED, dirs_exist_ok=True)
     counts.store(
         command="python -m cmtof_book.scanned",
         version=__version__,
-        settings={"size": SIZE, "seeds": SEEDS, "legs": legs} | LABELS,
+        settings={"size": SIZE, "seeds": SEEDS, "legs": chosen} | LABELS,
         legs=[FIRST_LEG, NEXT_LEGS],
         learnt=LEARNT,
         held_out=HELD_OUT,
     )
-    usual: Rows = {name: {} for name in (NETWORK, "kde", "region", "rapid", *TOLD)}
+    usual: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
     usual["tuned"] = {"weights": best}
     compare(folder, counts, "captures", usual)
     sweep(folder, counts, best)
     compare(folder, counts, "photon", usual)
     fewer: Rows = {f"{n} scans": {"weights": tuned_weights(folder, n, 1)} for n in CURVE}
-    compare(folder, counts, "captures", fewer | {"phasor": {}, "surfaces": {}})
-    compare(folder, counts, "photon", {"surfaces": {}})
+    compare(folder, counts, "captures", fewer | {"phasor": {}})
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=main.__doc__)
-    parser.add_argument("folder", nargs="?", type=Path, default=Path("build", "scanned"))
-    parser.add_argument("--legs", type=int, default=MOST_LEGS, help="of training, at most")
-    parser.add_argument("--again", nargs="+", default=(), help="methods to count again")
-    main(*vars(parser.parse_args()).values())
+    typer.run(main)

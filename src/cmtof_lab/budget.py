@@ -33,14 +33,13 @@ def budget_terms(
     ratio r: :math:`r\sin(\phi_b-\phi)`. RF leakage and laser drift: ``days`` of Monte Carlo before
     a mirror, which leaves little of the converter's rounding.
     """
-    lengths = {
+    return {
         **noise_terms(target, mode),
         **phase_terms(target, mode),
         **drawn_terms(target, mode, days=days, seed=seed),
         "air, changed since": air_term(target),
         "stage": STAGE_ERROR,
     }
-    return {name: float(length) for name, length in lengths.items()}
 
 
 def noise_terms(target: Plane, mode: str) -> dict[str, float]:

@@ -29,6 +29,19 @@ def mix(dark: ArrayLike, pale: float, share: ArrayLike) -> Array:
     return dark + (pale - dark) * np.clip(share, 0, 1)
 
 
+FACE = (
+    (0.004, 0.01, 0.005, 0.203, 0.004),  # nostrils
+    (-0.008, 0.021, 0.01, 0.225, 0.007),  # sockets
+    (0.0055, 0.021, 0.008, 0.2235, 0.0042),  # eyes
+    (0.004, 0.02, 0.016, 0.2365, 0.004),  # brows
+    (0.003, 0, 0.015, 0.1905, 0.0022),  # lips
+    (-0.003, 0, 0.015, 0.187, 0.0022),
+    (0.003, 0, 0.015, 0.1835, 0.0022),
+    (0.006, 0, 0.014, 0.172, 0.006),  # chin
+)
+"""Bumps of a face, m: depth, place aside, breadth, height, and how tall they are."""
+
+
 def portrait(x: Array, y: Array, z: Array) -> Array:
     """Relief of the bust: a face, ears and hair."""
     return features_of_a_face(x, z) * (y < 0) + ear(x, y, z) + curls(x, y, z)
@@ -40,13 +53,8 @@ def features_of_a_face(x: Array, z: Array) -> Array:
     nose = np.clip((0.234 - z) / 0.03, 0, 1)
     nose = nose / (1 + np.exp((0.2 - z) / 0.0015))
     out = 0.019 * nose * bump((x, 0.0075))
-    out += 0.004 * bump((apart - 0.01, 0.005), (z - 0.203, 0.004))  # nostrils
-    out -= 0.008 * bump((apart - 0.021, 0.01), (z - 0.225, 0.007))  # sockets
-    out += 0.0055 * bump((apart - 0.021, 0.008), (z - 0.2235, 0.0042))  # eyes
-    out += 0.004 * bump((apart - 0.02, 0.016), (z - 0.2365, 0.004))  # brows
-    for height, depth in ((0.1905, 0.003), (0.187, -0.003), (0.1835, 0.003)):
-        out += depth * bump((x, 0.015), (z - height, 0.0022))  # lips
-    out += 0.006 * bump((x, 0.014), (z - 0.172, 0.006))  # chin
+    for depth, aside, breadth, height, tall in FACE:
+        out += depth * bump((apart - aside, breadth), (z - height, tall))
     return out
 
 

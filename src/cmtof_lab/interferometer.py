@@ -39,21 +39,6 @@ class Fringes(NamedTuple):
     variance: Array  # noise of one step, V^2
 
 
-class Move(NamedTuple):
-    """Readings along the stage's way; ``stations`` are those at the stops."""
-
-    stations: Numbers
-
-    @property
-    def count(self) -> int:
-        """Readings on the whole way."""
-        return int(self.stations[-1]) + 1
-
-    def along(self, at_stops: NDArray) -> NDArray:
-        """Values at every reading, linear between those at the stops."""
-        return np.interp(np.arange(self.count), self.stations, at_stops)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Interferometer:
     """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters."""
@@ -109,7 +94,7 @@ class Interferometer:
         width = float(free_space.spot_radius(settings, 2 * z))
         real = self.reference_radius**-2 + width**-2
         turned = np.pi * settings.divergence / (width * vacuum)  # curvature of the wavefront
-        return float(4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2))
+        return 4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2)
 
     def fringes(self, target: Plane, ranges: ArrayLike) -> Fringes:
         """Interferogram at ranges (...), m."""
@@ -134,23 +119,22 @@ class Interferometer:
         A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn again.
         """
         stops = np.asarray(positions, float)
-        move = self._move(stops)
-        fringes = self.fringes(target, target.distance + move.along(stops))
+        stations = self._stations(stops)
+        fringes = self.fringes(target, target.distance + _along(stations, stops))
         found = np.zeros((repeats, stops.size))
         for repeat in range(repeats):
             rng = np.random.default_rng([seed, repeat])
-            speckle = move.along(self._speckle(target, stops, rng))
+            speckle = _along(stations, self._speckle(target, stops, rng))
             shown = fringes._replace(amplitude=fringes.amplitude * speckle)
             believed = self.wavelength * (1 + self.wavelength_error * rng.standard_normal())
-            counted = self._counted(self._way(target, stops, move, rng), shown, rng)
-            found[repeat, 1:] = counted[move.stations[1:]] * believed / (4 * np.pi)
+            counted = self._counted(self._way(target, stops, stations, rng), shown, rng)
+            found[repeat, 1:] = counted[stations[1:]] * believed / (4 * np.pi)
         return target.distance + stops[0] + found
 
-    def _move(self, stops: Array) -> "Move":
-        """Readings that the stage passes on its way from stop to stop."""
+    def _stations(self, stops: Array) -> Numbers:
+        """Readings at the stops, of all that the stage passes on its way."""
         strides = np.abs(np.diff(stops)) / self.stride - 1e-9
-        stations = np.append(0, np.cumsum(np.maximum(1, np.ceil(strides)))).astype(int)
-        return Move(stations)
+        return np.append(0, np.cumsum(np.maximum(1, np.ceil(strides)))).astype(int)
 
     def _speckle(self, target: Plane, stops: Array, rng: Generator) -> NDArray:
         """Factor of the field at the stops: a mirror has none."""
@@ -159,13 +143,14 @@ class Interferometer:
         root = _gaussian_root(stops / self.speckle_length)
         return root @ circular_normals(rng, stops.size)
 
-    def _way(self, target: Plane, stops: Array, move: "Move", rng: Generator) -> Array:
+    def _way(self, target: Plane, stops: Array, stations: Numbers, rng: Generator) -> Array:
         """True travel, m, at each reading: stage, shaking, and the drift of temperature."""
         reached = stops + self.stage_error * rng.standard_normal(stops.size)
-        way = move.along(reached - reached[0]) + self.vibration(rng, move.count)
+        way = _along(stations, reached - reached[0])
+        way = way + self.vibration(rng, way.size)
         warmth = target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
         forgotten = -self.reading_time / self.drift_time
-        slow = _carried(rng.standard_normal(move.count), forgotten)
+        slow = _carried(rng.standard_normal(way.size), forgotten)
         return way + warmth * (slow - slow[0])
 
     def _counted(self, way: Array, shown: Fringes, rng: Generator) -> Array:
@@ -180,7 +165,7 @@ class Interferometer:
         ranges = target.distance + np.asarray(positions, float)
         seen = self.fringes(target, ranges)
         noise = linear_phase_noise(seen.amplitude, seen.variance, self.steps)
-        return np.asarray(self.wavelength / (4 * np.pi) * noise, float)
+        return self.wavelength / (4 * np.pi) * noise
 
     def vibration(self, rng: Generator, count: int) -> Array:
         """Displacement (count,), m, at successive readings: a resonance under white forcing."""
@@ -196,7 +181,12 @@ class Interferometer:
         highest = 4 * (self.stride + 9 * spread) / self.wavelength
         edge = self.wavelength / 4 * np.arange(1, highest + 2, 2)
         forward, backward = (ndtr((s - edge) / spread).sum() for s in (self.stride, -self.stride))
-        return float(forward - backward)
+        return forward - backward
+
+
+def _along(stations: Numbers, values: NDArray) -> NDArray:
+    """Values at every reading, linear between those at the stations."""
+    return np.interp(np.arange(stations[-1] + 1), stations, values)
 
 
 def _carried(normals: NDArray, exponent: complex) -> NDArray:

@@ -65,7 +65,7 @@ class MhzCamera:
     @property
     def pupil_area(self) -> float:
         """Area of the lens's opening, m^2."""
-        return float(np.pi / 4 * (self.focal_length * self.pixel / self.f_number) ** 2)
+        return np.pi / 4 * (self.focal_length * self.pixel / self.f_number) ** 2
 
     @property
     def modulation(self) -> float:

@@ -19,6 +19,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 from trimesh.creation import box, cylinder, icosphere, torus
+from trimesh.transformations import rotation_matrix
 from trimesh.util import concatenate
 
 from cmtof.types import Array, Numbers
@@ -115,23 +116,20 @@ def gage_blocks(step: float, distance: float, *, tilt: float, errors: Sequence[f
     The left face meets the axis at ``distance``, m; the right one stands nearer by ``step``. Both
     lengths are off by ``errors``, and ``tilt``, rad, keeps the mirror image off the instrument.
     """
-    corners = []
-    for side, length in ((-1, errors[0]), (1, step + errors[1])):
-        x = np.array([0.0, side, side, 0.0]) * WIDTH
-        y = np.array([-1.0, -1.0, 1.0, 1.0]) * HEIGHT / 2
-        # the step is the distance of the two parallel faces, along their normal
-        corners.append(np.stack([x, y, distance + np.tan(tilt) * x - length / np.cos(tilt)], -1))
+    x = np.array([0, -1, -1, 0, 0, 1, 1, 0]) * WIDTH
+    y = np.tile([-0.5, -0.5, 0.5, 0.5], 2) * HEIGHT
+    lengths = np.repeat([errors[0], step + errors[1]], 4)
+    # the step is the distance of the two parallel faces, along their normal
+    z = distance + np.tan(tilt) * x - lengths / np.cos(tilt)
     faces = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]
-    return _finished(Trimesh(np.concatenate(corners), faces, process=False), STEEL, MIRRORED)
+    return _finished(Trimesh(np.stack([x, y, z], -1), faces, process=False), STEEL, MIRRORED)
 
 
 def _piece(stated: dict[str, Any]) -> Trimesh:
     """A piece of an object as ``objects.yml`` states it."""
     kind = next(word for word in SHAPES if word in stated)
     place = {key: stated[key] for key in ("mirrored", "at", "turn") if key in stated}
-    look = stated["look"]
-    if isinstance(look, str):
-        look = getattr(finishes, look)
+    look = getattr(finishes, str(stated["look"]), stated["look"])
     return _finished(SHAPES[kind](stated), look, **place)
 
 
@@ -168,12 +166,6 @@ def _box(size: ArrayLike) -> Trimesh:
     return box(size).apply_translation([0, 0, np.asarray(size, float)[2] / 2])
 
 
-def _torus(stated: dict[str, Any]) -> Trimesh:
-    """An upright ring of two radii, m."""
-    upright = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
-    return torus(*stated["torus"], 160, 96, upright)
-
-
 def _rod(stated: dict[str, Any]) -> Trimesh:
     """A round rod from left to right: length and radius, m."""
     length, radius = stated["rod"]
@@ -181,12 +173,13 @@ def _rod(stated: dict[str, Any]) -> Trimesh:
     return cylinder(radius, sections=240, segment=ends)
 
 
+UPRIGHT = rotation_matrix(-np.pi / 2, [1, 0, 0])  # of a ring
 SHAPES = {
     "body": _body,
     "ellipsoid": _ellipsoid,
     "box": lambda stated: _box(stated["box"]),
     "sphere": lambda stated: icosphere(6, stated["sphere"]),
-    "torus": _torus,
+    "torus": lambda stated: torus(*stated["torus"], 160, 96, UPRIGHT),
     "rod": _rod,
 }
 """Makers of the shapes of ``objects.yml``."""

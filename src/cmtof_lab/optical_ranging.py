@@ -85,7 +85,7 @@ class OpticalRanger:
         """Wrapped phases (P,), rad, of raw counts (P, K x N)."""
         bursts = np.asarray(counts, float).reshape(-1, self.phases, self.samples)
         means = bursts[..., self.settle :].mean(-1).T
-        return np.asarray(decode(means, nominal_psi(self.phases)).phase, float)
+        return decode(means, nominal_psi(self.phases)).phase
 
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.
@@ -120,14 +120,14 @@ class OpticalRanger:
         """Change of the air's index since the zero, by whose index the lab divides."""
         warmer, denser = rng.standard_normal(2) * self.air_change
         change = denser / max(settings.pressure, 1.0) - warmer / settings.temperature
-        return float((settings.group_index - 1) * change)
+        return (settings.group_index - 1) * change
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound on one estimate (P,), m: noise alone, that of the zero included."""
         ranges = target.distance + np.asarray(positions, float)
         light = collected_power(self.settings, target, ranges, self.mode)
         noise = self.dimming_and_noise(light)[1] * np.sqrt(1 + 1 / self.visits)
-        return np.asarray(depth_from_phase(noise, self.frequency), float)
+        return depth_from_phase(noise, self.frequency)
 
     def dimming_and_noise(self, collected: ArrayLike) -> tuple[Array, Array]:
         """Grey filter's transmission for collected light (...), W, and noise of a phase, rad.

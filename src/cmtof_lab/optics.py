@@ -116,7 +116,7 @@ def inward(settings: TwinSettings) -> float:
 def ambient(settings: TwinSettings) -> float:
     """Room light, W, behind `inward`: radiance times aperture times solid angle, half polarised."""
     etendue = aperture_area(settings) * (np.pi * settings.field_of_view**2 / 4)
-    return float(0.5 * settings.ambient_radiance * etendue * inward(settings))
+    return 0.5 * settings.ambient_radiance * etendue * inward(settings)
 
 
 def emission_mean(settings: TwinSettings, mode: str) -> float:

@@ -72,7 +72,12 @@ class RfRanger:
     def noise_factor(self) -> float:
         """Noise factor F of amplifier, filter and mixer (Friis 1944)."""
         behind = 10 ** ((self.filter_loss + self.mixer_noise_figure) / 10) - 1
-        return float(10 ** (self.noise_figure / 10) + behind / 10 ** (self.amplifier_gain / 10))
+        return 10 ** (self.noise_figure / 10) + behind / 10 ** (self.amplifier_gain / 10)
+
+    @property
+    def sent(self) -> float:
+        """Light that is sent, W, but for the losses on the way back."""
+        return free_space.sent_power(self.settings, self.mode) * free_space.inward(self.settings)
 
     @property
     def offsets(self) -> Array:
@@ -88,7 +93,7 @@ class RfRanger:
         wave = law(self.settings.eta, 2)
         depth = 2 * abs(wave[MODES[self.mode]]) / wave[0].real
         response = self.responsivity / np.hypot(1, FREQUENCY[self.mode] / self.bandwidth)
-        return np.asarray(self.load * response * depth * np.asarray(power, float), float)
+        return self.load * response * depth * np.asarray(power, float)
 
     def noise(self, power: ArrayLike) -> Array:
         """Noise of one quadrature averaged over ``time``, V rms: light (...), W, and circuit."""
@@ -117,7 +122,7 @@ class RfRanger:
     def phase(self, ranges: ArrayLike) -> Array:
         """Phase, rad, of ranges in air, m."""
         ways = np.multiply(self.settings.group_index, ranges)
-        return np.asarray(phase_from_depth(ways, FREQUENCY[self.mode]), float)
+        return phase_from_depth(ways, FREQUENCY[self.mode])
 
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
@@ -147,7 +152,7 @@ class RfRanger:
         light = np.append(self._received(target, ranges, rng), 0.0)
         turn = self._turn(averaged, slow[2], rng)
         own = self._seen(light * self._fibre(slow[3]), np.append(place, 0.0), turn)
-        stray = self._stray() * (times > 0)
+        stray = self.sent * self.settings.back_fraction * (times > 0)
         back = self._seen(stray * self._fibre(slow[3]), self.settings.back_range, turn)
         noise = self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
         return self._read(constant + (own + back) + noise, rng)
@@ -203,11 +208,6 @@ class RfRanger:
         high = self.settings.fibre_high
         return 1 + (high - low) / (high + low) * DRIFT_RMS * drifted
 
-    def _stray(self) -> float:
-        """Light of the coaxial back-reflection, W."""
-        sent = free_space.sent_power(self.settings, self.mode) * free_space.inward(self.settings)
-        return sent * self.settings.back_fraction
-
     def _seen(self, light: Array, place: ArrayLike, turn: Array) -> Complex:
         """Envelope, V, of light, W, from a range, m, with an error of phase, rad."""
         return self.envelope(light) * np.exp(1j * (self.phase(place) + turn))
@@ -216,23 +216,21 @@ class RfRanger:
 def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
     """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
     z = np.asarray(phasor, complex)
-    return np.asarray(z.real + 1j * gain * (z * np.exp(1j * np.asarray(error))).imag, complex)
+    return z.real + 1j * gain * (z * np.exp(1j * np.asarray(error))).imag
 
 
 def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
     """Phasor of a skewed reading: the inverse of `skewed`."""
     z = np.asarray(reading, complex)
-    return np.asarray(z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error))
+    return z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error)
 
 
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
     """Wrapped phase (...), rad, by RF demodulation at optical angles (..., 2), rad; noise alone."""
-    settings = ranger.settings
-    paths = free_space.trace(target, np.reshape(angles, (-1, 2)), settings, seed)
-    sent = free_space.sent_power(settings, ranger.mode) * free_space.inward(settings)
-    power = sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
+    paths = free_space.trace(target, np.reshape(angles, (-1, 2)), ranger.settings, seed)
+    power = ranger.sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     signal = (ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))).sum(-1)
     rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
     read = signal + ranger.noise(power.sum(-1)) * circular_normals(rng, signal.size)
-    return np.asarray(wrapped(np.angle(read)), float).reshape(np.shape(angles)[:-1])
+    return wrapped(np.angle(read)).reshape(np.shape(angles)[:-1])

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from cmtof.constants import FREQUENCY_SINGLE
@@ -30,9 +30,6 @@ BOARD = SQUARE * (np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3) - [4, 2.5, 0])
 
 
 WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
-
-Label = tuple[NDArray, Flags, Array]
-"""Wraps, whether they are sure, and depth, m, of each pixel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,18 +118,6 @@ def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTran
     return poses
 
 
-def find_corners(image: NDArray[np.uint8]) -> Array:
-    """Inner corners (54, 2), px, of the checkerboard in a picture (H, W); ValueError if unseen."""
-    import cv2
-
-    found, seen = cv2.findChessboardCornersSB(image, (COLUMNS, ROWS), flags=cv2.CALIB_CB_ACCURACY)
-    if not found:
-        raise ValueError(
-            f"Expected a board of {COLUMNS} x {ROWS} corners, got none. Show it whole."
-        )
-    return seen.reshape(-1, 2).astype(float) + 0.5  # OpenCV's centres lie at whole numbers
-
-
 def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
     """Rig in the left camera's frame and a corner's rms residual, px, of corners (2, V, 54, 2)."""
     import cv2
@@ -195,18 +180,14 @@ def scan_spots(frame: Frame, rig: StereoRig, *, rng: Generator, sensor: Sensor =
     spots = Spots(np.full(pixels.shape, np.nan), np.full(pixels.shape[:-1], np.nan))
     for k in range(2):
         rate, width = _spot_light(frame, points, rig, k, sensor)
-        inside = _within_image(pixels[k], rig.shape)
+        half = np.array(rig.shape[::-1]) / 2
+        inside = (abs(pixels[k] - half) < half - WINDOW).all(-1)  # the window lies in the image
         corner = np.floor(pixels[k][inside]) - WINDOW // 2
-        true = pixels[k][inside] - corner + sensor.speckle * rng.standard_normal(corner.shape)
-        light = photographed_spots(true, rate[inside], width[inside], rng, sensor)
+        place = pixels[k][inside] - corner + sensor.speckle * rng.standard_normal(corner.shape)
+        light = photographed_spots(place, rate[inside], width[inside], rng, sensor)
         place, spots.sigma[k, inside] = place_spots(light, sensor)
         spots.pixels[k, inside] = place + corner
     return spots
-
-
-def _within_image(pixels: Array, shape: Shape) -> Flags:
-    """Pixels (H, W, 2) whose window lies within an image of height and width ``shape``."""
-    return ((pixels > WINDOW) & (pixels < np.array(shape[::-1]) - WINDOW)).all(-1)
 
 
 def _spot_light(
@@ -250,29 +231,20 @@ def truth_from_spots(
     """
     found, spread = _ranges(spots, rig, draws)
     known = np.isfinite(found + spread)
-    safe = np.where(known, found, 0.0)
+    depth = np.where(known, found, 0.0)
     reach = np.where(known, sigmas * spread, np.inf)
     if phase is None:
-        wraps, sure, depth = _label_of_range(safe, reach)
+        sure = np.floor((depth - reach) / WRAP) == np.floor((depth + reach) / WRAP)
+        wraps = np.floor(depth / WRAP).astype(np.int64)
     else:
+        phase = np.asarray(phase, float)
         reach = np.hypot(reach, sigmas * np.asarray(phase_noise) * WRAP / TAU)
-        wraps, sure, depth = _label_of_phase(safe, reach, np.asarray(phase, float))
+        sure = np.isfinite(phase) & (reach < WRAP / 2)
+        wraps = consistent_wrap_count(depth, np.nan_to_num(phase), FREQUENCY_SINGLE)
+        depth = depth_from_wraps(phase, wraps, FREQUENCY_SINGLE)
     mask = known & sure & (wraps >= 0)
     wraps = np.where(mask, wraps, -1)
     return PseudoTruth(wraps, mask, found, spread, np.where(mask, depth, np.nan))
-
-
-def _label_of_range(found: Array, reach: Array) -> Label:
-    """Wrap of a range, m, sure where nothing within reach lies in another wrap."""
-    sure = np.floor((found - reach) / WRAP) == np.floor((found + reach) / WRAP)
-    return np.floor(found / WRAP).astype(np.int64), sure, found
-
-
-def _label_of_phase(found: Array, reach: Array, phase: Array) -> Label:
-    """Wrap that brings a phase, rad, nearest to a range, m; sure within half a wrap."""
-    wraps = consistent_wrap_count(found, np.nan_to_num(phase), FREQUENCY_SINGLE)
-    sure = np.isfinite(phase) & (reach < WRAP / 2)
-    return wraps, sure, depth_from_wraps(phase, wraps, FREQUENCY_SINGLE)
 
 
 def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> tuple[Array, Array]:

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx
-from scipy.ndimage import gaussian_filter
 
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH
 from cmtof.correlation import TAU, phase_from_depth, wrap_length
@@ -77,16 +76,6 @@ def test_depth_noise_follows_the_closed_form(rng, z=4.0):
     assert found[:, 2].std() == approx(np.sqrt(2) * z**2 * 0.1 / focal / baseline, rel=0.05)
 
 
-def test_corners_of_a_picture_are_found():
-    """Squares of 24 px, blurred by the lens."""
-    squares = np.indices((7, 10)).sum(0) % 2
-    picture = np.pad(np.kron(200 * squares + 20, np.ones((24, 24))), 40, constant_values=220)
-    found = stereo.find_corners(np.uint8(gaussian_filter(picture, 0.8)))
-    rows, columns = np.mgrid[:6, :9]
-    truth = 64 + 24.0 * np.stack([columns, rows], -1).reshape(-1, 2)
-    assert np.abs(min((found - truth, found[::-1] - truth), key=np.std)).max() < 0.05
-
-
 def between(rig):
     """Rotation vector and shift from the first camera to the second."""
     return (rig.poses[1] * rig.poses[0].inv()).as_exp_coords()
@@ -116,7 +105,6 @@ def test_spots_locate_the_scanner(rng):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: stereo.find_corners(np.full((90, 120), 9, np.uint8)), "board of 9 x 6 corners"),
         (lambda: stereo.calibrate(np.zeros((2, 2, 54, 2)), RIG.shape), "at least 3 views, got 2"),
         (lambda: stereo.locate_scanner(RIG, np.zeros((2, 3, 2)), np.ones((3, 3))), "least 6 spots"),
         (lambda: stereo.scan_spots(Frame(planar(1.5), np.ones(SHAPE)), RIG, rng=None), "a camera"),
