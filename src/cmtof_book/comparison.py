@@ -36,12 +36,11 @@ class Scene(NamedTuple):
     @property
     def limits(self) -> tuple[float, float]:
         """Wraps between which the colours run."""
-        low, high = np.nanpercentile(self.count(), (1, 99))
-        return float(low), float(high)
+        return tuple(np.nanpercentile(self.count(), (1, 99)))
 
     def right(self, label: str) -> float:
         """Share of the scored pixels in the right wrap."""
-        return float(np.mean(self.error(label)[self.measurement.mask] < 1))
+        return np.mean(self.error(label)[self.measurement.mask] < 1)
 
 
 def comparison_figure(scene: Scene, labels: Sequence[str], *, columns: int = 4) -> Figure:

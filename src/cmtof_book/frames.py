@@ -33,7 +33,7 @@ def views() -> Iterator[Frame]:
         lens = SETTINGS.lens(index)
         pose = room.cameras(SETTINGS.views, lens)["cam_00"][0]
         frame = frame_of(render_view(room, pose, lens, 0), lens, f"{room.name}/cam_00")
-        coverage = float(simulate(frame, noise_free=True).mask.mean())
+        coverage = simulate(frame, noise_free=True).mask.mean()
         if COVERAGE[0] <= coverage <= COVERAGE[1]:
             print(f"{frame.name}: {coverage:.0%} scored", flush=True)
             yield frame

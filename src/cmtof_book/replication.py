@@ -75,8 +75,8 @@ def expected(entry: Mapping[str, Any]) -> Compared:
     """
     if "seeds" not in entry:
         return compared_from_json(entry)
-    mean = float(np.mean(entry["seeds"]))
-    spread = float(np.std(entry["seeds"], ddof=1))
+    mean = np.mean(entry["seeds"])
+    spread = np.std(entry["seeds"], ddof=1)
     if entry["kind"] == "decision":
         return decision(mean, at_least=mean - STANDARD_ERRORS * spread)
     return Compared(value=mean, kind=entry["kind"], error=spread)
@@ -94,11 +94,11 @@ def _noise(seed: int) -> Named:
     noisy = simulate(wall, protocol="full", frequencies=tones, seed=seed)
     error = centred(noisy.phase[:, 0] - phase_from_depth(0.6, tones)[:, None])
     spread = depth_from_phase(error.std(axis=1), tones)
-    yield "precision_ratio", float(spread[0] / spread[-1])
-    law = phase_spread(float(simulated_phase_noise(0.5)))
-    yield "phase_noise_ratio", float(error.std(axis=1).mean()) / law
-    noise = float(simulated_phase_noise(1.0))
-    yield "wrap_odds", float(wrap_probability(noise, noise, frequencies=FREQUENCIES))
+    yield "precision_ratio", spread[0] / spread[-1]
+    law = phase_spread(simulated_phase_noise(0.5))
+    yield "phase_noise_ratio", error.std(axis=1).mean() / law
+    noise = simulated_phase_noise(1.0)
+    yield "wrap_odds", wrap_probability(noise, noise, frequencies=FREQUENCIES)
 
 
 def _methods(seed: int, figure: Path | None) -> Named:

@@ -6,7 +6,6 @@ Everything is simulated. Scans go to FOLDER, by default build/scanned, and what 
 computed again. Rates and fine-tuned weights go where the chapters read them: book/results.
 """
 
-import hashlib
 import json
 import shutil
 from collections.abc import Callable, Iterable, Sequence
@@ -27,6 +26,7 @@ from cmtof.evaluation import Tally, scored_pixels
 from cmtof.files import written_whole
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
+from cmtof.network.weights import read_card, weights_path
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
 from cmtof.types import Array
 from cmtof_book import RESULTS, Values
@@ -119,7 +119,7 @@ def noise_settings(noise: Noise) -> Values:
     if isinstance(noise, str):
         return NOISE[noise]
     usual = NOISE["captures"]
-    return {**usual, "phase_noise": tuple(noise * level for level in usual["phase_noise"])}
+    return {**usual, "phase_noise": tuple(np.multiply(noise, usual["phase_noise"]))}
 
 
 def close_pair(scan: Measurement, other: Measurement) -> Measurement:
@@ -170,7 +170,7 @@ def kept(path: Path, made: Callable[[], Measurement]) -> Measurement:
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         made().save(path)
-        print(f"scanned {path.stem}", flush=True)
+        print("scanned", path.stem, flush=True)
     return cmtof.open(path)
 
 
@@ -178,8 +178,8 @@ def kept_scan(
     folder: Path, name: str, noise: Noise = "captures", seed: int = 0, **rigged: Any
 ) -> Measurement:
     """Scan of an object as `scan_object` makes it."""
-    parts = (name, noise, SIZE, seed, *(f"{x:g}" for x in rigged.values()))
-    path = folder / ("_".join(map(str, parts)) + ".nc")
+    other = "".join(f"_{x:g}" for x in rigged.values())
+    path = folder / f"{name}_{noise}_{SIZE}_{seed}{other}.nc"
     return kept(path, partial(scan_object, name, noise, seed=seed, **rigged))
 
 
@@ -215,7 +215,7 @@ def tuned_weights(folder: Path, count: int, legs: int) -> Path:
     import torch
 
     from cmtof.network.training import fine_tune
-    from cmtof.network.weights import load_weights, save_weights, weights_path
+    from cmtof.network.weights import load_weights, save_weights
 
     if not legs:
         return weights_path(NETWORK, "released")
@@ -231,7 +231,7 @@ def tuned_weights(folder: Path, count: int, legs: int) -> Path:
             tuned, losses = fine_tune(trained, examples, seed=legs, **options)
         path.parent.mkdir(parents=True, exist_ok=True)
         save_weights(path, tuned.network, tuned.card)
-        print(path.parent.name, "loss", np.mean(losses[-50:]), flush=True)
+        print(path.parent.name, np.mean(losses[-50:]), flush=True)
     return path
 
 
@@ -320,7 +320,7 @@ def thinned(scan: Measurement, stride: int) -> Measurement:
 
 def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
     """Drop the counts of some methods, and those of the tuned network if it is another now."""
-    found = hashlib.sha256(weights.read_bytes()).hexdigest()
+    found = read_card(weights).sha256
     if counts.held.get("weights", found) != found:
         counts.held.pop("sweep", None)
         again = [*again, "tuned", *(f"{count} scans" for count in CURVE)]
@@ -332,7 +332,7 @@ def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
 
 def main(
     again: Annotated[list[str], typer.Option(default_factory=list)],
-    folder: Annotated[Path, typer.Argument()] = Path("build", "scanned"),
+    folder: Annotated[Path, typer.Argument()] = Path("build/scanned"),
     legs: int = MOST_LEGS,
 ) -> None:
     """Compute what is missing, and store it."""

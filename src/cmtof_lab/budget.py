@@ -48,12 +48,12 @@ def noise_terms(target: Plane, mode: str) -> dict[str, float]:
     silent = replace(real, converter_noise=0.0)
     dark = replace(silent, noise_density=0.0)
     every, analog, photons = (
-        float(OpticalRanger(one, mode).bound(target, [0.0])[0]) for one in (real, silent, dark)
+        OpticalRanger(one, mode).bound(target, [0.0])[0] for one in (real, silent, dark)
     )
     return {
         "photon noise": photons,
-        "amplifier": float(np.sqrt(analog**2 - photons**2)),
-        "converter": float(np.sqrt(every**2 - analog**2)),
+        "amplifier": np.sqrt(analog**2 - photons**2),
+        "converter": np.sqrt(every**2 - analog**2),
     }
 
 
@@ -68,7 +68,7 @@ def phase_terms(target: Plane, mode: str) -> dict[str, float]:
         "I/Q imbalance": real.iq_imbalance / np.sqrt(8) * (mode == "single"),
         "back-reflection": back_ratio(real, target) / np.sqrt(2),
     }
-    return {name: float(depth_from_phase(one, FREQUENCY[mode])) for name, one in phases.items()}
+    return {name: depth_from_phase(one, FREQUENCY[mode]) for name, one in phases.items()}
 
 
 def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> dict[str, float]:
@@ -77,7 +77,7 @@ def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> dict[str, 
     still = {"days": days, "seed": seed, "stage_error": 0.0, "air_change": (0, 0)}
     alone = {"RF leakage": only("leakage"), "laser drift": only("fibre_low", "fibre_high")}
     drawn = {name: simulated(one, mirror, mode, **still) for name, one in alone.items()}
-    return {name: float(np.sqrt(np.mean(errors**2))) for name, errors in drawn.items()}
+    return {name: np.sqrt(np.mean(errors**2)) for name, errors in drawn.items()}
 
 
 def air_term(target: Plane) -> float:
@@ -85,7 +85,7 @@ def air_term(target: Plane) -> float:
     real = TwinSettings()
     warmer, denser = OpticalRanger.air_change
     weather = np.hypot(warmer / real.temperature, denser / real.pressure)
-    return float((real.group_index - 1) * target.distance * weather)
+    return (real.group_index - 1) * target.distance * weather
 
 
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
@@ -93,13 +93,13 @@ def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
     rate = TAU * DRIFT_OCTAVES
     now = np.exp(1j * np.multiply.outer(np.asarray(times, float), rate))
     then = np.exp(1j * np.multiply.outer(np.asarray(reference, float), rate)).mean(0)
-    return float(np.sqrt(np.mean(np.abs(now - then) ** 2)))
+    return np.sqrt(np.mean(np.abs(now - then) ** 2))
 
 
 def back_ratio(settings: TwinSettings, target: Plane) -> float:
     """Power of the coaxial back-reflection over that of the target."""
     hits = RayEnds(*map(np.array, (target.distance, 1.0, target.reflectance)), target.mirrored)
-    return settings.back_fraction / float(sum(free_space.returned_fractions(settings, hits)))
+    return settings.back_fraction / sum(free_space.returned_fractions(settings, hits))
 
 
 def only(*names: str) -> TwinSettings:

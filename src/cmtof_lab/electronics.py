@@ -44,7 +44,7 @@ class Chain:
         settled = solve_continuous_lyapunov(matrix, -0.5 * push @ push.T)
         added = settled - transition @ settled @ transition.T
         self.transition, self.entry = np.tril(transition), entry[:, 0]
-        self.root, self.settled = _root(added), _root(settled)
+        self.root, self.settled = root_of(added), root_of(settled)
 
     def memory(self, count: int) -> Array:
         """Autocovariance (count,) of the output, V^2, at successive samples for unit density."""
@@ -74,7 +74,7 @@ class Chain:
         return outputs[-1]
 
 
-def _root(covariance: Array) -> Array:
+def root_of(covariance: Array) -> Array:
     """Root of a covariance that rounding may have left not quite positive."""
     values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
     return vectors * np.sqrt(np.maximum(values, 0))

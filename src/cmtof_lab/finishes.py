@@ -96,14 +96,14 @@ def openings(x: Array, y: Array, z: Array) -> Flags:
         slits |= across**2 + along**4 < 1
     slope = z - 0.171 - 0.12 * (u - 0.022)
     eyes = ((u - 0.022) / 0.028) ** 4 + (slope / 0.0085) ** 2 < 1
-    inner = np.hypot(u - 0.01, z - 0.04) < 0.0055
-    outer = np.hypot(u - 0.03, z - 0.042) < 0.0055
-    front = (eyes | slits | (inner | outer)) & (y < -0.01)
+    for aside, height in ((0.01, 0.04), (0.03, 0.042)):
+        slits |= np.hypot(u - aside, z - height) < 0.0055
+    front = (eyes | slits) & (y < -0.01)
     return front | ((y > 0.02) & (z < 0.78 * HELMET_HEIGHT))
 
 
-def feathers(x: Array, y: Array, z: Array) -> tuple[Array, Array]:
-    """How near a point is to the tip of a feather, 0 to 1, and a fixed number of each feather."""
+def feathers(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
+    """How near to the tip of a feather, 0 to 1, a fixed number of each, and its mark's share."""
     level = np.floor(z / FEATHER)
     across = np.arctan2(x, -y) * 24 / (2 * np.pi) + 0.5 * (level % 2)
     column = np.floor(across)
@@ -112,7 +112,8 @@ def feathers(x: Array, y: Array, z: Array) -> tuple[Array, Array]:
     inside = np.clip(1 - (2 * s) ** 2, 0, 1)
     tip = inside * np.cos(np.pi / 2 * t) ** 1.5 * np.clip(6 * t, 0, 1)
     number = np.sin(12.9898 * level + 78.233 * column) * 43758.5453
-    return tip, np.mod(number, 1.0)
+    which = np.mod(number, 1.0)
+    return tip, which, 6 * (tip - 0.5) * (which < 0.6)
 
 
 def plumage(x: Array, y: Array, z: Array) -> Array:
@@ -122,15 +123,15 @@ def plumage(x: Array, y: Array, z: Array) -> Array:
 
 def breast(x: Array, y: Array, z: Array) -> Array:
     """Pale in front, with dark tips."""
-    tip, which = feathers(x, y, z)
+    tip, _, mark = feathers(x, y, z)
     base = mix(0.12, PALE, np.clip(0.5 - y / 0.04, 0, 1) * (0.8 + 0.4 * tip))
-    return mix(base, DARK, 6 * (tip - 0.5) * (which < 0.6))
+    return mix(base, DARK, mark)
 
 
 def wing(x: Array, y: Array, z: Array) -> Array:
     """Brown with pale tips."""
-    tip, which = feathers(x, y, z)
-    return mix(mix(0.04, 0.16, which), PALE, 6 * (tip - 0.5) * (which < 0.6))
+    _, which, mark = feathers(x, y, z)
+    return mix(mix(0.04, 0.16, which), PALE, mark)
 
 
 def owl_face(x: Array, y: Array, z: Array) -> Array:

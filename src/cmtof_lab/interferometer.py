@@ -23,7 +23,7 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof.types import Array, Numbers
 from cmtof_lab import optics as free_space
-from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
+from cmtof_lab.electronics import SLOPE, Chain, density, root_of, volts_per_watt
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power
 from cmtof_lab.targets import Plane
@@ -88,10 +88,10 @@ class Interferometer:
         z = target.distance
         vacuum = settings.wavelength
         if not target.mirrored:
-            inverse = (np.pi * float(free_space.spot_radius(settings, z)) / (vacuum * z)) ** 2
+            inverse = (np.pi * free_space.spot_radius(settings, z) / (vacuum * z)) ** 2
             area = free_space.aperture_area(settings)
             return min(1.0, 2 * np.pi / (area * (inverse + self.reference_radius**-2)))
-        width = float(free_space.spot_radius(settings, 2 * z))
+        width = free_space.spot_radius(settings, 2 * z)
         real = self.reference_radius**-2 + width**-2
         turned = np.pi * settings.divergence / (width * vacuum)  # curvature of the wavefront
         return 4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2)
@@ -111,7 +111,7 @@ class Interferometer:
         variance = density(settings, offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
         variance = variance + (settings.converter_noise * SLOPE) ** 2 / self.samples
         variance = variance + (self.intensity_noise * offset) ** 2
-        return Fringes(amplitude, offset, variance * float(settings.noise))
+        return Fringes(amplitude, offset, variance * settings.noise)
 
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
@@ -177,7 +177,7 @@ class Interferometer:
         """Mean number of fringes that one reading loses along the move (law in chapter 17)."""
         angle = 2 * np.pi * self.resonance * self.reading_time
         kept = np.exp(-angle / (2 * self.quality)) * np.cos(angle)
-        spread = max(self.shaking * float(np.sqrt(2 - 2 * kept)), 1e-15)
+        spread = max(self.shaking * np.sqrt(2 - 2 * kept), 1e-15)
         highest = 4 * (self.stride + 9 * spread) / self.wavelength
         edge = self.wavelength / 4 * np.arange(1, highest + 2, 2)
         forward, backward = (ndtr((s - edge) / spread).sum() for s in (self.stride, -self.stride))
@@ -194,10 +194,9 @@ def _carried(normals: NDArray, exponent: complex) -> NDArray:
     keep = np.exp(exponent)
     fresh = np.sqrt(1 - abs(keep) ** 2) * normals
     fresh[:1] = normals[:1]
-    return np.asarray(lfilter([1.0], [1.0, -keep], fresh))
+    return lfilter([1.0], [1.0, -keep], fresh)
 
 
 def _gaussian_root(places: Array) -> Array:
     """Root (P, P) of the correlation ``exp(-d^2)`` of a circular field of mean square 1, over 2."""
-    values, vectors = np.linalg.eigh(np.exp(-((places[:, None] - places) ** 2)))
-    return vectors * np.sqrt(np.maximum(values, 0) / 2)
+    return root_of(np.exp(-((places[:, None] - places) ** 2)) / 2)

@@ -60,7 +60,7 @@ class MhzCamera:
     @property
     def focal_length(self) -> float:
         """Focal length of the lens, px."""
-        return self.shape[1] / 2 / float(np.tan(self.field_of_view / 2))
+        return self.shape[1] / 2 / np.tan(self.field_of_view / 2)
 
     @property
     def pupil_area(self) -> float:
@@ -75,7 +75,7 @@ class MhzCamera:
     @property
     def wrap(self) -> float:
         """Range after which answers repeat, m."""
-        return float(wrap_length(self.frequency))
+        return wrap_length(self.frequency)
 
     def signal(self, view: RayEnds) -> Array:
         """Charge of one step in both taps by the direct way, electrons, (H, W) (law in chapter 20).

@@ -56,7 +56,7 @@ def object_mesh(name: str) -> Trimesh:
         raise ValueError(f"Expected an object out of {known}, got {name!r}. Choose one.")
     held = OBJECTS[name]
     mesh = _staged(map(_piece, held["pieces"]), 1.2, WALL, 0.4, 0.55)
-    return _before(mesh, [0, held["pitch"]], held["middle"], held.get("distance", DISTANCE))
+    return _before(mesh, held["pitch"], held["middle"], held.get("distance", DISTANCE))
 
 
 def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
@@ -70,7 +70,7 @@ def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
     turn = rng.normal(0, 0.12)
     share, farther, view = rng.uniform([0.35, -0.03, 0.32], [0.65, 0.02, 0.43])
     middle = share * max(thing.bounds[1, 2] for thing in things)
-    return _before(mesh, [turn, pitch], middle, DISTANCE + farther), view
+    return _before(mesh, pitch, middle, DISTANCE + farther, turn), view
 
 
 def _posed(name: str, x: float, many: bool, rng: Generator) -> Any:
@@ -103,10 +103,10 @@ def _staged(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) 
     return concatenate([*things, board, back])
 
 
-def _before(mesh: Any, angles: ArrayLike, middle: float, distance: float) -> Trimesh:
-    """A scene in the instrument's axes, turned and looked down at by two angles, rad."""
-    turn = Rotation.from_euler("zx", angles + np.array([0, np.pi / 2]))
-    mesh.vertices = turn.apply(mesh.vertices - [0, 0, middle])
+def _before(mesh: Any, pitch: float, middle: float, distance: float, turn: float = 0) -> Trimesh:
+    """A scene in the instrument's axes: turned, and looked down at by ``pitch``, rad."""
+    way = Rotation.from_euler("zx", [turn, np.pi / 2 + pitch])
+    mesh.vertices = way.apply(mesh.vertices - [0, 0, middle])
     return mesh.apply_translation([0, 0, distance])
 
 
@@ -143,7 +143,7 @@ def _finished(
         "reflectance": np.full(len(points), seen, float),
         "mirrored": np.full(len(points), mirrored, float),
     }
-    moved = Rotation.from_euler("z", turn).apply(points) + np.asarray(at, float)
+    moved = Rotation.from_euler("z", turn).apply(points) + at
     return Trimesh(moved, shape.faces, process=False, vertex_attributes=held)
 
 
@@ -204,9 +204,9 @@ def _lathed(sections: Array, stated: dict[str, Any]) -> Trimesh:
 
 def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:
     """Coordinates (rows, columns) of a body's skin, evenly along its profile and around it."""
-    path = sections if sections.shape[1] == 4 else sections[:, [0, 1, 1, 1]]
+    path = sections[:, np.minimum(range(4), sections.shape[1] - 1)]
     lengths = np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1)
-    along = np.concatenate([[0], lengths.cumsum()])
+    along = np.append(0, lengths.cumsum())
     profile = PchipInterpolator(along, path)(np.linspace(0, along[-1], grid[0]))
     z, side, front, back = np.repeat(profile.T[..., None], grid[1], axis=2)
     turn = np.linspace(-np.pi, np.pi, grid[1], endpoint=False)  # 0 is the front

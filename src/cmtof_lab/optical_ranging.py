@@ -165,7 +165,7 @@ class OpticalRanger:
 
 def _another_day(settings: TwinSettings, rng: Generator) -> TwinSettings:
     """Settings whose phases of paths, cables and leaks, which none states, are drawn again."""
-    path, back, cable, leak = rng.uniform(0, 1, 4)
+    path, back, cable, leak = rng.random(4)
     return replace(
         settings,
         internal_path=settings.internal_path + WRAP * path,

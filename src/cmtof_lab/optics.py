@@ -71,7 +71,7 @@ def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
 def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> Paths:
     """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad."""
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
-    angle = float(spot_radius(settings, 1.0))
+    angle = spot_radius(settings, 1.0)
     weights, spot = (_WEIGHTS, angle * _SPOT) if angle else (np.ones(1), np.zeros((1, 2)))
     hits = target.look(directions_from_angles(angles[:, None, :], spot))
     distance = np.where(hits.range > 0, hits.range, 0.0)
@@ -122,7 +122,7 @@ def ambient(settings: TwinSettings) -> float:
 def emission_mean(settings: TwinSettings, mode: str) -> float:
     """Mean transmission of an ideal emission module at the stated eta, mirror included."""
     law = doubled_mode_harmonics if mode == "doubled" else single_mode_harmonics
-    return float(law(settings.eta, 2)[0].real) * settings.mirror_reflectance
+    return law(settings.eta, 2)[0].real * settings.mirror_reflectance
 
 
 def sent_power(settings: TwinSettings, mode: str = "single") -> float:

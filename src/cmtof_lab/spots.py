@@ -38,7 +38,7 @@ class Sensor:
         (Dorsch, Haeusler and Herrmann, Applied Optics 33, 1306, 1994, found this limit.)
         """
         grain = LASER_WAVELENGTH * self.f_number / self.pitch
-        return self.contrast * grain / float(np.sqrt(2) * np.pi)
+        return self.contrast * grain / (np.sqrt(2) * np.pi)
 
 
 SENSOR = Sensor()

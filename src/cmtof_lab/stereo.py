@@ -14,11 +14,12 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from cmtof.constants import FREQUENCY_SINGLE
-from cmtof.correlation import TAU, consistent_wrap_count, depth_from_wraps, wrap_length
+from cmtof.correlation import TAU, consistent_wrap_count, depth_from_wraps
 from cmtof.frame import Frame
 from cmtof.pointcloud import mesh_triangles, normals_from_points, points_from_depth
 from cmtof.types import Array, Flags, Numbers
 from cmtof_lab.spots import SENSOR, WINDOW, Sensor, photographed_spots, place_spots
+from cmtof_lab.sweep import WRAP
 from cmtof_lab.targets import MeshTarget
 from cmtof_rooms.arrays import Shape
 
@@ -27,9 +28,6 @@ ROWS = 6
 SQUARE = 0.04  # side of a square, m
 # those corners (54, 3), m, row by row about the middle of the board
 BOARD = SQUARE * (np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3) - [4, 2.5, 0])
-
-
-WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +104,7 @@ def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTran
     """Poses of a board about 1.1 m away, tilted by 15 to 40 degrees, whole in both images."""
     poses: list[RigidTransform] = []
     while len(poses) < count:
-        tilt = rng.uniform(np.deg2rad(15), np.deg2rad(40))
+        tilt = np.deg2rad(rng.uniform(15, 40))
         about = rng.uniform(0, TAU)
         lean = Rotation.from_rotvec([tilt * np.cos(about), tilt * np.sin(about), 0])
         turn = lean * Rotation.from_rotvec([0, 0, rng.uniform(-0.4, 0.4)])

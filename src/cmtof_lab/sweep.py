@@ -69,5 +69,4 @@ def parts(errors: ArrayLike, positions: ArrayLike = POSITIONS) -> Parts:
     left = error - offset[..., None] - slope[..., None] * about
     scatter = np.sqrt((left**2).sum(axis=-1) / (place.size - 2))
     rmse = np.sqrt(np.mean(error**2, axis=-1))
-    mae = np.abs(error).mean(axis=-1)
-    return Parts(offset, slope, scatter, rmse, mae)
+    return Parts(offset, slope, scatter, rmse, np.abs(error).mean(axis=-1))
