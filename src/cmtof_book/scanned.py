@@ -77,7 +77,7 @@ NEXT_LEGS: Values = FIRST_LEG | {"steps": 1500}
 DEPTH_WEIGHT = 0.005
 """Weight of the distance in depth, 1/mm, as where the network was trained last."""
 
-MOST_LEGS = 3
+MOST_LEGS = 5
 
 Noise = str | float
 """One of `cmtof_lab.settings.NOISE`, or a multiple of the captures'."""
