@@ -1,12 +1,7 @@
 """Other ends for the drivers: small models of the devices, behind wires that can fail."""
 
-import contextlib
 import io
-import os
-import socket
-import socketserver
 import struct
-import threading
 from contextlib import contextmanager
 from types import SimpleNamespace
 
@@ -16,6 +11,7 @@ from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 
 from cmtof.hardware.rf import framed
+from cmtof.hardware.roles import RfStatus
 
 
 class Wire:
@@ -67,6 +63,8 @@ class Port:
 class Visa:
     """A VISA resource: what is written is answered by a function of bytes."""
 
+    timeout = 0.0
+
     def __init__(self, answer):
         self._answer = answer
         self.lines = []
@@ -113,17 +111,23 @@ class Firmware:
 
     def __call__(self, line):
         head, word, *arguments = line.decode().rpartition("*")[0].split()
+        return framed(f"<{head[1:]} {self.obey(word, arguments)}".strip())
+
+    def obey(self, word, arguments):
+        """Answer to a request."""
         if word == "SAFE":
             self.values["RF"] = "OFF"
         if arguments:
             self.codes = [int(code) for code in arguments[1:]]
             self.values[word] = arguments[0]
-        on = int(self.values["RF"] == "ON")
-        replies = self.values | {
-            "ID?": f"{self.model},R0001,1.2",
-            "STAT?": f"{on} {int(self.locked and on)} 0 16 0",
-        }
-        return framed(f"<{head[1:]} OK {replies.get(word, '')}".strip())
+        status = " ".join(str(int(value)) for value in self.status())
+        replies = self.values | {"ID?": f"{self.model},R0001,1.2", "STAT?": status}
+        return f"OK {replies.get(word, '')}"
+
+    def status(self):
+        """State as `RfStatus` has it."""
+        on = self.values["RF"] == "ON"
+        return RfStatus(on, self.locked and on, 0, 16, tripped=False)
 
 
 HOMED = 1 << 10
@@ -151,20 +155,18 @@ class Controller:
         (number,) = struct.unpack_from("<H", data)
         info = (self.serial, self.model, 16, 1, 1, 1, 1, b"", 1, 1, 1)
         moving = MOVING if self.looks else 0
-        self.looks -= bool(self.looks and number == 0x0490)
+        self.looks -= bool(self.looks and number in (0x0480, 0x0490))
         answers = {
             0x0005: (0x0006, "<l8sH4B60sHHH", *info),
             0x0411: (0x0412, "<Hl", 1, self.position),
             0x0441: (0x0442, "<3Hll", 1, *self.home_parameters),
             0x0414: (0x0415, "<H3l", 1, *self.velocities),
             0x0490: (0x0491, "<HlhHL", 1, self.position, 0, 0, self.status | moving),
+            0x0480: (0x0481, "<HllL", 1, self.position, 0, self.status | moving),
         }
         if number in (0x0443, 0x0453):
-            goal = struct.unpack_from("<Hl", data, 6)[1] if number == 0x0453 else 0
-            self.moves.append(goal)
-            if not self.deaf:
-                self.position = goal
-                self.looks = max(self.looks, 1)
+            self.status |= HOMED * (number == 0x0443)
+            self.go(struct.unpack_from("<Hl", data, 6)[1] if number == 0x0453 else 0)
             return struct.pack("<HBBBB", 0x0464, 1, 0, 0x01, 0x50)  # comes unasked
         if number == 0x0440:
             self.home_parameters = struct.unpack_from("<HHll", data, 8)
@@ -177,6 +179,13 @@ class Controller:
         reply, layout, *values = answers[number]
         body = struct.pack(layout, *values)
         return struct.pack("<HHBB", reply, len(body), 0x81, 0x50) + body
+
+    def go(self, goal):
+        """Move to a position, counts."""
+        self.moves.append(goal)
+        if not self.deaf:
+            self.position = goal
+            self.looks = max(self.looks, 1)
 
 
 class T7:
@@ -214,6 +223,8 @@ class T7:
         self.set(2500, "H", sum(self.power_up.get(line, 1) << line for line in range(8)))
 
     def __call__(self, frame):
+        if self.fault == "refuse" and frame[1:3] != b"\xd6\xd8":
+            raise LookupError(2603)
         reply = b""
         rest = io.BytesIO(frame)
         while head := rest.read(4):
@@ -238,11 +249,15 @@ class T7:
             self.set(4494, "I", self.get(4002))
             self._send_burst()
 
+    def counts(self):
+        """A ramp that starts at the label of the burst."""
+        return np.arange(self.get(4020)) + self.get(46100)
+
     def _send_burst(self):
-        """Packets of a ramp that starts at the label of the burst."""
+        """Packets of a burst."""
         scans = self.get(4020)
         size = self.get(4006)
-        counts = (np.arange(scans) + self.get(46100)).astype(">u2")
+        counts = self.counts().astype(">u2")
         fault = self.fault
         self.fault = ""
         for n, start in enumerate(range(0, scans, size)):
@@ -257,56 +272,3 @@ class T7:
                 number += 1
             head = struct.pack(">HHHBBBBHHH", number, 0, 10 + len(part), 1, 76, 16, 0, 0, status, 0)
             self.stream.write(head + part)
-
-
-def served(port, handle):
-    """Server of a port; a function handles the socket of each connection."""
-    server = socketserver.ThreadingTCPServer(("127.0.0.1", port), lambda client, *_: handle(client))
-    server.daemon_threads = True
-    return server
-
-
-class Network:
-    """A T7 on TCP: function 76 on one port, packets of the stream on that 200 above.
-
-    While ``silent`` it takes requests and answers none, as a device that hangs.
-    """
-
-    def __init__(self, model):
-        self.model = model
-        self.silent = False
-        self.streaming = threading.Event()  # both ports are connected
-        self.servers = self._two_servers()
-        self.address = "{}:{}".format(*self.servers[0].server_address)
-        for server in self.servers:
-            threading.Thread(target=server.serve_forever, args=(0.01,)).start()
-
-    def _two_servers(self):
-        for port in range(20_000 + os.getpid() % 10_000, 60_000):
-            with contextlib.suppress(OSError):
-                return served(port, self._requests), served(port + 200, self._stream)
-        raise OSError("Expected two free ports, got none. Close something.")
-
-    def _stream(self, client):
-        self.model.stream = SimpleNamespace(write=client.sendall)
-        self.streaming.set()
-        client.recv(1)  # until the other end closes
-
-    def _requests(self, client):
-        while head := client.recv(8, socket.MSG_WAITALL):
-            number, _, length, unit, function = struct.unpack(">HHHBB", head)
-            frame = client.recv(length - 2, socket.MSG_WAITALL)
-            if self.silent:
-                continue
-            self.streaming.wait(10)
-            if self.model.fault == "refuse" and frame[:3] != b"\x00\xd6\xd8":
-                self.model.set(55000, "H", 2603)
-                client.sendall(struct.pack(">HHHBBB", number, 0, 3, unit, 76 | 0x80, 6))
-                continue
-            body = self.model(frame)
-            client.sendall(struct.pack(">HHHBB", number, 0, len(body) + 2, unit, function) + body)
-
-    def close(self):
-        for server in self.servers:
-            server.shutdown()
-            server.server_close()

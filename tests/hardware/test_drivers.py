@@ -7,39 +7,26 @@ import serial
 from peers import T7, Controller, Firmware, Port, Visa, Wire, modbus
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
+from wire import Generator, Meter
 
 from cmtof.hardware.apt import MOTORS, Motor
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, number
 from cmtof.hardware.rf import RfDriver
 from cmtof.hardware.scpi import PowerMeter, SignalGenerator
 from cmtof.hardware.t7 import LabJackT7
+from cmtof_lab.devices import simulated_devices
+from cmtof_lab.instrument import SimulatedInstrument
+from cmtof_lab.settings import TwinSettings
 
 LOST = serial.SerialException("gone")
 VISA_LOST = VisaIOError(StatusCode.error_connection_lost)
 
 
-class Scpi:
-    """A device of SCPI: answers by question, and outputs that follow."""
-
-    def __init__(self, model, answers):
-        self.model = model
-        self.answers = dict(answers)
-
-    def __call__(self, text):
-        words = text.decode().split()
-        if words[0] == "*IDN?":
-            return f"MAKER,{self.model},1,2".encode()
-        if words[0].endswith("OUTP"):
-            self.answers[f"{words[0]}?"] = f"{text.decode()},LOAD,50"
-        return self.answers.get(words[0], "").encode()
+def simulated(role):
+    """A device of an instrument that is switched off."""
+    return simulated_devices(SimulatedInstrument(TwinSettings()))[role]
 
 
-METER = {
-    "MEAS:POW?": "2.5E-3",
-    "SYST:SENS:IDN?": '"S140C","1","01-JAN-2026",1,1,33',
-    "SENS:POW:UNIT?": "W",
-    "SENS:POW:RANG:AUTO?": "1",
-}
 # model, driver, a question and a change with the bytes sent for them, faults on the wire, a value
 # beyond the limits
 CONTRACTS = {
@@ -54,7 +41,7 @@ CONTRACTS = {
         beyond=lambda one: one.set_frequency(8e9),
     ),
     "clock": SimpleNamespace(
-        model=lambda: Scpi("SDG2042X", {"C1:OUTP?": "C1:OUTP OFF,LOAD,50"}),
+        model=lambda: Generator(simulated("clock")),
         driver=lambda wire, *number: SignalGenerator(Visa(wire), "device", *number),
         ask=lambda one: one.output(1, True) is None,
         question=b"C1:OUTP?",
@@ -64,9 +51,9 @@ CONTRACTS = {
         beyond=lambda one: one.sine(1, frequency=41e6, amplitude=1.0),
     ),
     "meter": SimpleNamespace(
-        model=lambda: Scpi("PM100D", METER),
+        model=lambda: Meter(simulated("power_meter")),
         driver=lambda wire, *number: PowerMeter(Visa(wire), "device", *number),
-        ask=lambda one: one.power == 2.5e-3,
+        ask=lambda one: one.power == 0,
         question=b"MEAS:POW?",
         change=lambda one: one.set_up(wavelength=532e-9, readings=10),
         command=b"SENS:CORR:WAV 532",

@@ -10,9 +10,8 @@ import pytest
 import serial
 from pytest import approx
 
-from cmtof.hardware import connect
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.connect import connected_bench, connected_driver
+from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import ConnectionLost, Unsafe, one_error
 from cmtof.hardware.rig import DRIVERS, Rig
 
@@ -80,49 +79,6 @@ def test_the_default_rig_finds_its_libraries_in_the_extra():
     text = (Path(__file__).parents[2] / "pyproject.toml").read_text()
     extra = tomllib.loads(text)["project"]["optional-dependencies"]["hardware"]
     assert {"pyserial", "pyusb", "pyvisa", "pyvisa-py", "thorlabs-apt-protocol"} <= set(extra)
-
-
-class Listed:
-    """Device that lists what is done to it; the read-out may be missing."""
-
-    def __init__(self, name, calls, missing):
-        if name == missing:
-            raise ConnectionLost(f"Expected {name}, got none. Check.")
-        self.identify = lambda: calls.append(f"identify {name}")
-        self.safe_state = lambda: calls.append(f"safe {name}")
-        self.close = lambda: calls.append(f"close {name}")
-
-
-def test_a_device_that_is_missing_at_the_start_leaves_no_light_and_no_rf(monkeypatch):
-    calls = []
-    listed = lambda name, *_: Listed(name, calls, missing="stage")  # noqa: E731
-    monkeypatch.setattr(connect, "connected_driver", listed)
-    with pytest.raises(ConnectionLost), connected_bench(RIG):
-        pass
-    first = ["daq", "rf emission", "rf detection"]
-    assert calls[:6] == [f"{act} {name}" for name in first for act in ("identify", "safe")]
-    opened = [call.removeprefix("safe ") for call in calls if call.startswith("safe")]
-    assert calls[-len(opened) :] == [f"close {name}" for name in reversed(opened)]
-
-
-def test_every_device_is_safe_at_the_end_and_closed(monkeypatch):
-    calls = []
-    monkeypatch.setattr(connect, "connected_driver", lambda name, *_: Listed(name, calls, ""))
-    with connected_bench(RIG):
-        calls.clear()
-    names = [role.replace("_", " ") for role in DRIVERS]
-    assert sorted(calls[:8]) == sorted(f"safe {name}" for name in names)
-    assert sorted(calls[8:]) == sorted(f"close {name}" for name in names)
-
-
-def test_thin_air_changes_the_index_that_goes_into_the_file(monkeypatch):
-    monkeypatch.setattr(connect, "connected_driver", lambda name, *_: Listed(name, [], ""))
-    found = []
-    for pressure in (101325.0, 83e3):
-        with connected_bench(replace(RIG, pressure=pressure)) as bench:
-            found.append(bench.about["group_index"])
-    assert found[0] - found[1] == approx(52e-6, abs=2e-6)  # m per metre
-    assert RIG.as_dict()["pressure"] == 101325.0
 
 
 # --- the beam ------------------------------------------------------------------------------------

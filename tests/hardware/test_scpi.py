@@ -13,7 +13,7 @@ VISA = Path(__file__).with_name("visa")
 
 def simulated(kind, name, address):
     """Driver of a device of pyvisa-sim."""
-    return kind(open_visa(address, f"{VISA / name}@sim"), "device")
+    return kind(open_visa(address, library=f"{VISA / name}@sim"), "device")
 
 
 def test_generator_of_pyvisa_sim_becomes_the_clock():

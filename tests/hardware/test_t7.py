@@ -6,10 +6,11 @@ import time
 
 import numpy as np
 import pytest
-from peers import T7, Network, modbus
+from peers import T7, modbus
 from pymodbus.framer import FramerSocket
 from pymodbus.pdu import DecodePDU
 from pytest import approx
+from wire import Network
 
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused
@@ -109,14 +110,6 @@ def test_watchdog_guards_the_safe_lines_and_nothing_of_it_is_inherited(peer, daq
     assert not peer.written
 
 
-def test_light_lines_are_low_after_power_up_once_that_is_saved(peer, daq):
-    peer.cycle_power()
-    assert peer.levels & 3 == 3  # from the factory: laser on, shutter open
-    daq.save_power_up_state()
-    peer.cycle_power()
-    assert peer.levels & 3 == 0
-
-
 def test_the_safe_state_lowers_all_light_lines_in_one_frame(peer, daq):
     for line in ("FIO0", "FIO1"):
         daq.set_line(line, True)
@@ -172,7 +165,7 @@ def test_a_log_has_every_request_and_reply(network, tmp_path):
     with (tmp_path / "log.txt").open("w") as log:
         driver = connected_driver("daq", settings, log)
         driver.line("FIO7")
-        network.silent = True
+        network.wire.fail(b"", b"")
         with pytest.raises(InstrumentTimeout):
             driver.line("FIO7")
         driver.close()
@@ -185,7 +178,7 @@ def test_a_device_that_hangs_is_lost_within_seconds(network, far):
     far.configure_burst(**BURST)
     begun = far.bursts([{"USER_RAM0_U32": 1}, {"USER_RAM0_U32": 2}])
     next(begun)
-    network.silent = True
+    network.wire.fail(b"", b"")
     start = time.monotonic()
     with pytest.raises((ConnectionLost, InstrumentTimeout)):
         next(begun)

@@ -81,12 +81,12 @@ MOTORS = {
 """Motors by the name in a RIG file."""
 
 
-def open_controller(address: str) -> Any:
+def open_controller(address: str, timeout: float = 1.0) -> Any:
     """Open a controller's port for this program alone, without what it still holds.
 
     RTS is raised and lowered as the controllers' protocol asks; a pty or a URL has no such line.
     """
-    port = open_serial(address, rtscts="://" not in address)
+    port = open_serial(address, timeout, rtscts="://" not in address)
     for level in (True, False):
         with suppress(OSError):
             port.rts = level

@@ -41,7 +41,7 @@ def connected_driver(name: str, settings: DeviceSettings, log: TextIO | None = N
         "rf-driver": rf.open_serial,
         "sdg2042x": scpi.open_visa,
         "pm100d": scpi.open_visa,
-    }.get(settings.driver, apt.open_controller)(settings.address)
+    }.get(settings.driver, apt.open_controller)(settings.address, settings.timeout)
     connection = Logged(opened, name, log) if log else opened
     match settings.driver:
         case "labjack-t7":
@@ -57,10 +57,10 @@ def connected_driver(name: str, settings: DeviceSettings, log: TextIO | None = N
     return apt.Motor(connection, kind, name, settings.serial_number)
 
 
-def open_feedback(address: str) -> Feedback:
+def open_feedback(address: str, timeout: float) -> Feedback:
     """Open the connection for commands of a T7, or raise `ConnectionLost`."""
     with one_error(f"a T7 at {address}", ConnectionLost):
-        return Feedback(address)
+        return Feedback(address, timeout)
 
 
 def read_out(connection: Any, name: str, settings: DeviceSettings) -> Any:
@@ -68,7 +68,7 @@ def read_out(connection: Any, name: str, settings: DeviceSettings) -> Any:
     from cmtof.hardware import rf, t7
 
     host, _, port = settings.address.partition(":")
-    stream = rf.open_serial(f"socket://{host}:{int(port or PORT) + 200}")
+    stream = rf.open_serial(f"socket://{host}:{int(port or PORT) + 200}", settings.timeout)
     lines = [LINES[part] for part in LIGHT]
     return t7.LabJackT7(
         connection, stream, name, settings.serial_number, safe_lines=lines, parked=MIRRORS

@@ -18,7 +18,7 @@ class Feedback:
     for that to the next request.
     """
 
-    def __init__(self, address: str, timeout: float = 0.5) -> None:
+    def __init__(self, address: str, timeout: float) -> None:
         host, _, port = address.partition(":")
         self._address = (host, int(port or PORT))
         self._timeout = timeout

@@ -19,7 +19,7 @@ from cmtof.types import Array
 CODES = 65536  # of one turn of the drive
 
 
-def open_serial(address: str, *, rtscts: bool = False) -> Any:
+def open_serial(address: str, timeout: float = 1.0, *, rtscts: bool = False) -> Any:
     """Open a serial port, a path or URL, at 115200 baud, for this program alone.
 
     Raises `ConnectionLost` if it is not there, or in use.
@@ -30,8 +30,8 @@ def open_serial(address: str, *, rtscts: bool = False) -> Any:
         return serial.serial_for_url(
             address,
             baudrate=115200,
-            timeout=1.0,
-            write_timeout=1.0,
+            timeout=timeout,
+            write_timeout=timeout,
             rtscts=rtscts,
             exclusive=True,
         )

@@ -45,12 +45,13 @@ Angle = Annotated[float, Field(gt=0, lt=80)]
 
 @dataclass(frozen=True, config=CHECKED)
 class DeviceSettings:
-    """Driver and address; the serial number it must have; a motor's own counts per m or rad."""
+    """Driver and address of a device, and what its own kind does not say."""
 
     driver: str
     address: str = Field(default="", exclude=True)  # it says nothing of the measurement
-    serial_number: str = ""
-    counts_per_unit: float | None = Field(default=None, gt=0, le=1e12)
+    serial_number: str = ""  # any other device is refused
+    counts_per_unit: float | None = Field(default=None, gt=0, le=1e12)  # of a motor, per m or rad
+    timeout: float = Field(default=1.0, gt=0, le=10, exclude=True)  # s that an answer may take
 
 
 @dataclass(frozen=True, config=CHECKED)

@@ -18,15 +18,13 @@ from cmtof.hardware import device
 from cmtof.hardware.device import number, one_error, question
 from cmtof.hardware.roles import Waiting
 
-TIMEOUT = 1000  # ms
 
-
-def open_visa(address: str, library: str = "@py") -> Any:
+def open_visa(address: str, timeout: float = 1.0, library: str = "@py") -> Any:
     """Open a VISA resource, as ``TCPIP::192.168.1.20::5025::SOCKET``, or raise `ConnectionLost`."""
     with one_error(f"an instrument at {address}", device.ConnectionLost):
         resource: Any = pyvisa.ResourceManager(library).open_resource(address)
         resource.read_termination = resource.write_termination = "\n"
-        resource.timeout = TIMEOUT
+        resource.timeout = 1e3 * timeout  # ms
         return resource
 
 
@@ -86,9 +84,10 @@ class SignalGenerator(ScpiInstrument):
     def reset(self) -> None:
         """Bring it into its factory state, without burst, sweep, modulation and coupling."""
         self._write("*RST")
+        usual = self._connection.timeout
         self._connection.timeout = 10_000  # ms, until it is done
         self._expect("reset", 1, self._ask("*OPC?", lambda line: number(line.removeprefix("*OPC"))))
-        self._connection.timeout = TIMEOUT
+        self._connection.timeout = usual
         self._write("ROSC INT")
         for channel in (1, 2):
             for kind in ("BTWV", "SWWV", "MDWV"):

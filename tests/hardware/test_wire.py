@@ -1,0 +1,193 @@
+"""Scans over sockets and pseudo-terminals, by the drivers, before devices that fail."""
+
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from pytest import approx
+from wire import World
+
+from cmtof.hardware.connect import connected_bench, connected_driver
+from cmtof.hardware.device import ConnectionLost, InstrumentError
+from cmtof.hardware.plan import planned
+from cmtof.hardware.rig import Rig
+from cmtof.hardware.scan import scan
+from cmtof_lab.rehearsal import simulated_bench
+from cmtof_lab.targets import Plane
+
+WALL = Plane(0.9, tilt_x=0.3, reflectance=0.8)
+DEFAULT = Rig.default()
+QUICK = {role: replace(one, timeout=0.05) for role, one in DEFAULT.devices.items()}
+RIG = replace(DEFAULT, phases=4, samples_per_phase=14, devices=QUICK)
+
+
+@pytest.fixture
+def world(monkeypatch):
+    """Peers of a rig; what the host waits for passes on their clock."""
+    made = World(RIG, WALL, seed=4)
+    host = SimpleNamespace(monotonic=made.clock, sleep=made.clock.pass_by)
+    for module in ("apt", "rf", "scpi"):
+        monkeypatch.setattr(f"cmtof.hardware.{module}.time", host)
+    for name in vars(host):
+        monkeypatch.setattr(f"cmtof.hardware.bench.{name}", getattr(host, name))
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def take(world, tmp_path):
+    """Scan the wall over the wires."""
+
+    def taken(**changes):
+        rig = replace(world.rig, **changes)
+        return scan(planned(rig, size=2), partial(connected_bench, rig), tmp_path / "m.nc")
+
+    return taken
+
+
+def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_path, succeeds):
+    """A flipper of 2.8 s, 10 s for a home and for a move with light and RF on, and thin air."""
+    world.models["daq"].slowness = 2.8
+    world.models["stage"].slow = iter([200, 200])
+    found = take(pressure=83e3)
+    assert world.dark
+    bench = partial(simulated_bench, RIG, WALL, seed=4)
+    wanted = scan(planned(replace(RIG, pressure=83e3), size=2), bench, tmp_path / "simulated.nc")
+    indices = [one.dataset.attrs["group_index"] for one in (wanted, found)]
+    assert -np.diff(indices) == approx(52e-6, abs=2e-6)  # m per metre
+    for name in ("raw_counts", "laser_power", "angle"):
+        assert_array_equal(found.dataset[name], wanted.dataset[name])
+    world.write(tmp_path / "rig.yml")
+    text = succeeds("scan", tmp_path / "rig.yml", "--check")  # every port is free again
+    assert text.count("homed") == 3
+    assert "not homed" not in text
+
+
+def test_a_flip_mirror_that_is_not_waited_for_shows_another_target(world, take):
+    world.models["daq"].slowness = 2.8
+    with pytest.raises(ValueError, match="Expected a reference target"):
+        take(flip_mirror_settling=0.0)
+
+
+PLACES = {
+    "rf_emission": b"FREQ",
+    "rf_detection": b"TABL",
+    "clock": b"BSWV",
+    "daq": b"\xb4\x14",  # label of a burst
+    "plate_emission": b"\x53\x04",
+    "plate_detection": b"\x53\x04",
+    "stage": b"\x53\x04",
+    "power_meter": b"MEAS:POW",
+}
+"""Request at which a device falls silent or hangs up."""
+
+
+def fall_silent(request):
+    return b""
+
+
+def hang_up(request):
+    raise ConnectionResetError
+
+
+@pytest.mark.parametrize("fault", [fall_silent, hang_up])
+@pytest.mark.parametrize("role", PLACES)
+def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
+    """Its own light or RF stays on until its own timer ends it."""
+    wire = world.ends[role].wire
+    works = wire.answer
+
+    def answer(request):
+        if PLACES[role] in request:
+            wire.answer = fault
+            return fault(request)
+        return works(request)
+
+    wire.answer = answer
+    with pytest.raises(InstrumentError, match="Expected"):
+        take()
+    if not (role == "daq" or role.startswith("rf")):
+        assert world.dark
+    world.pass_by(6.0)
+    assert world.dark
+
+
+# --- starts and ends -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def lit(world):
+    """The world as a killed scan leaves it, and its read-out's driver."""
+    daq = connected_driver("daq", world.rig.devices["daq"])
+    daq.watchdog(5)
+    daq.set_line("FIO0", True)
+    daq.set_line("FIO1", True)
+    world.panel.emission.on = True
+    world.panel.detection.on = True
+    yield daq
+    daq.close()
+
+
+@pytest.mark.parametrize("role", PLACES)
+def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role):
+    lit.close()
+    world.ends[role].close()
+    with pytest.raises(ConnectionLost, match="Expected"), connected_bench(world.rig):
+        pass
+    if role != "daq":
+        assert not (world.panel.laser_on or world.panel.shutter_open)
+    if not (role == "daq" or role.startswith("rf")):
+        assert world.dark
+    world.pass_by(6.0)
+    assert world.dark
+
+
+def test_a_read_out_whose_power_comes_back_is_dark_once_that_is_saved(world, lit):
+    lit.safe_state()
+    world.models["daq"].cycle_power()
+    assert world.panel.laser_on  # from the factory, without a resistor to ground
+    lit.save_power_up_state()
+    world.models["daq"].cycle_power()
+    assert not (world.panel.laser_on or world.panel.shutter_open or world.panel.beam_block_out)
+
+
+def test_timers_act_when_nobody_speaks(world, lit):
+    world.pass_by(4.0)
+    assert world.panel.laser_on
+    assert world.panel.emission.on
+    world.pass_by(2.0)
+    assert world.dark
+    assert world.models["rf_emission"].tripped
+
+
+SCAN = [sys.executable, "-m", "cmtof.cli", "scan", "rig.yml", "--size", "2", "-o", "m.nc"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGKILL])
+def test_a_program_that_ends_with_light_on(world, tmp_path, number):
+    """A closed terminal runs the emergency stop; after a kill the devices' timers act."""
+    world.write(tmp_path / "rig.yml", flip_mirror_settling=0.0)
+    end = world.ends["power_meter"].wire
+    works = end.answer
+
+    def answer(request):
+        if b"MEAS:POW" in request and world.panel.shutter_open:
+            scan.send_signal(number)
+        return works(request)
+
+    end.answer = answer
+    with subprocess.Popen(SCAN, cwd=tmp_path, stderr=-1) as scan:
+        scan.communicate(timeout=60)
+    if number == signal.SIGKILL:
+        assert world.panel.laser_on
+        assert world.panel.emission.on
+        world.pass_by(6.0)
+    else:
+        assert scan.returncode == 128 + number
+    assert world.dark
