@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.hardware.plan import BURST_INTERVAL, VOLTS_PER_DEGREE
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import LIGHT, LINES, MIRRORS, SAMPLE_RATE
-from cmtof.hardware.roles import ROLES, RfStatus, Waiting
+from cmtof.hardware.roles import ROLES, RfLock, RfStatus, Waiting
 from cmtof.types import Array
 from cmtof_lab.electronics import CENTRE, SLOPE
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
@@ -76,6 +76,13 @@ class SimulatedRf(SimulatedDevice):
         entry = (self.edges - 1) % max(len(self.knobs.table), 1)
         locked = self.knobs.on and self.panel.clock_on
         return RfStatus(self.knobs.on, locked, entry, self.edges, tripped=False)
+
+    def lock(self) -> RfLock:
+        settings = self.instrument.settings
+        detuning = self.knobs.frequency - settings.resonance
+        lost = 1 - 1 / (1 + (2 * detuning / settings.resonance_width) ** 2)
+        reflected = self.knobs.power + 10 * np.log10(max(lost, 1e-6))
+        return RfLock(self.status().locked, detuning, float(reflected))
 
     def load_table(self, phases: Array) -> None:
         self.knobs.table = _coded(phases)

@@ -1,7 +1,8 @@
-"""Other ends for the drivers: small models of the devices, behind wires that can fail."""
+"""Models of the devices, each on a simulated one, and connections in process that can fail."""
 
 import io
 import struct
+import time
 from contextlib import contextmanager
 from types import SimpleNamespace
 
@@ -10,8 +11,27 @@ import serial
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 
-from cmtof.hardware.rf import framed
-from cmtof.hardware.roles import RfStatus
+from cmtof.correlation import TAU
+from cmtof.hardware.apt import MOTORS, Motor
+from cmtof.hardware.rf import CODES, RfDriver, framed
+from cmtof.hardware.rig import LINES
+from cmtof.hardware.scpi import PowerMeter, SignalGenerator
+from cmtof.hardware.t7 import LabJackT7
+from cmtof_lab.devices import simulated_devices
+from cmtof_lab.instrument import SimulatedInstrument
+from cmtof_lab.settings import TwinSettings
+
+HOMED = 1 << 10
+MOVING = 1 << 4
+ERROR = 1 << 14
+
+
+def simulated(role):
+    """A device of an instrument that is switched off."""
+    return simulated_devices(SimulatedInstrument(TwinSettings()))[role]
+
+
+# --- connections ---------------------------------------------------------------------------------
 
 
 class Wire:
@@ -86,6 +106,16 @@ def modbus(answer):
     return SimpleNamespace(ask=answer, close=lambda: None)
 
 
+# kind of connection in process, and driver on it, of each kind of device
+DRIVERS = {
+    "apt": (Port, lambda port, *serial: Motor(port, MOTORS["mts50-z8"], "device", *serial)),
+    "pm100d": (Visa, lambda port, *serial: PowerMeter(port, "device", *serial)),
+    "rf": (Port, lambda port, *serial: RfDriver(port, "device", *serial)),
+    "sdg2042x": (Visa, lambda port, *serial: SignalGenerator(port, "device", *serial)),
+    "t7": (modbus, lambda port, *serial: LabJackT7(port, Port(), "device", *serial)),
+}
+
+
 @contextmanager
 def dialogue(kind, *pairs):
     """Port or resource that holds one dialogue of (sent, reply), and no other."""
@@ -100,51 +130,79 @@ def dialogue(kind, *pairs):
     assert heard == [sent for sent, _ in pairs]
 
 
+# --- models --------------------------------------------------------------------------------------
+
+
 class Firmware:
-    """An RF driver's firmware: numbers and switches by word, lock, table."""
+    """An RF driver as the guide describes it, with its dead man's timer."""
 
     model = "CMTOF-RF"
-    locked = True
 
-    def __init__(self):
-        self.values = {"RF": "OFF"}
+    def __init__(self, device, clock=time.monotonic):
+        self.device = device
+        self.clock = clock
+        self.heard = clock()
+        self.dead_man = 5.0
+        self.tripped = False
+
+    def look(self):
+        """Trip when the host has been silent for too long."""
+        if self.device.knobs.on and self.clock() - self.heard > self.dead_man:
+            self.device.output(False)
+            self.tripped = True
 
     def __call__(self, line):
+        self.look()
+        self.heard = self.clock()
         head, word, *arguments = line.decode().rpartition("*")[0].split()
-        return framed(f"<{head[1:]} {self.obey(word, arguments)}".strip())
+        return framed(f"<{head[1:]} {self.obey(word, *arguments)}".strip())
 
-    def obey(self, word, arguments):
+    def obey(self, word, *arguments):
         """Answer to a request."""
-        if word == "SAFE":
-            self.values["RF"] = "OFF"
-        if arguments:
-            self.codes = [int(code) for code in arguments[1:]]
-            self.values[word] = arguments[0]
-        status = " ".join(str(int(value)) for value in self.status())
-        replies = self.values | {"ID?": f"{self.model},R0001,1.2", "STAT?": status}
-        return f"OK {replies.get(word, '')}"
+        rf = self.device
+        match word:
+            case "ID?":
+                return f"OK {self.model},R0001,1.2"
+            case "STAT?":
+                status = rf.status()._replace(tripped=self.tripped)
+                return "OK " + " ".join(str(int(value)) for value in status)
+            case "RF" if self.tripped and arguments == ("ON",):
+                return "ERR TRIPPED CLR first"
+            case "RF" | "TRIG":
+                {"RF": rf.output, "TRIG": rf.trigger}[word](arguments == ("ON",))
+            case "FREQ" | "POWR":
+                {"FREQ": rf.set_frequency, "POWR": rf.set_power}[word](float(*arguments))
+            case "PHAS":
+                rf.set_phase(*turned(arguments))
+            case "TABL":
+                rf.load_table(turned(arguments[1:]))
+            case "ARM" | "SAFE":
+                {"ARM": rf.arm, "SAFE": rf.safe_state}[word]()
+            case "DEAD":
+                self.dead_man = float(*arguments)
+            case "CLR":
+                self.tripped = False
+        return " ".join(["OK", *arguments[:1]])
 
-    def status(self):
-        """State as `RfStatus` has it."""
-        on = self.values["RF"] == "ON"
-        return RfStatus(on, self.locked and on, 0, 16, tripped=False)
 
-
-HOMED = 1 << 10
-MOVING = 1 << 4
-ERROR = 1 << 14
+def turned(codes):
+    """Phases, rad, of codes."""
+    return np.array(codes, int) * TAU / CODES
 
 
 class Controller:
-    """A KDC101: position, status bits, and messages that come unasked."""
+    """An APT controller; ``slow`` moves take so many looks at its status."""
 
-    model = b"KDC101"
     serial = 27000001
 
-    def __init__(self):
-        self.position = 0
-        self.status = HOMED | 1 << 31
+    def __init__(self, device, driver="mts50-z8", homed=False):
+        kind = MOTORS[driver]
+        self.device = device
+        self.scale = kind.scale
+        self.model = f"{kind.models[0]}1".encode()
+        self.status = HOMED * homed | 1 << 31
         self.looks = 0
+        self.slow = iter(())
         self.deaf = False
         self.moves = []
         # direction, limit switch, velocity, offset; least velocity, acceleration, largest velocity
@@ -154,26 +212,29 @@ class Controller:
     def __call__(self, data):
         (number,) = struct.unpack_from("<H", data)
         info = (self.serial, self.model, 16, 1, 1, 1, 1, b"", 1, 1, 1)
-        moving = MOVING if self.looks else 0
+        position = round(self.device.position * self.scale)
+        status = self.status | MOVING * bool(self.looks)
         self.looks -= bool(self.looks and number in (0x0480, 0x0490))
         answers = {
             0x0005: (0x0006, "<l8sH4B60sHHH", *info),
-            0x0411: (0x0412, "<Hl", 1, self.position),
+            0x0411: (0x0412, "<Hl", 1, position),
             0x0441: (0x0442, "<3Hll", 1, *self.home_parameters),
             0x0414: (0x0415, "<H3l", 1, *self.velocities),
-            0x0490: (0x0491, "<HlhHL", 1, self.position, 0, 0, self.status | moving),
-            0x0480: (0x0481, "<HllL", 1, self.position, 0, self.status | moving),
+            0x0480: (0x0481, "<HllL", 1, position, 0, status),
+            0x0490: (0x0491, "<HlhHL", 1, position, 0, 0, status),
         }
-        if number in (0x0443, 0x0453):
-            self.status |= HOMED * (number == 0x0443)
-            self.go(struct.unpack_from("<Hl", data, 6)[1] if number == 0x0453 else 0)
-            return struct.pack("<HBBBB", 0x0464, 1, 0, 0x01, 0x50)  # comes unasked
-        if number == 0x0440:
-            self.home_parameters = struct.unpack_from("<HHll", data, 8)
-        if number == 0x0413:
-            self.velocities = struct.unpack_from("<3l", data, 8)
-        if number == 0x0465:
-            self.looks = 0
+        match number:
+            case 0x0443:
+                self.status |= HOMED
+                return self.go(0)
+            case 0x0453:
+                return self.go(struct.unpack_from("<l", data, 8)[0])
+            case 0x0440:
+                self.home_parameters = struct.unpack_from("<HHll", data, 8)
+            case 0x0413:
+                self.velocities = struct.unpack_from("<3l", data, 8)
+            case 0x0465:
+                self.looks = 0
         if number not in answers:
             return b""
         reply, layout, *values = answers[number]
@@ -181,28 +242,33 @@ class Controller:
         return struct.pack("<HHBB", reply, len(body), 0x81, 0x50) + body
 
     def go(self, goal):
-        """Move to a position, counts."""
+        """Move to a position, counts; that it has been reached comes unasked."""
         self.moves.append(goal)
         if not self.deaf:
-            self.position = goal
-            self.looks = max(self.looks, 1)
+            self.device.move_to(goal / self.scale)
+            self.looks = max(self.looks, next(self.slow, 1))
+        return struct.pack("<HBBBB", 0x0464, 1, 0, 0x01, 0x50)
 
 
 class T7:
-    """Registers of a T7, function 76, and a burst's packets on ``stream``; a burst may fail."""
+    """Registers of a T7, function 76, its watchdog, and a burst's packets on ``stream``."""
 
-    def __init__(self):
+    def __init__(self, device, clock=time.monotonic):
+        self.device = device
+        self.clock = clock
+        self.heard = clock()
         self.memory = bytearray(2 * 65536)
         self.written = []
-        self.fault = ""
+        self.fault = ""  # of the next burst, or "refuse" of any request
         self.outputs = set()
         self.power_up = {}
+        self.turning = []  # flip mirror: when, line and level
+        self.flip_time = 0.0
         self.stream = Port()
-        self.set(2007, "H", 1)
         self.set(60000, "f", 7.0)  # PRODUCT_ID
         self.set(60004, "f", 1.0292)  # FIRMWARE_VERSION
         self.set(60028, "I", 470010001)  # SERIAL_NUMBER
-        self.set(61812, "fff", 3.16e-4, -3.16e-4, 33520.0)  # INTERNAL_FLASH_READ
+        self.set(61812, "fff", *device.gain(10.0))  # INTERNAL_FLASH_READ
 
     def set(self, address, kind, *values):
         """Set registers from an address on."""
@@ -217,14 +283,28 @@ class T7:
         """Bits of the digital lines."""
         return self.get(2500, "H")
 
+    def look(self):
+        """Let the watchdog act, and the flip mirror arrive."""
+        if self.get(61600) and self.clock() - self.heard > self.get(61604):
+            for line in range(8):
+                if not self.get(61636) >> line & 1:  # not inhibited
+                    self.write(2000 + line, b"\0\0")
+        while self.turning and self.turning[0][0] <= self.clock():
+            self.device.set_line(*self.turning.pop(0)[1:])
+
     def cycle_power(self):
         """Switch off and on: lines are inputs, pulled high, unless others are saved."""
         self.outputs = set(self.power_up)
         self.set(2500, "H", sum(self.power_up.get(line, 1) << line for line in range(8)))
+        for line in range(8):
+            self.device.set_line(f"FIO{line}", bool(self.levels >> line & 1))
 
     def __call__(self, frame):
         if self.fault == "refuse" and frame[1:3] != b"\xd6\xd8":
             raise LookupError(2603)
+        self.look()
+        self.heard = self.clock()
+        self.set(2007, "H", self.device.line(LINES["interlock"]))
         reply = b""
         rest = io.BytesIO(frame)
         while head := rest.read(4):
@@ -239,25 +319,31 @@ class T7:
         self.memory[2 * address : 2 * address + len(data)] = data
         self.written.append((address, data))
         if 2000 <= address < 2008:
-            line = address - 2000
-            self.outputs.add(line)
-            others = self.levels & ~(1 << line)
-            self.set(2500, "H", others | self.get(address, "H") << line)
+            self.drive(address - 2000, any(data))
+        elif address in (30004, 30006):
+            self.device.write_many({f"TDAC{(address - 30000) // 2}": self.get(address, "f")})
         elif address == 49002:
             self.power_up = {line: self.get(2000 + line, "H") for line in self.outputs}
         elif address == 4990 and any(data):
-            self.set(4494, "I", self.get(4002))
-            self._send_burst()
+            self.send_burst()
 
-    def counts(self):
-        """A ramp that starts at the label of the burst."""
-        return np.arange(self.get(4020)) + self.get(46100)
+    def drive(self, number, high):
+        """Make a line an output at a level; the flip mirror takes its time."""
+        line = f"FIO{number}"
+        self.outputs.add(number)
+        self.set(2500, "H", self.levels & ~(1 << number) | high << number)
+        if line == LINES["flip_mirror"]:
+            self.turning.append((self.clock() + self.flip_time, line, high))
+        else:
+            self.device.set_line(line, high)
 
-    def _send_burst(self):
-        """Packets of a burst."""
+    def send_burst(self):
+        """Send the packets of a burst."""
         scans = self.get(4020)
         size = self.get(4006)
-        counts = self.counts().astype(">u2")
+        settings = {"rate": self.get(4002, "f"), "scans": scans, "pulse": self.get(4060)}
+        self.device.configure_burst(channel="AIN0", range=10.0, pulse_line="FIO4", **settings)
+        counts = next(self.device.bursts([{"USER_RAM0_U32": self.get(46100)}])).astype(">u2")
         fault = self.fault
         self.fault = ""
         for n, start in enumerate(range(0, scans, size)):
@@ -272,3 +358,61 @@ class T7:
                 number += 1
             head = struct.pack(">HHHBBBBHHH", number, 0, 10 + len(part), 1, 76, 16, 0, 0, status, 0)
             self.stream.write(head + part)
+
+
+class Scpi:
+    """A device of text commands: what is set is kept, and told when it is asked for."""
+
+    model = ""
+    settings = ()
+
+    def __init__(self, device):
+        self.device = device
+        self.kept = dict(self.settings)
+
+    def __call__(self, line):
+        head, _, value = line.decode().strip().partition(" ")
+        if value:
+            self.obey(head, value)
+        answer = self.answer(head[:-1]) if head.endswith("?") else ""
+        return f"{answer}\n".encode() if answer else b""
+
+    def answer(self, head):
+        return f"MAKER,{self.model},1,2" if head == "*IDN" else self.kept.get(head, "")
+
+    def obey(self, head, value):
+        self.kept[head] = value
+
+
+class Generator(Scpi):
+    """An SDG2042X."""
+
+    model = "SDG2042X"
+    settings = (("*OPC", "1"), ("MODE", "PHASE-LOCKED"))
+
+    def answer(self, head):
+        if head.endswith("OUTP"):
+            state = "ON" if self.device.output_is_on(int(head[1])) else "OFF"
+            return f"{head} {state},LOAD,50,PLRT,NOR"
+        if ":" in head:
+            return f"{head} {self.kept.get(head, 'STATE,OFF')}"
+        return super().answer(head)
+
+    def obey(self, head, value):
+        if value in ("ON", "OFF"):
+            self.device.output(int(head[1]), value == "ON")
+        super().obey(head, value)
+
+
+class Meter(Scpi):
+    """A PM100D that was left in dBm."""
+
+    model = "PM100D"
+    settings = (
+        ("SENS:POW:UNIT", "DBM"),
+        ("SENS:CORR:COLL:ZERO:STAT", "0"),
+        ("SYST:SENS:IDN", '"S140C","1","01-JAN-2026",1,1,33'),
+    )
+
+    def answer(self, head):
+        return repr(self.device.power) if head == "MEAS:POW" else super().answer(head)

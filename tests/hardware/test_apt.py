@@ -6,7 +6,7 @@ import struct
 from types import SimpleNamespace
 
 import pytest
-from peers import ERROR, HOMED, Controller, Port
+from peers import ERROR, HOMED, Controller, Port, simulated
 from pytest import approx
 
 from cmtof.correlation import TAU
@@ -16,7 +16,7 @@ from cmtof.hardware.device import ConnectionLost, InstrumentError, InstrumentTim
 
 @pytest.fixture
 def controller():
-    return Controller()
+    return Controller(simulated("stage"), homed=True)
 
 
 @pytest.fixture
@@ -25,8 +25,7 @@ def motor(controller):
 
 
 def test_a_motor_homes_and_moves_where_it_should(controller, motor):
-    assert motor.identify()["serial_number"] == "27000001"
-    controller.position = 1000
+    controller.device.move_to(1e-3)
     motor.home()
     assert motor.position == 0
     assert motor.move_to(0.010) == approx(0.010, abs=2e-8)

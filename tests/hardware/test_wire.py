@@ -5,39 +5,18 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import partial
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from pytest import approx
-from wire import World
+from wire import RIG, WALL
 
 from cmtof.hardware.connect import connected_bench, connected_driver
 from cmtof.hardware.device import ConnectionLost, InstrumentError
 from cmtof.hardware.plan import planned
-from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
 from cmtof_lab.rehearsal import simulated_bench
-from cmtof_lab.targets import Plane
-
-WALL = Plane(0.9, tilt_x=0.3, reflectance=0.8)
-DEFAULT = Rig.default()
-QUICK = {role: replace(one, timeout=0.05) for role, one in DEFAULT.devices.items()}
-RIG = replace(DEFAULT, phases=4, samples_per_phase=14, devices=QUICK)
-
-
-@pytest.fixture
-def world(monkeypatch):
-    """Peers of a rig; what the host waits for passes on their clock."""
-    made = World(RIG, WALL, seed=4)
-    host = SimpleNamespace(monotonic=made.clock, sleep=made.clock.pass_by)
-    for module in ("apt", "rf", "scpi"):
-        monkeypatch.setattr(f"cmtof.hardware.{module}.time", host)
-    for name in vars(host):
-        monkeypatch.setattr(f"cmtof.hardware.bench.{name}", getattr(host, name))
-    yield made
-    made.close()
 
 
 @pytest.fixture
@@ -53,7 +32,7 @@ def take(world, tmp_path):
 
 def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_path, succeeds):
     """A flipper of 2.8 s, 10 s for a home and for a move with light and RF on, and thin air."""
-    world.models["daq"].slowness = 2.8
+    world.models["daq"].flip_time = 2.8
     world.models["stage"].slow = iter([200, 200])
     found = take(pressure=83e3)
     assert world.dark
@@ -70,7 +49,7 @@ def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_pat
 
 
 def test_a_flip_mirror_that_is_not_waited_for_shows_another_target(world, take):
-    world.models["daq"].slowness = 2.8
+    world.models["daq"].flip_time = 1e6
     with pytest.raises(ValueError, match="Expected a reference target"):
         take(flip_mirror_settling=0.0)
 
@@ -110,11 +89,12 @@ def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
         return works(request)
 
     wire.answer = answer
+    quick = replace(world.rig.devices[role], timeout=0.05)  # nobody waits longer for this one
     with pytest.raises(InstrumentError, match="Expected"):
-        take()
+        take(devices=world.rig.devices | {role: quick})
     if not (role == "daq" or role.startswith("rf")):
         assert world.dark
-    world.pass_by(6.0)
+    world.silence(6.0)
     assert world.dark
 
 
@@ -140,11 +120,10 @@ def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role)
     world.ends[role].close()
     with pytest.raises(ConnectionLost, match="Expected"), connected_bench(world.rig):
         pass
-    if role != "daq":
-        assert not (world.panel.laser_on or world.panel.shutter_open)
+    assert world.lit == (role == "daq")
     if not (role == "daq" or role.startswith("rf")):
         assert world.dark
-    world.pass_by(6.0)
+    world.silence(6.0)
     assert world.dark
 
 
@@ -154,14 +133,14 @@ def test_a_read_out_whose_power_comes_back_is_dark_once_that_is_saved(world, lit
     assert world.panel.laser_on  # from the factory, without a resistor to ground
     lit.save_power_up_state()
     world.models["daq"].cycle_power()
-    assert not (world.panel.laser_on or world.panel.shutter_open or world.panel.beam_block_out)
+    assert not world.lit
 
 
 def test_timers_act_when_nobody_speaks(world, lit):
-    world.pass_by(4.0)
+    world.silence(4.0)
     assert world.panel.laser_on
     assert world.panel.emission.on
-    world.pass_by(2.0)
+    world.silence(2.0)
     assert world.dark
     assert world.models["rf_emission"].tripped
 
@@ -187,7 +166,7 @@ def test_a_program_that_ends_with_light_on(world, tmp_path, number):
     if number == signal.SIGKILL:
         assert world.panel.laser_on
         assert world.panel.emission.on
-        world.pass_by(6.0)
+        world.silence(6.0)
     else:
         assert scan.returncode == 128 + number
     assert world.dark

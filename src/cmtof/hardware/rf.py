@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from cmtof.hardware import device
 from cmtof.hardware.device import number, one_error, question
-from cmtof.hardware.roles import RfStatus
+from cmtof.hardware.roles import RfLock, RfStatus
 from cmtof.types import Array
 
 CODES = 65536  # of one turn of the drive
@@ -101,6 +101,13 @@ class RfDriver(device.Device):
         """Output, lock, table and trip in one answer."""
         with one_error(self.name):
             return RfStatus(*map(int, self._question("STAT?")))  # type: ignore[arg-type]
+
+    def lock(self) -> RfLock:
+        """Lock to the resonance, detuning, Hz, and reflected power, dBm, in one answer."""
+        words = self._question("LOCK?")
+        with one_error(self.name):
+            locked, detuning, reflected = map(float, words)
+        return RfLock(bool(locked), detuning, reflected)
 
     def clear_trip(self) -> None:
         """Allow RF again after a trip; it stays off until `output`."""

@@ -44,6 +44,14 @@ class RfStatus(NamedTuple):
     tripped: bool
 
 
+class RfLock(NamedTuple):
+    """Whether the drive is locked to its resonance, how far off, Hz, and what comes back, dBm."""
+
+    locked: bool
+    detuning: float
+    reflected: float
+
+
 class RfRole(DeviceRole, Protocol):
     """Drive of one modulator, with a table of phases that a trigger steps through."""
 
@@ -69,6 +77,10 @@ class RfRole(DeviceRole, Protocol):
 
     def status(self) -> RfStatus:
         """Output, lock, table and trip."""
+        ...
+
+    def lock(self) -> RfLock:
+        """Lock, detuning and reflected power."""
         ...
 
     def clear_trip(self) -> None:

@@ -164,7 +164,7 @@ class LabJackT7(device.Device):
         """Write registers, start the stream and read its actual rate, in one frame."""
         values = {**registers, "STREAM_ENABLE": 1}
         frame = b"".join(write(name, value) for name, value in values.items())
-        frame += read((4494, "f"))  # STREAM_SCANRATE_HZ_ACTUAL
+        frame += read((4002, "f"))  # STREAM_SCANRATE_HZ, which reads as the actual rate
         (self.rate,) = struct.unpack(">f", self._feedback(frame, 4))
         wanted = self._settings[4002, "f"]
         self._expect("rate", wanted, self.rate, 1e-3 * wanted)
