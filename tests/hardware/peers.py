@@ -4,6 +4,8 @@ import io
 import struct
 import time
 from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +14,7 @@ from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 
 from cmtof.correlation import TAU
+from cmtof.files import read_document
 from cmtof.hardware.apt import MOTORS, Motor
 from cmtof.hardware.rf import CODES, RfDriver, framed
 from cmtof.hardware.rig import LINES
@@ -106,14 +109,21 @@ def modbus(answer):
     return SimpleNamespace(ask=answer, close=lambda: None)
 
 
-# kind of connection in process, and driver on it, of each kind of device
-DRIVERS = {
-    "apt": (Port, lambda port, *serial: Motor(port, MOTORS["mts50-z8"], "device", *serial)),
-    "pm100d": (Visa, lambda port, *serial: PowerMeter(port, "device", *serial)),
-    "rf": (Port, lambda port, *serial: RfDriver(port, "device", *serial)),
-    "sdg2042x": (Visa, lambda port, *serial: SignalGenerator(port, "device", *serial)),
-    "t7": (modbus, lambda port, *serial: LabJackT7(port, Port(), "device", *serial)),
-}
+class Device:
+    """A kind of device in the tests: connection and driver in process, model, and transcripts."""
+
+    def __init__(self, name, kind, driver, model):
+        self.kind = kind
+        self.driver = driver
+        self.model = model
+        self.file = read_document(Path(__file__).parent / "transcripts" / f"{name}.yml")
+        self.coded = bytes.fromhex if kind is modbus or name == "apt" else str.encode
+
+
+def called(driver, call, options=None, **written):
+    """What a driver does or tells, as it is written in the transcripts."""
+    found = getattr(driver, call)
+    return found(*written.get("with", ()), **(options or {})) if callable(found) else found
 
 
 @contextmanager
@@ -415,4 +425,23 @@ class Meter(Scpi):
     )
 
     def answer(self, head):
-        return repr(self.device.power) if head == "MEAS:POW" else super().answer(head)
+        if head != "MEAS:POW":
+            return super().answer(head)
+        return repr(self.device.power if self.kept["SENS:POW:UNIT"] == "W" else -30.0)
+
+
+DEVICES = {
+    name: Device(name, *parts)
+    for name, *parts in (
+        (
+            "apt",
+            Port,
+            partial(Motor, kind=MOTORS["mts50-z8"]),
+            lambda: Controller(simulated("stage")),
+        ),
+        ("pm100d", Visa, PowerMeter, lambda: Meter(simulated("power_meter"))),
+        ("rf", Port, RfDriver, lambda: Firmware(simulated("rf_emission"))),
+        ("sdg2042x", Visa, SignalGenerator, lambda: Generator(simulated("clock"))),
+        ("t7", modbus, partial(LabJackT7, stream=Port()), lambda: T7(simulated("daq"))),
+    )
+}

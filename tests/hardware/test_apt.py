@@ -32,16 +32,6 @@ def test_a_motor_homes_and_moves_where_it_should(controller, motor):
     assert controller.moves == [0, 345550]
 
 
-def test_timers_of_others_are_fed_while_a_motor_moves(controller, motor):
-    fed = []
-    controller.looks = 3
-    motor.home(waiting=lambda: fed.append("home"))
-    controller.looks = 2
-    motor.move_to(0.01, waiting=lambda: fed.append("move"))
-    assert fed.count("home") >= 2
-    assert fed.count("move") >= 1
-
-
 def test_speeds_are_set_before_the_first_move(controller, motor):
     """A K10CR1 powers up with a home velocity at which it never arrives."""
     motor.home()

@@ -1,72 +1,13 @@
 """The contract of every driver on its wire: faults, limits, other devices, safe states."""
 
-from types import SimpleNamespace
-
 import pytest
 import serial
-from peers import (
-    DRIVERS,
-    T7,
-    Controller,
-    Firmware,
-    Generator,
-    Meter,
-    Port,
-    Visa,
-    Wire,
-    modbus,
-    simulated,
-)
+from peers import DEVICES, T7, Controller, Port, Visa, Wire, called, modbus
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, number
 
-BURST = {"channel": "AIN0", "rate": 1e6, "scans": 20, "range": 10.0}
-BURST |= {"pulse_line": "FIO4", "pulse": 20}
-# a question and a change with the bytes sent for them, and a value beyond the limits
-CONTRACTS = {
-    "rf": SimpleNamespace(
-        model=lambda: Firmware(simulated("rf_emission")),
-        ask=lambda one: one.status().edges == 0,
-        question=b"STAT?",
-        change=lambda one: one.set_power(30.0),
-        command=b"POWR",
-        beyond=lambda one: one.set_frequency(8e9),
-    ),
-    "sdg2042x": SimpleNamespace(
-        model=lambda: Generator(simulated("clock")),
-        ask=lambda one: one.output(1, False) is None,
-        question=b"C1:OUTP?",
-        change=lambda one: one.output(1, True),
-        command=b"C1:OUTP ON",
-        beyond=lambda one: one.sine(1, frequency=41e6, amplitude=1.0),
-    ),
-    "pm100d": SimpleNamespace(
-        model=lambda: Meter(simulated("power_meter")),
-        ask=lambda one: one.power == 0.0,
-        question=b"MEAS:POW?",
-        change=lambda one: one.set_up(wavelength=532e-9, readings=10),
-        command=b"SENS:CORR:WAV 532",
-        beyond=lambda one: one.set_up(wavelength=1e-7, readings=10),
-    ),
-    "apt": SimpleNamespace(
-        model=lambda: Controller(simulated("stage")),
-        ask=lambda one: one.position == 0,
-        question=b"\x11\x04",
-        change=lambda one: one.home(),
-        command=b"\x43\x04",
-        beyond=lambda one: one.move_to(0.06),
-    ),
-    "t7": SimpleNamespace(
-        model=lambda: T7(simulated("daq")),
-        ask=lambda one: one.line("FIO7"),
-        question=b"\x00\x07\xd7",
-        change=lambda one: one.set_line("FIO0", True),
-        command=b"\x01\x07\xd0",
-        beyond=lambda one: one.configure_burst(**BURST),
-    ),
-}
 # what silence, and a device that has gone, look like on each kind of connection
 SILENCE = {Port: b"", Visa: b"", modbus: TimeoutError()}
 GONE = {
@@ -76,49 +17,46 @@ GONE = {
 }
 
 
-@pytest.fixture(params=CONTRACTS)
+@pytest.fixture(params=DEVICES)
 def device(request, monkeypatch):
     monkeypatch.setattr("cmtof.hardware.apt.LONGEST", 0.1)
-    return request.param
+    return DEVICES[request.param]
 
 
 @pytest.fixture
 def contract(device):
-    return CONTRACTS[device]
+    """A question and a change with the bytes sent for them, and a value beyond the limits."""
+    return device.file["contract"]
 
 
 @pytest.fixture
 def faults(device):
-    kind = DRIVERS[device][0]
+    kind = device.kind
     return {"silence": SILENCE[kind], "garbage": b"\xff nonsense\n", "lost": GONE[kind]}
 
 
 @pytest.fixture
-def wire(contract):
-    return Wire(contract.model())
+def wire(device):
+    return Wire(device.model())
 
 
 @pytest.fixture
-def make(device, wire):
-    """Maker of the driver on its wire, by the serial number that it must have."""
-    kind, driver = DRIVERS[device]
-    return lambda *number: driver(kind(wire), *number)
+def driver(device, wire):
+    return device.driver(device.kind(wire), name="device")
 
 
 @pytest.fixture
-def driver(make):
-    return make()
-
-
-def sent(wire, request):
-    return sum(request in one for one in wire.sent)
+def sent(device, wire):
+    """How often a written request went over the wire."""
+    return lambda request: sum(device.coded(request) in one for one in wire.sent)
 
 
 @pytest.mark.parametrize("fault", ["silence", "garbage"])
-def test_a_question_is_asked_once_more(contract, wire, driver, faults, fault):
-    wire.fail(contract.question, faults[fault], times=1)
-    assert contract.ask(driver)
-    assert sent(wire, contract.question) == 2
+def test_a_question_is_asked_once_more(device, contract, wire, driver, sent, faults, fault):
+    wire.fail(device.coded(contract["question"]), faults[fault], times=1)
+    found = called(driver, **contract["ask"])
+    assert (list(found) if isinstance(found, tuple) else found) == contract["ask"]["gives"]
+    assert sent(contract["question"]) == 2
 
 
 ERRORS = {
@@ -129,19 +67,19 @@ ERRORS = {
 
 
 @pytest.mark.parametrize("fault", ERRORS)
-def test_a_fault_that_stays_is_one_error(contract, wire, driver, faults, fault):
-    wire.fail(contract.question, faults[fault])
+def test_a_fault_that_stays_is_one_error(device, contract, wire, driver, faults, fault):
+    wire.fail(device.coded(contract["question"]), faults[fault])
     with pytest.raises(ERRORS[fault], match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
-        contract.ask(driver)
+        called(driver, **contract["ask"])
     assert "\n" not in str(found.value)
 
 
 @pytest.mark.parametrize("fault", ERRORS)
-def test_a_change_is_sent_once(contract, wire, driver, faults, fault):
-    wire.fail(contract.command, faults[fault])
+def test_a_change_is_sent_once(device, contract, wire, driver, sent, faults, fault):
+    wire.fail(device.coded(contract["command"]), faults[fault])
     with pytest.raises(OSError, match="Expected"):
-        contract.change(driver)
-    assert sent(wire, contract.command) == 1
+        called(driver, **contract["change"])
+    assert sent(contract["command"]) == 1
 
 
 def test_another_device_is_refused(wire, driver):
@@ -155,14 +93,15 @@ def test_another_device_is_refused(wire, driver):
         driver.identify()
 
 
-def test_another_serial_number_is_refused(make):
+def test_another_serial_number_is_refused(device, wire):
+    driver = device.driver(device.kind(wire), name="device", serial_number="OTHER")
     with pytest.raises(Refused, match="OTHER, got .* Check the address"):
-        make("OTHER").identify()
+        driver.identify()
 
 
 def test_a_value_beyond_the_limits_is_not_sent(contract, wire, driver):
     with pytest.raises(ValueError, match="Expected .* of device from .* Stay within"):
-        contract.beyond(driver)
+        called(driver, **contract["beyond"])
     assert not wire.sent
 
 

@@ -10,10 +10,10 @@ import pytest
 import serial
 from pytest import approx
 
-from cmtof.hardware.bench import Bench
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import ConnectionLost, Unsafe, one_error
 from cmtof.hardware.rig import DRIVERS, Rig
+from cmtof_lab.rehearsal import simulated_bench
 
 RIG = Rig.default()
 
@@ -84,28 +84,14 @@ def test_the_default_rig_finds_its_libraries_in_the_extra():
 # --- the beam ------------------------------------------------------------------------------------
 
 
-class Recorder:
-    """Digital lines of a read-out."""
-
-    def __init__(self):
-        self.lines = {}
-        self.closed = True
-
-    def line(self, dio):
-        return self.closed
-
-    def set_line(self, dio, high):
-        self.lines[dio] = high
-
-
-@pytest.mark.parametrize(("part", "line"), [("laser", "FIO0"), ("shutter", "FIO1")])
-def test_light_needs_a_closed_interlock(part, line):
-    daq = Recorder()
-    beam = Bench(RIG, dict.fromkeys(DRIVERS, daq))
-    beam.switch(part, True)
-    assert daq.lines == {line: True}
-    daq.closed = False
+@pytest.mark.parametrize(("part", "knob"), [("laser", "laser_on"), ("shutter", "shutter_open")])
+def test_light_needs_a_closed_interlock(part, knob):
+    bench = simulated_bench(RIG)
+    panel = bench.daq.panel
+    bench.switch(part, True)
+    assert getattr(panel, knob)
+    panel.interlock_closed = False
     with pytest.raises(Unsafe, match="Expected the interlock closed, got it open"):
-        beam.switch(part, True)
-    beam.switch(part, False)
-    assert daq.lines == {line: False}
+        bench.switch(part, True)
+    bench.switch(part, False)
+    assert not getattr(panel, knob)

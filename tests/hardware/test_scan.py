@@ -12,7 +12,7 @@ from pytest import approx
 import cmtof
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.files import alone
-from cmtof.hardware.device import BadReply, InstrumentTimeout, Refused, Unsafe
+from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe
 from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import mirror_settling, planned
 from cmtof.hardware.rig import Rig
@@ -158,18 +158,6 @@ def test_a_journal_that_another_scan_is_writing_is_left_alone(stopped):
 
 # --- faults --------------------------------------------------------------------------------------
 
-PLACES = {
-    "rf_emission": "set_frequency",
-    "rf_detection": "load_table",
-    "clock": "sine",
-    "daq": "configure_burst",
-    "plate_emission": "move_to",
-    "plate_detection": "move_to",
-    "stage": "move_to",
-    "power_meter": "set_up",
-}
-SET_UP_ONCE = ("clock", "daq", "power_meter")
-
 
 def failing(bench, role, method, error, at=1, times=10**9):
     """Have a method of a device raise an error from its nth call on, so many times."""
@@ -184,18 +172,6 @@ def failing(bench, role, method, error, at=1, times=10**9):
         return works(*values, **options)
 
     setattr(device, method, act)
-
-
-@pytest.mark.parametrize("fault", [Refused, BadReply])
-@pytest.mark.parametrize("role", PLACES)
-def test_every_fault_of_every_device_ends_in_the_safe_state(output, whole, role, fault):
-    at = 1 if role in SET_UP_ONCE else 2
-    fail = partial(failing, role=role, method=PLACES[role], error=fault, at=at)
-    with pytest.raises(fault):
-        take(output, prepare=fail)
-    assert not output.exists()
-    take(output, resume=True)
-    assert output.read_bytes() == whole.read_bytes()
 
 
 def after_lines(bench, act):
@@ -304,14 +280,6 @@ def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line(output):
 
 
 # --- command line --------------------------------------------------------------------------------
-
-
-def test_a_check_prints_what_every_device_reports(succeeds):
-    text = succeeds("scan", "--twin", "--check")
-    lines = text.splitlines()
-    assert any("interlock" in line and "closed" in line for line in lines)
-    assert sum("TWIN" in line for line in lines) == 8
-    assert sum("not homed" in line for line in lines) == 3
 
 
 @pytest.mark.parametrize(

@@ -1,19 +1,15 @@
 """The read-out before a model of the T7, in process and on TCP."""
 
-import socket
 import struct
 
 import numpy as np
 import pytest
 from peers import T7, modbus
-from pymodbus.framer import FramerSocket
-from pymodbus.pdu import DecodePDU
 from pytest import approx
 from wire import Network, whole_frame
 
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Refused
-from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import DeviceSettings
 from cmtof.hardware.t7 import LabJackT7
 from cmtof_lab.devices import SimulatedDevice
@@ -145,17 +141,6 @@ def test_the_safe_state_lowers_all_light_lines_in_one_frame(peer, daq):
     assert peer.get(30004) == 0
 
 
-def test_frames_are_those_of_modbus_tcp():
-    """By pymodbus, whose framing knows nothing of function 76."""
-    listener = socket.create_server(("127.0.0.1", 0))
-    client = Feedback("{}:{}".format(*listener.getsockname()), timeout=0.05)
-    with pytest.raises(TimeoutError):
-        client.ask(b"\x00\xea\x60\x02")
-    with listener, listener.accept()[0] as far_end:
-        used, unit, number, body = FramerSocket(DecodePDU(True)).decode(far_end.recv(100))
-    assert (used, unit, number, body) == (12, 1, 1, b"\x4c\x00\xea\x60\x02")
-
-
 # --- on TCP --------------------------------------------------------------------------------------
 
 
@@ -183,6 +168,8 @@ def test_a_log_has_every_request_and_reply(network, tmp_path):
         with pytest.raises(InstrumentTimeout):
             driver.line("FIO7")
         driver.close()
+    # head of Modbus TCP: number, protocol 0, bytes that follow, unit 1, function 76
+    assert network.wire.sent[0] == bytes.fromhex("0001 0000 0006 01 4c 0007d701")
     lines = [line.split(" ", 1)[1] for line in (tmp_path / "log.txt").read_text().splitlines()]
     asked = "daq > 00 07 d7 01"
     assert lines == [asked, "daq < 00 01", asked, "daq ! timed out", asked, "daq ! timed out"]

@@ -8,42 +8,38 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
-from peers import DRIVERS, T7, dialogue, modbus, simulated
+from peers import DEVICES, T7, called, dialogue, modbus, simulated
 
 from cmtof.files import read_document
 from cmtof.hardware import device, t7
 
 HERE = Path(__file__).parent
 GUIDE = HERE.parents[1] / "book" / "hardware.md"
-FILES = {name: read_document(HERE / "transcripts" / f"{name}.yml") for name in DRIVERS}
 CASES = [
-    pytest.param(name, case, id=f"{name}: {case['what']}")
-    for name, file in FILES.items()
-    for case in file["dialogues"] + file.get("faults", [])
+    pytest.param(one, case, id=f"{name}: {case['what']}")
+    for name, one in DEVICES.items()
+    for case in one.file["dialogues"] + one.file.get("faults", [])
 ]
 
 
-@pytest.mark.parametrize(("name", "case"), CASES)
-def test_a_driver_says_and_understands_what_is_written(name, case):
-    kind, driver = DRIVERS[name]
-    coded = bytes.fromhex if name in ("apt", "t7") else str.encode
-    pairs = [(coded(one["sent"]), coded(one.get("received", ""))) for one in case["lines"]]
+@pytest.mark.parametrize(("one", "case"), CASES)
+def test_a_driver_says_and_understands_what_is_written(one, case):
+    pairs = [(one.coded(x["sent"]), one.coded(x.get("received", ""))) for x in case["lines"]]
     error, words = case.get("raises", (None, None))
     fails = pytest.raises(getattr(device, error), match=words) if error else nullcontext()
-    with dialogue(kind, *pairs) as port, fails:
-        found = getattr(driver(port), case["call"])
-        if callable(found):
-            found = found(*case.get("with", ()), **case.get("options", {}))
+    with dialogue(one.kind, *pairs) as port, fails:
+        asked = {key: case[key] for key in ("call", "with", "options") if key in case}
+        found = called(one.driver(port, name="device"), **asked)
         if "gives" in case:
-            assert found == (tuple(case["gives"]) if isinstance(found, tuple) else case["gives"])
+            assert (list(found) if isinstance(found, tuple) else found) == case["gives"]
 
 
 def table():
     """Rows of the guide: what was compared with what."""
     return "".join(
-        f"| {file['device']} | {case['what']} | {case['evidence']} | {case['source']} |\n"
-        for file in FILES.values()
-        for case in file["dialogues"]
+        f"| {one.file['device']} | {case['what']} | {case['evidence']} | {case['source']} |\n"
+        for one in DEVICES.values()
+        for case in one.file["dialogues"]
     )
 
 

@@ -30,7 +30,7 @@ def take(world, tmp_path):
     return taken
 
 
-def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_path, succeeds):
+def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_path):
     """A flipper of 2.8 s, 10 s for a home and for a move with light and RF on, and thin air."""
     world.models["daq"].flip_time = 2.8
     world.models["stage"].slow = iter([200, 200])
@@ -42,10 +42,17 @@ def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_pat
     assert -np.diff(indices) == approx(52e-6, abs=2e-6)  # m per metre
     for name in ("raw_counts", "laser_power", "angle"):
         assert_array_equal(found.dataset[name], wanted.dataset[name])
-    world.write(tmp_path / "rig.yml")
-    text = succeeds("scan", tmp_path / "rig.yml", "--check")  # every port is free again
-    assert text.count("homed") == 3
-    assert "not homed" not in text
+
+
+def test_a_check_asks_every_device_and_leaves_its_port_free(world, tmp_path, succeeds):
+    path = tmp_path / "rig.yml"
+    world.write(path)
+    text = succeeds("scan", path, "--check")
+    assert text.count("not homed") == 3
+    assert text.count("RF off") == 2
+    for part in ("closed", "SDG2042X", "S140C", "T7 470010001 1.0292"):
+        assert part in text
+    assert succeeds("scan", path, "--check") == text
 
 
 def test_a_flip_mirror_that_is_not_waited_for_shows_another_target(world, take):
