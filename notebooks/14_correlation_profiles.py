@@ -23,11 +23,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from cmtof.correlation import TAU, centred, correlation_from_harmonics, decode
-from cmtof.hardware.bench import CHANNEL, VOLTS_RANGE
+from cmtof.hardware.bench import VOLTS_RANGE
 from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
-from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.rig import MODES as ORDER
+from cmtof.hardware.rig import Rig
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof_book import notes, paper, plotting
 from cmtof_book.compared import sum_over_draws
@@ -293,8 +293,8 @@ for rc in (ours, paper_rc):
     slow.choose_mode("single")
     slow.look_at("scan")
     slow.daq.configure_burst(
-        channel=CHANNEL, rate=base.rate, scans=sweeps * base.scans, range=VOLTS_RANGE,
-        pulse_line=LINES["trigger"], pulse=base.samples_per_phase,
+        channel=base.detector_input, rate=base.rate, scans=sweeps * base.scans, range=VOLTS_RANGE,
+        pulse_line=base.line("trigger"), pulse=base.samples_per_phase,
     )  # fmt: skip
     runs[rc] = gain.volts_from_counts(next(slow.daq.bursts([{"USER_RAM0_U32": 5.0}])))
     slow.shut()

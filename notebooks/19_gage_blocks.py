@@ -30,7 +30,8 @@ import numpy as np
 from scipy.stats import t as student
 
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
-from cmtof.hardware.plan import VOLTS_PER_RADIAN
+from cmtof.hardware.plan import mirror_angles, mirror_volts
+from cmtof.hardware.rig import Rig
 from cmtof_book import notes, paper, plotting
 from cmtof_lab.devices import TDAC_STEP
 from cmtof_lab.objects import GRADE_2, HEIGHT, WIDTH, gage_blocks
@@ -41,6 +42,7 @@ from cmtof_lab.targets import MeshTarget, Plane
 
 plotting.begin(profile=profile, seed=seed)
 base = TwinSettings()
+rig = Rig.default()
 MODES, NAMES = ("single", "doubled"), ("single", "doubled", "both")
 COLOURS = {
     n: plotting.PALETTE[c] for n, c in zip(NAMES, ("blue", "vermillion", "green"), strict=True)
@@ -91,8 +93,8 @@ def points_of(target, number, noise="photon", **how):
     own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
     measured = scan_scene(replace(base, **NOISE[noise]), target, seed=own, **how)
     optical = measured.dataset["depth"].to_numpy()
-    volts = measured.dataset["angle"].to_numpy() * VOLTS_PER_RADIAN
-    steered = np.rint(volts / TDAC_STEP) * TDAC_STEP / VOLTS_PER_RADIAN
+    volts = mirror_volts(rig, measured.dataset["angle"].to_numpy())
+    steered = mirror_angles(rig, np.rint(volts / TDAC_STEP) * TDAC_STEP)
     ranges = [
         optical + centred(phase - phase_from_depth(optical, f)) * wrap_length(f) / TAU
         for phase, f in zip(measured.phase, measured.frequencies, strict=True)

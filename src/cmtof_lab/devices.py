@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.hardware.plan import BURST_INTERVAL, VOLTS_PER_DEGREE
+from cmtof.hardware.plan import BURST_INTERVAL, mirror_angles
 from cmtof.hardware.rf import CODES
-from cmtof.hardware.rig import LIGHT, LINES, MIRRORS, SAMPLE_RATE
+from cmtof.hardware.rig import LIGHT, SAMPLE_RATE, Rig
 from cmtof.hardware.roles import ROLES, RfLock, RfStatus, Waiting
 from cmtof.types import Array
 from cmtof_lab.electronics import CENTRE, SLOPE
@@ -148,26 +148,27 @@ class SimulatedReadOut(SimulatedDevice):
 
     watchdog = SimulatedDevice.nothing
     rate = SAMPLE_RATE
+    rig: Rig  # how it is wired
     triggered: SimulatedRf  # whose table the trigger line steps through
 
     def safe_state(self) -> None:
         for part in LIGHT:
-            self.set_line(LINES[part], False)
-        self.write_many(dict.fromkeys(MIRRORS, 0.0))
+            self.set_line(self.rig.line(part), False)
+        self.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
 
     def gain(self, volts_range: float) -> tuple[float, float, float]:
         return SLOPE, -SLOPE, CENTRE  # of 10 V, whatever was asked
 
     def line(self, dio: str) -> bool:
-        return dio == LINES["interlock"] and self.panel.interlock_closed
+        return dio == self.rig.line("interlock") and self.panel.interlock_closed
 
     def set_line(self, dio: str, high: bool) -> None:
         for part, knob in SWITCHES.items():
-            if LINES[part] == dio:
+            if self.rig.line(part) == dio:
                 setattr(self.panel, knob, high)
 
     def write_many(self, values: Mapping[str, Any]) -> None:
-        for axis, name in enumerate(MIRRORS):
+        for axis, name in enumerate(self.rig.mirrors):
             if name in values:
                 self.panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
 
@@ -182,8 +183,7 @@ class SimulatedReadOut(SimulatedDevice):
         labels = []
         for registers in requests:
             self.write_many(registers)
-            volts = np.array(self.panel.galvo_volts)
-            angles.append(np.deg2rad(2 * volts / VOLTS_PER_DEGREE))
+            angles.append(mirror_angles(self.rig, self.panel.galvo_volts))
             labels.append(int(registers["USER_RAM0_U32"]))
         options = {"labels": labels, "pulses": self._pulses, "rate": self.rate}
         every = self.instrument.bursts(self.panel, angles, **options)  # all are computed at once
@@ -206,10 +206,11 @@ KINDS: dict[str, type[SimulatedDevice]] = {
 """Simulated device of each role."""
 
 
-def simulated_devices(instrument: SimulatedInstrument) -> dict[str, Any]:
-    """Every device of an instrument by its role."""
+def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> dict[str, Any]:
+    """Every device of an instrument by its role, wired as a rig has it."""
     panel = Panel()
     devices: dict[str, Any] = {role: KINDS[role](panel, instrument, role) for role in ROLES}
+    devices["daq"].rig = rig
     devices["daq"].triggered = devices["rf_detection"]
     return devices
 

@@ -17,12 +17,10 @@ from cmtof.correlation import TAU
 from cmtof.files import read_document
 from cmtof.hardware.apt import MOTORS, Motor
 from cmtof.hardware.rf import CODES, RfDriver, framed
-from cmtof.hardware.rig import LINES
+from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.scpi import PowerMeter, SignalGenerator
 from cmtof.hardware.t7 import LabJackT7
-from cmtof_lab.devices import simulated_devices
-from cmtof_lab.instrument import SimulatedInstrument
-from cmtof_lab.settings import TwinSettings
+from cmtof_lab.rehearsal import simulated_bench
 
 HOMED = 1 << 10
 MOVING = 1 << 4
@@ -31,7 +29,7 @@ ERROR = 1 << 14
 
 def simulated(role):
     """A device of an instrument that is switched off."""
-    return simulated_devices(SimulatedInstrument(TwinSettings()))[role]
+    return simulated_bench(Rig.default()).devices[role]
 
 
 # --- connections ---------------------------------------------------------------------------------

@@ -58,10 +58,24 @@ def test_a_file_that_cannot_be_is_one_line(tmp_path, text, words):
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize(("role", "address"), [("rf_emission", "/no/port"), ("daq", "127.0.0.1:9")])
+def moved(role, address):
+    """The rig with a device at another address."""
+    one = replace(RIG.devices[role], address=address)
+    return replace(RIG, devices=RIG.devices | {role: one})
+
+
+@pytest.mark.parametrize(
+    ("role", "address"),
+    [
+        ("rf_emission", "/no/port"),
+        ("daq", "127.0.0.1:9"),
+        ("clock", "TCPIP::127.0.0.1::9::SOCKET"),
+        ("power_meter", "nonsense"),
+    ],
+)
 def test_nothing_at_an_address_is_one_line(role, address):
-    with pytest.raises(ConnectionLost, match="Expected .* at"):
-        connected_driver(role, replace(RIG.devices[role], address=address))
+    with pytest.raises(ConnectionLost, match="Expected .*Check"):
+        connected_driver(moved(role, address), role).identify()
 
 
 def test_a_port_that_may_not_be_opened_says_what_helps():
@@ -72,7 +86,7 @@ def test_a_port_that_may_not_be_opened_says_what_helps():
     ):
         raise refusal
     with pytest.raises(ConnectionLost, match="ls -l /dev/serial/by-id"):
-        connected_driver("stage", replace(RIG.devices["stage"], address="/dev/no-port"))
+        connected_driver(moved("stage", "/dev/no-port"), "stage")
 
 
 def test_the_default_rig_finds_its_libraries_in_the_extra():

@@ -226,7 +226,7 @@ def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(output):
     across = np.abs(PLAN.angles[0, -1] - PLAN.angles[0, 0]).max()
     down = np.abs(PLAN.angles[0, 0]).max()
     flybacks = [seconds for seconds in waited if 0 < seconds < 0.05]
-    assert flybacks[:2] == approx([mirror_settling(down), mirror_settling(across)])
+    assert flybacks[:2] == approx([mirror_settling(RIG, down), mirror_settling(RIG, across)])
     assert flybacks[1] == approx(3.3e-3, abs=2e-4)  # 15 degrees
 
 

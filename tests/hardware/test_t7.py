@@ -1,6 +1,7 @@
 """The read-out before a model of the T7, in process and on TCP."""
 
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from wire import Network, whole_frame
 
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Refused
-from cmtof.hardware.rig import DeviceSettings
+from cmtof.hardware.rig import DeviceSettings, Rig
 from cmtof.hardware.t7 import LabJackT7
 from cmtof_lab.devices import SimulatedDevice
 
@@ -151,8 +152,15 @@ def network(peer):
     server.close()
 
 
+def at(network, **settings):
+    """A rig whose T7 is on a network."""
+    rig = Rig.default()
+    daq = DeviceSettings("labjack-t7", network.address, **settings)
+    return replace(rig, devices=rig.devices | {"daq": daq})
+
+
 def test_a_refusal_tells_the_makers_code(peer, network):
-    far = connected_driver("daq", DeviceSettings("labjack-t7", network.address))
+    far = connected_driver(at(network), "daq")
     peer.fault = "refuse"
     with pytest.raises(Refused, match="got exception 6.*LabJack's error code is 2603"):
         far.set_line("FIO0", True)
@@ -160,9 +168,8 @@ def test_a_refusal_tells_the_makers_code(peer, network):
 
 
 def test_a_log_has_every_request_and_reply(network, tmp_path):
-    settings = DeviceSettings("labjack-t7", network.address, timeout=0.05)
     with (tmp_path / "log.txt").open("w") as log:
-        driver = connected_driver("daq", settings, log)
+        driver = connected_driver(at(network, timeout=0.05), "daq", log)
         driver.line("FIO7")
         network.wire.fail(b"", b"")
         with pytest.raises(InstrumentTimeout):

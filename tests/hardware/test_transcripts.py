@@ -78,8 +78,7 @@ def test_every_register_is_read_and_written_as_its_maker_says(monkeypatch):
 
     def noted(direction, works):
         def part(register, *values):
-            address, kind = t7.REGISTERS.get(register, register)
-            used.add((direction, address, kind))
+            used.add((direction, *t7.REGISTERS[register]))
             return works(register, *values)
 
         return part

@@ -111,7 +111,7 @@ def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
 @pytest.fixture
 def lit(world):
     """The world as a killed scan leaves it, and its read-out's driver."""
-    daq = connected_driver("daq", world.rig.devices["daq"])
+    daq = connected_driver(world.rig, "daq")
     daq.watchdog(5)
     daq.set_line("FIO0", True)
     daq.set_line("FIO1", True)

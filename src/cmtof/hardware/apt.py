@@ -5,12 +5,15 @@ MOVE_HOMED): the end of a move is read from the status bits, and the position is
 """
 
 import time
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from math import pi
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import thorlabs_apt_protocol as apt
 
+from cmtof.files import read_document
 from cmtof.hardware import device
 from cmtof.hardware.device import one_error, question
 from cmtof.hardware.rf import open_serial
@@ -34,50 +37,28 @@ class MotorKind(NamedTuple):
     acceleration: float  # m/s^2 or rad/s^2
     tolerance: float  # m or rad
     travel: tuple[float, float]
-    models: tuple[str, ...] = ("KDC101", "TDC001")
+    models: Sequence[str] = ("KDC101", "TDC001")
     status: str = "dcstatusupdate"  # message that asks for it
 
 
-_TURN = (-1e3, 1e3)  # rad
-_DEGREE = pi / 180  # rad
-MOTORS = {
-    # APT Communications Protocol, 28 November 2022: 34554.96 counts/mm. Older drivers (pylablib,
-    # kinesis.py) have 34304, 0.73 % less: command 10 mm and measure.
-    "mts50-z8": MotorKind(
-        scale=34554.96e3,
-        velocity_scale=772981.37e3,
-        acceleration_scale=263.844e3,
-        velocity=2.4e-3,
-        home_velocity=1.5e-3,
-        acceleration=2e-3,
-        tolerance=5e-6,
-        travel=(0.0, 0.05),
-    ),
-    # pylablib, kinesis.py: 1919.6418578623391 counts/degree
-    "prm1-z8": MotorKind(
-        scale=1919.6418578623391 / _DEGREE,
-        velocity_scale=42941.66 / _DEGREE,
-        acceleration_scale=14.6574 / _DEGREE,
-        velocity=10 * _DEGREE,
-        home_velocity=10 * _DEGREE,
-        acceleration=10 * _DEGREE,
-        tolerance=3.5e-4,
-        travel=_TURN,
-    ),
-    # pylablib, kinesis.py: 409600 microsteps a turn, gear 120:1
-    "k10cr1": MotorKind(
-        scale=409600 * 120 / (2 * pi),
-        velocity_scale=7329109 / _DEGREE,
-        acceleration_scale=1502 / _DEGREE,
-        velocity=10 * _DEGREE,
-        home_velocity=10 * _DEGREE,
-        acceleration=10 * _DEGREE,
-        tolerance=3.5e-4,
-        travel=_TURN,
-        models=("K10CR",),
-        status="statusupdate",
-    ),
-}
+UNITS = {"mm": 1e-3, "degree": pi / 180}
+
+
+def motor_kinds(document: dict[str, Any]) -> Iterator[tuple[str, MotorKind]]:
+    """Names and motors of a document whose numbers are in mm or degrees."""
+    for name, found in document.items():
+        unit = UNITS[found.pop("unit")]
+        for key, value in found.items():
+            if "scale" in key:
+                found[key] = value / unit
+            elif key == "travel":
+                found[key] = tuple(unit * end for end in value)
+            elif isinstance(value, float):
+                found[key] = unit * value
+        yield name, MotorKind(**found)
+
+
+MOTORS = dict(motor_kinds(read_document(Path(__file__).with_name("motors.yml"))))
 """Motors by the name in a RIG file."""
 
 
@@ -101,7 +82,7 @@ class Motor(device.Device):
 
     def __init__(self, port: Any, kind: MotorKind, name: str, serial_number: str = "") -> None:
         super().__init__(port, name, serial_number)
-        self.kind, self.MODELS = kind, kind.models  # type: ignore[misc]
+        self.kind, self.MODELS = kind, tuple(kind.models)  # type: ignore[misc]
         self.LIMITS = {"position": kind.travel}  # type: ignore[misc]
         self._unpacker = apt.Unpacker(port)
         self._speeds_set = False

@@ -9,14 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import LASER_WAVELENGTH
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
-from cmtof.hardware.plan import VOLTS_PER_RADIAN, Line, Plan, Record, mirror_settling
+from cmtof.hardware.plan import Line, Plan, Record, mirror_settling, mirror_volts
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
-from cmtof.hardware.rig import LINES, MIRRORS, PLATES, Rig
+from cmtof.hardware.rig import PLATES, Rig
 from cmtof.hardware.roles import ROLES, ClockRole, MotorRole, PowerMeterRole, ReadOutRole, RfRole
 from cmtof.hardware.safety import EmergencyStop
 from cmtof.types import Array
 
-CHANNEL, VOLTS_RANGE = "AIN0", 10.0  # input of the detector, V
+VOLTS_RANGE = 10.0  # of the detector's input, V
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 WATCHDOG = 5  # s without a request, after which the read-out makes itself dark
 RAMP = (-20.0, -10.0, -6.0, -3.0, 0.0)  # dB: steps by which RF comes up to its power
@@ -62,10 +62,10 @@ class Bench(EmergencyStop):
         super().__init__([devices[role] for role in ROLES])
 
     def switch(self, part: str, on: bool) -> None:
-        """Switch one of `LINES`, and wait until it has moved; light needs a closed interlock."""
+        """Switch a part, and wait until it has moved; light needs a closed interlock."""
         if on and part in ("laser", "shutter"):
             self.check_interlock()
-        self.daq.set_line(LINES[part], on)
+        self.daq.set_line(self.rig.line(part), on)
         settling = {
             "shutter": self.rig.shutter_settling,
             "flip_mirror": self.rig.flip_mirror_settling,
@@ -83,19 +83,19 @@ class Bench(EmergencyStop):
 
     def check_interlock(self) -> None:
         """Raise `Unsafe` when the interlock is open."""
-        if not self.daq.line(LINES["interlock"]):
+        if not self.daq.line(self.rig.line("interlock")):
             raise Unsafe("Expected the interlock closed, got it open. Close doors and covers.")
 
     def park(self) -> None:
         """Bring both mirrors to 0 V."""
-        self.daq.write_many(dict.fromkeys(MIRRORS, 0.0))
+        self.daq.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
         self._aim = np.zeros(2)
 
     def fly_back(self, directions: Array) -> None:
         """Aim at the first direction of a line (N, 2), rad, and wait as the step requires."""
-        volts = np.round(VOLTS_PER_RADIAN * directions[0], 6).tolist()
-        self.daq.write_many(dict(zip(MIRRORS, volts, strict=True)))
-        self.wait(mirror_settling(float(np.abs(directions[0] - self._aim).max())))
+        volts = mirror_volts(self.rig, directions[0]).tolist()
+        self.daq.write_many(dict(zip(self.rig.mirrors, volts, strict=True)))
+        self.wait(mirror_settling(self.rig, float(np.abs(directions[0] - self._aim).max())))
         self._aim = directions[-1]
 
     def set_up(self) -> None:
@@ -115,11 +115,11 @@ class Bench(EmergencyStop):
             if not motor.homed:
                 motor.home(waiting=self.feed)
         self.daq.configure_burst(
-            channel=CHANNEL,
+            channel=rig.detector_input,
             rate=rig.rate,
             scans=rig.scans,
             range=VOLTS_RANGE,
-            pulse_line=LINES["trigger"],
+            pulse_line=rig.line("trigger"),
             pulse=rig.samples_per_phase,
         )
         self.start_clock()
@@ -186,9 +186,9 @@ class Bench(EmergencyStop):
         """
         requests = [{"USER_RAM0_U32": float(label)} for label in labels]
         if directions is not None:
-            volts = np.round(VOLTS_PER_RADIAN * np.asarray(directions, float), 6).tolist()
+            volts = mirror_volts(self.rig, directions).tolist()
             for request, pair in zip(requests, volts, strict=True):
-                request.update(zip(MIRRORS, pair, strict=True))
+                request.update(zip(self.rig.mirrors, pair, strict=True))
             self.fly_back(np.asarray(directions, float))
         insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
         counts = []

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.rig import LINES
 from cmtof.hardware.roles import RfStatus
 
 
@@ -19,7 +18,7 @@ def states_of(bench: Bench) -> Iterator[tuple[str, str]]:
         on = _told(lambda one=channel: "on" if bench.clock.output_is_on(one) else "off")
         yield f"clock channel {channel}", on
     yield "power", _told(lambda: f"{1e3 * bench.power_meter.power:.4g} mW at the meter")
-    yield "interlock", _told(lambda: _interlock(bench.daq.line(LINES["interlock"])))
+    yield "interlock", _told(lambda: _interlock(bench.daq.line(bench.rig.line("interlock"))))
 
 
 def _interlock(closed: bool) -> str:

@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
+from functools import partial
 from typing import Any, TextIO
 
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.device import ConnectionLost, one_error
 from cmtof.hardware.log import Logged
 from cmtof.hardware.modbus import PORT, Feedback
-from cmtof.hardware.rig import LIGHT, LINES, MIRRORS, DeviceSettings, Rig
+from cmtof.hardware.rig import LIGHT, Rig
 
 DARK_FIRST = ("daq", "rf_emission", "rf_detection")
 """What may still send out light or RF after a scan that was killed; it is connected first."""
@@ -24,7 +25,7 @@ def connected_bench(rig: Rig, log: TextIO | None = None) -> Iterator[Bench]:
     with ExitStack() as reached:
         devices: dict[str, Any] = {}
         for role in dict.fromkeys((*DARK_FIRST, *rig.devices)):
-            device = connected_driver(role.replace("_", " "), rig.devices[role], log)
+            device = connected_driver(rig, role, log)
             devices[role] = reached.enter_context(closing(device))
             device.identify()
             device.safe_state()
@@ -32,29 +33,26 @@ def connected_bench(rig: Rig, log: TextIO | None = None) -> Iterator[Bench]:
             yield bench
 
 
-def connected_driver(name: str, settings: DeviceSettings, log: TextIO | None = None) -> Any:
-    """Driver of a device, connected; requests and replies go into ``log``."""
+def connected_driver(rig: Rig, role: str, log: TextIO | None = None) -> Any:
+    """Driver of a rig's device, connected; requests and replies go into ``log``."""
     from cmtof.hardware import apt, rf, scpi
 
-    opened = {
-        "labjack-t7": open_feedback,
-        "rf-driver": rf.open_serial,
-        "sdg2042x": scpi.open_visa,
-        "pm100d": scpi.open_visa,
-    }.get(settings.driver, apt.open_controller)(settings.address, settings.timeout)
-    connection = Logged(opened, name, log) if log else opened
-    match settings.driver:
-        case "labjack-t7":
-            return read_out(connection, name, settings)
-        case "rf-driver":
-            return rf.RfDriver(connection, name, settings.serial_number)
-        case "sdg2042x":
-            return scpi.SignalGenerator(connection, name, settings.serial_number)
-        case "pm100d":
-            return scpi.PowerMeter(connection, name, settings.serial_number)
-    kind = apt.MOTORS[settings.driver]
-    kind = kind._replace(scale=settings.counts_per_unit or kind.scale)
-    return apt.Motor(connection, kind, name, settings.serial_number)
+    settings = rig.devices[role]
+    name = role.replace("_", " ")
+    kinds: dict[str, Any] = {
+        "labjack-t7": (open_feedback, partial(read_out, rig)),
+        "rf-driver": (rf.open_serial, rf.RfDriver),
+        "sdg2042x": (scpi.open_visa, scpi.SignalGenerator),
+        "pm100d": (scpi.open_visa, scpi.PowerMeter),
+    }
+    for driver, kind in apt.MOTORS.items():
+        scaled = kind._replace(scale=settings.counts_per_unit or kind.scale)
+        kinds[driver] = apt.open_controller, partial(apt.Motor, kind=scaled)
+    opened, make = kinds[settings.driver]
+    connection = opened(settings.address, settings.timeout)
+    if log:
+        connection = Logged(connection, name, log)
+    return make(connection, name=name, serial_number=settings.serial_number)
 
 
 def open_feedback(address: str, timeout: float) -> Feedback:
@@ -63,13 +61,12 @@ def open_feedback(address: str, timeout: float) -> Feedback:
         return Feedback(address, timeout)
 
 
-def read_out(connection: Any, name: str, settings: DeviceSettings) -> Any:
+def read_out(rig: Rig, connection: Any, **named: str) -> Any:
     """Driver of a T7: ``HOST``, or ``HOST:PORT`` whose stream comes from the port 200 above."""
     from cmtof.hardware import rf, t7
 
+    settings = rig.devices["daq"]
     host, _, port = settings.address.partition(":")
     stream = rf.open_serial(f"socket://{host}:{int(port or PORT) + 200}", settings.timeout)
-    lines = [LINES[part] for part in LIGHT]
-    return t7.LabJackT7(
-        connection, stream, name, settings.serial_number, safe_lines=lines, parked=MIRRORS
-    )
+    lines = [rig.line(part) for part in LIGHT]
+    return t7.LabJackT7(connection, stream, safe_lines=lines, parked=rig.mirrors, **named)

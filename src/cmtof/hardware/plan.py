@@ -8,11 +8,11 @@ calibration around it, so that neither the plates turn nor the phases drift more
     dark, reference target at each position, lines of the image, reference target again
 """
 
-from math import ceil, pi
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.frame import rays_from_camera
@@ -22,13 +22,11 @@ from cmtof.types import Array, Numbers
 DARK_BURSTS = 16  # behind the closed shutter, each mode
 REFERENCE_BURSTS = 8  # at each position of the reference target
 SWEEP = 8  # positions of it, over one wrap of the single mode, two of the doubled one
-VOLTS_PER_DEGREE = 0.5  # scan mirrors GVS012, of mechanical angle
-VOLTS_PER_RADIAN = VOLTS_PER_DEGREE * 180 / pi / 2
-"""Of optical angle: the beam turns by twice what a mirror does."""
-SETTLING = {0.4: 4e-4, 40.0: 1 / (2 * 65), 80.0: 1 / (2 * 25)}
-"""Time that the mirrors take for a step, s, by degrees of optical angle. GVS012 with its mirrors of
-10 mm: 0.4 ms for 0.2 mechanical degrees; square waves of 65 Hz over half the travel, of 25 Hz over
-all of it (its specifications). Between, a straight line (not verified)."""
+STEPS = (0.4, 40.0, 80.0)
+"""Steps of the beam, degrees, whose settling times are in a rig. By default those of a GVS012 with
+its mirrors of 10 mm, as Thorlabs specifies the GVS011 and GVS012: 0.4 ms for 0.2 degrees of a
+mirror, square waves of 65 Hz over half the travel and of 25 Hz over all of it, 0.5 V per degree.
+Between, a straight line (not verified)."""
 BURST_INTERVAL = 20e-3
 """Time from one burst to the next on the plan's clock, s: 13.3 ms for the paper's burst, and what
 the devices need between."""
@@ -66,13 +64,25 @@ class Plan(NamedTuple):
     lines: list[Line]
 
 
-def mirror_settling(step: float) -> float:
+def mirror_settling(rig: Rig, step: float) -> float:
     """Time, s, that the mirrors take for a step, rad of optical angle.
 
-    >>> f"{mirror_settling(np.deg2rad(40)):.4f}"
+    >>> f"{mirror_settling(Rig.default(), np.deg2rad(40)):.4f}"
     '0.0077'
     """
-    return float(np.interp(np.rad2deg(step), list(SETTLING), list(SETTLING.values())))
+    return float(np.interp(np.rad2deg(step), STEPS, rig.mirror_settling))
+
+
+def mirror_volts(rig: Rig, angles: ArrayLike) -> Array:
+    """Voltages (..., 2) that send the beam to optical angles, rad: twice what the mirrors turn."""
+    scale = np.array(rig.mirror_volts_per_degree)
+    return np.round(np.rad2deg(angles) / 2 * scale + rig.mirror_offset_volts, 6)
+
+
+def mirror_angles(rig: Rig, volts: ArrayLike) -> Array:
+    """Optical angles (..., 2), rad, of voltages: the inverse of `mirror_volts`."""
+    turned = np.asarray(volts, float) - rig.mirror_offset_volts
+    return np.deg2rad(2 * turned / rig.mirror_volts_per_degree)
 
 
 def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
@@ -94,6 +104,6 @@ def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
             label += bursts
     settle = np.full(rig.phases, rig.settle_samples)
     step = float(np.abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0))
-    mirrors = ceil(mirror_settling(step) * rig.rate - 1e-9)
+    mirrors = ceil(mirror_settling(rig, step) * rig.rate - 1e-9)
     settle[0] = max(settle[0], min(mirrors, rig.samples_per_phase - 1))  # mirrors settle, too
     return Plan(rig, angles, camera, sweep, rig.samples_per_phase - settle, lines)

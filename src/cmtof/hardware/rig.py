@@ -30,10 +30,8 @@ LINES = {
     "beam_block": "FIO6",
     "interlock": "FIO7",
 }
-"""Digital lines of the read-out; the LJTick-DAC takes FIO2 and FIO3."""
+"""Digital lines of the read-out, unless a rig has others; the LJTick-DAC takes FIO2 and FIO3."""
 LIGHT = ("laser", "shutter", "beam_block")  # low is safe: laser off, shutter shut, block in
-MIRRORS = ("TDAC2", "TDAC3")
-"""Outputs of the LJTick-DAC that steer the beam, x and y."""
 MODES = {"single": 1, "doubled": 2}  # which harmonic of the drive modulates the light
 PLATES = {"single": HALF_WAVE_PLATE_SINGLE, "doubled": HALF_WAVE_PLATE_DOUBLED}
 """Angle of both half-wave plates in each mode, degrees."""
@@ -41,6 +39,11 @@ SAMPLE_RATE = 24000.0  # Hz (Sec. 7.2): 16 phases of 20 samples take 13.3 ms
 
 CHECKED = ConfigDict(extra="forbid")
 Angle = Annotated[float, Field(gt=0, lt=80)]
+Volts = Annotated[float, Field(ge=-10, le=10)]
+Seconds = Annotated[float, Field(ge=0, le=10)]
+Part = Literal["laser", "shutter", "trigger", "flip_mirror", "beam_block", "interlock"]
+Line = Annotated[str, Field(pattern="^FIO[0-7]$")]
+Output = Annotated[str, Field(pattern="^TDAC[0-7]$")]
 
 
 @dataclass(frozen=True, config=CHECKED)
@@ -64,8 +67,15 @@ class Rig:
     power_dbm_limit: float = Field(default=30.0, ge=-30, le=35)  # what the modulators stand
     power_limit: float = Field(default=4e-3, gt=0, le=0.5)  # W, of the beam that leaves
     emitted_share: float = Field(default=0.41, gt=0, le=100)  # power that leaves over metered power
-    shutter_settling: float = Field(default=0.1, ge=0, le=10)  # s
-    flip_mirror_settling: float = Field(default=3.0, ge=0, le=10)  # s; flippers take 0.3 to 2.8
+    lines: dict[Part, Line] = Field(default_factory=dict)  # those that differ from the guide's
+    shutter_settling: Seconds = 0.1
+    flip_mirror_settling: Seconds = 3.0  # flippers take 0.3 to 2.8
+    mirrors: tuple[Output, Output] = ("TDAC2", "TDAC3")  # outputs that steer along x and y
+    mirror_volts_per_degree: tuple[Volts, Volts] = (0.5, 0.5)  # of a mirror; negative: other way
+    mirror_offset_volts: tuple[Volts, Volts] = (0.0, 0.0)  # straight ahead
+    mirror_settling: tuple[Seconds, Seconds, Seconds] = (4e-4, 7.7e-3, 0.02)  # by STEPS of plan.py
+    detector_input: str = Field(default="AIN0", pattern="^AIN[0-9]$")
+    detector_gain: float = Field(default=50.0, ge=1, le=1000)  # avalanche gain, set by hand
     frequency_single: float = Field(default=7.15e9, ge=7.14e9, le=7.17e9)  # drive, single mode
     frequency_doubled: float = Field(default=7.16e9, ge=7.14e9, le=7.17e9)  # and doubled mode
     clock_frequency: float = Field(default=10e6, ge=1e6, le=40e6)
@@ -98,6 +108,26 @@ class Rig:
                 f"Expected power_dbm up to power_dbm_limit, {self.power_dbm_limit:g}, "
                 f"got {self.power_dbm:g}. Lower it."
             )
+        used = [
+            *(LINES | self.lines).values(),
+            *(one.replace("TDAC", "FIO") for one in self.mirrors),
+        ]
+        if len(set(used)) < len(used):
+            raise ValueError(
+                "Expected lines and mirrors on terminals of their own, "
+                f"got {' '.join(sorted(used))}. Wire one elsewhere."
+            )
+        for view, scale, offset in zip(
+            self.field_of_view_deg,
+            self.mirror_volts_per_degree,
+            self.mirror_offset_volts,
+            strict=True,
+        ):
+            if view / 4 * abs(scale) + abs(offset) > 10:
+                raise ValueError(
+                    f"Expected a field of view that the mirrors reach with 10 V, got {view:g} "
+                    "degrees. Make it smaller."
+                )
         if self.settle_samples >= self.samples_per_phase:
             raise ValueError(
                 "Expected settle_samples below samples_per_phase, "
@@ -106,8 +136,16 @@ class Rig:
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """Read a RIG file; a ValueError names the first thing in it that cannot be."""
-        return checked(cls, read_document(path), Path(path).name)
+        """Read a RIG file; a ValueError names the first thing in it that cannot be.
+
+        Its ``bench`` is a file of further keys, beside it: what was measured on a bench and is the
+        same for all its rigs. Keys of the RIG file itself come first.
+        """
+        found = read_document(path)
+        record = found.pop("bench", None)
+        if record:
+            found = read_document(Path(path).parent / str(record)) | found
+        return checked(cls, found, Path(path).name)
 
     @classmethod
     def default(cls) -> Self:
@@ -123,6 +161,10 @@ class Rig:
     def group_index(self) -> float:
         """Group index of the air."""
         return group_index(temperature=self.temperature, pressure=self.pressure)
+
+    def line(self, part: str) -> str:
+        """Digital line of a part."""
+        return (LINES | self.lines)[part]
 
     def drive_frequency(self, mode: str) -> float:
         """Drive frequency of a mode, Hz."""

@@ -1,6 +1,6 @@
 """Read-out LabJack T7 over Modbus TCP: digital lines, bursts of samples, watchdog.
 
-Registers are those of LabJack's ljm_constants.json; function 76 (feedback), reads and writes in
+Registers are those of LabJack's ljm_constants.json, in t7.yml; function 76 (feedback), reads and writes in
 their order in one frame, and the packets of the stream are LabJack's own (T-Series Datasheet, 3.2.3
 Stream-Out, 3.2.4 Low-Level Stream). A stream-out puts one value a scan into a whole port, whose
 upper byte keeps the other lines from changing.
@@ -10,40 +10,34 @@ import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from math import gcd
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cmtof.files import read_document
 from cmtof.hardware import device
 from cmtof.hardware.device import one_error, question
 from cmtof.hardware.reduction import RANGES, Gain
 
-Register = tuple[int, str]
-REGISTERS: dict[str, Register] = {
-    "FIO_STATE": (2500, "H"),
-    "STREAM_ENABLE": (4990, "I"),
-    "USER_RAM0_U32": (46100, "I"),
-    "WATCHDOG_ENABLE_DEFAULT": (61600, "I"),
-    **{f"FIO{n}": (2000 + n, "H") for n in range(8)},
-    **{f"TDAC{n}": (30000 + 2 * n, "f") for n in range(8)},
-}
-"""Address and format of the registers that are used more than once; the others stand in place."""
+REGISTERS = read_document(Path(__file__).with_name("t7.yml"))
+"""Address and type of each register by LabJack's name."""
 CALIBRATION = 0x3C4000  # in the flash: four floats for each input range
 PACKET = 160  # samples at most: two or more packets a point, so that a lost one is seen at once
 COMPLETE = 2944  # status of a burst's last packet; 2940 to 2943 stand for skipped scans
 
 
-def write(register: str | Register, value: ArrayLike) -> bytes:
+def write(register: str, value: ArrayLike) -> bytes:
     """Part of a feedback frame that writes a register, or values one after another."""
-    address, kind = REGISTERS.get(register, register)  # type: ignore[arg-type]
+    address, kind = REGISTERS[register]
     data = np.atleast_1d(value).astype(f">{np.dtype(kind).str[1:]}").tobytes()
     return struct.pack(">BHB", 1, address, len(data) // 2) + data
 
 
-def read(register: Register) -> bytes:
+def read(register: str) -> bytes:
     """Part of a feedback frame that reads a register."""
-    address, kind = register
+    address, kind = REGISTERS[register]
     return struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
 
 
@@ -70,8 +64,8 @@ class LabJackT7(device.Device):
         self._stream = stream
         self._safe_lines = list(safe_lines)
         self._parked = dict.fromkeys(parked, 0.0)
-        self._settings: dict[Register, float] = {}
-        self._waveform: dict[str | Register, ArrayLike] = {}
+        self._settings: dict[str, float] = {}
+        self._waveform: dict[str, ArrayLike] = {}
         self._scans = 0
         self.rate = 0.0  # of the last burst, as the converter made it, Hz
 
@@ -83,8 +77,8 @@ class LabJackT7(device.Device):
     def gain(self, volts_range: float) -> Gain:
         """Calibration of an input range, V, of the converter that streams."""
         place = CALIBRATION + 16 * RANGES.index(volts_range)
-        self.write_many({(61810, "I"): place})  # INTERNAL_FLASH_READ_POINTER
-        gain = Gain(*self._values((61812, "fff")))  # INTERNAL_FLASH_READ
+        self.write_many({"INTERNAL_FLASH_READ_POINTER": place})
+        gain = Gain(*self._values("INTERNAL_FLASH_READ"))
         self._expect("slope", 3.158e-5 * volts_range, gain.positive_slope, 1e-5 * volts_range)
         return gain
 
@@ -98,7 +92,7 @@ class LabJackT7(device.Device):
         (state,) = self._values("FIO_STATE")
         self._expect(dio, high, int(state) >> int(dio[-1]) & 1)
 
-    def write_many(self, values: Mapping[Any, ArrayLike]) -> None:
+    def write_many(self, values: Mapping[str, ArrayLike]) -> None:
         """Write registers in their order in one frame, once."""
         self._feedback(b"".join(write(name, value) for name, value in values.items()))
 
@@ -115,40 +109,42 @@ class LabJackT7(device.Device):
         self._scans = scans
         self._stream.timeout = scans / rate + 0.5
         self._settings = {
-            (40000 + 2 * number, "f"): range,  # AIN_RANGE
-            (41000 + number, "H"): 199,  # AIN_NEGATIVE_CH: single-ended
-            (4002, "f"): rate,  # STREAM_SCANRATE_HZ
-            (4004, "I"): 2,  # STREAM_NUM_ADDRESSES
-            (4008, "f"): 0.0,  # STREAM_SETTLING_US: automatic
-            (4014, "I"): 0,  # STREAM_CLOCK_SOURCE: its own
-            (4022, "I"): 0,  # STREAM_EXTERNAL_CLOCK_DIVISOR
-            (4024, "I"): 0,  # STREAM_TRIGGER_INDEX: none
-            (4028, "I"): 0,  # STREAM_AUTORECOVER_DISABLE
-            (4006, "I"): gcd(scans, PACKET),  # STREAM_SAMPLES_PER_PACKET
-            (4010, "I"): 1,  # STREAM_RESOLUTION_INDEX
-            (4012, "I"): 32768,  # STREAM_BUFFER_SIZE_BYTES
-            (4016, "I"): 1,  # STREAM_AUTO_TARGET: port 702
-            (4020, "I"): scans,  # STREAM_NUM_SCANS
+            f"{channel}_RANGE": range,
+            f"{channel}_NEGATIVE_CH": 199,  # single-ended
+            "STREAM_SCANRATE_HZ": rate,
+            "STREAM_NUM_ADDRESSES": 2,
+            "STREAM_SETTLING_US": 0.0,  # automatic
+            "STREAM_CLOCK_SOURCE": 0,  # its own
+            "STREAM_EXTERNAL_CLOCK_DIVISOR": 0,
+            "STREAM_TRIGGER_INDEX": 0,  # none
+            "STREAM_AUTORECOVER_DISABLE": 0,
+            "STREAM_SAMPLES_PER_PACKET": gcd(scans, PACKET),
+            "STREAM_RESOLUTION_INDEX": 1,
+            "STREAM_BUFFER_SIZE_BYTES": 32768,
+            "STREAM_AUTO_TARGET": 1,  # port 702
+            "STREAM_NUM_SCANS": scans,
             # the pulse before the sample, so that an edge precedes it
-            (4100, "I"): 4800,  # STREAM_SCANLIST_ADDRESS0: STREAM_OUT0
-            (4102, "I"): 2 * number,  # STREAM_SCANLIST_ADDRESS1: AIN
+            "STREAM_SCANLIST_ADDRESS0": 4800,  # STREAM_OUT0
+            "STREAM_SCANLIST_ADDRESS1": 2 * number,  # AIN
         }
         self._waveform = {
-            (4018, "I"): 0,  # STREAM_DATATYPE: must be 0, and cannot be read back
+            "STREAM_DATATYPE": 0,  # must be 0, and cannot be read back
             pulse_line: 0,  # also makes it an output
-            (4040, "I"): REGISTERS["FIO_STATE"][0],  # STREAM_OUT0_TARGET
-            (4050, "I"): 1024,  # STREAM_OUT0_BUFFER_ALLOCATE_NUM_BYTES
-            (4090, "I"): 1,  # STREAM_OUT0_ENABLE
-            (4060, "I"): pulse,  # STREAM_OUT0_LOOP_NUM_VALUES
-            (4420, "H"): np.repeat([inhibit | bit, inhibit], [pulse // 2, pulse - pulse // 2]),
-            (4070, "I"): 1,  # STREAM_OUT0_SET_LOOP
+            "STREAM_OUT0_TARGET": REGISTERS["FIO_STATE"][0],
+            "STREAM_OUT0_BUFFER_ALLOCATE_NUM_BYTES": 1024,
+            "STREAM_OUT0_ENABLE": 1,
+            "STREAM_OUT0_LOOP_NUM_VALUES": pulse,
+            "STREAM_OUT0_BUFFER_U16": np.repeat(
+                [inhibit | bit, inhibit], [pulse // 2, pulse - pulse // 2]
+            ),
+            "STREAM_OUT0_SET_LOOP": 1,
         }
 
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
         """Counts (scans,) of a burst for each request, whose registers go into its first frame."""
         self._stop()  # a waveform goes on where it stopped: one that broke off is set up again
         self._set(self._settings)
-        self.write_many({(4090, "I"): 0})  # STREAM_OUT0_ENABLE
+        self.write_many({"STREAM_OUT0_ENABLE": 0})
         self.write_many(self._waveform)
         for registers in requests:
             with one_error(self.name):
@@ -164,9 +160,9 @@ class LabJackT7(device.Device):
         """Write registers, start the stream and read its actual rate, in one frame."""
         values = {**registers, "STREAM_ENABLE": 1}
         frame = b"".join(write(name, value) for name, value in values.items())
-        frame += read((4002, "f"))  # STREAM_SCANRATE_HZ, which reads as the actual rate
+        frame += read("STREAM_SCANRATE_HZ")  # it reads as the actual rate
         (self.rate,) = struct.unpack(">f", self._feedback(frame, 4))
-        wanted = self._settings[4002, "f"]
+        wanted = self._settings["STREAM_SCANRATE_HZ"]
         self._expect("rate", wanted, self.rate, 1e-3 * wanted)
 
     def _samples(self) -> NDArray[np.uint16]:
@@ -202,17 +198,17 @@ class LabJackT7(device.Device):
         """Let the device pull its safe lines low when no host speaks for so many seconds."""
         used = self._bits(self._safe_lines)
         wanted = {
-            (61602, "I"): 0,  # WATCHDOG_ADVANCED_DEFAULT
-            (61604, "I"): int(seconds),  # WATCHDOG_TIMEOUT_S_DEFAULT
-            (61606, "I"): 0,  # WATCHDOG_STARTUP_DELAY_S_DEFAULT
-            (61610, "I"): 0,  # WATCHDOG_STRICT_ENABLE_DEFAULT: any request feeds it
-            (61620, "I"): 0,  # WATCHDOG_RESET_ENABLE_DEFAULT: a reset would raise the lines
-            (61630, "I"): 1,  # WATCHDOG_DIO_ENABLE_DEFAULT
-            (61632, "I"): 0,  # WATCHDOG_DIO_STATE_DEFAULT
-            (61634, "I"): used,  # WATCHDOG_DIO_DIRECTION_DEFAULT
-            (61636, "I"): 0x7FFFFF & ~used,  # WATCHDOG_DIO_INHIBIT_DEFAULT
-            (61640, "I"): 0,  # WATCHDOG_DAC0_ENABLE_DEFAULT
-            (61650, "I"): 0,  # WATCHDOG_DAC1_ENABLE_DEFAULT
+            "WATCHDOG_ADVANCED_DEFAULT": 0,
+            "WATCHDOG_TIMEOUT_S_DEFAULT": int(seconds),
+            "WATCHDOG_STARTUP_DELAY_S_DEFAULT": 0,
+            "WATCHDOG_STRICT_ENABLE_DEFAULT": 0,  # any request feeds it
+            "WATCHDOG_RESET_ENABLE_DEFAULT": 0,  # a reset would raise the lines
+            "WATCHDOG_DIO_ENABLE_DEFAULT": 1,
+            "WATCHDOG_DIO_STATE_DEFAULT": 0,
+            "WATCHDOG_DIO_DIRECTION_DEFAULT": used,
+            "WATCHDOG_DIO_INHIBIT_DEFAULT": 0x7FFFFF & ~used,
+            "WATCHDOG_DAC0_ENABLE_DEFAULT": 0,
+            "WATCHDOG_DAC1_ENABLE_DEFAULT": 0,
             "WATCHDOG_ENABLE_DEFAULT": 1,
         }
         if self._values(*wanted) != tuple(wanted.values()):  # it is flash, which wears out
@@ -225,7 +221,7 @@ class LabJackT7(device.Device):
         From the factory all lines are inputs with 100 kOhm to 3.3 V then, which read as high.
         """
         self._lower_lines()
-        self.write_many({(49002, "I"): 1})  # IO_CONFIG_SET_DEFAULT_TO_CURRENT
+        self.write_many({"IO_CONFIG_SET_DEFAULT_TO_CURRENT": 1})
 
     def safe_state(self) -> None:
         """Pull the safe lines low, park the mirrors, and stop a running stream."""
@@ -244,30 +240,26 @@ class LabJackT7(device.Device):
         return sum(1 << int(line[-1]) for line in lines)
 
     def _identity(self) -> dict[str, str]:
-        # PRODUCT_ID, FIRMWARE_VERSION, SERIAL_NUMBER
-        product, firmware, serial = self._values((60000, "f"), (60004, "f"), (60028, "I"))
+        names = "PRODUCT_ID", "FIRMWARE_VERSION", "SERIAL_NUMBER"
+        product, firmware, serial = self._values(*names)
         return {
             "model": f"T{product:g}",
             "serial_number": str(serial),
             "firmware": f"{firmware:.4f}",
         }
 
-    def _set(self, values: Mapping[Any, float]) -> None:
+    def _set(self, values: Mapping[str, float]) -> None:
         """Write registers, and compare what the device holds then."""
         self.write_many(values)
-        for (register, wanted), found in zip(values.items(), self._values(*values), strict=True):
-            address, kind = REGISTERS.get(register) or register
-            tolerance = 1e-3 * wanted if kind == "f" else 0.0
-            self._expect(f"register {address}", wanted, found, tolerance)
+        for (name, wanted), found in zip(values.items(), self._values(*values), strict=True):
+            tolerance = 1e-3 * wanted if REGISTERS[name][1] == "f" else 0.0
+            self._expect(name, wanted, found, tolerance)
 
     @question
-    def _values(self, *registers: str | Register) -> tuple[float, ...]:
+    def _values(self, *registers: str) -> tuple[float, ...]:
         """Values of registers, read in one frame."""
-        frame = b""
-        kinds = ">"
-        for address, kind in (REGISTERS.get(one, one) for one in registers):  # type: ignore[misc]
-            frame += read((address, kind))
-            kinds += kind
+        kinds = ">" + "".join(REGISTERS[name][1] for name in registers)
+        frame = b"".join(map(read, registers))
         return struct.unpack(kinds, self._feedback(frame, struct.calcsize(kinds)))
 
     def _feedback(self, frame: bytes, size: int = 0) -> bytes:
@@ -276,7 +268,7 @@ class LabJackT7(device.Device):
             try:
                 answer = self._connection.ask(frame)
             except device.Refused as refusal:
-                detail = self._connection.ask(read((55000, "H")))  # LAST_ERR_DETAIL
+                detail = self._connection.ask(read("LAST_ERR_DETAIL"))
                 code = int.from_bytes(detail, "big")
                 raise device.Refused(f"{refusal} LabJack's error code is {code}.") from None
         if len(answer) != size:
