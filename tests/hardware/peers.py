@@ -1,6 +1,7 @@
 """Models of the devices, each on a simulated one, and connections in process that can fail."""
 
 import io
+import re
 import struct
 import time
 from contextlib import contextmanager
@@ -15,7 +16,7 @@ from pyvisa.constants import StatusCode
 
 from cmtof.correlation import TAU
 from cmtof.files import read_document
-from cmtof.hardware.apt import MOTORS, Motor
+from cmtof.hardware.apt import MOTORS, UNITS, Motor
 from cmtof.hardware.rf import CODES, RfDriver, framed
 from cmtof.hardware.rig import LINES, Rig
 from cmtof.hardware.scpi import PowerMeter, SignalGenerator
@@ -107,6 +108,46 @@ def modbus(answer):
     return SimpleNamespace(ask=answer, close=lambda: None)
 
 
+def listed():
+    """Address and entry of every register by its name, from the maker's list."""
+    found = {}
+    for one in read_document(HERE / "registers.yml")["registers"]:
+        for n in range(one.get("count", 1)):
+            address = one["address"] + n * struct.calcsize(WORDS[one["type"]]) // 2
+            found[re.sub(r"#\(.*?\)", str(n), one["name"])] = address, one
+    return found
+
+
+HERE = Path(__file__).parent
+WORDS = {"UINT16": ">H", "UINT32": ">I", "FLOAT32": ">f"}
+LISTED = listed()
+
+
+def feedback(sent, received=""):
+    """Frame and answer of function 76: ``NAME=value`` is a write, ``NAME?`` a read."""
+    frame = b""
+    answer = b""
+    values = iter(str(received).split())
+    for part in sent.split():
+        name, _, value = part.rstrip("?").partition("=")
+        address, one = LISTED[name]
+        kind = WORDS[one.get("holds", one["type"])]
+        words = one.get("words", struct.calcsize(kind) // 2)
+        frame += struct.pack(">BHB", bool(value), address, words)
+        number = float if kind == ">f" else int
+        if value:
+            frame += struct.pack(kind, number(value))
+        else:
+            for _ in range(words * 2 // struct.calcsize(kind)):
+                answer += struct.pack(kind, number(next(values)))
+    return frame, answer
+
+
+def in_bytes(coded):
+    """Pairs of bytes of what is sent and received."""
+    return lambda sent, received="": (coded(sent), coded(received))
+
+
 class Device:
     """A kind of device in the tests: connection and driver in process, model, and transcripts."""
 
@@ -114,8 +155,9 @@ class Device:
         self.kind = kind
         self.driver = driver
         self.model = model
-        self.file = read_document(Path(__file__).parent / "transcripts" / f"{name}.yml")
-        self.coded = bytes.fromhex if kind is modbus or name == "apt" else str.encode
+        self.file = read_document(HERE / "transcripts" / f"{name}.yml")
+        coded = in_bytes(bytes.fromhex if name == "apt" else str.encode)
+        self.pair = feedback if name == "t7" else coded
 
 
 def called(driver, call, options=None, **written):
@@ -206,7 +248,7 @@ class Controller:
     def __init__(self, device, driver="mts50-z8", homed=False):
         kind = MOTORS[driver]
         self.device = device
-        self.scale = kind.scale
+        self.scale = kind.scale / UNITS[kind.unit]
         self.model = f"{kind.models[0]}1".encode()
         self.status = HOMED * homed | 1 << 31
         self.looks = 0
@@ -440,6 +482,11 @@ DEVICES = {
         ("pm100d", Visa, PowerMeter, lambda: Meter(simulated("power_meter"))),
         ("rf", Port, RfDriver, lambda: Firmware(simulated("rf_emission"))),
         ("sdg2042x", Visa, SignalGenerator, lambda: Generator(simulated("clock"))),
-        ("t7", modbus, partial(LabJackT7, stream=Port()), lambda: T7(simulated("daq"))),
+        (
+            "t7",
+            modbus,
+            partial(LabJackT7, stream=Port(), safe_lines=["FIO0", "FIO1"], parked=["TDAC2"]),
+            lambda: T7(simulated("daq")),
+        ),
     )
 }

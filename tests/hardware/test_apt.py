@@ -9,7 +9,6 @@ import pytest
 from peers import ERROR, HOMED, Controller, Port, simulated
 from pytest import approx
 
-from cmtof.correlation import TAU
 from cmtof.hardware.apt import LONGEST, MOTORS, Motor, open_controller
 from cmtof.hardware.device import ConnectionLost, InstrumentError, InstrumentTimeout, Refused
 
@@ -35,14 +34,14 @@ def test_a_motor_homes_and_moves_where_it_should(controller, motor):
 def test_speeds_are_set_before_the_first_move(controller, motor):
     """A K10CR1 powers up with a home velocity at which it never arrives."""
     motor.home()
-    scale = MOTORS["mts50-z8"].velocity_scale
-    assert controller.home_parameters == (2, 1, round(1.5e-3 * scale), 0)
-    assert controller.velocities == (0, round(2e-3 * 263844), round(2.4e-3 * scale))
+    scale = MOTORS["mts50-z8"].velocity_scale  # per mm/s
+    assert controller.home_parameters == (2, 1, round(1.5 * scale), 0)
+    assert controller.velocities == (0, round(2 * 263.844), round(2.4 * scale))
 
 
 @pytest.mark.parametrize("kind", MOTORS.values(), ids=MOTORS)
 def test_the_longest_way_home_takes_less_than_is_waited_for(kind):
-    longest = min(kind.travel[1] - kind.travel[0], TAU)
+    longest = min(kind.travel[1] - kind.travel[0], 360)
     assert longest / kind.home_velocity < LONGEST
 
 

@@ -46,14 +46,20 @@ def driver(device, wire):
 
 
 @pytest.fixture
-def sent(device, wire):
+def request_of(device):
+    """Bytes of a request as it is written."""
+    return lambda text: device.pair(text, "00")[0]
+
+
+@pytest.fixture
+def sent(request_of, wire):
     """How often a written request went over the wire."""
-    return lambda request: sum(device.coded(request) in one for one in wire.sent)
+    return lambda text: sum(request_of(text) in one for one in wire.sent)
 
 
 @pytest.mark.parametrize("fault", ["silence", "garbage"])
-def test_a_question_is_asked_once_more(device, contract, wire, driver, sent, faults, fault):
-    wire.fail(device.coded(contract["question"]), faults[fault], times=1)
+def test_a_question_is_asked_once_more(request_of, contract, wire, driver, sent, faults, fault):
+    wire.fail(request_of(contract["question"]), faults[fault], times=1)
     found = called(driver, **contract["ask"])
     assert (list(found) if isinstance(found, tuple) else found) == contract["ask"]["gives"]
     assert sent(contract["question"]) == 2
@@ -67,16 +73,16 @@ ERRORS = {
 
 
 @pytest.mark.parametrize("fault", ERRORS)
-def test_a_fault_that_stays_is_one_error(device, contract, wire, driver, faults, fault):
-    wire.fail(device.coded(contract["question"]), faults[fault])
+def test_a_fault_that_stays_is_one_error(request_of, contract, wire, driver, faults, fault):
+    wire.fail(request_of(contract["question"]), faults[fault])
     with pytest.raises(ERRORS[fault], match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
         called(driver, **contract["ask"])
     assert "\n" not in str(found.value)
 
 
 @pytest.mark.parametrize("fault", ERRORS)
-def test_a_change_is_sent_once(device, contract, wire, driver, sent, faults, fault):
-    wire.fail(device.coded(contract["command"]), faults[fault])
+def test_a_change_is_sent_once(request_of, contract, wire, driver, sent, faults, fault):
+    wire.fail(request_of(contract["command"]), faults[fault])
     with pytest.raises(OSError, match="Expected"):
         called(driver, **contract["change"])
     assert sent(contract["command"]) == 1

@@ -8,9 +8,8 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
-from peers import DEVICES, T7, called, dialogue, modbus, simulated
+from peers import DEVICES, LISTED, T7, called, dialogue, modbus, simulated
 
-from cmtof.files import read_document
 from cmtof.hardware import device, t7
 
 HERE = Path(__file__).parent
@@ -24,7 +23,7 @@ CASES = [
 
 @pytest.mark.parametrize(("one", "case"), CASES)
 def test_a_driver_says_and_understands_what_is_written(one, case):
-    pairs = [(one.coded(x["sent"]), one.coded(x.get("received", ""))) for x in case["lines"]]
+    pairs = [one.pair(**line) for line in case["lines"]]
     error, words = case.get("raises", (None, None))
     fails = pytest.raises(getattr(device, error), match=words) if error else nullcontext()
     with dialogue(one.kind, *pairs) as port, fails:
@@ -57,19 +56,10 @@ def test_the_guide_lists_what_was_compared():
 
 # --- registers of the T7 -------------------------------------------------------------------------
 
-REGISTERS = read_document(HERE / "registers.yml")["registers"]
 KINDS = {"UINT16": "H", "UINT32": "I", "FLOAT32": "f"}
 BURST = {"channel": "AIN0", "rate": 24000.0, "scans": 320, "range": 10.0}
 BURST |= {"pulse_line": "FIO4", "pulse": 20}
-
-
-def published(address):
-    """Entry of the maker's list for an address, or nothing."""
-    for one in REGISTERS:
-        words = 1 if one["type"] == "UINT16" else 2
-        if address in range(one["address"], one["address"] + words * one.get("count", 1), words):
-            return one
-    return {"access": "", "type": ""}
+KNOWN = dict(LISTED.values())
 
 
 def test_every_register_is_read_and_written_as_its_maker_says(monkeypatch):
@@ -86,8 +76,7 @@ def test_every_register_is_read_and_written_as_its_maker_says(monkeypatch):
     for name in ("read", "write"):
         monkeypatch.setattr(t7, name, noted(name[0].upper(), getattr(t7, name)))
     peer = T7(simulated("daq"))
-    parts = {"safe_lines": ["FIO0"], "parked": ["TDAC2"]}
-    daq = t7.LabJackT7(modbus(peer), peer.stream, "daq", **parts)
+    daq = DEVICES["t7"].driver(modbus(peer), name="daq", stream=peer.stream)
     daq.identify()
     daq.gain(10.0)
     daq.line("FIO7")
@@ -98,9 +87,9 @@ def test_every_register_is_read_and_written_as_its_maker_says(monkeypatch):
     daq.safe_state()
     assert len(used) > 60
     for direction, address, kind in used:
-        known = published(address)
-        assert direction in known["access"], address
-        assert set(kind) == {KINDS[known.get("holds", known["type"])]}, address
+        one = KNOWN[address]
+        assert direction in one["access"], address
+        assert set(kind) == {KINDS[one.get("holds", one["type"])]}, address
 
 
 if __name__ == "__main__":

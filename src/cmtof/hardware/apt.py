@@ -5,7 +5,7 @@ MOVE_HOMED): the end of a move is read from the status bits, and the position is
 """
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from math import pi
 from pathlib import Path
@@ -26,39 +26,27 @@ LONGEST = 60.0  # s that a move may take: the whole travel takes 21 s, a turn of
 _MOVING = ("moving_forward", "moving_reverse", "jogging_forward", "jogging_reverse", "homing")
 
 
-class MotorKind(NamedTuple):
-    """A motor in m or rad, s: its scales, speeds, tolerance, travel and controllers."""
+UNITS = {"mm": 1e-3, "degree": pi / 180}  # m or rad
 
-    scale: float  # counts per m or rad
-    velocity_scale: float  # units of the controller per m/s or rad/s
+
+class MotorKind(NamedTuple):
+    """A motor in its own unit and s: its scales, speeds, tolerance, travel and controllers."""
+
+    unit: str
+    scale: float  # counts per unit
+    velocity_scale: float  # units of the controller per unit/s
     acceleration_scale: float
-    velocity: float  # m/s or rad/s
+    velocity: float
     home_velocity: float
-    acceleration: float  # m/s^2 or rad/s^2
-    tolerance: float  # m or rad
-    travel: tuple[float, float]
+    acceleration: float
+    tolerance: float
+    travel: Sequence[float]
     models: Sequence[str] = ("KDC101", "TDC001")
     status: str = "dcstatusupdate"  # message that asks for it
 
 
-UNITS = {"mm": 1e-3, "degree": pi / 180}
-
-
-def motor_kinds(document: dict[str, Any]) -> Iterator[tuple[str, MotorKind]]:
-    """Names and motors of a document whose numbers are in mm or degrees."""
-    for name, found in document.items():
-        unit = UNITS[found.pop("unit")]
-        for key, value in found.items():
-            if "scale" in key:
-                found[key] = value / unit
-            elif key == "travel":
-                found[key] = tuple(unit * end for end in value)
-            elif isinstance(value, float):
-                found[key] = unit * value
-        yield name, MotorKind(**found)
-
-
-MOTORS = dict(motor_kinds(read_document(Path(__file__).with_name("motors.yml"))))
+KINDS = read_document(Path(__file__).with_name("motors.yml"))
+MOTORS = {name: MotorKind(**found) for name, found in KINDS.items()}
 """Motors by the name in a RIG file."""
 
 
@@ -80,17 +68,23 @@ def open_controller(address: str, timeout: float = 1.0) -> Any:
 class Motor(device.Device):
     """A motor on a pyserial port, with RTS/CTS on a real controller; m or rad from home."""
 
-    def __init__(self, port: Any, kind: MotorKind, name: str, serial_number: str = "") -> None:
+    def __init__(
+        self, port: Any, kind: MotorKind, name: str, serial_number: str = "", scale: float = 0.0
+    ) -> None:
         super().__init__(port, name, serial_number)
-        self.kind, self.MODELS = kind, tuple(kind.models)  # type: ignore[misc]
-        self.LIMITS = {"position": kind.travel}  # type: ignore[misc]
+        unit = UNITS[kind.unit]
+        self.kind = kind
+        self.scale = scale or kind.scale / unit  # counts per m or rad
+        self.tolerance = unit * kind.tolerance
+        self.MODELS = tuple(kind.models)  # type: ignore[misc]
+        self.LIMITS = {"position": (unit * kind.travel[0], unit * kind.travel[1])}  # type: ignore[misc]
         self._unpacker = apt.Unpacker(port)
         self._speeds_set = False
 
     @property
     def position(self) -> float:
         """Position, m or rad."""
-        return self._ask("mot_req_poscounter", _CHANNEL).position / self.kind.scale
+        return self._ask("mot_req_poscounter", _CHANNEL).position / self.scale
 
     @property
     def homed(self) -> bool:
@@ -106,7 +100,7 @@ class Motor(device.Device):
         self._within(position=position)
         if not self.homed:
             self._fail(device.Refused, "be homed before a move", "it not", "Home it.")
-        counts = round(position * self.kind.scale)
+        counts = round(position * self.scale)
         self._go("mot_move_absolute", position, counts, waiting=waiting)
         return self.position
 
@@ -155,7 +149,7 @@ class Motor(device.Device):
         try:
             while True:
                 status, moving = self._status()
-                arrived = abs(self.position - position) <= self.kind.tolerance
+                arrived = abs(self.position - position) <= self.tolerance
                 if arrived and status.homed and not moving:
                     return
                 stuck = status.motion_error or status.motor_current_limit_reached

@@ -5,7 +5,7 @@ from time import monotonic, sleep, time
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from cmtof.constants import LASER_WAVELENGTH
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
@@ -31,6 +31,15 @@ class Bench(EmergencyStop):
     default the computer's, s since 1970; ``about`` goes into the file.
     """
 
+    rf_emission: RfRole
+    rf_detection: RfRole
+    plate_emission: MotorRole
+    plate_detection: MotorRole
+    stage: MotorRole
+    daq: ReadOutRole
+    clock: ClockRole
+    power_meter: PowerMeterRole
+
     def __init__(
         self,
         rig: Rig,
@@ -43,15 +52,8 @@ class Bench(EmergencyStop):
         self.rig = rig
         self.devices = devices
         self.about = about
-        self.rf_emission: RfRole = devices["rf_emission"]
-        self.rf_detection: RfRole = devices["rf_detection"]
+        vars(self).update(devices)
         self.rf = (self.rf_emission, self.rf_detection)
-        self.plate_emission: MotorRole = devices["plate_emission"]
-        self.plate_detection: MotorRole = devices["plate_detection"]
-        self.stage: MotorRole = devices["stage"]
-        self.daq: ReadOutRole = devices["daq"]
-        self.clock: ClockRole = devices["clock"]
-        self.power_meter: PowerMeterRole = devices["power_meter"]
         self.times: list[float] = []  # at which the last bursts were read, s
         self._patience = patience
         self._clock_of = clock_of or (lambda label: time())
@@ -91,10 +93,14 @@ class Bench(EmergencyStop):
         self.daq.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
         self._aim = np.zeros(2)
 
+    def aimed(self, direction: Array) -> dict[str, float]:
+        """Outputs that send the beam into a direction (2,), rad, and their voltages."""
+        volts = mirror_volts(self.rig, direction).tolist()
+        return dict(zip(self.rig.mirrors, volts, strict=True))
+
     def fly_back(self, directions: Array) -> None:
         """Aim at the first direction of a line (N, 2), rad, and wait as the step requires."""
-        volts = mirror_volts(self.rig, directions[0]).tolist()
-        self.daq.write_many(dict(zip(self.rig.mirrors, volts, strict=True)))
+        self.daq.write_many(self.aimed(directions[0]))
         self.wait(mirror_settling(self.rig, float(np.abs(directions[0] - self._aim).max())))
         self._aim = directions[-1]
 
@@ -176,9 +182,7 @@ class Bench(EmergencyStop):
         for position in (goal - 1e-3, goal):
             self.stage.move_to(position, waiting=self.feed)
 
-    def bursts(
-        self, labels: Sequence[int], directions: ArrayLike | None = None
-    ) -> NDArray[np.uint16]:
+    def bursts(self, labels: Sequence[int], directions: Array | None = None) -> NDArray[np.uint16]:
         """Counts (N, scans) of bursts by their labels; mirrors, label and start share one frame.
 
         ``directions`` (N, 2) are optical angles, rad; without them the mirrors stay. The phase
@@ -186,10 +190,9 @@ class Bench(EmergencyStop):
         """
         requests = [{"USER_RAM0_U32": float(label)} for label in labels]
         if directions is not None:
-            volts = mirror_volts(self.rig, directions).tolist()
-            for request, pair in zip(requests, volts, strict=True):
-                request.update(zip(self.rig.mirrors, pair, strict=True))
-            self.fly_back(np.asarray(directions, float))
+            for request, direction in zip(requests, directions, strict=True):
+                request.update(self.aimed(direction))
+            self.fly_back(directions)
         insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
         counts = []
         self.times = []

@@ -92,6 +92,11 @@ def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
     camera = np.array([*focal, width / 2, height / 2])
     x, y, z = np.moveaxis(rays_from_camera((height, width), camera), -1, 0)
     angles = np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)
+    most = float(np.abs(mirror_volts(rig, angles)).max())
+    if most > 10:
+        raise ValueError(
+            f"Expected mirrors within 10 V, got {most:.3g} V. Make field_of_view_deg smaller."
+        )
     wrap = SPEED_OF_LIGHT / (2 * rig.frequency_single * rig.group_index)
     sweep = wrap * ((np.arange(SWEEP) + 0.5) / SWEEP - 0.5)
     reference = [("reference", n, REFERENCE_BURSTS) for n in range(SWEEP)]

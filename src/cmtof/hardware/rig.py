@@ -117,17 +117,6 @@ class Rig:
                 "Expected lines and mirrors on terminals of their own, "
                 f"got {' '.join(sorted(used))}. Wire one elsewhere."
             )
-        for view, scale, offset in zip(
-            self.field_of_view_deg,
-            self.mirror_volts_per_degree,
-            self.mirror_offset_volts,
-            strict=True,
-        ):
-            if view / 4 * abs(scale) + abs(offset) > 10:
-                raise ValueError(
-                    f"Expected a field of view that the mirrors reach with 10 V, got {view:g} "
-                    "degrees. Make it smaller."
-                )
         if self.settle_samples >= self.samples_per_phase:
             raise ValueError(
                 "Expected settle_samples below samples_per_phase, "

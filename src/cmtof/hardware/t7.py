@@ -1,9 +1,9 @@
 """Read-out LabJack T7 over Modbus TCP: digital lines, bursts of samples, watchdog.
 
-Registers are those of LabJack's ljm_constants.json, in t7.yml; function 76 (feedback), reads and writes in
-their order in one frame, and the packets of the stream are LabJack's own (T-Series Datasheet, 3.2.3
-Stream-Out, 3.2.4 Low-Level Stream). A stream-out puts one value a scan into a whole port, whose
-upper byte keeps the other lines from changing.
+Registers are those of LabJack's ljm_constants.json, in t7.yml; function 76 (feedback), reads and
+writes in their order in one frame, and the packets of the stream are LabJack's own (T-Series
+Datasheet, 3.2.3 Stream-Out, 3.2.4 Low-Level Stream). A stream-out puts one value a scan into a
+whole port, whose upper byte keeps the other lines from changing.
 """
 
 import struct
