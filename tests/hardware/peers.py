@@ -121,6 +121,7 @@ def listed():
 HERE = Path(__file__).parent
 WORDS = {"UINT16": ">H", "UINT32": ">I", "FLOAT32": ">f"}
 LISTED = listed()
+ACCESS = {address: one["access"] for address, one in LISTED.values()}
 
 
 def feedback(sent, received=""):
@@ -309,7 +310,7 @@ class T7:
         self.heard = clock()
         self.memory = bytearray(2 * 65536)
         self.written = []
-        self.fault = ""  # of the next burst, or "refuse" of any request
+        self.fault = ""  # of the next burst
         self.outputs = set()
         self.power_up = {}
         self.turning = []  # flip mirror: when, line and level
@@ -350,8 +351,6 @@ class T7:
             self.device.set_line(f"FIO{line}", bool(self.levels >> line & 1))
 
     def __call__(self, frame):
-        if self.fault == "refuse" and frame[1:3] != b"\xd6\xd8":
-            raise LookupError(2603)
         self.look()
         self.heard = self.clock()
         self.set(2007, "H", self.device.line(LINES["interlock"]))
@@ -359,6 +358,8 @@ class T7:
         rest = io.BytesIO(frame)
         while head := rest.read(4):
             writes, address, count = struct.unpack(">BHB", head)
+            if "RW"[writes] not in ACCESS.get(address, ""):
+                raise LookupError(2501)  # a code of the maker
             if writes:
                 self.write(address, rest.read(2 * count))
             else:
@@ -416,7 +417,7 @@ class Scpi:
     model = ""
     settings = ()
 
-    def __init__(self, device):
+    def __init__(self, device, driver=""):
         self.device = device
         self.kept = dict(self.settings)
 

@@ -6,16 +6,20 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import serial
 from pytest import approx
 
+from cmtof.files import read_document
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import ConnectionLost, Unsafe, one_error
+from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import DRIVERS, Rig
 from cmtof_lab.rehearsal import simulated_bench
 
 RIG = Rig.default()
+WRONG = read_document(Path(__file__).with_name("wrong.yml"))
 
 
 def test_the_default_rig_holds_every_device_of_section_7():
@@ -25,37 +29,54 @@ def test_the_default_rig_holds_every_device_of_section_7():
     assert "address" not in RIG.as_dict()["devices"]["daq"]
 
 
-DEVICES = f"devices: {json.dumps(RIG.as_dict()['devices'])}\n"
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "rig.yml"
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (
-            DEVICES + "frequency_singel: 7.15e9",
-            "frequency_singel in rig.yml to be a known key",
-        ),
-        (DEVICES + "power_dbm: .nan", "got nan"),
-        (DEVICES + "frequency_single: 1.0e15", "less than or equal to 7170000000"),
-        (DEVICES + "phases: 16.5", "phases in rig.yml to be a valid integer"),
-        (DEVICES + "settle_samples: 20", "below samples_per_phase"),
-        (DEVICES + "field_of_view_deg: [0, 20]", "field_of_view_deg.0"),
-        (DEVICES + "power_dbm: 31", "Expected power_dbm up to power_dbm_limit, 30, got 31"),
-        ("devices: {lamp: {driver: pm100d}}", "Expected devices."),
-        (
-            DEVICES.replace("sdg2042x", "labjack-t7"),
-            "Expected devices.clock: sdg2042x, got labjack-t7",
-        ),
-        ("devices: {daq: {}}", "devices.daq.driver in rig.yml to be there"),
-    ],
-)
-def test_a_file_that_cannot_be_is_one_line(tmp_path, text, words):
-    path = tmp_path / "rig.yml"
-    path.write_text(text)
-    with pytest.raises(ValueError, match="Expected") as error:
+def with_devices(text):
+    """A RIG file of the default devices, which a text may replace."""
+    devices = f"devices: {json.dumps(RIG.as_dict()['devices'])}\n"
+    return devices * (not text.startswith("devices")) + text
+
+
+@pytest.mark.parametrize(("text", "words"), WRONG["rigs"])
+def test_a_file_that_cannot_be_is_one_line(path, text, words):
+    path.write_text(with_devices(text))
+    with pytest.raises((ValueError, OSError)) as error:
         Rig.load(path)
     assert words in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_another_device_for_a_role_is_refused():
+    wrong = RIG.devices | {"clock": RIG.devices["daq"]}
+    with pytest.raises(ValueError, match=r"Expected devices\.clock: sdg2042x, got labjack-t7"):
+        replace(RIG, devices=wrong)
+
+
+def test_a_bench_record_moves_lines_and_turns_mirrors(path):
+    """It lies beside the rig, whose own keys come first, and is part of the measurement."""
+    record = "lines: {laser: FIO6, beam_block: FIO0}\nmirrors: [TDAC3, TDAC2]\npower_dbm: 20\n"
+    record += "mirror_volts_per_degree: [-0.8, 0.5]\nmirror_offset_volts: [0.1, 0]\n"
+    path.with_name("bench.yml").write_text(record)
+    path.write_text(with_devices("bench: bench.yml\npower_dbm: 25\n"))
+    rig = Rig.load(path)
+    bench = simulated_bench(rig)
+    written = []
+    bench.daq.write_many = written.append
+    bench.fly_back(np.deg2rad([[10.0, 4.0]]))
+    assert written == [{"TDAC3": approx(0.1 - 0.8 * 5), "TDAC2": approx(0.5 * 2)}]
+    bench.daq.set_line("FIO6", True)
+    assert bench.daq.panel.laser_on
+    settings = rig.as_dict()
+    assert (settings["power_dbm"], settings["mirror_offset_volts"]) == (25, [0.1, 0.0])
+
+
+def test_a_view_beyond_the_mirrors_is_refused():
+    steep = replace(RIG, mirror_volts_per_degree=(1.0, 1.0), field_of_view_deg=(60.0, 20.0))
+    with pytest.raises(ValueError, match="Expected mirrors within 10 V, got 13.4 V"):
+        planned(steep, size=8)
 
 
 def moved(role, address):

@@ -96,11 +96,10 @@ def at(network, **settings):
     return replace(rig, devices=rig.devices | {"daq": daq})
 
 
-def test_a_refusal_tells_the_makers_code(peer, network):
+def test_a_refusal_tells_the_makers_code(network):
     far = connected_driver(at(network), "daq")
-    peer.fault = "refuse"
-    with pytest.raises(Refused, match="got exception 6.*LabJack's error code is 2603"):
-        far.set_line("FIO0", True)
+    with pytest.raises(Refused, match="got exception 6.*LabJack's error code is 2501"):
+        far.write_many({"SERIAL_NUMBER": 1})
     far.close()
 
 

@@ -8,7 +8,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
-from peers import DEVICES, LISTED, T7, called, dialogue, modbus, simulated
+from peers import DEVICES, LISTED, WORDS, called, dialogue
 
 from cmtof.hardware import device, t7
 
@@ -56,40 +56,12 @@ def test_the_guide_lists_what_was_compared():
 
 # --- registers of the T7 -------------------------------------------------------------------------
 
-KINDS = {"UINT16": "H", "UINT32": "I", "FLOAT32": "f"}
-BURST = {"channel": "AIN0", "rate": 24000.0, "scans": 320, "range": 10.0}
-BURST |= {"pulse_line": "FIO4", "pulse": 20}
-KNOWN = dict(LISTED.values())
 
-
-def test_every_register_is_read_and_written_as_its_maker_says(monkeypatch):
-    """Address, type and direction, in everything that the driver does."""
-    used = set()
-
-    def noted(direction, works):
-        def part(register, *values):
-            used.add((direction, *t7.REGISTERS[register]))
-            return works(register, *values)
-
-        return part
-
-    for name in ("read", "write"):
-        monkeypatch.setattr(t7, name, noted(name[0].upper(), getattr(t7, name)))
-    peer = T7(simulated("daq"))
-    daq = DEVICES["t7"].driver(modbus(peer), name="daq", stream=peer.stream)
-    daq.identify()
-    daq.gain(10.0)
-    daq.line("FIO7")
-    daq.watchdog(5)
-    daq.save_power_up_state()
-    daq.configure_burst(**BURST)
-    list(daq.bursts([{"USER_RAM0_U32": 1.0}]))
-    daq.safe_state()
-    assert len(used) > 60
-    for direction, address, kind in used:
-        one = KNOWN[address]
-        assert direction in one["access"], address
-        assert set(kind) == {KINDS[one.get("holds", one["type"])]}, address
+def test_every_register_has_its_makers_address_and_type():
+    """That it is read and written as its maker allows the T7 of these tests sees to."""
+    for name, (address, kind) in t7.REGISTERS.items():
+        where, one = LISTED[name]
+        assert (address, f">{kind[0]}") == (where, WORDS[one.get("holds", one["type"])]), name
 
 
 if __name__ == "__main__":

@@ -137,6 +137,15 @@ class Stream(Server):
         client.recv(1)  # until the other end closes
 
 
+PEERS = {
+    "labjack-t7": (T7, Network, whole_frame),
+    "rf-driver": (Firmware, Terminal, whole_line),
+    "sdg2042x": (Generator, Visa, whole_line),
+    "pm100d": (Meter, Visa, whole_line),
+}
+"""Model, far end of the wire and form of a request of each driver but the motors."""
+
+
 class World:
     """Devices of a rig before a scene, each behind a wire of its own; ``rig`` leads there."""
 
@@ -148,24 +157,13 @@ class World:
         self.ends = {}
         named = dict(rig.devices)
         for role, device in bench.devices.items():
-            self.models[role], self.ends[role] = self._peer(named[role].driver, device)
+            driver = named[role].driver
+            kind, end, whole = PEERS.get(driver, (Controller, Terminal, whole_message))
+            timed = self.now if kind in (T7, Firmware) else driver
+            self.models[role] = kind(device, timed)
+            self.ends[role] = end(whole, self.models[role])
             named[role] = replace(named[role], address=self.ends[role].address)
         self.rig = replace(rig, devices=named)
-
-    def _peer(self, driver, device):
-        """Model of a device, and the far end of its wire."""
-        match driver:
-            case "labjack-t7":
-                model = T7(device, self.now)
-                return model, Network(whole_frame, model)
-            case "rf-driver":
-                model = Firmware(device, self.now)
-                return model, Terminal(whole_line, model)
-            case "sdg2042x" | "pm100d":
-                model = {"sdg2042x": Generator, "pm100d": Meter}[driver](device)
-                return model, Visa(whole_line, model)
-        model = Controller(device, driver)
-        return model, Terminal(whole_message, model)
 
     def now(self):
         """Time, s."""
