@@ -5,6 +5,7 @@ clock is the number of a burst. Methods are documented at the roles.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.hardware.plan import BURST_INTERVAL, mirror_angles
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import LIGHT, SAMPLE_RATE, Rig
-from cmtof.hardware.roles import ROLES, RfLock, RfStatus, Waiting
+from cmtof.hardware.roles import RfLock, RfStatus, Waiting
 from cmtof.types import Array
 from cmtof_lab.electronics import CENTRE, SLOPE
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
@@ -28,14 +29,17 @@ SWITCHES = {
 """Knobs of the panel that follow a digital line."""
 
 
+@dataclass
 class SimulatedDevice:
     """A device by its role; ``identify`` marks it as simulated."""
 
-    def __init__(self, panel: Panel, instrument: SimulatedInstrument, role: str) -> None:
-        self.panel = panel
-        self.instrument = instrument
-        self.role = role
-        self.name = role.replace("_", " ")
+    panel: Panel
+    instrument: SimulatedInstrument
+    role: str
+
+    @property
+    def name(self) -> str:
+        return self.role.replace("_", " ")
 
     def identify(self) -> dict[str, str]:
         return {"model": type(self).__name__, "serial_number": f"TWIN-{self.name}"}
@@ -80,9 +84,9 @@ class SimulatedRf(SimulatedDevice):
     def lock(self) -> RfLock:
         settings = self.instrument.settings
         detuning = self.knobs.frequency - settings.resonance
-        lost = 1 - 1 / (1 + (2 * detuning / settings.resonance_width) ** 2)
-        reflected = self.knobs.power + 10 * np.log10(max(lost, 1e-6))
-        return RfLock(self.status().locked, detuning, float(reflected))
+        off = (2 * detuning / settings.resonance_width) ** 2
+        lost = 10 * np.log10(off / (1 + off) + 1e-6)
+        return RfLock(self.status().locked, detuning, self.knobs.power + float(lost))
 
     def load_table(self, phases: Array) -> None:
         self.knobs.table = _coded(phases)
@@ -209,7 +213,7 @@ KINDS: dict[str, type[SimulatedDevice]] = {
 def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> dict[str, Any]:
     """Every device of an instrument by its role, wired as a rig has it."""
     panel = Panel()
-    devices: dict[str, Any] = {role: KINDS[role](panel, instrument, role) for role in ROLES}
+    devices: dict[str, Any] = {role: kind(panel, instrument, role) for role, kind in KINDS.items()}
     devices["daq"].rig = rig
     devices["daq"].triggered = devices["rf_detection"]
     return devices

@@ -217,6 +217,8 @@ class Firmware:
             case "STAT?":
                 status = rf.status()._replace(tripped=self.tripped)
                 return "OK " + " ".join(str(int(value)) for value in status)
+            case "LOCK?":
+                return "OK {:d} {} {}".format(*rf.lock())
             case "RF" if self.tripped and arguments == ("ON",):
                 return "ERR TRIPPED CLR first"
             case "RF" | "TRIG":

@@ -49,7 +49,7 @@ def test_a_check_asks_every_device_and_leaves_its_port_free(world, tmp_path, suc
     world.write(path)
     text = succeeds("scan", path, "--check")
     assert text.count("not homed") == 3
-    assert text.count("RF off") == 2
+    assert text.count("RF off, -5 MHz off, -6.99 dBm reflected") == 2
     for part in ("closed", "SDG2042X", "S140C", "T7 470010001 1.0292"):
         assert part in text
     assert succeeds("scan", path, "--check") == text

@@ -5,12 +5,22 @@ import signal
 import sys
 import threading
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Self
 
 from cmtof.hardware.device import Unsafe
 
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")  # Windows lacks the last two
 _SIGNALS = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
+
+
+def _stopped(device: Any) -> str:
+    """Why a device did not reach its safe state: one that fails must not keep the others."""
+    try:
+        device.safe_state()
+    except Exception as failure:
+        return f"{device.name}: {failure}"
+    return ""
 
 
 class EmergencyStop:
@@ -50,26 +60,12 @@ class EmergencyStop:
 
     def _make_safe(self) -> list[str]:
         """Bring all devices into their safe states at once; return what did not succeed."""
-        failures: dict[int, str] = {}
-
-        def stop(number: int) -> None:
-            device = self._devices[number]
-            try:
-                device.safe_state()
-            except Exception as failure:  # one that fails must not keep the others running
-                failures[number] = f"{device.name}: {failure}"
-
-        threads = []
-        for number in range(len(self._devices)):
-            thread = threading.Thread(target=stop, args=(number,))
-            try:
-                thread.start()
-                threads.append(thread)
-            except RuntimeError:  # the interpreter is ending and starts no more threads
-                stop(number)
-        for thread in threads:
-            thread.join()
-        return [failures[number] for number in sorted(failures)]
+        try:
+            with ThreadPoolExecutor(len(self._devices)) as pool:
+                told = list(pool.map(_stopped, self._devices))
+        except RuntimeError:  # the interpreter is ending and starts no more threads
+            told = [_stopped(device) for device in self._devices]
+        return [failure for failure in told if failure]
 
     def _ignore_signals(self) -> None:
         for number in self._previous:

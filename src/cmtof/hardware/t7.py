@@ -28,11 +28,14 @@ PACKET = 160  # samples at most: two or more packets a point, so that a lost one
 COMPLETE = 2944  # status of a burst's last packet; 2940 to 2943 stand for skipped scans
 
 
-def write(register: str, value: ArrayLike) -> bytes:
-    """Part of a feedback frame that writes a register, or values one after another."""
-    address, kind = REGISTERS[register]
-    data = np.atleast_1d(value).astype(f">{np.dtype(kind).str[1:]}").tobytes()
-    return struct.pack(">BHB", 1, address, len(data) // 2) + data
+def written(values: Mapping[str, ArrayLike]) -> bytes:
+    """Feedback frame that writes registers in their order; arrays are values one after another."""
+    frame = b""
+    for register, value in values.items():
+        address, kind = REGISTERS[register]
+        data = np.atleast_1d(value).astype(f">{np.dtype(kind).str[1:]}").tobytes()
+        frame += struct.pack(">BHB", 1, address, len(data) // 2) + data
+    return frame
 
 
 def read(register: str) -> bytes:
@@ -94,7 +97,7 @@ class LabJackT7(device.Device):
 
     def write_many(self, values: Mapping[str, ArrayLike]) -> None:
         """Write registers in their order in one frame, once."""
-        self._feedback(b"".join(write(name, value) for name, value in values.items()))
+        self._feedback(written(values))
 
     def configure_burst(
         self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
@@ -158,8 +161,7 @@ class LabJackT7(device.Device):
 
     def _start(self, registers: Mapping[str, float]) -> None:
         """Write registers, start the stream and read its actual rate, in one frame."""
-        values = {**registers, "STREAM_ENABLE": 1}
-        frame = b"".join(write(name, value) for name, value in values.items())
+        frame = written({**registers, "STREAM_ENABLE": 1})
         frame += read("STREAM_SCANRATE_HZ")  # it reads as the actual rate
         (self.rate,) = struct.unpack(">f", self._feedback(frame, 4))
         wanted = self._settings["STREAM_SCANRATE_HZ"]
