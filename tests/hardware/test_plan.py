@@ -22,6 +22,7 @@ def record(index):
         index,
         7e-3,
         24000.0,
+        np.zeros((2, 2)),
         np.zeros(bursts),
         np.ones((bursts, 16), np.uint32),
         np.zeros(bursts, np.uint16),

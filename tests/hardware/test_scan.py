@@ -95,6 +95,8 @@ def test_a_file_holds_raw_counts_power_and_settings(whole):
     assert data["raw_counts"].shape == (2, 4, 4, 4)
     assert 33523 < float(data["dark"][0]) < data["raw_counts"].mean()
     assert (data["laser_power"] > 1e-3).all()
+    assert_allclose(data["detuning"][:, 0], [[-5e6, -5e6], [5e6, 5e6]])
+    assert_allclose(data["reflected_power"], 23.01, atol=0.01)  # of 30 dBm
     assert (data.attrs["source"], data.attrs["seed"]) == ("simulated instrument", 4)
     assert not journal_path(whole).exists()
 

@@ -255,4 +255,5 @@ class Bench(EmergencyStop):
         # on the clock of the last burst: so it is the same after other lines and after a resume
         power = self.metered_power() if lit else 1.0
         measured = sums_from_counts(counts, plan.kept)
-        return Record(line.index, power, self.daq.rate, np.array(self.times), *measured)
+        locks = np.array([rf.lock()[1:] for rf in self.rf])
+        return Record(line.index, power, self.daq.rate, locks, np.array(self.times), *measured)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.roles import RfLock, RfStatus
+from cmtof.hardware.roles import RfStatus
 
 
 def states_of(bench: Bench) -> Iterator[tuple[str, str]]:
@@ -11,7 +11,7 @@ def states_of(bench: Bench) -> Iterator[tuple[str, str]]:
     for role, device in bench.devices.items():
         yield device.name, _told(lambda one=device: " ".join(one.identify().values()))
         if role.startswith("rf"):
-            yield "", _told(lambda one=device: _rf_state(one.status(), one.lock()))
+            yield "", _told(lambda one=device: _rf_state(one.status()))
         if role in ("plate_emission", "plate_detection", "stage"):
             yield "", _told(lambda one=device: _position(one.homed, one.position))
     for channel in bench.rig.clock_channels:
@@ -25,10 +25,9 @@ def _interlock(closed: bool) -> str:
     return "closed" if closed else "Expected it closed, got it open. Close doors and covers."
 
 
-def _rf_state(status: RfStatus, lock: RfLock) -> str:
+def _rf_state(status: RfStatus) -> str:
     words = ["RF on" if status.on else "RF off"]
     words += ["locked"] * status.locked + ["tripped"] * status.tripped
-    words.append(f"{1e-6 * lock.detuning:.3g} MHz off, {lock.reflected:.3g} dBm reflected")
     return ", ".join(words)
 
 

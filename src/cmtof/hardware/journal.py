@@ -87,11 +87,13 @@ def _record(content: bytes, line: Line, phases: int) -> Record:
     sums = np.array(found["sums"], np.uint32)
     clipped = np.array(found["clipped"], np.uint16)
     times = np.array(found["times"], float)
+    locks = np.array(found["locks"], float)
     power = float(found["power"])
     rate = float(found["rate"])
     bursts = len(line.labels)
-    shapes = (sums.shape, clipped.shape, times.shape) == ((bursts, phases), (bursts,), (bursts,))
+    shapes = [one.shape for one in (sums, clipped, times, locks)]
     sensible = 1e-15 < power < 1e3 and 0 < rate < 1e9 and np.isfinite(times).all()
-    if not (shapes and sensible and found["line"] == line.index):
+    fit = shapes == [(bursts, phases), (bursts,), (bursts,), (2, 2)]
+    if not (fit and sensible and found["line"] == line.index):
         raise ValueError("another line")
-    return Record(line.index, power, rate, times, sums, clipped)
+    return Record(line.index, power, rate, locks, times, sums, clipped)

@@ -48,6 +48,7 @@ class Record(NamedTuple):
     line: int
     power: float  # behind the emission module at the line's end, W
     rate: float  # of the samples, as the converter made it, Hz
+    locks: Array  # detuning, Hz, and reflected power, dBm, of both drives (2, 2)
     times: Array  # at which the bursts were read, s (N,)
     sums: NDArray[np.uint32]  # of the kept samples of each phase (N, K)
     clipped: NDArray[np.uint16]  # samples at either end of the converter's scale (N,)

@@ -128,8 +128,9 @@ def measurement_from_records(
     """Measurement of the records of every line of a plan; raises as `calibrated` does.
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,
-    ``laser_power`` (W), ``angle`` (rad), ``time`` (s since 1970 at which a burst was read;
-    simulated, on a clock of the bursts' numbers), the attribute ``sample_rate`` (Hz), and of each
+    ``laser_power`` (W), ``detuning`` (Hz) and ``reflected_power`` (dBm) of both drives at the end of
+    each line, ``angle`` (rad), ``time`` (s since 1970 at which a burst was read; simulated, on a
+    clock of the bursts' numbers), the attribute ``sample_rate`` (Hz), and of each
     frequency what the reference target showed. Pixels where the converter clips are masked.
     """
     gain = Gain(*header["calibration"])
@@ -151,6 +152,8 @@ def measurement_from_records(
                 "dark": dark,
                 "laser_power": np.broadcast_to(power, image.times.shape),
                 "time": image.times,
+                "detuning": image.locks[..., 0],
+                "reflected_power": image.locks[..., 1],
                 "phase_offset": offset,
                 "phase_drift": drift,
             }
@@ -168,6 +171,9 @@ def measurement_from_records(
         **{k: json.dumps(v) if isinstance(v, list | dict) else v for k, v in header.items()},
     ).dataset
     dims = {1: (), 3: ("y", "x"), 4: ("step", "y", "x")}
+    for name in ("detuning", "reflected_power"):
+        units = {"units": "Hz" if name == "detuning" else "dBm"}
+        data[name] = (("frequency", "y", "module"), arrays.pop(name), units)
     for name, array in arrays.items():
         data[name] = (("frequency", *dims[array.ndim]), array)
     data["angle"] = (("y", "x", "axis"), plan.angles, {"units": "rad"})

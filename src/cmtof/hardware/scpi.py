@@ -149,6 +149,7 @@ class PowerMeter(ScpiInstrument):
     LIMITS: ClassVar = {"wavelength": (350e-9, 1100e-9), "readings": (1, 10000)}
 
     def _identity(self) -> dict[str, str]:
+        self._choose("SENS:POW:UNIT", "W")  # it may have been left in dBm
         head = self._ask("SYST:SENS:IDN?", lambda line: line.replace('"', "").split(","))
         if not int(number(head[-1])) & POWER_HEAD:
             self._fail(device.Refused, "have a head for power", head[0], "Plug it in.")
@@ -162,7 +163,6 @@ class PowerMeter(ScpiInstrument):
     def set_up(self, *, wavelength: float, readings: int, waiting: Waiting = None) -> None:
         """Correct for a wavelength, m, average readings of 3 ms each, and zero the dark head."""
         self._within(wavelength=wavelength, readings=readings)
-        self._choose("SENS:POW:UNIT", "W")  # it may have been left in dBm
         self._choose("SENS:POW:RANG:AUTO", "1", "ON")
         self._set("SENS:CORR:WAV", 1e9 * wavelength)
         self._set("SENS:AVER:COUN", readings)
