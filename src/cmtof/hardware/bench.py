@@ -11,8 +11,8 @@ from cmtof.constants import LASER_WAVELENGTH
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
 from cmtof.hardware.plan import Line, Plan, Record, mirror_settling, mirror_volts
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
-from cmtof.hardware.rig import PLATES, Rig
-from cmtof.hardware.roles import ROLES, ClockRole, MotorRole, PowerMeterRole, ReadOutRole, RfRole
+from cmtof.hardware.rig import DRIVERS, PLATES, Rig
+from cmtof.hardware.roles import ClockRole, MotorRole, PowerMeterRole, ReadOutRole, RfRole
 from cmtof.hardware.safety import EmergencyStop
 from cmtof.types import Array
 
@@ -61,7 +61,7 @@ class Bench(EmergencyStop):
         self._levels: dict[str, bool] = {}
         self._silence = min(rig.dead_man, WATCHDOG)  # that some device's timer allows
         self._fed = monotonic()
-        super().__init__([devices[role] for role in ROLES])
+        super().__init__([devices[role] for role in DRIVERS])
 
     def switch(self, part: str, on: bool) -> None:
         """Switch a part, and wait until it has moved; light needs a closed interlock."""

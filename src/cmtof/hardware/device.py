@@ -162,25 +162,16 @@ def insist(*acts: Callable[[], object], tries: int = 2) -> None:
     """
     failures: list[OSError] = []
     for act in acts:
-        failure = _failure_of(act, tries)
-        if failure:
-            failures.append(failure)
-        if isinstance(failure, InstrumentTimeout):
+        for left in reversed(range(tries)):
+            try:
+                act()
+                break
+            except OSError as failure:
+                failures += [failure] * (left == 0)
+        if failures and isinstance(failures[-1], InstrumentTimeout):
             break
     if failures:
         raise failures[0] if len(failures) == 1 else Refused(" ".join(map(str, failures)))
-
-
-def _failure_of(act: Callable[[], object], tries: int) -> OSError | None:
-    """Last failure of an act that is tried again, or None once it succeeds."""
-    last = None
-    for _ in range(tries):
-        try:
-            act()
-            return None
-        except OSError as failure:
-            last = failure
-    return last
 
 
 def number(text: str) -> float:

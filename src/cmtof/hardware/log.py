@@ -24,9 +24,8 @@ class Logged:
         """The same method, which writes down what it sends, gets or fails at."""
 
         def told(*arguments: Any) -> Any:
-            sent = arguments[0] if act.__name__ in ("write", "ask") else None
-            if sent is not None:
-                self._note(">", sent)
+            if arguments and act.__name__ in ("write", "ask"):
+                self._note(">", arguments[0])
             try:
                 reply = act(*arguments)
             except Exception as error:

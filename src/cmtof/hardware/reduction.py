@@ -128,8 +128,8 @@ def measurement_from_records(
     """Measurement of the records of every line of a plan; raises as `calibrated` does.
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,
-    ``laser_power`` (W), ``detuning`` (Hz) and ``reflected_power`` (dBm) of both drives at the end of
-    each line, ``angle`` (rad), ``time`` (s since 1970 at which a burst was read; simulated, on a
+    ``laser_power`` (W), ``detuning`` (Hz) and ``reflected_power`` (dBm) of both drives at each
+    line's end, ``angle`` (rad), ``time`` (s since 1970 at which a burst was read; simulated, on a
     clock of the bursts' numbers), the attribute ``sample_rate`` (Hz), and of each
     frequency what the reference target showed. Pixels where the converter clips are masked.
     """

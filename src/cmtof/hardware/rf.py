@@ -104,10 +104,8 @@ class RfDriver(device.Device):
 
     def lock(self) -> RfLock:
         """Lock to the resonance, detuning, Hz, and reflected power, dBm, in one answer."""
-        words = self._question("LOCK?")
         with one_error(self.name):
-            locked, detuning, reflected = map(float, words)
-        return RfLock(bool(locked), detuning, reflected)
+            return RfLock(*map(float, self._question("LOCK?")))  # type: ignore[arg-type]
 
     def clear_trip(self) -> None:
         """Allow RF again after a trip; it stays off until `output`."""

@@ -41,7 +41,6 @@ CHECKED = ConfigDict(extra="forbid")
 Angle = Annotated[float, Field(gt=0, lt=80)]
 Volts = Annotated[float, Field(ge=-10, le=10)]
 Seconds = Annotated[float, Field(ge=0, le=10)]
-Part = Literal["laser", "shutter", "trigger", "flip_mirror", "beam_block", "interlock"]
 Line = Annotated[str, Field(pattern="^FIO[0-7]$")]
 Output = Annotated[str, Field(pattern="^TDAC[0-7]$")]
 
@@ -67,7 +66,7 @@ class Rig:
     power_dbm_limit: float = Field(default=30.0, ge=-30, le=35)  # what the modulators stand
     power_limit: float = Field(default=4e-3, gt=0, le=0.5)  # W, of the beam that leaves
     emitted_share: float = Field(default=0.41, gt=0, le=100)  # power that leaves over metered power
-    lines: dict[Part, Line] = Field(default_factory=dict)  # those that differ from the guide's
+    lines: dict[str, Line] = Field(default_factory=dict)  # those that differ from the guide's
     shutter_settling: Seconds = 0.1
     flip_mirror_settling: Seconds = 3.0  # flippers take 0.3 to 2.8
     mirrors: tuple[Output, Output] = ("TDAC2", "TDAC3")  # outputs that steer along x and y
@@ -112,9 +111,9 @@ class Rig:
             *(LINES | self.lines).values(),
             *(one.replace("TDAC", "FIO") for one in self.mirrors),
         ]
-        if len(set(used)) < len(used):
+        if not len(set(used)) == len(used) == len(LINES) + 2:
             raise ValueError(
-                "Expected lines and mirrors on terminals of their own, "
+                f"Expected {' '.join(LINES)} and both mirrors on terminals of their own, "
                 f"got {' '.join(sorted(used))}. Wire one elsewhere."
             )
         if self.settle_samples >= self.samples_per_phase:

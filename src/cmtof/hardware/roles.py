@@ -200,16 +200,3 @@ class ReadOutRole(DeviceRole, Protocol):
     def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
         """Counts (scans,) of a burst for each request, whose registers are written first."""
         ...
-
-
-ROLES: dict[str, type] = {
-    "rf_emission": RfRole,
-    "rf_detection": RfRole,
-    "plate_emission": MotorRole,
-    "plate_detection": MotorRole,
-    "stage": MotorRole,
-    "daq": ReadOutRole,
-    "clock": ClockRole,
-    "power_meter": PowerMeterRole,
-}
-"""Protocol of each role, in the order in which the devices are stopped."""
