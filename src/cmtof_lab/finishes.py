@@ -4,15 +4,10 @@ Each takes coordinates x, y, z, m, of the body itself: it stands on z = 0 with i
 Reliefs return how far the skin stands out, m, holes where it is open, looks the reflectance.
 """
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cmtof.types import Array, Flags
-
-Finish = Callable[[Array, Array, Array], Any]
 
 DARK = 0.03  # reflectance of the owl's black feathers
 PALE = 0.8  # and of its white ones

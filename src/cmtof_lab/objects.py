@@ -35,10 +35,11 @@ GRADE_2 = 0.45e-6  # greatest error of such a length, m (DIN 861, grade 2, by ma
 MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
 
 _CATALOGUE = yaml.safe_load((files("cmtof_lab") / "objects.yml").read_text("utf-8"))
-TRAINING: dict[str, dict[str, Any]] = _CATALOGUE["training"]
+Specifications = dict[str, dict[str, Any]]
+TRAINING: Specifications = _CATALOGUE["training"]
 """Objects on whose scans a network is fine-tuned (Sec. 6.4)."""
 
-OBJECTS: dict[str, dict[str, Any]] = _CATALOGUE["objects"] | TRAINING
+OBJECTS: Specifications = _CATALOGUE["objects"] | TRAINING
 """Scanned objects by name, as ``objects.yml`` describes them."""
 
 FIELD_OF_VIEW: dict[str, float] = {name: one["field_of_view"] for name, one in OBJECTS.items()}

@@ -1,26 +1,20 @@
 """Models of the devices, each on a simulated one, and connections in process that can fail."""
 
 import io
-import re
 import struct
 import time
-from contextlib import contextmanager
-from functools import partial
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import serial
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
+from registers import ACCESS
 
 from cmtof.correlation import TAU
-from cmtof.files import read_document
-from cmtof.hardware.apt import MOTORS, UNITS, Motor
-from cmtof.hardware.rf import CODES, RfDriver, framed
+from cmtof.hardware.apt import MOTORS, UNITS
+from cmtof.hardware.rf import CODES, framed
 from cmtof.hardware.rig import LINES, Rig
-from cmtof.hardware.scpi import PowerMeter, SignalGenerator
-from cmtof.hardware.t7 import LabJackT7
 from cmtof_lab.rehearsal import simulated_bench
 
 HOMED = 1 << 10
@@ -106,79 +100,6 @@ class Visa:
 def modbus(answer):
     """A connection to a T7 in process: function 76 is answered by a function."""
     return SimpleNamespace(ask=answer, close=lambda: None)
-
-
-def listed():
-    """Address and entry of every register by its name, from the maker's list."""
-    found = {}
-    for one in read_document(HERE / "registers.yml")["registers"]:
-        for n in range(one.get("count", 1)):
-            address = one["address"] + n * struct.calcsize(WORDS[one["type"]]) // 2
-            found[re.sub(r"#\(.*?\)", str(n), one["name"])] = address, one
-    return found
-
-
-HERE = Path(__file__).parent
-WORDS = {"UINT16": ">H", "UINT32": ">I", "FLOAT32": ">f"}
-LISTED = listed()
-ACCESS = {address: one["access"] for address, one in LISTED.values()}
-
-
-def feedback(sent, received=""):
-    """Frame and answer of function 76: ``NAME=value`` is a write, ``NAME?`` a read."""
-    frame = b""
-    answer = b""
-    values = iter(str(received).split())
-    for part in sent.split():
-        name, _, value = part.rstrip("?").partition("=")
-        address, one = LISTED[name]
-        kind = WORDS[one.get("holds", one["type"])]
-        words = one.get("words", struct.calcsize(kind) // 2)
-        frame += struct.pack(">BHB", bool(value), address, words)
-        number = float if kind == ">f" else int
-        if value:
-            frame += struct.pack(kind, number(value))
-        else:
-            for _ in range(words * 2 // struct.calcsize(kind)):
-                answer += struct.pack(kind, number(next(values)))
-    return frame, answer
-
-
-def in_bytes(coded):
-    """Pairs of bytes of what is sent and received."""
-    return lambda sent, received="": (coded(sent), coded(received))
-
-
-class Device:
-    """A kind of device in the tests: connection and driver in process, model, and transcripts."""
-
-    def __init__(self, name, kind, driver, model):
-        self.kind = kind
-        self.driver = driver
-        self.model = model
-        self.file = read_document(HERE / "transcripts" / f"{name}.yml")
-        coded = in_bytes(bytes.fromhex if name == "apt" else str.encode)
-        self.pair = feedback if name == "t7" else coded
-
-
-def called(driver, call, options=None, **written):
-    """What a driver does or tells, as it is written in the transcripts."""
-    found = getattr(driver, call)
-    return found(*written.get("with", ()), **(options or {})) if callable(found) else found
-
-
-@contextmanager
-def dialogue(kind, *pairs):
-    """Port or resource that holds one dialogue of (sent, reply), and no other."""
-    heard = []
-    replies = [reply for _, reply in pairs]
-
-    def answer(request):
-        heard.append(request)
-        return replies.pop(0) if replies else b""
-
-    yield kind(answer)
-    assert heard == [sent for sent, _ in pairs]
 
 
 # --- models --------------------------------------------------------------------------------------
@@ -471,25 +392,3 @@ class Meter(Scpi):
         if head != "MEAS:POW":
             return super().answer(head)
         return repr(self.device.power if self.kept["SENS:POW:UNIT"] == "W" else -30.0)
-
-
-DEVICES = {
-    name: Device(name, *parts)
-    for name, *parts in (
-        (
-            "apt",
-            Port,
-            partial(Motor, kind=MOTORS["mts50-z8"]),
-            lambda: Controller(simulated("stage")),
-        ),
-        ("pm100d", Visa, PowerMeter, lambda: Meter(simulated("power_meter"))),
-        ("rf", Port, RfDriver, lambda: Firmware(simulated("rf_emission"))),
-        ("sdg2042x", Visa, SignalGenerator, lambda: Generator(simulated("clock"))),
-        (
-            "t7",
-            modbus,
-            partial(LabJackT7, stream=Port(), safe_lines=["FIO0", "FIO1"], parked=["TDAC2"]),
-            lambda: T7(simulated("daq")),
-        ),
-    )
-}

@@ -2,7 +2,8 @@
 
 import pytest
 import serial
-from peers import DEVICES, T7, Controller, Port, Visa, Wire, called, modbus
+from kinds import DEVICES, called
+from peers import T7, Controller, Port, Visa, Wire, modbus
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 

@@ -8,7 +8,8 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
-from peers import DEVICES, LISTED, WORDS, called, dialogue
+from kinds import DEVICES, called, dialogue
+from registers import LISTED, WORDS
 
 from cmtof.hardware import device, t7
 

@@ -72,6 +72,8 @@ PLACES = {
     "power_meter": b"MEAS:POW",
 }
 """Request at which a device falls silent or hangs up."""
+TIMED = ("daq", "rf_emission", "rf_detection")
+"""Devices whose own light or RF ends by their own timers."""
 
 
 def fall_silent(request):
@@ -99,8 +101,7 @@ def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
     quick = replace(world.rig.devices[role], timeout=0.05)  # nobody waits longer for this one
     with pytest.raises(InstrumentError, match="Expected"):
         take(devices=world.rig.devices | {role: quick})
-    if not (role == "daq" or role.startswith("rf")):
-        assert world.dark
+    assert world.dark or role in TIMED
     world.silence(6.0)
     assert world.dark
 
@@ -128,8 +129,7 @@ def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role)
     with pytest.raises(ConnectionLost, match="Expected"), connected_bench(world.rig):
         pass
     assert world.lit == (role == "daq")
-    if not (role == "daq" or role.startswith("rf")):
-        assert world.dark
+    assert world.dark or role in TIMED
     world.silence(6.0)
     assert world.dark
 

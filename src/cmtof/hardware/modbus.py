@@ -47,18 +47,18 @@ class Feedback:
     def close(self) -> None:
         """Close the connection; may be called again."""
         if self._socket is not None:
-            self._replies.close()
             self._socket.close()
         self._socket = None
 
     def _connected(self) -> socket.socket:
-        connected = socket.create_connection(self._address, self._timeout)
-        self._replies = connected.makefile("rb")
-        return connected
+        return socket.create_connection(self._address, self._timeout)
 
     def _received(self, size: int) -> bytes:
         """So many bytes from the socket."""
-        data = self._replies.read(size)
-        if len(data) < size:
-            raise ConnectionResetError("the connection was closed")
+        data = b""
+        while len(data) < size:
+            part = self._socket.recv(size - len(data)) if self._socket else b""
+            if not part:
+                raise ConnectionResetError("the connection was closed")
+            data += part
         return data
