@@ -3,11 +3,13 @@
 import os
 import re
 import shutil
+import struct
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from glob import escape
 from itertools import count
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,25 @@ def check_input(path: str | Path, what: str = "a file to read") -> Path:
     if not Path(path).is_file():
         raise FileNotFoundError(f"Expected {what}, got no file at {path}. Check it.")
     return Path(path)
+
+
+def check_heaps(path: Path) -> None:
+    """Raise a ValueError if an HDF5 file has a heap whose end HDF5 would look for without end.
+
+    A collection ``GCOL`` holds objects with a number, a size, and that many bytes; number 0 is the
+    free space, whose size counts its own 16 bytes of header.
+    """
+    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as held:
+        for found in re.finditer(rb"GCOL\x01\0\0\0", held):
+            place = found.end()
+            end = min(found.start() + struct.unpack_from("<Q", held, place)[0], len(held))
+            place += 8
+            while place + 16 <= end:
+                number, size = struct.unpack_from("<H6xQ", held, place)
+                step = 16 + (size + 7) // 8 * 8 if number else size
+                if step % 2**64 == 0:
+                    raise ValueError("a heap without an end")
+                place += step
 
 
 def check_links(file: Any) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from cmtof.contract import VARIABLES
-from cmtof.files import check_input, check_links, check_output, written_whole
+from cmtof.files import check_heaps, check_input, check_links, check_output, written_whole
 from cmtof.frame import broken
 from cmtof.validation import check_claim
 
@@ -76,6 +76,7 @@ def _handle(path: Path) -> xr.Dataset:
         how: dict[str, Any] = {"engine": "scipy"}
     else:
         how = {"engine": "h5netcdf", "phony_dims": "access"}
+        check_heaps(path)
         with h5py.File(path, "r") as whole:
             check_links(whole)
     handle = xr.open_dataset(path, decode_times=False, **how)

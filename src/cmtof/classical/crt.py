@@ -10,7 +10,7 @@ from math import ceil, gcd
 import numpy as np
 from scipy.special import ndtr
 
-from cmtof.correlation import TAU, depth_from_phase, depth_from_wraps, wrap_length
+from cmtof.correlation import TAU, centred, depth_from_phase, depth_from_wraps, wrap_length
 from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers
@@ -112,7 +112,10 @@ def _misfit_noise(measurement: Measurement, residual: Array, gap: float) -> Arra
 
 
 def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Array:
-    """Share of the chosen wrap in the likelihood of all in range, whose sum is an integral."""
+    """Share of the chosen wrap in the likelihood of all in range.
+
+    Their sum is an integral while the beat does not repeat; else wraps may share their remainder.
+    """
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
     ratio = high / low
@@ -120,11 +123,14 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
     step = ratio - round(ratio)
     gap = TAU * max(abs(step), 1e-12)
     spread = _misfit_noise(measurement, residual, gap)
+    if (count - 2) * gap > TAU:
+        off = (centred(residual - TAU * step * (n - wraps)) for n in range(first, last + 1))
+        return 1 / sum(np.exp((residual**2 - one**2) / (2 * spread**2)) for one in off)
     size = residual * np.sign(step)
-    upper = np.minimum(np.pi, (wraps - first + 0.5) * gap + size)
-    lower = np.maximum(-np.pi, size - (last - wraps + 0.5) * gap)
+    upper = (wraps - first + 0.5) * gap + size
+    lower = size - (last - wraps + 0.5) * gap
     mass = ndtr(upper / spread) - ndtr(lower / spread)
     # beyond the cap the mass has vanished and the chosen wrap stands alone
     lift = np.exp(np.minimum((residual / spread) ** 2 / 2, 600))
-    total = count / min(count * gap, TAU) * np.sqrt(TAU) * spread * mass * lift
+    total = np.sqrt(TAU) * spread / gap * mass * lift
     return 1 / np.maximum(total, 1.0)
