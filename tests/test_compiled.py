@@ -1,8 +1,13 @@
-"""Compiled functions where Numba finds no folder for what it compiles."""
+"""Compiled functions where Numba finds no folder, or no space, for what it compiles."""
 
 import os
 import subprocess
 import sys
+
+import pytest
+from numba.core.caching import IndexDataCacheFile
+
+from cmtof import compiled
 
 
 def test_a_command_runs_uncached_and_says_so_once(tmp_path, measurement_file):
@@ -19,3 +24,18 @@ def test_a_command_runs_uncached_and_says_so_once(tmp_path, measurement_file):
     assert "Set NUMBA_CACHE_DIR" in line
     assert done.returncode == 0
     assert (tmp_path / "out.nc").is_file()
+
+
+def test_a_full_disk_ends_no_command(monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(IndexDataCacheFile, "save", full)
+    monkeypatch.setattr(compiled, "_said", False)
+
+    @compiled.njit()
+    def doubled(x):
+        return 2 * x
+
+    with pytest.warns(UserWarning, match="Set NUMBA_CACHE_DIR"):
+        assert doubled(3) == 6

@@ -21,8 +21,10 @@ def room(side):
     """The embedded room at another size."""
     frame = cmtof.load_frame("room")
     scale = side / min(frame.depth.shape)
-    images = (zoom(image, scale, order=1)[:side, :side] for image in (frame.depth, frame.intensity))
-    return Frame(*images, frame.camera * scale, "room")
+    # edges lie on edges, as those of pixels that the scaled camera sees
+    how = {"order": 1, "mode": "nearest", "grid_mode": True}
+    depth, light = (zoom(one, scale, **how)[:side, :side] for one in (frame.depth, frame.intensity))
+    return Frame(depth, light, frame.camera * scale, "room")
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import cmtof
 from cmtof.correlation import wrap_length
 from cmtof.evaluation import measured as measured_for
 from cmtof.evaluation import score, scored_pixels
-from cmtof.frame import Frame
+from cmtof.frame import Frame, embedded_frames
 from cmtof.measurement import Measurement
 from cmtof.methods import ALIASES, DEFAULT, METHODS, find_method, names_of
 
@@ -119,6 +119,7 @@ def test_the_truth_is_asked_for_where_a_method_knows_it(measured, name):
         ({"method": "kde", "kernel": 0}, "a kernel of 0 to 100 wraps"),
         ({"method": "kde", "kernel": float("nan")}, "a kernel of 0 to 100 wraps"),
         ({"method": "beat", "window": -1}, "odd window"),
+        ({"without": ["bend"]}, "steps out of bent, parts"),
         ({"method": "beat", "window": 4}, "odd window"),
     ],
 )
@@ -171,7 +172,7 @@ def test_a_refusal_names_a_method_that_works(multiples, name):
     assert score(scored_pixels(result, multiples))["delta_lt_1"] > 0.99
 
 
-@pytest.mark.parametrize("name", ["beat", "region", "mrf", "surfaces"])
+@pytest.mark.parametrize("name", ["beat", "region", "mrf", "surfaces", "crt", "kde"])
 def test_a_beat_that_repeats_within_the_range_is_not_sure(name):
     """At 7.15 and 10 GHz it does so eight times."""
     frame = cmtof.load_frame("room").middle(96, 112)
@@ -206,6 +207,17 @@ def test_confidence_is_no_promise_beyond_the_rate(name, noise, protocol):
     m = cmtof.simulate(cmtof.load_frame("stairs"), protocol=protocol, noise=noise)
     pixels = scored_pixels(cmtof.unwrap(m, method=name), m)
     assert pixels["confidence"].mean() < score(pixels)["delta_lt_1"] + 0.15
+
+
+@pytest.mark.parametrize("noise", [300.0, 2000.0])
+@pytest.mark.parametrize("name", ["region", "mrf", "fast-scnn-light", "surfaces"])
+def test_over_scenes_confidence_is_no_promise_beyond_the_rate(name, noise):
+    pixels = []
+    for scene in embedded_frames():
+        m = cmtof.simulate(cmtof.load_frame(scene), noise=noise)
+        pixels.append(scored_pixels(cmtof.unwrap(m, method=name), m))
+    found = score(pixels)
+    assert found["mean_confidence"] < found["delta_lt_1"] + 0.15
 
 
 @pytest.mark.parametrize("name", ["surfaces", "fast-scnn-light"])

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numba
@@ -19,14 +20,25 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
 
     def compiled(function: Callable) -> Any:
         try:
-            return numba.njit(cache=True, **options)(function)
+            found = numba.njit(cache=True, **options)(function)
         except RuntimeError as error:
             if "cannot cache" not in str(error):
                 raise
-        _say_uncached()
-        return numba.njit(**options)(function)
+            _say_uncached()
+            return numba.njit(**options)(function)
+        if cache := getattr(found, "_cache", None):  # none while compilation is switched off
+            cache.save_overload = partial(_saved_if_possible, cache.save_overload)
+        return found
 
     return compiled
+
+
+def _saved_if_possible(save: Callable, *what: Any) -> None:
+    """Save what was compiled unless the disk is full."""
+    try:
+        save(*what)
+    except OSError:
+        _say_uncached()
 
 
 _said = False

@@ -95,6 +95,15 @@ def test_walls_with_a_step_of_phase_are_two_regions(exact, jump):
     assert np.mean(np.abs(found - depth) < 1e-6) == 1
 
 
+@pytest.mark.parametrize(("hidden", "least", "most"), [(0, 0.7, 1), (8, 0, 0.3)])
+def test_a_region_into_which_another_surface_leaks_is_not_sure(exact, hidden, least, most):
+    """A jump of eleven whole wraps leaves no mark in the phase."""
+    depth = np.full((60, 80), 2.0)
+    depth[:, :hidden] += 11 * WRAP
+    sure = cmtof.unwrap(exact(depth), method="region").confidence.to_numpy()
+    assert least <= sure.mean() <= most
+
+
 def test_pooled_noise_is_that_of_the_sum(rng):
     """Of 300 sums of 100 phasors with noise of one fifth, to three standard errors."""
     noise = 0.2 * rng.normal(size=(300, 1, 200)).view(complex)

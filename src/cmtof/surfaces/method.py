@@ -26,6 +26,7 @@ from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
 from cmtof.surfaces.roughness import cells_of_surfaces, departure, turned_back
 from cmtof.types import Array, Flags, Numbers
 
+STEPS = ("bent", "parts", "shape", "closure", "axes", "ties", "fill")  # that may be left out
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 
 # Confidences, calibrated on views of training rooms, and of votes on scans of things from these.
@@ -83,6 +84,11 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     steps; with a camera, offsets by the ``shape``, one of all beats by it (``closure``), and by the
     ``axes`` of the room; ``ties`` of surfaces that meet; the ``fill`` of far pixels by their beat.
     """
+    if unknown := set(without) - set(STEPS):
+        raise ValueError(
+            f"Expected steps out of {', '.join(STEPS)} to leave out, got {', '.join(unknown)}. "
+            "Correct the name."
+        )
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
     gain = np.inf if "bent" in without else GAIN
