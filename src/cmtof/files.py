@@ -31,16 +31,14 @@ def check_heaps(path: Path) -> None:
     free space, whose size counts its own 16 bytes of header.
     """
     with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as held:
-        for found in re.finditer(rb"GCOL\x01\0\0\0", held):
+        for found in re.finditer(rb"GCOL\x01\0{3}(.{8})", held, re.DOTALL):
             place = found.end()
-            end = min(found.start() + struct.unpack_from("<Q", held, place)[0], len(held))
-            place += 8
-            while place + 16 <= end:
+            end = found.start() + int.from_bytes(found[1], "little")
+            while place + 16 <= min(end, len(held)):
                 number, size = struct.unpack_from("<H6xQ", held, place)
-                step = 16 + (size + 7) // 8 * 8 if number else size
-                if step % 2**64 == 0:
+                place += 16 * (number > 0) + (size + 7) // 8 * 8
+                if not number + size:
                     raise ValueError("a heap without an end")
-                place += step
 
 
 def check_links(file: Any) -> None:

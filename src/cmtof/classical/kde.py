@@ -13,7 +13,7 @@ quarter of one, as theirs. The answer fuses both phases.
 """
 
 from collections.abc import Iterator
-from math import ceil
+from math import ceil, prod
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
@@ -138,13 +138,9 @@ def _cubic_shares(place: Single, nodes: int) -> Single:
     """Shares of the nodes -1 ... nodes + 1 in a cubic through the four about a place (H, W)."""
     cell = np.minimum(np.floor(place), nodes - 1)
     f = place - cell
-    shares = (
-        -f * (f - 1) * (f - 2) / 6,
-        (f + 1) * (f - 1) * (f - 2) / 2,
-        -(f + 1) * f * (f - 2) / 2,
-        (f + 1) * f * (f - 1) / 6,
-    )
     out = np.zeros((nodes + 3, *place.shape), np.float32)
-    for k, share in enumerate(shares):
-        np.put_along_axis(out, cell.astype(int)[None] + k, share[None], axis=0)
+    around = {-1, 0, 1, 2}
+    for k in around:  # Lagrange's polynomials
+        share = prod((f - other) / (k - other) for other in around - {k})
+        np.put_along_axis(out, cell.astype(int)[None] + k + 1, share[None], axis=0)
     return out

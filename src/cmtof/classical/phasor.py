@@ -26,7 +26,14 @@ def phasor(measurement: Measurement) -> Estimate:
     repeats within the range.
     """
     low, high = measurement.frequencies[:2]
-    _refuse_far_frequencies(low, high, measurement.range[1] - measurement.range[0])
+    extent = measurement.range[1] - measurement.range[0]
+    covered = float(wrap_length(high - low))
+    if round(high / low) != 1 or covered < extent * (1 - 1e-9):
+        raise ValueError(
+            f"Expected two close frequencies whose beat covers the range of {extent:.3f} m, got "
+            f"{low:g} and {high:g} Hz, which cover {covered:.3f} m. Measure others, for instance "
+            "simulate with --frequencies 7.15e9,7.16e9, or choose the method crt."
+        )
     noise = phase_noise(measurement)
     known = np.isfinite(noise).all(axis=0)
     phase = np.where(known, measurement.phase[:2], 0)
@@ -40,17 +47,6 @@ def phasor(measurement: Measurement) -> Estimate:
         best = np.where(found > height, depth, best)
         height = np.maximum(found, height)
     return Estimate(best, _confidence(noise, measurement))
-
-
-def _refuse_far_frequencies(low: float, high: float, extent: float) -> None:
-    """Raise ValueError unless the beat of two frequencies, Hz, covers the range, m."""
-    covered = float(wrap_length(high - low))
-    if round(high / low) != 1 or covered < extent * (1 - 1e-9):
-        raise ValueError(
-            f"Expected two close frequencies whose beat covers the range of {extent:.3f} m, got "
-            f"{low:g} and {high:g} Hz, which cover {covered:.3f} m. Measure others, for instance "
-            "simulate with --frequencies 7.15e9,7.16e9, or choose the method crt."
-        )
 
 
 def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:

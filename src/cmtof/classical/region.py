@@ -15,17 +15,14 @@ from scipy.sparse.csgraph import connected_components
 from cmtof.bounds import wrap_probability
 from cmtof.classical.beat import beat_depth, beat_phasor, guides, synthetic_frequency
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.estimate import Estimate, nearest, within_range
+from cmtof.estimate import Estimate, guess, nearest, within_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Flags, Numbers
 
 STEP, EDGE = 1.0, 0.1
 """Steps between neighbours that cut: of the unwrapped phase, rad, and of the smoothed logarithm of
 amplitude; the best of two and three values on eight views of validation rooms."""
-CALIBRATION = (
-    (0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 1),
-    (0.03, 0.04, 0.15, 0.19, 0.3, 0.56, 0.77, 0.92),
-)
+CALIBRATION = ((0, 0.1, 0.5, 0.7, 0.9, 1), (0.03, 0.04, 0.19, 0.3, 0.56, 0.92))
 """Odds by the scatter of patches, and the share that was right on 45 views of training and
 validation rooms: part of what leaks scatters as little as noise."""
 BESIDE = ((0.5, 1.5, 4, 10, 30), (1, 0.65, 0.45, 0.28, 0.15))
@@ -53,8 +50,7 @@ def spatial(measurement: Measurement) -> Estimate:
     inside = relative[measurement.mask] if measurement.mask.any() else relative
     offset = np.rint((phase_from_depth((low + high) / 2, frequency) - np.median(inside)) / TAU)
     depth = within_range(depth_from_phase(relative + TAU * offset, frequency), measurement)
-    guess = min(1.0, float(wrap_length(frequency)) / (high - low))
-    return Estimate(depth, np.full(measurement.shape, guess))
+    return Estimate(depth, np.full(measurement.shape, guess(measurement)))
 
 
 def region(measurement: Measurement) -> Estimate:
@@ -119,14 +115,13 @@ def patches(phasors: Complex, number: Numbers) -> tuple[Complex, Numbers]:
     row, column = np.indices(number.shape) // max(1, max(number.shape) // 12)
     place = number * number.size + row * number.shape[1] + column
     part, of = np.unique(place, return_inverse=True)
-    total = sum_over(phasors.real, of) + 1j * sum_over(phasors.imag, of)
-    return total, part // number.size
+    return sum_over(phasors, of), part // number.size
 
 
 def pool(phasors: Complex, number: Numbers) -> Pooled:
     """Sum of demodulated phasors over each region; the noise is what lies across the sum."""
     size = np.bincount(number.ravel())
-    total = sum_over(phasors.real, number) + 1j * sum_over(phasors.imag, number)
+    total = sum_over(phasors, number)
     phase = np.angle(total)
     length = np.abs(total)
     across = np.imag(phasors * np.exp(-1j * phase[number]))
@@ -151,8 +146,10 @@ def whole_wraps(
 
 
 def sum_over(values: NDArray, number: Numbers) -> NDArray:
-    """Sum of real values (H, W) over each region (S,)."""
-    return np.bincount(number.ravel(), values.ravel())
+    """Sum of values (H, W) over each region (S,)."""
+    total = np.zeros(number.max() + 1, values.dtype)
+    np.add.at(total, number, values)
+    return total
 
 
 def mean_over(values: NDArray, number: Numbers, counted: Flags) -> Array:

@@ -18,7 +18,7 @@ FLAT = 5e-5  # a surface counts as bent if a plane misses it by more, m (rms), a
 
 _U = np.array([1, 0, 0, 2, 1, 0])  # powers of u of the six functions
 _V = np.array([0, 1, 0, 0, 1, 2])
-FARTHEST = 0.02  # smallest 1 / z, 1 / m, of a surface
+FARTHEST = 1e-4  # smallest 1 / z, 1 / m, of a surface
 
 
 @njit(inline="always")

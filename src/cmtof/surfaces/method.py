@@ -71,6 +71,8 @@ def surfaces(measurement: Measurement, *, without: Collection[str] = ()) -> Esti
 
     Steps named in ``without`` are left out, as in `stages`.
     """
+    if not set(without) <= set(STEPS):
+        raise ValueError(f"Expected steps out of {STEPS} to leave out, got {without}. Correct it.")
     found = stages(measurement, without)
     height, width = measurement.shape
     depth = within_range(found.depth[:height, :width], measurement)
@@ -84,11 +86,6 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     steps; with a camera, offsets by the ``shape``, one of all beats by it (``closure``), and by the
     ``axes`` of the room; ``ties`` of surfaces that meet; the ``fill`` of far pixels by their beat.
     """
-    if unknown := set(without) - set(STEPS):
-        raise ValueError(
-            f"Expected steps out of {', '.join(STEPS)} to leave out, got {', '.join(unknown)}. "
-            "Correct the name."
-        )
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
     gain = np.inf if "bent" in without else GAIN
