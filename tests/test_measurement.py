@@ -292,16 +292,6 @@ def test_a_header_that_claims_too_much_is_refused_before_it_is_read(tmp_path):
         cmtof.open(tmp_path / "huge.nc")
 
 
-def test_a_heap_without_an_end_is_refused(tmp_path):
-    """HDF5 steps over its free space by a size, here zero, and would never come to the end."""
-    made().save(path := tmp_path / "m.nc")
-    data = path.read_bytes()
-    begin = data.index(b"GCOL") + 16
-    path.write_bytes(data[:begin] + bytes(64) + data[begin + 64 :])
-    with pytest.raises(ValueError, match="a heap without an end"):
-        cmtof.open(path)
-
-
 def test_missing_and_misnamed_files(tmp_path):
     with pytest.raises(FileNotFoundError, match="got no file at"):
         cmtof.open(tmp_path / "none.nc")

@@ -8,7 +8,7 @@ import cmtof
 from cmtof.correlation import wrap_length
 from cmtof.evaluation import measured as measured_for
 from cmtof.evaluation import score, scored_pixels
-from cmtof.frame import Frame, embedded_frames
+from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.methods import ALIASES, DEFAULT, METHODS, find_method, names_of
 
@@ -207,17 +207,6 @@ def test_confidence_is_no_promise_beyond_the_rate(name, noise, protocol):
     m = cmtof.simulate(cmtof.load_frame("stairs"), protocol=protocol, noise=noise)
     pixels = scored_pixels(cmtof.unwrap(m, method=name), m)
     assert pixels["confidence"].mean() < score(pixels)["delta_lt_1"] + 0.15
-
-
-@pytest.mark.parametrize("noise", [300.0, 2000.0])
-@pytest.mark.parametrize("name", ["region", "mrf", "fast-scnn-light", "surfaces"])
-def test_over_scenes_confidence_is_no_promise_beyond_the_rate(name, noise):
-    pixels = []
-    for scene in embedded_frames():
-        m = cmtof.simulate(cmtof.load_frame(scene), noise=noise)
-        pixels.append(scored_pixels(cmtof.unwrap(m, method=name), m))
-    found = score(pixels)
-    assert found["mean_confidence"] < found["delta_lt_1"] + 0.15
 
 
 @pytest.mark.parametrize("name", ["surfaces", "fast-scnn-light"])

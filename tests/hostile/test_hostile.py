@@ -9,6 +9,7 @@ def _loaded():
     fuzz.loaded()
 
 
-@pytest.mark.parametrize("case", range(100))
+# HDF5 steps over the free space of a heap by its size, in 3001 zero, and never comes to the end
+@pytest.mark.parametrize("case", [*range(100), 3001])
 def test_a_hostile_input_ends_in_one_line(case):
     assert not fuzz.run(case)

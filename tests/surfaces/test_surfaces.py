@@ -127,6 +127,9 @@ def test_phases_alone_and_other_frequencies():
         cases.append(simulate(frame, protocol="full", noise_free=True, frequencies=pair))
     for m in cases:
         assert np.mean(np.abs(unwrapped(m)[1] - depth)[m.mask] < 1e-4) > 0.99
+    far = Frame(100 * depth, frame.intensity, frame.camera)
+    m = simulate(far, protocol="full", noise_free=True, frequencies=(7.15e7, 1.432e8))
+    assert np.mean(np.abs(unwrapped(m)[1] / 100 - depth)[m.mask] < 1e-4) > 0.99
 
 
 def test_clear_pixels_vote_where_no_surface_explains_them():
