@@ -51,16 +51,18 @@ class Method:
             message = f"{self.name} is untrained: its card shows no gain over a trivial answer."
             warnings.warn(message, stacklevel=3)
         first, last = wraps_in_range(measurement)
-        repeats = beat_repeats(measurement) if self.one_beat else 1
         most = MOST_MEMORY // (self.memory + 4 * (last - first + 1))
         if not self.memory or measurement.mask.size <= most:
-            depth, confidence = self.run(measurement, **options)
-            return Estimate(depth, confidence / repeats)
+            found = self.run(measurement, **options)
+            if not self.one_beat:
+                return found
+            return Estimate(found.depth, found.confidence / beat_repeats(measurement))
         images = np.empty((2, *measurement.shape))
         side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: only `rapid` sees more
         for seen, inner, place in tiles(measurement.dataset, side, 256):
             images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
-        return Estimate(images[0], images[1] / repeats)
+        images[1] /= beat_repeats(measurement) if self.one_beat else 1
+        return Estimate(*images)
 
     def _check(self, measurement: Measurement, options: Mapping[str, Any]) -> None:
         """Raise a ValueError if the measurement or an option does not fit the method."""
