@@ -23,7 +23,7 @@ STEP, EDGE = 1.0, 0.1
 """Steps between neighbours that cut: of the unwrapped phase, rad, and of the smoothed logarithm of
 amplitude; the best of two and three values on eight views of validation rooms."""
 CALIBRATION = ((0, 0.1, 0.5, 0.7, 0.9, 1), (0.03, 0.04, 0.19, 0.3, 0.56, 0.92))
-"""Odds by the scatter of patches, and the share that was right on 45 views of training and
+"""Odds by the scatter of patches, and the share that was right on views of 45 training and
 validation rooms: part of what leaks scatters as little as noise."""
 BESIDE = ((0.5, 1.5, 4, 10, 30), (1, 0.65, 0.45, 0.28, 0.15))
 """Pixels off the region whose depth a pixel takes, and a factor, on the same views."""
