@@ -298,6 +298,8 @@ class T7:
             self.device.write_many({f"TDAC{(address - 30000) // 2}": self.get(address, "f")})
         elif address == 49002:
             self.power_up = {line: self.get(2000 + line, "H") for line in self.outputs}
+        elif address == 4002:
+            self.set(4494, "f", self.get(4002, "f"))
         elif address == 4990 and any(data):
             self.send_burst()
 

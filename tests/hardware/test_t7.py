@@ -51,7 +51,7 @@ def test_the_rate_that_the_converter_makes_is_kept_or_refused(peer, daq):
     daq.configure_burst(**BURST)
     works = peer.send_burst
     for rate in (23980.8, 23000.0):  # the first in steps of 100 ns
-        peer.send_burst = lambda: peer.set(4002, "f", rate) or works()  # noqa: B023
+        peer.send_burst = lambda: peer.set(4494, "f", rate) or works()  # noqa: B023
         bursts = daq.bursts([{"USER_RAM0_U32": 1}])
         if rate == 23000.0:
             with pytest.raises(Refused, match="its rate to 24000, got 23000"):

@@ -162,7 +162,7 @@ class LabJackT7(device.Device):
     def _start(self, registers: Mapping[str, float]) -> None:
         """Write registers, start the stream and read its actual rate, in one frame."""
         frame = written({**registers, "STREAM_ENABLE": 1})
-        frame += read("STREAM_SCANRATE_HZ")  # it reads as the actual rate
+        frame += read("STREAM_SCANRATE_HZ_ACTUAL")
         (self.rate,) = struct.unpack(">f", self._feedback(frame, 4))
         wanted = self._settings["STREAM_SCANRATE_HZ"]
         self._expect("rate", wanted, self.rate, 1e-3 * wanted)
