@@ -41,7 +41,7 @@ plotting.begin(profile=profile, seed=seed)
 BEFORE = ("phasor", "crt", "kde", "one-step", "u-net", "deep-tof", "rapid")
 PAPERS = {name.replace("-", "_"): name for name in BEFORE} | {"proposed": "fast-scnn"}
 LARGE, SMALL, FULL, BRIGHT = CONDITIONS = (
-    ("768x1024", 1200),  # the paper's image size
+    ("released_768x1024", 1200),  # the paper's image size
     ("released", 1200),
     ("full", 1200),
     ("released", 300),
@@ -99,11 +99,14 @@ show_swipe(scenes[0], "fast-scnn", "surfaces")
 # The next figure has methods outside the paper, and three references. `reference-depth` combines
 # the measured phase with the best possible wraps: its black pixels are those that the phase allows.
 # `reference-offset` knows the true surfaces and finds one offset for each, `reference-contact` one
-# for all that is connected ([chapter 9](09_limits.ipynb)).
+# for all that is connected ([chapter 9](09_limits.ipynb)). `hybrid` joins the paper's network and
+# this book's method: `surfaces` says which pixels share an offset, and the network's odds, averaged
+# over these pixels, choose it together with the beat. Most errors of the network are of pixels: the
+# average over a surface removes them.
 
 # %% tags=["hide-input"]
-OTHERS = ("beat", "beat-guided", "region", "mrf", "mrf-graphcut", "reference-offset",
-          "reference-contact", "reference-depth")  # fmt: skip
+OTHERS = ("beat", "beat-guided", "region", "mrf", "mrf-graphcut", "hybrid",
+          "reference-offset", "reference-contact", "reference-depth")  # fmt: skip
 draw("fig10_others", OTHERS, "Methods outside the paper, and references.")
 
 # %% [markdown]
@@ -280,8 +283,8 @@ print(cost.get("machine", ""), "cmtof " + cost.get("version", ""), sep=", ")
 # %% tags=["hide-input"]
 crops = {
     name: read_card(weights_path(name, "released")).crops
-    for name, state in states.items()
-    if state == "trained"
+    for name in PAPERS.values()
+    if states[name] == "trained"
 }
 COLUMNS = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_10")
 inside = []  # whether the paper's value lies in our interval

@@ -33,7 +33,7 @@ from cmtof.constants import FREQUENCIES
 from cmtof.evaluation import rates, read_counts, score, scored_pixels
 from cmtof.frame import Frame, held_out_frames, ray_lengths
 from cmtof.pointcloud import points_from_depth
-from cmtof.statistics import reliability, risk_coverage
+from cmtof.statistics import reliability
 from cmtof.surfaces import stages
 from cmtof.surfaces.field import field_from_measurement
 from cmtof.surfaces.fitting import PLANE, refine
@@ -354,12 +354,17 @@ for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
               for a, (_, m) in zip(answers[protocol], held[protocol], strict=True)]  # fmt: skip
     confidence = np.concatenate([one["confidence"] for one in pixels])
     right = np.concatenate([one["wrap_count"] == one["true_count"] for one in pixels])
-    diagram, curve = reliability(confidence, right, bins=10), risk_coverage(confidence, right)
+    diagram = reliability(confidence, right, bins=10)
+    answered = np.arange(1, right.size + 1)
+    risk = 1 - right[np.argsort(-confidence, kind="stable")].cumsum() / answered
     errors[protocol] = reliability(confidence, right).calibration_error
-    kept[protocol] = 1 - float(np.interp(0.9, curve.coverage, curve.risk)), right.mean()
+    kept[protocol] = 1 - risk[int(0.9 * right.size)], right.mean()
     label = f"{protocol}: calibration error {errors[protocol]:.3f}"
     axes[0].plot(diagram.confidence, diagram.right, "o-", ms=4, color=colour, label=label)
-    axes[1].plot(100 * curve.coverage, 100 * curve.risk, color=colour, label=protocol)
+    shown = slice(right.size // 200, None, right.size // 200)
+    axes[1].plot(
+        100 * answered[shown] / right.size, 100 * risk[shown], color=colour, label=protocol
+    )
 print(*(f"{p}: surest 90 % {a:.1%} right, all {b:.1%}" for p, (a, b) in kept.items()), sep="\n")
 
 # %% tags=["hide-input"]

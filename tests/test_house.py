@@ -19,6 +19,7 @@ FLOORS = [
     {"evaluation"},
     {"unwrapping"},
     {"methods"},
+    {"hybrid"},
     {"network", "surfaces"},
     {"classical"},
     {"noise", "statistics"},

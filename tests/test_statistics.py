@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from cmtof.statistics import ratio_interval, reliability, risk_coverage
+from cmtof.statistics import ratio_interval, reliability
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say(rng):
@@ -64,11 +64,3 @@ def test_reliability_refuses_what_is_no_probability(confidence):
 
 def test_reliability_of_nothing_is_nan():
     assert np.isnan(reliability([], []).calibration_error)
-
-
-def test_risk_falls_with_the_coverage_where_confidence_is_true(rng):
-    confidence = rng.random(100_000)
-    right = rng.random(confidence.size) < confidence
-    curve = risk_coverage(confidence, right, points=10)
-    # the surest share c has confidences above 1 - c, so that c/2 of it is wrong
-    assert_allclose(curve.risk, curve.coverage / 2, atol=0.01)

@@ -33,6 +33,7 @@ class Method:
     knows_truth: bool = False  # whether it reads the true depth
     about: str = ""
     memory: int = 0  # bytes a pixel and 4 more a wrap, of those that take most: they go in tiles
+    network: str = ""  # whose weights it needs
     one_beat: bool = False  # whether its confidence takes the beat for unique within the range
 
     @property
@@ -84,11 +85,11 @@ class Method:
 
     def state(self, protocol: str = "released") -> str:
         """Kind of a method without weights; else trained, untrained or no weights."""
-        if self.kind != "learned":
+        if not self.network:
             return self.kind
         from cmtof.network.weights import state
 
-        return state(self.name, protocol)
+        return state(self.network, protocol)
 
 
 def _learned(name: str, source: str, about: str) -> Method:
@@ -98,7 +99,14 @@ def _learned(name: str, source: str, about: str) -> Method:
         whole = without_holes(measurement)  # a network was never shown any
         return Estimate(*unwrap_with_network(whole, model=name, weights=weights))
 
-    return Method(name, "learned", source, run, about=about, memory=1300)
+    return Method(name, "learned", source, run, about=about, memory=1300, network=name)
+
+
+def _hybrid(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
+    """Surfaces whose wraps a network helps to choose by its odds, averaged over each."""
+    from cmtof.hybrid import hybrid
+
+    return hybrid(measurement, weights=weights)
 
 
 def _reference(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
@@ -138,6 +146,7 @@ _ALL = (
     _learned("fast-scnn-fourier", _BAEK, "The paper's network without phase edges"),
     _learned("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
     _learned("fast-scnn-light", "this project", "A tenth of the paper's network, given the beat"),
+    Method("hybrid", "learned", "this project", _hybrid, memory=1300, network="fast-scnn"),
     Method("middle", "trivial", "", trivial.middle, frequencies=1),
     Method("uniform", "trivial", "", trivial.uniform, frequencies=1),
     Method("mode", "trivial", "", trivial.mode, frequencies=1, knows_truth=True),

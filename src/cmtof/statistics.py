@@ -104,25 +104,3 @@ def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> R
     return Reliability(
         np.bincount(place, said, bins) / each, np.bincount(place, good, bins) / each, count
     )
-
-
-class RiskCoverage(NamedTuple):
-    """Share of pixels answered (N,), surest first, and that of wrong ones among them."""
-
-    coverage: Array
-    risk: Array
-
-
-def risk_coverage(confidence: ArrayLike, right: ArrayLike, *, points: int = 200) -> RiskCoverage:
-    """Share of wrong answers among the surest ones, against how many of them are given.
-
-    >>> found = risk_coverage([0.9, 0.2, 0.8, 0.1], [True, False, True, False], points=2)
-    >>> found.coverage.tolist(), found.risk.tolist()
-    ([0.5, 1.0], [0.0, 0.5])
-    """
-    said = np.ravel(np.asarray(confidence, float))
-    good = np.ravel(np.asarray(right, bool))
-    wrong = np.cumsum(~good[np.argsort(-said, kind="stable")])
-    kept = np.unique(np.linspace(0, said.size, points + 1).round().astype(int)[1:])
-    kept = kept[kept > 0]
-    return RiskCoverage(kept / max(said.size, 1), wrong[kept - 1] / kept)

@@ -9,13 +9,14 @@ released protocol scores between a fifth and nine tenths of its pixels; the firs
 
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from cmtof.files import written_whole
-from cmtof.frame import HELD_OUT, HELD_OUT_STEP, Frame
+from cmtof.frame import HELD_OUT, HELD_OUT_STEP, Frame, held_out_frames
 from cmtof.simulation import simulate
 from cmtof_rooms.rendering import Settings, frame_of, render_view, split_of
 from cmtof_rooms.rooms import build_room
@@ -24,15 +25,27 @@ SETTINGS = Settings(seed=3, scenes=10_000, views=2, height=384, width=512)
 COUNT, COVERAGE = 32, (0.2, 0.9)
 
 
+def view_across(index: int, settings: Settings = SETTINGS) -> Frame:
+    """First view across the room of that number."""
+    room = build_room(settings.seed, index)
+    lens = settings.lens(index)
+    pose = room.cameras(settings.views, lens)["cam_00"][0]
+    return frame_of(render_view(room, pose, lens, 0), lens, f"{room.name}/cam_00")
+
+
+def views_of_size(height: int, width: int) -> list[Frame]:
+    """The test views, rendered at another size."""
+    settings = replace(SETTINGS, height=height, width=width)
+    rooms = [frame.name.partition("/")[0] for frame in held_out_frames()]
+    return [view_across(int(room.rpartition("_")[2]), settings) for room in rooms]
+
+
 def views() -> Iterator[Frame]:
     """Views that fit the rule; prints the share of pixels that the released protocol scores."""
     for index in range(SETTINGS.scenes):
         if split_of(index) != "test":
             continue
-        room = build_room(SETTINGS.seed, index)
-        lens = SETTINGS.lens(index)
-        pose = room.cameras(SETTINGS.views, lens)["cam_00"][0]
-        frame = frame_of(render_view(room, pose, lens, 0), lens, f"{room.name}/cam_00")
+        frame = view_across(index)
         coverage = simulate(frame, noise_free=True).mask.mean()
         if COVERAGE[0] <= coverage <= COVERAGE[1]:
             print(f"{frame.name}: {coverage:.0%} scored", flush=True)

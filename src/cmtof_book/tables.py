@@ -1,16 +1,18 @@
 """Count methods over all test frames and store the counts where the chapters find them.
 
-    python -m cmtof_book.tables [--protocol released|full] [--noise SIGMA] [--again] [METHOD...]
+    python -m cmtof_book.tables [--protocol released|full] [--noise SIGMA] [--size 768x1024]
+                                [--again] [METHOD...]
     python -m cmtof_book.tables --runs FOLDER
 
 Without names: every method and reference. Only methods that are new or have other weights are
 counted, unless ``--again`` is given. With ``--runs`` weights are counted by their folders' names.
+With ``--size`` the test views are rendered at that size first.
 """
 
 import hashlib
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -24,9 +26,11 @@ for variable in THREADS:
 from cmtof import __version__  # noqa: E402
 from cmtof.evaluation import Evaluation, digest  # noqa: E402
 from cmtof.files import written_whole  # noqa: E402
-from cmtof.frame import held_out_frames  # noqa: E402
+from cmtof.frame import Frame, held_out_frames  # noqa: E402
 from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
+from cmtof_book.frames import views_of_size  # noqa: E402
+from cmtof_rooms.rendering import shape_from_text  # noqa: E402
 
 
 class Row(NamedTuple):
@@ -51,8 +55,8 @@ def rows_of_methods(methods: Sequence[str], protocol: str) -> list[Row]:
     """A row for each method; without names those that are ready, and the references."""
     references = [name for name, method in METHODS.items() if method.kind == "reference"]
     chosen = methods or [*names_of("all", protocol), *references]
-    names = [find_method(name).name for name in chosen]
-    return [Row(name, name, weights_path(name, protocol)) for name in names]
+    found = map(find_method, chosen)
+    return [Row(one.name, one.name, weights_path(one.network, protocol)) for one in found]
 
 
 def rows_of_runs(runs: Path, protocol: str) -> list[Row]:
@@ -72,13 +76,13 @@ def stored_counts(path: Path, settings: Values, more: str) -> Values:
     return {"command": command, "settings": settings, "weights": {}, "cards": {}, "frames": []}
 
 
-def count(held: Values, row: Row) -> None:
+def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
     """Join the counts of a method over all frames with those of the others."""
     evaluation = Evaluation([row.method], **held["settings"])
     if row.weights:
         held["weights"][row.name] = row.weights
         evaluation.options = {"weights": row.file}
-    counts = evaluation.add_all(held_out_frames()).counts()
+    counts = evaluation.add_all(frames).counts()
     old = held["frames"] or [{"methods": {}} for _ in counts]
     for new, before in zip(counts, old, strict=True):
         new["methods"] = before["methods"] | {row.name: new["methods"][row.method]}
@@ -102,16 +106,21 @@ def main(
     noise: float = 1200.0,
     again: bool = False,
     runs: Path | None = None,
+    size: str = "",
     into: Path = RESULTS,
 ) -> None:
     """Count methods over all test frames and store the counts."""
     settings = {"protocol": protocol, "noise": noise, "seed": 0}
-    path = into / f"table{1 if runs else 2}_{protocol}_{noise:g}.json"
-    held = stored_counts(path, settings, " --runs FOLDER" if runs else "")
+    shape = f"_{size}" if size else ""
+    path = into / f"table{1 if runs else 2}_{protocol}{shape}_{noise:g}.json"
+    more = f" --size {size}" if size else ""
+    held = stored_counts(path, settings, more + " --runs FOLDER" * bool(runs))
     rows = rows_of_runs(runs, protocol) if runs else rows_of_methods(methods, protocol)
-    for row in rows:
-        if again or not row.is_counted(held):
-            count(held, row)
+    rows = [row for row in rows if again or not row.is_counted(held)]
+    if rows:
+        frames = views_of_size(*shape_from_text(size)) if size else held_out_frames()
+        for row in rows:
+            count(held, row, frames)
             if runs:
                 held["cards"][row.name] = read_card(row.file).model_dump(exclude={"sha256"})
             write(held, path)

@@ -67,15 +67,9 @@ def unwrap_with_network(
     Returned are depth, m, and the probability of the chosen class, of a regression the share of
     right wraps in validation; both (H, W).
     """
-    _check_tones(measurement)
     first, last = wraps_in_range(measurement)
-    path = Path(weights or find_weights(model or "fast-scnn", first, last))
-    ready = load_network(path)
+    ready = network_for(measurement, model, weights)
     card = ready.card
-    if model not in (None, card.model):
-        raise ValueError(
-            f"Expected weights of {model}, got those of {card.model}. Name that method."
-        )
     if about(ready.network)["target"] == "depth":
         turns = card.first_wrap + card.classes * (0.5 + output(ready.network, measurement)[0])
         depth = turns * wrap_length(FREQUENCIES[0])
@@ -87,20 +81,40 @@ def unwrap_with_network(
     return within_range(depth, measurement), sure
 
 
-def _check_tones(measurement: Measurement) -> None:
-    """Raise a ValueError if the frequencies are not those of the training."""
+def network_for(
+    measurement: Measurement, model: str | None = None, weights: str | Path | None = None
+) -> Ready:
+    """Network of the given or the shipped weights; a ValueError if it does not fit."""
     tones = np.asarray(measurement.frequencies, float)
     if tones.size < 2 or not np.allclose(tones[:2], FREQUENCIES, rtol=1e-6):
         raise ValueError(
             "Expected 7.15 and 14.32 GHz, which the weights were trained at, "
             f"got {', '.join(f'{f / 1e9:g}' for f in tones)} GHz. Choose the method crt."
         )
+    path = Path(weights or find_weights(model or "fast-scnn", *wraps_in_range(measurement)))
+    ready = load_network(path)
+    if model not in (None, ready.card.model):
+        raise ValueError(
+            f"Expected weights of {model}, got those of {ready.card.model}. Name that method."
+        )
+    return ready
 
 
 def classify(
     ready: Ready, measurement: Measurement, first: int, last: int
 ) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
     """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W)."""
+    found = scores(ready, measurement, first, last)
+    np.exp(found, out=found)  # a softmax, in place
+    chosen = found.argmax(0)
+    return first + chosen, 1 / found.sum(0)
+
+
+def scores(ready: Ready, measurement: Measurement, first: int, last: int) -> NDArray[np.float32]:
+    """Log-odds (N, H, W) of the wraps ``first <= n <= last`` against the likeliest of each pixel.
+
+    Raises a ValueError if the network does not distinguish all of them.
+    """
     network, card = ready
     low = card.first_wrap
     stop = low + card.classes
@@ -111,9 +125,7 @@ def classify(
         )
     found = output(network, measurement)[first - low : last - low + 1]
     found -= found.max(0)
-    np.exp(found, out=found)  # a softmax, in place
-    chosen = found.argmax(0)
-    return first + chosen, 1 / found.sum(0)
+    return found
 
 
 def network_images(measurement: Measurement, kind: str) -> list[NDArray[np.float32]]:

@@ -7,7 +7,7 @@
 4. Here: other pixels take the nearest one, the beat about them, or the vote of neighbours.
 """
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -52,6 +52,9 @@ _ENOUGH = 3.0  # votes that decide; a pixel alone has one
 _FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvote it
 
 
+Election = Callable[[placing.Tied, Array, Numbers], placing.Tied]
+
+
 class Stages(NamedTuple):
     """Result of each step; images are (H, W), padded to whole cells."""
 
@@ -66,25 +69,31 @@ class Stages(NamedTuple):
     confidence: Array
 
 
-def surfaces(measurement: Measurement, *, without: Collection[str] = ()) -> Estimate:
+def surfaces(
+    measurement: Measurement, *, without: Collection[str] = (), elect: Election | None = None
+) -> Estimate:
     """Depths by surfaces in true geometry, each pooled over all of its pixels.
 
-    Steps named in ``without`` are left out, as in `stages`.
+    Steps named in ``without`` are left out, and ``elect`` has the last word on offsets, as in
+    `stages`.
     """
     if not set(without) <= set(STEPS):
         raise ValueError(f"Expected steps out of {STEPS} to leave out, got {without}. Correct it.")
-    found = stages(measurement, without)
+    found = stages(measurement, without, elect)
     height, width = measurement.shape
     depth = within_range(found.depth[:height, :width], measurement)
     return Estimate(depth, np.where(measurement.mask, found.confidence[:height, :width], 0))
 
 
-def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
+def stages(
+    measurement: Measurement, without: Collection[str] = (), elect: Election | None = None
+) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
     Steps that may be left out: ``bent`` surfaces beside planes; ``parts``, cut where the beat
     steps; with a camera, offsets by the ``shape``, one of all beats by it (``closure``), and by the
     ``axes`` of the room; ``ties`` of surfaces that meet; the ``fill`` of far pixels by their beat.
+    ``elect`` returns offsets from them, the depth (H, W) and the surface (H, W) before any offset.
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
@@ -118,6 +127,7 @@ def stages(measurement: Measurement, without: Collection[str] = ()) -> Stages:
     if len(surfaces):
         masked = np.where(measurement.mask, label[inside], -1)
         joined = _inside(joined, depth[inside], masked, field)
+        joined = elect(joined, depth[inside], masked) if elect else joined
         depth = depth + field.period * joined.wraps[everywhere]
         depth = _departed(field, depth, np.append(cells.rough, 0)[label])
     # probability that the offset of a group, a Gaussian, was rounded to the right wrap
