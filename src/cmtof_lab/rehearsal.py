@@ -40,14 +40,8 @@ def simulated_bench(
     }
     if isinstance(scene, str | Path):
         about["scene"] = Path(scene).name
-    return Bench(
-        rig, simulated_devices(instrument, rig), patience=0.0, clock_of=virtual_time, **about
-    )
-
-
-def virtual_time(label: int) -> float:
-    """Time of a burst by its number, s."""
-    return BURST_INTERVAL * label
+    devices = simulated_devices(instrument, rig)
+    return Bench(rig, devices, patience=0.0, clock_of=lambda n: BURST_INTERVAL * n, **about)
 
 
 def scan_scene(
