@@ -185,7 +185,7 @@ def offset_of_wall(side, draw):
     frame = Frame(depth, np.full(depth.shape, LIGHT), camera, "wall")
     field = field_from_measurement(cmtof.simulate(frame, protocol="full", seed=seed + draw))
     q, boxes = np.array([0, 0, 1 / 3.0, 0, 0, 0]), np.array([[0, side, 0, side]])
-    fit = refine(field.arrays(), np.zeros((1, 1), np.int32), -1, q, boxes, PLANE, 2, 0)
+    fit = refine(field, np.zeros((1, 1), np.int32), -1, q, boxes, PLANE, 2, 0)
     return fit[3], 1 / np.sqrt(fit[4])
 
 

@@ -74,7 +74,7 @@ def test_planes_are_found_though_their_phase_turns_more_than_half_a_turn_a_pixel
         down, across = spectral_slopes(field, np.array([top + 2]), np.array([left + 2]), 12, 4)
         told = float(field.information[:, top : top + side, left : left + side].sum())
         window = (top, left, side, down[0], across[0])
-        q, likely = plane_in_window(field.arrays(), NOTHING, window, field.limits, told)
+        q, likely = plane_in_window(field, NOTHING, window, told)
         found = depth_of_labels(field, np.zeros(SHAPE, int), q[None])
         slopes = [d[y, x + 1] - d[y, x] for d in (found, depth)]
         right += likely > 0.9 * told and abs(slopes[0] - slopes[1]) < 0.02 * WRAP

@@ -65,7 +65,7 @@ def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision():
     """0.12 wraps a pixel: 0.75 rad, and twice that, which a pixel's two phases share."""
     rng, off = np.random.default_rng(3), []
     depth, q = plane_depth((0.3, -0.2, 1), 2.5)
-    lifted, _ = moved(exact_field(depth).arrays(), q, BOXES, PLANE, -11 * WRAP)
+    lifted, _ = moved(exact_field(depth), q, BOXES, PLANE, -11 * WRAP)
     for _ in range(12):
         uneven = depth + 0.12 * WRAP * rng.normal(size=SHAPE)
         field = exact_field(uneven, information=20.0, noise_of=rng)
@@ -88,7 +88,7 @@ def test_planes_at_right_angles_place_each_other():
     camera, found, fit = (400.0, 400.0, 81.0, 62.5), [], []
     for normal, off in (((2, 2, 1), 0), ((-2, 1, 2), 0), ((1, -2, 2), 2)):
         depth, q = plane_depth(normal, 1.5, camera=camera)
-        field = exact_field(depth, camera=camera).arrays()
+        field = exact_field(depth, camera=camera)
         found.append(moved(field, q, BOXES, PLANE, -off * WRAP)[0])
         fit.append([0, 1, 0, 1e-3, *leaning(field, NOTHING, -1, found[-1], BOXES, 1.0).ravel()])
     alone, label = known([0, 0, 0.6], [0.05, 0.05, 1.5]), np.repeat([0, 1, 2], 1000)
@@ -102,7 +102,7 @@ def test_pixels_take_the_likeliest_surface_and_borders_find_whole_wraps():
     other, p = plane_depth((-0.3, 0, 1), 2.5)
     depth = np.maximum(one, other)  # they meet at the optical axis
     field = exact_field(depth)
-    off, _ = moved(field.arrays(), p, BOXES, BENT, 3 * WRAP)
+    off, _ = moved(field, p, BOXES, BENT, 3 * WRAP)
     owner = np.zeros((SHAPE[0] // 8, SHAPE[1] // 8), np.int64)
     owner[:, 10:] = 1
     first, second = (q, off) if one[0, 0] > other[0, 0] else (off, q)

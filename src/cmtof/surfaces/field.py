@@ -37,11 +37,7 @@ class Field(NamedTuple):
     v: Array  # and y / z down of each row (H,)
     cosine: Array  # between each ray and the optical axis (H, W)
     limits: tuple[float, float]  # depths to choose from, m
-
-    @property
-    def period(self) -> float:
-        """Length of a wrap of the lower frequency, m."""
-        return float(TAU / self.wavenumber[0])
+    period: float  # length of a wrap of the lower frequency, m
 
     @property
     def ratio(self) -> float:
@@ -58,10 +54,6 @@ class Field(NamedTuple):
         """Turns that a wrap of the lower frequency adds to the beat."""
         return self.ratio - self.multiple
 
-    def arrays(self) -> tuple[Array, ...]:
-        """Arguments of the compiled loops, in their order."""
-        return self[:8]
-
 
 def field_from_measurement(measurement: Measurement) -> Field:
     """Weighted phasors of a measurement; masked pixels count, for they were measured as well."""
@@ -75,18 +67,28 @@ def field_from_measurement(measurement: Measurement) -> Field:
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
     size, turned = np.sqrt(information) * ratio, np.where(known, phase, 0)
     height, width = measurement.shape
-    side = [max(-(-n // CELL) * CELL, _SMALLEST) for n in (height, width)]
-    beyond = [(0, 0), (0, side[0] - height), (0, side[1] - width)]
-    images = size * np.cos(turned), size * np.sin(turned), information
-    real, imaginary, information = (np.pad(one.astype(np.float32), beyond) for one in images)
+    rows, columns = (max(-(-size // CELL) * CELL, _SMALLEST) for size in (height, width))
+    padding = ((0, 0), (0, rows - height), (0, columns - width))
+    images = np.array([size * np.cos(turned), size * np.sin(turned), information], np.float32)
+    real, imaginary, information = np.pad(images, ((0, 0), *padding))
     focal = _FOCAL_LENGTH * max(height, width)
     camera = measurement.camera
     fx, fy, cx, cy = (focal, focal, width / 2, height / 2) if camera is None else camera[:4]
-    u, v = (np.arange(side[1]) + 0.5 - cx) / fx, (np.arange(side[0]) + 0.5 - cy) / fy
+    u = (np.arange(columns) + 0.5 - cx) / fx
+    v = (np.arange(rows) + 0.5 - cy) / fy
     wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
-    turns = TAU * np.rint(wavenumber / wavenumber[0])
-    cosine = 1 / np.sqrt(1 + u**2 + v[:, None] ** 2)
-    return Field(real, imaginary, information, wavenumber, turns, u, v, cosine, measurement.range)
+    return Field(
+        real,
+        imaginary,
+        information,
+        wavenumber,
+        turns=TAU * np.rint(wavenumber / wavenumber[0]),
+        u=u,
+        v=v,
+        cosine=1 / np.sqrt(1 + u**2 + v[:, None] ** 2),
+        limits=measurement.range,
+        period=float(TAU / wavenumber[0]),
+    )
 
 
 def _smoothed(power: Array, known: Flags) -> Array:

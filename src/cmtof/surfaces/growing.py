@@ -53,16 +53,15 @@ def grown_surfaces(
     begin rougher than ``roughest`` are none.
     """
     information = sum_cells(field.information.astype(float))
-    shape = information.shape[1:]
     label = np.zeros((1, 1), np.int32)  # fits look at whole cells
-    owner, surfaces = np.full(shape, -1, np.int64), np.zeros((0, BENT + 1))
+    owner = np.full(information.shape[1:], -1)
+    surfaces = np.zeros((0, BENT + 1))
     for kind in WINDOWS:
         start = windows(field, owner < 0, *kind)
-        held = field.limits, (gain, roughest), owner, len(surfaces)
-        added = _grow(field.arrays(), label, start, information, *held)
+        added = _grow(field, label, start, information, gain, roughest, owner, len(surfaces))
         surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
-        owner = _reassigned(field.arrays(), owner, surfaces, information)
+        owner = _reassigned(field, owner, surfaces, information)
         if turn % 2:
             label = pixels_of_cells(owner)
             surfaces, _ = fitted(field, label, surfaces, (_STEPS, _CELLS), gain)
@@ -79,62 +78,73 @@ def fitted(field: Field, label: Numbers, surfaces: Array, effort: tuple, gain: f
     y, x = np.nonzero(label >= 0)
     # one entry for each surface and cell that share pixels
     pairs = np.unique((label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL)
-    of, order = np.divmod(pairs, rows * columns)
-    cells = order, np.searchsorted(of, np.arange(len(surfaces) + 1)), columns
-    label, farthest = label.astype(np.int32), field.limits[1]
-    return _fit_all(field.arrays(), label, cells, surfaces, effort, farthest, gain)
+    of, cells = np.divmod(pairs, rows * columns)
+    starts = np.searchsorted(of, np.arange(len(surfaces) + 1))
+    label = label.astype(np.int32)
+    return _fit_all(field, label, cells, starts, surfaces.copy(), effort, gain)
 
 
 @njit()
-def _grow(field, label, start, information, limits, bounds, owner, count):  # pragma: no cover
+def _grow(field, label, start, information, gain, roughest, owner, count):  # pragma: no cover
     """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
     rows, columns = owner.shape
     stamp = np.zeros((rows, columns), np.int64)
-    surfaces, new = np.zeros((start[0].size, BENT + 1)), 0
+    surfaces = np.zeros((start[0].size, BENT + 1))
+    new = 0
     for n, window in enumerate(zip(*start)):  # noqa: B905 - unknown to Numba
         side = window[2] // CELL
-        y0, x0 = window[0] // CELL, window[1] // CELL
+        y0 = window[0] // CELL
+        x0 = window[1] // CELL
         told = information[:, y0 : y0 + side, x0 : x0 + side].sum()
         free = (owner[y0 : y0 + side, x0 : x0 + side] < 0).sum()
         if free < _FREE * side * side:
             continue
-        q, likelihood = plane_in_window(field, label, window, limits, told)
+        q, likelihood = plane_in_window(field, label, window, told)
         rough = 0.0
         if likelihood < _START * told:
-            rough = _roughness(field, q, window, bounds[1]) if likelihood > 0 else 0.0
+            rough = _roughness(field, q, window, roughest) if likelihood > 0 else 0.0
             if rough == 0:
                 continue
-        roughest = min(rough + _ROUGHER, bounds[1])
+        most = min(rough + _ROUGHER, roughest)
         region = np.empty(rows * columns, np.int64)
         size = 0
         for y in range(y0, y0 + side):
             for x in range(x0, x0 + side):
-                least = _JOIN * _expected(rough, information, y, x)
-                if owner[y, x] < 0 and cell_likelihood(field, q, y, x) > least:
+                if owner[y, x] < 0 and _explains(field, q, rough, information, y, x):
                     region[size] = y * columns + x
                     stamp[y, x] = n + 1
                     size += 1
         if size < 0.6 * free:
             continue
-        while True:
+        before = 0
+        while size > before:
             before = size
-            boxes = _boxes_of_cells(region[:size], columns, _CELLS)
-            weight = size / boxes.shape[0]
-            fit = select(field, label, EVERY, q, boxes, _STEPS, bounds[0], weight)
-            z = depth_at(field, fit[0], boxes[0, 0], boxes[0, 2])
-            if 0.02 * limits[1] < z < 2 * limits[1]:
+            boxes, weight = _boxes_of_cells(region[:size], columns, _CELLS)
+            fit = select(field, label, EVERY, q, boxes, _STEPS, gain, weight)
+            if _possible(field, fit[0], boxes):
                 q = fit[0]
             if rough > 0:
-                rough = min(_scatter(frequency_sums(field, q, boxes)), roughest)
+                rough = min(_scatter(frequency_sums(field, q, boxes)), most)
             size = _spread(field, q, rough, owner, stamp, n + 1, region, size, information)
-            if size == before:
-                break
         if size >= 0.6 * side * side:
             owner.ravel()[region[:size]] = count + new
-            surfaces[new, :6] = q
-            surfaces[new, 6] = rough
+            surfaces[new, :BENT] = q
+            surfaces[new, BENT] = rough
             new += 1
     return surfaces[:new]
+
+
+@njit(inline="always")
+def _possible(field, q, boxes):  # pragma: no cover - compiled
+    """Whether a surface lies before the camera and not far beyond the limits."""
+    z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
+    return 0.02 * field.limits[1] < z < 2 * field.limits[1]
+
+
+@njit(inline="always")
+def _explains(field, q, rough, information, y, x):  # pragma: no cover - compiled
+    """Whether a surface may grow into a cell."""
+    return cell_likelihood(field, q, y, x) > _JOIN * _expected(rough, information, y, x)
 
 
 @njit(inline="always")
@@ -177,8 +187,7 @@ def _spread(field, q, rough, owner, stamp, mark, region, size, information):  # 
             inside = 0 <= y < rows and 0 <= x < columns
             if not inside or owner[y, x] >= 0 or stamp[y, x] == mark:
                 continue
-            least = _JOIN * _expected(rough, information, y, x)
-            if cell_likelihood(field, q, y, x) > least:
+            if _explains(field, q, rough, information, y, x):
                 stamp[y, x] = mark
                 region[size] = y * columns + x
                 size += 1
@@ -211,35 +220,35 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
 
 
 @njit()
-def _fit_all(field, label, cells, surfaces, effort, farthest, gain):  # pragma: no cover - compiled
-    """Do what `fitted` says; cells sorted by surface, where each begins, and cells in a row."""
-    k, (order, starts, columns) = field[3], cells
-    out, fit = surfaces.copy(), np.zeros((len(surfaces), 16))
+def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no cover - compiled
+    """Do what `fitted` says, in place; cells sorted by surface, and where those of each start."""
+    columns = field.u.size // CELL
+    fit = np.zeros((len(surfaces), 16))
     for n in range(len(surfaces)):
-        own = order[starts[n] : starts[n + 1]]
+        own = cells[starts[n] : starts[n + 1]]
         if own.size == 0:
             continue
-        boxes = _boxes_of_cells(own, columns, effort[1])
-        weight = own.size / boxes.shape[0]
+        boxes, weight = _boxes_of_cells(own, columns, effort[1])
         q, most, offset, known, missed = select(
-            field, label, n, out[n, :6], boxes, effort[0], gain, weight
+            field, label, n, surfaces[n, :BENT], boxes, effort[0], gain, weight
         )
-        z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
-        if 0.02 * farthest < z < 2 * farthest:  # before the camera and not far beyond the limits
+        if _possible(field, q, boxes):
+            k = field.wavenumber
             stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
-            out[n, :6] = q
+            surfaces[n, :BENT] = q
             fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
-            if not q[3:].any():
+            if not q[PLANE:].any():
                 fit[n, 4:] = leaning(field, label, n, q, boxes, weight).ravel()
-    return out, fit
+    return surfaces, fit
 
 
 @njit()
 def _boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
-    """Rectangles of at most so many cells, spread over the list."""
+    """Rectangles of at most so many cells, spread over the list; cells that each stands for."""
     chosen = cells[:: max(1, cells.size // most)]
-    y, x = chosen // columns * CELL, chosen % columns * CELL
-    return np.stack((y, y + CELL, x, x + CELL), axis=1)
+    y = chosen // columns * CELL
+    x = chosen % columns * CELL
+    return np.stack((y, y + CELL, x, x + CELL), axis=1), cells.size / chosen.size
 
 
 @njit()
@@ -260,8 +269,8 @@ def windows(field: Field, free: Flags, side: int, stride: int, core: int, finer:
     order = order[(inside[order] >= _LEAST) & (open_cells[order] >= _FREE * cells**2)]
     top, left = top[order], left[order]
     margin = (side - core) // 2
-    down, right = spectral_slopes(field, top + margin, left + margin, core, finer)
-    return top, left, np.full(top.size, side), down, right
+    slopes = spectral_slopes(field, top + margin, left + margin, core, finer)
+    return top, left, np.full(top.size, side), *slopes
 
 
 def _sums(image: Array, top: Numbers, left: Numbers, side: int) -> Array:
@@ -271,12 +280,12 @@ def _sums(image: Array, top: Numbers, left: Numbers, side: int) -> Array:
     return total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
 
 
-def spectral_slopes(field: Field, top: Numbers, left: Numbers, side: int, finer: int) -> tuple:
-    """Slopes (N,) down and right, rad/px, at the joint peak of both spectra of each square."""
+def spectral_slopes(field: Field, top: Numbers, left: Numbers, side: int, finer: int) -> Array:
+    """Slopes (2, N) down and right, rad/px, at the joint peak of both spectra of each square."""
     size = int(next_fast_len(finer * side) or 1)
     whole = np.rint(fftfreq(size) * size)
     higher = np.rint(field.ratio * whole).astype(int) % size
-    down, right = np.empty(top.size), np.empty(top.size)
+    slopes = np.empty((2, top.size))
     phasors = (field.real + 1j * field.imaginary).astype(np.complex64)
     squares = np.lib.stride_tricks.sliding_window_view(phasors, (side, side), axis=(1, 2))
     batch = max(1, 2**19 // size**2)  # spectra that stay in the cache
@@ -286,51 +295,54 @@ def spectral_slopes(field: Field, top: Numbers, left: Numbers, side: int, finer:
         spectrum = np.asarray(fft(rows, size, axis=-2))
         power = spectrum.real**2 + spectrum.imag**2
         joint = power[0] + power[1][:, higher[:, None], higher]
-        row, column = np.divmod(joint.reshape(len(joint), -1).argmax(axis=1), size)
-        down[some], right[some] = TAU * whole[row] / size, TAU * whole[column] / size
-    return down, right
+        peak = np.array(np.divmod(joint.reshape(len(joint), -1).argmax(axis=1), size))
+        slopes[:, some] = TAU * whole[peak] / size
+    return slopes
 
 
 @njit()
-def plane_in_window(field, label, window, limits, information):  # pragma: no cover - compiled
+def plane_in_window(field, label, window, information):  # pragma: no cover - compiled
     """The likeliest plane of a window, out of all aliases of its slope, and its S."""
     top, left, side, down, right = window
-    wavenumber = field[3]
-    wrap = 2 * np.pi / wavenumber[0]
-    beats, angle = _beats(field, top, left, side, down, right, information)
+    k = field.wavenumber
+    nearest, farthest = field.limits
+    beats, angle = _beats(field, window, information)
     size = np.abs(beats)
-    best, plane = -1.0, np.zeros(BENT)
-    synthetic = wavenumber[1] - np.rint(wavenumber[1] / wavenumber[0]) * wavenumber[0]
+    best = -1.0
+    plane = np.zeros(BENT)
+    synthetic = k[1] - np.rint(k[1] / k[0]) * k[0]
+    repeat = TAU / abs(synthetic)
+    here = angle / k[0]
     for _ in range(_CANDIDATES):
-        at = np.argmax(size)
-        a, b = at // size.shape[1], at % size.shape[1]
+        a, b = divmod(np.argmax(size), size.shape[1])
         size[a, b] = -1
-        slopes = (down + 2 * np.pi * (a - _ALIASES), right + 2 * np.pi * (b - _ALIASES))
-        if max(abs(slopes[0]), abs(slopes[1])) > 2 * np.pi * _STEEPEST:
+        fall = down + TAU * (a - _ALIASES)
+        lean = right + TAU * (b - _ALIASES)
+        if max(abs(fall), abs(lean)) > TAU * _STEEPEST:
             continue
-        period = 2 * np.pi / abs(synthetic)
-        z = limits[0] + (np.angle(beats[a, b]) / synthetic - limits[0]) % period
-        if z > limits[1]:
-            z = limits[1] if z - limits[1] < limits[0] - (z - period) else limits[0]
-        z = angle / wavenumber[0] + wrap * np.rint((z - angle / wavenumber[0]) / wrap)
-        z = max(z, wrap)
-        q = _plane(field, top + side // 2, left + side // 2, z, slopes[0], slopes[1])
+        z = nearest + (np.angle(beats[a, b]) / synthetic - nearest) % repeat
+        if z > farthest:
+            z = farthest if z - farthest < nearest - (z - repeat) else nearest
+        z = max(here + field.period * np.rint((z - here) / field.period), field.period)
+        q = _plane(field, top + side // 2, left + side // 2, z, fall, lean)
         q, likelihood, whole = _climbed(field, label, q, top, left, side)
         if whole and likelihood > best:
-            best, plane = likelihood, q
+            best = likelihood
+            plane = q
     return plane, best
 
 
 @njit()
-def _beats(field, top, left, side, down, right, information):  # pragma: no cover - compiled
+def _beats(field, window, information):  # pragma: no cover - compiled
     """Beat summed over the blocks for each alias (A, A), and the lower phase at the centre."""
+    side = window[2]
     count = 8 if side >= 32 and information > 4 * _LEAST else 4
-    sums = _blocks(field, top, left, side, count, down, right)
-    ratio = field[3][1] / field[3][0]
+    sums = _blocks(field, window, count)
+    ratio = field.wavenumber[1] / field.wavenumber[0]
     multiple = np.rint(ratio)
-    excess = (ratio - multiple) * 2 * np.pi  # a turn's mark on the higher
-    aliases = 2 * _ALIASES + 1
-    out = np.zeros((aliases, aliases), np.complex128)
+    excess = (ratio - multiple) * TAU  # a turn's mark on the higher
+    aliases = np.arange(-_ALIASES, _ALIASES + 1)
+    out = np.zeros((aliases.size, aliases.size), np.complex128)
     block = side // count
     for i in range(count):
         for j in range(count):
@@ -339,47 +351,48 @@ def _beats(field, top, left, side, down, right, information):  # pragma: no cove
             beat = sums[1, i, j] * np.conj(unit**multiple)
             y = (i + 0.5) * block - 0.5 - side // 2
             x = (j + 0.5) * block - 0.5 - side // 2
-            for a in range(aliases):
-                for b in range(aliases):
-                    turn = excess * ((a - _ALIASES) * y + (b - _ALIASES) * x)
-                    out[a, b] += beat * np.exp(-1j * turn)
-    half = count // 2
-    return out, np.angle(np.sum(sums[0, half - 1 : half + 1, half - 1 : half + 1]))
+            for a, down in enumerate(aliases):
+                for b, right in enumerate(aliases):
+                    out[a, b] += beat * np.exp(-1j * (excess * (down * y + right * x)))
+    middle = slice(count // 2 - 1, count // 2 + 1)
+    return out, np.angle(np.sum(sums[0, middle, middle]))
 
 
 @njit()
-def _blocks(field, top, left, side, count, down, right):  # pragma: no cover - compiled
-    """Sums of both phasors over count x count blocks, turned back by a slope."""
-    real, imaginary, _, wavenumber = field[:4]
+def _blocks(field, window, count):  # pragma: no cover - compiled
+    """Sums of both phasors over count x count blocks of a window, turned back by its slope."""
+    top, left, side, down, right = window
     block = side // count
     sums = np.zeros((2, count, count), np.complex128)
     for f in range(2):
-        ratio = wavenumber[f] / wavenumber[0]
+        real = field.real[f, top:, left:]
+        imaginary = field.imaginary[f, top:, left:]
+        ratio = field.wavenumber[f] / field.wavenumber[0]
         across = np.exp(-1j * ratio * right * (np.arange(side) - side // 2))
-        for i in range(count):
-            for y in range(i * block, i * block + block):
-                turn = np.exp(-1j * ratio * down * (y - side // 2))
-                for j in range(count):
-                    part = 0j
-                    for x in range(j * block, j * block + block):
-                        p = complex(real[f, top + y, left + x], imaginary[f, top + y, left + x])
-                        part += p * across[x]
-                    sums[f, i, j] += part * turn
+        for y in range(side):
+            turn = np.exp(-1j * ratio * down * (y - side // 2))
+            for j in range(count):
+                part = 0j
+                for x in range(j * block, j * block + block):
+                    part += complex(real[y, x], imaginary[y, x]) * across[x]
+                sums[f, y // block, j] += part * turn
     return sums
 
 
 @njit()
 def _plane(field, row, column, z, down, right):  # pragma: no cover - compiled
     """The plane through a depth at a pixel with slopes, rad/px, of the lower phase."""
-    u, v, cosine = field[5], field[6], field[7]
-    fall = 1 / (field[3][0] * z * z)  # of 1 / z per radian
-    here = 1 / z / cosine[row, column]
-    below = (1 / z - fall * down) / cosine[row + 1, column]
-    beside = (1 / z - fall * right) / cosine[row, column + 1]
+    u = field.u[column : column + 2]
+    v = field.v[row : row + 2]
+    cosine = field.cosine[row : row + 2, column : column + 2]
+    fall = 1 / (field.wavenumber[0] * z * z)  # of 1 / z per radian
+    here = 1 / z / cosine[0, 0]
+    below = (1 / z - fall * down) / cosine[1, 0]
+    beside = (1 / z - fall * right) / cosine[0, 1]
     q = np.zeros(BENT)
-    q[0] = (beside - here) / (u[column + 1] - u[column])
-    q[1] = (below - here) / (v[row + 1] - v[row])
-    q[2] = here - q[0] * u[column] - q[1] * v[row]
+    q[0] = (beside - here) / (u[1] - u[0])
+    q[1] = (below - here) / (v[1] - v[0])
+    q[2] = here - q[0] * u[0] - q[1] * v[0]
     return q
 
 
@@ -389,10 +402,11 @@ def _climbed(field, label, q, top, left, side):  # pragma: no cover - compiled
     core = 6
     while True:
         core = min(core, side)
-        y, x = top + (side - core) // 2, left + (side - core) // 2
+        margin = (side - core) // 2
+        y = top + margin
+        x = left + margin
         box = np.array([[y, y + core, x, x + core]])
-        area = field[2][0, y : y + core, x : x + core]
-        if core == side or np.sum(area) > 100:
+        if core == side or np.sum(field.information[0, y : y + core, x : x + core]) > 100:
             fit = refine(field, label, EVERY, q, box, PLANE, 2 if core < side else 3, np.int64(0))
             q = fit[0]
             if core == side or fit[1] < 0.4 * fit[2]:
