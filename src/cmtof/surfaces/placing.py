@@ -24,6 +24,7 @@ from cmtof.surfaces.roughness import (
     pooled_phasors,
     sum_cells,
     sum_surfaces,
+    turned_alike,
 )
 from cmtof.types import Array, Numbers
 
@@ -85,8 +86,9 @@ def pixel_labels(field: Field, owner: Numbers, surfaces: Array) -> tuple[Numbers
     """Likeliest surface (H, W), -1 for none, of a square about each pixel, and its share S / E."""
     side = 2 * RADIUS + 1
     shape = field.cosine.shape
-    label, best = np.full(shape, -1, np.int32), np.full(shape, -np.inf)
-    _label(field.arrays(), owner, surfaces, label, best)
+    label = np.full(shape, -1, np.int32)
+    best = np.full(shape, -np.inf)
+    _label(field, owner, surfaces, label, best)
     told = np.zeros(shape)
     for frequency, loss in enumerate((0.5, 2.0)):  # of S by roughness
         information = field.information[frequency].astype(float)
@@ -117,7 +119,9 @@ def depth_of_labels(field: Field, label: Numbers, surfaces: Array) -> Array:
 
 def _depth(field: Field, surfaces: Array, which: Numbers, y: Numbers, x: Numbers) -> Array:
     """Depth (P,), m, of surfaces by their number (P,) at pixels (P,)."""
-    q, u, v = surfaces[which].T, field.u[x], field.v[y]
+    q = surfaces[which].T
+    u = field.u[x]
+    v = field.v[y]
     inverse = q[0] * u + q[1] * v + q[2] + q[3] * u * u + q[4] * u * v + q[5] * v * v
     return 1 / np.maximum(field.cosine[y, x] * inverse, FARTHEST)
 
@@ -129,8 +133,9 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
     side = 2 * RADIUS + 1
     patch = np.zeros((CELL + 2 * RADIUS, CELL + 2 * RADIUS))
     for cell in range(owner.size):
-        row, column = cell // owner.shape[1], cell % owner.shape[1]
-        top, left = row * CELL - RADIUS, column * CELL - RADIUS
+        row, column = divmod(cell, owner.shape[1])
+        top = row * CELL - RADIUS
+        left = column * CELL - RADIUS
         for n in around(owner, row, column):
             patch[:] = 0.0
             for y in range(max(top, 0), min(top + patch.shape[0], height)):
@@ -138,13 +143,11 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
                     patch[y - top, x - left] = pixel_likelihood(field, surfaces[n], y, x)
             for y in range(CELL):
                 for x in range(CELL):
-                    total = 0.0
-                    for a in range(side):
-                        for b in range(side):
-                            total += patch[y + a, x + b]
+                    total = np.sum(patch[y : y + side, x : x + side])
                     at = (row * CELL + y, column * CELL + x)
                     if total > best[at]:
-                        best[at], label[at] = total, n
+                        best[at] = total
+                        label[at] = n
 
 
 def offsets(beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=False) -> Offsets:
@@ -161,13 +164,16 @@ def offsets(beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=Fal
     by_shape = np.where((fit[:, 1] > 0) & shape, 1 / variance, 0)
     flat = ~surfaces[:, 3:6].any(axis=1)  # what is bent may have been bent by a wrap
     excess = beat - fit[:, 0]
-    off, both = 0.0, flat * by_beat * by_shape / (by_beat + by_shape)
-    for _ in range(0 if closed else _CLOSING):
+    total = by_beat + by_shape
+    weight = both = flat * by_beat * by_shape / total
+    off = 0.0
+    for _ in range(_CLOSING):
         weight = both / (1 + both * (excess - off) ** 2 / 2)
         off = float(weight @ excess / max(weight.sum(), 1e-12))
-    off = 0.0 if closed or abs(off) < _OPEN / np.sqrt(weight.sum() + 1e-12) else off
-    mean = (fit[:, 0] * by_shape + (beat - off) * by_beat) / (by_shape + by_beat)
-    return Offsets(mean, 1 / np.sqrt(by_shape + by_beat), off)
+    if closed or abs(off) < _OPEN / np.sqrt(weight.sum() + 1e-12):
+        off = 0.0
+    mean = (fit[:, 0] * by_shape + (beat - off) * by_beat) / total
+    return Offsets(mean, 1 / np.sqrt(total), off)
 
 
 def aligned(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offsets:
@@ -240,22 +246,21 @@ def _cell_phasors(field: Field, cells: Cells) -> Array:
     """Phasors (2, h, w) of cells without what moves both alike."""
     main, label, turned, sums, told, rough = cells
     multiple = field.multiple
-    both = np.array([1, multiple])[:, None, None]
     if rough.any():  # pixels are turned back by their own departure first
         off = departure(field, turned, np.append(rough, 0)[label])
-        sums = sum_cells(turned * np.exp(-1j * both * off))
-    near = sums.copy()
+        sums = sum_cells(turned_alike(field, turned, off))
+    near = sums
     reached = told.sum(axis=0)  # six functions miss what these turn back
     for radius in (1, 2, 4):
         weak = reached < _ENOUGH
         wider = _same(np.concatenate([sums, told]), main, radius)
         near = np.where(weak, wider[:2], near)
-        reached = np.where(weak, np.real(wider[2:]).sum(axis=0), reached)
+        reached = np.where(weak, wider[2:].real.sum(axis=0), reached)
     low = np.angle(near[0])
-    high = np.angle(near[1] * np.exp(-1j * multiple * low))
+    high = np.angle(turned_alike(field, near, low)[1])
     size = np.abs(near)
-    residual = low + size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
-    return sums * np.exp(-1j * both * residual)
+    pull = size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
+    return turned_alike(field, sums, low + pull)
 
 
 def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
@@ -269,67 +274,71 @@ def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Arra
     turned = _cell_phasors(field, cells)
     main = cells.main
     told = cells.told
-    wrap, ratio = TAU * field.excess, field.multiple
+    wrap = TAU * field.excess
+    ratio = field.multiple
     low, high = turned.imag / np.maximum(told, 1e-6)
     lag = (high - ratio * low) / wrap
     weight = wrap**2 * told[0] * told[1] / np.maximum(told[0] + ratio**2 * told[1], 1e-9)
     for _ in range(_CUTS):
         count = len(surfaces)
-        index, summed = np.where(main < 0, count, main), partial(sum_surfaces, main, count=count)
-        middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[index]
-        apart, radius = np.ones(main.shape), 1
+        summed = partial(sum_surfaces, main, count=count)
+        middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[main]
+        apart = 1.0
+        radius = 1
         for _ in range(5):
-            pull = _same((weight * (lag - middle) * apart)[None], main, radius)[0]
-            sides = [pull <= 0, pull > 0]
-            known = [np.maximum(summed(weight * side), 1e-9) for side in sides]
-            rest, part = (summed(weight * lag * sides[i]) / known[i] for i in (0, 1))
-            middle, apart, radius = ((part + rest) / 2)[index], (part - rest)[index], 2
+            ahead = _same(weight * (lag - middle) * apart, main, radius) > 0
+            sides = np.array([~ahead, ahead])
+            known = np.maximum(summed(weight * sides), 1e-9)
+            rest, part = summed(weight * lag * sides) / known
+            middle = ((part + rest) / 2)[main]
+            apart = (part - rest)[main]
+            radius = 2
         border = np.zeros(count + 1)
         for axis in (0, 1):
-            a, b = np.delete(index, 0, axis), np.delete(index, -1, axis)
-            crossed = (a == b) & np.diff(sides[1], axis=axis)
-            border += np.bincount(a.ravel(), crossed.ravel(), count + 1)
-        gain = (part - rest) ** 2 / (1 / known[0] + 1 / known[1]) / 2
+            here = np.delete(main, 0, axis)
+            inside = here == np.delete(main, -1, axis)
+            border += sum_surfaces(here, inside & np.diff(ahead, axis=axis), count)
+        gain = (part - rest) ** 2 / np.sum(1 / known, axis=0) / 2
         good = gain > np.maximum(_CUT, _EDGE * border)
-        good &= np.minimum(*map(summed, sides)) >= _PART
-        good &= (np.abs(part - rest) > _APART) & (np.arange(count + 1) < count)
+        good &= summed(sides).min(axis=0) >= _PART
+        good &= np.abs(part - rest) > _APART
+        good[count] = False  # of cells without a surface
         new = count + np.cumsum(good) - 1
-        main = np.where(sides[1] & good[index], new[index], main)
-        surfaces = np.concatenate([surfaces, surfaces[np.flatnonzero(good)]])
+        main = np.where(ahead & good[main], new[main], main)
+        surfaces = np.concatenate([surfaces, surfaces[good[:count]]])
     return main, surfaces
 
 
 def _same(images: Array, main: Numbers, radius: int) -> Array:
-    """Sum of images (N, h, w) over the cells of the same surface within a radius."""
+    """Sum of images (..., h, w) over the cells of the same surface within a radius."""
     height, width = main.shape
-    edge = (radius, radius)
-    padded = np.pad(images, ((0, 0), edge, edge))
+    side = 2 * radius + 1
+    edges = [(radius, radius)] * 2
+    padded = np.pad(images, [(0, 0)] * (images.ndim - 2) + edges)
     owner = np.pad(main, radius, constant_values=-2)
     out = np.zeros_like(images)
-    for y in range(2 * radius + 1):
-        for x in range(2 * radius + 1):
-            place = (slice(y, y + height), slice(x, x + width))
-            out += np.where(owner[place] == main, padded[(slice(None), *place)], 0)
+    for y, x in np.ndindex(side, side):
+        place = np.s_[..., y : y + height, x : x + width]
+        out += np.where(owner[place] == main, padded[place], 0)
     return out
 
 
 def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
     """Odds that surfaces meet, from their depths across every border between labels (H, W)."""
     count = len(surfaces)
-    keys, steps, slopes = [], [], []
-    for down, right in ((1, 0), (0, 1)):
-        here = label[: len(label) - down, : label.shape[1] - right]
-        ahead = label[down:, right:]
-        y, x = np.nonzero((here != ahead) & (here >= 0) & (ahead >= 0))
-        low, high = np.sort([here[y, x], ahead[y, x]], axis=0)
-        first, second = (  # differences of depth on this side of the border and on the other
-            _depth(field, surfaces, low, *at) - _depth(field, surfaces, high, *at)
-            for at in ((y, x), (y + down, x + right))
-        )
-        keys.append(low.astype(np.int64) * count + high)
-        steps.append((first + second) / 2 / field.period)
-        slopes.append(np.abs(first - second) / field.period)
-    key, jump, tilt = (np.concatenate(parts) for parts in (keys, steps, slopes))
+    pixels = np.arange(label.size).reshape(label.shape)
+    here = np.append(pixels[:-1], pixels[:, :-1])  # above, then to the left of a border
+    beyond = np.append(pixels[1:], pixels[:, 1:])
+    sides = np.sort(label.ravel()[[here, beyond]], axis=0)
+    crossed = (sides[0] != sides[1]) & (sides[0] >= 0)
+    low, high = sides[:, crossed]
+    first, second = (  # differences of depth on this side of the border and on the other
+        _depth(field, surfaces, low, *at) - _depth(field, surfaces, high, *at)
+        for at in (np.divmod(side[crossed], label.shape[1]) for side in (here, beyond))
+    )
+    key = low.astype(np.int64) * count + high
+    jump = (first + second) / 2 / field.period
+    tilt = np.abs(first - second) / field.period
     order = np.argsort(key, kind="stable")
     found = []
     for part in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
@@ -356,8 +365,10 @@ def tied(found: Offsets, borders: Borders) -> Tied:
     They are those of the border times how much likelier both offsets agree than are anywhere.
     """
     count = found.mean.size
-    group, shift = np.arange(count), np.zeros(count)
-    mean, variance = found.mean.copy(), found.spread**2
+    group = np.arange(count)
+    shift = np.zeros(count)
+    mean = found.mean.copy()
+    variance = found.spread**2
     first, second, step, odds = borders
     live = odds > 0
     while live.any():

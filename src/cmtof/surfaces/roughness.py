@@ -70,14 +70,16 @@ def roughness(owner: Numbers, sums: Array, told: Array, count: int) -> Array:
 
 def pooled_phasors(main: Numbers, phasors: Array, told: Array, count: int) -> tuple[Array, Array]:
     """Sums (2, N) of phasors over the cells of each surface, and their E."""
-    parts = [phasors.real, phasors.imag, told]
-    real, imaginary, most = ([sum_surfaces(main, f, count)[:count] for f in one] for one in parts)
-    return np.array(real) + 1j * np.array(imaginary), np.maximum(most, 1e-9)
+    total = sum_surfaces(main, phasors, count)[:, :count]
+    most = sum_surfaces(main, told, count)[:, :count]
+    return total, np.maximum(most, 1e-9)
 
 
-def sum_surfaces(main: Numbers, image: Array, count: int) -> Array:
-    """Sum (N + 1,) of an image over the cells of each surface, and over those of none."""
-    return np.bincount(np.where(main < 0, count, main).ravel(), image.ravel(), count + 1)
+def sum_surfaces(main: Numbers, images: Array, count: int) -> Array:
+    """Sums (..., N + 1) of images (..., h, w) over the cells of each surface, then of none."""
+    out = np.zeros((*images.shape[:-2], count + 1), np.result_type(images, float))
+    np.add.at(out, (..., main), images)
+    return out
 
 
 def departure(field: Field, turned: Array, variance: Array) -> Array:
@@ -87,14 +89,17 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
     moves both frequencies alike.
     """
     multiple = field.multiple
-    stiff = field.information[0] + multiple**2 * field.information[1]
+    known = variance * (field.information[0] + multiple**2 * field.information[1])
     across = gaussian_filter(turned[0].imag, _NEAR)
     along = gaussian_filter(turned[0].real, _NEAR)
-    reach = variance * stiff / (1 + variance * stiff)
-    out = reach * np.arctan2(across, along)
+    out = known / (1 + known) * np.arctan2(across, along)
     for _ in range(_TURNS):
-        low = (turned[0] * np.exp(-1j * out)).imag
-        high = (turned[1] * np.exp(-1j * multiple * out)).imag
+        low, high = turned_alike(field, turned, out).imag
         pull = variance * (low + multiple * high) - out
-        out += pull / (1 + variance * stiff)
+        out += pull / (1 + known)
     return np.clip(out, -np.pi, np.pi)
+
+
+def turned_alike(field: Field, phasors: Array, departure: Array) -> Array:
+    """Phasors (2, ...) turned back by a phase (...), rad at the lower frequency, of both alike."""
+    return phasors * np.exp(-1j * np.multiply.outer((1, field.multiple), departure))
