@@ -53,12 +53,11 @@ def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
     return scale, norm.bias - norm.running_mean * scale
 
 
-def conv(i: int, o: int, kernel: int = 3, stride: int = 1, relu: bool = True, **more: int):
+def conv(i: int, o: int, kernel=3, stride=1, relu=True, dilation=1, groups=1) -> Normed:
     """Convolution, batch norm, ReLU."""
-    dilation = more.get("dilation", 1)
-    faulty = dilation > 1 and more.get("groups", 1) > 1
-    kind = SingleConv2d if faulty else nn.Conv2d
-    layer = kind(i, o, kernel, stride, dilation * (kernel // 2), bias=False, **more)
+    kind = SingleConv2d if dilation > 1 and groups > 1 else nn.Conv2d
+    margin = dilation * (kernel // 2)
+    layer = kind(i, o, kernel, stride, margin, dilation, groups, bias=False)
     return Normed(layer, nn.BatchNorm2d(o), *([nn.ReLU(inplace=True)] if relu else []))
 
 
@@ -77,7 +76,8 @@ class Bottleneck(nn.Module):
 
     def __init__(self, i: int, o: int, stride: int, expansion: int, dilation: int = 1) -> None:
         super().__init__()
-        wide, self.residual = expansion * i, stride == 1 and i == o
+        wide = expansion * i
+        self.residual = stride == 1 and i == o
         middle = conv(wide, wide, 3, stride, groups=wide, dilation=dilation)
         self.body = nn.Sequential(conv(i, wide, 1), middle, conv(wide, o, 1, relu=False))
 
@@ -138,7 +138,9 @@ class Network(nn.Module):
 
     def __init__(self, model: Model, classes: int) -> None:
         super().__init__()
-        self.model, self.inputs, self.classes = model, channels(model.features), classes
+        self.model = model
+        self.inputs = channels(model.features)
+        self.classes = classes
         self.outputs = classes if self.target == "wraps" else 1
         self.build()
 
@@ -162,10 +164,13 @@ class FastSCNN(Network):
     The stem goes to the output as well (the paper's skip); pools are local, not over the image.
     """
 
-    stride, reach = 8, 256
-    stem_width, head_width = 32, 64  # at full resolution
+    stride = 8
+    reach = 256
+    stem_width = 32  # at full resolution
+    head_width = 64
     down_widths = 48, 64  # at 1/2 and 1/4
-    widths, expansion = (64, 64, 64, 96, 96, 96, 128, 128, 128), 6  # bottlenecks at 1/8
+    widths = 64, 64, 64, 96, 96, 96, 128, 128, 128  # of bottlenecks at 1/8
+    expansion = 6  # within them
     dilations = 1, 1, 1, 1, 1, 1, 1, 2, 4  # so that they see farther, as theirs do at 1/32
     pools = 3, 5, 9, 17, 33  # sides of windows at 1/8
     context = 128  # fused features, at 1/4
@@ -175,12 +180,12 @@ class FastSCNN(Network):
         self.stem = conv(self.inputs, self.stem_width)
         self.down = nn.Sequential(conv(self.stem_width, half, 3, 2), separable(half, quarter, 2))
         pairs = enumerate(pairwise((quarter, *self.widths)))
-        deep = self.widths[-1]
-        blocks = [
+        blocks = (
             Bottleneck(i, o, 1 if k else 2, self.expansion, self.dilations[k])
             for k, (i, o) in pairs
-        ]
+        )
         self.extract = nn.Sequential(*blocks)
+        deep = self.widths[-1]
         self.pyramid = Pyramid(deep, self.pools)
         self.deep = conv(deep, self.context, 1, relu=False)
         self.fine = conv(quarter, self.context, 1, relu=False)
@@ -218,7 +223,9 @@ class FastSCNN(Network):
         quarters = (1, -1) if self.classes * BEAT < TAU / 2 else (0, 1, 2, 3)
         angles = self.stem_width // 2 // len(quarters)
         # large: norms divide it out again, and steps of the optimiser disturb the sums less
-        count, large, octaves = angles * len(quarters), 8.0, [14, 15, 4, 5]  # after two phases
+        large = 8.0
+        count = angles * len(quarters)
+        octaves = [14, 15, 4, 5]  # after two phases
         alpha = TAU / angles * torch.arange(angles)
         middle = BEAT * (first + self.classes / 2)
         moved = torch.cat([alpha + (middle + TAU / 4 * quarter) for quarter in quarters])
@@ -229,10 +236,12 @@ class FastSCNN(Network):
         # eight channels for the sums over alpha and their differences
         sums = torch.eye(len(quarters)).repeat_interleave(angles, 1) * (large / (2 * angles))
         sums = torch.cat([sums, sums - sums.roll(1, 0)]).repeat(4 // len(quarters), 1)
-        (enter, norm, _), *path = self.down[0], *self.down[1], *self.pyramid.branches
+        enter, norm, _ = self.down[0]
         enter.weight[:8] = 0
-        enter.weight[:8, :count], norm.bias[:8] = sums[..., None, None], 2.0
+        enter.weight[:8, :count] = sums[..., None, None]
+        norm.bias[:8] = 2.0
         # from there on each goes alone, averaged, two spreads above the ReLU's corner
+        path = [*self.down[1], *self.pyramid.branches]
         for block in self.extract:
             if block.residual:
                 block.body[-1][1].weight.zero_()
@@ -254,9 +263,12 @@ class FastSCNN(Network):
 class LightFastSCNN(FastSCNN):
     """A tenth of the weights."""
 
-    stem_width, head_width, context = 16, 32, 64
+    stem_width = 16
+    head_width = 32
+    context = 64
     down_widths = 24, 32
-    widths, expansion = (48, 48, 64, 64), 3
+    widths = 48, 48, 64, 64
+    expansion = 3
     dilations = 1, 1, 1, 1
     pools = 3, 5, 9, 17
 
@@ -264,7 +276,8 @@ class LightFastSCNN(FastSCNN):
 class UNet(Network):
     """U-Net (Ronneberger, Fischer and Brox 2015; 64 to 1024 wide there), with batch norms."""
 
-    stride, reach = 16, 192
+    stride = 16
+    reach = 192
     widths = 24, 48, 72, 104, 128
 
     def build(self) -> None:
@@ -292,7 +305,8 @@ class UNet(Network):
 class OneStep(UNet):
     """One-step unwrapping (Wang, Li, Kemao, Di and Zhao 2019): a residual U-Net that regresses."""
 
-    target, reach = "depth", 256
+    target = "depth"
+    reach = 256
     widths = 16, 32, 56, 72, 96
 
     def level(self, i: int, o: int) -> nn.Module:
@@ -305,7 +319,9 @@ class DeepToF(Network):
     Theirs reads two correlations a frequency, ours four; its adversarial loss is left out.
     """
 
-    target, stride, reach = "depth", 4, 96
+    target = "depth"
+    stride = 4
+    reach = 96
 
     def build(self) -> None:
         self.stem = conv(self.inputs, 16, 7)
@@ -331,13 +347,15 @@ class Rapid(Network):
     Its correction of the segments afterwards is left out.
     """
 
-    stride, reach = 16, 448
+    stride = 16
+    reach = 448
 
     def build(self) -> None:
         self.stem = conv(self.inputs, 32, stride=2)
         pairs = pairwise((32, 48, 80, 112))
         stages = [nn.Sequential(Residual(i, o, 2), Residual(o, o)) for i, o in pairs]
-        self.fine, self.coarse = stages[0], nn.Sequential(*stages[1:])
+        self.fine = stages[0]
+        self.coarse = nn.Sequential(*stages[1:])
         self.near = conv(112, 80, 1)
         self.far = nn.ModuleList(conv(112, 80, dilation=rate) for rate in (6, 12, 18))
         self.whole = nn.Conv2d(112, 80, 1)  # one pixel of one crop bears no norm
@@ -373,7 +391,8 @@ MODELS = {
 
 def build_network(name: str, protocol: str = "released") -> Network:
     """Network of a model with fresh weights; a stem that reads Fourier features sees the beat."""
-    model, (first, classes) = MODELS[name], CLASSES[protocol]
+    model = MODELS[name]
+    first, classes = CLASSES[protocol]
     network = model.network(model, classes)
     if isinstance(network, FastSCNN) and "fourier" in FEATURE_SETS[model.features]:
         network.see_the_beat(first)
