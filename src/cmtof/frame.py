@@ -17,7 +17,8 @@ EMBEDDED = Path(__file__).parent / "frames"  # the small frames that travel with
 HELD_OUT = EMBEDDED / "test" / "rooms.npz"  # views of rooms that nothing was trained on
 HELD_OUT_STEP = 5e-5  # step of its depth, m
 
-_WHITE, _DARK = 0.8, 0.02  # share of white pixels, and brightness, that look like a mistake
+_WHITE = 0.8  # share of white pixels that looks like a mistake
+_DARK = 0.02  # and brightness
 
 
 @dataclass(frozen=True)
