@@ -65,7 +65,8 @@ def field_from_measurement(measurement: Measurement) -> Field:
     if "correlation" in measurement.dataset and measurement.dataset.sizes["step"] > 3:
         information = _smoothed(information, known)
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
-    size, turned = np.sqrt(information) * ratio, np.where(known, phase, 0)
+    size = np.sqrt(information) * ratio
+    turned = np.where(known, phase, 0)
     height, width = measurement.shape
     rows, columns = (max(-(-size // CELL) * CELL, _SMALLEST) for size in (height, width))
     padding = ((0, 0), (0, rows - height), (0, columns - width))
@@ -96,7 +97,8 @@ def _smoothed(power: Array, known: Flags) -> Array:
     share = np.array([max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power])
     share /= share.mean()
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2
-    left, mean = known.copy(), np.zeros(known.shape)
+    left = known.copy()
+    mean = np.zeros(known.shape)
     for width, least in _SCALES:
         images = left.astype(float), np.where(left, excess, 0)
         weight, total = (gaussian_filter(i, width, mode="constant", truncate=3.0) for i in images)

@@ -8,10 +8,12 @@ import numpy as np
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
-from cmtof.surfaces.field import CELL
+from cmtof.surfaces.field import CELL, Field
+from cmtof.types import Array, Numbers
 
 # As NumPy's integers, for Numba compiles a function again for every literal that it is given.
-PLANE, BENT = np.int64(3), np.int64(6)  # parameters of a plane and of a bent surface
+PLANE = np.int64(3)  # parameters of a plane
+BENT = np.int64(6)  # and of a bent surface
 EVERY = np.int64(-1)  # label of a fit to whole rectangles
 HOPS = np.int64(60)  # largest hop, wraps
 ASTRAY = 0.2  # distance, wraps (rms), of a plane from a bent surface from which on it is not tried
@@ -299,3 +301,58 @@ def select(field, label, only, q, boxes, steps, gain, weight):  # pragma: no cov
     missed = np.sqrt(max(lost - 4.0, 0.0) / stiff)
     best = bent if lost > gain + stiff * FLAT**2 else plane
     return best[0], best[2], best[3], best[4], missed
+
+
+@njit(inline="always")
+def possible(field, q, boxes):  # pragma: no cover - compiled
+    """Whether a surface lies before the camera and not far beyond the limits."""
+    z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
+    return 0.02 * field.limits[1] < z < 2 * field.limits[1]
+
+
+@njit()
+def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
+    """Rectangles of at most so many cells, spread over the list; cells that each stands for."""
+    chosen = cells[:: max(1, cells.size // most)]
+    y = chosen // columns * CELL
+    x = chosen % columns * CELL
+    return np.stack((y, y + CELL, x, x + CELL), axis=1), cells.size / chosen.size
+
+
+@njit()
+def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no cover - compiled
+    """Do what `fitted` says, in place; cells sorted by surface, and where those of each start."""
+    columns = field.u.size // CELL
+    fit = np.zeros((len(surfaces), 16))
+    for n in range(len(surfaces)):
+        own = cells[starts[n] : starts[n + 1]]
+        if own.size == 0:
+            continue
+        boxes, weight = boxes_of_cells(own, columns, effort[1])
+        q, most, offset, known, missed = select(
+            field, label, n, surfaces[n, :BENT], boxes, effort[0], gain, weight
+        )
+        if possible(field, q, boxes):
+            k = field.wavenumber
+            stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
+            surfaces[n, :BENT] = q
+            fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
+            if not q[PLANE:].any():
+                fit[n, 4:] = leaning(field, label, n, q, boxes, weight).ravel()
+    return surfaces, fit
+
+
+def fitted(field: Field, label: Numbers, surfaces: Array, effort: tuple, gain: float) -> tuple:
+    """Fit every surface (N, 7) to its pixels, with so many steps, on so many cells at most.
+
+    And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
+    m (rms); by how much a wrap bends a plane, m; for planes `leaning`.
+    """
+    rows, columns = (n // CELL for n in label.shape)
+    y, x = np.nonzero(label >= 0)
+    # one entry for each surface and cell that share pixels
+    pairs = np.unique((label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL)
+    of, cells = np.divmod(pairs, rows * columns)
+    starts = np.searchsorted(of, np.arange(len(surfaces) + 1))
+    label = label.astype(np.int32)
+    return _fit_all(field, label, cells, starts, surfaces.copy(), effort, gain)

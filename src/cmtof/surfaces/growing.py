@@ -14,10 +14,11 @@ from cmtof.surfaces.fitting import (
     BENT,
     EVERY,
     PLANE,
+    boxes_of_cells,
     cell_likelihood,
-    depth_at,
+    fitted,
     frequency_sums,
-    leaning,
+    possible,
     refine,
     select,
 )
@@ -28,8 +29,10 @@ from cmtof.types import Array, Flags, Numbers
 # many times its bins are refined. Large ones come first: what is large should stay in one piece.
 WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
 
-# Share S / E that a plane must reach to begin in a window, to grow into a cell, and to keep it.
-_START, _JOIN, _STAY = 0.75, 0.6, 0.5
+# Share S / E that a plane must reach
+_START = 0.75  # to begin in a window,
+_JOIN = 0.6  # to grow into a cell,
+_STAY = 0.5  # and to keep it.
 GAIN = 15.0  # in S from which on a surface counts as bent
 ROUGHEST = 0.9  # variance, rad^2, of the depths about a surface, up to which it is one
 _ROUGHER = 0.1  # by which it may grow beyond that of the window in which it began
@@ -37,11 +40,14 @@ _SURE = 6.0  # deviations of S from noise for a rough surface to begin
 _ALIKE = (0.08, 2.0)  # tolerance of its coherence at the higher frequency, and in deviations
 _LEAST = 150.0  # information E below which a window starts nothing: its noise would fit as well
 _FREE = 0.7  # share of the cells of a window that must be without a surface
-_ALIASES, _STEEPEST = 2, 1.6  # whole turns per pixel tried to each side; largest slope, turns/px
+_ALIASES = 2  # whole turns per pixel tried to each side
+_STEEPEST = 1.6  # largest slope, turns/px
 _CANDIDATES = 4  # slopes out of all aliases that are fitted
-_STEPS, _CELLS = np.int64(2), np.int64(100)  # of a fit; cells of a surface that it looks at
+_STEPS = np.int64(2)  # of a fit
+_CELLS = np.int64(100)  # of a surface that it looks at
 _BESIDE = ((1, 0), (-1, 0), (0, 1), (0, -1))  # steps down and right
-_ROUNDS, _NEIGHBOURLY = 6, 3.0  # of reassignment; gain in S per neighbour in the same surface
+_ROUNDS = 6  # of reassignment
+_NEIGHBOURLY = 3.0  # gain in S per neighbour in the same surface
 
 
 def grown_surfaces(
@@ -66,22 +72,6 @@ def grown_surfaces(
             label = pixels_of_cells(owner)
             surfaces, _ = fitted(field, label, surfaces, (_STEPS, _CELLS), gain)
     return owner, surfaces
-
-
-def fitted(field: Field, label: Numbers, surfaces: Array, effort: tuple, gain: float) -> tuple:
-    """Fit every surface (N, 7) to its pixels, with so many steps, on so many cells at most.
-
-    And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
-    m (rms); by how much a wrap bends a plane, m; for planes `leaning`.
-    """
-    rows, columns = (n // CELL for n in label.shape)
-    y, x = np.nonzero(label >= 0)
-    # one entry for each surface and cell that share pixels
-    pairs = np.unique((label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL)
-    of, cells = np.divmod(pairs, rows * columns)
-    starts = np.searchsorted(of, np.arange(len(surfaces) + 1))
-    label = label.astype(np.int32)
-    return _fit_all(field, label, cells, starts, surfaces.copy(), effort, gain)
 
 
 @njit()
@@ -119,9 +109,9 @@ def _grow(field, label, start, information, gain, roughest, owner, count):  # pr
         before = 0
         while size > before:
             before = size
-            boxes, weight = _boxes_of_cells(region[:size], columns, _CELLS)
+            boxes, weight = boxes_of_cells(region[:size], columns, _CELLS)
             fit = select(field, label, EVERY, q, boxes, _STEPS, gain, weight)
-            if _possible(field, fit[0], boxes):
+            if possible(field, fit[0], boxes):
                 q = fit[0]
             if rough > 0:
                 rough = min(_scatter(frequency_sums(field, q, boxes)), most)
@@ -132,13 +122,6 @@ def _grow(field, label, start, information, gain, roughest, owner, count):  # pr
             surfaces[new, BENT] = rough
             new += 1
     return surfaces[:new]
-
-
-@njit(inline="always")
-def _possible(field, q, boxes):  # pragma: no cover - compiled
-    """Whether a surface lies before the camera and not far beyond the limits."""
-    z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
-    return 0.02 * field.limits[1] < z < 2 * field.limits[1]
 
 
 @njit(inline="always")
@@ -165,13 +148,13 @@ def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
 
     A Gaussian of variance r costs one frequency exp(-r / 2), twice that frequency exp(-2 r).
     """
-    box = np.array([[window[0], window[0] + window[2], window[1], window[1] + window[2]]])
-    sums = frequency_sums(field, q, box)
+    top, left, side, _, _ = window
+    sums = frequency_sums(field, q, np.array([[top, top + side, left, left + side]]))
     rough = _scatter(sums)
-    told = sums[1].sum()
-    off = sums[0, 1] / max(sums[1, 1], 1e-9) - np.exp(-2 * rough)
-    tolerance = _ALIKE[0] + _ALIKE[1] / np.sqrt(max(sums[1, 1], 1e-9))
-    sure = sums[0].sum() > _SURE * np.sqrt(told) and abs(off) < tolerance
+    most = max(sums[1, 1], 1e-9)
+    off = sums[0, 1] / most - np.exp(-2 * rough)
+    tolerance = _ALIKE[0] + _ALIKE[1] / np.sqrt(most)
+    sure = sums[0].sum() > _SURE * np.sqrt(sums[1].sum()) and abs(off) < tolerance
     return rough if sure and rough < roughest else 0.0
 
 
@@ -183,7 +166,8 @@ def _spread(field, q, rough, owner, stamp, mark, region, size, information):  # 
     i = 0
     while i < size and size < goal:
         for dy, dx in _BESIDE:
-            y, x = region[i] // columns + dy, region[i] % columns + dx
+            y = region[i] // columns + dy
+            x = region[i] % columns + dx
             inside = 0 <= y < rows and 0 <= x < columns
             if not inside or owner[y, x] >= 0 or stamp[y, x] == mark:
                 continue
@@ -205,50 +189,21 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
             found = around(owner, y, x)
             if found.size == 0 or (found.size == 1 and owner[y, x] == found[0]):
                 continue
-            best, at = -np.inf, -1
+            best = -np.inf
+            at = -1
             for n in found:
                 value = cell_likelihood(field, surfaces[n], y, x)
                 for dy, dx in _BESIDE:
-                    a, b = y + dy, x + dx
+                    a = y + dy
+                    b = x + dx
                     if 0 <= a < rows and 0 <= b < columns and owner[a, b] == n:
                         value += _NEIGHBOURLY
                 if value > best:
-                    best, at = value, n
+                    best = value
+                    at = n
             told = _expected(surfaces[at, 6], information, y, x)
             out[y, x] = at if best >= _STAY * told - np.sqrt(told) else -1
     return out
-
-
-@njit()
-def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no cover - compiled
-    """Do what `fitted` says, in place; cells sorted by surface, and where those of each start."""
-    columns = field.u.size // CELL
-    fit = np.zeros((len(surfaces), 16))
-    for n in range(len(surfaces)):
-        own = cells[starts[n] : starts[n + 1]]
-        if own.size == 0:
-            continue
-        boxes, weight = _boxes_of_cells(own, columns, effort[1])
-        q, most, offset, known, missed = select(
-            field, label, n, surfaces[n, :BENT], boxes, effort[0], gain, weight
-        )
-        if _possible(field, q, boxes):
-            k = field.wavenumber
-            stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
-            surfaces[n, :BENT] = q
-            fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
-            if not q[PLANE:].any():
-                fit[n, 4:] = leaning(field, label, n, q, boxes, weight).ravel()
-    return surfaces, fit
-
-
-@njit()
-def _boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
-    """Rectangles of at most so many cells, spread over the list; cells that each stands for."""
-    chosen = cells[:: max(1, cells.size // most)]
-    y = chosen // columns * CELL
-    x = chosen % columns * CELL
-    return np.stack((y, y + CELL, x, x + CELL), axis=1), cells.size / chosen.size
 
 
 @njit()
@@ -267,7 +222,8 @@ def windows(field: Field, free: Flags, side: int, stride: int, core: int, finer:
     open_cells = _sums(free.astype(float), top // CELL, left // CELL, cells)
     order = np.argsort(-inside, kind="stable")
     order = order[(inside[order] >= _LEAST) & (open_cells[order] >= _FREE * cells**2)]
-    top, left = top[order], left[order]
+    top = top[order]
+    left = left[order]
     margin = (side - core) // 2
     slopes = spectral_slopes(field, top + margin, left + margin, core, finer)
     return top, left, np.full(top.size, side), *slopes
@@ -276,7 +232,8 @@ def windows(field: Field, free: Flags, side: int, stride: int, core: int, finer:
 def _sums(image: Array, top: Numbers, left: Numbers, side: int) -> Array:
     """Sum (N,) of an image (H, W) over squares."""
     total = np.pad(image.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
-    bottom, edge = top + side, left + side
+    bottom = top + side
+    edge = left + side
     return total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
 
 

@@ -23,6 +23,7 @@ from cmtof.surfaces.roughness import (
     departure,
     pooled_phasors,
     sum_cells,
+    sum_nearby,
     sum_surfaces,
     turned_alike,
 )
@@ -30,26 +31,35 @@ from cmtof.types import Array, Numbers
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
 EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on none of them
-_INSIDE, _CERTAIN = 4, 0.6  # fits use pixels without another surface this near, and this S / E
-_OPEN, _CLOSING = 2.5, 20  # deviations above which a common offset of beats counts; iterations
+_INSIDE = 4  # fits use pixels without another surface this near, px,
+_CERTAIN = 0.6  # and with this S / E
+_OPEN = 2.5  # deviations above which a common offset of beats counts
+_CLOSING = 20  # iterations towards it
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
 _FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
 _BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
 _AGAIN = 2  # times that beats of rough surfaces are pooled again
-_CUT, _EDGE = 20.0, 0.12  # least gain, as a log-likelihood, of a part, also per cell of its border
-_PART, _APART, _CUTS = 6, 0.7, 3  # least size, cells, and distance, wraps, of a part; rounds
-_PLUMB, _UPRIGHT = 5e-4, 5.0  # deviation, rad, of what is upright; least likelihood, 1 / rad
-_CLEAR, _SHARP = 1e-2, 1.5e-3  # uncertainty, rad, of normals that vote, and of those elected
+_CUT = 20.0  # least gain, as a log-likelihood, of a part,
+_EDGE = 0.12  # also per cell of its border
+_PART = 6  # least size, cells, of a part
+_APART = 0.7  # and its least distance, wraps
+_CUTS = 3  # rounds of cutting
+_PLUMB = 5e-4  # deviation, rad, of what is upright
+_UPRIGHT = 5.0  # its least likelihood, 1 / rad
+_CLEAR = 1e-2  # uncertainty, rad, of normals that vote,
+_SHARP = 1.5e-3  # and of those elected
 _FARTHEST = 10.0  # offset, wraps, up to which a plane turns in proportion
 _ENOUGH = 60.0  # information from which on a cell is turned back by its own phasors alone
 
-_LEAST, _LONG = 8, 24  # border, px, below which nothing follows from it; with full odds
+_LEAST = 8  # border, px, below which nothing follows from it
+_LONG = 24  # and from which on it has full odds
 # Tolerance, wraps, of a pixel's difference, and per wrap of slope; the same of the median.
 _TOLERANCE = (0.25, 1.5, 0.1, 0.3)
 # Odds that surfaces meet, by the share of their border that differs by the same whole wraps.
 _SUPPORT = ((0.95, 2.0), (0.85, 0.7), (0.6, 0.2), (0.0, 0.02))
 _JUMP = 40.0  # wraps over which the depths of surfaces that do not meet are spread
-_MEET, _LOOSE = 0.3, 0.05  # odds from which on two surfaces are tied; variance, wraps^2, of a tie
+_MEET = 0.3  # odds from which on two surfaces are tied
+_LOOSE = 0.05  # variance, wraps^2, of a tie
 
 
 Beats = tuple[Array, Array, Array]
@@ -182,17 +192,22 @@ def aligned(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offs
     Moved by m wraps, a plane of normal n turns to n + m dn: a right angle to an axis a gives m.
     The first axis is the normal to which most are parallel or upright, the second upright to it.
     """
-    length = np.linalg.norm(surfaces[:, :3], axis=1)[:, None]
-    normal, shift = surfaces[:, :3] / length, fit[:, 4:7]
+    length = np.linalg.norm(surfaces[:, :3], axis=1, keepdims=True)
+    normal = surfaces[:, :3] / length
+    shift = fit[:, 4:7]
     turn = (shift - normal * np.sum(normal * shift, axis=1, keepdims=True)) / length
     noise = fit[:, 7:].reshape(-1, 3, 3) / length[:, :, None] ** 2
-    plane, mean, variance = shift.any(axis=1), found.mean, found.spread**2
+    plane = shift.any(axis=1)
+    mean = found.mean
+    variance = found.spread**2
     now = normal + mean[:, None] * turn
     now /= np.linalg.norm(now, axis=1, keepdims=True)
     trace = np.trace(noise, axis1=1, axis2=2) + variance * np.sum(turn**2, axis=1)
-    width, size = np.sqrt(trace + _PLUMB**2), np.bincount(label[label >= 0], minlength=mean.size)
+    width = np.sqrt(trace + _PLUMB**2)
+    size = np.bincount(label[label >= 0], minlength=mean.size)
     clear = plane & (width < _CLEAR)
-    cosine, apart = np.abs(now @ now.T), 3 * np.hypot(width, width[:, None])
+    cosine = np.abs(now @ now.T)
+    apart = 3 * np.hypot(width, width[:, None])
     square = cosine < apart
     votes = (square | (1 - cosine**2 < apart**2)) @ np.where(clear, size, 0) - size
     votes = np.where(clear, votes / (1 + (width / _SHARP) ** 2), 0)
@@ -203,13 +218,15 @@ def aligned(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offs
     second = now[other] - now[one] * (now[other] @ now[one])
     second /= np.linalg.norm(second)
     for axis in (now[one], second, np.cross(now[one], second)):
-        slope, off = turn @ axis, (normal + mean[:, None] * turn) @ axis
+        slope = turn @ axis
+        off = (normal + mean[:, None] * turn) @ axis
         total = noise @ axis @ axis + _PLUMB**2 + slope**2 * variance
         likely = np.exp(-(off**2) / total / 2) / np.sqrt(TAU * total)
         use = plane & (likely > _UPRIGHT) & (np.abs(mean) < _FARTHEST)
         gain = np.where(use, slope * variance / total, 0)
-        left = np.maximum(variance * (1 - gain * slope), np.minimum(variance, _FLOOR[0] ** 2))
-        mean, variance = mean - gain * off, left
+        mean = mean - gain * off
+        least = np.minimum(variance, _FLOOR[0] ** 2)
+        variance = np.maximum(variance * (1 - gain * slope), least)
     return found._replace(mean=mean, spread=np.sqrt(variance))
 
 
@@ -253,7 +270,7 @@ def _cell_phasors(field: Field, cells: Cells) -> Array:
     reached = told.sum(axis=0)  # six functions miss what these turn back
     for radius in (1, 2, 4):
         weak = reached < _ENOUGH
-        wider = _same(np.concatenate([sums, told]), main, radius)
+        wider = sum_nearby(np.concatenate([sums, told]), main, radius)
         near = np.where(weak, wider[:2], near)
         reached = np.where(weak, wider[2:].real.sum(axis=0), reached)
     low = np.angle(near[0])
@@ -286,7 +303,7 @@ def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Arra
         apart = 1.0
         radius = 1
         for _ in range(5):
-            ahead = _same(weight * (lag - middle) * apart, main, radius) > 0
+            ahead = sum_nearby(weight * (lag - middle) * apart, main, radius) > 0
             sides = np.array([~ahead, ahead])
             known = np.maximum(summed(weight * sides), 1e-9)
             rest, part = summed(weight * lag * sides) / known
@@ -307,20 +324,6 @@ def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Arra
         main = np.where(ahead & good[main], new[main], main)
         surfaces = np.concatenate([surfaces, surfaces[good[:count]]])
     return main, surfaces
-
-
-def _same(images: Array, main: Numbers, radius: int) -> Array:
-    """Sum of images (..., h, w) over the cells of the same surface within a radius."""
-    height, width = main.shape
-    side = 2 * radius + 1
-    edges = [(radius, radius)] * 2
-    padded = np.pad(images, [(0, 0)] * (images.ndim - 2) + edges)
-    owner = np.pad(main, radius, constant_values=-2)
-    out = np.zeros_like(images)
-    for y, x in np.ndindex(side, side):
-        place = np.s_[..., y : y + height, x : x + width]
-        out += np.where(owner[place] == main, padded[place], 0)
-    return out
 
 
 def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
@@ -344,7 +347,8 @@ def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
     for part in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
         if part.size < _LEAST:
             continue
-        step, slope = jump[part], np.minimum(tilt[part], 1)
+        step = jump[part]
+        slope = np.minimum(tilt[part], 1)
         near = _TOLERANCE[0] + _TOLERANCE[1] * slope
         whole = np.unique(np.rint(step))
         support = (np.abs(step[:, None] - whole) < near[:, None]).mean(axis=0)
@@ -372,7 +376,8 @@ def tied(found: Offsets, borders: Borders) -> Tied:
     first, second, step, odds = borders
     live = odds > 0
     while live.any():
-        a, b = group[first], group[second]
+        a = group[first]
+        b = group[second]
         live &= a != b
         # meeting: wraps_first - wraps_second = -step
         apart = -step - shift[first] + shift[second]
@@ -383,7 +388,8 @@ def tied(found: Offsets, borders: Borders) -> Tied:
         n = int(np.argmax(value))
         if value[n] <= _MEET:
             break
-        keep, join = a[n], b[n]
+        keep = a[n]
+        join = b[n]
         weights = 1 / variance[[keep, join]]
         both = mean[keep] * weights[0] + (mean[join] + apart[n]) * weights[1]
         mean[keep] = both / weights.sum()

@@ -82,6 +82,20 @@ def sum_surfaces(main: Numbers, images: Array, count: int) -> Array:
     return out
 
 
+def sum_nearby(images: Array, main: Numbers, radius: int) -> Array:
+    """Sum of images (..., h, w) over the cells of the same surface within a radius."""
+    height, width = main.shape
+    side = 2 * radius + 1
+    edges = [(radius, radius)] * 2
+    padded = np.pad(images, [(0, 0)] * (images.ndim - 2) + edges)
+    owner = np.pad(main, radius, constant_values=-2)
+    out = np.zeros_like(images)
+    for y, x in np.ndindex(side, side):
+        place = np.s_[..., y : y + height, x : x + width]
+        out += np.where(owner[place] == main, padded[place], 0)
+    return out
+
+
 def departure(field: Field, turned: Array, variance: Array) -> Array:
     """Likeliest phase (H, W), rad at the lower frequency, by which pixels depart from a surface.
 
