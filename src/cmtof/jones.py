@@ -42,9 +42,10 @@ def intensity(field: ArrayLike) -> Array:
     return np.sum(e.real**2 + e.imag**2, axis=-1)
 
 
-def _matrix(hh: ArrayLike, hv: ArrayLike, vh: ArrayLike, vv: ArrayLike) -> JonesMatrix:
-    entries = np.broadcast_arrays(*(np.asarray(entry, np.complex128) for entry in (hh, hv, vh, vv)))
-    return np.stack(entries, axis=-1).reshape((*entries[0].shape, 2, 2))
+def _matrix(hh: NDArray, hv: NDArray, vh: NDArray, vv: NDArray) -> JonesMatrix:
+    """Matrices (..., 2, 2) of entries (...) of one shape."""
+    entries = np.stack([hh, hv, vh, vv], axis=-1).astype(np.complex128)
+    return entries.reshape(*entries.shape[:-1], 2, 2)
 
 
 def _diattenuator(along: ArrayLike, across: ArrayLike, angle: ArrayLike) -> JonesMatrix:
