@@ -9,7 +9,7 @@ Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
 
 import csv
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -68,7 +68,8 @@ class Hypersim:
                 f"Expected scenes such as ai_001_001/images in {path}, got none. Name their folder."
             )
         alone = (path / "images").is_dir()
-        self.root, self._scenes = (path.parent, path.name) if alone else (path, "*")
+        self.root = path.parent if alone else path
+        self._scenes = path.name if alone else "*"
 
     @cached_property
     def views(self) -> list[View]:
@@ -218,12 +219,11 @@ def write_metadata(root: Path, shape: tuple[int, int], scenes: Mapping[str, Any]
 
     A scene has a partition, a focal length in px, and views by camera and frame number.
     """
-    cameras: list[Sequence[object]] = [("scene_name", *_MATRIX)]
-    listed: list[Sequence[object]] = [_LISTED]
+    tables: dict[str, list[Any]] = {CAMERAS: [("scene_name", *_MATRIX)], SPLIT: [_LISTED]}
     for scene, (partition, focal, views) in scenes.items():
         half = np.array(shape) / (2 * focal)
-        cameras.append((scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist()))
-        listed += [(scene, *view, partition) for view in views]
-    for name, rows in ((CAMERAS, cameras), (SPLIT, listed)):
+        tables[CAMERAS].append((scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist()))
+        tables[SPLIT] += [(scene, *view, partition) for view in views]
+    for name, rows in tables.items():
         with written_whole(Path(root) / name) as part, part.open("w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows(rows)
