@@ -190,8 +190,8 @@ def unwrap(
     if ply is not None and not one:
         raise ValueError("Expected one file, seen at once, for --ply, got more. Leave --ply out.")
     given = {"method": method, "range": range, "window": window, "weights": weights}
-    given["min_confidence"] = min_confidence
-    how = {name: value for name, value in given.items() if value is not None} | {"tile": tile}
+    given |= {"min_confidence": min_confidence, "tile": tile}
+    how = {name: value for name, value in given.items() if value is not None}
     if several:
         output.mkdir(exist_ok=True)
     for target in targets:
