@@ -162,8 +162,9 @@ def tiles(
     for y, x in product(range(0, dataset.sizes["y"], tile), range(0, dataset.sizes["x"], tile)):
         top = max(y - margin, 0)
         left = max(x - margin, 0)
-        ends = {"y": slice(top, y + tile + margin), "x": slice(left, x + tile + margin)}
-        seen = loaded(dataset.isel(ends))
+        seen = loaded(
+            dataset.isel(y=slice(top, y + tile + margin), x=slice(left, x + tile + margin))
+        )
         if "camera" in seen:
             seen["camera"] = seen["camera"] - np.resize([0, 0, left, top, 0], seen.camera.size)
         inner = {"y": slice(y - top, y - top + tile), "x": slice(x - left, x - left + tile)}
