@@ -189,8 +189,14 @@ def unwrap(
     one = not (tile or several)
     if ply is not None and not one:
         raise ValueError("Expected one file, seen at once, for --ply, got more. Leave --ply out.")
-    given = {"method": method, "range": range, "window": window, "weights": weights}
-    given |= {"min_confidence": min_confidence, "tile": tile}
+    given = {
+        "method": method,
+        "range": range,
+        "min_confidence": min_confidence,
+        "window": window,
+        "weights": weights,
+        "tile": tile,
+    }
     how = {name: value for name, value in given.items() if value is not None}
     if several:
         output.mkdir(exist_ok=True)
@@ -274,8 +280,13 @@ def evaluate(
     from cmtof.scenes import frames_in
 
     names = names_of(method, protocol)
-    image = {"intensity": intensity, "depth_scale": depth_scale, "planar": planar}
-    image |= {"camera": camera, "linear": linear}
+    image = {
+        "intensity": intensity,
+        "depth_scale": depth_scale,
+        "planar": planar,
+        "camera": camera,
+        "linear": linear,
+    }
     listed = [frames_in(name, **image) for name in frames]
     evaluation = Evaluation(names, protocol=protocol, noise=noise, noise_free=noise_free, seed=seed)
     skipped: dict[str, str] = {}
@@ -542,8 +553,10 @@ def _rates(scores: dict[str, float]) -> dict[str, str]:
 
 
 def _print_report(report: dict[str, Any]) -> None:
-    title = f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
-    title += f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
+    title = (
+        f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
+        f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
+    )
     found = {name: _rates(scores) for name, scores in report["methods"].items()}
     clock = {name: f"{one['seconds_per_frame']:.2f}" for name, one in report["methods"].items()}
     head = ("method", *next(iter(found.values())), "s/frame")
