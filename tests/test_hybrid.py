@@ -7,10 +7,22 @@ from cmtof.hybrid import LEAST, MOVES, elected, means_of_groups
 from cmtof.surfaces.placing import Tied
 
 
+def surface_off_by(mean, spread):
+    """One surface, whose offset is known to a standard deviation, wraps."""
+    return Tied(
+        wraps=np.zeros(1),
+        group=np.zeros(1, int),
+        mean=np.array([mean]),
+        spread=np.array([spread]),
+    )
+
+
 def test_means_are_those_over_the_pixels_of_each_group():
     sure = np.array([5, 5, 9, 4])  # of these wraps is the network sure, by pixel
     odds = np.where(np.arange(21)[:, None] == sure, 0.0, -20.0)
-    told = means_of_groups(odds, np.array([3, 3, 8, 8]), np.array([0, 0, 1, 1]), 3)
+    wraps = np.array([3, 3, 8, 8])
+    group = np.array([0, 0, 1, 1])
+    told = means_of_groups(odds, wraps, group, 3)
     assert told[0, MOVES == 2] == 0  # both pixels lie two wraps behind
     assert told[1, MOVES == 1] == pytest.approx(LEAST / 2)  # one of two says so
     assert not told[2].any()  # it has no pixels
@@ -21,13 +33,12 @@ def test_means_are_those_over_the_pixels_of_each_group():
     [(0.0, 0.1, 0), (0.4, 0.5, 1)],  # a sure offset stands, an unsure one follows
 )
 def test_the_surer_of_beat_and_network_decides(mean, spread, moved):
-    before = Tied(np.zeros(1), np.zeros(1, int), np.array([mean]), np.array([spread]))
     told = np.where(MOVES == 1, 0.0, -1.0)[None]
-    assert elected(before, told).wraps == moved
+    assert elected(surface_off_by(mean, spread), told).wraps == moved
 
 
 def test_doubt_grows_where_beat_and_network_differ():
-    before = Tied(np.zeros(1), np.zeros(1, int), np.zeros(1), np.array([0.4]))
+    before = surface_off_by(0.0, 0.4)
     told = [np.where(move == MOVES, 0.0, -2.0)[None] for move in (0, 1)]
     agreeing, differing = (elected(before, one).spread for one in told)
     assert differing > agreeing

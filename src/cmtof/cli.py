@@ -280,13 +280,8 @@ def evaluate(
     from cmtof.scenes import frames_in
 
     names = names_of(method, protocol)
-    image = {
-        "intensity": intensity,
-        "depth_scale": depth_scale,
-        "planar": planar,
-        "camera": camera,
-        "linear": linear,
-    }
+    image = {"intensity": intensity, "depth_scale": depth_scale, "planar": planar}
+    image |= {"camera": camera, "linear": linear}
     listed = [frames_in(name, **image) for name in frames]
     evaluation = Evaluation(names, protocol=protocol, noise=noise, noise_free=noise_free, seed=seed)
     skipped: dict[str, str] = {}
@@ -308,10 +303,9 @@ def evaluate(
         with written_whole(json_file) as part:
             part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     _print_report(report)
-    for name, note in report["notes"].items():
-        print(shown(f"{name}: {note}"))
-    for name, reason in skipped.items():
-        print(shown(f"skipped {name}: {reason}"))
+    skips = {f"skipped {name}": reason for name, reason in skipped.items()}
+    for name, remark in (report["notes"] | skips).items():
+        print(shown(f"{name}: {remark}"))
     _name_missing(evaluation.missing)
     if evaluation.missing and method != "all":
         sys.exit(1)

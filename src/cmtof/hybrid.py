@@ -11,20 +11,18 @@ The mean over the pixels counts as ``w`` of them, since a network errs alike on 
 from pathlib import Path
 
 import numpy as np
-from scipy.sparse import csr_array
 from scipy.special import log_softmax, softmax
-from scipy.stats import norm
 
-from cmtof.correlation import wrap_length
+from cmtof.correlation import TAU, wrap_length
 from cmtof.estimate import Estimate, without_holes, wraps_in_range
 from cmtof.measurement import Measurement
-from cmtof.network.inference import network_for, scores
 from cmtof.surfaces import surfaces
 from cmtof.surfaces.placing import Tied
 from cmtof.types import Array, Numbers, Single
 
 # the best of 18 settings on 12 views of validation rooms, 768 x 1024:
-PIXELS, STRAY = 3.0, 5e-4  # weight w, and density r of groups that lie anywhere, per wrap
+PIXELS = 3.0  # weight w
+STRAY = 5e-4  # density r of groups that lie anywhere, per wrap
 LEAST = -8.0  # log-odds below which a network is not believed
 MOVES = np.arange(-20, 21)  # of a group, wraps
 _SHARPEST = 0.01  # least variance of an offset, wraps^2
@@ -32,15 +30,24 @@ _SHARPEST = 0.01  # least variance of an offset, wraps^2
 
 def hybrid(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
     """Surfaces whose wraps a network helps to choose by its odds, averaged over each."""
+    from cmtof.network.inference import network_for, scores  # not every method needs ONNX Runtime
+
     network = network_for(measurement, "fast-scnn", weights)
     first, last = wraps_in_range(measurement)
-    odds = log_softmax(scores(network, without_holes(measurement), first, last), axis=0)
+    found = scores(network, without_holes(measurement), first, last)
+    odds = log_softmax(found, axis=0)
     period = float(wrap_length(measurement.frequencies[0]))
 
     def elect(tied: Tied, depth: Array, label: Numbers) -> Tied:
-        surface = label[label >= 0]
-        wraps = np.floor(depth[label >= 0] / period + tied.wraps[surface]).astype(int) - first
-        told = means_of_groups(odds[:, label >= 0], wraps, tied.group[surface], tied.wraps.size)
+        known = label >= 0
+        surface = label[known]
+        turns = depth[known] / period + tied.wraps[surface]
+        told = means_of_groups(
+            odds[:, known],
+            np.floor(turns).astype(int) - first,
+            tied.group[surface],
+            tied.wraps.size,
+        )
         return elected(tied, told[tied.group])
 
     return surfaces(measurement, elect=elect)
@@ -49,18 +56,23 @@ def hybrid(measurement: Measurement, *, weights: str | Path | None = None) -> Es
 def means_of_groups(odds: Single, wraps: Numbers, group: Numbers, count: int) -> Array:
     """Mean log-odds (G, M) of each group at each move, from those (N, P) of its pixels (P,)."""
     reach = MOVES[-1]
-    padded = np.pad(np.maximum(odds, LEAST), [(reach, reach), (0, 0)], constant_values=LEAST)
+    padded = np.pad(
+        np.maximum(odds, LEAST),
+        [(reach, reach), (0, 0)],
+        constant_values=LEAST,
+    )
     at = np.clip(wraps[:, None] + MOVES + reach, 0, len(padded) - 1)
-    pixels = np.arange(wraps.size)
-    members = csr_array((np.ones(wraps.size), (group, pixels)), shape=(count, wraps.size))
-    size = np.maximum(members.sum(axis=1), 1)
-    return members @ padded[at, pixels[:, None]] / size[:, None]
+    total = np.zeros((count, MOVES.size))
+    np.add.at(total, group, np.take_along_axis(padded.T, at, axis=1))
+    size = np.bincount(group, minlength=count)
+    return total / np.maximum(size, 1)[:, None]
 
 
 def elected(tied: Tied, told: Array) -> Tied:
     """Surfaces at their likeliest moves, by their own offset and what was told (N, M) of each."""
-    off = (tied.mean - tied.wraps)[:, None]
-    prior = norm.pdf(MOVES, off, tied.spread[:, None])
+    spread = tied.spread[:, None]
+    off = (MOVES - (tied.mean - tied.wraps)[:, None]) / spread
+    prior = np.exp(-(off**2) / 2) / (np.sqrt(TAU) * spread)
     share = softmax(np.log(prior + STRAY) + PIXELS * told, axis=1)
     mean = share @ MOVES
     variance = np.maximum(share @ MOVES**2 - mean**2, _SHARPEST)

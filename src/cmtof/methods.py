@@ -14,6 +14,7 @@ from cmtof.classical import crt, kde, mrf, references, region, trivial
 from cmtof.classical.beat import beat, beat_guided
 from cmtof.classical.phasor import phasor
 from cmtof.estimate import Estimate, beat_repeats, without_holes, wraps_in_range
+from cmtof.hybrid import hybrid
 from cmtof.measurement import Measurement, tiles
 from cmtof.surfaces import surfaces
 
@@ -102,13 +103,6 @@ def _learned(name: str, source: str, about: str) -> Method:
     return Method(name, "learned", source, run, about=about, memory=1300, network=name)
 
 
-def _hybrid(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
-    """Surfaces whose wraps a network helps to choose by its odds, averaged over each."""
-    from cmtof.hybrid import hybrid
-
-    return hybrid(measurement, weights=weights)
-
-
 def _reference(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
     name = run.__name__.replace("_", "-")
     return Method(name, "reference", "", run, frequencies, knows_truth=True)
@@ -146,7 +140,7 @@ _ALL = (
     _learned("fast-scnn-fourier", _BAEK, "The paper's network without phase edges"),
     _learned("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
     _learned("fast-scnn-light", "this project", "A tenth of the paper's network, given the beat"),
-    Method("hybrid", "learned", "this project", _hybrid, memory=1300, network="fast-scnn"),
+    Method("hybrid", "learned", "this project", hybrid, memory=1300, network="fast-scnn"),
     Method("middle", "trivial", "", trivial.middle, frequencies=1),
     Method("uniform", "trivial", "", trivial.uniform, frequencies=1),
     Method("mode", "trivial", "", trivial.mode, frequencies=1, knows_truth=True),
