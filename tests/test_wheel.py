@@ -12,8 +12,7 @@ import sys
 import sysconfig
 import venv
 import zipfile
-from collections.abc import Callable, Iterator
-from importlib.metadata import Distribution, PathDistribution, distribution
+from importlib.metadata import PathDistribution, distribution
 from pathlib import Path
 from typing import NamedTuple
 
@@ -33,31 +32,31 @@ class Environment(NamedTuple):
     python: Path
     folder: Path
 
-    def run(self, *arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
+    def run(self, *arguments, code=0):
         """Run its interpreter in an empty environment; check the exit code."""
         command = [self.python, "-I", *map(str, arguments)]
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
         assert done.returncode == code, done.stderr
         return done
 
-    def cmtof(self, *arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
+    def cmtof(self, *arguments, code=0):
         """Run a subcommand."""
         return self.run("-m", "cmtof.cli", *arguments, code=code)
 
-    def refused(self, *arguments: object) -> str:
+    def refused(self, *arguments):
         """Return the one line on stderr of a subcommand that ends with 1."""
         (line,) = self.cmtof(*arguments, code=1).stderr.splitlines()
         return line
 
 
-def link(found: Distribution, site: Path) -> None:
+def link(found, site):
     """Link the files of a distribution into a folder of packages."""
     for entry in {file.parts[0] for file in found.files or []} - {"..", "__pycache__"}:
         if not (site / entry).exists():
             (site / entry).symlink_to(str(found.locate_file(entry)))
 
 
-def share_compiled(site: Path) -> None:
+def share_compiled(site):
     """Let unpacked sources use what Numba compiled for their equals in the checkout."""
     for path in site.glob("cmtof*/**/*.py"):
         own = ROOT / "src" / path.relative_to(site)
@@ -70,14 +69,14 @@ def share_compiled(site: Path) -> None:
             link.symlink_to(cache)
 
 
-def linked(folder: Path, wheel: Path, extra: str) -> None:
+def linked(folder, wheel, extra):
     """Make an environment of the wheel with links to what it declares, and what that declares."""
     venv.create(folder)
     site = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder)}))
     zipfile.ZipFile(wheel).extractall(site)
     share_compiled(site)
     (about,) = site.glob("cmtof-*.dist-info")
-    waiting: list[tuple[Distribution, str]] = [(PathDistribution(about), extra)]
+    waiting = [(PathDistribution(about), extra)]
     seen = set()
     while waiting:
         here, wanted = waiting.pop()
@@ -93,7 +92,7 @@ def linked(folder: Path, wheel: Path, extra: str) -> None:
                     link(one, site)
 
 
-def installed(folder: Path, wheel: Path, extra: str) -> None:
+def installed(folder, wheel, extra):
     """Make an empty environment and install the wheel into it; skip where no registry answers."""
     venv.create(folder, with_pip=True)
     pip = [folder / "bin/python", "-m", "pip", "--disable-pip-version-check"]
@@ -106,7 +105,7 @@ def installed(folder: Path, wheel: Path, extra: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory) -> Path:
+def wheel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
     command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", folder, ROOT]
     subprocess.run(command, check=True, capture_output=True, cwd=folder)
@@ -119,7 +118,7 @@ SLOW = pytest.param(installed, marks=pytest.mark.slow)
 
 
 @pytest.fixture(scope="module")
-def inputs(tmp_path_factory, tilted_wall, measured) -> Path:
+def inputs(tmp_path_factory, tilted_wall, measured):
     """Folder with a frame, a measurement, the file of a rig that is not there, and a chapter."""
     folder = tmp_path_factory.mktemp("inputs")
     images = {"depth": tilted_wall.depth, "intensity": tilted_wall.intensity}
@@ -132,11 +131,11 @@ def inputs(tmp_path_factory, tilted_wall, measured) -> Path:
 
 
 @pytest.fixture(scope="module", params=[linked, SLOW], ids=["linked", "installed"])
-def environment(request, wheel, inputs, tmp_path_factory) -> Iterator[Callable[[str], Environment]]:
+def environment(request, wheel, inputs, tmp_path_factory):
     """Make an environment of the wheel with one extra, or with none."""
     root = tmp_path_factory.mktemp("environment")
 
-    def make(extra: str = "") -> Environment:
+    def make(extra=""):
         folder = root / (extra or "bare")
         request.param(folder, wheel, extra)
         shutil.copytree(inputs, folder / "work", dirs_exist_ok=True)
@@ -147,7 +146,7 @@ def environment(request, wheel, inputs, tmp_path_factory) -> Iterator[Callable[[
 
 
 @pytest.fixture(scope="module")
-def bare(environment) -> Environment:
+def bare(environment):
     return environment()
 
 
@@ -211,7 +210,7 @@ def test_bare_replicates_without_a_figure(bare):
 
 
 @pytest.fixture
-def alone(environment, extra) -> Environment:
+def alone(environment, extra):
     return environment(extra)
 
 

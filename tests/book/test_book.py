@@ -3,7 +3,6 @@
 import json
 import math
 import re
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -25,12 +24,12 @@ needs_build = pytest.mark.skipif(not HTML.is_dir(), reason="no ci build: make te
 
 
 @cache
-def soup(page: Path) -> BeautifulSoup:
+def soup(page):
     return BeautifulSoup(page.read_text(encoding="utf-8"), "html.parser")
 
 
 @cache
-def anchors(page: Path) -> set[str]:
+def anchors(page):
     return {tag.get(key) for tag in soup(page).find_all() for key in ("id", "name")} - {None}
 
 
@@ -49,7 +48,7 @@ def test_no_figure_table_or_equation_of_the_paper_is_missing():
     assert "None of them is missing." in page
 
 
-def faults(page: Path) -> Iterator[str]:
+def faults(page):
     """Resources from elsewhere, links to nothing, images without a text."""
     for tag in soup(page).find_all(["script", "img", "iframe", "source", "link", "a"]):
         loads = tag.name != "a" and not (tag.name == "link" and "canonical" in tag.get("rel", []))
@@ -79,7 +78,7 @@ def test_style_sheets_load_nothing_from_elsewhere():
         assert not re.search(r"(url\(\s*['\"]?|@import\s+['\"])(https?:)?//", text), sheet.name
 
 
-def outputs(stem: str) -> list[dict]:
+def outputs(stem):
     path = BUILD / "stage" / "notebooks" / f"{stem}.ipynb"
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     return [output for cell in cells for output in cell.get("outputs", ())]
@@ -108,7 +107,7 @@ def test_every_figure_is_placed_with_its_caption_and_text():
         assert record["alt"] in texts, f"{file.stem} has no alternative text"
 
 
-def printed_by_errata() -> str:
+def printed_by_errata():
     return "".join(text for out in outputs("22_errata") for text in out.get("text", ()))
 
 
@@ -118,11 +117,11 @@ REFERENCES = re.compile(  # formulas, quotes, and what points to a place in the 
 )
 
 
-def written_numbers(text: str) -> list[str]:
+def written_numbers(text):
     return [one.replace(",", "") for one in re.findall(r"(?<![\w.^_])\d[\d,]*(?:\.\d+)?", text)]
 
 
-def mantissa(number: float, digits: int) -> str:
+def mantissa(number, digits):
     """Its digits without the power of ten, so that 0.516 and 51.6 % are alike."""
     return f"{number:.{digits - 1}e}".partition("e")[0]
 

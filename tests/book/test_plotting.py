@@ -1,7 +1,6 @@
 """Figures and the numbers beside them: same bytes, one style, clear refusals."""
 
 import json
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -21,7 +20,7 @@ def folder(tmp_path, monkeypatch):
     plotting.begin()
 
 
-def drawn(name: str = "fig03_precision", format: str = "svg", **changes: object) -> Path:
+def drawn(name="fig03_precision", format="svg", **changes):
     fig, ax = plt.subplots()
     ax.plot([0, 1], [0, 2])
     words = {"numbers": {"ratio": 99.8}, "caption": "A line.", "alt": "It rises.", **changes}
@@ -30,14 +29,14 @@ def drawn(name: str = "fig03_precision", format: str = "svg", **changes: object)
 
 
 @pytest.mark.parametrize("format", ["svg", "png"])
-def test_same_run_writes_same_bytes_without_date_or_library_version(format: str):
+def test_same_run_writes_same_bytes_without_date_or_library_version(format):
     first = drawn(format=format).read_bytes()
     assert drawn(format=format).read_bytes() == first
     for word in (b"<dc:date>", b"Matplotlib v", b"matplotlib.org"):
         assert word not in first
 
 
-def test_json_holds_numbers_texts_and_provenance(folder: Path):
+def test_json_holds_numbers_texts_and_provenance(folder):
     right = closed_form(np.array([0.5, 2]))
     drawn(numbers={"ratio": np.float64(1 / 3), "list": np.array([1, 2]), "right": right})
     assert json.loads((folder / "fig03_precision.json").read_text()) == {
@@ -56,7 +55,7 @@ def test_json_holds_numbers_texts_and_provenance(folder: Path):
 @pytest.mark.parametrize(
     "changes", [{"name": "Fig 3"}, {"numbers": {"x": float("nan")}}, {"numbers": {"x": object()}}]
 )
-def test_refusals_leave_nothing_behind(folder: Path, changes: dict[str, object]):
+def test_refusals_leave_nothing_behind(folder, changes):
     with pytest.raises(ValueError, match="Expected .*, got "):
         drawn(**changes)
     assert not folder.exists() or not list(folder.iterdir())
