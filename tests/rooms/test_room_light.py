@@ -34,22 +34,19 @@ def places(radius):
     return np.array([[r, 0, 0] for r in radius], np.float32)
 
 
-def test_a_point_light_follows_lamberts_law():
-    interior = Interior([floor()], [point_light(3.0)], INSIDE)
-    radius = np.array([0.0, 0.5, 1.0, 3.0])
-    found = interior.direct(places(radius), up(radius))
-    expected = 3 * 2 / (radius**2 + 4) ** 1.5
-    assert_allclose(found[:, 1], expected, rtol=3e-4)  # rays start 0.2 mm above
-
-
-def test_a_small_square_light_gives_its_form_factor():
-    height = 2.0
-    light = level_light((0, 0, height), 0.1, 0.1, 1.0)
+@pytest.mark.parametrize(
+    ("light", "exponent", "rtol"),
+    [
+        (point_light(3.0), 1.5, 3e-4),  # Lambert's law; rays start 0.2 mm above
+        (level_light((0, 0, 2), 0.1, 0.1, 3.0), 2, 0.01),  # form factor of a small square
+    ],
+)
+def test_light_falls_with_the_distance_by_its_closed_form(light, exponent, rtol):
+    radius = np.repeat([0.0, 0.5, 1.0, 3.0], 16)
     interior = Interior([floor()], [light], INSIDE)
-    radius = np.repeat([0.0, 1.0, 2.0], 16)
-    found = interior.direct(places(radius), up(radius), np.tile(np.arange(16), 3))[:, 0]
-    expected = height**2 / (np.array([0.0, 1.0, 2.0]) ** 2 + height**2) ** 2
-    assert_allclose(found.reshape(3, 16).mean(axis=1), expected, rtol=0.01)
+    found = interior.direct(places(radius), up(radius), np.tile(np.arange(16), 4))[:, 1]
+    expected = 3 * 2 ** (2 * exponent - 2) / (radius[::16] ** 2 + 4) ** exponent
+    assert_allclose(found.reshape(4, 16).mean(axis=1), expected, rtol=rtol)
 
 
 def test_shadows_are_where_the_light_is_hidden():
@@ -74,13 +71,10 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
 
 
 @pytest.mark.parametrize("albedo", [0.0, 0.4, 0.8])
-def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(
-    albedo,
-):
+def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo):
     light = level_light((0, 0, 1.9), 0.2, 0.2, 1.0)
     interior = Interior([floor(albedo), floor(albedo, 2.5)], [light], INSIDE)
-    x, y = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9))
-    points = np.stack([x.ravel(), y.ravel(), np.full(81, 1.99)], 1).astype(np.float32)
+    points = np.mgrid[-1:1:9j, -1:1:9j, 1.99:2].reshape(3, 81).T.astype(np.float32)
     scattered = interior.bounce.irradiance(points, -up(points))
     most = interior.direct(places([0.0]), up([0]))[0, 0]
     assert (scattered >= 0).all()
@@ -107,11 +101,7 @@ def test_range_of_a_plane_is_exact_to_single_precision():
     expected = -1.7 / rays[..., 2].astype(float)
     hit = (rays[..., 2] < 0) & (expected < 8)
     assert_allclose(seen.depth[hit], expected[hit], rtol=3e-7)
-    assert_allclose(
-        seen.normal[hit],
-        np.tile([0, 0, 1.0], (hit.sum(), 1)),
-        atol=1e-6,
-    )
+    assert_allclose(seen.normal[hit], up(expected[hit]), atol=1e-6)
     assert np.isnan(seen.depth[rays[..., 2] >= 0]).all()
     assert set(np.unique(seen.instance)) == {-1, 1}
 

@@ -7,13 +7,7 @@ from pytest import approx
 from cmtof.correlation import TAU
 from cmtof_rooms import solids
 
-GRID = np.stack(
-    [
-        *np.meshgrid([0, 1, 2], [0, 1], indexing="ij"),
-        np.zeros((3, 2)),
-    ],
-    -1,
-)
+GRID = np.stack([*np.mgrid[:3, :2], np.zeros((3, 2))], axis=-1)
 BOWL = [(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)]
 
 
@@ -51,12 +45,8 @@ def test_a_solid_is_closed_and_has_its_volume(name):
 
 
 def test_joined_solids_keep_their_volumes():
-    both = solids.join(
-        [
-            solids.box((1, 1, 1)),
-            solids.move(solids.box((1, 1, 2)), (5, 0, 0), 0.3),
-        ]
-    )
+    far = solids.move(solids.box((1, 1, 2)), (5, 0, 0), 0.3)
+    both = solids.join([solids.box((1, 1, 1)), far])
     assert both.is_watertight
     assert both.volume == approx(3.0)
 
