@@ -33,16 +33,9 @@ def test_harmonic_sum_equals_the_time_integral_of_any_waveforms(phase, psi):
     assert fast == approx(time_average(p, r, phase=phase, psi=psi), abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("emitted", "reference", "contrast"),
-    [
-        (sinusoid(0.5, 0.5), sinusoid(0.5, 0.5), 0.5),
-        (sinusoid(0.5, 0.5), gate(1), 2 / np.pi),
-        (sinusoid(1.0, 0.5), sinusoid(1.0, 0.5), 0.125),
-    ],
-)
-def test_contrast_of_pairs(emitted, reference, contrast):
-    assert co.correlation_contrast(emitted, reference) == approx(contrast, rel=1e-12)
+def test_contrast_of_two_sinusoids_is_half_the_product_of_theirs():
+    wave = sinusoid(1.0, 0.5)
+    assert co.correlation_contrast(wave, wave) == approx(0.5 * 0.5 / 2, rel=1e-12)
 
 
 def test_heterodyne_damping_equals_the_time_average_over_the_exposure():
@@ -81,6 +74,7 @@ def test_four_steps_equal_the_first_fourier_bin(rng):
 def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
     psi = rng.permutation(TAU * np.arange(steps) / steps)
     phase = rng.uniform(0, TAU, (40, 101))
+    phase[0, :6] = [0, np.pi / 4, np.pi / 2, np.pi, 3 * np.pi / 2, TAU - 1e-7]  # seams
     amplitude = rng.uniform(10, 6366, phase.shape)
     # float32 counts carry half an ulp each: compare with float64 arithmetic on the same counts
     c = co.correlation_from_phase(phase, psi, amplitude=amplitude, offset=amplitude * 1.6)
@@ -95,14 +89,6 @@ def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
     assert fast.phase.max() < TAU
 
 
-def test_compiled_decoding_at_the_seams_of_the_arctangent():
-    phase = np.array([0.0, np.pi / 4, np.pi / 2, np.pi, 3 * np.pi / 2, TAU - 1e-7])
-    c = co.correlation_from_phase(phase, QUADRATURES, amplitude=1.0).astype(np.float32)
-    decoded = co.phase_from_correlation(c, QUADRATURES)
-    assert np.abs(co.centred(decoded - phase)).max() < 5e-6
-    assert (decoded < TAU).all()
-
-
 def test_darkness_decodes_to_a_finite_phase():
     decoded = co.decode(np.zeros((4, 5), np.float32), QUADRATURES)
     assert (decoded.phase == 0).all()
@@ -112,9 +98,7 @@ def test_darkness_decodes_to_a_finite_phase():
 def test_two_frequencies_decode_each_with_its_own_steps(rng):
     psi = np.stack([QUADRATURES, QUADRATURES + 0.2])
     phase = rng.uniform(0, TAU, (2, 6, 7))
-    c = np.stack(
-        [co.correlation_from_phase(p, s, amplitude=2.0) for p, s in zip(phase, psi, strict=True)]
-    )
+    c = np.stack(list(map(co.correlation_from_phase, phase, psi)))
     assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
 
 
@@ -150,14 +134,10 @@ def test_wraps_of_the_prototype():
 
 
 @given(st.floats(0, 20), st.sampled_from([0.1e9, 7.15e9, 14.32e9]))
-def test_depth_survives_phase_and_back(depth, frequency):
-    phase = co.phase_from_depth(depth, frequency)
-    assert co.depth_from_phase(phase, frequency) == approx(depth, abs=1e-12)
-
-
-@given(st.floats(0, 20), st.sampled_from([7.15e9, 14.32e9]))
-def test_wrapped_phase_and_wrap_count_rebuild_the_depth(depth, frequency):
-    phase = co.wrapped(co.phase_from_depth(depth, frequency))
+def test_depth_comes_back_from_its_phase_and_from_its_wraps(depth, frequency):
+    unwrapped = co.phase_from_depth(depth, frequency)
+    assert co.depth_from_phase(unwrapped, frequency) == approx(depth, abs=1e-12)
+    phase = co.wrapped(unwrapped)
     wraps = co.consistent_wrap_count(depth, phase, frequency)
     assert co.depth_from_wraps(phase, wraps, frequency) == approx(depth, abs=1e-9)
     assert abs(int(wraps) - int(co.wrap_count_from_depth(depth, frequency))) <= 1
@@ -165,12 +145,10 @@ def test_wrapped_phase_and_wrap_count_rebuild_the_depth(depth, frequency):
 
 @given(st.floats(-1e6, 1e6))
 def test_wrapping_keeps_the_angle_and_stays_in_range(phase):
-    w = float(co.wrapped(phase))
-    c = float(co.centred(phase))
-    assert 0 <= w < TAU
-    assert -np.pi <= c < np.pi
-    assert abs(np.exp(1j * w) - np.exp(1j * phase)) < 1e-9
-    assert abs(np.exp(1j * c) - np.exp(1j * phase)) < 1e-9
+    angles = np.array([co.wrapped(phase), co.centred(phase)])
+    assert 0 <= angles[0] < TAU
+    assert -np.pi <= angles[1] < np.pi
+    assert_allclose(np.exp(1j * angles), np.exp(1j * phase), atol=1e-9)
 
 
 def test_wrapping_never_rounds_up_to_two_pi():
