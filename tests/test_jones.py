@@ -55,19 +55,6 @@ def test_eom_is_equation_10():
     assert_allclose(jones.eom(0.7), np.diag([np.exp(-0.35j), np.exp(0.35j)]), rtol=0, atol=1e-16)
 
 
-@given(angle, angle)
-def test_half_wave_plate_mirrors_linear_light_at_its_axis(axis, tilt):
-    out = jones.apply(jones.half_wave_plate(axis), jones.linear_polarisation(tilt))
-    overlap = np.vdot(jones.linear_polarisation(2 * axis - tilt), out)
-    assert abs(overlap) == approx(1, abs=1e-14)
-
-
-def test_quarter_wave_plate_at_45_degrees_makes_circular_light():
-    out = jones.apply(jones.quarter_wave_plate(np.pi / 4), jones.linear_polarisation(0))
-    assert_allclose(np.abs(out), np.sqrt([0.5, 0.5]), atol=1e-15)
-    assert abs(np.vdot(out, out.conj())) < 1e-15  # a quarter of a turn apart
-
-
 @given(vector, ratio, ratio, angle)
 def test_beam_splitter_loses_no_light(field, transmitted, reflected, turn):
     ports = [

@@ -33,11 +33,9 @@ voltages = st.floats(-3, 3)
 @given(voltages)
 def test_fields_are_those_of_equations_14_and_17(voltage):
     """Both up to the global phase -1."""
-    single = SINGLE.states(voltage)["PBS out"]
-    doubled = DOUBLED.states(voltage)["PBS out"]
-    printed = 1j * (np.cos(voltage) - np.sin(voltage)) / np.sqrt(2)
-    assert_allclose(single, [-printed, 0], atol=1e-14)
-    assert_allclose(doubled, [1j * np.sin(voltage), 0], atol=1e-14)
+    single = 1j * (np.cos(voltage) - np.sin(voltage)) / np.sqrt(2)
+    assert_allclose(SINGLE.states(voltage)["PBS out"], [-single, 0], atol=1e-14)
+    assert_allclose(DOUBLED.states(voltage)["PBS out"], [1j * np.sin(voltage), 0], atol=1e-14)
 
 
 @given(voltages, voltages, voltages)
@@ -125,20 +123,14 @@ def test_bright_bias_has_its_mean_and_contrast(eta):
     assert bright.contrast() == approx(np.sin(eta) ** 2 / (1 + np.cos(eta) ** 2), abs=1e-14)
 
 
-@pytest.mark.parametrize(("eta", "contrast"), [(0.26, 0.497), (np.pi / 4, 1.0)])
-def test_single_mode_contrast_is_the_sine_of_two_eta(eta, contrast):
+@pytest.mark.parametrize("eta", [0.26, np.pi / 4])
+def test_single_mode_has_its_contrasts_and_throughput(eta):
     modulator = replace(SINGLE, eta=eta)
     assert modulator.contrast() == approx(np.sin(2 * eta), abs=1e-14)
-    assert modulator.contrast() == approx(contrast, abs=5e-4)
     assert modulator.modulation_depth() == approx(2 * jv(1, 2 * eta), abs=1e-14)
     assert modulator.throughput() == approx(0.5, abs=1e-14)
-
-
-@pytest.mark.parametrize(("eta", "contrast"), [(0.26, 0.126), (np.pi / 4, 0.64)])
-def test_correlation_contrast_of_two_single_mode_modules(eta, contrast):
-    w = replace(SINGLE, eta=eta).harmonics(12)
+    w = modulator.harmonics(12)
     assert correlation_contrast(w, w) == approx(2 * jv(1, 2 * eta) ** 2, abs=1e-13)
-    assert correlation_contrast(w, w) == approx(contrast, abs=0.004)
 
 
 @pytest.mark.parametrize(("eta", "signal"), [(0.26, 0.017), (np.pi / 4, 0.19)])
@@ -162,14 +154,8 @@ def test_doubled_drive_on_the_single_modes_spacing_is_late_by_9_mrad():
 def test_delay_scales_the_drive_and_shifts_the_waveform(distance, mode):
     delayed = replace(mode, mirror_distance=distance)
     matched = replace(mode, eta=delayed.effective_eta)
-    assert_allclose(
-        delayed.waveform(THETA), matched.waveform(THETA + delayed.pass_delay / 2), atol=1e-12
-    )
-
-
-def test_mirror_at_a_quarter_wavelength_stops_the_modulation():
-    stopped = replace(SINGLE, mirror_distance=SPEED_OF_LIGHT / (4 * SINGLE.frequency))
-    assert stopped.contrast() == approx(0, abs=1e-12)
+    shifted = matched.waveform(THETA + delayed.pass_delay / 2)
+    assert_allclose(delayed.waveform(THETA), shifted, atol=1e-12)
 
 
 @pytest.mark.parametrize(

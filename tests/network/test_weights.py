@@ -101,14 +101,6 @@ def test_what_would_take_too_much_memory_goes_in_tiles_like_the_whole(stored, mo
     assert (found == whole).mean() > 0.99  # noise is estimated in each tile
 
 
-def test_masked_pixels_do_not_spread(stored, measurement):
-    measurement.dataset["mask"][5:9, 5:9] = False
-    measurement.dataset["correlation"][:, :, 5:9, 5:9] = np.nan
-    depth, sure = inference.unwrap_with_network(measurement, weights=stored())
-    assert np.isfinite(depth[~np.isnan(depth)]).all() and np.isfinite(sure[20:]).all()
-    assert np.isfinite(depth[20:]).all()
-
-
 def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
     def amplitude(scale):
         scaled = measurement.dataset.assign(correlation=scale * measurement.dataset.correlation)
