@@ -3,13 +3,14 @@
 import json
 import math
 import re
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from cmtof_book import claims, compared, paper, provenance, record, scoreboard
-from cmtof_book.verdict import CROPS, Estimate, Score
+from cmtof_book.verdict import CROPS, Score
 
 ROOT = Path(__file__).parents[2]
 ACCEPTED = ROOT / "figures" / "scoreboard.json"
@@ -56,19 +57,19 @@ def test_every_entry_is_well_formed():
 
 def test_the_four_tables_are_complete_and_add_up():
     """δ < 3 and δ ≥ 3 are the two halves of one whole, and the bands nest."""
-    sizes = {"table1": (4, 4), "table2": (8, 5), "table3": (3, 4), "table4": (3, 4)}
-    for table, (rows, columns) in sizes.items():
-        value = {key: one.value for key, one in NUMBERS.items() if key.startswith(table)}
-        names = {key.rpartition(".")[0] for key in value}
-        assert len(names) == rows and len(value) == rows * columns
-        for row in names:
-            if table == "table4":
-                assert value[f"{row}.mae_mirror"] <= value[f"{row}.rmse_mirror"]
-                assert value[f"{row}.mae_diffuse"] <= value[f"{row}.rmse_diffuse"]
-            else:
-                below = [value[f"{row}.delta_lt_{limit}"] for limit in (1, 2, 3)]
-                assert below == sorted(below)
-                assert below[2] + value[f"{row}.delta_ge_3"] == pytest.approx(1, abs=1e-3)
+    rows = {}
+    for key in NUMBERS:
+        row, _, column = key.rpartition(".")
+        rows.setdefault(row, {})[column] = NUMBERS[key].value
+    sizes = Counter((name[:6], len(row)) for name, row in rows.items() if name[:5] == "table")
+    assert sizes == {("table1", 4): 4, ("table2", 5): 8, ("table3", 4): 3, ("table4", 4): 3}
+    for name, row in rows.items():
+        if name.startswith("table4"):
+            assert row["mae_mirror"] <= row["rmse_mirror"]
+            assert row["mae_diffuse"] <= row["rmse_diffuse"]
+        elif name.startswith("table"):
+            assert row["delta_lt_1"] <= row["delta_lt_2"] <= row["delta_lt_3"]
+            assert row["delta_lt_3"] + row["delta_ge_3"] == pytest.approx(1, abs=1e-3)
 
 
 def test_a_result_is_reproduced_inside_its_tolerance_and_contradicted_outside():
@@ -216,9 +217,8 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
     (row,) = [r for r in page.splitlines() if "precision_<wbr>ratio" in r]
     assert "contradicted" in row and "| 10<br>" in row and "02_bad" in row
     (number,) = scoreboard.accepted(scoreboard.scores_in(runs))["numbers"].values()
-    assert number["cases"][""] == Estimate(10, 10, 10)
-    assert number["verdict"] == "contradicted"
-    assert number["chapter"] == "02_bad"
+    expected = {"cases": {"": (10, 10, 10)}, "verdict": "contradicted", "chapter": "02_bad"}
+    assert number.items() >= expected.items()
 
 
 @pytest.mark.skipif(not ACCEPTED.is_file(), reason="make figures writes it")
@@ -277,12 +277,3 @@ def test_figures_tables_and_equations_are_found_where_they_stand(tmp_path):
     assert "| Figure 4 | {doc}`03 <../notebooks/03_wraps>` |" in page
     missing = page.partition("Not yet reached: ")[2].partition(".\n")[0].split(", ")
     assert len(missing) == 40 - 3 and "Equation 20" in missing
-
-
-def test_every_figure_and_equation_of_the_paper_stands_in_the_book():
-    found = scoreboard.coverage([], sorted((ROOT / "notebooks").glob("*.py")))
-    equations = {item: chapters for item, chapters in found.items() if "Equation" in item}
-    assert len(equations) == 20
-    assert all(len(chapters) == 1 for chapters in equations.values())
-    names = {path.name[:5] for path in (ROOT / "figures").glob("fig*.json")}
-    assert names >= {f"fig{number:02d}" for number in range(1, 17)}
