@@ -16,8 +16,6 @@ from cmtof.network.models import MODELS, build_network
 from cmtof.network.training import norms
 from cmtof_book.onnx_graphs import graph_of
 
-TEST_SET = range(32)
-
 
 def torch_wraps(trained, measurement):
     """Wraps that the network of torch finds likeliest."""
@@ -41,27 +39,18 @@ def onnx_wraps(path, measurement):
     return ready.card.first_wrap + np.floor(turns).astype(int)
 
 
-def equal_share(path, numbers):
-    """Share of pixels of test frames at which both find the same wrap."""
+SHIPPED = sorted(weights.FOLDER.glob("*.released.safetensors"))
+WHOLE = pytest.param(range(32), marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("numbers", [[7], WHOLE], ids=["one frame", "all frames"])
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.name)
+def test_wraps_equal_those_of_torch(path, numbers):
     trained, frames, same = weights.load_weights(path), held_out_frames(), []
     for number in numbers:
         measurement = without_holes(cmtof.simulate(frames[number], frame_number=number))
         same.append(torch_wraps(trained, measurement) == onnx_wraps(path, measurement))
-    return np.mean(same)
-
-
-SHIPPED = sorted(path.name for path in weights.FOLDER.glob("*.released.safetensors"))
-
-
-@pytest.mark.parametrize("name", SHIPPED)
-def test_wraps_equal_those_of_torch(name):
-    assert equal_share(weights.FOLDER / name, [7]) >= 0.9999
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SHIPPED)
-def test_wraps_equal_those_of_torch_on_the_test_set(name):
-    assert equal_share(weights.FOLDER / name, TEST_SET) >= 0.9999
+    assert np.mean(same) >= 0.9999
 
 
 @pytest.mark.parametrize("size", [(33, 50), (1, 3)])

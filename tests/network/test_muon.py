@@ -23,6 +23,10 @@ def parameters():
     return torch.nn.Parameter(torch.randn(6, 4, 3, 3)), torch.nn.Parameter(torch.randn(6))
 
 
+def muon(kernel, offset):
+    return Muon([{"params": [kernel], "orthogonal": True}, {"params": [offset]}], lr=0.01)
+
+
 def stepped(optimizer, kernel, offset, steps):
     for _ in range(steps):
         optimizer.zero_grad()
@@ -33,8 +37,7 @@ def stepped(optimizer, kernel, offset, steps):
 def test_groups_that_are_not_orthogonal_step_as_with_adamw():
     kernel, offset = parameters()
     again, same = parameters()
-    stepped(Muon([{"params": [kernel], "orthogonal": True}, {"params": [offset]}], lr=0.01), kernel,
-            offset, 5)  # fmt: skip
+    stepped(muon(kernel, offset), kernel, offset, 5)
     stepped(torch.optim.AdamW([again, same], lr=0.01), again, same, 5)
     assert torch.equal(offset, same)
     assert not torch.equal(kernel, again)
@@ -43,7 +46,7 @@ def test_groups_that_are_not_orthogonal_step_as_with_adamw():
 def test_orthogonal_steps_are_as_large_as_adamws_and_lead_to_the_minimum():
     kernel, offset = parameters()
     before = kernel.detach().clone()
-    optimizer = Muon([{"params": [kernel], "orthogonal": True}, {"params": [offset]}], lr=0.01)
+    optimizer = muon(kernel, offset)
     stepped(optimizer, kernel, offset, 1)
     size = float((kernel.detach() - before).square().mean().sqrt())
     assert 0.3 * 0.01 < size / 0.4 < 3 * 0.01
