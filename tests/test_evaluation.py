@@ -1,7 +1,6 @@
 """Counting: rates as the tables have them, the same noise for all, stored counts."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -40,12 +39,10 @@ def test_rates_count_as_the_tables_do():
 
 def test_pooled_frames_are_one_large_frame(rng):
     """Counts and the histogram of errors add up; the median is known to 0.12 %."""
-    parts = [pixels(rng.integers(0, 9, n), rng.integers(0, 9, n), rng.normal(0, 0.02, n))
-             for n in (100, 1, 5000)]  # fmt: skip
-    whole = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
-    one = score(whole)
-    many = score(parts)
-    assert one == approx(many)
+    whole = pixels(*rng.integers(0, 9, (2, 5101)), rng.normal(0, 0.02, 5101))
+    cuts = [slice(100), slice(100, 101), slice(101, None)]
+    many = score([{key: whole[key][cut] for key in whole} for cut in cuts])
+    assert score(whole) == approx(many)
     errors = np.abs(whole["depth_error"])
     assert many["depth_median_error_m"] == approx(np.median(errors), rel=2e-3)
     assert many["depth_rmse_m"] == approx(np.sqrt(np.mean(errors**2)))
@@ -64,7 +61,6 @@ def test_every_method_sees_the_same_noise(tilted_wall):
     frames = [tilted_wall, tilted_wall]
     both = Evaluation(["crt", "crt-ml"], seed=4).add_all(frames)
     report = both.report()
-    assert report["frames"] == ["wall", "wall"]
     assert (report["protocol"], report["noise"], report["seed"]) == ("released", 1200.0, 4)
     crt, fused = report["methods"].values()
     assert crt["delta_lt_3"] == approx(fused["delta_lt_3"], abs=0.01)
@@ -72,16 +68,6 @@ def test_every_method_sees_the_same_noise(tilted_wall):
     first, second = ([frame["methods"]["crt"] for frame in one.counts()] for one in (alone, both))
     assert first == second
     assert first[0] != first[1]  # each frame has noise of its own
-
-
-def test_a_method_whose_package_is_missing_is_left_out(tilted_wall, monkeypatch):
-    monkeypatch.setitem(sys.modules, "onnxruntime", None)
-    monkeypatch.delitem(sys.modules, "cmtof.network.inference", raising=False)
-    several = Evaluation(["fast-scnn", "crt"], seed=1).add_all([tilted_wall, tilted_wall])
-    assert several.report()["methods"].keys() == {"crt"}
-    assert several.missing["fast-scnn"].name == "onnxruntime"
-    with pytest.raises(ModuleNotFoundError, match="onnxruntime"):
-        Evaluation(["fast-scnn"]).add_all([tilted_wall])
 
 
 def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):
@@ -163,5 +149,5 @@ def test_stored_counts_are_those_of_the_shipped_frames():
     for stored, new in zip(held, again, strict=True):
         assert stored["frame"] == new["frame"]
         for name, counts in new["methods"].items():
-            apart = np.abs(np.subtract(stored["methods"][name]["below"], counts["below"]))
-            assert apart.max() < 0.01 * counts["pixels"]
+            few = 0.01 * counts["pixels"]
+            assert_allclose(counts["below"], stored["methods"][name]["below"], rtol=0, atol=few)

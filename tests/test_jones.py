@@ -22,8 +22,6 @@ lossless = st.one_of(
     ),
     st.builds(jones.mirror),
 )
-amplitude = st.complex_numbers(max_magnitude=1e3, allow_nan=False)
-vector = st.builds(jones.jones_vector, amplitude, amplitude)
 
 
 def compose(*elements):
@@ -53,21 +51,6 @@ def test_retarder_is_its_diagonal_form_turned_by_its_angle(retardance, axis):
 
 def test_eom_is_equation_10():
     assert_allclose(jones.eom(0.7), np.diag([np.exp(-0.35j), np.exp(0.35j)]), rtol=0, atol=1e-16)
-
-
-@given(vector, ratio, ratio, angle)
-def test_beam_splitter_loses_no_light(field, transmitted, reflected, turn):
-    ports = [
-        jones.polarising_beam_splitter(
-            port,
-            transmitted_extinction=transmitted,
-            reflected_extinction=reflected,
-            angle_error=turn,
-        )
-        for port in ("transmitted", "reflected")
-    ]
-    total = sum(jones.intensity(jones.apply(port, field)) for port in ports)
-    assert total == approx(jones.intensity(field), rel=1e-9, abs=1e-200)
 
 
 @given(ratio, ratio)

@@ -230,12 +230,6 @@ def test_impossible_arrays_are_refused(arrays, message):
         made(**arrays)
 
 
-def test_bad_samples_under_the_mask_are_let_be():
-    mask = np.ones((5, 6), bool)
-    mask[1, 1] = False
-    assert made(with_sample(np.nan), mask=mask).mask.sum() == 29
-
-
 def test_noise_may_push_dark_samples_below_zero(rng):
     dark = rng.normal(0, 1200, (2, 4, 50, 60)).astype(np.float32)
     assert made(dark).mask.all()

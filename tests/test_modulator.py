@@ -1,7 +1,6 @@
 """The two-pass modulator against its equations, its Bessel series and the checked numbers."""
 
 from dataclasses import replace
-from functools import reduce
 
 import numpy as np
 import pytest
@@ -107,13 +106,6 @@ def test_horizontal_input_of_section_7_gives_the_light_of_vertical_input(mode):
     """The off-diagonal elements of a unitary matrix are equal in magnitude."""
     horizontal = replace(mode, input_axis="horizontal")
     assert_allclose(horizontal.waveform(THETA), mode.waveform(THETA), atol=1e-14)
-
-
-def test_another_sign_of_the_mirror_brightens_the_doubled_mode():
-    elements = [matrix for _, matrix in DOUBLED.elements(DOUBLED.eta * np.sin(THETA))]
-    elements[4] = np.eye(2, dtype=complex)
-    field = jones.apply(reduce(np.matmul, reversed(elements)), jones.linear_polarisation(np.pi / 2))
-    assert_allclose(jones.intensity(field), DOUBLED_BRIGHT.waveform(THETA), atol=1e-14)
 
 
 @pytest.mark.parametrize("eta", [0.26, np.pi / 4])

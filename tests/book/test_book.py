@@ -130,9 +130,10 @@ def mantissa(number, digits):
 def test_every_number_of_the_errata_is_printed_by_the_run_or_by_the_paper():
     document = "\n".join(line[2:] for line in ERRATA.splitlines() if line.startswith("#"))
     entries = re.split(r"\n### (\d+) · ", document)
-    paper = [number.value for number in published_numbers().values()]
-    paper += map(float, written_numbers(" ".join(n.what for n in published_numbers().values())))
-    paper += [180 / math.pi * n.value for n in published_numbers().values() if n.unit == "rad"]
+    published = published_numbers().values()
+    paper = [number.value for number in published]
+    paper += map(float, written_numbers(" ".join(number.what for number in published)))
+    paper += [math.degrees(number.value) for number in published if number.unit == "rad"]
     missing = []
     for entry, body in zip(entries[1::2], entries[2::2], strict=True):
         lines = re.findall(rf"^{entry}: (.*)$", printed_by_errata(), re.MULTILINE)

@@ -36,25 +36,21 @@ def test_visible_cells_are_short():
 
 
 def test_saving_in_jupyterlab_changes_nothing_but_outputs(tmp_path):
-    stem = SCRIPTS[0].stem
-    shutil.copy(ROOT / "jupytext.toml", tmp_path)
-    for suffix in (".py", ".ipynb"):
-        shutil.copy(ROOT / "notebooks" / f"{stem}{suffix}", tmp_path)
-    before = (tmp_path / f"{stem}.py").read_text("utf-8")
-    plain = nbformat.read(tmp_path / f"{stem}.ipynb", 4)
+    script = SCRIPTS[0]
+    notebook = script.with_suffix(".ipynb")
+    for file in (ROOT / "jupytext.toml", script, notebook):
+        shutil.copy(file, tmp_path)
     manager = build_sync_jupytext_contents_manager_class(LargeFileManager)(root_dir=str(tmp_path))
-    opened = manager.get(f"{stem}.ipynb")
+    opened = manager.get(notebook.name)
     run = next(cell for cell in opened["content"].cells if cell.cell_type == "code")
     run.outputs = [nbformat.v4.new_output("stream", text="done\n")]
-    manager.save(opened, f"{stem}.ipynb")
-    assert (tmp_path / f"{stem}.py").read_text("utf-8") == before
-    saved = nbformat.read(tmp_path / f"{stem}.ipynb", 4)
+    manager.save(opened, notebook.name)
+    assert (tmp_path / script.name).read_text("utf-8") == script.read_text("utf-8")
+    saved = nbformat.read(tmp_path / notebook.name, 4)
     assert sum(len(cell.get("outputs", [])) for cell in saved.cells) == 1
-    for old, new in zip(plain.cells, saved.cells, strict=True):
-        assert (old.source, old.metadata.get("jupyter")) == (
-            new.source,
-            new.metadata.get("jupyter"),
-        )
+    plain = nbformat.read(notebook, 4)
+    old, new = ([(c.source, c.metadata.get("jupyter")) for c in n.cells] for n in (plain, saved))
+    assert new == old
 
 
 @pytest.mark.parametrize(
@@ -76,11 +72,7 @@ def test_pages_get_roles_from_links(plain, page):
 
 def test_parameters_of_a_reader():
     given = parameters_from_text('repeats=6 distance=1.5e-1 "methods=[beat, mrf]" name=still_life')
-    assert given == {
-        "repeats": 6,
-        "distance": 0.15,
-        "methods": ["beat", "mrf"],
-        "name": "still_life",
-    }
+    expected = {"repeats": 6, "distance": 0.15, "methods": ["beat", "mrf"], "name": "still_life"}
+    assert given == expected
     with pytest.raises(ValueError, match="Expected name=value, got repeats"):
         parameters_from_text("repeats")

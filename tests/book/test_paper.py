@@ -225,15 +225,16 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
 def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
     """At most twenty contradict the paper, each with a sentence that says why."""
     held = json.loads(ACCEPTED.read_text("utf-8"))["numbers"]
+    verdicts = [number["verdict"] for number in held.values()]
+    assert verdicts.count("contradicted") <= 20
     for key, number in held.items():
+        published = NUMBERS[key]
         about = {"profile": number["profile"], "crops": number["crops"]}
-        assert Score.of(NUMBERS[key], number["cases"], **about).verdict == number["verdict"], key
-        assert NUMBERS[key].value == pytest.approx(number["paper"], rel=1e-9)
-    contradicted = [key for key, number in held.items() if number["verdict"] == "contradicted"]
-    assert len(contradicted) <= 20
-    assert all(NUMBERS[key].note for key in contradicted)
-    changed = [key for key, number in held.items() if number["verdict"] == "changed"]
-    assert all(NUMBERS[key].changed for key in changed)
+        verdict = Score.of(published, number["cases"], **about).verdict
+        assert verdict == number["verdict"], key
+        assert published.value == pytest.approx(number["paper"], rel=1e-9)
+        assert published.note or verdict != "contradicted", key
+        assert published.changed or verdict != "changed", key
 
 
 def test_claims_are_filled_with_numbers_of_the_build():

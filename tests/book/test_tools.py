@@ -69,16 +69,18 @@ def draw(folder, stem, *, source=None, drawing="<svg/>"):
 
 
 def test_accepted_figures_follow_the_build_and_keep_measured_data(tmp_path):
-    draw(tmp_path / "results" / "01", "new")
-    draw(tmp_path / "results" / "08", "scan", source="simulated", drawing="rehearsal")
+    results = tmp_path / "results"
+    accepted = tmp_path / "figures"
+    draw(results / "01", "new")
+    draw(results / "08", "scan", source="simulated", drawing="rehearsal")
     checked = {"numbers": {"sec8.gain": {"cases": {"": 20}, "crops": 0}}}
     checked["provenance"] = {"profile": "ci", "seed": 0, "version": "1"}
-    (tmp_path / "results" / "01" / "paper.json").write_text(json.dumps(checked))
-    draw(tmp_path / "figures", "old")
-    draw(tmp_path / "figures", "scan", source="measured", drawing="real")
-    figures.main(tmp_path / "results", tmp_path / "figures")
-    kept = {path.name for path in (tmp_path / "figures").iterdir()}
+    (results / "01" / "paper.json").write_text(json.dumps(checked))
+    draw(accepted, "old")
+    draw(accepted, "scan", source="measured", drawing="real")
+    figures.main(results, accepted)
+    kept = {path.name for path in accepted.iterdir()}
     assert kept == {"new.json", "new.svg", "scan.json", "scan.svg", "scoreboard.json"}
-    scores = json.loads((tmp_path / "figures" / "scoreboard.json").read_text())
+    scores = json.loads((accepted / "scoreboard.json").read_text())
     assert scores["numbers"]["sec8.gain"]["verdict"] == "as stated"
-    assert (tmp_path / "figures" / "scan.svg").read_text() == "real"
+    assert (accepted / "scan.svg").read_text() == "real"
