@@ -1,5 +1,7 @@
 """Relations between a measurement and a changed one that hold whatever the scene is."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,7 +11,6 @@ import cmtof
 from cmtof.correlation import TAU, wrap_length
 from cmtof.evaluation import measured
 from cmtof.measurement import Measurement
-from cmtof.methods import find_method
 from cmtof.unwrapping import unwrap_file
 
 FAST = ["beat", "beat-guided", "crt", "crt-closed-form", "crt-ml", "kde", "middle", "mrf", "phasor"]
@@ -26,13 +27,10 @@ the slopes that guide lie half a pixel beside."""
 def scene():
     """Measurement of a part of the room with little noise, for any method."""
     frame = cmtof.load_frame("room").middle(96, 112)
-    kept = {}
 
-    def of(name, **conditions):
-        key = (*find_method(name).tones, *conditions)
-        if key not in kept:
-            kept[key] = measured(frame, [name], **{"noise": 300.0, **conditions})[name]
-        return kept[key]
+    @cache
+    def of(name, noise_free=False):
+        return measured(frame, [name], noise=300.0, noise_free=noise_free)[name]
 
     return of
 
@@ -47,17 +45,11 @@ def junk_around(m, fill):
     """The measurement amid masked junk, and its camera moved with it."""
     pads = {"y": EDGE, "x": EDGE}
     data = m.dataset.pad(pads, constant_values=0)
-    samples = data["correlation"].to_numpy().copy()
     junk = np.pad(np.zeros(m.shape, bool), EDGE, constant_values=True)
-    samples[..., junk] = fill
     data["camera"] = data["camera"] + [0, 0, EDGE, EDGE]
-    return Measurement(data.assign(correlation=data["correlation"].copy(data=samples)))
+    return Measurement(data.assign(correlation=data["correlation"].where(~junk, fill)))
 
 
-ROUNDED = {
-    "uint16": lambda c: np.rint(c).clip(0, 65535).astype(np.uint16),
-    "int32": lambda c: np.rint(c).astype(np.int32),
-}
 SAME = {
     "steps in another order": lambda m: Measurement(m.dataset.isel(step=[2, 0, 3, 1])),
     "psi a turn further": lambda m: Measurement(
@@ -66,7 +58,8 @@ SAME = {
     "ambient light": lambda m: with_images(m, lambda c: c + 1000),
     "float64": lambda m: with_images(m, lambda c: c.astype(float)),
     "truth removed": lambda m: Measurement(m.dataset.drop_vars("depth")),
-    **{kind: lambda m, f=f: with_images(m, f) for kind, f in ROUNDED.items()},
+    "uint16": lambda m: with_images(m, lambda c: np.rint(c).clip(0).astype(np.uint16)),
+    "int32": lambda m: with_images(m, lambda c: np.rint(c).astype(np.int32)),
     **{f"counts x {k:g}": lambda m, k=k: with_images(m, lambda c: c * k) for k in (1e-20, 1e12)},
 }
 

@@ -8,12 +8,11 @@ from hypothesis.extra import numpy as hnp
 from numpy.testing import assert_allclose
 from pytest import approx
 
-from cmtof.correlation import TAU, correlation_from_harmonics
+from cmtof.correlation import TAU
 from cmtof.waveform import (
     gate,
     harmonics_from_waveform,
     low_pass_harmonics,
-    sinusoid,
     waveform_from_harmonics,
 )
 
@@ -42,12 +41,6 @@ def test_harmonics_that_the_samples_cannot_tell_apart_are_refused(count):
 def test_gate_is_the_series_of_the_square_wave():
     wave = waveform_from_harmonics(gate(4001), np.array([0.0, 1.0, 2.5, np.pi, np.pi / 2]))
     assert_allclose(wave, [1, 1, 0, 0, 0.5], atol=3e-4)
-
-
-def test_gate_against_a_raised_cosine_is_the_kernel_of_equation_8():
-    phase = np.linspace(0, TAU, 17)
-    kernel = correlation_from_harmonics(sinusoid(1, 1), gate(7), phase=phase, psi=0.4)
-    assert_allclose(kernel, 0.5 + np.cos(phase + 0.4) / np.pi, atol=1e-14)
 
 
 def test_low_pass_halves_the_power_at_its_cutoff_and_keeps_the_mean():
