@@ -128,16 +128,17 @@ def test_what_cannot_be_read_is_told_how_to_convert(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("light", "right", "note"),
+    ("level", "kind", "right", "note"),
     [
-        (np.full(SHAPE, 51, np.uint8), 0.2, "255 is 1"),
-        (np.full(SHAPE, 13107, np.uint16), 0.2, "65535 is 1"),
-        (np.full(SHAPE, 1, np.uint8), 1.0, "at 1 or above, and counts as white"),
-        (np.full(SHAPE, 900.0), 900.0, "at 1 or above, and counts as white"),
-        (np.full(SHAPE, 0.3), 0.3, ""),
+        (51, np.uint8, 0.2, "255 is 1"),
+        (13107, np.uint16, 0.2, "65535 is 1"),
+        (1, np.uint8, 1.0, "at 1 or above, and counts as white"),
+        (900, float, 900.0, "at 1 or above, and counts as white"),
+        (0.3, float, 0.3, ""),
     ],
 )
-def test_light_of_an_archive_is_what_its_type_says(tmp_path, light, right, note):
+def test_light_of_an_archive_is_what_its_type_says(tmp_path, level, kind, right, note):
+    light = np.full(SHAPE, level, kind)
     np.savez(tmp_path / "a.npz", depth=DEPTH, intensity=light)
     frame = load_frame(tmp_path / "a.npz")
     assert_allclose(frame.intensity, right, rtol=1e-6)

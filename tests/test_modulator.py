@@ -1,4 +1,4 @@
-"""The two-pass modulator against its equations, its Bessel series and the checked numbers."""
+"""The two-pass modulator against its equations and its Bessel series."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from scipy.special import jv
 
 from cmtof import jones
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.correlation import TAU, correlation_contrast, correlation_from_harmonics
+from cmtof.correlation import TAU, correlation_contrast
 from cmtof.modulator import (
     DOUBLED,
     SINGLE,
@@ -125,15 +125,11 @@ def test_single_mode_has_its_contrasts_and_throughput(eta):
     assert correlation_contrast(w, w) == approx(2 * jv(1, 2 * eta) ** 2, abs=1e-13)
 
 
-@pytest.mark.parametrize(("eta", "signal"), [(0.26, 0.017), (np.pi / 4, 0.19)])
-def test_correlation_of_two_doubled_modules(eta, signal):
-    single = replace(SINGLE, eta=eta).harmonics(12)
-    doubled = replace(DOUBLED, eta=eta).harmonics(12)[::2]
-    j0, _, j2 = jv([0, 1, 2], 2 * eta)
-    assert correlation_contrast(doubled, doubled) == approx(2 * j2**2 / (1 - j0) ** 2)
-    mean = correlation_from_harmonics(doubled, doubled, phase=0.0, psi=TAU * np.arange(8) / 8)
-    assert mean.mean() == approx((1 - j0) ** 2 / 4)
-    assert abs(doubled[1] / single[1]) ** 2 == approx(signal, abs=0.005)
+@pytest.mark.parametrize("eta", [0.26, np.pi / 4])
+def test_correlation_of_two_doubled_modules_has_its_contrast(eta):
+    w = replace(DOUBLED, eta=eta).harmonics(12)[::2]
+    expected = 2 * jv(2, 2 * eta) ** 2 / (1 - jv(0, 2 * eta)) ** 2
+    assert correlation_contrast(w, w) == approx(expected)
 
 
 def test_doubled_drive_on_the_single_modes_spacing_is_late_by_9_mrad():

@@ -51,7 +51,6 @@ def test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model(flat_wall):
 def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):
     depth = rng.uniform(1.0, 9.0, (100, 100))
     m = simulate(Frame(depth, np.ones_like(depth)), noise_free=True)
-    assert m.depth is not None
     assert np.percentile(m.depth, 99.9) == approx(1.195, abs=1e-4)
     counts = wrap_count_from_depth(m.depth.astype(float), 7.15e9)
     # float32 storage may move a depth across a limit by a tenth of a micrometre
@@ -86,7 +85,6 @@ def test_masked_pixels_keep_their_signal_and_unknown_ones_are_dark():
         ({"protocol": "fast"}, "protocol 'released' or 'full'"),
         ({"order": "papr"}, "order 'paper' or 'released', got 'papr'"),
         ({"frequencies": (0.0, 7e9)}, "rising order"),
-        ({"frequencies": (7.15, 14.32)}, "State them in Hz"),
         ({"noise": -1.0}, "sigma >= 0"),
         ({"gain": -1.0}, "gain and integration_time >= 0"),
         ({"psi": [0.0, 1.0]}, "at least 3"),

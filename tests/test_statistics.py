@@ -48,9 +48,15 @@ def test_a_rate_of_nothing_is_nan_and_of_one_scene_has_no_interval():
     assert np.isnan(single.low)
 
 
-def test_true_confidences_have_no_calibration_error(rng):
+@pytest.fixture
+def true(rng):
+    """Confidences that are true, and which answers are right."""
     confidence = rng.random(200_000)
-    right = rng.random(confidence.size) < confidence
+    return confidence, rng.random(confidence.size) < confidence
+
+
+def test_true_confidences_have_no_calibration_error(true):
+    confidence, right = true
     assert reliability(confidence, right).calibration_error < 0.01
     assert reliability(confidence**2, right).calibration_error > 0.1
     assert reliability(confidence, right).answers.sum() == confidence.size

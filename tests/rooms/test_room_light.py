@@ -51,8 +51,7 @@ def test_light_falls_with_the_distance_by_its_closed_form(light, exponent, rtol)
 
 def test_shadows_are_where_the_light_is_hidden():
     above = Thing("ball", [Part(move(ball(0.3), (0, 0, 1)), Material())])
-    light = point_light(1.0)
-    interior = Interior([floor(), above], [light], INSIDE)
+    interior = Interior([floor(), above], [point_light(1.0)], INSIDE)
     edge = 2 * np.tan(np.arcsin(0.3))
     found = interior.direct(places([0.0, edge - 0.03, edge + 0.03]), up(range(3)))[:, 0]
     assert found[0] == found[1] == 0
@@ -107,8 +106,7 @@ def test_range_of_a_plane_is_exact_to_single_precision():
 
 
 def test_radiance_is_reflectance_times_irradiance_plus_emission():
-    light = point_light(3.0)
-    interior = Interior([floor(0.3, emission=0.7)], [light], INSIDE)
+    interior = Interior([floor(0.3, emission=0.7)], [point_light(3.0)], INSIDE)
     camera = look_at(np.array([0, 0.01, 1.0]), np.array([0.0, 0.0, 0.0]))
     seen = interior.render(camera.position, Lens((9, 9), 900.0).rays(camera.orientation))
     assert seen.color[4, 4, 1] == approx(0.3 * (3 / 4 + 0.7), rel=1e-3)
