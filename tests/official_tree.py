@@ -20,12 +20,12 @@ PARTITIONS = {"ai_001_001": "train", "ai_001_002": "train", "ai_002_001": "test"
 VIEWS = [("cam_00", 0), ("cam_00", 42), ("cam_01", 3)]
 
 
-def official_rays(projection, shape=SHAPE):
+def official_rays(projection):
     """Rays as the data set's authors describe them: uv from -1 to 1, v up, half a pixel inwards."""
-    height, width = shape
+    height, width = SHAPE
     u = np.linspace(-1 + 1 / width, 1 - 1 / width, width)
     v = np.linspace(-1 + 1 / height, 1 - 1 / height, height)[::-1]
-    uv = np.stack([*np.meshgrid(u, v), np.ones(shape)], axis=-1)
+    uv = np.stack([*np.meshgrid(u, v), np.ones(SHAPE)], axis=-1)
     rays = uv @ projection.T
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 

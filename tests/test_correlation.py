@@ -86,8 +86,8 @@ def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
 
 def test_darkness_decodes_to_a_finite_phase():
     decoded = co.decode(np.zeros((4, 5), np.float32), QUADRATURES)
-    assert (decoded.phase == 0).all()
-    assert (decoded.amplitude == 0).all()
+    assert not decoded.phase.any()
+    assert not decoded.amplitude.any()
 
 
 def test_two_frequencies_decode_each_with_its_own_steps(rng):
@@ -122,9 +122,8 @@ def test_residual_noise_finds_the_noise_of_the_samples(rng):
 
 
 def test_wraps_of_the_prototype():
-    low, high = co.wrap_length(np.array(FREQUENCIES))
-    assert 1e3 * low == approx(20.9645, abs=1e-4)
-    assert 1e3 * high == approx(10.4676, abs=1e-4)
+    wraps = co.wrap_length(np.array(FREQUENCIES))
+    assert wraps == approx([0.0209645, 0.0104676], abs=1e-7)
     assert co.phase_from_depth(SPEED_OF_LIGHT / (2 * 7.15e9), 7.15e9) == approx(TAU)
 
 
