@@ -16,7 +16,6 @@ from importlib.metadata import PathDistribution, distribution
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import pytest
 from packaging.requirements import Requirement
 
@@ -121,8 +120,7 @@ SLOW = pytest.param(installed, marks=pytest.mark.slow)
 def inputs(tmp_path_factory, tilted_wall, measured):
     """Folder with a frame, a measurement, the file of a rig that is not there, and a chapter."""
     folder = tmp_path_factory.mktemp("inputs")
-    images = {"depth": tilted_wall.depth, "intensity": tilted_wall.intensity}
-    np.savez(folder / "wall.npz", **images, camera=tilted_wall.camera)
+    tilted_wall.save(folder / "wall.npz")
     measured.save(folder / "wall.nc")
     rig = (ROOT / "src/cmtof/hardware/rig.yml").read_text("utf-8")
     (folder / "rig.yml").write_text(rig.replace("/dev/ttyUSB0", "/dev/none"), encoding="utf-8")
@@ -209,22 +207,17 @@ def test_bare_replicates_without_a_figure(bare):
     assert "needs cmtof[plot]" in text
 
 
-@pytest.fixture
-def alone(environment, extra):
-    return environment(extra)
-
-
 QUICK = ["book", "hardware", "lab", "networks", "plot", "rooms", "view"]
 LONG = [pytest.param(extra, marks=pytest.mark.slow) for extra in ("notebooks", "train")]
 
 
 @pytest.mark.parametrize("extra", [*QUICK, *LONG])
-def test_an_extra_alone_is_enough_for_what_it_promises(alone, extra):
-    alone.run(ROOT / f"tests/alone/{extra}.py")
+def test_an_extra_alone_is_enough_for_what_it_promises(environment, extra):
+    environment(extra).run(ROOT / f"tests/alone/{extra}.py")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("extra", ["plot"])
-def test_with_plot_alone_it_replicates_and_draws(alone):
+def test_with_plot_alone_it_replicates_and_draws(environment):
+    alone = environment("plot")
     assert "Fig. 10, drawn" in alone.cmtof("replicate", "-o", "fig10.png").stdout
     assert (alone.folder / "fig10.png").is_file()

@@ -20,7 +20,7 @@ NOTEBOOKS = graph.Book(ROOT).notebooks()
 ERRATA = (ROOT / "notebooks" / "22_errata.py").read_text(encoding="utf-8")
 PAGES = [p for p in sorted(HTML.rglob("*.html")) if "_static" not in p.parts]
 
-needs_build = pytest.mark.skipif(not HTML.is_dir(), reason="no ci build: make test makes one")
+pytestmark = pytest.mark.skipif(not HTML.is_dir(), reason="no ci build: make test makes one")
 
 
 @cache
@@ -33,7 +33,6 @@ def anchors(page):
     return {tag.get(key) for tag in soup(page).find_all() for key in ("id", "name")} - {None}
 
 
-@needs_build
 def test_every_chapter_has_a_page_that_states_how_it_was_made():
     assert "WARNING" not in (BUILD / "book.log").read_text(encoding="utf-8")
     for stem in NOTEBOOKS:
@@ -42,7 +41,6 @@ def test_every_chapter_has_a_page_that_states_how_it_was_made():
         assert rows >= {"profile", "seed", "cmtof", "run", "libraries"}
 
 
-@needs_build
 def test_no_figure_table_or_equation_of_the_paper_is_missing():
     page = (BUILD / "stage" / "book" / "scoreboard.md").read_text(encoding="utf-8")
     assert "None of them is missing." in page
@@ -65,13 +63,11 @@ def faults(page):
             yield f"no text: {target.geturl()}"
 
 
-@needs_build
 def test_pages_are_whole():
     assert PAGES
     assert not [f"{page.name}: {fault}" for page in PAGES for fault in faults(page)]
 
 
-@needs_build
 def test_style_sheets_load_nothing_from_elsewhere():
     for sheet in HTML.rglob("*.css"):
         text = sheet.read_text(encoding="utf-8", errors="ignore")
@@ -84,7 +80,6 @@ def outputs(stem):
     return [output for cell in cells for output in cell.get("outputs", ())]
 
 
-@needs_build
 def test_no_cell_ends_in_an_object_that_nobody_wants_to_read():
     """A cell that ends in `ax.set_ylabel(...)` would print what that returns."""
     unwanted = re.compile(r"Text\(|<matplotlib|\[<|.* object at 0x|\(?array\(")
@@ -94,7 +89,6 @@ def test_no_cell_ends_in_an_object_that_nobody_wants_to_read():
         assert not [text for text in texts if unwanted.match(text)], stem
 
 
-@needs_build
 def test_every_figure_is_placed_with_its_caption_and_text():
     placed = set().union(*map(anchors, PAGES))
     texts = {img.get("alt") for page in PAGES for img in soup(page).find_all("img")}
@@ -126,7 +120,6 @@ def mantissa(number, digits):
     return f"{number:.{digits - 1}e}".partition("e")[0]
 
 
-@needs_build
 def test_every_number_of_the_errata_is_printed_by_the_run_or_by_the_paper():
     document = "\n".join(line[2:] for line in ERRATA.splitlines() if line.startswith("#"))
     entries = re.split(r"\n### (\d+) · ", document)
@@ -145,7 +138,6 @@ def test_every_number_of_the_errata_is_printed_by_the_run_or_by_the_paper():
     assert not missing
 
 
-@needs_build
 def test_every_erratum_was_computed_by_this_build():
     printed = printed_by_errata()
     counted = re.findall(r"^\w+: (\d+) of (\d+) (?:proved|hold)$", printed, re.MULTILINE)
