@@ -315,11 +315,10 @@ drawn = min(count, stills)
 figure, axes = plt.subplots(1, drawn, figsize=(4.4 * drawn, 4.8), squeeze=False)
 for ax, name in zip(axes[0], names, strict=False):
     points = points_from_depth(depths[name], walls[name][1])
-    low, high = np.nanpercentile(depths[name], [1, 99])
-    shades = plt.cm.ScalarMappable(plt.Normalize(low, high), "cividis_r")
-    colours = shades.to_rgba(depths[name])[..., :3]
-    still = views.still(points, colours, longest=0.015, eye=(-0.12, -0.1, -0.02))
-    ax.imshow(colours if still is None else still, interpolation="antialiased")
+    ends = tuple(np.nanpercentile(depths[name], [1, 99]))
+    layer = views.Layer(points, depths[name], "cividis_r", ends, "range (m)")
+    still = views.still(layer, longest=0.015, eye=(-0.12, -0.1, -0.02))
+    ax.imshow(layer.colours() if still is None else still, interpolation="antialiased")
     ax.set_title(f"{name}, {source}")
     ax.axis("off")
 fine = {n: (1e6 * depth_from_phase([sigma[n], after[n]], FREQUENCY_SINGLE)).tolist() for n in names}

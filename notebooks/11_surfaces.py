@@ -118,14 +118,14 @@ plotting.save(
 # The same room in space ("Turn it"), coloured by its brightness or by its errors (pale: right):
 
 # %% tags=["remove-input"]
-light = np.repeat(np.sqrt(np.clip(frame.intensity, 0, 1))[::4, ::4, None], 3, axis=2)
-pale = plt.get_cmap("YlOrRd")(wraps_off(found.depth)[::4, ::4] / 10)[..., :3]
+light = np.sqrt(np.clip(frame.intensity, 0, 1)), "gray", (0, 1), "brightness"
+pale = wraps_off(found.depth), "YlOrRd", (0, 10), "wraps off"
 beat = cmtof.unwrap(measurement, method="beat")["depth"].to_numpy()
 drawn = {"surfaces": (found.depth[inside], light), "wraps off": (found.depth[inside], pale),
          "averaged beat": (beat, light), "truth": (truth, light)}  # fmt: skip
-layers = {name: (points_from_depth(depth, frame.camera)[::4, ::4], colours)
+layers = {name: views.Layer(points_from_depth(depth, frame.camera), *colours)
           for name, (depth, colours) in drawn.items()}  # fmt: skip
-views.save_scene("scene_room", layers, longest=0.25, eye=(-0.8, -0.9, -0.8))
+views.save_scene("scene_room", layers, longest=0.0625, eye=(-0.8, -0.9, -0.8), step=4)
 views.show_scene("scene_room", title="the room")
 
 # %% [markdown]

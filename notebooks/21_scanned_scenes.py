@@ -34,7 +34,9 @@ from cmtof.measurement import Measurement
 from cmtof.network.weights import read_card, weights_path
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof_book import notes, paper, plotting, scanned, views
-from cmtof_book.scanned import close_pair, four_phases, scan_object
+from cmtof_book.comparison import Scene
+from cmtof_book.scanned import close_pair, four_phases, frame_of, scan_object
+from cmtof_book.swipe import show_swipe
 from cmtof_lab.objects import FIELD_OF_VIEW
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene
@@ -274,13 +276,14 @@ def given(name):
     return read | {"RF": rf_scan(name, scan)}
 
 
-right, depths = {}, {}
+right, depths, answers = {}, {}, {}
 for name in objects:
     for method, scan in given(name).items():
         if method in ("tuned", "RF"):  # RF phases are unwrapped by the fine-tuned network, too
             found = cmtof.unwrap(scan, method="fast-scnn", weights=weights)
         else:
             found = cmtof.unwrap(scan, method=method.partition(",")[0])
+        answers[name, method] = found
         right[name, method] = 100 * score(scored_pixels(found, scan))["delta_lt_1"]
         depths[name, method] = found["depth"].to_numpy() / index
 
@@ -320,28 +323,29 @@ def bare(ax, colours, title):
 
 
 # %% tags=["hide-input"]
-tilt = {}
+WALL = 1.05  # m, from where on the wall is left out in space
 for name in objects:
     depth = depths[name, "tuned"]
     off = wraps_off(name, "tuned")
-    cosine = (normals_of(name, depth) * normals_of(name, truth[name])).sum(-1)
-    tilt[name] = float(np.nanmedian(np.rad2deg(np.arccos(np.clip(cosine, -1, 1)))))
-    shades = plt.cm.ScalarMappable(plt.Normalize(*limits[name]), "cividis_r")
-    layers, photon = {}, depths.get((name, "surfaces, photon"))
-    for label, one in {"depth": depth, "photon limit": photon, "truth": truth[name]}.items():
-        if one is not None:
-            layers[label] = (points_from_depth(one, camera[name]), shades.to_rgba(one)[..., :3])
-    red = plt.get_cmap("YlOrRd")(np.nan_to_num(np.abs(off)) / 10)[..., :3]
-    layers["wraps off"] = (layers["depth"][0], red)
+    shown = {"truth": truth[name], "fast-scnn": depth}
+    if name == teaser:  # the correct surface first
+        shown = {"surfaces": depths[name, "surfaces, photon"]} | shown
+    layers = {}
+    for label, one in shown.items():
+        points = points_from_depth(np.where(truth[name] < WALL, one, np.nan), camera[name])
+        layers[label] = views.Layer(points, one, "cividis_r", limits[name], "range (m)")
+    error = np.abs(off), "YlOrRd", (0, 10), "wraps off"
+    layers["wraps off"] = views.Layer(layers["fast-scnn"].points, *error)
+    best = next(iter(layers.values()))
+    turn = plotting.TURN, "phase (rad)"
+    fringes = np.mod(scans[name, "photon"].phase[1], TAU)
+    layers["phase"] = views.Layer(best.points, fringes, plotting.PHASE_CMAP, *turn)
     view = {"longest": 4 * FIELD_OF_VIEW[name] / size, "eye": (-0.16, -0.12, -0.1)}  # m
-    step = max(size // 100, 1)  # the pages would be slow with all points
-    few = {k: tuple(image[::step, ::step] for image in both) for k, both in layers.items()}
-    views.save_scene(f"scene_{name}", few, **view | {"longest": step * view["longest"]})
+    # with all points the pages would be slow
+    views.save_scene(f"scene_{name}", layers, step=max(size // 100, 1), **view)
     if name == teaser:
-        points, colours = layers["photon limit"]
-        near = np.where(photon[..., None] < 1.05, points, np.nan)  # without the wall
-        still = views.still(near, colours, **view)
-        still = layers["photon limit"][1] if still is None else still
+        still = views.still(best, **view)
+        still = best.colours() if still is None else still
 
 # %% [markdown]
 # ## In one picture
@@ -420,6 +424,14 @@ for name in objects:
     )
 
 # %% [markdown]
+# The first scene by the fine-tuned network and by `surfaces`; the divider between them moves.
+
+# %% tags=["hide-input"]
+scan = scans[objects[0], "captures"]
+compared = {f"{ROWS.get(m, m)}": answers[objects[0], m] for m in ("tuned", "surfaces")}
+show_swipe(Scene(frame_of(objects[0], scan), scan, compared), *compared)
+
+# %% [markdown]
 # ## Success and failure
 #
 # Each pixel belongs to the first class that applies: edge, with a neighbour more than half a wrap
@@ -491,10 +503,10 @@ paper.table()
 #
 # ## In space
 #
-# Each scene in space: depth by the fine-tuned network with the captures' noise, and the truth,
-# coloured by range, and the first by its error in wraps (pale: right); of the bust besides the
-# depth by `surfaces` at the photon limit. Only close neighbours are joined, so a pixel with a wrong
-# wrap leaves a hole, and a patch appears before or behind its place.
+# Each scene in space, without the wall behind it: the truth and the depth by the fine-tuned network
+# with the captures' noise, coloured by range, by error in wraps (pale: right) and by phase; of the
+# bust first the depth by `surfaces` at the photon limit. Only close neighbours are joined, so a
+# pixel with a wrong wrap leaves a hole, and a patch appears before or behind its place.
 
 # %% tags=["remove-input"]
 for name in objects:

@@ -14,7 +14,6 @@ from cmtof.correlation import TAU, centred, phase_from_depth
 from cmtof.frame import Frame, rays_from_camera
 from cmtof.scenes import frames_in, load_frame
 
-CAMERA = [50.0, 60.0, 8.0, 6.0]
 ONES = np.ones((6, 8))
 
 

@@ -4,10 +4,26 @@
 const SVG = "http://www.w3.org/2000/svg";
 
 function add(parent, tag, options = {}, text = "") {
-  const made = parent.appendChild(document.createElement(tag));
+  const made = parent.appendChild(document.createElementNS(tag === "svg" ? SVG : parent.namespaceURI, tag));
   for (const [name, value] of Object.entries(options)) made.setAttribute(name, value);
   made.textContent = text;
   return made;
+}
+
+// A script of the book, once it has run.
+function script(src) {
+  return new Promise((done, failed) => {
+    const made = add(document.head, "script", { src });
+    made.onload = done;
+    made.onerror = () => failed(new Error(`Expected ${src}, got none. Build the book again.`));
+  });
+}
+
+// Where an arrow key leads, which then moves nothing else; nothing for other keys.
+function arrow(event) {
+  const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+  if (way) event.preventDefault();
+  return way;
 }
 
 // --- pictures ------------------------------------------------------------------------------------
@@ -17,9 +33,8 @@ document.addEventListener("click", (event) => {
   if (!picture || picture.closest("a")) return;
   const box = add(document.body, "dialog", { class: "zoom", "aria-label": "Picture, enlarged" });
   add(box, "img", { src: picture.src, alt: picture.alt });
-  box.addEventListener("click", () => box.close());
-  box.addEventListener("keydown", (key) => key.key === "Escape" && box.close());
-  box.addEventListener("close", () => box.remove());
+  box.addEventListener("click", () => box.remove());
+  box.addEventListener("keydown", (key) => key.key === "Escape" && box.remove());
   box.showModal();
 });
 
@@ -55,32 +70,26 @@ for (const [over, out] of [["mouseover", "mouseout"], ["focusin", "focusout"]]) 
     hide();
     preview = link;
     // loaded once: a second script of the same constant would be an error
-    loaded ??= new Promise((done) => {
-      const script = add(document.head, "script", { src: `${root}_static/previews.js` });
-      script.addEventListener("load", () => done(cmtofPreviews));
-    });
-    loaded.then((previews) => shown(link, previews));
+    loaded ??= script(`${root}_static/previews.js`);
+    loaded.then(() => shown(link, cmtofPreviews));
   });
   document.addEventListener(out, hide);
 }
 document.addEventListener("keydown", (key) => key.key === "Escape" && hide());
 
 // --- scenes --------------------------------------------------------------------------------------
-// A scene is a script of its own, loaded when it is unfolded; it calls cmtofScene with its surfaces.
+// A scene is a script of its own, loaded where it is shown; it calls cmtofScene with its surfaces.
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const scaled = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
 const unit = (a) => scaled(a, 1 / Math.hypot(...a));
-const cross = (a, b) => [
-  a[1] * b[2] - a[2] * b[1],
-  a[2] * b[0] - a[0] * b[2],
-  a[0] * b[1] - a[1] * b[0],
-];
+const cross = ([a, b, c], [d, e, f]) => [b * f - c * e, c * d - a * f, a * e - b * d];
 
-function unpacked([points, colours], [rows, columns], longest) {
+// A surface: its points, and triangles of neighbours with their normals and colours.
+function unpacked({ points, colours, shape: [rows, columns] }, longest) {
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  const xyz = new Float32Array(bytes(points).buffer);
+  const xyz = new Float32Array(bytes(points).buffer), shades = bytes(colours);
   const at = (i) => xyz.subarray(3 * i, 3 * i + 3);
   const near = (i, j) => Math.hypot(...minus(at(i), at(j))) < longest; // false for NaN
   const faces = [];
@@ -89,122 +98,144 @@ function unpacked([points, colours], [rows, columns], longest) {
       const a = row * columns + column;
       const [b, c, d] = [a + 1, a + columns, a + columns + 1];
       for (const [i, j, k] of [[a, c, b], [b, c, d]]) {
-        if (near(i, j) && near(j, k) && near(k, i)) faces.push(i, j, k);
+        if (!near(i, j) || !near(j, k) || !near(k, i)) continue;
+        const normal = unit(cross(minus(at(j), at(i)), minus(at(k), at(i))));
+        faces.push({ corners: [i, j, k], normal, colour: shades.subarray(3 * i, 3 * i + 3) });
       }
     }
   }
-  return { xyz, at, faces, colours: bytes(colours) };
+  return { xyz, at, faces };
 }
 
-function frameOf(surface) {
-  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-  for (const i of surface.faces) {
-    surface.at(i).forEach((value, axis) => {
-      low[axis] = Math.min(low[axis], value);
-      high[axis] = Math.max(high[axis], value);
-    });
-  }
-  return { centre: low.map((value, axis) => (value + high[axis]) / 2), size: Math.hypot(...minus(high, low)) };
-}
-
-function draw(canvas, surface, view) {
-  const { width, height } = canvas, context = canvas.getContext("2d");
-  const picture = context.createImageData(width, height), depths = new Float32Array(width * height);
-  picture.data.fill(255);
-  depths.fill(Infinity);
-  const way = [Math.sin(view.yaw) * Math.cos(view.pitch), Math.sin(view.pitch), -Math.cos(view.yaw) * Math.cos(view.pitch)];
+// Each point as the eye has it at a focal length of 1: right, down and away.
+function seen({ xyz }, { yaw, pitch, centre, distance }) {
+  const way = [Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), -Math.cos(yaw) * Math.cos(pitch)];
   const ahead = scaled(way, -1), right = unit(cross([0, 1, 0], ahead)), down = cross(ahead, right);
-  const eye = minus(view.centre, scaled(ahead, view.distance));
-  const light = unit([way[0] - 0.5, way[1] - 0.6, way[2]]);
-  const seen = new Float32Array(surface.xyz.length);
-  for (let i = 0; i < seen.length; i += 3) {
-    const from = minus(surface.xyz.subarray(i, i + 3), eye), far = dot(from, ahead);
-    seen[i] = width / 2 + (view.focal * dot(from, right)) / far;
-    seen[i + 1] = height / 2 + (view.focal * dot(from, down)) / far;
-    seen[i + 2] = far;
+  const eye = minus(centre, scaled(ahead, distance)), spots = new Float32Array(xyz.length);
+  for (let i = 0; i < xyz.length; i += 3) {
+    const from = minus(xyz.subarray(i, i + 3), eye), far = dot(from, ahead);
+    spots.set([dot(from, right) / far, dot(from, down) / far, far], i);
   }
-  for (let face = 0; face < surface.faces.length; face += 3) {
-    const [i, j, k] = surface.faces.slice(face, face + 3);
-    const [ax, ay, az] = seen.subarray(3 * i, 3 * i + 3);
-    const [bx, by, bz] = seen.subarray(3 * j, 3 * j + 3);
-    const [cx, cy, cz] = seen.subarray(3 * k, 3 * k + 3);
-    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
-    if (!area || Math.min(az, bz, cz) <= 0) continue;
-    const normal = unit(cross(minus(surface.at(j), surface.at(i)), minus(surface.at(k), surface.at(i))));
-    const lit = 0.35 + 0.65 * Math.abs(dot(normal, light));
-    const colour = [0, 1, 2].map((n) => lit * surface.colours[3 * i + n]);
-    const [left, top] = [Math.max(0, Math.floor(Math.min(ax, bx, cx))), Math.max(0, Math.floor(Math.min(ay, by, cy)))];
-    const [end, bottom] = [Math.min(width - 1, Math.ceil(Math.max(ax, bx, cx))), Math.min(height - 1, Math.ceil(Math.max(ay, by, cy)))];
-    for (let y = top; y <= bottom; y++) {
-      for (let x = left; x <= end; x++) {
-        const u = ((x - ax) * (cy - ay) - (y - ay) * (cx - ax)) / area;
-        const v = ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / area;
-        if (u < -0.01 || v < -0.01 || u + v > 1.01) continue;
-        const far = az + u * (bz - az) + v * (cz - az), place = y * width + x;
-        if (far >= depths[place]) continue;
-        depths[place] = far;
-        picture.data.set(colour, 4 * place);
-      }
-    }
+  return { spots, light: unit([way[0] - 0.5, way[1] - 0.6, way[2]]) };
+}
+
+// The farthest triangles first, so that nearer ones cover them.
+function draw(canvas, surface, view) {
+  const context = canvas.getContext("2d"), { spots, light } = seen(surface, view);
+  const far = ({ corners }) => spots[3 * corners[0] + 2];
+  const place = (i, axis) => [canvas.width, canvas.height][axis] / 2 + view.focal * (spots[3 * i + axis] - view.middle[axis]);
+  context.fillStyle = "white";
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  for (const face of surface.faces.sort((a, b) => far(b) - far(a))) {
+    if (far(face) <= 0) break;
+    context.beginPath();
+    for (const i of face.corners) context.lineTo(place(i, 0), place(i, 1));
+    context.closePath();
+    const lit = 0.35 + 0.65 * Math.abs(dot(face.normal, light));
+    context.fillStyle = context.strokeStyle = `rgb(${scaled(face.colour, lit)})`;
+    context.fill();
+    context.stroke();
   }
-  context.putImageData(picture, 0, 0);
+}
+
+// A view from a place in which a surface fills a canvas, whose height follows.
+function fitted(canvas, surface, from) {
+  const count = surface.faces.length;
+  const centre = surface.faces.reduce((sum, { corners }) => sum.map((one, k) => one + surface.at(corners[0])[k] / count), [0, 0, 0]);
+  const way = minus(from, centre), distance = Math.hypot(...way);
+  const view = { centre, distance, yaw: Math.atan2(way[0], -way[2]), pitch: Math.asin(way[1] / distance) };
+  const { spots } = seen(surface, view);
+  const places = [0, 1].map((axis) => surface.faces.map(({ corners }) => spots[3 * corners[0] + axis]).sort((a, b) => a - b));
+  const [wide, high] = places.map((all) => 1.08 * (all[count - 1] - all[0]));
+  canvas.height = canvas.width * Math.min(0.7, high / wide);
+  const middle = places.map((all) => (all[count - 1] + all[0]) / 2);
+  return { ...view, middle, focal: Math.min(canvas.width / wide, canvas.height / high) };
 }
 
 window.cmtofScene = (name, about) => {
-  const place = document.querySelector(`details.scene[data-scene="${name}"]`);
-  place.querySelector("p").remove();
-  const canvas = add(place, "canvas", { width: 720, height: 540, tabindex: 0, role: "img" });
-  canvas.setAttribute("aria-label", `${place.querySelector("summary").textContent}, interactive`);
-  const bar = add(place, "p"), surfaces = {};
-  for (const [label, layer] of Object.entries(about.layers)) {
-    surfaces[label] = unpacked(layer, about.shape, about.longest);
-  }
-  const labels = Object.keys(surfaces), { centre, size } = frameOf(surfaces[labels[labels.length - 1]]);
-  const from = minus(about.eye, centre), distance = Math.hypot(...from);
-  const start = {
-    centre, distance, focal: (canvas.height * distance) / size, shown: labels[0],
-    yaw: Math.atan2(from[0], -from[2]), pitch: Math.asin(from[1] / distance),
-  };
+  const place = document.getElementById(name.replace("_", "-")), still = place.querySelector("p, img");
+  const box = document.createElement("div");
+  still.replaceWith(box);
+  const title = still.alt ?? place.firstChild.textContent;
+  const canvas = add(box, "canvas", { width: 720, tabindex: 0, role: "img", "aria-label": `${title} Turn it by arrow keys.` });
+  const key = add(box, "div", { class: "key" }), bar = add(box, "p"), surfaces = {};
+  for (const [label, layer] of Object.entries(about.layers)) surfaces[label] = unpacked(layer, about.longest);
+  const labels = Object.keys(surfaces), start = { ...fitted(canvas, surfaces.truth, about.eye), shown: labels[0] };
   let view = { ...start };
   const show = (change = {}) => {
     Object.assign(view, change);
     view.pitch = Math.max(-1.5, Math.min(1.5, view.pitch));
     for (const button of bar.children) button.setAttribute("aria-pressed", button.value === view.shown);
+    const { meaning, ends, scale } = about.layers[view.shown];
+    key.textContent = `${meaning} ${ends[0]}`;
+    add(key, "i", { style: `background: linear-gradient(90deg, ${scale})` });
+    key.append(ends[1]);
     requestAnimationFrame(() => draw(canvas, surfaces[view.shown], view));
   };
   const button = (text, act) => add(bar, "button", { type: "button", value: text }, text).addEventListener("click", act);
-  labels.forEach((label) => button(label, () => show({ shown: label })));
-  button("nearer", () => show({ focal: view.focal * 1.25 }));
-  button("farther", () => show({ focal: view.focal / 1.25 }));
-  button("reset", () => show(start));
+  const zoom = (factor) => show({ focal: view.focal * factor });
   const turn = (x, y) => show({ yaw: view.yaw - x, pitch: view.pitch - y });
-  canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+  labels.forEach((label) => button(label, () => show({ shown: label })));
+  button("nearer", () => zoom(1.25));
+  button("farther", () => zoom(1 / 1.25));
+  button("reset", () => show(start));
+  const fingers = new Map();
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    fingers.set(event.pointerId, event);
+  });
   canvas.addEventListener("pointermove", (event) => {
-    if (event.buttons) turn(event.movementX / 150, event.movementY / 150);
+    const before = fingers.get(event.pointerId), other = [...fingers.values()].find((one) => one.pointerId !== event.pointerId);
+    if (!before) return;
+    const apart = ({ clientX, clientY }) => Math.hypot(clientX - other.clientX, clientY - other.clientY);
+    fingers.set(event.pointerId, event);
+    if (other) zoom(apart(event) / apart(before));
+    else turn((event.clientX - before.clientX) / 150, (event.clientY - before.clientY) / 150);
+  });
+  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
+  canvas.addEventListener("wheel", (event) => {
+    if (document.activeElement !== canvas && !event.ctrlKey) return; // the page scrolls
+    event.preventDefault();
+    zoom(Math.exp(-event.deltaY / 500));
   });
   canvas.addEventListener("keydown", (event) => {
-    const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
-    if (step) turn(...step);
-    if (step) event.preventDefault();
+    const step = arrow(event);
+    if (step) turn(0.1 * step[0], 0.1 * step[1]);
   });
   show();
 };
 
-document.querySelectorAll("details.scene").forEach((place) => {
-  const source = `${document.documentElement.dataset.content_root}_static/scenes/${place.dataset.scene}.js`;
-  place.addEventListener("toggle", () => add(document.head, "script", { src: source }), { once: true });
+document.querySelectorAll(".scene").forEach((place) => {
+  const load = () => script(`${root}_static/scenes/${place.id.replace("-", "_")}.js`);
+  if (place.open === false) place.addEventListener("toggle", load, { once: true });
+  else load();
 });
 
-// --- the scoreboard's picture: which lines are shown ---------------------------------------------
+// --- two methods on one image: the divider, and what both say of the pixel under the pointer -----
 
-document.querySelectorAll("figure.ratios").forEach((figure) => {
-  const boxes = [...figure.querySelectorAll("input")];
-  const wanted = (field) => boxes.filter((box) => box.dataset.field === field && box.checked).map((box) => box.value);
-  figure.querySelector(".choices").hidden = false;
-  figure.addEventListener("change", () => {
-    for (const line of figure.querySelectorAll("li")) {
-      line.hidden = !["verdict", "same"].every((field) => wanted(field).includes(line.dataset[field]));
-    }
+document.querySelectorAll("figure.swipe").forEach(async (figure) => {
+  const [slider, told] = ["[type=range]", ".told"].map((part) => figure.querySelector(part));
+  const move = () => figure.style.setProperty("--at", `${slider.value}%`);
+  slider.addEventListener("input", move);
+  move();
+  await told.decode();
+  const [width, height] = [told.naturalWidth / 2, told.naturalHeight], canvas = document.createElement("canvas");
+  Object.assign(canvas, { width: 2 * width, height });
+  canvas.getContext("2d").drawImage(told, 0, 0);
+  const { data } = canvas.getContext("2d").getImageData(0, 0, 2 * width, height);
+  const spot = [width >> 1, height >> 1];
+  const tell = (...to) => {
+    to.forEach((one, axis) => (spot[axis] = Math.max(0, Math.min([width, height][axis] - 1, Math.floor(one)))));
+    const at = 4 * (2 * spot[1] * width + spot[0]), odds = data.subarray(at + 4 * width);
+    const wraps = (n) => `${n} wraps, ${((n + odds[0] / 255) * figure.dataset.wrap).toFixed(0)} mm`;
+    const sides = JSON.parse(figure.dataset.names).map((name, k) => `${name}: ${wraps(data[at + k + 1])}, odds ${(odds[k + 1] / 2.55).toFixed(0)} %`);
+    const all = data[at] ? [`truth: ${wraps(data[at])}`, ...sides] : ["not scored"];
+    figure.querySelector("output").textContent = `Pixel (${spot}): ${all.join("; ")}`;
+  };
+  slider.addEventListener("pointermove", ({ offsetX, offsetY }) => tell((offsetX / slider.offsetWidth) * width, (offsetY / slider.offsetHeight) * height));
+  slider.addEventListener("keydown", (event) => {
+    const way = event.shiftKey && arrow(event);
+    if (way) tell(...way.map((step, axis) => spot[axis] + step));
   });
 });
 
@@ -212,16 +243,8 @@ document.querySelectorAll("figure.ratios").forEach((figure) => {
 
 // A chart of one curve: `x` and `y` run from 0 to 1 of the axes, whose ends are texts.
 function chart(place, labels) {
-  const svg = place.appendChild(document.createElementNS(SVG, "svg"));
-  svg.setAttribute("viewBox", "0 0 640 268");
-  svg.setAttribute("role", "img");
-  svg.setAttribute("aria-label", labels.title);
-  const put = (tag, options, text = "") => {
-    const made = svg.appendChild(document.createElementNS(SVG, tag));
-    for (const [name, value] of Object.entries(options)) made.setAttribute(name, value);
-    made.textContent = text;
-    return made;
-  };
+  const svg = add(place, "svg", { viewBox: "0 0 640 268", role: "img", "aria-label": labels.title });
+  const put = (...what) => add(svg, ...what);
   put("path", { d: "M60,10 V220 H610", class: "axis" });
   labels.y.forEach((text, i) => {
     const y = 220 - (210 * i) / (labels.y.length - 1);

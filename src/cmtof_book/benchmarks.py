@@ -2,11 +2,11 @@
 
 Machines are noisy and differ, so no time is judged alone: each hot path stands beside the least
 that its data demand (a copy of them, or the drawing of their random numbers). With ``--store`` the
-seconds and megabytes of every method for 768x1024 pixels, each in a fresh process on one thread,
-go where chapter 10 reads them; memory is the peak above what the process held before (Linux).
+processor's seconds and megabytes of every method for 768x1024 pixels, each in a fresh process on
+one thread, go where chapter 10 reads them; memory is the peak above what the process held before
+(Linux).
 """
 
-import json
 import multiprocessing
 import os
 import sys
@@ -14,7 +14,7 @@ from collections.abc import Callable
 from itertools import product
 from pathlib import Path
 from statistics import median
-from time import perf_counter
+from time import process_time
 from timeit import repeat
 from typing import Any
 
@@ -74,9 +74,9 @@ def cost(method: str, protocol: str) -> Values:
     cmtof.unwrap(measurement, method=method)
     Path("/proc/self/clear_refs").write_text("5", "utf-8")  # forget the peak so far
     before = _memory("VmRSS")
-    start = perf_counter()
+    start = process_time()
     cmtof.unwrap(measurement, method=method)
-    taken = perf_counter() - start
+    taken = process_time() - start
     return {"seconds": round(taken, 3), "megabytes": round(_memory("VmHWM") - before, 1)}
 
 
@@ -90,20 +90,19 @@ def store() -> None:
     """Measure every method that is ready, print and store."""
     os.environ |= dict.fromkeys(THREADS, "1")
     from cmtof import __version__
-    from cmtof.files import written_whole
     from cmtof.methods import METHODS
-    from cmtof_book.provenance import processor
+    from cmtof_book.provenance import processor, write_json
 
     found: Values = {name: {} for name in METHODS}
     spawn = multiprocessing.get_context("spawn")
-    for protocol, name in product(("released", "full"), METHODS):
-        with spawn.Pool(1) as pool:
-            found[name][protocol] = pool.apply(cost, (name, protocol))
-        print(name, protocol, found[name][protocol], flush=True)
-    machine = f"one thread of {processor()}"
-    held = {"command": "make bench", "version": __version__, "machine": machine, "methods": found}
-    with written_whole(STORE) as part:
-        part.write_text(json.dumps(held, indent=1) + "\n", "utf-8")
+    for protocol, (name, method) in product(("released", "full"), METHODS.items()):
+        if method.state(protocol) not in ("untrained", "no weights"):
+            with spawn.Pool(1) as pool:
+                found[name][protocol] = pool.apply(cost, (name, protocol))
+            print(protocol, name, found[name], flush=True)
+    held = {"command": "python -m cmtof_book.benchmarks --store", "version": __version__}
+    held |= {"machine": f"one thread of {processor()}", "methods": found}
+    write_json(STORE, held)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -12,7 +11,7 @@ from cmtof.correlation import wrap_count_from_depth
 from cmtof.measurement import Measurement
 from cmtof.scenes import Frame
 from cmtof.types import Array
-from cmtof_book.plotting import image
+from cmtof_book.plotting import grid, image
 
 
 class Scene(NamedTuple):
@@ -46,20 +45,15 @@ class Scene(NamedTuple):
 def comparison_figure(scene: Scene, labels: Sequence[str], *, columns: int = 4) -> Figure:
     """Fig. 10: brightness and true wraps of a scene, then the errors of each method."""
     height, width = scene.measurement.shape
-    rows = -(-(2 + len(labels)) // columns)
-    size = (2.6 * columns, rows * (2.6 * height / width + 0.25))
-    figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False)
-    light, truth, *others = axes.flat
+    figure, axes = grid(2 + len(labels), columns, 2.6, height / width)
+    light, truth, *others = axes
     brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
     image(light, brightness, label="", cmap="gray", title="the room", bar=False)
     image(truth, scene.count(), label="", limits=scene.limits, title="true wraps", bar=False)
-    for ax, label in zip(others, labels, strict=False):
+    for ax, label in zip(others, labels, strict=True):
         title = f"{label}: {100 * scene.right(label):.0f} %"
         image(
             ax, scene.error(label), label="", cmap="magma", limits=(0, 10), title=title, bar=False
         )
-    for ax in others[len(labels) :]:
-        ax.remove()
-    shown = axes.flat[: 2 + len(labels)].tolist()
-    figure.colorbar(others[0].images[0], ax=shown, label="wraps off", shrink=0.6)
+    figure.colorbar(others[0].images[0], ax=axes, label="wraps off", shrink=0.6)
     return figure

@@ -102,15 +102,6 @@ def execute(script: Path, parameters: Values, work: Path) -> None:
     nbformat.write(executed, staged)
 
 
-def explain(error: PapermillExecutionError, script: Path, work: Path) -> str:
-    """Return where a notebook failed: the cell, its code and its traceback."""
-    return (
-        f"\n{script.name} failed in cell {error.exec_count}:\n\n{error.source}\n\n"
-        + "\n".join(error.traceback)
-        + f"\n\nThe notebook as far as it came: {work / script.with_suffix('.ipynb').name}\n"
-    )
-
-
 def main(notebook: str, parameters: str, *places: str) -> None:
     """Run one notebook; ``places`` are RESULT and FOLDER. Exit code 1 where it fails."""
     script, result, folder = (Path(name).resolve() for name in (notebook, *places))
@@ -123,7 +114,11 @@ def main(notebook: str, parameters: str, *places: str) -> None:
     try:
         execute(script, json.loads(parameters), work)
     except PapermillExecutionError as error:
-        text = explain(error, script, work)
+        text = (  # the cell, its code and its traceback
+            f"\n{script.name} failed in cell {error.exec_count}:\n\n{error.source}\n\n"
+            + "\n".join(error.traceback)
+            + f"\n\nThe notebook as far as it came: {work / script.with_suffix('.ipynb').name}\n"
+        )
         (work / "log.txt").write_text(text, "utf-8")
         sys.exit(f"{text}This message again: {work / 'log.txt'}")
     except ValueError as error:

@@ -87,7 +87,9 @@ def packed(content: bytes | NDArray) -> str:
 
 
 def write(folder: Path) -> None:
-    """Write ``scenes.js`` and ``runtime.js`` into a folder."""
+    """Write ``scenes.js``, ``runtime.js``, and phases as a reader has them: ``example.csv``."""
+    room = held_out_frames()[ROOMS["study"]].middle(96, 128)
+    np.savetxt(folder / "example.csv", simulate(room, seed=0).phase.reshape(-1, 128), "%.3f", ",")
     drawn = {name: packed_scene(frame) for name, frame in scenes().items()}
     held = {key: letters((RUNTIME / f"{name}.gz").read_bytes()) for key, name in SCRIPTS.items()}
     held["model"] = packed(light_network())

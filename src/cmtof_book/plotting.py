@@ -98,7 +98,7 @@ def maps(
     """
     arrays = np.asarray(images, float)
     aspect = arrays.shape[1] / arrays.shape[2]
-    fig, axes = _grid(len(arrays), int(columns or len(arrays)), width, aspect)
+    fig, axes = grid(len(arrays), int(columns or len(arrays)), width, aspect)
     limits = limits or (np.nanmin(arrays), np.nanmax(arrays))
     for ax, values, title in zip(axes, arrays, titles or len(arrays) * [""], strict=True):
         image(ax, values, label="", title=title, cmap=cmap, limits=limits, bar=False)
@@ -106,12 +106,12 @@ def maps(
     return fig, axes
 
 
-def _grid(count: int, columns: int, width: float, aspect: float) -> tuple[Figure, list[Axes]]:
+def grid(count: int, columns: int, width: float, aspect: float) -> tuple[Figure, list[Axes]]:
     """So many panels in columns, with space for titles and one colour bar; sizes in inches."""
     rows = -(-count // columns)
     size = (columns * width + 0.9, rows * (width * aspect + 0.35))
-    fig, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
-    shown, empty = np.split(grid.ravel(), [count])
+    fig, made = plt.subplots(rows, columns, figsize=size, squeeze=False)
+    shown, empty = np.split(made.ravel(), [count])
     for ax in empty:
         ax.remove()
     return fig, shown.tolist()

@@ -45,7 +45,7 @@ class Record(NamedTuple):
 
 def compared_from_json(number: Mapping[str, Any]) -> Compared:
     """Number with its kind, of which a record may say more than belongs to the kind."""
-    known = ("value", "kind", "error", "pixels", "at_least")
+    known = Compared.__dataclass_fields__
     return Compared(**{name: number[name] for name in known if name in number})
 
 

@@ -25,7 +25,6 @@ from cmtof.correlation import centred, depth_from_phase, phase_from_depth
 from cmtof.evaluation import Evaluation, measured, score, scored_pixels
 from cmtof.files import read_document, written_whole
 from cmtof.frame import embedded_frames
-from cmtof.measurement import Measurement
 from cmtof.scenes import Frame, load_frame
 from cmtof.simulation import simulate
 from cmtof.unwrapping import unwrap
@@ -117,17 +116,14 @@ def _methods(seed: int, figure: Path | None) -> Named:
         _draw(figure, frames[0], taken[0]["beat"], answers)
 
 
-def _draw(
-    figure: Path, frame: Frame, measurement: Measurement, answers: dict[str, xr.Dataset]
-) -> None:
-    """Draw Fig. 10 of a frame, whole or not at all."""
+def _draw(figure: Path, *shown: Any) -> None:
+    """Draw Fig. 10 of a frame, its measurement and the answers, whole or not at all."""
     from cmtof_book import plotting
     from cmtof_book.comparison import Scene, comparison_figure
 
     plotting.begin()
-    scene = Scene(frame, measurement, answers)
     with written_whole(figure) as part:
-        comparison_figure(scene, METHODS).savefig(part)
+        comparison_figure(Scene(*shown), METHODS).savefig(part)
 
 
 if __name__ == "__main__":

@@ -23,13 +23,13 @@ from cmtof import __version__
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
 from cmtof.evaluation import Tally, scored_pixels
-from cmtof.files import written_whole
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.network.weights import read_card, weights_path
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
 from cmtof.types import Array
 from cmtof_book import RESULTS, Values
+from cmtof_book.provenance import write_json
 from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING, still_life
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene
@@ -255,8 +255,7 @@ class Counts:
     def store(self, **about: Any) -> None:
         """Write everything."""
         self.held |= about
-        with written_whole(self.path) as part:
-            part.write_text(json.dumps(self.held, indent=1) + "\n", "utf-8")
+        write_json(self.path, self.held)
 
 
 def counts_of(scans: Iterable[Measurement], row: str, options: Values) -> list[list[int]]:

@@ -1,17 +1,23 @@
-"""Two methods on one image, with a divider that the reader moves, and their errors on demand."""
+"""Two methods on one image, with a divider that the reader moves, and their errors on demand.
 
+The script of the book's pages moves the divider, and tells of a pixel what both methods say of it.
+"""
+
+import json
 from io import BytesIO
 from itertools import product
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from numpy.typing import NDArray
 
+from cmtof.correlation import TAU, wrap_length
 from cmtof_book.comparison import Scene
 from cmtof_book.provenance import letters
 
 LAYERS = {"wraps": "viridis", "errors": "magma"}
 WORST = 10  # wraps off, from where on an error is drawn alike
-MOVE = "this.closest('figure').style.setProperty('--at', this.value + '%')"
 
 
 def show_swipe(scene: Scene, left: str, right: str) -> None:
@@ -21,19 +27,29 @@ def show_swipe(scene: Scene, left: str, right: str) -> None:
     both = product(((left, ""), (right, "over")), LAYERS)
     pictures = [_picture(scene, label, kind, place) for (label, place), kind in both]
     sides = f"{_share(scene, left)} at the left, {_share(scene, right)} at the right"
+    wrap = 1e3 * wrap_length(scene.measurement.frequencies[0])
     display(
         HTML(
-            f'<figure class="swipe" style="--at:50%"><div>{"".join(pictures)}'
-            f'<input type="range" aria-label="Divider: {left} at its left, {right} at its right" '
-            f'oninput="{MOVE}"></div><label><input type="checkbox"> errors</label>'
-            f"<figcaption>{sides}; the divider moves by pointer and by arrow keys.</figcaption>"
-            "</figure>"
+            f'<figure class="swipe" data-wrap="{wrap}" data-names=\'{json.dumps([left, right])}\'>'
+            f"<div>{''.join(pictures)}{_image(_told(scene, left, right), 'told')}"
+            f'<input type="range" aria-label="Divider: {left} at its left, {right} at its right">'
+            '</div><label><input type="checkbox"> errors</label> <output></output>'
+            f"<figcaption>{sides}. The divider follows pointer and arrow keys, the pixel below the "
+            "image pointer and arrow keys with shift.</figcaption></figure>"
         )
     )
 
 
 def _share(scene: Scene, label: str) -> str:
     return f"<code>{label}</code> ({100 * scene.right(label):.0f} % right)"
+
+
+def _told(scene: Scene, *labels: str) -> NDArray[np.uint8]:
+    """True wraps and those by two methods, beside them phase and odds, 255 for one, as colours."""
+    counts = np.dstack([scene.count(), *map(scene.count, labels)])
+    odds = [scene.answers[label]["confidence"] for label in labels]
+    shares = np.dstack([scene.measurement.phase[0] / TAU, *odds])
+    return np.nan_to_num(np.hstack([counts, 255 * shares])).astype(np.uint8)
 
 
 def _picture(scene: Scene, label: str, kind: str, place: str) -> str:
@@ -44,8 +60,12 @@ def _picture(scene: Scene, label: str, kind: str, place: str) -> str:
         values = scene.error(label)
         low, high = 0, WORST
     scale = plt.get_cmap(LAYERS[kind]).with_extremes(bad="0.6")
+    look = {"cmap": scale, "vmin": low, "vmax": high}
+    return _image(values, f"{kind} {place}", f"{kind.capitalize()} of {label}.", **look)
+
+
+def _image(values: NDArray, kind: str, text: str = "", **look: Any) -> str:
     written = BytesIO()
-    plt.imsave(written, scale(np.ma.masked_invalid((values - low) / (high - low))))
-    text = f"{kind.capitalize()} of {label}."
+    plt.imsave(written, values, **look)
     source = f"data:image/png;base64,{letters(written.getvalue())}"
-    return f'<img class="{kind} {place}" alt="{text}" src="{source}">'
+    return f'<img class="dark-light {kind}" alt="{text}" src="{source}">'

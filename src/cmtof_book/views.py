@@ -1,105 +1,110 @@
-"""Surfaces that a reader can turn: their points for the viewer of the book's pages, and a still.
-
-PyVista draws in a process of its own, off screen: without a working OpenGL it may crash, and then
-only there.
-"""
+"""Surfaces that a reader can turn: their points for the viewer of the book's pages, and a still."""
 
 import html
 import json
-import os
 import sys
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
+from typing import NamedTuple
 
+import matplotlib.pyplot as plt
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from matplotlib.colors import to_hex
 
 from cmtof.files import written_whole
 from cmtof.pointcloud import mesh_triangles
 from cmtof.types import Array
-from cmtof_book import provenance
+from cmtof_book import Values, provenance
 
 STATIC = "_static/scenes"  # where `cmtof_book.stage` puts the files
-LIGHTS = {(-0.5, -0.6, -0.1): 0.75, (0.6, -0.1, 0.0): 0.35}
-"""Where the lamps of a still stand, and how bright they are."""
+
+
+class Layer(NamedTuple):
+    """A surface, points (H, W, 3), m, coloured by values (H, W) on a scale between two ends."""
+
+    points: Array
+    values: Array
+    scale: str
+    ends: tuple[float, float]
+    meaning: str
+
+    def colours(self) -> Array:
+        """Colours (H, W, 3), 0 to 1."""
+        low, high = self.ends
+        return plt.get_cmap(self.scale)((self.values - low) / (high - low))[..., :3]
+
+    def packed(self, step: int) -> Values:
+        """Every so many points for the page, and the key to their colours."""
+        few = np.s_[::step, ::step]
+        key = [to_hex(one) for one in plt.get_cmap(self.scale)(np.linspace(0, 1, 9))]
+        return {
+            "shape": self.values[few].shape,
+            "points": provenance.letters(self.points[few].astype("<f4").tobytes()),
+            "colours": provenance.letters(
+                bytes(np.rint(255 * self.colours()[few]).astype(np.uint8))
+            ),
+            "meaning": self.meaning,
+            "ends": [f"{end:.3g}" for end in self.ends],
+            "scale": ", ".join(key),
+        }
 
 
 def save_scene(
-    name: str, layers: Mapping[str, tuple[Array, Array]], *, longest: float, eye: tuple
+    name: str, layers: Mapping[str, Layer], *, longest: float, eye: tuple, step: int = 1
 ) -> None:
-    """Write surfaces, points and colours by what they show, to ``name.js``, seen as in `still`."""
-    shape = next(iter(layers.values()))[0].shape[:2]
-    packed = {
-        label: [
-            provenance.letters(points.astype("<f4").tobytes()),
-            provenance.letters(_levels(np.nan_to_num(colours)).tobytes()),
-        ]
-        for label, (points, colours) in layers.items()
-    }
-    about = {"shape": shape, "longest": longest, "eye": eye, "layers": packed}
+    """Write surfaces by name to ``name.js``, of every so many points.
+
+    Neighbours further apart than ``longest``, m, are not joined; ``eye`` (3,), m, is where they are
+    seen from. Points are x right, y down, z forward, NaN for none.
+    """
+    packed = {label: layer.packed(step) for label, layer in layers.items()}
+    about = {"longest": step * longest, "eye": eye, "layers": packed}
     with written_whole(provenance.output_folder() / f"{name}.js") as part:
         part.write_text(f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", "utf-8")
-
-
-def _levels(colours: Array) -> NDArray[np.uint8]:
-    """Colours from 0 to 1 in levels of a byte."""
-    return np.rint(255 * np.clip(colours, 0, 1)).astype(np.uint8)
 
 
 def show_scene(name: str, *, title: str) -> None:
     """Put a saved scene on the page of the book, folded until it is opened."""
     from IPython.display import HTML, display
 
-    block = f'<details class="scene" data-scene="{name}"><summary>Turn it: {html.escape(title)}'
-    display(HTML(f"{block}</summary><p>The page of the book draws it here.</p></details>"))
+    display(
+        HTML(
+            f'<details class="scene" id="{name.replace("_", "-")}"><summary>Turn it: '
+            f"{html.escape(title)}</summary><p>The page of the book draws it here.</p></details>"
+        )
+    )
 
 
-def still(points: ArrayLike, colours: ArrayLike, *, longest: float, eye: tuple) -> Array | None:
-    """Shaded still (h, w, 3), 0 to 1, of a surface, cropped to it; None without OpenGL.
+def still(layer: Layer, *, longest: float, eye: tuple) -> Array | None:
+    """Shaded still (h, w, 3), 0 to 1, of a surface, seen as in `save_scene`; None without OpenGL.
 
-    Points (H, W, 3), m, are x right, y down, z forward, NaN for none; colours (H, W, 3) are 0 to 1.
-    Neighbours further apart than ``longest``, m, are not joined; ``eye`` (3,), m, is where the
-    surface is seen from.
+    PyVista draws in a process of its own, off screen: without OpenGL it may crash, and only there.
     """
-    used, faces = np.unique(mesh_triangles(points, longest=longest), return_inverse=True)
-    chosen = (np.reshape(values, (-1, 3))[used] for values in (points, colours))
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         try:
-            return pool.submit(_drawn, *chosen, faces.reshape(-1, 3), eye).result()
+            return pool.submit(_drawn, layer, longest, eye).result()
         except BrokenProcessPool:
             print("No still: OpenGL is missing (apt-get install libegl1 libgl1).", file=sys.stderr)
             return None
 
 
-def _drawn(points: Array, colours: Array, faces: NDArray, eye: tuple) -> Array:
+def _drawn(layer: Layer, longest: float, eye: tuple) -> Array:
     """Draw what `still` describes; runs in its own process."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # VTK's complaints about a missing screen
     import pyvista as pv
 
-    mesh = pv.PolyData.from_regular_faces(points, faces)
-    plotter = pv.Plotter(off_screen=True, window_size=[900, 900], lighting="none")
-    plotter.renderer.SetBackground(1, 1, 1)
+    pv.vtk_verbosity("off")  # complaints about a missing screen
+    faces = mesh_triangles(layer.points, longest=longest)
+    mesh = pv.PolyData.from_regular_faces(layer.points.reshape(-1, 3), faces)
+    mesh["values"] = layer.values.ravel()
+    mesh.clean(inplace=True)
+    plotter = pv.Plotter(off_screen=True, lighting="three lights")
+    plotter.camera_position = eye, mesh.center, (0, -1, 0)
+    mesh.transform(plotter.camera.GetModelViewTransformMatrix(), inplace=True)
     plotter.add_mesh(
-        mesh,
-        scalars=_levels(colours),
-        rgb=True,
-        smooth_shading=True,
-        ambient=0.25,
-        diffuse=0.8,
-        specular=0.25,
-        specular_power=12,
+        mesh, smooth_shading=True, cmap=layer.scale, clim=layer.ends, show_scalar_bar=False
     )
-    centre = 0.5 * (points.min(0) + points.max(0))
-    for place, strength in LIGHTS.items():
-        plotter.add_light(pv.Light(position=place, focal_point=centre, intensity=strength))
-    plotter.camera_position = [list(eye), centre.tolist(), (0.0, -1.0, 0.0)]
     plotter.enable_anti_aliasing("ssaa")
-    return _cropped(np.asarray(plotter.screenshot(None, return_img=True))) / 255
-
-
-def _cropped(image: NDArray) -> NDArray:
-    """A picture without its empty margins."""
-    drawn = np.nonzero((image < 250).any(axis=-1))
-    return image[tuple(slice(along.min(), along.max() + 1) for along in drawn)]
+    plotter.camera.tight()
+    return np.asarray(plotter.screenshot(None, return_img=True)) / 255

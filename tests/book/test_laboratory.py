@@ -3,6 +3,8 @@
 import gzip
 import hashlib
 import json
+import re
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +16,8 @@ import cmtof
 from cmtof.bounds import wrap_noise
 from cmtof.classical.beat import beat, beat_phasor
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import TAU, wrap_length
+from cmtof.correlation import TAU, centred, wrap_length
+from cmtof.measurement import Measurement
 from cmtof.network import inference, weights
 from cmtof.network.features import features
 from cmtof.scenes import Frame
@@ -23,7 +26,8 @@ from cmtof_book import laboratory
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = ROOT / "book" / "_static" / "laboratory"
 PROGRAM = """
-for (const name of ["simulation", "beat", "network"]) require(`${process.argv[2]}/${name}.js`);
+const names = ["simulation", "beat", "network", "frames"];
+for (const name of names) require(`${process.argv[2]}/${name}.js`);
 const lab = globalThis.laboratory;
 const files = require("fs");
 const given = JSON.parse(files.readFileSync(process.argv[3], "utf-8"));
@@ -35,21 +39,36 @@ const measured = given.tones.map((tone) => ({
   amplitude: Float32Array.from(tone.amplitude),
 }));
 const found = lab.likeliest(given.weights, scene.width * scene.height);
+const unwrapped = (tones, size) => ({
+  beat: lab.averagedBeat(tones, size, frequencies, given.side),
+  features: lab.features(tones, size),
+});
+const own = lab.ownPhases(given.csv);
 const answer = {
   images,
   noisy: images.map((one) => lab.withNoise(one, given.sigma, given.normal)),
   tones: images.map(lab.decode),
-  beat: lab.averagedBeat(measured, scene, frequencies, given.side),
-  features: lab.features(measured, scene),
+  images_of: unwrapped(measured, scene),
+  phases_of: unwrapped(own.tones, own),
   wraps: found.wraps,
   odds: found.oddsAt(7),
   candidates: lab.oddsOfWraps(45.3, 0.8, 2.0),
+  refused: given.others.map((text) => {
+    try { lab.ownPhases(text); } catch (error) { return error.message; }
+  }),
 };
 const plain = (_, value) => (ArrayBuffer.isView(value) ? [...value] : value);
 files.writeFileSync(process.argv[3], JSON.stringify(answer, plain));
 """
 OFFSET = 0.3  # rad, of the second tone
 SIDE = 5  # px
+REFUSED = {
+    "1,2\n3": "finite numbers",
+    "1,\n2,3": "finite numbers",
+    "1,2\n3,4\n5,6": "two images",
+    "1,90\n3,270": "2 pi rad",
+    "1,2\n3,4": "8 px",
+}
 
 
 @pytest.fixture(scope="module")
@@ -67,28 +86,50 @@ def measurement(frame):
 
 
 @pytest.fixture(scope="module")
+def phases(measurement):
+    """The same phases alone, as a reader has them in a file."""
+    low, high = measurement.range
+    phase = np.round(measurement.phase, 6)
+    return Measurement.from_phase(phase, FREQUENCIES, range_min=low, range_max=high)
+
+
+@pytest.fixture(scope="module", params=["images_of", "phases_of"])
+def unwrapped(request, page, measurement, phases):
+    """A measurement, and what the page makes of it."""
+    measured = measurement if request.param == "images_of" else phases
+    return measured, page[request.param]
+
+
+@pytest.fixture(scope="module")
 def logits():
     return np.random.default_rng(2).normal(size=(21, 24 * 32))
 
 
 @pytest.fixture(scope="module")
-def page(frame, measurement, logits, tmp_path_factory):
+def page(frame, measurement, phases, logits, tmp_path_factory):
     """What the scripts of the page compute."""
     folder = tmp_path_factory.mktemp("laboratory")
     normal = np.random.default_rng(1).normal(size=4 * frame.depth.size)
-    scene = {"width": 32, "height": 24, "depth": measurement.depth.astype(float).ravel().tolist()}
-    scene["light"] = frame.intensity.ravel().tolist()
-    given = {"scene": scene, "frequencies": FREQUENCIES, "offset": OFFSET, "side": SIDE}
-    given |= {"sigma": 100.0, "normal": normal.tolist()}
     images = zip(measurement.phase, measurement.amplitude, strict=True)
-    given["tones"] = [
-        {"phase": p.ravel().tolist(), "amplitude": a.ravel().tolist()} for p, a in images
-    ]
-    given["weights"] = logits.ravel().tolist()
-    (folder / "shared.json").write_text(json.dumps(given))
+    rows = StringIO()
+    np.savetxt(rows, np.vstack(centred(phases.phase)), "%.6f", ",")
+    given = {
+        "scene": {"width": 32, "height": 24, "depth": measurement.depth, "light": frame.intensity},
+        "frequencies": FREQUENCIES,
+        "offset": OFFSET,
+        "side": SIDE,
+        "sigma": 100.0,
+        "normal": normal,
+        "tones": [{"phase": phase, "amplitude": amplitude} for phase, amplitude in images],
+        "weights": logits,
+        "csv": rows.getvalue(),
+        "others": list(REFUSED),
+    }
+    shared = folder / "shared.json"
+    shared.write_text(json.dumps(given, default=lambda image: image.ravel().tolist()))
     (folder / "program.js").write_text(PROGRAM)
-    assert node([str(folder / "program.js"), str(SCRIPTS), str(folder / "shared.json")]) == 0
-    return json.loads((folder / "shared.json").read_text()) | {"normal": normal}
+    assert node([str(folder / "program.js"), str(SCRIPTS), str(shared)]) == 0
+    return json.loads(shared.read_text()) | {"normal": normal}
 
 
 def test_images_and_their_noise(page, measurement):
@@ -107,7 +148,8 @@ def test_phases_and_amplitudes(page, measurement):
         np.testing.assert_allclose(tone["amplitude"], amplitude.ravel(), rtol=1e-4)
 
 
-def test_wraps_of_the_averaged_beat(page, measurement):
+def test_wraps_of_the_averaged_beat(unwrapped):
+    measurement, page = unwrapped
     depth = beat(measurement, window=SIDE).depth.ravel()
     np.testing.assert_allclose(
         page["beat"]["wraps"], depth / wrap_length(FREQUENCIES[0]), rtol=1e-4
@@ -120,7 +162,13 @@ def test_wraps_of_the_averaged_beat(page, measurement):
     np.testing.assert_allclose(page["beat"]["spread"], expected, rtol=1e-4, atol=1e-4)
 
 
-def test_inputs_of_the_network(page, measurement):
+def test_files_without_two_wrapped_phases_are_refused(page):
+    for message, expected in zip(page["refused"], REFUSED.values(), strict=True):
+        assert re.search(rf"^Expected .*{expected}.*, got ", message)
+
+
+def test_inputs_of_the_network(unwrapped):
+    measurement, page = unwrapped
     images = inference.network_images(measurement, "beat")
     expected = features(*images, "beat").ravel()
     np.testing.assert_allclose(page["features"], expected, rtol=1e-4, atol=1e-4)

@@ -5,6 +5,7 @@ from base64 import b64decode
 from concurrent.futures.process import BrokenProcessPool
 from unittest.mock import MagicMock
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -12,46 +13,32 @@ from cmtof.pointcloud import points_from_depth
 from cmtof_book import views
 from cmtof_book.provenance import OUTPUT_VARIABLE
 
-CAMERA = (100.0, 100.0, 40.0, 30.0)
-
-
-def ball() -> np.ndarray:
-    """Ranges (60, 80), m, of a ball before a wall."""
-    y, x = (np.mgrid[:60, :80] + 0.5 - np.array([30, 40])[:, None, None]) / 100
-    inside = np.maximum(0.2**2 - x**2 - y**2, 0)
-    return np.where(inside > 0, 1.0 - np.sqrt(inside), 1.2)
-
-
-POINTS, COLOURS = points_from_depth(ball(), CAMERA), (1.2 - ball()[..., None]) * [2.5, 2.0, 1.0]
+SIDE = np.linspace(-1, 1, 60)
+BOWL = 0.8 + 0.2 * (SIDE**2 + SIDE[:, None] ** 2)  # m
+SCALE = ("viridis", (0.8, 1.2), "range (m)")
+LAYER = views.Layer(points_from_depth(BOWL, (100, 100, 30, 30)), BOWL, *SCALE)
 VIEW = {"longest": 0.05, "eye": (-0.3, -0.3, 0.0)}
-LAYERS = {"depth": (POINTS, COLOURS), "truth": (POINTS + 0.1, COLOURS)}
+LAYERS = {"depth": LAYER, "truth": LAYER._replace(points=LAYER.points + 0.1)}
 
 
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    """Folder with a saved scene, and its still."""
-    folder = tmp_path_factory.mktemp("results") / "31"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(OUTPUT_VARIABLE, str(folder))
-        views.save_scene("ball_scene", LAYERS, **VIEW)
-    return folder, views.still(POINTS, COLOURS, **VIEW)
-
-
-def test_a_script_holds_every_point_and_colour(scene):
-    (file,) = scene[0].iterdir()
-    call, _, rest = file.read_text(encoding="utf-8").partition(", ")
-    assert (file.name, call) == ("ball_scene.js", 'cmtofScene("ball_scene"')
+def test_a_script_holds_points_and_colours(tmp_path, monkeypatch):
+    monkeypatch.setenv(OUTPUT_VARIABLE, str(tmp_path))
+    views.save_scene("ball_scene", LAYERS, **VIEW, step=2)
+    call, _, rest = (tmp_path / "ball_scene.js").read_text("utf-8").partition(", ")
     about = json.loads(rest.rstrip(");\n"))
-    assert about["shape"] == [60, 80] and list(about["layers"]) == list(LAYERS)
-    for label, (points, colours) in LAYERS.items():
-        first, second = map(b64decode, about["layers"][label])
-        np.testing.assert_allclose(np.frombuffer(first, "<f4").reshape(60, 80, 3), points, 1e-6)
-        levels = np.frombuffer(second, np.uint8).reshape(60, 80, 3) / 255
-        np.testing.assert_allclose(levels, np.clip(colours, 0, 1), atol=0.5 / 255 + 1e-9)
+    assert (call, about["longest"]) == ('cmtofScene("ball_scene"', 0.1)
+    assert list(about["layers"]) == list(LAYERS)
+    held = about["layers"]["truth"]
+    points = np.frombuffer(b64decode(held["points"]), "<f4").reshape(*held["shape"], 3)
+    np.testing.assert_allclose(points, LAYERS["truth"].points[::2, ::2], 1e-6)
+    levels = np.frombuffer(b64decode(held["colours"]), np.uint8).reshape(points.shape)
+    expected = plt.get_cmap("viridis")((BOWL[::2, ::2] - 0.8) / 0.4)[..., :3]
+    np.testing.assert_allclose(levels, 255 * expected, atol=0.51)
+    assert (held["ends"], held["scale"][:7]) == (["0.8", "1.2"], "#440154")
 
 
-def test_the_still_shows_the_surface(scene):
-    _, still = scene
+def test_the_still_shows_the_surface():
+    still = views.still(LAYER, **VIEW)
     if still is None:
         pytest.skip("no OpenGL here (Debian: apt-get install libegl1 libgl1)")
     assert still.shape[2] == 3 and still.min() >= 0 and still.max() <= 1
@@ -64,7 +51,7 @@ def test_without_opengl_the_still_is_missing(monkeypatch, capsys):
     executor = MagicMock()
     executor.return_value.__enter__.return_value.submit.side_effect = BrokenProcessPool
     monkeypatch.setattr(views, "ProcessPoolExecutor", executor)
-    assert views.still(POINTS, COLOURS, longest=0.05, eye=(0, 0, 0)) is None
+    assert views.still(LAYER, **VIEW) is None
     assert "OpenGL is missing" in capsys.readouterr().err
 
 
@@ -72,5 +59,5 @@ def test_the_page_names_and_folds_the_scene(monkeypatch):
     shown = []
     monkeypatch.setattr("IPython.display.display", shown.append)
     views.show_scene("ball_scene", title='A "ball"')
-    assert shown[0].data.startswith('<details class="scene" data-scene="ball_scene">')
+    assert shown[0].data.startswith('<details class="scene" id="ball-scene">')
     assert "A &quot;ball&quot;</summary>" in shown[0].data

@@ -63,7 +63,8 @@ def opened(browser, page, width):
     problems = []
     local = ("file:", "data:", "blob:")
     tab.on("request", lambda r: r.url.startswith(local) or problems.append(f"asks for {r.url}"))
-    tab.on("requestfailed", lambda r: problems.append(f"could not load {r.url}"))
+    # a link to a download ends as a failed navigation
+    tab.on("requestfailed", lambda r: r.is_navigation_request() or problems.append(f"no {r.url}"))
     tab.on("pageerror", lambda error: problems.append(f"script: {error}"))
     tab.on("console", lambda m: m.type == "error" and problems.append(f"console: {m.text}"))
     tab.goto(page.resolve().as_uri())

@@ -3,6 +3,7 @@
 import contextlib
 import re
 import shutil
+from functools import partial
 from pathlib import Path
 
 import browse
@@ -82,7 +83,7 @@ def test_search_finds_a_term(browser, words):
         assert found.inner_text().strip()
 
 
-@pytest.mark.parametrize("chapter", ["03_wraps", "04_modulator"])
+@pytest.mark.parametrize("chapter", ["03_wraps", "04_modulator", "18_error_budget"])
 def test_every_slider_changes_the_curve(visit, chapter):
     tab = visit(f"notebooks/{chapter}.html")
     curve = tab.locator("[data-play] .curve")
@@ -96,17 +97,28 @@ def test_every_slider_changes_the_curve(visit, chapter):
     assert len(seen) >= tab.locator("[data-play] input").count() + 1
 
 
-@pytest.mark.parametrize("chapter", ["21_scanned_scenes", "11_surfaces"])
-def test_a_scene_turns_changes_and_is_reset(visit, chapter):
-    tab = visit(f"notebooks/{chapter}.html")
-    scene = tab.locator("details.scene").first
-    scene.locator("summary").click()
+def pinch(tab, canvas):
+    """Move two fingers apart on a scene."""
+    box, touch = canvas.bounding_box(), tab.context.new_cdp_session(tab)
+    for kind, apart in (("touchStart", 30), ("touchMove", 60), ("touchEnd", 0)):
+        ends = [{"x": box["x"] + 100 + x, "y": box["y"] + 100} for x in (-apart, apart) if apart]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": ends})
+
+
+@pytest.mark.parametrize(
+    "page", ["book/intro", "notebooks/21_scanned_scenes", "notebooks/11_surfaces"]
+)
+def test_a_scene_turns_changes_and_is_reset(visit, page):
+    tab = visit(f"{page}.html")
+    scene = tab.locator(".scene").first
+    scene.click()
     canvas = scene.locator("canvas")
-    pictures = []
-    canvas.focus()
-    acts = [lambda: tab.keyboard.press("ArrowLeft"), lambda: tab.keyboard.press("ArrowUp")]
+    canvas.click()
+    acts = [partial(tab.keyboard.press, key) for key in ("ArrowLeft", "ArrowUp")]
+    acts += [partial(tab.mouse.wheel, 0, -200), partial(pinch, tab, canvas)]
     for name in ("wraps off", "truth", "nearer", "reset"):
         acts.append(scene.get_by_role("button", name=name).click)
+    pictures = []
     for act in [lambda: None, *acts]:
         act()
         tab.wait_for_timeout(300)
@@ -115,17 +127,33 @@ def test_a_scene_turns_changes_and_is_reset(visit, chapter):
     assert len(set(pictures)) == len(pictures) - 1
 
 
-def test_a_divider_shows_one_method_or_the_other(browser):
-    with browse.opened(browser, HTML / "notebooks" / "10_methods.html", 1280) as (tab, problems):
-        figure = tab.locator("figure.swipe")
-        shown = [figure.screenshot()]
-        figure.locator("[type=range]").focus()
-        for key in ("Home", "End"):
-            tab.keyboard.press(key)
-            shown.append(figure.screenshot())
-        figure.get_by_label("errors").check()
+@pytest.mark.parametrize("chapter", ["10_methods", "21_scanned_scenes"])
+def test_a_divider_shows_one_method_or_the_other(visit, chapter):
+    figure = visit(f"notebooks/{chapter}.html").locator("figure.swipe")
+    slider = figure.locator("[type=range]")
+    acts = [partial(slider.press, key) for key in ("Home", "End")]
+    acts += [figure.get_by_label("errors").check, partial(slider.hover, position={"x": 9, "y": 9})]
+    acts += 2 * [partial(slider.press, "Shift+ArrowDown")]
+    shown = []
+    for act in acts:
+        act()
         shown.append(figure.screenshot())
-        assert len(set(shown)) == len(shown) and not problems
+    assert len(set(shown)) == len(shown)
+    assert re.match(
+        r"Pixel \(\d+,\d+\): (not scored|truth: \d+ wraps, \d+ mm; .*odds)",
+        figure.locator("output").inner_text(),
+    )
+
+
+def test_the_scoreboard_shows_what_is_chosen(visit):
+    figure = visit("book/scoreboard.html").locator("figure.ratios")
+    lines = figure.locator("li").count()
+    for box in figure.locator("input").all():
+        value = box.get_attribute("value")
+        chosen = figure.locator(f"[data-verdict='{value}'], [data-same='{value}']").count()
+        box.uncheck()
+        assert lines > figure.locator("li:visible").count() == lines - chosen
+        box.check()
 
 
 @pytest.mark.parametrize("kind", ["#equation-", "bibliography.html#"])
@@ -216,27 +244,32 @@ def test_the_network_of_the_laboratory_answers_as_in_python(browser):
 def read_a_pixel(tab):
     """Move the pixel by mouse, by touch and by keyboard."""
     canvas, pixel = tab.locator("#laboratory canvas").first, tab.locator("#laboratory .spot p")
-    seen = [pixel.inner_text()]
-    canvas.hover(position={"x": 30, "y": 40})
-    seen.append(pixel.inner_text())
     box = canvas.bounding_box()
     touch = {"pointerType": "touch", "clientX": box["x"] + 50, "clientY": box["y"] + 60}
-    canvas.dispatch_event("pointerdown", touch)
-    seen.append(pixel.inner_text())
-    canvas.focus()
-    tab.keyboard.press("ArrowDown")
-    seen.append(pixel.inner_text())
-    assert len(set(seen)) == 4
+    acts = [
+        partial(canvas.dispatch_event, "pointerdown", touch),
+        partial(canvas.press, "ArrowDown"),
+    ]
+    seen = {pixel.inner_text()}
+    for act in (partial(canvas.hover, position={"x": 30, "y": 40}), *acts):
+        act()
+        seen.add(pixel.inner_text())
+    assert len(seen) == 4
 
 
 def take_own_scenes(tab, folder):
-    """Take a frame of the reader's, and refuse what is none."""
-    y, x = np.mgrid[:70, :90]
-    np.savez(folder / "own.npz", depth=1.0 + 0.001 * x, intensity=0.4 + 0.005 * y)
-    (folder / "other.npz").write_bytes(b"no frame")
+    """Take a frame of the reader's and the phases of the example, and refuse what is neither."""
+    image = np.linspace(0.9, 1, 70 * 90).reshape(70, 90)
+    np.savez(folder / "own.npz", depth=image, intensity=image)
+    with tab.expect_download() as example:
+        tab.get_by_role("link", name="an example").click()
+    example.value.save_as(folder / "own.csv")
     taken = tab.locator("#laboratory input[type=file]")
-    taken.set_input_files(folder / "other.npz")
-    tab.locator("#laboratory .said", has_text="Expected an .npz file").wait_for()
-    taken.set_input_files(folder / "own.npz")
-    tab.locator("#laboratory option", has_text="own.npz").wait_for(state="attached")
-    assert tab.locator("#laboratory canvas").first.get_attribute("width") == "88"
+    for kind, width in (("npz", "88"), ("csv", "128")):
+        (folder / f"other.{kind}").write_bytes(b"no data")
+        taken.set_input_files(folder / f"other.{kind}")
+        tab.locator("#laboratory .said", has_text="Expected").wait_for()
+        taken.set_input_files(folder / f"own.{kind}")
+        tab.locator("#laboratory option", has_text=f"own.{kind}").wait_for(state="attached")
+        assert tab.locator("#laboratory canvas").first.get_attribute("width") == width
+        assert tab.locator("[name=sigma]").is_disabled() == (kind == "csv")

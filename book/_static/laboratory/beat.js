@@ -11,17 +11,16 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
   function windowMean(image, width, height, side) {
     const along = (from, length, lines, step, jump) => {
       const to = new Float64Array(from.length);
-      const half = (side - 1) / 2;
+      const mirrored = Int32Array.from({ length: length + side }, (_, k) => {
+        const place = (k - (side - 1) / 2 + 2 * side * length) % (2 * length);
+        return step * (place < length ? place : 2 * length - 1 - place);
+      });
       for (let line = 0; line < lines; line++) {
-        const at = (k) => {
-          const place = ((k % (2 * length)) + 2 * length) % (2 * length);
-          return from[line * jump + step * (place < length ? place : 2 * length - 1 - place)];
-        };
         let sum = 0;
-        for (let k = -half; k <= half; k++) sum += at(k);
+        for (let k = 0; k < side; k++) sum += from[line * jump + mirrored[k]];
         for (let k = 0; k < length; k++) {
           to[line * jump + step * k] = sum / side;
-          sum += at(k + half + 1) - at(k - half);
+          sum += from[line * jump + mirrored[k + side]] - from[line * jump + mirrored[k]];
         }
       }
       return to;

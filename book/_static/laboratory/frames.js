@@ -1,7 +1,7 @@
-// Scenes: those that the book holds, and a reader's own .npz (depth, m, and intensity, 0 to 1).
+// Scenes: those that the book holds, a reader's own .npz (depth, m, and intensity, 0 to 1), and phases as .csv.
 "use strict";
 globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
-  const { FIRST, CLASSES, wrapLength, unpacked } = globalThis.laboratory;
+  const { TAU, FIRST, CLASSES, wrapLength, unpacked } = globalThis.laboratory;
   const FAR = 1.195; // m, to which the released protocol shrinks a scene
   const MOST = 512; // px, of a side
 
@@ -50,7 +50,16 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
     return { shape, numbers: new kind(buffer.slice(start)) };
   }
 
-  // Scene of a reader's file, cut to its middle and shrunk as the released protocol does.
+  // The middle of images of so many rows and columns, in sides that the network takes.
+  function middle([rows, columns]) {
+    const [height, width] = [rows, columns].map((size) => Math.min(size, MOST) & ~7);
+    if (!height || !width) throw new Error(`Expected images of 8 px a side or more, got ${rows} × ${columns}. Take larger ones.`);
+    const first = ((rows - height) >> 1) * columns + ((columns - width) >> 1);
+    const place = (i) => first + Math.floor(i / width) * columns + (i % width);
+    return { width, height, cut: (image) => Float64Array.from({ length: height * width }, (_, i) => image[place(i)]) };
+  }
+
+  // Scene of a reader's .npz, cut to its middle and shrunk as the released protocol does.
   async function ownScene(buffer) {
     const members = await unzipped(buffer);
     if (!members.depth || !members.intensity) throw new Error("Expected depth and intensity in the .npz, got others. Name them so.");
@@ -58,18 +67,31 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
     if (String(deep.shape) !== String(bright.shape)) throw new Error("Expected depth and intensity of one size, got two. Resample one.");
     const known = deep.numbers.filter(Number.isFinite).sort();
     const shrunk = Math.min(Math.max(FAR / known[Math.floor(0.999 * (known.length - 1))], 0.01), 1);
-    const [height, width] = deep.shape.map((size) => Math.min(size, MOST) & ~7);
-    const [top, left] = deep.shape.map((size, axis) => (size - [height, width][axis]) >> 1);
+    const { width, height, cut } = middle(deep.shape);
+    const depth = cut(deep.numbers).map((z) => (Number.isFinite(z) ? shrunk * z : 0));
+    const light = cut(bright.numbers).map((shade, i) => (depth[i] ? shade : 0));
     const range = [FIRST, FIRST + CLASSES].map((n) => n * wrapLength(7.15e9));
-    const scene = { width, height, mask: new Uint8Array(width * height) };
-    const place = (i) => (top + Math.floor(i / width)) * deep.shape[1] + left + (i % width);
-    scene.depth = Float64Array.from(scene.mask, (_, i) => shrunk * deep.numbers[place(i)]);
-    scene.light = Float64Array.from(scene.mask, (_, i) => (Number.isFinite(scene.depth[i]) ? bright.numbers[place(i)] : 0));
-    scene.mask.forEach((_, i) => (scene.mask[i] = scene.depth[i] >= range[0] && scene.depth[i] < range[1]));
-    scene.depth.forEach((z, i) => (scene.depth[i] = Number.isFinite(z) ? z : 0));
-    if (!scene.mask.includes(1)) throw new Error("Expected depths from 0.75 to 1.2 m once shrunk, got none. Are they in metres?");
-    return scene;
+    const mask = Uint8Array.from(depth, (z) => z >= range[0] && z < range[1]);
+    if (!mask.includes(1)) throw new Error("Expected depths from 0.75 to 1.2 m once shrunk, got none. Are they in metres?");
+    return { width, height, depth, light, mask };
   }
 
-  return { unpackedScene, ownScene };
+  // Measured phases, rad, of a reader's .csv: rows of the lower frequency, then as many of the higher. No truth is known.
+  function ownPhases(text) {
+    const rows = text.trim().split(/\s*\n\s*/).map((line) => line.split(",").map((word) => Number(word.trim() || NaN)));
+    const numbers = rows.flat();
+    const [size, columns] = [rows.length / 2, rows[0].length];
+    if (!numbers.every(Number.isFinite) || rows.some((row) => row.length !== columns)) throw new Error("Expected rows of finite numbers parted by commas, got others. Write it by numpy.savetxt.");
+    if (size % 1) throw new Error(`Expected two images of one size below each other, got ${rows.length} rows. Stack both.`);
+    const [least, most] = numbers.reduce(([low, high], angle) => [Math.min(low, angle), Math.max(high, angle)], [Infinity, -Infinity]);
+    if (least < -Math.PI - 1e-5 || Math.max(most, most - least) > TAU + 1e-5) throw new Error(`Expected wrapped phases over one turn of 2 pi rad, got ${least} to ${most}. Are they in degrees?`);
+    const { width, height, cut } = middle([size, columns]);
+    const tones = [0, size * columns].map((start) => {
+      const phase = Float32Array.from(cut(numbers.slice(start)), (angle) => (angle + TAU) % TAU);
+      return { phase, amplitude: phase.map(() => 1) };
+    });
+    return { width, height, tones, depth: new Float64Array(width * height), mask: new Uint8Array(width * height) };
+  }
+
+  return { unpackedScene, ownScene, ownPhases };
 })());

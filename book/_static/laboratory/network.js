@@ -70,22 +70,17 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
   }
 
   async function unpacked(text) {
-    const held = atob(text);
-    const bytes = new Uint8Array(held.length);
-    for (let i = 0; i < held.length; i++) bytes[i] = held.charCodeAt(i);
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(stream).arrayBuffer();
+    const { body } = await fetch(`data:;base64,${text}`);
+    return new Response(body.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
   }
 
   // A session of ONNX Runtime with the network, both from data that a script holds.
   async function loadNetwork(packed) {
-    const [script, loader, binary, model] = await Promise.all(
+    const [runtime, loader, binary, model] = await Promise.all(
       ["script", "loader", "binary", "model"].map((name) => unpacked(packed[name])),
     );
     const address = (content) => URL.createObjectURL(new Blob([content], { type: "text/javascript" }));
-    await new Promise((done, failed) => {
-      document.head.append(Object.assign(document.createElement("script"), { src: address(script), onload: done, onerror: failed }));
-    });
+    await script(address(runtime));
     Object.assign(ort.env.wasm, { wasmBinary: binary, wasmPaths: { mjs: address(loader) }, numThreads: 1 });
     return ort.InferenceSession.create(new Uint8Array(model), { executionProviders: ["wasm"] });
   }
@@ -98,16 +93,14 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
   }
 
   function likeliest(weights, count) {
-    const wraps = new Int16Array(count);
+    const wraps = new Int16Array(count).fill(FIRST);
     const oddsAt = (i) => {
       const shares = Array.from({ length: CLASSES }, (_, n) => Math.exp(weights[n * count + i] - weights[(wraps[i] - FIRST) * count + i]));
       const sum = shares.reduce((all, one) => all + one, 0);
       return shares.map((one) => one / sum);
     };
-    for (let i = 0; i < count; i++) {
-      let best = 0;
-      for (let n = 1; n < CLASSES; n++) if (weights[n * count + i] > weights[best * count + i]) best = n;
-      wraps[i] = FIRST + best;
+    for (let n = 1; n < CLASSES; n++) {
+      for (let i = 0; i < count; i++) if (weights[n * count + i] > weights[(wraps[i] - FIRST) * count + i]) wraps[i] = FIRST + n;
     }
     return { wraps, oddsAt };
   }

@@ -22,24 +22,13 @@
   };
   const COLOURS = Array.from({ length: lab.CLASSES }, (_, n) => lab.scale(n / (lab.CLASSES - 1)));
   const ERRORS = Array.from({ length: 2 * lab.CLASSES + 1 }, (_, n) => lab.deviation(n - lab.CLASSES));
-  const state = { scene: null, session: null, spot: null, shown: null, values: {} };
+  const state = { scene: null, session: null, spot: null, shown: null };
 
-  const add = (parent, tag, options = {}, text = "") => {
-    const made = parent.appendChild(document.createElement(tag));
-    for (const [name, value] of Object.entries(options)) made.setAttribute(name, value);
-    made.append(text);
-    return made;
-  };
   const frame = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
-  const script = (name) => new Promise((done, failed) => {
-    const made = add(document.head, "script", { src: `${place.dataset.folder}/${name}.js` });
-    made.onload = done;
-    made.onerror = () => failed(new Error(`Expected ${name}.js beside the page, got none. Build the book again.`));
-  });
 
   const controls = add(place, "div", { class: "controls" });
   const chosen = add(add(controls, "label", {}, "scene"), "select", { name: "scene" });
-  const own = add(add(controls, "label", {}, "your own .npz"), "input", { type: "file", accept: ".npz" });
+  const own = add(add(controls, "label", {}, "your own .npz or .csv"), "input", { type: "file", accept: ".npz,.csv" });
   const said = add(place, "p", { class: "said", role: "status" }, "Starting …");
   const views = add(place, "div", { class: "views" });
   const canvases = {};
@@ -53,18 +42,6 @@
   const spotTitle = add(spotted, "p", { "aria-live": "polite" });
   const bars = add(spotted, "div", { class: "bars" });
 
-  for (const { name, label, from, to, step, start, text } of CONTROLS) {
-    const line = add(controls, "label", {}, label);
-    const slider = add(line, "input", { type: "range", name, min: from, max: to, step, value: start });
-    const output = add(line, "output");
-    const read = () => {
-      state.values[name] = Number(slider.value);
-      output.textContent = text(state.values[name]);
-    };
-    slider.addEventListener("input", () => { read(); update(); });
-    read();
-  }
-
   function measured() {
     const { scene, values } = state;
     const frequencies = [LOW, 1e9 * values.high];
@@ -72,6 +49,7 @@
     state.normals = state.normals?.length === 2 * size ? state.normals : lab.normals(2 * size, 1);
     const tones = frequencies.map((frequency, k) => {
       const offset = k ? (values.offset * Math.PI) / 180 : 0;
+      if (scene.tones) return lab.withOffset(scene.tones[k], offset);
       const images = lab.correlation(scene, { frequency, offset, brightness: values.brightness });
       return lab.decode(lab.withNoise(images, values.sigma, state.normals.subarray(k * size, (k + 1) * size)));
     });
@@ -82,7 +60,7 @@
     const { scene, session, values } = state;
     const { tones, frequencies } = measured();
     const beat = lab.averagedBeat(tones, scene, frequencies, values.side);
-    const found = { tones, beat, truth: lab.trueWraps(scene.depth, LOW), wraps: { beat: Int16Array.from(beat.wraps) } };
+    const found = { tones, beat, truth: scene.truth, wraps: { beat: Int16Array.from(beat.wraps) } };
     found.knows = Math.abs(frequencies[1] - TRAINED) < 1e4;
     if (session && found.knows) {
       found.network = await lab.classify(session, lab.features(tones, scene), scene);
@@ -92,19 +70,14 @@
   }
 
   function drawWraps(name, found) {
-    const { scene } = state;
-    const wraps = found.wraps[name];
-    const missing = found.knows ? ": loading" : ": it knows 14.320 GHz alone";
-    captions[name].textContent = VIEWS[name] + (wraps ? "" : missing);
-    if (!wraps) {
-      for (const canvas of [canvases[name], canvases[`${name}Error`]]) lab.paint(canvas, scene, () => lab.UNSCORED);
-      captions[`${name}Error`].textContent = VIEWS[`${name}Error`];
-      return;
-    }
-    const share = lab.shareRight(wraps, found.truth, scene.mask);
-    captions[`${name}Error`].textContent = `${VIEWS[`${name}Error`]}: ${(100 * share).toFixed(1)} % right`;
+    const { scene } = state, errors = `${name}Error`;
+    const wraps = found.wraps[name] ?? [], missing = found.knows ? ": loading" : ": it knows 14.320 GHz alone";
+    const share = 100 * lab.shareRight(wraps, found.truth, scene.mask);
+    const told = scene.tones ? ": no truth" : `: ${share.toFixed(1)} % right`;
+    captions[name].textContent = VIEWS[name] + (wraps.length ? "" : missing);
+    captions[errors].textContent = VIEWS[errors] + (wraps.length ? told : "");
     lab.paint(canvases[name], scene, (i) => COLOURS[wraps[i] - lab.FIRST]);
-    lab.paint(canvases[`${name}Error`], scene, (i) => (scene.mask[i] ? ERRORS[wraps[i] - found.truth[i] + lab.CLASSES] : lab.UNSCORED));
+    lab.paint(canvases[errors], scene, (i) => (scene.mask[i] ? ERRORS[wraps[i] - found.truth[i] + lab.CLASSES] : lab.UNSCORED));
   }
 
   function draw() {
@@ -163,6 +136,8 @@
   const say = (text) => { said.textContent = text; };
 
   function enter(scene) {
+    scene.truth = lab.trueWraps(scene.depth, LOW);
+    for (const name of ["sigma", "brightness"]) controls.querySelector(`[name=${name}]`).disabled = Boolean(scene.tones);
     Object.assign(state, { scene, spot: { x: scene.width >> 1, y: scene.height >> 1 } });
     return update();
   }
@@ -175,26 +150,22 @@
   }
 
   for (const canvas of Object.values(canvases)) {
-    const point = (event) => {
-      const box = canvas.getBoundingClientRect();
-      const scale = canvas.width / box.width;
-      move((event.clientX - box.left) * scale - 0.5, (event.clientY - box.top) * scale - 0.5);
+    const point = ({ offsetX, offsetY }) => {
+      const scale = canvas.width / canvas.offsetWidth;
+      move(offsetX * scale - 0.5, offsetY * scale - 0.5);
     };
     canvas.addEventListener("pointerdown", point);
     canvas.addEventListener("pointermove", (event) => { if (event.pointerType === "mouse" || event.buttons) point(event); });
     canvas.addEventListener("keydown", (event) => {
-      const [x, y] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key] ?? [0, 0];
-      if (!x && !y) return;
-      event.preventDefault();
-      const stride = event.shiftKey ? 10 : 1;
-      move(state.spot.x + stride * x, state.spot.y + stride * y);
+      const way = arrow(event), stride = event.shiftKey ? 10 : 1;
+      if (way) move(state.spot.x + stride * way[0], state.spot.y + stride * way[1]);
     });
   }
 
   chosen.addEventListener("change", async () => enter(await lab.unpackedScene(lab.scenes[chosen.value])));
   async function take(file) {
     try {
-      await enter(await lab.ownScene(await file.arrayBuffer()));
+      await enter(file.name.endsWith(".csv") ? lab.ownPhases(await file.text()) : await lab.ownScene(await file.arrayBuffer()));
       add(chosen, "option", { value: "", selected: "", disabled: "" }, file.name);
     } catch (error) {
       say(error.message);
@@ -207,12 +178,17 @@
     if (event.dataTransfer.files[0]) take(event.dataTransfer.files[0]);
   });
 
+  sliders(controls, CONTROLS, (values) => {
+    state.values = values;
+    update();
+  });
+
   async function start() {
-    await script("scenes");
+    await script(`${place.dataset.folder}/scenes.js`);
     for (const name of Object.keys(lab.scenes)) add(chosen, "option", { value: name }, name);
     await enter(await lab.unpackedScene(lab.scenes[chosen.value]));
     await frame();
-    await script("runtime");
+    await script(`${place.dataset.folder}/runtime.js`);
     state.session = await lab.loadNetwork(lab.runtime);
     await update();
     place.dataset.ready = "yes";

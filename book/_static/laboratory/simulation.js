@@ -62,7 +62,10 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
     return { phase, amplitude };
   }
 
+  // Measured phases with an offset, rad, of at most a turn.
+  const withOffset = ({ phase, amplitude }, offset) => ({ phase: phase.map((angle) => (angle + offset + TAU) % TAU), amplitude });
+
   const wrapLength = (frequency) => SPEED_OF_LIGHT / (2 * frequency); // m
 
-  return { TAU, WHITE, normals, correlation, withNoise, decode, wrapLength };
+  return { TAU, WHITE, normals, correlation, withNoise, decode, withOffset, wrapLength };
 })());
