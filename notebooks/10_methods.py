@@ -319,7 +319,7 @@ def interval(values):
 
 
 # %% tags=["hide-input"]
-first, fewest = counts[LARGE], min(crops[name] for name in PAPERS.values() if name in crops)
+first, fewest = counts[LARGE], min(crops.values())
 share = dict(zip(PAPERS.values(), redrawn(first, list(PAPERS.values())), strict=True))
 apart = [
     (one, other) for one in theirs for other in theirs if theirs[one][0] > theirs[other][0] + 2

@@ -361,7 +361,7 @@ for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
     kept[protocol] = 1 - risk[int(0.9 * right.size)], right.mean()
     label = f"{protocol}: calibration error {errors[protocol]:.3f}"
     axes[0].plot(diagram.confidence, diagram.right, "o-", ms=4, color=colour, label=label)
-    shown = slice(right.size // 200, None, right.size // 200)
+    shown = np.s_[:: right.size // 200]
     axes[1].plot(
         100 * answered[shown] / right.size, 100 * risk[shown], color=colour, label=protocol
     )

@@ -113,7 +113,7 @@ def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
 def test_range_and_frequencies_that_do_not_fit_are_refused(stored, frame, measurement):
     ready = inference.load_network(stored())
     with pytest.raises(ValueError, match="Expected wraps within 36 to 56"):
-        inference.classify(ready, measurement, 30, 50)
+        inference.scores(ready, measurement, 30, 50)
     other = cmtof.simulate(frame, frequencies=(7.15e9, 7.16e9))
     with pytest.raises(ValueError, match=r"Expected 7.15 and 14.32 GHz, .* got 7.15, 7.16 GHz"):
         inference.unwrap_with_network(other, weights=stored())

@@ -75,7 +75,10 @@ def unwrap_with_network(
         depth = turns * wrap_length(FREQUENCIES[0])
         sure = np.full(depth.shape, card.validation.delta_lt_1)
     else:
-        wraps, sure = classify(ready, measurement, first, last)
+        odds = scores(ready, measurement, first, last)
+        np.exp(odds, out=odds)  # a softmax, in place
+        wraps = first + odds.argmax(0)
+        sure = 1 / odds.sum(0)
         phase = np.nan_to_num(measurement.phase[0]).astype(float)
         depth = depth_from_wraps(phase, wraps, FREQUENCIES[0])
     return within_range(depth, measurement), sure
@@ -98,16 +101,6 @@ def network_for(
             f"Expected weights of {model}, got those of {ready.card.model}. Name that method."
         )
     return ready
-
-
-def classify(
-    ready: Ready, measurement: Measurement, first: int, last: int
-) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
-    """Likeliest wrap ``first <= n <= last`` of each pixel and its probability, both (H, W)."""
-    found = scores(ready, measurement, first, last)
-    np.exp(found, out=found)  # a softmax, in place
-    chosen = found.argmax(0)
-    return first + chosen, 1 / found.sum(0)
 
 
 def scores(ready: Ready, measurement: Measurement, first: int, last: int) -> NDArray[np.float32]:
