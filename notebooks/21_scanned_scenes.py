@@ -429,7 +429,7 @@ for name in objects:
 # %% tags=["hide-input"]
 scan = scans[objects[0], "captures"]
 compared = {f"{ROWS.get(m, m)}": answers[objects[0], m] for m in ("tuned", "surfaces")}
-show_swipe(Scene(frame_of(objects[0], scan), scan, compared), *compared)
+show_swipe(Scene(frame_of(scenes[objects[0]], scan), scan, compared), *compared)
 
 # %% [markdown]
 # ## Success and failure
