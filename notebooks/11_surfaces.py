@@ -356,9 +356,9 @@ for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
     right = np.concatenate([one["wrap_count"] == one["true_count"] for one in pixels])
     diagram = reliability(confidence, right, bins=10)
     answered = np.arange(1, right.size + 1)
-    risk = 1 - right[np.argsort(-confidence, kind="stable")].cumsum() / answered
+    risk = 1 - right[np.argsort(-confidence)].cumsum() / answered
     errors[protocol] = reliability(confidence, right).calibration_error
-    kept[protocol] = 1 - risk[int(0.9 * right.size)], right.mean()
+    kept[protocol] = 1 - risk[9 * right.size // 10], right.mean()
     label = f"{protocol}: calibration error {errors[protocol]:.3f}"
     axes[0].plot(diagram.confidence, diagram.right, "o-", ms=4, color=colour, label=label)
     shown = np.s_[:: right.size // 200]
