@@ -361,7 +361,7 @@ for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
     kept[protocol] = 1 - risk[9 * right.size // 10], right.mean()
     label = f"{protocol}: calibration error {errors[protocol]:.3f}"
     axes[0].plot(diagram.confidence, diagram.right, "o-", ms=4, color=colour, label=label)
-    shown = np.s_[:: right.size // 200]
+    shown = np.s_[::200]
     axes[1].plot(
         100 * answered[shown] / right.size, 100 * risk[shown], color=colour, label=protocol
     )
