@@ -101,8 +101,8 @@ show_swipe(scenes[0], "fast-scnn", "surfaces")
 # `reference-offset` knows the true surfaces and finds one offset for each, `reference-contact` one
 # for all that is connected ([chapter 9](09_limits.ipynb)). `hybrid` joins the paper's network and
 # this book's method: `surfaces` says which pixels share an offset, and the network's odds, averaged
-# over these pixels, choose it together with the beat. Most errors of the network are of pixels: the
-# average over a surface removes them.
+# over these pixels, choose it together with the beat. An average removes errors that differ from
+# pixel to pixel.
 
 # %% tags=["hide-input"]
 OTHERS = ("beat", "beat-guided", "region", "mrf", "mrf-graphcut", "hybrid",

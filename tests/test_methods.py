@@ -209,7 +209,7 @@ def test_confidence_is_no_promise_beyond_the_rate(name, noise, protocol):
     assert pixels["confidence"].mean() < score(pixels)["delta_lt_1"] + 0.15
 
 
-@pytest.mark.parametrize("name", ["surfaces", "fast-scnn-light"])
+@pytest.mark.parametrize("name", ["surfaces", "hybrid", "fast-scnn-light"])
 def test_an_image_without_a_valid_pixel_comes_back_masked(measured, name):
     result = cmtof.unwrap(masked(measured, np.zeros(measured.shape, bool)), method=name)
     assert (result.wrap_count == -1).all()

@@ -11,7 +11,7 @@ The mean over the pixels counts as ``w`` of them, since a network errs alike on 
 from pathlib import Path
 
 import numpy as np
-from scipy.special import log_softmax, softmax
+from scipy.special import softmax
 
 from cmtof.correlation import TAU, wrap_length
 from cmtof.estimate import Estimate, without_holes, wraps_in_range
@@ -28,44 +28,42 @@ MOVES = np.arange(-20, 21)  # of a group, wraps
 _SHARPEST = 0.01  # least variance of an offset, wraps^2
 
 
-def hybrid(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
+def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate:
     """Surfaces whose wraps a network helps to choose by its odds, averaged over each."""
     from cmtof.network.inference import network_for, scores  # not every method needs ONNX Runtime
 
     network = network_for(measurement, "fast-scnn", weights)
     first, last = wraps_in_range(measurement)
-    found = scores(network, without_holes(measurement), first, last)
-    odds = log_softmax(found, axis=0)
-    period = float(wrap_length(measurement.frequencies[0]))
+    odds = scores(network, without_holes(measurement), first, last)
+    odds -= np.log(np.exp(odds).sum(axis=0))  # in place: there may be hundreds of wraps
+    period = wrap_length(measurement.frequencies[0])
 
-    def elect(tied: Tied, depth: Array, label: Numbers) -> Tied:
-        known = label >= 0
-        surface = label[known]
-        turns = depth[known] / period + tied.wraps[surface]
-        told = means_of_groups(
-            odds[:, known],
-            np.floor(turns).astype(int) - first,
-            tied.group[surface],
-            tied.wraps.size,
-        )
+    def elect(tied, depth, label):
+        pixels = np.flatnonzero(label >= 0)
+        surface = label.take(pixels)
+        turns = depth.take(pixels) / period + tied.wraps[surface]
+        wraps = np.floor(turns).astype(int) - first
+        told = means_of_groups(odds, pixels, wraps, tied.group[surface], tied.wraps.size)
         return elected(tied, told[tied.group])
 
     return surfaces(measurement, elect=elect)
 
 
-def means_of_groups(odds: Single, wraps: Numbers, group: Numbers, count: int) -> Array:
-    """Mean log-odds (G, M) of each group at each move, from those (N, P) of its pixels (P,)."""
-    reach = MOVES[-1]
-    padded = np.pad(
-        np.maximum(odds, LEAST),
-        [(reach, reach), (0, 0)],
-        constant_values=LEAST,
-    )
-    at = np.clip(wraps[:, None] + MOVES + reach, 0, len(padded) - 1)
+def means_of_groups(
+    odds: Single, pixels: Numbers, wraps: Numbers, group: Numbers, count: int
+) -> Array:
+    """Mean log-odds (G, M) of so many groups at each move.
+
+    ``odds`` are images (N, H, W); ``pixels`` number those that count (P,), beside them their wraps
+    before the move and their groups.
+    """
+    at = wraps[:, None] + MOVES
+    told = odds.take(at * odds[0].size + pixels[:, None], mode="clip")
     total = np.zeros((count, MOVES.size))
-    np.add.at(total, group, np.take_along_axis(padded.T, at, axis=1))
-    size = np.bincount(group, minlength=count)
-    return total / np.maximum(size, 1)[:, None]
+    outside = (at < 0) | (at >= len(odds))
+    told = np.where(outside, LEAST, told).clip(LEAST)
+    np.add.at(total, group, told)
+    return total / np.maximum(np.bincount(group, minlength=count), 1)[:, None]
 
 
 def elected(tied: Tied, told: Array) -> Tied:

@@ -67,7 +67,7 @@ class SimulatedRf(SimulatedDevice):
         self.knobs.frequency = float(round(hz))
 
     def set_power(self, dbm: float) -> None:
-        self.knobs.power = float(dbm)
+        self.knobs.power = dbm
 
     def set_phase(self, rad: float) -> float:
         self.knobs.phase = float(_coded(rad))
@@ -86,7 +86,7 @@ class SimulatedRf(SimulatedDevice):
         detuning = self.knobs.frequency - settings.resonance
         off = (2 * detuning / settings.resonance_width) ** 2
         lost = 10 * np.log10(off / (1 + off) + 1e-6)
-        return RfLock(self.status().locked, detuning, self.knobs.power + float(lost))
+        return RfLock(self.status().locked, detuning, self.knobs.power + lost)
 
     def load_table(self, phases: Array) -> None:
         self.knobs.table = _coded(phases)
@@ -129,7 +129,7 @@ class SimulatedMotor(SimulatedDevice):
         self.move_to(0.0)
 
     def move_to(self, position: float, *, waiting: Waiting = None) -> float:
-        setattr(self.panel, self.role, float(position))
+        setattr(self.panel, self.role, position)
         return self.position
 
     @property

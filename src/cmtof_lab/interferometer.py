@@ -109,8 +109,8 @@ class Interferometer:
         # a mean over a step averages white noise over 1 / (2 T), unless the filters pass less
         passed = Chain(settings, 1 / SAMPLE_RATE).memory(1)[0]
         variance = density(settings, offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
-        variance = variance + (settings.converter_noise * SLOPE) ** 2 / self.samples
-        variance = variance + (self.intensity_noise * offset) ** 2
+        variance += (settings.converter_noise * SLOPE) ** 2 / self.samples
+        variance += (self.intensity_noise * offset) ** 2
         return Fringes(amplitude, offset, variance * settings.noise)
 
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
@@ -147,7 +147,7 @@ class Interferometer:
         """True travel, m, at each reading: stage, shaking, and the drift of temperature."""
         reached = stops + self.stage_error * rng.standard_normal(stops.size)
         way = _along(stations, reached - reached[0])
-        way = way + self.vibration(rng, way.size)
+        way += self.vibration(rng, way.size)
         warmth = target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
         forgotten = -self.reading_time / self.drift_time
         slow = _carried(rng.standard_normal(way.size), forgotten)

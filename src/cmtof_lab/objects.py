@@ -65,7 +65,7 @@ def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
     pitch = rng.uniform(0.04, 0.55)
     many = len(names) > 1
     places = rng.permutation(np.linspace(-0.1, 0.1, len(names)) * many)
-    places = places + rng.uniform(-0.04, 0.04, len(names))
+    places += rng.uniform(-0.04, 0.04, len(names))
     things = [_posed(name, x, many, rng) for x, name in zip(places, names, strict=True)]
     mesh = _staged(things, 1.6, *rng.uniform([0.16, 0.15, 0.15], [0.27, 0.7, 0.8]))
     turn = rng.normal(0, 0.12)
@@ -138,7 +138,7 @@ def _finished(
     shape: Trimesh, look: Any, mirrored: float = 0, at: ArrayLike = (0, 0, 0), turn: float = 0
 ) -> Trimesh:
     """A shape on z = 0, front towards -y, of a look (number or function), turned and moved."""
-    points = np.asarray(shape.vertices)
+    points = shape.vertices
     seen = look(*points.T) if callable(look) else look
     held = {
         "reflectance": np.full(len(points), seen, float),
@@ -156,15 +156,15 @@ def _body(stated: dict[str, Any]) -> Trimesh:
 
 def _ellipsoid(stated: dict[str, Any]) -> Trimesh:
     """An ellipsoid about the origin with half axes x, y, z, m."""
-    x, y, z = np.asarray(stated["ellipsoid"], float)
+    x, y, z = stated["ellipsoid"]
     angle = np.linspace(-np.pi / 2, np.pi / 2, 81)
     breadths = [np.cos(angle) * half for half in (x, y, y)]
     return _lathed(np.stack([z * np.sin(angle), *breadths], -1), stated)
 
 
-def _box(size: ArrayLike) -> Trimesh:
+def _box(size: Sequence[float]) -> Trimesh:
     """A box of sides x, y, z, m, that stands on z = 0."""
-    return box(size).apply_translation([0, 0, np.asarray(size, float)[2] / 2])
+    return box(size).apply_translation([0, 0, size[2] / 2])
 
 
 def _rod(stated: dict[str, Any]) -> Trimesh:
@@ -192,8 +192,8 @@ def _lathed(sections: Array, stated: dict[str, Any]) -> Trimesh:
     if "relief" in stated:
         out = getattr(finishes, stated["relief"])(x, y, z)
         grow = 1 + out / np.maximum(np.hypot(x, y), 0.01)
-        x = x * grow
-        y = y * grow
+        x *= grow
+        y *= grow
     points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     corners = _quadrilaterals(x.shape)
     if "holes" in stated:

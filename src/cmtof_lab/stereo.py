@@ -67,11 +67,10 @@ class StereoRig:
         pixels = np.ascontiguousarray(pixels, float)[:, None]
         return cv2.undistortPoints(pixels, *lens, criteria=stop).reshape(-1, 2)
 
-    def triangulate(self, pixels: ArrayLike) -> Array:
+    def triangulate(self, pixels: Array) -> Array:
         """Points (..., 3), m, of pairs of pixels (2, ..., 2); NaN without a pair."""
         import cv2
 
-        pixels = np.asarray(pixels, float)
         flat = pixels.reshape(2, -1, 2)
         known = np.isfinite(flat).all(axis=(0, 2))
         points = np.full((flat.shape[1], 3), np.nan)
@@ -134,12 +133,12 @@ def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
     return StereoRig(np.stack([found[0], found[2]]), distortions, poses, shape), rms / 2**0.5
 
 
-def locate_scanner(rig: StereoRig, pixels: ArrayLike, directions: ArrayLike) -> StereoRig:
+def locate_scanner(rig: StereoRig, pixels: Array, directions: Array) -> StereoRig:
     """Rig in the scanner's frame, by resection from spots (2, ..., 2) and their beams (..., 3)."""
     import cv2
 
     points = rig.triangulate(pixels).reshape(-1, 3)
-    beams = np.asarray(directions, float).reshape(-1, 3)
+    beams = directions.reshape(-1, 3)
     known = np.isfinite(points).all(-1) & (beams[:, 2] > 0)
     if known.sum() < 6:
         raise ValueError(f"Expected at least 6 spots, got {known.sum()}. Scan more of the scene.")
@@ -157,9 +156,8 @@ class Spots(NamedTuple):
     sigma: Array
 
 
-def visible_from(points: ArrayLike, centre: ArrayLike) -> Flags:
+def visible_from(points: Array, centre: ArrayLike) -> Flags:
     """Points (H, W, 3), m, of a scan that nothing hides from a place (3,), neighbours joined."""
-    points = np.asarray(points, float)
     known = np.isfinite(points).all(-1)
     faces = mesh_triangles(points)
     points = np.nan_to_num(points)
@@ -258,7 +256,7 @@ def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> tuple[A
         moved = spots.pixels.copy()
         moved[index[0], ..., index[1]] += step
         slope = (np.linalg.norm(rig.triangulate(moved), axis=-1) - found) / step
-        variance = variance + (slope * spots.sigma[index[0]]) ** 2
+        variance += (slope * spots.sigma[index[0]]) ** 2
     spread = np.sqrt(variance)
     if draws:
         others = [np.linalg.norm(one.triangulate(spots.pixels), axis=-1) for one in draws]

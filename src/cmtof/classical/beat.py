@@ -23,7 +23,7 @@ WINDOW = 41
 of validation rooms (released 18.0 %, full 10.5 % of delta < 1)."""
 BIAS = 0.5
 """Error of a window's mean over the deviation of the depths about it, with which the confidence on
-views of rooms is nowhere more than 0.15 above the rate of right wraps."""
+views of rooms exceeds the rate of right wraps by 0.15 at most."""
 SMOOTHING = 0.02  # variance of a guide below which a window is averaged rather than fitted
 
 

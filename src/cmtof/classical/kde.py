@@ -139,8 +139,8 @@ def _cubic_shares(place: Single, nodes: int) -> Single:
     cell = np.minimum(np.floor(place), nodes - 1)
     f = place - cell
     out = np.zeros((nodes + 3, *place.shape), np.float32)
-    around = {-1, 0, 1, 2}
+    around = range(-1, 3)
     for k in around:  # Lagrange's polynomials
-        share = prod((f - other) / (k - other) for other in around - {k})
+        share = prod((f - other) / (k - other) for other in around if other != k)
         np.put_along_axis(out, cell.astype(int)[None] + k + 1, share[None], axis=0)
     return out

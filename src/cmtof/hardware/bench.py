@@ -172,7 +172,7 @@ class Bench(EmergencyStop):
         self.park()
 
     def look_at(self, kind: str) -> None:
-        """Send the beam to the "scan", to the "reference" target, or nowhere ("dark")."""
+        """Send the beam to the "scan", to the "reference" target, or to neither ("dark")."""
         self.switch("flip_mirror", kind == "reference")
         self.switch("shutter", kind != "dark")
 
