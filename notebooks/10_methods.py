@@ -90,7 +90,7 @@ draw(
 )
 
 # %% [markdown]
-# The first room by the paper's network and by `surfaces`; the divider between them moves.
+# The first room by `fast-scnn` and by `surfaces`; the divider between them moves.
 
 # %% tags=["hide-input"]
 show_swipe(scenes[0], "fast-scnn", "surfaces")
@@ -99,10 +99,10 @@ show_swipe(scenes[0], "fast-scnn", "surfaces")
 # The next figure has methods outside the paper, and three references. `reference-depth` combines
 # the measured phase with the best possible wraps: its black pixels are those that the phase allows.
 # `reference-offset` knows the true surfaces and finds one offset for each, `reference-contact` one
-# for all that is connected ([chapter 9](09_limits.ipynb)). `hybrid` joins the paper's network and
-# this book's method: `surfaces` says which pixels share an offset, and the network's odds, averaged
-# over these pixels, choose it together with the beat. An average removes errors that differ from
-# pixel to pixel.
+# for all that is connected ([chapter 9](09_limits.ipynb)). `hybrid` joins our version of the
+# paper's network and this book's method: `surfaces` says which pixels share an offset, and the
+# network's odds, averaged over these pixels, choose it together with the beat. An average removes
+# errors that differ from pixel to pixel.
 
 # %% tags=["hide-input"]
 OTHERS = ("beat", "beat-guided", "region", "mrf", "mrf-graphcut", "hybrid",

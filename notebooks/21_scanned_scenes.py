@@ -81,14 +81,15 @@ notes.say(
 # %% tags=["hide-input"]
 notes.say(
     """
-    The paper's network, `fast-scnn`, was trained on rooms ([chapter 8](08_network.ipynb)). It is
-    fine-tuned, as in Section 6.4, on {labelled:.0f} scans of other things: a vase, a shoe, a toy,
-    tools, a plant, fabric, books, a kettle, a pumpkin, a plush bear. Each scan shows one to three
-    of them, at random places, sizes and finishes, some lying, before a wall. Labels are by stereo
-    ([chapter 16](16_stereo.ipynb)), here with cameras {apart:.0f} cm apart: they see nearly all
-    that the beam sees. Three more things are held out. On scans of these, training took the right
-    wraps from {leg_first:.0f} to {leg_last:.0f} %. No shown object is among those learnt or held
-    out. All this was computed once by `python -m cmtof_book.scanned`, which goes on where it ended.
+    Our version of the paper's network, `fast-scnn`, was trained on rooms
+    ([chapter 8](08_network.ipynb)). It is fine-tuned, as in Section 6.4, on {labelled:.0f} scans
+    of other things: a vase, a shoe, a toy, tools, a plant, fabric, books, a kettle, a pumpkin,
+    a plush bear. Each scan shows one to three of them, at random places, sizes and finishes, some
+    lying, before a wall. Labels are by stereo ([chapter 16](16_stereo.ipynb)), here with cameras
+    {apart:.0f} cm apart: they see nearly all that the beam sees. Three more things are held out. On
+    scans of these, training took the right wraps from {leg_first:.0f} to {leg_last:.0f} %. No shown
+    object is among those learnt or held out. All this was computed once by
+    `python -m cmtof_book.scanned`, which goes on where it ended.
     """,
     labelled=labelled,
     apart=100 * stored["settings"]["baseline"],
@@ -519,9 +520,9 @@ for name in objects:
 notes.answer(
     """
     **Answer.** With the captures' noise KDE finds {kde:.0f} % of the wraps, and so fails, as the
-    paper states. The paper's network finds {rooms:.0f} %, and {net:.0f} % once it is fine-tuned on
-    {labelled:.0f} labelled scans of other objects. `surfaces`, the method of this book, finds
-    {ours:.0f} %.
+    paper states. Our version of its network finds {rooms:.0f} %, and {net:.0f} % once it is
+    fine-tuned on {labelled:.0f} labelled scans of other objects. `surfaces`, the method
+    of this book, finds {ours:.0f} %.
     """,
     kde=mean["captures"]["kde"],
     rooms=mean["captures"]["fast-scnn"],

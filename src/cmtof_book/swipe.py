@@ -34,8 +34,9 @@ def show_swipe(scene: Scene, left: str, right: str) -> None:
             f"<div>{''.join(pictures)}{_image(_told(scene, left, right), 'told')}"
             f'<input type="range" aria-label="Divider: {left} at its left, {right} at its right">'
             '</div><label><input type="checkbox"> errors</label> <output></output>'
-            f"<figcaption>{sides}. The divider follows pointer and arrow keys, the pixel below the "
-            "image pointer and arrow keys with shift.</figcaption></figure>"
+            f"<figcaption>{sides}. Move the divider with the pointer or the arrow keys. The line "
+            "above tells of the pixel under the pointer; shift and arrow keys move it."
+            "</figcaption></figure>"
         )
     )
 
