@@ -44,7 +44,8 @@ colours = plotting.PALETTE
 # ([erratum 16](22_errata.ipynb#erratum-16)).
 
 # %% tags=["hide-input"]
-frequencies, psi = np.geomspace(1e8, 1e10, points), np.arange(4) * np.pi / 2
+frequencies = np.geomspace(1e8, 1e10, points)
+psi = np.arange(4) * np.pi / 2
 signal = GAIN * INTEGRATION_TIME * intensity
 phase = phase_from_depth(depth, frequencies)
 mean = correlation_from_phase(phase, psi, amplitude=signal / np.pi, offset=signal / 2)
@@ -67,8 +68,9 @@ print(f"spread over the exact law {np.mean(spread / law):.3f}")
 print(f"rounding to {ADC_BITS} bits adds {rounding_share:.1e} of the variance")
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(9.6, 4.1))
-ghz, average = frequencies / 1e9, error.mean(axis=1)
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.9))
+ghz = frequencies / 1e9
+average = error.mean(axis=1)
 band = {"color": colours["sky"], "alpha": 0.45, "lw": 0, "label": "± one standard deviation"}
 axes[0].fill_between(ghz, average - spread, average + spread, **band)
 axes[0].plot(ghz, average, label="mean error")
@@ -131,7 +133,8 @@ notes.say(
 
 # %% tags=["hide-input"]
 turn = phase_from_depth(1e-3, np.array([1e8, 8e9]))
-crest, quadrature = 1 - np.cos(turn), np.sin(turn)
+crest = 1 - np.cos(turn)
+quadrature = np.sin(turn)
 rows = [
     ("maximum", f"{crest[0]:.4%}", f"{crest[1]:.1%}"),
     ("quadrature", f"{quadrature[0]:.2%}", f"{quadrature[1]:.0%}"),
@@ -171,7 +174,7 @@ for value in brightness:
 drawn = np.array([found.std() for found in errors.values()])
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(9.8, 4.1))
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.9))
 noise_axis = np.geomspace(0.08, 8, 120)
 exact_axis = [phase_spread(noise) for noise in noise_axis]
 names = {"label": "simulated pixels", "bound_label": "exact law"}

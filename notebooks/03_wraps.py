@@ -50,34 +50,36 @@ for f, name in tones.items():
     print(f"{name:>9}: one wrap {1e3 * wrap_length(f):7.1f} mm, {crossed[f]} along the line")
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, 3, figsize=(11.4, 5.5), height_ratios=[1.35, 1])
-for ax, phase, name in zip(axes[0], measured.phase, tones.values(), strict=True):
-    plotting.phase_image(ax, phase, title=name, label="")
+figure = plt.figure(figsize=(8.4, 5.2))
+above, below = figure.subfigures(2, 1)
+maps = above.subplots(1, 3)
+look = {"label": "", "cmap": plotting.PHASE_CMAP, "limits": plotting.TURN, "bar": False}
+for ax, phase, name in zip(maps, measured.phase, tones.values(), strict=True):
+    drawn = plotting.image(ax, phase, title=name, **look)
     ax.axvline(column, color="white", lw=2.4)
     ax.axvline(column, color="black", lw=1.0)
-for ax, phase, f in zip(axes[1], measured.phase, tones, strict=True):
-    ax.plot(phase[:, column], ".", color=colours["vermillion"], ms=2.5)
-    ax.set(ylim=(0, TAU), xlabel="row of the image, wall to table (px)")
-    ax.set_yticks([0, np.pi, TAU], ["0", "π", "2π"])
-    counter = ax.twinx()
-    counter.plot(counts[f], color=colours["blue"], drawstyle="steps-mid", lw=1.8)
-    counter.yaxis.get_major_locator().set_params(integer=True)
-    counter.grid(visible=False)
-    counter.tick_params(axis="y", colors=colours["blue"])
-    ax.set_title(f"wraps crossed: {crossed[f]}")
-axes[1, 0].set_ylabel("measured phase", color=colours["vermillion"])
-counter.set_ylabel("wrap count n", color=colours["blue"])
-plotting.label_panels(axes.flat)
+plotting.colour_bar(drawn, ax=maps, label="phase (rad)")
+left, right = below.subplots(1, 2)
+left.plot(measured.phase[1][:, column], ".", ms=4)
+left.set(ylim=(0, TAU), title="phase along the line, 7.15 GHz", ylabel="phase (rad)")
+left.set_yticks([0, np.pi, TAU], ["0", "π", "2π"])
+for f, name in tones.items():
+    right.plot(counts[f], drawstyle="steps-mid", label=f"{name}: crosses {crossed[f]}")
+right.set(ylim=(-5, 240), title="wraps along it", ylabel="wrap count n")
+right.legend(fontsize="small")
+for ax in (left, right):
+    ax.set_xlabel("row of the image, wall to table (px)")
+plotting.label_panels([*maps, left, right])
 plotting.save(
     figure,
     "fig04_wraps",
     format="png",
     caption=f"The embedded frame `{frame_name}` at 100 MHz, 7.15 GHz and 14.32 GHz, simulated with "
-    "the paper's noise (the paper shows another scene). (a–c) Measured wrapped phase. (d–f) Along "
-    "the line: the measured phase (dots) and the true wrap count (blue).",
+    "the paper's noise (the paper shows another scene). (a–c) Measured wrapped phase. Along the "
+    "line: (d) the measured phase at 7.15 GHz and (e) the true wrap count at each frequency.",
     alt="Top, phase images of a table with vase, bust and books before a wall: one smooth gradient "
     "at 100 megahertz, dozens of narrow rings at 7.15 gigahertz, twice as many at 14.32. Below, "
-    "the phase along a column: a broad noisy band, and saw teeth with staircases of the count.",
+    "saw teeth of the phase along a column, and three staircases of the wrap count.",
 )
 
 # %% [markdown]
@@ -98,8 +100,8 @@ plotting.save(
 # %%
 beat_range = unambiguous_range(FREQUENCIES)
 beat_wraps = beat_range / float(wrap_length(f1))
-white = float(bounds.simulated_phase_noise(1.0))
-wrap_spread = float(bounds.wrap_noise(white, white, frequencies=FREQUENCIES))
+white = bounds.simulated_phase_noise(1.0)
+wrap_spread = bounds.wrap_noise(white, white, frequencies=FREQUENCIES)
 step = 1e3 * phase_from_depth(wrap_length(f1), f2 - 2 * f1)
 print(f"range {beat_range:.3f} m, {beat_wraps:.1f} wraps of {step:.1f} mrad of beat each")
 print(f"at full brightness the count of one pixel has a standard deviation of {wrap_spread:.1f}")
@@ -120,7 +122,7 @@ def flat(brightness):
 def share_right(phase, beat_phase, measurement):
     found = beat_depth(beat_phase, measurement)
     right = consistent_wrap_count(flat_depth, phase, f1)
-    return float(np.mean(consistent_wrap_count(found, phase, f1) == right))
+    return np.mean(consistent_wrap_count(found, phase, f1) == right)
 
 
 brightness = np.array([1.0, 0.7, 0.5, 0.3, 0.2, 0.1, 0.05])
@@ -149,7 +151,8 @@ def blocks(images, side):
 pooled = {}
 for level in (1.0, 0.3):
     target = targets[level]
-    phasors, product = target.amplitude * np.exp(1j * target.phase), beat_phasor(target)
+    phasors = target.amplitude * np.exp(1j * target.phase)
+    product = beat_phasor(target)
     for side in sides:
         low, high = blocks(phasors, side)
         own = np.mod(np.angle(low), TAU)
@@ -157,31 +160,35 @@ for level in (1.0, 0.3):
             share_right(own, np.angle(high * np.conj(low) ** 2), target),
             share_right(own, np.angle(blocks(product, side)), target),
         )
-pool_noise = {level: float(bounds.simulated_phase_noise(level)) for level in (1.0, 0.3)}
+pool_noise = {level: bounds.simulated_phase_noise(level) for level in (1.0, 0.3)}
 need = {v: bounds.pixels_needed(s, s, frequencies=FREQUENCIES) for v, s in pool_noise.items()}
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(10.2, 4.3))
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.1))
 names = {"label": "counted", "bound_label": "exact law", "color": colours["vermillion"]}
 plotting.sweep(axes[0], brightness, 100 * counted, errors=200 * error, bound=100 * law, **names)
 axes[0].plot(brightness, 100 * formula, color=plotting.GREY, ls="--", label="small-noise formula")
 plotting.mark(axes[0], y=100 / beat_wraps, text="chance")
 axes[0].set(xlabel="brightness I", ylabel="wrap right (%)", title="one pixel", xmargin=0.2)
+axes[0].set_xticks([0.05, 0.1, 0.2, 0.5, 1], ["0.05", "0.1", "0.2", "0.5", "1"])
+axes[0].set_yticks([0.2, 0.5, 1, 2], ["0.2", "0.5", "1", "2"])
+axes[0].minorticks_off()
 side_axis = np.geomspace(1, 330, 200)
 for level, colour in ((1.0, "blue"), (0.3, "orange")):
     spread = pool_noise[level] / side_axis
     theory = 100 * bounds.wrap_probability(spread, spread, frequencies=FREQUENCIES)
     by_phasor, by_beat = (100 * np.array([pooled[level, s][k] for s in sides]) for k in (0, 1))
-    names = {"label": "phasors pooled", "bound_label": f"I = {level:g}, formula"}
-    names |= {"color": colours[colour], "log": "x"}
+    names = {"bound_label": f"I = {level:g}, formula", "color": colours[colour], "log": "x"}
     plotting.sweep(axes[1], sides, by_phasor, bound=(side_axis, theory), **names)
-    axes[1].plot(sides, by_beat, "x", color=colours[colour], mew=2, label="beats pooled")
+    axes[1].plot(sides, by_beat, "x", color=colours[colour], mew=2)
     axes[1].plot(np.sqrt(need[level]), 95, "D", mfc="white", mec=colours[colour], ms=7)
+axes[1].plot([], [], "ko", ms=4.5, label="phasors pooled")
+axes[1].plot([], [], "kx", mew=2, label="beats pooled")
 plotting.mark(axes[1], y=95, text="95 %")
 axes[1].set(xlabel="side of the pooled square (px)", ylabel="wrap right (%)", title="pooled")
 axes[1].set_xticks([1, 3, 10, 30, 100, 300], ["1", "3", "10", "30", "100", "300"])
-for ax in axes:
-    ax.legend(fontsize="small")
+for ax, place in zip(axes, ("upper left", "center left"), strict=True):
+    ax.legend(fontsize="small", loc=place)
 plotting.label_panels(axes)
 
 # %% tags=["hide-input"]

@@ -37,7 +37,8 @@ from cmtof_lab.settings import TwinSettings
 plotting.begin(profile=profile, seed=seed)
 blue, vermillion, black = (plotting.PALETTE[c] for c in ("blue", "vermillion", "black"))
 modes = {"single": replace(SINGLE, eta=eta), "doubled": replace(DOUBLED, eta=eta)}
-COLOURS, ORDER = {"single": blue, "doubled": vermillion}, {"single": 1, "doubled": 2}
+COLOURS = {"single": blue, "doubled": vermillion}
+ORDER = {"single": 1, "doubled": 2}
 SERIES = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 DRIVE_COLOURS = (plotting.PALETTE["sky"], black, plotting.PALETTE["orange"])  # V = −η, 0, +η
 
@@ -79,7 +80,7 @@ def draw_states(ax, mode, top, name):
 
 
 # %% tags=["hide-input"]
-figure, (path, waves) = plt.subplots(2, 1, figsize=(9.6, 8.6), height_ratios=[2.2, 1])
+figure, (path, waves) = plt.subplots(2, 1, figsize=(8.4, 8.0), height_ratios=[2.2, 1])
 draw_path(path)
 draw_states(path, modes["single"], -1.7, "single\n$\\theta_h$ = 11.25°")
 draw_states(path, modes["doubled"], -4.1, "doubled\n$\\theta_h$ = 22.5°")
@@ -147,7 +148,9 @@ def residual(expression):
 # the half-wave plate, $E_3 = -iA\cos(4\theta_h + V)$. All else follows from it:
 
 # %%
-crystal, half, quarter = retarder(V, 0), sp.pi, sp.pi / 2
+crystal = retarder(V, 0)
+half = sp.pi
+quarter = sp.pi / 2
 E1 = crystal * retarder(quarter, theta_q) * retarder(half, theta_h) * sp.Matrix([0, 1])
 E2 = sp.diag(1, -1) * E1
 back = retarder(half, -theta_h) * retarder(quarter, -theta_q) * crystal
@@ -189,8 +192,10 @@ print("E_3 + i cos(4θ_h + V):", residual(field + sp.I * sp.cos(4 * theta_h + V)
 # \tag{18}$$
 
 # %% tags=["hide-input"]
-single, doubled = field.subs(theta_h, sp.pi / 16), field.subs(theta_h, sp.pi / 8)
-I_single, I_doubled = (1 - sp.sin(2 * V)) / 2, (1 - sp.cos(2 * V)) / 2
+single = field.subs(theta_h, sp.pi / 16)
+doubled = field.subs(theta_h, sp.pi / 8)
+I_single = (1 - sp.sin(2 * V)) / 2
+I_doubled = (1 - sp.cos(2 * V)) / 2
 driven = I_single.subs(V, eta_s * sp.sin(theta))
 first_order = sp.series(driven, eta_s, 0, 2).removeO()
 residuals = {
@@ -229,7 +234,8 @@ plotting.save(
 
 # %%
 shared = replace(modes["doubled"], mirror_distance=SPEED_OF_LIGHT / (2 * SINGLE.frequency))
-late, lost = 1e3 * shared.pass_delay, 1 - shared.effective_eta / eta
+late = 1e3 * shared.pass_delay
+lost = 1 - shared.effective_eta / eta
 print(f"doubled drive on the single mode's spacing: {late:.1f} mrad late, {lost:.1e} of it lost")
 
 # %% [markdown]
@@ -257,8 +263,9 @@ quarter_at = sp.nsolve(sp.besselj(2, 2 * x) / sp.besselj(1, 2 * x) - 0.25, x, 0.
 print(f"J_2/J_1 at η = {eta}: {ratio:.3f}; a quarter only at η = {float(quarter_at):.3f}")
 
 # %% tags=["hide-input"]
-rng, sampled = np.random.default_rng(seed), np.linspace(0, 2, 81)
-figure, axes = plt.subplots(2, 2, figsize=(9.2, 6.8), height_ratios=[1.35, 1])
+rng = np.random.default_rng(seed)
+sampled = np.linspace(0, 2, 81)
+figure, axes = plt.subplots(2, 2, figsize=(8.4, 6.8), height_ratios=[1.35, 1])
 taylor = {"single": lambda sine: (1 - 2 * sine) / 2, "doubled": np.square}  # of eta sin(theta)
 spectra = {name: mode.harmonics(8) for name, mode in modes.items()}
 for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
@@ -277,8 +284,10 @@ for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
         title=f"{name} mode", xlabel="time (ps)", ylim=((0, 1.1), (-0.03, 0.15))[name != "single"]
     )
     ax.legend(loc="upper center", ncols=2, fontsize="small")
-    ghz, exact = mode.frequency / 1e9 * np.arange(1, 9), 2 * np.abs(spectra[name][1:])
-    bessel, shown = 2 * np.abs(SERIES[name](eta, 8)[1:]), exact > 1e-8
+    ghz = mode.frequency / 1e9 * np.arange(1, 9)
+    exact = 2 * np.abs(spectra[name][1:])
+    bessel = 2 * np.abs(SERIES[name](eta, 8)[1:])
+    shown = exact > 1e-8
     low.vlines(ghz[shown], 1e-9, exact[shown], color=blue, lw=5, label="Jones product")
     low.plot(ghz[shown], bessel[shown], "o", mfc="none", color=vermillion, ms=10, label="Bessel")
     low.plot(ghz[shown], 2 * np.abs(seen[1:9])[shown], "_", color=black, ms=16, mew=2)
@@ -329,14 +338,15 @@ notes.say(
 
 # %%
 etas = np.linspace(1e-3, 2, 400)
-w1, w2 = single_mode_harmonics(etas, 2), doubled_mode_harmonics(etas, 2)
+w1 = single_mode_harmonics(etas, 2)
+w2 = doubled_mode_harmonics(etas, 2)
 mean = {"single": w1[:, 0].real, "doubled, dark": w2[:, 0].real}
 mean["doubled, bright"] = 1 - mean["doubled, dark"]  # the other port, the same swing
 swing = {"single": abs(w1[:, 1]), "doubled, dark": abs(w2[:, 2]), "doubled, bright": abs(w2[:, 2])}
 signal_ratio = [float((jv(2, 2 * e) / jv(1, 2 * e)) ** 2) for e in (eta, np.pi / 4)]
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(10.2, 3.8))
+figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.5))
 for name, colour in zip(mean, (blue, vermillion, plotting.PALETTE["purple"]), strict=True):
     style = {"color": colour, "ls": "--" if "bright" in name else "-"}
     axes[0].plot(etas, mean[name] ** 2, label=name, **style)
@@ -442,7 +452,7 @@ fine = np.linspace(0, np.pi / 4, 400)
 power_eta = settings.eta * 10 ** ((steps - settings.drive_power) / 20)
 law = {name: np.abs(SERIES[name](power_eta, 2)) for name in modes}
 law = {name: 2 * w[:, ORDER[name]] / w[:, 0] for name, w in law.items()}
-figure, axes = plt.subplots(1, 2, figsize=(10.2, 4.0))
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.8))
 worst = 0.0
 for order, size, wave, colour in ((1, j1, np.sin, blue), (2, j2, np.cos, vermillion)):
 
@@ -451,15 +461,17 @@ for order, size, wave, colour in ((1, j1, np.sin, blue), (2, j2, np.cos, vermill
 
     worst = max(worst, np.abs(by_plate[order] - np.interp(plate, fine, closed(fine))).max())
     look = {"color": colour, "log": "", "bound_label": "closed form" * (order == 1)}
-    line, x = (np.rad2deg(fine), closed(fine)), np.rad2deg(plate)
+    line = (np.rad2deg(fine), closed(fine))
+    x = np.rad2deg(plate)
     plotting.sweep(axes[0], x, by_plate[order], bound=line, label=f"$m_{order}$", **look)
 for name, told in zip(modes, ("closed form", ""), strict=True):
     look = {"color": COLOURS[name], "log": "", "label": name, "bound_label": told}
     plotting.sweep(axes[1], steps, by_power[name], bound=law[name], **look)
-axes[0].set(xlabel="angle of the half-wave plate (°)", ylabel="amplitude over the mean")
-axes[1].set(xlabel="RF power (dBm)", ylim=(0, 1.6))
+axes[0].set_xlabel("angle of the half-wave plate (°)")
+axes[1].set_xlabel("RF power (dBm)")
 for ax in axes:
-    ax.legend(fontsize="small", loc="upper left")
+    ax.set(ylabel="amplitude over the mean", ylim=(0, 1.7))
+    ax.legend(loc="upper left")
 plotting.label_panels(axes)
 
 # %% tags=["hide-input"]

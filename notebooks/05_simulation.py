@@ -43,9 +43,10 @@ from cmtof_book.compared import closed_form, share_of_pixels, sum_over_draws
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
-frame, psi, f1 = cmtof.load_frame(frame_name), np.array(QUADRATURES), FREQUENCIES[0]
+frame = cmtof.load_frame(frame_name)
+psi = np.array(QUADRATURES)
+f1 = FREQUENCIES[0]
 signal = GAIN * INTEGRATION_TIME
-step_names = ("0", "π/2", "π", "3π/2")
 
 # %%
 measurement = cmtof.simulate(frame, protocol="full", seed=seed)
@@ -54,27 +55,28 @@ phase, amplitude, offset = (field[0] for field in measurement.decoded)
 print(measurement, images.shape, images.dtype)
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, 4, figsize=(12.4, 4.6))
 brightness = np.clip(frame.intensity, 0, 1)
-plotting.image(axes[0, 0], brightness, label="", title="in: brightness I", cmap="gray")
-plotting.image(axes[0, 1], frame.depth, label="", title="in: depth z (m)")
-plotting.phase_image(axes[0, 2], phase, title=r"out: phase $\hat\varphi$", label="")
-plotting.image(axes[0, 3], amplitude / 1e3, label="", title="out: amplitude (10³ counts)")
+height, width = frame.depth.shape
+figure, axes = plotting.grid(6, 3, height / width)
+plotting.image(axes[0], brightness, label="", title="in: brightness I", cmap="gray")
+plotting.image(axes[1], frame.depth, label="", title="in: depth z (m)")
 shared = tuple(np.percentile(images[0], [0.5, 99.5]) / 1e3)
-for ax, picture, name in zip(axes[1], images[0], step_names, strict=True):
+for ax, picture, name in zip(axes[2:4], images[0], ("0", "π/2"), strict=False):
     title = f"$C_ψ$, ψ = {name} (10³ counts)"
     plotting.image(ax, picture / 1e3, label="", title=title, limits=shared)
-plotting.label_panels(axes.flat)
+plotting.phase_image(axes[4], phase, title=r"out: phase $\hat\varphi$", label="")
+plotting.image(axes[5], amplitude / 1e3, label="", title="out: amplitude (10³)")
+plotting.label_panels(axes)
 plotting.save(
     figure,
     "simulation_correlations",
     format="png",
-    caption=f"The frame `{frame_name}`, simulated at 7.15 GHz. (a, b) The inputs. (e–h) The four "
-    "correlation images at the paper's noise. (c, d) Phase and amplitude decoded from them; every "
-    "fringe of (c) is 21 mm of depth.",
-    alt="Eight images of a table top with bust, vase and books: brightness, depth, decoded phase "
-    "with many fringes, decoded amplitude; below, four correlation images in which the fringes "
-    "move by a quarter period from one to the next.",
+    caption=f"The frame `{frame_name}`, simulated at 7.15 GHz. (a, b) The inputs. (c, d) Two of "
+    "the four correlation images at the paper's noise. (e, f) Phase and amplitude decoded from "
+    "the four; every fringe of (e) is 21 mm of depth.",
+    alt="Six images of a table top with bust, vase and books: brightness, depth, two correlation "
+    "images whose fringes differ by a quarter period, decoded phase with many fringes, decoded "
+    "amplitude.",
 )
 
 # %% [markdown]
@@ -115,13 +117,14 @@ worst = np.abs(centred(decode(curve, irregular).phase - truth)).max()
 print(f"seven irregular, shuffled steps: largest phase error {worst:.0e} rad")
 clean = correlation_from_phase(truth, psi, amplitude=signal / np.pi, offset=signal / 2)
 four = poisson_gaussian(clean, rng=rng, sigma=NOISE_SIGMA)
-spectrum, misordered = np.fft.fft(four, axis=0), np.fft.fft(four[[0, 1, 3, 2]], axis=0)
+spectrum = np.fft.fft(four, axis=0)
+misordered = np.fft.fft(four[[0, 1, 3, 2]], axis=0)
 readings = {
     "F₁, steps in order": wrapped(np.angle(spectrum[1])),
     "F₂, as printed": wrapped(np.angle(spectrum[2])),
     "F₁, in the order of Section 5.3": wrapped(np.angle(misordered[1])),
 }
-reading_error = [float(np.sqrt(np.mean(centred(r - truth) ** 2))) for r in readings.values()]
+reading_error = [np.sqrt(np.mean(centred(r - truth) ** 2)) for r in readings.values()]
 
 for name, error in zip(readings, reading_error, strict=True):
     print(f"{name}: {error:.2f} rad rms")
@@ -134,7 +137,8 @@ for name, error in zip(readings, reading_error, strict=True):
 for name in embedded_frames():
     quiet = cmtof.simulate(cmtof.load_frame(name), protocol="full", noise_free=True)
     lit = np.isfinite(quiet.depth) & (quiet.amplitude[0] > 10) & quiet.mask
-    z, phi = quiet.depth[lit].astype(float), quiet.phase[0][lit].astype(float)
+    z = quiet.depth[lit].astype(float)
+    phi = quiet.phase[0][lit].astype(float)
     wraps = consistent_wrap_count(z, phi, f1)
     phase_error = np.abs(centred(phi - phase_from_depth(z, f1))).max()
     depth_error = np.abs(depth_from_wraps(phi, wraps, f1) - z).max()
@@ -159,9 +163,11 @@ settings = {
     "released code's order": ("released", NOISE_SIGMA),
     f"ambient light, σ = {ambient_noise:.0f}": ("paper", ambient_noise),
 }
-spread, kept = {}, {}
+spread = {}
+kept = {}
 for name, (which, sigma) in settings.items():
-    spread[name], kept[name] = [], []
+    spread[name] = []
+    kept[name] = []
     for level in levels:
         angle = rng.uniform(0, 2 * np.pi, draws)
         one = {"amplitude": level * signal / np.pi, "offset": level * signal / 2}
@@ -173,7 +179,7 @@ for name, (which, sigma) in settings.items():
         kept[name].append(float(np.mean(decoded.amplitude * np.cos(error)) / one["amplitude"]))
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(10.2, 4.3))
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.0))
 fine = np.geomspace(0.018, 1.05, 100)
 for (name, (_, sigma)), colour, marker in zip(
     settings.items(), plotting.PALETTE.values(), "os^", strict=False
@@ -184,6 +190,8 @@ for (name, (_, sigma)), colour, marker in zip(
     if sigma == NOISE_SIGMA:
         axes[1].plot(levels, 100 * np.array(kept[name]), marker + "-", color=colour, label=name)
 axes[0].set(xscale="log", yscale="log", ylabel="spread of the phase (rad)", title="noise")
+axes[0].set_yticks([0.2, 0.5, 1, 2], ["0.2", "0.5", "1", "2"])
+axes[0].minorticks_off()
 axes[1].set(xscale="log", ylabel="mean decoded signal (%)", ylim=(40, 110), title="clipping")
 for ax in axes:
     ax.set(xlabel="brightness I")
@@ -251,11 +259,12 @@ for protocol in ("released", "full"):
 notes.table([f"`{frame_name}`", "classes", "that occur", "scored", "commonest class"], rows)
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, 3, figsize=(10.8, 5.1))
-for ax, ((name, protocol), one) in zip(axes.flat, quiet.items(), strict=True):
+figure, axes = plotting.grid(len(quiet), 3, height / width)
+for ax, ((name, protocol), one) in zip(axes, quiet.items(), strict=True):
     title = f"{name}, {protocol}: {100 * coverage[name, protocol]:.0f} %"
-    plotting.image(ax, np.where(one.mask, one.depth, np.nan), label="depth (m)", title=title)
-plotting.label_panels(axes.flat)
+    shown = np.where(one.mask, one.depth, np.nan)
+    plotting.image(ax, shown, label="depth (m)", title=title, limits=one.range)
+plotting.label_panels(axes)
 plotting.save(
     figure,
     "simulation_protocols",
@@ -268,7 +277,8 @@ plotting.save(
         for protocol in ("released", "full")
     },
     caption="True depth of the three embedded frames in each protocol, and the share of pixels "
-    "scored; grey is not scored. The colour bars differ: `released` shrinks every scene.",
+    "scored; grey is not scored. Each row has one scale, the protocol's range: `released` shrinks "
+    "every scene.",
     alt="Two rows of three depth images. Above, the released protocol: a narrow span of depths, "
     "large grey areas in the foreground. Below, the full protocol: the whole depth of each room.",
 )
@@ -306,18 +316,18 @@ rows = [(name, *(f"{x:.1%}" for x in kept)) for name, *kept in table]
 notes.table(["kept of the cosine of", "whole frame", "brightest tenth", "white pixels"], rows)
 
 # %% tags=["hide-input"]
-stacks = [fourier_features(held.phase[0], order)[::2] for held in (exact, measured)]
+stacks = [fourier_features(held.phase[0], order)[::4] for held in (exact, measured)]
 titles = [f"cos {m}" for m in multiples] + [f"noisy: {100 * k:.0f} % left" for k in remains]
-look = {"cmap": "RdBu_r", "limits": (-1, 1), "columns": order + 1, "width": 1.75}
-figure, _ = plotting.maps([*stacks[0], *stacks[1]], label="", titles=titles, **look)
+look = {"titles": titles[::2], "cmap": "RdBu_r", "limits": (-1, 1)}
+figure, _ = plotting.maps([*stacks[0], *stacks[1]], label="", **look)
 plotting.save(
     figure,
     "inputs_features",
-    caption=f"The cosines of the Fourier features of `{frame_name}` at 7.15 GHz, simulated, "
-    "without noise (above) and at the paper's noise (below), with the share of each cosine left on "
-    "average over the scored pixels.",
-    alt="Two rows of six images with fringes that double in number from left to right. Above they "
-    "stay crisp; below they disappear in grain.",
+    caption=f"Every second cosine of the Fourier features of `{frame_name}` at 7.15 GHz, "
+    "simulated, without noise (above) and at the paper's noise (below), with the share of each "
+    "cosine left on average over the scored pixels.",
+    alt="Two rows of three images with ever more fringes from left to right. Above they stay "
+    "crisp; below they disappear in grain.",
     format="png",
 )
 
@@ -338,20 +348,21 @@ plotting.save(
 # used: left, above, and the two on the left diagonals.
 
 # %%
-edges, noisy_edges = phase_edges(exact.phase[0]), phase_edges(measured.phase[0])
+edges = phase_edges(exact.phase[0])
+noisy_edges = phase_edges(measured.phase[0])
 naive = np.diff(exact.phase[0], axis=1, prepend=exact.phase[0][:, :1])
 z = measured.depth.astype(float)
 true_steps = [np.diff(phase_from_depth(z, f), axis=1) for f in measured.frequencies]
 pair = scored[:, 1:] & scored[:, :-1]
-naive_wrong = float(np.mean(np.abs(naive[:, 1:] - true_steps[0])[pair] > np.pi))
-folded = [float(np.mean(np.abs(step)[pair] > np.pi)) for step in true_steps]
+naive_wrong = np.mean(np.abs(naive[:, 1:] - true_steps[0])[pair] > np.pi)
+folded = [np.mean(np.abs(step)[pair] > np.pi) for step in true_steps]
 print(f"naive differences are wrong in {naive_wrong:.1%} of the pairs")
 print(f"wrapped ones in {folded[0]:.2%} at 7.15 GHz, {folded[1]:.2%} at 14.32 GHz")
 
 # %% tags=["hide-input"]
 names = ["left", "above", "above left", "below left"]
 titles = ["naive, left", *(f"wrapped, {name}" for name in names), "wrapped, left, noisy"]
-look = {"titles": titles, "cmap": "RdBu_r", "limits": (-np.pi, np.pi), "columns": 3}
+look = {"titles": titles, "cmap": "RdBu_r", "limits": (-np.pi, np.pi)}
 figure, axes = plotting.maps([naive, *edges, noisy_edges[0]], label="rad", **look)
 plotting.label_panels(axes)
 plotting.save(
@@ -377,31 +388,26 @@ plotting.save(
 
 # %%
 given = np.stack([np.log1p(measured.amplitude), measured.phase], axis=1)
-parts = given, fourier_features(measured.phase, order), phase_edges(measured.phase)
-inputs = np.concatenate(parts, axis=1)
+edges_of = phase_edges(measured.phase)
+inputs = np.concatenate([given, fourier_features(measured.phase, order), edges_of], axis=1)
 channels = inputs.shape[0] * inputs.shape[1]
-ranges = {protocol: quiet[frame_name, protocol].range for protocol in ("released", "full")}
-counts = {
-    protocol: round(float(np.ptp(held) / wrap_length(f1))) for protocol, held in ranges.items()
-}
 print(f"{channels} channels of {inputs.shape[2:]} pixels")
 
 # %% tags=["hide-input"]
-labels = ["log a", "φ", *(f"{f} {m}" for m in multiples for f in ("cos", "sin")), *names]
+low, high = inputs
 target = np.where(scored, wrap_count_from_depth(np.nan_to_num(measured.depth), f1), np.nan)
-tiles = []
-for tone, stack in zip(FREQUENCIES, inputs, strict=True):
-    tiles += [(f"{tone / 1e9:.2f} GHz\n{a}", b) for a, b in zip(labels, stack, strict=True)]
-tiles += [("target n", target), ("scored: white", scored)]
-across = -(-len(tiles) // 4)
-figure, axes = plt.subplots(4, across, figsize=(1.15 * across, 5.2))
-for ax, (title, picture) in zip(axes.flat, tiles, strict=False):
-    grey = "log a" in title or "scored" in title
-    cmap = "gray" if grey else plotting.DEPTH_CMAP if "target" in title else "RdBu_r"
-    ax.imshow(picture, cmap=cmap)
-    ax.set_title(title, fontsize="x-small", pad=2)
-for ax in axes.flat:
-    ax.axis("off")
+tiles = {
+    "log amplitude": (low[0], "gray"),
+    "phase φ": (low[1], plotting.PHASE_CMAP),
+    "cos φ": (low[2], "RdBu_r"),
+    "cos φ, 14.32 GHz": (high[2], "RdBu_r"),
+    "edges, above": (edges_of[0, 1], "RdBu_r"),
+    "target: wrap count": (target, plotting.DEPTH_CMAP),
+}
+figure, axes = plotting.grid(len(tiles), 3, height / width)
+for ax, (title, (picture, cmap)) in zip(axes, tiles.items(), strict=True):
+    plotting.image(ax, picture, label="", title=title, cmap=cmap, bar=False)
+plotting.label_panels(axes)
 plotting.save(
     figure,
     "fig05_inputs",
@@ -409,12 +415,11 @@ plotting.save(
         "channels": closed_form(channels),
         "scored": share_of_pixels(scored.mean(), pixels=scored.size),
     },
-    caption=f"The network's inputs: {channels} channels of the frame `{frame_name}` at the paper's "
-    "noise (log amplitude, phase, Fourier features and edges of both frequencies), with the target "
-    "and the mask of the pixels that are scored, protocol `released`.",
-    alt="A contact sheet of small images of both frequencies. Amplitudes show the scene, the first "
-    "octaves fringes, the last octaves grain, the edges outlines; at the end the target in steps "
-    "of depth and the mask.",
+    caption=f"The network's inputs: five of the {channels} channels of the frame `{frame_name}` at "
+    "the paper's noise, and the target, protocol `released` (grey: not scored). Both frequencies "
+    "have log amplitude, phase, six octaves of cosine and sine, and edges in four directions.",
+    alt="Six images: an amplitude that shows the scene, a phase with fringes, its cosine, twice as "
+    "many fringes at 14.32 gigahertz, an edge map with outlines, and the target in steps of depth.",
     format="png",
 )
 

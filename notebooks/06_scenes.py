@@ -35,7 +35,7 @@ plotting.begin(profile=profile, seed=seed)
 
 def tone_mapped(color):
     """Hypersim's tone map: the 90th percentile of brightness is shown at 0.8."""
-    scale = 0.8**2.2 / max(float(np.percentile(brightness(color), 90)), 1e-4)
+    scale = 0.8**2.2 / max(np.percentile(brightness(color), 90), 1e-4)
     return np.clip(scale * np.maximum(color, 0), 0, 1) ** (1 / 2.2)
 
 
@@ -48,21 +48,16 @@ print(f"{len(shown)} views of {scenes} rooms: {min(things)} to {max(things)} thi
 print(f"{min(triangles)} to {max(triangles)} triangles a room")
 
 # %% tags=["hide-input"]
-small = [tone_mapped(view.picture.color[::2, ::2]) for view in shown]
-rows = [np.concatenate(small[k : k + views], axis=1) for k in range(0, len(small), views)]
-half = len(rows) // 2
-sheet = np.concatenate([np.concatenate(rows[:half]), np.concatenate(rows[half : 2 * half])], axis=1)
-figure, ax = plt.subplots(figsize=(12, 12 * sheet.shape[0] / sheet.shape[1]))
-ax.imshow(sheet, interpolation="antialiased")
-ax.axis("off")
-light = float(np.mean([brightness(view.picture.color).mean() for view in shown]))
+firsts = shown[::views][:12]
+figure, axes = plotting.grid(len(firsts), 3, height / width)
+for ax, view in zip(axes, firsts, strict=True):
+    plotting.image(ax, tone_mapped(view.picture.color), label="", bar=False)
 plotting.save(
     figure,
     "scenes_sheet",
     format="png",
-    caption=f"Rooms rendered from a seed, {views} views of each side by side.",
-    alt="Contact sheet of rendered interiors: furnished rooms with windows, lamps and patterns, "
-    "and a few close views of things.",
+    caption="Rooms rendered from a seed, one view of each.",
+    alt="Rendered interiors: furnished rooms with windows, lamps and patterns.",
 )
 
 # %% [markdown]
@@ -74,13 +69,13 @@ plotting.save(
 
 # %% tags=["hide-input"]
 one = max(shown, key=lambda view: np.unique(view.picture.instance).size)
-exact, numbers = one.picture.depth, (one.picture.instance * 37) % 61
-figure, axes = plt.subplots(1, 3, figsize=(12.4, 2.9))
-axes[0].imshow(tone_mapped(one.picture.color))
-axes[2].imshow(np.where(one.picture.instance < 0, np.nan, numbers), cmap="tab20")
-for panel, title in ((axes[0], "colour"), (axes[2], "objects, each a colour")):
-    panel.set(xticks=[], yticks=[], title=title)
-plotting.image(axes[1], exact, label="range along the ray (m)", title="range")
+exact = one.picture.depth
+numbers = (one.picture.instance * 37) % 61
+objects = np.where(one.picture.instance < 0, np.nan, numbers)
+figure, axes = plotting.grid(3, 3, height / width)
+plotting.image(axes[0], tone_mapped(one.picture.color), label="", title="colour", bar=False)
+plotting.image(axes[1], exact, label="range (m)", title="range along the ray")
+plotting.image(axes[2], objects, label="", title="objects", cmap="tab20", bar=False)
 plotting.label_panels(axes)
 plotting.save(
     figure,
@@ -137,14 +132,14 @@ samples = {
     for name, depths in sets.items()
 }
 labels = ("slope within a surface (wraps/px)", "jump at its end (wraps)", "its size (px)")
-medians = {name: [float(np.median(part)) for part in parts] for name, parts in samples.items()}
-steep = float(np.mean(samples["rooms"][0] > 0.5))
+medians = {name: [np.median(part) for part in parts] for name, parts in samples.items()}
+steep = np.mean(samples["rooms"][0] > 0.5)
 rows = [[k, *(f"{v[i]:.{i + 3}g}" for v in medians.values())] for i, k in enumerate(labels)]
 notes.table(["median", *medians], rows)
 print(f"{steep:.1%} of neighbours in rooms differ by more than half a wrap")
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(11.4, 3.6), sharey=True)
+figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.4), sharey=True)
 ranges = (1e-3, 10), (0.19, 500), (1, 1e5)
 for i, (ax, label, limits) in enumerate(zip(axes, labels, ranges, strict=True)):
     for (name, parts), style in zip(samples.items(), ("-", "--"), strict=False):
@@ -153,7 +148,8 @@ for i, (ax, label, limits) in enumerate(zip(axes, labels, ranges, strict=True)):
     ax.set(xscale="log", xlabel=label, xlim=limits, ylim=(0, 1))
 plotting.mark(axes[0], x=0.5, text="half a wrap")
 axes[0].set_ylabel("share of pixels at or below")
-axes[2].legend()
+if files:
+    axes[2].legend()
 plotting.label_panels(axes)
 plotting.save(
     figure,
@@ -177,7 +173,7 @@ for z, step in zip(distance, steps, strict=True):
     print(f"at {z:.1f} m: steps of {1e3 * step:.2f} mm, {turns[0]:.2f} and {turns[1]:.2f} rad")
 off = exact.astype(np.float16).astype(float) - exact
 flat = ~bends(exact) & np.isfinite(exact)
-rms = float(np.sqrt(np.mean(phase_from_depth(off[flat], FREQUENCY_SINGLE) ** 2)))
+rms = np.sqrt(np.mean(phase_from_depth(off[flat], FREQUENCY_SINGLE) ** 2))
 print(f"on the surfaces of one view {rms:.3f} rad rms at 7.15 GHz")
 
 # %% [markdown]

@@ -30,7 +30,6 @@ from cmtof.captures import published_captures, read_capture
 from cmtof.constants import FREQUENCY_SINGLE, NOISE_SIGMA
 from cmtof.correlation import (
     TAU,
-    centred,
     consistent_wrap_count,
     depth_from_phase,
     depth_from_wraps,
@@ -43,7 +42,7 @@ from cmtof.scenes import Frame, load_frame
 from cmtof_book import notes, plotting, views
 
 plotting.begin(profile=profile, seed=seed)
-blue, vermillion, green = (plotting.PALETTE[k] for k in ("blue", "vermillion", "green"))
+colours = tuple(plotting.PALETTE.values())
 WRAP = float(wrap_length(FREQUENCY_SINGLE))
 
 
@@ -58,7 +57,8 @@ WRAP = float(wrap_length(FREQUENCY_SINGLE))
 # %% tags=["hide-input"]
 def simulated_scan():
     """Phase, rad, and reference depth, m, (100, 100), in place of a capture."""
-    frame, view = load_frame("still_life"), (slice(5, 105), slice(85, 185))
+    frame = load_frame("still_life")
+    view = (slice(5, 105), slice(85, 185))
     piece = Frame(frame.depth[view] / 2, frame.intensity[view])
     scan = cmtof.simulate(piece, protocol="full", noise=600.0, seed=seed)
     filled = np.where(np.isfinite(piece.depth), piece.depth, np.nanmax(piece.depth))
@@ -69,7 +69,8 @@ def simulated_scan():
 captures = {name: read_capture(file) for name, file in published_captures().items()}
 source = "measured" if captures else "simulated"
 captures = captures or {"still life": simulated_scan()}
-names, count = list(captures), len(captures)
+names = list(captures)
+count = len(captures)
 phases, references = (
     dict(zip(names, two, strict=True)) for two in zip(*captures.values(), strict=True)
 )
@@ -85,7 +86,8 @@ def wall_of(depth):
     """Pixels within 1 cm of the flat wall behind everything, and the camera that its bend gives."""
     height, width = depth.shape
     y, x = np.mgrid[:height, :width] + 0.5
-    u, v = (x - width / 2) / width, (y - height / 2) / width
+    u = (x - width / 2) / width
+    v = (y - height / 2) / width
 
     def model(q):
         return np.sqrt(1 + q[0] ** 2 * (u**2 + v**2)) / (q[1] + q[2] * u + q[3] * v)
@@ -119,14 +121,18 @@ inside = {
 # At I = 1 this gives σ. The simulated scene is the capture's own averaged surface.
 
 # %% tags=["hide-input"]
-sigma, matched, smooth, simulated = {}, {}, {}, {}
+sigma = {}
+matched = {}
+smooth = {}
+simulated = {}
 for name, phase in phases.items():
     sigma[name] = noise.typical_phase_noise(phase, inside[name], window=fit_window)
     matched[name] = float(noise.sigma_from_phase_noise(sigma[name]))
     smooth[name] = noise.denoise(phase, window=fit_window)
     wraps = consistent_wrap_count(references[name], smooth[name].phase, FREQUENCY_SINGLE)
     depth = depth_from_wraps(smooth[name].phase, wraps, FREQUENCY_SINGLE)
-    scene, how = Frame(depth, np.ones(depth.shape)), {"protocol": "full", "noise": matched[name]}
+    scene = Frame(depth, np.ones(depth.shape))
+    how = {"protocol": "full", "noise": matched[name]}
     maps = [cmtof.simulate(scene, seed=seed, frame_number=k, **how) for k in range(draws)]
     simulated[name] = [one.phase[0].astype(float) for one in maps]
     print(f"{name}: {sigma[name]:.3f} rad, σ = {matched[name]:.0f} counts at I = 1")
@@ -134,18 +140,17 @@ single = 1e6 * depth_from_phase(list(sigma.values()), FREQUENCY_SINGLE)
 
 # %% tags=["hide-input"]
 shown = [simulated[name][0] for name in names] + list(phases.values())
-titles = [f"{name}, {kind}" for kind in ("matched simulation", source) for name in names]
+titles = [f"{name}, {kind}" for kind in ("matched", source) for name in names]
 style = {"cmap": plotting.PHASE_CMAP, "limits": plotting.TURN, "columns": max(count, 2)}
-figure, axes = plotting.maps(shown, label="phase (rad)", titles=titles, **style)
-again = [noise.typical_phase_noise(simulated[n][0], inside[n], window=fit_window) for n in names]
+figure, _ = plotting.maps(shown, label="phase (rad)", titles=titles, **style)
 plotting.save(
     figure,
     "fig11_noise_matching",
     numbers={
         "source": source,
     },
-    caption="Noise matching at 7.15 GHz: phase simulated with the noise level found, then the "
-    f"{source} phase to which it is matched (scenes: {count}). A turn of colour is "
+    caption="Noise matching at 7.15 GHz: above, phase simulated with the noise level found; below, "
+    f"the {source} phase to which it is matched (scenes: {count}). A turn of colour is "
     f"{1e3 * WRAP:.1f} mm. The simulated surface is an average, hence smoother.",
     alt="Pairs of phase maps with the same rings on a wall and an object, and the same graininess.",
     format="png",
@@ -160,11 +165,12 @@ plotting.save(
 
 # %% tags=["hide-input"]
 local = {name: noise.local_phase_noise(phase, window=fit_window) for name, phase in phases.items()}
-spread, neighbours, after = {}, {}, {}
+neighbours = {}
+after = {}
 few = (slice(fit_window // 2, None, fit_window),) * 2  # windows that share no pixel
 for name in names:
-    left, where = residual[name], inside[name]
-    spread[name] = np.percentile(local[name][where], [5, 95]).tolist()
+    left = residual[name]
+    where = inside[name]
     pairs = (
         (left[:-1], left[1:], where[:-1] & where[1:]),
         (left.T[:-1], left.T[1:], where.T[:-1] & where.T[1:]),
@@ -177,16 +183,25 @@ for name in names:
     print(f"  averaged {after[name]:.3f} rad, {sigma[name] / fit_window:.3f} if it were white")
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, count, figsize=(3.2 * count + 0.9, 5.4), squeeze=False)
-freedom, x = fit_window**2 - 6, np.linspace(0.001, 0.32, 300)
-for column, name in zip(axes.T, names, strict=True):
-    title = f"{name}, {source}"
-    plotting.image(column[0], local[name], label="noise (rad)", title=title, limits=(0, 0.6))
-    column[0].contour(inside[name], levels=[0.5], colors="white", linewidths=1.2)
-    column[1].hist(local[name][inside[name]], np.linspace(0, 0.32, 65), density=True, alpha=0.4)
+freedom = fit_window**2 - 6
+x = np.linspace(0.001, 0.32, 300)
+figure = plt.figure(figsize=(8.4, 5.6))
+above, below = figure.subfigures(2, 1)
+ax = below.subplots()
+panels = above.subplots(1, count, squeeze=False)[0]
+for panel, name, colour in zip(panels, names, colours, strict=False):
+    plotting.image(
+        panel, local[name], label="", title=f"{name}, {source}", limits=(0, 0.6), bar=False
+    )
+    panel.contour(inside[name], levels=[0.5], colors="white", linewidths=1.2)
+    density, edges = np.histogram(local[name][inside[name]], 64, (0, 0.32), density=True)
+    ax.stairs(density, edges, color=colour, alpha=0.3, fill=True)
     law = stats.chi2.pdf(freedom * (x / sigma[name]) ** 2, freedom)
-    column[1].plot(x, 2 * freedom * x / sigma[name] ** 2 * law, color=blue)
-    column[1].set(xlabel="local noise on the wall (rad)", ylabel="density (1/rad)")
+    label = f"{name}: {sigma[name]:.3f} rad"
+    ax.plot(x, 2 * freedom * x / sigma[name] ** 2 * law, color=colour, label=label)
+above.colorbar(panels[0].images[0], ax=panels, label="noise (rad)")
+ax.set(xlabel="local noise on the wall (rad)", ylabel="density (1/rad)")
+ax.legend()
 plotting.save(
     figure,
     "capture_noise",
@@ -197,7 +212,7 @@ plotting.save(
     },
     caption=f"Phase noise at 7.15 GHz ({source}) about quadratics fitted to "
     f"{fit_window}×{fit_window} pixels; white lines enclose the wall. Below: its distribution on "
-    "the wall, and that of white noise of equal size.",
+    "the wall, and as lines that of white noise of equal size.",
     alt="Noise maps, dark on the wall and bright along outlines, above bell-shaped histograms near "
     "a tenth of a radian that follow the drawn laws.",
     format="png",
@@ -232,7 +247,8 @@ def unwrapped(phase, region):
 
 def pinned(phase, region, reference):
     """Phase of the pieces of a region, rad, each in the wraps nearest to a reference depth."""
-    relative, total = unwrapped(phase, region), np.full(phase.shape, np.nan)
+    relative = unwrapped(phase, region)
+    total = np.full(phase.shape, np.nan)
     pieces, number = ndimage.label(region)
     for piece in (pieces == k for k in range(1, number + 1)):
         if piece.sum() >= 25:
@@ -241,57 +257,40 @@ def pinned(phase, region, reference):
     return total
 
 
-depths, misled = {}, {}
+depths = {}
 for name in names:
-    phase, clear, wall = smooth[name].phase, smooth[name].coherence > 0.8, walls[name][0]
+    phase = smooth[name].phase
+    clear = smooth[name].coherence > 0.8
+    wall = walls[name][0]
     parts = [pinned(phase, clear & side, references[name]) for side in (wall, ~wall)]
     total = np.where(np.isfinite(parts[0]), *parts)
     depths[name] = depth_from_phase(total, FREQUENCY_SINGLE)
-    turns = np.rint((unwrapped(phase, phase >= 0) - total)[np.isfinite(total)] / TAU)
-    misled[name] = float(np.mean(turns != np.median(turns)))
-    print(f"{name}: unwrapped in one piece, {misled[name]:.0%} of the pixels differ by wraps")
 
 # %% [markdown]
 # On the wall, measured and reference phase should differ by one constant: the length of
 # $\langle e^{i(\hat\varphi-\varphi_\mathrm{ref})}\rangle$ is 1 for a constant and 0 for no
-# relation. A slow tilt is taken out in a second step.
+# relation.
 
 # %% tags=["hide-input"]
-y, x = np.mgrid[:1:100j, :1:100j]
-agreement, off_wraps = {}, {}
+rows = []
 for name in names:
     where = inside[name]
     error = smooth[name].phase - phase_from_depth(references[name], FREQUENCY_SINGLE)
     vector = np.exp(1j * error[where]).mean()
-    about = centred(error - np.angle(vector))[where]
-    design = np.stack([np.ones_like(x), x, y], -1)[where]
-    plane = design @ np.linalg.lstsq(design, about, rcond=None)[0]
-    found = np.angle(vector), about.std(), np.ptp(plane), (about - plane).std()
-    found = 1e3 * depth_from_phase(found, FREQUENCY_SINGLE)
-    keys = ("offset_mm", "rms_mm", "tilt_mm", "rms_flat_mm")
-    agreement[name] = {
-        "circular": float(abs(vector)),
-        **dict(zip(keys, found.tolist(), strict=True)),
-    }
+    offset = 1e3 * depth_from_phase(np.angle(vector), FREQUENCY_SINGLE)
     turns = (depths[name] - references[name]) / WRAP
     objects = turns[~walls[name][0] & np.isfinite(turns)]
-    off_wraps[name] = np.percentile(objects, [5, 95]).tolist()
-    parts = ", ".join(f"{k.replace('_', ' ')} {v:.2f}" for k, v in agreement[name].items())
-    print(f"{name}: {parts}, wraps {off_wraps[name][0]:.2f} to {off_wraps[name][1]:.2f}")
+    low, high = np.percentile(objects, [5, 95])
+    rows.append([name, f"{abs(vector):.3f}", f"{offset:.2f}", f"{low:.1f} to {high:.1f}"])
+notes.table(["", "length", "offset of the wall (mm)", "objects off by (wraps)"], rows)
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(count, 3, figsize=(10.4, 2.9 * count + 0.3), squeeze=False)
-for row, name in zip(axes, names, strict=True):
-    plotting.image(row[0], depths[name], label="depth (m)", title=f"{name}, {source}")
-    turns = (depths[name] - references[name]) / WRAP
-    style = {"cmap": "RdBu_r", "limits": (-1.5, 1.5)}
-    plotting.image(row[1], turns, label="minus reference (wraps)", **style)
-    bins = np.linspace(-1.5, 1.5, 61)
-    row[2].hist(turns[inside[name]], bins, density=True, color=blue, label="wall")
-    other = turns[~walls[name][0]]
-    row[2].hist(other, bins, density=True, color=vermillion, alpha=0.6, label="objects")
-    row[2].set(xlabel="minus reference (wraps)", yticks=[])
-    row[2].legend(loc="upper left")
+titles = [f"{name}, {source}" for name in names] + count * ["minus reference"]
+shown = [*depths.values(), *((depths[n] - references[n]) / WRAP for n in names)]
+figure, axes = plotting.grid(2 * count, max(count, 2), 0.85)
+for ax, values, title in zip(axes, shown, titles, strict=True):
+    wraps = {"cmap": "RdBu_r", "limits": (-1.5, 1.5)} if "minus" in title else {}
+    plotting.image(ax, values, label="wraps" if wraps else "depth (m)", title=title, **wraps)
 plotting.save(
     figure,
     "capture_depth",
@@ -308,11 +307,12 @@ plotting.save(
 # %% [markdown]
 # In the published captures the reference of the wall is identical behind every object, while its
 # measured phase moves from scan to scan by a millimetre or two: the instrument drifts. On the
-# objects the reference errs by about a whole wrap within one smooth surface, so it is no truth.
+# objects the reference errs by about a whole wrap within one smooth surface, so it cannot serve as
+# ground truth.
 
 # %% tags=["hide-input"]
 drawn = min(count, stills)
-figure, axes = plt.subplots(1, drawn, figsize=(4.4 * drawn, 4.8), squeeze=False)
+figure, axes = plt.subplots(1, drawn, figsize=(8.4, 9 / drawn), squeeze=False)
 for ax, name in zip(axes[0], names, strict=False):
     points = points_from_depth(depths[name], walls[name][1])
     ends = tuple(np.nanpercentile(depths[name], [1, 99]))
@@ -321,7 +321,6 @@ for ax, name in zip(axes[0], names, strict=False):
     ax.imshow(layer.colours() if still is None else still, interpolation="antialiased")
     ax.set_title(f"{name}, {source}")
     ax.axis("off")
-fine = {n: (1e6 * depth_from_phase([sigma[n], after[n]], FREQUENCY_SINGLE)).tolist() for n in names}
 plotting.save(
     figure,
     "capture_surface",
@@ -352,7 +351,8 @@ plotting.save(
 # running mean of two samples, or a scan sampled twice as finely as it is resolved.
 
 # %% tags=["hide-input"]
-lines, with_lines = {}, {}
+lines = {}
+with_lines = {}
 rng = np.random.default_rng([seed, 11])
 for name in names:
     lines[name] = noise.fit_line_noise(residual[name], inside[name], window=window)
@@ -373,23 +373,23 @@ drawn = {
 }
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, count, figsize=(3.4 * count + 0.9, 5.6), squeeze=False)
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.2), sharey=True)
 half = phases[names[0]].shape[0] // 2
 waves = np.arange(1, half) / (2 * half)
-for column, name in zip(axes.T, names, strict=True):
-    level = 1e3 * spectra[name].mean()
-    for ax, axis, along in ((column[0], 1, "down the columns"), (column[1], 0, "across the rows")):
-        for kind, colour in (("white", vermillion), ("lines", green)):
-            curves = 1e3 * np.mean(drawn[kind][name], axis=1 + axis)[:, 1:half]
-            low, high = np.percentile(curves, [5, 95], axis=0)
-            ax.fill_between(waves, low, high, color=colour, alpha=0.25, lw=0)
-            ax.plot(waves, curves.mean(0), color=colour, label=f"simulated, {kind}")
-        ax.plot(waves, 1e3 * spectra[name].mean(axis)[1:half], ".", color=blue, label=source)
-        ax.set(title=f"{name}, {along}", ylim=(0, 2 * level))
-    column[1].set_xlabel("frequency (1/px)")
-for ax in axes[:, 0]:
-    ax.set_ylabel("power (10⁻³ rad²)")
-axes[0, 0].legend(fontsize="small")
+for ax, axis, title in zip(axes, (1, 0), ("down the columns", "across the rows"), strict=True):
+    white = []
+    for name, colour in zip(names, colours, strict=False):
+        level = spectra[name].mean()
+        white += [one.mean(axis)[1:half] / level for one in drawn["white"][name]]
+        lined = np.mean(drawn["lines"][name], axis=0).mean(axis)[1:half] / level
+        ax.plot(waves, spectra[name].mean(axis)[1:half] / level, ".", color=colour, label=name)
+        ax.plot(waves, lined, color=colour)
+    low, high = np.percentile(white, [5, 95], axis=0)
+    ax.fill_between(waves, low, high, color="0.85", zorder=0, label="simulated, white")
+    ax.set(title=title, xlabel="frequency (1/px)", ylim=(0, 2.2))
+axes[0].set_ylabel("power over its mean")
+axes[0].legend(fontsize="small", ncols=2)
+plotting.label_panels(axes)
 plotting.save(
     figure,
     "noise_matching_spectra",
@@ -397,10 +397,10 @@ plotting.save(
         "source": source,
         "line_noise": {n: line._asdict() for n, line in lines.items()},
     },
-    caption=f"Spectra of the noise on the wall ({source}, dots), with the range (5 to 95 %) of "
-    "simulations with white and with line noise. White noise is level; noise that neighbours "
-    "share falls with the frequency.",
-    alt="Dots among two bands, one of white noise, nearly level, and one of line noise.",
+    caption=f"Spectra of the noise on the wall ({source}, dots), those of simulated line noise "
+    "(lines), and the range (5 to 95 %) of simulated white noise (grey). White noise is level; "
+    "noise that neighbours share falls with the frequency.",
+    alt="Dots of each scan on lines that fall with the frequency, beside a level band.",
 )
 
 
@@ -415,7 +415,8 @@ plotting.save(
 
 def described(phase, r, where):
     """What is compared, of a phase map, its residual and the mask."""
-    down, across = where[:-1] & where[1:], where[:, :-1] & where[:, 1:]
+    down = where[:-1] & where[1:]
+    across = where[:, :-1] & where[:, 1:]
     around = noise.local_phase_noise(phase, window=fit_window)[where]
     limit = 3.5 * 1.4826 * np.median(np.abs(r[where]))
     return {

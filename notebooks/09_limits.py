@@ -51,10 +51,12 @@ frames = [every[place].middle(height, width) for place in places]
 
 # %% tags=["hide-input"]
 measured = {
-    protocol: [cmtof.simulate(frame, protocol=protocol, seed=seed, frame_number=place)
-               for frame, place in zip(frames, places, strict=True)]
+    protocol: [
+        cmtof.simulate(frame, protocol=protocol, seed=seed, frame_number=place)
+        for frame, place in zip(frames, places, strict=True)
+    ]
     for protocol in PROTOCOLS
-}  # fmt: skip
+}
 window_rates = {}
 for protocol in PROTOCOLS:
     for method, option in (("reference-field", "side"), ("beat", "window")):
@@ -69,12 +71,20 @@ for protocol in PROTOCOLS:
         print(protocol, method, *(f"{x:.3f}" for x in row))
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(10.0, 3.8), sharey=True)
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.6), sharey=True)
 for ax, protocol in zip(axes, PROTOCOLS, strict=True):
-    for method, label, name in (("reference-field", "true surfaces", "green"),
-                                ("beat", "beat averaged", "blue")):  # fmt: skip
-        ax.plot(sides, [100 * x for x in window_rates[protocol, method]], "o-", ms=4,
-                color=plotting.PALETTE[name], label=label)  # fmt: skip
+    for method, label, name in (
+        ("reference-field", "true surfaces", "green"),
+        ("beat", "beat averaged", "blue"),
+    ):
+        ax.plot(
+            sides,
+            [100 * x for x in window_rates[protocol, method]],
+            "o-",
+            ms=4,
+            color=plotting.PALETTE[name],
+            label=label,
+        )
     ax.set(xscale="log", xlabel="side of the window (px)", title=protocol, ylim=(0, 100))
     ax.set_xticks(sides, [str(s) for s in sides])
     ax.minorticks_off()
@@ -107,7 +117,8 @@ plotting.save(
 # built here ([chapter 8](08_network.ipynb)).
 
 # %% tags=["hide-input"]
-rows, share = [], {}
+rows = []
+share = {}
 for name in (*METHODS, *REFERENCES):
     cells = []
     for protocol in PROTOCOLS:
@@ -146,7 +157,7 @@ for protocol in PROTOCOLS:
         for axis in (0, 1):
             inside = np.delete(m.mask, -1, axis) & (np.diff(surface, axis=axis) == 0)
             steps.append(np.abs(np.diff(phase, axis=axis))[inside] / TAU)
-    steep = float(np.mean(np.concatenate(steps) > 0.5))
+    steep = np.mean(np.concatenate(steps) > 0.5)
     print(f"{protocol}: {steep:.1%} of the steps within a surface exceed half a turn")
 
 # %% [markdown]
@@ -156,17 +167,16 @@ for protocol in PROTOCOLS:
 # fail that touch nothing or only dark surfaces.
 
 # %% tags=["hide-input"]
-names = ("mrf-graphcut", "surfaces", "reference-offset", "reference-contact", "reference-depth")
+names = ("surfaces", "reference-offset", "reference-contact", "reference-depth")
 first = measured["full"][0]
 answers = {name: cmtof.unwrap(first, method=name) for name in names}
 plotting.save(
     comparison_figure(Scene(frames[0], first, answers), names),
     "limits_maps",
     caption="A simulated test room, full protocol, σ = 1200: errors in wraps (black: none) and the "
-    "share of right pixels. `mrf-graphcut` and our `surfaces` are methods; references know a part "
-    "of the truth.",
-    alt="A room, its true wraps, and the errors of two methods and of three references, which "
-    "shrink to the boundaries of wraps.",
+    "share of right pixels. Our `surfaces` is a method; references know a part of the truth.",
+    alt="A room, its true wraps, and the errors of a method and of three references, which shrink "
+    "to the boundaries of wraps.",
     format="png",
 )
 
@@ -178,7 +188,7 @@ plotting.save(
 
 # %% tags=["hide-input"]
 for light in (1.0, 0.1):
-    noise = float(bounds.simulated_phase_noise(light))
+    noise = bounds.simulated_phase_noise(light)
     pixels = bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES)
     print(f"brightness {light:g}: {pixels} pixels for odds of 95 %")
 
@@ -203,12 +213,15 @@ groups = {"reference-offset": surfaces, "reference-contact": bodies}
 rows = []
 for protocol in PROTOCOLS:
     for name, group in groups.items():
-        expected, found, scored = np.zeros(2), 0, 0
+        expected = np.zeros(2)
+        found = 0
+        scored = 0
         for frame, place, m in zip(frames, places, measured[protocol], strict=True):
             expected += repeats * predicted(frame, m, group(m.depth.astype(float)))
             for again in range(1, repeats + 1):
-                other = cmtof.simulate(frame, protocol=protocol, seed=seed + again,
-                                       frame_number=place)  # fmt: skip
+                other = cmtof.simulate(
+                    frame, protocol=protocol, seed=seed + again, frame_number=place
+                )
                 pixels = scored_pixels(cmtof.unwrap(other, method=name), other)
                 found += np.sum(pixels["consistent"] == pixels["true_consistent"])
                 scored += pixels["consistent"].size

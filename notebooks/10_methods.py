@@ -58,7 +58,8 @@ ready = [name for name, state in states.items() if state not in ("untrained", "n
 
 # %% tags=["hide-input"]
 frames = held_out_frames()
-scenes, beliefs = [], {name: [] for name in ready}
+scenes = []
+beliefs = {name: [] for name in ready}
 for place in places:
     frame = frames[place].middle(height, width)
     given = measured(frame, ready, number=place, seed=seed)
@@ -70,7 +71,7 @@ for place in places:
         beliefs[name].append(np.stack([pixels["confidence"], right]))
 
 
-def draw(stem, names, caption):
+def draw(stem, names, caption, **how):
     shown = [name for name in names if name in ready]
     plotting.save(
         comparison_figure(scenes[0], shown),
@@ -80,13 +81,14 @@ def draw(stem, names, caption):
         alt="A room, its true wraps, and a map of errors for each method, with the share of right "
         f"pixels above it. Methods: {', '.join(shown)}.",
         format="png",
+        **how,
     )
 
 
 draw(
     "fig10_comparison",
-    [*PAPERS.values(), "surfaces"],
-    "Methods of the paper (its networks as far as trained, with far fewer crops) and `surfaces`.",
+    ["kde", "rapid", "fast-scnn", "surfaces"],
+    "Three methods of the paper (the networks with far fewer crops) and `surfaces`.",
 )
 
 # %% [markdown]
@@ -96,7 +98,7 @@ draw(
 show_swipe(scenes[0], "fast-scnn", "surfaces")
 
 # %% [markdown]
-# The next figure has methods outside the paper, and three references. `reference-depth` combines
+# The next figure, on demand, has the other methods and three references. `reference-depth` combines
 # the measured phase with the best possible wraps: its black pixels are those that the phase allows.
 # `reference-offset` knows the true surfaces and finds one offset for each, `reference-contact` one
 # for all that is connected ([chapter 9](09_limits.ipynb)). `hybrid` joins our version of the
@@ -105,9 +107,9 @@ show_swipe(scenes[0], "fast-scnn", "surfaces")
 # errors that differ from pixel to pixel.
 
 # %% tags=["hide-input"]
-OTHERS = ("beat", "beat-guided", "region", "mrf", "mrf-graphcut", "hybrid",
-          "reference-offset", "reference-contact", "reference-depth")  # fmt: skip
-draw("fig10_others", OTHERS, "Methods outside the paper, and references.")
+OTHERS = ["phasor", "crt", "one-step", "u-net", "deep-tof", "beat", "beat-guided", "region", "mrf"]
+OTHERS += ["mrf-graphcut", "hybrid", "reference-offset", "reference-contact", "reference-depth"]
+draw("fig10_others", OTHERS, "Other methods, and references.", folded=True)
 
 # %% [markdown]
 # ## The methods
@@ -150,8 +152,10 @@ found = {
     for key, held in counts.items()
     if held
 }
-theirs = {name: [100 * paper.published(f"table2.{row}.delta_lt_{k}").value for k in (1, 2, 3)]
-          for row, name in PAPERS.items()}  # fmt: skip
+theirs = {
+    name: [100 * paper.published(f"table2.{row}.delta_lt_{k}").value for k in (1, 2, 3)]
+    for row, name in PAPERS.items()
+}
 
 
 def show(key):
@@ -267,9 +271,16 @@ cost = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {"met
 rows = []
 for name in (name for name in METHODS if name in cost["methods"]):
     one = cost["methods"][name]
-    rows.append([f"`{name}`", *(f"{one[p][unit]:g}" if p in one else ""
-                                for unit in ("seconds", "megabytes")
-                                for p in ("released", "full"))])  # fmt: skip
+    rows.append(
+        [
+            f"`{name}`",
+            *(
+                f"{one[p][unit]:g}" if p in one else ""
+                for unit in ("seconds", "megabytes")
+                for p in ("released", "full")
+            ),
+        ]
+    )
 notes.table(["method", "released, s", "full, s", "released, MB", "full, MB"], rows)
 print(cost.get("machine", ""), "cmtof " + cost.get("version", ""), sep=", ")
 
@@ -319,7 +330,8 @@ def interval(values):
 
 
 # %% tags=["hide-input"]
-first, fewest = counts[LARGE], min(crops.values())
+first = counts[LARGE]
+fewest = min(crops.values())
 share = dict(zip(PAPERS.values(), redrawn(first, list(PAPERS.values())), strict=True))
 apart = [
     (one, other) for one in theirs for other in theirs if theirs[one][0] > theirs[other][0] + 2

@@ -20,7 +20,6 @@ draws: int = 2000  # sets of scenes drawn for the intervals
 results: str = "../book/results"  # folder of counts over all test frames
 
 # %% tags=["hide-input"]
-import cProfile
 import json
 from pathlib import Path
 
@@ -62,7 +61,8 @@ frame, measurement = measure(place, "full")
 found = stages(measurement)
 inside = tuple(slice(0, n) for n in measurement.shape)
 truth = np.where(measurement.mask, measurement.depth.astype(float), np.nan)
-count, period = len(found.surfaces), found.field.period
+count = len(found.surfaces)
+period = found.field.period
 
 
 def wraps_off(depth):
@@ -70,47 +70,48 @@ def wraps_off(depth):
 
 
 own = depth_of_labels(found.field, found.label, found.surfaces)
-alone = own + period * np.rint(found.offsets.mean)[found.label]
-tied = own + period * found.tied.wraps[found.label]
-steps = {"each alone": wraps_off(alone), "tied": wraps_off(tied)}
-steps["with the rest"] = wraps_off(found.depth)
-shares = {name: float(np.nanmean(np.where(np.isfinite(e), e < 1, np.nan)))
-          for name, e in steps.items()}  # fmt: skip
-print(f"{count} surfaces, {len(found.borders.first)} borders,", np.unique(found.tied.group).size,
-      "groups; right:", ", ".join(f"{k} {x:.1%}" for k, x in shares.items()))  # fmt: skip
+tried = {
+    "4 offsets": own + period * np.rint(found.offsets.mean)[found.label],
+    "5 ties": own + period * found.tied.wraps[found.label],
+    "6 and 7, the rest": found.depth,
+}
+errors = {name: wraps_off(depth) for name, depth in tried.items()}
+shares = {name: np.sum(error < 1) / measurement.mask.sum() for name, error in errors.items()}
+groups = np.unique(found.tied.group).size
+print(f"{count} surfaces, {len(found.borders.first)} borders, {groups} groups; right:")
+print(", ".join(f"{name} {share:.1%}" for name, share in shares.items()))
 
 # %% tags=["hide-input"]
-shuffle = np.random.default_rng(seed).permutation(max(count, 1))
+on = found.label >= 0
+size = np.maximum(np.bincount(found.label[on], minlength=count + 1), 1)
+mean = np.bincount(found.label[on], np.nan_to_num(found.depth)[on], count + 1) / size
 
 
-def numbered(label):
-    """Colours that neighbours hardly share; grey for none."""
-    return np.where(label < 0, np.nan, shuffle[np.maximum(label, 0) % max(count, 1)] % 20)[inside]
+def mean_depth(label):
+    """Mean depth of the surface of each pixel, m, NaN for none."""
+    return np.where(label < 0, np.nan, mean[label])[inside]
 
 
+figure, axes = plotting.grid(6, 3, height / width)
+light = np.sqrt(np.clip(frame.intensity, 0, 1))
+plotting.image(axes[0], light, label="", title="the room", cmap="gray", bar=False)
 cells = np.kron(found.owner, np.ones((8, 8), int))
-groups = np.where(found.label < 0, -1, found.tied.group[found.label])
-information = np.log10(found.field.information[0][inside] + 1e-2)
-pictures = [
-    ("brightness", np.sqrt(np.clip(frame.intensity, 0, 1)), "gray", (0, 1)),
-    ("information K (1/rad², log)", information, "viridis", (-2, 2)),
-    ("cells that a surface explains", numbered(cells), "tab20", (0, 19)),
-    ("pixels, the likeliest one", numbered(found.label), "tab20", (0, 19)),
-    ("surfaces tied together", numbered(groups), "tab20", (0, 19)),
-    *((f"δ, {name}: {100 * shares[name]:.0f} % right", error, "magma", (0, 10))
-      for name, error in steps.items()),
-]  # fmt: skip
-figure, axes = plt.subplots(2, 4, figsize=(11.0, 4.8))
-for ax, (title, picture, colours, limits) in zip(axes.ravel(), pictures, strict=True):
-    plotting.image(ax, picture, label="", cmap=colours, limits=limits, bar=False)
-    ax.set_title(title, fontsize=8)
+plotting.image(axes[1], mean_depth(cells), label="", title="2 growth: cells", bar=False)
+plotting.image(axes[2], mean_depth(found.label), label="", title="3 pixels", bar=False)
+for ax, (name, error) in zip(axes[3:], errors.items(), strict=True):
+    title = f"{name}: {100 * shares[name]:.0f} % right"
+    plotting.image(ax, error, label="", title=title, cmap="magma", limits=(0, 10), bar=False)
+figure.colorbar(axes[3].images[0], ax=axes[3:], label="wraps off")
+figure.colorbar(axes[2].images[0], ax=axes[:3], label="depth (m)")
 plotting.save(
     figure,
     "surfaces_steps",
     caption="Steps of this book's method `surfaces` on one simulated room, full protocol, σ = "
-    "1200; in the last three black is right, and white ten wraps off or more.",
-    alt="Eight pictures of one room: brightness, information, surfaces in colours that grow over "
-    "most of it and are tied together, and three maps of errors that get darker.",
+    "1200, with their numbers in the list below. Above, each surface in the colour of its mean "
+    "depth. Below, errors (black: right), and the share of all scored pixels that are right; grey "
+    "pixels have no depth yet.",
+    alt="Six pictures of one room: brightness, surfaces that grow over most of it as cells and as "
+    f"pixels, and three maps of errors. Right: {', '.join(f'{x:.0%}' for x in shares.values())}.",
     format="png",
 )
 
@@ -118,13 +119,19 @@ plotting.save(
 # The same room in space ("Turn it"), coloured by its brightness or by its errors (pale: right):
 
 # %% tags=["remove-input"]
-light = np.sqrt(np.clip(frame.intensity, 0, 1)), "gray", (0, 1), "brightness"
+bright = light, "gray", (0, 1), "brightness"
 pale = wraps_off(found.depth), "YlOrRd", (0, 10), "wraps off"
 beat = cmtof.unwrap(measurement, method="beat")["depth"].to_numpy()
-drawn = {"surfaces": (found.depth[inside], light), "wraps off": (found.depth[inside], pale),
-         "averaged beat": (beat, light), "truth": (truth, light)}  # fmt: skip
-layers = {name: views.Layer(points_from_depth(depth, frame.camera), *colours)
-          for name, (depth, colours) in drawn.items()}  # fmt: skip
+drawn = {
+    "surfaces": (found.depth[inside], bright),
+    "wraps off": (found.depth[inside], pale),
+    "averaged beat": (beat, bright),
+    "truth": (truth, bright),
+}
+layers = {
+    name: views.Layer(points_from_depth(depth, frame.camera), *colours)
+    for name, (depth, colours) in drawn.items()
+}
 views.save_scene("scene_room", layers, longest=0.0625, eye=(-0.8, -0.9, -0.8), step=4)
 views.show_scene("scene_room", title="the room")
 
@@ -175,7 +182,8 @@ views.show_scene("scene_room", title="the room")
 # likelihood of a wall thus grows with the sixth power of its width, the beat's with the second.
 
 # %% tags=["hide-input"]
-FOCAL, LIGHT = 886.81, 0.3  # px, of Hypersim's standard projection; brightness of the wall
+FOCAL = 886.81  # px, of Hypersim's standard projection
+LIGHT = 0.3  # brightness of the wall
 
 
 def offset_of_wall(side, draw):
@@ -184,24 +192,35 @@ def offset_of_wall(side, draw):
     depth = 3.0 * ray_lengths((side, side), camera)
     frame = Frame(depth, np.full(depth.shape, LIGHT), camera, "wall")
     field = field_from_measurement(cmtof.simulate(frame, protocol="full", seed=seed + draw))
-    q, boxes = np.array([0, 0, 1 / 3.0, 0, 0, 0]), np.array([[0, side, 0, side]])
+    q = np.array([0, 0, 1 / 3.0, 0, 0, 0])
+    boxes = np.array([[0, side, 0, side]])
     fit = refine(field, np.zeros((1, 1), np.int32), -1, q, boxes, PLANE, 2, 0)
     return fit[3], 1 / np.sqrt(fit[4])
 
 
 sizes = [n for n in (24, 32, 48, 64, 96, 128, 192, 256, 384) if n <= wall]
-sigma, excess = float(bounds.simulated_phase_noise(LIGHT)), FREQUENCIES[1] / FREQUENCIES[0] - 2
+sigma = bounds.simulated_phase_noise(LIGHT)
+excess = FREQUENCIES[1] / FREQUENCIES[0] - 2
 beat_only = [float(np.sqrt(5) * sigma / n / (2 * np.pi * excess)) for n in sizes]
 walls = np.array([[offset_of_wall(n, draw) for draw in range(trials)] for n in sizes])
-scatter, both = np.sqrt(np.mean(walls[..., 0] ** 2, axis=1)), walls[..., 1].mean(axis=1)
+scatter = np.sqrt(np.mean(walls[..., 0] ** 2, axis=1))
+both = walls[..., 1].mean(axis=1)
 print("found over predicted:", *(f"{x:.2f}" for x in scatter / both))
 
 # %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(6.2, 3.8))
-blue, green = plotting.PALETTE["blue"], plotting.PALETTE["green"]
+figure, ax = plt.subplots(figsize=(7, 3.9))
+blue = plotting.PALETTE["blue"]
+green = plotting.PALETTE["green"]
 ax.loglog(sizes, beat_only, "-", color=blue, label="beat alone, predicted")
-plotting.sweep(ax, sizes, scatter, bound=both, color=green, label=f"found in {trials} draws",
-               bound_label="beat and shape, predicted")  # fmt: skip
+plotting.sweep(
+    ax,
+    sizes,
+    scatter,
+    bound=both,
+    color=green,
+    label=f"found in {trials} draws",
+    bound_label="beat and shape, predicted",
+)
 plotting.mark(ax, y=0.25, text="95 % right")
 ax.set(xlabel="side of the wall (px)", ylabel="uncertainty of its offset (wraps)")
 ax.set_xticks(sizes, [str(n) for n in sizes])
@@ -249,9 +268,11 @@ VARIANTS = {
 FOUR = [(0.0, 0.01), (0.0, -0.01), (0.01, 0.0), (-0.01, 0.0)]  # rad, as in the paper's Table 3
 CHANGES = {"σ": [{"noise": 2000.0}], "±": [{"phase_offset": offset} for offset in FOUR]}
 held = {protocol: [measure(one, protocol) for one in places] for protocol in PROTOCOLS}
-ablation, answers = {}, {protocol: [] for protocol in PROTOCOLS}
+ablation = {}
+answers = {protocol: [] for protocol in PROTOCOLS}
 for protocol, label in ((p, v) for p in PROTOCOLS for v in VARIANTS):
-    scored, changed = [], CHANGES.get(label[0], [])
+    scored = []
+    changed = CHANGES.get(label[0], [])
     for _, m in [measure(p, protocol, **c) for c in changed for p in places] or held[protocol]:
         seen = m if label != "camera unknown" else cmtof.Measurement(m.dataset.drop_vars("camera"))
         answer = cmtof.unwrap(seen, method="surfaces", without=VARIANTS[label])
@@ -277,10 +298,24 @@ notes.table([f"%, {len(places)} test frames", *head], rows)
 
 # %% tags=["hide-input"]
 GOALS = ["**goal**: at least, at least, at most", 80, 93, 2, 75, 90, 4]
-SHOWN = ("crt", "phasor", "kde", "kde-tuned", "beat", "beat-guided", "region", "mrf",
-         "mrf-graphcut", "fast-scnn", "surfaces", "reference-offset", "reference-contact",
-         "reference-depth")  # fmt: skip
-rows, overall = [], {}
+SHOWN = (
+    "crt",
+    "phasor",
+    "kde",
+    "kde-tuned",
+    "beat",
+    "beat-guided",
+    "region",
+    "mrf",
+    "mrf-graphcut",
+    "fast-scnn",
+    "surfaces",
+    "reference-offset",
+    "reference-contact",
+    "reference-depth",
+)
+rows = []
+overall = {}
 for name in SHOWN:
     cells = []
     for protocol in PROTOCOLS:
@@ -300,29 +335,32 @@ notes.table([f"%, {len(counts)} test frames", *head], [*rows, GOALS])
 # CC-BY 3.0), path-traced at 512×768 px and never used for a choice (`cmtof evaluate`, seed 0):
 
 # %% tags=["hide-input"]
-living = {p: json.loads((Path(results) / f"living_room_{p}.json").read_text("utf-8"))
-          for p in PROTOCOLS}  # fmt: skip
+living = {
+    p: json.loads((Path(results) / f"living_room_{p}.json").read_text("utf-8")) for p in PROTOCOLS
+}
 rows = [
-    [f"`{name}`", *(f"{100 * living[p]['methods'][name][key]:.1f}"
-                    for p in PROTOCOLS for key in columns)]
-    for name in SHOWN if name in living["full"]["methods"]
-]  # fmt: skip
+    [
+        f"`{name}`",
+        *(f"{100 * living[p]['methods'][name][key]:.1f}" for p in PROTOCOLS for key in columns),
+    ]
+    for name in SHOWN
+    if name in living["full"]["methods"]
+]
 notes.table([f"%, {len(living['full']['frames'])} views", *head], [*rows, GOALS])
 for one in (living[p]["methods"] for p in PROTOCOLS):
     ours, known = (one[name]["delta_lt_1"] for name in ("surfaces", "reference-contact"))
     print(f"{ours:.1%} right, {known - ours:.1%} with known contacts, {1 - known:.1%} not then")
-noisy = [read_counts(Path(results) / f"table2_released_{sigma}.json") for sigma in (1200, 2000)]
-for name in SHOWN[-4:-1]:
-    print(f"{name}: {-np.diff([rates(c, name)[0][0] for c in noisy])[0]:.1%} fewer at σ = 2000")
 
 # %% [markdown]
-# `reference-contact` knows every shape and every contact; it loses least at σ = 2000. A single view
-# that flips whole moves these rates by 3 points.
+# `reference-contact` knows every shape and every contact. One view that flips whole moves these
+# rates by 3 points.
 
 # %% tags=["hide-input"]
-names = ("beat", "mrf", "surfaces", "reference-offset", "reference-contact")
-share = [score([scored_pixels(a, m)])["delta_lt_1"]
-         for a, (_, m) in zip(answers["full"], held["full"], strict=True)]  # fmt: skip
+names = ("beat", "mrf", "surfaces", "reference-contact")
+share = [
+    score([scored_pixels(a, m)])["delta_lt_1"]
+    for a, (_, m) in zip(answers["full"], held["full"], strict=True)
+]
 frame, worst = held["full"][int(np.argmin(share))]
 scene = Scene(frame, worst, {name: cmtof.unwrap(worst, method=name) for name in names})
 plotting.save(
@@ -332,10 +370,10 @@ plotting.save(
         "surfaces": decision([scene.right("surfaces")], at_least=[scene.right("beat")]),
     },
     caption=f"The one of {len(places)} simulated test rooms in which `surfaces` errs most, full "
-    "protocol, σ = 1200: errors in wraps (black: none) and the share of right pixels. References "
-    "know a part of the truth.",
+    "protocol, σ = 1200: errors in wraps (black: none) and the share of right pixels. The "
+    "reference knows the shapes and contacts.",
     alt="A room, its true wraps, and the errors of the averaged beat, a random field, our method "
-    "and two references, with the share of right pixels above each.",
+    "and a reference, with the share of right pixels above each.",
     format="png",
 )
 
@@ -347,11 +385,13 @@ plotting.save(
 # are right or wrong together, so a few frames contain few independent trials.
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.9))
-errors, kept = {}, {}
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.8))
+errors = {}
+kept = {}
 for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
-    pixels = [scored_pixels(a, m)
-              for a, (_, m) in zip(answers[protocol], held[protocol], strict=True)]  # fmt: skip
+    pixels = [
+        scored_pixels(a, m) for a, (_, m) in zip(answers[protocol], held[protocol], strict=True)
+    ]
     confidence = np.concatenate([one["confidence"] for one in pixels])
     right = np.concatenate([one["wrap_count"] == one["true_count"] for one in pixels])
     diagram = reliability(confidence, right, bins=10)
@@ -393,15 +433,20 @@ rows = []
 for protocol in PROTOCOLS:
     parts = []
     for answer, (_, m) in zip(answers[protocol], held[protocol], strict=True):
-        step, area = stages(m), tuple(slice(0, n) for n in m.shape)
+        step = stages(m)
+        area = tuple(slice(0, n) for n in m.shape)
         bright = step.field.information[:, *area].mean(axis=0) >= 1
         given = answer, *(cmtof.unwrap(m, method=f"reference-{k}") for k in ("offset", "contact"))
         right = [one["wrap_count"] == np.floor(np.nan_to_num(m.depth) / period) for one in given]
         right = np.logical_or.accumulate(right)
         parts.append(np.stack([step.label[area] >= 0, bright, *right])[:, m.mask])
     on, bright, *right = np.concatenate(parts, axis=1)
-    kinds = {"on a surface, bright": on & bright, "on a surface, dark": on & ~bright,
-             "on none": ~on, "all": on | ~on}  # fmt: skip
+    kinds = {
+        "on a surface, bright": on & bright,
+        "on a surface, dark": on & ~bright,
+        "on none": ~on,
+        "all": on | ~on,
+    }
     for name, which in kinds.items():
         shares = which.mean(), *(one[which].mean() for one in right), 1 - right[-1][which].mean()
         rows.append([f"{protocol}: {name}", *(f"{100 * share:.1f}" for share in shares)])
@@ -411,15 +456,7 @@ notes.table(["%", "pixels", "right", "or with known shapes", "or contacts", "by 
 # The last column none finds, though shapes and contacts are given: the beat of such a body is lost
 # in noise. Weights by brightness would gain a point of it ([chapter 9](09_limits.ipynb)), else only
 # knowledge such as the axes of a room. The two columns before it can be gained: on surfaces, wrong
-# ties and leaks; on none, clutter below the 12 px that a plane needs, and dark walls. Time by step:
-
-# %%
-with cProfile.Profile() as watch:
-    stages(held["full"][0][1])
-STEPS = ("field_from_measurement", "grown_surfaces", "pixel_labels", "parted", "fitted", "offsets")
-STEPS += ("aligned", "borders", "tied", "voted")
-spent = {getattr(e.code, "co_name", ""): e.totaltime for e in watch.getstats() if "cmtof" in str(e)}
-notes.table(["step", "ms"], [[f"`{one}`", f"{1e3 * spent.get(one, 0):.0f}"] for one in STEPS])
+# ties and leaks; on none, clutter below the 12 px that a plane needs, and dark walls.
 
 # %% [markdown]
 # ## Answer

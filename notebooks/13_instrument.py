@@ -40,86 +40,63 @@ rig = Rig.default()
 twin = TwinSettings()
 
 # %% tags=["hide-input"]
-BEAM, BACK = "#00A86B", "#8FD9BC"
-RF, CLOCK, SIGNAL = (PALETTE[c] for c in ("vermillion", "blue", "purple"))
-PATHS = (  # colour, width, opacity, corners
-    (BEAM, 2.4, 1.0, [(1.0, 9), (9.6, 9)]),
-    (BEAM, 2.4, 0.7, [(5.4, 9), (5.4, 6.78), (12.6, 6.78), (12.6, 8.08), (15.9, 8.08)]),
-    (BEAM, 2.4, 0.5, [(7.2, 6.78), (7.2, 5.5)]),
-    (BEAM, 2.4, 0.3, [(9.4, 6.78), (9.4, 7.9)]),
-    (BEAM, 2.4, 0.3, [(11.3, 6.78), (11.3, 8.7)]),
-    (BACK, 2.4, 1.0, [(15.9, 7.92), (12.8, 7.92), (12.8, 6.62), (9.4, 6.62), (9.4, 4.4),
-                      (14.8, 4.4)]),
-    (BACK, 2.4, 1.0, [(10.6, 4.4), (10.6, 2.72)]),
-    (SIGNAL, 1.5, 1.0, [(10.6, 2.72), (4.0, 2.72)]),
-    (RF, 1.5, 1.0, [(8.15, 10.45), (8.15, 9)]),
-    (RF, 1.5, 1.0, [(13.35, 5.68), (13.35, 4.4)]),
-    (CLOCK, 1.5, 1.0, [(8.15, 10.45), (16.8, 10.45), (16.8, 5.68), (13.35, 5.68)]),
-)  # fmt: skip
-GLASS = {"mfc": "#DCEBF7", "mec": "#6B8CA8", "ls": "", "zorder": 3}
-PARTS = (  # marker, places and names
-    ({**GLASS, "marker": "s", "ms": 22},
-     [(5.4, 9, "PBS"), (10.6, 4.4, "PBS"), (7.2, 6.7, "NBS"), (9.4, 6.7, "NBS")]),
-    ({**GLASS, "marker": "d", "ms": 22},
-     [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, ""), (6.2, 9, "HWP ⑤"), (7.05, 9, "QWP"),
-      (11.5, 4.4, "HWP ⑥"), (12.35, 4.4, "QWP"), (10.6, 3.45, "")]),
-    ({"marker": (2, 2, -45), "ms": 22, "mew": 5, "mec": "#9AA4AD", "ls": "", "zorder": 3},
-     [(9.6, 9, ""), (14.8, 4.4, ""), (5.4, 6.7, ""), (9.4, 7.95, ""), (9.4, 4.4, ""),
-      (12.7, 6.7, ""), (12.7, 8, "galvo"), (11.3, 6.7, "")]),
-)  # fmt: skip
-TERMINALS = (
-    (0.7, 8.25, "FIO0"), (2.2, 8.25, "FIO1"), (8.2, 7.65, "FIO6 beam block"), (1.0, 9.75, "FIO7"),
-    (11.0, 6.1, "FIO5 flip mirror"), (15.6, 5.2, "FIO4 trigger"), (13.9, 8.9, "TDAC2 · TDAC3"),
-)  # fmt: skip
+OUT = {"color": "#00A86B", "lw": 2.4, "zorder": 2}
+BACK = {"color": "#8FD9BC", "lw": 2.4, "zorder": 2}
+PATHS = (  # look, opacity, corners
+    (OUT, 1.0, [(1.0, 9), (9.6, 9)]),
+    (OUT, 0.7, [(5.4, 9), (5.4, 6.78), (12.6, 6.78), (12.6, 8.08), (15.9, 8.08)]),
+    (OUT, 0.5, [(7.2, 6.78), (7.2, 5.5)]),
+    (OUT, 0.3, [(9.4, 6.78), (9.4, 7.9)]),
+    (OUT, 0.3, [(11.3, 6.78), (11.3, 8.7)]),
+    (BACK, 1.0, [(15.9, 7.92), (12.8, 7.92), (12.8, 6.62), (9.4, 6.62), (9.4, 4.4), (14.8, 4.4)]),
+    (BACK, 1.0, [(10.6, 4.4), (10.6, 2.72)]),
+)
+GLASS = {"mfc": "#DCEBF7", "mec": "#6B8CA8", "ms": 22}
+SPLITTERS = [(5.4, 9, "PBS"), (10.6, 4.4, "PBS"), (7.2, 6.7, "NBS"), (9.4, 6.7, "NBS")]
+PLATES = [(6.2, 9, "HWP"), (7.05, 9, "QWP"), (11.5, 4.4, "HWP"), (12.35, 4.4, "QWP")]
+LENSES = [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, ""), (10.6, 3.45, "")]
+MIRRORS = [(9.6, 9, ""), (14.8, 4.4, ""), (5.4, 6.7, ""), (9.4, 7.95, ""), (9.4, 4.4, "")]
+MIRRORS += [(12.7, 6.7, ""), (12.7, 8, "galvo"), (11.3, 6.7, "")]
+PARTS = (  # look, places and names
+    (GLASS | {"marker": "s"}, SPLITTERS),
+    (GLASS | {"marker": "d"}, PLATES + LENSES),
+    ({"marker": (2, 2, -45), "ms": 22, "mew": 5, "mec": "#9AA4AD"}, MIRRORS),
+)
+BOXES = (
+    (1.0, 9, f"laser, 532 nm\n{1e3 * twin.laser_power:.0f} mW"),
+    (3.1, 9, "fibre"),
+    (8.15, 9, "EOM"),
+    (13.35, 4.4, "EOM"),
+    (7.2, 5.5, "power meter"),
+    (15.9, 8, "scene"),
+    (11.3, 8.7, "target"),
+    (10.6, 2.72, "APD"),
+)
 
 # %% tags=["hide-input"]
-drives = " or ".join(f"{rig.drive_frequency(m) / 1e9:.2f}" for m in COLOURS)
-BOXES = (
-    (1.0, 9, f"laser, 532 nm\n{1e3 * twin.laser_power:.0f} mW"), (3.1, 9, "fibre\n20–30 %"),
-    (8.15, 9, f"EOM, {1e3 * twin.mirror_distance:.0f} mm\nto its mirror"),
-    (13.35, 4.4, "EOM"), (7.2, 5.5, "⑧ power meter"), (15.9, 8, "scene"),
-    (11.3, 8.7, f"⑦ target, {rig.reference_distance:.2f} m"),
-    (10.6, 2.72, f"APD\nM = {twin.gain:.0f}"),
-    (8.55, 2.72, f"low pass\n{twin.low_pass / 1e3:.0f} kHz"),
-    (6.85, 2.72, f"RC\n{1e6 * twin.rc_time:.0f} µs"),
-    (4.0, 2.72, f"④ LabJack T7, AIN0: {rig.phases} phases\n"
-     f"× {rig.samples_per_phase} samples at {rig.rate / 1e3:.0f} kS/s"),
-    (8.15, 10.45, f"① RF driver, {drives} GHz"), (13.35, 5.68, f"② RF driver, {drives} GHz"),
-    (13.4, 10.45, "③ clock, 10 MHz"),
-)  # fmt: skip
-figure, ax = plt.subplots(figsize=(10.4, 6.35))
-ax.set(xlim=(0, 17.2), ylim=(0.4, 10.9), aspect="equal")
+figure, ax = plt.subplots(figsize=(8.4, 4.4))
+ax.set(xlim=(0, 17.2), ylim=(2.2, 10.2), aspect="equal")
 ax.axis("off")
-small = {"fontsize": 8.2, "ha": "center", "va": "center", "zorder": 6}
-for colour, width, alpha, corners in PATHS:
-    ax.plot(*zip(*corners, strict=True), color=colour, lw=width, alpha=alpha, zorder=2)
+small = {"fontsize": "small", "ha": "center", "va": "center", "zorder": 6}
+for look, alpha, corners in PATHS:
+    ax.plot(*zip(*corners, strict=True), alpha=alpha, **look)
 for look, places in PARTS:
-    ax.plot(*zip(*(place[:2] for place in places), strict=True), **look)
+    ax.plot(*zip(*(place[:2] for place in places), strict=True), ls="", zorder=3, **look)
     for x, y, name in places:
-        ax.text(x, y + 0.55, name, **small)
-for places, face, edge in ((BOXES, "#F3F5F7", "#7C8A96"), (TERMINALS, "#FFF6E0", "#E69F00")):
-    for x, y, name in places:
-        ax.text(x, y, name, bbox={"boxstyle": "round", "fc": face, "ec": edge}, **small)
-for x, y, name in ((8.4, 8.2, "reference arm"), (9.95, 5.5, "1.6×")):
+        ax.text(x, y + 0.65, name, **small)
+for x, y, name in BOXES:
+    ax.text(x, y, name, bbox={"boxstyle": "round", "fc": "#F3F5F7", "ec": "#7C8A96"}, **small)
+for x, y, name in ((8.2, 8.2, "reference arm"), (8.6, 5.5, "1.6×")):
     ax.text(x, y, name, **small)
-for number, (role, device) in enumerate(rig.devices.items()):
-    text = f"{'①②③④⑤⑥⑦⑧'[number]} {role.replace('_', ' ')}\n{device.driver}\n{device.address}"
-    text = text.replace("::", "::\n", 2)
-    ax.text(2.15 * (number + 0.5), 1.55, text, fontsize=7.2, ha="center", va="top")
 plotting.save(
-    figure, "fig06_instrument",
-    caption=(
-        "The simulated instrument of the default rig file, our reconstruction of the paper's, not "
-        "to scale: path of the light out (dark green) and back (pale green), drives (red), clock "
-        "(blue), signal (purple), terminals that switch a part, and each numbered device with its "
-        "driver and an example of an address."
-    ),
-    alt=(
-        "Plan of an optical table in three rows. Top: laser, fibre, beam reducer and the emission "
-        "module. Middle: two beam splitters to a power meter and a reference arm, flip mirror, "
-        "galvo and scene. Bottom: the detection module, avalanche diode, low pass, RC and read-out."
-    ),
-)  # fmt: skip
+    figure,
+    "fig06_instrument",
+    caption="The optics of the simulated instrument, our reconstruction of the paper's, not to "
+    "scale: path of the light out (dark green) and back (pale green).",
+    alt="Plan of an optical table in three rows. Top: laser, fibre, beam reducer and the emission "
+    "module. Middle: two beam splitters to a power meter and a reference arm, flip mirror, galvo "
+    "and scene. Bottom: the detection module and the avalanche diode.",
+)
 
 # %% [markdown]
 # The emission module is a polarising splitter, two wave plates, the crystal and a mirror, so light
@@ -127,7 +104,8 @@ plotting.save(
 # meter, the next half to the interferometer's arm; the rest goes over the scan mirrors to the
 # scene. The returned light is multiplied by the reference in the detection module, a copy of the
 # first, so that a slow detector suffices. Both RF drivers share one clock. The detection's driver
-# holds a table of phases; each rising edge from the read-out advances it by one.
+# holds a table of phases; each rising edge from the read-out advances it by one. Devices, lines and
+# wires are on the [hardware page](../book/hardware.md#wiring).
 #
 # ## Power budget
 #
@@ -157,10 +135,16 @@ def budget(mode, z, rho):
     amplitude = contrast * min(light * volts_per_watt(twin), twin.saturation)
     photon = h * SPEED_OF_LIGHT / twin.wavelength
     return {
-        "share": float(share), "path": path, "light": light, "room": room, "volts": volts,
-        "photons": light / photon * phase_time * rig.phases, "contrast": contrast,
-        "amplitude": amplitude, "phase_noise": np.sqrt(2 / rig.phases) * noise / amplitude,
-    }  # fmt: skip
+        "share": float(share),
+        "path": path,
+        "light": light,
+        "room": room,
+        "volts": volts,
+        "photons": light / photon * phase_time * rig.phases,
+        "contrast": contrast,
+        "amplitude": amplitude,
+        "phase_noise": np.sqrt(2 / rig.phases) * noise / amplitude,
+    }
 
 
 # %% tags=["hide-input"]
@@ -179,37 +163,55 @@ steps = {
 loss = {m: -10 * np.log10(one["light"] / twin.laser_power) for m, one in here.items()}
 sent = {mode: free_space.sent_power(twin, mode) for mode in COLOURS}
 rows = [[n, *(f"{10 * np.log10(steps[m][n]):.1f} dB" for m in COLOURS)] for n in steps["single"]]
-rows += [["On the detector", *(quantity_text(one["light"], "W") for one in here.values())],
-         ["Photons in a point", *(f"{one['photons'] / 1e6:.3g} million" for one in here.values())],
-         ["Output (mV)", *(f"{1e3 * one['volts']:.0f}" for one in here.values())]]  # fmt: skip
+rows += [
+    ["On the detector", *(quantity_text(one["light"], "W") for one in here.values())],
+    ["Photons in a point", *(f"{one['photons'] / 1e6:.3g} million" for one in here.values())],
+    ["Output (mV)", *(f"{1e3 * one['volts']:.0f}" for one in here.values())],
+]
 notes.table(["", "single", "doubled"], rows)
 
 # %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(9.2, 3.8))
+figure, ax = plt.subplots(figsize=(8.4, 3.8))
 for row, (mode, passed) in enumerate(steps.items()):
     level = twin.laser_power
     for place, factor in enumerate(passed.values()):
         at = place + 0.2 * (2 * row - 1)
-        ax.barh(at, level * (1 - factor), left=level * factor, height=0.36, color=COLOURS[mode],
-                label=f"{mode} mode" if place == 0 else None)  # fmt: skip
-        ax.text(level * factor / 1.25, at, f"\u2212{-10 * np.log10(factor):.1f} dB", va="center",
-                ha="right", fontsize=9, color=COLOURS[mode])  # fmt: skip
+        ax.barh(
+            at,
+            level * (1 - factor),
+            left=level * factor,
+            height=0.36,
+            color=COLOURS[mode],
+            label=f"{mode} mode" if place == 0 else None,
+        )
+        ax.text(
+            level * factor / 1.25,
+            at,
+            f"\u2212{-10 * np.log10(factor):.1f} dB",
+            va="center",
+            ha="right",
+            fontsize=9,
+            color=COLOURS[mode],
+        )
         level *= factor
 ax.set(xscale="log", xlim=(5e-12, 0.3), ylim=(4.6, -0.6), xlabel="power (W)")
 ax.set_yticks(range(5), list(steps["single"]))
 ax.grid(visible=False, axis="y")
 ax.legend(loc="lower right")
 plotting.save(
-    figure, "instrument_budget",
-    numbers={"detected_power": closed_form([one["light"] for one in here.values()]),
-             "loss_db": closed_form(list(loss.values()))},
+    figure,
+    "instrument_budget",
+    numbers={
+        "detected_power": closed_form([one["light"] for one in here.values()]),
+        "loss_db": closed_form(list(loss.values())),
+    },
     caption=(
         f"From the laser to the detector, for a diffuse target of reflectance {reflectance:.1f} at "
         f"{distance:.1f} m (simulated): each bar is the loss of a step, in decibels of power."
     ),
     alt="Waterfall of bars on a logarithmic axis of power; the longest by far is the share of the "
     "scattered light that the aperture collects.",
-)  # fmt: skip
+)
 
 # %% [markdown]
 # ## Noise sources
@@ -225,20 +227,25 @@ plotting.save(
 # %% tags=["hide-input"]
 output = np.geomspace(1e-4, twin.saturation, points)
 shot = np.sqrt((density(twin, output) - density(twin, 0)) / (2 * phase_time))
-amplifier = float(np.sqrt(density(twin, 0) / (2 * phase_time)))
+amplifier = np.sqrt(density(twin, 0) / (2 * phase_time))
 quantum = (20 / 2**14) / np.sqrt(12) / np.sqrt(rig.samples_per_phase)
-even = float(np.interp(1.0, shot / amplifier, output))
+even = np.interp(1.0, shot / amplifier, output)
 ranges = np.geomspace(0.2, 8.0, points)
-micron = {mode: 1e6 * wrap_length(order * rig.drive_frequency(mode)) / (2 * np.pi)
-          for mode, order in MODES.items()}  # fmt: skip
-curves = {(m, rho): [budget(m, z, rho) for z in ranges] for rho in (reflectance, 0.05)
-          for m in COLOURS}  # fmt: skip
-print(f"one phase: amplifier {1e6 * amplifier:.0f} µV, converter {1e6 * converter:.0f} µV, "
-      f"14 bits {1e6 * quantum:.0f} µV; shot noise dominates above {1e3 * even:.0f} "
-      "mV")  # fmt: skip
+micron = {
+    mode: 1e6 * wrap_length(order * rig.drive_frequency(mode)) / (2 * np.pi)
+    for mode, order in MODES.items()
+}
+curves = {
+    (m, rho): [budget(m, z, rho) for z in ranges] for rho in (reflectance, 0.05) for m in COLOURS
+}
+print(
+    f"one phase: amplifier {1e6 * amplifier:.0f} µV, converter {1e6 * converter:.0f} µV, "
+    f"14 bits {1e6 * quantum:.0f} µV; shot noise dominates above {1e3 * even:.0f} "
+    "mV"
+)
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(11.0, 4.2))
+figure, axes = plt.subplots(1, 3, figsize=(8.4, 4.0))
 for (mode, rho), found in curves.items():
     look = {"color": COLOURS[mode], "ls": "-" if rho == reflectance else "--"}
     good = [(1 + one["contrast"]) * one["volts"] <= twin.saturation for one in found]
@@ -250,17 +257,22 @@ for ax, title in ((axes[0], "photons in 16 phases"), (axes[2], "noise of the ran
     ax.set_xticks([0.2, 0.5, 1, 2, 5], ["0.2", "0.5", "1", "2", "5"], minor=False)
     ax.set_xticks([], minor=True)
 axes[0].legend(fontsize=8.5)
-for values, name, style in ((shot, "shot noise", "-"), (0 * shot + amplifier, "amplifier", "-."),
-                            (0 * shot + converter, "converter", "--"),
-                            (0 * shot + quantum, "rounding to 14 bit", ":")):  # fmt: skip
+for values, name, style in (
+    (shot, "shot noise", "-"),
+    (0 * shot + amplifier, "amplifier", "-."),
+    (0 * shot + converter, "converter", "--"),
+    (0 * shot + quantum, "rounding to 14 bit", ":"),
+):
     axes[1].loglog(1e3 * output, 1e6 * values, style, label=name)
 axes[1].set(xlabel="output of the detector (mV)", ylabel="noise of one phase (µV)")
 axes[1].legend(fontsize=8.5)
 plotting.label_panels(axes)
-crossing = [float(np.interp(-even, [-one["volts"] for one in curves[m, reflectance]], ranges))
-            for m in COLOURS]  # fmt: skip
+crossing = [
+    np.interp(-even, [-one["volts"] for one in curves[m, reflectance]], ranges) for m in COLOURS
+]
 plotting.save(
-    figure, "instrument_photons",
+    figure,
+    "instrument_photons",
     numbers={
         "photons": closed_form([one["photons"] for one in here.values()]),
         "even_output": closed_form(even),
@@ -276,10 +288,12 @@ plotting.save(
     ),
     alt="Three double logarithmic panels: photons fall with the square of the range; shot noise "
     "crosses the amplifier's; the noise of the range grows, more in the doubled mode.",
-)  # fmt: skip
+)
 for mode, one in here.items():
-    print(f"{mode}: {one['photons'] / 1e6:.1f} million photons, "
-          f"{micron[mode] * one['phase_noise']:.1f} µm at {distance:g} m")  # fmt: skip
+    print(
+        f"{mode}: {one['photons'] / 1e6:.1f} million photons, "
+        f"{micron[mode] * one['phase_noise']:.1f} µm at {distance:g} m"
+    )
 
 # %% [markdown]
 # Below the crossing the noise does not depend on the target: it comes from the amplifier and the

@@ -12,7 +12,6 @@ profile: str = "book"  # size profile
 seed: int = 0  # of noise, drift and errors of the drivers
 bursts: int = 48  # sweeps of the reference phase averaged in Paper Fig. 12
 settings: int = 48  # phases programmed into the emission's driver
-sweeps: int = 60  # sweeps in a row with the paper's RC
 reflectance: float = 6e-6  # of the mirror behind its grey filter
 
 # %% tags=["hide-input"]
@@ -74,9 +73,11 @@ def bench_of(phases, **twin):
     return bench
 
 
-bench, rough_bench = bench_of(PHASES), bench_of(PHASES, **NOISE["captures"])
+bench = bench_of(PHASES)
+rough_bench = bench_of(PHASES, **NOISE["captures"])
 labels = count(TICKS, TICKS)
-reading, gain = bench.rig, Gain(*bench.daq.gain(VOLTS_RANGE))
+reading = bench.rig
+gain = Gain(*bench.daq.gain(VOLTS_RANGE))
 
 
 def sweep(on=bench):
@@ -91,13 +92,19 @@ def sweep(on=bench):
 # power is read with each sweep.
 
 # %% tags=["hide-input"]
-taken, dark, power, programmed, rough = {}, {}, {}, {}, {}
+taken = {}
+dark = {}
+power = {}
+programmed = {}
+rough = {}
 for mode in ORDER:
     bench.choose_mode(mode)
     dark[mode] = np.mean([sweep() for _ in range(8)])
     bench.look_at("scan")
     sweep()  # sets the clock; its laser power is the first
-    power[mode], taken[mode], programmed[mode] = [bench.power_meter.power], [], []
+    power[mode] = [bench.power_meter.power]
+    taken[mode] = []
+    programmed[mode] = []
     steps = TAU * np.arange(settings) / settings / ORDER[mode]
     for step in [0.0] * bursts + steps.tolist():
         programmed[mode].append(bench.rf_emission.set_phase(step))
@@ -112,14 +119,18 @@ for mode in ORDER:
 
 # %% tags=["hide-input"]
 psi = nominal_psi(PHASES)
-burst_time, between = reading.scans / reading.rate, TICKS * BURST_INTERVAL
+burst_time = reading.scans / reading.rate
+between = TICKS * BURST_INTERVAL
 place = ((np.arange(PHASES) + 0.5) / PHASES * burst_time + between - burst_time) / between
-profiles, moved, fits = {}, {}, {}
+profiles = {}
+moved = {}
+fits = {}
 for mode in ORDER:
     meter = np.array(power[mode])
     light = meter[:-1, None] + np.diff(meter)[:, None] * place  # the laser drifts in a line
     level = (np.array(taken[mode]) - dark[mode]) * meter.mean() / light
-    profiles[mode], moved[mode] = level[:bursts], level[bursts:]
+    profiles[mode] = level[:bursts]
+    moved[mode] = level[bursts:]
     fits[mode] = decode(profiles[mode].mean(axis=0), psi)
     print(f"{mode}: {fits[mode].offset:.3f} V + {fits[mode].amplitude:.3f} V cos(ψ + φ)")
 
@@ -146,15 +157,20 @@ def expected_noise(volts, samples):
 def expected(mode, phase, steps, emitted=0.0):
     """Correlation with all harmonics, and the drivers' errors that are no noise."""
     w = HARMONICS[mode](known.eta, 16)[:: ORDER[mode]]
-    emitted, drives = np.asarray(emitted), drive_phases(PHASES, mode)[steps]
+    emitted = np.asarray(emitted)
+    drives = drive_phases(PHASES, mode)[steps]
     error = known.iq_imbalance * np.subtract.outer(np.sin(2 * emitted), np.sin(2 * drives))
     shift = np.add.outer(ORDER[mode] * emitted, psi[steps]) + ORDER[mode] * error
     return correlation_from_harmonics(w, w, phase=phase, psi=shift)
 
 
 # %% tags=["hide-input"]
-kept, every = reading.samples_per_phase - reading.settle_samples, np.arange(PHASES)
-left, model, noise, code = {}, {}, {}, {}
+kept = reading.samples_per_phase - reading.settle_samples
+every = np.arange(PHASES)
+left = {}
+model = {}
+noise = {}
+code = {}
 for mode, fit in fits.items():
     mean = profiles[mode].mean(axis=0)
     first = decode(expected(mode, fit.phase, every), psi).phase - fit.phase
@@ -171,7 +187,10 @@ pull = {m: freedom * np.std((left[m] - model[m]) / np.hypot(noise[m], code[m])) 
 contrast = {m: float(fits[m].amplitude / fits[m].offset) for m in ORDER}
 
 # %% tags=["hide-input"]
-orders, harmonic, closed_form, floor = np.arange(1, 9), {}, {}, {}
+orders = np.arange(1, 9)
+harmonic = {}
+closed_form = {}
+floor = {}
 for mode, fit in fits.items():
     spectrum = 2 * np.abs(np.fft.fft(profiles[mode].mean(axis=0))) / PHASES
     harmonic[mode] = spectrum[orders] / fit.amplitude
@@ -182,40 +201,61 @@ for mode, fit in fits.items():
 scatter = {m: profiles[m].std(axis=0, ddof=1).mean() for m in ORDER}
 notes.table(
     ["", "contrast", "harmonic", "closed form", "residual over noise", "scatter of a sweep"],
-    [[m, f"{contrast[m]:.3f}", f"{100 * harmonic[m][3 - ORDER[m]]:.2f} %",
-      f"{100 * closed_form[m][3 - ORDER[m]]:.2f} %", f"{pull[m]:.2f}",
-      f"{1e3 * scatter[m]:.2f} mV"] for m in ORDER],
-)  # fmt: skip
+    [
+        [
+            m,
+            f"{contrast[m]:.3f}",
+            f"{100 * harmonic[m][3 - ORDER[m]]:.2f} %",
+            f"{100 * closed_form[m][3 - ORDER[m]]:.2f} %",
+            f"{pull[m]:.2f}",
+            f"{1e3 * scatter[m]:.2f} mV",
+        ]
+        for m in ORDER
+    ],
+)
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(3, 2, figsize=(10.4, 8.4), height_ratios=[1.25, 1, 1])
+figure, axes = plt.subplots(3, 2, figsize=(8.4, 8.4), height_ratios=[1.25, 1, 1])
 turn = np.linspace(0, TAU, 400)
 for (top, middle, low), (mode, fit) in zip(axes.T, fits.items(), strict=True):
     colour = COLOURS[mode]
-    top.plot(turn, fit.offset + fit.amplitude * np.cos(fit.phase + turn), color=colour, lw=4,
-             alpha=0.5, label="fitted cosine")  # fmt: skip
+    top.plot(
+        turn,
+        fit.offset + fit.amplitude * np.cos(fit.phase + turn),
+        color=colour,
+        lw=4,
+        alpha=0.5,
+        label="fitted cosine",
+    )
     top.plot(psi, profiles[mode].mean(axis=0), ".", color="k", label=f"mean of {bursts} sweeps")
-    top.plot(psi, rough[mode] - dark[mode], "x", ms=4, color=plotting.PALETTE["orange"],
-             label="one sweep, captures' noise")  # fmt: skip
+    top.plot(
+        psi,
+        rough[mode] - dark[mode],
+        "x",
+        ms=4,
+        color=plotting.PALETTE["orange"],
+        label="one sweep, captures' noise",
+    )
     top.axhline(fit.offset, color="#8A97A3", lw=1, ls=":")
     top.text(TAU, fit.offset, "$K$", ha="right", va="bottom")
-    top.set(title=f"{mode} mode", ylabel="output (V)",
-            ylim=(0, 1.5 * (fit.offset + fit.amplitude)))  # fmt: skip
+    top.set(title=f"{mode} mode", ylabel="output (V)", ylim=(0, 1.7 * (fit.offset + fit.amplitude)))
     band = 1e3 * np.stack([model[mode] - noise[mode], model[mode] + noise[mode]])
     middle.fill_between(psi, *band, color=colour, alpha=0.3, lw=0, label="expected, ± noise")
     middle.plot(psi, 1e3 * left[mode], ".", color="k", label="residual of the fit")
     reach = 1e3 * np.abs(left[mode]).max()
-    middle.set(xlabel="reference phase ψ (rad)", ylabel="residual (mV)",
-               ylim=(-1.2 * reach, 1.7 * reach))  # fmt: skip
+    middle.set(
+        xlabel="reference phase ψ (rad)", ylabel="residual (mV)", ylim=(-1.2 * reach, 2.2 * reach)
+    )
     low.vlines(orders, 1e-7, closed_form[mode], color=colour, lw=9, alpha=0.35, label="closed form")
     low.plot(orders, harmonic[mode], "o", mfc="none", color="k", label="of the profile")
     low.axhline(floor[mode], color="#5A646D", ls="--", label="noise and codes, rms")
-    low.set(yscale="log", ylim=(1e-5, 3), xlabel="harmonic of ψ", ylabel="over the fundamental")
+    low.set(yscale="log", ylim=(1e-5, 300), xlabel="harmonic of ψ", ylabel="over the fundamental")
     for ax in (top, middle, low):
-        ax.legend(loc="upper right", ncols=2, fontsize=8.5)
+        ax.legend(loc="upper right", fontsize="small")
 plotting.label_panels(axes.flat)
 plotting.save(
-    figure, "fig12_correlation_profiles",
+    figure,
+    "fig12_correlation_profiles",
     numbers={
         "third_of_single": sum_over_draws(harmonic["single"][2], error=floor["single"]),
         "second_of_doubled": sum_over_draws(harmonic["doubled"][1], error=floor["doubled"]),
@@ -229,7 +269,7 @@ plotting.save(
     ),
     alt="Six panels in two columns, single and doubled mode: one period of a cosine, its residual "
     "of a third or second harmonic, and the spectrum with the closed form as bars.",
-)  # fmt: skip
+)
 
 # %% [markdown]
 # Ideal modules would have contrasts of $2J_1^2$ and $2J_2^2/(1-J_0)^2$; leakage of the splitters
@@ -245,7 +285,8 @@ plotting.save(
 # errors remain.
 
 # %% tags=["hide-input"]
-errors, curves = {}, {}
+errors = {}
+curves = {}
 fine = np.linspace(0, TAU, 241)
 for mode in ORDER:
     wanted = ORDER[mode] * np.array(programmed[mode][bursts:])
@@ -255,21 +296,28 @@ for mode in ORDER:
         for held, seen, at in ((errors, moved[mode][:, steps], wanted), (curves, curve, fine)):
             off = decode(seen.T, psi[steps]).phase - at
             held[mode, number] = 1e3 * centred(off - np.angle(np.exp(1j * off).mean()))
-rms = {key: float(np.sqrt(np.mean(value**2))) for key, value in errors.items()}
+rms = {key: np.sqrt(np.mean(value**2)) for key, value in errors.items()}
 print("\n".join(f"{mode}, {n} steps: {value:.2f} mrad rms" for (mode, n), value in rms.items()))
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(10.2, 3.8))
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.6))
 for ax, mode in zip(axes, ORDER, strict=True):
     for number, colour, marker in ((4, plotting.PALETTE["orange"], "s"), (16, COLOURS[mode], "o")):
         ax.plot(fine, curves[mode, number], color=colour, lw=1.4)
-        ax.plot(fine[-1] * np.arange(settings) / settings, errors[mode, number], marker, ms=4.5,
-                color=colour, label=f"{number} steps")  # fmt: skip
+        ax.plot(
+            fine[-1] * np.arange(settings) / settings,
+            errors[mode, number],
+            marker,
+            ms=4.5,
+            color=colour,
+            label=f"{number} steps",
+        )
     ax.set(title=f"{mode} mode", xlabel="set phase (rad)", ylabel="error (mrad)", ymargin=0.2)
-    ax.legend(loc="upper right", ncols=2, fontsize=8.5)
+    ax.legend(loc="upper right", ncols=2, fontsize="small")
 plotting.label_panels(axes)
 plotting.save(
-    figure, "instrument_linearity",
+    figure,
+    "instrument_linearity",
     caption=(
         "Decoded minus programmed phase, mean removed, with 4 and with 16 steps of the reference, "
         "at the photon limit; dots: simulated, one sweep each; lines: expected without noise. The "
@@ -277,42 +325,7 @@ plotting.save(
     ),
     alt="Two panels: in the single mode four steps have an error of four periods a turn, sixteen "
     "hardly any; in the doubled mode both scatter by the noise of a sweep.",
-)  # fmt: skip
-
-# %% [markdown]
-# ## An RC of 100 ms
-#
-# Section 7.2 states a time constant of 100 ms for the RC behind the detector. One turn of the
-# reference takes 13.3 ms, so this RC damps it by $\sqrt{1+(2\pi f\,t_{RC})^2}$. Here the simulated
-# instrument has this RC and takes many sweeps in one burst.
-
-# %% tags=["hide-input"]
-runs, paper_rc, ours = {}, paper.published("sec7.rc_time").value, known.rc_time
-for rc in (ours, paper_rc):
-    slow = bench_of(16, rc_time=rc)
-    slow.choose_mode("single")
-    slow.look_at("scan")
-    slow.daq.configure_burst(
-        channel=base.detector_input, rate=base.rate, scans=sweeps * base.scans, range=VOLTS_RANGE,
-        pulse_line=base.line("trigger"), pulse=base.samples_per_phase,
-    )  # fmt: skip
-    runs[rc] = gain.volts_from_counts(next(slow.daq.bursts([{"USER_RAM0_U32": 5.0}])))
-    slow.shut()
-sweep_rate = reading.rate / base.scans
-times = np.arange(sweeps * base.scans) / reading.rate
-late = times > times[-1] - min(20, sweeps // 2) / sweep_rate
-since, cycle = (times[late] - times[late].mean()) * sweep_rate, TAU * sweep_rate * times[late]
-design = np.stack([0 * since + 1, since, since**2, np.cos(cycle), np.sin(cycle)], axis=1)
-swing = {rc: np.hypot(*np.linalg.lstsq(design, volts[late], rcond=None)[0][3:])
-         for rc, volts in runs.items()}  # fmt: skip
-damping = swing[ours] / swing[paper_rc]
-print(f"damped {damping:.1f} times, closed form {np.hypot(1, TAU * sweep_rate * paper_rc):.1f}; "
-      f"the RC averages over {paper_rc * sweep_rate:.1f} sweeps")  # fmt: skip
-
-# %% [markdown]
-# Noise from before the RC is damped with the signal, so the phase of a fixed target could be
-# measured. In an image most of a reading would come from the points before. With 20 µs the filter
-# settles within the samples that are dropped.
+)
 
 # %% tags=["hide-input"]
 paper.check("fig12.psi_range", PHASES * (psi[1] - psi[0]))

@@ -51,7 +51,7 @@ here = Path(folder.name)
 
 def typical(error):
     """Median of the absolute error: edges of objects must not decide it."""
-    return float(np.nanmedian(np.abs(error)))
+    return np.nanmedian(np.abs(error))
 
 
 # %% [markdown]
@@ -65,7 +65,8 @@ def typical(error):
 rig = replace(Rig.default(), field_of_view_deg=(field_of_view_deg, field_of_view_deg))
 plan = planned(rig, size=size)
 measurement = scan(plan, lambda: simulated_bench(rig, scene, seed=seed), here / "m.nc")
-data, given = measurement.dataset, TwinSettings()
+data = measurement.dataset
+given = TwinSettings()
 print(measurement, f"{plan.lines[-1].labels[-1]} bursts in {len(plan.lines)} lines")
 
 # %% tags=["hide-input"]
@@ -77,24 +78,26 @@ error = centred(measurement.phase - ideal_phase)
 period = float(wrap_length(measurement.frequencies[0])) / index
 wrap_in_beat = TAU * (measurement.frequencies[1] / measurement.frequencies[0] - 2)
 tones = [f"{f / 1e9:.2f} GHz" for f in measurement.frequencies]
-print(f"{np.nanmin(truth):.2f} to {np.nanmax(truth):.2f} m, {np.ptp(truth) / period:.0f} wraps of "
-      f"{1e3 * period:.2f} mm; median phase errors {1e3 * typical(error[0]):.1f} and "
-      f"{1e3 * typical(error[1]):.1f} mrad")  # fmt: skip
+print(
+    f"{np.nanmin(truth):.2f} to {np.nanmax(truth):.2f} m, {np.ptp(truth) / period:.0f} wraps of "
+    f"{1e3 * period:.2f} mm; median phase errors {1e3 * typical(error[0]):.1f} and "
+    f"{1e3 * typical(error[1]):.1f} mrad"
+)
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 4, figsize=(12.4, 3.1))
-plotting.image(axes[0], 1e3 * measurement.amplitude[0], label="amplitude (mV)", title=tones[0])
-for ax, phase, tone in zip(axes[1:3], measurement.phase, tones, strict=True):
-    plotting.phase_image(ax, np.mod(phase, TAU), title=tone)
-plotting.image(axes[3], truth, label="range (m)", title="the scene's range")
+figure, axes = plotting.grid(3, 3, 1)
+plotting.image(axes[0], 1e3 * measurement.amplitude[0], label="", title="amplitude (mV)")
+for ax, phase, tone in zip(axes[1:], measurement.phase, tones, strict=True):
+    plotting.phase_image(ax, np.mod(phase, TAU), title=f"phase, {tone}", label="")
 plotting.label_panels(axes)
 plotting.save(
-    figure, "scan_images",
-    caption="A scan simulated at the photon limit: amplitude, wrapped phases, and the true range.",
-    alt="Four small images: an amplitude grainy with speckle, fringes of phase over the scene, "
-    "twice as many at the doubled frequency, and the range.",
+    figure,
+    "scan_images",
+    caption="A scan simulated at the photon limit: amplitude and wrapped phases.",
+    alt="Three images: an amplitude grainy with speckle, fringes of phase over the scene, and "
+    "twice as many at the doubled frequency.",
     format="png",
-)  # fmt: skip
+)
 
 # %% [markdown]
 # ## One point
@@ -105,7 +108,8 @@ plotting.save(
 
 # %% tags=["hide-input"]
 row = column = size // 3
-raw, same = {}, []
+raw = {}
+same = []
 bench.set_up()
 for number, mode in enumerate(MODES):
     bench.choose_mode(mode)
@@ -118,16 +122,14 @@ bench.shut()
 print("the same sums as in the file:", all(same))
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(9.6, 3.5))
-instant, turn, contrasts = 1e3 * np.arange(rig.scans) / rig.rate, TAU / 200, {}
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.5))
+instant = 1e3 * np.arange(rig.scans) / rig.rate
+fine = TAU / 200 * np.arange(201)
 for number, (mode, colour) in enumerate(zip(MODES, COLOURS, strict=True)):
     axes[0].plot(instant, raw[mode][0], ".", ms=2.5, color=colour, label=mode)
-    values, psi = (
-        data["correlation"].to_numpy()[number, :, row, column],
-        data["psi"].to_numpy()[number],
-    )
-    fit, fine = decode(values, psi), turn * np.arange(201)
-    contrasts[mode] = float(fit.amplitude / fit.offset)
+    values = data["correlation"].to_numpy()[number, :, row, column]
+    psi = data["psi"].to_numpy()[number]
+    fit = decode(values, psi)
     axes[1].plot(psi, 1e3 * values, "o", ms=4, color=colour)
     axes[1].plot(fine, 1e3 * (fit.offset + fit.amplitude * np.cos(fit.phase + fine)), color=colour)
 axes[0].set(xlabel="time (ms)", ylabel="converter (counts)", title="one burst")
@@ -135,11 +137,12 @@ axes[1].set(xlabel="reference phase ψ (rad)", ylabel="above the dark (mV)", tit
 axes[0].legend()
 plotting.label_panels(axes)
 plotting.save(
-    figure, "scan_point",
+    figure,
+    "scan_point",
     caption="(a) Simulated samples of one point in both modes, photon limit. (b) Means, and fits.",
     alt="Left: samples of two bursts in 16 steps through one period of a cosine; right: their "
     "means on fitted cosines.",
-)  # fmt: skip
+)
 
 # %% [markdown]
 # ## Calibration by the reference target
@@ -160,9 +163,17 @@ wanted = centred(paths - np.array([1, 2]) * given.phase_offset)
 off = centred(found - wanted)
 notes.table(
     ["", "put in (rad)", "found (rad)", "off by (mrad)", "drift during the image (mrad)"],
-    [[mode, f"{wanted[n]:.4f}", f"{found[n]:.4f}", f"{1e3 * off[n]:+.2f}", f"{1e3 * drift[n]:+.2f}"]
-     for n, mode in enumerate(MODES)],
-)  # fmt: skip
+    [
+        [
+            mode,
+            f"{wanted[n]:.4f}",
+            f"{found[n]:.4f}",
+            f"{1e3 * off[n]:+.2f}",
+            f"{1e3 * drift[n]:+.2f}",
+        ]
+        for n, mode in enumerate(MODES)
+    ],
+)
 beat_off = float(centred(off[1] - 2 * off[0]))
 print(f"the beat is off by {1e3 * beat_off:.2f} mrad, {beat_off / wrap_in_beat:.3f} wraps")
 
@@ -190,7 +201,8 @@ clear = replace(fine, back_fraction=0.0)
 ideal = replace(clear, phase_drift=0.0, phase_step_error=0.0, iq_imbalance=0.0, leakage=0.0)
 
 # %% tags=["hide-input"]
-psi, CAUSES = data["psi"].to_numpy(), ("noise", "speckle", "spot", "back-reflection", "RF drivers")
+psi = data["psi"].to_numpy()
+CAUSES = ("noise", "speckle", "spot", "back-reflection", "RF drivers")
 steps = [
     decode(one, psi).phase
     for one in (data["correlation"].to_numpy(), *map(scanned, (quiet, smooth, fine, clear, ideal)))
@@ -212,22 +224,22 @@ pulls = [float(np.median(np.abs(p)) / 0.6745) for p in causes["noise"] / expecte
 print(f"scatter of the noise over its prediction: {pulls[0]:.2f} and {pulls[1]:.2f}")
 
 # %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(7.6, 3.7))
-heights = {t: [max(sizes[n][k], 1e-3) for n in sizes] for k, t in enumerate((*tones, "beat"))}
-plotting.bars(ax, heights, [name.replace(" ", "\n").replace("-", "-\n") for name in sizes])
-ax.axhline(500 * wrap_in_beat, color="0.4", lw=0.9, ls="--")
-ax.text(4.0, 550 * wrap_in_beat, "half a wrap in the beat", ha="center", fontsize=8.5)
-ax.set(yscale="log", ylim=(0.05, None), ylabel="median phase error (mrad)")
-ax.legend(ncols=3, loc="lower left", bbox_to_anchor=(0, 1))
+figure, ax = plt.subplots(figsize=(7, 3.8))
+columns = zip(*sizes.values(), strict=True)
+plotting.dots(ax, dict(zip((*tones, "beat"), columns, strict=True)), list(sizes))
+plotting.mark(ax, x=500 * wrap_in_beat, text="half a wrap in the beat")
+ax.set(xscale="log", xlim=(0.05, None), xlabel="median phase error (mrad)")
+ax.legend(loc="upper right")
 plotting.save(
-    figure, "scan_errors",
+    figure,
+    "scan_errors",
     caption=(
         "Median phase error by its cause, simulated at the photon limit, in both modes and in "
         "their beat, which determines the wraps."
     ),
-    alt="Bars on a logarithmic scale: speckle is the largest cause in either phase, noise in the "
+    alt="Dots on a logarithmic scale: speckle is the largest cause in either phase, noise in the "
     "beat.",
-)  # fmt: skip
+)
 
 # %% [markdown]
 # Speckle shifts a phase because the spot is extended: its bright grains lie on the near or the far
@@ -235,25 +247,6 @@ plotting.save(
 # beat, as do the mirrors' steps. Noise does not cancel; most of it comes from the doubled mode,
 # which has less contrast. Back-reflected light is a constant phasor that affects weak echoes most,
 # in each mode differently.
-#
-# ## Laser power
-#
-# The fibre's transmission drifts. Each line is divided by the reading of the power meter at its
-# end. This corrects the brightness; phases are unaffected.
-
-# %% tags=["hide-input"]
-steady = replace(quiet, fibre_low=0.25, fibre_high=0.25)
-reference = decode(scanned(steady), psi).amplitude
-power = data["laser_power"].to_numpy()[:, :, 0]
-swing = 100 * float((np.ptp(power, axis=1) / power.mean(axis=1)).max())
-bright = np.where(reference > np.median(reference, axis=2, keepdims=True), 1.0, np.nan)
-gains, amplitude = {}, measurement.amplitude
-for name, seen in (("as it came", amplitude * (power / power[:, :1])[..., None]),
-                   ("divided by power", amplitude)):  # fmt: skip
-    gain = np.nanmedian(bright * seen / reference, axis=2)
-    gains[name] = gain / gain.mean(axis=1, keepdims=True)
-spread = ", ".join(f"{100 * gain.std():.3f} % {name}" for name, gain in gains.items())
-print(f"the power swings by {swing:.1f} %; spread of the lines: {spread}")
 
 # %% [markdown]
 # ## Unwrapping
@@ -289,22 +282,25 @@ answers = {
     for label, (method, options) in METHODS.items()
 }
 wraps = {key: np.abs(np.rint((depth - truth) / period)) for key, depth in answers.items()}
-right, close = ({key: 100 * float(np.nanmean(w < n)) for key, w in wraps.items()} for n in (1, 3))
+right, close = ({key: 100 * np.nanmean(w < n) for key, w in wraps.items()} for n in (1, 3))
 
 # %% tags=["hide-input"]
-rows = [[name, *(f"{right[name, m]:.0f} ({close[name, m]:.0f})" for m in METHODS)]
-        for name in variants]  # fmt: skip
+rows = [
+    [name, *(f"{right[name, m]:.0f} ({close[name, m]:.0f})" for m in METHODS)] for name in variants
+]
 notes.table(["right wraps in %", *METHODS], rows)
 best = max(METHODS, key=lambda method: right["as scanned", method])
 depth = answers["as scanned", best]
 off_by = np.rint((depth - truth) / period)
 residual = depth - truth - off_by * period
-print(f"{best}: error apart from whole wraps {1e6 * typical(residual):.0f} µm; noise alone "
-      f"{1e6 * 0.6745 * np.median(expected[0]) / TAU * period:.0f} µm")  # fmt: skip
+print(
+    f"{best}: error apart from whole wraps {1e6 * typical(residual):.0f} µm; noise alone "
+    f"{1e6 * 0.6745 * np.median(expected[0]) / TAU * period:.0f} µm"
+)
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 4, figsize=(12.4, 3.1))
-limits = (float(np.nanmin(truth)), float(np.nanmax(truth)))
+figure, axes = plotting.grid(4, 2, 0.7)
+limits = (np.nanmin(truth), np.nanmax(truth))
 plotting.image(axes[0], truth, label="range (m)", title="truth", limits=limits)
 plotting.image(axes[1], depth, label="range (m)", title=f"scan, {best}", limits=limits)
 for ax, values, words, end in (
@@ -314,13 +310,14 @@ for ax, values, words, end in (
     plotting.image(ax, values, label=words[0], title=words[1], cmap="coolwarm", limits=(-end, end))
 plotting.label_panels(axes)
 plotting.save(
-    figure, "scan_depth",
+    figure,
+    "scan_depth",
     caption="True range of the scene; range of the scan, simulated at the photon limit and "
-        f"unwrapped by `{best}`, the best method; its error in whole wraps, and the rest.",
+    f"unwrapped by `{best}`, the best method; its error in whole wraps, and the rest.",
     alt="Four images: true range, scanned range, wraps by which it is off, and a remaining error "
     "of tens of micrometres.",
     format="png",
-)  # fmt: skip
+)
 
 # %% [markdown]
 # Pooling reduces noise, but not errors that pixels share: at an edge the spot lies on both
@@ -337,7 +334,8 @@ plotting.save(
 # %% tags=["hide-input"]
 options = ["--twin", "--scene", scene, "--size", str(killed_size), "--seed", str(seed), "--quiet"]
 command = [sys.executable, "-m", "cmtof.cli", "scan", *options, "-o"]
-killed, whole = here / "k.nc", here / "whole.nc"
+killed = here / "k.nc"
+whole = here / "whole.nc"
 half = len(planned(Rig.default(), size=killed_size).lines) // 2
 victim = subprocess.Popen([*command, killed])
 while victim.poll() is None and not (
@@ -348,8 +346,12 @@ victim.send_signal(signal.SIGKILL)
 victim.wait()
 subprocess.run([*command, killed, "--resume"], check=True, capture_output=True)
 subprocess.run([*command, whole], check=True, capture_output=True)
-print("killed:", victim.returncode == -signal.SIGKILL, "- identical:",
-      killed.read_bytes() == whole.read_bytes())  # fmt: skip
+print(
+    "killed:",
+    victim.returncode == -signal.SIGKILL,
+    "- identical:",
+    killed.read_bytes() == whole.read_bytes(),
+)
 folder.cleanup()
 
 # %% [markdown]

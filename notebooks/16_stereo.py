@@ -41,7 +41,9 @@ from cmtof_lab.targets import scene_from
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
 WRAP = float(wrap_length(FREQUENCY_SINGLE))
-LEFT, RIGHT, BEAM = plotting.PALETTE["blue"], plotting.PALETTE["vermillion"], "#00A86B"
+LEFT = plotting.PALETTE["blue"]
+RIGHT = plotting.PALETTE["vermillion"]
+BEAM = "#00A86B"
 
 # %% [markdown]
 # ## The labels of one scan
@@ -97,13 +99,14 @@ wrong = float((np.abs(truth.depth - frame.depth) > WRAP / 2)[truth.mask].mean())
 print(f"labelled: stereo alone {alone.mask.mean():.1%}, with the phase {truth.mask.mean():.1%}")
 
 # %% tags=["hide-input"]
-figure = plt.figure(figsize=(11.0, 3.5))
-axes = [figure.add_subplot(131, projection="3d", computed_zorder=False)]
-axes += [figure.add_subplot(place) for place in (132, 133)]
+figure = plt.figure(figsize=(8.4, 5.4))
+axes = [figure.add_subplot(121, projection="3d", computed_zorder=False)]
+axes += [figure.add_subplot(place) for place in (222, 224)]
 points = points_from_depth(frame.depth, frame.camera) @ [[0, -1, 0], [0, 0, -1], [1, 0, 0]]
 target = points[points.shape[0] // 2, int(0.45 * points.shape[1])]
 places = [*rig.centres @ [[0, -1, 0], [0, 0, -1], [1, 0, 0]], np.zeros(3)]
-cloud, known = points[::2].reshape(-1, 3), np.isfinite(points[::2, :, 0]).ravel()
+cloud = points[::2].reshape(-1, 3)
+known = np.isfinite(points[::2, :, 0]).ravel()
 grey = 0.35 + 0.6 * frame.intensity[::2].clip(0, 1).ravel()[known] ** 0.45
 axes[0].scatter(*cloud[known].T, c=grey, s=1, cmap="gray", vmin=0, vmax=1)
 ends = zip(places, ("left", "right", "scanner"), (LEFT, RIGHT, BEAM), strict=True)
@@ -111,10 +114,10 @@ for place, name, colour in ends:
     axes[0].plot(*np.stack([place, target], 1), color=colour, lw=1 + (name == "scanner"))
     axes[0].plot(*place[:, None], "s", color=colour, label=name)
 sides = np.ptp(np.concatenate([cloud[known], places]), axis=0)
-axes[0].set_box_aspect(sides, zoom=1.6)
+axes[0].set_box_aspect(sides, zoom=1.25)
 axes[0].view_init(15, 150)
 axes[0].set_axis_off()
-axes[0].legend(fontsize=8, loc="upper left")
+axes[0].legend(loc="upper left")
 _ = axes[0].set_title("stereo rig, to scale")
 
 # %% tags=["hide-input"]
@@ -122,7 +125,8 @@ plotting.phase_image(axes[1], measurement.phase[0], title="7.15 GHz phase")
 wraps = np.where(truth.mask, truth.wraps, np.nan)
 plotting.image(axes[2], wraps, label="wrap count", title="wraps by stereo")
 plotting.label_panels(axes)
-least, largest = int(np.nanmin(wraps)), int(np.nanmax(wraps))
+least = int(np.nanmin(wraps))
+largest = int(np.nanmax(wraps))
 plotting.save(
     figure,
     "fig09_stereo",
@@ -171,18 +175,32 @@ far_spots = stereo.scan_spots(far_frame, rig, rng=rng, sensor=sensor)
 far = labels(far_frame, far_spots, cameras, redrawn, **far_phase)
 reach = WRAP / 2 / sigmas
 ideal = np.sqrt(2) * sensor.speckle / (rig.matrices[0, 0, 0] * baseline)  # 1/m
-limit = float(np.sqrt(reach / ideal))
+limit = np.sqrt(reach / ideal)
 print(f"labelled in the room: {far.mask.mean():.1%}; speckle alone ends labels at {limit:.2f} m")
 
 # %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(6.8, 4.0))
+figure, ax = plt.subplots(figsize=(7, 4.0))
 for one, name, colour in ((truth, scene, LEFT), (far, far_scene, RIGHT)):
-    ax.plot(one.range.ravel(), 1e3 * one.uncertainty.ravel(), ".", ms=2, alpha=0.3, color=colour,
-            label=name.replace("_", " "), rasterized=True)  # fmt: skip
+    ax.plot(
+        one.range.ravel(),
+        1e3 * one.uncertainty.ravel(),
+        ".",
+        ms=2,
+        alpha=0.3,
+        color=colour,
+        label=name.replace("_", " "),
+        rasterized=True,
+    )
 places = np.geomspace(0.5, 8, 60)
 ax.plot(places, 1e3 * ideal * places**2, "k-", lw=1.2, label="speckle alone, on axis")
-ax.set(xscale="log", yscale="log", ylim=(0.1, 60), xlim=(0.5, 8), xlabel="range (m)",
-       ylabel="uncertainty of the range (mm)")  # fmt: skip
+ax.set(
+    xscale="log",
+    yscale="log",
+    ylim=(0.1, 60),
+    xlim=(0.5, 8),
+    xlabel="range (m)",
+    ylabel="uncertainty of the range (mm)",
+)
 ax.set_xticks([0.5, 1, 2, 4, 8], ["0.5", "1", "2", "4", "8"])
 ax.minorticks_off()
 plotting.mark(ax, y=1e3 * WRAP, text="one wrap")

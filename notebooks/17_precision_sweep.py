@@ -25,7 +25,7 @@ from scipy.special import erf
 
 from cmtof.bounds import wrap_probability
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
-from cmtof.correlation import depth_from_phase, wrap_length
+from cmtof.correlation import wrap_length
 from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof_book import notes, paper, plotting
 from cmtof_book.compared import closed_form
@@ -44,12 +44,11 @@ BLUE, RED, GREEN, BLACK = (
 COLOURS = {"all-optical": BLUE, "RF": RED, "interferometer": GREEN}
 
 # %% tags=["hide-input"]
-settings, NOISY = TwinSettings(laser_power=laser_power), NOISE["captures"]
-optical, rf, ruler = (
-    OpticalRanger(settings),
-    RfRanger(settings=settings),
-    Interferometer(settings=settings),
-)
+settings = TwinSettings(laser_power=laser_power)
+NOISY = NOISE["captures"]
+optical = OpticalRanger(settings)
+rf = RfRanger(settings=settings)
+ruler = Interferometer(settings=settings)
 rangers = {"all-optical": optical, "RF": rf, "interferometer": ruler}
 targets = {
     "mirror": replace(MIRROR, distance=distance),
@@ -76,7 +75,8 @@ def drawn(one, rng):
 
 def errors_of(ranger, what, *, wide=False, **noise):
     """Errors (days, P), m, over the sweep of Paper Fig. 13, with random numbers of their own."""
-    target, found = targets[what], []
+    target = targets[what]
+    found = []
     rng = np.random.default_rng([seed, *f"{type(ranger).__name__} {what}".encode()])
     one = ranger = replace(ranger, settings=replace(ranger.settings, **noise))
     for own in rng.integers(2**31, size=repeats).tolist():
@@ -94,7 +94,7 @@ errors = {
     for case, how in CASES.items()
 }
 found = {key: parts(one) for key, one in errors.items()}
-median = {key: float(np.median(one.rmse)) for key, one in found.items()}
+median = {key: np.median(one.rmse) for key, one in found.items()}
 
 # %% tags=["hide-input"]
 AXES = {"all-optical": "proposed", "RF": "rf", "interferometer": "interferometry"}
@@ -124,7 +124,7 @@ ends_of = {
 needed = (median["all-optical", "mirror", "captures"] / published("all-optical", "mirror")[0]) ** 2
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(10.4, 4.6), sharey=True)
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.4), sharey=True)
 place = 1e3 * POSITIONS
 for ax, what in zip(axes, targets, strict=True):
     for name, colour in COLOURS.items():
@@ -230,7 +230,8 @@ def offset_and_scatter(rmse, mae):
     """Constant offset and Gaussian scatter, m, with this RMSE and MAE; angle 0 is no offset."""
 
     def missed(angle):
-        mu, sigma = np.sin(angle), np.cos(angle)
+        mu = np.sin(angle)
+        sigma = np.cos(angle)
         folded = np.sqrt(2 / np.pi) * np.exp(-((mu / sigma) ** 2) / 2)
         return sigma * folded + mu * erf(mu / sigma / np.sqrt(2)) - mae / rmse
 
@@ -240,9 +241,10 @@ def offset_and_scatter(rmse, mae):
 
 def most_scatter(name, what):
     """Scatter, m, that RMSE and MAE leave when all rounding is in its favour."""
-    (root, mean), key = published(name, what), f"table4.{AXES[name]}.rmse_{what}"
+    (root, mean) = published(name, what)
+    key = f"table4.{AXES[name]}.rmse_{what}"
     digit = paper.published(key).tolerance
-    return float(np.sqrt((root + digit) ** 2 - (mean - digit) ** 2))
+    return np.sqrt((root + digit) ** 2 - (mean - digit) ** 2)
 
 
 offset = {key: np.abs(one.offset) for key, one in found.items()}
@@ -250,22 +252,22 @@ scatter = {key: one.std(axis=1) for key, one in errors.items()}
 theirs = {pair: offset_and_scatter(*published(*pair)) for pair in {key[:2]: 0 for key in found}}
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(10.4, 4.4), sharex=True, sharey=True)
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.3), sharex=True, sharey=True)
 for ax, what in zip(axes, targets, strict=True):
     ax.plot([1e-2, 3e4], [1e-2, 3e4], color="#C9CFD4", lw=0.9, zorder=0)
     plotting.mark(ax, y=1e6 * wrap_length(FREQUENCY["single"]) / np.sqrt(12), text="no signal")
     for name, colour in COLOURS.items():
         for case, marker in (("plausible", "o"), ("captures", "x")):
             days_of = 1e6 * offset[name, what, case], 1e6 * scatter[name, what, case]
-            label = name if marker == "o" else None
-            ax.plot(*days_of, marker, ms=3, alpha=0.45, color=colour, label=label)
+            ax.plot(*days_of, marker, ms=3, alpha=0.45, color=colour)
         mu, sigma = theirs[name, what]
         shown = 1e6 * (sigma or most_scatter(name, what))
         ax.plot(1e6 * mu, shown, "D" if sigma else "v", ms=9, color=colour, mec=BLACK)
+        ax.plot([], [], "o", color=colour, label=name)
     ax.set(xscale="log", yscale="log", title=what, xlabel="constant offset (µm)")
     ax.set(xlim=(1e-2, 3e4), ylim=(1e-2, 3e4))
 axes[0].set_ylabel("scatter about it (µm)")
-axes[0].legend(loc="lower right", fontsize=8.5)
+axes[0].legend(loc="lower right", fontsize="small")
 plotting.label_panels(axes)
 plotting.save(
     figure,
@@ -308,15 +310,15 @@ plotting.save(
 light = np.logspace(-12, -2, 201)
 snr = {"RF": rf.snr(light), "all-optical": 1 / (2 * optical.dimming_and_noise(light)[1] ** 2)}
 plate = float(rf.power(targets["diffuse"], distance))
-own, reach = float(rf.snr(plate)), float(np.interp(2.2e-9, light, snr["all-optical"]))
+own = float(rf.snr(plate))
+reach = np.interp(2.2e-9, light, snr["all-optical"])
 power_needed = 10 ** brentq(lambda p: float(np.log(rf.snr(10**p) / reach)), -12, -1)
-crossing = light[np.argmax(snr["RF"] > snr["all-optical"])]
 print(f"RF before the plate: {1e9 * plate:.2g} nW, SNR {own:.2g}; all-optical SNR {reach:,.0f}")
 print(f"for which RF needs {power_needed / plate:.0f} times the light")
 print(f"offsets over the plate's signal: {rf.offsets.sum() / rf.envelope(plate):.0f}")
 
 # %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(7.4, 4.2))
+figure, ax = plt.subplots(figsize=(7, 4.2))
 for name, ratio in snr.items():
     ax.loglog(light, ratio, color=COLOURS[name], label=name)
 for what, target in targets.items():
@@ -381,9 +383,11 @@ print(f"20 µm are {fringes_20:.0f} fringes, lost at {1e9 * rms_for:.0f} nm rms\
 shaking = (20, 60, 80, 100, 150, 200)
 notes.table(
     ["fringes lost in 1 mm, by vibration", *(f"{rms} nm" for rms in shaking)],
-    [[f"stage at {1e6 * v:.0f} µm/s", *(f"{lost(1e-9 * rms, v):.1f}" for rms in shaking)]
-     for v in (1.5e-5, 3e-5, 6e-5)],
-)  # fmt: skip
+    [
+        [f"stage at {1e6 * v:.0f} µm/s", *(f"{lost(1e-9 * rms, v):.1f}" for rms in shaking)]
+        for v in (1.5e-5, 3e-5, 6e-5)
+    ],
+)
 
 # %% [markdown]
 # A few times the vibration makes the count fail. The paper reports the same: its measurements were
@@ -404,26 +408,28 @@ notes.table(
 # A tenth of the reflectance $\rho$ or of the laser's power $P$ thus equals 3.2 times the range.
 
 # %% tags=["hide-input"]
-axis, micron, noise = np.array([0.3, 0.6, 1.0, 2.0, 5.0]), {}, []
-for mode, frequency in FREQUENCY.items():
-    light = collected_power(settings, PLATE, axis, mode)
-    noise.append(OpticalRanger(settings, mode).dimming_and_noise(light)[1])
-    micron[mode] = 1e6 * depth_from_phase(noise[-1], frequency)
-odds = wrap_probability(*noise, frequencies=FREQUENCIES)
-rough = float(wrap_probability(*NOISY["phase_noise"], frequencies=FREQUENCIES))
-coarse = 1e6 * float(depth_from_phase(NOISY["phase_noise"][0], FREQUENCY["single"]))
-notes.table(
-    ["range (m)", *axis],
-    [[f"noise, {m} mode (µm)", *(f"{x:.1f}" for x in line)] for m, line in micron.items()]
-    + [["right wrap, one pixel", *(f"{x:.0%}" for x in odds)]],
+near_and_far = np.array([0.6, 2.0])
+noise = [
+    OpticalRanger(settings, mode).dimming_and_noise(
+        collected_power(settings, PLATE, near_and_far, mode)
+    )[1]
+    for mode in FREQUENCY
+]
+odds = 100 * wrap_probability(*noise, frequencies=FREQUENCIES)
+rough = 100 * float(wrap_probability(*NOISY["phase_noise"], frequencies=FREQUENCIES))
+notes.say(
+    """
+    For near and bright targets light must be filtered away; for far and dark ones the amplifier's
+    noise exceeds that of the photons and grows with $z^2$
+    ([table of chapter 18](18_error_budget.ipynb)). The wrap fails first: at the photon limit the
+    beat of both modes determines it in {near:.0f} % of single pixels at 60 cm, in {far:.0f} % at
+    2 m; with the captures' noise in {rough:.0f} % at any range. Then many pixels of a surface must
+    be pooled.
+    """,
+    near=odds[0],
+    far=odds[1],
+    rough=rough,
 )
-print(f"with the captures' noise {coarse:.0f} µm, and {rough:.0%} right, at any range")
-
-# %% [markdown]
-# For near and bright targets light must be filtered away; for far and dark ones the amplifier's
-# noise exceeds that of the photons and grows with $z^2$. The wrap fails first: the beat of both
-# modes determines it in one pixel at 60 cm, but in fewer than half of all cases at 2 m, where many
-# pixels of a surface must be pooled.
 
 # %% [markdown]
 # ## Answer

@@ -43,7 +43,8 @@ from cmtof_lab.sweep import collected_power, parts
 from cmtof_lab.targets import MIRROR, PLATE
 
 plotting.begin(profile=profile, seed=seed)
-known, target = TwinSettings(), PLATE
+known = TwinSettings()
+target = PLATE
 targets = {"diffuse": PLATE, "specular": MIRROR}
 MODES = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
 
@@ -55,7 +56,7 @@ whole = {
     for name, what in targets.items()
     for mode in MODES
 }
-rms = {key: float(np.sqrt(np.mean(one**2))) for key, one in whole.items()}
+rms = {key: np.sqrt(np.mean(one**2)) for key, one in whole.items()}
 bound = {
     (name, mode): float(OpticalRanger(known, mode).bound(what, [0.0])[0])
     for name, what in targets.items()
@@ -63,18 +64,18 @@ bound = {
 }
 
 # %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(8.0, 5.2))
-order = sorted(terms["single"], key=lambda name: terms["single"][name])
-for shift, (mode, colour) in zip((0.19, -0.19), MODES.items(), strict=True):
-    summed = np.sqrt(sum(one**2 for one in terms[mode].values()))
-    sizes = [rms["diffuse", mode], summed, *(terms[mode][name] for name in order)]
-    ax.barh(np.arange(len(sizes)) + shift, 1e6 * np.array(sizes), 0.36, color=colour, label=mode)
-    ax.plot(2 * [1e6 * bound["diffuse", mode]], [shift - 0.25, shift + 0.25], color="black", lw=2.2)
-ax.set_yticks(np.arange(len(order) + 2), ["all together", "sum of squares", *order])
+figure, ax = plt.subplots(figsize=(8.0, 4.6))
+order = sorted(terms["single"], key=lambda name: -terms["single"][name])
+sizes = {}
+for mode, found in terms.items():
+    each = [found[name] for name in order]
+    summed = np.sqrt(np.sum(np.square(each)))
+    sizes[mode] = 1e6 * np.array([*each, summed, rms["diffuse", mode], bound["diffuse", mode]])
+plotting.dots(ax, sizes, [*order, "sum of squares", "all together", "Cramér–Rao bound"])
+ax.axhline(len(order) - 0.5, color=plotting.GREY, lw=1)
 ax.set(xscale="log", xlim=(0.02, 60), xlabel="µm, rms over the days")
-ax.grid(axis="y", visible=False)
 plotting.mark(ax, x=33.5, text="Table 4")
-ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+ax.legend()
 plotting.save(
     figure,
     "budget_terms",
@@ -87,12 +88,12 @@ plotting.save(
     | {f"bound_{mode}": closed_form(1e6 * bound["diffuse", mode]) for mode in MODES},
     caption=(
         "Error budget of the simulated instrument for a diffuse target at 60 cm: each term alone, "
-        "by closed form or Monte Carlo, their sum of squares, and a Monte Carlo of all together "
-        "(black: Cramér–Rao bound), all of assumed size at the photon limit; the noise of the "
-        "published captures, 390 µm, lies beyond. Dashed: the 33.5 µm of Table 4."
+        "by closed form or Monte Carlo, their sum of squares, a Monte Carlo of all together, and "
+        "the bound, all of assumed size at the photon limit; the noise of the published captures, "
+        "390 µm, lies beyond. Dotted: the 33.5 µm of Table 4."
     ),
     alt=(
-        "Bars on a logarithmic scale in both modes. The drift of the RF phase and photon noise are "
+        "Dots on a logarithmic scale in both modes. The drift of the RF phase and photon noise are "
         "the largest terms, four to five micrometres; amplifier, back-reflection, I/Q imbalance "
         "and laser drift follow near one. The sum of squares meets the simulation of the whole."
     ),
@@ -144,7 +145,9 @@ def correlation_phase(settings, ranges):
     return phase_from_depth(way, FREQUENCY["single"]) - settings.phase_offset
 
 
-ratio, eta, excess = back_ratio(known, target), known.eta, known.group_index - 1
+ratio = back_ratio(known, target)
+eta = known.eta
+excess = known.group_index - 1
 third = float((jv(3, 2 * eta) / jv(1, 2 * eta)) ** 2)
 length = float(wrap_length(FREQUENCY["single"]))
 travel = length * (np.arange(wrap_points) / wrap_points - 0.5)
@@ -161,18 +164,17 @@ cases = {
 }
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(11.4, 3.4))
+figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.2))
 titles = ("back-reflection", "I/Q imbalance", "harmonics, 4 steps")
-apart = {}
-for ax, title, (name, (settings, curve, lab)) in zip(axes, titles, cases.items(), strict=True):
+for ax, title, (settings, curve, lab) in zip(axes, titles, cases.values(), strict=True):
     ranger = OpticalRanger(settings, stage_error=0.0, air_change=(0.0, 0.0), **lab)
     error = ranger.sweep(target, travel, repeats=1, seed=seed)[0] - target.distance - travel
-    error, curve = error - error.mean(), depth_from_phase(curve - curve.mean(), FREQUENCY["single"])
+    error = error - error.mean()
+    curve = depth_from_phase(curve - curve.mean(), FREQUENCY["single"])
     ax.axvspan(-0.5, 0.5, color=plotting.PALETTE["yellow"], alpha=0.35, lw=0)
     ax.plot(1e3 * travel, 1e6 * curve, color=MODES["single"])
     ax.plot(1e3 * travel, 1e6 * error, "o", ms=3, color="black", mfc="none")
     ax.set(title=title, xlabel="position (mm)")
-    apart[name] = float(1e6 * np.std(error - curve))
 axes[0].set_ylabel("error (µm)")
 plotting.label_panels(axes)
 plotting.save(
@@ -207,7 +209,7 @@ PHASES = ("RF phase drift", "phase codes", "I/Q imbalance", "RF leakage")
 
 def size_of(lengths):
     """Root of the sum of squares."""
-    return float(np.sqrt(np.sum(np.square(list(lengths)))))
+    return np.sqrt(np.sum(np.square(list(lengths))))
 
 
 def terms_at(distance, reflectance, mode):
@@ -240,9 +242,11 @@ for distance, reflectance in (
 notes.table(["range, reflectance, mode", *lengths, "total"], rows)
 
 # %% tags=["hide-input"]
-steps, calculator = np.linspace(-5, 2, 57), {}
+steps = np.linspace(-5, 2, 57)
+calculator = {}
 for mode in MODES:
-    ranger, here = OpticalRanger(known, mode), terms_at(target.distance, target.reflectance, mode)
+    ranger = OpticalRanger(known, mode)
+    here = terms_at(target.distance, target.reflectance, mode)
     light = collected_power(known, target, target.distance, mode) * 10**steps
     phase = ranger.dimming_and_noise(light)[1] * np.sqrt(1 + 1 / ranger.visits)
     calculator[mode] = {
@@ -285,26 +289,21 @@ needs = {  # of the single mode: size needed, size assumed, unit
 }
 
 # %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(8.6, 4.6))
-for place, (size, assumed, unit) in enumerate(reversed(needs.values())):
-    factor = size / assumed if np.isfinite(assumed) else 1.0
-    ax.plot([1, factor], [place, place], color=MODES["single"], lw=2.4)
-    ax.plot(factor, place, "o", color=MODES["single"] if np.isfinite(assumed) else "white", mec="k")
-    side = (6, "left") if factor >= 1 else (-6, "right")
-    note = {"textcoords": "offset points", "va": "center", "ha": side[1], "fontsize": 9}
-    ax.annotate(f"{size:.3g} {unit}", (factor, place), (side[0], 0), **note)
-ax.set_yticks(np.arange(len(needs)), list(reversed(needs)))
+assumed = {name: row for name, row in needs.items() if np.isfinite(row[1])}
+others = [f"{n}, {size:.3g} {u}" for n, (size, _, u) in needs.items() if n not in assumed]
+figure, ax = plt.subplots(figsize=(8.4, 3.6))
+factors = [size / usual for size, usual, _ in assumed.values()]
+plotting.dots(ax, {"": factors}, [f"{n}: {row[0]:.3g} {row[2]}" for n, row in assumed.items()])
 ax.set(xscale="log", xlim=(0.05, 2000), xlabel="size needed over size assumed")
 ax.axvline(1, color="#5A646D", lw=1)
-ax.grid(axis="y", visible=False)
 plotting.save(
     figure,
     "budget_needed",
     numbers={name: closed_form(size) for name, (size, _, _) in needs.items()},
     caption=(
         "Size of each term that alone causes the paper's 33.5 µm of constant error or 7.5 µm of "
-        "scatter in the simulated single mode, over the size assumed here. White: not among the "
-        "assumptions. Nothing is fitted."
+        "scatter in the simulated single mode, over the size assumed here. Nothing is fitted. Not "
+        f"among the assumptions: {'; '.join(others)}."
     ),
     alt=(
         "Points on a logarithmic scale: an RF phase of 10 milliradian, ten times what is assumed; "
@@ -343,12 +342,15 @@ plotting.save(
 # bound the resolvable points $N$ and the pupil's side $D$ for a field of $\pm\theta_F$.
 
 # %% tags=["hide-input"]
-side, crystal, wavelength = 2.5e-3, 5e-3, known.wavelength  # m; crystal assumed
+side = 2.5e-3  # m
+crystal = 5e-3  # m, assumed
+wavelength = known.wavelength
 rows = []
 for name, ordinary, extraordinary in (("LiNbO3", 2.323, 2.234), ("LiTaO3", 2.183, 2.188)):  # known
     birefringence = abs(extraordinary - ordinary)
     square = ordinary * extraordinary * wavelength * 0.2 / (np.pi * crystal * birefringence)
-    points, pupil = square * (2 * side / wavelength) ** 2, side * np.sqrt(square) / np.sin(0.2)
+    points = square * (2 * side / wavelength) ** 2
+    pupil = side * np.sqrt(square) / np.sin(0.2)
     light = pupil**2 / aperture_area(known) / 64**2
     rows.append([name, f"{points:.2g}", f"{1e3 * pupil:.2f} mm", f"{light:.1e}"])
 notes.table(["", "points", "pupil, ±0.2 rad", "light a pixel over ours, 64 × 64"], rows)

@@ -43,7 +43,8 @@ from cmtof_lab.targets import MeshTarget, Plane
 plotting.begin(profile=profile, seed=seed)
 base = TwinSettings()
 rig = Rig.default()
-MODES, NAMES = ("single", "doubled"), ("single", "doubled", "both")
+MODES = ("single", "doubled")
+NAMES = ("single", "doubled", "both")
 COLOURS = {
     n: plotting.PALETTE[c] for n, c in zip(NAMES, ("blue", "vermillion", "green"), strict=True)
 }
@@ -83,7 +84,8 @@ def fit_planes(points, group):
 
 def step_height(planes):
     """Distance of two parallel planes and its standard error, m."""
-    cosine, way = 1 / np.sqrt(1 + planes.slopes @ planes.slopes), np.array([1, -1])
+    cosine = 1 / np.sqrt(1 + planes.slopes @ planes.slopes)
+    way = np.array([1, -1])
     return way @ planes.offsets * cosine, np.sqrt(way @ planes.covariance @ way) * cosine
 
 
@@ -104,8 +106,10 @@ def points_of(target, number, noise="photon", **how):
 
 
 away = margin * float(spot_radius(base, distance))
-view = {"size": (rows, columns),
-        "field_of_view": (1.85 * WIDTH / distance, 0.85 * HEIGHT / distance)}  # fmt: skip
+view = {
+    "size": (rows, columns),
+    "field_of_view": (1.85 * WIDTH / distance, 0.85 * HEIGHT / distance),
+}
 
 
 def scanned_blocks(number, noise="photon"):
@@ -117,7 +121,8 @@ def scanned_blocks(number, noise="photon"):
 
 def usable(points):
     """Where the spot lies well within a face (H, W), and on which block: 0 left, 1 right."""
-    x, y = np.abs(points[0, ..., 0]), np.abs(points[0, ..., 1])
+    x = np.abs(points[0, ..., 0])
+    y = np.abs(points[0, ..., 1])
     inside = (x > away) & (x < WIDTH - away) & (y < HEIGHT / 2 - away)
     return inside, (points[0, ..., 0] > 0).astype(int)
 
@@ -133,17 +138,24 @@ def measured_step(points):
 # %% tags=["hide-input"]
 clouds = [scanned_blocks(number) for number in range(repeats)]
 heights, errors = np.array([measured_step(points) for points in clouds]).swapaxes(0, 1)
-mean, scatter = heights.mean(0), heights.std(0, ddof=1)
+mean = heights.mean(0)
+scatter = heights.std(0, ddof=1)
 rough = np.array([measured_step(scanned_blocks(k, "captures"))[0] for k in range(repeats)])
 rough_scatter = rough.std(0, ddof=1)
 half = student.ppf(0.975, repeats - 1) * scatter / np.sqrt(repeats)
 notes.table(
     ("step (µm)", *NAMES),
-    [(label, *(f"{1e6 * v:.2f}" for v in values)) for label, values in (
-        ("mean", mean), ("95 % of the mean, ±", half), ("scatter of one scan", scatter),
-        ("standard error of a fit", errors.mean(0)),
-        ("scatter of one scan, captures' noise", rough_scatter))],
-)  # fmt: skip
+    [
+        (label, *(f"{1e6 * v:.2f}" for v in values))
+        for label, values in (
+            ("mean", mean),
+            ("95 % of the mean, ±", half),
+            ("scatter of one scan", scatter),
+            ("standard error of a fit", errors.mean(0)),
+            ("scatter of one scan, captures' noise", rough_scatter),
+        )
+    ],
+)
 
 # %% [markdown]
 # A large plane of reflectance 0.5 stands at the same distance, slanted by several angles.
@@ -155,9 +167,8 @@ for k, tilt in enumerate(tilts):
     slanted = Plane(distance, tilt_x=float(tilt), reflectance=0.5)
     cloud = points_of(slanted, repeats + k, size=plane_size, field_of_view=plane_view)
     flat = cloud.reshape(2, -1, 3)
-    planes.append((cloud, [fit_planes(p, np.zeros(len(p), int)) for p in flat]))
+    planes.append([fit_planes(p, np.zeros(len(p), int)) for p in flat])
 shown = min(len(tilts) - 1, 4)
-plane_points, plane_fits = planes[shown]
 slanted = Plane(distance, tilt_x=float(tilts[shown]), reflectance=0.5)
 same = {"size": plane_size, "field_of_view": plane_view}
 rough_plane = points_of(slanted, repeats + shown, "captures", **same)[0].reshape(-1, 3)
@@ -170,49 +181,37 @@ left_of = [
     (fit.offsets[0] + p[..., :2] @ fit.slopes - p[..., 2]) / np.sqrt(1 + fit.slopes @ fit.slopes)
     for p, fit in zip(clouds[0], fits, strict=True)
 ]
-figure, grid = plt.subplots(2, 3, figsize=(12.4, 7.4))
-axes = list(grid.ravel())
-plotting.image(axes[0], 1e3 * np.where(inside, left_of[0], np.nan), label="height (mm)",
-               title="blocks, single mode", limits=(-0.1, 0.6))  # fmt: skip
+figure, (ax, right) = plt.subplots(1, 2, figsize=(8.4, 4))
 across = 1e3 * clouds[0][0, ..., 0].ravel()
 for mode, values in zip(MODES, left_of, strict=True):
-    axes[1].plot(across, 1e3 * values.ravel(), ".", ms=2, color=COLOURS[mode], label=mode)
-axes[1].step(1e3 * WIDTH * np.array([-1, 0, 1]), [0, 0, 1e3 * step], where="pre", color="k", lw=1)
-axes[1].set(xlabel="across (mm)", ylabel="height (mm)", title="all points", ylim=(-0.2, 0.9))
-axes[1].legend(loc="upper left", markerscale=3, fontsize=8.5)
-for k, name in enumerate(NAMES):
-    place = k + np.linspace(-0.22, 0.22, repeats)
-    axes[2].errorbar(place, 1e6 * (heights[:, k] - step), 1e6 * errors[:, k], fmt="o", ms=3.5,
-                     lw=0.9, color=COLOURS[name])  # fmt: skip
-    axes[2].plot(place, 1e6 * (rough[:, k] - step), "x", ms=4, color=COLOURS[name])
-plotting.mark(axes[2], y=-1.2, text="paper")
-axes[2].set_yscale("symlog", linthresh=10)
-axes[2].set(xticks=range(3), xticklabels=NAMES, ylabel="step − 500 µm (µm)", title="repeats")
-axes[2].set_xlim(left=-0.7)
-shape = plane_points.shape[1:3]
-plotting.image(axes[3], plane_points[0, ..., 2], label="depth (m)", title="slanted plane")
-fitted = (plane_fits[0], "photon limit", 100), (rough_fit, "captures' noise", 1000)
-for ax, (fit, noise, end) in zip(axes[4:], fitted, strict=True):
-    plotting.image(ax, 1e6 * fit.residual.reshape(shape), label="residual (µm)", cmap="RdBu_r",
-                   title=f"its residual, {noise}", limits=(-end, end))  # fmt: skip
-plotting.label_panels(axes)
+    ax.plot(across, 1e3 * values.ravel(), ".", ms=3, color=COLOURS[mode], label=mode)
+ax.step(1e3 * WIDTH * np.array([-1, 0, 1]), [0, 0, 1e3 * step], where="pre", color="k", lw=1)
+ax.set(xlabel="across the blocks (mm)", ylabel="height (mm)", ylim=(-0.2, 1.1))
+ax.set_title("all points of a scan")
+ax.legend(loc="upper left", markerscale=3)
+ends = np.abs(1e6 * (rough[:, 2] - step)).max() + 1
+bins = np.linspace(-ends, ends, 41)
+for label, values in (("photon limit", heights[:, 2]), ("captures' noise", rough[:, 2])):
+    right.hist(1e6 * (values - step), bins, alpha=0.6, label=label)
+paper_off = 1e6 * (paper.published("fig14.height").value - step)
+plotting.mark(right, x=paper_off, text="paper")
+right.set(xlabel="step − 500 µm (µm)", ylabel="scans", title="both modes together")
+right.margins(y=0.4)
+right.legend()
+plotting.label_panels([ax, right])
 
 # %% tags=["hide-input"]
 noise = [float(fit.residual.std()) for fit in fits]
 plotting.save(
     figure,
     "fig14_gage_blocks",
-    caption="A step of two gauge blocks and a slanted plane at 1 m, simulated (the paper's is a "
-    "measurement). (a) Height over the left block, edges left out. (b) All points of one scan "
-    "across the blocks; both at the photon limit. (c) The step in each repeat: dots with standard "
-    "errors at the photon limit, crosses with the captures' noise. (d) Depth of the plane at "
-    f"{np.rad2deg(tilts[shown]):.0f}° and the residual of a fitted plane in the single mode, (e) "
-    "at the photon limit and (f) with the captures' noise, on another scale.",
-    alt="Two even areas, one higher by half a millimetre; points about two levels, with a scatter "
-    f"of {1e6 * noise[0]:.0f} µm in the single and {1e6 * noise[1]:.0f} µm in the doubled mode; "
-    f"{repeats} heights for each mode and both, within micrometres of half a millimetre, or within "
-    f"{1e6 * rough_scatter[2]:.0f} with the captures' noise. A ramp of depth, and two residuals, "
-    "of tens and of hundreds of micrometres.",
+    caption="A step of two gauge blocks at 1 m, simulated (the paper's is a measurement). (a) "
+    "Height over the left block in one scan, both modes, at the photon limit, and the true step. "
+    f"(b) Errors of the step in {repeats} scans, both modes together.",
+    alt="Left, points about two levels half a millimetre apart, with a scatter of "
+    f"{1e6 * noise[0]:.0f} µm in the single and {1e6 * noise[1]:.0f} µm in the doubled mode. "
+    f"Right, {repeats} errors of the step within micrometres at the photon limit, or within "
+    f"{1e6 * rough_scatter[2]:.0f} with the captures' noise.",
 )
 
 # %% [markdown]
@@ -256,8 +255,8 @@ print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 # \tag{19.3}$$
 
 # %%
-left = np.array([[fit.residual.std() for fit in both] for _, both in planes])
-r_squared = np.array([[fit.r_squared for fit in both] for _, both in planes])
+left = np.array([[fit.residual.std() for fit in both] for both in planes])
+r_squared = np.array([[fit.r_squared for fit in both] for both in planes])
 slopes = np.tan(tilts)
 speckle = float(spot_radius(base, distance) / 2 / np.sqrt(speckle_cells(base, distance)))
 facing = np.sqrt(np.maximum(left[0] ** 2 - (slopes[0] * speckle) ** 2, 0))
@@ -268,15 +267,28 @@ for k in (0, -1):
     )
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(10.6, 4.0))
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.8))
 fine = np.linspace(0.01, slopes.max(), 200)
 for m, mode in enumerate(MODES):
     law = np.hypot(facing[m], fine * speckle)
-    plotting.sweep(axes[0], slopes, 1e6 * left[:, m], bound=(fine, 1e6 * law), label=mode,
-                   color=COLOURS[mode], log="")  # fmt: skip
+    plotting.sweep(
+        axes[0],
+        slopes,
+        1e6 * left[:, m],
+        bound=(fine, 1e6 * law),
+        label=mode,
+        color=COLOURS[mode],
+        log="",
+    )
     reach = fine * spread[-1] / slopes[-1]
-    plotting.sweep(axes[1], 1e3 * spread, 1 - r_squared[:, m], label=mode, color=COLOURS[mode],
-                   bound=(1e3 * reach, law**2 / (law**2 + reach**2)))  # fmt: skip
+    plotting.sweep(
+        axes[1],
+        1e3 * spread,
+        1 - r_squared[:, m],
+        label=mode,
+        color=COLOURS[mode],
+        bound=(1e3 * reach, law**2 / (law**2 + reach**2)),
+    )
 paper_r2 = paper.published("fig14.r_squared").value
 plotting.mark(axes[1], y=1 - paper_r2, text="the paper")
 axes[0].set(xlabel="slope g", ylabel="noise of a point (µm)", title="what the fit leaves")

@@ -37,7 +37,8 @@ from cmtof_lab.targets import RayEnds, scene_from
 
 plotting.begin(profile=profile, seed=seed)
 NAMES = ("owl", "helmet")
-DARK, PALE = 0.05, 0.6  # reflectances of dark and pale feathers
+DARK = 0.05  # reflectance of dark feathers
+PALE = 0.6
 TUNED = weights_path("fast-scnn", "released", Path(results, "scanned"))
 BY = {"photon": {"method": "surfaces"}, "captures": {"method": "fast-scnn", "weights": TUNED}}
 
@@ -83,7 +84,10 @@ def observed(instrument, name):
 
 mhz = {name: observed(camera, name) for name in NAMES}
 bright = {name: observed(strong, name) for name in NAMES}
-twin, ghz, truth, ghz_error = TwinSettings(), {}, {}, {}
+twin = TwinSettings()
+ghz = {}
+truth = {}
+ghz_error = {}
 both = [(n, case) for n in NAMES for case in NOISE]
 for name, case in both:  # the scans of chapter 21
     scan = scan_object(name, case, size=size, seed=seed)
@@ -96,7 +100,7 @@ for name, case in both:  # the scans of chapter 21
 
 # %% tags=["hide-input"]
 def rms(values):
-    return float(np.sqrt(np.nanmean(np.square(values))))
+    return np.sqrt(np.nanmean(np.square(values)))
 
 
 flat = {  # places away from edges, on the object
@@ -104,48 +108,53 @@ flat = {  # places away from edges, on the object
     for n, v in view.items()
 }
 owl = view["owl"]
-dark, pale = flat["owl"] & (owl.reflectance < DARK), flat["owl"] & (owl.reflectance > PALE)
+dark = flat["owl"] & (owl.reflectance < DARK)
+pale = flat["owl"] & (owl.reflectance > PALE)
 error = {n: camera.error(mhz[n][0], view[n].range) for n in NAMES}
 bias = {n: camera.error(mhz[n][2], view[n].range) for n in NAMES}
 period = float(wrap_length(7.15e9)) / index
-right = {key: float(np.mean(np.abs(off) < period / 2)) for key, off in ghz_error.items()}
+right = {key: np.mean(np.abs(off) < period / 2) for key, off in ghz_error.items()}
 residual = {key: off - period * np.rint(off / period) for key, off in ghz_error.items()}
-phase_error = {key: float(np.nanmedian(np.abs(off))) for key, off in residual.items()}
+phase_error = {key: np.nanmedian(np.abs(off)) for key, off in residual.items()}
 lost = float(np.isnan(mhz["helmet"][0][view["helmet"].range < 1.05]).mean())
 notes.table(
     ("error", "one image", "without noise"),
-    [(f"owl, {n} feathers", f"{1e3 * rms(error['owl'][m]):.0f} mm",
-      f"{1e3 * rms(bias['owl'][m]):.1f} mm") for n, m in (("dark", dark), ("pale", pale))],
-)  # fmt: skip
+    [
+        (
+            f"owl, {n} feathers",
+            f"{1e3 * rms(error['owl'][m]):.0f} mm",
+            f"{1e3 * rms(bias['owl'][m]):.1f} mm",
+        )
+        for n, m in (("dark", dark), ("pale", pale))
+    ],
+)
 print("\n".join(f"{' '.join(k)} {right[k]:.0%} right, {1e6 * phase_error[k]:.0f} µm" for k in both))
 print(f"helmet: {lost:.0%} of the shell without a range at 100 MHz")
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, 6, figsize=(12.4, 4.1))
-for row, name in zip(axes, NAMES, strict=True):
-    plotting.image(row[0], mhz[name][1], label="electrons", title=f"{name}, amplitude",
-                   limits=(0, np.percentile(mhz[name][1], 99.5)))  # fmt: skip
+figure, axes = plotting.grid(8, 4, 1)
+for row, name in zip((axes[:4], axes[4:]), NAMES, strict=True):
     ranges = {
-        "100 MHz, one image": mhz[name][0],
-        "100 MHz, strong light": bright[name][0],
-        "GHz, photon limit": ghz[name, "photon"],
-        "GHz, captures' noise": ghz[name, "captures"],
+        f"{name}, 100 MHz": mhz[name][0],
+        "photon limit": ghz[name, "photon"],
+        "captures' noise": ghz[name, "captures"],
         "truth": truth[name],
     }
-    for ax, (title, values) in zip(row[1:], ranges.items(), strict=True):
-        plotting.image(ax, values, label="range (m)", title=title, limits=(0.77, 1.19))
-plotting.label_panels(axes.flat)
+    for ax, (title, values) in zip(row, ranges.items(), strict=True):
+        plotting.image(ax, values, label="", title=title, limits=(0.77, 1.19), bar=False)
+figure.colorbar(axes[0].images[0], ax=axes, label="range (m)", shrink=0.6)
+plotting.label_panels(axes)
 plotting.save(
     figure,
     "fig15_mhz_camera",
-    caption="A textured owl and a polished helmet, simulated: amplitude and range of one image of "
-    "the 100 MHz camera at the stated power, whose grain on dark feathers is noise; the same with "
-    "strong light; the range of GHz scans at the photon limit and with the noise of the published "
-    "captures; and the truth. The first scan is unwrapped by this book's `surfaces`, the second by "
-    "the paper's network, fine-tuned on scans of other objects. Grey: no range.",
-    alt="Two rows of six small images, owl above, helmet below. The 100 MHz range is grainy, by "
+    caption="Range of a textured owl and a polished helmet, simulated: one image of the 100 MHz "
+    "camera at the stated power, whose grain on dark feathers is noise; GHz scans at the photon "
+    "limit and with the noise of the published captures; and the truth. The first scan is by this "
+    "book's `surfaces`, the second by the paper's network, fine-tuned on scans of other objects. "
+    "Grey: no range.",
+    alt="Two rows of four images, owl above, helmet below. The 100 MHz range is grainy, by "
     f"{1e3 * rms(error['owl'][pale]):.0f} mm on pale and {1e3 * rms(error['owl'][dark]):.0f} mm on "
-    "dark feathers; with strong light it is clear. The GHz range is smooth, with "
+    "dark feathers. The GHz range is smooth, with "
     + ", ".join(f"{100 * right[key]:.0f}" for key in both)
     + " percent of right wraps.",
     format="png",
@@ -183,9 +192,11 @@ def tilt(found, true, where):
     return float(np.rad2deg(np.median(np.arccos(cosine))))
 
 
-maps, angles = {}, {}
+maps = {}
+angles = {}
 for name in NAMES:
-    seen, scanned = view[name].range, truth[name]
+    seen = view[name].range
+    scanned = truth[name]
     rows = {"100 MHz": averaged(mhz[name]), "strong": averaged(bright[name])}
     rows |= {f"GHz, {case}": ghz[name, case] for case in NOISE}
     maps[name] = {k: normals(v, name) for k, v in {**rows, "truth": scanned}.items()}
@@ -193,11 +204,12 @@ for name in NAMES:
         tilt(maps[name][k], normals(true, name), true < 1.05)
         for k, true in zip(rows, (seen, seen, scanned, scanned), strict=True)
     ]
-notes.table(("median error of normals", *rows),
-            [(n, *(f"{a:.0f}°" for a in angles[n])) for n in NAMES])  # fmt: skip
+notes.table(
+    ("median error of normals", *rows), [(n, *(f"{a:.0f}°" for a in angles[n])) for n in NAMES]
+)
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(2, 5, figsize=(11.0, 4.6))
+figure, axes = plt.subplots(2, 5, figsize=(8.4, 3.9))
 for row, name in zip(axes, NAMES, strict=True):
     for ax, (title, values) in zip(row, maps[name].items(), strict=True):
         ax.imshow((1 + values * [1, -1, -1]) / 2)
@@ -238,13 +250,16 @@ time = paper.published("sec7.integration_time").value
 pixels = camera.shape[0] * camera.shape[1]
 electrons = 4 * float(camera.signal(card(0.5))[0, 0])
 sent = sent_power(twin) * time, camera.power * camera.exposure / pixels
-notes.table(("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"), [
-    ("light sent", f"{1e3 * sent_power(twin):.1f} mW", f"{1e3 * camera.power:.0f} mW"),
-    ("sent to a pixel", f"{1e6 * sent[0]:.0f} µJ", f"{1e12 * sent[1]:.0f} pJ"),
-    ("photo-electrons of a pixel", "", f"{electrons:.0f}"),
-    ("an image of 640 × 480", f"{2 * time * pixels / 60:.0f} min", "8 ms"),
-    ("one wrap", f"{1e3 * wrap_length(7.15e9):.1f} mm", f"{1e3 * camera.wrap:.0f} mm"),
-])  # fmt: skip
+notes.table(
+    ("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"),
+    [
+        ("light sent", f"{1e3 * sent_power(twin):.1f} mW", f"{1e3 * camera.power:.0f} mW"),
+        ("sent to a pixel", f"{1e6 * sent[0]:.0f} µJ", f"{1e12 * sent[1]:.0f} pJ"),
+        ("photo-electrons of a pixel", "", f"{electrons:.0f}"),
+        ("an image of 640 × 480", f"{2 * time * pixels / 60:.0f} min", "8 ms"),
+        ("one wrap", f"{1e3 * wrap_length(7.15e9):.1f} mm", f"{1e3 * camera.wrap:.0f} mm"),
+    ],
+)
 
 # %% [markdown]
 # ## Noise and scattered light
@@ -262,8 +277,10 @@ notes.table(("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"), [
 
 # %% tags=["hide-input"]
 sizes = np.array([0.03, 0.1, 0.3, 0.8])
-noise = {w: [replace(camera, power=w).bound(card(r))[0, 0] for r in sizes]
-         for w in (camera.power, strong.power)}  # fmt: skip
+noise = {
+    w: [replace(camera, power=w).bound(card(r))[0, 0] for r in sizes]
+    for w in (camera.power, strong.power)
+}
 notes.table(
     ("noise at 1 m, by reflectance", *(f"{r:.0%}" for r in sizes)),
     [(f"{w:.3g} W", *(f"{1e3 * one:.1f} mm" for one in row)) for w, row in noise.items()],
@@ -289,7 +306,7 @@ notes.say(
 # %% tags=["hide-input"]
 dim = flat["owl"] & (owl.reflectance < 0.1)
 paper.check("fig15.mhz_error", rms(error["owl"][dark]))
-paper.check("fig15.mhz_error_dark", float(np.nanmedian(np.abs(error["owl"][dim]))))
+paper.check("fig15.mhz_error_dark", np.nanmedian(np.abs(error["owl"][dim])))
 paper.check("fig15.mhz_power", camera.power)
 paper.check("fig15.mhz_wavelength", camera.wavelength)
 paper.check("fig15.mhz_exposure", camera.exposure)

@@ -50,7 +50,7 @@ weights = weights_path("fast-scnn", "released", Path(results, "scanned"))
 card = read_card(weights)
 SCENES = scanned.SHOWN
 # right wraps of things that were held out, after each leg of the training, %
-legs = [100 * float(np.mean(one)) for one in stored["validation"].values()]
+legs = [100 * np.mean(one) for one in stored["validation"].values()]
 labelled = stored["settings"]["labelled"]
 
 # %% [markdown]
@@ -206,7 +206,7 @@ grid = {
 }
 usual = 1e3 * NOISE["captures"]["phase_noise"][0]
 
-figure, axes = plt.subplots(1, 3, figsize=(11, 4.1))
+figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.8))
 axes[0].plot([str(n) for n in by_labels], [r.mean(1) for r in by_labels.values()], "-o")
 axes[0].set(xlabel="labelled scans", ylabel="right wraps (%)", title="labels")
 axes[0].legend(SCENES, fontsize="small")
@@ -252,13 +252,14 @@ index = float(first.dataset.attrs["group_index"])
 period = float(wrap_length(first.frequencies[0])) / index
 truth = {name: scans[name, "photon"].depth / index for name in objects}
 camera = {name: scans[name, "photon"].camera for name in objects}
-limits = {name: (float(np.nanmin(z)), float(np.nanmax(z))) for name, z in truth.items()}
+limits = {name: (np.nanmin(z), np.nanmax(z)) for name, z in truth.items()}
 scenes = {name: scene_from({"kind": "object", "name": name}) for name in objects}
 
 
 def rf_scan(name, scan):
     """The same scene by the fast photodiode: phases demodulated after photo-conversion."""
-    ranger, angles = RfRanger(settings=TwinSettings()), scan.dataset["angle"].to_numpy()
+    ranger = RfRanger(settings=TwinSettings())
+    angles = scan.dataset["angle"].to_numpy()
     both = [replace(ranger, mode=mode) for mode in ("single", "doubled")]
     phase = [rf_image(one, scenes[name], angles, seed=seed) for one in both]
     low, high = scan.range
@@ -277,7 +278,9 @@ def given(name):
     return read | {"RF": rf_scan(name, scan)}
 
 
-right, depths, answers = {}, {}, {}
+right = {}
+depths = {}
+answers = {}
 for name in objects:
     for method, scan in given(name).items():
         if method in ("tuned", "RF"):  # RF phases are unwrapped by the fine-tuned network, too
@@ -292,13 +295,15 @@ for name in objects:
 # %% tags=["hide-input"]
 def picture(name):
     """Grey rendering of a scene: a lamp above the instrument, to its left, and a pale ceiling."""
-    focal, lamp = picture_size / 2 / np.tan(FIELD_OF_VIEW[name] / 2), np.array([-0.7, -0.9, -0.1])
+    focal = picture_size / 2 / np.tan(FIELD_OF_VIEW[name] / 2)
+    lamp = np.array([-0.7, -0.9, -0.1])
     eye = [focal, focal, picture_size / 2, picture_size / 2]
     rays = rays_from_camera((picture_size, picture_size), eye)
     rays = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
     hits = scenes[name].look(rays)
     points = points_from_depth(hits.range, eye)
-    normal, way = normals_from_points(points), lamp - points
+    normal = normals_from_points(points)
+    way = lamp - points
     far = np.linalg.norm(way, axis=-1)
     shade = scenes[name].hidden(np.nan_to_num(points), lamp)
     lit = np.clip((normal * way).sum(-1) / far**3, 0, None) * ~shade
@@ -314,13 +319,6 @@ def wraps_off(name, method):
 
 def normals_of(name, depth):
     return normals_from_points(points_from_depth(depth, camera[name]))
-
-
-def bare(ax, colours, title):
-    """Image of colours, or of greys from 0 to 1, without axes."""
-    ax.imshow(np.clip(colours, 0, 1), cmap="gray", vmin=0, vmax=1)
-    ax.set_title(title)
-    ax.axis("off")
 
 
 # %% tags=["hide-input"]
@@ -354,10 +352,11 @@ for name in objects:
 # The teaser of the paper (Paper Fig. 1): from fringes to a surface.
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(11, 5.3))
+figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.1))
 fringes = np.mod(scans[teaser, "photon"].phase[1], TAU)
 plotting.phase_image(axes[0], fringes, title="phase at 14.32 GHz")
-bare(axes[1], still, f"its surface, {right[teaser, 'surfaces, photon']:.0f} % right wraps")
+title = f"its surface, {right[teaser, 'surfaces, photon']:.0f} % right wraps"
+plotting.image(axes[1], still, label="", title=title, bar=False)
 plotting.label_panels(axes)
 plotting.save(
     figure,
@@ -381,47 +380,57 @@ ABOUT = {
     "owl": "pale and dark plumage",
     "table": "a cluttered table of many materials",
 }
-SMALL = ("RF", "kde", "phasor", "rapid", "surfaces")
+OTHERS = ("RF", "kde", "phasor", "rapid", "surfaces")
+plain = {"label": "", "bar": False}
 
 for name in objects:
-    scan = scans[name, "captures"]
-    figure = plt.figure(figsize=(11, 8.8))
-    above, below = figure.subfigures(2, 1, height_ratios=[1.1, 1.4])
-    large, small = above.subplots(1, 3), below.subplots(2, 5).ravel()
+    tuned = depths[name, "tuned"]
     scale = {"label": "range (m)", "limits": limits[name]}
-    plotting.image(large[0], truth[name], title="truth", **scale)
-    title = f"fast-scnn, {right[name, 'tuned']:.0f} %"
-    plotting.image(large[1], depths[name, "tuned"], title=title, bar=False, **scale)
+    figure, axes = plt.subplots(2, 2, figsize=(8.4, 6.8))
+    shown, true, found, error = axes.flat
+    plotting.image(shown, picture(name), title="rendering", cmap="gray", **plain)
+    plotting.image(true, truth[name], title="truth", **scale)
+    title = f"fast-scnn, {right[name, 'tuned']:.0f} % right"
+    plotting.image(found, tuned, title=title, **scale)
     off = np.abs(wraps_off(name, "tuned"))
-    plotting.image(large[2], off, label="wraps off", cmap="magma", limits=(0, 10), title="error")
-    bare(small[0], picture(name), "rendering")
-    bright = scan.amplitude[0] / np.nanquantile(scan.amplitude[0], 0.98)
-    bare(small[1], np.sqrt(np.clip(bright, 0, 1)), "amplitude")
-    look = {"label": "", "cmap": plotting.PHASE_CMAP, "limits": plotting.TURN, "bar": False}
-    for ax, phase, tone in zip(small[2:4], scan.phase, ("7.15", "14.32"), strict=True):
-        plotting.image(ax, np.mod(phase, TAU), title=f"{tone} GHz", **look)
-    for ax, method in zip(small[4:9], SMALL, strict=True):
-        title = f"{method}, {right[name, method]:.0f} %"
-        plotting.image(ax, depths[name, method], title=title, bar=False, **scale)
-    bare(small[9], (1 + normals_of(name, depths[name, "tuned"]) * [1, -1, -1]) / 2, "normals")
-    plotting.label_panels([*large, *small])
-    rates = {method: right[name, method] for method in (*SMALL, "fast-scnn", "tuned")}
+    plotting.image(error, off, label="wraps off", cmap="magma", limits=(0, 10), title="its error")
+    plotting.label_panels(axes.flat)
     plotting.save(
         figure,
         f"fig16_{name}",
         caption=f"{name.capitalize()}: {ABOUT[name]}, simulated scan of {size} × {size} points "
-        "with the phase noise of the published captures. (a) True range. (b) Depth by the paper's "
-        f"network `fast-scnn`, after {card.crops:,} of 500,000 crops and fine-tuned on "
-        f"{labelled} scans of other objects, with the share of right wraps, and (c) "
-        "its error. (d) Rendering. (e) Amplitude. (f, g) Both wrapped phases. (h) Depth after RF "
-        "demodulation by the same network. (i–k) Depth by the methods that the paper compares: "
-        "KDE, phasor unwrapping, the network of Zhang et al. (2019). (l) Depth by this book's "
-        "`surfaces`. (m) Normals of (b).",
-        alt=f"Thirteen images of the {name}: true depth, depth by the network and its error, "
-        "large; below, small, the inputs and the depths by other methods. Right wraps: "
-        + ", ".join(f"{method} {rate:.0f} %" for method, rate in rates.items())
-        + ".",
+        "with the phase noise of the published captures. (c) Depth by the paper's network "
+        f"`fast-scnn`, after {card.crops:,} of 500,000 crops and fine-tuned on {labelled} scans of "
+        "other objects, with the share of right wraps, and (d) its error.",
+        alt=f"A rendering of the {name}, its true range, that by the network with "
+        f"{right[name, 'tuned']:.0f} percent right wraps, and a map of the errors.",
         format="png",
+    )
+
+    scan = scans[name, "captures"]
+    figure, axes = plotting.grid(9, 3, 1)
+    bright = np.sqrt(scan.amplitude[0] / np.nanquantile(scan.amplitude[0], 0.98))
+    plotting.image(axes[0], bright, title="amplitude", cmap="gray", limits=(0, 1), **plain)
+    look = {"cmap": plotting.PHASE_CMAP, "limits": plotting.TURN} | plain
+    for ax, phase, tone in zip(axes[1:], scan.phase, ("7.15", "14.32"), strict=False):
+        plotting.image(ax, np.mod(phase, TAU), title=f"{tone} GHz", **look)
+    for ax, method in zip(axes[3:], OTHERS, strict=False):
+        title = f"{method}, {right[name, method]:.0f} %"
+        plotting.image(ax, depths[name, method], title=title, limits=limits[name], **plain)
+    normals = (1 + normals_of(name, tuned) * [1, -1, -1]) / 2
+    plotting.image(axes[8], normals, title="normals", **plain)
+    plotting.label_panels(axes)
+    plotting.save(
+        figure,
+        f"fig16_{name}_others",
+        caption=f"More of the {name}. (a) Amplitude. (b, c) Both wrapped phases. (d) Range after "
+        "RF demodulation by the same network. (e–g) Range by the methods that the paper compares: "
+        "KDE, phasor unwrapping, the network of Zhang et al. (2019). (h) Range by this book's "
+        "`surfaces`. (i) Normals of the range by `fast-scnn`. Percentages: right wraps.",
+        alt=f"Nine images of the {name}: the inputs, ranges by other methods, and normals. Right "
+        f"wraps: {', '.join(f'{m} {right[name, m]:.0f} %' for m in OTHERS)}.",
+        format="png",
+        folded=True,
     )
 
 # %% [markdown]
@@ -461,18 +470,15 @@ of_class = {k: {m: 100 * float(hit[m][kinds == k].mean()) for m in names} for k 
 share = {kind: 100 * float((kinds == kind).mean()) for kind in found}
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(11, 4.1), sharey=True)
+figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.6), sharex=True)
 for ax, noise, title in zip(axes, NOISE, ("photon limit", "captures' noise"), strict=False):
-    plotting.bars(ax, {ROWS.get(m, m): shares(noise, m).mean(1) for m in names}, SCENES)
+    plotting.dots(ax, {ROWS.get(m, m): shares(noise, m).mean(1) for m in names}, SCENES)
     ax.set_title(title)
-plotting.bars(
-    axes[2],
-    {ROWS.get(m, m): [of_class[k][m] for k in found] for m in names},
-    [f"{k}\n{share[k]:.0f} %" for k in found],
-)
-axes[0].set(ylabel="right wraps (%)", ylim=(0, 100))
+by_class = {ROWS.get(m, m): [of_class[k][m] for k in found] for m in names}
+plotting.dots(axes[2], by_class, [f"{k}\n{share[k]:.0f} %" for k in found])
 axes[2].set_title("captures' noise, by class")
-figure.legend(*axes[2].get_legend_handles_labels(), ncols=5, loc="outside lower center")
+axes[1].set(xlabel="right wraps (%)", xlim=(-4, 104))
+figure.legend(*axes[2].get_legend_handles_labels(), ncols=3, loc="outside lower center")
 plotting.label_panels(axes)
 plotting.save(
     figure,
@@ -481,7 +487,7 @@ plotting.save(
     "limit and (b) with the phase noise of the published captures, means of three scans each, and "
     "(c) with that noise by class of pixel, with its share. `fast-scnn`, our version of the "
     f"paper's network, saw {card.crops:,} of its 500,000 crops; `surfaces` is this book's.",
-    alt="Bars of right wraps for each scene and for each class of pixel, a colour a method.",
+    alt="Dots of right wraps for each scene and for each class of pixel, a colour a method.",
 )
 CASES = {
     "photon": "with photon noise alone",

@@ -35,7 +35,8 @@ from cmtof_book import notes, paper, plotting
 from cmtof_book.compared import closed_form
 
 plotting.begin(profile=profile, seed=seed)
-rng, (f1, f2) = np.random.default_rng(seed), FREQUENCIES
+rng = np.random.default_rng(seed)
+(f1, f2) = FREQUENCIES
 true = TAU * (np.arange(360) + 0.5) / 360  # phases that miss the points where a formula is 0/0
 quarter = np.arange(4) * np.pi / 2
 
@@ -117,7 +118,7 @@ j1, j2 = (
     2 * abs(w)
     for w in (single_mode_harmonics(drives, 1)[:, 1], doubled_mode_harmonics(drives, 2)[:, 2])
 )
-doubled = float(np.interp(SINGLE.eta, drives, j2 / j1))
+doubled = np.interp(SINGLE.eta, drives, j2 / j1)
 print(
     f"9: right over printed: {factor}; J₂/J₁ = {doubled:.3f} at η = 0.26, 1/4 at η = "
     f"{np.interp(0.25, j2 / j1, drives):.2f}"
@@ -201,7 +202,7 @@ holds[17] = drop > 0.15 and far[0] < far[1] and better == 3
 
 def beat_noise(low, high):
     """Noise of the wrap count over that of the phases."""
-    return float(bounds.wrap_noise(1.0, 1.0, frequencies=(low, high)))
+    return bounds.wrap_noise(1.0, 1.0, frequencies=(low, high))
 
 
 gains = [beat_noise(*pair) for pair in ((7.15e9, 7.16e9), (7.14e9, 7.16e9), (f1, f2))]
@@ -253,12 +254,13 @@ holds[30] = owl > 1
 
 # %% tags=["hide-input"]
 counts = GAIN * INTEGRATION_TIME  # signal at full brightness, G·T
-sigma_phi = float(bounds.simulated_phase_noise(1.0))
+sigma_phi = bounds.simulated_phase_noise(1.0)
 kept = np.exp(-((2.0 ** np.arange(6) * sigma_phi) ** 2) / 2)
 print("4:", "kept of the octaves: " + ", ".join(f"{k:.2g}" for k in kept))
 holds[4] = kept[-1] < 1e-3
 turn = correlation.phase_from_depth(1e-3, np.array([1e8, 8e9]))
-crest, slope = 1 - np.cos(turn), np.sin(turn)
+crest = 1 - np.cos(turn)
+slope = np.sin(turn)
 print(
     f"13: maximum ×{crest[1] / crest[0]:.0f}, quadrature {slope[0]:.2%} to {slope[1]:.0%}, "
     f"×{slope[1] / slope[0]:.0f}"
@@ -308,7 +310,8 @@ variance = rng.gamma(primaries, GAIN).var() / (counts / 2)  # an avalanche with 
 print(f"6: contrast apart {', '.join(gaps)}; variance after gain {variance:.0f} times Poisson's")
 holds[6] = np.isclose(variance, 40, rtol=0.03)
 spectrum = np.fft.fft(4 + four, axis=0)
-nyquist, scale = np.abs(spectrum[2].imag).max(), np.median(2 * np.abs(spectrum[1]))
+nyquist = np.abs(spectrum[2].imag).max()
+scale = np.median(2 * np.abs(spectrum[1]))
 print(f"7: Im F₂ = {nyquist:.1g}; 2|F₁| is {scale:.0f} times the amplitude")
 drive = np.arange(16) * TAU / 16
 bins = [int(np.abs(np.fft.rfft(np.cos(order * drive + 1))).argmax()) for order in (1, 2)]
@@ -321,7 +324,6 @@ print(
     f"{times[1]:.0f} to {times[2]:.0f} fs"
 )
 holds[11] = times[0] > 100 > times[2]
-ratio = {name: mae / rmse for name, (rmse, mae) in table4.items()}
 lowest = {n: (m - tolerance[n]) / (r + tolerance[n]) for n, (r, m) in table4.items()}
 positions = 1 + round(said("sec8.sweep") / said("sec8.sweep_step"))
 errors = rng.standard_normal((samples // 10, positions))
@@ -357,7 +359,8 @@ biased = np.abs(centred(np.angle(np.fft.fft(swept, axis=0)[1]) - true)).max()
 fitted = np.abs(centred(correlation.phase_from_correlation(swept, half) - true)).max()
 print(f"19: Eq. 9 would err by {biased:.2f} rad, a fit by {fitted:.0e}")
 holds[19] = biased > 0.1 and fitted < 1e-9
-high, low = said("sec8.noise_sigma_high"), said("sec8.noise_sigma")
+high = said("sec8.noise_sigma_high")
+low = said("sec8.noise_sigma")
 light = (high**2 - low**2) / np.array([variance, 1.0])
 scales = light / 2**14
 print(
@@ -385,8 +388,10 @@ holds[20] = scales.min() > 1
 # between RF parts.
 
 # %% tags=["hide-input"]
-difference, beat = f2 - f1, f2 - 2 * f1
-w1, w2 = single_mode_harmonics(np.pi / 4, 1), doubled_mode_harmonics(np.pi / 4, 2)
+difference = f2 - f1
+beat = f2 - 2 * f1
+w1 = single_mode_harmonics(np.pi / 4, 1)
+w2 = doubled_mode_harmonics(np.pi / 4, 2)
 signals = abs(w1[1]) ** 2 / abs(w2[2]) ** 2
 shot = signals * abs(w2[0] / w1[0]) / 2  # of two modules: noise goes as the root of W₀²
 print(
@@ -399,7 +404,8 @@ moved = said("sec8.phase_offset") / (TAU * beat / f1)
 print(f"23: 0.01 rad moves n by {moved:.2f} (φ₂) or {moved * f2 / f1:.2f} (φ₁)")
 holds[23] = moved > 0.5
 blind = rng.uniform(0, wraps[f1], samples) - rng.uniform(0, 1e-3, samples)
-rmse, mae = 1e3 * np.sqrt((blind**2).mean()), 1e3 * np.abs(blind).mean()
+rmse = 1e3 * np.sqrt((blind**2).mean())
+mae = 1e3 * np.abs(blind).mean()
 print(f"25: a uniform phase has RMSE {rmse:.2f} and MAE {mae:.2f} mm, the table 11.8 and 11.8")
 holds[25] = mae < 11
 
@@ -416,10 +422,8 @@ holds[25] = mae < 11
 fringes = said("sec8.sweep_step") / (LASER_WAVELENGTH / 2)
 print(f"26: {fringes:.0f} fringes a step")
 holds[26] = fringes > 0.5
-point, frame = (
-    said("sec7.laser_power") / sweep,
-    said("fig15.mhz_power") * said("fig15.mhz_exposure"),
-)
+point = said("sec7.laser_power") / sweep
+frame = said("fig15.mhz_power") * said("fig15.mhz_exposure")
 print(f"28: for 100×100 points {1e4 * point / frame:.0f} times the energy at each frequency")
 holds[28] = 1e4 * point / frame > 1000
 
@@ -445,7 +449,8 @@ lines = ["| | entries |", "|---|---|"]
 for group, numbers in groups.items():
     links = ", ".join(f"[{number}](#erratum-{number})" for number in sorted(numbers))
     lines.append(f"| **{group}** | {links} |")
-    failed, word = [n for n in numbers if not holds[n]], "proved" if group == "slips" else "hold"
+    failed = [n for n in numbers if not holds[n]]
+    word = "proved" if group == "slips" else "hold"
     print(f"{group}: {len(numbers) - len(failed)} of {len(numbers)} {word}", *failed)
 notes.say("\n".join(lines))
 

@@ -42,18 +42,17 @@ class Scene(NamedTuple):
         return np.mean(self.error(label)[self.measurement.mask] < 1)
 
 
-def comparison_figure(scene: Scene, labels: Sequence[str], *, columns: int = 4) -> Figure:
+def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:
     """Fig. 10: brightness and true wraps of a scene, then the errors of each method."""
     height, width = scene.measurement.shape
-    figure, axes = grid(2 + len(labels), columns, 2.6, height / width)
+    figure, axes = grid(2 + len(labels), 3, height / width)
     light, truth, *others = axes
     brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
     image(light, brightness, label="", cmap="gray", title="the room", bar=False)
     image(truth, scene.count(), label="", limits=scene.limits, title="true wraps", bar=False)
     for ax, label in zip(others, labels, strict=True):
         title = f"{label}: {100 * scene.right(label):.0f} %"
-        image(
-            ax, scene.error(label), label="", cmap="magma", limits=(0, 10), title=title, bar=False
-        )
+        look = {"cmap": "magma", "limits": (0, 10), "bar": False}
+        image(ax, scene.error(label), label="", title=title, **look)
     figure.colorbar(others[0].images[0], ax=axes, label="wraps off", shrink=0.6)
     return figure

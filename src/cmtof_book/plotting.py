@@ -15,9 +15,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
 from numpy.typing import ArrayLike
 from PIL import Image
 
@@ -38,6 +40,9 @@ PALETTE: dict[str, str] = {  # in the order in which lines take them
 GREY = "#8A97A3"  # of reference lines
 PHASE_CMAP = "twilight"  # cyclic: 0 and 2π look alike, lightness carries the rest
 DEPTH_CMAP = "cividis"  # for depth, amplitude and counts
+WIDTH = 8.4  # inches, of a figure as wide as a page
+PAGE = 720  # px, of the book's text on a screen
+LEGIBLE = 9  # px, of the smallest text there
 Limits = tuple[float, float]
 TURN: Limits = (0.0, 2 * np.pi)  # of a wrapped phase, rad
 
@@ -72,7 +77,7 @@ def image(
     ax.grid(visible=False)
     ax.spines[:].set_visible(False)
     if bar:  # inside the panel's own frame it is exactly as high as the image, whatever its aspect
-        _colour_bar(drawn, cax=ax.inset_axes((1.03, 0, 0.05, 1)), label=label)
+        colour_bar(drawn, cax=ax.inset_axes((1.03, 0, 0.05, 1)), label=label)
     return drawn
 
 
@@ -88,36 +93,33 @@ def maps(
     titles: Sequence[str] = (),
     cmap: str = DEPTH_CMAP,
     limits: Limits | None = None,
-    columns: int | None = None,
-    width: float = 2.8,
+    columns: int = 3,
 ) -> tuple[Figure, list[Axes]]:
-    """Grid of images (H, W) on one scale, in one row or so many columns, and one colour bar.
+    """Grid of images (H, W) on one scale, in so many columns, and one colour bar.
 
     ``label``, ``cmap`` and ``limits`` as in `image`; phase takes ``cmap=PHASE_CMAP, limits=TURN``.
-    ``width`` is that of a panel, inches.
     """
     arrays = np.asarray(images, float)
-    aspect = arrays.shape[1] / arrays.shape[2]
-    fig, axes = grid(len(arrays), int(columns or len(arrays)), width, aspect)
+    fig, axes = grid(len(arrays), columns, arrays.shape[1] / arrays.shape[2])
     limits = limits or (np.nanmin(arrays), np.nanmax(arrays))
     for ax, values, title in zip(axes, arrays, titles or len(arrays) * [""], strict=True):
         image(ax, values, label="", title=title, cmap=cmap, limits=limits, bar=False)
-    _colour_bar(axes[0].images[0], ax=axes, label=label)
+    colour_bar(axes[0].images[0], ax=axes, label=label)
     return fig, axes
 
 
-def grid(count: int, columns: int, width: float, aspect: float) -> tuple[Figure, list[Axes]]:
-    """So many panels in columns, with space for titles and one colour bar; sizes in inches."""
+def grid(count: int, columns: int, aspect: float) -> tuple[Figure, list[Axes]]:
+    """So many panels in columns, of height over width, with space for titles and a colour bar."""
     rows = -(-count // columns)
-    size = (columns * width + 0.9, rows * (width * aspect + 0.35))
-    fig, made = plt.subplots(rows, columns, figsize=size, squeeze=False)
+    height = rows * ((WIDTH - 0.9) / columns * aspect + 0.35)
+    fig, made = plt.subplots(rows, columns, figsize=(WIDTH, height), squeeze=False)
     shown, empty = np.split(made.ravel(), [count])
     for ax in empty:
         ax.remove()
     return fig, shown.tolist()
 
 
-def _colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
+def colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
     """A colour bar, for a turn with ticks in π."""
     bar = drawn.get_figure(root=True).colorbar(drawn, label=label, **where)
     if drawn.get_clim() == TURN:
@@ -177,16 +179,22 @@ def intervals(
         theirs = [published.get(name, np.nan) for name in rows]
         words = "the paper, its own scenes"
         ax.plot(theirs, range(len(rows)), "D", mfc="none", mec="black", ms=5, label=words)
-    ax.set_yticks(range(len(rows)), list(rows))
+    _name_rows(ax, rows)
+
+
+def dots(ax: Axes, series: Mapping[str, ArrayLike], rows: Sequence[str]) -> None:
+    """Dots of series (R,), each with a marker of its own, a row a name, the first on top."""
+    for number, (label, values) in enumerate(series.items()):
+        places = np.arange(len(rows)) + 0.12 * number
+        ax.plot(values, places, "osD^vP"[number], ms=6, label=label)
+    _name_rows(ax, rows)
+
+
+def _name_rows(ax: Axes, rows: Iterable[str]) -> None:
+    """Names of rows at the left, the first on top."""
+    names = list(rows)
+    ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
-
-
-def bars(ax: Axes, series: Mapping[str, ArrayLike], groups: Sequence[str]) -> None:
-    """Grouped vertical bars: a colour a series of heights (G,), a place for each of G groups."""
-    import pandas as pd
-
-    pd.DataFrame(dict(series), index=list(groups)).plot.bar(ax=ax, rot=0, width=0.8, legend=False)
-    ax.grid(axis="x", visible=False)
 
 
 def label_panels(axes: Iterable[Axes]) -> None:
@@ -198,12 +206,25 @@ def label_panels(axes: Iterable[Axes]) -> None:
 
 
 def points(fig: Figure) -> Iterator[tuple[int, str, float, float]]:
-    """Panel, line, x and y of every point of a figure, without clouds of more than 10,000."""
+    """Panel, name, x and y of all points of lines and bands, without clouds of more than 10,000."""
     for panel, ax in enumerate(fig.axes):
-        for line in ax.lines:
-            if len(line.get_xydata()) <= 10_000:
-                name = str(line.get_label()).lstrip("_")
-                yield from ((panel, name, *xy) for xy in line.get_xydata().round(9))
+        bands = [one for one in ax.collections if isinstance(one, PolyCollection)]
+        drawn = [(line, line.get_xydata()) for line in ax.lines]
+        drawn += [(band, path.vertices) for band in bands for path in band.get_paths()]
+        for artist, found in drawn:
+            if len(found) <= 10_000:
+                name = str(artist.get_label()).lstrip("_")
+                yield from ((panel, name, *xy) for xy in np.round(found, 9))
+
+
+def smallest_text(fig: Figure) -> float:
+    """Size of the smallest text of a figure on a page, px; indices and powers have 0.7 of it."""
+    texts = [text for text in fig.findobj(Text) if text.get_text().strip()]
+    sizes = [
+        text.get_fontsize() * (0.7 if re.search(r"\$.*[\^_]", text.get_text()) else 1)
+        for text in texts
+    ]
+    return min(sizes, default=np.inf) * PAGE / 72 / max(fig.get_figwidth(), WIDTH)
 
 
 def _save_space(path: Path) -> None:
@@ -223,23 +244,27 @@ def save(
     caption: str,
     alt: str,
     format: Literal["svg", "png"] = "svg",
+    folded: bool = False,
 ) -> None:
     """Save a figure with the numbers it shows, close it, and display it in a notebook.
 
     Writes ``name.svg`` or ``name.png`` (for large images), the same bytes on every run,
-    ``name.json`` with ``numbers``, and ``name.csv`` with the points of every line. ``name`` is
+    ``name.json`` with ``numbers``, and ``name.csv`` with the points of lines, if any. ``name`` is
     ``figNN_topic`` with the paper's number, or ``topic_name``; ``numbers`` are finite scalars and
     short lists that others use: tests compare those with a kind (`cmtof_book.compared`);
-    ``caption`` is in MyST Markdown. Raises ValueError if the name or one of the numbers cannot be
-    used.
+    ``caption`` is in MyST Markdown. A ``folded`` figure is shown on demand. Raises ValueError if
+    the name or one of the numbers cannot be used, or text would be too small on a page.
     """
+    if (smallest := smallest_text(fig)) < LEGIBLE:
+        raise ValueError(f"Expected text of {LEGIBLE} px, got {smallest:.1f}. Narrow {name}.")
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)+", name):
         raise ValueError(f"Expected a stem like fig03_precision, got {name!r}. Use underscores.")
     target = provenance.output_folder() / f"{name}.{format}"
     words = {"caption": caption, "alt": alt}
     record.write(name, numbers or {}, figure=target.name, **words)
-    with target.with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([("panel", "line", "x", "y"), *points(fig)])
+    if plotted := [*points(fig)]:
+        with target.with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([("panel", "line", "x", "y"), *plotted])
     # without this a file would carry the date or the version of the library that drew it
     metadata = {"Date": None, "Creator": None} if format == "svg" else {"Software": None}
     with written_whole(target) as part:
@@ -247,10 +272,15 @@ def save(
         if format == "png":
             _save_space(part)
     plt.close(fig)
+    _publish(target, alt, {"name": name, "csv": bool(plotted), "folded": folded} | words)
+
+
+def _publish(picture: Path, alt: str, about: Mapping[str, Any]) -> None:
+    """Display a picture in a notebook, with what the book needs to place it."""
     from IPython.core.getipython import get_ipython
 
-    if shell := get_ipython():  # in a notebook, with what the book needs to place it
-        kind = "image/svg+xml" if format == "svg" else "image/png"
-        drawn = target.read_text("utf-8") if format == "svg" else target.read_bytes()
-        shown = {kind: drawn, "text/plain": alt}
-        shell.display_pub.publish(shown, {"cmtof": {"name": name} | words})
+    if shell := get_ipython():
+        vector = picture.suffix == ".svg"
+        kind = "image/svg+xml" if vector else "image/png"
+        drawn = picture.read_text("utf-8") if vector else picture.read_bytes()
+        shell.display_pub.publish({kind: drawn, "text/plain": alt}, {"cmtof": about})

@@ -40,7 +40,8 @@ def figure_cell(output: Any, stem: str) -> Any:
     name = "fig-" + about["name"].replace("_", "-")
     figure = {"caption": caption(about, stem), "name": name}
     placed = {"figure": figure, "image": {"alt": about["alt"]}}
-    metadata = {"tags": ["remove-input"], "mystnb": placed}
+    tags = ["remove-input", *["hide-output"] * about["folded"]]
+    metadata = {"tags": tags, "mystnb": placed}
     return new_code_cell("# continued", outputs=[output], metadata=metadata)
 
 

@@ -1,4 +1,4 @@
-"""What the extra `plot` promises: figures, and the bars and curves that they are made of."""
+"""What the extra `plot` promises: figures, and the dots and curves that they are made of."""
 
 from pathlib import Path
 
@@ -8,6 +8,6 @@ from cmtof_book import plotting
 
 plotting.begin()
 figure = Figure()
-plotting.bars(figure.subplots(), {"crt": [0.1, 0.2], "beat": [0.3, 0.4]}, ["wall", "room"])
-figure.savefig("bars.png")
-assert Path("bars.png").is_file()
+plotting.dots(figure.subplots(), {"crt": [0.1, 0.2], "beat": [0.3, 0.4]}, ["wall", "room"])
+figure.savefig("dots.png")
+assert Path("dots.png").is_file()
