@@ -141,8 +141,11 @@ single = 1e6 * depth_from_phase(list(sigma.values()), FREQUENCY_SINGLE)
 # %% tags=["hide-input"]
 shown = [simulated[name][0] for name in names] + list(phases.values())
 titles = [f"{name}, {kind}" for kind in ("matched", source) for name in names]
-style = {"cmap": plotting.PHASE_CMAP, "limits": plotting.TURN, "columns": max(count, 2)}
-figure, _ = plotting.maps(shown, label="phase (rad)", titles=titles, **style)
+style = {"cmap": plotting.PHASE_CMAP, "limits": plotting.TURN, "bar": False}
+figure, axes = plotting.grid(2 * count, max(count, 2), 1)
+for ax, picture, title in zip(axes, shown, titles, strict=True):
+    drawn = plotting.image(ax, picture, label="", title=title, **style)
+plotting.colour_bar(drawn, ax=axes, label="phase (rad)", shrink=0.6)
 plotting.save(
     figure,
     "fig11_noise_matching",

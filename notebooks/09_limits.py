@@ -86,8 +86,6 @@ for ax, protocol in zip(axes, PROTOCOLS, strict=True):
             label=label,
         )
     ax.set(xscale="log", xlabel="side of the window (px)", title=protocol, ylim=(0, 100))
-    ax.set_xticks(sides, [str(s) for s in sides])
-    ax.minorticks_off()
 axes[0].set_ylabel("δ < 1 (%)")
 axes[0].legend()
 plotting.label_panels(axes)

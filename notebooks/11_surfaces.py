@@ -223,8 +223,6 @@ plotting.sweep(
 )
 plotting.mark(ax, y=0.25, text="95 % right")
 ax.set(xlabel="side of the wall (px)", ylabel="uncertainty of its offset (wraps)")
-ax.set_xticks(sizes, [str(n) for n in sizes])
-ax.minorticks_off()
 ax.legend()
 plotting.save(
     figure,
@@ -422,41 +420,6 @@ plotting.save(
     alt="Two panels. The share of right pixels follows the confidence near the diagonal; the share "
     "of wrong answers falls as fewer, surer pixels are answered.",
 )
-
-# %% [markdown]
-# ## Missing pixels
-#
-# Each column uses more of the truth: none, shapes, contacts. Dark: phase noise above 1 rad.
-
-# %% tags=["hide-input"]
-rows = []
-for protocol in PROTOCOLS:
-    parts = []
-    for answer, (_, m) in zip(answers[protocol], held[protocol], strict=True):
-        step = stages(m)
-        area = tuple(slice(0, n) for n in m.shape)
-        bright = step.field.information[:, *area].mean(axis=0) >= 1
-        given = answer, *(cmtof.unwrap(m, method=f"reference-{k}") for k in ("offset", "contact"))
-        right = [one["wrap_count"] == np.floor(np.nan_to_num(m.depth) / period) for one in given]
-        right = np.logical_or.accumulate(right)
-        parts.append(np.stack([step.label[area] >= 0, bright, *right])[:, m.mask])
-    on, bright, *right = np.concatenate(parts, axis=1)
-    kinds = {
-        "on a surface, bright": on & bright,
-        "on a surface, dark": on & ~bright,
-        "on none": ~on,
-        "all": on | ~on,
-    }
-    for name, which in kinds.items():
-        shares = which.mean(), *(one[which].mean() for one in right), 1 - right[-1][which].mean()
-        rows.append([f"{protocol}: {name}", *(f"{100 * share:.1f}" for share in shares)])
-notes.table(["%", "pixels", "right", "or with known shapes", "or contacts", "by none"], rows)
-
-# %% [markdown]
-# The last column none finds, though shapes and contacts are given: the beat of such a body is lost
-# in noise. Weights by brightness would gain a point of it ([chapter 9](09_limits.ipynb)), else only
-# knowledge such as the axes of a room. The two columns before it can be gained: on surfaces, wrong
-# ties and leaks; on none, clutter below the 12 px that a plane needs, and dark walls.
 
 # %% [markdown]
 # ## Answer

@@ -263,8 +263,8 @@ stored = [read_counts(Path(results) / f"table2_released_{sigma}.json") for sigma
 figure, ax = plt.subplots(figsize=(7, 4.2))
 for name in methods:
     found = [rates(counts, name, draws=draws) for counts in stored]
-    value, low, high = 100 * np.array(found)[..., 0].T
-    ax.fill_between(SIGMAS, low, high, color=colours[name], alpha=0.2, lw=0)
+    value, least, most = 100 * np.array(found)[..., 0].T
+    ax.fill_between(SIGMAS, least, most, color=colours[name], alpha=0.2, lw=0)
     ax.plot(SIGMAS, value, marks[name] + "-", ms=5, color=colours[name], label=name)
 plotting.mark(ax, x=NOISE_SIGMA, text="paper")
 ax.set(xlabel="Gaussian noise σ (counts)", ylabel="δ < 1 (%)", ylim=(0, 100))
@@ -521,8 +521,6 @@ for name, f in known.items():
     ax.plot(*place, "kD", mfc="white")
     ax.annotate(name, place, (7, 6), textcoords="offset points", fontsize="small")
 ax.set(xlabel="beat Δ (MHz)", ylabel="pixels for 95 %")
-ax.set_xticks([5, 10, 20, 40], ["5", "10", "20", "40"])
-ax.minorticks_off()
 ax.legend(fontsize="small")
 look = {"origin": "lower", "extent": (-10.5, 10.5, -10.5, 10.5), "norm": LogNorm(1e3, 1e6)}
 drawn = right.imshow(np.where(np.isfinite(maps[far]), maps[far], np.nan), **look)

@@ -201,8 +201,6 @@ ax.set(
     xlabel="range (m)",
     ylabel="uncertainty of the range (mm)",
 )
-ax.set_xticks([0.5, 1, 2, 4, 8], ["0.5", "1", "2", "4", "8"])
-ax.minorticks_off()
 plotting.mark(ax, y=1e3 * WRAP, text="one wrap")
 plotting.mark(ax, y=1e3 * reach, text=f"half a wrap in {sigmas:g} σ")
 ax.legend(loc="lower right", markerscale=5)

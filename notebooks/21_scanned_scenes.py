@@ -35,7 +35,7 @@ from cmtof.network.weights import read_card, weights_path
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof_book import notes, paper, plotting, scanned, views
 from cmtof_book.comparison import Scene
-from cmtof_book.scanned import close_pair, four_phases, frame_of, scan_object
+from cmtof_book.scanned import four_phases, frame_of, scan_object
 from cmtof_book.swipe import show_swipe
 from cmtof_lab.objects import FIELD_OF_VIEW
 from cmtof_lab.optics import directions_from_angles
@@ -215,8 +215,6 @@ for row, (label, look) in LOOK.items():
     axes[1].plot(sides, grid[row, "1"], look, label=label)
     axes[2].plot(levels, [grid[row, one][-1] for one in scanned.LEVELS], look)
 axes[1].set(xscale="log", xlabel="points a side", title="points, captures' noise")
-axes[1].set_xticks(sides, [str(side) for side in sides])
-axes[1].minorticks_off()
 figure.legend(*axes[1].get_legend_handles_labels(), ncols=3, loc="outside lower center")
 axes[2].set(xlabel="phase noise of a point (mrad)", title=f"noise, {sides[-1]} points a side")
 plotting.mark(axes[2], x=usual, text="captures")
@@ -270,12 +268,10 @@ def rf_scan(name, scan):
 def given(name):
     """Every method with the measurement that it reads."""
     scan = scans[name, "captures"]
-    other = scan_object(name, "captures", size=size, seed=seed + 100, frequency_single=7.16e9)
-    read = dict.fromkeys((*scanned.METHODS, "tuned"), scan)
-    read |= {"rapid": four_phases(scan), "phasor": close_pair(scan, other)}
+    read = dict.fromkeys(("kde", "region", "fast-scnn", "surfaces", "tuned"), scan)
     if name == teaser:
         read["surfaces, photon"] = scans[name, "photon"]
-    return read | {"RF": rf_scan(name, scan)}
+    return read | {"rapid": four_phases(scan), "RF": rf_scan(name, scan)}
 
 
 right = {}
@@ -315,10 +311,6 @@ def picture(name):
 
 def wraps_off(name, method):
     return np.rint((depths[name, method] - truth[name]) / period)
-
-
-def normals_of(name, depth):
-    return normals_from_points(points_from_depth(depth, camera[name]))
 
 
 # %% tags=["hide-input"]
@@ -380,7 +372,7 @@ ABOUT = {
     "owl": "pale and dark plumage",
     "table": "a cluttered table of many materials",
 }
-OTHERS = ("RF", "kde", "phasor", "rapid", "surfaces")
+OTHERS = ("RF", "kde", "rapid", "surfaces")
 plain = {"label": "", "bar": False}
 
 for name in objects:
@@ -388,7 +380,7 @@ for name in objects:
     scale = {"label": "range (m)", "limits": limits[name]}
     figure, axes = plt.subplots(2, 2, figsize=(8.4, 6.8))
     shown, true, found, error = axes.flat
-    plotting.image(shown, picture(name), title="rendering", cmap="gray", **plain)
+    plotting.image(shown, picture(name), title="rendering", cmap="gray", limits=(0, 1), **plain)
     plotting.image(true, truth[name], title="truth", **scale)
     title = f"fast-scnn, {right[name, 'tuned']:.0f} % right"
     plotting.image(found, tuned, title=title, **scale)
@@ -408,27 +400,23 @@ for name in objects:
     )
 
     scan = scans[name, "captures"]
-    figure, axes = plotting.grid(9, 3, 1)
+    figure, axes = plotting.grid(6, 3, 1)
     bright = np.sqrt(scan.amplitude[0] / np.nanquantile(scan.amplitude[0], 0.98))
     plotting.image(axes[0], bright, title="amplitude", cmap="gray", limits=(0, 1), **plain)
     look = {"cmap": plotting.PHASE_CMAP, "limits": plotting.TURN} | plain
-    for ax, phase, tone in zip(axes[1:], scan.phase, ("7.15", "14.32"), strict=False):
-        plotting.image(ax, np.mod(phase, TAU), title=f"{tone} GHz", **look)
-    for ax, method in zip(axes[3:], OTHERS, strict=False):
+    plotting.image(axes[1], np.mod(scan.phase[0], TAU), title="phase at 7.15 GHz", **look)
+    for ax, method in zip(axes[2:], OTHERS, strict=True):
         title = f"{method}, {right[name, method]:.0f} %"
         plotting.image(ax, depths[name, method], title=title, limits=limits[name], **plain)
-    normals = (1 + normals_of(name, tuned) * [1, -1, -1]) / 2
-    plotting.image(axes[8], normals, title="normals", **plain)
     plotting.label_panels(axes)
     plotting.save(
         figure,
         f"fig16_{name}_others",
-        caption=f"More of the {name}. (a) Amplitude. (b, c) Both wrapped phases. (d) Range after "
-        "RF demodulation by the same network. (e–g) Range by the methods that the paper compares: "
-        "KDE, phasor unwrapping, the network of Zhang et al. (2019). (h) Range by this book's "
-        "`surfaces`. (i) Normals of the range by `fast-scnn`. Percentages: right wraps.",
-        alt=f"Nine images of the {name}: the inputs, ranges by other methods, and normals. Right "
-        f"wraps: {', '.join(f'{m} {right[name, m]:.0f} %' for m in OTHERS)}.",
+        caption=f"More of the {name}. (a) Amplitude. (b) Wrapped phase. Range, with the share of "
+        "right wraps, (c) after RF demodulation by the same network, (d, e) by methods that the "
+        "paper compares, KDE and the network of Zhang et al. (2019), (f) by our `surfaces`.",
+        alt=f"Six images of the {name}: the inputs, and ranges by other methods. Right wraps: "
+        f"{', '.join(f'{m} {right[name, m]:.0f} %' for m in OTHERS)}.",
         format="png",
         folded=True,
     )
@@ -476,7 +464,7 @@ for ax, noise, title in zip(axes, NOISE, ("photon limit", "captures' noise"), st
     ax.set_title(title)
 by_class = {ROWS.get(m, m): [of_class[k][m] for k in found] for m in names}
 plotting.dots(axes[2], by_class, [f"{k}\n{share[k]:.0f} %" for k in found])
-axes[2].set_title("captures' noise, by class")
+axes[2].set_title("by class of pixel")
 axes[1].set(xlabel="right wraps (%)", xlim=(-4, 104))
 figure.legend(*axes[2].get_legend_handles_labels(), ncols=3, loc="outside lower center")
 plotting.label_panels(axes)

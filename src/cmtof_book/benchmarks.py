@@ -53,8 +53,6 @@ def ratios() -> None:
     psi = np.tile(np.arange(4) * np.pi / 2, (2, 1))
     fast = seconds(lambda: decode(stack, psi))
     print(f"decode (2, 4, 768, 1024) float32 / copy: {fast / seconds(stack.copy):.2f}, goal < 4")
-    transform = seconds(lambda: np.fft.fft(stack, axis=1), 5)
-    print(f"numpy.fft alone / decode: {transform / fast:.1f}")
     mean = simulate(frame, protocol="full", noise_free=True).dataset["correlation"].to_numpy()
 
     def draw() -> None:

@@ -70,12 +70,10 @@ def image(
     ``label`` is quantity and unit, as in ``"depth (m)"``; ``limits`` are the values at the ends of
     the colour bar, by default those of the image.
     """
-    low, high = limits or (None, None)
     colours = mpl.colormaps[cmap].with_extremes(bad="#B0B0B0")
-    drawn = ax.imshow(np.asarray(values), cmap=colours, vmin=low, vmax=high)
-    ax.set(xticks=[], yticks=[], title=title)
-    ax.grid(visible=False)
-    ax.spines[:].set_visible(False)
+    drawn = ax.imshow(np.asarray(values), cmap=colours, clim=limits)
+    ax.set_title(title)
+    ax.set_axis_off()
     if bar:  # inside the panel's own frame it is exactly as high as the image, whatever its aspect
         colour_bar(drawn, cax=ax.inset_axes((1.03, 0, 0.05, 1)), label=label)
     return drawn
@@ -86,37 +84,15 @@ def phase_image(ax: Axes, phase: ArrayLike, *, title: str = "", label: str = "ph
     image(ax, phase, label=label, title=title, cmap=PHASE_CMAP, limits=TURN)
 
 
-def maps(
-    images: Sequence[ArrayLike],
-    *,
-    label: str,
-    titles: Sequence[str] = (),
-    cmap: str = DEPTH_CMAP,
-    limits: Limits | None = None,
-    columns: int = 3,
-) -> tuple[Figure, list[Axes]]:
-    """Grid of images (H, W) on one scale, in so many columns, and one colour bar.
-
-    ``label``, ``cmap`` and ``limits`` as in `image`; phase takes ``cmap=PHASE_CMAP, limits=TURN``.
-    """
-    arrays = np.asarray(images, float)
-    fig, axes = grid(len(arrays), columns, arrays.shape[1] / arrays.shape[2])
-    limits = limits or (np.nanmin(arrays), np.nanmax(arrays))
-    for ax, values, title in zip(axes, arrays, titles or len(arrays) * [""], strict=True):
-        image(ax, values, label="", title=title, cmap=cmap, limits=limits, bar=False)
-    colour_bar(axes[0].images[0], ax=axes, label=label)
-    return fig, axes
-
-
 def grid(count: int, columns: int, aspect: float) -> tuple[Figure, list[Axes]]:
     """So many panels in columns, of height over width, with space for titles and a colour bar."""
     rows = -(-count // columns)
     height = rows * ((WIDTH - 0.9) / columns * aspect + 0.35)
     fig, made = plt.subplots(rows, columns, figsize=(WIDTH, height), squeeze=False)
-    shown, empty = np.split(made.ravel(), [count])
-    for ax in empty:
+    axes = made.ravel().tolist()
+    for ax in axes[count:]:
         ax.remove()
-    return fig, shown.tolist()
+    return fig, axes[:count]
 
 
 def colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
@@ -129,15 +105,15 @@ def colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
 def mark(ax: Axes, *, x: float | None = None, y: float | None = None, text: str = "") -> None:
     """Thin grey reference line at ``x`` or at ``y``, with a text at its end."""
     style: Any = {"color": GREY, "lw": 1, "ls": ":", "zorder": 0}
-    if x is not None:
-        ax.axvline(x, **style)
-        place, within = (x, 0), ax.get_xaxis_transform()
-    else:
-        ax.axhline(y, **style)
-        place, within = (0, y), ax.get_yaxis_transform()
     note: Any = {"color": "#59646E", "size": "small", "xytext": (3, 2), "zorder": 4}
     note["path_effects"] = [withStroke(linewidth=2.5, foreground="white")]  # readable on lines
-    ax.annotate(text, place, xycoords=within, textcoords="offset points", **note)
+    note["textcoords"] = "offset points"
+    if x is not None:
+        ax.axvline(x, **style)
+        ax.annotate(text, (x, 0), xycoords=ax.get_xaxis_transform(), **note)
+    else:
+        ax.axhline(y, **style)
+        ax.annotate(text, (0, y), xycoords=ax.get_yaxis_transform(), **note)
 
 
 def sweep(
@@ -159,7 +135,7 @@ def sweep(
     dots = {"fmt": "o", "ms": 4.5, "color": PALETTE["blue"], "lw": 1.2} | style
     if bound is not None:
         line = bound if isinstance(bound, tuple) else (x, bound)
-        ax.plot(*line, color=dots["color"], lw=1.4, label=bound_label or None)
+        ax.plot(*line, color=dots["color"], lw=1.4, label=bound_label)
     ax.errorbar(x, values, errors, **dots)
     ax.set(**{f"{axis}scale": "log" for axis in log})
 
@@ -172,13 +148,12 @@ def intervals(
     published: Mapping[str, float],
 ) -> None:
     """Dots with bars (value, low, high), a row a name, the first on top; diamonds of the paper."""
-    for place, (name, (value, low, high)) in enumerate(rows.items()):
-        ax.plot([low, high], [place, place], color=colors[name], lw=3, alpha=0.45)
+    for place, (name, (value, *ends)) in enumerate(rows.items()):
+        ax.plot(ends, [place, place], color=colors[name], lw=3, alpha=0.45)
         ax.plot(value, place, "o", color=colors[name], ms=5)
-    if published:
-        theirs = [published.get(name, np.nan) for name in rows]
-        words = "the paper, its own scenes"
-        ax.plot(theirs, range(len(rows)), "D", mfc="none", mec="black", ms=5, label=words)
+    theirs = [published.get(name, np.nan) for name in rows]
+    words = "the paper, its own scenes"
+    ax.plot(theirs, range(len(rows)), "D", mfc="none", mec="black", ms=5, label=words)
     _name_rows(ax, rows)
 
 
@@ -208,9 +183,9 @@ def label_panels(axes: Iterable[Axes]) -> None:
 def points(fig: Figure) -> Iterator[tuple[int, str, float, float]]:
     """Panel, name, x and y of all points of lines and bands, without clouds of more than 10,000."""
     for panel, ax in enumerate(fig.axes):
-        bands = [one for one in ax.collections if isinstance(one, PolyCollection)]
         drawn = [(line, line.get_xydata()) for line in ax.lines]
-        drawn += [(band, path.vertices) for band in bands for path in band.get_paths()]
+        for band in ax.findobj(PolyCollection):
+            drawn += [(band, path.vertices) for path in band.get_paths()]
         for artist, found in drawn:
             if len(found) <= 10_000:
                 name = str(artist.get_label()).lstrip("_")
@@ -219,10 +194,11 @@ def points(fig: Figure) -> Iterator[tuple[int, str, float, float]]:
 
 def smallest_text(fig: Figure) -> float:
     """Size of the smallest text of a figure on a page, px; indices and powers have 0.7 of it."""
-    texts = [text for text in fig.findobj(Text) if text.get_text().strip()]
+    fig.draw_without_rendering()  # or numbers at the axes would be no texts yet
     sizes = [
-        text.get_fontsize() * (0.7 if re.search(r"\$.*[\^_]", text.get_text()) else 1)
-        for text in texts
+        text.get_fontsize() * 0.7 ** bool(re.search(r"\$.*[\^_]", text.get_text()))
+        for text in fig.findobj(Text)
+        if text.get_text().strip()
     ]
     return min(sizes, default=np.inf) * PAGE / 72 / max(fig.get_figwidth(), WIDTH)
 

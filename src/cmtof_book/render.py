@@ -41,11 +41,13 @@ def store_texts(html: Path) -> None:
     for page in html.glob("*/*.html"):
         if article := BeautifulSoup(page.read_text("utf-8"), "html.parser").article:
             name = page.relative_to(html).as_posix()
-            texts[name] = escape(article.get_text(" "))
             for place in article.select(SHOWN):
                 kind = {"dt": "dd", "section": "p", "span": "p"}.get(place.name)
                 shown = place.find_next(kind) if kind else place
                 previews[f"{name}#{place['id']}"] = str(shown)
+            for unread in article.select("pre, summary, .math"):  # nobody quotes code or TeX
+                unread.decompose()
+            texts[name] = escape(article.get_text(" "))
     for name, held in {"Texts": texts, "Previews": previews}.items():
         path = html / "_static" / f"{name.lower()}.js"
         path.write_text(f"const cmtof{name} = {json.dumps(held)};", "utf-8")

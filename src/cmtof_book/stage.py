@@ -30,8 +30,7 @@ PLACES = {"js": STATIC, "csv": NUMBERS}
 def caption(about: Values, stem: str) -> str:
     """Caption of a figure with its number in the paper, and a line on how to get at it."""
     paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
-    where = paper and f"{'Fig.' if paper[1] == 'fig' else 'Table'} {paper[2]}"
-    return pages.page("caption", about=about, stem=stem, paper=where, folder=NUMBERS)
+    return pages.page("caption", about=about, stem=stem, paper=paper, folder=NUMBERS)
 
 
 def figure_cell(output: Any, stem: str) -> Any:

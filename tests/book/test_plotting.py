@@ -20,8 +20,8 @@ def folder(tmp_path, monkeypatch):
     plotting.begin()
 
 
-def drawn(name="fig03_precision", format="svg", **changes):
-    fig, ax = plt.subplots()
+def drawn(name="fig03_precision", format="svg", size=(7, 4), **changes):
+    fig, ax = plt.subplots(figsize=size)
     ax.plot([0, 1], [0, 2])
     words = {"numbers": {"ratio": 99.8}, "caption": "A line.", "alt": "It rises.", **changes}
     plotting.save(fig, name, format=format, **words)
@@ -53,7 +53,13 @@ def test_json_holds_numbers_texts_and_provenance(folder):
 
 
 @pytest.mark.parametrize(
-    "changes", [{"name": "Fig 3"}, {"numbers": {"x": float("nan")}}, {"numbers": {"x": object()}}]
+    "changes",
+    [
+        {"name": "Fig 3"},
+        {"numbers": {"x": float("nan")}},
+        {"numbers": {"x": object()}},
+        {"size": (14, 4)},  # text too small on a page
+    ],
 )
 def test_refusals_leave_nothing_behind(folder, changes):
     with pytest.raises(ValueError, match="Expected .*, got "):
@@ -70,9 +76,14 @@ def test_phase_image_is_cyclic_and_marks_missing_pixels():
     assert shown.cmap.get_bad()[0] == pytest.approx(0xB0 / 255)
 
 
-def test_maps_share_one_scale_and_one_bar_and_leave_no_empty_panel():
-    images = [np.full((4, 6), 1.0), np.full((4, 6), np.nan), np.full((4, 6), 3.0)]
-    images[1][0, 0] = 2.0
-    fig, axes = plotting.maps(images, label="depth (m)", columns=2)
-    assert {ax.images[0].get_clim() for ax in axes} == {(1.0, 3.0)}
-    assert len(fig.axes) == len(axes) + 1 == 4
+def test_a_grid_has_no_empty_panel():
+    fig, axes = plotting.grid(5, 3, 1)
+    assert len(fig.axes) == len(axes) == 5
+
+
+def test_numbers_are_offered_where_there_are_lines(folder):
+    drawn()
+    fig, ax = plt.subplots()
+    plotting.image(ax, [[1]], label="m")
+    plotting.save(fig, "an_image", caption="One.", alt="One.")
+    assert [file.stem for file in folder.glob("*.csv")] == ["fig03_precision"]
