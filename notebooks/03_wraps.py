@@ -223,7 +223,7 @@ notes.say(
 # <div data-play="odds"></div>
 #
 # Real surfaces are not flat: before the phasors of neighbours are added, their phases must be
-# aligned, which requires knowledge of the surface. This makes unwrapping difficult here.
+# aligned, which requires knowledge of the surface. So unwrapping needs the very surface it seeks.
 
 # %% [markdown]
 # ## Answer

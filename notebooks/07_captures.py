@@ -77,8 +77,8 @@ phases, references = (
 
 
 # %% [markdown]
-# The range to a flat wall depends on the angle of the ray. A fit of plane and scale to the farthest
-# points therefore gives the background's mask and a camera.
+# The range to a flat wall depends on the angle of the ray. So a fit of a plane and a focal length
+# to the farthest points gives a mask of the wall, and a camera.
 
 
 # %% tags=["hide-input"]

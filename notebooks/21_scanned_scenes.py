@@ -72,11 +72,11 @@ notes.say(
 )
 
 # %% [markdown]
-# Each scene is scanned with two kinds of noise: that of photons and electronics alone (the photon
-# limit), and besides with the level and the grain of the noise in the published captures, as many
-# radians in both modes ([chapter 7](07_captures.ipynb)). With the captures' noise a zero of the
-# beat would require thousands of readings of the reference target; that of a short scan at the
-# photon limit is used.
+# Each scene is scanned twice: with the noise of photons and electronics alone (the photon limit),
+# and with the phase noise of the published captures added, of the same size and grain in radians,
+# in both modes ([chapter 7](07_captures.ipynb)). With that noise the zero of the beat would take
+# thousands of readings of the reference target, so that of a short scan at the photon limit is
+# used.
 
 # %% tags=["hide-input"]
 notes.say(
@@ -136,9 +136,10 @@ notes.table(
 # %% tags=["hide-input"]
 notes.say(
     """
-    Means over three scans of each scene, with other speckle and noise, and from which to which. The
-    last row is a reference, which knows the shape of every surface and which of them touch, and
-    seeks one offset for these together: what the data hold. The captures' noise takes KDE from
+    Each cell has the mean over three scans of a scene, with new speckle and noise, and in brackets
+    the lowest and the highest. The last row is a reference: it is told the shape of every surface
+    and which of them touch, and finds one offset for these together. It shows what the data hold.
+    The captures' noise takes KDE from
     {kde:.0f} to {kde_captures:.0f} %, the fine-tuned network from {net:.0f} to {net_captures:.0f}
     %. `rapid`, the network of Zhang et al. (2019), reads four phases; the sixteen are decoded and
     put back into four. It is not fine-tuned. `phasor` needs two close frequencies, and had a second
@@ -492,9 +493,9 @@ paper.table()
 
 # %% [markdown]
 # All methods fail at edges: where the spot crosses an outline, the phases are those of neither
-# surface, and pooling adds wrong neighbours. With the captures' noise, fifteen wraps in the beat of
-# a pixel, KDE, which pools little, finds few wraps, as the paper reports; at the photon limit this
-# does not hold. RF demodulation finds no depth at all: its phases are noise.
+# surface, and pooling adds wrong neighbours. With the captures' noise the beat of one pixel
+# scatters by fifteen wraps. KDE, which pools little, then finds few of them, as the paper reports;
+# at the photon limit it finds most. RF demodulation finds no depth at all: its phases are noise.
 #
 # ## In space
 #

@@ -2,7 +2,7 @@
 
 Pan et al., Opt. Express 32(16), 2024, published the phase maps (``phase/scene_*_phase.csv``, rad)
 of raster scans beside a reference depth (``depth/scene_*_depth.csv``, mm), not copied here. It is
-coarser than a wrap on the objects: no truth for them.
+coarser than a wrap on the objects, so it cannot serve as ground truth.
 """
 
 import os

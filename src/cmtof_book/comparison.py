@@ -54,5 +54,5 @@ def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:
         title = f"{label}: {100 * scene.right(label):.0f} %"
         look = {"cmap": "magma", "limits": (0, 10), "bar": False}
         image(ax, scene.error(label), label="", title=title, **look)
-    figure.colorbar(others[0].images[0], ax=axes, label="wraps off", shrink=0.6)
+    figure.colorbar(others[0].images[0], ax=axes[:6], label="wraps off")
     return figure

@@ -1,7 +1,7 @@
 """Unwrapping by surfaces in true geometry, each pooled over all of its pixels.
 
 1. `cmtof.surfaces.field`: the phasors of each pixel, weighted so that likelihoods add up.
-2. `cmtof.surfaces.growing`: planes begin in windows, take the cells that they explain, and bend.
+2. `cmtof.surfaces.growing`: planes start in windows, grow over cells that fit, and may curve.
 3. `cmtof.surfaces.placing`: pixels take surfaces; beat, shape and what meets give their wraps.
    `cmtof.surfaces.roughness`: how far pixels depart from their surface.
 4. Here: other pixels take the nearest one, the beat about them, or the vote of neighbours.
