@@ -41,7 +41,6 @@ def test_the_still_shows_the_surface():
     still = views.still(LAYER, **VIEW)
     if still is None:
         pytest.skip("no OpenGL here (Debian: apt-get install libegl1 libgl1)")
-    assert still.shape[2] == 3 and still.min() >= 0 and still.max() <= 1
     drawn = (still < 0.97).any(axis=-1)
     assert drawn.mean() > 0.3
     assert np.ptp(still[drawn], axis=0).min() > 0.2  # shaded, not one colour
