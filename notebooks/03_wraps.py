@@ -211,7 +211,8 @@ notes.say(
     """
     At I = 0.3 the count of one pixel is right in {odds_dark:.1f} %, where chance is {guess:.2f} %.
     In squares of 64 pooled phasors are then right in {big_phasor:.0f} %, pooled beats in
-    {big_product:.0f} %. For other frequencies ($f_2 = 2f_1$ + 20 MHz) and noise:
+    {big_product:.0f} %. The sliders give the odds for other frequencies ($f_2 = 2f_1$ + 20 MHz)
+    and other noise.
     """,
     odds_dark=100 * counted[3],
     guess=100 / beat_wraps,
@@ -220,7 +221,7 @@ notes.say(
 )
 
 # %% [markdown]
-# <div data-play="odds"></div>
+# <div data-play="odds"><em>The page of the book has sliders here.</em></div>
 #
 # Real surfaces are not flat: before the phasors of neighbours are added, their phases must be
 # aligned, which requires knowledge of the surface. So unwrapping needs the very surface it seeks.

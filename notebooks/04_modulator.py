@@ -322,14 +322,15 @@ notes.say(
     r"""
     The photodiode passes {response_single:.2f} of the amplitude at 7.15 GHz and
     {response_doubled:.2f} at 14.32 GHz, but all of the mean, so that the contrast it shows is a
-    lower bound of the light's. For any plate, $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$:
+    lower bound of the light's. For any angle of the plate
+    $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$, which the sliders draw.
     """,
     response_single=response[0],
     response_doubled=response[1],
 )
 
 # %% [markdown]
-# <div data-play="modulator"></div>
+# <div data-play="modulator"><em>The page of the book has sliders here.</em></div>
 #
 # ## Drive amplitude
 #

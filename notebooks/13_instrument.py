@@ -105,7 +105,7 @@ plotting.save(
 # scene. The returned light is multiplied by the reference in the detection module, a copy of the
 # first, so that a slow detector suffices. Both RF drivers share one clock. The detection's driver
 # holds a table of phases; each rising edge from the read-out advances it by one. Devices, lines and
-# wires are on the [hardware page](../book/hardware.md#wiring).
+# wires are on the [hardware page](../book/hardware.md).
 #
 # ## Power budget
 #

@@ -257,7 +257,8 @@ for mode in MODES:
     }
 base = {"range": target.distance, "reflectance": target.reflectance, "power": sent_power(known)}
 held = json.dumps({"modes": calculator, "base": base, "light": [steps[0], steps[-1]]})
-display(HTML(f'<div data-play="distance" data-numbers="{escape(held)}"></div>'))
+shown = "<em>The page of the book has sliders here.</em>"
+display(HTML(f'<div data-play="distance" data-numbers="{escape(held)}">{shown}</div>'))
 
 # %% [markdown]
 # ## Error sizes that would explain the paper

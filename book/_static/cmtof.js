@@ -243,6 +243,7 @@ document.querySelectorAll("figure.swipe").forEach(async (figure) => {
 
 // A chart of one curve: `x` and `y` run from 0 to 1 of the axes, whose ends are texts.
 function chart(place, labels) {
+  place.textContent = ""; // what JupyterLab shows instead
   const svg = add(place, "svg", { viewBox: "0 0 640 268", role: "img", "aria-label": labels.title });
   const put = (...what) => add(svg, ...what);
   put("path", { d: "M60,10 V220 H610", class: "axis" });
@@ -280,8 +281,7 @@ function sliders(place, rows, changed) {
 
 // I(t) of the two-pass modulator: Eqs. 18 and 19 for any angle of the half-wave plate.
 function modulator(place) {
-  const lines = ["0", "", "0.5", "", "1"];
-  const plot = chart(place, { title: "Waveform of the modulator", x: ["0", "1", "2"], y: lines, under: "time (periods of the drive)" });
+  const plot = chart(place, { title: "Waveform of the modulator", x: ["0", "1", "2"], y: ["0", "", "0.5", "", "1"], under: "time (periods of the drive)" });
   const said = add(place, "p");
   const rows = [
     { name: "eta", label: "drive amplitude η", from: 0.02, to: 1.6, step: 0.02, start: 0.26, text: (v) => `${v.toFixed(2)} rad` },
