@@ -229,7 +229,7 @@ columns = zip(*sizes.values(), strict=True)
 plotting.dots(ax, dict(zip((*tones, "beat"), columns, strict=True)), list(sizes))
 plotting.mark(ax, x=500 * wrap_in_beat, text="half a wrap in the beat")
 ax.set(xscale="log", xlim=(0.05, None), xlabel="median phase error (mrad)")
-ax.legend(loc="upper right")
+ax.legend()
 plotting.save(
     figure,
     "scan_errors",

@@ -213,7 +213,7 @@ figure, axes = plt.subplots(2, 5, figsize=(8.4, 3.9))
 for row, name in zip(axes, NAMES, strict=True):
     for ax, (title, values) in zip(row, maps[name].items(), strict=True):
         ax.imshow((1 + values * [1, -1, -1]) / 2)
-        ax.set_title(f"{name}, {title}")
+        ax.set_title(f"{name}, {title}".replace(f"{name}, GHz, ", ""))
         ax.axis("off")
 plotting.label_panels(axes.flat)
 plotting.save(

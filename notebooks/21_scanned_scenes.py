@@ -182,67 +182,6 @@ notes.table(
     ],
 )
 
-
-# %% tags=["hide-input"]
-by_labels = {0: shares("captures", "fast-scnn")}
-by_labels |= {n: shares("captures", f"{n} scans") for n in scanned.CURVE}
-
-
-def swept(level, points, row):
-    """Percent of right wraps on bust and owl, of scans of other points and noise."""
-    counts = np.array(stored["sweep"][level][str(points)][row], float)
-    return float((100 * counts[:, 1] / counts[:, 0]).mean())
-
-
-sides = [stored["settings"]["size"] // stride for stride in scanned.STRIDES][::-1]
-LOOK = {
-    "fast-scnn": ("fine-tuned", "-o"),
-    "kde": ("KDE", ":s"),
-    "reference-contact": ("reference-contact", "--^"),
-}
-grid = {
-    (row, level): [swept(level, side, row) for side in sides]
-    for row in LOOK
-    for level in scanned.LEVELS
-}
-usual = 1e3 * NOISE["captures"]["phase_noise"][0]
-
-figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.8))
-axes[0].plot([str(n) for n in by_labels], [r.mean(1) for r in by_labels.values()], "-o")
-axes[0].set(xlabel="labelled scans", ylabel="right wraps (%)", title="labels")
-axes[0].legend(SCENES, fontsize="small")
-levels = [usual * float(one) for one in scanned.LEVELS]
-for row, (label, look) in LOOK.items():
-    axes[1].plot(sides, grid[row, "1"], look, label=label)
-    axes[2].plot(levels, [grid[row, one][-1] for one in scanned.LEVELS], look)
-axes[1].set(xscale="log", xlabel="points a side", title="points, captures' noise")
-figure.legend(*axes[1].get_legend_handles_labels(), ncols=3, loc="outside lower center")
-axes[2].set(xlabel="phase noise of a point (mrad)", title=f"noise, {sides[-1]} points a side")
-plotting.mark(axes[2], x=usual, text="captures")
-plt.setp(axes, ylim=(0, 102))
-plotting.label_panels(axes)
-plotting.save(
-    figure,
-    "scan_needs",
-    caption="What right wraps need, simulated. (a) `fast-scnn` at the captures' noise by number "
-    f"of labelled scans, {stored['legs'][0]['steps']} steps each; three scans of every scene. (b) "
-    "At the captures' noise by the points in the scan. (c) By the phase noise of a point, zero at "
-    "the photon limit; the paper does not state its own. (b, c) are means over bust and owl. "
-    "The reference knows the shapes.",
-    alt="Three plots of right wraps. With labelled scans they rise from "
-    f"{by_labels[0].mean():.0f} to {by_labels[max(by_labels)].mean():.0f} percent; with points "
-    f"from {grid['fast-scnn', '1'][0]:.0f} to {grid['fast-scnn', '1'][-1]:.0f} percent; with noise "
-    "they fall, those of KDE first.",
-)
-
-# %% tags=["hide-input"]
-notes.say(
-    """
-    The network was fine-tuned at one pitch, {points:.0f} points a side.
-    """,
-    points=stored["settings"]["size"],
-)
-
 # %% tags=["hide-input"]
 how = {"size": size, "seed": seed}
 scans = {(n, noise): scan_object(n, noise, **how) for n in objects for noise in NOISE}
@@ -359,6 +298,69 @@ plotting.save(
     "book's `surfaces`; at the foot of the chapter it can be turned.",
     alt=f"A {teaser} as fine fringes of a wrapped phase; beside it as a shaded surface in space.",
     format="png",
+)
+
+# %% [markdown]
+# ## Labels, points and noise
+
+# %% tags=["hide-input"]
+by_labels = {0: shares("captures", "fast-scnn")}
+by_labels |= {n: shares("captures", f"{n} scans") for n in scanned.CURVE}
+
+
+def swept(level, points, row):
+    """Percent of right wraps on bust and owl, of scans of other points and noise."""
+    counts = np.array(stored["sweep"][level][str(points)][row], float)
+    return float((100 * counts[:, 1] / counts[:, 0]).mean())
+
+
+sides = [stored["settings"]["size"] // stride for stride in scanned.STRIDES][::-1]
+LOOK = {
+    "fast-scnn": ("fine-tuned", "-o"),
+    "kde": ("KDE", ":s"),
+    "reference-contact": ("reference-contact", "--^"),
+}
+grid = {
+    (row, level): [swept(level, side, row) for side in sides]
+    for row in LOOK
+    for level in scanned.LEVELS
+}
+usual = 1e3 * NOISE["captures"]["phase_noise"][0]
+
+figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.8))
+axes[0].plot([str(n) for n in by_labels], [r.mean(1) for r in by_labels.values()], "-o")
+axes[0].set(xlabel="labelled scans", ylabel="right wraps (%)", title="labels")
+axes[0].legend(SCENES, fontsize="small")
+levels = [usual * float(one) for one in scanned.LEVELS]
+for row, (label, look) in LOOK.items():
+    axes[1].plot([str(side) for side in sides], grid[row, "1"], look, label=label)
+    axes[2].plot(levels, [grid[row, one][-1] for one in scanned.LEVELS], look)
+axes[1].set(xlabel="points a side", title="points, captures' noise")
+figure.legend(*axes[1].get_legend_handles_labels(), ncols=3, loc="outside lower center")
+axes[2].set(xlabel="phase noise of a point (mrad)", title=f"noise, {sides[-1]} points a side")
+plotting.mark(axes[2], x=usual, text="captures")
+plt.setp(axes, ylim=(0, 102))
+plotting.label_panels(axes)
+plotting.save(
+    figure,
+    "scan_needs",
+    caption="What right wraps need, simulated. (a) `fast-scnn` at the captures' noise by number "
+    f"of labelled scans, {stored['legs'][0]['steps']} steps each; three scans of every scene. (b) "
+    "At the captures' noise by the points in the scan. (c) By the phase noise of a point, zero at "
+    "the photon limit; the paper does not state its own. (b, c) are means over bust and owl. "
+    "The reference knows the shapes.",
+    alt="Three plots of right wraps. With labelled scans they rise from "
+    f"{by_labels[0].mean():.0f} to {by_labels[max(by_labels)].mean():.0f} percent; with points "
+    f"from {grid['fast-scnn', '1'][0]:.0f} to {grid['fast-scnn', '1'][-1]:.0f} percent; with noise "
+    "they fall, those of KDE first.",
+)
+
+# %% tags=["hide-input"]
+notes.say(
+    """
+    The network was fine-tuned at one pitch, {points:.0f} points a side.
+    """,
+    points=stored["settings"]["size"],
 )
 
 # %% [markdown]

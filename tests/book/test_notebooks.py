@@ -56,8 +56,8 @@ def test_saving_in_jupyterlab_changes_nothing_but_outputs(tmp_path):
 @pytest.mark.parametrize(
     ("plain", "page"),
     [
-        ("$$\nx = 1,\n\\tag{8}$$", "```{index} Eq. 8\n```\n$$\nx = 1,\n$$ (eq-8)"),
-        ("$$y\n\\tag{17.1}$$", "```{index} Eq. 17.1\n```\n$$y\n$$ (eq-17.1)"),
+        ("$$\nx = 1,\n\\tag{8}$$", "```{index} ! Eq. 8\n```\n$$\nx = 1,\n$$ (eq-8)"),
+        ("$$y\n\\tag{17.1}$$", "```{index} ! Eq. 17.1\n```\n$$y\n$$ (eq-17.1)"),
         ("by [Eq. 8](05_simulation.ipynb#eq-8).", "by Eq. {eq}`eq-8`."),
         ("([Eq. 2.1](#eq-2.1))", "(Eq. {eq}`eq-2.1`)"),
         ("[erratum 6](22_errata.ipynb#erratum-6)", "{ref}`erratum 6 <erratum-6>`"),
