@@ -39,7 +39,7 @@ from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, depth_from_wraps
 from cmtof.evaluation import measured, rates, read_counts
 from cmtof.frame import held_out_frames
-from cmtof.network.features import CLASSES, FEATURE_SETS, ORDER, features, fourier_features
+from cmtof.network.features import CLASSES, FEATURE_SETS, features, fourier_features
 from cmtof.network.inference import load_network, run_padded
 from cmtof.network.losses import soft_argmax
 from cmtof.network.models import MODELS, build_network
@@ -132,7 +132,7 @@ plotting.save(
 # %%
 phases = np.linspace(0, TAU, 1000, endpoint=False)[None]
 turned = fourier_features(phases + 57 * TAU) - fourier_features(phases)
-print(f"57 turns change {2 * (ORDER + 1)} features by {np.abs(turned).max():.0e} at most")
+print(f"57 turns change the features by {np.abs(turned).max():.0e} at most")
 
 # %% [markdown]
 # ## Equation 6: a differentiable argmax

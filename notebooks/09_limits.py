@@ -29,7 +29,6 @@ import cmtof
 from cmtof import bounds
 from cmtof.classical.references import SIDE, bodies, surfaces
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import TAU, phase_from_depth
 from cmtof.evaluation import Tally, rates, read_counts, scored_pixels
 from cmtof.frame import held_out_frames
 from cmtof_book import notes, plotting
@@ -145,20 +144,8 @@ print(f"{len(counts)} test frames; 95 % over scenes; window of reference-field: 
 # surface neighbour by neighbour, or pools it with the smallest slope that fits, loses a wrap with
 # every pixel. The slope of the beat and the curvature of the phase resolve the ambiguity. The
 # released protocol shrinks rooms to 1.2 m and is easier in this respect too.
-
-# %%
-for protocol in PROTOCOLS:
-    steps = []
-    for m in measured[protocol]:
-        surface = surfaces(m.depth.astype(float))
-        phase = phase_from_depth(m.depth.astype(float), FREQUENCIES[0])
-        for axis in (0, 1):
-            inside = np.delete(m.mask, -1, axis) & (np.diff(surface, axis=axis) == 0)
-            steps.append(np.abs(np.diff(phase, axis=axis))[inside] / TAU)
-    steep = np.mean(np.concatenate(steps) > 0.5)
-    print(f"{protocol}: {steep:.1%} of the steps within a surface exceed half a turn")
-
-# %% [markdown]
+# [Chapter 6](06_scenes.ipynb) has the slopes.
+#
 # ## Errors of the references
 #
 # In `reference-offset` small surfaces fail first, dark ones next. In `reference-contact` only those

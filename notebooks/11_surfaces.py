@@ -345,9 +345,6 @@ rows = [
     if name in living["full"]["methods"]
 ]
 notes.table([f"%, {len(living['full']['frames'])} views", *head], [*rows, GOALS])
-for one in (living[p]["methods"] for p in PROTOCOLS):
-    ours, known = (one[name]["delta_lt_1"] for name in ("surfaces", "reference-contact"))
-    print(f"{ours:.1%} right, {known - ours:.1%} with known contacts, {1 - known:.1%} not then")
 
 # %% [markdown]
 # `reference-contact` knows every shape and every contact. One view that flips whole moves these

@@ -204,11 +204,6 @@ for offset, (found, counts) in runs.items():
         moved = np.mean((count - answers[name])[free]) if free.any() else 0.0
         curve[name].append((wraps_moved(offset), found[name]["delta_lt_1"], moved))
 curve = {name: np.array(sorted(points)) for name, points in curve.items()}
-gain = {}
-for name in methods:
-    applied, _, moved = curve[name][np.abs(curve[name][:, 0]) < 2.5].T
-    gain[name] = float(np.sum(applied * moved) / np.sum(applied**2))
-print("wraps moved per wrap of offset:", ", ".join(f"{k} {x:.2f}" for k, x in gain.items()))
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.8))
