@@ -178,9 +178,9 @@ def test_a_link_shows_what_it_leads_to(visit, kind):
 
 
 def test_a_picture_opens_and_closes(visit):
-    tab = visit("notebooks/01_correlation.html")
+    tab = visit("notebooks/01_correlation.html", 390)
     tab.locator("figure img").first.click()
-    assert tab.locator("dialog.zoom img").bounding_box()["width"] > 900
+    assert tab.locator("dialog.zoom img").bounding_box()["width"] >= 900
     tab.keyboard.press("Escape")
     tab.locator("dialog.zoom").wait_for(state="detached")
 
