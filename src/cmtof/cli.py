@@ -34,7 +34,7 @@ MODULES = {
     "hardware": "pyvisa serial thorlabs_apt_protocol",
     "lab": "cv2",
     "networks": "onnxruntime safetensors",
-    "plot": "cycler matplotlib pandas",
+    "plot": "cycler matplotlib",
     "rooms": "embreex trimesh",
     "train": "lightning torch",
     "view": "IPython pyvista",
