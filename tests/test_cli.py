@@ -109,6 +109,20 @@ def test_rooms_are_rendered_and_evaluated_as_a_folder(succeeds, tmp_path):
     assert "frame.0001.color.hdf5" in text
 
 
+@pytest.mark.parametrize(("named", "ends"), [("set", 0), ("set/far.npz", 1)])
+def test_a_frame_that_fails_takes_no_other_with_it(run, tmp_path, flat_wall, named, ends):
+    (tmp_path / "set").mkdir()
+    for name, depth in (("far", 300.0), ("near", 0.9)):
+        flat_wall(8, depth).save(tmp_path / "set" / f"{name}.npz")
+    scores = tmp_path / "scores.json"
+    words = ("evaluate", "stairs", tmp_path / named, "--method", "middle", "--json", scores)
+    code, _, err = run(*words)
+    assert (code, err.count("Expected depths between")) == (ends, ends)
+    report = json.loads(scores.read_text())
+    assert report["frames"] == ["stairs", "near"][: 2 - ends]
+    assert "Expected depths between" in report["notes"]["skipped far"]
+
+
 # --- bad input: one line, exit code 1, nothing left behind -----------------------------------
 
 

@@ -13,6 +13,7 @@ from cmtof import evaluation
 from cmtof.evaluation import Evaluation, Tally, measured, rates, read_counts, score, scored_pixels
 from cmtof.frame import held_out_frames
 from cmtof.measurement import Measurement
+from cmtof.methods import METHODS
 from cmtof.scenes import load_frame
 from cmtof.simulation import simulate
 
@@ -68,6 +69,15 @@ def test_every_method_sees_the_same_noise(tilted_wall):
     first, second = ([frame["methods"]["crt"] for frame in one.counts()] for one in (alone, both))
     assert first == second
     assert first[0] != first[1]  # each frame has noise of its own
+
+
+def test_a_frame_at_which_a_method_fails_counts_for_none(tilted_wall, monkeypatch):
+    evaluation = Evaluation(["crt", "middle"]).add_all([tilted_wall])
+    before = evaluation.report()
+    monkeypatch.setitem(METHODS["middle"].__dict__, "run", lambda m: m.failed)
+    with pytest.raises(AttributeError):
+        evaluation.add_all([tilted_wall])
+    assert evaluation.report() == before
 
 
 def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):

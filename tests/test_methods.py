@@ -1,5 +1,7 @@
 """One contract for every method: range, mask, sizes, darkness, order of the steps, repetition."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -11,6 +13,7 @@ from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.methods import ALIASES, DEFAULT, METHODS, find_method, names_of
+from cmtof_rooms.rendering import Settings, render_views
 
 NAMES = sorted(name for name, method in METHODS.items() if method.kind != "learned")
 TWO = [name for name in NAMES if METHODS[name].frequencies == 2]
@@ -144,7 +147,7 @@ def test_learned_methods_tell_their_state(measured, monkeypatch):
 
     monkeypatch.setattr(weights, "state", lambda model, protocol: "untrained")
     method = find_method("fast-scnn")
-    monkeypatch.setitem(method.__dict__, "run", lambda m: None)
+    monkeypatch.setitem(method.__dict__, "run", METHODS["middle"].run)
     with pytest.warns(UserWarning, match="fast-scnn is untrained"):
         method(measured)
     assert "fast-scnn" not in names_of("all")
@@ -200,17 +203,39 @@ def test_without_noise_the_remainder_is_sure(kept, protocol):
     assert np.mean(sure > 0.5) > 0.99
 
 
-@pytest.mark.parametrize("protocol", ["released", "full"])
-@pytest.mark.parametrize("noise", [100.0, 1200.0])
-@pytest.mark.parametrize("name", ["beat", "beat-guided", "crt", "kde"])
-def test_confidence_is_no_promise_beyond_the_rate(name, noise, protocol):
-    m = cmtof.simulate(cmtof.load_frame("stairs"), protocol=protocol, noise=noise)
-    pixels = scored_pixels(cmtof.unwrap(m, method=name), m)
-    assert pixels["confidence"].mean() < score(pixels)["delta_lt_1"] + 0.15
+@pytest.fixture(scope="module")
+def rooms():
+    """Views of eight rooms that nothing was trained or calibrated on."""
+    return [view.frame for view in render_views(Settings(812, 8, 1, 96, 128))]
 
 
-@pytest.mark.parametrize("name", ["surfaces", "hybrid", "fast-scnn-light"])
-def test_an_image_without_a_valid_pixel_comes_back_masked(measured, name):
-    result = cmtof.unwrap(masked(measured, np.zeros(measured.shape, bool)), method=name)
-    assert (result.wrap_count == -1).all()
-    assert not result.confidence.any()
+def uneven(frame):
+    """The frame with depths that are rough by a tenth of a wrap or so in each pixel."""
+    rough = np.random.default_rng(1).normal(1, 0.002, frame.depth.shape)
+    return replace(frame, depth=frame.depth * rough)
+
+
+CASES = {
+    "usual": {},
+    "full": {"protocol": "full"},
+    "noisy": {"noise": 2000.0},
+    "noise-free": {"noise_free": True},
+    "uneven": {},
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("name", sorted({*names_of("all")} - {"middle", "mode", "uniform"}))
+def test_confidence_is_no_promise_beyond_the_rate(rooms, name, case):
+    """Nor low everywhere; but a single pixel's beat says little of where it is right."""
+    if name not in names_of("all", CASES[case].get("protocol", "released")):
+        pytest.skip("no weights")
+    right = []
+    said = []
+    for frame in map(uneven, rooms) if case == "uneven" else rooms:
+        m = given_to(name, frame, **CASES[case])
+        pixels = scored_pixels(cmtof.unwrap(m, method=name), m)
+        right.extend(pixels["wrap_count"] == pixels["true_count"])
+        said.extend(pixels["confidence"])
+    assert np.mean(said) < np.mean(right) + 0.15
+    assert np.average(said, weights=right) > np.mean(said) - 0.005

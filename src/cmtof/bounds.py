@@ -132,9 +132,13 @@ def wrap_probability(
     >>> f"{p:.1%}"
     '2.3%'
     """
-    spread = wrap_noise(noise_low, noise_high, frequencies=frequencies)
+    return rounding_odds(wrap_noise(noise_low, noise_high, frequencies=frequencies))
+
+
+def rounding_odds(spread: ArrayLike) -> Array:
+    """Odds that an error of this standard deviation, wraps, stays below half a wrap."""
     with np.errstate(divide="ignore"):  # without noise the odds are 1
-        return special.erf(1 / (2 * np.sqrt(2) * spread))
+        return special.erf(1 / (2 * np.sqrt(2) * np.asarray(spread)))
 
 
 def wrap_probability_law(

@@ -280,32 +280,33 @@ def evaluate(
     from cmtof.scenes import frames_in
 
     names = names_of(method, protocol)
-    image = {"intensity": intensity, "depth_scale": depth_scale, "planar": planar}
-    image |= {"camera": camera, "linear": linear}
-    listed = [frames_in(name, **image) for name in frames]
+    image = {
+        "intensity": intensity,
+        "depth_scale": depth_scale,
+        "planar": planar,
+        "camera": camera,
+        "linear": linear,
+    }
+    sets = [Frames(frames_in(name, **image)) for name in frames]
     evaluation = Evaluation(names, protocol=protocol, noise=noise, noise_free=noise_free, seed=seed)
-    skipped: dict[str, str] = {}
-    with progress(sum(map(len, listed)) * len(names), quiet) as advance:
-        for name, sources in zip(frames, listed, strict=True):
-            several = Frames(sources)
-            # a frame that was named itself must load; of a folder those that do not are skipped
-            for frame in several if Path(name).is_dir() else (one.load() for one in sources):
-                for done in evaluation.add(frame):
-                    advance(f"{frame.name}: {done}")
-            skipped |= several.skipped
-    if not evaluation.frames:
-        raise ValueError(
-            "Expected a frame that loads and has pixels in range, "
-            f"got none ({' '.join(skipped.values()):.200}). Name others."
-        )
-    report = evaluation.report()
-    if json_file is not None:
-        with written_whole(json_file) as part:
-            part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    _print_report(report)
-    skips = {f"skipped {name}": reason for name, reason in skipped.items()}
-    for name, remark in (report["notes"] | skips).items():
-        print(shown(f"{name}: {remark}"))
+    with progress(sum(len(one.sources) for one in sets) * len(names), quiet) as advance:
+        for one in sets:
+            for frame in one:
+                try:
+                    for done in evaluation.add(frame):
+                        advance(f"{frame.name}: {done}")
+                except ValueError as error:
+                    one.skipped[frame.name] = str(error)
+            evaluation.notes |= {f"skipped {name}": why for name, why in one.skipped.items()}
+    if evaluation.frames:
+        report = evaluation.report()
+        if json_file is not None:
+            with written_whole(json_file) as part:
+                part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        _print_report(report)
+    for one in sets:
+        if len(one.skipped) == len(one.sources):  # what was named must hold a frame that loads
+            raise ValueError(next(iter(one.skipped.values())))
     _name_missing(evaluation.missing)
     if evaluation.missing and method != "all":
         sys.exit(1)
@@ -555,6 +556,8 @@ def _print_report(report: dict[str, Any]) -> None:
     clock = {name: f"{one['seconds_per_frame']:.2f}" for name, one in report["methods"].items()}
     head = ("method", *next(iter(found.values())), "s/frame")
     print_table(title, head, ([n, *cells.values(), clock[n]] for n, cells in found.items()))
+    for name, remark in report["notes"].items():
+        print(shown(f"{name}: {remark}"))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import deepcopy
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -60,6 +61,7 @@ class Tally:
 
     def __init__(self) -> None:
         self.frames: list[dict[str, Any]] = []
+        self.seconds = 0.0
         self._squares = 0.0
         self._sureness = 0.0
         self._errors = np.zeros(_EDGES.size + 1, np.int64)
@@ -138,41 +140,35 @@ class Evaluation:
         self.missing: dict[str, ModuleNotFoundError] = {}
         self.notes: dict[str, str] = {}  # by frame
         self._tallies = {name: Tally() for name in self.methods}
-        self._seconds = dict.fromkeys(self.methods, 0.0)
         self._coverage = 0.0
 
     def add(self, frame: Frame) -> Iterator[str]:
         """Simulate the next frame and run every method on it, yielding each name when done."""
         given = measured(frame, self.methods, number=len(self.frames), **self.conditions)
-        usual = next(iter(given.values()))
-        self.frames.append(frame.name)
-        if frame.note:
-            self.notes[frame.name] = frame.note
-        self._coverage += float(usual.mask.mean())
+        tallies = deepcopy(self._tallies)  # a frame at which a method fails counts for none
         for name, measurement in given.items():
             start = perf_counter()
             try:
                 result = unwrap(measurement, method=name, **self.options)
-            except ModuleNotFoundError as error:
-                self._leave_out(name, error)
+            except ModuleNotFoundError as error:  # go on without it, if another is left
+                self.missing[name] = error
+                self.methods.remove(name)
+                if not self.methods:
+                    raise
             else:
-                self._seconds[name] += perf_counter() - start
-                self._tallies[name].add(scored_pixels(result, measurement))
+                tallies[name].seconds += perf_counter() - start
+                tallies[name].add(scored_pixels(result, measurement))
             yield name
-
-    def _leave_out(self, name: str, error: ModuleNotFoundError) -> None:
-        """Go on without a method; raise the error if no other is left."""
-        self.missing[name] = error
-        self.methods.remove(name)
-        if not self.methods:
-            raise error
-        del self._tallies[name], self._seconds[name]
+        self._tallies = {name: tallies[name] for name in self.methods}
+        self.frames.append(frame.name)
+        if frame.note:
+            self.notes[frame.name] = frame.note
+        self._coverage += float(next(iter(given.values())).mask.mean())
 
     def add_all(self, frames: Iterable[Frame]) -> "Evaluation":
         """Run every method on every frame."""
         for frame in frames:
-            for _ in self.add(frame):
-                pass
+            list(self.add(frame))
         return self
 
     def counts(self) -> list[dict[str, Any]]:
@@ -184,16 +180,16 @@ class Evaluation:
 
     def report(self) -> dict[str, Any]:
         """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them."""
-        noise = 0.0 if self.conditions.get("noise_free") else self.conditions.get("noise")
+        noise = self.conditions.get("noise", NOISE_SIGMA)
         return {
             "protocol": self.conditions.get("protocol", "released"),
-            "noise": float(NOISE_SIGMA if noise is None else noise),
+            "noise": 0.0 if self.conditions.get("noise_free") else float(noise),
             "seed": self.conditions.get("seed", 0),
             "frames": self.frames,
             "notes": self.notes,
-            "coverage": self._coverage / max(len(self.frames), 1),
+            "coverage": self._coverage / len(self.frames),
             "methods": {
-                name: tally.score() | {"seconds_per_frame": self._seconds[name] / len(self.frames)}
+                name: tally.score() | {"seconds_per_frame": tally.seconds / len(self.frames)}
                 for name, tally in self._tallies.items()
             },
         }

@@ -1,7 +1,7 @@
 """RGB-D frames: range along the ray, linear intensity, and the camera that saw them."""
 
 import zipfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -87,7 +87,7 @@ class Source(NamedTuple):
 class Frames:
     """Frames of some sources; ``skipped`` holds name and reason of those that do not load."""
 
-    sources: Iterable[Source]
+    sources: Sequence[Source]
     skipped: dict[str, str] = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[Frame]:

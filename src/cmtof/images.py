@@ -112,18 +112,17 @@ def resampled(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
     height, width = image.shape[:2]
     if (height, width) == shape or abs(height * shape[1] / (width * shape[0]) - 1) > _ALIKE:
         return image, ""  # a frame refuses two shapes
-    rows = (np.arange(shape[0]) + 0.5) * height / shape[0]
-    columns = (np.arange(shape[1]) + 0.5) * width / shape[1]
+    pairs = zip(shape, (height, width), strict=True)
+    place = [((np.arange(n) + 0.5) * m / n).astype(int) for n, m in pairs]
     note = f"light resampled from {height}x{width} to {shape[0]}x{shape[1]} px"
-    return image[np.ix_(rows.astype(int), columns.astype(int))], note
+    return image[np.ix_(*place)], note
 
 
 def brightness_of(image: NDArray, linear: bool) -> Array:
     """Linear brightness (H, W) of the green of a colour image, or of a grey one."""
     green = image if image.ndim == 2 else image[..., 1 if image.shape[-1] > 2 else 0]
     if linear:
-        white = np.percentile(green, 99)
-        return green / white if white > 0 else green.astype(float)
+        return green / (np.percentile(green, 99) or 1.0)
     if green.dtype.kind == "f":
         return green.astype(float)
     encoded = green / np.iinfo(green.dtype).max  # sRGB, IEC 61966-2-1

@@ -195,8 +195,8 @@ def _dataset(
         raise ValueError(
             f"Expected arrays of one image size, got others ({reason}). Check shapes."
         ) from None
-    kept = {key: value for key, value in more.items() if value is not None}
-    dataset.attrs = {"version": __version__, **kept}
+    dataset.attrs = {"version": __version__}
+    dataset.attrs |= {key: value for key, value in more.items() if value is not None}
     return dataset
 
 

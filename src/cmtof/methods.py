@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cmtof.classical import crt, kde, mrf, references, region, trivial
-from cmtof.classical.beat import beat, beat_guided
+from cmtof.classical.beat import beat, beat_guided, confirmed
 from cmtof.classical.phasor import phasor
 from cmtof.estimate import Estimate, beat_repeats, without_holes, wraps_in_range
 from cmtof.hybrid import hybrid
@@ -56,15 +56,14 @@ class Method:
         most = MOST_MEMORY // (self.memory + 4 * (last - first + 1))
         if not self.memory or measurement.mask.size <= most:
             found = self.run(measurement, **options)
-            if not self.one_beat:
-                return found
-            return Estimate(found.depth, found.confidence / beat_repeats(measurement))
-        images = np.empty((2, *measurement.shape))
-        side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: only `rapid` sees more
-        for seen, inner, place in tiles(measurement.dataset, side, 256):
-            images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
-        images[1] /= beat_repeats(measurement) if self.one_beat else 1
-        return Estimate(*images)
+        else:
+            images = np.empty((2, *measurement.shape))
+            side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: only `rapid` sees more
+            for seen, inner, place in tiles(measurement.dataset, side, 256):
+                images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
+            found = Estimate(*images)
+        repeats = beat_repeats(measurement) if self.one_beat else 1
+        return Estimate(found.depth, found.confidence / repeats)
 
     def _check(self, measurement: Measurement, options: Mapping[str, Any]) -> None:
         """Raise a ValueError if the measurement or an option does not fit the method."""
@@ -98,7 +97,7 @@ def _learned(name: str, source: str, about: str) -> Method:
         from cmtof.network.inference import unwrap_with_network
 
         whole = without_holes(measurement)  # a network was never shown any
-        return Estimate(*unwrap_with_network(whole, model=name, weights=weights))
+        return confirmed(*unwrap_with_network(whole, model=name, weights=weights), measurement)
 
     return Method(name, "learned", source, run, about=about, memory=1300, network=name)
 

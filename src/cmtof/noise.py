@@ -117,10 +117,8 @@ def _fit_kernel(window: int) -> Array:
 
 def _inner(values: Array, window: int) -> Array:
     """NaN where a window reaches beyond the map."""
-    inside = np.zeros(values.shape, bool)
     reach = window // 2
-    inside[reach:-reach, reach:-reach] = True
-    return np.where(inside, values, np.nan)
+    return np.pad(values[reach:-reach, reach:-reach], reach, constant_values=np.nan)
 
 
 # --- spectra -----------------------------------------------------------------------------------

@@ -28,15 +28,14 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
     let used = 0;
     const channel = () => inputs.subarray(used * count, ++used * count);
     for (const { phase } of tones) channel().set(phase.map((angle) => angle / TAU));
-    for (const { phase } of tones) fourier(phase, Array.from({ length: 2 * ORDER + 2 }, channel));
+    const [first, second] = tones.map(({ phase }) => fourier(phase, Array.from({ length: 2 * ORDER + 2 }, channel)));
     for (const { phase } of tones) edges(phase, width, height, [channel(), channel(), channel(), channel()]);
     for (const amplitude of amplitudes) channel().set(amplitude.map((a) => (Math.log1p(a) - 7.5) / 0.8));
-    const [cosine, sine] = [channel(), channel()];
+    const [cosine, sine] = [channel(), channel()]; // of the second phase less twice the first
     for (let i = 0; i < count; i++) {
-      const angle = tones[1].phase[i] - 2 * tones[0].phase[i];
       const weight = Math.sqrt(amplitudes[0][i] * amplitudes[1][i]) / FULL_AMPLITUDE;
-      cosine[i] = weight * Math.cos(angle);
-      sine[i] = weight * Math.sin(angle);
+      cosine[i] = weight * (second[0][i] * first[2][i] + second[1][i] * first[3][i]);
+      sine[i] = weight * (second[1][i] * first[2][i] - second[0][i] * first[3][i]);
     }
     return inputs;
   }
@@ -54,6 +53,7 @@ globalThis.laboratory = Object.assign(globalThis.laboratory ?? {}, (() => {
         y = twice;
       }
     }
+    return channels;
   }
 
   // Wrapped differences to the left, above, above left and below left; zero at the border.

@@ -23,7 +23,7 @@
   const COLOURS = Array.from({ length: lab.CLASSES }, (_, n) => lab.scale(n / (lab.CLASSES - 1)));
   const ERRORS = Array.from({ length: 2 * lab.CLASSES + 1 }, (_, n) => lab.deviation(n - lab.CLASSES));
   const state = { scene: null, session: null, spot: null, shown: null };
-
+  const say = (text) => { said.textContent = text; };
   const frame = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
 
   const controls = add(place, "div", { class: "controls" });
@@ -42,8 +42,11 @@
   const spotTitle = add(spotted, "p", { "aria-live": "polite" });
   const bars = add(spotted, "div", { class: "bars" });
 
+  // Tones of the scene, and later their network's answer: the same until scene or instrument change.
   function measured() {
     const { scene, values } = state;
+    const settings = String(["sigma", "brightness", "high", "offset"].map((name) => values[name]));
+    if (state.measured?.scene === scene && state.measured.settings === settings) return state.measured;
     const frequencies = [LOW, 1e9 * values.high];
     const size = 4 * scene.depth.length;
     state.normals = state.normals?.length === 2 * size ? state.normals : lab.normals(2 * size, 1);
@@ -53,17 +56,16 @@
       const images = lab.correlation(scene, { frequency, offset, brightness: values.brightness });
       return lab.decode(lab.withNoise(images, values.sigma, state.normals.subarray(k * size, (k + 1) * size)));
     });
-    return { tones, frequencies };
+    return (state.measured = { scene, settings, tones, frequencies });
   }
 
   async function compute() {
     const { scene, session, values } = state;
-    const { tones, frequencies } = measured();
+    const known = measured(), { tones, frequencies } = known;
     const beat = lab.averagedBeat(tones, scene, frequencies, values.side);
-    const found = { tones, beat, truth: scene.truth, wraps: { beat: Int16Array.from(beat.wraps) } };
-    found.knows = Math.abs(frequencies[1] - TRAINED) < 1e4;
+    const found = { tones, beat, truth: scene.truth, wraps: { beat: Int16Array.from(beat.wraps) }, knows: Math.abs(frequencies[1] - TRAINED) < 1e4 };
     if (session && found.knows) {
-      found.network = await lab.classify(session, lab.features(tones, scene), scene);
+      found.network = known.network ??= await lab.classify(session, lab.features(tones, scene), scene);
       found.wraps.network = found.network.wraps;
     }
     return found;
@@ -132,8 +134,6 @@
     }
     busy = false;
   }
-
-  const say = (text) => { said.textContent = text; };
 
   function enter(scene) {
     scene.truth = lab.trueWraps(scene.depth, LOW);

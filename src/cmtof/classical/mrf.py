@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import gaussian_filter, uniform_filter
 
-from cmtof.classical.beat import synthetic_frequency
+from cmtof.classical.beat import confirmed, steps, synthetic_frequency
 from cmtof.compiled import njit
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.estimate import Estimate, within_range, wraps_in_range
@@ -57,7 +57,7 @@ def mrf(measurement: Measurement) -> Estimate:
     """Wraps of least cost summed over eight paths, each a chain from pixel to pixel."""
     field = wrap_field(measurement)
     labels, odds = semi_global_labels(field)
-    return Estimate(field.depth(labels, measurement), odds)
+    return confirmed(field.depth(labels, measurement), odds, measurement)
 
 
 def mrf_graphcut(measurement: Measurement) -> Estimate:
@@ -70,7 +70,7 @@ def mrf_graphcut(measurement: Measurement) -> Estimate:
     start, odds = semi_global_labels(field)
     labels = lowered(field, start)
     changed = np.where(labels == start, odds, np.minimum(odds, 1 - odds))
-    return Estimate(field.depth(labels, measurement), changed)
+    return confirmed(field.depth(labels, measurement), changed, measurement)
 
 
 def wrap_field(measurement: Measurement) -> Field:
@@ -103,8 +103,7 @@ def _slope(phasor: Complex) -> Array:
     """Slope (2, H, W) down and right, rad/px: angle of the summed products of neighbours."""
     slopes = []
     for axis in (0, 1):
-        ahead = np.roll(phasor, -1, axis) * np.conj(phasor)
-        ahead[(slice(None),) * axis + (-1,)] = 0  # the last pixel has no neighbour ahead
+        ahead = steps(phasor, axis)
         slopes.append(np.angle(uniform_filter(ahead + np.roll(ahead, 1, axis), 2 * RADIUS + 1)))
     return np.stack(slopes)
 

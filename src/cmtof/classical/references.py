@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import find_objects, label, uniform_filter
 
 from cmtof.bounds import wrap_probability
-from cmtof.classical.beat import synthetic_frequency
+from cmtof.classical.beat import noise_of_mean, synthetic_frequency
 from cmtof.classical.region import Pooled, components, mean_over, pool, whole_wraps
 from cmtof.correlation import (
     consistent_wrap_count,
@@ -134,7 +134,7 @@ def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
         share = np.maximum(_square_mean(inside.astype(float), side), 0.5 / side**2)
         mean = _square_mean(ours, side) / share
         power = _square_mean(np.abs(ours) ** 2, side) / share
-        noise = _noise_of_mean(mean, power, np.maximum(share * side**2, 1))
+        noise = noise_of_mean(mean, power, np.maximum(share * side**2, 1))
         known = inside & np.isfinite(noise)
         phase[place][inside] = np.angle(mean)[inside]
         spread[place][known] = noise[known]
@@ -144,15 +144,6 @@ def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
 def _square_mean(image: NDArray, side: int) -> NDArray:
     """Mean of an image (H, W), zero outside, over a square of odd ``side``, px."""
     return uniform_filter(image, side, mode="constant")
-
-
-def _noise_of_mean(mean: Complex, power: Array, count: Array) -> Array:
-    """Noise, rad, of the angle of a mean of ``count`` phasors; infinite of one or of none."""
-    scatter = np.maximum(power - np.abs(mean) ** 2, 0)
-    length = np.abs(mean)
-    known = (count > 1.5) & (length > 0)
-    noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1))) / np.where(known, length, 1)
-    return np.where(known, noise, np.inf)
 
 
 def _pieces(surface: Numbers) -> Iterator[tuple[Any, Flags]]:

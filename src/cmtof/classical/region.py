@@ -13,7 +13,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from cmtof.bounds import wrap_probability
-from cmtof.classical.beat import beat_depth, beat_phasor, guides, synthetic_frequency
+from cmtof.classical.beat import beat_depth, beat_phasor, confirmed, guides, synthetic_frequency
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.estimate import Estimate, guess, nearest, within_range
 from cmtof.measurement import Measurement
@@ -22,11 +22,9 @@ from cmtof.types import Array, Complex, Flags, Numbers
 STEP, EDGE = 1.0, 0.1
 """Steps between neighbours that cut: of the unwrapped phase, rad, and of the smoothed logarithm of
 amplitude; the best of two and three values on eight views of validation rooms."""
-CALIBRATION = ((0, 0.1, 0.5, 0.7, 0.9, 1), (0.03, 0.04, 0.19, 0.3, 0.56, 0.92))
-"""Odds by the scatter of patches, and the share that was right on views of 45 training and
-validation rooms: part of what leaks scatters as little as noise."""
 BESIDE = ((0.5, 1.5, 4, 10, 30), (1, 0.65, 0.45, 0.28, 0.15))
-"""Pixels off the region whose depth a pixel takes, and a factor, on the same views."""
+"""Pixels off the region whose depth a pixel takes, and a factor, counted on views of 45 training
+and validation rooms."""
 _COHERENCE = 0.1  # of the local slope, below which a pixel belongs to no region
 _SMALLEST = 100  # px, below which a region takes the depth of a larger one beside it
 
@@ -76,12 +74,10 @@ def region(measurement: Measurement) -> Estimate:
     pooled = pool(*patches(np.where(mask, beat, 0), number))
     offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
     odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=(low, high)))
-    odds = np.interp(odds, *CALIBRATION)
     near = nearest(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
-    depth = (shape + offset[number])[near]
+    depth = within_range((shape + offset[number])[near], measurement)
     away = np.hypot(*(near - np.indices(mask.shape)))
-    confidence = odds[number][near] * np.interp(away, *BESIDE)
-    return Estimate(within_range(depth, measurement), np.where(mask, confidence, 0))
+    return confirmed(depth, odds[number][near] * np.interp(away, *BESIDE), measurement)
 
 
 def relative_phase(measurement: Measurement) -> Array:
