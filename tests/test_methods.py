@@ -46,6 +46,7 @@ def test_results_obey_range_and_mask_and_repeat(name):
     low, high = 0.86, 1.05
     m = given_to(name, wall(24, 32))
     mask = m.mask & (np.indices(m.shape)[0] >= 5)
+    m.dataset["correlation"] = m.dataset["correlation"].where(mask)
     m = masked(m, mask)
     count, depth, confidence = images(m, name, range=(low, high))
     assert (count[~mask] == -1).all()
@@ -56,18 +57,6 @@ def test_results_obey_range_and_mask_and_repeat(name):
     assert ((confidence >= 0) & (confidence <= 1)).all()
     again = images(m, name, range=(low, high))
     assert_array_equal([count, depth, confidence], again)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_masked_pixels_may_be_nan(name):
-    m = given_to(name, wall(24, 32))
-    m.dataset["correlation"][..., 7:9, 3] = np.nan
-    mask = m.mask.copy()
-    mask[7:9, 3] = False
-    count, depth, _ = images(masked(m, mask), name)
-    assert (count[7:9, 3] == -1).all()
-    assert np.isnan(depth[7:9, 3]).all()
-    assert (count >= 0).sum() == m.mask.sum() - 2
 
 
 @pytest.mark.parametrize(
@@ -211,8 +200,8 @@ def rooms():
 
 def uneven(frame):
     """The frame with depths that are rough by a tenth of a wrap or so in each pixel."""
-    rough = np.random.default_rng(1).normal(1, 0.002, frame.depth.shape)
-    return replace(frame, depth=frame.depth * rough)
+    rng = np.random.default_rng(1)
+    return replace(frame, depth=rng.normal(frame.depth, 0.002 * frame.depth))
 
 
 CASES = {

@@ -7,7 +7,7 @@ from pytest import approx
 from scipy.stats import chi2, sem
 
 import cmtof
-from cmtof.bounds import phase_bound, phase_spread, simulated_phase_noise
+from cmtof.bounds import phase_spread, simulated_phase_noise
 from cmtof.correlation import TAU, centred, depth_from_phase, wrapped
 from cmtof.noise import (
     LineNoise,
@@ -15,7 +15,6 @@ from cmtof.noise import (
     fit_line_noise,
     fit_response,
     intensity_from_phase_noise,
-    linear_from_spread,
     local_phase_noise,
     local_residual,
     noise_from_spectrum,
@@ -24,7 +23,6 @@ from cmtof.noise import (
     typical_phase_noise,
 )
 from cmtof.scenes import Frame
-from cmtof.simulation import QUADRATURES
 
 SHAPE = (96, 80)
 EVERYWHERE = np.ones(SHAPE, bool)
@@ -151,16 +149,6 @@ def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity)
     noise = phase_spread(float(simulated_phase_noise(intensity, sigma=sigma)))
     assert sigma_from_phase_noise(noise, intensity=intensity) == approx(sigma, rel=1e-8)
     assert intensity_from_phase_noise(noise, sigma) == approx(intensity, rel=1e-8)
-
-
-def test_gaussian_noise_keeps_to_the_bound():
-    bound = phase_bound(20_000 / np.pi, 10_000.0, QUADRATURES, sigma=1200, phase=np.pi / 4)
-    assert phase_spread(float(simulated_phase_noise(1.0))) == approx(float(bound), rel=0.012)
-
-
-@pytest.mark.parametrize("linear", [1e-4, 0.5, 3.0, 20.0])
-def test_the_law_of_the_spread_is_inverted(linear):
-    assert linear_from_spread(phase_spread(linear)) == approx(linear, rel=1e-6)
 
 
 def test_sigma_is_found_in_a_simulated_map_despite_outliers():

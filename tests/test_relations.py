@@ -60,6 +60,7 @@ SAME = {
     "truth removed": lambda m: Measurement(m.dataset.drop_vars("depth")),
     "uint16": lambda m: with_images(m, lambda c: np.rint(c).clip(0).astype(np.uint16)),
     "int32": lambda m: with_images(m, lambda c: np.rint(c).astype(np.int32)),
+    "differences of two buckets": lambda m: with_images(m, lambda c: (c - 9e3).astype(np.int16)),
     **{f"counts x {k:g}": lambda m, k=k: with_images(m, lambda c: c * k) for k in (1e-20, 1e12)},
 }
 

@@ -204,11 +204,11 @@ def smallest_text(fig: Figure) -> float:
 
 
 def _save_space(path: Path) -> None:
-    """Keep 256 colours of a picture if that changes them by less than a level on average."""
+    """Keep 256 colours of a picture if that changes them by less than 1 % on average."""
     drawn = Image.open(path).convert("RGB")
     few = drawn.quantize(256, kmeans=1, dither=Image.Dither.NONE)
     lost = np.subtract(few.convert("RGB"), drawn, dtype=float)
-    kept = few if np.abs(lost).max(-1).mean() < 1 else drawn
+    kept = few if np.abs(lost).max(-1).mean() < 2.55 else drawn
     kept.save(path, "PNG", optimize=True)
 
 
