@@ -256,9 +256,9 @@ notes.table(["method", "mean confidence, %", "right, %", "calibration error, %"]
 
 # %% [markdown]
 # The confidence of pixelwise methods (`crt`, `phasor`) holds, since they are affected by noise
-# alone. The confidence of a pooled beat contains the noise of its window but not the surfaces that
-# end in it, so it is too high. Those of `mrf` and `surfaces` were calibrated once, on rooms of the
-# training and validation sets; the others follow their sources.
+# alone. That of `beat` also counts how the depth varies within its window. Those of `region`, `mrf`
+# and networks fall where the beat of a pixel, or of the window around it, contradicts the depth.
+# They and that of `surfaces` were calibrated on rooms of the training and validation sets.
 #
 # ## Costs
 #
