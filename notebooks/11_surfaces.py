@@ -142,16 +142,17 @@ views.show_scene("scene_room", title="the room")
 # 2. **Growth.** From the best window on, a plane takes the neighbouring cells of 8 px that it
 #    explains, and is refitted each time its area has doubled. Its slope becomes more precise, so
 #    that a leak into a surface behind it, in phase by chance, ends after a few cells.
-# 3. **Pixels.** Each pixel takes the most likely surface around it, over a square of 5 px. Planes
-#    that are whole wraps apart, as a curtain before a wall, have the same phases and grow as one;
-#    such a surface is split where the beat of its cells steps.
+# 3. **Pixels.** Each pixel takes the most likely surface around it, over a square of 5 px.
 # 4. **Offsets.** Every surface is fitted to its interior; the beat and the shape give its whole
-#    wraps, with an uncertainty. Planes aligned with the axes of the room reduce it. A phase offset
-#    between the frequencies moves all beats and no shape; where the planes of a frame together show
-#    one by more than 2.5 standard deviations, it is subtracted ([chapter 12](12_robustness.ipynb)).
+#    wraps, with an uncertainty. A shape says little where walls are uneven: what is too faint for
+#    its own unevenness to show counts as uneven as the others. Planes aligned with the axes of the
+#    room reduce the uncertainty. A phase offset between the frequencies moves all beats and no
+#    shape; where the planes of a frame together show one by more than 2.5 standard deviations, it
+#    is subtracted ([chapter 12](12_robustness.ipynb)).
 # 5. **Ties.** Along each border two surfaces either meet, so that they differ by the same whole
-#    wraps all along it, or one occludes the other. The most certain pair is tied first and its
-#    offsets are averaged by their precision, and so on while the odds are good.
+#    wraps all along it, or one occludes the other. Each surface tells its neighbours how likely
+#    its offsets are and hears theirs (belief propagation), so that a false contact is outvoted by
+#    those that agree. The probability of the wraps that win is also the start of the confidence.
 # 6. **The rest** takes the nearest surface within 4 px, or else the beat of its surroundings.
 # 7. **Votes.** An unexplained pixel follows its neighbours if its own beat is certain to 4 wraps,
 #    as for many pixels of a scan ([chapter 21](21_scanned_scenes.ipynb)).
@@ -254,7 +255,6 @@ plotting.save(
 VARIANTS = {
     "all of it": [],
     "planes only": ["bent"],
-    "not parted by the beat": ["parts"],
     "offsets by the beat alone": ["shape"],
     "no axes of the room": ["axes"],
     "no ties": ["ties"],

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cmtof.hybrid import LEAST, MOVES, elected, means_of_groups
-from cmtof.surfaces.placing import Tied
+from cmtof.surfaces.contacts import Tied
 
 
 def surface_off_by(mean, spread):
@@ -14,6 +14,7 @@ def surface_off_by(mean, spread):
         group=np.zeros(1, int),
         mean=np.array([mean]),
         spread=np.array([spread]),
+        odds=np.ones(1),
     )
 
 

@@ -17,7 +17,7 @@ from cmtof.correlation import TAU, wrap_length
 from cmtof.estimate import Estimate, without_holes, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import surfaces
-from cmtof.surfaces.placing import Tied
+from cmtof.surfaces.contacts import Tied
 from cmtof.types import Array, Numbers, Single
 
 # the best of 18 settings on 12 views of validation rooms, 768 x 1024:
@@ -75,4 +75,5 @@ def elected(tied: Tied, told: Array) -> Tied:
     mean = share @ MOVES
     variance = np.maximum(share @ MOVES**2 - mean**2, _SHARPEST)
     wraps = tied.wraps + MOVES[share.argmax(axis=1)]
-    return tied._replace(wraps=wraps, mean=tied.wraps + mean, spread=np.sqrt(variance))
+    odds = share.max(axis=1)
+    return Tied(wraps, tied.group, tied.wraps + mean, np.sqrt(variance), odds)

@@ -1,6 +1,4 @@
-"""Whole wraps of a surface by its beat and by its shape, and ties between surfaces that meet."""
-
-from itertools import combinations
+"""Whole wraps of a surface by its beat and by its shape."""
 
 import numpy as np
 import pytest
@@ -8,12 +6,10 @@ from exact_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth, whole_b
 
 from cmtof.surfaces import placing
 from cmtof.surfaces.fitting import BENT, PLANE, leaning, moved
-from cmtof.surfaces.method import _inside
 from cmtof.surfaces.roughness import cells_of_surfaces
 
 INNER = np.zeros(SHAPE, np.int32)
 BOXES = whole_boxes(SHAPE)
-GOOD = 2.0
 
 
 def a_fit(offset, known, missed=0.0):
@@ -22,11 +18,6 @@ def a_fit(offset, known, missed=0.0):
 
 def known(mean, spread):
     return placing.Offsets(np.array(mean, float), np.array(spread, float))
-
-
-def between(*entries):
-    columns = np.array(entries, float).reshape(-1, 4).T
-    return placing.Borders(*columns[:2].astype(int), *columns[2:])
 
 
 def beats_of(field, q):
@@ -75,15 +66,6 @@ def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision():
     np.testing.assert_allclose(np.mean(off, axis=0), [0, 11], atol=3 * smooth)
 
 
-def test_two_planes_with_one_phase_are_cut_where_the_beat_steps(rng):
-    depth, q = plane_depth((0.3, -0.2, 1), 2.5)
-    depth = depth + 5 * WRAP * (np.arange(SHAPE[1]) >= 80)
-    field = exact_field(depth, information=50.0, noise_of=rng)
-    main, surfaces = placing.parted(field, INNER, q[None])
-    right = np.mean((main > 0) == (np.arange(SHAPE[1] // 8) >= 10))
-    assert len(surfaces) == 2 and max(right, 1 - right) > 0.97
-
-
 def test_planes_at_right_angles_place_each_other():
     camera, found, fit = (400.0, 400.0, 81.0, 62.5), [], []
     for normal, off in (((2, 2, 1), 0), ((-2, 1, 2), 0), ((1, -2, 2), 2)):
@@ -96,7 +78,7 @@ def test_planes_at_right_angles_place_each_other():
     np.testing.assert_allclose([*sharp.mean, sharp.spread[2]], [0, 0, 2, 0.05], atol=0.1)
 
 
-def test_pixels_take_the_likeliest_surface_and_borders_find_whole_wraps():
+def test_pixels_take_the_likeliest_surface():
     """Left one plane, right another that meets it, moved by three wraps."""
     one, q = plane_depth((0.3, 0, 1), 2.5)
     other, p = plane_depth((-0.3, 0, 1), 2.5)
@@ -112,45 +94,3 @@ def test_pixels_take_the_likeliest_surface_and_borders_find_whole_wraps():
     assert np.mean(label == truth) > 0.97
     assert share.max() == pytest.approx(1, abs=0.05)
     assert (placing.interiors(label, share)[:, 78:84] == -1).all()
-    found = placing.borders(field, label, surfaces)
-    assert (found.first.tolist(), found.second.tolist()) == ([0], [1])
-    assert abs(found.step[0]) == 3
-    assert found.odds[0] > 0.5
-
-
-def test_two_that_meet_share_their_precision():
-    """The mean of two Gaussians, one of them shifted by the step of the border."""
-    found = placing.tied(known([0.3, 2.5], [0.2, 0.4]), between((0, 1, 2, GOOD)))
-    mean = (0.3 / 0.2**2 + 0.5 / 0.4**2) / (1 / 0.2**2 + 1 / 0.4**2)
-    np.testing.assert_allclose(found.mean, [mean, mean + 2])
-    np.testing.assert_allclose(found.spread, (1 / 0.2**2 + 1 / 0.4**2) ** -0.5)
-    np.testing.assert_array_equal(found.wraps, [0, 2])
-
-
-def test_the_middle_of_a_group_decides_which_beat_it_lies_in_and_not_its_far_pixels():
-    field, depth = exact_field(plane_depth((0, 0, 1), 2.5)[0]), np.full(SHAPE, 2.5)
-    depth[0] = 5000.0
-    held = placing.Tied(np.zeros(1), np.zeros(1, int), np.zeros(1), np.ones(1))
-    assert _inside(held, depth, INNER, field).wraps == 0
-    assert _inside(held, depth + 7.5, INNER, field).wraps < -350
-
-
-def test_none_are_tied_that_disagree_or_against_the_odds():
-    found = placing.tied(known([0, 9], [0.3, 0.3]), between((0, 1, 0, GOOD)))
-    np.testing.assert_allclose(found.mean, [0, 9])
-    found = placing.tied(known([0.2, 0.6], [0.2, 0.2]), between((0, 1, 0, 1e-6)))
-    assert found.group[0] != found.group[1]
-    assert placing.tied(known([], []), between()).wraps.size == 0
-
-
-def test_neither_the_order_of_borders_nor_their_sides_matter(rng):
-    for count in (2, 5, 9):
-        true, spread = rng.integers(-20, 20, count), rng.uniform(0.05, 2, count)
-        pairs = [pair for pair in combinations(range(count), 2) if rng.random() < 0.7]
-        steps = [(true[b] - true[a] + rng.integers(-1, 2), rng.uniform(0.01, 2)) for a, b in pairs]
-        found = known(true + spread * rng.normal(size=count), spread)
-        once = placing.tied(found, between(*((*p, *s) for p, s in zip(pairs, steps, strict=True))))
-        turned = [(b, a, -s, o) for (a, b), (s, o) in zip(pairs, steps, strict=True)]
-        got = placing.tied(found, between(*(turned[i] for i in rng.permutation(len(turned)))))
-        np.testing.assert_array_equal(got.wraps, once.wraps)
-        np.testing.assert_allclose(got.mean, once.mean)

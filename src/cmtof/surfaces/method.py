@@ -2,7 +2,8 @@
 
 1. `cmtof.surfaces.field`: the phasors of each pixel, weighted so that likelihoods add up.
 2. `cmtof.surfaces.growing`: planes start in windows, grow over cells that fit, and may curve.
-3. `cmtof.surfaces.placing`: pixels take surfaces; beat, shape and what meets give their wraps.
+3. `cmtof.surfaces.placing`: pixels take surfaces, whose beat and shape give their wraps.
+   `cmtof.surfaces.contacts`: surfaces that meet agree on them.
    `cmtof.surfaces.roughness`: how far pixels depart from their surface.
 4. Here: other pixels take the nearest one, the beat about them, or the vote of neighbours.
 """
@@ -12,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, median, uniform_filter
-from scipy.special import ndtr
 
 from cmtof.classical.beat import beat, synthetic_frequency
 from cmtof.classical.region import nearest
@@ -20,20 +20,17 @@ from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
-from cmtof.surfaces import placing
-from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
+from cmtof.surfaces import contacts, placing
+from cmtof.surfaces.field import Field, field_from_measurement
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
 from cmtof.surfaces.roughness import cells_of_surfaces, departure, turned_back
 from cmtof.types import Array, Flags, Numbers
 
-STEPS = ("bent", "parts", "shape", "closure", "axes", "ties", "fill")  # that may be left out
+STEPS = ("bent", "shape", "closure", "axes", "ties", "fill")  # that may be left out
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 
 # Confidences, calibrated on views of training rooms, and of votes on scans of things from these.
-CALIBRATION = (  # odds of an offset by its Gaussian, and the share that was right
-    (0.0, 0.1, 0.25, 0.35, 0.5, 0.6, 0.75, 0.9, 0.99, 1.0),
-    (0.08, 0.08, 0.14, 0.16, 0.4, 0.445, 0.67, 0.83, 0.905, 0.955),
-)
+CALIBRATION = ((0.0, 0.9, 1.0), (0.0, 0.87, 0.965))  # odds of an offset, and the share right
 FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))  # S / E about a pixel, and a factor
 # px off the nearest surface, and a factor; farther off the beat counts, hardly ever right
 BESIDE = ((1.0, 2.0, REACH, REACH + 0.1), (0.36, 0.2, 0.1, 0.03))
@@ -52,7 +49,7 @@ _ENOUGH = 3.0  # votes that decide; a pixel alone has one
 _FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvote it
 
 
-Election = Callable[[placing.Tied, Array, Numbers], placing.Tied]
+Election = Callable[[contacts.Tied, Array, Numbers], contacts.Tied]
 
 
 class Stages(NamedTuple):
@@ -63,8 +60,8 @@ class Stages(NamedTuple):
     label: Numbers  # surface of each pixel, -1 for none
     surfaces: Array  # parameters and roughness (N, 7) before any offset is added
     offsets: placing.Offsets
-    borders: placing.Borders
-    tied: placing.Tied
+    borders: contacts.Borders
+    tied: contacts.Tied
     depth: Array  # of all pixels, m
     confidence: Array
 
@@ -90,9 +87,9 @@ def stages(
 ) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
-    Steps that may be left out: ``bent`` surfaces beside planes; ``parts``, cut where the beat
-    steps; with a camera, offsets by the ``shape``, one of all beats by it (``closure``), and by the
-    ``axes`` of the room; ``ties`` of surfaces that meet; the ``fill`` of far pixels by their beat.
+    Steps that may be left out: ``bent`` surfaces beside planes; with a camera, offsets by the
+    ``shape``, one of all beats by it (``closure``), and by the ``axes`` of the room; ``ties`` of
+    surfaces that meet; the ``fill`` of far pixels by their beat.
     ``elect`` returns offsets from them, the depth (H, W) and the surface (H, W) before any offset.
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
@@ -103,14 +100,6 @@ def stages(
     owner, surfaces = grown_surfaces(field, gain=gain, roughest=roughest)
     label, share = placing.pixel_labels(field, owner, surfaces)
     inner = placing.interiors(label, share)
-    main, cut = placing.parted(field, inner, surfaces)
-    if "parts" not in without and len(cut) > len(surfaces):
-        old, owner = owner, np.where(main < len(surfaces), owner, main)
-        both = np.isin(owner, [old[owner != old], owner[owner != old]])  # of what was cut
-        cells = pixels_of_cells(np.where(both, owner, -1))
-        surfaces = fitted(field, cells, cut, (_STEPS, _CELLS), gain)[0]
-        label, share = placing.pixel_labels(field, owner, surfaces)
-        inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
     shape = "shape" not in without and measurement.camera is not None  # else it is assumed
     explained = label >= 0
@@ -121,19 +110,17 @@ def stages(
     alone = placing.offsets(beats, surfaces, fit, shape=shape, closed="closure" in without)
     if shape and "axes" not in without and len(surfaces):
         alone = placing.aligned(alone, surfaces, fit, label)
-    touching = placing.borders(field, label, surfaces)
-    joined = placing.tied(alone, touching._replace(odds=touching.odds * ("ties" not in without)))
+    touching = contacts.borders(field, label, surfaces)
+    touching = touching._replace(odds=touching.odds * ("ties" not in without))
     inside = tuple(slice(0, n) for n in measurement.shape)
+    masked = np.where(measurement.mask, label[inside], -1)
+    limits = _limits(field, depth[inside], masked, len(surfaces))
+    joined = contacts.tied(alone, touching, limits, repeat=1 / abs(field.excess))
     if len(surfaces):
-        masked = np.where(measurement.mask, label[inside], -1)
-        joined = _inside(joined, depth[inside], masked, field)
         joined = elect(joined, depth[inside], masked) if elect else joined
         depth = depth + field.period * joined.wraps[everywhere]
         depth = _departed(field, depth, np.append(cells.rough, 0)[label])
-    # probability that the offset of a group, a Gaussian, was rounded to the right wrap
-    off, spread = joined.mean - joined.wraps, joined.spread
-    right = ndtr((0.5 - off) / spread) - ndtr((-0.5 - off) / spread)
-    odds = right[everywhere] if len(surfaces) else np.zeros(label.shape)
+    odds = joined.odds[everywhere] if len(surfaces) else np.zeros(label.shape)
     distance = np.where(explained.any(), distance_transform_edt(~explained), np.inf)
     lost = ~np.isfinite(depth) | ((distance > REACH) & ("fill" not in without))
     if lost.any():
@@ -156,22 +143,15 @@ def _departed(field: Field, depth: Array, rough: Array) -> Array:
     return depth + off / field.wavenumber[0]
 
 
-def _inside(joined: placing.Tied, depth: Array, label: Numbers, field: Field) -> placing.Tied:
-    """Move groups by whole beats, then by wraps, until their median lies within the limits."""
+def _limits(field: Field, depth: Array, label: Numbers, count: int) -> Array:
+    """Offsets (2, N), wraps, with which the middle of each surface lies at the limits."""
     known = label >= 0
-    if not known.any():  # all surfaces lie outside the mask
-        return joined
-    group, every = joined.group[label[known]], np.arange(joined.wraps.size)
-    middle = median(depth[known] / field.period + joined.wraps[label[known]], group, every)
-    low, high = np.array(field.limits) / field.period
-    middle = np.where(np.isin(every, group), middle, low)
-    repeat = 1 / abs(field.excess)  # wraps
-    beats = np.ceil((low - middle) / repeat)
-    beats = np.where(middle + beats * repeat < high, beats, 0)
-    middle, lacking = middle + beats * repeat, joined.mean + (beats * repeat)[joined.group]
-    wraps = np.where(beats[joined.group] != 0, np.rint(lacking), joined.wraps)
-    extra = np.ceil(np.maximum(low - middle, 0)) - np.ceil(np.maximum(middle - high, 0))
-    return joined._replace(mean=lacking, wraps=wraps + extra[joined.group])
+    limits = np.full((2, count), np.inf) * [[-1], [1]]
+    there = np.unique(label[known])
+    if there.size:
+        middle = median(depth[known], label[known], there)
+        limits[:, there] = (np.array(field.limits)[:, None] - middle) / field.period
+    return limits
 
 
 def voted(field: Field, depth: Array, explained: Flags, closure: float) -> tuple[Array, Array]:

@@ -1,12 +1,9 @@
 """From surfaces to depths: which one each pixel lies on, and how many whole wraps it is off.
 
 The pooled higher phase lags behind the lower one by ``2 pi m (k_2 / k_1 - 2)`` after m wraps: the
-beat. A plane moved along the rays is bent, the more so the wider it is: the shape. Along a border
-two surfaces either meet, with the same depth but for whole wraps, or one hides the other, and their
-difference takes any value.
+beat. A plane moved along the rays is bent, the more so the wider it is: the shape.
 """
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -19,12 +16,10 @@ from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood
 from cmtof.surfaces.growing import around
 from cmtof.surfaces.roughness import (
     Cells,
-    cells_of_surfaces,
     departure,
     pooled_phasors,
     sum_cells,
     sum_nearby,
-    sum_surfaces,
     turned_alike,
 )
 from cmtof.types import Array, Numbers
@@ -34,32 +29,19 @@ EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on no
 _INSIDE = 4  # fits use pixels without another surface this near, px,
 _CERTAIN = 0.6  # and with this S / E
 _OPEN = 2.5  # deviations above which a common offset of beats counts
+_CLOSED = 0.4  # inverse variance of such an offset, 1 / wraps^2, before anything is known
 _CLOSING = 20  # iterations towards it
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
+_FAINT = 8.0  # loss of S, times the stiffness, from which on it is seen
 _FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
 _BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
 _AGAIN = 2  # times that beats of rough surfaces are pooled again
-_CUT = 20.0  # least gain, as a log-likelihood, of a part,
-_EDGE = 0.12  # also per cell of its border
-_PART = 6  # least size, cells, of a part
-_APART = 0.7  # and its least distance, wraps
-_CUTS = 3  # rounds of cutting
 _PLUMB = 5e-4  # deviation, rad, of what is upright
 _UPRIGHT = 5.0  # its least likelihood, 1 / rad
 _CLEAR = 1e-2  # uncertainty, rad, of normals that vote,
 _SHARP = 1.5e-3  # and of those elected
 _FARTHEST = 10.0  # offset, wraps, up to which a plane turns in proportion
 _ENOUGH = 60.0  # information from which on a cell is turned back by its own phasors alone
-
-_LEAST = 8  # border, px, below which nothing follows from it
-_LONG = 24  # and from which on it has full odds
-# Tolerance, wraps, of a pixel's difference, and per wrap of slope; the same of the median.
-_TOLERANCE = (0.25, 1.5, 0.1, 0.3)
-# Odds that surfaces meet, by the share of their border that differs by the same whole wraps.
-_SUPPORT = ((0.95, 2.0), (0.85, 0.7), (0.6, 0.2), (0.0, 0.02))
-_JUMP = 40.0  # wraps over which the depths of surfaces that do not meet are spread
-_MEET = 0.3  # odds from which on two surfaces are tied
-_LOOSE = 0.05  # variance, wraps^2, of a tie
 
 
 Beats = tuple[Array, Array, Array]
@@ -72,24 +54,6 @@ class Offsets(NamedTuple):
     mean: Array
     spread: Array
     closure: float = 0.0  # common offset of all beats, wraps, that was subtracted
-
-
-class Borders(NamedTuple):
-    """Pairs of surfaces with a common border, one entry (B,) each."""
-
-    first: Numbers
-    second: Numbers
-    step: Array  # whole wraps by which the first lies behind along most of it
-    odds: Array  # that both meet there, before their offsets are known
-
-
-class Tied(NamedTuple):
-    """Surfaces after the ties, one entry (N,) each."""
-
-    wraps: Array  # whole, to add
-    group: Numbers
-    mean: Array  # offset of the group before rounding, wraps
-    spread: Array  # standard deviation of that
 
 
 def pixel_labels(field: Field, owner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
@@ -123,11 +87,11 @@ def depth_of_labels(field: Field, label: Numbers, surfaces: Array) -> Array:
     """Depth (H, W), m, of each pixel on its surface; NaN without one."""
     out = np.full(label.shape, np.nan)
     y, x = np.nonzero(label >= 0)
-    out[y, x] = _depth(field, surfaces, label[y, x], y, x)
+    out[y, x] = depth_of_pixels(field, surfaces, label[y, x], y, x)
     return out
 
 
-def _depth(field: Field, surfaces: Array, which: Numbers, y: Numbers, x: Numbers) -> Array:
+def depth_of_pixels(field: Field, surfaces: Array, which: Numbers, y: Numbers, x: Numbers) -> Array:
     """Depth (P,), m, of surfaces by their number (P,) at pixels (P,)."""
     q = surfaces[which].T
     u = field.u[x]
@@ -170,7 +134,14 @@ def offsets(beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=Fal
     doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
     by_beat = 1 / (noise**2 + doubt**2)
     known, missed, bend = np.maximum(fit[:, 1:4].T, 1e-12)
-    variance = 1 / known + (np.maximum(missed, _SMOOTH) / bend) ** 2 + _FLOOR[0] ** 2
+    stiff = np.where(fit[:, 1] > 0, known / bend**2, 0)
+    # what is too faint for its own unevenness to be seen is as uneven as the others
+    order = np.argsort(missed)
+    told = stiff[order].cumsum()
+    typical = missed[order][np.searchsorted(told, told[-1:] / 2)] if len(told) else missed
+    unseen = np.minimum(typical, np.sqrt(_FAINT / np.maximum(stiff, 1e-12)))
+    uneven = np.maximum(missed, np.maximum(unseen, _SMOOTH))
+    variance = 1 / known + (uneven / bend) ** 2 + _FLOOR[0] ** 2
     by_shape = np.where((fit[:, 1] > 0) & shape, 1 / variance, 0)
     flat = ~surfaces[:, 3:6].any(axis=1)  # what is bent may have been bent by a wrap
     excess = beat - fit[:, 0]
@@ -179,7 +150,7 @@ def offsets(beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=Fal
     off = 0.0
     for _ in range(_CLOSING):
         weight = both / (1 + both * (excess - off) ** 2 / 2)
-        off = float(weight @ excess / max(weight.sum(), 1e-12))
+        off = float(weight @ excess / (weight.sum() + _CLOSED))
     if closed or abs(off) < _OPEN / np.sqrt(weight.sum() + 1e-12):
         off = 0.0
     mean = (fit[:, 0] * by_shape + (beat - off) * by_beat) / total
@@ -278,123 +249,3 @@ def _cell_phasors(field: Field, cells: Cells) -> Array:
     size = np.abs(near)
     pull = size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
     return turned_alike(field, sums, low + pull)
-
-
-def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
-    """Surface of most pixels in each cell, and surfaces (N, 7), those cut whose beat steps.
-
-    Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
-    that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
-    """
-    depth = depth_of_labels(field, inner, surfaces)
-    cells = cells_of_surfaces(field, inner, depth, len(surfaces))
-    turned = _cell_phasors(field, cells)
-    main = cells.main
-    told = cells.told
-    wrap = TAU * field.excess
-    ratio = field.multiple
-    low, high = turned.imag / np.maximum(told, 1e-6)
-    lag = (high - ratio * low) / wrap
-    weight = wrap**2 * told[0] * told[1] / np.maximum(told[0] + ratio**2 * told[1], 1e-9)
-    for _ in range(_CUTS):
-        count = len(surfaces)
-        summed = partial(sum_surfaces, main, count=count)
-        middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[main]
-        apart = 1.0
-        radius = 1
-        for _ in range(5):
-            ahead = sum_nearby(weight * (lag - middle) * apart, main, radius) > 0
-            sides = np.array([~ahead, ahead])
-            known = np.maximum(summed(weight * sides), 1e-9)
-            rest, part = summed(weight * lag * sides) / known
-            middle = ((part + rest) / 2)[main]
-            apart = (part - rest)[main]
-            radius = 2
-        border = np.zeros(count + 1)
-        for axis in (0, 1):
-            here = np.delete(main, 0, axis)
-            inside = here == np.delete(main, -1, axis)
-            border += sum_surfaces(here, inside & np.diff(ahead, axis=axis), count)
-        gain = (part - rest) ** 2 / np.sum(1 / known, axis=0) / 2
-        good = gain > np.maximum(_CUT, _EDGE * border)
-        good &= summed(sides).min(axis=0) >= _PART
-        good &= np.abs(part - rest) > _APART
-        good[count] = False  # of cells without a surface
-        new = count + np.cumsum(good) - 1
-        main = np.where(ahead & good[main], new[main], main)
-        surfaces = np.concatenate([surfaces, surfaces[good[:count]]])
-    return main, surfaces
-
-
-def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
-    """Odds that surfaces meet, from their depths across every border between labels (H, W)."""
-    count = len(surfaces)
-    pixels = np.arange(label.size).reshape(label.shape)
-    here = np.append(pixels[:-1], pixels[:, :-1])  # above, then to the left of a border
-    beyond = np.append(pixels[1:], pixels[:, 1:])
-    sides = np.sort(label.ravel()[[here, beyond]], axis=0)
-    crossed = (sides[0] != sides[1]) & (sides[0] >= 0)
-    low, high = sides[:, crossed]
-    first, second = (  # differences of depth on this side of the border and on the other
-        _depth(field, surfaces, low, *at) - _depth(field, surfaces, high, *at)
-        for at in (np.divmod(side[crossed], label.shape[1]) for side in (here, beyond))
-    )
-    key = low.astype(np.int64) * count + high
-    jump = (first + second) / 2 / field.period
-    tilt = np.abs(first - second) / field.period
-    order = np.argsort(key, kind="stable")
-    found = []
-    for part in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
-        if part.size < _LEAST:
-            continue
-        step = jump[part]
-        slope = np.minimum(tilt[part], 1)
-        near = _TOLERANCE[0] + _TOLERANCE[1] * slope
-        whole = np.unique(np.rint(step))
-        support = (np.abs(step[:, None] - whole) < near[:, None]).mean(axis=0)
-        best = int(np.argmax(support))
-        agreeing = step[np.abs(step - whole[best]) < near.max()]
-        rest = np.median(agreeing) - whole[best] if agreeing.size else 0.5
-        width = _TOLERANCE[2] + _TOLERANCE[3] * np.median(slope)
-        odds = next(value for least, value in _SUPPORT if support[best] >= least)
-        odds *= np.exp(-((rest / width) ** 2) / 2) * min(1, part.size / _LONG)
-        found.append((*divmod(int(key[part[0]]), count), whole[best], odds))
-    columns = np.array(found, float).reshape(-1, 4).T
-    return Borders(*columns[:2].astype(int), *columns[2:])
-
-
-def tied(found: Offsets, borders: Borders) -> Tied:
-    """Tie surfaces, the surest pair first, as long as the odds are good.
-
-    They are those of the border times how much likelier both offsets agree than are anywhere.
-    """
-    count = found.mean.size
-    group = np.arange(count)
-    shift = np.zeros(count)
-    mean = found.mean.copy()
-    variance = found.spread**2
-    first, second, step, odds = borders
-    live = odds > 0
-    while live.any():
-        a = group[first]
-        b = group[second]
-        live &= a != b
-        # meeting: wraps_first - wraps_second = -step
-        apart = -step - shift[first] + shift[second]
-        width = variance[a] + variance[b] + _LOOSE
-        off = mean[a] - mean[b] - apart
-        value = odds * _JUMP * np.exp(-(off**2) / (2 * width)) / np.sqrt(TAU * width)
-        value = np.where(live, value, 0)
-        n = int(np.argmax(value))
-        if value[n] <= _MEET:
-            break
-        keep = a[n]
-        join = b[n]
-        weights = 1 / variance[[keep, join]]
-        both = mean[keep] * weights[0] + (mean[join] + apart[n]) * weights[1]
-        mean[keep] = both / weights.sum()
-        variance[keep] = 1 / weights.sum()
-        members = group == join
-        group[members] = keep
-        shift[members] -= apart[n]
-    return Tied(np.rint(mean[group]) + shift, group, mean[group] + shift, np.sqrt(variance[group]))

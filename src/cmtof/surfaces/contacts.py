@@ -1,0 +1,146 @@
+"""Where surfaces meet, and the wraps that follow from it for all of them together.
+
+Along a border two surfaces either meet, with the same depth but for whole wraps, or one hides the
+other, and their difference takes any value. What meets has offsets that differ by a known number.
+Every surface tells its neighbours which offsets it holds likely, and listens to theirs (belief
+propagation), so that a contact counts the more, the more others agree with it.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.special import expit, softmax
+
+from cmtof.correlation import TAU
+from cmtof.surfaces.field import Field
+from cmtof.surfaces.placing import Offsets, depth_of_labels, depth_of_pixels
+from cmtof.surfaces.roughness import sum_nearby, turned_back
+from cmtof.types import Array, Numbers
+
+_LEAST = 8  # border, px, below which nothing follows from it
+_NEAR = 2  # radius, px, over which a pixel's departure from its surface is averaged
+_CLOSE = (0.25, 0.1)  # distances, wraps, from the same whole wraps, at which border pixels count
+# Log-odds that surfaces meet: without evidence; by the shares of their border that are close; by
+# the mean of the latter over all borders; by the log of the length; by slope, wraps per pixel.
+_MEETING = (-3.85, 1.66, 1.27, 2.75, 0.41, -0.61)
+_FARTHEST = 32  # offset, wraps, from that of the surface alone
+_STRAY = 1e-5  # share of surfaces whose own offset says nothing
+_OUTSIDE = 1e-6  # density of offsets beyond the limits
+_LOOP = 0.3  # power of messages, since the same evidence comes back around loops
+_ROUNDS = 30  # of messages,
+_DAMPING = 0.5  # of which each keeps that much
+
+
+class Borders(NamedTuple):
+    """Pairs of surfaces with a common border, one entry (B,) each."""
+
+    first: Numbers
+    second: Numbers
+    step: Numbers  # whole wraps by which the first lies behind along most of it
+    odds: Array  # probability that both meet there
+
+
+class Tied(NamedTuple):
+    """Offsets of surfaces that know of each other, one entry (N,) each."""
+
+    wraps: Array  # whole, to add
+    group: Numbers  # of those whose contacts hold
+    mean: Array  # of the offset, wraps
+    spread: Array  # its standard deviation
+    odds: Array  # probability of these wraps
+
+
+def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
+    """Odds that surfaces meet, from depths across every border between labels (H, W).
+
+    Depths are those of the surfaces, and of their pixels' phases about them.
+    """
+    count = len(surfaces)
+    pixels = np.arange(label.size).reshape(label.shape)
+    here = np.append(pixels[:-1], pixels[:, :-1])  # above, then to the left of a border
+    beyond = np.append(pixels[1:], pixels[:, 1:])
+    sides = label.ravel()[[here, beyond]]
+    crossed = (sides[0] != sides[1]) & (sides.min(axis=0) >= 0)
+    at = np.where(sides[0] < sides[1], (here, beyond), (beyond, here))[:, crossed]
+    low, high = np.sort(sides[:, crossed], axis=0)
+    first, second = (  # differences of depth on this side of the border and on the other
+        depth_of_pixels(field, surfaces, low, *place)
+        - depth_of_pixels(field, surfaces, high, *place)
+        for place in (np.divmod(side, label.shape[1]) for side in at)
+    )
+    depth = np.nan_to_num(depth_of_labels(field, label, surfaces))
+    turned = np.where(label < 0, 0, turned_back(field, depth)[0])
+    departure = np.angle(sum_nearby(turned, label, _NEAR)).ravel() / TAU
+    jump = (first + second) / 2 / field.period + departure[at[0]] - departure[at[1]]
+    tilt = np.minimum(np.abs(first - second) / field.period, 1)
+    key = low.astype(np.int64) * count + high
+    order = np.argsort(key, kind="stable")
+    found = []
+    for part in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
+        if part.size < _LEAST:
+            continue
+        step = jump[part]
+        whole = np.unique(np.rint(step))
+        off = np.abs(step[:, None] - whole)
+        wide, close = (np.mean(off < most, axis=0) for most in _CLOSE)
+        best = int(np.argmax(wide))
+        evidence = wide[best], close[best], np.log(part.size), np.median(tilt[part])
+        found.append((*divmod(int(key[part[0]]), count), whole[best], *evidence))
+    first, second, step, *evidence = np.array(found, float).reshape(-1, 7).T
+    told = np.array(evidence).reshape(4, -1)
+    alike = np.full(step.size, told[1].mean() if step.size else 0)
+    odds = expit(_MEETING[0] + np.array(_MEETING[1:]) @ [*told[:2], alike, *told[2:]])
+    return Borders(first.astype(int), second.astype(int), step.astype(int), odds)
+
+
+def tied(found: Offsets, borders: Borders, limits: Array, repeat: float) -> Tied:
+    """Offsets by what surfaces know alone and by their contacts, by belief propagation.
+
+    They lie within ``limits`` (2, N), wraps; beats repeat after so many wraps.
+
+    ``log q_b(m + step) = L log(P q_a(m) + (1 - P) / M)`` is what a tells b, from its belief without
+    what b told; P are the odds that they meet, M the number of offsets, L accounts for loops.
+    """
+    count = found.mean.size
+    low, high = limits
+    turns = np.ceil(np.where(np.isfinite(low), low - found.mean, 0) / repeat) * repeat
+    own = found.mean + np.where(found.mean + turns < high, turns, 0)
+    base = np.rint(np.clip(own, low, high)).astype(int)
+    offsets = np.arange(-_FARTHEST, _FARTHEST + 1)
+    off = (offsets - (own - base)[:, None]) / np.hypot(found.spread, 0.3)[:, None]
+    density = np.exp(-(off**2) / 2)
+    density /= density.sum(axis=1, keepdims=True)
+    density += _STRAY / offsets.size
+    every = base[:, None] + offsets
+    alone = np.log(
+        np.where((every > low[:, None] - 1) & (every < high[:, None] + 1), density, _OUTSIDE)
+    )
+    source = np.append(borders.first, borders.second)
+    target = np.append(borders.second, borders.first)
+    step = np.append(borders.step, -borders.step) + base[source] - base[target]
+    meets = np.tile(borders.odds, 2)[:, None]
+    place = np.arange(offsets.size) - step[:, None]
+    inside = (place >= 0) & (place < offsets.size)
+    place = np.where(inside, place, 0)
+    message = np.zeros((source.size, offsets.size))
+    belief = alone
+    for _ in range(_ROUNDS):
+        back = np.roll(message, len(borders.first), axis=0)  # what the target told before
+        told = softmax(belief[source] - back, axis=1)
+        told = np.where(inside, np.take_along_axis(told, place, axis=1), 0)
+        new = _LOOP * np.log(meets * told + (1 - meets) / offsets.size)
+        message = _DAMPING * message + (1 - _DAMPING) * (new - new.max(axis=1, keepdims=True))
+        belief = alone.copy()
+        np.add.at(belief, target, message)
+    share = softmax(belief, axis=1)
+    best = share.argmax(axis=1) if count else np.zeros(0, int)
+    wraps = base + offsets[best]
+    mean = share @ offsets
+    holds = wraps[borders.first] + borders.step == wraps[borders.second]
+    links = borders.first[holds], borders.second[holds]
+    graph = coo_array((np.ones(holds.sum(), bool), links), (count, count))
+    group = connected_components(graph, directed=False)[1] if count else best
+    spread = np.sqrt(np.maximum(share @ offsets**2 - mean**2, 1e-4))
+    return Tied(wraps.astype(float), group, base + mean, spread, share[np.arange(count), best])

@@ -1,0 +1,118 @@
+"""Where surfaces meet, and offsets by belief propagation against all of their combinations."""
+
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+from exact_scenes import SHAPE, WRAP, exact_field, plane_depth, whole_boxes
+
+from cmtof.surfaces import contacts, placing
+from cmtof.surfaces.fitting import BENT, moved
+
+REPEAT = 357.5  # wraps
+SURE = 0.99
+
+
+def known(mean, spread):
+    return placing.Offsets(np.array(mean, float), np.array(spread, float))
+
+
+def between(*entries):
+    first, second, step, odds = np.array(entries, float).reshape(-1, 4).T
+    return contacts.Borders(first.astype(int), second.astype(int), step.astype(int), odds)
+
+
+def tied(found, borders, limits=None):
+    if limits is None:
+        limits = np.full((2, found.mean.size), np.inf) * [[-1], [1]]
+    return contacts.tied(found, borders, limits, REPEAT)
+
+
+def test_borders_find_whole_wraps_between_planes_that_meet():
+    """Left one plane, right another that meets it, moved by three wraps."""
+    one, q = plane_depth((0.3, 0, 1), 2.5)
+    other, p = plane_depth((-0.3, 0, 1), 2.5)
+    field = exact_field(np.maximum(one, other))  # they meet at the optical axis
+    off, _ = moved(field, p, whole_boxes(SHAPE), BENT, 3 * WRAP)
+    surfaces = np.stack([q, off] if one[0, 0] > other[0, 0] else [off, q])
+    label = np.where(np.arange(SHAPE[1]) < 81, 0, np.ones(SHAPE, np.int32))
+    found = contacts.borders(field, label.astype(np.int32), surfaces)
+    assert (found.first.tolist(), found.second.tolist()) == ([0], [1])
+    assert abs(found.step[0]) == 3
+    assert found.odds[0] > 0.5
+
+
+def test_a_border_counts_the_departure_of_its_pixels():
+    """A quarter of a wrap that neither plane explains does not move the step."""
+    depth, q = plane_depth((0.1, 0, 1), 2.5)
+    wave = 0.3 * WRAP * np.sin(np.arange(SHAPE[1]) / 8)
+    field = exact_field(depth + wave)
+    label = (np.arange(SHAPE[1]) >= 81) * np.ones(SHAPE, np.int32)
+    aside, _ = moved(field, q, whole_boxes(SHAPE), BENT, -0.4 * WRAP)
+    for planes in ([q, q], [q, aside]):
+        found = contacts.borders(field, label, np.stack(planes))
+        assert found.step == [0]
+
+
+@pytest.mark.parametrize("borders", [[(0, 1, 2, 0.7), (1, 2, -1, 0.4)], [(0, 2, 1, 0.9)]])
+def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, borders):
+    """Without loops belief propagation is exact: against the sum over every set of offsets."""
+    monkeypatch.setattr(contacts, "_LOOP", 1.0)
+    monkeypatch.setattr(contacts, "_FARTHEST", 4)
+    mean = np.array([0.3, 1.6, 0.9])
+    spread = np.array([0.5, 1.0, 0.7])
+    offsets = np.arange(-4, 5)
+    base = np.rint(mean)
+    off = (base[:, None] + offsets - mean[:, None]) / np.hypot(spread, 0.3)[:, None]
+    density = np.exp(-(off**2) / 2)
+    density = density / density.sum(axis=1, keepdims=True) + contacts._STRAY / 9
+    joint = np.zeros((9, 9, 9))
+    for place in product(range(9), repeat=3):
+        wraps = base + offsets[list(place)]
+        joint[place] = np.prod(density[range(3), place])
+        for a, b, step, odds in borders:
+            joint[place] *= odds * (wraps[b] - wraps[a] == step) + (1 - odds) / 9
+    found = tied(known(mean, spread), between(*borders))
+    for n in range(3):
+        share = joint.sum(axis=tuple(k for k in range(3) if k != n)) / joint.sum()
+        assert found.wraps[n] == base[n] + offsets[share.argmax()]
+        assert found.odds[n] == pytest.approx(share.max(), rel=1e-3)
+
+
+def test_a_false_contact_gives_way_to_those_that_agree():
+    """Five surfaces, all in contact; one border of ten is a wrap off."""
+    pairs = list(combinations(range(5), 2))
+    borders = between(*((a, b, (a, b) == (0, 1), 0.8) for a, b in pairs))
+    found = tied(known([0.1, 0.3, 0, 0.4, -0.2], [0.6] * 5), borders)
+    assert not found.wraps.any()
+    assert np.unique(found.group).size == 1
+
+
+def test_none_are_tied_that_disagree_or_against_the_odds():
+    apart = tied(known([0, 9], [0.3, 0.3]), between((0, 1, 0, SURE)))
+    assert apart.wraps.tolist() == [0, 9]
+    for odds, second in ((0.01, 1), (SURE, 0)):
+        found = tied(known([0.1, 0.8], [0.1, 0.5]), between((0, 1, 0, odds)))
+        assert found.wraps.tolist() == [0, second]
+    assert tied(known([], []), between()).wraps.size == 0
+
+
+def test_offsets_stay_within_the_limits_and_find_their_beat():
+    limits = np.array([[-2.0, 340.0, -np.inf], [2.0, 370.0, np.inf]])
+    found = tied(known([4.0, 0.2, 0.0], [3.0, 0.3, 0.3]), between(), limits)
+    assert -3 < found.wraps[0] < 3
+    assert found.wraps[1:].tolist() == [np.rint(0.2 + REPEAT), 0]
+
+
+def test_neither_the_order_of_borders_nor_their_sides_matter(rng):
+    for count in (2, 5, 9):
+        true = rng.integers(-20, 20, count)
+        spread = rng.uniform(0.05, 2, count)
+        pairs = [pair for pair in combinations(range(count), 2) if rng.random() < 0.7]
+        told = [(a, b, true[b] - true[a] + rng.integers(-1, 2), rng.random()) for a, b in pairs]
+        turned = [(b, a, -step, odds) for a, b, step, odds in told]
+        found = known(true + spread * rng.normal(size=count), spread)
+        once = tied(found, between(*told))
+        got = tied(found, between(*(turned[i] for i in rng.permutation(len(turned)))))
+        np.testing.assert_array_equal(got.wraps, once.wraps)
+        np.testing.assert_allclose(got.mean, once.mean)
