@@ -13,6 +13,7 @@ seed: int = 0  # of noise, drift and errors of the drivers
 bursts: int = 48  # sweeps of the reference phase averaged in Paper Fig. 12
 settings: int = 48  # phases programmed into the emission's driver
 reflectance: float = 6e-6  # of the mirror behind its grey filter
+rig: str = ""  # RIG file of an instrument before such a mirror; empty: simulated
 
 # %% tags=["hide-input"]
 from dataclasses import replace
@@ -26,12 +27,11 @@ from cmtof.hardware.bench import VOLTS_RANGE
 from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
 from cmtof.hardware.rig import MODES as ORDER
-from cmtof.hardware.rig import Rig
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof_book import notes, paper, plotting
 from cmtof_book.compared import sum_over_draws
 from cmtof_lab.electronics import Chain, density
-from cmtof_lab.rehearsal import simulated_bench
+from cmtof_lab.rehearsal import opened, rig_of, simulated_bench
 from cmtof_lab.settings import NOISE, TwinSettings
 
 plotting.begin(profile=profile, seed=seed)
@@ -39,7 +39,7 @@ COLOURS = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["verm
 HARMONICS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 PHASES = 64
 TICKS = 5  # numbers from one burst to the next
-base = Rig.default()
+base = rig_of(rig)
 known = TwinSettings()
 
 # %% [markdown]
@@ -64,32 +64,21 @@ known = TwinSettings()
 
 
 # %% tags=["hide-input"]
-def bench_of(phases, **twin):
-    """Bench of so many phases before a mirror at 60 cm; `twin` changes the simulation."""
-    mirror = {"kind": "mirror", "distance": 0.6, "reflectance": reflectance}
-    rig = replace(base, phases=phases)
-    bench = simulated_bench(rig, mirror, replace(known, **twin), seed=seed)
-    bench.set_up()
-    return bench
-
-
-bench = bench_of(PHASES)
-rough_bench = bench_of(PHASES, **NOISE["captures"])
+mirror = {"kind": "mirror", "distance": 0.6, "reflectance": reflectance}
 labels = count(TICKS, TICKS)
-reading = bench.rig
-gain = Gain(*bench.daq.gain(VOLTS_RANGE))
 
 
-def sweep(on=bench):
+def sweep(on):
     """Mean volts (K,) of the kept samples of one turn of the reference."""
-    counts = on.bursts([next(labels)]).reshape(PHASES, reading.samples_per_phase)
-    return gain.volts_from_counts(counts[:, reading.settle_samples :]).mean(axis=1)
+    counts = on.bursts([next(labels)]).reshape(PHASES, base.samples_per_phase)
+    return gain.volts_from_counts(counts[:, base.settle_samples :]).mean(axis=1)
 
 
 # %% [markdown]
 # The detection's driver has a table of 64 phases instead of a scan's 16. After the sweeps the
 # emission's driver is set to one phase after another, for the linearity test below. The laser's
-# power is read with each sweep.
+# power is read with each sweep. With a RIG file in `rig` the instrument itself does all this; only
+# the sweep with the captures' noise stays simulated.
 
 # %% tags=["hide-input"]
 taken = {}
@@ -97,25 +86,31 @@ dark = {}
 power = {}
 programmed = {}
 rough = {}
-for mode in ORDER:
-    bench.choose_mode(mode)
-    dark[mode] = np.mean([sweep() for _ in range(8)])
-    bench.look_at("scan")
-    sweep()  # sets the clock; its laser power is the first
-    power[mode] = [bench.power_meter.power]
-    taken[mode] = []
-    programmed[mode] = []
-    steps = TAU * np.arange(settings) / settings / ORDER[mode]
-    for step in [0.0] * bursts + steps.tolist():
-        programmed[mode].append(bench.rf_emission.set_phase(step))
-        taken[mode].append(sweep())
-        power[mode].append(bench.power_meter.power)
-bench.check()
-bench.shut()
-for mode in ORDER:
-    rough_bench.choose_mode(mode)
-    rough_bench.look_at("scan")
-    rough[mode] = sweep(rough_bench)
+reading = replace(base, phases=PHASES)
+with opened(rig, reading, mirror, known, seed=seed) as bench:
+    bench.set_up()
+    gain = Gain(*bench.daq.gain(VOLTS_RANGE))
+    for mode in ORDER:
+        bench.choose_mode(mode)
+        dark[mode] = np.mean([sweep(bench) for _ in range(8)])
+        bench.look_at("scan")
+        sweep(bench)  # sets the clock; its laser power is the first
+        power[mode] = [bench.power_meter.power]
+        taken[mode] = []
+        programmed[mode] = []
+        steps = TAU * np.arange(settings) / settings / ORDER[mode]
+        for step in [0.0] * bursts + steps.tolist():
+            programmed[mode].append(bench.rf_emission.set_phase(step))
+            taken[mode].append(sweep(bench))
+            power[mode].append(bench.power_meter.power)
+    bench.check()
+noisy = replace(known, **NOISE["captures"])
+with simulated_bench(reading, mirror, noisy, seed=seed) as bench:
+    bench.set_up()
+    for mode in ORDER:
+        bench.choose_mode(mode)
+        bench.look_at("scan")
+        rough[mode] = sweep(bench)
 
 # %% tags=["hide-input"]
 psi = nominal_psi(PHASES)

@@ -113,7 +113,7 @@ for mode in MODES:
     bench.choose_mode(mode)
     bench.look_at("scan")
     label = next(one for one in plan.lines if one[1:4] == (mode, "scan", row)).labels[column]
-    raw[mode] = bench.bursts([label], plan.angles[row, column][None])
+    raw[mode] = bench.bursts([label], [bench.aimed(plan.angles[row, column])])
 bench.shut()
 
 # %% tags=["hide-input"]

@@ -20,6 +20,8 @@ margin: float = 1.6  # points nearer to an edge than so many radii of the spot a
 plane_size: int = 20  # points across and down the plane
 plane_view: float = 0.2  # angle across and down the plane, rad
 plane_tilts: list[float] = [0.02, 0.1, 0.2, 0.35, 0.5, 0.7]  # rad
+rig: str = ""  # RIG file of an instrument before the blocks; empty: simulated
+plane_scans: list[str] = []  # its scans of the plane at each tilt, *.nc; empty: simulated
 
 # %% tags=["hide-input"]
 from collections import namedtuple
@@ -31,18 +33,18 @@ from scipy.stats import t as student
 
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.hardware.plan import mirror_angles, mirror_volts
-from cmtof.hardware.rig import Rig
+from cmtof.measurement import open_measurement
 from cmtof_book import notes, paper, plotting
 from cmtof_lab.devices import TDAC_STEP
 from cmtof_lab.objects import GRADE_2, HEIGHT, WIDTH, gage_blocks
 from cmtof_lab.optics import directions_from_angles, speckle_cells, spot_radius
-from cmtof_lab.rehearsal import scan_scene
+from cmtof_lab.rehearsal import rig_of, scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import MeshTarget, Plane
 
 plotting.begin(profile=profile, seed=seed)
 base = TwinSettings()
-rig = Rig.default()
+wiring = rig_of(rig)
 MODES = ("single", "doubled")
 NAMES = ("single", "doubled", "both")
 COLOURS = {
@@ -55,7 +57,8 @@ COLOURS = {
 # The blocks are lapped steel; their base is turned by 20 mrad so that the mirrored beam misses the
 # detector, and the faint diffuse rest is measured. DIN 861 allows a block of grade 2 a deviation of
 # ±0.45 µm, drawn again for each repeat. Points whose spot meets an edge are omitted. The wraps are
-# those of the true range.
+# those of the true range. With a RIG file in `rig` the instrument itself scans blocks that stand
+# so, and with `plane_scans` it has scanned the plane; what has the captures' noise stays simulated.
 #
 # Both faces are parallel planes, and the step is their distance along the normal. With the points
 # of block $g$ on
@@ -90,19 +93,22 @@ def step_height(planes):
 
 
 # %% tags=["hide-input"]
-def points_of(target, number, noise="photon", **how):
-    """Points (mode, H, W, 3), m, of one scan, with the wraps of the true range."""
-    own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
-    measured = scan_scene(replace(base, **NOISE[noise]), target, seed=own, **how)
-    optical = measured.dataset["depth"].to_numpy()
-    volts = mirror_volts(rig, measured.dataset["angle"].to_numpy())
-    steered = mirror_angles(rig, np.rint(volts / TDAC_STEP) * TDAC_STEP)
+def points_of(target, number, noise="photon", file="", **how):
+    """Points (mode, H, W, 3), m, of one scan, with the wraps of the target's range."""
+    how["settings"] = replace(base, **NOISE[noise])
+    how["seed"] = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
+    measured = open_measurement(file) if file else scan_scene(target=target, **how)
+    angles = measured.dataset["angle"].to_numpy()
+    index = measured.dataset.attrs["group_index"]
+    optical = index * target.look(directions_from_angles(angles)).range
+    volts = mirror_volts(wiring, angles)
+    steered = mirror_angles(wiring, np.rint(volts / TDAC_STEP) * TDAC_STEP)
     ranges = [
         optical + centred(phase - phase_from_depth(optical, f)) * wrap_length(f) / TAU
         for phase, f in zip(measured.phase, measured.frequencies, strict=True)
     ]
     rays = directions_from_angles(steered)  # the mirrors' converter rounds, and its code is known
-    return np.stack(ranges)[..., None] * rays / measured.dataset.attrs["group_index"]
+    return np.stack(ranges)[..., None] * rays / index
 
 
 away = margin * float(spot_radius(base, distance))
@@ -116,7 +122,8 @@ def scanned_blocks(number, noise="photon"):
     """Points of repeat ``number``, whose blocks have lengths of their own."""
     lengths = np.random.default_rng([seed, number]).uniform(-GRADE_2, GRADE_2, 2)
     blocks = gage_blocks(step, distance, tilt=mount_tilt, errors=tuple(lengths))
-    return points_of(MeshTarget.from_mesh(blocks), number, noise, **view)
+    path = rig if noise == "photon" else ""
+    return points_of(MeshTarget.from_mesh(blocks), number, noise, path=path, **view)
 
 
 def usable(points):
@@ -165,7 +172,8 @@ tilts = np.array(plane_tilts, float)
 planes = []
 for k, tilt in enumerate(tilts):
     slanted = Plane(distance, tilt_x=float(tilt), reflectance=0.5)
-    cloud = points_of(slanted, repeats + k, size=plane_size, field_of_view=plane_view)
+    file = plane_scans[k] if plane_scans else ""
+    cloud = points_of(slanted, repeats + k, file=file, size=plane_size, field_of_view=plane_view)
     flat = cloud.reshape(2, -1, 3)
     planes.append([fit_planes(p, np.zeros(len(p), int)) for p in flat])
 shown = min(len(tilts) - 1, 4)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import settings
+from pytest import fixture, raises
 
 import cmtof
 from cmtof.captures import data_root
@@ -17,12 +18,12 @@ settings.register_profile("cmtof", deadline=None, max_examples=50, derandomize=T
 settings.load_profile("cmtof")
 
 
-@pytest.fixture
+@fixture
 def rng():
     return np.random.default_rng(20230217)
 
 
-@pytest.fixture(scope="session")
+@fixture(scope="session")
 def tilted_wall():
     """A wall from 0.80 to 1.15 m, bright, so that its depth is known in closed form."""
     x, y = np.meshgrid(np.linspace(0, 1, 64), np.linspace(0, 1, 48))
@@ -31,7 +32,7 @@ def tilted_wall():
     )
 
 
-@pytest.fixture(scope="session")
+@fixture(scope="session")
 def flat_wall():
     """Maker of a square wall: its side, px, its depth, m, and its brightness."""
 
@@ -41,20 +42,20 @@ def flat_wall():
     return made
 
 
-@pytest.fixture(scope="session")
+@fixture(scope="session")
 def measured(tilted_wall):
     """The wall with the paper's noise."""
     return cmtof.simulate(tilted_wall, seed=3)
 
 
-@pytest.fixture(scope="session")
+@fixture(scope="session")
 def measurement_file(measured, tmp_path_factory):
     path = tmp_path_factory.mktemp("measured") / "wall.nc"
     measured.save(path)
     return path
 
 
-@pytest.fixture(scope="session")
+@fixture(scope="session")
 def shared_data():
     """Folder with real captures and path-traced frames; the test is skipped without it."""
     root = data_root()
@@ -63,12 +64,12 @@ def shared_data():
     return root
 
 
-@pytest.fixture
+@fixture
 def run(capsys):
     """Run a command; return exit code, standard output and standard error."""
 
     def runner(*arguments):
-        with pytest.raises(SystemExit) as stop:
+        with raises(SystemExit) as stop:
             main([str(argument) for argument in arguments])
         captured = capsys.readouterr()
         return stop.value.code or 0, captured.out, captured.err
@@ -76,7 +77,7 @@ def run(capsys):
     return runner
 
 
-@pytest.fixture
+@fixture
 def succeeds(run):
     """Run a command that must succeed; return its standard output."""
 
@@ -88,7 +89,7 @@ def succeeds(run):
     return runner
 
 
-@pytest.fixture
+@fixture
 def fails(run):
     """Run a command that must fail; return its one line."""
 
@@ -102,7 +103,7 @@ def fails(run):
     return runner
 
 
-@pytest.fixture(scope="session")
+@fixture(scope="session")
 def exact():
     """Measurement of exact phases of depths; another truth may be claimed."""
 

@@ -1,9 +1,8 @@
 """Bounds and laws against Monte Carlo, odds against counting."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 from scipy.differentiate import hessian
 
 from cmtof import bounds
@@ -33,14 +32,14 @@ def odds(noise):
     return float(bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES))
 
 
-@pytest.mark.parametrize("phase", [0.0, 2.5])
+@mark.parametrize("phase", [0.0, 2.5])
 def test_phase_noise_meets_the_bound_where_it_is_small(rng, phase):
     bound = bounds.phase_bound(20_000 / np.pi, 10_000.0, PSI, sigma=1200.0, phase=phase)
     assert float(bound) <= 0.15
     assert errors(1.0, rng, phase=phase).std() == approx(float(bound), rel=0.02)
 
 
-@pytest.mark.parametrize("intensity", [1.0, 0.3, 0.1, 0.05])
+@mark.parametrize("intensity", [1.0, 0.3, 0.1, 0.05])
 def test_phase_noise_follows_the_exact_law_everywhere(rng, intensity):
     law = bounds.phase_spread(linear(intensity))
     assert errors(intensity, rng).std() == approx(law, rel=0.03)
@@ -83,7 +82,7 @@ def test_pooling_the_needed_pixels_gives_the_stated_odds():
     assert odds(noise / np.sqrt(pixels)) == approx(0.8, abs=1e-3)
 
 
-@pytest.mark.parametrize("intensity", [1.0, 0.1])
+@mark.parametrize("intensity", [1.0, 0.1])
 def test_odds_of_one_pixel_equal_counting(rng, intensity):
     """The beat chooses the wrap of drawn phases; in the dark only the exact law still holds."""
     low, high = FREQUENCIES

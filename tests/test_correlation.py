@@ -1,11 +1,10 @@
 """Correlation: closed forms, round trips, symmetries."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark, raises
 
 from cmtof import correlation as co
 from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
@@ -65,7 +64,7 @@ def test_four_steps_equal_the_first_fourier_bin(rng):
     assert_allclose(decoded.amplitude, 2 * np.abs(bin_1) / 4, atol=1e-12)
 
 
-@pytest.mark.parametrize("steps", [3, 4, 16])
+@mark.parametrize("steps", [3, 4, 16])
 def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
     psi = rng.permutation(TAU * np.arange(steps) / steps)
     phase = rng.uniform(0, TAU, (40, 101))
@@ -97,7 +96,7 @@ def test_two_frequencies_decode_each_with_its_own_steps(rng):
     assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("psi", "message"),
     [
         ([0.0, 1.0], "at least 3 reference phases"),
@@ -106,7 +105,7 @@ def test_two_frequencies_decode_each_with_its_own_steps(rng):
     ],
 )
 def test_undecodable_psi_is_refused(psi, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         co.decode(np.zeros((len(psi), 2)), psi)
 
 
@@ -117,7 +116,7 @@ def test_residual_noise_finds_the_noise_of_the_samples(rng):
     )
     noise = co.residual_noise(signal + 7.0 * rng.normal(size=signal.shape), psi)
     assert noise == approx(7.0, rel=0.02)
-    with pytest.raises(ValueError, match="more than 3"):
+    with raises(ValueError, match="more than 3"):
         co.residual_noise(np.zeros((3, 9)), psi[:3])
 
 

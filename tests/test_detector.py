@@ -1,10 +1,9 @@
 """Noise laws by their moments; filters and converters by their closed forms."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pytest import approx
+from pytest import approx, mark, raises
 
 from cmtof import detector
 
@@ -29,11 +28,11 @@ def test_released_order_adds_gaussian_noise_first_and_never_goes_negative(rng):
     assert detector.poisson_gaussian(np.zeros(1000), rng=rng, sigma=40.0).min() < 0
 
 
-@pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf])
+@mark.parametrize("bad", [-1.0, np.nan, np.inf])
 def test_impossible_means_are_refused(rng, bad):
-    with pytest.raises(ValueError, match="Expected finite counts >= 0"):
+    with raises(ValueError, match="Expected finite counts >= 0"):
         detector.poisson_gaussian([1.0, bad], rng=rng, sigma=1.0)
-    with pytest.raises(ValueError, match="sigma >= 0"):
+    with raises(ValueError, match="sigma >= 0"):
         detector.poisson_gaussian([1.0], rng=rng, sigma=-1.0)
 
 
@@ -49,5 +48,5 @@ def test_quantisation_errs_by_half_a_level_inside_and_saturates_outside(value, b
     q = float(detector.quantise(value, bits=bits, full_scale=16383.0))
     assert abs(q - np.clip(value, 0, 16383)) <= level / 2 * (1 + 1e-9)
     assert float(detector.quantise(q, bits=bits, full_scale=16383.0)) == q
-    with pytest.raises(ValueError, match="bits >= 1"):
+    with raises(ValueError, match="bits >= 1"):
         detector.quantise(value, bits=0, full_scale=1.0)

@@ -5,6 +5,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from pytest import mark, raises
 
 from cmtof.files import check_output, read_document, written_whole
 
@@ -12,7 +13,7 @@ from cmtof.files import check_output, read_document, written_whole
 def test_a_file_appears_whole_or_not_at_all(tmp_path):
     target = tmp_path / "a.txt"
     target.write_text("old")
-    with pytest.raises(RuntimeError), written_whole(target) as part:
+    with raises(RuntimeError), written_whole(target) as part:
         part.write_text("half")
         raise RuntimeError
     assert target.read_text() == "old"
@@ -53,7 +54,7 @@ def test_threads_that_write_one_file_lose_none(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
-@pytest.mark.parametrize(("process", "age", "left"), [(2**22, 900, 0), (2**22, 0, 1), (1, 900, 1)])
+@mark.parametrize(("process", "age", "left"), [(2**22, 900, 0), (2**22, 0, 1), (1, 900, 1)])
 def test_what_a_killed_process_left_is_removed(tmp_path, process, age, left):
     lost = tmp_path / f".a.part-{process}-0.txt"
     lost.touch()
@@ -63,7 +64,7 @@ def test_what_a_killed_process_left_is_removed(tmp_path, process, age, left):
     assert lost.exists() == bool(left)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("make", "message"),
     [
         (lambda p: p / "none" / "a.txt", "Expected an existing folder"),
@@ -75,13 +76,13 @@ def test_what_a_killed_process_left_is_removed(tmp_path, process, age, left):
 )
 def test_what_cannot_be_written_is_refused_at_once(tmp_path, make, message):
     path = make(tmp_path)
-    with pytest.raises(OSError, match=message):
+    with raises(OSError, match=message):
         check_output(path)
-    with pytest.raises(OSError, match=message), written_whole(path):
+    with raises(OSError, match=message), written_whole(path):
         pytest.fail("entered")
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("text", "message"),
     [
         (b"[" * 20_000, "a depth above 20"),
@@ -97,5 +98,5 @@ def test_what_cannot_be_written_is_refused_at_once(tmp_path, make, message):
 )
 def test_hostile_documents_are_refused(tmp_path, text, message):
     (tmp_path / "a.yml").write_bytes(text)
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         read_document(tmp_path / "a.yml")

@@ -3,10 +3,10 @@
 import zipfile
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from pytest import mark, raises
 
 import cmtof
 from cmtof import captures
@@ -25,7 +25,7 @@ def test_rays_of_a_skewed_camera_land_on_their_pixels(fx, fy, cx, cy, skew):
     assert_allclose(rays @ pinhole.T, np.stack([u, v, ONES], axis=-1), atol=1e-9)
 
 
-@pytest.mark.parametrize("camera", [None, [9.0, 9, 4, 3, 0.1]])
+@mark.parametrize("camera", [None, [9.0, 9, 4, 3, 0.1]])
 def test_frames_survive_their_file(tmp_path, rng, camera):
     frame = Frame(rng.uniform(1, 2, (6, 8)), rng.uniform(0, 2, (6, 8)), camera, note="float16")
     frame.save(tmp_path / "a.npz")
@@ -35,8 +35,8 @@ def test_frames_survive_their_file(tmp_path, rng, camera):
     assert (read.note, read.name) == ("float16", "a")
 
 
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize(
+@mark.filterwarnings("error")
+@mark.parametrize(
     ("arrays", "message"),
     [
         ({"intensity": ONES.T}, "one shape"),
@@ -50,10 +50,10 @@ def test_frames_survive_their_file(tmp_path, rng, camera):
 )
 def test_impossible_frames_are_refused_alike_from_arrays_and_files(tmp_path, arrays, message):
     arrays = {"depth": ONES, "intensity": ONES} | arrays
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         Frame(**arrays)
     np.savez(tmp_path / "a.npz", **arrays)
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         load_frame(tmp_path / "a.npz")
 
 
@@ -63,11 +63,11 @@ def test_an_archive_that_claims_more_than_it_holds_is_refused_before_it_is_read(
         size = archive.getinfo("depth.npy").file_size.to_bytes(4, "little")
     stored = (tmp_path / "a.npz").read_bytes()
     (tmp_path / "a.npz").write_bytes(stored.replace(size, (2**31).to_bytes(4, "little")))
-    with pytest.raises(ValueError, match=r"whole \.npz file, got .*its header claims 4\.29e\+09"):
+    with raises(ValueError, match=r"whole \.npz file, got .*its header claims 4\.29e\+09"):
         load_frame(tmp_path / "a.npz")
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("name", "message"),
     [
         ("half.npz", "arrays depth and intensity"),
@@ -79,12 +79,12 @@ def test_files_that_are_no_frame_are_refused(tmp_path, name, message):
     np.savez(tmp_path / "half.npz", depth=ONES)
     (tmp_path / "empty.npz").touch()
     (tmp_path / "a.jpg").touch()
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         load_frame(tmp_path / name)
 
 
 def test_a_folder_without_frames_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="Expected frames in"):
+    with raises(ValueError, match="Expected frames in"):
         frames_in(tmp_path)
 
 
@@ -95,7 +95,7 @@ def write_capture(folder, phase, depth):
     return folder / "phase" / "scene_x_phase.csv"
 
 
-@pytest.mark.parametrize("place", ["phase/scene_x_phase.csv", "scene_x_phase.csv"])
+@mark.parametrize("place", ["phase/scene_x_phase.csv", "scene_x_phase.csv"])
 def test_a_capture_opens_from_everywhere(tmp_path, rng, monkeypatch, place):
     """In its own folder as well, where its path has no parents."""
     depth = rng.uniform(0.6, 0.8, (7, 9))
@@ -108,7 +108,7 @@ def test_a_capture_opens_from_everywhere(tmp_path, rng, monkeypatch, place):
     assert measurement.frequencies.tolist() == [7.15e9]
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("text", "message"),
     [
         ("", "(none)"),
@@ -120,5 +120,5 @@ def test_a_capture_opens_from_everywhere(tmp_path, rng, monkeypatch, place):
 def test_broken_captures_end_in_one_sentence(tmp_path, text, message):
     path = write_capture(tmp_path, ONES, 700 * ONES)
     path.write_text(text)
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         captures.read_capture(path)

@@ -7,7 +7,7 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 import grimp
-import pytest
+from pytest import fixture, mark
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book")
@@ -47,7 +47,7 @@ STILL_UPWARD = {
 """Arrows against the plan that are still to be turned round."""
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def imports():
     graph = grimp.build_graph(*PACKAGES, exclude_type_checking_imports=True, cache_dir=None)
     # the root loads its names on first use, and gives its version to everybody
@@ -115,7 +115,7 @@ def module_of(name):
     return ("cmtof." if within.is_file() else "") + name.replace("/", ".")
 
 
-@pytest.mark.parametrize("title", walks())
+@mark.parametrize("title", walks())
 def test_each_step_of_a_walk_is_imported_by_one_before_it(title, imports):
     modules = walks()[title]
     # a package's own `__init__` hands its modules on
@@ -124,7 +124,7 @@ def test_each_step_of_a_walk_is_imported_by_one_before_it(title, imports):
         assert any((before, module) in known for before in modules[:number]), module
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("statement", "heavy"),
     [
         ("import cmtof", "numpy torch xarray matplotlib scipy"),

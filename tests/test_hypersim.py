@@ -3,12 +3,11 @@
 import h5py
 import numpy as np
 import official_tree
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from official_tree import PLAIN, PROJECTIONS, SHAPE, VIEWS, wall, write_official, write_rows
-from pytest import approx
+from pytest import approx, fixture, mark, raises
 from scipy.spatial.transform import Rotation
 
 from cmtof.frame import Frames
@@ -28,7 +27,7 @@ from cmtof_rooms.rendering import view_exists, write_view
 FIRST = View("ai_001_001", "cam_00", 0)
 
 
-@pytest.fixture
+@fixture
 def tree(tmp_path):
     """Three scenes of three views, as the data set's description has them."""
     return official_tree.write_tree(tmp_path / "hypersim")
@@ -48,7 +47,7 @@ def test_a_tree_holds_its_views_and_official_float16_files_load(tree):
     assert frame.note == "float16 depth in steps of up to 2.0 mm"
 
 
-@pytest.mark.parametrize("scene", PROJECTIONS)
+@mark.parametrize("scene", PROJECTIONS)
 def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree, scene):
     """Points by the frame's camera are the true ones, turned: a plane, 2 m away."""
     view = View(scene, "cam_00", 0)
@@ -77,9 +76,9 @@ def test_a_turned_pinhole_with_skew_is_found_again(fx, fy, cx, cy, skew, angles)
     assert_allclose(camera, expected, rtol=1e-7, atol=1e-7)
 
 
-@pytest.mark.parametrize("projection", [np.eye(3), np.full((3, 3), np.nan)], ids=["I", "nan"])
+@mark.parametrize("projection", [np.eye(3), np.full((3, 3), np.nan)], ids=["I", "nan"])
 def test_projections_that_show_nothing_are_refused(projection):
-    with pytest.raises(ValueError, match="M_cam_from_uv"):
+    with raises(ValueError, match="M_cam_from_uv"):
         camera_from_projection(projection, SHAPE)
 
 
@@ -104,7 +103,7 @@ def knows_no_depth(path):
     write_official(path, np.full(SHAPE, np.nan))
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("damage", "message"),
     [
         (cut, "whole HDF5 file"),
@@ -117,7 +116,7 @@ def knows_no_depth(path):
 def test_a_broken_depth_file_is_named_and_left_out(tree, damage, message):
     damage(FIRST.file(tree, "depth"))
     hypersim = Hypersim(tree)
-    with pytest.raises(ValueError, match=f"(?s){message}") as error:
+    with raises(ValueError, match=f"(?s){message}") as error:
         hypersim.frame(FIRST)
     assert "ai_001_001" in str(error.value)
     View("ai_001_002", "cam_00", 42).file(tree, "color").unlink()
@@ -129,7 +128,7 @@ def test_a_broken_depth_file_is_named_and_left_out(tree, damage, message):
 def test_what_is_missing_is_named(tree):
     depth = FIRST.file(tree, "depth")
     FIRST.file(tree, "color").unlink()
-    with pytest.raises(FileNotFoundError, match=r"frame\.0000\.color\.hdf5"):
+    with raises(FileNotFoundError, match=r"frame\.0000\.color\.hdf5"):
         Hypersim(tree).frame(FIRST)
     frame = load_frame(depth)
     assert (frame.intensity == 1).all()
@@ -137,25 +136,25 @@ def test_what_is_missing_is_named(tree):
     (tree / "metadata_camera_parameters.csv").unlink()
     assert load_frame(depth).camera is None
     (tree / "metadata_images_split_scene_v1.csv").unlink()
-    with pytest.raises(FileNotFoundError, match=r"split_scene_v1\.csv in or beside"):
+    with raises(FileNotFoundError, match=r"split_scene_v1\.csv in or beside"):
         Hypersim(tree).split()
-    with pytest.raises(ValueError, match="Expected scenes such as"):
+    with raises(ValueError, match="Expected scenes such as"):
         Hypersim(tree / "ai_001_001" / "images")
-    with pytest.raises(ValueError, match="Keep the layout"):
+    with raises(ValueError, match="Keep the layout"):
         load_frame(depth.rename(tree / depth.name))
 
 
 def test_damaged_tables_are_named(tree):
     listed = [["scene_name", "camera_name", "frame_id", "split_partition_name"], list("abcd")]
     write_rows(tree / "metadata_images_split_scene_v1.csv", listed)
-    with pytest.raises(ValueError, match=r"columns and numbers, got .*split_scene_v1.csv"):
+    with raises(ValueError, match=r"columns and numbers, got .*split_scene_v1.csv"):
         Hypersim(tree).split()
     write_rows(tree / "metadata_camera_parameters.csv", [["M_cam_from_uv_00"], ["minus one"]])
-    with pytest.raises(ValueError, match=r"columns and numbers, got .*camera_parameters.csv"):
+    with raises(ValueError, match=r"columns and numbers, got .*camera_parameters.csv"):
         _ = Hypersim(tree).projections
 
 
-@pytest.mark.parametrize("place", [".", "../analysis"])
+@mark.parametrize("place", [".", "../analysis"])
 def test_papers_frames_are_tested_and_their_scenes_never_trained_on(tree, place):
     (tree / place).mkdir(exist_ok=True)
     for table in list(tree.glob("*.csv")):
@@ -211,7 +210,7 @@ def picture(seed):
     }
 
 
-@pytest.fixture
+@fixture
 def rooms(tmp_path):
     """A training room and a test room of two equal views each."""
     split = {"room_000_000": "train", "room_000_001": "test"}

@@ -3,9 +3,9 @@
 import json
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
+from pytest import fixture, mark, raises
 
 from cmtof.frame import Frame, ray_lengths
 from cmtof.scenes import frames_in, load_frame
@@ -29,7 +29,7 @@ def levels(scale):
     return np.rint(DEPTH * scale).astype(np.uint16)
 
 
-@pytest.fixture
+@fixture
 def read(tmp_path):
     def pair(depth, light=LIGHT, name="d.png", **how):
         colour = write(tmp_path / "light.png", light)
@@ -43,7 +43,7 @@ CAPPED = np.minimum(levels(1000), 2500).astype(np.uint16)
 UNKNOWN = np.where(DEPTH > 2.9, 65535, levels(1000)).astype(np.uint16)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("depth", "how", "right", "note"),
     [
         (levels(5000), {"depth_scale": 5000}, DEPTH, "along the ray"),
@@ -59,7 +59,7 @@ def test_levels_are_depths_and_odd_ones_are_named(read, depth, how, right, note)
     assert note in frame.note
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("light", "how", "right", "note"),
     [
         (LIGHT, {}, 0.5, ""),
@@ -79,7 +79,7 @@ def test_planar_depth_becomes_range_along_the_ray(read):
     assert_allclose(frame.depth, DEPTH * ray_lengths(SHAPE, CAMERA), atol=1.2e-4)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("name", "depth", "within"),
     [("d.pgm", levels(1000), 6e-4), ("d.npy", levels(1000), 6e-4), ("d.npy", DEPTH, 1e-6)],
 )
@@ -87,7 +87,7 @@ def test_other_formats_hold_levels_or_metres(read, name, depth, within):
     assert_allclose(read(depth, name=name).depth, DEPTH, atol=within)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("depth", "how", "message"),
     [
         (LIGHT, {}, "one channel of depth"),
@@ -96,16 +96,16 @@ def test_other_formats_hold_levels_or_metres(read, name, depth, within):
     ],
 )
 def test_what_a_pair_lacks_is_asked_for(read, depth, how, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         read(depth, **how)
 
 
 def test_depth_without_light_is_refused(tmp_path):
     depth = write(tmp_path / "d.png", levels(1000))
-    with pytest.raises(ValueError, match="intensity image beside"):
+    with raises(ValueError, match="intensity image beside"):
         load_frame(depth)
     (tmp_path / "fake.png").write_bytes(b"no image")
-    with pytest.raises(ValueError, match="Expected a PNG image"):
+    with raises(ValueError, match="Expected a PNG image"):
         load_frame(depth, intensity=tmp_path / "fake.png")
 
 
@@ -122,11 +122,11 @@ def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
 
 def test_what_cannot_be_read_is_told_how_to_convert(tmp_path):
     (tmp_path / "d.exr").write_bytes(b"v/1\x01")
-    with pytest.raises(ValueError, match=r"got d\.exr\. Convert it: numpy\.save"):
+    with raises(ValueError, match=r"got d\.exr\. Convert it: numpy\.save"):
         load_frame(tmp_path / "d.exr", intensity=tmp_path / "light.png")
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("level", "kind", "right", "note"),
     [
         (51, np.uint8, 0.2, "255 is 1"),
@@ -146,7 +146,7 @@ def test_light_of_an_archive_is_what_its_type_says(tmp_path, level, kind, right,
     assert_array_equal(Frame(DEPTH, light).intensity, frame.intensity)
 
 
-@pytest.fixture
+@fixture
 def tum(tmp_path):
     """A sequence of the TUM benchmark: the second depth has no colour near it in time."""
     for kind, times in (("depth", (1.01, 9.0, 1.04)), ("rgb", (1.0, 1.05))):

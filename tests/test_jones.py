@@ -3,11 +3,10 @@
 from functools import reduce
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark, raises
 
 from cmtof import jones
 
@@ -59,7 +58,7 @@ def test_parameters_broadcast_against_each_other():
     assert jones.apply(product, jones.linear_polarisation(axis)).shape == (4, 5, 3, 2)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("call", "message"),
     [
         (lambda: jones.mirror(1.2), "reflectance from 0 to 1"),
@@ -72,5 +71,5 @@ def test_parameters_broadcast_against_each_other():
     ],
 )
 def test_impossible_elements_are_refused(call, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         call()

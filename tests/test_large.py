@@ -3,10 +3,9 @@
 import os
 
 import numpy as np
-import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, fixture, mark, raises
 from scipy.ndimage import zoom
 
 import cmtof
@@ -27,7 +26,7 @@ def room(side):
     return Frame(depth, light, frame.camera * scale, "room")
 
 
-@pytest.fixture
+@fixture
 def stack(tmp_path):
     """A measurement of 300 x 420 px; its last tile of 128 px is masked altogether."""
     held = cmtof.simulate(room(420), protocol="full").dataset.isel(y=slice(300))
@@ -36,7 +35,7 @@ def stack(tmp_path):
     return tmp_path / "m.nc"
 
 
-@pytest.mark.parametrize("margin", [0, 50])
+@mark.parametrize("margin", [0, 50])
 def test_tiles_of_a_method_of_single_pixels_equal_the_whole(stack, tmp_path, margin):
     tiles = list(unwrap_file(stack, tmp_path / "t.nc", tile=128, margin=margin, method="crt"))
     assert len(tiles) == 12
@@ -77,7 +76,7 @@ def test_many_files_make_a_table(succeeds, fails, stack, tmp_path):
     )
 
 
-@pytest.mark.slow
+@mark.slow
 def test_seams_are_no_worse_than_the_inside(tmp_path):
     cmtof.simulate(room(SIDE), protocol="full").save(tmp_path / "m.nc")
     tile = min(1024, SIDE // 2)
@@ -94,7 +93,7 @@ def test_seams_are_no_worse_than_the_inside(tmp_path):
     assert wrong[near].mean() < wrong[~near].mean() + 0.02
 
 
-@pytest.mark.parametrize("kind", ["text", "npz", "cut", "pipe", "frame"])
+@mark.parametrize("kind", ["text", "npz", "cut", "pipe", "frame"])
 def test_what_is_no_measurement_is_refused_in_tiles_too(stack, tmp_path, kind):
     path = tmp_path / "bad.nc"
     if kind == "text":
@@ -108,12 +107,12 @@ def test_what_is_no_measurement_is_refused_in_tiles_too(stack, tmp_path, kind):
         os.mkfifo(path)
     else:
         xr.Dataset({"depth": (("y", "x"), np.ones((3, 3)))}).to_netcdf(path, engine="h5netcdf")
-    with pytest.raises((ValueError, OSError), match="^Expected .*(measurement|netCDF4|variable)"):
+    with raises((ValueError, OSError), match="^Expected .*(measurement|netCDF4|variable)"):
         list(unwrap_file(path, tmp_path / "t.nc", tile=128, method="crt"))
     assert not (tmp_path / "t.nc").exists()
 
 
-@pytest.mark.parametrize("engine", ["h5netcdf", "scipy"])
+@mark.parametrize("engine", ["h5netcdf", "scipy"])
 def test_tiles_are_read_from_either_netcdf(stack, tmp_path, engine):
     cmtof.open(stack).dataset.to_netcdf(tmp_path / "other.nc", engine=engine)
     tiles = unwrap_file(tmp_path / "other.nc", tmp_path / "t.nc", tile=256, method="middle")

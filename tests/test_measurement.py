@@ -6,10 +6,9 @@ from pathlib import Path
 import h5netcdf
 import h5py
 import numpy as np
-import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
-from pytest import approx
+from pytest import approx, mark, raises
 
 import cmtof
 from cmtof.correlation import TAU, correlation_from_phase
@@ -73,7 +72,7 @@ def test_default_range_ends_where_the_phases_repeat():
     assert unambiguous_range([7.15e9]) == approx(0.0209645, abs=1e-7)
 
 
-@pytest.mark.parametrize("name", ["correlation", "psi", "frequency", "depth", "camera"])
+@mark.parametrize("name", ["correlation", "psi", "frequency", "depth", "camera"])
 def test_units_stand_in_every_stored_array(measurement_file, name):
     with xr.open_dataset(measurement_file, engine="h5netcdf") as stored:
         assert stored[name].attrs["units"]
@@ -85,7 +84,7 @@ def test_units_stand_in_every_stored_array(measurement_file, name):
 LEFT_OUT = np.arange(30).reshape(5, 6) % 4 == 0
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     "mask",
     [
         ~LEFT_OUT,
@@ -105,7 +104,7 @@ def test_a_masked_array_of_images_masks_its_pixels():
     assert_array_equal(made(np.ma.array(stack(), mask=hidden)).mask, ~LEFT_OUT)
 
 
-@pytest.mark.parametrize("fill", [0, 1])
+@mark.parametrize("fill", [0, 1])
 def test_a_mask_with_a_fill_value_survives_its_file(tmp_path, fill):
     dataset = changed(mask=(("y", "x"), np.where(LEFT_OUT, fill, 1 - fill).astype(np.int8)))
     dataset["mask"].encoding["_FillValue"] = np.int8(fill)
@@ -114,7 +113,7 @@ def test_a_mask_with_a_fill_value_survives_its_file(tmp_path, fill):
     assert_array_equal(found, ~LEFT_OUT & (fill == 0))
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("name", "unit", "size"),
     [("frequency", "GHz", 1e9), ("psi", "degree", np.pi / 180), ("depth", "mm", 1e-3)],
 )
@@ -149,7 +148,7 @@ def plain_hdf5(dataset, path):
         file.attrs.update(range_min=0.0, range_max=dataset.attrs["range_max"])
 
 
-@pytest.mark.parametrize("write", [netcdf_3, psi_undeclared, plain_hdf5])
+@mark.parametrize("write", [netcdf_3, psi_undeclared, plain_hdf5])
 def test_files_of_other_writers_open(tmp_path, write):
     whole = made(mask=~LEFT_OUT)
     write(whole.dataset, tmp_path / "m.nc")
@@ -159,7 +158,7 @@ def test_files_of_other_writers_open(tmp_path, write):
     assert found.range == whole.range
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("value", "kept"),
     [
         (True, 1),
@@ -188,19 +187,19 @@ def virtual_dataset(file):
     file.create_virtual_dataset("dark", layout)
 
 
-@pytest.mark.parametrize("reach", [external_link, external_storage, virtual_dataset])
+@mark.parametrize("reach", [external_link, external_storage, virtual_dataset])
 def test_a_file_cannot_reach_into_another(tmp_path, reach):
     made().save(tmp_path / "m.nc")
     with h5py.File(tmp_path / "m.nc", "r+") as file:
         reach(file)
-    with pytest.raises(ValueError, match="another file"):
+    with raises(ValueError, match="another file"):
         cmtof.open(tmp_path / "m.nc")
 
 
 # --- what is wrong is said -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("arrays", "message"),
     [
         ({"correlation": with_sample(np.inf)}, "finite correlation"),
@@ -223,7 +222,7 @@ def test_a_file_cannot_reach_into_another(tmp_path, reach):
     ],
 )
 def test_impossible_arrays_are_refused(arrays, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         made(**arrays)
 
 
@@ -236,7 +235,7 @@ def test_counts_below_the_saturation_are_valid():
     assert made(saturation=16383.0).mask.all()
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("variables", "message"),
     [
         ({"depth": (("x", "y"), np.ones((6, 5)))}, "depth with dimensions"),
@@ -250,11 +249,11 @@ def test_counts_below_the_saturation_are_valid():
     ],
 )
 def test_impossible_variables_are_refused(variables, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         Measurement(changed(**variables))
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("change", "message"),
     [
         (lambda d: d.drop_vars("correlation"), "a variable 'correlation'"),
@@ -264,7 +263,7 @@ def test_impossible_variables_are_refused(variables, message):
     ],
 )
 def test_misshapen_datasets_are_refused(change, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         Measurement(change(changed()))
 
 
@@ -273,29 +272,29 @@ def test_a_header_that_claims_too_much_is_refused_before_it_is_read(tmp_path):
     huge.dimensions = {"y": 10**6, "x": 10**6}
     huge.create_variable("depth", ("y", "x"), "f8", chunks=(1000, 1000))
     huge.close()
-    with pytest.raises(ValueError, match="its header claims 8e[+]12 bytes"):
+    with raises(ValueError, match="its header claims 8e[+]12 bytes"):
         cmtof.open(tmp_path / "huge.nc")
 
 
 def test_missing_and_misnamed_files(tmp_path):
-    with pytest.raises(FileNotFoundError, match="got no file at"):
+    with raises(FileNotFoundError, match="got no file at"):
         cmtof.open(tmp_path / "none.nc")
     (tmp_path / "a.txt").write_text("x")
-    with pytest.raises(ValueError, match=r"named \*.nc"):
+    with raises(ValueError, match=r"named \*.nc"):
         cmtof.open(tmp_path / "a.txt")
 
 
 def test_a_frame_is_told_from_a_measurement(tmp_path, tilted_wall):
     tilted_wall.save(tmp_path / "frame.npz")
-    with pytest.raises(ValueError, match="cmtof simulate"):
+    with raises(ValueError, match="cmtof simulate"):
         cmtof.open(tmp_path / "frame.npz")
 
 
 def test_nothing_half_written_is_left(tmp_path):
     dataset = made().dataset
-    with pytest.raises(ValueError, match=r"named \*.nc"):
+    with raises(ValueError, match=r"named \*.nc"):
         save_dataset(dataset, tmp_path / "m.h5")
     broken = dataset.assign(bad=("x", np.array([object()] * 6)))
-    with pytest.raises(Exception):  # noqa: B017 - whatever the writer raises
+    with raises(Exception):  # noqa: B017 - whatever the writer raises
         save_dataset(broken, tmp_path / "m.nc")
     assert not list(tmp_path.iterdir())

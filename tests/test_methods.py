@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from numpy.testing import assert_array_equal
+from pytest import fixture, mark, raises, skip, warns
 
 import cmtof
 from cmtof.correlation import wrap_length
@@ -41,7 +41,7 @@ def masked(measurement, mask):
     return Measurement(measurement.dataset.assign(mask=(("y", "x"), mask)))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@mark.parametrize("name", NAMES)
 def test_results_obey_range_and_mask_and_repeat(name):
     low, high = 0.86, 1.05
     m = given_to(name, wall(24, 32))
@@ -59,7 +59,7 @@ def test_results_obey_range_and_mask_and_repeat(name):
     assert_array_equal([count, depth, confidence], again)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("shape", "light", "valid"),
     [
         ((1, 1), 0.8, True),
@@ -69,7 +69,7 @@ def test_results_obey_range_and_mask_and_repeat(name):
         ((2, 3), 0.8, False),
     ],
 )
-@pytest.mark.parametrize("name", NAMES)
+@mark.parametrize("name", NAMES)
 def test_any_size_may_be_light_or_dark_or_masked(name, shape, light, valid):
     m = given_to(name, wall(*shape, light))
     count, depth, confidence = images(masked(m, np.full(shape, valid)), name)
@@ -79,28 +79,28 @@ def test_any_size_may_be_light_or_dark_or_masked(name, shape, light, valid):
     assert ((confidence >= 0) & (confidence <= valid)).all()
 
 
-@pytest.mark.parametrize("name", sorted({*TWO} - {"phasor", "crt-closed-form"}))
+@mark.parametrize("name", sorted({*TWO} - {"phasor", "crt-closed-form"}))
 def test_one_wrap_in_range_leaves_no_choice(exact, name):
     wrap = float(wrap_length(7.15e9))
     m = exact(np.full((6, 7), 40.5 * wrap), range_min=40 * wrap, range_max=41 * wrap)
     assert (cmtof.unwrap(m, method=name).wrap_count == 40).all()
 
 
-@pytest.mark.parametrize("name", TWO)
+@mark.parametrize("name", TWO)
 def test_a_second_frequency_is_asked_for(exact, name):
     one = exact(np.ones((8, 9)), [7.15e9], range_max=1.0)
-    with pytest.raises(ValueError, match=f"Expected 2 frequencies for method {name}, got 1"):
+    with raises(ValueError, match=f"Expected 2 frequencies for method {name}, got 1"):
         cmtof.unwrap(one, method=name)
 
 
-@pytest.mark.parametrize("name", [name for name in TWO if METHODS[name].knows_truth])
+@mark.parametrize("name", [name for name in TWO if METHODS[name].knows_truth])
 def test_the_truth_is_asked_for_where_a_method_knows_it(measured, name):
     blind = Measurement(measured.dataset.drop_vars("depth"))
-    with pytest.raises(ValueError, match=f"true depth for method {name}"):
+    with raises(ValueError, match=f"true depth for method {name}"):
         cmtof.unwrap(blind, method=name)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("options", "message"),
     [
         ({"method": "magic"}, "Expected a method out of crt, crt-closed-form"),
@@ -116,7 +116,7 @@ def test_the_truth_is_asked_for_where_a_method_knows_it(measured, name):
     ],
 )
 def test_impossible_requests_are_refused_in_one_line(measured, options, message):
-    with pytest.raises(ValueError, match=message) as error:
+    with raises(ValueError, match=message) as error:
         cmtof.unwrap(measured, **options)
     assert "\n" not in str(error.value)
 
@@ -137,7 +137,7 @@ def test_learned_methods_tell_their_state(measured, monkeypatch):
     monkeypatch.setattr(weights, "state", lambda model, protocol: "untrained")
     method = find_method("fast-scnn")
     monkeypatch.setitem(method.__dict__, "run", METHODS["middle"].run)
-    with pytest.warns(UserWarning, match="fast-scnn is untrained"):
+    with warns(UserWarning, match="fast-scnn is untrained"):
         method(measured)
     assert "fast-scnn" not in names_of("all")
 
@@ -145,7 +145,7 @@ def test_learned_methods_tell_their_state(measured, monkeypatch):
 KINECT = (16e6, 80e6, 120e6)
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def multiples():
     """A wall between 2 and 5 m at the three tones of a Kinect, two of them multiples."""
     depth = np.linspace(2, 5, 24 * 32).reshape(24, 32)
@@ -156,15 +156,15 @@ def multiples():
 REFUSING = [name for name in TWO if name.split("-")[0] not in ("crt", "kde")]
 
 
-@pytest.mark.parametrize("name", [*REFUSING, "fast-scnn-light"])
+@mark.parametrize("name", [*REFUSING, "fast-scnn-light"])
 def test_a_refusal_names_a_method_that_works(multiples, name):
-    with pytest.raises(ValueError, match="the method crt"):
+    with raises(ValueError, match="the method crt"):
         cmtof.unwrap(multiples, method=name)
     result = cmtof.unwrap(multiples, method="crt")
     assert score(scored_pixels(result, multiples))["delta_lt_1"] > 0.99
 
 
-@pytest.mark.parametrize("name", ["beat", "region", "mrf", "surfaces", "crt", "kde"])
+@mark.parametrize("name", ["beat", "region", "mrf", "surfaces", "crt", "kde"])
 def test_a_beat_that_repeats_within_the_range_is_not_sure(name):
     """At 7.15 and 10 GHz it does so eight times."""
     frame = cmtof.load_frame("room").middle(96, 112)
@@ -180,8 +180,8 @@ def test_a_third_frequency_does_not_set_the_range():
     assert m.range == Measurement.from_phase(phase[:2], (7.15e9, 14.32e9)).range
 
 
-@pytest.mark.parametrize("kept", ["counts", "phases"])
-@pytest.mark.parametrize("protocol", ["released", "full"])
+@mark.parametrize("kept", ["counts", "phases"])
+@mark.parametrize("protocol", ["released", "full"])
 def test_without_noise_the_remainder_is_sure(kept, protocol):
     m = cmtof.simulate(cmtof.load_frame("room"), protocol=protocol, noise_free=True)
     if kept == "phases":
@@ -192,7 +192,7 @@ def test_without_noise_the_remainder_is_sure(kept, protocol):
     assert np.mean(sure > 0.5) > 0.99
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def rooms():
     """Views of eight rooms that nothing was trained or calibrated on."""
     return [view.frame for view in render_views(Settings(812, 8, 1, 96, 128))]
@@ -213,12 +213,12 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("name", sorted({*names_of("all")} - {"middle", "mode", "uniform"}))
+@mark.parametrize("case", CASES)
+@mark.parametrize("name", sorted({*names_of("all")} - {"middle", "mode", "uniform"}))
 def test_confidence_is_no_promise_beyond_the_rate(rooms, name, case):
     """Nor low everywhere; but a single pixel's beat says little of where it is right."""
     if name not in names_of("all", CASES[case].get("protocol", "released")):
-        pytest.skip("no weights")
+        skip("no weights")
     right = []
     said = []
     for frame in map(uneven, rooms) if case == "uneven" else rooms:

@@ -3,11 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark, raises
 from scipy.special import jv
 
 from cmtof import jones
@@ -44,7 +43,7 @@ def test_half_wave_plate_sets_the_bias_and_cancels_static_birefringence(voltage,
     assert modulator.transmission(voltage) == approx(expected, abs=1e-13)
 
 
-@pytest.mark.parametrize("eta", ETAS)
+@mark.parametrize("eta", ETAS)
 def test_waveforms_are_the_exact_lines_of_equations_16_and_19(eta):
     drive = eta * np.sin(THETA)
     single = replace(SINGLE, eta=eta).waveform(THETA)
@@ -53,8 +52,8 @@ def test_waveforms_are_the_exact_lines_of_equations_16_and_19(eta):
     assert_allclose(doubled, (1 - np.cos(2 * drive)) / 2, atol=1e-14)
 
 
-@pytest.mark.parametrize("eta", ETAS)
-@pytest.mark.parametrize(
+@mark.parametrize("eta", ETAS)
+@mark.parametrize(
     ("mode", "series"), [(SINGLE, single_mode_harmonics), (DOUBLED, doubled_mode_harmonics)]
 )
 def test_harmonics_equal_bessel_values(mode, series, eta):
@@ -101,21 +100,21 @@ def test_the_two_ports_share_what_the_mirror_returns(modulator):
     assert_allclose(total, modulator.mirror_reflectance * entered, atol=1e-12)
 
 
-@pytest.mark.parametrize("mode", [SINGLE, DOUBLED])
+@mark.parametrize("mode", [SINGLE, DOUBLED])
 def test_horizontal_input_of_section_7_gives_the_light_of_vertical_input(mode):
     """The off-diagonal elements of a unitary matrix are equal in magnitude."""
     horizontal = replace(mode, input_axis="horizontal")
     assert_allclose(horizontal.waveform(THETA), mode.waveform(THETA), atol=1e-14)
 
 
-@pytest.mark.parametrize("eta", [0.26, np.pi / 4])
+@mark.parametrize("eta", [0.26, np.pi / 4])
 def test_bright_bias_has_its_mean_and_contrast(eta):
     bright = replace(DOUBLED_BRIGHT, eta=eta)
     assert bright.throughput() == approx((1 + jv(0, 2 * eta)) / 2, abs=1e-14)
     assert bright.contrast() == approx(np.sin(eta) ** 2 / (1 + np.cos(eta) ** 2), abs=1e-14)
 
 
-@pytest.mark.parametrize("eta", [0.26, np.pi / 4])
+@mark.parametrize("eta", [0.26, np.pi / 4])
 def test_single_mode_has_its_contrasts_and_throughput(eta):
     modulator = replace(SINGLE, eta=eta)
     assert modulator.contrast() == approx(np.sin(2 * eta), abs=1e-14)
@@ -125,7 +124,7 @@ def test_single_mode_has_its_contrasts_and_throughput(eta):
     assert correlation_contrast(w, w) == approx(2 * jv(1, 2 * eta) ** 2, abs=1e-13)
 
 
-@pytest.mark.parametrize("eta", [0.26, np.pi / 4])
+@mark.parametrize("eta", [0.26, np.pi / 4])
 def test_correlation_of_two_doubled_modules_has_its_contrast(eta):
     w = replace(DOUBLED, eta=eta).harmonics(12)[::2]
     expected = 2 * jv(2, 2 * eta) ** 2 / (1 - jv(0, 2 * eta)) ** 2
@@ -146,7 +145,7 @@ def test_delay_scales_the_drive_and_shifts_the_waveform(distance, mode):
     assert_allclose(delayed.waveform(THETA), shifted, atol=1e-12)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("wrong", "message"),
     [
         ({"output": "up"}, "Expected output in"),
@@ -155,5 +154,5 @@ def test_delay_scales_the_drive_and_shifts_the_waveform(distance, mode):
     ],
 )
 def test_impossible_modulators_are_refused(wrong, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         replace(SINGLE, **wrong)

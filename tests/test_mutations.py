@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-import pytest
+from pytest import fixture, mark
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -83,7 +83,7 @@ def failures(test, source):
     return run_with(source, "-m", "pytest", "-p", "no:cacheprovider", "-rf", test).stdout
 
 
-@pytest.fixture
+@fixture
 def source(tmp_path):
     """A copy of the packages."""
     left_out = shutil.ignore_patterns("weights", "test")
@@ -98,8 +98,8 @@ def make(mistake, source):
     module.write_text(text.replace(mistake.right, mistake.wrong), encoding="utf-8")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", MISTAKES)
+@mark.slow
+@mark.parametrize("name", MISTAKES)
 def test_a_mistake_fails_the_test_that_names_it(name, source):
     test = f"tests/{MISTAKES[name].test}"
     assert "FAILED" not in failures(test, source)
@@ -107,8 +107,8 @@ def test_a_mistake_fails_the_test_that_names_it(name, source):
     assert f"FAILED {test}" in failures(test, source)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CHAIN)
+@mark.slow
+@mark.parametrize("name", CHAIN)
 def test_a_mistake_in_the_chain_fails_replicate(name, source, tmp_path):
     make(MISTAKES[name], source)
     done = run_with(source, "-m", "cmtof.cli", "replicate", "-o", str(tmp_path / "fig10.png"))

@@ -1,9 +1,8 @@
 """Noise of a phase map read, averaged, drawn and matched, against noise that is known."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_less
-from pytest import approx
+from pytest import approx, mark, raises
 from scipy.stats import chi2, sem
 
 import cmtof
@@ -43,7 +42,7 @@ def interval(freedom):
     return chi2.ppf([5e-4, 1 - 5e-4], freedom) / freedom
 
 
-@pytest.mark.parametrize(("sigma", "window"), [(0.05, 5), (0.3, 7)])
+@mark.parametrize(("sigma", "window"), [(0.05, 5), (0.3, 7)])
 def test_local_noise_is_the_known_noise(sigma, window):
     """Disjoint windows are independent: their sum of squares is chi-squared."""
     noise = local_phase_noise(noisy(sigma, 1, surface()), window=window)
@@ -55,7 +54,7 @@ def test_local_noise_is_the_known_noise(sigma, window):
     assert low < np.mean(apart**2) / sigma**2 < high
 
 
-@pytest.mark.parametrize(("sigma", "window"), [(0.134, 3), (0.4, 5)])
+@mark.parametrize(("sigma", "window"), [(0.134, 3), (0.4, 5)])
 def test_averaging_brings_white_noise_down_by_the_window(sigma, window):
     """On a plane the error is sigma / window (of the phasor's transverse part)."""
     plane = np.add.outer(-0.27 * np.arange(300), 0.61 * np.arange(300))
@@ -90,7 +89,7 @@ def test_surfaces_up_to_third_order_leave_nothing():
     assert np.nanmax(np.abs(local_residual(wrapped(cubic), window=9))) < 1e-8
 
 
-@pytest.mark.parametrize(("ky", "kx"), [(0, 7), (12, 5), (30, 48)])
+@mark.parametrize(("ky", "kx"), [(0, 7), (12, 5), (30, 48)])
 def test_a_ripple_leaves_its_response(ky, kx):
     y, x = np.mgrid[:96, :96]
     ripple = 1e-4 * np.cos(TAU * (ky * y + kx * x) / 96)
@@ -117,7 +116,7 @@ def test_spectrum_of_white_noise_is_flat_and_its_mean_is_the_mean_square():
     assert along.max() / 0.13**2 < high
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("noise", "lag", "correlation"),
     [
         (LineNoise(0.1, 0.0, 0.4, 0.3), (1, 1), 0.12),
@@ -130,9 +129,7 @@ def test_line_noise_correlates_as_its_numbers(noise, lag, correlation):
     assert covariance[0, 0] == approx(noise.white**2 + noise.line**2)
 
 
-@pytest.mark.parametrize(
-    "known", [LineNoise(0.12, 0.03, 0.1, 0.05), LineNoise(0.08, 0.03, 0.45, 0.0)]
-)
+@mark.parametrize("known", [LineNoise(0.12, 0.03, 0.1, 0.05), LineNoise(0.08, 0.03, 0.45, 0.0)])
 def test_line_noise_is_found_again(known):
     """Within a mask, behind the fit: mean of six draws, to four of its standard errors."""
     rng = np.random.default_rng(9)
@@ -144,7 +141,7 @@ def test_line_noise_is_found_again(known):
     assert_array_less(np.abs(np.mean(found, axis=0) - known), 4 * sem(found) + floors)
 
 
-@pytest.mark.parametrize(("sigma", "intensity"), [(300.0, 1.0), (2000.0, 0.3)])
+@mark.parametrize(("sigma", "intensity"), [(300.0, 1.0), (2000.0, 0.3)])
 def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity):
     noise = phase_spread(float(simulated_phase_noise(intensity, sigma=sigma)))
     assert sigma_from_phase_noise(noise, intensity=intensity) == approx(sigma, rel=1e-8)
@@ -165,7 +162,7 @@ def test_sigma_is_found_in_a_simulated_map_despite_outliers():
 FLAT = np.zeros((30, 30))
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("call", "message"),
     [
         (lambda: sigma_from_phase_noise(1.9), r"phase noise between 0 and 1\.81 rad"),
@@ -177,5 +174,5 @@ FLAT = np.zeros((30, 30))
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(call, message):
-    with pytest.raises(ValueError, match=f"Expected .*{message}"):
+    with raises(ValueError, match=f"Expected .*{message}"):
         call()

@@ -3,9 +3,9 @@
 from functools import cache
 
 import numpy as np
-import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
+from pytest import fixture, mark
 
 import cmtof
 from cmtof.correlation import TAU, wrap_length
@@ -23,7 +23,7 @@ that stand upright, in the counts of the simulation; windows end otherwise where
 slopes that guide lie half a pixel beside, and surfaces grow from cells that begin elsewhere."""
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def scene():
     """Measurement of a part of the room with little noise, for any method."""
     frame = cmtof.load_frame("room").middle(96, 112)
@@ -69,8 +69,8 @@ def wraps_of(name, *measurements):
     return [cmtof.unwrap(m, method=name)["wrap_count"].to_numpy() for m in measurements]
 
 
-@pytest.mark.parametrize("relation", SAME)
-@pytest.mark.parametrize("name", FAST)
+@mark.parametrize("relation", SAME)
+@mark.parametrize("name", FAST)
 def test_what_changes_no_information_changes_no_wrap(scene, name, relation):
     results = [cmtof.unwrap(m, method=name) for m in (scene(name), SAME[relation](scene(name)))]
     least = LEAST.get(name, 1) if relation.startswith("counts") else 0.98
@@ -78,15 +78,15 @@ def test_what_changes_no_information_changes_no_wrap(scene, name, relation):
     assert float(abs(results[0].confidence.mean() - results[1].confidence.mean())) < 0.01
 
 
-@pytest.mark.parametrize("fill", [0, np.nan, 9.97e36, 65535])
-@pytest.mark.parametrize("name", sorted(set(FAST) - {"spatial"}))
+@mark.parametrize("fill", [0, np.nan, 9.97e36, 65535])
+@mark.parametrize("name", sorted(set(FAST) - {"spatial"}))
 def test_masked_junk_decides_nothing(scene, name, fill):
     whole, amid = wraps_of(name, scene(name), junk_around(scene(name), fill))
     assert np.mean(whole == amid[EDGE:-EDGE, EDGE:-EDGE]) > LEAST.get(name, 0.9)
 
 
-@pytest.mark.parametrize("share", [0.01, 0.1])
-@pytest.mark.parametrize("name", FAST)
+@mark.parametrize("share", [0.01, 0.1])
+@mark.parametrize("name", FAST)
 def test_masked_holes_take_nothing_from_their_neighbours(scene, name, share):
     m = scene(name)
     holes = np.random.default_rng(0).uniform(size=m.shape) < share
@@ -108,8 +108,8 @@ FLIPS = {
 }
 
 
-@pytest.mark.parametrize("flip", FLIPS)
-@pytest.mark.parametrize("name", FAST)
+@mark.parametrize("flip", FLIPS)
+@mark.parametrize("name", FAST)
 def test_a_mirrored_image_has_mirrored_wraps(scene, name, flip):
     change, back = FLIPS[flip]
     m = Measurement(scene(name).dataset.drop_vars("camera"))
@@ -117,8 +117,8 @@ def test_a_mirrored_image_has_mirrored_wraps(scene, name, flip):
     assert np.mean(whole == back(found)) > LEAST.get(name, 0.98)
 
 
-@pytest.mark.parametrize("by", [1e-4, 1e-3, 1e-2])
-@pytest.mark.parametrize("name", sorted(set(FAST) - {"fast-scnn-light", "crt-closed-form"}))
+@mark.parametrize("by", [1e-4, 1e-3, 1e-2])
+@mark.parametrize("name", sorted(set(FAST) - {"fast-scnn-light", "crt-closed-form"}))
 def test_a_slightly_moved_range_moves_few_wraps(scene, name, by):
     """Of a network the weights end at a wrap; what lies outside ends there in the closed form."""
     # noise alone moves single pixels to the ends of the range
@@ -128,7 +128,7 @@ def test_a_slightly_moved_range_moves_few_wraps(scene, name, by):
     assert np.mean(whole == found) > 0.95
 
 
-@pytest.mark.parametrize("name", FAST)
+@mark.parametrize("name", FAST)
 def test_a_saved_measurement_gives_the_same_wraps(scene, name, tmp_path):
     scene(name).save(tmp_path / "m.nc")
     whole = cmtof.unwrap(scene(name), method=name)

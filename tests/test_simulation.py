@@ -1,9 +1,8 @@
 """The simulator against Eq. 8, its protocols against their definitions."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal, assert_array_less
-from pytest import approx
+from pytest import approx, mark, raises
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, phase_from_depth, wrap_count_from_depth
@@ -11,7 +10,7 @@ from cmtof.frame import Frame
 from cmtof.simulation import simulate
 
 
-@pytest.mark.parametrize("number", [0, 1])
+@mark.parametrize("number", [0, 1])
 def test_noise_free_correlations_are_equation_8(tilted_wall, number):
     m = simulate(tilted_wall, noise_free=True)
     phase = phase_from_depth(tilted_wall.depth.astype(float), FREQUENCIES[number])
@@ -20,9 +19,7 @@ def test_noise_free_correlations_are_equation_8(tilted_wall, number):
     assert_allclose(m.dataset.correlation[number], expected, atol=0.02)
 
 
-@pytest.mark.parametrize(
-    "psi", [np.arange(3) * 2.0, np.arange(16) * np.pi / 8, [0.1, 2.0, 3.3, 5.5, 1.0]]
-)
+@mark.parametrize("psi", [np.arange(3) * 2.0, np.arange(16) * np.pi / 8, [0.1, 2.0, 3.3, 5.5, 1.0]])
 def test_noise_free_phase_is_the_true_phase_for_any_psi(tilted_wall, psi):
     m = simulate(tilted_wall, noise_free=True, psi=psi)
     true = [phase_from_depth(m.depth.astype(float), f) for f in m.frequencies]
@@ -61,7 +58,7 @@ def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):
 def test_released_protocol_never_enlarges_and_stops_at_a_hundredth(flat_wall):
     near = simulate(flat_wall(4, 0.9), noise_free=True)
     assert near.depth == approx(0.9)
-    with pytest.raises(ValueError, match="Expected depths between"):
+    with raises(ValueError, match="Expected depths between"):
         simulate(flat_wall(4, 300.0), noise_free=True)
 
 
@@ -79,7 +76,7 @@ def test_masked_pixels_keep_their_signal_and_unknown_ones_are_dark():
     assert_allclose(m.amplitude[0], [[6366.2, 6366.2, 0.0]], rtol=1e-5)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("changes", "message"),
     [
         ({"protocol": "fast"}, "protocol 'released' or 'full'"),
@@ -91,11 +88,11 @@ def test_masked_pixels_keep_their_signal_and_unknown_ones_are_dark():
     ],
 )
 def test_impossible_conditions_are_refused(tilted_wall, changes, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         simulate(tilted_wall, **changes)
 
 
 def test_depths_in_millimetres_are_suspected(tilted_wall):
     wall = Frame(1000 * tilted_wall.depth, tilted_wall.intensity)
-    with pytest.raises(ValueError, match="Are they in millimetres?"):
+    with raises(ValueError, match="Are they in millimetres?"):
         simulate(wall, protocol="full")

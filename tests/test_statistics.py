@@ -1,8 +1,8 @@
 """Intervals over scenes and the truth of confidences."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from pytest import fixture, mark, raises
 
 from cmtof.statistics import ratio_interval, reliability
 
@@ -48,7 +48,7 @@ def test_a_rate_of_nothing_is_nan_and_of_one_scene_has_no_interval():
     assert np.isnan(single.low)
 
 
-@pytest.fixture
+@fixture
 def true(rng):
     """Confidences that are true, and which answers are right."""
     confidence = rng.random(200_000)
@@ -62,9 +62,9 @@ def test_true_confidences_have_no_calibration_error(true):
     assert reliability(confidence, right).answers.sum() == confidence.size
 
 
-@pytest.mark.parametrize("confidence", [[0.5, 1.2], [0.5, np.nan], [0.5]])
+@mark.parametrize("confidence", [[0.5, 1.2], [0.5, np.nan], [0.5]])
 def test_reliability_refuses_what_is_no_probability(confidence):
-    with pytest.raises(ValueError, match=r"probability in \[0, 1\]"):
+    with raises(ValueError, match=r"probability in \[0, 1\]"):
         reliability(confidence, [True, False])
 
 

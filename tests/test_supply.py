@@ -9,10 +9,10 @@ from importlib.metadata import packages_distributions
 from itertools import chain
 from pathlib import Path
 
-import pytest
 import yaml
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+from pytest import mark
 
 from cmtof.cli import EXTRAS
 
@@ -64,7 +64,7 @@ def providers(module):
     return {canonicalize_name(name) for name in DISTRIBUTIONS.get(module, [])}
 
 
-@pytest.mark.parametrize("folder", PACKAGES)
+@mark.parametrize("folder", PACKAGES)
 def test_every_import_is_declared(folder):
     declared = required() | required(*PACKAGES[folder])
     found = imports(folder)
@@ -77,20 +77,20 @@ def test_the_core_declares_nothing_that_it_does_not_import():
     assert not required().keys() - used
 
 
-@pytest.mark.parametrize("extra", ["hardware", "lab", "networks", "plot", "rooms", "train", "view"])
+@mark.parametrize("extra", ["hardware", "lab", "networks", "plot", "rooms", "train", "view"])
 def test_an_extra_declares_nothing_that_is_not_imported(extra):
     modules = set().union(*map(imports, PACKAGES))
     used = set().union(*map(providers, modules)) | BACKENDS
     assert not required(extra).keys() - used
 
 
-@pytest.mark.parametrize("folder", ["src/cmtof", "src/cmtof_rooms", "src/cmtof_lab"])
+@mark.parametrize("folder", ["src/cmtof", "src/cmtof_rooms", "src/cmtof_lab"])
 def test_the_command_line_knows_every_module_of_an_extra(folder):
     foreign = {name for name in imports(folder) if not providers(name) & required().keys()}
     assert foreign <= EXTRAS.keys()
 
 
-@pytest.mark.parametrize(("module", "extra"), EXTRAS.items())
+@mark.parametrize(("module", "extra"), EXTRAS.items())
 def test_the_command_line_names_the_extra_of_a_module(module, extra):
     assert providers(module) & required(extra).keys()
 
@@ -107,7 +107,7 @@ def test_the_lock_holds_what_is_declared():
             assert all(map(requirement.specifier.contains, locked[name])), requirement
 
 
-@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
+@mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
 def test_actions_are_pinned_by_commit_and_may_only_read(path):
     text = path.read_text("utf-8")
     for action in re.findall(r"uses: (?!\./)(.*)", text):

@@ -6,7 +6,7 @@ import sys
 
 import h5py
 import numpy as np
-import pytest
+from pytest import mark
 
 COMMAND = [sys.executable, "-m", "cmtof.cli"]
 
@@ -17,7 +17,7 @@ def unwrapping(measurement_file, folder, name="m.nc"):
     return [*COMMAND, "unwrap", str(source), "-o", str(folder / "out.nc"), "--method", "middle"]
 
 
-@pytest.mark.parametrize("encoding", ["cp1252", "ascii", "utf-8"])
+@mark.parametrize("encoding", ["cp1252", "ascii", "utf-8"])
 def test_tables_print_in_any_encoding(measurement_file, tmp_path, encoding):
     ended = subprocess.run(
         unwrapping(measurement_file, tmp_path),
@@ -28,7 +28,7 @@ def test_tables_print_in_any_encoding(measurement_file, tmp_path, encoding):
     assert ("δ<1" if encoding == "utf-8" else "d<1") in ended.stdout.decode(encoding)
 
 
-@pytest.mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&-"])
+@mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&-"])
 def test_closed_streams_change_no_exit_code(measurement_file, tmp_path, closed):
     script = f'exec "$@" {closed}'
     command = ["bash", "-c", script, "bash", *unwrapping(measurement_file, tmp_path)]
@@ -48,7 +48,7 @@ def test_a_circle_of_links_is_no_defect(fails, tmp_path):
     assert "got a circle" in fails("unwrap", tmp_path / "m.nc", "-o", loop)
 
 
-@pytest.mark.parametrize("kind", ["nc", "npz"])
+@mark.parametrize("kind", ["nc", "npz"])
 def test_a_file_cannot_steer_the_terminal(succeeds, measurement_file, tmp_path, kind):
     path = tmp_path / f"m.{kind}"
     if kind == "nc":

@@ -1,12 +1,11 @@
 """Fourier coefficients of periodic waveforms: round trips, closed forms, the low pass."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark, raises
 
 from cmtof.correlation import TAU
 from cmtof.waveform import (
@@ -32,9 +31,9 @@ def test_coefficients_follow_the_convention_with_their_sign():
     assert_allclose(harmonics_from_waveform(samples, 3), [2, 1.5, 2j, 0], atol=1e-14)
 
 
-@pytest.mark.parametrize("count", [-1, 4, 9])
+@mark.parametrize("count", [-1, 4, 9])
 def test_harmonics_that_the_samples_cannot_tell_apart_are_refused(count):
-    with pytest.raises(ValueError, match="below N/2 = 4"):
+    with raises(ValueError, match="below N/2 = 4"):
         harmonics_from_waveform(np.zeros(8), count)
 
 

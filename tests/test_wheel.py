@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import pytest
 from packaging.requirements import Requirement
+from pytest import fixture, mark, param
 
 from cmtof.methods import METHODS
 
@@ -103,7 +104,7 @@ def installed(folder, wheel, extra):
     subprocess.run([*pip, "install", "-q", what], check=True, capture_output=True)
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def wheel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
     command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", folder, ROOT]
@@ -113,10 +114,10 @@ def wheel(tmp_path_factory):
     return built
 
 
-SLOW = pytest.param(installed, marks=pytest.mark.slow)
+SLOW = param(installed, marks=mark.slow)
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def inputs(tmp_path_factory, tilted_wall, measured):
     """Folder with a frame, a measurement, the file of a rig that is not there, and a chapter."""
     folder = tmp_path_factory.mktemp("inputs")
@@ -128,7 +129,7 @@ def inputs(tmp_path_factory, tilted_wall, measured):
     return folder
 
 
-@pytest.fixture(scope="module", params=[linked, SLOW], ids=["linked", "installed"])
+@fixture(scope="module", params=[linked, SLOW], ids=["linked", "installed"])
 def environment(request, wheel, inputs, tmp_path_factory):
     """Make an environment of the wheel with one extra, or with none."""
     root = tmp_path_factory.mktemp("environment")
@@ -143,7 +144,7 @@ def environment(request, wheel, inputs, tmp_path_factory):
     shutil.rmtree(root)
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def bare(environment):
     return environment()
 
@@ -180,7 +181,7 @@ def test_bare_the_simulated_instrument_scans(bare):
     assert "psi" in bare.cmtof("info", "scan.nc").stdout
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("extra", "words"),
     [
         ("rooms", "render --scenes 1 --views 1 -o rooms"),
@@ -200,7 +201,7 @@ def test_bare_python_of_the_readme_runs(bare):
         bare.run("-c", block)
 
 
-@pytest.mark.slow
+@mark.slow
 def test_bare_replicates_without_a_figure(bare):
     text = bare.cmtof("replicate", "-o", "fig10.png").stdout
     assert "PASS" in text
@@ -208,15 +209,15 @@ def test_bare_replicates_without_a_figure(bare):
 
 
 QUICK = ["book", "hardware", "lab", "networks", "plot", "rooms", "view"]
-LONG = [pytest.param(extra, marks=pytest.mark.slow) for extra in ("notebooks", "train")]
+LONG = [param(extra, marks=mark.slow) for extra in ("notebooks", "train")]
 
 
-@pytest.mark.parametrize("extra", [*QUICK, *LONG])
+@mark.parametrize("extra", [*QUICK, *LONG])
 def test_an_extra_alone_is_enough_for_what_it_promises(environment, extra):
     environment(extra).run(ROOT / f"tests/alone/{extra}.py")
 
 
-@pytest.mark.slow
+@mark.slow
 def test_with_plot_alone_it_replicates_and_draws(environment):
     alone = environment("plot")
     assert "Fig. 10, drawn" in alone.cmtof("replicate", "-o", "fig10.png").stdout

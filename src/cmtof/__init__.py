@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from cmtof.simulation import simulate
     from cmtof.unwrapping import unwrap
 
+# Module of each top-level name.
 WHERE = {
     "Measurement": "cmtof.measurement",
     "load_frame": "cmtof.scenes",
@@ -30,7 +31,6 @@ WHERE = {
     "simulate": "cmtof.simulation",
     "unwrap": "cmtof.unwrapping",
 }
-"""Module of each top-level name."""
 
 
 def __getattr__(name: str) -> Any:

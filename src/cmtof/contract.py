@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike
+from xarray import DataArray, Dataset
 
 from cmtof.correlation import check_psi, wrap_length, wrapped
 from cmtof.types import Array, Flags
@@ -35,6 +35,7 @@ VARIABLES = {
 }
 
 _DEGREE = float(np.pi / 180)
+# Units that a file may state, and their size in SI units.
 UNITS = {
     "Hz": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "GHz": 1e9},
     "rad": {
@@ -44,13 +45,12 @@ UNITS = {
     },
     "m": {"m": 1.0, "metre": 1.0, "meter": 1.0, "meters": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
 }
-"""Units that a file may state, and their size in SI units."""
 
+# Greatest number of wraps of the lowest frequency to choose from; the prototype's beat has 358.
 MOST_WRAPS = 10_000
-"""Greatest number of wraps of the lowest frequency to choose from; the prototype's beat has 358."""
 
+# Samples from here on are netCDF's mark of what was never written.
 _NOT_WRITTEN = 9.9e36
-"""Samples from here on are netCDF's mark of what was never written."""
 
 
 def unambiguous_range(frequencies: ArrayLike) -> float:
@@ -64,7 +64,7 @@ def unambiguous_range(frequencies: ArrayLike) -> float:
     return float(wrap_length(beat if beat > 0 else low))
 
 
-def admitted(dataset: xr.Dataset) -> xr.Dataset:
+def admitted(dataset: Dataset) -> Dataset:
     """The dataset in SI units and floats, NaN where masked; a ValueError says what is wrong."""
     data = in_si_units(structured(dataset))
     frequencies = checked_frequencies(data["frequency"].to_numpy())
@@ -80,7 +80,7 @@ def admitted(dataset: xr.Dataset) -> xr.Dataset:
     return _with_valid_values(data)
 
 
-def structured(dataset: xr.Dataset) -> xr.Dataset:
+def structured(dataset: Dataset) -> Dataset:
     """The dataset with its coordinates declared; a ValueError for what is missing or misshapen."""
     main = "correlation" if "correlation" in dataset else "phase"
     if main not in dataset:
@@ -101,7 +101,7 @@ def structured(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.set_coords(needed)
 
 
-def _check_kind(name: str, found: xr.DataArray) -> None:
+def _check_kind(name: str, found: DataArray) -> None:
     """Raise a ValueError unless a variable holds numbers on its dimensions."""
     if found.dtype.kind not in "biuf":
         raise ValueError(f"Expected numbers as {name}, got type {found.dtype}. Store floats.")
@@ -113,7 +113,7 @@ def _check_kind(name: str, found: xr.DataArray) -> None:
         )
 
 
-def in_si_units(dataset: xr.Dataset) -> xr.Dataset:
+def in_si_units(dataset: Dataset) -> Dataset:
     """The dataset with every variable in the unit of `VARIABLES`, by what each states itself."""
     data = dataset.copy()
     for name in VARIABLES.keys() & set(data.variables):
@@ -132,7 +132,7 @@ def in_si_units(dataset: xr.Dataset) -> xr.Dataset:
     return data
 
 
-def _check_range(dataset: xr.Dataset) -> None:
+def _check_range(dataset: Dataset) -> None:
     """Raise a ValueError unless the depths to choose from are a range of not too many wraps."""
     ends = [dataset.attrs[key] for key in ("range_min", "range_max")]
     plain = all(np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends)
@@ -150,7 +150,7 @@ def _check_range(dataset: xr.Dataset) -> None:
         )
 
 
-def _with_valid_values(data: xr.Dataset) -> xr.Dataset:
+def _with_valid_values(data: Dataset) -> Dataset:
     """The dataset with floats as samples, finite where valid and NaN where masked."""
     valid = np.True_
     if "mask" in data:

@@ -89,12 +89,12 @@ def correlation_contrast(emitted: ArrayLike, reference: ArrayLike) -> float:
 class Decoded(NamedTuple):
     """Offset, amplitude and phase of ``C = offset + amplitude cos(phase + psi)``."""
 
+    # Wrapped phase in [0, 2 pi), rad.
     phase: Array
-    """Wrapped phase in [0, 2 pi), rad."""
+    # Coefficient of the cosine, counts.
     amplitude: Array
-    """Coefficient of the cosine, counts."""
+    # Mean, counts.
     offset: Array
-    """Mean, counts."""
 
 
 def decoding_weights(psi: ArrayLike) -> Array:

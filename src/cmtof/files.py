@@ -156,8 +156,8 @@ def alone(path: Path, *, wait: bool = False) -> Iterator[None]:
         os.close(handle)
 
 
+# Size of a document that is read, and how deep it may be nested.
 MOST_BYTES, MOST_DEPTH = 2**20, 20
-"""Size of a document that is read, and how deep it may be nested."""
 
 
 def small_file(path: str | Path) -> bytes:

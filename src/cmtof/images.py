@@ -11,11 +11,11 @@ from cmtof.files import check_input
 from cmtof.frame import Frame, broken, light_note, ray_lengths
 from cmtof.types import Array
 
+# Names that `read_image` understands; only PNG, PGM, PFM and NPY hold depth.
 READ = (".png", ".pgm", ".jpg", ".jpeg", ".pfm", ".npy")
-"""Names that `read_image` understands; only PNG, PGM, PFM and NPY hold depth."""
 
+# Levels a metre of a depth image that nobody stated otherwise.
 LEVELS = 1000.0
-"""Levels a metre of a depth image that nobody stated otherwise."""
 
 _ROTATED = 8  # SUN RGB-D moves the lowest three bits of a level to its top
 _CROWDED = 0.02  # share of pixels at the largest level from which on it seems to mean «unknown»

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
+from xarray import Dataset
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.contract import STACK, VARIABLES, admitted
@@ -34,7 +34,7 @@ class Measurement:
     NaN where a pixel is masked.
     """
 
-    def __init__(self, dataset: xr.Dataset) -> None:
+    def __init__(self, dataset: Dataset) -> None:
         self.dataset = admitted(dataset)
 
     @classmethod
@@ -153,7 +153,7 @@ class Measurement:
 
 
 def tiles(
-    dataset: xr.Dataset, tile: int, margin: int
+    dataset: Dataset, tile: int, margin: int
 ) -> Iterator[tuple[Measurement, dict[str, slice], tuple[slice, slice]]]:
     """Square parts of a measurement, each with ``margin`` px around it, loaded one by one.
 
@@ -173,7 +173,7 @@ def tiles(
 
 def _dataset(
     variables: dict[str, Any], coordinates: Mapping[str, Any], more: dict[str, Any]
-) -> xr.Dataset:
+) -> Dataset:
     """Dataset of arrays by name; None is left out, and what a masked array masks is masked."""
     from cmtof import __version__
 
@@ -187,7 +187,7 @@ def _dataset(
         if (valid := _valid_pixels(held, mask)) is not None:
             held["mask"] = valid
         images = {name: (VARIABLES[name].dims, np.asarray(held[name])) for name in held}
-        dataset = xr.Dataset(images, coordinates)
+        dataset = Dataset(images, coordinates)
     except ValueError as error:
         if str(error).startswith("Expected"):
             raise

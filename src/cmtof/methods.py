@@ -153,10 +153,10 @@ METHODS = {method.name: method for method in _ALL}
 
 DEFAULT = "surfaces"
 
+# Older names, still understood.
 ALIASES = {"cmtof": DEFAULT} | {
     name.replace("reference", "oracle"): name for name in METHODS if name.startswith("reference")
 }
-"""Older names, still understood."""
 
 
 def find_method(name: str) -> Method:

@@ -23,8 +23,8 @@ from cmtof import constants, jones
 from cmtof.types import Array
 from cmtof.waveform import Harmonics, harmonics_from_waveform
 
+# Drive amplitude, rad, at which the single mode has the paper's 50 % contrast, sin(2 eta).
 ETA = 0.26
-"""Drive amplitude, rad, at which the single mode has the paper's 50 % contrast, sin(2 eta)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,14 +180,14 @@ class TwoPassModulator:
         return float(self.harmonics(0)[0].real)
 
 
+# The mode at the drive's frequency: theta_h = 11.25 degrees, 7.15 GHz (Eq. 14-16).
 SINGLE = TwoPassModulator(half_wave_angle=float(np.deg2rad(constants.HALF_WAVE_PLATE_SINGLE)))
-"""The mode at the drive's frequency: theta_h = 11.25 degrees, 7.15 GHz (Eq. 14-16)."""
 
+# The mode at twice the drive's frequency: theta_h = 22.5 degrees, dark bias (Eq. 17-19).
 DOUBLED = TwoPassModulator(
     half_wave_angle=float(np.deg2rad(constants.HALF_WAVE_PLATE_DOUBLED)),
     frequency=constants.FREQUENCY_DOUBLED / 2,
 )
-"""The mode at twice the drive's frequency: theta_h = 22.5 degrees, dark bias (Eq. 17-19)."""
 
 
 # --- closed forms ------------------------------------------------------------------------------

@@ -13,14 +13,14 @@ from cmtof.images import frame_from_pair
 
 __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
 
+# Names of images that may hold depth.
 DEPTHS = (".png", ".pgm", ".pfm", ".npy", ".exr")
-"""Names of images that may hold depth."""
 
+# Levels a metre of the depth images of the TUM RGB-D benchmark.
 TUM_LEVELS = 5000.0
-"""Levels a metre of the depth images of the TUM RGB-D benchmark."""
 
+# Largest time between depth and colour of one view there, s.
 TUM_GAP = 0.02
-"""Largest time between depth and colour of one view there, s."""
 
 
 def load_frame(source: str | Path, *, intensity: str | Path | None = None, **given: Any) -> Frame:

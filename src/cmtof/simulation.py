@@ -15,16 +15,16 @@ from cmtof.validation import checked_frequencies
 
 Protocol = Literal["released", "full"]
 
+# Wraps [first, last) of the lowest frequency that the released code tells apart, N = 21.
 RELEASED_WRAPS = (36, 57)
-"""Wraps [first, last) of the lowest frequency that the released code tells apart, N = 21."""
 
+# Depth to which the released code shrinks each scene's 99.9th percentile, m.
 RELEASED_FAR_DEPTH = 1.195
-"""Depth to which the released code shrinks each scene's 99.9th percentile, m."""
 
 _FAR = 20.0  # nearest depth, m, beyond which depths seem to be no metres
 
+# The four reference phases of Eq. 8 in rising order, rad.
 QUADRATURES = tuple(float(k * np.pi / 2) for k in range(4))
-"""The four reference phases of Eq. 8 in rising order, rad."""
 
 
 def simulate(

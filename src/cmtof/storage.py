@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
+from xarray import Dataset, open_dataset
 
 from cmtof.contract import VARIABLES
 from cmtof.files import check_heaps, check_input, check_links, check_output, written_whole
@@ -19,7 +19,7 @@ from cmtof.validation import check_claim
 _PLAIN = (str, int, float, np.number, np.ndarray)
 
 
-def save_dataset(dataset: xr.Dataset, path: str | Path) -> None:
+def save_dataset(dataset: Dataset, path: str | Path) -> None:
     """Write a dataset as netCDF4, beside first and then renamed; arrays are compressed.
 
     The file is built in memory: HDF5 written to a full disk would end the process.
@@ -47,7 +47,7 @@ def _attribute(value: Any) -> Any:
 
 
 @contextmanager
-def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
+def opened_dataset(path: str | Path) -> Iterator[Dataset]:
     """Open a netCDF file of which parts are to be loaded; a ValueError for whatever is wrong."""
     path = check_input(path, "a measurement file")
     heard, sys.unraisablehook = sys.unraisablehook, lambda _: None
@@ -66,7 +66,7 @@ def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
         yield _named(handle)
 
 
-def _handle(path: Path) -> xr.Dataset:
+def _handle(path: Path) -> Dataset:
     """Open a file, by its first bytes as netCDF-3 or as HDF5 that reaches into no other file."""
     import h5py
 
@@ -79,7 +79,7 @@ def _handle(path: Path) -> xr.Dataset:
         check_heaps(path)
         with h5py.File(path, "r") as whole:
             check_links(whole)
-    handle = xr.open_dataset(path, decode_times=False, **how)
+    handle = open_dataset(path, decode_times=False, **how)
     check_claim(handle.nbytes, path.stat().st_size)
     return handle
 
@@ -89,7 +89,7 @@ def _damage(path: object, error: Exception) -> ValueError:
     return broken("a whole netCDF4 file", path, error, "Write it again.")
 
 
-def _named(handle: xr.Dataset) -> xr.Dataset:
+def _named(handle: Dataset) -> Dataset:
     """The dataset with the dimensions that plain HDF5 does not name, by those of `VARIABLES`."""
     variables = {}
     for name, variable in handle.variables.items():
@@ -98,12 +98,12 @@ def _named(handle: xr.Dataset) -> xr.Dataset:
         variables[name] = variable.copy(deep=False)
         if dims and nameless and len(dims) == variable.ndim:
             variables[name].dims = dims
-    dataset = xr.Dataset(variables, attrs=handle.attrs).set_coords(list(handle.coords))
+    dataset = Dataset(variables, attrs=handle.attrs).set_coords(list(handle.coords))
     dataset.encoding = handle.encoding
     return dataset
 
 
-def loaded(dataset: xr.Dataset) -> xr.Dataset:
+def loaded(dataset: Dataset) -> Dataset:
     """A part of an opened dataset in memory; a ValueError if its file is damaged."""
     try:
         return dataset.load()
@@ -111,7 +111,7 @@ def loaded(dataset: xr.Dataset) -> xr.Dataset:
         raise _damage(dataset.encoding.get("source", "a part of it"), error) from error
 
 
-def read_dataset(path: str | Path) -> xr.Dataset:
+def read_dataset(path: str | Path) -> Dataset:
     """Read a netCDF file of any content into memory; one ValueError for whatever is wrong."""
     with opened_dataset(path) as handle:
         return loaded(handle)

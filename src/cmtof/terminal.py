@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+# What stands for a character where the output's encoding has none.
 PLAIN = {"δ": "d", "σ": "sigma", "≥": ">=", "«": '"', "»": '"', "…": "...", "°": " deg", "−": "-"}
-"""What stands for a character where the output's encoding has none."""
 
 
 def prepare_streams() -> None:

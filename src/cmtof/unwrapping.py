@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
+from xarray import Dataset
 
 from cmtof.contract import structured
 from cmtof.correlation import (
@@ -30,7 +30,7 @@ def unwrap(
     range: tuple[float, float] | None = None,
     min_confidence: float = 0.0,
     **options: Any,
-) -> xr.Dataset:
+) -> Dataset:
     """Wrap count, depth and confidence of a measurement, by a method out of `METHODS`.
 
     ``range`` holds the depths to choose from, ``min <= z < max``, m, by default the measurement's
@@ -66,7 +66,7 @@ def unwrap(
         **{f"option_{k}": str(v) if isinstance(v, Path) else v for k, v in options.items()},
         "version": measurement.dataset.attrs.get("version", ""),
     }
-    return xr.Dataset(_images(estimate, measurement, min_confidence), attrs=attributes)
+    return Dataset(_images(estimate, measurement, min_confidence), attrs=attributes)
 
 
 def _images(
@@ -109,7 +109,7 @@ def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
 
 def unwrap_file(
     source: str | Path, output: str | Path, *, tile: int = 0, margin: int = 128, **how: Any
-) -> Iterator[tuple[float, Measurement, xr.Dataset]]:
+) -> Iterator[tuple[float, Measurement, Dataset]]:
     """Unwrap a file into a ``.nc``, at once or, of a ``.nc`` larger than memory, in square tiles.
 
     A tile of ``tile`` px is unwrapped together with ``margin`` px around it, by `unwrap` with the
@@ -139,7 +139,7 @@ def unwrap_file(
                 yield share, Measurement(seen.dataset.isel(inner)), found
 
 
-def _write_tile(file: Any, found: xr.Dataset, place: tuple[slice, slice]) -> None:
+def _write_tile(file: Any, found: Dataset, place: tuple[slice, slice]) -> None:
     """Write the images of a tile to their place in a file of results."""
     for name, image in found.items():
         if name not in file.variables:

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, DTypeLike
 from cmtof.types import Array
 
 T = TypeVar("T")
+# Lowest and highest frequency that is believed to be a modulation's, Hz.
 LOWEST_FREQUENCY = 1e5
 HIGHEST_FREQUENCY = 1e12
-"""Lowest and highest frequency that is believed to be a modulation's, Hz."""
 
 
 def checked(kind: type[T], values: Any, source: object) -> T:

@@ -4,29 +4,28 @@ They share one `Panel`, whose knobs the `SimulatedInstrument` reads. Nothing wai
 clock is the number of a burst. Methods are documented at the roles.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cmtof.hardware.plan import BURST_INTERVAL, mirror_angles
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import LIGHT, SAMPLE_RATE, Rig
 from cmtof.hardware.roles import RfLock, RfStatus, Waiting
-from cmtof.types import Array
+from cmtof.types import Array, Counts
+from cmtof_lab.comparison import fringes, quadratures
 from cmtof_lab.electronics import CENTRE, SLOPE
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 
 TDAC_STEP = 20.0 / 2**14  # Step of the LJTick-DAC, 14 bit, V
-SWITCHES = {
-    "laser": "laser_on",
-    "shutter": "shutter_open",
-    "flip_mirror": "flip_mirror_in",
-    "beam_block": "beam_block_out",
-}
-"""Knobs of the panel that follow a digital line."""
+DAC_STEP = 5.0 / 2**12  # of DAC0 and DAC1, 12 bit, V
+BESIDE = 1e-3  # rad off the target among the scene, at which the beam misses it (assumed)
+SWITCHES = {"laser": "laser_on", "shutter": "shutter_open", "beam_block": "beam_block_out"}
+FLIPPED = {"reference": "target_in_beam", "photodiode": "photodiode_lit"}
+# knobs of the panel that follow a digital line, and that of the flip mirror by where it leads
 
 
 @dataclass
@@ -167,7 +166,7 @@ class SimulatedReadOut(SimulatedDevice):
         return dio == self.rig.line("interlock") and self.panel.interlock_closed
 
     def set_line(self, dio: str, high: bool) -> None:
-        for part, knob in SWITCHES.items():
+        for part, knob in (SWITCHES | {"flip_mirror": FLIPPED[self.rig.flip_mirror]}).items():
             if self.rig.line(part) == dio:
                 setattr(self.panel, knob, high)
 
@@ -175,28 +174,52 @@ class SimulatedReadOut(SimulatedDevice):
         for axis, name in enumerate(self.rig.mirrors):
             if name in values:
                 self.panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
+        if self.rig.flip_mirror == "photodiode":  # the target stands among the scene
+            ahead = np.deg2rad(self.rig.reference_direction_deg)
+            off = mirror_angles(self.rig, self.panel.galvo_volts) - ahead
+            self.panel.target_in_beam = bool(np.abs(off).max() < BESIDE)
+        if (volts := values.get(self.rig.reference_mirror)) is not None:
+            steps = round(volts / DAC_STEP)
+            self.panel.mirror_travel = self.rig.reference_mirror_travel * DAC_STEP * steps
 
     def configure_burst(
-        self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
+        self,
+        *,
+        channels: Sequence[str],
+        rate: float,
+        scans: int,
+        range: float,
+        pulse_line: str,
+        pulse: int,
     ) -> None:
+        self.quadratures = len(channels) > 1
         self.rate = rate
         self._pulses = np.arange(scans) // pulse
 
-    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
+    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[Counts]:
         angles = []
         labels = []
+        travels = []
         for registers in requests:
             self.write_many(registers)
             angles.append(mirror_angles(self.rig, self.panel.galvo_volts))
+            travels.append(self.panel.mirror_travel)
             labels.append(int(registers["USER_RAM0_U32"]))
-        options = {"labels": labels, "pulses": self._pulses, "rate": self.rate}
-        every = self.instrument.bursts(self.panel, angles, **options)  # all are computed at once
+        size = self._pulses.size
+        if self.quadratures:
+            every = quadratures(self.instrument, self.panel, labels, size, self.rate)
+        elif self.panel.beam_block_out:
+            every = fringes(self.instrument, self.panel, labels, np.array(travels), size, self.rate)
+        else:
+            options = {"labels": labels, "pulses": self._pulses, "rate": self.rate}
+            every = self.instrument.bursts(self.panel, angles, **options)  # all at once
         for label, counts in zip(labels, every, strict=True):
-            self.panel.time = BURST_INTERVAL * label + counts.size / self.rate
+            self.panel.time = BURST_INTERVAL * label + size / self.rate
             self.triggered.edges += int(self._pulses[-1]) + 1
             yield counts
 
 
+# Simulated device of each role.
 KINDS: dict[str, type[SimulatedDevice]] = {
     "rf_emission": SimulatedRf,
     "rf_detection": SimulatedRf,
@@ -207,7 +230,6 @@ KINDS: dict[str, type[SimulatedDevice]] = {
     "clock": SimulatedClock,
     "power_meter": SimulatedPowerMeter,
 }
-"""Simulated device of each role."""
 
 
 def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> dict[str, Any]:

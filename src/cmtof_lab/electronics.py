@@ -1,12 +1,12 @@
 """Detector, filters and converter: from light to counts, with noise from the data sheets."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.constants import c, e, h
 from scipy.linalg import solve_continuous_lyapunov
 from scipy.signal import cont2discrete, lfilter
 
-from cmtof.types import Array
+from cmtof.types import Array, Counts
 from cmtof_lab.settings import TwinSettings
 
 # V per count at +-10 V, count of 0 V: nominal calibration (T-Series Datasheet, 20.0.1)
@@ -80,7 +80,7 @@ def root_of(covariance: Array) -> Array:
     return vectors * np.sqrt(np.maximum(values, 0))
 
 
-def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> NDArray[np.uint16]:
+def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> Counts:
     """Raw stream counts of the T7, rounded and clipped; its ``noise`` is in counts."""
     raw = np.asarray(volts) / SLOPE + CENTRE + np.asarray(noise)
     return np.clip(np.rint(raw), 0, 65535).astype(np.uint16)

@@ -24,6 +24,7 @@ def mix(dark: ArrayLike, pale: float, share: ArrayLike) -> Array:
     return dark + (pale - dark) * np.clip(share, 0, 1)
 
 
+# Bumps of a face, m: depth, place aside, breadth, height, and how tall they are.
 FACE = (
     (0.004, 0.01, 0.005, 0.203, 0.004),  # nostrils
     (-0.008, 0.021, 0.01, 0.225, 0.007),  # sockets
@@ -34,7 +35,6 @@ FACE = (
     (0.003, 0, 0.015, 0.1835, 0.0022),
     (0.006, 0, 0.014, 0.172, 0.006),  # chin
 )
-"""Bumps of a face, m: depth, place aside, breadth, height, and how tall they are."""
 
 
 def portrait(x: Array, y: Array, z: Array) -> Array:

@@ -24,7 +24,7 @@ from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof.modulator import TwoPassModulator
-from cmtof.types import Array, Complex, Numbers
+from cmtof.types import Array, Complex, Counts, Numbers
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import POLES, Chain, counts_from_volts, density, volts_per_watt
 from cmtof_lab.settings import TwinSettings
@@ -81,7 +81,7 @@ class RfKnobs:
 
 @dataclass
 class Panel:
-    """Every knob of the instrument: rad, V, m; the flip mirror leads to the reference target."""
+    """Every knob of the instrument: rad, V, m."""
 
     emission: RfKnobs = field(default_factory=RfKnobs)
     detection: RfKnobs = field(default_factory=RfKnobs)
@@ -91,8 +91,10 @@ class Panel:
     galvo_volts: list[float] = field(default_factory=lambda: [0.0, 0.0])
     laser_on: bool = False
     shutter_open: bool = False
-    flip_mirror_in: bool = False
+    target_in_beam: bool = False  # the reference target, not the scene
+    photodiode_lit: bool = False  # instead of the detection module
     beam_block_out: bool = False
+    mirror_travel: float = 0.0  # of the interferometer's mirror
     interlock_closed: bool = True
     clock_on: bool = False
     time: float = 0.0  # virtual, s
@@ -127,7 +129,7 @@ class SimulatedInstrument:
         pulses: Numbers,
         rate: float = SAMPLE_RATE,
         stage: ArrayLike | None = None,
-    ) -> NDArray[np.uint16]:
+    ) -> Counts:
         """Raw stream counts (N, T) of a burst for each of N optical angles (N, 2), rad.
 
         ``stage`` (N,), m, is the target's, ``labels`` (N,) number the bursts, and ``pulses`` (T,)
@@ -141,12 +143,12 @@ class SimulatedInstrument:
         times = BURST_INTERVAL * numbers[:, None] + (first + length / 2) / rate
         paths, modules = self._paths(panel, points, places), self._waveforms(panel, pulses[first])
         light = self._light(panel, paths, times, modules, self.jitter(numbers, first.size))
-        return self._counts(np.repeat(light, length, axis=1), numbers, rate)
+        return self.counts(np.repeat(light, length, axis=1), numbers, rate)
 
     def _paths(self, panel: Panel, angles: Array, stage: Array) -> Array:
         """Ranges and shares (2, N, M) of the ways to scene or reference, the stray one last."""
         settings, ways = self.settings, []
-        if panel.flip_mirror_in:
+        if panel.target_in_beam:
             for place in stage.tolist():  # the beam stands still behind the flip mirror
                 distance = settings.reference.distance + place - settings.stage_zero
                 target = replace(settings.reference, distance=distance)
@@ -190,9 +192,10 @@ class SimulatedInstrument:
                 share = share + (products[:, order] * phasor * np.exp(1j * order * lag)).real
         loss = free_space.outward(settings) * free_space.inward(settings)
         room = free_space.ambient(settings) * detection[:, 0].real
-        return self.from_fibre(panel, times) * loss * np.maximum(share, 0.0) + room
+        share = np.maximum(share, 0.0) * (not panel.photodiode_lit)
+        return self.from_fibre(panel, times) * loss * share + room
 
-    def _counts(self, light: Array, labels: NDArray, rate: float) -> NDArray[np.uint16]:
+    def counts(self, light: Array, labels: NDArray, rate: float) -> Counts:
         """Counts (N, T) of light (N, T), W, held for a sample each: noise, filters, converter."""
         settings, samples = self.settings, light.shape[1]
         volts = np.minimum(light * volts_per_watt(settings), settings.saturation)

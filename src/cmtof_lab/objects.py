@@ -36,14 +36,14 @@ MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sh
 
 _CATALOGUE = yaml.safe_load((files("cmtof_lab") / "objects.yml").read_text("utf-8"))
 Specifications = dict[str, dict[str, Any]]
+# Objects on whose scans a network is fine-tuned (Sec. 6.4).
 TRAINING: Specifications = _CATALOGUE["training"]
-"""Objects on whose scans a network is fine-tuned (Sec. 6.4)."""
 
+# Scanned objects by name, as `objects.yml` describes them.
 OBJECTS: Specifications = _CATALOGUE["objects"] | TRAINING
-"""Scanned objects by name, as ``objects.yml`` describes them."""
 
+# Full angle, rad, in which an object is scanned.
 FIELD_OF_VIEW: dict[str, float] = {name: one["field_of_view"] for name, one in OBJECTS.items()}
-"""Full angle, rad, in which an object is scanned."""
 
 
 @lru_cache(maxsize=4)
@@ -175,6 +175,7 @@ def _rod(stated: dict[str, Any]) -> Trimesh:
 
 
 UPRIGHT = rotation_matrix(-np.pi / 2, [1, 0, 0])  # of a ring
+# Makers of the shapes of `objects.yml`.
 SHAPES = {
     "body": _body,
     "ellipsoid": _ellipsoid,
@@ -183,7 +184,6 @@ SHAPES = {
     "torus": lambda stated: torus(*stated["torus"], 160, 96, UPRIGHT),
     "rod": _rod,
 }
-"""Makers of the shapes of ``objects.yml``."""
 
 
 def _lathed(sections: Array, stated: dict[str, Any]) -> Trimesh:

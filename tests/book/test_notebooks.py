@@ -7,9 +7,9 @@ from statistics import median
 
 import jupytext
 import nbformat
-import pytest
 from jupyter_server.services.contents.largefilemanager import LargeFileManager
 from jupytext.sync_contentsmanager import build_sync_jupytext_contents_manager_class
+from pytest import mark, raises
 
 from cmtof_book.graph import parameters_from_text
 from cmtof_book.markdown import myst
@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+@mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_text_has_no_roles(script):
     texts = [c.source for c in jupytext.read(script).cells if c.cell_type == "markdown"]
     assert not re.findall(r"\{[a-z:]+\}`|:label:|^\(.*\)=$|^:::", "\n".join(texts), re.M)
@@ -53,7 +53,7 @@ def test_saving_in_jupyterlab_changes_nothing_but_outputs(tmp_path):
     assert new == old
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("plain", "page"),
     [
         ("$$\nx = 1,\n\\tag{8}$$", "```{index} ! Eq. 8\n```\n$$\nx = 1,\n$$ (eq-8)"),
@@ -74,5 +74,5 @@ def test_parameters_of_a_reader():
     given = parameters_from_text('repeats=6 distance=1.5e-1 "methods=[beat, mrf]" name=still_life')
     expected = {"repeats": 6, "distance": 0.15, "methods": ["beat", "mrf"], "name": "still_life"}
     assert given == expected
-    with pytest.raises(ValueError, match="Expected name=value, got repeats"):
+    with raises(ValueError, match="Expected name=value, got repeats"):
         parameters_from_text("repeats")

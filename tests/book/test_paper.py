@@ -7,7 +7,7 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
+from pytest import approx, fixture, mark, raises
 
 from cmtof_book import claims, compared, paper, provenance, record, scoreboard
 from cmtof_book.verdict import CROPS, Score
@@ -20,7 +20,7 @@ UNITS = {"1", "fraction", "points", "m", "s", "Hz", "W", "rad", "bit", "px", "co
 SIDE = {"lt": 0.5, "gt": 1.5}  # times the paper's number holds
 
 
-@pytest.fixture
+@fixture
 def folder(tmp_path, monkeypatch):
     target = tmp_path / "02_precision"
     monkeypatch.setenv(provenance.OUTPUT_VARIABLE, str(target))
@@ -69,7 +69,7 @@ def test_the_four_tables_are_complete_and_add_up():
             assert row["mae_diffuse"] <= row["rmse_diffuse"]
         elif name.startswith("table"):
             assert row["delta_lt_1"] <= row["delta_lt_2"] <= row["delta_lt_3"]
-            assert row["delta_lt_3"] + row["delta_ge_3"] == pytest.approx(1, abs=1e-3)
+            assert row["delta_lt_3"] + row["delta_ge_3"] == approx(1, abs=1e-3)
 
 
 def test_a_result_is_reproduced_inside_its_tolerance_and_contradicted_outside():
@@ -165,7 +165,7 @@ def test_a_claim_says_in_one_line_why():
 
 
 def test_what_was_checked_is_recorded_with_all_cases_and_shown(folder, monkeypatch):
-    with pytest.raises(ValueError, match=r"Expected .* got 'fig3.precison'. Use 'fig3.precision"):
+    with raises(ValueError, match=r"Expected .* got 'fig3.precison'. Use 'fig3.precision"):
         paper.check("fig3.precison", 1.0)
     paper.check("fig3.precision_ratio", compared.sum_over_draws(99.8, error=3.2))
     paper.check("table2.kde.delta_lt_1", 0.0473, crops=28_000)
@@ -221,7 +221,7 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
     assert number.items() >= expected.items()
 
 
-@pytest.mark.skipif(not ACCEPTED.is_file(), reason="make figures writes it")
+@mark.skipif(not ACCEPTED.is_file(), reason="make figures writes it")
 def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
     """At most twenty contradict the paper, each with a sentence that says why."""
     held = json.loads(ACCEPTED.read_text("utf-8"))["numbers"]
@@ -232,7 +232,7 @@ def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
         about = {"profile": number["profile"], "crops": number["crops"]}
         verdict = Score.of(published, number["cases"], **about).verdict
         assert verdict == number["verdict"], key
-        assert published.value == pytest.approx(number["paper"], rel=1e-9)
+        assert published.value == approx(number["paper"], rel=1e-9)
         assert published.note or verdict != "contradicted", key
         assert published.changed or verdict != "changed", key
 

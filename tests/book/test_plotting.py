@@ -4,14 +4,14 @@ import json
 
 import matplotlib.pyplot as plt
 import numpy as np
-import pytest
+from pytest import approx, fixture, mark, raises
 
 from cmtof import __version__
 from cmtof_book import plotting, provenance
 from cmtof_book.compared import closed_form
 
 
-@pytest.fixture(autouse=True)
+@fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
     monkeypatch.setenv(provenance.OUTPUT_VARIABLE, str(tmp_path / "out"))
     plotting.begin(profile="ci", seed=3)
@@ -28,7 +28,7 @@ def drawn(name="fig03_precision", format="svg", size=(7, 4), **changes):
     return provenance.output_folder() / f"{name}.{format}"
 
 
-@pytest.mark.parametrize("format", ["svg", "png"])
+@mark.parametrize("format", ["svg", "png"])
 def test_same_run_writes_same_bytes_without_date_or_library_version(format):
     first = drawn(format=format).read_bytes()
     assert drawn(format=format).read_bytes() == first
@@ -52,7 +52,7 @@ def test_json_holds_numbers_texts_and_provenance(folder):
     }
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     "changes",
     [
         {"name": "Fig 3"},
@@ -62,7 +62,7 @@ def test_json_holds_numbers_texts_and_provenance(folder):
     ],
 )
 def test_refusals_leave_nothing_behind(folder, changes):
-    with pytest.raises(ValueError, match="Expected .*, got "):
+    with raises(ValueError, match="Expected .*, got "):
         drawn(**changes)
     assert not folder.exists() or not list(folder.iterdir())
 
@@ -73,7 +73,7 @@ def test_phase_image_is_cyclic_and_marks_missing_pixels():
     (shown,) = ax.images
     assert shown.get_clim() == (0.0, 2 * np.pi)
     np.testing.assert_allclose(shown.cmap(0.0), shown.cmap(1.0), atol=0.02)
-    assert shown.cmap.get_bad()[0] == pytest.approx(0xB0 / 255)
+    assert shown.cmap.get_bad()[0] == approx(0xB0 / 255)
 
 
 def test_a_grid_has_no_empty_panel():

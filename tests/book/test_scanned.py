@@ -1,7 +1,7 @@
 """Scans as the methods of chapter 21 read them, and counts that are computed once."""
 
 import numpy as np
-import pytest
+from pytest import approx
 
 from cmtof.correlation import centred
 from cmtof.measurement import Measurement
@@ -19,13 +19,13 @@ def test_a_close_pair_has_the_lower_frequency_of_both(measured):
     other = Measurement.from_phase(measured.phase[:1] / 2, [7.16e9])
     pair = scanned.close_pair(measured, other)
     assert pair.frequencies.tolist() == [7.15e9, 7.16e9]
-    assert pair.phase[1] == pytest.approx(measured.phase[0] / 2)
+    assert pair.phase[1] == approx(measured.phase[0] / 2)
 
 
 def test_every_second_point_is_left(measured):
     few = scanned.thinned(measured, 2)
-    assert few.phase == pytest.approx(measured.phase[:, ::2, ::2])
-    assert few.depth == pytest.approx(measured.depth[::2, ::2])
+    assert few.phase == approx(measured.phase[:, ::2, ::2])
+    assert few.depth == approx(measured.depth[::2, ::2])
 
 
 def test_a_count_is_computed_once_and_survives_the_process(tmp_path):

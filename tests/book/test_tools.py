@@ -4,7 +4,7 @@ import json
 import subprocess
 from pathlib import Path
 
-import pytest
+from pytest import mark, raises
 
 from cmtof_book import figures, graph, pairs
 
@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 BOOK = graph.Book(ROOT)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("script", "reached", "unreached"),
     [
         ("from cmtof import jones\n", {"jones.py"}, {"correlation.py"}),
@@ -47,11 +47,11 @@ def test_every_data_file_of_the_package_belongs_to_a_module():
 
 
 def test_unknown_profiles_and_notebooks_are_refused(tmp_path):
-    with pytest.raises(FileNotFoundError, match="got 'huge'. Choose ci, book or paper"):
+    with raises(FileNotFoundError, match="got 'huge'. Choose ci, book or paper"):
         BOOK.parameters("01_correlation", "huge")
     (tmp_path / "configs").mkdir()
     (tmp_path / "configs" / "ci.yml").write_text("notebooks: {99_lost: {size: 1}}")
-    with pytest.raises(ValueError, match="got 99_lost. Correct or remove"):
+    with raises(ValueError, match="got 99_lost. Correct or remove"):
         graph.Book(tmp_path).parameters("01_correlation", "ci")
 
 

@@ -3,11 +3,10 @@
 from itertools import product
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 
 import cmtof
 from cmtof.classical import mrf
@@ -45,8 +44,8 @@ def viterbi(cost, step):
     return ends[0] + ends[1] - cost
 
 
-@pytest.mark.parametrize("labels", [1, 2, 7, 21])
-@pytest.mark.parametrize("shape", [(1, 40), (40, 1)])
+@mark.parametrize("labels", [1, 2, 7, 21])
+@mark.parametrize("shape", [(1, 40), (40, 1)])
 def test_one_row_is_the_best_chain(rng, shape, labels):
     field = random_field(rng, *shape, labels)
     phase = field.phase.ravel()
@@ -61,9 +60,9 @@ def test_one_row_is_the_best_chain(rng, shape, labels):
     assert_allclose(odds.ravel(), 1 / share, rtol=1e-3)
 
 
-@pytest.mark.parametrize("method", ["mrf", "mrf-graphcut"])
-@pytest.mark.parametrize("hole", [0, 3])
-@pytest.mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9), (7.15e9, 7.16e9)])
+@mark.parametrize("method", ["mrf", "mrf-graphcut"])
+@mark.parametrize("hole", [0, 3])
+@mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9), (7.15e9, 7.16e9)])
 def test_planes_without_noise_are_exact_across_holes(exact, pair, hole, method):
     depth = plane(40, 50)
     known = np.ones(depth.shape, bool)

@@ -1,9 +1,8 @@
 """Remainder theorem, look-up, beat of one pixel: exact without noise, as good as theory with it."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 
 import cmtof
 from cmtof import bounds
@@ -20,13 +19,13 @@ from cmtof.simulation import simulate
 CLOSE = (7.15e9, 7.16e9)
 
 
-@pytest.mark.parametrize("method", ["crt", "crt-ml", "crt-closed-form"])
+@mark.parametrize("method", ["crt", "crt-ml", "crt-closed-form"])
 def test_exact_phases_are_unwrapped_exactly(exact, rng, method):
     m = exact(rng.uniform(0.01, 7.4, (30, 40)))
     assert np.abs(cmtof.unwrap(m, method=method).depth - m.depth).max() < 1e-6
 
 
-@pytest.mark.parametrize("pair", [FREQUENCIES, CLOSE, (3e9, 7e9)])
+@mark.parametrize("pair", [FREQUENCIES, CLOSE, (3e9, 7e9)])
 def test_search_is_that_over_all_wraps(rng, pair):
     """The wrap of least misfit, tried one after the other, at any pair of frequencies."""
     limits = {"range_min": 0.4, "range_max": 7.3}
@@ -42,7 +41,7 @@ def test_search_is_that_over_all_wraps(rng, pair):
     assert np.isin(found, wraps).all()
 
 
-@pytest.mark.parametrize("offset", [0.49, 0.51])
+@mark.parametrize("offset", [0.49, 0.51])
 def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
     """An error of less than M/4 in each remainder, of opposite signs, is forgiven; more is not."""
     depth = rng.uniform(0.05, 7.0, (20, 20))
@@ -56,7 +55,7 @@ def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
     assert (error.max() < 1e-4) == (offset < 0.5)
 
 
-@pytest.mark.parametrize(("method", "pair"), [("crt", FREQUENCIES), ("phasor", CLOSE)])
+@mark.parametrize(("method", "pair"), [("crt", FREQUENCIES), ("phasor", CLOSE)])
 def test_single_pixels_are_right_as_often_as_theory_predicts(flat_wall, method, pair):
     """To four standard deviations of 250 000 pixels; the confidence predicts the same."""
     m = simulate(flat_wall(500, 4.0), protocol="full", frequencies=pair, seed=11)
@@ -81,7 +80,7 @@ def test_look_up_is_exact_over_fifteen_metres_and_no_entry_is_nearer(exact, rng)
     assert (ours >= table.max(axis=0) - 1e-7 * amplitude.sum(axis=0)).all()
 
 
-@pytest.mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9)])
+@mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9)])
 def test_the_beat_of_one_pixel_is_exact_on_either_side_of_the_multiple(exact, rng, pair):
     depth = rng.uniform(0.1, 7.0, (9, 9))
     found = cmtof.unwrap(exact(depth, pair), method="beat", window=1).depth

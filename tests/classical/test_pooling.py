@@ -3,9 +3,8 @@
 import itertools
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 from scipy.ndimage import uniform_filter
 
 import cmtof
@@ -22,7 +21,7 @@ from cmtof.simulation import simulate
 WRAP = float(wrap_length(FREQUENCIES[0]))
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     "method", ["beat", "beat-guided", "kde", "kde-tuned", "region", "mrf", "mrf-graphcut"]
 )
 def test_walls_of_one_depth_are_exact(exact, method):
@@ -64,7 +63,7 @@ def densities(m, kernel, radius):
     return out / window.sum() ** 2
 
 
-@pytest.mark.parametrize(("kernel", "radius"), [(0.25, 5), (0.3, 0), (2.0, 3)])
+@mark.parametrize(("kernel", "radius"), [(0.25, 5), (0.3, 0), (2.0, 3)])
 def test_densities_equal_the_sum_as_it_is_written(kernel, radius):
     """Nodes h/2 apart err by 0.4 % of the largest density; the winner is the same beyond ties."""
     y, x = np.indices((11, 14))
@@ -87,7 +86,7 @@ def test_spatial_unwrapping_follows_a_slope_over_many_wraps(exact):
     assert np.ptp(cmtof.unwrap(m, method="spatial").depth.to_numpy() - m.depth) < 1e-6
 
 
-@pytest.mark.parametrize("jump", [0.4, -20.3])
+@mark.parametrize("jump", [0.4, -20.3])
 def test_walls_with_a_step_of_phase_are_two_regions(exact, jump):
     depth = np.full((60, 80), 2.0)
     depth[:, 40:] += jump * WRAP

@@ -1,9 +1,8 @@
 """References and trivial answers: what they use, what they find, how often they are right."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_array_equal
-from pytest import approx
+from pytest import approx, fixture, mark
 
 import cmtof
 from cmtof import bounds
@@ -19,7 +18,7 @@ from cmtof.simulation import simulate
 WRAP = float(wrap_length(FREQUENCIES[0]))
 
 
-@pytest.fixture
+@fixture
 def bent():
     """A bent wall with a box in front of it, m."""
     x, y = np.meshgrid(np.linspace(-1, 1, 60), np.linspace(-1, 1, 50))
@@ -50,8 +49,8 @@ def test_bodies_end_at_jumps_and_not_at_creases():
     assert np.unique(surfaces(room)).size > 3
 
 
-@pytest.mark.parametrize("offsets", [(0.0, 0.0), (0.0123, 0.517)])
-@pytest.mark.parametrize("what", ["offset", "contact", "field"])
+@mark.parametrize("offsets", [(0.0, 0.0), (0.0123, 0.517)])
+@mark.parametrize("what", ["offset", "contact", "field"])
 def test_shapes_are_known_and_places_are_not(exact, bent, what, offsets):
     """Exact without noise; an offset of a whole surface's truth changes nothing."""
     number = surfaces(bent)
@@ -88,7 +87,7 @@ def test_true_depth_brings_the_phase_within_half_a_wrap(flat_wall):
     assert np.std(depth) == approx(noise * WRAP / TAU, rel=0.02)
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def even():
     """A measurement of depths that lie evenly over 21 wraps."""
     depth = np.random.default_rng(4).uniform(36 * WRAP, 57 * WRAP, (300, 300))
@@ -99,7 +98,7 @@ def scores_of(m, method):
     return score(scored_pixels(cmtof.unwrap(m, method=method), m))
 
 
-@pytest.mark.parametrize("method", ["middle", "uniform"])
+@mark.parametrize("method", ["middle", "uniform"])
 def test_the_middle_and_a_random_wrap_are_right_once_in_21(even, method):
     assert scores_of(even, method)["delta_lt_1"] == approx(1 / 21, abs=0.005)
 

@@ -2,18 +2,31 @@
 
 from types import SimpleNamespace
 
-import pytest
+from pytest import fixture
 from wire import RIG, WALL, World
 
 
-@pytest.fixture
-def world(monkeypatch):
-    """Peers of a rig before a wall; what the host waits for passes on their clock."""
-    made = World(RIG, WALL, seed=4)
-    host = SimpleNamespace(monotonic=made.now, sleep=made.sleep)
-    for module in ("apt", "rf", "scpi"):
-        monkeypatch.setattr(f"cmtof.hardware.{module}.time", host)
-    for name in vars(host):
-        monkeypatch.setattr(f"cmtof.hardware.bench.{name}", getattr(host, name))
-    yield made
-    made.close()
+@fixture
+def world_of(monkeypatch):
+    """Maker of the peers of a rig before a scene; what the host waits for passes on their clock."""
+    made = []
+
+    def make(rig, scene=None, seed=0):
+        world = World(rig, scene, seed=seed)
+        made.append(world)
+        host = SimpleNamespace(monotonic=world.now, sleep=world.sleep, time=world.date)
+        for module in ("apt", "rf", "scpi"):
+            monkeypatch.setattr(f"cmtof.hardware.{module}.time", host)
+        for name in vars(host):
+            monkeypatch.setattr(f"cmtof.hardware.bench.{name}", getattr(host, name))
+        return world
+
+    yield make
+    for world in made:
+        world.close()
+
+
+@fixture
+def world(world_of):
+    """Peers of a rig before a wall."""
+    return world_of(RIG, WALL, seed=4)

@@ -20,6 +20,7 @@ from cmtof_lab.rehearsal import simulated_bench
 HOMED = 1 << 10
 MOVING = 1 << 4
 ERROR = 1 << 14
+OUTPUTS = {30004: "TDAC2", 30006: "TDAC3", 1000: "DAC0"}
 
 
 def simulated(role):
@@ -294,8 +295,8 @@ class T7:
         self.written.append((address, data))
         if 2000 <= address < 2008:
             self.drive(address - 2000, any(data))
-        elif address in (30004, 30006):
-            self.device.write_many({f"TDAC{(address - 30000) // 2}": self.get(address, "f")})
+        elif address in OUTPUTS:
+            self.device.write_many({OUTPUTS[address]: self.get(address, "f")})
         elif address == 49002:
             self.power_up = {line: self.get(2000 + line, "H") for line in self.outputs}
         elif address == 4002:
@@ -318,13 +319,15 @@ class T7:
         scans = self.get(4020)
         size = self.get(4006)
         settings = {"rate": self.get(4002, "f"), "scans": scans, "pulse": self.get(4060)}
-        self.device.configure_burst(channel="AIN0", range=10.0, pulse_line="FIO4", **settings)
+        places = range(4102, 4100 + 2 * self.get(4004), 2)
+        inputs = [f"AIN{self.get(place) // 2}" for place in places]
+        self.device.configure_burst(channels=inputs, range=10.0, pulse_line="FIO4", **settings)
         counts = next(self.device.bursts([{"USER_RAM0_U32": self.get(46100)}])).astype(">u2")
         fault = self.fault
         self.fault = ""
-        for n, start in enumerate(range(0, scans, size)):
+        for n, start in enumerate(range(0, counts.size, size)):
             part = counts[start : start + size].tobytes()
-            status = 2944 if start + size >= scans else 0
+            status = 2944 if start + size >= counts.size else 0
             number = n
             if n and fault == "short":
                 return

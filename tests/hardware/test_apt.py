@@ -5,20 +5,19 @@ import os
 import struct
 from types import SimpleNamespace
 
-import pytest
 from peers import ERROR, HOMED, Controller, Port, simulated
-from pytest import approx
+from pytest import approx, fixture, mark, raises
 
 from cmtof.hardware.apt import LONGEST, MOTORS, Motor, open_controller
 from cmtof.hardware.device import ConnectionLost, InstrumentError, InstrumentTimeout, Refused
 
 
-@pytest.fixture
+@fixture
 def controller():
     return Controller(simulated("stage"), homed=True)
 
 
-@pytest.fixture
+@fixture
 def motor(controller):
     return Motor(Port(controller), MOTORS["mts50-z8"], "stage", "27000001")
 
@@ -39,17 +38,44 @@ def test_speeds_are_set_before_the_first_move(controller, motor):
     assert controller.velocities == (0, round(2 * 263.844), round(2.4 * scale))
 
 
-@pytest.mark.parametrize("kind", MOTORS.values(), ids=MOTORS)
+@mark.parametrize("kind", MOTORS.values(), ids=MOTORS)
 def test_the_longest_way_home_takes_less_than_is_waited_for(kind):
     longest = min(kind.travel[1] - kind.travel[0], 360)
     assert longest / kind.home_velocity < LONGEST
 
 
-def test_a_speed_that_is_not_taken_is_refused(controller, motor):
-    works = controller.__call__
-    port = Port(lambda data: b"" if data[:2] == b"\x40\x04" else works(data))
-    with pytest.raises(Refused, match="its home velocity to 1159472, got 5"):
+@mark.parametrize(
+    ("lost", "words"),
+    [(b"\x40\x04", "home velocity to 1159472, got 5"), (b"\x13\x04", "velocity to 1855155, got 5")],
+)
+def test_a_speed_that_is_not_taken_is_refused(controller, lost, words):
+    port = Port(lambda data: b"" if data[:2] == lost else controller(data))
+    with raises(Refused, match=f"set its {words}"):
         Motor(port, MOTORS["mts50-z8"], "stage").home()
+
+
+def test_a_controller_that_talks_by_itself_is_told_to_stop(controller):
+    sent = []
+    port = Port(lambda data: sent.append(data[:2]) or controller(data))
+    Motor(port, MOTORS["mts50-z8"], "stage").identify()
+    assert sent == [b"\x12\x00", b"\x05\x00"]
+
+
+def test_a_controllers_port_is_woken_and_emptied(monkeypatch):
+    heard = []
+
+    class Recorder:
+        def __setattr__(self, name, value):
+            heard.append(value)
+
+        def __getattr__(self, name):
+            return lambda: heard.append(name)
+
+    monkeypatch.setattr("cmtof.hardware.apt.open_serial", lambda *_, **how: Recorder())
+    monkeypatch.setattr("cmtof.hardware.apt._POLL", 0.0)
+    open_controller("/dev/ttyUSB0")
+    empty = ["reset_input_buffer", "reset_output_buffer"]
+    assert heard == [True, *empty, False, *empty]
 
 
 def test_a_controller_that_talks_but_does_not_answer_is_given_up(monkeypatch):
@@ -62,14 +88,14 @@ def test_a_controller_that_talks_but_does_not_answer_is_given_up(monkeypatch):
         read=lambda size: bytes(itertools.islice(endless, size)),
         reset_input_buffer=lambda: None,
     )
-    with pytest.raises(InstrumentTimeout, match="answer mot_req_poscounter, got none"):
+    with raises(InstrumentTimeout, match="answer mot_req_poscounter, got none"):
         _ = Motor(talker, MOTORS["mts50-z8"], "stage").position
 
 
 def test_a_port_is_opened_by_one_program_only():
     primary, secondary = os.openpty()
     port = open_controller(os.ttyname(secondary))
-    with pytest.raises(ConnectionLost, match="Expected a serial port at"):
+    with raises(ConnectionLost, match="Expected a serial port at"):
         open_controller(os.ttyname(secondary))
     port.close()
     os.close(primary)
@@ -78,18 +104,18 @@ def test_a_port_is_opened_by_one_program_only():
 
 def test_a_move_needs_a_home(controller, motor):
     controller.status &= ~HOMED
-    with pytest.raises(Refused, match="be homed before a move"):
+    with raises(Refused, match="be homed before a move"):
         motor.move_to(0.01)
     assert not controller.moves
 
 
-@pytest.mark.parametrize("fault", ["deaf", "moving", "error"])
+@mark.parametrize("fault", ["deaf", "moving", "error"])
 def test_a_motor_that_does_not_arrive_is_stopped(controller, motor, monkeypatch, fault):
     monkeypatch.setattr("cmtof.hardware.apt.LONGEST", 0.1)
     controller.deaf = fault == "deaf"
     controller.looks = 10**6 * (fault == "moving")
     controller.status |= ERROR * (fault == "error")
-    with pytest.raises(InstrumentError, match="Expected stage to arrive at 0.01, got it at"):
+    with raises(InstrumentError, match="Expected stage to arrive at 0.01, got it at"):
         motor.move_to(0.01)
     assert controller.looks == 0
     assert len(controller.moves) == 1

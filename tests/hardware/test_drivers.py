@@ -1,13 +1,20 @@
 """The contract of every driver on its wire: faults, limits, other devices, safe states."""
 
-import pytest
 import serial
 from kinds import DEVICES, called
 from peers import T7, Controller, Port, Visa, Wire, modbus
+from pytest import fixture, mark, raises
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 
-from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused, number
+from cmtof.hardware.device import (
+    BadReply,
+    ConnectionLost,
+    InstrumentTimeout,
+    Refused,
+    insist,
+    number,
+)
 
 # what silence, and a device that has gone, look like on each kind of connection
 SILENCE = {Port: b"", Visa: b"", modbus: TimeoutError()}
@@ -18,47 +25,47 @@ GONE = {
 }
 
 
-@pytest.fixture(params=DEVICES)
+@fixture(params=DEVICES)
 def device(request, monkeypatch):
     monkeypatch.setattr("cmtof.hardware.apt.LONGEST", 0.1)
     return DEVICES[request.param]
 
 
-@pytest.fixture
+@fixture
 def contract(device):
     """A question and a change with the bytes sent for them, and a value beyond the limits."""
     return device.file["contract"]
 
 
-@pytest.fixture
+@fixture
 def faults(device):
     kind = device.kind
     return {"silence": SILENCE[kind], "garbage": b"\xff nonsense\n", "lost": GONE[kind]}
 
 
-@pytest.fixture
+@fixture
 def wire(device):
     return Wire(device.model())
 
 
-@pytest.fixture
+@fixture
 def driver(device, wire):
     return device.driver(device.kind(wire), name="device")
 
 
-@pytest.fixture
+@fixture
 def request_of(device):
     """Bytes of a request as it is written."""
     return lambda text: device.pair(text, "00")[0]
 
 
-@pytest.fixture
+@fixture
 def sent(request_of, wire):
     """How often a written request went over the wire."""
     return lambda text: sum(request_of(text) in one for one in wire.sent)
 
 
-@pytest.mark.parametrize("fault", ["silence", "garbage"])
+@mark.parametrize("fault", ["silence", "garbage"])
 def test_a_question_is_asked_once_more(request_of, contract, wire, driver, sent, faults, fault):
     wire.fail(request_of(contract["question"]), faults[fault], times=1)
     found = called(driver, **contract["ask"])
@@ -73,18 +80,18 @@ ERRORS = {
 }
 
 
-@pytest.mark.parametrize("fault", ERRORS)
+@mark.parametrize("fault", ERRORS)
 def test_a_fault_that_stays_is_one_error(request_of, contract, wire, driver, faults, fault):
     wire.fail(request_of(contract["question"]), faults[fault])
-    with pytest.raises(ERRORS[fault], match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
+    with raises(ERRORS[fault], match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
         called(driver, **contract["ask"])
     assert "\n" not in str(found.value)
 
 
-@pytest.mark.parametrize("fault", ERRORS)
+@mark.parametrize("fault", ERRORS)
 def test_a_change_is_sent_once(request_of, contract, wire, driver, sent, faults, fault):
     wire.fail(request_of(contract["command"]), faults[fault])
-    with pytest.raises(OSError, match="Expected"):
+    with raises(OSError, match="Expected"):
         called(driver, **contract["change"])
     assert sent(contract["command"]) == 1
 
@@ -96,18 +103,18 @@ def test_another_device_is_refused(wire, driver):
         model.set(60000, "f", 4.0)
     else:
         model.model = b"TDC9" if isinstance(model, Controller) else "OTHER"
-    with pytest.raises(Refused, match="Expected device to be .* Check the address"):
+    with raises(Refused, match="Expected device to be .* Check the address"):
         driver.identify()
 
 
 def test_another_serial_number_is_refused(device, wire):
     driver = device.driver(device.kind(wire), name="device", serial_number="OTHER")
-    with pytest.raises(Refused, match="OTHER, got .* Check the address"):
+    with raises(Refused, match="OTHER, got .* Check the address"):
         driver.identify()
 
 
 def test_a_value_beyond_the_limits_is_not_sent(contract, wire, driver):
-    with pytest.raises(ValueError, match="Expected .* of device from .* Stay within"):
+    with raises(ValueError, match="Expected .* of device from .* Stay within"):
         called(driver, **contract["beyond"])
     assert not wire.sent
 
@@ -120,12 +127,26 @@ def test_a_safe_state_is_tried_again(wire, driver, faults):
     driver.close()
 
 
-@pytest.mark.parametrize(("text", "value"), [("1.5E+7HZ", 1.5e7), (" -0.25", -0.25)])
+@mark.parametrize(("error", "left"), [(InstrumentTimeout, []), (Refused, ["last"])])
+def test_after_silence_the_rest_of_a_safe_state_is_left_out(error, left):
+    """Each act would wait as long for a device that does not answer."""
+    acts = []
+
+    def first():
+        acts.append("first")
+        raise error("Expected an answer, got none. Check it.")
+
+    with raises(error):
+        insist(first, lambda: acts.append("last"))
+    assert acts == ["first", "first", *left]
+
+
+@mark.parametrize(("text", "value"), [("1.5E+7HZ", 1.5e7), (" -0.25", -0.25)])
 def test_a_number_may_have_a_unit(text, value):
     assert number(text) == value
 
 
-@pytest.mark.parametrize("text", ["9.9E+37", "nan", "volts", ""])
+@mark.parametrize("text", ["9.9E+37", "nan", "volts", ""])
 def test_what_is_no_number_is_a_bad_reply(text):
-    with pytest.raises(BadReply, match="Expected a number"):
+    with raises(BadReply, match="Expected a number"):
         number(text)

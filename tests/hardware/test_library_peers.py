@@ -3,9 +3,9 @@
 import socket
 from pathlib import Path
 
-import pytest
 from pymodbus.framer import FramerSocket
 from pymodbus.pdu import DecodePDU
+from pytest import raises
 
 from cmtof.hardware.device import Refused
 from cmtof.hardware.modbus import Feedback
@@ -27,7 +27,7 @@ def test_generator_becomes_the_clock():
         clock.sine(channel, frequency=10e6, amplitude=1.0)
         clock.output(channel, True)
     clock.lock_phases()
-    with pytest.raises(Refused, match="its FRQ to 39000000, got 10000000"):
+    with raises(Refused, match="its FRQ to 39000000, got 10000000"):
         clock.sine(2, frequency=39e6, amplitude=1.0)
     clock.safe_state()
     assert not clock.output_is_on(1)
@@ -41,6 +41,7 @@ def test_power_meter_measures_in_watts():
     assert (found["serial_number"], found["head"]) == ("P0012345", "S140C")
     meter.set_up(wavelength=532e-9, readings=10)
     assert meter._ask("SENS:POW:UNIT?", str) == "W"
+    assert meter._ask("SENS:POW:RANG:AUTO?") == 1
     assert meter.power == 3.012345e-3
     meter.close()
 
@@ -49,7 +50,7 @@ def test_frames_are_those_of_modbus_tcp():
     """By pymodbus, whose framing knows nothing of function 76."""
     listener = socket.create_server(("127.0.0.1", 0))
     client = Feedback("{}:{}".format(*listener.getsockname()), timeout=0.05)
-    with pytest.raises(TimeoutError):
+    with raises(TimeoutError):
         client.ask(b"\x00\xea\x60\x02")
     with listener, listener.accept()[0] as far_end:
         used, unit, number, body = FramerSocket(DecodePDU(True)).decode(far_end.recv(100))

@@ -1,9 +1,8 @@
 """Plans, sums, calibration and journals: pure functions and crafted bytes."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from pytest import approx
+from pytest import approx, fixture, mark, raises
 
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.hardware.journal import append, begun, whole_lines
@@ -55,13 +54,13 @@ def test_sums_drop_the_settling_samples_and_count_what_clips():
     assert clipped.tolist() == [2]
 
 
-@pytest.mark.parametrize(("mode", "order"), MODES.items())
+@mark.parametrize(("mode", "order"), MODES.items())
 def test_drive_steps_psi_through_one_turn(mode, order):
     psi = -order * drive_phases(16, mode)
     assert_allclose(centred(psi - nominal_psi(16)), 0, atol=1e-12)
 
 
-@pytest.mark.parametrize("stray", [0.0, 0.3])
+@mark.parametrize("stray", [0.0, 0.3])
 def test_calibration_finds_the_offset_behind_stray_light(stray):
     wrap = 299792458 / (2 * 7.15e9)
     z = 0.6 + wrap * np.arange(8) / 8
@@ -70,14 +69,14 @@ def test_calibration_finds_the_offset_behind_stray_light(stray):
     offset, drift = calibrate(np.stack([seen, seen]), z, 7.15e9)
     assert offset == approx(-1.2, abs=1e-6 + 0.02 * stray)
     assert drift == approx(0, abs=1e-9)
-    with pytest.raises(ValueError, match="contrast above 0.001"):
+    with raises(ValueError, match="contrast above 0.001"):
         calibrate(np.full((1, 8, 16), 3.0), z, 7.15e9)
 
 
 # --- journals ------------------------------------------------------------------------------------
 
 
-@pytest.fixture
+@fixture
 def journal(tmp_path):
     """Path of a journal of three lines and its header."""
     path = tmp_path / "m.nc.journal"
@@ -87,7 +86,7 @@ def journal(tmp_path):
     return path
 
 
-@pytest.mark.parametrize("kept", [0, 1, -9, -1])
+@mark.parametrize("kept", [0, 1, -9, -1])
 def test_a_torn_tail_is_cut_and_the_rest_goes_on(journal, kept):
     whole = journal.read_bytes()
     *others, last = whole.splitlines(keepends=True)
@@ -101,6 +100,6 @@ def test_a_torn_tail_is_cut_and_the_rest_goes_on(journal, kept):
 
 def test_a_journal_of_another_scan_is_left_alone(journal):
     whole = journal.read_bytes()
-    with pytest.raises(ValueError, match="got another seed, 0"):
+    with raises(ValueError, match="got another seed, 0"):
         begun(journal, HEADER | {"seed": 1}, PLAN)
     assert journal.read_bytes() == whole

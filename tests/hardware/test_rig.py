@@ -4,12 +4,12 @@ import errno
 import json
 import tomllib
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-import pytest
 import serial
-from pytest import approx
+from pytest import approx, fixture, mark, raises
 
 from cmtof.files import read_document
 from cmtof.hardware.connect import connected_driver
@@ -29,7 +29,7 @@ def test_the_default_rig_holds_every_device_of_section_7():
     assert "address" not in RIG.as_dict()["devices"]["daq"]
 
 
-@pytest.fixture
+@fixture
 def path(tmp_path):
     return tmp_path / "rig.yml"
 
@@ -40,10 +40,10 @@ def with_devices(text):
     return devices * (not text.startswith("devices")) + text
 
 
-@pytest.mark.parametrize(("text", "words"), WRONG["rigs"])
+@mark.parametrize(("text", "words"), WRONG["rigs"])
 def test_a_file_that_cannot_be_is_one_line(path, text, words):
     path.write_text(with_devices(text))
-    with pytest.raises((ValueError, OSError)) as error:
+    with raises((ValueError, OSError)) as error:
         Rig.load(path)
     assert words in str(error.value)
     assert "\n" not in str(error.value)
@@ -51,7 +51,7 @@ def test_a_file_that_cannot_be_is_one_line(path, text, words):
 
 def test_another_device_for_a_role_is_refused():
     wrong = RIG.devices | {"clock": RIG.devices["daq"]}
-    with pytest.raises(ValueError, match=r"Expected devices\.clock: sdg2042x, got labjack-t7"):
+    with raises(ValueError, match=r"Expected devices\.clock: sdg2042x, got labjack-t7"):
         replace(RIG, devices=wrong)
 
 
@@ -75,7 +75,7 @@ def test_a_bench_record_moves_lines_and_turns_mirrors(path):
 
 def test_a_view_beyond_the_mirrors_is_refused():
     steep = replace(RIG, mirror_volts_per_degree=(1.0, 1.0), field_of_view_deg=(60.0, 20.0))
-    with pytest.raises(ValueError, match="Expected mirrors within 10 V, got 13.4 V"):
+    with raises(ValueError, match="Expected mirrors within 10 V, got 13.4 V"):
         planned(steep, size=8)
 
 
@@ -85,7 +85,7 @@ def moved(role, address):
     return replace(RIG, devices=RIG.devices | {role: one})
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("role", "address"),
     [
         ("rf_emission", "/no/port"),
@@ -95,18 +95,20 @@ def moved(role, address):
     ],
 )
 def test_nothing_at_an_address_is_one_line(role, address):
-    with pytest.raises(ConnectionLost, match="Expected .*Check"):
+    with raises(ConnectionLost, match="Expected .*Check"):
         connected_driver(moved(role, address), role).identify()
 
 
 def test_a_port_that_may_not_be_opened_says_what_helps():
     refusal = serial.SerialException(errno.EACCES, "could not open port")
     with (
-        pytest.raises(ConnectionLost, match="Add yourself to the group dialout"),
+        raises(ConnectionLost, match="Add yourself to the group dialout"),
         one_error("a serial port"),
     ):
         raise refusal
-    with pytest.raises(ConnectionLost, match="ls -l /dev/serial/by-id"):
+    with raises(ConnectionLost, match="apt install libusb"), one_error("a meter", ConnectionLost):
+        raise ValueError("No backend available")
+    with raises(ConnectionLost, match="ls -l /dev/serial/by-id"):
         connected_driver(moved("stage", "/dev/no-port"), "stage")
 
 
@@ -116,17 +118,34 @@ def test_the_default_rig_finds_its_libraries_in_the_extra():
     assert {"pyserial", "pyusb", "pyvisa", "pyvisa-py", "thorlabs-apt-protocol"} <= set(extra)
 
 
+def test_the_clock_begins_from_its_own_state_and_runs_as_the_rig_says():
+    bench = simulated_bench(
+        replace(RIG, clock_channels=(1, 2), clock_frequency=5e6, clock_amplitude=2.0)
+    )
+    heard = []
+    for name in ("reset", "sine", "lock_phases", "output"):
+        act = partial(lambda name, *given, **set: heard.append((name, *given, *set.values())), name)
+        setattr(bench.clock, name, act)
+    bench.start_clock()
+    sines = [("sine", channel, 5e6, 2.0) for channel in (1, 2)]
+    outputs = [("output", channel, True) for channel in (1, 2)]
+    assert heard == [("reset",), *sines, ("lock_phases",), *outputs]
+
+
 # --- the beam ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("part", "knob"), [("laser", "laser_on"), ("shutter", "shutter_open")])
+@mark.parametrize(
+    ("part", "knob"),
+    [("laser", "laser_on"), ("shutter", "shutter_open"), ("beam_block", "beam_block_out")],
+)
 def test_light_needs_a_closed_interlock(part, knob):
     bench = simulated_bench(RIG)
     panel = bench.daq.panel
     bench.switch(part, True)
     assert getattr(panel, knob)
     panel.interlock_closed = False
-    with pytest.raises(Unsafe, match="Expected the interlock closed, got it open"):
+    with raises(Unsafe, match="Expected the interlock closed, got it open"):
         bench.switch(part, True)
     bench.switch(part, False)
     assert not getattr(panel, knob)

@@ -6,7 +6,7 @@ import sys
 import threading
 from types import SimpleNamespace
 
-import pytest
+from pytest import mark
 
 from cmtof.hardware.safety import EmergencyStop
 
@@ -45,7 +45,7 @@ def outcome(inside, number=None, *, fails=False, during=None):
         return sorted(out.splitlines()), err, one.wait(20)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("inside", "number", "code", "words"),
     [
         ("pass", None, 0, ""),
@@ -67,7 +67,7 @@ def test_a_signal_does_not_cut_the_stop_short():
     assert (lines, code) == (["after", *SAFE], 0)
 
 
-@pytest.mark.parametrize("first", ["", "first Then: "])
+@mark.parametrize("first", ["", "first Then: "])
 def test_a_device_that_fails_keeps_no_other_from_its_safe_state(first):
     lines, err, code = outcome("raise OSError('first')" if first else "pass", fails=True)
     assert (lines, code) == (["safe shutter", "safe stage"], 1)

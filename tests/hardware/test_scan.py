@@ -1,14 +1,14 @@
 """Whole scans of the simulated instrument: truth, faults, safe states, kill and resume."""
 
 import itertools
+import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-import pytest
-from numpy.testing import assert_allclose
-from pytest import approx
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx, fixture, mark, raises
 
 import cmtof
 from cmtof.correlation import centred, phase_from_depth
@@ -66,12 +66,12 @@ def recorded(output):
     return len(whole_lines(journal_path(output)))
 
 
-@pytest.fixture
+@fixture
 def output(tmp_path):
     return tmp_path / "m.nc"
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def whole(tmp_path_factory):
     """File of an uninterrupted scan."""
     output = tmp_path_factory.mktemp("whole") / "m.nc"
@@ -97,55 +97,64 @@ def test_a_file_holds_raw_counts_power_and_settings(whole):
     assert (data["laser_power"] > 1e-3).all()
     assert_allclose(data["detuning"][:, 0], [[-5e6, -5e6], [5e6, 5e6]])
     assert_allclose(data["reflected_power"], 23.01, atol=0.01)  # of 30 dBm
+    assert json.loads(data.attrs["settings"])["detector_gain"] == 50
     assert (data.attrs["source"], data.attrs["seed"]) == ("simulated instrument", 4)
     assert not journal_path(whole).exists()
+
+
+def test_a_target_among_the_scene_calibrates_as_one_behind_the_flip_mirror(output, whole):
+    aside = {"flip_mirror": "photodiode", "reference_direction_deg": (-6.0, 2.0)}
+    take(output, rig=replace(RIG, **aside))
+    found, wanted = (open_measurement(one).dataset for one in (output, whole))
+    for name in ("raw_counts", "psi"):
+        assert_array_equal(found[name], wanted[name])
 
 
 # --- stop and resume -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("last", [5, len(PLAN.lines) - 1])
+@mark.parametrize("last", [5, len(PLAN.lines) - 1])
 def test_stopped_and_resumed_gives_equal_bytes(output, whole, last):
     def report(line):
         if line.index == last:
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
+    with raises(KeyboardInterrupt):
         take(output, report=report)
     assert recorded(output) == last + 2
     take(output, resume=True)
     assert output.read_bytes() == whole.read_bytes()
 
 
-@pytest.fixture
+@fixture
 def stopped(output):
     """Output of a scan that was stopped after its first line."""
-    with pytest.raises(KeyboardInterrupt):
+    with raises(KeyboardInterrupt):
         take(output, report=stop)
     return output
 
 
 def test_a_scan_begun_is_not_overwritten(stopped):
-    with pytest.raises(ValueError, match="Expected no scan begun, got 1 lines"):
+    with raises(ValueError, match="Expected no scan begun, got 1 lines"):
         take(stopped)
 
 
 def test_a_scan_goes_on_with_its_own_settings_only(stopped):
     other = replace(RIG, power_dbm=29.0)
-    with pytest.raises(ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"):
+    with raises(ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"):
         take(stopped, rig=other, resume=True)
 
 
 def test_a_whole_scan_needs_no_journal_to_be_resumed(output, whole):
     output.write_bytes(whole.read_bytes())
     take(output, resume=True)
-    with pytest.raises(ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"):
+    with raises(ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"):
         take(output, rig=replace(RIG, power_dbm=29.0), resume=True)
 
 
 def test_a_foreign_measurement_is_not_a_finished_scan(output):
     cmtof.simulate(cmtof.load_frame("still_life")).save(output)
-    with pytest.raises(ValueError, match="to be of these settings, got another"):
+    with raises(ValueError, match="to be of these settings, got another"):
         take(output, resume=True)
 
 
@@ -153,7 +162,7 @@ def test_a_journal_that_another_scan_is_writing_is_left_alone(stopped):
     before = journal_path(stopped).read_bytes()
     with (
         alone(journal_path(stopped)),
-        pytest.raises(ValueError, match="to be free, got a process that is writing it"),
+        raises(ValueError, match="to be free, got a process that is writing it"),
     ):
         take(stopped, resume=True)
     assert journal_path(stopped).read_bytes() == before
@@ -199,25 +208,36 @@ def miss_edges(bench, times):
     after_lines(bench, lambda n: setattr(rf, "edges", rf.edges - (4 <= n < 4 + times)))
 
 
-@pytest.mark.parametrize("lose", [lose_samples, miss_edges])
+@mark.parametrize("lose", [lose_samples, miss_edges])
 def test_bursts_with_lost_samples_or_edges_are_taken_again(output, whole, lose):
     take(output, prepare=partial(lose, times=2))
     assert output.read_bytes() == whole.read_bytes()
 
 
-@pytest.mark.parametrize(
-    ("lose", "error"), [(lose_samples, InstrumentTimeout), (miss_edges, BadReply)]
-)
+@mark.parametrize(("lose", "error"), [(lose_samples, InstrumentTimeout), (miss_edges, BadReply)])
 def test_bursts_that_are_lost_three_times_end_the_scan(output, lose, error):
-    with pytest.raises(error):
+    with raises(error):
         take(output, prepare=partial(lose, times=3))
 
 
-def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(output):
-    stronger = TwinSettings(laser_power=1.5 * TwinSettings().laser_power)
-    with pytest.raises(Unsafe, match="above 0 and up to 4 mW sent out, got"):
-        take(output, twin=stronger)
+@mark.parametrize(("stronger", "share"), [(1.5, 1), (1, 1.5)])
+def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(output, stronger, share):
+    twin = TwinSettings(laser_power=stronger * TwinSettings().laser_power)
+    with raises(Unsafe, match="above 0 and up to 4 mW sent out, got"):
+        take(output, rig=replace(RIG, emitted_share=share * RIG.emitted_share), twin=twin)
     assert recorded(output) == 2  # the header and the dark line
+
+
+def test_light_that_grows_ends_the_scan_with_its_line(output):
+    def prepare(bench):
+        instrument = bench.daq.instrument
+        usual = instrument.laser_power
+        grow = {4: lambda panel: 2 * usual(panel)}
+        after_lines(bench, lambda n: setattr(instrument, "laser_power", grow.get(n, usual)))
+
+    with raises(Unsafe, match="above 0 and up to 4 mW sent out, got"):
+        take(output, prepare=prepare)
+    assert recorded(output) == 5  # the header and four lines
 
 
 def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(output):
@@ -246,17 +266,19 @@ def test_rf_comes_up_in_steps(output):
     assert powers == [None, None, *ramp, None, *ramp]  # set up, then both modes
 
 
-@pytest.mark.parametrize("lost", ["interlock_closed", "clock_on"])
+@mark.parametrize("lost", ["interlock_closed", "clock_on", "on"])
 def test_an_open_interlock_and_a_lost_lock_end_the_scan(output, lost):
     def prepare(bench):
-        after_lines(bench, lambda n: setattr(bench.daq.panel, lost, n < 20))
+        panel = bench.daq.panel
+        holder = panel.emission if lost == "on" else panel
+        after_lines(bench, lambda n: setattr(holder, lost, n < 20))
 
-    with pytest.raises(Unsafe):
+    with raises(Unsafe):
         take(output, prepare=prepare)
     assert recorded(output) == 21  # the line is not recorded
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("twin", "text"),
     [
         (TwinSettings(reference=MIRROR), "it saturates. Put a grey filter"),
@@ -264,14 +286,14 @@ def test_an_open_interlock_and_a_lost_lock_end_the_scan(output, lost):
     ],
 )
 def test_a_reference_target_that_cannot_calibrate_ends_the_scan(output, twin, text):
-    with pytest.raises(ValueError, match=text):
+    with raises(ValueError, match=text):
         take(output, twin=twin)
     assert recorded(output) == 9
 
 
 def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line(output):
     lose = partial(failing, role="clock", method="output_is_on", error=InstrumentTimeout, at=13)
-    with pytest.raises(InstrumentTimeout):
+    with raises(InstrumentTimeout):
         take(output, prepare=lose)
     assert recorded(output) == 13  # header and twelve lines
     take(output, resume=True)
@@ -280,7 +302,7 @@ def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line(output):
 # --- command line --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("line", "code", "text"), WRONG["commands"])
+@mark.parametrize(("line", "code", "text"), WRONG["commands"])
 def test_a_wrong_command_is_one_line(tmp_path, monkeypatch, run, line, code, text):
     monkeypatch.chdir(tmp_path)
     found, _, err = run("scan", *line.split())

@@ -3,26 +3,26 @@
 import struct
 from dataclasses import replace
 
-import pytest
-from peers import T7, modbus, simulated
-from pytest import approx
+import numpy as np
+from peers import T7, Wire, modbus, simulated
+from pytest import approx, fixture, mark, raises
 from wire import Network, whole_frame
 
 from cmtof.hardware.connect import connected_driver
-from cmtof.hardware.device import BadReply, InstrumentTimeout, Refused
+from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused
 from cmtof.hardware.rig import DeviceSettings, Rig
 from cmtof.hardware.t7 import LabJackT7
 
-BURST = {"channel": "AIN0", "rate": 24000.0, "scans": 320, "range": 10.0}
+BURST = {"channels": ["AIN0"], "rate": 24000.0, "scans": 320, "range": 10.0}
 BURST |= {"pulse_line": "FIO4", "pulse": 20}
 
 
-@pytest.fixture
+@fixture
 def peer():
     return T7(simulated("daq"))
 
 
-@pytest.fixture
+@fixture
 def daq(peer):
     return LabJackT7(modbus(peer), peer.stream, "daq")
 
@@ -36,6 +36,18 @@ def test_bursts_carry_mirrors_and_label_in_one_frame(peer, daq):
     assert peer.written[start + 1] == (30004, struct.pack(">f", 2.5))
     assert [address for address, _ in peer.written[start + 2 :]] == [4990, 4990]
     assert peer.get(4990) == 0
+
+
+def test_two_inputs_come_in_turn(peer, daq):
+    peer.device.panel.photodiode_lit = True
+    daq.configure_burst(**BURST | {"channels": ["AIN2", "AIN3"]})
+    (counts,) = daq.bursts([{"USER_RAM0_U32": 1}])
+    assert [peer.get(address) for address in (4004, 4100, 4102, 4104)] == [3, 4800, 4, 6]
+    assert counts.shape == (640,)
+    levels = counts.reshape(320, 2).mean(axis=0)
+    assert abs(levels[0] - levels[1]) > 100 > 10 * np.std(counts[::2])
+    with raises(ValueError, match="Expected rate of daq from 1 to 100000, got 120000"):
+        daq.configure_burst(**BURST | {"channels": ["AIN2", "AIN3"], "rate": 40e3})
 
 
 def test_nothing_of_the_stream_is_inherited(peer, daq):
@@ -54,14 +66,14 @@ def test_the_rate_that_the_converter_makes_is_kept_or_refused(peer, daq):
         peer.send_burst = lambda: peer.set(4494, "f", rate) or works()  # noqa: B023
         bursts = daq.bursts([{"USER_RAM0_U32": 1}])
         if rate == 23000.0:
-            with pytest.raises(Refused, match="its rate to 24000, got 23000"):
+            with raises(Refused, match="its rate to 24000, got 23000"):
                 next(bursts)
         else:
             next(bursts)
             assert daq.rate == approx(rate)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("fault", "error", "text"),
     [
         ("lost", BadReply, "status 2944 or a gap"),
@@ -72,17 +84,27 @@ def test_the_rate_that_the_converter_makes_is_kept_or_refused(peer, daq):
 def test_a_broken_burst_is_an_error_and_the_next_one_is_whole(peer, daq, fault, error, text):
     daq.configure_burst(**BURST)
     peer.fault = fault
-    with pytest.raises(error, match=text):
+    with raises(error, match=text):
         list(daq.bursts([{"USER_RAM0_U32": 1}]))
     assert peer.get(4990) == 0
     (counts,) = daq.bursts([{"USER_RAM0_U32": 2}])
     assert counts.shape == (320,)
 
 
+def test_a_t7_that_does_not_even_stop_is_lost_and_no_burst_is_tried_again(peer):
+    wire = Wire(peer)
+    wire.fail(b"\x13\x7e", TimeoutError())  # STREAM_ENABLE
+    daq = LabJackT7(modbus(wire), peer.stream, "daq")
+    daq.configure_burst(**BURST)
+    with raises(ConnectionLost, match="Expected daq to answer, got silence"):
+        next(daq.bursts([{"USER_RAM0_U32": 1}]))
+    assert len(wire.sent) == 1
+
+
 # --- on TCP --------------------------------------------------------------------------------------
 
 
-@pytest.fixture
+@fixture
 def network(peer):
     server = Network(whole_frame, peer)
     yield server
@@ -98,8 +120,17 @@ def at(network, **settings):
 
 def test_a_refusal_tells_the_makers_code(network):
     far = connected_driver(at(network), "daq")
-    with pytest.raises(Refused, match="got exception 6.*LabJack's error code is 2501"):
+    with raises(Refused, match="got exception 6.*LabJack's error code is 2501"):
         far.write_many({"SERIAL_NUMBER": 1})
+    far.close()
+
+
+def test_an_answer_to_another_request_is_not_taken(network):
+    works = network.wire.answer
+    network.wire.answer = lambda frame: b"\0\x63" + works(frame)[2:]
+    far = connected_driver(at(network), "daq")
+    with raises(BadReply, match="Expected answer 2, got 99"):  # it has been asked twice
+        far.line("FIO7")
     far.close()
 
 
@@ -108,7 +139,7 @@ def test_a_log_has_every_request_and_reply(network, tmp_path):
         driver = connected_driver(at(network, timeout=0.05), "daq", log)
         driver.line("FIO7")
         network.wire.fail(b"", b"")
-        with pytest.raises(InstrumentTimeout):
+        with raises(InstrumentTimeout):
             driver.line("FIO7")
         driver.close()
     # head of Modbus TCP: number, protocol 0, bytes that follow, unit 1, function 76

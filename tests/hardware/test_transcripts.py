@@ -7,8 +7,8 @@ import re
 from contextlib import nullcontext
 from pathlib import Path
 
-import pytest
 from kinds import DEVICES, called, dialogue
+from pytest import mark, param, raises
 from registers import LISTED, WORDS
 
 from cmtof.hardware import device, t7
@@ -16,17 +16,17 @@ from cmtof.hardware import device, t7
 HERE = Path(__file__).parent
 GUIDE = HERE.parents[1] / "book" / "hardware.md"
 CASES = [
-    pytest.param(one, case, id=f"{name}: {case['what']}")
+    param(one, case, id=f"{name}: {case['what']}")
     for name, one in DEVICES.items()
     for case in one.file["dialogues"] + one.file.get("faults", [])
 ]
 
 
-@pytest.mark.parametrize(("one", "case"), CASES)
+@mark.parametrize(("one", "case"), CASES)
 def test_a_driver_says_and_understands_what_is_written(one, case):
     pairs = [one.pair(**line) for line in case["lines"]]
     error, words = case.get("raises", (None, None))
-    fails = pytest.raises(getattr(device, error), match=words) if error else nullcontext()
+    fails = raises(getattr(device, error), match=words) if error else nullcontext()
     with dialogue(one.kind, *pairs) as port, fails:
         asked = {key: case[key] for key in ("call", "with", "options") if key in case}
         found = called(one.driver(port, name="device"), **asked)

@@ -6,20 +6,20 @@ import sys
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-import pytest
-from numpy.testing import assert_array_equal
-from pytest import approx
-from wire import RIG, WALL
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx, fixture, mark, raises
+from wire import RIG, TODAY, WALL
 
+from cmtof.hardware.calibration import drive_amplitudes, plate
 from cmtof.hardware.connect import connected_bench, connected_driver
-from cmtof.hardware.device import ConnectionLost, InstrumentError
+from cmtof.hardware.device import ConnectionLost, InstrumentError, Refused
 from cmtof.hardware.plan import planned
+from cmtof.hardware.ranging import MEANS, sweep
 from cmtof.hardware.scan import scan
 from cmtof_lab.rehearsal import simulated_bench
 
 
-@pytest.fixture
+@fixture
 def take(world, tmp_path):
     """Scan the wall over the wires."""
 
@@ -31,20 +31,45 @@ def take(world, tmp_path):
 
 
 def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_path):
-    """A flipper of 2.8 s, 10 s for a home and for a move with light and RF on, and thin air."""
+    """A flipper of 2.8 s, 10 s for a home and a move with light and RF on, and thin, warm air."""
+    air = {"pressure": 83e3, "temperature": 303.15}
     world.models["daq"].flip_time = 2.8
     world.models["stage"].slow = iter([200, 200])
-    found = take(pressure=83e3)
+    found = take(**air, shutter_settling=8.0)  # longer than a watchdog waits
     assert world.dark
     bench = partial(simulated_bench, RIG, WALL, seed=4)
-    wanted = scan(planned(replace(RIG, pressure=83e3), size=2), bench, tmp_path / "simulated.nc")
-    indices = [one.dataset.attrs["group_index"] for one in (wanted, found)]
-    assert -np.diff(indices) == approx(52e-6, abs=2e-6)  # m per metre
+    wanted = scan(planned(replace(RIG, **air), size=2), bench, tmp_path / "simulated.nc")
+    assert (found.dataset["time"] > TODAY).all()
+    usual, thin = (one.dataset.attrs["group_index"] - 1 for one in (wanted, found))
+    assert thin / usual == approx(83e3 / 101325 * 293.15 / 303.15, rel=2e-3)  # of an ideal gas
     for name in ("raw_counts", "laser_power", "detuning", "angle"):
         assert_array_equal(found.dataset[name], wanted.dataset[name])
 
 
-def test_a_check_asks_every_device_and_leaves_its_port_free(world, tmp_path, succeeds):
+COUNT = 1 / 34554960  # m of the stage, which stops at whole ones
+MEASURED = {
+    **{way: partial(sweep, way=way, offsets=[0.0, 3456 * COUNT]) for way in MEANS},
+    "drive": partial(drive_amplitudes, module="detection", drives=[(7.15e9, 20.0)]),
+    "plate": partial(plate, module="emission", angles=[0.0, 11.25, 22.5, 33.75]),
+}
+
+
+@mark.parametrize("what", MEASURED)
+def test_sweeps_and_calibrations_are_those_of_the_simulation(world, what):
+    """Two inputs, a raised beam block, a moved mirror and turned plates on the wire."""
+    rig = replace(world.rig, flip_mirror="photodiode")
+    world.devices["daq"].rig = rig
+    with connected_bench(rig) as bench:
+        bench.set_up()
+        found = MEASURED[what](bench)
+    with simulated_bench(rig, WALL, seed=4) as bench:
+        bench.set_up()
+        wanted = MEASURED[what](bench)
+    assert_allclose(getattr(found, "volts", found), getattr(wanted, "volts", wanted), rtol=1e-8)
+    assert world.dark
+
+
+def test_a_check_asks_every_device_and_leaves_its_port_free(world, tmp_path, run, succeeds):
     path = tmp_path / "rig.yml"
     world.write(path)
     text = succeeds("scan", path, "--check")
@@ -53,11 +78,15 @@ def test_a_check_asks_every_device_and_leaves_its_port_free(world, tmp_path, suc
     for part in ("closed", "0 mW at the meter", "SDG2042X", "S140C", "T7 470010001 1.0292"):
         assert part in text
     assert succeeds("scan", path, "--check") == text
+    world.panel.interlock_closed = False
+    code, text, _ = run("scan", path, "--check")
+    assert code == 1
+    assert "Close doors and covers" in text
 
 
 def test_a_flip_mirror_that_is_not_waited_for_shows_another_target(world, take):
     world.models["daq"].flip_time = 1e6
-    with pytest.raises(ValueError, match="Expected a reference target"):
+    with raises(ValueError, match="Expected a reference target"):
         take(flip_mirror_settling=0.0)
 
 
@@ -84,8 +113,8 @@ def hang_up(request):
     raise ConnectionResetError
 
 
-@pytest.mark.parametrize("fault", [fall_silent, hang_up])
-@pytest.mark.parametrize("role", PLACES)
+@mark.parametrize("fault", [fall_silent, hang_up])
+@mark.parametrize("role", PLACES)
 def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
     """Its own light or RF stays on until its own timer ends it."""
     wire = world.ends[role].wire
@@ -99,7 +128,7 @@ def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
 
     wire.answer = answer
     quick = replace(world.rig.devices[role], timeout=0.05)  # nobody waits longer for this one
-    with pytest.raises(InstrumentError, match="Expected"):
+    with raises(InstrumentError, match="Expected"):
         take(devices=world.rig.devices | {role: quick})
     assert world.dark or role in TIMED
     world.silence(6.0)
@@ -109,7 +138,7 @@ def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
 # --- starts and ends -----------------------------------------------------------------------------
 
 
-@pytest.fixture
+@fixture
 def lit(world):
     """The world as a killed scan leaves it, and its read-out's driver."""
     daq = connected_driver(world.rig, "daq")
@@ -122,15 +151,24 @@ def lit(world):
     daq.close()
 
 
-@pytest.mark.parametrize("role", PLACES)
+@mark.parametrize("role", PLACES)
 def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role):
     lit.close()
     world.ends[role].close()
-    with pytest.raises(ConnectionLost, match="Expected"), connected_bench(world.rig):
+    with raises(ConnectionLost, match="Expected"), connected_bench(world.rig):
         pass
     assert world.lit == (role == "daq")
     assert world.dark or role in TIMED
     world.silence(6.0)
+    assert world.dark
+
+
+@mark.parametrize("role", PLACES)
+def test_another_device_than_the_rig_names_is_refused(world, role):
+    other = {role: replace(world.rig.devices[role], serial_number="OTHER")}
+    wrong = replace(world.rig, devices=world.rig.devices | other)
+    with raises(Refused, match="OTHER, got .* Check the address"), connected_bench(wrong):
+        pass
     assert world.dark
 
 
@@ -155,7 +193,7 @@ def test_timers_act_when_nobody_speaks(world, lit):
 SCAN = [sys.executable, "-m", "cmtof.cli", "scan", "rig.yml", "--size", "2", "-o", "m.nc"]
 
 
-@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGKILL])
+@mark.parametrize("number", [signal.SIGHUP, signal.SIGKILL])
 def test_a_program_that_ends_with_light_on(world, tmp_path, number):
     """A closed terminal runs the emergency stop; after a kill the devices' timers act."""
     world.write(tmp_path / "rig.yml", flip_mirror_settling=0.0)

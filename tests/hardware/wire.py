@@ -20,6 +20,7 @@ from cmtof.hardware.rig import Rig
 from cmtof_lab.rehearsal import simulated_bench
 from cmtof_lab.targets import Plane
 
+TODAY = 1.8e9  # s since 1970
 WALL = Plane(0.9, tilt_x=0.3, reflectance=0.8)
 DEFAULT = Rig.default()
 PATIENT = {role: replace(one, timeout=10.0) for role, one in DEFAULT.devices.items()}
@@ -153,6 +154,7 @@ class World:
         self.passed = 0.0
         bench = simulated_bench(rig, scene, seed=seed)
         self.panel = bench.daq.panel
+        self.devices = bench.devices
         self.models = {}
         self.ends = {}
         named = dict(rig.devices)
@@ -168,6 +170,10 @@ class World:
     def now(self):
         """Time, s."""
         return self.passed
+
+    def date(self):
+        """Time, s since 1970."""
+        return TODAY + self.passed
 
     def sleep(self, seconds):
         """Let time pass."""

@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 from instrument_panels import DRIVE, EDGES, MODES, ORDER, PSI, profile, ready
+from pytest import approx, fixture, mark
 from scipy.ndimage import binary_erosion
 from scipy.special import jv
 
@@ -44,36 +44,36 @@ def expected_phase(mode, z):
     return 4 * np.pi * ORDER[mode] * DRIVE[mode] * z / SPEED_OF_LIGHT
 
 
-@pytest.mark.parametrize("mode", MODES)
+@mark.parametrize("mode", MODES)
 def test_phase_grows_with_the_range_and_with_air(mode):
     near = phase_of(IDEAL, 0.6, mode)
     for step in (1e-3, 12e-3):
         turned = phase_of(IDEAL, 0.6 + step, mode) - near
-        assert centred(turned - expected_phase(mode, step)) == pytest.approx(0, abs=3e-3)
+        assert centred(turned - expected_phase(mode, step)) == approx(0, abs=3e-3)
     slow = replace(IDEAL, pressure=101325.0)
     excess = SimulatedInstrument(slow).group_index - 1
     slowed = phase_of(slow, 0.6, mode) - near
-    assert centred(slowed - expected_phase(mode, 0.6 * excess)) == pytest.approx(0, abs=3e-3)
+    assert centred(slowed - expected_phase(mode, 0.6 * excess)) == approx(0, abs=3e-3)
 
 
-@pytest.mark.parametrize("mode", MODES)
+@mark.parametrize("mode", MODES)
 def test_contrast_is_that_of_the_closed_form(mode):
     two_eta = 2 * IDEAL.eta
     wanted = 2 * jv(1, two_eta) ** 2
     if mode == "doubled":
         wanted = 2 * jv(2, two_eta) ** 2 / (1 - jv(0, two_eta)) ** 2
     found = decode(profile(SimulatedInstrument(IDEAL, Plane(0.6)), ready(mode))[0], PSI)
-    assert found.amplitude / found.offset == pytest.approx(wanted, rel=2e-2)
+    assert found.amplitude / found.offset == approx(wanted, rel=2e-2)
 
 
 def test_amplitude_follows_power_and_resonance():
     drive = TwinSettings()
     full = abs(amplitude(drive, 30.0, 7.15e9))
-    assert full == pytest.approx(drive.eta) == pytest.approx(abs(amplitude(drive, 30.0, 7.16e9)))
-    assert abs(amplitude(drive, 30.0 - 20 * np.log10(2), 7.15e9)) == pytest.approx(full / 2)
+    assert full == approx(drive.eta) == approx(abs(amplitude(drive, 30.0, 7.16e9)))
+    assert abs(amplitude(drive, 30.0 - 20 * np.log10(2), 7.15e9)) == approx(full / 2)
     edge = drive.resonance + drive.resonance_width / 2
     at_peak, at_edge = (abs(amplitude(drive, 30.0, f)) for f in (drive.resonance, edge))
-    assert at_edge / at_peak == pytest.approx(np.sqrt(0.5))
+    assert at_edge / at_peak == approx(np.sqrt(0.5))
 
 
 def test_light_and_modulation_need_their_switches():
@@ -90,13 +90,13 @@ def test_drivers_make_the_errors_that_they_are_said_to_have():
     error = skewed.made_phase(0, phases) - phases
     np.testing.assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
     coded = SimulatedInstrument(replace(IDEAL, phase_step_error=5e-4), seed=4)
-    assert (coded.made_phase(1, every) - every).std() == pytest.approx(5e-4, rel=0.02)
+    assert (coded.made_phase(1, every) - every).std() == approx(5e-4, rel=0.02)
 
 
 def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
     long = drift(0, 1, np.linspace(0, 36000, 200001))
     assert np.abs(long).max() <= 1
-    assert long.std() == pytest.approx(DRIFT_RMS, rel=0.05)
+    assert long.std() == approx(DRIFT_RMS, rel=0.05)
     drifting = replace(IDEAL, phase_drift=0.1)
     labels = np.array([1, 2000, 40000])
     instrument = SimulatedInstrument(drifting, Plane(0.6), seed=2)
@@ -106,7 +106,7 @@ def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
     np.testing.assert_allclose(centred(np.diff(phases) + np.diff(lag)), 0, atol=5e-3)
 
 
-@pytest.mark.parametrize("mode", MODES)
+@mark.parametrize("mode", MODES)
 def test_phase_noise_of_a_point_meets_the_closed_form(mode):
     instrument, count = SimulatedInstrument(NOISY, Plane(0.8, reflectance=0.3), seed=1), 3000
     seen = profile(instrument, ready(mode), np.zeros((count, 2)))
@@ -117,7 +117,7 @@ def test_phase_noise_of_a_point_meets_the_closed_form(mode):
     variance += (NOISY.converter_noise**2 + 1 / 12) * 3.158e-4**2 / 12
     middle = np.angle(np.exp(1j * found.phase).mean())
     wanted = np.sqrt((variance * np.sin(PSI + middle) ** 2).sum()) / 8 / found.amplitude.mean()
-    assert centred(found.phase - middle).std() == pytest.approx(wanted, rel=4 / np.sqrt(2 * count))
+    assert centred(found.phase - middle).std() == approx(wanted, rel=4 / np.sqrt(2 * count))
 
 
 # --- the noise of the published captures
@@ -133,21 +133,21 @@ def test_captures_noise_is_what_chapter_7_found():
     for name, (level, correlation) in CAPTURES.items():
         assert level == round(found[name]["white"], 3)
         assert correlation == round(found[name]["down"], 2)
-    assert NOISE["captures"]["phase_noise"][0] == pytest.approx(0.117, abs=1e-3)
+    assert NOISE["captures"]["phase_noise"][0] == approx(0.117, abs=1e-3)
 
 
-@pytest.mark.parametrize("mode", MODES)
+@mark.parametrize("mode", MODES)
 def test_disturbance_has_its_level_and_grain(mode):
     """2000 points tell a deviation to 1.6 % and a correlation to 0.022; four of these."""
     instrument = SimulatedInstrument(replace(IDEAL, **NOISE["captures"]), Plane(0.8), seed=1)
     seen = decode(profile(instrument, ready(mode), np.zeros((2000, 2))).T, PSI).phase
     error = centred(seen - np.angle(np.exp(1j * seen).mean()))
-    assert error.std() == pytest.approx(NOISE["captures"]["phase_noise"][0], rel=0.08)
+    assert error.std() == approx(NOISE["captures"]["phase_noise"][0], rel=0.08)
     correlations = [np.corrcoef(error[:-lag], error[lag:])[0, 1] for lag in (1, 2)]
     np.testing.assert_allclose(correlations, [NOISE["captures"]["grain"], 0], atol=0.09)
 
 
-@pytest.fixture(params=[("curlyhair1", 0), ("head", 70), ("owl", 70)], ids=CAPTURES)
+@fixture(params=[("curlyhair1", 0), ("head", 70), ("owl", 70)], ids=CAPTURES)
 def behind(request, shared_data):
     """Name of an object, its depth (H, W), m, 30 columns, and their pixels that show the wall."""
     name, left = request.param
@@ -160,7 +160,7 @@ def behind(request, shared_data):
     return name, depth_from_wraps(smooth, wraps, FREQUENCY_SINGLE), columns, shown[:, columns]
 
 
-@pytest.mark.parametrize("own", [False, True])
+@mark.parametrize("own", [False, True])
 def test_noise_on_the_captures_objects_is_the_captures(behind, own):
     """On the wall behind each object; a scan's line is a column of the captures' maps."""
     name, depth, columns, wall = behind

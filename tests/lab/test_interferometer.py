@@ -3,9 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 
 from cmtof.correlation import TAU
 from cmtof_lab.interferometer import Interferometer, _gaussian_root
@@ -42,7 +41,7 @@ def test_sweep_reaches_the_bound():
     assert error[:, 1:].std() == approx(ruler.bound(PLATE, [0.0])[0], rel=0.04)
 
 
-@pytest.mark.parametrize("margin", [0.99, 1.01])
+@mark.parametrize("margin", [0.99, 1.01])
 def test_a_move_is_counted_right_below_a_quarter_wavelength_and_backwards_above(margin):
     ruler = Interferometer(settings=SILENT, **STEADY)
     ruler = replace(ruler, speed=margin * ruler.wavelength / 4 / ruler.reading_time)
@@ -51,7 +50,7 @@ def test_a_move_is_counted_right_below_a_quarter_wavelength_and_backwards_above(
     assert found == approx(400 * counted, abs=1e-12)
 
 
-@pytest.mark.parametrize("lag", [1, 5, 40])
+@mark.parametrize("lag", [1, 5, 40])
 def test_vibration_has_its_rms_and_its_change(lag):
     found = Interferometer(quality=5.0).vibration(np.random.default_rng(0), 400_000)
     assert found.std() == approx(2e-8, rel=0.02)

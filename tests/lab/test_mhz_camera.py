@@ -3,9 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 from scipy.constants import c, h
 
 from cmtof.correlation import TAU, phase_from_depth
@@ -39,7 +38,7 @@ def test_polished_metal_is_faint_aside_and_blinding_ahead():
     assert ahead > 1000 * CLEAN.signal(flat())[0, 0]
 
 
-@pytest.mark.parametrize("z", [0.2, 1.4, 1.4 + c / 2e8])
+@mark.parametrize("z", [0.2, 1.4, 1.4 + c / 2e8])
 def test_ranges_are_exact_without_noise_and_repeat_after_one_wrap(z):
     camera = replace(CLEAN, power=1.0, full_scale=1e6)
     assert camera.wrap == approx(c / 2e8)  # 1.5 m, not the 3 m of Sec. 1
@@ -47,7 +46,7 @@ def test_ranges_are_exact_without_noise_and_repeat_after_one_wrap(z):
     assert_allclose(camera.depth(images)[0], z % camera.wrap, atol=1e-9)
 
 
-@pytest.mark.parametrize(("power", "distance"), [(8e-3, 0.4), (2.0, 1.23)])
+@mark.parametrize(("power", "distance"), [(8e-3, 0.4), (2.0, 1.23)])
 def test_noise_reaches_its_closed_form(power, distance, rng):
     """12 800 pixels: the standard error of a standard deviation is 0.6 %, the margin 3 %."""
     camera = MhzCamera(power=power)
@@ -69,7 +68,7 @@ def test_dark_and_saturated_pixels_have_no_range(rng):
     assert np.isnan(found).all()
 
 
-@pytest.mark.parametrize("dark", [0.5, 0.005])
+@mark.parametrize("dark", [0.5, 0.005])
 def test_a_veil_pulls_a_dark_spot_by_the_closed_form(dark):
     """A spot at 1 m before a bright field 0.3 m behind it: arg(1 + s exp(i D))."""
     camera = replace(CLEAN, veil=0.2)

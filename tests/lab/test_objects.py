@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pytest import approx, mark, raises
 
 pytest.importorskip("embreex")
 
@@ -21,7 +22,7 @@ def looked_at(name, size=96):
     return rays, MeshTarget.from_mesh(object_mesh(name)).look(rays)
 
 
-@pytest.mark.parametrize("name", objects.OBJECTS)
+@mark.parametrize("name", objects.OBJECTS)
 def test_an_object_stands_before_a_wall_within_the_wraps_36_to_56(name):
     rays, hits = looked_at(name)
     low, high = np.array(RELEASED_WRAPS) * wrap_length(FREQUENCY_SINGLE) / 1.0003  # of the air
@@ -32,7 +33,7 @@ def test_an_object_stands_before_a_wall_within_the_wraps_36_to_56(name):
     assert hits.reflectance.max() <= 1
 
 
-@pytest.mark.parametrize("names", [["shoe"], ["vase", "kettle", "books"]])
+@mark.parametrize("names", [["shoe"], ["vase", "kettle", "books"]])
 def test_still_lifes_stand_on_a_table_and_differ(names):
     drawn = [objects.still_life(names, np.random.default_rng(k)) for k in (0, 0, 1)]
     (first, view), (same, _), (other, _) = drawn
@@ -46,7 +47,7 @@ def test_still_lifes_stand_on_a_table_and_differ(names):
 
 def test_materials_are_those_of_the_paper():
     bust, helmet, owl, table = (looked_at(name)[1] for name in ("bust", "helmet", "owl", "table"))
-    assert np.median(bust.reflectance[bust.range < 1.0]) == pytest.approx(0.8)
+    assert np.median(bust.reflectance[bust.range < 1.0]) == approx(0.8)
     assert np.mean(helmet.mirrored > 0.9) > 0.2
     feathers = owl.reflectance[owl.range < 1.0]
     assert feathers.min() < 0.05
@@ -79,10 +80,10 @@ def test_the_step_of_the_gauge_blocks_is_along_their_normal():
     reach = target.look(rays).range
     assert np.isnan(reach[2:]).all()
     left, right = (rays * reach[:, None])[:2] @ [-np.sin(tilt), 0, np.cos(tilt)]
-    assert left - right == pytest.approx(step - 4e-7, abs=1e-12)
-    assert left == pytest.approx(np.cos(tilt) - 1e-7, abs=1e-12)
+    assert left - right == approx(step - 4e-7, abs=1e-12)
+    assert left == approx(np.cos(tilt) - 1e-7, abs=1e-12)
 
 
 def test_an_unknown_object_is_refused():
-    with pytest.raises(ValueError, match="Expected an object out of bust, helmet, owl, table"):
+    with raises(ValueError, match="Expected an object out of bust, helmet, owl, table"):
         object_mesh("cat")

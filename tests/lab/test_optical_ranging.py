@@ -3,9 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from pytest import approx
+from pytest import approx, mark
 
 from cmtof.correlation import TAU, wrap_length
 from cmtof_lab.budget import back_ratio, only
@@ -23,7 +22,7 @@ STEPS = np.linspace(0, 1e-3, 5)
 STILL = {"stage_error": 0.0, "air_change": (0.0, 0.0)}
 
 
-@pytest.mark.parametrize("mode", ["single", "doubled"])
+@mark.parametrize("mode", ["single", "doubled"])
 def test_counts_are_those_of_a_scan(mode):
     """A plane in the scene and the target on the stage, at one moment of one seed."""
     settings = TwinSettings(speckle=False)
@@ -37,7 +36,7 @@ def test_counts_are_those_of_a_scan(mode):
     assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])
 
 
-@pytest.mark.parametrize(("mode", "what"), [("single", "diffuse"), ("doubled", "mirror")])
+@mark.parametrize(("mode", "what"), [("single", "diffuse"), ("doubled", "mirror")])
 def test_noise_alone_meets_the_bound(mode, what):
     """5000 estimates and the zeros of 50 days fix a standard deviation to 1.5 %."""
     ranger = OpticalRanger(NOISY, mode, visits=8, **STILL)
@@ -47,7 +46,7 @@ def test_noise_alone_meets_the_bound(mode, what):
     assert np.sqrt(np.mean(pulls**2)) == approx(1, abs=0.045)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("change", "ratio"), [({"visits": 8}, 2 / 1.125), ({"samples": 36}, 2), ({"phases": 32}, 2)]
 )
 def test_noise_of_the_zero_samples_and_phases(change, ratio):
@@ -56,7 +55,7 @@ def test_noise_of_the_zero_samples_and_phases(change, ratio):
     assert_allclose(ranger.bound(PLATE, [0.0]) / better, ratio**0.5, rtol=0.01)
 
 
-@pytest.mark.parametrize(("mode", "most"), [("single", 1e-6), ("doubled", 3e-6)])
+@mark.parametrize(("mode", "most"), [("single", 1e-6), ("doubled", 3e-6)])
 def test_without_errors_the_range_is_right(mode, most):
     """Of a plate's light the doubled mode leaves 280 counts of amplitude, and they are rounded."""
     ranger = OpticalRanger(AIR, mode, visits=8, **STILL)

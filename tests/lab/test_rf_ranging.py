@@ -3,9 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 
 from cmtof.bounds import phase_spread
 from cmtof.correlation import TAU, centred
@@ -36,7 +35,7 @@ def test_noise_is_the_closed_form_of_thermal_and_shot_noise():
     assert friis.noise_factor == approx(10**0.3 + 9 / 10)
 
 
-@pytest.mark.parametrize(("gain", "error"), [(0.9, -0.2)])
+@mark.parametrize(("gain", "error"), [(0.9, -0.2)])
 def test_an_imbalance_errs_twice_a_turn_and_is_taken_away(gain, error):
     angle = np.linspace(0, TAU, 400, endpoint=False)
     read = skewed(2 * np.exp(1j * angle), gain, error)
@@ -56,7 +55,7 @@ def test_small_diode_sees_part_of_a_spot_and_all_of_a_mirror():
     assert RfRanger().power(MIRROR, 0.6) == collected_power(settings, MIRROR, 0.6)
 
 
-@pytest.mark.parametrize("reflectance", [1e-3, 1e-6])
+@mark.parametrize("reflectance", [1e-3, 1e-6])
 def test_sweep_follows_the_law_of_a_noisy_phase_where_nothing_drifts(reflectance):
     """8000 readings, each day with a zero and an offset of better readings."""
     settings = replace(TwinSettings.ideal(), noise=True)

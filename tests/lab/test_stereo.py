@@ -3,11 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from pytest import approx
+from pytest import approx, fixture, mark, raises
 
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH
 from cmtof.correlation import TAU, phase_from_depth, wrap_length
@@ -26,12 +25,12 @@ def planar(depth):
     return np.broadcast_to(depth, SHAPE) * ray_lengths(SHAPE, CAMERA)
 
 
-@pytest.fixture
+@fixture
 def wall():
     return Frame(planar(1.5), np.full(SHAPE, 0.5), CAMERA)
 
 
-@pytest.fixture
+@fixture
 def post():
     """A post of 10 columns, 0.9 m away, before a wall at 1.8 m."""
     depth = np.full(SHAPE, 1.8)
@@ -102,7 +101,7 @@ def test_spots_locate_the_scanner(rng):
     assert_allclose(stereo.locate_scanner(rig, pixels, 3.7 * beams).centres, RIG.centres, atol=1e-3)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("call", "message"),
     [
         (lambda: stereo.calibrate(np.zeros((2, 2, 54, 2)), RIG.shape), "at least 3 views, got 2"),
@@ -111,7 +110,7 @@ def test_spots_locate_the_scanner(rng):
     ],
 )
 def test_bad_input_is_named(call, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         call()
 
 
@@ -124,7 +123,7 @@ def windows(rng, brightness, sigma, count=1500, shift=0.5):
     return rng.poisson(mean) + 2.9 * rng.standard_normal(mean.shape) - 5.0, places
 
 
-@pytest.mark.parametrize(("brightness", "sigma"), [(1500, 0.9), (30_000, 1.5)])
+@mark.parametrize(("brightness", "sigma"), [(1500, 0.9), (30_000, 1.5)])
 def test_spots_are_placed_as_well_as_stated(brightness, sigma, rng):
     """3000 coordinates: their deviation is known to 1.3 %; the margin is 8 %."""
     quiet = stereo.Sensor(contrast=0.0)
@@ -170,7 +169,7 @@ def test_no_plane_hides_itself():
     assert stereo.visible_from(points, (0.0, 0.2, 0.1)).all()
 
 
-@pytest.mark.parametrize("side", [-1, 1])
+@mark.parametrize("side", [-1, 1])
 def test_a_post_hides_what_geometry_says(post, side):
     """From 0.15 m aside the post's edge at 0.9 m hides 0.15 m of the wall at 1.8 m: 5 px."""
     seen = stereo.visible_from(points_of(post), (side * 0.15, 0, 0))
@@ -190,7 +189,7 @@ def test_stereo_alone_is_in_doubt_near_a_wraps_boundary(wall):
     assert_array_equal(truth.wraps[truth.mask], (wall.depth // WRAP)[truth.mask])
 
 
-@pytest.mark.parametrize(("sigma", "labelled"), [(0.2, True), (3.0, False)])
+@mark.parametrize(("sigma", "labelled"), [(0.2, True), (3.0, False)])
 def test_with_the_phase_half_a_wrap_is_enough(wall, sigma, labelled):
     truth = stereo.truth_from_spots(exact(wall, sigma), RIG, phase=measured_phase(wall))
     assert truth.mask.all() == labelled

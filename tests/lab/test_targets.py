@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from pytest import mark, raises
 
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
@@ -21,7 +22,7 @@ def plane_frame(tilt):
     return Frame(depth=depth, intensity=np.full(depth.shape, 0.4), camera=CAMERA)
 
 
-@pytest.mark.parametrize("tilt", [0.0, 0.5])
+@mark.parametrize("tilt", [0.0, 0.5])
 def test_plane_is_met_where_it_stands(tilt):
     found = Plane(0.8, tilt_x=tilt).look(RAYS)
     points = RAYS * found.range[:, None]
@@ -29,7 +30,7 @@ def test_plane_is_met_where_it_stands(tilt):
     assert np.isnan(Plane(0.8).look(-RAYS).range).all()
 
 
-@pytest.mark.parametrize("tilt", [0.0, 0.4])
+@mark.parametrize("tilt", [0.0, 0.4])
 def test_a_frame_of_a_plane_is_that_plane(tilt):
     frame = FrameTarget(plane_frame(tilt)).look(RAYS)
     plane = Plane(1.0, tilt_x=tilt).look(RAYS)
@@ -73,7 +74,7 @@ def test_scenes_by_name_file_and_mapping():
     assert scene_from({"kind": "mirror", "distance": 1.0}) == Plane(1.0, mirrored=1.0)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     "source",
     [
         {"kind": "cat"},
@@ -81,11 +82,11 @@ def test_scenes_by_name_file_and_mapping():
     ],
 )
 def test_nonsense_is_refused(source):
-    with pytest.raises(ValueError, match=r"Expected twin\.scene"):
+    with raises(ValueError, match=r"Expected twin\.scene"):
         scene_from(source)
 
 
 def test_a_frame_without_a_camera_is_refused():
     frame = Frame(depth=np.ones((4, 4)), intensity=np.ones((4, 4)), camera=None)
-    with pytest.raises(ValueError, match="Expected a frame with a camera"):
+    with raises(ValueError, match="Expected a frame with a camera"):
         FrameTarget(frame)

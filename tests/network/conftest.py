@@ -1,8 +1,8 @@
 """Small networks and measurements that the tests of the learned unwrapping share."""
 
 import numpy as np
-import pytest
 import torch
+from pytest import fixture
 
 import cmtof
 from cmtof.network.features import CLASSES
@@ -12,7 +12,7 @@ from cmtof.network.weights import Card, Rates, save_weights, weights_path
 from cmtof.scenes import Frame
 
 
-@pytest.fixture(autouse=True)
+@fixture(autouse=True)
 def one_thread():
     """Keep torch to one thread, and its random state as it was."""
     threads = torch.get_num_threads()
@@ -22,7 +22,7 @@ def one_thread():
     torch.set_num_threads(threads)
 
 
-@pytest.fixture
+@fixture
 def frame():
     """A slanted wall within the released wraps, with a step in the middle."""
     y, x = np.mgrid[:40, :56]
@@ -30,12 +30,12 @@ def frame():
     return Frame(depth * 1.195 / np.percentile(depth, 99.9), 0.6 + 0.004 * y, None, "wall", "")
 
 
-@pytest.fixture
+@fixture
 def measurement(frame):
     return cmtof.simulate(frame, noise=300.0, seed=1)
 
 
-@pytest.fixture
+@fixture
 def config():
     """Two stages of a few steps, without rooms."""
     first = Stage(name="a", crops=6, crop=32, batch=2, noise=(30, 60), rate=(2e-3, 1e-3), warm=2)
@@ -58,7 +58,7 @@ def card(model="fast-scnn-light", protocol="released", gain=(0.1, 0.05, 0.15), *
     return held.model_copy(update=changes)
 
 
-@pytest.fixture
+@fixture
 def stored(tmp_path):
     """Maker of stored weights: a model with fresh weights and a made-up card, or another one."""
 

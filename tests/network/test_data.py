@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import torch
-from pytest import approx
+from pytest import approx, mark, raises
 
 import cmtof
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME
@@ -53,7 +53,7 @@ def test_noisy_images_decode_to_their_phasor():
     assert np.allclose(np.abs(z) / 2, amplitude.numpy(), rtol=1e-3)
 
 
-@pytest.mark.parametrize("protocol", ["released", "full"])
+@mark.parametrize("protocol", ["released", "full"])
 def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
     first, _ = CLASSES[protocol]
     depth = torch.tensor([[first * WRAP - 1e-4, (first + 3.5) * WRAP, 7.6, np.nan]])
@@ -66,7 +66,7 @@ def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
     assert torch.isfinite(sample.inputs).all()
 
 
-@pytest.mark.parametrize("protocol", ["released", "full"])
+@mark.parametrize("protocol", ["released", "full"])
 def test_leaves_cover_all_classes_and_hide_them_from_brightness(protocol):
     first, classes = CLASSES[protocol]
     drawn = [data.leaves(np.random.default_rng(k), 48, protocol) for k in range(150)]
@@ -129,5 +129,5 @@ def test_broken_views_are_left_out():
 
 
 def test_a_training_without_views_is_refused():
-    with pytest.raises(ValueError, match="Expected views to train"):
+    with raises(ValueError, match="Expected views to train"):
         data.pack_views([])

@@ -3,8 +3,8 @@
 import gzip
 
 import numpy as np
-import pytest
 import torch
+from pytest import mark, param
 from tests.network.conftest import card
 
 import cmtof
@@ -45,14 +45,14 @@ def equal_share(path, numbers):
 SHIPPED = sorted(path.name for path in weights.FOLDER.glob("*.released.safetensors"))
 
 
-@pytest.mark.parametrize("numbers", [[7], pytest.param(range(32), marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", SHIPPED)
+@mark.parametrize("numbers", [[7], param(range(32), marks=mark.slow)])
+@mark.parametrize("name", SHIPPED)
 def test_wraps_equal_those_of_torch(name, numbers):
     assert equal_share(weights.FOLDER / name, numbers) >= 0.9999
 
 
-@pytest.mark.parametrize("size", [(33, 50), (1, 3)])
-@pytest.mark.parametrize("name", MODELS)
+@mark.parametrize("size", [(33, 50), (1, 3)])
+@mark.parametrize("name", MODELS)
 def test_every_network_answers_as_in_torch(tmp_path, name, size):
     """At sizes that are padded, with norms that have seen something, for all classes."""
     torch.manual_seed(0)
@@ -72,7 +72,7 @@ def test_every_network_answers_as_in_torch(tmp_path, name, size):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-5 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("name", MODELS)
+@mark.parametrize("name", MODELS)
 def test_graphs_are_those_of_the_models(name):
     """Else run python -m cmtof_book.onnx_graphs."""
     stored = gzip.decompress((weights.FOLDER / f"{name}.released.onnx.gz").read_bytes())

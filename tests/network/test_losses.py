@@ -2,9 +2,8 @@
 
 import math
 
-import pytest
 import torch
-from pytest import approx
+from pytest import approx, fixture, mark
 from torch.autograd import gradcheck
 
 from cmtof.correlation import TAU
@@ -13,7 +12,7 @@ from cmtof.network.losses import IGNORED, WRAP_MM, regression_loss, soft_argmax,
 N = 7
 
 
-@pytest.fixture
+@fixture
 def pixels():
     """Weights, labels, phases and turns; the first row is masked and not a number."""
     generator = torch.Generator().manual_seed(0)
@@ -43,7 +42,7 @@ def test_gradient_of_the_cross_entropy_is_probability_minus_truth(pixels):
     assert gradcheck(lambda w: unwrapping_loss(w, label, phase, turns + 0.2), weights)
 
 
-@pytest.mark.parametrize("off", [1, 5])
+@mark.parametrize("off", [1, 5])
 def test_depth_term_counts_millimetres(off):
     """A sharp answer n wraps off costs w (21 n - 1/2), Huber's distance of width 1 mm."""
     weights = torch.full((1, N, 1, 1), -1e3)

@@ -3,8 +3,8 @@
 from functools import partial
 
 import numpy as np
-import pytest
 import torch
+from pytest import mark
 
 from cmtof.correlation import TAU
 from cmtof.network.features import CLASSES, features
@@ -13,7 +13,7 @@ from cmtof.network.training import norms
 
 
 # but for rapid, whose mean is over the whole image
-@pytest.mark.parametrize("name", ["fast-scnn", "u-net", "one-step", "deep-tof"])
+@mark.parametrize("name", ["fast-scnn", "u-net", "one-step", "deep-tof"])
 def test_networks_see_no_farther_than_their_reach(name):
     torch.manual_seed(1)
     network = build_network(name).eval()
@@ -44,7 +44,7 @@ def test_regression_spans_the_range_in_single_precision():
     assert found.dtype == torch.float32 and (found == 179).all()
 
 
-@pytest.mark.parametrize(("protocol", "quarters"), [("released", (1, -1)), ("full", (0, 1, 2, 3))])
+@mark.parametrize(("protocol", "quarters"), [("released", (1, -1)), ("full", (0, 1, 2, 3))])
 def test_fresh_stem_sees_the_beat(protocol, quarters):
     """Means of the rectified filters follow |sin((b - beta)/2)|, whatever the phase."""
     first, classes = CLASSES[protocol]
@@ -77,7 +77,7 @@ def test_path_to_the_pyramid_carries_the_beat_from_the_start():
     assert abs(np.corrcoef(difference, wraps)[0, 1]) > 0.95
 
 
-@pytest.mark.parametrize("precision", [torch.float32, torch.bfloat16])
+@mark.parametrize("precision", [torch.float32, torch.bfloat16])
 def test_frozen_norms_go_into_the_kernels_and_change_nothing(precision):
     """The same answers as of norms that are applied after their convolution."""
     torch.manual_seed(2)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, fixture, mark, raises
 
 import cmtof
 from cmtof.correlation import TAU
@@ -26,7 +26,7 @@ def unwrapping(config, init=None):
     return Unwrapping(config, open_rooms(config, None, Path()), Path(), init)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@mark.parametrize("name", PRESETS)
 def test_presets_are_configurations(name):
     config = read_config(name, model="rapid", seed=4)
     assert (config.name, config.model, config.seed) == (name, "rapid", 4)
@@ -42,7 +42,7 @@ def test_stages_follow_each_other(config):
     assert config.rate_at(1) == approx(2e-3 - 1e-3 / 3)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("changes", "stage", "message"),
     [
         ({"model": "nobody"}, {}, "Expected a model out of fast-scnn"),
@@ -55,20 +55,20 @@ def test_bad_configurations_are_refused_in_one_line(tmp_path, changes, stage, me
     usual = {"name": "a", "crops": 4, "crop": 32, "batch": 2, "noise": [9, 9], "rate": [9, 9]}
     path = tmp_path / "own.yml"
     path.write_text(json.dumps({"stages": [usual | stage]} | changes))
-    with pytest.raises(ValueError, match=message) as caught:
+    with raises(ValueError, match=message) as caught:
         read_config(path)
     assert "\n" not in str(caught.value)
-    with pytest.raises(FileNotFoundError, match="out of miniature, cpu, table1"):
+    with raises(FileNotFoundError, match="out of miniature, cpu, table1"):
         read_config("nowhere")
 
 
 def test_two_trainings_do_not_share_a_folder(tmp_path, config):
-    with alone(tmp_path), pytest.raises(ValueError, match="Expected .* to be free"):
+    with alone(tmp_path), raises(ValueError, match="Expected .* to be free"):
         train(config, tmp_path, **CPU)
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("optimizer", ["adamw", "muon"])
+@mark.parametrize("optimizer", ["adamw", "muon"])
 def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config, optimizer):
     config = config.model_copy(update={"optimizer": optimizer})
     whole = train(config, tmp_path / "whole", **CPU)
@@ -81,10 +81,10 @@ def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config, opt
     assert (card.steps, card.crops, card.views) == (5, 10, 3)
     assert [found["step"] for found in card.curve] == [4]
     assert card.curve == read_card(second).curve
-    with pytest.raises(ValueError, match="Expected a new folder"):
+    with raises(ValueError, match="Expected a new folder"):
         train(config, parts, **CPU)
     other = config.model_copy(update={"seed": 9})
-    with pytest.raises(ValueError, match="Expected the configuration of"):
+    with raises(ValueError, match="Expected the configuration of"):
         train(other, parts, resume=True, **CPU)
 
 
@@ -104,11 +104,11 @@ def test_weight_of_the_depth_is_that_of_the_configuration(config):
 def test_device_that_is_not_there_is_refused(tmp_path, config):
     if torch.cuda.is_available():
         pytest.skip("there is a GPU")
-    with pytest.raises(ValueError, match="Expected accelerator, devices and strategy"):
+    with raises(ValueError, match="Expected accelerator, devices and strategy"):
         train(config, tmp_path, quiet=True, accelerator="gpu")
 
 
-@pytest.mark.parametrize("name", ["fast-scnn", "deep-tof", "rapid"])
+@mark.parametrize("name", ["fast-scnn", "deep-tof", "rapid"])
 def test_every_model_learns_a_batch_by_heart(name):
     """Ten steps on one batch bring its loss down."""
     stage = Stage(name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1)
@@ -135,7 +135,7 @@ def test_validation_scores_a_network_that_answers_with_the_middle(config):
     assert found["trivial"]["mode"].delta_lt_1 >= found["validation"].delta_lt_1
 
 
-@pytest.fixture
+@fixture
 def example(measurement):
     wraps = np.floor(measurement.depth / WRAP).astype(int)
     return measurement, np.where(measurement.mask, wraps, -1), measurement.depth
@@ -182,9 +182,9 @@ def test_unlabelled_pixels_teach_nothing(stored, example):
     assert first == second
 
 
-@pytest.mark.parametrize("count", [0, 1])
+@mark.parametrize("count", [0, 1])
 def test_fine_tuning_refuses_what_has_no_labels(stored, example, count):
     measurement, wraps, depth = example
     blank = (measurement, np.full_like(wraps, -1), depth)
-    with pytest.raises(ValueError, match=f"got none in {count} measurements"):
+    with raises(ValueError, match=f"got none in {count} measurements"):
         fine_tune(load_weights(stored()), [blank] * count)

@@ -3,8 +3,8 @@
 import json
 
 import numpy as np
-import pytest
 import torch
+from pytest import approx, mark, raises
 from tests.network.conftest import card
 
 import cmtof
@@ -35,11 +35,11 @@ def test_weights_with_the_fewest_classes_are_found(stored):
     narrow, wide = stored(), stored(protocol="full")
     assert weights.find_weights("fast-scnn-light", 40, 50, narrow.parent) == narrow
     assert weights.find_weights("fast-scnn-light", 3, 50, narrow.parent) == wide
-    with pytest.raises(ValueError, match="for the wraps 0 to 400, got none"):
+    with raises(ValueError, match="for the wraps 0 to 400, got none"):
         weights.find_weights("fast-scnn-light", 0, 400, narrow.parent)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("changes", "message"),
     [
         ({"classes": 20.5}, "Expected classes .* valid integer"),
@@ -56,7 +56,7 @@ def test_cards_that_do_not_fit_are_refused(stored, changes, message):
     held = json.loads(path.with_suffix(".json").read_text())
     path.with_suffix(".json").write_text(json.dumps(held | changes))
     for load in (weights.load_weights, inference.load_network):
-        with pytest.raises(ValueError, match=message) as caught:
+        with raises(ValueError, match=message) as caught:
             load(path)
         assert "\n" not in str(caught.value)
 
@@ -66,14 +66,14 @@ def test_weights_that_are_not_numbers_or_not_there_are_refused(tmp_path):
     network = build_network("fast-scnn-light")
     network.output.bias.data[3] = torch.nan
     weights.save_weights(path, network, card())
-    with pytest.raises(ValueError, match="NaN or infinity"):
+    with raises(ValueError, match="NaN or infinity"):
         weights.load_weights(path)
     path.unlink()
-    with pytest.raises(OSError, match="no file"):
+    with raises(OSError, match="no file"):
         weights.load_weights(path)
 
 
-@pytest.mark.parametrize("name", ["fast-scnn-light", "one-step", "rapid"])
+@mark.parametrize("name", ["fast-scnn-light", "one-step", "rapid"])
 def test_methods_answer_within_the_range(stored, measurement, name):
     depth, sure = inference.unwrap_with_network(measurement, weights=stored(name))
     low, high = measurement.range
@@ -86,7 +86,7 @@ def test_methods_answer_within_the_range(stored, measurement, name):
     assert np.abs(np.angle(off)).max() < 1e-4
 
 
-@pytest.mark.parametrize("name", ["fast-scnn", "kde", "mrf", "beat-guided"])
+@mark.parametrize("name", ["fast-scnn", "kde", "mrf", "beat-guided"])
 def test_what_would_take_too_much_memory_goes_in_tiles_like_the_whole(stored, monkeypatch, name):
     frame = cmtof.scenes.Frame(np.full((640, 24), 0.93), np.full((640, 24), 0.5), None, "", "")
     measurement, how = cmtof.simulate(frame, noise=500.0), {"method": name}
@@ -107,15 +107,15 @@ def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
 
     np.testing.assert_allclose(amplitude(1.0), measurement.amplitude, rtol=1e-5)
     np.testing.assert_allclose(amplitude(1e-6), amplitude(1e-4), rtol=1e-4)
-    assert np.quantile(amplitude(1e-6), 0.9, axis=(1, 2)) == pytest.approx(FULL_AMPLITUDE)
+    assert np.quantile(amplitude(1e-6), 0.9, axis=(1, 2)) == approx(FULL_AMPLITUDE)
 
 
 def test_range_and_frequencies_that_do_not_fit_are_refused(stored, frame, measurement):
     ready = inference.load_network(stored())
-    with pytest.raises(ValueError, match="Expected wraps within 36 to 56"):
+    with raises(ValueError, match="Expected wraps within 36 to 56"):
         inference.scores(ready, measurement, 30, 50)
     other = cmtof.simulate(frame, frequencies=(7.15e9, 7.16e9))
-    with pytest.raises(ValueError, match=r"Expected 7.15 and 14.32 GHz, .* got 7.15, 7.16 GHz"):
+    with raises(ValueError, match=r"Expected 7.15 and 14.32 GHz, .* got 7.15, 7.16 GHz"):
         inference.unwrap_with_network(other, weights=stored())
 
 
@@ -126,5 +126,5 @@ def test_raw_correlations_are_taken_by_their_psi(stored, frame):
     first, second = (inference.unwrap_with_network(one, weights=path)[0] for one in (usual, turned))
     assert np.allclose(first, second, atol=1e-5)
     skewed = cmtof.simulate(frame, psi=np.arange(4) * TAU / 4 + 0.1)
-    with pytest.raises(ValueError, match=r"Expected correlations at psi = 0, 1/2"):
+    with raises(ValueError, match=r"Expected correlations at psi = 0, 1/2"):
         inference.unwrap_with_network(skewed, weights=path)

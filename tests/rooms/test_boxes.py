@@ -1,8 +1,7 @@
 """Rectangles and boxes by their limits."""
 
 import numpy as np
-import pytest
-from pytest import approx
+from pytest import approx, mark
 
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.solids import slab
@@ -10,7 +9,7 @@ from cmtof_rooms.solids import slab
 CUBE = Box(0.0, 1.0, 0.0, 1.0, 0.0, 1.0)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("other", "meets"),
     [
         (Rectangle(0.2, 0.8, 0.2, 0.8), True),
@@ -24,7 +23,7 @@ def test_rectangles_meet_only_where_they_share_more_than_an_edge(other, meets):
     assert other.meets([CUBE.floor]) == meets
 
 
-@pytest.mark.parametrize("side", ["x0", "x1", "y0", "y1", "z0", "z1"])
+@mark.parametrize("side", ["x0", "x1", "y0", "y1", "z0", "z1"])
 def test_a_layer_lies_inside_at_its_side(side):
     layer = CUBE.layer(side, 0.25)
     assert getattr(layer, side) == getattr(CUBE, side)

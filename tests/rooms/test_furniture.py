@@ -3,8 +3,7 @@
 from itertools import combinations
 
 import numpy as np
-import pytest
-from pytest import approx
+from pytest import approx, fixture, mark
 
 from cmtof.correlation import TAU
 from cmtof_rooms.boxes import Box, Rectangle
@@ -47,7 +46,7 @@ def test_every_maker_and_every_pattern_is_used():
     assert patterns == set(PATTERNS)
 
 
-@pytest.mark.parametrize("name", KINDS)
+@mark.parametrize("name", KINDS)
 def test_a_kind_is_closed_and_stays_within_its_size(name):
     kind = KINDS[name]
     kit = household(np.random.default_rng(5))
@@ -65,7 +64,7 @@ def test_a_kind_is_closed_and_stays_within_its_size(name):
     assert all(one.z <= high[2] + 2e-3 for one in made if isinstance(one, Top))
 
 
-@pytest.fixture(scope="module", params=range(24))
+@fixture(scope="module", params=range(24))
 def room(request):
     return build_room(SEED, request.param)
 
@@ -110,7 +109,7 @@ def test_no_camera_stands_in_a_solid_or_close_to_a_surface(room):
         assert hits.distance[met].min() > 0.1
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def attics():
     rngs = [np.random.default_rng(seed) for seed in range(40)]
     return [build_shell(household(rng), ROOMS["attic"]) for rng in rngs]
@@ -131,7 +130,7 @@ def test_headroom_is_low_below_a_slope(attics):
         assert 0.8 < shell.headroom(Rectangle(1.0, 2.0, *side)) < 2.0
 
 
-@pytest.mark.parametrize("pattern", PATTERNS)
+@mark.parametrize("pattern", PATTERNS)
 def test_a_pattern_mixes_two_colours_and_fades_with_distance(pattern):
     palette = Palette([Material((0.2,) * 3, (0.6,) * 3, pattern, 0.2)])
     points = np.random.default_rng(3).uniform(-2, 2, (4000, 3)).astype(np.float32)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_less
-from pytest import approx
+from pytest import approx, fixture, mark, raises
 
 from cmtof.frame import brightness
 from cmtof.hardness import hardness
@@ -30,7 +30,7 @@ def contents(root):
     return {path.relative_to(root).as_posix(): path.read_bytes() for path in files}
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def rendered(tmp_path_factory):
     root = tmp_path_factory.mktemp("rooms")
     render_rooms(root, SMALL, workers=1)
@@ -71,12 +71,12 @@ def test_views_are_exposed_to_the_median_of_their_rank():
     assert float(np.median(brightness(expose(seen, 0.1).color))) < 0.05
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def views():
     return list(render_views(Settings(51, 30, 3, 128, 192, 221.7)))
 
 
-@pytest.mark.slow
+@mark.slow
 def test_depth_and_brightness_are_spread_nearly_as_hypersims(views):
     """Percentiles over the published ones, and by how much each may differ from them."""
     depth = np.nanpercentile([view.frame.depth for view in views], [5, 25, 50, 75, 95])
@@ -87,17 +87,17 @@ def test_depth_and_brightness_are_spread_nearly_as_hypersims(views):
     assert_array_less(np.abs(np.log(apart)), np.log([1.6, 1.4, 1.4, 1.5]))
 
 
-@pytest.mark.slow
+@mark.slow
 def test_views_are_mostly_smooth_and_whole(views):
     slope = np.median(np.concatenate([hardness(view.frame.depth).slope for view in views]))
     assert slope < 0.3  # wraps a pixel, at half the resolution of the book
     assert np.mean([np.isnan(view.frame.depth).mean() for view in views]) < 0.05
 
 
-@pytest.mark.parametrize("focal", [0.0, -1.0, 1e6, float("nan"), float("inf")])
+@mark.parametrize("focal", [0.0, -1.0, 1e6, float("nan"), float("inf")])
 def test_an_impossible_focal_length_is_refused_before_anything_is_written(focal, tmp_path):
     root = tmp_path / "set"
-    with pytest.raises(
+    with raises(
         ValueError,
         match=r"Expected a focal length of 1 to 1e6 px, got .* Try",
     ):
@@ -105,7 +105,7 @@ def test_an_impossible_focal_length_is_refused_before_anything_is_written(focal,
     assert not root.exists()
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("text", "message"),
     [
         (
@@ -121,16 +121,16 @@ def test_an_impossible_focal_length_is_refused_before_anything_is_written(focal,
     ],
 )
 def test_an_impossible_size_is_refused(text, message):
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         shape_from_text(text)
 
 
 def test_a_set_of_other_settings_is_refused(rendered):
-    with pytest.raises(ValueError, match=r"Expected an empty folder .*rooms.json. Choose another"):
+    with raises(ValueError, match=r"Expected an empty folder .*rooms.json. Choose another"):
         render_rooms(rendered, replace(SMALL, width=48), workers=1)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("name", "message"),
     [
         ("holiday.jpg", r"got other files in .* Choose another folder."),
@@ -139,5 +139,5 @@ def test_a_set_of_other_settings_is_refused(rendered):
 )
 def test_a_folder_of_other_or_broken_files_is_refused(tmp_path, name, message):
     (tmp_path / name).write_text("{")
-    with pytest.raises(ValueError, match=message):
+    with raises(ValueError, match=message):
         render_rooms(tmp_path, SMALL, workers=1)

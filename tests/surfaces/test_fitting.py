@@ -1,8 +1,8 @@
 """Likelihood of a surface, its derivatives and its fit, against plain sums and exact planes."""
 
 import numpy as np
-import pytest
 from exact_scenes import CAMERA, NOTHING, WRAP, exact_field, plane_depth, unit_rays, whole_boxes
+from pytest import approx, mark
 
 from cmtof.surfaces import fitting
 from cmtof.surfaces.fitting import BENT, PLANE, cell_likelihood, depth_at, moved, refine, select
@@ -44,14 +44,14 @@ def test_sums_are_those_of_the_likelihood(rng):
     field = field_of(depth, information=3.0, noise_of=rng)
     q[3:] = 1e-3 * rng.normal(size=3)
     got = fitting._look(field, NOTHING, -1, q, BOXES, BENT)
-    assert got[0] == pytest.approx(likelihood(field, q), rel=1e-6)
-    assert got[1] == pytest.approx(field.information.sum(dtype=float), rel=1e-6)
+    assert got[0] == approx(likelihood(field, q), rel=1e-6)
+    assert got[1] == approx(field.information.sum(dtype=float), rel=1e-6)
     cells = [cell_likelihood(field, q, y, x) for y in range(8) for x in range(10)]
-    assert sum(cells) == pytest.approx(got[0], rel=1e-6)
+    assert sum(cells) == approx(got[0], rel=1e-6)
     label = rng.integers(0, 3, SHAPE).astype(np.int32)
     part = fitting._look(field, label, 1, q, BOXES, PLANE)
-    assert part[0] == pytest.approx(likelihood(field, q, label == 1), rel=1e-6)
-    assert depth_at(field, q, 7, 11) == pytest.approx(depth_of(field, q)[7, 11])
+    assert part[0] == approx(likelihood(field, q, label == 1), rel=1e-6)
+    assert depth_at(field, q, 7, 11) == approx(depth_of(field, q)[7, 11])
 
 
 def test_gradient_and_information_are_those_of_the_derivatives(rng):
@@ -71,10 +71,10 @@ def test_gradient_and_information_are_those_of_the_derivatives(rng):
         ahead[number], behind[number] = q[number] + 1e-6, q[number] - 1e-6
         slope = (likelihood(field, ahead) - likelihood(field, behind)) / 2e-6
         noise = np.sqrt(found[number, number])
-        assert gradient[number] == pytest.approx(slope, rel=1e-4, abs=1e-3 * noise)
+        assert gradient[number] == approx(slope, rel=1e-4, abs=1e-3 * noise)
 
 
-@pytest.mark.parametrize("normal", NORMALS[1:])
+@mark.parametrize("normal", NORMALS[1:])
 def test_fits_climb_back_and_hop_over_whole_wraps(normal, rng):
     """As long as the moved plane is bent by less than half a wrap, which these are."""
     depth, q = plane(normal)
@@ -86,7 +86,7 @@ def test_fits_climb_back_and_hop_over_whole_wraps(normal, rng):
     assert np.abs(depth_of(field, got[0]) - depth).max() < 1e-6
     for wraps in (1, 5) if normal[0] < 0.5 else ():
         start, _ = moved(field, q, BOXES, PLANE, wraps * WRAP)
-        assert np.mean(depth_of(field, start) - depth) == pytest.approx(wraps * WRAP, rel=0.02)
+        assert np.mean(depth_of(field, start) - depth) == approx(wraps * WRAP, rel=0.02)
         got = refine(field, NOTHING, -1, start, BOXES, PLANE, 8, 60)
         assert np.abs(depth_of(field, got[0]) - depth).max() < 1e-6
 
@@ -117,5 +117,5 @@ def test_the_offset_scatters_as_predicted():
         found.append(refine(field, NOTHING, -1, q, boxes, PLANE, 8, 0)[3:5])
     offset, known = np.array(found).T
     deviation = 1 / np.sqrt(known.mean())
-    assert np.std(offset) == pytest.approx(deviation, rel=0.28)
+    assert np.std(offset) == approx(deviation, rel=0.28)
     assert abs(offset.mean()) < 3 * deviation / np.sqrt(60)

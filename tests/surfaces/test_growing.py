@@ -1,7 +1,6 @@
 """Information of pixels, slopes from spectra, planes in windows, growth over a furnished corner."""
 
 import numpy as np
-import pytest
 from exact_scenes import (
     CAMERA,
     NOTHING,
@@ -12,6 +11,7 @@ from exact_scenes import (
     plane_depth,
     plane_frame,
 )
+from pytest import approx, mark
 
 from cmtof.bounds import simulated_phase_noise
 from cmtof.constants import FREQUENCIES
@@ -33,10 +33,10 @@ def test_information_is_one_over_the_variance_of_the_phase_and_darkness_has_none
     field = field_from_measurement(m)
     assert field.information[:, :, half + 40 :].mean() < 0.1
     bright = field.information[:, :, : half - 8].mean()
-    assert bright == pytest.approx(1 / simulated_phase_noise(1.0) ** 2, rel=0.05)
+    assert bright == approx(1 / simulated_phase_noise(1.0) ** 2, rel=0.05)
 
 
-@pytest.mark.parametrize("shape", [(1, 1), (63, 65)])
+@mark.parametrize("shape", [(1, 1), (63, 65)])
 def test_padding_and_unknown_pixels_weigh_nothing(shape):
     phase = np.ones((2, *shape))
     phase[1, 0, 0] = np.nan
@@ -62,7 +62,7 @@ def test_slopes_are_those_of_a_ramp(rng):
                 assert off.max() <= 1.01 * TAU / (finer * core)
 
 
-@pytest.mark.parametrize("turns", [0.0, -0.6])
+@mark.parametrize("turns", [0.0, -0.6])
 def test_planes_are_found_though_their_phase_turns_more_than_half_a_turn_a_pixel(turns):
     """Such a slope is an alias at the lower frequency; at full light the beat decides."""
     rng, side, right = np.random.default_rng(3), 16, 0

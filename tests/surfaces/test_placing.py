@@ -1,8 +1,8 @@
 """Whole wraps of a surface by its beat and by its shape."""
 
 import numpy as np
-import pytest
 from exact_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth, whole_boxes
+from pytest import approx
 
 from cmtof.surfaces import placing
 from cmtof.surfaces.fitting import BENT, PLANE, leaning, moved
@@ -34,10 +34,10 @@ def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
         found.append([part[0] for part in beats_of(field, q)])
     beat, noise, coherence = np.array(found).T
     assert abs(beat.mean()) < 3 * noise.mean() / np.sqrt(60)
-    assert noise.mean() == pytest.approx(np.std(beat), rel=0.28)
+    assert noise.mean() == approx(np.std(beat), rel=0.28)
     expected = np.sqrt(5 / (10.0 * SHAPE[0] * SHAPE[1])) / (2 * np.pi * 20 / 7150)
     # turning cells back by their own phasors takes some of the noise along
-    assert noise.mean() == pytest.approx(expected, rel=0.05)
+    assert noise.mean() == approx(expected, rel=0.05)
     assert (coherence > 0.95).all()
 
 
@@ -46,7 +46,7 @@ def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
     field = exact_field(depth)
     beats = beats_of(field, q)
     alone = placing.offsets(beats, q[None], a_fit(12.0, 1e6), shape=False)
-    assert alone.mean[0] == pytest.approx(beats[0][0], abs=1e-9)
+    assert alone.mean[0] == approx(beats[0][0], abs=1e-9)
     sharp, bent = (placing.offsets(beats, q[None], a_fit(12.0, 1e6, m)) for m in (0, 1e-4))
     assert abs(sharp.mean[0] - 12) < abs(beats[0][0] - 12)
     assert sharp.spread[0] < bent.spread[0] < alone.spread[0]
@@ -92,5 +92,5 @@ def test_pixels_take_the_likeliest_surface():
     label, share = placing.pixel_labels(field, owner, surfaces)
     truth = np.where(np.arange(SHAPE[1]) < 81, 0, 1)
     assert np.mean(label == truth) > 0.97
-    assert share.max() == pytest.approx(1, abs=0.05)
+    assert share.max() == approx(1, abs=0.05)
     assert (placing.interiors(label, share)[:, 78:84] == -1).all()

@@ -1,8 +1,8 @@
 """The whole method: exact without noise, far ahead with it, unmoved by what must not matter."""
 
 import numpy as np
-import pytest
 from exact_scenes import CAMERA, SHAPE, WRAP, corner_scene, plane_depth, plane_frame
+from pytest import approx, fixture, mark
 
 import cmtof
 from cmtof.constants import FREQUENCIES
@@ -35,17 +35,17 @@ def rebuilt(measurement, correlation, **more):
     return Measurement.from_arrays(correlation, psi, measurement.frequencies, **held)
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def corner():
     return corner_scene()
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def clean_corner(corner):
     return simulate(corner.frame, protocol="full", noise_free=True)
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def clean(clean_corner):
     return unwrapped(clean_corner)
 
@@ -94,7 +94,7 @@ def test_turned_and_mirrored_images_have_turned_answers(clean_corner, clean):
     assert np.mean(np.flip(unwrapped(mirrored)[0], 1) == clean[0]) >= 0.98
 
 
-@pytest.mark.parametrize("kind", ["waves", "rough"])
+@mark.parametrize("kind", ["waves", "rough"])
 def test_uneven_walls_keep_their_wraps(kind, rng):
     """Waves of 0.1 wraps over 24 px, or 0.12 wraps (rms) a pixel; unevenness is followed too."""
     wall = plane_frame((-0.1, 0.6, 1), 2.5, 0.6)
@@ -113,7 +113,7 @@ def test_one_frame_shows_the_offset_between_its_frequencies():
     for number, offset in enumerate((0.0, 0.01, -0.03)):
         m = simulate(room, phase_offset=(0, offset), seed=number)
         wraps = offset / (2 * np.pi * (FREQUENCIES[1] / FREQUENCIES[0] - 2))
-        assert stages(m).offsets.closure == pytest.approx(wraps, abs=0.32)
+        assert stages(m).offsets.closure == approx(wraps, abs=0.32)
     assert stages(m, ["closure"]).offsets.closure == 0
 
 
@@ -140,7 +140,7 @@ def test_clear_pixels_vote_where_no_surface_explains_them():
     assert right(m) > 0.9
 
 
-@pytest.mark.parametrize("valid", ["left", "nowhere"])
+@mark.parametrize("valid", ["left", "nowhere"])
 def test_images_whose_surfaces_lie_outside_the_mask_are_unwrapped(valid):
     """A wall that is masked beside dark pixels that are not, and an image that is all masked."""
     left = np.broadcast_to(np.arange(SHAPE[1]) < 16, SHAPE)

@@ -15,8 +15,8 @@ from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers
 
+# Least noise of a misfit, rad: the phases are decoded from float32.
 _FINEST = 2e-5
-"""Least noise of a misfit, rad: the phases are decoded from float32."""
 
 
 def crt(measurement: Measurement) -> Estimate:

@@ -5,17 +5,24 @@ MOVE_HOMED): the end of a move is read from the status bits, and the position is
 """
 
 import time
-from collections.abc import Sequence
 from contextlib import suppress
 from math import pi
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import thorlabs_apt_protocol as apt
 
 from cmtof.files import read_document
-from cmtof.hardware import device
-from cmtof.hardware.device import one_error, question
+from cmtof.hardware.device import (
+    Device,
+    InstrumentError,
+    InstrumentTimeout,
+    Refused,
+    insist,
+    one_error,
+    question,
+)
 from cmtof.hardware.rf import open_serial
 from cmtof.hardware.roles import Waiting
 
@@ -29,25 +36,9 @@ _MOVING = ("moving_forward", "moving_reverse", "jogging_forward", "jogging_rever
 UNITS = {"mm": 1e-3, "degree": pi / 180}  # m or rad
 
 
-class MotorKind(NamedTuple):
-    """A motor in its own unit and s: its scales, speeds, tolerance, travel and controllers."""
-
-    unit: str
-    scale: float  # counts per unit
-    velocity_scale: float  # units of the controller per unit/s
-    acceleration_scale: float
-    velocity: float
-    home_velocity: float
-    acceleration: float
-    tolerance: float
-    travel: Sequence[float]
-    models: Sequence[str] = ("KDC101", "TDC001")
-    status: str = "dcstatusupdate"  # message that asks for it
-
-
 KINDS = read_document(Path(__file__).with_name("motors.yml"))
-MOTORS = {name: MotorKind(**found) for name, found in KINDS.items()}
-"""Motors by the name in a RIG file."""
+# Motors by the name in a RIG file.
+MOTORS = {name: SimpleNamespace(**found) for name, found in KINDS.items()}
 
 
 def open_controller(address: str, timeout: float = 1.0) -> Any:
@@ -65,11 +56,16 @@ def open_controller(address: str, timeout: float = 1.0) -> Any:
     return port
 
 
-class Motor(device.Device):
+class Motor(Device):
     """A motor on a pyserial port, with RTS/CTS on a real controller; m or rad from home."""
 
     def __init__(
-        self, port: Any, kind: MotorKind, name: str, serial_number: str = "", scale: float = 0.0
+        self,
+        port: Any,
+        kind: SimpleNamespace,
+        name: str,
+        serial_number: str = "",
+        scale: float = 0.0,
     ) -> None:
         super().__init__(port, name, serial_number)
         unit = UNITS[kind.unit]
@@ -99,14 +95,14 @@ class Motor(device.Device):
         """Move to a position, m or rad, and wait; return it. After an error it is stopped."""
         self._within(position=position)
         if not self.homed:
-            self._fail(device.Refused, "be homed before a move", "it not", "Home it.")
+            self._fail(Refused, "be homed before a move", "it not", "Home it.")
         counts = round(position * self.scale)
         self._go("mot_move_absolute", position, counts, waiting=waiting)
         return self.position
 
     def safe_state(self) -> None:
         """Stop at once, and wait for it."""
-        device.insist(self._stop)
+        insist(self._stop)
 
     def _stop(self) -> None:
         self._send("mot_move_stop", _CHANNEL, 1)
@@ -114,7 +110,7 @@ class Motor(device.Device):
             if not self._status()[1]:
                 return
             time.sleep(_POLL)
-        self._fail(device.InstrumentTimeout, "stop", "it moving", "Switch it off.")
+        self._fail(InstrumentTimeout, "stop", "it moving", "Switch it off.")
 
     def set_speeds(self) -> None:
         """Set the speeds of moves and of homing: some controllers start with useless ones."""
@@ -155,7 +151,7 @@ class Motor(device.Device):
                 stuck = status.motion_error or status.motor_current_limit_reached
                 if stuck or time.monotonic() >= deadline:
                     self._fail(
-                        device.InstrumentError,
+                        InstrumentError,
                         f"arrive at {position:.6g}",
                         f"it at {self.position:.6g}",
                         "Free it and home it.",
@@ -163,7 +159,7 @@ class Motor(device.Device):
                 if waiting:
                     waiting()
                 time.sleep(_POLL)
-        except device.InstrumentError:
+        except InstrumentError:
             self.safe_state()
             raise
 
@@ -188,7 +184,7 @@ class Motor(device.Device):
                     return message
                 if time.monotonic() > deadline:
                     break
-        return self._fail(device.InstrumentTimeout, f"answer {request}", "none", "Check power.")
+        return self._fail(InstrumentTimeout, f"answer {request}", "none", "Check power.")
 
     def _resynchronise(self) -> None:
         with one_error(self.name):

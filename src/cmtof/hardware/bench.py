@@ -1,24 +1,25 @@
 """The bench: devices of a rig by their roles, and the steps of a scan, each checked."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import repeat
 from time import monotonic, sleep, time
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cmtof.constants import LASER_WAVELENGTH
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
 from cmtof.hardware.plan import Line, Plan, Record, mirror_settling, mirror_volts
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
-from cmtof.hardware.rig import DRIVERS, PLATES, Rig
+from cmtof.hardware.rig import DRIVERS, LIGHT, PLATES, Rig
 from cmtof.hardware.roles import ClockRole, MotorRole, PowerMeterRole, ReadOutRole, RfRole
 from cmtof.hardware.safety import EmergencyStop
-from cmtof.types import Array
+from cmtof.types import Array, Counts
 
 VOLTS_RANGE = 10.0  # of the detector's input, V
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 WATCHDOG = 5  # s without a request, after which the read-out makes itself dark
+MODULES = ("emission", "detection")
 RAMP = (-20.0, -10.0, -6.0, -3.0, 0.0)  # dB: steps by which RF comes up to its power
 
 
@@ -54,18 +55,18 @@ class Bench(EmergencyStop):
         self.about = about
         vars(self).update(devices)
         self.rf = (self.rf_emission, self.rf_detection)
-        self.times: list[float] = []  # at which the last bursts were read, s
+        self.times = []  # at which the last bursts were read, s
         self._patience = patience
         self._clock_of = clock_of or (lambda label: time())
         self._aim = np.zeros(2)  # of the mirrors, optical angles, rad
-        self._levels: dict[str, bool] = {}
+        self._levels = {}
         self._silence = min(rig.dead_man, WATCHDOG)  # that some device's timer allows
         self._fed = monotonic()
         super().__init__([devices[role] for role in DRIVERS])
 
     def switch(self, part: str, on: bool) -> None:
         """Switch a part, and wait until it has moved; light needs a closed interlock."""
-        if on and part in ("laser", "shutter"):
+        if on and part in LIGHT:
             self.check_interlock()
         self.daq.set_line(self.rig.line(part), on)
         settling = {
@@ -120,18 +121,22 @@ class Bench(EmergencyStop):
         for motor in (self.plate_emission, self.plate_detection, self.stage):
             if not motor.homed:
                 motor.home(waiting=self.feed)
-        self.daq.configure_burst(
-            channel=rig.detector_input,
-            rate=rig.rate,
-            scans=rig.scans,
-            range=VOLTS_RANGE,
-            pulse_line=rig.line("trigger"),
-            pulse=rig.samples_per_phase,
-        )
+        self.listen(rig.detector_input)
         self.start_clock()
         # ten readings of about 3 ms each
         self.power_meter.set_up(wavelength=LASER_WAVELENGTH, readings=10, waiting=self.feed)
         self.switch("laser", True)
+
+    def listen(self, *inputs: str) -> None:
+        """Let bursts be those of these analog inputs."""
+        self.daq.configure_burst(
+            channels=inputs,
+            rate=self.rig.rate,
+            scans=self.rig.scans,
+            range=VOLTS_RANGE,
+            pulse_line=self.rig.line("trigger"),
+            pulse=self.rig.samples_per_phase,
+        )
 
     def start_clock(self) -> None:
         """Bring the generator into a known state, and switch on the channels that are used."""
@@ -150,19 +155,28 @@ class Bench(EmergencyStop):
         rig = self.rig
         for rf in self.rf:
             rf.output(False)
-        zeros = (rig.plate_zero_emission_deg, rig.plate_zero_detection_deg)
-        for plate, zero in zip((self.plate_emission, self.plate_detection), zeros, strict=True):
-            plate.move_to(float(np.deg2rad(PLATES[mode] + zero)), waiting=self.feed)
+        for module in MODULES:
+            self.turn_plate(module, PLATES[mode])
         for rf in self.rf:
             rf.set_frequency(rig.drive_frequency(mode))
-            self.ramp_up(rf)
+            self.ramp_up(rf, rig.power_dbm)
         self.rf_detection.load_table(drive_phases(rig.phases, mode))
         self.rf_detection.trigger(True)
 
-    def ramp_up(self, rf: RfRole) -> None:
-        """Switch RF on and bring it to its power in steps; it has to be locked at each."""
+    def turn_plate(self, module: str, angle: float) -> None:
+        """Turn a module's half-wave plate to theta_h, degrees."""
+        mount = angle + getattr(self.rig, f"plate_zero_{module}_deg")
+        self.devices[f"plate_{module}"].move_to(float(np.deg2rad(mount)), waiting=self.feed)
+
+    def ramp_up(self, rf: RfRole, power: float) -> None:
+        """Switch RF on and bring it to its power, dBm, in steps; it has to be locked at each."""
+        if power > self.rig.power_dbm_limit:
+            raise ValueError(
+                f"Expected RF up to power_dbm_limit, {self.rig.power_dbm_limit:g} dBm, "
+                f"got {power:g}. Lower it."
+            )
         for step in RAMP:
-            rf.set_power(max(self.rig.power_dbm + step, -30.0))
+            rf.set_power(max(power + step, -30.0))
             rf.output(True, lock_timeout=self._silence / 2)  # the other driver waits
             self.feed()
 
@@ -172,8 +186,22 @@ class Bench(EmergencyStop):
         self.park()
 
     def look_at(self, kind: str) -> None:
-        """Send the beam to the "scan", to the "reference" target, or to neither ("dark")."""
-        self.switch("flip_mirror", kind == "reference")
+        """Choose the way of the light: "scan", "reference" target, or nowhere ("dark").
+
+        Two more look at the target, too: "rf" by the fast photodiode, and "interferometer" beside
+        the light of the reference mirror, whose beam block is raised.
+        """
+        at_target = kind not in ("scan", "dark")
+        to_photodiode = self.rig.flip_mirror == "photodiode"
+        if kind == "rf" and not to_photodiode:
+            raise ValueError(
+                f"Expected flip_mirror: photodiode, got {self.rig.flip_mirror}. "
+                "Let the flip mirror lead there."
+            )
+        self.switch("flip_mirror", kind == "rf" if to_photodiode else at_target)
+        if at_target and to_photodiode:
+            self.fly_back(np.deg2rad([self.rig.reference_direction_deg]))
+        self.switch("beam_block", kind == "interferometer")
         self.switch("shutter", kind != "dark")
 
     def move_target(self, offset: float) -> None:
@@ -182,17 +210,17 @@ class Bench(EmergencyStop):
         for position in (goal - 1e-3, goal):
             self.stage.move_to(position, waiting=self.feed)
 
-    def bursts(self, labels: Sequence[int], directions: Array | None = None) -> NDArray[np.uint16]:
-        """Counts (N, scans) of bursts by their labels; mirrors, label and start share one frame.
+    def bursts(
+        self, labels: Sequence[int], outputs: Iterable[Mapping[str, float]] = repeat({})
+    ) -> Counts:
+        """Counts (N, samples) of bursts by their labels; outputs, label and start share a frame.
 
-        ``directions`` (N, 2) are optical angles, rad; without them the mirrors stay. The phase
-        table begins again, and a `BadReply` says that it was not stepped once a phase.
+        The phase table begins again, and a `BadReply` says that it was not stepped once a phase.
         """
-        requests = [{"USER_RAM0_U32": float(label)} for label in labels]
-        if directions is not None:
-            for request, direction in zip(requests, directions, strict=True):
-                request.update(self.aimed(direction))
-            self.fly_back(directions)
+        requests = [
+            {"USER_RAM0_U32": float(label), **output}
+            for label, output in zip(labels, outputs, strict=False)
+        ]
         insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
         counts = []
         self.times = []
@@ -244,9 +272,13 @@ class Bench(EmergencyStop):
             self.move_target(plan.sweep[line.row])
         if lit:
             self.metered_power()
-        aims = plan.angles[line.row] if line.kind == "scan" else None
+        outputs: Iterable[dict[str, float]] = repeat({})
         try:
-            counts = self.bursts(line.labels, aims)
+            if line.kind == "scan":
+                aims = plan.angles[line.row]
+                self.fly_back(aims)
+                outputs = map(self.aimed, aims)
+            counts = self.bursts(line.labels, outputs)
         except (BadReply, InstrumentTimeout):
             if attempts == 1:
                 raise

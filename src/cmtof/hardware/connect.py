@@ -11,8 +11,8 @@ from cmtof.hardware.log import Logged
 from cmtof.hardware.modbus import PORT, Feedback
 from cmtof.hardware.rig import LIGHT, Rig
 
+# What may still send out light or RF after a scan that was killed; it is connected first.
 DARK_FIRST = ("daq", "rf_emission", "rf_detection")
-"""What may still send out light or RF after a scan that was killed; it is connected first."""
 
 
 @contextmanager
@@ -23,7 +23,7 @@ def connected_bench(rig: Rig, log: TextIO | None = None) -> Iterator[Bench]:
     is connected. Requests and replies go into ``log``.
     """
     with ExitStack() as reached:
-        devices: dict[str, Any] = {}
+        devices = {}
         for role in dict.fromkeys((*DARK_FIRST, *rig.devices)):
             device = connected_driver(rig, role, log)
             devices[role] = reached.enter_context(closing(device))
@@ -39,7 +39,7 @@ def connected_driver(rig: Rig, role: str, log: TextIO | None = None) -> Any:
 
     settings = rig.devices[role]
     name = role.replace("_", " ")
-    kinds: dict[str, Any] = {
+    kinds = {
         "labjack-t7": (open_feedback, partial(read_out, rig)),
         "rf-driver": (rf.open_serial, rf.RfDriver),
         "sdg2042x": (scpi.open_visa, scpi.SignalGenerator),

@@ -102,7 +102,7 @@ class Device:
 
     def identify(self) -> dict[str, str]:
         """Name that the device reports; `Refused` if it is another one."""
-        found: dict[str, str] = self._identity()  # type: ignore[attr-defined]
+        found = self._identity()  # type: ignore[attr-defined]
         model = found["model"]
         serial_number = found["serial_number"]
         if self._serial_number not in ("", serial_number) or not model.startswith(self.MODELS):

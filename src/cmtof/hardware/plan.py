@@ -17,19 +17,19 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.frame import rays_from_camera
 from cmtof.hardware.rig import MODES, Rig
-from cmtof.types import Array, Numbers
+from cmtof.types import Array, Counts, Numbers
 
 DARK_BURSTS = 16  # behind the closed shutter, each mode
 REFERENCE_BURSTS = 8  # at each position of the reference target
 SWEEP = 8  # positions of it, over one wrap of the single mode, two of the doubled one
+# Steps of the beam, degrees, whose settling times are in a rig. By default those of a GVS012 with
+# its mirrors of 10 mm, as Thorlabs specifies the GVS011 and GVS012: 0.4 ms for 0.2 degrees of a
+# mirror, square waves of 65 Hz over half the travel and of 25 Hz over all of it, 0.5 V per degree.
+# Between, a straight line (not verified).
 STEPS = (0.4, 40.0, 80.0)
-"""Steps of the beam, degrees, whose settling times are in a rig. By default those of a GVS012 with
-its mirrors of 10 mm, as Thorlabs specifies the GVS011 and GVS012: 0.4 ms for 0.2 degrees of a
-mirror, square waves of 65 Hz over half the travel and of 25 Hz over all of it, 0.5 V per degree.
-Between, a straight line (not verified)."""
+# Time from one burst to the next on the plan's clock, s: 13.3 ms for the paper's burst, and what
+# the devices need between.
 BURST_INTERVAL = 20e-3
-"""Time from one burst to the next on the plan's clock, s: 13.3 ms for the paper's burst, and what
-the devices need between."""
 
 
 class Line(NamedTuple):
@@ -51,7 +51,7 @@ class Record(NamedTuple):
     locks: Array  # detuning, Hz, and reflected power, dBm, of both drives (2, 2)
     times: Array  # at which the bursts were read, s (N,)
     sums: NDArray[np.uint32]  # of the kept samples of each phase (N, K)
-    clipped: NDArray[np.uint16]  # samples at either end of the converter's scale (N,)
+    clipped: Counts  # samples at either end of the converter's scale (N,)
 
 
 class Plan(NamedTuple):

@@ -25,7 +25,7 @@ from cmtof.correlation import TAU, centred, decode, phase_from_depth
 from cmtof.hardware.plan import REFERENCE_BURSTS, Plan, Record
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
-from cmtof.types import Array
+from cmtof.types import Array, Counts
 
 FULL_SCALE = 65535  # of a 16-bit stream sample; it and 0 mean that the converter clips
 MIN_CONTRAST = 1e-3  # of the reference target; below there is no phase to calibrate on
@@ -60,9 +60,7 @@ def drive_phases(phases: int, mode: str) -> Array:
     return np.mod(-nominal_psi(phases) / MODES[mode], TAU)
 
 
-def sums_from_counts(
-    counts: ArrayLike, kept: ArrayLike
-) -> tuple[NDArray[np.uint32], NDArray[np.uint16]]:
+def sums_from_counts(counts: ArrayLike, kept: ArrayLike) -> tuple[NDArray[np.uint32], Counts]:
     """Sums (N, K) of each phase's last ``kept`` (K,) samples, and how many of them clip (N,)."""
     samples = np.asarray(counts, np.uint32)
     kept = np.asarray(kept)
@@ -103,18 +101,22 @@ def lines_of(plan: Plan, records: Sequence[Record], mode: str, kind: str) -> tup
     return record, record.sums / plan.kept
 
 
+def check_brightness(volts: Array, limit: float) -> None:
+    """Raise a ValueError where light drives the detector beyond a limit, V, or clips (inf)."""
+    if not volts.max() <= limit:
+        raise ValueError(
+            f"Expected light up to limit_volts, {limit:g} V, got {volts.max():.2f} V: it "
+            "saturates. Put a grey filter before it."
+        )
+
+
 def calibrated(
     plan: Plan, header: Mapping[str, Any], mode: str, records: Sequence[Record]
 ) -> tuple[float, float]:
     """`calibrate` by the recorded visits of the target; a ValueError, too, if it saturates."""
     gain, (seen, counts) = Gain(*header["calibration"]), lines_of(plan, records, mode, "reference")
     volts = gain.volts_from_counts(counts)
-    clipped = int(seen.clipped.sum())
-    if clipped or not volts.max() <= plan.rig.limit_volts:
-        raise ValueError(
-            f"Expected a reference target in the detector's range, got {volts.max():.2f} V and "
-            f"{clipped} clipped samples: it saturates. Put a grey filter before it."
-        )
+    check_brightness(np.where(seen.clipped[..., None], np.inf, volts), plan.rig.limit_volts)
     dark = gain.volts_from_counts(lines_of(plan, records, mode, "dark")[1].mean())
     ranges = plan.rig.reference_distance + np.repeat(plan.sweep, REFERENCE_BURSTS)
     visits = ((volts - dark) / seen.power[:, None, None]).reshape(-1, ranges.size, counts.shape[2])

@@ -11,8 +11,18 @@ from binascii import crc_hqx
 from math import pi
 from typing import Any, ClassVar
 
-from cmtof.hardware import device
-from cmtof.hardware.device import number, one_error, question
+from cmtof.hardware.device import (
+    BadReply,
+    ConnectionLost,
+    Device,
+    InstrumentTimeout,
+    Refused,
+    Unsafe,
+    insist,
+    number,
+    one_error,
+    question,
+)
 from cmtof.hardware.roles import RfLock, RfStatus
 from cmtof.types import Array
 
@@ -26,7 +36,7 @@ def open_serial(address: str, timeout: float = 1.0, *, rtscts: bool = False) -> 
     """
     import serial
 
-    with one_error(f"a serial port at {address}", device.ConnectionLost):
+    with one_error(f"a serial port at {address}", ConnectionLost):
         return serial.serial_for_url(
             address,
             baudrate=115200,
@@ -48,7 +58,7 @@ def code_from_phase(phase: float) -> int:
     return round(phase / (2 * pi) * CODES) % CODES
 
 
-class RfDriver(device.Device):
+class RfDriver(Device):
     """An RF driver."""
 
     MODELS = ("CMTOF-RF",)
@@ -87,7 +97,7 @@ class RfDriver(device.Device):
             while on and not (status := self.status()).locked:
                 if status.tripped or time.monotonic() >= deadline:
                     self._fail(
-                        device.Unsafe,
+                        Unsafe,
                         f"lock within {lock_timeout:g} s",
                         str(status),
                         "Check frequency and cable.",
@@ -114,7 +124,7 @@ class RfDriver(device.Device):
     def ping(self) -> None:
         """Feed the dead man's timer; `Unsafe` if the driver has switched RF off by itself."""
         if self.status().tripped:
-            self._fail(device.Unsafe, "keep RF on", "a trip", "Find the cause.")
+            self._fail(Unsafe, "keep RF on", "a trip", "Find the cause.")
 
     def load_table(self, phases: Array) -> None:
         """Load phases of the drive, rad, that the trigger steps through."""
@@ -133,9 +143,9 @@ class RfDriver(device.Device):
 
     def safe_state(self) -> None:
         """Turn RF and trigger off, up to three times: the one request that is sent again."""
-        device.insist(lambda: self._ask("SAFE"), tries=3)
+        insist(lambda: self._ask("SAFE"), tries=3)
         if self.status().on:
-            self._fail(device.Unsafe, "turn RF off", "it on", "Switch it off by hand.")
+            self._fail(Unsafe, "turn RF off", "it on", "Switch it off by hand.")
 
     def _identity(self) -> dict[str, str]:
         words = "".join(self._question("ID?")).split(",")
@@ -165,9 +175,7 @@ class RfDriver(device.Device):
         while (words := self._line())[:1] != [f"<{self._sequence}"]:
             pass
         if words[1:2] != ["OK"]:
-            self._fail(
-                device.Refused, f"obey {word}", " ".join(words[1:]), "Check state and limits."
-            )
+            self._fail(Refused, f"obey {word}", " ".join(words[1:]), "Check state and limits.")
         return words[2:]
 
     def _line(self) -> list[str]:
@@ -176,7 +184,7 @@ class RfDriver(device.Device):
             line = self._connection.read_until(b"\n", 1024)
         body = line.decode("latin-1").rpartition("*")[0]
         if line != framed(body):
-            kind = device.BadReply if line.endswith(b"\n") else device.InstrumentTimeout
+            kind = BadReply if line.endswith(b"\n") else InstrumentTimeout
             self._fail(kind, "send a whole line in time", repr(line), "Check power and cable.")
         return body.split()
 

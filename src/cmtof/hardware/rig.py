@@ -11,6 +11,7 @@ from cmtof.constants import HALF_WAVE_PLATE_DOUBLED, HALF_WAVE_PLATE_SINGLE
 from cmtof.files import read_document
 from cmtof.validation import checked
 
+# Drivers that each role takes.
 DRIVERS = {
     "rf_emission": ("rf-driver",),
     "rf_detection": ("rf-driver",),
@@ -21,7 +22,7 @@ DRIVERS = {
     "clock": ("sdg2042x",),
     "power_meter": ("pm100d",),
 }
-"""Drivers that each role takes."""
+# Digital lines of the read-out, unless a rig has others; the LJTick-DAC takes FIO2 and FIO3.
 LINES = {
     "laser": "FIO0",
     "shutter": "FIO1",
@@ -30,19 +31,22 @@ LINES = {
     "beam_block": "FIO6",
     "interlock": "FIO7",
 }
-"""Digital lines of the read-out, unless a rig has others; the LJTick-DAC takes FIO2 and FIO3."""
 LIGHT = ("laser", "shutter", "beam_block")  # low is safe: laser off, shutter shut, block in
 MODES = {"single": 1, "doubled": 2}  # which harmonic of the drive modulates the light
+# Angle of both half-wave plates in each mode, degrees.
 PLATES = {"single": HALF_WAVE_PLATE_SINGLE, "doubled": HALF_WAVE_PLATE_DOUBLED}
-"""Angle of both half-wave plates in each mode, degrees."""
 SAMPLE_RATE = 24000.0  # Hz (Sec. 7.2): 16 phases of 20 samples take 13.3 ms
 
 CHECKED = ConfigDict(extra="forbid")
 Angle = Annotated[float, Field(gt=0, lt=80)]
 Volts = Annotated[float, Field(ge=-10, le=10)]
 Seconds = Annotated[float, Field(ge=0, le=10)]
+Degrees = Annotated[float, Field(ge=-360, le=360)]
+Decibels = Annotated[float, Field(ge=-30, le=35)]
+Drive = Annotated[float, Field(ge=7.14e9, le=7.17e9)]
 Line = Annotated[str, Field(pattern="^FIO[0-7]$")]
 Output = Annotated[str, Field(pattern="^TDAC[0-7]$")]
+Input = Annotated[str, Field(pattern="^AIN[0-9]$")]
 
 
 @dataclass(frozen=True, config=CHECKED)
@@ -62,8 +66,8 @@ class Rig:
 
     devices: dict[str, DeviceSettings]
     field_of_view_deg: tuple[Angle, Angle] = (20.0, 20.0)  # optical angles across and down
-    power_dbm: float = Field(default=30.0, ge=-30, le=35)  # of both RF drives
-    power_dbm_limit: float = Field(default=30.0, ge=-30, le=35)  # what the modulators stand
+    power_dbm: Decibels = 30.0  # of both RF drives
+    power_dbm_limit: Decibels = 30.0  # what the modulators stand
     power_limit: float = Field(default=4e-3, gt=0, le=0.5)  # W, of the beam that leaves
     emitted_share: float = Field(default=0.41, gt=0, le=100)  # power that leaves over metered power
     lines: dict[str, Line] = Field(default_factory=dict)  # those that differ from the guide's
@@ -73,16 +77,22 @@ class Rig:
     mirror_volts_per_degree: tuple[Volts, Volts] = (0.5, 0.5)  # of a mirror; negative: other way
     mirror_offset_volts: tuple[Volts, Volts] = (0.0, 0.0)  # straight ahead
     mirror_settling: tuple[Seconds, Seconds, Seconds] = (4e-4, 7.7e-3, 0.02)  # by STEPS of plan.py
-    detector_input: str = Field(default="AIN0", pattern="^AIN[0-9]$")
+    detector_input: Input = "AIN0"
+    iq_inputs: tuple[Input, Input] = ("AIN2", "AIN3")  # of the RF demodulator's I and Q
+    flip_mirror: Literal["reference", "photodiode"] = "reference"  # where it sends the light
+    # of the beam to the target, where the flip mirror leads to the photodiode instead
+    reference_direction_deg: tuple[Degrees, Degrees] = (0.0, 0.0)
+    reference_mirror: Literal["DAC0", "DAC1"] = "DAC0"  # output that moves that of interferometry
+    reference_mirror_travel: float = Field(default=1e-6, gt=0, le=1e-3)  # m per V, nearer
     detector_gain: float = Field(default=50.0, ge=1, le=1000)  # avalanche gain, set by hand
-    frequency_single: float = Field(default=7.15e9, ge=7.14e9, le=7.17e9)  # drive, single mode
-    frequency_doubled: float = Field(default=7.16e9, ge=7.14e9, le=7.17e9)  # and doubled mode
+    frequency_single: Drive = 7.15e9  # drive, single mode
+    frequency_doubled: Drive = 7.16e9  # and doubled mode
     clock_frequency: float = Field(default=10e6, ge=1e6, le=40e6)
     clock_amplitude: float = Field(default=1.0, ge=0.01, le=10)  # V peak to peak into 50 Ohm
     clock_channels: tuple[Literal[1, 2], ...] = (1,)  # one, and a splitter: two drift apart
     dead_man: float = Field(default=5.0, ge=0.1, le=60)  # silence that switches the RF drivers off
-    plate_zero_emission_deg: float = Field(default=0.0, ge=-360, le=360)  # mount at theta_h = 0
-    plate_zero_detection_deg: float = Field(default=0.0, ge=-360, le=360)
+    plate_zero_emission_deg: Degrees = 0.0  # mount at theta_h = 0
+    plate_zero_detection_deg: Degrees = 0.0
     rate: float = Field(default=SAMPLE_RATE, ge=1, le=50e3)
     phases: int = Field(default=16, ge=3, le=64)
     samples_per_phase: int = Field(default=20, ge=2, le=250)

@@ -4,16 +4,15 @@ A driver does it over a wire, a simulated device (`cmtof_lab.devices`) in proces
 other. What a method does on the wire is documented at the driver.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cmtof.types import Array
+from cmtof.types import Array, Counts
 
+# What is called again and again while a device moves: it feeds the timers of the others.
 Waiting = Callable[[], object] | None
-"""What is called again and again while a device moves: it feeds the timers of the others."""
 
 
 class DeviceRole(Protocol):
@@ -27,11 +26,9 @@ class DeviceRole(Protocol):
 
     def safe_state(self) -> None:
         """Become safe; may be called at any time, and again."""
-        ...
 
     def close(self) -> None:
         """Close the connection; may be called again."""
-        ...
 
 
 class RfStatus(NamedTuple):
@@ -57,11 +54,9 @@ class RfRole(DeviceRole, Protocol):
 
     def set_frequency(self, hz: float) -> None:
         """Set the frequency, Hz."""
-        ...
 
     def set_power(self, dbm: float) -> None:
         """Set the power, dBm."""
-        ...
 
     def set_phase(self, rad: float) -> float:
         """Set the phase outside the table, rad; return what was set."""
@@ -69,11 +64,9 @@ class RfRole(DeviceRole, Protocol):
 
     def set_dead_man(self, seconds: float) -> None:
         """Have RF turned off when the host is silent for so long."""
-        ...
 
     def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
         """Switch RF; on waits for the lock."""
-        ...
 
     def status(self) -> RfStatus:
         """Output, lock, table and trip."""
@@ -85,23 +78,18 @@ class RfRole(DeviceRole, Protocol):
 
     def clear_trip(self) -> None:
         """Allow RF again after a trip."""
-        ...
 
     def ping(self) -> None:
         """Feed the dead man's timer."""
-        ...
 
     def load_table(self, phases: Array) -> None:
         """Load the phases, rad."""
-        ...
 
     def trigger(self, on: bool) -> None:
         """Let edges step the table, or not."""
-        ...
 
     def arm(self) -> None:
         """Begin the table again, and count edges from 0."""
-        ...
 
 
 class ClockRole(DeviceRole, Protocol):
@@ -109,19 +97,15 @@ class ClockRole(DeviceRole, Protocol):
 
     def reset(self) -> None:
         """Become what it is by default."""
-        ...
 
     def sine(self, channel: int, *, frequency: float, amplitude: float) -> None:
         """Set a sine, Hz and V peak to peak."""
-        ...
 
     def lock_phases(self) -> None:
         """Align both channels."""
-        ...
 
     def output(self, channel: int, on: bool) -> None:
         """Switch a channel."""
-        ...
 
     def output_is_on(self, channel: int) -> bool:
         """Whether a channel puts out its sine."""
@@ -143,7 +127,6 @@ class MotorRole(DeviceRole, Protocol):
 
     def home(self, *, waiting: Waiting = None) -> None:
         """Find the home position."""
-        ...
 
     def move_to(self, position: float, *, waiting: Waiting = None) -> float:
         """Move and wait; return the position."""
@@ -160,7 +143,6 @@ class PowerMeterRole(DeviceRole, Protocol):
 
     def set_up(self, *, wavelength: float, readings: int, waiting: Waiting = None) -> None:
         """Correct for a wavelength, m, average so many readings, and zero the dark head."""
-        ...
 
 
 class ReadOutRole(DeviceRole, Protocol):
@@ -181,22 +163,25 @@ class ReadOutRole(DeviceRole, Protocol):
 
     def set_line(self, dio: str, high: bool) -> None:
         """Set an output line."""
-        ...
 
     def write_many(self, values: Mapping[str, ArrayLike]) -> None:
         """Write registers by name, in their order."""
-        ...
 
     def watchdog(self, seconds: int) -> None:
         """Have the safe lines pulled low when the host is silent for so long."""
-        ...
 
     def configure_burst(
-        self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
+        self,
+        *,
+        channels: Sequence[str],
+        rate: float,
+        scans: int,
+        range: float,
+        pulse_line: str,
+        pulse: int,
     ) -> None:
-        """Set up bursts at a rate, Hz; a line is high for the first half of each ``pulse``."""
-        ...
+        """Set up bursts of inputs; a line is high for the first half of each ``pulse``."""
 
-    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
-        """Counts (scans,) of a burst for each request, whose registers are written first."""
+    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[Counts]:
+        """Counts of a burst for each request, whose registers are written first: scan by scan."""
         ...

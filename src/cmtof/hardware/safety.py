@@ -34,7 +34,7 @@ class EmergencyStop:
 
     def __init__(self, devices: Sequence[Any]) -> None:
         self._devices = list(devices)
-        self._previous: dict[int, Any] = {}
+        self._previous = {}
 
     def __enter__(self) -> Self:
         atexit.register(self.__exit__, None, None, None)

@@ -14,21 +14,30 @@ from typing import Any, ClassVar
 
 import pyvisa
 
-from cmtof.hardware import device
-from cmtof.hardware.device import number, one_error, question
+from cmtof.hardware.device import (
+    BadReply,
+    ConnectionLost,
+    Device,
+    InstrumentTimeout,
+    Refused,
+    insist,
+    number,
+    one_error,
+    question,
+)
 from cmtof.hardware.roles import Waiting
 
 
 def open_visa(address: str, timeout: float = 1.0, library: str = "@py") -> Any:
     """Open a VISA resource, as ``TCPIP::192.168.1.20::5025::SOCKET``, or raise `ConnectionLost`."""
-    with one_error(f"an instrument at {address}", device.ConnectionLost):
+    with one_error(f"an instrument at {address}", ConnectionLost):
         resource: Any = pyvisa.ResourceManager(library).open_resource(address)
         resource.read_termination = resource.write_termination = "\n"
         resource.timeout = 1e3 * timeout  # ms
         return resource
 
 
-class ScpiInstrument(device.Device):
+class ScpiInstrument(Device):
     """Text commands to a resource from `open_visa`, or anything with its write, read and close."""
 
     def _identity(self) -> dict[str, str]:
@@ -39,7 +48,7 @@ class ScpiInstrument(device.Device):
         self._write(f"{command} {value}")
         found = self._ask(f"{command}?", str).strip()
         if found not in (value, *also):
-            self._fail(device.Refused, f"set {command} to {value}", found, "Set it by hand.")
+            self._fail(Refused, f"set {command} to {value}", found, "Set it by hand.")
 
     def _write(self, command: str) -> None:
         with one_error(self.name):
@@ -60,10 +69,10 @@ class ScpiInstrument(device.Device):
     def _resynchronise(self) -> None:
         self._write("*IDN?")
         for _ in range(8):
-            with suppress(device.BadReply), one_error(self.name):
+            with suppress(BadReply), one_error(self.name):
                 if self.MODELS[0] in self._connection.read():  # else it is an old reply
                     return
-        self._fail(device.InstrumentTimeout, "identify itself", "other answers", "Restart it.")
+        self._fail(InstrumentTimeout, "identify itself", "other answers", "Restart it.")
 
 
 def identity_from_line(line: str) -> dict[str, str]:
@@ -124,7 +133,7 @@ class SignalGenerator(ScpiInstrument):
 
     def safe_state(self) -> None:
         """Switch both outputs off; the second even if the first does not follow."""
-        device.insist(*(partial(self.output, channel, False) for channel in (1, 2)))
+        insist(*(partial(self.output, channel, False) for channel in (1, 2)))
 
     def _pairs(self, command: str) -> dict[str, str]:
         """Keys and values of an answer such as ``C1:OUTP ON,LOAD,50,PLRT,NOR``."""
@@ -152,7 +161,7 @@ class PowerMeter(ScpiInstrument):
         self._choose("SENS:POW:UNIT", "W")  # it may have been left in dBm
         head = self._ask("SYST:SENS:IDN?", lambda line: line.replace('"', "").split(","))
         if not int(number(head[-1])) & POWER_HEAD:
-            self._fail(device.Refused, "have a head for power", head[0], "Plug it in.")
+            self._fail(Refused, "have a head for power", head[0], "Plug it in.")
         return super()._identity() | {"head": head[0], "head_serial_number": head[1]}
 
     @property
@@ -170,7 +179,7 @@ class PowerMeter(ScpiInstrument):
         deadline = time.monotonic() + 30.0
         while self._ask("SENS:CORR:COLL:ZERO:STAT?"):
             if time.monotonic() >= deadline:
-                self._fail(device.InstrumentTimeout, "be zeroed", "no end", "Cover the head.")
+                self._fail(InstrumentTimeout, "be zeroed", "no end", "Cover the head.")
             if waiting:
                 waiting()
             time.sleep(0.05)

@@ -14,15 +14,24 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cmtof.files import read_document
-from cmtof.hardware import device
-from cmtof.hardware.device import one_error, question
+from cmtof.hardware.device import (
+    BadReply,
+    ConnectionLost,
+    Device,
+    InstrumentTimeout,
+    Refused,
+    insist,
+    one_error,
+    question,
+)
 from cmtof.hardware.reduction import RANGES, Gain
+from cmtof.types import Counts
 
+# Address and type of each register by LabJack's name.
 REGISTERS = read_document(Path(__file__).with_name("t7.yml"))
-"""Address and type of each register by LabJack's name."""
 CALIBRATION = 0x3C4000  # in the flash: four floats for each input range
 PACKET = 160  # samples at most: two or more packets a point, so that a lost one is seen at once
 COMPLETE = 2944  # status of a burst's last packet; 2940 to 2943 stand for skipped scans
@@ -44,14 +53,14 @@ def read(register: str) -> bytes:
     return struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
 
 
-class LabJackT7(device.Device):
+class LabJackT7(Device):
     """A T7: requests to a `modbus.Feedback`, packets from a ``stream`` (pyserial).
 
     In the safe state the ``safe_lines`` are low and the registers ``parked`` hold 0 V.
     """
 
     MODELS = ("T7",)
-    LIMITS: ClassVar = {"rate": (1.0, 50e3), "pulse": (2, 250)}
+    LIMITS: ClassVar = {"rate": (1.0, 100e3), "pulse": (2, 250)}  # of all addresses together
 
     def __init__(
         self,
@@ -67,9 +76,9 @@ class LabJackT7(device.Device):
         self._stream = stream
         self._safe_lines = list(safe_lines)
         self._parked = dict.fromkeys(parked, 0.0)
-        self._settings: dict[str, float] = {}
-        self._waveform: dict[str, ArrayLike] = {}
-        self._scans = 0
+        self._settings = {}
+        self._waveform = {}
+        self._size = 0
         self.rate = 0.0  # of the last burst, as the converter made it, Hz
 
     def close(self) -> None:
@@ -100,36 +109,44 @@ class LabJackT7(device.Device):
         self._feedback(written(values))
 
     def configure_burst(
-        self, *, channel: str, rate: float, scans: int, range: float, pulse_line: str, pulse: int
+        self,
+        *,
+        channels: Sequence[str],
+        rate: float,
+        scans: int,
+        range: float,
+        pulse_line: str,
+        pulse: int,
     ) -> None:
-        """Set up bursts at a rate, Hz; a line is high for the first half of each ``pulse``."""
-        self._within(rate=rate, pulse=pulse)
+        """Set up bursts of inputs; a line is high for the first half of each ``pulse``."""
+        self._within(rate=rate * (1 + len(channels)), pulse=pulse)
         if scans % pulse:
             raise ValueError(f"Expected pulses of {pulse} samples, got {scans}. Change one.")
-        number = int(channel.removeprefix("AIN"))
         bit = 1 << int(pulse_line[-1])
         inhibit = (0xFF & ~bit) << 8
-        self._scans = scans
+        self._size = scans * len(channels)
         self._stream.timeout = scans / rate + 0.5
         self._settings = {
-            f"{channel}_RANGE": range,
-            f"{channel}_NEGATIVE_CH": 199,  # single-ended
             "STREAM_SCANRATE_HZ": rate,
-            "STREAM_NUM_ADDRESSES": 2,
+            "STREAM_NUM_ADDRESSES": 1 + len(channels),
             "STREAM_SETTLING_US": 0.0,  # automatic
             "STREAM_CLOCK_SOURCE": 0,  # its own
             "STREAM_EXTERNAL_CLOCK_DIVISOR": 0,
             "STREAM_TRIGGER_INDEX": 0,  # none
             "STREAM_AUTORECOVER_DISABLE": 0,
-            "STREAM_SAMPLES_PER_PACKET": gcd(scans, PACKET),
+            "STREAM_SAMPLES_PER_PACKET": gcd(self._size, PACKET),
             "STREAM_RESOLUTION_INDEX": 1,
             "STREAM_BUFFER_SIZE_BYTES": 32768,
             "STREAM_AUTO_TARGET": 1,  # port 702
             "STREAM_NUM_SCANS": scans,
             # the pulse before the sample, so that an edge precedes it
             "STREAM_SCANLIST_ADDRESS0": 4800,  # STREAM_OUT0
-            "STREAM_SCANLIST_ADDRESS1": 2 * number,  # AIN
         }
+        for place, channel in enumerate(channels, 1):
+            self._settings[f"{channel}_RANGE"] = range
+            self._settings[f"{channel}_NEGATIVE_CH"] = 199  # single-ended
+            address = 2 * int(channel.removeprefix("AIN"))
+            self._settings[f"STREAM_SCANLIST_ADDRESS{place}"] = address
         self._waveform = {
             "STREAM_DATATYPE": 0,  # must be 0, and cannot be read back
             pulse_line: 0,  # also makes it an output
@@ -143,8 +160,8 @@ class LabJackT7(device.Device):
             "STREAM_OUT0_SET_LOOP": 1,
         }
 
-    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[NDArray[np.uint16]]:
-        """Counts (scans,) of a burst for each request, whose registers go into its first frame."""
+    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[Counts]:
+        """Counts of a burst for each request, whose registers go into its first frame."""
         self._stop()  # a waveform goes on where it stopped: one that broke off is set up again
         self._set(self._settings)
         self.write_many({"STREAM_OUT0_ENABLE": 0})
@@ -167,10 +184,10 @@ class LabJackT7(device.Device):
         wanted = self._settings["STREAM_SCANRATE_HZ"]
         self._expect("rate", wanted, self.rate, 1e-3 * wanted)
 
-    def _samples(self) -> NDArray[np.uint16]:
-        """Counts (scans,) of the packets of a burst that has been started."""
-        width = 8 + gcd(self._scans, PACKET)  # words of a packet, 8 of them its head
-        wanted = self._scans // (width - 8) * 2 * width
+    def _samples(self) -> Counts:
+        """Counts of the packets of a burst that has been started."""
+        width = 8 + gcd(self._size, PACKET)  # words of a packet, 8 of them its head
+        wanted = self._size // (width - 8) * 2 * width
         with one_error(self.name):
             data = self._stream.read(wanted)
         words = np.frombuffer(data, ">u2", len(data) // (2 * width) * width).reshape(-1, width)
@@ -178,23 +195,23 @@ class LabJackT7(device.Device):
         known = (function & 0xFF == 76) & (kind == 0x1000) & (length == 2 * width - 6)
         if not (known & np.isin(status, (0, COMPLETE))).all() or (np.diff(number) != 1).any():
             self._fail(
-                device.BadReply,
+                BadReply,
                 "send every packet and scan",
                 f"status {status.max()} or a gap",
                 "Take it again.",
             )
         if len(data) < wanted:
-            self._fail(device.InstrumentTimeout, "send all samples", "fewer", "Take it again.")
+            self._fail(InstrumentTimeout, "send all samples", "fewer", "Take it again.")
         return words[:, 8:].ravel().astype(np.uint16)
 
     def _stop(self) -> None:
         """Stop a stream; the T7 refuses that where none runs."""
         try:
             self.write_many({"STREAM_ENABLE": 0})
-        except device.Refused:
+        except Refused:
             self._expect("STREAM_ENABLE", 0, *self._values("STREAM_ENABLE"))
-        except device.InstrumentTimeout:  # not even this is answered: no burst will be, either
-            self._fail(device.ConnectionLost, "answer", "silence", "Check power and cable.")
+        except InstrumentTimeout:  # not even this is answered: no burst will be, either
+            self._fail(ConnectionLost, "answer", "silence", "Check power and cable.")
 
     def watchdog(self, seconds: int) -> None:
         """Let the device pull its safe lines low when no host speaks for so many seconds."""
@@ -229,7 +246,7 @@ class LabJackT7(device.Device):
         """Pull the safe lines low, park the mirrors, and stop a running stream."""
         # parked twice: the mirrors cannot be read back, so nobody sees a write that was lost
         park = partial(self.write_many, self._parked)
-        device.insist(self._lower_lines, park, park, self._stop)
+        insist(self._lower_lines, park, park, self._stop)
 
     def _lower_lines(self) -> None:
         """Make all safe lines low outputs in one frame, and check them at the terminals."""
@@ -269,11 +286,11 @@ class LabJackT7(device.Device):
         with one_error(self.name):
             try:
                 answer = self._connection.ask(frame)
-            except device.Refused as refusal:
+            except Refused as refusal:
                 detail = self._connection.ask(read("LAST_ERR_DETAIL"))
                 code = int.from_bytes(detail, "big")
-                raise device.Refused(f"{refusal} LabJack's error code is {code}.") from None
+                raise Refused(f"{refusal} LabJack's error code is {code}.") from None
         if len(answer) != size:
             self._connection.close()
-            self._fail(device.BadReply, f"send {size} bytes", f"{answer!r}", "Ask again.")
+            self._fail(BadReply, f"send {size} bytes", f"{answer!r}", "Ask again.")
         return answer

@@ -22,11 +22,11 @@ from cmtof.network.recipe import Config
 from cmtof.simulation import RELEASED_FAR_DEPTH, released_scale
 from cmtof.types import Array
 
+# Depth of a wrap of the lower frequency, m.
 WRAP = float(wrap_length(FREQUENCIES[0]))
-"""Depth of a wrap of the lower frequency, m."""
 
+# Depth, m (NaN where unknown), and linear intensity, 0 to 1.
 Crop = tuple[Array, Array]
-"""Depth, m (NaN where unknown), and linear intensity, 0 to 1."""
 
 
 class Batch(NamedTuple):

@@ -12,15 +12,16 @@ from cmtof.simulation import RELEASED_WRAPS
 
 Array = Any  # of NumPy or torch; the result is of the same kind
 
+# First wrap that a protocol distinguishes, and how many: 36 and 21, 0 and 358.
 CLASSES = {
     "released": (RELEASED_WRAPS[0], RELEASED_WRAPS[1] - RELEASED_WRAPS[0]),
     "full": (0, int(np.ceil(unambiguous_range(FREQUENCIES) / wrap_length(FREQUENCIES[0])))),
 }
-"""First wrap that a protocol distinguishes, and how many: 36 and 21, 0 and 358."""
 
+# E_C of Eq. 5. The paper does not state it; the authors' released code ends at 5.
 ORDER = 5
-"""E_C of Eq. 5. The paper does not state it; the authors' released code ends at 5."""
 
+# Inputs by name: the rows of Table 1, those with the beat besides, and raw correlations.
 FEATURE_SETS: dict[str, tuple[str, ...]] = {
     "phase": ("phase", "amplitude"),
     "fourier": ("phase", "fourier", "amplitude"),
@@ -28,10 +29,9 @@ FEATURE_SETS: dict[str, tuple[str, ...]] = {
     "beat": ("phase", "fourier", "edges", "amplitude", "beat"),
     "correlation": ("correlation",),
 }
-"""Inputs by name: the rows of Table 1, those with the beat besides, and raw correlations."""
 
+# Amplitude of a white surface, G T / pi, counts.
 FULL_AMPLITUDE = 20 * 1000 / np.pi
-"""Amplitude of a white surface, G T / pi, counts."""
 
 
 def padding(size: int, stride: int) -> int:

@@ -14,8 +14,8 @@ from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
 from cmtof.network.features import CLASSES, FEATURE_SETS, channels, padding
 
+# Change of the beat `phi_2 - 2 phi_1` from one wrap of the lower frequency to the next, rad.
 BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
-"""Change of the beat ``phi_2 - 2 phi_1`` from one wrap of the lower frequency to the next, rad."""
 
 
 class SingleConv2d(nn.Conv2d):
@@ -375,6 +375,7 @@ class Rapid(Network):
         return self.output(resized(decoded, x))
 
 
+# The rows of Table 1, one that costs less, and the baselines: all read raw correlations.
 MODELS = {
     "fast-scnn": Model(FastSCNN),
     "fast-scnn-ce": Model(FastSCNN, depth_weight=0.0),
@@ -386,7 +387,6 @@ MODELS = {
     "deep-tof": Model(DeepToF, "correlation", smoothness=1e-4),
     "rapid": Model(Rapid, "correlation", 0.0),
 }
-"""The rows of Table 1, one that costs less, and the baselines: all read raw correlations."""
 
 
 def build_network(name: str, protocol: str = "released") -> Network:

@@ -6,8 +6,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
+# Share of the old momentum that stays in a step.
 MOMENTUM = 0.95
-"""Share of the old momentum that stays in a step."""
 
 
 class Muon(torch.optim.AdamW):

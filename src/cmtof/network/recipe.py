@@ -13,8 +13,8 @@ from cmtof.network.weights import Count, Share, Strict
 from cmtof.validation import checked
 
 Size = Annotated[int, Field(ge=1, le=4096)]  # px
+# Configurations that travel with the package, by name.
 PRESETS: dict[str, Any] = yaml.safe_load((files("cmtof.network") / "train.yml").read_text("utf-8"))
-"""Configurations that travel with the package, by name."""
 
 
 class Rooms(Strict):

@@ -110,9 +110,7 @@ def tied(found: Offsets, borders: Borders, limits: Array, repeat: float) -> Tied
     base = np.rint(np.clip(own, low, high)).astype(int)
     offsets = np.arange(-_FARTHEST, _FARTHEST + 1)
     off = (offsets - (own - base)[:, None]) / np.hypot(found.spread, 0.3)[:, None]
-    density = np.exp(-(off**2) / 2)
-    density /= density.sum(axis=1, keepdims=True)
-    density += _STRAY / offsets.size
+    density = softmax(-(off**2) / 2, axis=1) + _STRAY / offsets.size
     every = base[:, None] + offsets
     alone = np.log(
         np.where((every > low[:, None] - 1) & (every < high[:, None] + 1), density, _OUTSIDE)

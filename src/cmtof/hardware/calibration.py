@@ -1,0 +1,93 @@
+r"""What a bench measures of itself: drives, resonances, plates, and the error within a wrap.
+
+With its half-wave plate in the dark a module passes ``(1 - J_0(2 eta)) / 2`` of what it passes at
+most, twice what it passes at quadrature. So eta follows from mean light: that at the power meter
+for the emission, and for the detection that of the reference target at the detector over it. Light
+that leaks in the dark is taken away. The bench is set up; RF is off afterwards.
+"""
+
+from collections.abc import Iterable, Sequence
+from functools import partial
+from itertools import count
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import ArrayLike
+from scipy.special import j0
+
+from cmtof.correlation import centred, decode
+from cmtof.hardware.bench import MODULES, VOLTS_RANGE, Bench
+from cmtof.hardware.ranging import reading, sweep, sweep_errors
+from cmtof.hardware.reduction import Gain
+from cmtof.hardware.rig import PLATES
+from cmtof.types import Array
+
+LARGEST = 1.9  # eta, rad, up to which the mean grows
+
+
+def levels(
+    bench: Bench, module: str, angles: Iterable[float], drives: Iterable[Sequence[float]] = ()
+) -> Array:
+    """Light behind a module with its plate at angles, degrees, without RF, then at drives.
+
+    The other module stays at quadrature; drives of Hz and dBm are those at the last angle.
+    """
+    read = partial(reading, bench, "reference", Gain(*bench.daq.gain(VOLTS_RANGE)), count(1))
+    rf = bench.rf[MODULES.index(module)]
+    bench.choose_mode("single")
+    for one in bench.rf:
+        one.output(False)
+    bench.look_at("reference")
+    bench.metered_power()
+    found = []
+
+    def look() -> None:
+        power = bench.power_meter.power
+        found.append(read().mean() / power if module == "detection" else power)
+
+    for angle in angles:
+        bench.turn_plate(module, angle)
+        look()
+    for frequency, power in drives:
+        rf.set_frequency(frequency)
+        bench.ramp_up(rf, power)
+        look()
+    rf.output(False)
+    bench.shut()
+    return np.array(found)
+
+
+def drive_amplitudes(bench: Bench, module: str, drives: Iterable[Sequence[float]]) -> Array:
+    """Amplitudes eta (N,), rad, of the "emission" or "detection" at drives of Hz and dBm."""
+    quadrature, dark, *driven = levels(bench, module, PLATES.values(), drives)
+    share = (np.array(driven) - dark) / (2 * quadrature - 2 * dark)
+    eta = np.linspace(LARGEST, 0.0, 2000)
+    return np.interp(1 - 2 * share, j0(2 * eta), eta)
+
+
+def resonance(bench: Bench, module: str, frequencies: Sequence[float]) -> tuple[float, float]:
+    """Resonance, Hz, of a module by its eta at three frequencies or more, and its full width, Hz.
+
+    That of a Lorentzian at half power: 1 / eta^2 grows with the square of the distance.
+    """
+    drives = [(hertz, bench.rig.power_dbm) for hertz in frequencies]
+    curve = Polynomial.fit(frequencies, drive_amplitudes(bench, module, drives) ** -2, 2)
+    (centre,) = curve.deriv().roots()
+    return centre, 2 * np.sqrt(2 * curve(centre) / curve.deriv(2)(centre))
+
+
+def plate(bench: Bench, module: str, angles: Sequence[float]) -> tuple[float, float]:
+    """What is to be added to a plate's zero, degrees, and the module's extinction.
+
+    By its light at angles, degrees, spread over 45.
+    """
+    fit = decode(levels(bench, module, angles), 8 * np.deg2rad(angles))
+    ratio = (fit.offset + fit.amplitude) / (fit.offset - fit.amplitude)
+    return -float(np.rad2deg(centred(fit.phase))) / 8, float(ratio)
+
+
+def cyclic_error(bench: Bench, offsets: ArrayLike, *, mode: str = "single") -> Array:
+    """Amplitudes, m, of errors with 1, 2 and more periods over offsets (N,), m, of whole wraps."""
+    seen = sweep(bench, "reference", offsets, mode=mode)
+    error = sweep_errors(seen, bench.rig.reference_distance, visits=seen.sizes["position"])
+    return 2 * np.abs(np.fft.rfft(error))[1:] / error.size

@@ -1,0 +1,130 @@
+r"""Three instruments before the target on its stage, as in Fig. 13: readings and their phases.
+
+The all-optical one ("reference") steps the reference phase within a burst. RF demodulation ("rf")
+takes I and Q of the fast photodiode as two inputs: what they show without light is taken away, and
+a turn of the emission's phase tells by how much Q is too large, g, and off a right angle, e,
+
+.. math:: V = I + i\,\frac{Q / g - I \sin e}{\cos e}.
+
+The interferometer ("interferometer") moves its mirror over half a wavelength, a burst a step.
+"""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import count
+
+import numpy as np
+from numpy.typing import ArrayLike
+from xarray import Dataset
+
+from cmtof.constants import LASER_WAVELENGTH, SPEED_OF_LIGHT
+from cmtof.correlation import centred, decode, depth_from_phase, phase_from_depth
+from cmtof.hardware.bench import VOLTS_RANGE, Bench
+from cmtof.hardware.plan import DARK_BURSTS
+from cmtof.hardware.reduction import Gain, check_brightness, nominal_psi
+from cmtof.hardware.rig import MODES
+from cmtof.types import Array, Complex
+
+STEPS = 8  # of the interferometer's mirror over half a wavelength
+TURN = 16  # phases of the emission that tell the mixer's imbalance
+# ways of the light, and the axes (burst, phase, sample) over which a reading is averaged
+MEANS = {"reference": (0, 2), "rf": (0, 1, 2), "interferometer": (1, 2)}
+
+
+def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
+    """Phasor of a reading I + iQ whose Q is ``gain`` too large and ``error``, rad, off."""
+    z = np.asarray(reading, complex)
+    return z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error)
+
+
+def reading(bench: Bench, way: str, gain: Gain, labels: Iterator[int]) -> Array:
+    """Volts of a reading: of its phases or mirror's steps (K,), or I and Q (2,)."""
+    rig = bench.rig
+    outputs = [{}]
+    if way == "interferometer":
+        travels = LASER_WAVELENGTH / 2 * np.arange(STEPS) / STEPS
+        volts = (travels / rig.reference_mirror_travel).tolist()
+        outputs = [{rig.reference_mirror: one} for one in volts]
+    counts = bench.bursts([next(labels) for _ in outputs], outputs)
+    samples = counts.reshape(len(outputs), rig.phases, rig.samples_per_phase, -1)
+    kept = gain.volts_from_counts(samples[:, :, rig.settle_samples :])
+    if way != "rf":
+        check_brightness(kept, rig.limit_volts)
+    return kept.mean(axis=MEANS[way]).ravel()
+
+
+def stepped_phases(volts: Array) -> Array:
+    """Phases (N,), rad, of readings (N, K) over a turn of the reference."""
+    return decode(volts.T, nominal_psi(volts.shape[1])).phase
+
+
+def calibrated_mixer(bench: Bench, read: Callable[[], Array]) -> Callable[[Array], Array]:
+    """Function that makes phases (N,), rad, of I and Q (N, 2), V, by the imbalance of today."""
+    bench.listen(*bench.rig.iq_inputs)
+    bench.rf_detection.load_table(np.zeros(bench.rig.phases))  # it drives the mixer
+    dark = np.mean([read() for _ in range(DARK_BURSTS)], axis=0)
+    bench.look_at("rf")
+    psi = nominal_psi(TURN)
+    turned = []
+    for phase in psi.tolist():
+        bench.rf_emission.set_phase(phase)
+        turned.append(read())
+    bench.rf_emission.set_phase(0.0)
+    found = decode(np.array(turned), psi)
+    gain = found.amplitude[1] / found.amplitude[0]
+    error = found.phase[1] - found.phase[0] + np.pi / 2
+    return lambda volts: np.angle(straightened((volts - dark) @ [1, 1j], gain, error))
+
+
+def sweep(
+    bench: Bench, way: str, offsets: ArrayLike, *, mode: str = "single", label: int = 1
+) -> Dataset:
+    """Readings of the target at offsets (N,), m, from its zero; bursts count from ``label`` on.
+
+    Holds ``phase`` (rad), ``volts`` and ``laser_power`` (W) by ``position`` (m), and as attributes
+    the frequency, Hz, that belongs to the phase, and the settings. The bench is set up. Raises as a
+    scan does, and a ValueError where light saturates the detector.
+    """
+    read = partial(reading, bench, way, Gain(*bench.daq.gain(VOLTS_RANGE)), count(label))
+    bench.choose_mode(mode)
+    frequency = MODES[mode] * bench.rig.drive_frequency(mode)
+    phases_of = stepped_phases
+    if way == "rf":
+        phases_of = calibrated_mixer(bench, read)
+    elif way == "interferometer":
+        frequency = SPEED_OF_LIGHT / LASER_WAVELENGTH
+        for rf in bench.rf:
+            rf.output(False)
+    bench.look_at(way)
+    found = {"volts": [], "laser_power": []}
+    for offset in np.asarray(offsets, float).tolist():
+        bench.move_target(offset)
+        found["volts"].append(read())
+        found["laser_power"].append(bench.metered_power())
+    if way != "interferometer":
+        bench.check()
+    bench.look_at("dark")
+    bench.listen(bench.rig.detector_input)
+    return Dataset(
+        {
+            "phase": ("position", phases_of(np.array(found["volts"])), {"units": "rad"}),
+            "volts": (("position", "step"), found["volts"], {"units": "V"}),
+            "laser_power": ("position", found["laser_power"], {"units": "W"}),
+        },
+        {"position": ("position", offsets, {"units": "m"})},
+        {"way": way, "frequency": frequency, "settings": bench.rig.as_dict(), **bench.about},
+    )
+
+
+def sweep_errors(seen: Dataset, distance: float, *, visits: int) -> Array:
+    """Errors (N,), m, of a sweep whose zero stands at a distance, m; see `range_errors`."""
+    index = seen.attrs["group_index"]
+    ranges = index * (distance + seen["position"])
+    return range_errors(seen["phase"], ranges, seen.attrs["frequency"], visits=visits) / index
+
+
+def range_errors(phases: ArrayLike, ranges: ArrayLike, frequency: float, *, visits: int) -> Array:
+    """Errors (N,), m, of phases (N,), rad, at optical ranges, m; the first ones set the zero."""
+    off = np.asarray(phases) - phase_from_depth(ranges, frequency)
+    zero = np.angle(np.exp(1j * off[:visits]).sum())
+    return depth_from_phase(centred(off - zero), frequency)

@@ -1,0 +1,77 @@
+"""Bursts of the two instruments that are compared in Table 4, by the knobs of the simulated one.
+
+Both look at the reference target, whose light is taken at its mean over the speckle: I and Q as
+`RfRanger` has them, without drift, and the interferogram of `Interferometer`, whose breadboard
+shakes from burst to burst.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cmtof.correlation import TAU
+from cmtof.hardware.plan import BURST_INTERVAL
+from cmtof.types import Array, Counts
+from cmtof_lab.electronics import counts_from_volts, volts_per_watt
+from cmtof_lab.instrument import Panel, SimulatedInstrument, amplitude, normals_by_key
+from cmtof_lab.interferometer import Interferometer
+from cmtof_lab.rf_ranging import RfRanger
+
+QUADRATURES = 9  # purposes of random numbers
+SHAKING = 10
+
+
+def quadratures(
+    instrument: SimulatedInstrument, panel: Panel, labels: Sequence[int], scans: int, rate: float
+) -> Counts:
+    """Counts (N, 2 scans) of I and Q in turn, at a rate, Hz, behind the photodiode (Sec. 7.4).
+
+    The emission's phase turns both the light and what the drive's own cable picks up.
+    """
+    drive = panel.emission
+    size = abs(amplitude(instrument.settings, drive.power, drive.frequency)) * drive.on
+    ranger = RfRanger(settings=replace(instrument.settings, eta=size), time=1 / rate)
+    place = _distance(instrument, panel)
+    light = panel.photodiode_lit * _brightness(instrument, panel, labels)
+    light = light * ranger.power(instrument.settings.reference, place)
+    mixed, picked_up = ranger.offsets
+    turning = ranger.envelope(light) * np.exp(1j * ranger.phase(place)) + picked_up * drive.on
+    turning = turning * np.exp(1j * instrument.made_phase(0, np.array(drive.phase)))
+    normals = normals_by_key(instrument.seed, QUADRATURES, np.array(labels), 2 * scans)
+    noise = ranger.noise(light)[:, None] * normals.view(complex)
+    return counts_from_volts(ranger.output(mixed + turning[:, None] + noise).view(float))
+
+
+def fringes(
+    instrument: SimulatedInstrument,
+    panel: Panel,
+    labels: Sequence[int],
+    travels: ArrayLike,
+    scans: int,
+    rate: float,
+) -> Counts:
+    """Counts (N, scans) of the interferogram, at a rate, Hz; the mirror travels by (N,), m."""
+    ruler = Interferometer(settings=instrument.settings)
+    place = _distance(instrument, panel)
+    seen = ruler.fringes(instrument.settings.reference, place)
+    shaken = normals_by_key(instrument.seed, SHAKING, np.array(labels), 1)[:, 0]
+    phase = 2 * TAU / ruler.wavelength * (place + np.asarray(travels) + ruler.shaking * shaken)
+    light = (seen.offset + seen.amplitude * np.cos(phase)) / volts_per_watt(instrument.settings)
+    light = light * _brightness(instrument, panel, labels)
+    return instrument.counts(np.repeat(light[:, None], scans, axis=1), np.array(labels), rate)
+
+
+def _distance(instrument: SimulatedInstrument, panel: Panel) -> float:
+    """Distance of the reference target, m."""
+    settings = instrument.settings
+    return settings.reference.distance + panel.stage - settings.stage_zero
+
+
+def _brightness(instrument: SimulatedInstrument, panel: Panel, labels: Sequence[int]) -> Array:
+    """Light on the target (N,) over its mean while the fibre drifts; 0 where none passes."""
+    settings = instrument.settings
+    mean = settings.laser_power * (settings.fibre_low + settings.fibre_high) / 2
+    passed = instrument.from_fibre(panel, BURST_INTERVAL * np.array(labels))
+    return panel.target_in_beam * passed / mean

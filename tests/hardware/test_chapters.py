@@ -1,0 +1,86 @@
+"""Chapters of the instrument, on the simulation and on a rig whose wires lead to peers."""
+
+import re
+import textwrap
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from wire import DEFAULT
+from xarray import open_dataset
+
+from cmtof_lab.objects import GRADE_2, gage_blocks
+from cmtof_lab.targets import MeshTarget
+
+NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
+
+
+def found_in(chapter, name, **parameters):
+    """What a chapter's cells have found, the first of them with other parameters."""
+    seen = {}
+    for cell in (NOTEBOOKS / f"{chapter}.py").read_text("utf-8").split("# %%"):
+        exec(cell.partition("\n")[2], seen)
+        if "parameters" in cell.partition("\n")[0]:
+            seen |= parameters
+        if name in seen:
+            return seen[name]
+    raise LookupError(name)
+
+
+def first_blocks():
+    """Seed and blocks of the first repeat of chapter 19."""
+    lengths = np.random.default_rng([0, 0]).uniform(-GRADE_2, GRADE_2, 2)
+    blocks = gage_blocks(5e-4, 1.0, tilt=0.02, errors=tuple(lengths))
+    seed = int(np.random.SeedSequence([0, 0]).generate_state(1)[0])
+    return {"scene": MeshTarget.from_mesh(blocks), "seed": seed}
+
+
+MIRROR = {"kind": "mirror", "distance": 0.6, "reflectance": 6e-6}
+PHOTODIODE = {"rig": replace(DEFAULT, flip_mirror="photodiode")}
+CHAPTERS = {  # what is measured, sizes, and the rig and what it stands before
+    "14_correlation_profiles": ("taken", {"bursts": 2, "settings": 3}, {"scene": MIRROR}),
+    "17_precision_sweep": ("day", {"repeats": 1}, PHOTODIODE),
+    "19_gage_blocks": ("clouds", {"repeats": 2, "rows": 4, "columns": 8}, first_blocks()),
+}
+
+
+@pytest.mark.parametrize("chapter", CHAPTERS)
+def test_a_chapter_measures_on_a_rig_what_it_simulates(world_of, tmp_path, monkeypatch, chapter):
+    monkeypatch.chdir(tmp_path)
+    name, sizes, before = CHAPTERS[chapter]
+    world = world_of(**{"rig": DEFAULT} | before)
+    world.models["stage"].scale = 1e9  # the simulated stage has no counts
+    stage = replace(world.rig.devices["stage"], counts_per_unit=1e9)
+    world.rig = replace(world.rig, devices=world.rig.devices | {"stage": stage})
+    world.write(tmp_path / "rig.yml")
+    measured = found_in(chapter, name, **sizes, rig=str(tmp_path / "rig.yml"))
+    simulated = found_in(chapter, name, **sizes)
+    assert world.dark
+    if chapter.startswith("19"):  # the other blocks are those of the first repeat, too
+        measured, simulated = ({"points": one[0]} for one in (measured, simulated))
+    for key, value in simulated.items():
+        assert_allclose(measured[key], value, atol=1e-8, err_msg=key)
+
+
+GUIDE = NOTEBOOKS.parent / "book" / "hardware.md"
+
+
+def test_the_guides_lines_run_on_a_rig(world_of, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    world = world_of(**PHOTODIODE)
+    world.write(tmp_path / "rig.yml")
+    asked = []
+    seen = {"input": asked.append}
+    for block in re.findall(r"```python\n(.*?)```", GUIDE.read_text("utf-8"), re.DOTALL):
+        if "bluesky" not in block or find_spec("bluesky"):
+            exec(textwrap.dedent(block), seen)
+    assert asked[:2] == ["laser high? Then Enter. ", "laser low? Then Enter. "]
+    assert float(asked[-1].partition(" ")[0]) > 1  # mW
+    printed = capsys.readouterr().out
+    assert "emission: add -0.00 to plate_zero_emission_deg; extinction 100\n" in printed
+    assert "resonance at 7.1550 GHz, 20.0 MHz wide\n" in printed
+    assert open_dataset(tmp_path / "sweep_rf.nc")["volts"].shape == (21, 2)
+    assert world.dark
