@@ -142,7 +142,9 @@ views.show_scene("scene_room", title="the room")
 # 2. **Growth.** From the best window on, a plane takes the neighbouring cells of 8 px that it
 #    explains, and is refitted each time its area has doubled. Its slope becomes more precise, so
 #    that a leak into a surface behind it, in phase by chance, ends after a few cells.
-# 3. **Pixels.** Each pixel takes the most likely surface around it, over a square of 5 px.
+# 3. **Pixels.** Each pixel takes the most likely surface around it, over a square of 5 px. Planes
+#    that are whole wraps apart, as a curtain before a wall, have the same phases and grow as one;
+#    such a surface is split where the beat of its cells steps.
 # 4. **Offsets.** Every surface is fitted to its interior; the beat and the shape give its whole
 #    wraps, with an uncertainty. A shape says little where walls are uneven: what is too faint for
 #    its own unevenness to show counts as uneven as the others. Planes aligned with the axes of the
@@ -255,6 +257,7 @@ plotting.save(
 VARIANTS = {
     "all of it": [],
     "planes only": ["bent"],
+    "not parted by the beat": ["parts"],
     "offsets by the beat alone": ["shape"],
     "no axes of the room": ["axes"],
     "no ties": ["ties"],

@@ -66,6 +66,15 @@ def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision():
     np.testing.assert_allclose(np.mean(off, axis=0), [0, 11], atol=3 * smooth)
 
 
+def test_two_planes_with_one_phase_are_cut_where_the_beat_steps(rng):
+    depth, q = plane_depth((0.3, -0.2, 1), 2.5)
+    depth = depth + 5 * WRAP * (np.arange(SHAPE[1]) >= 80)
+    field = exact_field(depth, information=50.0, noise_of=rng)
+    main, surfaces = placing.parted(field, INNER, q[None])
+    right = np.mean((main > 0) == (np.arange(SHAPE[1] // 8) >= 10))
+    assert len(surfaces) == 2 and max(right, 1 - right) > 0.97
+
+
 def test_planes_at_right_angles_place_each_other():
     camera, found, fit = (400.0, 400.0, 81.0, 62.5), [], []
     for normal, off in (((2, 2, 1), 0), ((-2, 1, 2), 0), ((1, -2, 2), 2)):

@@ -53,7 +53,7 @@ def clean(clean_corner):
 def test_the_corner_without_noise_is_exact_whatever_is_left_out(corner, clean_corner, clean):
     # what is left are single pixels along the edges
     assert np.mean(np.abs(clean[1] - corner.frame.depth) < 1e-4) >= 0.995
-    for option in ("bent", "shape", "axes", "ties", "fill"):
+    for option in ("bent", "parts", "shape", "axes", "ties", "fill"):
         assert right(clean_corner, without=[option]) > 0.99
 
 

@@ -21,12 +21,12 @@ from cmtof.correlation import TAU
 from cmtof.estimate import Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
-from cmtof.surfaces.field import Field, field_from_measurement
+from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
 from cmtof.surfaces.roughness import cells_of_surfaces, departure, turned_back
 from cmtof.types import Array, Flags, Numbers
 
-STEPS = ("bent", "shape", "closure", "axes", "ties", "fill")  # that may be left out
+STEPS = ("bent", "parts", "shape", "closure", "axes", "ties", "fill")  # that may be left out
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 
 # Confidences, calibrated on views of training rooms, and of votes on scans of things from these.
@@ -87,9 +87,9 @@ def stages(
 ) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
-    Steps that may be left out: ``bent`` surfaces beside planes; with a camera, offsets by the
-    ``shape``, one of all beats by it (``closure``), and by the ``axes`` of the room; ``ties`` of
-    surfaces that meet; the ``fill`` of far pixels by their beat.
+    Steps that may be left out: ``bent`` surfaces beside planes; ``parts``, cut where the beat
+    steps; with a camera, offsets by the ``shape``, one of all beats by it (``closure``), and by the
+    ``axes`` of the room; ``ties`` of surfaces that meet; the ``fill`` of far pixels by their beat.
     ``elect`` returns offsets from them, the depth (H, W) and the surface (H, W) before any offset.
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
@@ -100,6 +100,14 @@ def stages(
     owner, surfaces = grown_surfaces(field, gain=gain, roughest=roughest)
     label, share = placing.pixel_labels(field, owner, surfaces)
     inner = placing.interiors(label, share)
+    main, cut = placing.parted(field, inner, surfaces)
+    if "parts" not in without and len(cut) > len(surfaces):
+        old, owner = owner, np.where(main < len(surfaces), owner, main)
+        both = np.isin(owner, [old[owner != old], owner[owner != old]])  # of what was cut
+        cells = pixels_of_cells(np.where(both, owner, -1))
+        surfaces = fitted(field, cells, cut, (_STEPS, _CELLS), gain)[0]
+        label, share = placing.pixel_labels(field, owner, surfaces)
+        inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
     shape = "shape" not in without and measurement.camera is not None  # else it is assumed
     explained = label >= 0

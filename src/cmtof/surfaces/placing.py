@@ -4,6 +4,7 @@ The pooled higher phase lags behind the lower one by ``2 pi m (k_2 / k_1 - 2)`` 
 beat. A plane moved along the rays is bent, the more so the wider it is: the shape.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -16,10 +17,12 @@ from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood
 from cmtof.surfaces.growing import around
 from cmtof.surfaces.roughness import (
     Cells,
+    cells_of_surfaces,
     departure,
     pooled_phasors,
     sum_cells,
     sum_nearby,
+    sum_surfaces,
     turned_alike,
 )
 from cmtof.types import Array, Numbers
@@ -36,6 +39,11 @@ _FAINT = 8.0  # loss of S, times the stiffness, from which on it is seen
 _FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
 _BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
 _AGAIN = 2  # times that beats of rough surfaces are pooled again
+_CUT = 20.0  # least gain, as a log-likelihood, of a part,
+_EDGE = 0.12  # also per cell of its border
+_PART = 6  # least size, cells, of a part
+_APART = 0.7  # and its least distance, wraps
+_CUTS = 3  # rounds of cutting
 _PLUMB = 5e-4  # deviation, rad, of what is upright
 _UPRIGHT = 5.0  # its least likelihood, 1 / rad
 _CLEAR = 1e-2  # uncertainty, rad, of normals that vote,
@@ -249,3 +257,49 @@ def _cell_phasors(field: Field, cells: Cells) -> Array:
     size = np.abs(near)
     pull = size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
     return turned_alike(field, sums, low + pull)
+
+
+def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
+    """Surface of most pixels in each cell, and surfaces (N, 7), those cut whose beat steps.
+
+    Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
+    that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
+    """
+    depth = depth_of_labels(field, inner, surfaces)
+    cells = cells_of_surfaces(field, inner, depth, len(surfaces))
+    turned = _cell_phasors(field, cells)
+    main = cells.main
+    told = cells.told
+    wrap = TAU * field.excess
+    ratio = field.multiple
+    low, high = turned.imag / np.maximum(told, 1e-6)
+    lag = (high - ratio * low) / wrap
+    weight = wrap**2 * told[0] * told[1] / np.maximum(told[0] + ratio**2 * told[1], 1e-9)
+    for _ in range(_CUTS):
+        count = len(surfaces)
+        summed = partial(sum_surfaces, main, count=count)
+        middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[main]
+        apart = 1.0
+        radius = 1
+        for _ in range(5):
+            ahead = sum_nearby(weight * (lag - middle) * apart, main, radius) > 0
+            sides = np.array([~ahead, ahead])
+            known = np.maximum(summed(weight * sides), 1e-9)
+            rest, part = summed(weight * lag * sides) / known
+            middle = ((part + rest) / 2)[main]
+            apart = (part - rest)[main]
+            radius = 2
+        border = np.zeros(count + 1)
+        for axis in (0, 1):
+            here = np.delete(main, 0, axis)
+            inside = here == np.delete(main, -1, axis)
+            border += sum_surfaces(here, inside & np.diff(ahead, axis=axis), count)
+        gain = (part - rest) ** 2 / np.sum(1 / known, axis=0) / 2
+        good = gain > np.maximum(_CUT, _EDGE * border)
+        good &= summed(sides).min(axis=0) >= _PART
+        good &= np.abs(part - rest) > _APART
+        good[count] = False  # of cells without a surface
+        new = count + np.cumsum(good) - 1
+        main = np.where(ahead & good[main], new[main], main)
+        surfaces = np.concatenate([surfaces, surfaces[good[:count]]])
+    return main, surfaces
