@@ -1,9 +1,8 @@
 """Things that several tests lean on."""
 
 import numpy as np
-import pytest
 from hypothesis import settings
-from pytest import fixture, raises
+from pytest import fixture, raises, skip
 
 import cmtof
 from cmtof.captures import data_root
@@ -60,7 +59,7 @@ def shared_data():
     """Folder with real captures and path-traced frames; the test is skipped without it."""
     root = data_root()
     if root is None:
-        pytest.skip("no captures on this machine")
+        skip("no captures on this machine")
     return root
 
 

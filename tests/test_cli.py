@@ -4,9 +4,8 @@ import json
 import warnings
 from importlib.resources import files
 
-import pytest
 import xarray as xr
-from pytest import approx
+from pytest import approx, mark, raises
 
 import cmtof
 from cmtof.measurement import Measurement
@@ -147,12 +146,12 @@ def test_bad_frames_and_sizes(fails, tmp_path):
     assert not out.exists()
 
 
-@pytest.mark.parametrize("line", ["frobnicate", "simulate", "unwrap m.nc", "info --no"])
+@mark.parametrize("line", ["frobnicate", "simulate", "unwrap m.nc", "info --no"])
 def test_wrong_command_lines_end_with_2(run, line):
     assert run(*line.split())[0] == 2
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     "command", ["simulate", "unwrap", "evaluate", "methods", "info", "replicate", "scan"]
 )
 def test_help_teaches(succeeds, command):
@@ -160,7 +159,7 @@ def test_help_teaches(succeeds, command):
     assert "Usage" in succeeds(command, "--help")
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("error", "code", "message"),
     [
         (KeyboardInterrupt(), 130, ""),
@@ -179,7 +178,7 @@ def test_what_goes_wrong_inside(run, tmp_path, monkeypatch, error, code, message
     assert "Traceback" not in err
     assert not list(tmp_path.iterdir())
     if code == 1:
-        with pytest.raises(type(error)):
+        with raises(type(error)):
             from cmtof.cli import main
 
             main(["evaluate", "stairs", "--method", "crt", "--debug"])

@@ -4,8 +4,8 @@ import os
 import subprocess
 import sys
 
-import pytest
 from numba.core.caching import IndexDataCacheFile
+from pytest import warns
 
 from cmtof import compiled
 
@@ -37,5 +37,5 @@ def test_a_full_disk_ends_no_command(monkeypatch):
     def doubled(x):
         return 2 * x
 
-    with pytest.warns(UserWarning, match="Set NUMBA_CACHE_DIR"):
+    with warns(UserWarning, match="Set NUMBA_CACHE_DIR"):
         assert doubled(3) == 6

@@ -4,9 +4,8 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from pytest import approx
+from pytest import approx, fixture, mark, raises, skip
 
 import cmtof
 from cmtof import evaluation
@@ -51,10 +50,10 @@ def test_pooled_frames_are_one_large_frame(rng):
 
 def test_scores_need_a_truth_and_a_pixel(measured):
     result = cmtof.unwrap(measured, method="middle")
-    with pytest.raises(ValueError, match="true depth"):
+    with raises(ValueError, match="true depth"):
         scored_pixels(result, Measurement(measured.dataset.drop_vars("depth")))
     nothing = (("y", "x"), np.zeros(measured.shape, bool))
-    with pytest.raises(ValueError, match="at least one scored pixel"):
+    with raises(ValueError, match="at least one scored pixel"):
         scored_pixels(result, Measurement(measured.dataset.assign(mask=nothing)))
 
 
@@ -75,7 +74,7 @@ def test_a_frame_at_which_a_method_fails_counts_for_none(tilted_wall, monkeypatc
     evaluation = Evaluation(["crt", "middle"]).add_all([tilted_wall])
     before = evaluation.report()
     monkeypatch.setitem(METHODS["middle"].__dict__, "run", lambda m: m.failed)
-    with pytest.raises(AttributeError):
+    with raises(AttributeError):
         evaluation.add_all([tilted_wall])
     assert evaluation.report() == before
 
@@ -87,7 +86,7 @@ def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):
     assert_array_equal(given["phasor"].mask, given["beat"].mask)
 
 
-@pytest.fixture
+@fixture
 def table(tmp_path, tilted_wall):
     """Stored counts of four frames by two methods, and where they stand."""
     counts = Evaluation(["crt", "middle"], seed=2).add_all([tilted_wall] * 4).counts()
@@ -105,7 +104,7 @@ def test_stored_counts_are_read(table):
 def test_edited_counts_are_refused(table):
     path, _ = table
     path.write_text(path.read_text().replace('"wall"', '"another"', 1))
-    with pytest.raises(ValueError, match="edited ones. Count again"):
+    with raises(ValueError, match="edited ones. Count again"):
         read_counts(path)
 
 
@@ -129,8 +128,8 @@ def test_true_depth_read_against_the_measured_phase_loses_the_boundaries():
     assert 0.85 < found["delta_lt_1"] < 0.98
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
+@mark.slow
+@mark.parametrize(
     ("protocol", "window", "percent"),
     [("released", 41, (26.6, 54.2, 69.1, 6.0)), ("full", 1, (0.9, 2.8, 4.7, 82.7))],
 )
@@ -139,7 +138,7 @@ def test_beats_of_path_traced_rooms_score_as_an_independent_simulation(
 ):
     paths = sorted(shared_data.glob("frames/*.npz"))
     if not paths:
-        pytest.skip("no path-traced frames on this machine")
+        skip("no path-traced frames on this machine")
     tally = Tally()
     for number, path in enumerate(paths):
         m = simulate(load_frame(path), protocol=protocol, frame_number=number)
@@ -150,7 +149,7 @@ def test_beats_of_path_traced_rooms_score_as_an_independent_simulation(
     assert_allclose(found, percent, atol=5.0)
 
 
-@pytest.mark.slow
+@mark.slow
 def test_stored_counts_are_those_of_the_shipped_frames():
     """Two frames counted again; another processor may differ in 1 % of a frame's pixels."""
     path = Path(__file__).parents[1] / "book" / "results" / "table2_released_1200.json"

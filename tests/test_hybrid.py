@@ -1,7 +1,7 @@
 """The hybrid: offsets of surfaces by the odds of a network and by their own."""
 
 import numpy as np
-import pytest
+from pytest import approx, mark
 
 from cmtof.hybrid import LEAST, MOVES, elected, means_of_groups
 from cmtof.surfaces.contacts import Tied
@@ -24,11 +24,11 @@ def test_means_are_those_over_the_pixels_of_each_group():
     wraps = np.array([3, 3, 8, 8])
     told = means_of_groups(odds, np.arange(4), wraps, wraps // 8, 3)
     assert told[0, MOVES == 2] == 0  # both pixels lie two wraps behind
-    assert told[1, MOVES == 1] == pytest.approx(LEAST / 2)  # one of two says so
+    assert told[1, MOVES == 1] == approx(LEAST / 2)  # one of two says so
     assert not told[2].any()  # it has no pixels
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("mean", "spread", "moved"),
     [(0.0, 0.1, 0), (0.4, 0.5, 1)],  # a sure offset stands, an unsure one follows
 )

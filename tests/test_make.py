@@ -3,12 +3,12 @@
 import subprocess
 from pathlib import Path
 
-import pytest
+from pytest import mark
 
 ROOT = Path(__file__).parents[1]
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("arguments", "message"),
     [
         (["help", "PROFILE=nonsense"], "Expected PROFILE as one of ci book paper, got «nonsense»"),

@@ -1,8 +1,8 @@
 """The door: what becomes of an estimate."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from pytest import fixture, mark
 
 import cmtof
 from cmtof.constants import FREQUENCIES
@@ -13,7 +13,7 @@ from cmtof.methods import METHODS, Method
 WRAP = float(wrap_length(FREQUENCIES[0]))
 
 
-@pytest.fixture
+@fixture
 def answering(monkeypatch):
     """A method that answers with a given depth."""
 
@@ -36,7 +36,7 @@ def test_depth_is_the_measured_phase_with_the_nearest_wraps(exact, answering, rn
     assert_array_equal(result.wrap_count, np.floor(estimate / WRAP))
 
 
-@pytest.mark.parametrize(("estimate", "end"), [(-3.0, 0.9), (0.0, 0.9), (99.0, 1.1)])
+@mark.parametrize(("estimate", "end"), [(-3.0, 0.9), (0.0, 0.9), (99.0, 1.1)])
 def test_estimates_out_of_range_end_at_its_wraps(exact, answering, rng, estimate, end):
     m = exact(rng.uniform(0.9, 1.1, (20, 20)))
     result = cmtof.unwrap(m, method=answering(estimate), range=(0.9, 1.1))

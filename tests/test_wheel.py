@@ -16,9 +16,8 @@ from importlib.metadata import PathDistribution, distribution
 from pathlib import Path
 from typing import NamedTuple
 
-import pytest
 from packaging.requirements import Requirement
-from pytest import fixture, mark, param
+from pytest import fixture, mark, param, skip
 
 from cmtof.methods import METHODS
 
@@ -99,7 +98,7 @@ def installed(folder, wheel, extra):
     probe = [*pip, "download", "-q", "--no-deps", "-d", folder / "probe", "rich"]
     answer = subprocess.run(probe, capture_output=True, text=True)
     if answer.returncode:
-        pytest.skip(f"pip reaches no registry: {answer.stderr.strip()[-200:]}")
+        skip(f"pip reaches no registry: {answer.stderr.strip()[-200:]}")
     what = f"cmtof[{extra}] @ {wheel.as_uri()}" if extra else wheel
     subprocess.run([*pip, "install", "-q", what], check=True, capture_output=True)
 

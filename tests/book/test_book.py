@@ -7,8 +7,8 @@ from functools import cache
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-import pytest
 from bs4 import BeautifulSoup
+from pytest import mark
 
 from cmtof_book import graph
 from cmtof_book.paper import published_numbers
@@ -20,7 +20,7 @@ NOTEBOOKS = graph.Book(ROOT).notebooks()
 ERRATA = (ROOT / "notebooks" / "22_errata.py").read_text(encoding="utf-8")
 PAGES = [p for p in sorted(HTML.rglob("*.html")) if "_static" not in p.parts]
 
-pytestmark = pytest.mark.skipif(not HTML.is_dir(), reason="no ci build: make test makes one")
+pytestmark = mark.skipif(not HTML.is_dir(), reason="no ci build: make test makes one")
 
 
 @cache

@@ -1,7 +1,7 @@
 """How far a number may move follows from its kind."""
 
 import numpy as np
-import pytest
+from pytest import mark, raises
 
 from cmtof_book.compared import (
     Compared,
@@ -13,7 +13,7 @@ from cmtof_book.compared import (
 from cmtof_book.reference import differences
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("stored", "inside", "outside"),
     [
         (closed_form(2.0), 2 + 1e-9, 2 + 4e-9),
@@ -41,5 +41,5 @@ def test_numbers_of_another_shape_or_kind_never_agree():
     found = {"a": closed_form(1.0), "b": sum_over_draws(1.0, error=1.0), "d": closed_form(1.0)}
     lines = [line.partition(":")[0] for line in differences(found, stored)]
     assert lines == ["a", "b", "c", "d"]
-    with pytest.raises(ValueError, match="Expected a kind of number, got 'guess'"):
+    with raises(ValueError, match="Expected a kind of number, got 'guess'"):
         Compared(value=1.0, kind="guess")

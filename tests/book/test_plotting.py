@@ -4,6 +4,7 @@ import json
 
 import matplotlib.pyplot as plt
 import numpy as np
+from numpy.testing import assert_allclose
 from pytest import approx, fixture, mark, raises
 
 from cmtof import __version__
@@ -72,7 +73,7 @@ def test_phase_image_is_cyclic_and_marks_missing_pixels():
     plotting.phase_image(ax, [[0.0, np.nan], [3.0, 6.0]])
     (shown,) = ax.images
     assert shown.get_clim() == (0.0, 2 * np.pi)
-    np.testing.assert_allclose(shown.cmap(0.0), shown.cmap(1.0), atol=0.02)
+    assert_allclose(shown.cmap(0.0), shown.cmap(1.0), atol=0.02)
     assert shown.cmap.get_bad()[0] == approx(0xB0 / 255)
 
 

@@ -1,14 +1,12 @@
 """The numbers of the ci profile are the stored ones, on any processor."""
 
-import pytest
+from pytest import mark
 
 from cmtof_book import reference
 
 MOST = 250
 
-needs_build = pytest.mark.skipif(
-    not reference.RESULTS.is_dir(), reason="no ci build: make test makes one"
-)
+needs_build = mark.skipif(not reference.RESULTS.is_dir(), reason="no ci build: make test makes one")
 
 
 @needs_build

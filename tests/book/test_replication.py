@@ -1,7 +1,7 @@
 """The one command that replicates: it holds on any processor, and fails for another number."""
 
 import numpy as np
-import pytest
+from pytest import mark
 
 from cmtof_book import replication
 from cmtof_book.compared import closed_form, decision
@@ -27,7 +27,7 @@ def test_a_number_out_of_its_tolerance_fails_the_command(run, tmp_path, monkeypa
     assert "got 3 FAIL" in err
 
 
-@pytest.mark.parametrize("kind", ["sum over draws", "decision"])
+@mark.parametrize("kind", ["sum over draws", "decision"])
 def test_values_at_several_seeds_give_mean_and_spread(kind):
     seeds = [0.6, 0.7, 0.8]  # mean 0.7, standard deviation 0.1, of which five are 0.5
     held = replication.expected({"kind": kind, "what": "a share", "seeds": seeds})

@@ -7,7 +7,8 @@ from unittest.mock import MagicMock
 
 import matplotlib.pyplot as plt
 import numpy as np
-import pytest
+from numpy.testing import assert_allclose
+from pytest import skip
 
 from cmtof.pointcloud import points_from_depth
 from cmtof_book import views
@@ -30,17 +31,17 @@ def test_a_script_holds_points_and_colours(tmp_path, monkeypatch):
     assert list(about["layers"]) == list(LAYERS)
     held = about["layers"]["truth"]
     points = np.frombuffer(b64decode(held["points"]), "<f4").reshape(*held["shape"], 3)
-    np.testing.assert_allclose(points, LAYERS["truth"].points[::2, ::2], 1e-6)
+    assert_allclose(points, LAYERS["truth"].points[::2, ::2], 1e-6)
     levels = np.frombuffer(b64decode(held["colours"]), np.uint8).reshape(points.shape)
     expected = plt.get_cmap("viridis")((BOWL[::2, ::2] - 0.8) / 0.4)[..., :3]
-    np.testing.assert_allclose(levels, 255 * expected, atol=0.51)
+    assert_allclose(levels, 255 * expected, atol=0.51)
     assert (held["ends"], held["scale"][:7]) == (["0.8", "1.2"], "#440154")
 
 
 def test_the_still_shows_the_surface():
     still = views.still(LAYER, **VIEW)
     if still is None:
-        pytest.skip("no OpenGL here (Debian: apt-get install libegl1 libgl1)")
+        skip("no OpenGL here (Debian: apt-get install libegl1 libgl1)")
     drawn = (still < 0.97).any(axis=-1)
     assert drawn.mean() > 0.3
     assert np.ptp(still[drawn], axis=0).min() > 0.2  # shaded, not one colour

@@ -7,8 +7,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
+from pytest import mark
 from wire import DEFAULT
 from xarray import open_dataset
 
@@ -47,7 +47,7 @@ CHAPTERS = {  # what is measured, sizes, and the rig and what it stands before
 }
 
 
-@pytest.mark.parametrize("chapter", CHAPTERS)
+@mark.parametrize("chapter", CHAPTERS)
 def test_a_chapter_measures_on_a_rig_what_it_simulates(world_of, tmp_path, monkeypatch, chapter):
     monkeypatch.chdir(tmp_path)
     name, sizes, before = CHAPTERS[chapter]

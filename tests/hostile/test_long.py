@@ -12,7 +12,7 @@ from pathlib import Path
 
 import fuzz
 import numpy as np
-import pytest
+from pytest import fixture, mark, skip
 
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentError, InstrumentTimeout
 from cmtof.hardware.plan import planned
@@ -22,7 +22,7 @@ from cmtof.unwrapping import unwrap_file
 from cmtof_lab.rehearsal import simulated_bench
 from cmtof_lab.targets import Plane
 
-pytestmark = pytest.mark.slow
+pytestmark = mark.slow
 # kills of a kind, processes, calls, side of a scan in px, bursts between faults
 COUNTS = os.environ.get("CMTOF_LONG", "[5, 10, 500, 64, 100]")  # in full 30, 10, 2000, 256, 500
 MOMENTS, CROWD, CALLS, SIDE, EVERY = json.loads(COUNTS)
@@ -42,12 +42,12 @@ COMMANDS = {
 KILLS = itertools.product(["render", "scan", "train"], ["SIGINT", "SIGTERM", "SIGKILL"])
 
 
-@pytest.fixture(scope="module", autouse=True)
+@fixture(scope="module", autouse=True)
 def _loaded():
     fuzz.loaded()
 
 
-@pytest.fixture
+@fixture
 def folder(tmp_path, measurement_file):
     """Maker of a folder with what the commands read."""
 
@@ -85,7 +85,7 @@ def contents(path):
     return {name: b"" if name in timed else one.read_bytes() for name, one in files.items()}
 
 
-@pytest.mark.parametrize(("name", "kill"), [*KILLS, ("scan", "SIGHUP")])
+@mark.parametrize(("name", "kill"), [*KILLS, ("scan", "SIGHUP")])
 def test_killed_at_any_moment_it_resumes_to_equal_bytes(folder, name, kill):
     number = getattr(signal, kill)
     assert start(name, folder("first"))() == (0, [])  # compiles
@@ -133,7 +133,7 @@ def test_thousands_of_calls_take_no_more_memory_or_files(tmp_path, measurement_f
     assert files_then == files
 
 
-@pytest.fixture
+@fixture
 def resized(tmp_path):
     """A small disk, and what sets its size."""
     disk = tmp_path / "disk"
@@ -144,12 +144,12 @@ def resized(tmp_path):
         return subprocess.run(command, capture_output=True).returncode
 
     if resize("size=1000"):
-        pytest.skip("only root mounts a small disk")
+        skip("only root mounts a small disk")
     yield disk, lambda size: resize(f"remount,size={size:.0f}")
     subprocess.run(["umount", "-l", disk], check=True)
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@mark.parametrize("name", COMMANDS)
 def test_a_full_disk_is_one_line_and_the_run_goes_on(resized, folder, name):
     disk, resize = resized
     inputs = contents(folder("disk"))
@@ -177,7 +177,7 @@ def test_a_full_disk_is_one_line_and_the_run_goes_on(resized, folder, name):
 LIGHT = {"FIO0": "laser_on", "FIO1": "shutter_open", "FIO6": "beam_block_out"}
 
 
-@pytest.fixture
+@fixture
 def take(tmp_path):
     """Scan by a bench that a function prepares, which is dark then; return the error."""
 
@@ -246,7 +246,7 @@ def tell_acts(bench, tell):
         setattr(device, name, telling(getattr(device, name), f"{role} {name}"))
 
 
-@pytest.fixture
+@fixture
 def acts_of_a_killed_scan(take):
     """What a scan did until it was killed in the light."""
     processes = multiprocessing.get_context("fork")
@@ -270,7 +270,7 @@ def test_timers_that_end_a_killed_scan_are_armed_before_the_light(acts_of_a_kill
         assert when([f"{rf} set_dead_man", 5.0]) < when([f"{rf} output", True])
 
 
-@pytest.mark.usefixtures("acts_of_a_killed_scan")
+@mark.usefixtures("acts_of_a_killed_scan")
 def test_after_a_kill_the_next_scan_begins_in_the_dark(tmp_path, take):
     done = []
 

@@ -1,8 +1,7 @@
 """The error budget: closed forms against Monte Carlo, and the sum against the whole."""
 
 import numpy as np
-import pytest
-from pytest import approx
+from pytest import approx, mark
 
 from cmtof_lab.budget import budget_terms, drift_spread, only, simulated
 from cmtof_lab.instrument import DRIFT_RMS, drift
@@ -16,7 +15,7 @@ def rms(errors):
     return np.sqrt(np.mean(np.square(errors)))
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("name", "field", "mode"),
     [
         ("RF phase drift", "phase_drift", "doubled"),

@@ -1,9 +1,8 @@
 """Detector, filters and converter against closed forms and Monte Carlo."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 
 from cmtof.correlation import TAU
 from cmtof_lab.electronics import (
@@ -30,7 +29,7 @@ def test_shot_noise_grows_with_the_output():
     assert density(one, 2.0) - density(one, 1.0) == approx(slope)
 
 
-@pytest.mark.parametrize("rc_time", [20e-6, 2e-3])
+@mark.parametrize("rc_time", [20e-6, 2e-3])
 def test_step_response_is_that_of_three_poles(rc_time):
     light = np.r_[0.0, np.ones(199)][None]
     found = Chain(TwinSettings(rc_time=rc_time), STEP).run(light, light, None)[0, 1:]

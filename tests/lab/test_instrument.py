@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from instrument_panels import DRIVE, EDGES, MODES, ORDER, PSI, profile, ready
+from numpy.testing import assert_allclose
 from pytest import approx, fixture, mark
 from scipy.ndimage import binary_erosion
 from scipy.special import jv
@@ -88,7 +89,7 @@ def test_drivers_make_the_errors_that_they_are_said_to_have():
     phases, every = np.linspace(0, 6, 50), np.arange(65536) * 2 * np.pi / 65536
     skewed = SimulatedInstrument(replace(IDEAL, iq_imbalance=0.02))
     error = skewed.made_phase(0, phases) - phases
-    np.testing.assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
+    assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
     coded = SimulatedInstrument(replace(IDEAL, phase_step_error=5e-4), seed=4)
     assert (coded.made_phase(1, every) - every).std() == approx(5e-4, rel=0.02)
 
@@ -103,7 +104,7 @@ def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
     seen = profile(instrument, ready("single"), np.zeros((3, 2)), labels=labels)
     lag = 0.1 / DRIFT_RMS * drift(2, 1, BURST_INTERVAL * labels + EDGES.size / 24000 / 2)
     phases = [decode(one, PSI).phase for one in seen]
-    np.testing.assert_allclose(centred(np.diff(phases) + np.diff(lag)), 0, atol=5e-3)
+    assert_allclose(centred(np.diff(phases) + np.diff(lag)), 0, atol=5e-3)
 
 
 @mark.parametrize("mode", MODES)
@@ -144,7 +145,7 @@ def test_disturbance_has_its_level_and_grain(mode):
     error = centred(seen - np.angle(np.exp(1j * seen).mean()))
     assert error.std() == approx(NOISE["captures"]["phase_noise"][0], rel=0.08)
     correlations = [np.corrcoef(error[:-lag], error[lag:])[0, 1] for lag in (1, 2)]
-    np.testing.assert_allclose(correlations, [NOISE["captures"]["grain"], 0], atol=0.09)
+    assert_allclose(correlations, [NOISE["captures"]["grain"], 0], atol=0.09)
 
 
 @fixture(params=[("curlyhair1", 0), ("head", 70), ("owl", 70)], ids=CAPTURES)

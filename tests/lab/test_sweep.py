@@ -1,10 +1,10 @@
 """Parts of the errors of a sweep, and the table of three instruments."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from pytest import mark
 
 from cmtof_lab.interferometer import Interferometer
 from cmtof_lab.optical_ranging import OpticalRanger
@@ -25,7 +25,7 @@ def test_the_parts_add_up(offset, slope, noise, seed):
     assert_allclose(total, found.rmse**2, rtol=1e-9, atol=1e-20)
 
 
-@pytest.mark.parametrize("ranger", RANGERS, ids=lambda one: type(one).__name__)
+@mark.parametrize("ranger", RANGERS, ids=lambda one: type(one).__name__)
 def test_repeats_are_days_of_their_own(ranger):
     target = MIRROR
     places = POSITIONS[:3]

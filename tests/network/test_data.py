@@ -1,9 +1,8 @@
 """Training data: measurements with the simulator's statistics, leaves, rooms, sharing."""
 
 import numpy as np
-import pytest
 import torch
-from pytest import approx, mark, raises
+from pytest import approx, mark, raises, warns
 
 import cmtof
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME
@@ -117,7 +116,7 @@ def broken():
 
 def test_broken_views_are_left_out():
     views = [source("a"), Source("torn", broken), source("b"), source("small", (8, 8))]
-    with pytest.warns(UserWarning) as caught:
+    with warns(UserWarning) as caught:
         pack = data.pack_views([*views, source("empty", fill=np.nan)])
     said = [str(one.message) for one in caught]
     assert said[0] == "torn is left out. Expected HDF5, got a torn file."

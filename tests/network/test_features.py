@@ -1,9 +1,9 @@
 """Features: closed forms, no trace of where a phase was cut, NumPy and torch alike."""
 
 import numpy as np
-import pytest
 import torch
 from numpy.testing import assert_allclose
+from pytest import mark, raises
 
 from cmtof.correlation import TAU
 from cmtof.network.features import FEATURE_SETS, channels, features, fourier_features, phase_edges
@@ -31,7 +31,7 @@ def test_edges_of_a_plane_are_its_slopes_wherever_it_wraps():
     assert not edges[3, -1].any()
 
 
-@pytest.mark.parametrize("name", FEATURE_SETS)
+@mark.parametrize("name", FEATURE_SETS)
 def test_numpy_and_torch_agree_in_every_set(name):
     phase, amplitude, correlation = map(torch.from_numpy, (PHASE, AMPLITUDE, CORRELATION))
     ours = features(PHASE, AMPLITUDE, name, CORRELATION)
@@ -46,5 +46,5 @@ def test_beat_features_turn_with_the_beat():
     beat = PHASE[1] - 2 * PHASE[0]
     weight = np.sqrt(AMPLITUDE.prod(0)) / (20_000 / np.pi)
     assert np.allclose(both[0] + 1j * both[1], weight * np.exp(1j * beat))
-    with pytest.raises(ValueError, match="Expected raw correlations"):
+    with raises(ValueError, match="Expected raw correlations"):
         features(PHASE, AMPLITUDE, "correlation")

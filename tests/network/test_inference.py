@@ -4,6 +4,7 @@ import gzip
 
 import numpy as np
 import torch
+from numpy.testing import assert_allclose
 from pytest import mark, param
 from tests.network.conftest import card
 
@@ -69,7 +70,7 @@ def test_every_network_answers_as_in_torch(tmp_path, name, size):
     found = inference.run_padded(ready.network, inputs.numpy())
     if network.target == "depth":
         found = CLASSES["full"][1] * (0.5 + found)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-5 * np.abs(expected).max())
+    assert_allclose(found, expected, rtol=0, atol=1e-5 * np.abs(expected).max())
 
 
 @mark.parametrize("name", MODELS)

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import torch
+from numpy.testing import assert_allclose
 from pytest import mark
 
 from cmtof.correlation import TAU
@@ -57,7 +58,7 @@ def test_fresh_stem_sees_the_beat(protocol, quarters):
     means = seen.unflatten(0, (len(quarters), -1)).mean((1, 3))
     beta = BEAT * (first + classes / 2) + TAU / 4 * np.array(quarters)
     expected = 8 * 2 * np.abs(np.sin((beat - beta) / 2)).T / np.pi
-    np.testing.assert_allclose(means, expected, rtol=0, atol=0.25)
+    assert_allclose(means, expected, rtol=0, atol=0.25)
 
 
 def test_path_to_the_pyramid_carries_the_beat_from_the_start():

@@ -1,12 +1,12 @@
 """Muon: orthogonal steps of kernels, AdamW's for the rest, the same after a checkpoint."""
 
-import pytest
 import torch
+from pytest import mark
 
 from cmtof.network.muon import Muon, orthogonal
 
 
-@pytest.mark.parametrize("shape", [(16, 40), (40, 16), (12, 12)])
+@mark.parametrize("shape", [(16, 40), (40, 16), (12, 12)])
 def test_singular_values_come_close_to_one(shape):
     torch.manual_seed(0)
     matrix = torch.randn(shape)

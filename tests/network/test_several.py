@@ -7,14 +7,14 @@ import sys
 import time
 from pathlib import Path
 
-import pytest
 import torch
+from pytest import fixture, mark
 
 from cmtof.network.data import Steps, open_rooms
 from cmtof.network.recipe import read_config
 from cmtof.network.training import Unwrapping, loss_of
 
-pytestmark = pytest.mark.slow
+pytestmark = mark.slow
 
 RECIPE = """
 model: fast-scnn-light
@@ -45,7 +45,7 @@ train(read_config(sys.argv[1]), Path(sys.argv[2]), quiet=True, resume=resume, **
 """
 
 
-@pytest.fixture
+@fixture
 def start(tmp_path):
     """Start a run of two processes in a folder."""
     (tmp_path / "recipe.yml").write_text(RECIPE)

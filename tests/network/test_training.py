@@ -4,10 +4,9 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pytest
 import torch
 from numpy.testing import assert_allclose
-from pytest import approx, fixture, mark, raises
+from pytest import approx, fixture, mark, raises, skip
 
 import cmtof
 from cmtof.correlation import TAU
@@ -103,7 +102,7 @@ def test_weight_of_the_depth_is_that_of_the_configuration(config):
 
 def test_device_that_is_not_there_is_refused(tmp_path, config):
     if torch.cuda.is_available():
-        pytest.skip("there is a GPU")
+        skip("there is a GPU")
     with raises(ValueError, match="Expected accelerator, devices and strategy"):
         train(config, tmp_path, quiet=True, accelerator="gpu")
 

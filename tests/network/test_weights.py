@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import torch
+from numpy.testing import assert_allclose
 from pytest import approx, mark, raises
 from tests.network.conftest import card
 
@@ -105,8 +106,8 @@ def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
         scaled = measurement.dataset.assign(correlation=scale * measurement.dataset.correlation)
         return inference.network_images(cmtof.Measurement(scaled), "proposed")[1]
 
-    np.testing.assert_allclose(amplitude(1.0), measurement.amplitude, rtol=1e-5)
-    np.testing.assert_allclose(amplitude(1e-6), amplitude(1e-4), rtol=1e-4)
+    assert_allclose(amplitude(1.0), measurement.amplitude, rtol=1e-5)
+    assert_allclose(amplitude(1e-6), amplitude(1e-4), rtol=1e-4)
     assert np.quantile(amplitude(1e-6), 0.9, axis=(1, 2)) == approx(FULL_AMPLITUDE)
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import browse
 import numpy as np
-import pytest
+from numpy.testing import assert_allclose
+from pytest import fixture, mark
 
 from cmtof.network.inference import load_network, run_padded
 from cmtof.network.weights import weights_path
@@ -18,22 +19,22 @@ HTML = next((BUILD / p / "html" for p in ("book", "ci") if (BUILD / p / "html").
 PAGES = browse.pages(HTML)
 
 pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not PAGES, reason="no book: make book builds one"),
-    pytest.mark.skipif(
+    mark.slow,
+    mark.skipif(not PAGES, reason="no book: make book builds one"),
+    mark.skipif(
         not (shutil.which("chromium") or shutil.which("chromium-browser")),
         reason="no Chromium here (Debian: apt-get install chromium)",
     ),
 ]
 
 
-@pytest.fixture(scope="module")
+@fixture(scope="module")
 def browser():
     with browse.chromium() as found:
         yield found
 
 
-@pytest.fixture
+@fixture
 def visit(browser):
     """Open a page of the book, which has nothing to complain about."""
     problems = []
@@ -48,7 +49,7 @@ def visit(browser):
     assert not any(problems)
 
 
-@pytest.mark.parametrize("width", browse.WIDTHS.values(), ids=browse.WIDTHS)
+@mark.parametrize("width", browse.WIDTHS.values(), ids=browse.WIDTHS)
 def test_nothing_is_wrong_with_any_page(browser, width):
     found = {}
     for page in PAGES:
@@ -58,7 +59,7 @@ def test_nothing_is_wrong_with_any_page(browser, width):
     assert not found
 
 
-@pytest.mark.parametrize("width", [390, 800, 1280])
+@mark.parametrize("width", [390, 800, 1280])
 def test_the_menu_opens_and_closes(visit, width):
     tab = visit("book/intro.html", width)
     bar = tab.locator(".bd-sidebar-primary").first
@@ -82,7 +83,7 @@ PLACES = {
 }
 
 
-@pytest.mark.parametrize("words", PLACES)
+@mark.parametrize("words", PLACES)
 def test_search_finds_a_place_first_and_quotes_its_page(browser, words):
     with browse.opened(browser, HTML / "search.html", 1280) as (tab, _):
         tab.goto(f"{(HTML / 'search.html').as_uri()}?q={words}")
@@ -92,7 +93,7 @@ def test_search_finds_a_place_first_and_quotes_its_page(browser, words):
         assert not re.search(r"\\\w|import ", found.inner_text())
 
 
-@pytest.mark.parametrize("chapter", ["03_wraps", "04_modulator", "18_error_budget"])
+@mark.parametrize("chapter", ["03_wraps", "04_modulator", "18_error_budget"])
 def test_every_slider_changes_the_curve(visit, chapter):
     tab = visit(f"notebooks/{chapter}.html")
     curve = tab.locator("[data-play] .curve")
@@ -115,9 +116,7 @@ def pinch(tab, canvas):
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": ends})
 
 
-@pytest.mark.parametrize(
-    "page", ["book/intro", "notebooks/21_scanned_scenes", "notebooks/11_surfaces"]
-)
+@mark.parametrize("page", ["book/intro", "notebooks/21_scanned_scenes", "notebooks/11_surfaces"])
 def test_a_scene_turns_changes_and_is_reset(visit, page):
     tab = visit(f"{page}.html")
     scene = tab.locator(".scene").first
@@ -137,7 +136,7 @@ def test_a_scene_turns_changes_and_is_reset(visit, page):
     assert len(set(pictures)) == len(pictures) - 1
 
 
-@pytest.mark.parametrize("chapter", ["10_methods", "21_scanned_scenes"])
+@mark.parametrize("chapter", ["10_methods", "21_scanned_scenes"])
 def test_a_divider_shows_one_method_or_the_other(visit, chapter):
     figure = visit(f"notebooks/{chapter}.html").locator("figure.swipe")
     slider = figure.locator("[type=range]")
@@ -166,7 +165,7 @@ def test_the_scoreboard_shows_what_is_chosen(visit):
         box.check()
 
 
-@pytest.mark.parametrize("kind", ["#equation-", "bibliography.html#"])
+@mark.parametrize("kind", ["#equation-", "bibliography.html#"])
 def test_a_link_shows_what_it_leads_to(visit, kind):
     tab = visit("notebooks/08_network.html")
     tab.locator(f".bd-article a.reference.internal[href*='{kind}']").first.hover()
@@ -216,7 +215,7 @@ def right_share(tab, method):
     return float(re.search(r"([\d.]+) % right", caption.inner_text())[1])
 
 
-@pytest.mark.parametrize(("width", "colours"), LOOKS)
+@mark.parametrize(("width", "colours"), LOOKS)
 def test_the_laboratory_measures_and_unwraps(browser, width, colours, tmp_path):
     with browse.opened(browser, HTML / "book" / "laboratory.html", width) as (tab, problems):
         tab.emulate_media(color_scheme=colours)
@@ -248,7 +247,7 @@ def test_the_network_of_the_laboratory_answers_as_in_python(browser):
         found = tab.evaluate(RUN, inputs.ravel().tolist())
     network = load_network(weights_path("fast-scnn-light", "released")).network
     expected = run_padded(network, inputs).ravel()
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-4)
+    assert_allclose(found, expected, rtol=0, atol=1e-4)
 
 
 def read_a_pixel(tab):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 
 from cmtof_rooms.bounce import measure_bounce
 from cmtof_rooms.cameras import Lens, look_at
@@ -34,7 +34,7 @@ def places(radius):
     return np.array([[r, 0, 0] for r in radius], np.float32)
 
 
-@pytest.mark.parametrize(
+@mark.parametrize(
     ("light", "exponent", "rtol"),
     [
         (point_light(3.0), 1.5, 3e-4),  # Lambert's law; rays start 0.2 mm above
@@ -69,7 +69,7 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
     assert_allclose(bounce.irradiance(points, normals), 1.0, atol=0.03)
 
 
-@pytest.mark.parametrize("albedo", [0.0, 0.4, 0.8])
+@mark.parametrize("albedo", [0.0, 0.4, 0.8])
 def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo):
     light = level_light((0, 0, 1.9), 0.2, 0.2, 1.0)
     interior = Interior([floor(albedo), floor(albedo, 2.5)], [light], INSIDE)

@@ -1,8 +1,7 @@
 """Solids: closed, oriented outwards, of the volumes of the textbook."""
 
 import numpy as np
-import pytest
-from pytest import approx
+from pytest import approx, mark
 
 from cmtof.correlation import TAU
 from cmtof_rooms import solids
@@ -36,7 +35,7 @@ SOLIDS = {
 }
 
 
-@pytest.mark.parametrize("name", SOLIDS)
+@mark.parametrize("name", SOLIDS)
 def test_a_solid_is_closed_and_has_its_volume(name):
     solid, volume = SOLIDS[name]
     assert solid.is_watertight

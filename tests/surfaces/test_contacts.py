@@ -3,8 +3,9 @@
 from itertools import combinations, product
 
 import numpy as np
-import pytest
 from exact_scenes import SHAPE, WRAP, exact_field, plane_depth, whole_boxes
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx, mark
 
 from cmtof.surfaces import contacts, placing
 from cmtof.surfaces.fitting import BENT, moved
@@ -54,7 +55,7 @@ def test_a_border_counts_the_departure_of_its_pixels():
         assert found.step == [0]
 
 
-@pytest.mark.parametrize("borders", [[(0, 1, 2, 0.7), (1, 2, -1, 0.4)], [(0, 2, 1, 0.9)]])
+@mark.parametrize("borders", [[(0, 1, 2, 0.7), (1, 2, -1, 0.4)], [(0, 2, 1, 0.9)]])
 def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, borders):
     """Without loops belief propagation is exact: against the sum over every set of offsets."""
     monkeypatch.setattr(contacts, "_LOOP", 1.0)
@@ -76,7 +77,7 @@ def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, border
     for n in range(3):
         share = joint.sum(axis=tuple(k for k in range(3) if k != n)) / joint.sum()
         assert found.wraps[n] == base[n] + offsets[share.argmax()]
-        assert found.odds[n] == pytest.approx(share.max(), rel=1e-3)
+        assert found.odds[n] == approx(share.max(), rel=1e-3)
 
 
 def test_a_false_contact_gives_way_to_those_that_agree():
@@ -114,5 +115,5 @@ def test_neither_the_order_of_borders_nor_their_sides_matter(rng):
         found = known(true + spread * rng.normal(size=count), spread)
         once = tied(found, between(*told))
         got = tied(found, between(*(turned[i] for i in rng.permutation(len(turned)))))
-        np.testing.assert_array_equal(got.wraps, once.wraps)
-        np.testing.assert_allclose(got.mean, once.mean)
+        assert_array_equal(got.wraps, once.wraps)
+        assert_allclose(got.mean, once.mean)

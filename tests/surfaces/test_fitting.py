@@ -2,6 +2,7 @@
 
 import numpy as np
 from exact_scenes import CAMERA, NOTHING, WRAP, exact_field, plane_depth, unit_rays, whole_boxes
+from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 from cmtof.surfaces import fitting
@@ -36,7 +37,7 @@ def likelihood(field, q, chosen=True):
 def test_the_series_are_cosine_and_sine():
     for turns in np.linspace(-40, 40, 333):
         angle = 2 * np.pi * turns
-        np.testing.assert_allclose(fitting._turn(turns), (np.cos(angle), np.sin(angle)), atol=1e-7)
+        assert_allclose(fitting._turn(turns), (np.cos(angle), np.sin(angle)), atol=1e-7)
 
 
 def test_sums_are_those_of_the_likelihood(rng):
@@ -62,7 +63,7 @@ def test_gradient_and_information_are_those_of_the_derivatives(rng):
     slopes = -(depth**2) * field.cosine * [u, v, np.ones(SHAPE), u * u, u * v, v * v]
     k = field.wavenumber[:, None, None]
     matrix = np.einsum("iyx,jyx,yx->ij", slopes, slopes, (field.information * k**2).sum(axis=0))
-    np.testing.assert_allclose(found, np.tril(matrix), rtol=1e-5, atol=1e-3)
+    assert_allclose(found, np.tril(matrix), rtol=1e-5, atol=1e-3)
     field = field_of(depth, information=2.0, noise_of=rng)
     q += 1e-4 * rng.normal(size=BENT)
     _, gradient, _, found = fitting._moments(field, NOTHING, -1, q, BOXES)

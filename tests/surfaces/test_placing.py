@@ -2,6 +2,7 @@
 
 import numpy as np
 from exact_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth, whole_boxes
+from numpy.testing import assert_allclose
 from pytest import approx
 
 from cmtof.surfaces import placing
@@ -63,7 +64,7 @@ def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision():
         off.append([beats_of(field, one)[0][0] for one in (q, lifted)])
     smooth = np.sqrt(5 / (20.0 * SHAPE[0] * SHAPE[1])) / (2 * np.pi * 20 / 7150)
     assert (np.std(off, axis=0) < 2 * smooth).all()
-    np.testing.assert_allclose(np.mean(off, axis=0), [0, 11], atol=3 * smooth)
+    assert_allclose(np.mean(off, axis=0), [0, 11], atol=3 * smooth)
 
 
 def test_two_planes_with_one_phase_are_cut_where_the_beat_steps(rng):
@@ -84,7 +85,7 @@ def test_planes_at_right_angles_place_each_other():
         fit.append([0, 1, 0, 1e-3, *leaning(field, NOTHING, -1, found[-1], BOXES, 1.0).ravel()])
     alone, label = known([0, 0, 0.6], [0.05, 0.05, 1.5]), np.repeat([0, 1, 2], 1000)
     sharp = placing.aligned(alone, np.array(found), np.array(fit), label)
-    np.testing.assert_allclose([*sharp.mean, sharp.spread[2]], [0, 0, 2, 0.05], atol=0.1)
+    assert_allclose([*sharp.mean, sharp.spread[2]], [0, 0, 2, 0.05], atol=0.1)
 
 
 def test_pixels_take_the_likeliest_surface():
