@@ -84,6 +84,10 @@ def test_an_extra_declares_nothing_that_is_not_imported(extra):
     assert not required(extra).keys() - used
 
 
+def test_the_drivers_back_ends_are_declared():
+    assert required("hardware").keys() >= BACKENDS
+
+
 @mark.parametrize("folder", ["src/cmtof", "src/cmtof_rooms", "src/cmtof_lab"])
 def test_the_command_line_knows_every_module_of_an_extra(folder):
     foreign = {name for name in imports(folder) if not providers(name) & required().keys()}

@@ -42,7 +42,8 @@ class Device:
 def called(driver, call, options=None, **written):
     """What a driver does or tells, as it is written in the transcripts."""
     found = getattr(driver, call)
-    return found(*written.get("with", ()), **(options or {})) if callable(found) else found
+    found = found(*written.get("with", ()), **(options or {})) if callable(found) else found
+    return list(found) if isinstance(found, tuple) else found
 
 
 DEVICES = {

@@ -6,7 +6,7 @@ import struct
 from types import SimpleNamespace
 
 from peers import ERROR, HOMED, Controller, Port, simulated
-from pytest import approx, fixture, mark, raises
+from pytest import fixture, mark, raises
 
 from cmtof.hardware.apt import LONGEST, MOTORS, Motor, open_controller
 from cmtof.hardware.device import ConnectionLost, InstrumentError, InstrumentTimeout, Refused
@@ -20,14 +20,6 @@ def controller():
 @fixture
 def motor(controller):
     return Motor(Port(controller), MOTORS["mts50-z8"], "stage", "27000001")
-
-
-def test_a_motor_homes_and_moves_where_it_should(controller, motor):
-    controller.device.move_to(1e-3)
-    motor.home()
-    assert motor.position == 0
-    assert motor.move_to(0.010) == approx(0.010, abs=2e-8)
-    assert controller.moves == [0, 345550]
 
 
 def test_speeds_are_set_before_the_first_move(controller, motor):

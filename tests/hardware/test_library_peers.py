@@ -1,14 +1,10 @@
-"""Drivers before what libraries know of their protocols: pyvisa-sim, and pymodbus's framing."""
+"""Drivers before devices of pyvisa-sim."""
 
-import socket
 from pathlib import Path
 
-from pymodbus.framer import FramerSocket
-from pymodbus.pdu import DecodePDU
 from pytest import raises
 
 from cmtof.hardware.device import Refused
-from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.scpi import PowerMeter, SignalGenerator, open_visa
 
 VISA = Path(__file__).with_name("visa")
@@ -44,14 +40,3 @@ def test_power_meter_measures_in_watts():
     assert meter._ask("SENS:POW:RANG:AUTO?") == 1
     assert meter.power == 3.012345e-3
     meter.close()
-
-
-def test_frames_are_those_of_modbus_tcp():
-    """By pymodbus, whose framing knows nothing of function 76."""
-    listener = socket.create_server(("127.0.0.1", 0))
-    client = Feedback("{}:{}".format(*listener.getsockname()), timeout=0.05)
-    with raises(TimeoutError):
-        client.ask(b"\x00\xea\x60\x02")
-    with listener, listener.accept()[0] as far_end:
-        used, unit, number, body = FramerSocket(DecodePDU(True)).decode(far_end.recv(100))
-    assert (used, unit, number, body) == (12, 1, 1, b"\x4c\x00\xea\x60\x02")

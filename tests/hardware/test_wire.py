@@ -84,12 +84,6 @@ def test_a_check_asks_every_device_and_leaves_its_port_free(world, tmp_path, run
     assert "Close doors and covers" in text
 
 
-def test_a_flip_mirror_that_is_not_waited_for_shows_another_target(world, take):
-    world.models["daq"].flip_time = 1e6
-    with raises(ValueError, match="Expected a reference target"):
-        take(flip_mirror_settling=0.0)
-
-
 PLACES = {
     "rf_emission": b"FREQ",
     "rf_detection": b"TABL",
