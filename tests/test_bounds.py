@@ -24,19 +24,19 @@ def errors(intensity, rng, phase=0.9):
 
 def linear(intensity):
     signal = 20_000 * intensity
-    return float(bounds.linear_phase_noise(signal / np.pi, signal / 2 + 1200**2, 4))
+    return bounds.linear_phase_noise(signal / np.pi, signal / 2 + 1200**2, 4)
 
 
 def odds(noise):
     """Odds of the right wrap by the formula, from two phases of equal noise."""
-    return float(bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES))
+    return bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
 
 
 @mark.parametrize("phase", [0.0, 2.5])
 def test_phase_noise_meets_the_bound_where_it_is_small(rng, phase):
     bound = bounds.phase_bound(20_000 / np.pi, 10_000.0, PSI, sigma=1200.0, phase=phase)
-    assert float(bound) <= 0.15
-    assert errors(1.0, rng, phase=phase).std() == approx(float(bound), rel=0.02)
+    assert bound <= 0.15
+    assert errors(1.0, rng, phase=phase).std() == approx(bound, rel=0.02)
 
 
 @mark.parametrize("intensity", [1.0, 0.3, 0.1, 0.05])

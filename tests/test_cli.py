@@ -136,13 +136,12 @@ def test_inputs_are_never_replaced(fails, tmp_path, measured):
     assert not out.exists()
 
 
-def test_bad_frames_and_sizes(fails, tmp_path):
+def test_bad_frames(fails, tmp_path):
     bad = tmp_path / "bad.npz"
     bad.write_bytes(b"PK\x03\x04 cut")
     out = tmp_path / "m.nc"
     assert "one of room, stairs, still_life" in fails("simulate", "attic", "-o", out)
     assert "whole .npz" in fails("simulate", bad, "-o", out)
-    assert "Expected a size like 512x512" in fails("render", "--size", "large", "-o", tmp_path)
     assert not out.exists()
 
 

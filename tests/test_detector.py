@@ -45,8 +45,8 @@ def test_skellam_difference_keeps_the_sum_of_the_variances(rng):
 @given(st.floats(-10, 2e4), st.integers(1, 16))
 def test_quantisation_errs_by_half_a_level_inside_and_saturates_outside(value, bits):
     level = 16383.0 / (2**bits - 1)
-    q = float(detector.quantise(value, bits=bits, full_scale=16383.0))
+    q = detector.quantise(value, bits=bits, full_scale=16383.0)
     assert abs(q - np.clip(value, 0, 16383)) <= level / 2 * (1 + 1e-9)
-    assert float(detector.quantise(q, bits=bits, full_scale=16383.0)) == q
+    assert detector.quantise(q, bits=bits, full_scale=16383.0) == q
     with raises(ValueError, match="bits >= 1"):
         detector.quantise(value, bits=0, full_scale=1.0)

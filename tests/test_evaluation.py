@@ -1,7 +1,6 @@
 """Counting: rates as the tables have them, the same noise for all, stored counts."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
@@ -15,6 +14,7 @@ from cmtof.measurement import Measurement
 from cmtof.methods import METHODS
 from cmtof.scenes import load_frame
 from cmtof.simulation import simulate
+from cmtof_book import RESULTS
 
 
 def pixels(found, truth, error=0.0):
@@ -152,8 +152,7 @@ def test_beats_of_path_traced_rooms_score_as_an_independent_simulation(
 @mark.slow
 def test_stored_counts_are_those_of_the_shipped_frames():
     """Two frames counted again; another processor may differ in 1 % of a frame's pixels."""
-    path = Path(__file__).parents[1] / "book" / "results" / "table2_released_1200.json"
-    held = read_counts(path)[:2]
+    held = read_counts(RESULTS / "table2_released_1200.json")[:2]
     again = Evaluation(["crt", "beat", "middle"]).add_all(held_out_frames()[:2]).counts()
     for stored, new in zip(held, again, strict=True):
         assert stored["frame"] == new["frame"]

@@ -7,7 +7,7 @@ from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
 from cmtof.hardness import bends, hardness
 
-WRAP = float(wrap_length(FREQUENCY_SINGLE))
+WRAP = wrap_length(FREQUENCY_SINGLE)
 
 
 def test_a_slanted_plane_has_one_slope_no_jump_and_is_one_surface():

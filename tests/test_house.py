@@ -4,12 +4,12 @@ import re
 import subprocess
 import sys
 from graphlib import TopologicalSorter
-from pathlib import Path
 
 import grimp
 from pytest import fixture, mark
 
-ROOT = Path(__file__).resolve().parents[1]
+from cmtof_book import ROOT
+
 PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book")
 
 # floors of `cmtof`, from the roof to the ground; rooms of one floor do not see each other

@@ -173,7 +173,6 @@ def test_evaluate_reads_images_as_told_and_stores_what_is_odd(succeeds, tmp_path
     write(tmp_path / "set" / "color" / "1.png", LIGHT)
     scores = tmp_path / "scores.json"
     command = ("evaluate", tmp_path / "set", "--method", "middle", "--json", scores)
-    text = succeeds(*command, "--depth-scale", 5000)
-    assert "1: depth taken along the ray" in text
+    assert "1: depth taken along the ray" in succeeds(*command, "--depth-scale", 5000)
     assert json.loads(scores.read_text())["notes"]["1"] == "depth taken along the ray"
     assert "1000 levels a metre" in succeeds(*command)

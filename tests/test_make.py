@@ -1,11 +1,10 @@
 """The Makefile: what is wrong with a setting is said in one line, and no setting is run."""
 
 import subprocess
-from pathlib import Path
 
 from pytest import mark
 
-ROOT = Path(__file__).parents[1]
+from cmtof_book import ROOT
 
 
 @mark.parametrize(

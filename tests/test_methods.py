@@ -55,8 +55,7 @@ def test_results_obey_range_and_mask_and_repeat(name):
     assert ((depth[mask] >= low - 1e-6) & (depth[mask] < high + 1e-6)).all()
     assert not confidence[~mask].any()
     assert ((confidence >= 0) & (confidence <= 1)).all()
-    again = images(m, name, range=(low, high))
-    assert_array_equal([count, depth, confidence], again)
+    assert_array_equal([count, depth, confidence], images(m, name, range=(low, high)))
 
 
 @mark.parametrize(
@@ -81,7 +80,7 @@ def test_any_size_may_be_light_or_dark_or_masked(name, shape, light, valid):
 
 @mark.parametrize("name", sorted({*TWO} - {"phasor", "crt-closed-form"}))
 def test_one_wrap_in_range_leaves_no_choice(exact, name):
-    wrap = float(wrap_length(7.15e9))
+    wrap = wrap_length(7.15e9)
     m = exact(np.full((6, 7), 40.5 * wrap), range_min=40 * wrap, range_max=41 * wrap)
     assert (cmtof.unwrap(m, method=name).wrap_count == 40).all()
 
@@ -171,7 +170,7 @@ def test_a_beat_that_repeats_within_the_range_is_not_sure(name):
     m = cmtof.simulate(frame, frequencies=(7.15e9, 10e9), noise=300.0)
     result = cmtof.unwrap(m, method=name)
     rate = score(scored_pixels(result, m))["delta_lt_1"]
-    assert float(result.confidence.where(m.mask).mean()) < rate + 0.15
+    assert result.confidence.where(m.mask).mean() < rate + 0.15
 
 
 def test_a_third_frequency_does_not_set_the_range():

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from pytest import fixture, mark
 
-ROOT = Path(__file__).resolve().parents[1]
+from cmtof_book import ROOT
 
 
 class Mistake(NamedTuple):

@@ -143,7 +143,7 @@ def test_line_noise_is_found_again(known):
 
 @mark.parametrize(("sigma", "intensity"), [(300.0, 1.0), (2000.0, 0.3)])
 def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity):
-    noise = phase_spread(float(simulated_phase_noise(intensity, sigma=sigma)))
+    noise = phase_spread(simulated_phase_noise(intensity, sigma=sigma))
     assert sigma_from_phase_noise(noise, intensity=intensity) == approx(sigma, rel=1e-8)
     assert intensity_from_phase_noise(noise, sigma) == approx(intensity, rel=1e-8)
 

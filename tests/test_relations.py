@@ -43,8 +43,7 @@ def with_images(m, change, **variables):
 
 def junk_around(m, fill):
     """The measurement amid masked junk, and its camera moved with it."""
-    pads = {"y": EDGE, "x": EDGE}
-    data = m.dataset.pad(pads, constant_values=0)
+    data = m.dataset.pad({"y": EDGE, "x": EDGE}, constant_values=0)
     junk = np.pad(np.zeros(m.shape, bool), EDGE, constant_values=True)
     data["camera"] = data["camera"] + [0, 0, EDGE, EDGE]
     return Measurement(data.assign(correlation=data["correlation"].where(~junk, fill)))
@@ -74,8 +73,8 @@ def wraps_of(name, *measurements):
 def test_what_changes_no_information_changes_no_wrap(scene, name, relation):
     results = [cmtof.unwrap(m, method=name) for m in (scene(name), SAME[relation](scene(name)))]
     least = LEAST.get(name, 1) if relation.startswith("counts") else 0.98
-    assert float((results[0].wrap_count == results[1].wrap_count).mean()) > least - 0.02
-    assert float(abs(results[0].confidence.mean() - results[1].confidence.mean())) < 0.01
+    assert (results[0].wrap_count == results[1].wrap_count).mean() > least - 0.02
+    assert abs(results[0].confidence.mean() - results[1].confidence.mean()) < 0.01
 
 
 @mark.parametrize("fill", [0, np.nan, 9.97e36, 65535])

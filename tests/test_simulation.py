@@ -56,8 +56,7 @@ def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):
 
 
 def test_released_protocol_never_enlarges_and_stops_at_a_hundredth(flat_wall):
-    near = simulate(flat_wall(4, 0.9), noise_free=True)
-    assert near.depth == approx(0.9)
+    assert simulate(flat_wall(4, 0.9), noise_free=True).depth == approx(0.9)
     with raises(ValueError, match="Expected depths between"):
         simulate(flat_wall(4, 300.0), noise_free=True)
 

@@ -7,7 +7,6 @@ import tomllib
 from functools import cache
 from importlib.metadata import packages_distributions
 from itertools import chain
-from pathlib import Path
 
 import yaml
 from packaging.requirements import Requirement
@@ -15,8 +14,8 @@ from packaging.utils import canonicalize_name
 from pytest import mark
 
 from cmtof.cli import EXTRAS
+from cmtof_book import ROOT
 
-ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 PACKAGES = {
     "src/cmtof": ["hardware", "train"],
@@ -116,8 +115,7 @@ def test_actions_are_pinned_by_commit_and_may_only_read(path):
     text = path.read_text("utf-8")
     for action in re.findall(r"uses: (?!\./)(.*)", text):
         assert re.fullmatch(r"[\w./-]+@[0-9a-f]{40} # v\d+(\.\d+)*", action), action
-    workflow = yaml.safe_load(text)
-    assert workflow["permissions"] == {"contents": "read"}
+    assert yaml.safe_load(text)["permissions"] == {"contents": "read"}
 
 
 def test_only_the_job_that_publishes_may_sign_for_it():

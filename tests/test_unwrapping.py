@@ -10,7 +10,7 @@ from cmtof.correlation import wrap_length
 from cmtof.estimate import Estimate
 from cmtof.methods import METHODS, Method
 
-WRAP = float(wrap_length(FREQUENCIES[0]))
+WRAP = wrap_length(FREQUENCIES[0])
 
 
 @fixture

@@ -20,8 +20,8 @@ from packaging.requirements import Requirement
 from pytest import fixture, mark, param, skip
 
 from cmtof.methods import METHODS
+from cmtof_book import ROOT
 
-ROOT = Path(__file__).resolve().parents[1]
 LEARNED = {name for name, method in METHODS.items() if method.kind == "learned"}
 
 

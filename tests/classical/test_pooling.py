@@ -18,7 +18,7 @@ from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame
 from cmtof.simulation import simulate
 
-WRAP = float(wrap_length(FREQUENCIES[0]))
+WRAP = wrap_length(FREQUENCIES[0])
 
 
 @mark.parametrize(
@@ -34,8 +34,8 @@ def test_averages_divide_the_noise_by_the_side_of_the_window(flat_wall):
     found = [cmtof.unwrap(m, method="beat", window=window) for window in (1, 11, 41)]
     rates = [score(scored_pixels(one, m))["delta_lt_1"] for one in found]
     assert rates[0] < rates[1] < rates[2]
-    noise = float(bounds.simulated_phase_noise(0.8)) / 41
-    odds = float(bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES))
+    noise = bounds.simulated_phase_noise(0.8) / 41
+    odds = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
     assert rates[2] == approx(odds, abs=0.1)
 
 

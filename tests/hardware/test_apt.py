@@ -32,8 +32,7 @@ def test_speeds_are_set_before_the_first_move(controller, motor):
 
 @mark.parametrize("kind", MOTORS.values(), ids=MOTORS)
 def test_the_longest_way_home_takes_less_than_is_waited_for(kind):
-    longest = min(kind.travel[1] - kind.travel[0], 360)
-    assert longest / kind.home_velocity < LONGEST
+    assert min(kind.travel[1] - kind.travel[0], 360) / kind.home_velocity < LONGEST
 
 
 @mark.parametrize(

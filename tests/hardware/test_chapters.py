@@ -4,7 +4,6 @@ import re
 import textwrap
 from dataclasses import replace
 from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
 from numpy.testing import assert_allclose
@@ -12,10 +11,11 @@ from pytest import mark
 from wire import DEFAULT
 from xarray import open_dataset
 
+from cmtof_book import ROOT
 from cmtof_lab.objects import GRADE_2, gage_blocks
 from cmtof_lab.targets import MeshTarget
 
-NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
+NOTEBOOKS = ROOT / "notebooks"
 
 
 def found_in(chapter, name, **parameters):
@@ -65,7 +65,7 @@ def test_a_chapter_measures_on_a_rig_what_it_simulates(world_of, tmp_path, monke
         assert_allclose(measured[key], value, atol=1e-8, err_msg=key)
 
 
-GUIDE = NOTEBOOKS.parent / "book" / "hardware.md"
+GUIDE = ROOT / "book" / "hardware.md"
 
 
 def test_the_guides_lines_run_on_a_rig(world_of, tmp_path, monkeypatch, capsys):

@@ -62,8 +62,7 @@ def test_drive_steps_psi_through_one_turn(mode, order):
 
 @mark.parametrize("stray", [0.0, 0.3])
 def test_calibration_finds_the_offset_behind_stray_light(stray):
-    wrap = 299792458 / (2 * 7.15e9)
-    z = 0.6 + wrap * np.arange(8) / 8
+    z = 0.6 + 299792458 / (2 * 7.15e9) * np.arange(8) / 8
     psi = nominal_psi(16)
     seen = 3 + np.cos(phase_from_depth(z, 7.15e9)[:, None] + psi - 1.2) + stray * np.cos(psi)
     offset, drift = calibrate(np.stack([seen, seen]), z, 7.15e9)
@@ -92,8 +91,7 @@ def test_a_torn_tail_is_cut_and_the_rest_goes_on(journal, kept):
     *others, last = whole.splitlines(keepends=True)
     journal.write_bytes(b"".join(others) + last[:kept])
     assert len(whole_lines(journal)) == 3
-    records = begun(journal, HEADER, PLAN)
-    assert_array_equal(records[1].sums, record(1).sums)
+    assert_array_equal(begun(journal, HEADER, PLAN)[1].sums, record(1).sums)
     append(journal, record(2)._asdict())
     assert journal.read_bytes() == whole
 

@@ -40,9 +40,7 @@ def outcome(inside, number=None, *, fails=False, during=None):
         assert one.stdout.readline() == "ready\n"
         if number is not None:
             one.send_signal(number)
-        out = one.stdout.read()
-        err = one.stderr.read()
-        return sorted(out.splitlines()), err, one.wait(20)
+        return sorted(one.stdout.read().splitlines()), one.stderr.read(), one.wait(20)
 
 
 @mark.parametrize(

@@ -93,7 +93,7 @@ def test_phases_are_those_of_the_true_ranges():
 def test_a_file_holds_raw_counts_power_and_settings(whole):
     data = open_measurement(whole).dataset
     assert data["raw_counts"].shape == (2, 4, 4, 4)
-    assert 33523 < float(data["dark"][0]) < data["raw_counts"].mean()
+    assert 33523 < data["dark"][0] < data["raw_counts"].mean()
     assert (data["laser_power"] > 1e-3).all()
     assert_allclose(data["detuning"][:, 0], [[-5e6, -5e6], [5e6, 5e6]])
     assert_allclose(data["reflected_power"], 23.01, atol=0.01)  # of 30 dBm

@@ -23,7 +23,9 @@ from pathlib import Path
 
 from hostile_inputs import KINDS, journal, whole_journal, whole_measurement
 
-REPORT = Path(__file__).parents[2] / "book" / "results" / "fuzz.json"
+from cmtof_book import RESULTS
+
+REPORT = RESULTS / "fuzz.json"
 SECONDS = 20  # of the processor
 MEGABYTES = 1500  # of memory at its peak
 STUCK = 300  # s after which a case that uses no processor, either, has failed

@@ -16,7 +16,7 @@ import xarray as xr
 import yaml
 from PIL import Image
 
-ROOT = Path(__file__).parents[2]
+from cmtof_book import ROOT
 
 # --- damage ---------------------------------------------------------------------------------------
 

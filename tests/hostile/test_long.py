@@ -2,7 +2,6 @@
 
 import itertools
 import json
-import multiprocessing
 import os
 import signal
 import subprocess
@@ -246,32 +245,8 @@ def tell_acts(bench, tell):
         setattr(device, name, telling(getattr(device, name), f"{role} {name}"))
 
 
-@fixture
-def acts_of_a_killed_scan(take):
-    """What a scan did until it was killed in the light."""
-    processes = multiprocessing.get_context("fork")
-    receiver, sender = processes.Pipe(duplex=False)
-    arguments = ("m.nc", 4, lambda bench: tell_acts(bench, sender.send))
-    child = processes.Process(target=take, args=arguments)
-    child.start()
-    sender.close()
-    told = []
-    while len(told) < 60 or told[-1] != ["daq set_line", "FIO1", True]:
-        told.append(receiver.recv())
-    child.kill()
-    child.join()
-    return told
-
-
-def test_timers_that_end_a_killed_scan_are_armed_before_the_light(acts_of_a_killed_scan):
-    when = acts_of_a_killed_scan.index
-    assert when(["daq watchdog", 5]) < when(["daq set_line", "FIO0", True])
-    for rf in ("rf_emission", "rf_detection"):
-        assert when([f"{rf} set_dead_man", 5.0]) < when([f"{rf} output", True])
-
-
-@mark.usefixtures("acts_of_a_killed_scan")
-def test_after_a_kill_the_next_scan_begins_in_the_dark(tmp_path, take):
+def test_a_scan_begins_in_the_dark_and_arms_its_timers_before_the_light(tmp_path, take):
+    """Also where a killed scan left light and RF on."""
     done = []
 
     def prepare(bench):
@@ -279,9 +254,12 @@ def test_after_a_kill_the_next_scan_begins_in_the_dark(tmp_path, take):
         panel.emission.on = panel.detection.on = panel.laser_on = panel.shutter_open = True
         tell_acts(bench, done.append)
 
-    assert take("m.nc", 4, prepare, resume=True) is None
-    first = list(itertools.takewhile(lambda act: act[-1] is not True, done))
-    assert first[:3] == [["daq set_line", line, False] for line in LIGHT]
-    assert ["rf_emission output", False] in first
+    assert take("m.nc", 4, prepare) is None
+    when = done.index
+    assert done[:3] == [["daq set_line", line, False] for line in LIGHT]
+    assert when(["daq watchdog", 5]) < when(["daq set_line", "FIO0", True])
+    for rf in ("rf_emission", "rf_detection"):
+        assert when([f"{rf} output", False]) < when([f"{rf} set_dead_man", 5.0])
+        assert when([f"{rf} set_dead_man", 5.0]) < when([f"{rf} output", True])
     take("whole.nc", 4)
     assert (tmp_path / "m.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()

@@ -26,5 +26,4 @@ def profile(instrument, panel, angles=((0.0, 0.0),), **options):
     """Mean volts (N, 16) of a burst's phases behind the settling samples."""
     options.setdefault("labels", np.arange(1, len(angles) + 1))
     counts = instrument.bursts(panel, angles, pulses=EDGES, **options)
-    kept = counts.reshape(-1, 16, 20)[..., 8:].mean(-1)
-    return (kept - 33523.0) * 3.15805780e-4
+    return (counts.reshape(-1, 16, 20)[..., 8:].mean(-1) - 33523.0) * 3.15805780e-4

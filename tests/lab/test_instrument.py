@@ -2,20 +2,16 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from instrument_panels import DRIVE, EDGES, MODES, ORDER, PSI, profile, ready
 from numpy.testing import assert_allclose
-from pytest import approx, fixture, mark
-from scipy.ndimage import binary_erosion
+from pytest import approx, mark
 from scipy.special import jv
 
-from cmtof import noise
-from cmtof.captures import read_capture
-from cmtof.constants import FREQUENCY_SINGLE, SPEED_OF_LIGHT
-from cmtof.correlation import centred, consistent_wrap_count, decode, depth_from_wraps
-from cmtof.scenes import Frame
+from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.correlation import centred, decode
+from cmtof_book import ROOT
 from cmtof_lab.electronics import Chain, density
 from cmtof_lab.instrument import (
     BURST_INTERVAL,
@@ -28,9 +24,9 @@ from cmtof_lab.instrument import (
     normals_by_key,
 )
 from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
-from cmtof_lab.targets import FrameTarget, Plane
+from cmtof_lab.targets import Plane
 
-FIGURES = Path(__file__).parents[2] / "figures"
+FIGURES = ROOT / "figures"
 IDEAL = TwinSettings.ideal()
 NOISY = replace(IDEAL, noise=True)
 ANGLES = np.random.default_rng(0).uniform(-0.1, 0.1, (40, 2))
@@ -146,42 +142,6 @@ def test_disturbance_has_its_level_and_grain(mode):
     assert error.std() == approx(NOISE["captures"]["phase_noise"][0], rel=0.08)
     correlations = [np.corrcoef(error[:-lag], error[lag:])[0, 1] for lag in (1, 2)]
     assert_allclose(correlations, [NOISE["captures"]["grain"], 0], atol=0.09)
-
-
-@fixture(params=[("curlyhair1", 0), ("head", 70), ("owl", 70)], ids=CAPTURES)
-def behind(request, shared_data):
-    """Name of an object, its depth (H, W), m, 30 columns, and their pixels that show the wall."""
-    name, left = request.param
-    phase, reference = read_capture(shared_data / f"captures/phase/scene_{name}_phase.csv")
-    smooth = noise.denoise(phase).phase
-    wraps = consistent_wrap_count(reference, smooth, FREQUENCY_SINGLE)
-    wall = np.loadtxt(shared_data / "captures/depth/scene_wall_depth.csv", delimiter=",") / 100
-    shown = binary_erosion(np.isclose(reference, wall, atol=2e-3), np.ones((13, 13)))
-    columns = np.arange(left, left + 30)
-    return name, depth_from_wraps(smooth, wraps, FREQUENCY_SINGLE), columns, shown[:, columns]
-
-
-@mark.parametrize("own", [False, True])
-def test_noise_on_the_captures_objects_is_the_captures(behind, own):
-    """On the wall behind each object; a scan's line is a column of the captures' maps."""
-    name, depth, columns, wall = behind
-    noted = accepted("capture_noise")
-    level, correlation = CAPTURES[name]
-    case = {"phase_noise": (level, level), "grain": correlation} if own else NOISE["captures"]
-    levels = [noted["sigma_rad"][name]] if own else list(noted["sigma_rad"].values())
-    target = FrameTarget(Frame(depth, np.full(depth.shape, 0.5), np.array([245.5, 245.5, 50, 50])))
-    angles = np.arctan((np.stack(np.meshgrid(columns, range(100)), -1) + 0.5 - 50) / 245.5)
-    instrument = SimulatedInstrument(replace(TwinSettings(), **case), target, seed=2)
-    seen = profile(instrument, ready("single"), angles.swapaxes(0, 1).reshape(-1, 2))
-    seen = decode(seen.T, PSI).phase.reshape(30, 100).T
-    assert 0.8 * min(levels) < noise.typical_phase_noise(seen, wall) < 1.2 * max(levels)
-    rest = np.where(wall, noise.local_residual(seen), np.nan)
-    near = np.transpose(list(noted["correlation_down_across"].values()))
-    for one, expected in zip((rest, rest.T), near, strict=True):
-        pairs = np.stack([one[:-1].ravel(), one[1:].ravel()])
-        pairs = pairs[:, np.isfinite(pairs).all(axis=0)]
-        slack = 3 / np.sqrt(pairs.shape[1])
-        assert min(expected) - slack < np.corrcoef(pairs)[0, 1] < max(expected) + slack
 
 
 def test_normals_by_key_are_those_of_a_generator_for_each():

@@ -48,12 +48,11 @@ def test_a_mirror_returns_more_and_turns_away():
 
 
 def test_speckle_has_its_mean_and_contrast():
-    rng = np.random.default_rng(0)
-    angles = rng.uniform(-0.05, 0.05, (20000, 2))
+    angles = np.random.default_rng(0).uniform(-0.05, 0.05, (20000, 2))
     rough = trace(Plane(1.0), angles, REAL, seed=5).fraction.sum(1)
     plain = replace(REAL, speckle=False)
     relative = rough / trace(Plane(1.0), angles, plain, seed=5).fraction.sum(1)
-    cells = float(speckle_cells(REAL, 1.0))
+    cells = speckle_cells(REAL, 1.0)
     assert relative.mean() == approx(1, abs=4 / np.sqrt(20000 * cells))
     assert relative.std() == approx(1 / np.sqrt(cells), rel=0.05)
 

@@ -35,8 +35,7 @@ def test_noise_is_the_closed_form_of_thermal_and_shot_noise():
     assert friis.noise_factor == approx(10**0.3 + 9 / 10)
 
 
-@mark.parametrize(("gain", "error"), [(0.9, -0.2)])
-def test_an_imbalance_errs_twice_a_turn_and_is_taken_away(gain, error):
+def test_an_imbalance_errs_twice_a_turn_and_is_taken_away(gain=0.9, error=-0.2):
     angle = np.linspace(0, TAU, 400, endpoint=False)
     read = skewed(2 * np.exp(1j * angle), gain, error)
     assert_allclose(read.imag, 2 * gain * np.sin(angle + error))
@@ -63,7 +62,7 @@ def test_sweep_follows_the_law_of_a_noisy_phase_where_nothing_drifts(reflectance
     ranger = RfRanger(settings=settings, drift=0.0, stage_error=0.0)
     error = ranger.sweep(target, np.zeros(400), repeats=20, seed=1) - target.distance
     linear = ranger.bound(target, [0.0])[0] * ranger.phase(1.0) * np.sqrt(1.0 + 1 / 800 + 1 / 100)
-    expected = phase_spread(float(linear)) if linear > 0.05 else linear
+    expected = phase_spread(linear) if linear > 0.05 else linear
     assert error.std() * ranger.phase(1.0) == approx(expected, rel=0.04)
 
 

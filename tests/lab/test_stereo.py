@@ -15,7 +15,7 @@ from cmtof.pointcloud import points_from_depth
 from cmtof_lab import stereo
 
 RIG = stereo.simulated_rig()
-WRAP = float(wrap_length(FREQUENCY_SINGLE))
+WRAP = wrap_length(FREQUENCY_SINGLE)
 CAMERA = np.array([60.0, 60.0, 20.0, 15.0])
 SHAPE = (30, 40)
 

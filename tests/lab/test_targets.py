@@ -24,8 +24,7 @@ def plane_frame(tilt):
 
 @mark.parametrize("tilt", [0.0, 0.5])
 def test_plane_is_met_where_it_stands(tilt):
-    found = Plane(0.8, tilt_x=tilt).look(RAYS)
-    points = RAYS * found.range[:, None]
+    points = RAYS * Plane(0.8, tilt_x=tilt).look(RAYS).range[:, None]
     assert_allclose(points[:, 2] - np.tan(tilt) * points[:, 0], 0.8)
     assert np.isnan(Plane(0.8).look(-RAYS).range).all()
 
@@ -56,8 +55,7 @@ def test_a_mesh_interpolates_its_vertices():
     pytest.importorskip("embreex")
     corners = np.array([[-1, -1, 2.0], [1, -1, 2], [1, 1, 2], [-1, 1, 2]])
     faces = np.array([[0, 1, 2], [0, 2, 3]])
-    bright = np.array([0.0, 1.0, 1.0, 0.0])
-    target = MeshTarget(corners, faces, bright, 0.25)
+    target = MeshTarget(corners, faces, np.array([0.0, 1.0, 1.0, 0.0]), 0.25)
     found = target.look(RAYS)
     assert_allclose(found.range, Plane(2.0).look(RAYS).range, rtol=1e-6)
     x = (RAYS * found.range[:, None])[:, 0]

@@ -13,8 +13,6 @@ from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED
 from cmtof.scenes import Frame
 
-WRAP = float(wrap_length(FREQUENCIES[0]))
-
 
 def flat(depth, intensity, sigma, side=200, seed=0):
     whole = np.ones((side, side))
@@ -55,7 +53,7 @@ def test_noisy_images_decode_to_their_phasor():
 @mark.parametrize("protocol", ["released", "full"])
 def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
     first, _ = CLASSES[protocol]
-    depth = torch.tensor([[first * WRAP - 1e-4, (first + 3.5) * WRAP, 7.6, np.nan]])
+    depth = torch.tensor([[first * data.WRAP - 1e-4, (first + 3.5) * data.WRAP, 7.6, np.nan]])
     batch = data.Batch(
         depth[None].double(), torch.ones(1, 1, 4), torch.ones(1), torch.zeros(1, 4, 2, 1, 4)
     )
@@ -70,7 +68,7 @@ def test_leaves_cover_all_classes_and_hide_them_from_brightness(protocol):
     first, classes = CLASSES[protocol]
     drawn = [data.leaves(np.random.default_rng(k), 48, protocol) for k in range(150)]
     depth, shade = np.array(drawn)[:, :, ::8, ::8].swapaxes(0, 1)
-    turns = depth / WRAP - first
+    turns = depth / data.WRAP - first
     inside = (turns >= 0) & (turns < classes)
     assert inside.mean() > 0.5
     counts, _ = np.histogram(turns[inside], 7, (0, classes))
@@ -89,7 +87,7 @@ def test_room_crops_are_staged_and_mostly_in_range():
     depth, light = np.swapaxes(crops, 0, 1)
     assert depth.shape == light.shape == (30, 32, 32)
     first, classes = CLASSES["released"]
-    turns = depth / WRAP - first
+    turns = depth / data.WRAP - first
     assert np.mean((turns >= 0) & (turns < classes)) > 0.6
     assert light.max() <= 1
 
@@ -123,7 +121,7 @@ def test_broken_views_are_left_out():
     assert [line.split()[0] for line in said] == ["torn", "small", "empty"]
     assert pack.depth.shape == (2, 10, 12)
     assert np.isnan(pack.depth[0, 0, 0])
-    assert float(pack.intensity.max()) == 1
+    assert pack.intensity.max() == 1
     assert pack.far.tolist() == [2, 2]
 
 

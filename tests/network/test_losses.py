@@ -58,7 +58,7 @@ def test_regression_counts_wraps_over_classes_and_the_slope(pixels):
     _, label, _, turns = pixels
     found = torch.nan_to_num(turns[:, None]) + 0.5
     loss = regression_loss(found, label, turns, classes=N)
-    assert float(loss) == approx(0.5 / N)
+    assert loss == approx(0.5 / N)
     flat = torch.full_like(found, 2.0)
     smooth, plain = (regression_loss(flat, label, turns, classes=N, smoothness=s) for s in (1, 0))
     assert torch.equal(smooth, plain)

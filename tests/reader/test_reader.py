@@ -4,7 +4,6 @@ import contextlib
 import re
 import shutil
 from functools import partial
-from pathlib import Path
 
 import browse
 import numpy as np
@@ -13,8 +12,9 @@ from pytest import fixture, mark
 
 from cmtof.network.inference import load_network, run_padded
 from cmtof.network.weights import weights_path
+from cmtof_book import ROOT
 
-BUILD = Path(__file__).resolve().parents[2] / "build"
+BUILD = ROOT / "build"
 HTML = next((BUILD / p / "html" for p in ("book", "ci") if (BUILD / p / "html").is_dir()), BUILD)
 PAGES = browse.pages(HTML)
 
@@ -246,8 +246,7 @@ def test_the_network_of_the_laboratory_answers_as_in_python(browser):
         tab.locator("#laboratory[data-ready]").wait_for(timeout=120_000)
         found = tab.evaluate(RUN, inputs.ravel().tolist())
     network = load_network(weights_path("fast-scnn-light", "released")).network
-    expected = run_padded(network, inputs).ravel()
-    assert_allclose(found, expected, rtol=0, atol=1e-4)
+    assert_allclose(found, run_padded(network, inputs).ravel(), rtol=0, atol=1e-4)
 
 
 def read_a_pixel(tab):

@@ -20,7 +20,7 @@ def test_the_test_set_is_whole_exact_in_its_steps_and_of_the_test_partition():
 
 
 def test_every_test_view_has_a_fifth_to_nine_tenths_of_its_pixels_scored():
-    coverage = [float(simulate(one, noise_free=True).mask.mean()) for one in held_out_frames()]
+    coverage = [simulate(one, noise_free=True).mask.mean() for one in held_out_frames()]
     assert min(coverage) >= 0.2
     assert max(coverage) <= 0.9
     assert 0.4 < np.median(coverage) < 0.65

@@ -65,10 +65,10 @@ def test_views_are_exposed_to_the_median_of_their_rank():
     one = np.ones((40, 50), np.float32)
     seen = Picture(color, one, color, one)
     ranks = np.linspace(0.21, 0.99, 9)
-    medians = [float(np.median(brightness(expose(seen, rank).color))) for rank in ranks]
+    medians = [np.median(brightness(expose(seen, rank).color)) for rank in ranks]
     assert np.all(np.diff(medians) > 0)
     assert medians[4] == approx(0.38, rel=0.02)
-    assert float(np.median(brightness(expose(seen, 0.1).color))) < 0.05
+    assert np.median(brightness(expose(seen, 0.1).color)) < 0.05
 
 
 @fixture(scope="module")

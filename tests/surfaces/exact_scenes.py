@@ -3,17 +3,18 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.frame import Frame, rays_from_camera
 from cmtof.measurement import Measurement
-from cmtof.surfaces.field import CELL, Field, field_from_measurement
+from cmtof.surfaces.field import CELL, field_from_measurement
+from cmtof.surfaces.fitting import BENT, moved
+from cmtof.surfaces.placing import Offsets
 
 SHAPE = (128, 160)
 CAMERA = (140.0, 138.0, 81.0, 62.5)
-WRAP = float(wrap_length(FREQUENCIES[0]))
+WRAP = wrap_length(FREQUENCIES[0])
 NOTHING = np.zeros((1, 1), np.int32)  # labels where a fit looks at whole rectangles
 
 # Normals and distances, m, of two walls and the floor about a camera at the origin; nearest and
@@ -27,15 +28,15 @@ class Scene(NamedTuple):
     """A frame, and which surface each of its pixels shows."""
 
     frame: Frame
-    part: NDArray[np.int64]  # 0 and 1 the walls, 2 the floor, 3 to 5 the box's faces
+    part: np.ndarray  # 0 and 1 the walls, 2 the floor, 3 to 5 the box's faces
 
 
-def unit_rays(shape: tuple[int, int], camera=CAMERA) -> NDArray[np.float64]:
+def unit_rays(shape, camera=CAMERA):
     rays = rays_from_camera(shape, camera)
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
-def corner_scene(shape=SHAPE, camera=CAMERA) -> Scene:
+def corner_scene(shape=SHAPE, camera=CAMERA):
     """Two walls, a floor and a box before them, hit by formula."""
     x, y, z = np.moveaxis(unit_rays(shape, camera), -1, 0)
     c, s = np.cos(_PITCH), np.sin(_PITCH)
@@ -55,19 +56,19 @@ def corner_scene(shape=SHAPE, camera=CAMERA) -> Scene:
     return Scene(Frame(depth, np.clip(paint * texture, 0.3, 1), np.array(camera), "corner"), part)
 
 
-def plane_depth(normal, z: float, shape: tuple[int, int] = SHAPE, camera=CAMERA):
+def plane_depth(normal, z, shape=SHAPE, camera=CAMERA):
     """Range (H, W), m, of the plane through (0, 0, z) with a normal; and its q (6,)."""
     q = np.zeros(6)
     q[:3] = np.asarray(normal, float) / (normal[2] * z)
     return 1 / (unit_rays(shape, camera) @ q[:3]), q
 
 
-def plane_frame(normal, z: float, intensity=1.0, shape=SHAPE, camera=CAMERA) -> Frame:
-    depth, _ = plane_depth(normal, z, shape, camera)
-    return Frame(depth, np.broadcast_to(intensity, shape), np.array(camera), "plane")
+def plane_frame(normal, z, intensity=1.0):
+    depth, _ = plane_depth(normal, z)
+    return Frame(depth, np.broadcast_to(intensity, SHAPE), np.array(CAMERA), "plane")
 
 
-def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA) -> Field:
+def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA):
     """Field of known depths in which every pixel and frequency is worth the same information.
 
     ``noise_of`` is a generator to draw the phasors' own noise from.
@@ -90,7 +91,20 @@ def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA) -> Fi
     )
 
 
-def whole_boxes(shape: tuple[int, int]) -> NDArray[np.int64]:
+def whole_boxes(shape):
     """Every cell of an image as a rectangle (N, 4)."""
     y, x = (CELL * i.ravel() for i in np.indices((shape[0] // CELL, shape[1] // CELL)))
     return np.stack([y, y + CELL, x, x + CELL], axis=1)
+
+
+def known(mean, spread):
+    """Offsets of surfaces and their deviations, wraps."""
+    return Offsets(np.array(mean, float), np.array(spread, float))
+
+
+def meeting_planes():
+    """Field of two planes that meet at the optical axis, and both, one moved by three wraps."""
+    left, q = plane_depth((0.3, 0, 1), 2.5)
+    right, p = plane_depth((-0.3, 0, 1), 2.5)
+    field = exact_field(np.maximum(left, right))
+    return field, np.stack([q, moved(field, p, whole_boxes(SHAPE), BENT, 3 * WRAP)[0]])

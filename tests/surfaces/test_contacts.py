@@ -3,19 +3,15 @@
 from itertools import combinations, product
 
 import numpy as np
-from exact_scenes import SHAPE, WRAP, exact_field, plane_depth, whole_boxes
+from exact_scenes import SHAPE, WRAP, exact_field, known, meeting_planes, plane_depth, whole_boxes
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark
 
-from cmtof.surfaces import contacts, placing
+from cmtof.surfaces import contacts
 from cmtof.surfaces.fitting import BENT, moved
 
 REPEAT = 357.5  # wraps
 SURE = 0.99
-
-
-def known(mean, spread):
-    return placing.Offsets(np.array(mean, float), np.array(spread, float))
 
 
 def between(*entries):
@@ -31,11 +27,7 @@ def tied(found, borders, limits=None):
 
 def test_borders_find_whole_wraps_between_planes_that_meet():
     """Left one plane, right another that meets it, moved by three wraps."""
-    one, q = plane_depth((0.3, 0, 1), 2.5)
-    other, p = plane_depth((-0.3, 0, 1), 2.5)
-    field = exact_field(np.maximum(one, other))  # they meet at the optical axis
-    off, _ = moved(field, p, whole_boxes(SHAPE), BENT, 3 * WRAP)
-    surfaces = np.stack([q, off] if one[0, 0] > other[0, 0] else [off, q])
+    field, surfaces = meeting_planes()
     label = np.where(np.arange(SHAPE[1]) < 81, 0, np.ones(SHAPE, np.int32))
     found = contacts.borders(field, label.astype(np.int32), surfaces)
     assert (found.first.tolist(), found.second.tolist()) == ([0], [1])

@@ -84,8 +84,7 @@ def test_planes_are_found_though_their_phase_turns_more_than_half_a_turn_a_pixel
 def test_the_corner_has_a_surface_for_each_of_its_parts():
     """Cells within one part belong to one large surface that hardly any other part shares."""
     corner = corner_scene()
-    field = exact_field(corner.frame.depth, camera=CAMERA)
-    owner, _ = grown_surfaces(field)
+    owner, _ = grown_surfaces(exact_field(corner.frame.depth, camera=CAMERA))
     part = corner.part.reshape(CELLS[0], CELL, CELLS[1], CELL).swapaxes(1, 2).reshape(*CELLS, -1)
     pure = (part == part[..., :1]).all(axis=-1)
     number = part[..., 0]

@@ -1,12 +1,21 @@
 """Whole wraps of a surface by its beat and by its shape."""
 
 import numpy as np
-from exact_scenes import NOTHING, SHAPE, WRAP, exact_field, plane_depth, whole_boxes
+from exact_scenes import (
+    NOTHING,
+    SHAPE,
+    WRAP,
+    exact_field,
+    known,
+    meeting_planes,
+    plane_depth,
+    whole_boxes,
+)
 from numpy.testing import assert_allclose
 from pytest import approx
 
 from cmtof.surfaces import placing
-from cmtof.surfaces.fitting import BENT, PLANE, leaning, moved
+from cmtof.surfaces.fitting import PLANE, leaning, moved
 from cmtof.surfaces.roughness import cells_of_surfaces
 
 INNER = np.zeros(SHAPE, np.int32)
@@ -15,10 +24,6 @@ BOXES = whole_boxes(SHAPE)
 
 def a_fit(offset, known, missed=0.0):
     return np.array([[offset, known, missed, 1e-3]])
-
-
-def known(mean, spread):
-    return placing.Offsets(np.array(mean, float), np.array(spread, float))
 
 
 def beats_of(field, q):
@@ -44,8 +49,7 @@ def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
 
 def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
     depth, q = plane_depth((0.2, 0.1, 1), 2.5)
-    field = exact_field(depth)
-    beats = beats_of(field, q)
+    beats = beats_of(exact_field(depth), q)
     alone = placing.offsets(beats, q[None], a_fit(12.0, 1e6), shape=False)
     assert alone.mean[0] == approx(beats[0][0], abs=1e-9)
     sharp, bent = (placing.offsets(beats, q[None], a_fit(12.0, 1e6, m)) for m in (0, 1e-4))
@@ -90,17 +94,10 @@ def test_planes_at_right_angles_place_each_other():
 
 def test_pixels_take_the_likeliest_surface():
     """Left one plane, right another that meets it, moved by three wraps."""
-    one, q = plane_depth((0.3, 0, 1), 2.5)
-    other, p = plane_depth((-0.3, 0, 1), 2.5)
-    depth = np.maximum(one, other)  # they meet at the optical axis
-    field = exact_field(depth)
-    off, _ = moved(field, p, BOXES, BENT, 3 * WRAP)
+    field, surfaces = meeting_planes()
     owner = np.zeros((SHAPE[0] // 8, SHAPE[1] // 8), np.int64)
     owner[:, 10:] = 1
-    first, second = (q, off) if one[0, 0] > other[0, 0] else (off, q)
-    surfaces = np.stack([first, second])
     label, share = placing.pixel_labels(field, owner, surfaces)
-    truth = np.where(np.arange(SHAPE[1]) < 81, 0, 1)
-    assert np.mean(label == truth) > 0.97
+    assert np.mean(label == np.where(np.arange(SHAPE[1]) < 81, 0, 1)) > 0.97
     assert share.max() == approx(1, abs=0.05)
     assert (placing.interiors(label, share)[:, 78:84] == -1).all()
