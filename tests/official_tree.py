@@ -25,8 +25,7 @@ def official_rays(projection):
     height, width = SHAPE
     u = np.linspace(-1 + 1 / width, 1 - 1 / width, width)
     v = np.linspace(-1 + 1 / height, 1 - 1 / height, height)[::-1]
-    uv = np.stack([*np.meshgrid(u, v), np.ones(SHAPE)], axis=-1)
-    rays = uv @ projection.T
+    rays = np.stack([*np.meshgrid(u, v), np.ones(SHAPE)], axis=-1) @ projection.T
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 

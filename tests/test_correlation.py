@@ -121,8 +121,7 @@ def test_residual_noise_finds_the_noise_of_the_samples(rng):
 
 
 def test_wraps_of_the_prototype():
-    wraps = co.wrap_length(np.array(FREQUENCIES))
-    assert wraps == approx([0.0209645, 0.0104676], abs=1e-7)
+    assert co.wrap_length(np.array(FREQUENCIES)) == approx([0.0209645, 0.0104676], abs=1e-7)
     assert co.phase_from_depth(SPEED_OF_LIGHT / (2 * 7.15e9), 7.15e9) == approx(TAU)
 
 

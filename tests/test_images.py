@@ -164,8 +164,7 @@ def test_a_tum_sequence_is_read_as_downloaded(tum):
     assert [frame.name for frame in frames] == ["1.01", "1.04"]
     assert_allclose(frames[0].depth, DEPTH, atol=2e-4)
     assert [round(float(frame.intensity[0, 0]), 1) for frame in frames] == [0.5, 1.0]
-    along_axis = frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load()
-    assert (along_axis.depth > frames[0].depth).all()
+    assert (frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load().depth > frames[0].depth).all()
 
 
 def test_evaluate_reads_images_as_told_and_stores_what_is_odd(succeeds, tmp_path):

@@ -187,8 +187,7 @@ def test_without_noise_the_remainder_is_sure(kept, protocol):
         low, high = m.range
         m = Measurement.from_phase(m.phase, m.frequencies, mask=m.mask, range_min=low,
                                    range_max=high)  # fmt: skip
-    sure = cmtof.unwrap(m, method="crt").confidence.to_numpy()[m.mask]
-    assert np.mean(sure > 0.5) > 0.99
+    assert np.mean(cmtof.unwrap(m, method="crt").confidence.to_numpy()[m.mask] > 0.5) > 0.99
 
 
 @fixture(scope="module")

@@ -90,8 +90,7 @@ def test_masked_holes_take_nothing_from_their_neighbours(scene, name, share):
     m = scene(name)
     holes = np.random.default_rng(0).uniform(size=m.shape) < share
     mask = (("y", "x"), (m.mask & ~holes).astype(np.int8))
-    holed = with_images(m, lambda c: np.where(holes, 0, c), mask=mask)
-    whole, found = wraps_of(name, m, holed)
+    whole, found = wraps_of(name, m, with_images(m, lambda c: np.where(holes, 0, c), mask=mask))
     truth = (m.depth / wrap_length(m.frequencies[0])).astype(int)
     right = [np.mean((wraps == truth)[m.mask & ~holes]) for wraps in (whole, found)]
     assert right[1] > right[0] - 0.05
@@ -122,8 +121,7 @@ def test_a_slightly_moved_range_moves_few_wraps(scene, name, by):
     """Of a network the weights end at a wrap; what lies outside ends there in the closed form."""
     # noise alone moves single pixels to the ends of the range
     m = scene(name, noise_free=True) if name in POINTWISE else scene(name)
-    moved = m.between(*(end + by for end in m.range))
-    whole, found = wraps_of(name, m, moved)
+    whole, found = wraps_of(name, m, m.between(*(end + by for end in m.range)))
     assert np.mean(whole == found) > 0.95
 
 
@@ -131,9 +129,7 @@ def test_a_slightly_moved_range_moves_few_wraps(scene, name, by):
 def test_a_saved_measurement_gives_the_same_wraps(scene, name, tmp_path):
     scene(name).save(tmp_path / "m.nc")
     whole = cmtof.unwrap(scene(name), method=name)
-    again = cmtof.unwrap(cmtof.open(tmp_path / "m.nc"), method=name)
-    xr.testing.assert_equal(again, whole)
+    xr.testing.assert_equal(cmtof.unwrap(cmtof.open(tmp_path / "m.nc"), method=name), whole)
     if name in POINTWISE:
         list(unwrap_file(tmp_path / "m.nc", tmp_path / "t.nc", tile=40, margin=8, method=name))
-        tiled = xr.load_dataset(tmp_path / "t.nc")
-        assert_array_equal(tiled.wrap_count, whole.wrap_count)
+        assert_array_equal(xr.load_dataset(tmp_path / "t.nc").wrap_count, whole.wrap_count)

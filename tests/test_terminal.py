@@ -37,8 +37,7 @@ def test_closed_streams_change_no_exit_code(measurement_file, tmp_path, closed):
 
 
 def test_names_are_printed_as_they_are(succeeds, measurement_file, tmp_path):
-    command = unwrapping(measurement_file, tmp_path, "[red]x.nc")
-    assert "[red]x.nc" in succeeds(*command[3:])
+    assert "[red]x.nc" in succeeds(*unwrapping(measurement_file, tmp_path, "[red]x.nc")[3:])
 
 
 def test_a_circle_of_links_is_no_defect(fails, tmp_path):

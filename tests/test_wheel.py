@@ -123,7 +123,7 @@ def inputs(tmp_path_factory, tilted_wall, measured):
     tilted_wall.save(folder / "wall.npz")
     measured.save(folder / "wall.nc")
     rig = (ROOT / "src/cmtof/hardware/rig.yml").read_text("utf-8")
-    (folder / "rig.yml").write_text(rig.replace("/dev/ttyUSB0", "/dev/none"), encoding="utf-8")
+    (folder / "rig.yml").write_text(rig.replace("/dev/ttyUSB0", "/dev/none"), "utf-8")
     shutil.copy(ROOT / "notebooks/16_stereo.ipynb", folder)
     return folder
 
@@ -158,8 +158,7 @@ def test_bare_from_a_frame_to_scores(bare):
 
 
 def test_bare_evaluate_leaves_out_what_needs_an_extra(bare):
-    done = bare.cmtof("evaluate", "wall.npz", "--json", "all.json")
-    (line,) = done.stderr.splitlines()
+    (line,) = bare.cmtof("evaluate", "wall.npz", "--json", "all.json").stderr.splitlines()
     assert line.endswith("onnxruntime, got none. Install it: pip install 'cmtof[networks]'.")
     others = {name for name, method in METHODS.items() if method.kind in ("classical", "trivial")}
     assert json.loads((bare.folder / "all.json").read_text())["methods"].keys() == others

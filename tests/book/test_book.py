@@ -15,7 +15,7 @@ from cmtof_book.paper import published_numbers
 BUILD = ROOT / "build" / "ci"
 HTML = BUILD / "html"
 NOTEBOOKS = graph.Book(ROOT).notebooks()
-ERRATA = (ROOT / "notebooks" / "22_errata.py").read_text(encoding="utf-8")
+ERRATA = (ROOT / "notebooks" / "22_errata.py").read_text("utf-8")
 PAGES = [p for p in sorted(HTML.rglob("*.html")) if "_static" not in p.parts]
 
 pytestmark = mark.skipif(not HTML.is_dir(), reason="no ci build: make test makes one")
@@ -23,7 +23,7 @@ pytestmark = mark.skipif(not HTML.is_dir(), reason="no ci build: make test makes
 
 @cache
 def soup(page):
-    return BeautifulSoup(page.read_text(encoding="utf-8"), "html.parser")
+    return BeautifulSoup(page.read_text("utf-8"), "html.parser")
 
 
 @cache
@@ -32,7 +32,7 @@ def anchors(page):
 
 
 def test_every_chapter_has_a_page_that_states_how_it_was_made():
-    assert "WARNING" not in (BUILD / "book.log").read_text(encoding="utf-8")
+    assert "WARNING" not in (BUILD / "book.log").read_text("utf-8")
     for stem in NOTEBOOKS:
         block = soup(HTML / "notebooks" / f"{stem}.html").select_one(".admonition.provenance")
         rows = {row.td.get_text() for row in block.select("tr") if row.td}
@@ -40,7 +40,7 @@ def test_every_chapter_has_a_page_that_states_how_it_was_made():
 
 
 def test_no_figure_table_or_equation_of_the_paper_is_missing():
-    page = (BUILD / "stage" / "book" / "scoreboard.md").read_text(encoding="utf-8")
+    page = (BUILD / "stage" / "book" / "scoreboard.md").read_text("utf-8")
     assert "None of them is missing." in page
 
 
@@ -68,13 +68,13 @@ def test_pages_are_whole():
 
 def test_style_sheets_load_nothing_from_elsewhere():
     for sheet in HTML.rglob("*.css"):
-        text = sheet.read_text(encoding="utf-8", errors="ignore")
+        text = sheet.read_text("utf-8", errors="ignore")
         assert not re.search(r"(url\(\s*['\"]?|@import\s+['\"])(https?:)?//", text), sheet.name
 
 
 def outputs(stem):
     path = BUILD / "stage" / "notebooks" / f"{stem}.ipynb"
-    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    cells = json.loads(path.read_text("utf-8"))["cells"]
     return [output for cell in cells for output in cell.get("outputs", ())]
 
 
@@ -91,7 +91,7 @@ def test_every_figure_is_placed_with_its_caption_and_text():
     placed = set().union(*map(anchors, PAGES))
     texts = {img.get("alt") for page in PAGES for img in soup(page).find_all("img")}
     for file in sorted((BUILD / "results").glob("*/*.json")):
-        record = json.loads(file.read_text(encoding="utf-8"))
+        record = json.loads(file.read_text("utf-8"))
         if "figure" not in record:
             continue
         assert (file.parent / record["figure"]).is_file()

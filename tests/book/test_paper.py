@@ -124,8 +124,7 @@ def test_few_numbers_can_be_contradicted_and_every_dependency_is_known():
     assert all(one.depends for one in results)
     judged = [n for n in results if not n.untested and not Score(n, crops=CROPS).differing]
     assert 10 <= len(judged) <= 20
-    used = {name for one in results for name in one.depends}
-    assert used == set(paper.dependencies())
+    assert {name for one in results for name in one.depends} == set(paper.dependencies())
     for one in paper.dependencies().values():
         assert one.same is True or one.decides
 
@@ -223,8 +222,7 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
 def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
     """At most twenty contradict the paper, each with a sentence that says why."""
     held = json.loads(ACCEPTED.read_text("utf-8"))["numbers"]
-    verdicts = [number["verdict"] for number in held.values()]
-    assert verdicts.count("contradicted") <= 20
+    assert [number["verdict"] for number in held.values()].count("contradicted") <= 20
     for key, number in held.items():
         published = NUMBERS[key]
         about = {"profile": number["profile"], "crops": number["crops"]}
@@ -255,7 +253,7 @@ def test_claims_are_filled_with_numbers_of_the_build():
 def test_claims_of_the_book_name_what_exists():
     stems = {path.stem for path in (ROOT / "notebooks").glob("*.py")}
     figures = {path.stem for path in (ROOT / "figures").glob("*.json")}
-    listed = re.findall(r"book/claims/(\w+)", (ROOT / "_toc.yml").read_text(encoding="utf-8"))
+    listed = re.findall(r"book/claims/(\w+)", (ROOT / "_toc.yml").read_text("utf-8"))
     assert listed == list(claims_by({}))
     for claim in claims_by({}).values():
         assert claim.chapter in stems and claim.figure in figures

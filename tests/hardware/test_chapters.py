@@ -15,13 +15,11 @@ from cmtof_book import ROOT
 from cmtof_lab.objects import GRADE_2, gage_blocks
 from cmtof_lab.targets import MeshTarget
 
-NOTEBOOKS = ROOT / "notebooks"
-
 
 def found_in(chapter, name, **parameters):
     """What a chapter's cells have found, the first of them with other parameters."""
     seen = {}
-    for cell in (NOTEBOOKS / f"{chapter}.py").read_text("utf-8").split("# %%"):
+    for cell in (ROOT / "notebooks" / f"{chapter}.py").read_text("utf-8").split("# %%"):
         exec(cell.partition("\n")[2], seen)
         if "parameters" in cell.partition("\n")[0]:
             seen |= parameters
@@ -65,16 +63,14 @@ def test_a_chapter_measures_on_a_rig_what_it_simulates(world_of, tmp_path, monke
         assert_allclose(measured[key], value, atol=1e-8, err_msg=key)
 
 
-GUIDE = ROOT / "book" / "hardware.md"
-
-
 def test_the_guides_lines_run_on_a_rig(world_of, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     world = world_of(**PHOTODIODE)
     world.write(tmp_path / "rig.yml")
     asked = []
     seen = {"input": asked.append}
-    for block in re.findall(r"```python\n(.*?)```", GUIDE.read_text("utf-8"), re.DOTALL):
+    guide = (ROOT / "book" / "hardware.md").read_text("utf-8")
+    for block in re.findall(r"```python\n(.*?)```", guide, re.DOTALL):
         if "bluesky" not in block or find_spec("bluesky"):
             exec(textwrap.dedent(block), seen)
     assert asked[:2] == ["laser high? Then Enter. ", "laser low? Then Enter. "]

@@ -58,8 +58,7 @@ WAYS = {  # target, photodiode and reference mirror in the beam
 
 @mark.parametrize(("leads", "kind"), WAYS)
 def test_the_light_goes_where_it_should(leads, kind):
-    rig = replace(RIG, flip_mirror=leads, reference_direction_deg=(3.0, -2.0))
-    bench = simulated_bench(rig)
+    bench = simulated_bench(replace(RIG, flip_mirror=leads, reference_direction_deg=(3.0, -2.0)))
     bench.look_at(kind)
     panel = bench.daq.panel
     found = panel.target_in_beam, panel.photodiode_lit, panel.beam_block_out

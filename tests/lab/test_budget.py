@@ -28,8 +28,7 @@ def test_closed_forms_meet_the_simulation(name, field, mode):
     errors = simulated(only(field), MIRROR, mode, days=80, seed=1, **STILL)
     floor = rms(simulated(TwinSettings.ideal(), MIRROR, mode, days=5, seed=1, **STILL))
     found = np.sqrt(rms(errors) ** 2 - floor**2)
-    expected = budget_terms(MIRROR, mode, days=1)[name]
-    assert found == approx(expected, rel=3 / np.sqrt(160))
+    assert found == approx(budget_terms(MIRROR, mode, days=1)[name], rel=3 / np.sqrt(160))
 
 
 def test_noise_meets_its_part_of_the_bound():

@@ -26,10 +26,8 @@ from cmtof_lab.instrument import (
 from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
 from cmtof_lab.targets import Plane
 
-FIGURES = ROOT / "figures"
 IDEAL = TwinSettings.ideal()
 NOISY = replace(IDEAL, noise=True)
-ANGLES = np.random.default_rng(0).uniform(-0.1, 0.1, (40, 2))
 
 
 def phase_of(settings, z, mode):
@@ -83,8 +81,7 @@ def test_light_and_modulation_need_their_switches():
 
 def test_drivers_make_the_errors_that_they_are_said_to_have():
     phases, every = np.linspace(0, 6, 50), np.arange(65536) * 2 * np.pi / 65536
-    skewed = SimulatedInstrument(replace(IDEAL, iq_imbalance=0.02))
-    error = skewed.made_phase(0, phases) - phases
+    error = SimulatedInstrument(replace(IDEAL, iq_imbalance=0.02)).made_phase(0, phases) - phases
     assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
     coded = SimulatedInstrument(replace(IDEAL, phase_step_error=5e-4), seed=4)
     assert (coded.made_phase(1, every) - every).std() == approx(5e-4, rel=0.02)
@@ -122,7 +119,7 @@ def test_phase_noise_of_a_point_meets_the_closed_form(mode):
 
 def accepted(name):
     """Numbers of an accepted figure that chapter 7 drew from the captures."""
-    return json.loads((FIGURES / f"{name}.json").read_text("utf-8"))["numbers"]
+    return json.loads((ROOT / "figures" / f"{name}.json").read_text("utf-8"))["numbers"]
 
 
 def test_captures_noise_is_what_chapter_7_found():

@@ -27,8 +27,7 @@ def test_an_object_stands_before_a_wall_within_the_wraps_36_to_56(name):
     rays, hits = looked_at(name)
     low, high = np.array(RELEASED_WRAPS) * wrap_length(FREQUENCY_SINGLE) / 1.0003  # of the air
     assert low < hits.range.min() < DISTANCE < hits.range.max() < high
-    corner = (rays * hits.range[..., None])[0, [0, -1]]
-    assert (corner[:, 2] > DISTANCE + 0.05).all()
+    assert ((rays * hits.range[..., None])[0, [0, -1]][:, 2] > DISTANCE + 0.05).all()
     assert hits.reflectance.min() >= 0
     assert hits.reflectance.max() <= 1
 

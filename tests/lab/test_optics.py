@@ -58,8 +58,7 @@ def test_speckle_has_its_mean_and_contrast():
 
 
 def test_the_spot_is_symmetric_and_sees_the_mean_range():
-    settings = TwinSettings.ideal(divergence=5e-3)
-    paths = trace(Plane(1.0), np.zeros((1, 2)), settings, seed=0)
+    paths = trace(Plane(1.0), np.zeros((1, 2)), TwinSettings.ideal(divergence=5e-3), seed=0)
     weights = paths.fraction[0] / paths.fraction.sum()
     assert weights[0] == approx(0.5, rel=1e-3)
     assert (weights * paths.range[0]).sum() - 1 == approx(5e-3**2 / 4, rel=1e-2)

@@ -58,8 +58,7 @@ def test_a_mesh_interpolates_its_vertices():
     target = MeshTarget(corners, faces, np.array([0.0, 1.0, 1.0, 0.0]), 0.25)
     found = target.look(RAYS)
     assert_allclose(found.range, Plane(2.0).look(RAYS).range, rtol=1e-6)
-    x = (RAYS * found.range[:, None])[:, 0]
-    assert_allclose(found.reflectance, (x + 1) / 2, atol=1e-5)
+    assert_allclose(found.reflectance, ((RAYS * found.range[:, None])[:, 0] + 1) / 2, atol=1e-5)
     assert_allclose(found.mirrored, 0.25)
     behind = np.array([[0.0, 0.0, 3.0], [0.0, 0.0, 1.0]])
     assert target.hidden(behind, (0.0, 0.0, 0.0)).tolist() == [True, False]

@@ -24,8 +24,7 @@ def test_fourier_features_are_cosines_and_sines_of_octaves():
 def test_edges_of_a_plane_are_its_slopes_wherever_it_wraps():
     y, x = np.mgrid[:20, :30]
     edges = phase_edges((0.7 * x - 0.4 * y) % TAU)
-    inside = edges[:, 1:-1, 1:]
-    assert np.allclose(inside, np.array([0.7, -0.4, 0.3, 1.1])[:, None, None])
+    assert np.allclose(edges[:, 1:-1, 1:], np.array([0.7, -0.4, 0.3, 1.1])[:, None, None])
     assert not edges[0, :, 0].any()
     assert not edges[1, 0].any()
     assert not edges[3, -1].any()

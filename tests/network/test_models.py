@@ -113,14 +113,10 @@ def test_dilated_kernels_have_their_gradient_in_mixed_precision():
     layer(image).square().mean().backward()
     exact = layer[0].weight.grad.clone()
     for _ in range(20):
-        leave_large_numbers_in_freed_memory()
+        for size in (576, 1152, 4096, 16384):  # large numbers in memory that is freed
+            torch.full((size,), 1e25, dtype=torch.bfloat16)
         layer.zero_grad()
         with torch.autocast("cpu", torch.bfloat16):
             loss = layer(image).square().mean()
         loss.backward()
         assert (layer[0].weight.grad - exact).abs().max() < 0.02 * exact.abs().max()
-
-
-def leave_large_numbers_in_freed_memory():
-    for size in (576, 1152, 4096, 16384):
-        torch.full((size,), 1e25, dtype=torch.bfloat16)

@@ -90,8 +90,7 @@ def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config, opt
 def test_training_goes_on_from_given_weights(config, stored):
     path = stored()
     begun = unwrapping(config, path).network.state_dict()
-    held = load_weights(path).network.state_dict()
-    torch.testing.assert_close(begun, held, rtol=0, atol=0)
+    torch.testing.assert_close(begun, load_weights(path).network.state_dict(), rtol=0, atol=0)
 
 
 def test_weight_of_the_depth_is_that_of_the_configuration(config):

@@ -98,8 +98,7 @@ def test_no_camera_stands_in_a_solid_or_close_to_a_surface(room):
     turn = np.linspace(0, TAU, 24, endpoint=False)
     rays = np.stack([np.cos(turn), np.sin(turn), 0.3 * np.sin(5 * turn)], 1)
     rays = (rays / np.linalg.norm(rays, axis=1, keepdims=True)).astype(np.float32)
-    lens = Settings(SEED, height=48, width=64).lens(room.index)
-    poses = room.cameras(4, lens)
+    poses = room.cameras(4, Settings(SEED, height=48, width=64).lens(room.index))
     for pose in poses["cam_00"] + poses["cam_01"]:
         start = np.tile(pose.position.astype(np.float32), (24, 1))
         hits = room.interior.tracer.nearest(start, rays)

@@ -43,8 +43,7 @@ def test_a_border_counts_the_departure_of_its_pixels():
     label = (np.arange(SHAPE[1]) >= 81) * np.ones(SHAPE, np.int32)
     aside, _ = moved(field, q, whole_boxes(SHAPE), BENT, -0.4 * WRAP)
     for planes in ([q, q], [q, aside]):
-        found = contacts.borders(field, label, np.stack(planes))
-        assert found.step == [0]
+        assert contacts.borders(field, label, np.stack(planes)).step == [0]
 
 
 @mark.parametrize("borders", [[(0, 1, 2, 0.7), (1, 2, -1, 0.4)], [(0, 2, 1, 0.9)]])
@@ -82,8 +81,7 @@ def test_a_false_contact_gives_way_to_those_that_agree():
 
 
 def test_none_are_tied_that_disagree_or_against_the_odds():
-    apart = tied(known([0, 9], [0.3, 0.3]), between((0, 1, 0, SURE)))
-    assert apart.wraps.tolist() == [0, 9]
+    assert tied(known([0, 9], [0.3, 0.3]), between((0, 1, 0, SURE))).wraps.tolist() == [0, 9]
     for odds, second in ((0.01, 1), (SURE, 0)):
         found = tied(known([0.1, 0.8], [0.1, 0.5]), between((0, 1, 0, odds)))
         assert found.wraps.tolist() == [0, second]

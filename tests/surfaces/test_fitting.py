@@ -34,12 +34,6 @@ def likelihood(field, q, chosen=True):
     return np.where(chosen, turned.real, 0).sum()
 
 
-def test_the_series_are_cosine_and_sine():
-    for turns in np.linspace(-40, 40, 333):
-        angle = 2 * np.pi * turns
-        assert_allclose(fitting._turn(turns), (np.cos(angle), np.sin(angle)), atol=1e-7)
-
-
 def test_sums_are_those_of_the_likelihood(rng):
     depth, q = plane(NORMALS[1])
     field = field_of(depth, information=3.0, noise_of=rng)

@@ -92,5 +92,4 @@ def test_the_corner_has_a_surface_for_each_of_its_parts():
         own = owner[pure & (number == one)]
         counts = np.bincount(own[own >= 0])
         assert counts.max() > 0.7 * own.size
-        elsewhere = np.mean(number[pure & (owner == counts.argmax())] != one)
-        assert elsewhere < 0.05
+        assert np.mean(number[pure & (owner == counts.argmax())] != one) < 0.05
