@@ -41,8 +41,7 @@ def test_phase_noise_meets_the_bound_where_it_is_small(rng, phase):
 
 @mark.parametrize("intensity", [1.0, 0.3, 0.1, 0.05])
 def test_phase_noise_follows_the_exact_law_everywhere(rng, intensity):
-    law = bounds.phase_spread(linear(intensity))
-    assert errors(intensity, rng).std() == approx(law, rel=0.03)
+    assert errors(intensity, rng).std() == approx(bounds.phase_spread(linear(intensity)), rel=0.03)
 
 
 def test_phase_spread_tends_to_the_linear_and_to_the_uniform_limit():

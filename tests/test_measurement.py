@@ -47,8 +47,7 @@ def with_sample(value):
 def test_arrays_come_back_from_the_file(tmp_path, rng):
     depth = rng.uniform(1, 2, (5, 6))
     mask = depth > 1.2
-    camera = [10.0, 11.0, 3.0, 2.5]
-    written = made(depth=depth, mask=mask, camera=camera, range_max=3.0, note="hi")
+    written = made(depth=depth, mask=mask, camera=[10.0, 11.0, 3.0, 2.5], range_max=3.0, note="hi")
     written.save(tmp_path / "m.nc")
     read = cmtof.open(tmp_path / "m.nc")
     xr.testing.assert_equal(read.dataset, written.dataset)

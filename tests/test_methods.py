@@ -141,15 +141,12 @@ def test_learned_methods_tell_their_state(measured, monkeypatch):
     assert "fast-scnn" not in names_of("all")
 
 
-KINECT = (16e6, 80e6, 120e6)
-
-
 @fixture(scope="module")
 def multiples():
     """A wall between 2 and 5 m at the three tones of a Kinect, two of them multiples."""
     depth = np.linspace(2, 5, 24 * 32).reshape(24, 32)
     frame = Frame(depth, np.full(depth.shape, 0.8))
-    return cmtof.simulate(frame, protocol="full", frequencies=KINECT, noise=100.0)
+    return cmtof.simulate(frame, protocol="full", frequencies=(16e6, 80e6, 120e6), noise=100.0)
 
 
 REFUSING = [name for name in TWO if name.split("-")[0] not in ("crt", "kde")]
@@ -198,8 +195,7 @@ def rooms():
 
 def uneven(frame):
     """The frame with depths that are rough by a tenth of a wrap or so in each pixel."""
-    rng = np.random.default_rng(1)
-    return replace(frame, depth=rng.normal(frame.depth, 0.002 * frame.depth))
+    return replace(frame, depth=np.random.default_rng(1).normal(frame.depth, 0.002 * frame.depth))
 
 
 CASES = {

@@ -24,7 +24,6 @@ from cmtof.noise import (
 from cmtof.scenes import Frame
 
 SHAPE = (96, 80)
-EVERYWHERE = np.ones(SHAPE, bool)
 
 
 def surface(size=300):
@@ -110,7 +109,7 @@ def test_spectrum_of_white_noise_is_flat_and_its_mean_is_the_mean_square():
     held = power_spectrum(np.where(part(), values, np.nan), part())
     assert held.mean() == approx(np.mean(values[part()] ** 2))
     # each is the mean of 96 exponential laws: chi-squared, 99.9 % for all 39 at once
-    along = power_spectrum(values, EVERYWHERE).mean(axis=0)[1:40]
+    along = power_spectrum(values, np.ones(SHAPE, bool)).mean(axis=0)[1:40]
     low, high = chi2.ppf([5e-4 / 39, 1 - 5e-4 / 39], 2 * SHAPE[0]) / (2 * SHAPE[0])
     assert along.min() / 0.13**2 > low
     assert along.max() / 0.13**2 < high

@@ -113,9 +113,6 @@ def wheel(tmp_path_factory):
     return built
 
 
-SLOW = param(installed, marks=mark.slow)
-
-
 @fixture(scope="module")
 def inputs(tmp_path_factory, tilted_wall, measured):
     """Folder with a frame, a measurement, the file of a rig that is not there, and a chapter."""
@@ -128,7 +125,9 @@ def inputs(tmp_path_factory, tilted_wall, measured):
     return folder
 
 
-@fixture(scope="module", params=[linked, SLOW], ids=["linked", "installed"])
+@fixture(
+    scope="module", params=[linked, param(installed, marks=mark.slow)], ids=["linked", "installed"]
+)
 def environment(request, wheel, inputs, tmp_path_factory):
     """Make an environment of the wheel with one extra, or with none."""
     root = tmp_path_factory.mktemp("environment")

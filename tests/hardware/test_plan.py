@@ -38,8 +38,7 @@ def test_every_burst_has_its_own_label():
 def test_rays_are_those_of_a_pinhole():
     plan = planned(RIG, size=(3, 5))
     assert_allclose(np.diff(np.tan(plan.angles[..., 0]), axis=1), 2 * np.tan(np.deg2rad(10)) / 5)
-    down = np.tan(plan.angles[:, 0, 1])[0]
-    assert down == approx(-2 * np.tan(np.deg2rad(10)) / 3)
+    assert np.tan(plan.angles[:, 0, 1])[0] == approx(-2 * np.tan(np.deg2rad(10)) / 3)
 
 
 def test_sums_drop_the_settling_samples_and_count_what_clips():

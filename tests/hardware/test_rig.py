@@ -74,8 +74,7 @@ def test_a_view_beyond_the_mirrors_is_refused():
 
 def moved(role, address):
     """The rig with a device at another address."""
-    one = replace(RIG.devices[role], address=address)
-    return replace(RIG, devices=RIG.devices | {role: one})
+    return replace(RIG, devices=RIG.devices | {role: replace(RIG.devices[role], address=address)})
 
 
 @mark.parametrize(
@@ -109,7 +108,7 @@ def test_the_clock_begins_from_its_own_state_and_runs_as_the_rig_says():
     bench = simulated_bench(
         replace(RIG, clock_channels=(1, 2), clock_frequency=5e6, clock_amplitude=2.0)
     )
-    bench.devices["clock"] = Mock()
+    bench.clock = Mock()
     bench.start_clock()
     sines = [call.sine(channel, frequency=5e6, amplitude=2.0) for channel in (1, 2)]
     outputs = [call.output(channel, True) for channel in (1, 2)]

@@ -38,7 +38,6 @@ COMMANDS = {
     "scan": "scan --twin --size 16 -o m.nc --quiet",
     "train": "train recipe.yml -o run --quiet",
 }
-KILLS = itertools.product(["render", "scan", "train"], ["SIGINT", "SIGTERM", "SIGKILL"])
 
 
 @fixture(scope="module", autouse=True)
@@ -84,7 +83,13 @@ def contents(path):
     return {name: b"" if name in timed else one.read_bytes() for name, one in files.items()}
 
 
-@mark.parametrize(("name", "kill"), [*KILLS, ("scan", "SIGHUP")])
+@mark.parametrize(
+    ("name", "kill"),
+    [
+        *itertools.product(["render", "scan", "train"], ["SIGINT", "SIGTERM", "SIGKILL"]),
+        ("scan", "SIGHUP"),
+    ],
+)
 def test_killed_at_any_moment_it_resumes_to_equal_bytes(folder, name, kill):
     number = getattr(signal, kill)
     assert start(name, folder("first"))() == (0, [])  # compiles

@@ -117,13 +117,9 @@ def test_phase_noise_of_a_point_meets_the_closed_form(mode):
 # --- the noise of the published captures
 
 
-def accepted(name):
-    """Numbers of an accepted figure that chapter 7 drew from the captures."""
-    return json.loads((ROOT / "figures" / f"{name}.json").read_text("utf-8"))["numbers"]
-
-
 def test_captures_noise_is_what_chapter_7_found():
-    found = accepted("noise_matching_spectra")["line_noise"]
+    text = (ROOT / "figures" / "noise_matching_spectra.json").read_text("utf-8")
+    found = json.loads(text)["numbers"]["line_noise"]
     for name, (level, correlation) in CAPTURES.items():
         assert level == round(found[name]["white"], 3)
         assert correlation == round(found[name]["down"], 2)

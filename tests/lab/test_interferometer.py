@@ -12,8 +12,7 @@ from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, PLATE
 
 SILENT = TwinSettings(noise=False, speckle=False)
-ERRORS = ("wavelength_error", "stage_error", "shaking", "temperature_drift")
-STEADY = dict.fromkeys(ERRORS, 0.0)
+STEADY = dict.fromkeys(["wavelength_error", "stage_error", "shaking", "temperature_drift"], 0.0)
 
 
 def test_contrast_halves_at_the_coherence_length():

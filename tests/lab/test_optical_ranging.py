@@ -83,10 +83,9 @@ def test_coaxial_light_makes_a_cyclic_error():
 
 def test_the_grey_filter_keeps_a_mirror_within_range():
     ranger = OpticalRanger(TwinSettings.ideal(), "doubled")
-    mirror = MIRROR
     counts = ranger.counts(
-        SimulatedInstrument(ranger.before(mirror)), np.linspace(0, 0.02, 30), np.arange(30)
+        SimulatedInstrument(ranger.before(MIRROR)), np.linspace(0, 0.02, 30), np.arange(30)
     )
     assert volts_from_counts(counts).max() == approx(0.5 * 4.1, rel=0.03)
-    assert ranger.before(mirror).efficiency < 1e-3 * TwinSettings().efficiency
+    assert ranger.before(MIRROR).efficiency < 1e-3 * TwinSettings().efficiency
     assert ranger.before(PLATE).efficiency == TwinSettings().efficiency

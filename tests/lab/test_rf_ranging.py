@@ -67,11 +67,10 @@ def test_sweep_follows_the_law_of_a_noisy_phase_where_nothing_drifts(reflectance
 
 
 def test_calibration_helps_a_mirror_and_the_offset_hides_a_plate():
-    target = MIRROR
     rms = {}
     for calibrated in (True, False):
         ranger = RfRanger(calibrated=calibrated)
-        error = ranger.sweep(target, POSITIONS, repeats=20, seed=2) - target.distance - POSITIONS
+        error = ranger.sweep(MIRROR, POSITIONS, repeats=20, seed=2) - MIRROR.distance - POSITIONS
         rms[calibrated] = np.sqrt(np.mean(error**2))
     assert rms[True] < 0.3 * rms[False]
     # without calibration the offset is all there is: the reading stands still

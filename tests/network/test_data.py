@@ -16,8 +16,7 @@ from cmtof.scenes import Frame
 
 def flat(depth, intensity, sigma, side=200, seed=0):
     whole = np.ones((side, side))
-    rng = np.random.default_rng(seed)
-    return data.batch_of([(depth * whole, intensity * whole, sigma, rng)])
+    return data.batch_of([(depth * whole, intensity * whole, sigma, np.random.default_rng(seed))])
 
 
 def test_noise_free_phasors_are_those_of_the_depth():

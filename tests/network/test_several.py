@@ -63,8 +63,7 @@ def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start, tmp_pa
     config = read_config(tmp_path / "recipe.yml")
     module = Unwrapping(config, open_rooms(config, None, tmp_path), tmp_path / "last.ckpt")
     for rank in range(2):  # norms see one half at a time, as in a process
-        sample = module.measured(Steps(config, None, rank, 2)[0])
-        (loss_of(module.network, sample) / 2).backward()
+        (loss_of(module.network, module.measured(Steps(config, None, rank, 2)[0])) / 2).backward()
     found = torch.load(tmp_path / "gradients.pt")
     for name, weight in module.network.named_parameters():
         torch.testing.assert_close(found[name], weight.grad, rtol=1e-4, atol=1e-6, msg=name)

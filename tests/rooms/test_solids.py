@@ -7,7 +7,6 @@ from cmtof.correlation import TAU
 from cmtof_rooms import solids
 
 GRID = np.stack([*np.mgrid[:3, :2], np.zeros((3, 2))], axis=-1)
-BOWL = [(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)]
 
 
 SOLIDS = {
@@ -20,7 +19,10 @@ SOLIDS = {
     ),
     "plate with a hole over its edge": (solids.plate(2.0, 2.0, 0.1, [(-1, 1, -1, 1)]), 0.3),
     "cone": (solids.revolution([(1, 0), (0, 3)], sections=300), np.pi),
-    "bowl": (solids.revolution(BOWL, sections=300), 0.271 * np.pi),
+    "bowl": (
+        solids.revolution([(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)], sections=300),
+        0.271 * np.pi,
+    ),
     "bar": (
         solids.sweep([(0, 0, 0), (1, 0, 0), (3, 0, 0)], 0.1, sections=300),
         0.03 * np.pi,
@@ -44,8 +46,7 @@ def test_a_solid_is_closed_and_has_its_volume(name):
 
 
 def test_joined_solids_keep_their_volumes():
-    far = solids.move(solids.box((1, 1, 2)), (5, 0, 0), 0.3)
-    both = solids.join([solids.box((1, 1, 1)), far])
+    both = solids.join([solids.box((1, 1, 1)), solids.move(solids.box((1, 1, 2)), (5, 0, 0), 0.3)])
     assert both.is_watertight
     assert both.volume == approx(3.0)
 

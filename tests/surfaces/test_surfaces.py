@@ -134,8 +134,7 @@ def test_phases_alone_and_other_frequencies():
 
 def test_clear_pixels_vote_where_no_surface_explains_them():
     """Clutter of 4 px without noise: surfaces, which need 12 px, fail, and neighbours decide."""
-    rng = np.random.default_rng(4)
-    depth = np.repeat(np.repeat(rng.uniform(0.8, 1.1, (16, 20)), 4, 0), 4, 1)
+    depth = np.repeat(np.repeat(np.random.default_rng(4).uniform(0.8, 1.1, (16, 20)), 4, 0), 4, 1)
     assert right(simulate(Frame(depth, np.ones(depth.shape)), noise_free=True)) > 0.9
 
 
