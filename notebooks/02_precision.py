@@ -22,6 +22,7 @@ import numpy as np
 from cmtof.bounds import phase_bound, phase_density, phase_spread, simulated_phase_noise
 from cmtof.constants import ADC_BITS, FREQUENCY_SINGLE, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (
+    TAU,
     centred,
     correlation_from_phase,
     depth_from_phase,
@@ -166,7 +167,7 @@ exact = np.array([phase_spread(noise) for noise in linear])
 errors = {}
 for value in brightness:
     full = GAIN * INTEGRATION_TIME * value
-    truth = rng.uniform(0, 2 * np.pi, law_samples)
+    truth = rng.uniform(0, TAU, law_samples)
     mean = correlation_from_phase(truth, psi, amplitude=full / np.pi, offset=full / 2)
     noisy = poisson_gaussian(mean.astype(np.float32), rng=rng, sigma=NOISE_SIGMA)
     errors[value] = centred(phase_from_correlation(noisy, psi) - truth)
@@ -246,8 +247,7 @@ reached = {
     "sec3.signal_change_100mhz": closed_form(crest[0]),
     "sec3.signal_change_8ghz": closed_form(crest[1]),
 }
-for key, value in reached.items():
-    paper.check(key, value)
+paper.check_all(reached)
 paper.table()
 
 # %% [markdown]

@@ -99,9 +99,9 @@ plotting.save(
 
 # %%
 beat_range = unambiguous_range(FREQUENCIES)
-beat_wraps = beat_range / float(wrap_length(f1))
+beat_wraps = beat_range / wrap_length(f1)
 white = bounds.simulated_phase_noise(1.0)
-wrap_spread = float(bounds.wrap_noise(white, white, frequencies=FREQUENCIES))
+wrap_spread = bounds.wrap_noise(white, white, frequencies=FREQUENCIES)
 step = 1e3 * phase_from_depth(wrap_length(f1), f2 - 2 * f1)
 print(f"range {beat_range:.3f} m, {beat_wraps:.1f} wraps of {step:.1f} mrad of beat each")
 print(f"at full brightness the count of one pixel has a standard deviation of {wrap_spread:.1f}")

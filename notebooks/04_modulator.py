@@ -26,7 +26,7 @@ from matplotlib.patches import Circle, Rectangle
 from scipy.special import jv
 
 from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE, SPEED_OF_LIGHT
-from cmtof.correlation import correlation_contrast
+from cmtof.correlation import TAU, correlation_contrast
 from cmtof.modulator import DOUBLED, SINGLE, doubled_mode_harmonics, single_mode_harmonics
 from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
 from cmtof_book import notes, paper, plotting
@@ -65,7 +65,7 @@ def draw_path(ax):
 def draw_states(ax, mode, top, name):
     """Polarisation ellipses for three drive voltages: the way out above, the way back below."""
     states = mode.states(eta * np.array([-1.0, 0.0, 1.0]))
-    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 121))
+    circle = np.exp(1j * np.linspace(0, TAU, 121))
     spots = {(0.6, top - 1.15): "PBS out"}
     for x, (out, back) in PLACES.items():
         spots |= {(x, top): out, (x, top - 1.15): back}
@@ -93,7 +93,7 @@ cycles = np.linspace(0, 2, 401)
 for name, mode in modes.items():
     frequency = ORDER[name] * mode.frequency / 1e9
     for drive, style in ((eta, "-"), (np.pi / 4, ":")):
-        wave = replace(mode, eta=drive).waveform(2 * np.pi * cycles)
+        wave = replace(mode, eta=drive).waveform(TAU * cycles)
         label = f"{name}, {frequency:.2f} GHz, η = {drive:.2f}"
         waves.plot(cycles, wave, style, color=COLOURS[name], label=label)
 waves.set(xlabel="drive periods, ωt/2π", ylabel="transmitted intensity, $I/A^2$", ylim=(-0.05, 1.4))
@@ -257,7 +257,7 @@ print(f"doubled drive on the single mode's spacing: {late:.1f} mrad late, {lost:
 # %%
 lowest = sp.series((1 - sp.cos(2 * eta_s * sp.sin(theta))) / 2, eta_s, 0, 4).removeO()
 print("lowest order over Eq. 19:", sp.simplify(lowest / (eta_s**2 * sp.sin(theta) ** 2 / 2)))
-ratio = float(jv(2, 2 * eta) / jv(1, 2 * eta))
+ratio = jv(2, 2 * eta) / jv(1, 2 * eta)
 x = sp.symbols("x", positive=True)
 quarter_at = sp.nsolve(sp.besselj(2, 2 * x) / sp.besselj(1, 2 * x) - 0.25, x, 0.5)
 print(f"J_2/J_1 at η = {eta}: {ratio:.3f}; a quarter only at η = {float(quarter_at):.3f}")
@@ -271,14 +271,14 @@ spectra = {name: mode.harmonics(8) for name, mode in modes.items()}
 for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
     ps = 1e12 / mode.frequency
     seen = low_pass_harmonics(mode.harmonics(24), frequency=mode.frequency, cutoff=bandwidth)
-    dots = waveform_from_harmonics(seen, 2 * np.pi * sampled) + rng.normal(0, noise, sampled.size)
+    dots = waveform_from_harmonics(seen, TAU * sampled) + rng.normal(0, noise, sampled.size)
     ax.plot(ps * sampled, dots, ".", ms=4, color="#9AA4AD", label="photodiode, noisy")
-    ax.plot(ps * cycles, mode.waveform(2 * np.pi * cycles), lw=2.4, label="exact")
-    weak = taylor[name](eta * np.sin(2 * np.pi * cycles))
+    ax.plot(ps * cycles, mode.waveform(TAU * cycles), lw=2.4, label="exact")
+    weak = taylor[name](eta * np.sin(TAU * cycles))
     ax.plot(ps * cycles, weak, ls="--", label="lowest order in η")
     if name == "doubled":
         ax.plot(ps * cycles, weak / 2, ":", color="C4", label="Eq. 19 as printed")
-    filtered = waveform_from_harmonics(seen, 2 * np.pi * cycles)
+    filtered = waveform_from_harmonics(seen, TAU * cycles)
     ax.plot(ps * cycles, filtered, color=black, lw=1.3, label=f"through {bandwidth / 1e9:.0f} GHz")
     ax.set(
         title=f"{name} mode", xlabel="time (ps)", ylim=((0, 1.1), (-0.03, 0.15))[name != "single"]
@@ -344,7 +344,7 @@ w2 = doubled_mode_harmonics(etas, 2)
 mean = {"single": w1[:, 0].real, "doubled, dark": w2[:, 0].real}
 mean["doubled, bright"] = 1 - mean["doubled, dark"]  # the other port, the same swing
 swing = {"single": abs(w1[:, 1]), "doubled, dark": abs(w2[:, 2]), "doubled, bright": abs(w2[:, 2])}
-signal_ratio = [float((jv(2, 2 * e) / jv(1, 2 * e)) ** 2) for e in (eta, np.pi / 4)]
+signal_ratio = [(jv(2, 2 * e) / jv(1, 2 * e)) ** 2 for e in (eta, np.pi / 4)]
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.5))
@@ -543,8 +543,7 @@ reached = {
     "fig8.frequency_drive": DOUBLED.frequency,
     "fig8.frequency_doubled": strongest * DOUBLED.frequency,
 }
-for key, value in reached.items():
-    paper.check(key, value)
+paper.check_all(reached)
 paper.table()
 
 # %% [markdown]

@@ -24,6 +24,7 @@ from cmtof.bounds import phase_spread, simulated_phase_noise
 from cmtof.classical.beat import beat_depth, beat_phasor
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import (
+    TAU,
     centred,
     consistent_wrap_count,
     correlation_from_phase,
@@ -110,7 +111,7 @@ plotting.save(
 # to whatever ψ the file states: any number from three up, any spacing, any order.
 
 # %% tags=["hide-input"]
-truth = np.linspace(0, 2 * np.pi, 400, endpoint=False)
+truth = np.linspace(0, TAU, 400, endpoint=False)
 irregular = np.array([5.1, 0.2, 2.9, 1.0, 4.4, 3.3, 1.9])
 curve = correlation_from_phase(truth, irregular, amplitude=2.0, offset=7.0)
 worst = np.abs(centred(decode(curve, irregular).phase - truth)).max()
@@ -169,14 +170,14 @@ for name, (which, sigma) in settings.items():
     spread[name] = []
     kept[name] = []
     for level in levels:
-        angle = rng.uniform(0, 2 * np.pi, draws)
+        angle = rng.uniform(0, TAU, draws)
         one = {"amplitude": level * signal / np.pi, "offset": level * signal / 2}
         mean = correlation_from_phase(angle, psi, **one).astype(np.float32)
         decoded = decode(poisson_gaussian(mean, rng=rng, sigma=sigma, order=which), psi)
         error = centred(decoded.phase - angle)
-        spread[name].append(float(error.std()))
+        spread[name].append(error.std())
         # the decoded phasor along the true direction, over the true amplitude
-        kept[name].append(float(np.mean(decoded.amplitude * np.cos(error)) / one["amplitude"]))
+        kept[name].append(np.mean(decoded.amplitude * np.cos(error)) / one["amplitude"])
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.0))
@@ -306,8 +307,8 @@ scored = measured.mask
 bright = scored & (brightness >= np.percentile(brightness[scored], 90))
 octaves = 2.0 ** np.arange(order + 1)
 multiples = ["φ", *(f"{2**k}φ" for k in range(1, order + 1))]
-remains = [float(np.cos(k * error[scored]).mean()) for k in octaves]
-remains_bright = [float(np.cos(k * error[bright]).mean()) for k in octaves]
+remains = [np.cos(k * error[scored]).mean() for k in octaves]
+remains_bright = [np.cos(k * error[bright]).mean() for k in octaves]
 remains_white = np.exp(-((octaves * phase_spread(float(simulated_phase_noise(1.0)))) ** 2) / 2)
 table = zip(multiples, remains, remains_bright, remains_white, strict=True)
 rows = [(name, *(f"{x:.1%}" for x in kept)) for name, *kept in table]
@@ -461,8 +462,7 @@ reached = {
     "sec8.noise_sigma_high": ambient_noise,
     "sec8.noise_ratio": ambient_noise / NOISE_SIGMA,
 }
-for key, value in reached.items():
-    paper.check(key, value)
+paper.check_all(reached)
 paper.table()
 
 # %% [markdown]

@@ -43,7 +43,7 @@ from cmtof_book import notes, plotting, views
 
 plotting.begin(profile=profile, seed=seed)
 colours = tuple(plotting.PALETTE.values())
-WRAP = float(wrap_length(FREQUENCY_SINGLE))
+WRAP = wrap_length(FREQUENCY_SINGLE)
 
 
 # %% [markdown]
@@ -94,8 +94,8 @@ def wall_of(depth):
 
     q = np.array([0.5, 1 / np.percentile(depth, 90), 0.0, 0.0])
     for step in range(12):  # first what lies behind pulls, then what lies near
-        near = np.abs(depth - model(q)) < 0.01
-        weight = np.where(depth > model(q), 1.0, 0.1) if step < 6 else near.astype(float)
+        off = depth - model(q)
+        weight = np.where(off > 0, 1.0, 0.1) if step < 6 else (np.abs(off) < 0.01).astype(float)
         q = optimize.least_squares(lambda q, w=weight: (w * (depth - model(q))).ravel(), q).x
     focal = width / abs(q[0])
     return np.abs(depth - model(q)) < 0.01, np.array([focal, focal, width / 2, height / 2])
@@ -178,10 +178,10 @@ for name in names:
         (left[:-1], left[1:], where[:-1] & where[1:]),
         (left.T[:-1], left.T[1:], where.T[:-1] & where.T[1:]),
     )
-    neighbours[name] = [float(np.corrcoef(a[both], b[both])[0, 1]) for a, b, both in pairs]
+    neighbours[name] = [np.corrcoef(a[both], b[both])[0, 1] for a, b, both in pairs]
     coarse = noise.local_phase_noise(smooth[name].phase[few], window=3)
     flat = ndimage.binary_erosion(where[few], np.ones((3, 3))) & np.isfinite(coarse)
-    after[name] = float(np.median(coarse[flat]) / np.sqrt(stats.chi2.median(3) / 3))
+    after[name] = np.median(coarse[flat]) / np.sqrt(stats.chi2.median(3) / 3)
     print(f"{name}: neighbours' correlation", *(f"{round(r, 2) + 0:.2f}" for r in neighbours[name]))
     print(f"  averaged {after[name]:.3f} rad, {sigma[name] / fit_window:.3f} if it were white")
 

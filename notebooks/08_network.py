@@ -498,8 +498,7 @@ reached = {
     "sec8.epochs": stage.crops / 500,
     "sec8.rate": stage.rate[0],
 }
-for key, value in reached.items():
-    paper.check(key, value)
+paper.check_all(reached)
 crops = cards["proposed"].crops
 for row in (row for row in cards if row != "random_stem"):
     ends = np.array(alike[row])[:, :3]  # value, low and high of three rates

@@ -125,8 +125,8 @@ for name in (*METHODS, *REFERENCES):
             continue
         found = rates(counts, name, draws=draws)
         value, low, high = share[protocol, name] = [100 * part for part in found]
-        cells += [f"{value[0]:.1f} ({low[0]:.1f}–{high[0]:.1f})", f"{value[2]:.1f}"]
-        cells.append(f"{value[3]:.1f}")
+        cells.append(f"{value[0]:.1f} ({low[0]:.1f}–{high[0]:.1f})")
+        cells += [f"{value[2]:.1f}", f"{value[3]:.1f}"]
     rows += [[f"`{name}`", *cells]] if any(cells) else []  # where it was counted
 head = [f"{protocol}: {one}" for protocol in PROTOCOLS for one in ("δ < 1", "δ < 3", "δ ≥ 10")]
 notes.table(["%", *head], rows)

@@ -326,8 +326,8 @@ for name in SHOWN:
             continue
         value, low, high = [100 * part for part in rates(counts, name, draws=draws)]
         overall[protocol, name] = value[0], low[0], high[0]
-        cells += [f"{value[0]:.1f} ({low[0]:.1f}–{high[0]:.1f})", f"{value[2]:.1f}"]
-        cells.append(f"{value[3]:.1f}")
+        cells.append(f"{value[0]:.1f} ({low[0]:.1f}–{high[0]:.1f})")
+        cells += [f"{value[2]:.1f}", f"{value[3]:.1f}"]
     rows += [[f"`{name}`", *cells]] if any(cells) else []  # where it was counted
 notes.table([f"%, {len(counts)} test frames", *head], [*rows, GOALS])
 

@@ -141,7 +141,7 @@ notes.table(["%", "noise", "δ < 1", "δ < 2", "δ < 3", "δ ≥ 3"], rows)
 low, high = FREQUENCIES
 detuning = high / low - 2  # turns of beat per wrap
 period = TAU * detuning  # closure that moves every wrap by one, rad
-wrap = float(wrap_length(low))
+wrap = wrap_length(low)
 
 
 def wraps_moved(offset):
@@ -404,7 +404,7 @@ def misfit(residual, f, noise):
 def distances(f, noise, reach):
     """D of rivals 1, 2, … wraps apart within a range, m, and the share of depths that have one."""
     lowest = f.min(axis=0)
-    apart = np.arange(1, np.ceil(reach / float(np.min(wrap_length(lowest)))))
+    apart = np.arange(1, np.ceil(reach / np.min(wrap_length(lowest))))
     apart = apart.reshape((-1,) + (1,) * lowest.ndim)
     turns = apart * (f / lowest)[:, None]
     d = np.sqrt(misfit(TAU * (turns - np.rint(turns)), f[:, None], noise[:, None]))
@@ -434,7 +434,7 @@ def enough_pixels(f, noise, reach, error=0.05):
 
 # %% tags=["hide-input"]
 eta = np.pi / 4  # drive of full contrast, rad
-far = float(wrap_length(20e6))  # range, m
+far = wrap_length(20e6)  # range, m
 
 
 def relative_signal(f):
@@ -464,7 +464,7 @@ for case in ("equal", "doubled mode weak"):
         least = np.concatenate(least)
         near = sets[:, np.argsort(least)[:64]]  # a close look at the most promising ones
         found = enough_pixels(near, noise_of(near, case), far)
-        best[case, size] = (tuple(near[:, found.argmin()]), float(found.min()))
+        best[case, size] = (tuple(near[:, found.argmin()]), found.min())
 
 # %% tags=["hide-input"]
 theirs = {

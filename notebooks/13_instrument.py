@@ -20,7 +20,7 @@ import numpy as np
 from scipy.constants import h
 
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.correlation import wrap_length
+from cmtof.correlation import TAU, wrap_length
 from cmtof.hardware.reduction import FULL_SCALE
 from cmtof.hardware.rig import MODES, Rig
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
@@ -232,7 +232,7 @@ quantum = (20 / 2**14) / np.sqrt(12) / np.sqrt(rig.samples_per_phase)
 even = np.interp(1.0, shot / amplifier, output)
 ranges = np.geomspace(0.2, 8.0, points)
 micron = {
-    mode: 1e6 * wrap_length(order * rig.drive_frequency(mode)) / (2 * np.pi)
+    mode: 1e6 * wrap_length(order * rig.drive_frequency(mode)) / TAU
     for mode, order in MODES.items()
 }
 curves = {
@@ -337,8 +337,7 @@ reached = {
     "sec7.integration_time": rig.scans / rig.rate,
     "sec8.target_distance": rig.reference_distance,
 }
-for key, value in reached.items():
-    paper.check(key, value)
+paper.check_all(reached)
 paper.table()
 
 # %% [markdown]

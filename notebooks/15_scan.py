@@ -74,7 +74,7 @@ index = float(data.attrs["group_index"])
 truth = bench.daq.instrument.ranges(plan.angles).reshape(size, size)
 ideal_phase = np.stack([phase_from_depth(index * truth, f) for f in measurement.frequencies])
 error = centred(measurement.phase - ideal_phase)
-period = float(wrap_length(measurement.frequencies[0])) / index
+period = wrap_length(measurement.frequencies[0]) / index
 wrap_in_beat = TAU * (measurement.frequencies[1] / measurement.frequencies[0] - 2)
 tones = [f"{f / 1e9:.2f} GHz" for f in measurement.frequencies]
 print(
@@ -215,7 +215,7 @@ shot = density(given, np.maximum(level, 0))
 converter = (given.converter_noise * SLOPE) ** 2 / (kept_time * rig.rate)
 expected = np.sqrt(2 / rig.phases * (shot / (2 * kept_time) + converter))
 expected = expected / measurement.amplitude
-pulls = [float(np.median(np.abs(p)) / 0.6745) for p in causes["noise"] / expected]
+pulls = [np.median(np.abs(p)) / 0.6745 for p in causes["noise"] / expected]
 print(f"scatter of the noise over its prediction: {pulls[0]:.2f} and {pulls[1]:.2f}")
 
 # %% tags=["hide-input"]

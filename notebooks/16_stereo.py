@@ -40,7 +40,7 @@ from cmtof_lab.targets import scene_from
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
-WRAP = float(wrap_length(FREQUENCY_SINGLE))
+WRAP = wrap_length(FREQUENCY_SINGLE)
 LEFT = plotting.PALETTE["blue"]
 RIGHT = plotting.PALETTE["vermillion"]
 BEAM = "#00A86B"
@@ -95,16 +95,17 @@ frame = frame_of(scene_from({"kind": "object", "name": scene}), measurement)
 spots = stereo.scan_spots(frame, rig, rng=rng, sensor=sensor)
 alone = labels(frame, spots, cameras, redrawn)
 truth = labels(frame, spots, cameras, redrawn, **measured_phase(measurement))
-wrong = float((np.abs(truth.depth - frame.depth) > WRAP / 2)[truth.mask].mean())
+wrong = (np.abs(truth.depth - frame.depth) > WRAP / 2)[truth.mask].mean()
 print(f"labelled: stereo alone {alone.mask.mean():.1%}, with the phase {truth.mask.mean():.1%}")
 
 # %% tags=["hide-input"]
 figure = plt.figure(figsize=(8.4, 5.4))
 axes = [figure.add_subplot(121, projection="3d", computed_zorder=False)]
 axes += [figure.add_subplot(place) for place in (222, 224)]
-points = points_from_depth(frame.depth, frame.camera) @ [[0, -1, 0], [0, 0, -1], [1, 0, 0]]
+turned = [[0, -1, 0], [0, 0, -1], [1, 0, 0]]  # z of the plot points upwards
+points = points_from_depth(frame.depth, frame.camera) @ turned
 target = points[points.shape[0] // 2, int(0.45 * points.shape[1])]
-places = [*rig.centres @ [[0, -1, 0], [0, 0, -1], [1, 0, 0]], np.zeros(3)]
+places = [*rig.centres @ turned, np.zeros(3)]
 cloud = points[::2].reshape(-1, 3)
 known = np.isfinite(points[::2, :, 0]).ravel()
 grey = 0.35 + 0.6 * frame.intensity[::2].clip(0, 1).ravel()[known] ** 0.45

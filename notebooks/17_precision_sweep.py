@@ -524,6 +524,5 @@ reached = {
     "sec8.sampling_ratio": 2 * FREQUENCY["single"] / SAMPLE_RATE,
     "sec7.integration_time": burst,
 }
-for key, value in reached.items():
-    paper.check(key, float(value))
+paper.check_all(reached)
 paper.table()

@@ -148,8 +148,8 @@ def correlation_phase(settings, ranges):
 ratio = back_ratio(known, target)
 eta = known.eta
 excess = known.group_index - 1
-third = float((jv(3, 2 * eta) / jv(1, 2 * eta)) ** 2)
-length = float(wrap_length(FREQUENCY["single"]))
+third = (jv(3, 2 * eta) / jv(1, 2 * eta)) ** 2
+length = wrap_length(FREQUENCY["single"])
 travel = length * (np.arange(wrap_points) / wrap_points - 0.5)
 ideal = TwinSettings.ideal()
 path, back, cable, _ = np.random.default_rng((seed, 0)).uniform(0, 1, 4)  # turns, of a sweep's day
@@ -269,9 +269,9 @@ display(HTML(f'<div data-play="distance" data-numbers="{escape(held)}">{shown}</
 # %% tags=["hide-input"]
 wanted = paper.published("fig13.accuracy").value
 spread = paper.published("fig13.standard_deviation").value
-phase = float(phase_from_depth(wanted, FREQUENCY["single"]))
-jitter = float(phase_from_depth(spread, FREQUENCY["single"]))
-radius = float(spot_radius(known, 1.0)) * target.distance
+phase = phase_from_depth(wanted, FREQUENCY["single"])
+jitter = phase_from_depth(spread, FREQUENCY["single"])
+radius = spot_radius(known, 1.0) * target.distance
 steep = radius / 2 / np.sqrt(speckle_cells(known, target.distance))
 photons = (spread / terms["single"]["photon noise"]) ** -2
 needs = {  # of the single mode: size needed, size assumed, unit

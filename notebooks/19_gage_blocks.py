@@ -111,7 +111,7 @@ def points_of(target, number, noise="photon", file="", **how):
     return np.stack(ranges)[..., None] * rays / index
 
 
-away = margin * float(spot_radius(base, distance))
+away = margin * spot_radius(base, distance)
 view = {
     "size": (rows, columns),
     "field_of_view": (1.85 * WIDTH / distance, 0.85 * HEIGHT / distance),
@@ -209,7 +209,7 @@ right.legend()
 plotting.label_panels([ax, right])
 
 # %% tags=["hide-input"]
-noise = [float(fit.residual.std()) for fit in fits]
+noise = [fit.residual.std() for fit in fits]
 plotting.save(
     figure,
     "fig14_gage_blocks",
@@ -266,7 +266,7 @@ print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
 left = np.array([[fit.residual.std() for fit in both] for both in planes])
 r_squared = np.array([[fit.r_squared for fit in both] for both in planes])
 slopes = np.tan(tilts)
-speckle = float(spot_radius(base, distance) / 2 / np.sqrt(speckle_cells(base, distance)))
+speckle = spot_radius(base, distance) / 2 / np.sqrt(speckle_cells(base, distance))
 facing = np.sqrt(np.maximum(left[0] ** 2 - (slopes[0] * speckle) ** 2, 0))
 spread = slopes * 2 * distance * np.tan(plane_view / 2) / np.sqrt(12)
 for k in (0, -1):

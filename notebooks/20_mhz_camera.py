@@ -112,7 +112,7 @@ dark = flat["owl"] & (owl.reflectance < DARK)
 pale = flat["owl"] & (owl.reflectance > PALE)
 error = {n: camera.error(mhz[n][0], view[n].range) for n in NAMES}
 bias = {n: camera.error(mhz[n][2], view[n].range) for n in NAMES}
-period = float(wrap_length(7.15e9)) / index
+period = wrap_length(7.15e9) / index
 right = {key: np.mean(np.abs(off) < period / 2) for key, off in ghz_error.items()}
 residual = {key: off - period * np.rint(off / period) for key, off in ghz_error.items()}
 phase_error = {key: np.nanmedian(np.abs(off)) for key, off in residual.items()}
@@ -286,7 +286,7 @@ notes.table(
     [(f"{w:.3g} W", *(f"{1e3 * one:.1f} mm" for one in row)) for w, row in noise.items()],
 )
 spot, wall = (float(camera.signal(one)[0, 0]) for one in (card(0.03), card(0.55, 1.3)))
-turn, away = (float(phase_from_depth(z, camera.frequency)) for z in (0.2, 0.3))
+turn, away = (phase_from_depth(z, camera.frequency) for z in (0.2, 0.3))
 veil = np.sin(turn) / np.sin(away - turn) * spot / wall
 print(f"200 mm on 3 % by scattered light alone: {veil / (1 + veil):.0%} of all light,")
 print("if all of it comes from a wall 0.3 m behind")
@@ -313,8 +313,7 @@ reached = {
     "fig15.mhz_exposure": camera.exposure,
     "sec1.unambiguous_range_100mhz": camera.wrap,
 }
-for key, value in reached.items():
-    paper.check(key, value)
+paper.check_all(reached)
 paper.table()
 
 # %% [markdown]

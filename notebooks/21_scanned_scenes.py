@@ -51,7 +51,8 @@ card = read_card(weights)
 SCENES = scanned.SHOWN
 # right wraps of things that were held out, after each leg of the training, %
 legs = [100 * np.mean(one) for one in stored["validation"].values()]
-labelled = stored["settings"]["labelled"]
+settings = stored["settings"]
+labelled = settings["labelled"]
 
 # %% [markdown]
 # ## Scans and methods
@@ -66,8 +67,8 @@ notes.say(
     ([chapter 15](15_scan.ipynb)).
     """,
     wraps=card.classes,
-    points=stored["settings"]["size"],
-    pitch=1e3 * 0.9 * FIELD_OF_VIEW[teaser] / stored["settings"]["size"],
+    points=settings["size"],
+    pitch=1e3 * 0.9 * FIELD_OF_VIEW[teaser] / settings["size"],
     foot=2e3 * (TwinSettings().exit_radius + TwinSettings().divergence * 0.9),
 )
 
@@ -92,7 +93,7 @@ notes.say(
     `python -m cmtof_book.scanned`, which goes on where it ended.
     """,
     labelled=labelled,
-    apart=100 * stored["settings"]["baseline"],
+    apart=100 * settings["baseline"],
     leg_first=legs[0],
     leg_last=max(legs),
 )
@@ -187,7 +188,7 @@ how = {"size": size, "seed": seed}
 scans = {(n, noise): scan_object(n, noise, **how) for n in objects for noise in NOISE}
 first = scans[objects[0], "photon"]
 index = float(first.dataset.attrs["group_index"])
-period = float(wrap_length(first.frequencies[0])) / index
+period = wrap_length(first.frequencies[0]) / index
 truth = {name: scans[name, "photon"].depth / index for name in objects}
 camera = {name: scans[name, "photon"].camera for name in objects}
 limits = {name: (np.nanmin(z), np.nanmax(z)) for name, z in truth.items()}
@@ -314,7 +315,7 @@ def swept(level, points, row):
     return float((100 * counts[:, 1] / counts[:, 0]).mean())
 
 
-sides = [stored["settings"]["size"] // stride for stride in scanned.STRIDES][::-1]
+sides = [settings["size"] // stride for stride in scanned.STRIDES][::-1]
 LOOK = {
     "fast-scnn": ("fine-tuned", "-o"),
     "kde": ("KDE", ":s"),
@@ -360,7 +361,7 @@ notes.say(
     """
     The network was fine-tuned at one pitch, {points:.0f} points a side.
     """,
-    points=stored["settings"]["size"],
+    points=settings["size"],
 )
 
 # %% [markdown]
@@ -457,8 +458,8 @@ def classes_of(name):
 kinds = np.concatenate([classes_of(n).ravel() for n in objects])
 hit = {m: np.concatenate([wraps_off(n, m).ravel() == 0 for n in objects]) for m in names}
 found = [kind for kind in CLASSES if (kinds == kind).any()]
-of_class = {k: {m: 100 * float(hit[m][kinds == k].mean()) for m in names} for k in found}
-share = {kind: 100 * float((kinds == kind).mean()) for kind in found}
+of_class = {k: {m: 100 * hit[m][kinds == k].mean() for m in names} for k in found}
+share = {kind: 100 * (kinds == kind).mean() for kind in found}
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.6), sharex=True)

@@ -478,6 +478,5 @@ reached = {
     "sec7.integration_time": closed_form(1 / sweep),
     "fig14.height_error": closed_form(off),
 }
-for key, value in reached.items():
-    paper.check(key, value)
+paper.check_all(reached)
 paper.table()

@@ -11,7 +11,7 @@ from scipy import integrate, special
 
 from cmtof.constants import GAIN, INTEGRATION_TIME, NOISE_SIGMA
 from cmtof.correlation import TAU
-from cmtof.types import Array
+from cmtof.types import Array, Pair
 
 
 def fisher_information(
@@ -105,9 +105,7 @@ def phase_spread(linear_noise: float) -> float:
     return float(np.sqrt(2 * moment))
 
 
-def wrap_noise(
-    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: tuple[float, float]
-) -> Array:
+def wrap_noise(noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair) -> Array:
     r"""Standard deviation of the wrap count from one pixel's beat, wraps.
 
     .. math:: \sigma_n = \frac{\sqrt{f_1^2\sigma_2^2 + f_2^2\sigma_1^2}}{2\pi\,\Delta},\quad
@@ -123,9 +121,7 @@ def wrap_noise(
     return np.hypot(low * np.asarray(noise_high), high * np.asarray(noise_low)) / (TAU * beat)
 
 
-def wrap_probability(
-    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: tuple[float, float]
-) -> Array:
+def wrap_probability(noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair) -> Array:
     """Odds that one pixel's beat gives the right wrap, ``erf(1 / (2 sqrt2 sigma_n))``.
 
     >>> p = wrap_probability(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
@@ -141,9 +137,7 @@ def rounding_odds(spread: ArrayLike) -> Array:
         return special.erf(1 / (2 * np.sqrt(2) * np.asarray(spread)))
 
 
-def wrap_probability_law(
-    linear_low: float, linear_high: float, *, frequencies: tuple[float, float]
-) -> float:
+def wrap_probability_law(linear_low: float, linear_high: float, *, frequencies: Pair) -> float:
     r"""Odds of `wrap_probability` by the exact law of noisy phases, for noise beyond the small.
 
     .. math:: P = \int p_1(\epsilon_1) \int_{|b f_1/\Delta - \epsilon_1| < \pi}
@@ -174,7 +168,7 @@ def wrap_probability_law(
 
 
 def pixels_needed(
-    noise_low: float, noise_high: float, *, frequencies: tuple[float, float], odds: float = 0.95
+    noise_low: float, noise_high: float, *, frequencies: Pair, odds: float = 0.95
 ) -> int:
     """Pixels to average coherently, their relative depth known, for the given odds of the wrap.
 

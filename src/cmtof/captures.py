@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from cmtof.correlation import wrapped
+from cmtof.files import AnyPath
 from cmtof.frame import broken
 from cmtof.types import Array
 
@@ -31,7 +32,7 @@ def published_captures() -> dict[str, Path]:
     return {file.stem.removeprefix("scene_").removesuffix("_phase"): file for file in files}
 
 
-def read_capture(path: str | Path) -> tuple[Array, Array | None]:
+def read_capture(path: AnyPath) -> tuple[Array, Array | None]:
     """Wrapped phase (H, W), rad, and the reference depth, m, or None where it has no file."""
     path = Path(path).resolve()
     phase = _read_map(path)

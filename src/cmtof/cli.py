@@ -43,13 +43,14 @@ EXTRAS = {module: extra for extra, modules in MODULES.items() for module in modu
 """Extra of each module that comes with none of the package's own dependencies."""
 
 
+File = Path | None
 PICTURES = (".png", ".pdf", ".svg", ".jpg")
 
 
 def _file(named: str, *flags: str, text: str) -> Any:
     """Option of a file to write, which is checked before anything is computed for it."""
 
-    def check(path: Path | None) -> Path | None:
+    def check(path: File) -> File:
         free = named != ".nc" and path and not path.exists()  # what is replaced must be alike
         return path and check_output(path, *[] if free else [named]) and path
 
@@ -64,7 +65,7 @@ Noise = Annotated[float, Option(help="Gaussian noise, counts; photon noise stays
 NoiseFree = Annotated[bool, Option("--noise-free", help="No noise of either kind.")]
 _SEED = Option(min=0, max=2**63 - 1, help="Seed of the random numbers.")
 Seed = Annotated[int, _SEED]
-Intensity = Annotated[Path | None, Option(help="Image of the light of a depth image.")]
+Intensity = Annotated[File, Option(help="Image of the light of a depth image.")]
 DepthScale = Annotated[
     float | None, Option(help="Depth image: levels per metre. Default: 1000, of TUM 5000.")
 ]
@@ -172,8 +173,8 @@ def unwrap(
     ] = None,
     min_confidence: Annotated[float, Option(help="Mask pixels below it, from 0 to 1.")] = 0.0,
     window: Annotated[int | None, Option(help="Side of the window, px (method beat).")] = None,
-    weights: Annotated[Path | None, Option(help="Own .safetensors (learned methods).")] = None,
-    ply: Annotated[Path | None, _file(".ply", "--ply", text="Point cloud (camera).")] = None,
+    weights: Annotated[File, Option(help="Own .safetensors (learned methods).")] = None,
+    ply: Annotated[File, _file(".ply", "--ply", text="Point cloud (camera).")] = None,
     tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a .nc above memory.")] = 0,
     quiet: Quiet = False,
 ) -> None:
@@ -261,7 +262,7 @@ def evaluate(
     noise: Noise = 1200.0,
     noise_free: NoiseFree = False,
     seed: Seed = 0,
-    json_file: Annotated[Path | None, _file(".json", "--json", text="Table as JSON.")] = None,
+    json_file: Annotated[File, _file(".json", "--json", text="Table as JSON.")] = None,
     intensity: Intensity = None,
     depth_scale: DepthScale = None,
     planar: Planar = False,
@@ -342,7 +343,7 @@ def methods(as_json: Annotated[bool, Option("--json", help="Print JSON.")] = Fal
 
 @app.command()
 def info(
-    file: Annotated[Path | None, Argument(help="Measurement, result or frame.")] = None,
+    file: Annotated[File, Argument(help="Measurement, result or frame.")] = None,
 ) -> None:
     """Print versions and embedded frames, or what a file holds."""
     from importlib.metadata import version
@@ -435,11 +436,11 @@ def render(
 @app.command()
 def train(
     config: Annotated[str, Argument(help="A recipe by name, or a YAML file.")],
-    output: Annotated[Path | None, Option("--output", "-o", help="Folder of the run.")] = None,
+    output: Annotated[File, Option("--output", "-o", help="Folder of the run.")] = None,
     model: Annotated[str | None, Option(help="Learned method, such as fast-scnn.")] = None,
     protocol: Annotated[str | None, Option(help="released or full.")] = None,
-    data: Annotated[Path | None, Option(help="Hypersim's layout. Default: rooms.")] = None,
-    init: Annotated[Path | None, Option(help="Weights to begin with.")] = None,
+    data: Annotated[File, Option(help="Hypersim's layout. Default: rooms.")] = None,
+    init: Annotated[File, Option(help="Weights to begin with.")] = None,
     resume: Annotated[bool, Option("--resume", help="Go on from its checkpoint.")] = False,
     minutes: Annotated[float | None, Option(help="Stop after; --resume goes on.")] = None,
     seed: Annotated[int | None, _SEED] = None,
@@ -479,15 +480,15 @@ def train(
 
 @app.command()
 def scan(
-    output: Annotated[Path | None, Option("--output", "-o", help="Measurement, *.nc.")] = None,
-    rig: Annotated[Path | None, Argument(help="RIG file, *.yml.")] = None,
+    output: Annotated[File, Option("--output", "-o", help="Measurement, *.nc.")] = None,
+    rig: Annotated[File, Argument(help="RIG file, *.yml.")] = None,
     twin: Annotated[bool, Option("--twin", help="Simulate the instrument, by RIG's twin.")] = False,
     scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
     seed: Annotated[int | None, _SEED] = None,
     size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
     resume: Annotated[bool, Option("--resume", help="Go on with a scan that was stopped.")] = False,
     check: Annotated[bool, Option("--check", help="Ask every device, move nothing.")] = False,
-    log: Annotated[Path | None, Option(help="File of all requests and replies.")] = None,
+    log: Annotated[File, Option(help="File of all requests and replies.")] = None,
     quiet: Quiet = False,
 ) -> None:
     """Scan with the instrument, or with its simulation, into a measurement.

@@ -59,7 +59,7 @@ def unambiguous_range(frequencies: ArrayLike) -> float:
     The beat's ``c / 2 |f2 - k f1|`` with ``k = round(f2 / f1)``, 7.495 m for the prototype; a
     single wrap of one frequency, or of two of which one is a multiple of the other.
     """
-    low, high = np.resize(np.asarray(frequencies, float), 2)
+    low, high = np.resize(frequencies, 2)
     beat = abs(high - np.round(high / low) * low)
     return float(wrap_length(beat if beat > 0 else low))
 
@@ -142,7 +142,7 @@ def _check_range(dataset: Dataset) -> None:
             f"Expected attributes 0 <= range_min < range_max in m, got {ends}. "
             "Set the depths to choose from."
         )
-    wraps = high / float(wrap_length(dataset["frequency"].to_numpy()[0]))
+    wraps = high / wrap_length(dataset["frequency"].to_numpy()[0])
     if wraps > MOST_WRAPS:
         raise ValueError(
             f"Expected at most {MOST_WRAPS} wraps of the lowest frequency within range_max, "

@@ -86,4 +86,4 @@ def quantise(signal: ArrayLike, *, bits: int, full_scale: float) -> Array:
             "A 14-bit converter has bits=14."
         )
     step = full_scale / (2**bits - 1)
-    return np.clip(np.rint(np.asarray(signal, float) / step), 0, 2**bits - 1) * step
+    return np.clip(np.rint(np.divide(signal, step)), 0, 2**bits - 1) * step

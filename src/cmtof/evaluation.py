@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from cmtof.constants import NOISE_SIGMA
 from cmtof.correlation import consistent_wrap_count, wrap_count_from_depth
+from cmtof.files import AnyPath
 from cmtof.measurement import Measurement
 from cmtof.methods import find_method
 from cmtof.scenes import Frame
 from cmtof.simulation import simulate
 from cmtof.statistics import Interval, ratio_interval
-from cmtof.types import Numbers
+from cmtof.types import Fields, Named, Numbers, Texts, Values
 from cmtof.unwrapping import unwrap
 
 LIMITS = (1, 2, 3, 10)  # wraps off below which pixels are counted, Tables 1 to 3
@@ -60,18 +61,18 @@ class Tally:
     """Counts of one method over frames: a few numbers a frame, however many pixels there are."""
 
     def __init__(self) -> None:
-        self.frames: list[dict[str, Any]] = []
+        self.frames: list[Fields] = []
         self.seconds = 0.0
         self._squares = 0.0
         self._sureness = 0.0
         self._errors = np.zeros(_EDGES.size + 1, np.int64)
 
-    def add(self, pixels: Mapping[str, NDArray]) -> dict[str, Any]:
+    def add(self, pixels: Mapping[str, NDArray]) -> Fields:
         """Counts of the `scored_pixels` of a frame; ``below`` each of `LIMITS` by wrap error."""
         delta = np.abs(pixels["wrap_count"] - pixels["true_count"])
         right = pixels["consistent"] == pixels["true_consistent"]
         error = np.abs(pixels["depth_error"])
-        self._squares += float(np.sum(error**2))
+        self._squares += np.sum(error**2)
         self._sureness += float(np.sum(pixels["confidence"], dtype=float))
         self._errors += np.bincount(np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1)
         below = [int((delta < limit).sum()) for limit in LIMITS]
@@ -79,17 +80,17 @@ class Tally:
         self.frames.append(counts)
         return counts
 
-    def score(self) -> dict[str, float]:
+    def score(self) -> Values:
         """Rates and depth errors over all pixels of all frames, as ``cmtof evaluate`` has them."""
         whole = sum(frame["pixels"] for frame in self.frames)
-        below = np.sum([frame["below"] for frame in self.frames], axis=0) / whole
+        below = (np.sum([frame["below"] for frame in self.frames], axis=0) / whole).tolist()
         median = int(np.searchsorted(np.cumsum(self._errors), whole / 2))
         return {
-            "delta_lt_1": float(below[0]),
-            "delta_lt_2": float(below[1]),
-            "delta_lt_3": float(below[2]),
-            "delta_ge_3": float(1 - below[2]),
-            "delta_ge_10": float(1 - below[3]),
+            "delta_lt_1": below[0],
+            "delta_lt_2": below[1],
+            "delta_lt_3": below[2],
+            "delta_ge_3": 1 - below[2],
+            "delta_ge_10": 1 - below[3],
             "consistent_lt_1": sum(frame["consistent"] for frame in self.frames) / whole,
             "depth_rmse_m": float(np.sqrt(self._squares / whole)),
             "depth_median_error_m": float(_EDGES[min(median, _EDGES.size - 1)]),
@@ -97,7 +98,7 @@ class Tally:
         }
 
 
-def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> dict[str, float]:
+def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> Values:
     """Rates and depth errors over the `scored_pixels` of one or more frames."""
     tally = Tally()
     for pixels in [frames] if isinstance(frames, Mapping) else frames:
@@ -134,11 +135,11 @@ class Evaluation:
 
     def __init__(self, methods: Sequence[str], **conditions: Any) -> None:
         self.methods = [find_method(name).name for name in methods]
-        self.options: dict[str, Any] = {}  # of every method, such as weights
+        self.options: Fields = {}  # of every method, such as weights
         self.conditions = conditions
         self.frames: list[str] = []
         self.missing: dict[str, ModuleNotFoundError] = {}
-        self.notes: dict[str, str] = {}  # by frame
+        self.notes: Texts = {}  # by frame
         self._tallies = {name: Tally() for name in self.methods}
         self._coverage = 0.0
 
@@ -171,20 +172,20 @@ class Evaluation:
             list(self.add(frame))
         return self
 
-    def counts(self) -> list[dict[str, Any]]:
+    def counts(self) -> list[Fields]:
         """Counts of every frame: its name, and those of each method."""
         return [
             {"frame": name, "methods": {m: t.frames[i] for m, t in self._tallies.items()}}
             for i, name in enumerate(self.frames)
         ]
 
-    def report(self) -> dict[str, Any]:
+    def report(self) -> Fields:
         """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them."""
-        noise = self.conditions.get("noise", NOISE_SIGMA)
+        given = {"protocol": "released", "noise": NOISE_SIGMA, "seed": 0} | self.conditions
         return {
-            "protocol": self.conditions.get("protocol", "released"),
-            "noise": 0.0 if self.conditions.get("noise_free") else float(noise),
-            "seed": self.conditions.get("seed", 0),
+            "protocol": given["protocol"],
+            "noise": 0.0 if given.get("noise_free") else float(given["noise"]),
+            "seed": given["seed"],
             "frames": self.frames,
             "notes": self.notes,
             "coverage": self._coverage / len(self.frames),
@@ -195,13 +196,13 @@ class Evaluation:
         }
 
 
-def digest(counts: Sequence[Mapping[str, Any]]) -> str:
+def digest(counts: Sequence[Named]) -> str:
     """SHA-256 of counts, stored beside them."""
     plain = json.dumps(counts, sort_keys=True, ensure_ascii=False)
     return hashlib.sha256(plain.encode()).hexdigest()
 
 
-def read_counts(path: str | Path) -> list[dict[str, Any]]:
+def read_counts(path: AnyPath) -> list[Fields]:
     """Counts of every test frame as `cmtof_book.tables` has stored them; empty without a file.
 
     Raises a ValueError if the counts were changed after they were written.
@@ -216,7 +217,7 @@ def read_counts(path: str | Path) -> list[dict[str, Any]]:
 
 
 def rates(
-    counts: Sequence[Mapping[str, Any]], method: str, *, against: str = "", draws: int = 2000
+    counts: Sequence[Named], method: str, *, against: str = "", draws: int = 2000
 ) -> Interval:
     """Rates (5,) of a method over counted frames, with 95 % intervals over redrawn frames.
 

@@ -13,11 +13,12 @@ from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any
 
+AnyPath = str | Path
 _NUMBER = count()  # of the files that this process writes beside others
 _FORGOTTEN = 600  # s, after which what a dead process has left is no longer another machine's
 
 
-def check_input(path: str | Path, what: str = "a file to read") -> Path:
+def check_input(path: AnyPath, what: str = "a file to read") -> Path:
     """Check that a path is a regular file: one would wait for a pipe, and a device has no end."""
     if not Path(path).is_file():
         raise FileNotFoundError(f"Expected {what}, got no file at {path}. Check it.")
@@ -61,7 +62,7 @@ def check_links(file: Any) -> None:
         raise ValueError(f"{found[0]} lies in another file")
 
 
-def check_output(path: str | Path, *suffixes: str) -> Path:
+def check_output(path: AnyPath, *suffixes: str) -> Path:
     """Check that a file can be written, before anything is computed for it; return its place.
 
     A ValueError if it is not named by one of the suffixes, an OSError if the folder is missing or
@@ -116,7 +117,7 @@ def _clear_away(target: Path) -> None:
 
 
 @contextmanager
-def written_whole(path: str | Path) -> Iterator[Path]:
+def written_whole(path: AnyPath) -> Iterator[Path]:
     """Yield a temporary path beside ``path`` that is renamed onto it when the block succeeds.
 
     >>> import tempfile
@@ -160,7 +161,7 @@ def alone(path: Path, *, wait: bool = False) -> Iterator[None]:
 MOST_BYTES, MOST_DEPTH = 2**20, 20
 
 
-def small_file(path: str | Path) -> bytes:
+def small_file(path: AnyPath) -> bytes:
     """Content of a document; a ValueError if it is too large for one."""
     size = check_input(path).stat().st_size
     if size > MOST_BYTES:
@@ -170,7 +171,7 @@ def small_file(path: str | Path) -> bytes:
     return Path(path).read_bytes()
 
 
-def read_document(path: str | Path) -> dict[str, Any]:
+def read_document(path: AnyPath) -> dict[str, Any]:
     """Read names and values from a YAML or JSON file; nothing in it is evaluated.
 
     A ValueError if it is too large, too deep, has aliases, or names that are no text.

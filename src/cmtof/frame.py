@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import check_input, written_whole
-from cmtof.types import Array
+from cmtof.files import AnyPath, check_input, written_whole
+from cmtof.types import Array, Texts
 from cmtof.validation import check_claim, checked_camera, numbers
 
 EMBEDDED = Path(__file__).parent / "frames"  # the small frames that travel with the package
@@ -58,7 +58,7 @@ class Frame:
         camera = None if self.camera is None else checked_camera(self.camera, where)
         vars(self).update(depth=depth, intensity=light, camera=camera)
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: AnyPath) -> None:
         """Write a compressed ``.npz`` (float32)."""
         arrays = {"depth": self.depth, "intensity": self.intensity, "camera": self.camera}
         arrays["note"] = np.array(self.note) if self.note else None
@@ -88,7 +88,7 @@ class Frames:
     """Frames of some sources; ``skipped`` holds name and reason of those that do not load."""
 
     sources: Sequence[Source]
-    skipped: dict[str, str] = field(default_factory=dict)
+    skipped: Texts = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[Frame]:
         self.skipped.clear()
@@ -133,7 +133,7 @@ def read_npz(path: Path) -> dict[str, NDArray]:
         raise broken("a whole .npz file", path, error) from error
 
 
-def listed_npz(path: Path) -> dict[str, str]:
+def listed_npz(path: Path) -> Texts:
     """Shape and type of every array of an ``.npz``, which are not read themselves."""
     found = {}
     try:
@@ -166,8 +166,8 @@ def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
 
 def light_note(light: Array) -> str:
     """What looks wrong about linear brightness, where 1 is white; nothing if it looks right."""
-    white = float(np.mean(light >= 1))
-    brightest = float(np.percentile(light, 99))
+    white = np.mean(light >= 1)
+    brightest = np.percentile(light, 99)
     if white > _WHITE:
         return f"{white:.0%} of the light is at 1 or above, and counts as white"
     if brightest < _DARK:

@@ -35,7 +35,7 @@ def hardness(depth: ArrayLike) -> Hardness:
     """Samples of one depth map (H, W), m, NaN where invalid."""
     depth = np.asarray(depth, float)
     ends = bends(depth)
-    wrap = float(wrap_length(FREQUENCY_SINGLE))
+    wrap = wrap_length(FREQUENCY_SINGLE)
     slopes = []
     jumps = []
     for axis in (0, 1):

@@ -9,7 +9,7 @@ Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
 
 import csv
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import check_input, check_links, written_whole
+from cmtof.files import AnyPath, check_input, check_links, written_whole
 from cmtof.frame import Frame, Source, broken
-from cmtof.types import Array
+from cmtof.types import Array, Named, Shape, Texts
 from cmtof.validation import check_claim
 
 FILES = {  # folder, file name and, in rendered sets, type of each array of a view
@@ -51,7 +51,7 @@ class View(NamedTuple):
         """Name such as ``ai_001_001/cam_00/0042``."""
         return f"{self.scene}/{self.camera}/{self.number:04d}"
 
-    def file(self, root: str | Path, kind: str) -> Path:
+    def file(self, root: AnyPath, kind: str) -> Path:
         """File of an array below the root of a tree; ``kind`` is a key of `FILES`."""
         folder, name, _ = FILES[kind]
         images = Path(root) / self.scene / "images" / f"scene_{self.camera}_{folder}_hdf5"
@@ -61,7 +61,7 @@ class View(NamedTuple):
 class Hypersim:
     """A tree of scenes, or one scene; tables lie in it, beside it, or in a folder of either."""
 
-    def __init__(self, root: str | Path):
+    def __init__(self, root: AnyPath):
         path = Path(root).resolve()
         if not is_hypersim(path):
             raise ValueError(
@@ -123,7 +123,7 @@ class Hypersim:
         scene, camera, number, part = _LISTED
         return self._table(SPLIT, lambda r: View(r[scene], r[camera], int(r[number]), r[part]))
 
-    def _table(self, name: str, parse: Callable[[dict[str, str]], Any]) -> list[Any]:
+    def _table(self, name: str, parse: Callable[[Texts], Any]) -> list[Any]:
         """What a function makes of each row of a published table; none without it."""
         below = ("", "metadata", "analysis")
         places = (base / b / name for base in (self.root, self.root.parent) for b in below)
@@ -214,7 +214,7 @@ def read_array(path: Path, dimensions: int) -> NDArray:
     return array
 
 
-def write_metadata(root: Path, shape: tuple[int, int], scenes: Mapping[str, Any]) -> None:
+def write_metadata(root: Path, shape: Shape, scenes: Named) -> None:
     """Write both tables of a rendered set, all of one shape H, W.
 
     A scene has a partition, a focal length in px, and views by camera and frame number.

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import check_input
+from cmtof.files import AnyPath, check_input
 from cmtof.frame import Frame, broken, light_note, ray_lengths
 from cmtof.types import Array
 
@@ -32,7 +32,7 @@ class Reading:
     linear: bool = False  # light is linear, of any exposure, not sRGB
 
 
-def frame_from_pair(depth: Path, intensity: str | Path | None, **how: Any) -> Frame:
+def frame_from_pair(depth: Path, intensity: AnyPath | None, **how: Any) -> Frame:
     """Frame of an image of depth and the colour or grey image of the same view.
 
     ``how`` are the fields of `Reading`. Level 0 is no depth, nor is the greatest one that 16 bits
@@ -98,7 +98,7 @@ def distances(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
         notes.append(f"{full.mean():.1%} of the depths are at level 65535, taken as unknown")
     held = levels[known]
     if held.size and np.ptp(held):
-        crowd = float(np.mean(held == held.max()))
+        crowd = np.mean(held == held.max())
         if crowd > _CROWDED:
             notes.append(f"{crowd:.1%} of the depths are at the largest level, {held.max()}")
         if np.mean(held % _ROTATED == 0) > 0.95 and np.unique(held).size > _ROTATED:

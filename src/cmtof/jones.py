@@ -52,8 +52,9 @@ def _diattenuator(along: ArrayLike, across: ArrayLike, angle: ArrayLike) -> Jone
     """Element of real amplitude transmissions along and across its axis at ``angle``."""
     mean = np.add(along, across) / 2
     half = np.subtract(along, across) / 2
-    c = half * np.cos(2 * np.asarray(angle))
-    s = half * np.sin(2 * np.asarray(angle))
+    double = np.multiply(2, angle)
+    c = half * np.cos(double)
+    s = half * np.sin(double)
     return _matrix(mean + c, s, s, mean - c)
 
 
@@ -69,8 +70,8 @@ def retarder(retardance: ArrayLike, angle: ArrayLike = 0.0) -> JonesMatrix:
     >>> np.allclose(np.abs(e), np.sqrt(0.5))
     True
     """
-    half = np.asarray(retardance, float) / 2
-    double = 2 * np.asarray(angle, float)
+    half = np.divide(retardance, 2)
+    double = np.multiply(2, angle)
     c = np.cos(half)
     s = np.sin(half)
     along = 1j * s * np.cos(double)

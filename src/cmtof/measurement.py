@@ -20,9 +20,9 @@ from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.contract import STACK, VARIABLES, admitted
 from cmtof.contract import unambiguous_range as unambiguous_range
 from cmtof.correlation import Decoded, decode
-from cmtof.files import check_input
+from cmtof.files import AnyPath, check_input
 from cmtof.storage import loaded, read_dataset, save_dataset
-from cmtof.types import Array, Flags
+from cmtof.types import Array, Fields, Flags, Named, Pair, Shape
 from cmtof.validation import numbers
 
 
@@ -124,12 +124,12 @@ class Measurement:
         return self._image("camera")
 
     @property
-    def shape(self) -> tuple[int, int]:
+    def shape(self) -> Shape:
         """Height and width, px."""
         return self.dataset.sizes["y"], self.dataset.sizes["x"]
 
     @property
-    def range(self) -> tuple[float, float]:
+    def range(self) -> Pair:
         """Depths to choose from, ``min <= z < max``, m."""
         return float(self.dataset.attrs["range_min"]), float(self.dataset.attrs["range_max"])
 
@@ -141,7 +141,7 @@ class Measurement:
     def _image(self, name: str) -> NDArray | None:
         return self.dataset[name].to_numpy() if name in self.dataset else None
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: AnyPath) -> None:
         """Write netCDF4; the file is there whole or not at all."""
         save_dataset(self.dataset, path)
 
@@ -171,9 +171,7 @@ def tiles(
         yield Measurement(seen), inner, np.s_[y : y + tile, x : x + tile]
 
 
-def _dataset(
-    variables: dict[str, Any], coordinates: Mapping[str, Any], more: dict[str, Any]
-) -> Dataset:
+def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
     """Dataset of arrays by name; None is left out, and what a masked array masks is masked."""
     from cmtof import __version__
 
@@ -212,7 +210,7 @@ def _valid_pixels(images: Mapping[str, ArrayLike], mask: ArrayLike | None) -> ND
     return np.logical_and.reduce(parts).astype(np.int8) if parts else None
 
 
-def open_measurement(path: str | Path) -> Measurement:
+def open_measurement(path: AnyPath) -> Measurement:
     """Open a measurement: ``.nc``, ``.npz`` with the same names, or a GHz-FMCW ``*_phase.csv``.
 
     An ``.npz`` holds ``correlation`` (F, K, H, W), ``psi``, ``frequency`` and optionally ``depth``,

@@ -2,10 +2,9 @@
 
 import inspect
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import isqrt
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,11 @@ from cmtof.classical import crt, kde, mrf, references, region, trivial
 from cmtof.classical.beat import beat, beat_guided, confirmed
 from cmtof.classical.phasor import phasor
 from cmtof.estimate import Estimate, beat_repeats, without_holes, wraps_in_range
+from cmtof.files import AnyPath
 from cmtof.hybrid import hybrid
 from cmtof.measurement import Measurement, tiles
 from cmtof.surfaces import surfaces
+from cmtof.types import Named
 
 MOST_MEMORY = 3 * 2**29  # bytes beside the measurement, about, before a method goes in tiles
 
@@ -65,7 +66,7 @@ class Method:
         repeats = beat_repeats(measurement) if self.one_beat else 1
         return Estimate(found.depth, found.confidence / repeats)
 
-    def _check(self, measurement: Measurement, options: Mapping[str, Any]) -> None:
+    def _check(self, measurement: Measurement, options: Named) -> None:
         """Raise a ValueError if the measurement or an option does not fit the method."""
         if not options.keys() <= inspect.signature(self.run).parameters.keys():
             raise ValueError(
@@ -93,7 +94,7 @@ class Method:
 
 
 def _learned(name: str, source: str, about: str) -> Method:
-    def run(measurement: Measurement, *, weights: str | Path | None = None) -> Estimate:
+    def run(measurement: Measurement, *, weights: AnyPath | None = None) -> Estimate:
         from cmtof.network.inference import unwrap_with_network
 
         whole = without_holes(measurement)  # a network was never shown any

@@ -148,10 +148,8 @@ class TwoPassModulator:
 
         The first pass sees ``eta sin(theta)``, the second ``eta sin(theta + delta)``.
         """
-        theta = np.asarray(phase, float)
-        return self.transmission(
-            self.eta * np.sin(theta), self.eta * np.sin(theta + self.pass_delay)
-        )
+        second = np.add(phase, self.pass_delay)
+        return self.transmission(self.eta * np.sin(phase), self.eta * np.sin(second))
 
     def harmonics(self, count: int) -> Harmonics:
         """Fourier coefficients W_0 ... W_count (count + 1,) of the waveform over the drive phase.
@@ -200,7 +198,7 @@ def single_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
     k and 0 for even. ``eta`` (...) is the drive amplitude of one pass, rad.
     """
     k = np.arange(count + 1)
-    bessel = jv(k, 2 * np.asarray(eta, float)[..., None])
+    bessel = jv(k, 2 * np.expand_dims(eta, -1))
     return np.where(k % 2 == 1, 0.5j * bessel, 0) + np.where(k == 0, 0.5, 0)
 
 
@@ -211,5 +209,5 @@ def doubled_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
     W_k = -J_k/2 for even k and 0 for odd; ``[..., ::2]`` are the harmonics of twice the drive.
     """
     k = np.arange(count + 1)
-    bessel = jv(k, 2 * np.asarray(eta, float)[..., None])
+    bessel = jv(k, 2 * np.expand_dims(eta, -1))
     return np.where(k % 2 == 0, -0.5 * bessel, 0) + np.where(k == 0, 0.5, 0j)

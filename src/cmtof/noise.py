@@ -16,8 +16,8 @@ from scipy import optimize, stats
 
 from cmtof.bounds import phase_spread
 from cmtof.constants import GAIN, INTEGRATION_TIME
-from cmtof.correlation import wrapped
-from cmtof.types import Array, Complex
+from cmtof.correlation import TAU, wrapped
+from cmtof.types import Array, Complex, Shape
 
 _LARGEST = 50.0  # linear phase noise, rad, beyond which the phase is uniform over the circle
 
@@ -47,7 +47,7 @@ def denoise(phase: ArrayLike, *, window: int = 5) -> Denoised:
     total = flat.sum(axis=(-2, -1))
     inside = np.abs(flat).sum(axis=(-2, -1))
     coherence = np.minimum(np.abs(total) / inside, 1.0)
-    return Denoised(wrapped(np.asarray(phase, float) + np.angle(total)), coherence)
+    return Denoised(wrapped(np.add(phase, np.angle(total))), coherence)
 
 
 def local_phase_noise(phase: ArrayLike, *, window: int = 5) -> Array:
@@ -124,7 +124,7 @@ def _inner(values: Array, window: int) -> Array:
 # --- spectra -----------------------------------------------------------------------------------
 
 
-def fit_response(shape: tuple[int, int], *, window: int = 9) -> Array:
+def fit_response(shape: Shape, *, window: int = 9) -> Array:
     """Response (H, W) of `local_residual` at the frequencies of a Fourier transform, 0 to 1.3.
 
     About one beyond ``1 / window`` per pixel; spectra are multiplied by its square.
@@ -172,9 +172,9 @@ class LineNoise(NamedTuple):
     down: float
     across: float
 
-    def spectrum(self, shape: tuple[int, int]) -> Array:
+    def spectrum(self, shape: Shape) -> Array:
         """Power spectrum (H, W) at the frequencies of a Fourier transform, rad^2."""
-        ky, kx = (2 * np.pi * np.fft.fftfreq(size) for size in shape)
+        ky, kx = (TAU * np.fft.fftfreq(size) for size in shape)
         grain = np.outer(1 + 2 * self.down * np.cos(ky), 1 + 2 * self.across * np.cos(kx))
         power = self.white**2 * grain
         power[0] += shape[0] * self.line**2
@@ -190,7 +190,7 @@ def fit_line_noise(residual: ArrayLike, mask: ArrayLike, *, window: int = 9) -> 
     """
     mask = np.asarray(mask, bool)
     measured = power_spectrum(residual, mask)
-    level = float(np.sqrt(measured.mean()))
+    level = np.sqrt(measured.mean())
     response = fit_response((mask.shape[0], mask.shape[1]), window=window) ** 2
     passed = response > 0.5
     overlap = np.fft.ifft2(np.abs(np.fft.fft2(mask)) ** 2 / mask.sum())
@@ -235,7 +235,7 @@ def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) ->
     >>> round(float(sigma_from_phase_noise(0.1347)), -1)
     1200.0
     """
-    signal = GAIN * INTEGRATION_TIME * np.asarray(intensity, float)
+    signal = np.multiply(GAIN * INTEGRATION_TIME, intensity)
     variance = 2 * (linear_from_spread(phase_noise) * signal / np.pi) ** 2
     rest = variance - signal / 2
     if not np.all(rest >= -1e-9 * variance):
@@ -253,5 +253,5 @@ def intensity_from_phase_noise(phase_noise: float, sigma: ArrayLike) -> Array:
     The positive root I of `sigma_from_phase_noise`; beyond 1 less noisy than simulated white paper.
     """
     square = 2 * (linear_from_spread(phase_noise) / np.pi) ** 2
-    signal = (0.5 + np.sqrt(0.25 + 4 * square * np.asarray(sigma, float) ** 2)) / (2 * square)
+    signal = (0.5 + np.sqrt(0.25 + 4 * square * np.square(sigma))) / (2 * square)
     return signal / (GAIN * INTEGRATION_TIME)

@@ -1,11 +1,9 @@
 """Depth to points in space, and to a PLY file that any viewer opens."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import written_whole
+from cmtof.files import AnyPath, written_whole
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.types import Array, Numbers
 
@@ -43,7 +41,7 @@ def normals_from_points(points: ArrayLike) -> Array:
 
 
 def write_ply(
-    path: str | Path,
+    path: AnyPath,
     depth: ArrayLike,
     camera: ArrayLike | None,
     *,
@@ -72,7 +70,7 @@ def write_ply(
 
 def _grey(light: Array) -> NDArray[np.uint8]:
     """Grey of linear brightness (N,): the 99th percentile is white, the gamma 2.2."""
-    white = float(np.percentile(light, 99)) if light.size else 1.0
+    white = np.percentile(light, 99) if light.size else 1.0
     share = np.clip(light / max(white, 1e-12), 0, 1)
     return (255 * share ** (1 / 2.2)).astype(np.uint8)
 

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from cmtof.files import check_input
+from cmtof.files import AnyPath, check_input
 from cmtof.frame import Frame, Frames, Source, embedded_frames, frame_from_npz
 from cmtof.hypersim import Hypersim, frame_of_file, is_hypersim
 from cmtof.images import frame_from_pair
+from cmtof.types import Fields
 
 __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
 
@@ -23,7 +24,7 @@ TUM_LEVELS = 5000.0
 TUM_GAP = 0.02
 
 
-def load_frame(source: str | Path, *, intensity: str | Path | None = None, **given: Any) -> Frame:
+def load_frame(source: AnyPath, *, intensity: AnyPath | None = None, **given: Any) -> Frame:
     """Frame of a file or of an embedded name, or the first one of a folder as `frames_in` lists it.
 
     An ``.npz`` holds ``depth`` (m), ``intensity`` and, unless given, ``camera``; an image of depth,
@@ -49,9 +50,7 @@ def load_frame(source: str | Path, *, intensity: str | Path | None = None, **giv
     )
 
 
-def frames_in(
-    source: str | Path, *, intensity: str | Path | None = None, **given: Any
-) -> list[Source]:
+def frames_in(source: AnyPath, *, intensity: AnyPath | None = None, **given: Any) -> list[Source]:
     """Frames of a file, an embedded name or a folder, listed without loading any.
 
     A folder is a Hypersim tree or scene (its test frames, or every view without the table), a
@@ -78,7 +77,7 @@ def frames_in(
     return found
 
 
-def _pairs(path: Path, given: dict[str, Any]) -> list[Source]:
+def _pairs(path: Path, given: Fields) -> list[Source]:
     """Frames of ``depth/NAME`` beside ``rgb/NAME`` or ``color/NAME``, in the order of numbers."""
     colours = {p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")}
     depths = [p for p in (path / "depth").glob("*") if p.suffix in DEPTHS and p.stem in colours]
@@ -88,7 +87,7 @@ def _pairs(path: Path, given: dict[str, Any]) -> list[Source]:
     ]
 
 
-def _tum_sequence(path: Path, given: dict[str, Any]) -> list[Source]:
+def _tum_sequence(path: Path, given: Fields) -> list[Source]:
     """Frames of a sequence of the TUM benchmark: each depth with the colour nearest in time."""
     depths = _tum_list(path / "depth.txt")
     colours = _tum_list(path / "rgb.txt")

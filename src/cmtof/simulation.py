@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
-from cmtof.correlation import wrap_length
+from cmtof.correlation import TAU, wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement, unambiguous_range
-from cmtof.types import Array, Flags, Single
+from cmtof.types import Array, Flags, Pair, Single
 from cmtof.validation import checked_frequencies
 
 Protocol = Literal["released", "full"]
@@ -61,9 +61,9 @@ def simulate(
     intensity = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0).astype(np.float32)
     filled = np.where(np.isfinite(depth), depth, 0)
     signal = gain * integration_time * intensity
-    offset = np.broadcast_to(np.asarray(phase_offset, float), frequencies.shape)
+    offset = np.broadcast_to(phase_offset, frequencies.shape)
     # an error of the phase is one of the reference phase that the file does not know of
-    steps = np.asarray(psi, float) + offset[:, None]
+    steps = np.add(psi, offset[:, None])
     means = _means(signal, filled, frequencies, steps)
     if not noise_free:
         rng = np.random.default_rng([seed, frame_number])
@@ -109,7 +109,7 @@ def _means(signal: Single, depth: Array, frequencies: Array, psi: Array) -> Sing
     for f, frequency in enumerate(frequencies):
         # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
         turns = depth.astype(float) / wrap_length(frequency)
-        angle = (2 * np.pi * (turns - np.floor(turns))).astype(np.float32)
+        angle = (TAU * (turns - np.floor(turns))).astype(np.float32)
         x, y = (wave(angle) * signal / np.float32(np.pi) for wave in (np.cos, np.sin))
         for k, step in enumerate(psi[f]):
             c = np.float32(np.cos(step))
@@ -120,7 +120,7 @@ def _means(signal: Single, depth: Array, frequencies: Array, psi: Array) -> Sing
 
 def staged_depth(
     depth: Array, *, protocol: Protocol, frequencies: Array
-) -> tuple[Array, Flags, tuple[float, float]]:
+) -> tuple[Array, Flags, Pair]:
     """Depth (H, W) as a protocol sees it, m, the mask of pixels it scores, and its range, m.
 
     ``"released"``: the scene is shrunk to at most 1.195 m and pixels outside wraps 36 to 56 are

@@ -12,14 +12,15 @@ import numpy as np
 from xarray import Dataset, open_dataset
 
 from cmtof.contract import VARIABLES
-from cmtof.files import check_heaps, check_input, check_links, check_output, written_whole
+from cmtof.files import AnyPath, check_heaps, check_input, check_links, check_output, written_whole
 from cmtof.frame import broken
+from cmtof.types import Fields
 from cmtof.validation import check_claim
 
 _PLAIN = (str, int, float, np.number, np.ndarray)
 
 
-def save_dataset(dataset: Dataset, path: str | Path) -> None:
+def save_dataset(dataset: Dataset, path: AnyPath) -> None:
     """Write a dataset as netCDF4, beside first and then renamed; arrays are compressed.
 
     The file is built in memory: HDF5 written to a full disk would end the process.
@@ -47,7 +48,7 @@ def _attribute(value: Any) -> Any:
 
 
 @contextmanager
-def opened_dataset(path: str | Path) -> Iterator[Dataset]:
+def opened_dataset(path: AnyPath) -> Iterator[Dataset]:
     """Open a netCDF file of which parts are to be loaded; a ValueError for whatever is wrong."""
     path = check_input(path, "a measurement file")
     heard, sys.unraisablehook = sys.unraisablehook, lambda _: None
@@ -73,7 +74,7 @@ def _handle(path: Path) -> Dataset:
     with path.open("rb") as file:
         old = file.read(3) == b"CDF"
     if old:
-        how: dict[str, Any] = {"engine": "scipy"}
+        how: Fields = {"engine": "scipy"}
     else:
         how = {"engine": "h5netcdf", "phony_dims": "access"}
         check_heaps(path)
@@ -111,7 +112,7 @@ def loaded(dataset: Dataset) -> Dataset:
         raise _damage(dataset.encoding.get("source", "a part of it"), error) from error
 
 
-def read_dataset(path: str | Path) -> Dataset:
+def read_dataset(path: AnyPath) -> Dataset:
     """Read a netCDF file of any content into memory; one ValueError for whatever is wrong."""
     with opened_dataset(path) as handle:
         return loaded(handle)

@@ -1,4 +1,7 @@
-"""Kinds of arrays, for annotations."""
+"""Kinds of arrays and of values by name, for annotations."""
+
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,3 +12,10 @@ Complex = NDArray[np.complexfloating]
 Numbers = NDArray[np.integer]
 Flags = NDArray[np.bool_]
 Counts = NDArray[np.uint16]
+Shape = tuple[int, int]  # height and width
+Pair = tuple[float, float]
+Texts = dict[str, str]  # by name, as `Fields` and `Named`
+Fields = dict[str, Any]
+Named = Mapping[str, Any]
+Values = dict[str, float]
+Arrays = tuple[Array, Array]

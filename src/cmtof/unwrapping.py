@@ -17,17 +17,18 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.estimate import Estimate, within_range
-from cmtof.files import written_whole
+from cmtof.files import AnyPath, written_whole
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
 from cmtof.storage import opened_dataset, save_dataset
+from cmtof.types import Pair
 
 
 def unwrap(
     measurement: Measurement,
     *,
     method: str = DEFAULT,
-    range: tuple[float, float] | None = None,
+    range: Pair | None = None,
     min_confidence: float = 0.0,
     **options: Any,
 ) -> Dataset:
@@ -108,7 +109,7 @@ def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
 
 
 def unwrap_file(
-    source: str | Path, output: str | Path, *, tile: int = 0, margin: int = 128, **how: Any
+    source: AnyPath, output: AnyPath, *, tile: int = 0, margin: int = 128, **how: Any
 ) -> Iterator[tuple[float, Measurement, Dataset]]:
     """Unwrap a file into a ``.nc``, at once or, of a ``.nc`` larger than memory, in square tiles.
 

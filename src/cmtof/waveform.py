@@ -23,9 +23,10 @@ def harmonics_from_waveform(samples: ArrayLike, count: int) -> Harmonics:
     [3.0, 0.5, 0.0]
     """
     w = np.asarray(samples, float)
-    if not 0 <= count < w.shape[-1] / 2:
+    highest = w.shape[-1] / 2
+    if not 0 <= count < highest:
         raise ValueError(
-            f"Expected a highest harmonic from 0 to below N/2 = {w.shape[-1] / 2:g}, got {count}. "
+            f"Expected a highest harmonic from 0 to below N/2 = {highest:g}, got {count}. "
             "Sample the period more finely or ask for fewer harmonics."
         )
     return np.fft.rfft(w, axis=-1)[..., : count + 1] / w.shape[-1]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cmtof.files import read_document
+from cmtof.types import Texts
 from cmtof_book import Values, pages
 from cmtof_book.paper import estimate_text, result_text
 from cmtof_book.record import TEXT, Record
@@ -27,7 +28,7 @@ class Claim:
     quote: str
     where: str
     answer: str
-    keys: dict[str, str]  # and what a number is called where there are several
+    keys: Texts  # and what a number is called where there are several
     figure: str
     chapter: str
     overturn: str

@@ -118,6 +118,12 @@ def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int
     record.add(record.PAPER, {key: found})
 
 
+def check_all(reached: Mapping[str, Value]) -> None:
+    """`check` results by the key of their published number."""
+    for key, value in reached.items():
+        check(key, value)
+
+
 def table() -> None:
     """Show what a chapter has checked so far: the paper's number, ours, the verdict."""
     rows = []

@@ -24,9 +24,10 @@ from numpy.typing import ArrayLike
 from PIL import Image
 
 from cmtof.files import written_whole
+from cmtof.types import Named, Texts
 from cmtof_book import provenance, record
 
-PALETTE: dict[str, str] = {  # in the order in which lines take them
+PALETTE: Texts = {  # in the order in which lines take them
     "blue": "#0072B2",
     "vermillion": "#D55E00",
     "green": "#009E73",
@@ -216,7 +217,7 @@ def save(
     fig: Figure,
     name: str,
     *,
-    numbers: Mapping[str, Any] | None = None,
+    numbers: Named | None = None,
     caption: str,
     alt: str,
     format: Literal["svg", "png"] = "svg",
@@ -251,7 +252,7 @@ def save(
     _publish(target, alt, {"name": name, "csv": bool(plotted), "folded": folded} | words)
 
 
-def _publish(picture: Path, alt: str, about: Mapping[str, Any]) -> None:
+def _publish(picture: Path, alt: str, about: Named) -> None:
     """Display a picture in a notebook, with what the book needs to place it."""
     from IPython.core.getipython import get_ipython
 

@@ -8,10 +8,11 @@ The accepted figures, the scoreboard and the tests read records and nothing else
 """
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from cmtof.types import Named
 from cmtof_book import Values, provenance
 from cmtof_book.compared import Compared
 
@@ -43,19 +44,19 @@ class Record(NamedTuple):
         }
 
 
-def compared_from_json(number: Mapping[str, Any]) -> Compared:
+def compared_from_json(number: Named) -> Compared:
     """Number with its kind, of which a record may say more than belongs to the kind."""
     known = Compared.__dataclass_fields__
     return Compared(**{name: number[name] for name in known if name in number})
 
 
-def write(name: str, numbers: Mapping[str, Any], **about: Any) -> None:
+def write(name: str, numbers: Named, **about: Any) -> None:
     """Write a record, with what else there is to say about it, whole or not at all."""
     content = {**about, "numbers": dict(numbers), "provenance": provenance.RUN}
     provenance.write_json(provenance.output_folder() / f"{name}.json", content)
 
 
-def add(name: str, numbers: Mapping[str, Any]) -> None:
+def add(name: str, numbers: Named) -> None:
     """Add numbers to a record, which is made if need be."""
     write(name, read(name) | dict(numbers))
 

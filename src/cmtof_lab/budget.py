@@ -14,18 +14,18 @@ from numpy.typing import ArrayLike
 
 from cmtof.correlation import TAU, depth_from_phase
 from cmtof.hardware.rig import MODES
-from cmtof.types import Array
-from cmtof_lab import optics as free_space
+from cmtof.types import Array, Values
 from cmtof_lab.instrument import DRIFT_OCTAVES
 from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
+from cmtof_lab.optics import returned_fractions
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import POSITIONS, STAGE_ERROR
 from cmtof_lab.targets import MIRROR, Plane, RayEnds
 
+REAL = TwinSettings()
 
-def budget_terms(
-    target: Plane, mode: str = "single", *, days: int = 12, seed: int = 0
-) -> dict[str, float]:
+
+def budget_terms(target: Plane, mode: str = "single", *, days: int = 12, seed: int = 0) -> Values:
     r"""Rms error of each term, m, at the sizes that `TwinSettings` assumes.
 
     Noise: parts of the Cramer-Rao bound. Codes: :math:`ms/\sqrt{2K}` of K random ones. I/Q
@@ -42,13 +42,12 @@ def budget_terms(
     }
 
 
-def noise_terms(target: Plane, mode: str) -> dict[str, float]:
+def noise_terms(target: Plane, mode: str) -> Values:
     """Noise of photons, amplifier and converter, m: differences of Cramer-Rao bounds."""
-    real = TwinSettings()
-    silent = replace(real, converter_noise=0.0)
+    silent = replace(REAL, converter_noise=0.0)
     dark = replace(silent, noise_density=0.0)
     every, analog, photons = (
-        OpticalRanger(one, mode).bound(target, [0.0])[0] for one in (real, silent, dark)
+        OpticalRanger(one, mode).bound(target, [0.0])[0] for one in (REAL, silent, dark)
     )
     return {
         "photon noise": photons,
@@ -57,21 +56,20 @@ def noise_terms(target: Plane, mode: str) -> dict[str, float]:
     }
 
 
-def phase_terms(target: Plane, mode: str) -> dict[str, float]:
+def phase_terms(target: Plane, mode: str) -> Values:
     """Errors of phase in closed form, m: drift, codes, I/Q imbalance, back-reflection."""
-    real = TwinSettings()
     waits = np.arange(POSITIONS.size) + OpticalRanger.age
     drifted = drift_spread(waits, np.arange(OpticalRanger.visits))
     phases = {
-        "RF phase drift": MODES[mode] * real.phase_drift * drifted,
-        "phase codes": MODES[mode] * real.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
-        "I/Q imbalance": real.iq_imbalance / np.sqrt(8) * (mode == "single"),
-        "back-reflection": back_ratio(real, target) / np.sqrt(2),
+        "RF phase drift": MODES[mode] * REAL.phase_drift * drifted,
+        "phase codes": MODES[mode] * REAL.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
+        "I/Q imbalance": REAL.iq_imbalance / np.sqrt(8) * (mode == "single"),
+        "back-reflection": back_ratio(REAL, target) / np.sqrt(2),
     }
     return {name: depth_from_phase(one, FREQUENCY[mode]) for name, one in phases.items()}
 
 
-def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> dict[str, float]:
+def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> Values:
     """Errors without a closed form, m: RF leakage and laser drift, each alone before a mirror."""
     mirror = replace(MIRROR, distance=target.distance)
     still = {"days": days, "seed": seed, "stage_error": 0.0, "air_change": (0, 0)}
@@ -82,24 +80,23 @@ def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> dict[str, 
 
 def air_term(target: Plane) -> float:
     """Error by air that has changed since the zero, m."""
-    real = TwinSettings()
     warmer, denser = OpticalRanger.air_change
-    weather = np.hypot(warmer / real.temperature, denser / real.pressure)
-    return (real.group_index - 1) * target.distance * weather
+    weather = np.hypot(warmer / REAL.temperature, denser / REAL.pressure)
+    return (REAL.group_index - 1) * target.distance * weather
 
 
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
     """Rms of the drift at ``times`` less its mean at ``reference``, s, in units of its own rms."""
     rate = TAU * DRIFT_OCTAVES
-    now = np.exp(1j * np.multiply.outer(np.asarray(times, float), rate))
-    then = np.exp(1j * np.multiply.outer(np.asarray(reference, float), rate)).mean(0)
+    now = np.exp(1j * np.multiply.outer(times, rate))
+    then = np.exp(1j * np.multiply.outer(reference, rate)).mean(0)
     return np.sqrt(np.mean(np.abs(now - then) ** 2))
 
 
 def back_ratio(settings: TwinSettings, target: Plane) -> float:
     """Power of the coaxial back-reflection over that of the target."""
     hits = RayEnds(*map(np.array, (target.distance, 1.0, target.reflectance)), target.mirrored)
-    return settings.back_fraction / sum(free_space.returned_fractions(settings, hits))
+    return settings.back_fraction / sum(returned_fractions(settings, hits))
 
 
 def only(*names: str) -> TwinSettings:

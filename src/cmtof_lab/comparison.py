@@ -33,7 +33,7 @@ def quadratures(
     drive = panel.emission
     size = abs(amplitude(instrument.settings, drive.power, drive.frequency)) * drive.on
     ranger = RfRanger(settings=replace(instrument.settings, eta=size), time=1 / rate)
-    place = _distance(instrument, panel)
+    place = instrument.target_distance(panel.stage)
     light = panel.photodiode_lit * _brightness(instrument, panel, labels)
     light = light * ranger.power(instrument.settings.reference, place)
     mixed, picked_up = ranger.offsets
@@ -54,19 +54,13 @@ def fringes(
 ) -> Counts:
     """Counts (N, scans) of the interferogram, at a rate, Hz; the mirror travels by (N,), m."""
     ruler = Interferometer(settings=instrument.settings)
-    place = _distance(instrument, panel)
+    place = instrument.target_distance(panel.stage)
     seen = ruler.fringes(instrument.settings.reference, place)
     shaken = normals_by_key(instrument.seed, SHAKING, np.array(labels), 1)[:, 0]
     phase = 2 * TAU / ruler.wavelength * (place + np.asarray(travels) + ruler.shaking * shaken)
     light = (seen.offset + seen.amplitude * np.cos(phase)) / volts_per_watt(instrument.settings)
     light = light * _brightness(instrument, panel, labels)
     return instrument.counts(np.repeat(light[:, None], scans, axis=1), np.array(labels), rate)
-
-
-def _distance(instrument: SimulatedInstrument, panel: Panel) -> float:
-    """Distance of the reference target, m."""
-    settings = instrument.settings
-    return settings.reference.distance + panel.stage - settings.stage_zero
 
 
 def _brightness(instrument: SimulatedInstrument, panel: Panel, labels: Sequence[int]) -> Array:

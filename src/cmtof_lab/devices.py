@@ -4,18 +4,18 @@ They share one `Panel`, whose knobs the `SimulatedInstrument` reads. Nothing wai
 clock is the number of a burst. Methods are documented at the roles.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cmtof.correlation import TAU
 from cmtof.hardware.plan import BURST_INTERVAL, mirror_angles
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import LIGHT, SAMPLE_RATE, Rig
-from cmtof.hardware.roles import RfLock, RfStatus, Waiting
-from cmtof.types import Array, Counts
+from cmtof.hardware.roles import Requests, RfLock, RfStatus, Waiting
+from cmtof.types import Array, Counts, Fields, Named, Texts
 from cmtof_lab.comparison import fringes, quadratures
 from cmtof_lab.electronics import CENTRE, SLOPE
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
@@ -26,6 +26,10 @@ BESIDE = 1e-3  # rad off the target among the scene, at which the beam misses it
 SWITCHES = {"laser": "laser_on", "shutter": "shutter_open", "beam_block": "beam_block_out"}
 FLIPPED = {"reference": "target_in_beam", "photodiode": "photodiode_lit"}
 # knobs of the panel that follow a digital line, and that of the flip mirror by where it leads
+
+
+def nothing(self: object, *values: float, **options: float) -> None:
+    """No operation: on a real device it takes time or may fail."""
 
 
 @dataclass
@@ -40,11 +44,8 @@ class SimulatedDevice:
     def name(self) -> str:
         return self.role.replace("_", " ")
 
-    def identify(self) -> dict[str, str]:
+    def identify(self) -> Texts:
         return {"model": type(self).__name__, "serial_number": f"TWIN-{self.name}"}
-
-    def nothing(self, *values: float, **options: float) -> None:
-        """No operation: on a real device it takes time or may fail."""
 
     safe_state = nothing
     close = nothing
@@ -54,9 +55,9 @@ class SimulatedRf(SimulatedDevice):
     """RF driver of the emission or the detection."""
 
     edges = 0
-    set_dead_man = SimulatedDevice.nothing
-    clear_trip = SimulatedDevice.nothing
-    ping = SimulatedDevice.nothing
+    set_dead_man = nothing
+    clear_trip = nothing
+    ping = nothing
 
     @property
     def knobs(self) -> RfKnobs:
@@ -104,9 +105,9 @@ class SimulatedRf(SimulatedDevice):
 class SimulatedClock(SimulatedDevice):
     """Function generator that both RF drivers are locked to."""
 
-    reset = SimulatedDevice.nothing
-    sine = SimulatedDevice.nothing
-    lock_phases = SimulatedDevice.nothing
+    reset = nothing
+    sine = nothing
+    lock_phases = nothing
 
     def output(self, channel: int, on: bool) -> None:
         self.panel.clock_on = on
@@ -139,7 +140,7 @@ class SimulatedMotor(SimulatedDevice):
 class SimulatedPowerMeter(SimulatedDevice):
     """Integrating sphere behind the first beam splitter; it averages nothing."""
 
-    set_up = SimulatedDevice.nothing
+    set_up = nothing
 
     @property
     def power(self) -> float:
@@ -149,7 +150,7 @@ class SimulatedPowerMeter(SimulatedDevice):
 class SimulatedReadOut(SimulatedDevice):
     """Read-out: digital lines, mirrors on two registers, bursts, the trigger line."""
 
-    watchdog = SimulatedDevice.nothing
+    watchdog = nothing
     rate = SAMPLE_RATE
     rig: Rig  # how it is wired
     triggered: SimulatedRf  # whose table the trigger line steps through
@@ -170,7 +171,7 @@ class SimulatedReadOut(SimulatedDevice):
             if self.rig.line(part) == dio:
                 setattr(self.panel, knob, high)
 
-    def write_many(self, values: Mapping[str, Any]) -> None:
+    def write_many(self, values: Named) -> None:
         for axis, name in enumerate(self.rig.mirrors):
             if name in values:
                 self.panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
@@ -196,7 +197,7 @@ class SimulatedReadOut(SimulatedDevice):
         self.rate = rate
         self._pulses = np.arange(scans) // pulse
 
-    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[Counts]:
+    def bursts(self, requests: Requests) -> Iterator[Counts]:
         angles = []
         labels = []
         travels = []
@@ -232,10 +233,10 @@ KINDS: dict[str, type[SimulatedDevice]] = {
 }
 
 
-def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> dict[str, Any]:
+def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> Fields:
     """Every device of an instrument by its role, wired as a rig has it."""
     panel = Panel()
-    devices: dict[str, Any] = {role: kind(panel, instrument, role) for role, kind in KINDS.items()}
+    devices: Fields = {role: kind(panel, instrument, role) for role, kind in KINDS.items()}
     devices["daq"].rig = rig
     devices["daq"].triggered = devices["rf_detection"]
     return devices
@@ -243,4 +244,4 @@ def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> dict[str, An
 
 def _coded(phases: ArrayLike) -> Array:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
-    return np.rint(np.asarray(phases) * CODES / (2 * np.pi)) % CODES * (2 * np.pi / CODES)
+    return np.rint(np.asarray(phases) * CODES / TAU) % CODES * (TAU / CODES)

@@ -6,6 +6,7 @@ from scipy.constants import c, e, h
 from scipy.linalg import solve_continuous_lyapunov
 from scipy.signal import cont2discrete, lfilter
 
+from cmtof.correlation import TAU
 from cmtof.types import Array, Counts
 from cmtof_lab.settings import TwinSettings
 
@@ -24,7 +25,7 @@ def density(settings: TwinSettings, volts: ArrayLike) -> Array:
     # 2 e I F (M R_T)^2 for the primary current I, F = M^x (McIntyre 1966)
     excess = settings.gain**settings.excess_index
     shot = 2 * e * excess * (settings.gain * settings.transimpedance)
-    return shot * np.asarray(volts, float) + settings.noise_density**2
+    return np.multiply(shot, volts) + settings.noise_density**2
 
 
 class Chain:
@@ -35,7 +36,7 @@ class Chain:
     """
 
     def __init__(self, settings: TwinSettings, interval: float) -> None:
-        corners = 2 * np.pi * settings.bandwidth, 2 * np.pi * settings.low_pass
+        corners = TAU * settings.bandwidth, TAU * settings.low_pass
         rates = np.array([*corners, 1 / settings.rc_time])
         matrix, push = np.diag(-rates) + np.diag(rates[1:], -1), rates[:1] * np.eye(POLES)[:, :1]
         system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
@@ -88,4 +89,4 @@ def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> Counts:
 
 def volts_from_counts(counts: ArrayLike) -> Array:
     """Volts of raw stream counts by the nominal calibration."""
-    return (np.asarray(counts, float) - CENTRE) * SLOPE
+    return np.subtract(counts, CENTRE) * SLOPE

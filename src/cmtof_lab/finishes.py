@@ -7,6 +7,7 @@ Reliefs return how far the skin stands out, m, holes where it is open, looks the
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cmtof.correlation import TAU
 from cmtof.types import Array, Flags
 
 DARK = 0.03  # reflectance of the owl's black feathers
@@ -100,7 +101,7 @@ def openings(x: Array, y: Array, z: Array) -> Flags:
 def feathers(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
     """How near to the tip of a feather, 0 to 1, a fixed number of each, and its mark's share."""
     level = np.floor(z / FEATHER)
-    across = np.arctan2(x, -y) * 24 / (2 * np.pi) + 0.5 * (level % 2)
+    across = np.arctan2(x, -y) * 24 / TAU + 0.5 * (level % 2)
     column = np.floor(across)
     s = across - column - 0.5
     t = z / FEATHER - level  # 0 at the tip
@@ -132,7 +133,7 @@ def wing(x: Array, y: Array, z: Array) -> Array:
 def owl_face(x: Array, y: Array, z: Array) -> Array:
     """Two pale discs with rings and a dark rim under a brown crown."""
     far = np.hypot(np.abs(x) - 0.03, z)
-    disc = mix(0.45, PALE, 0.5 + 0.5 * np.cos(2 * np.pi * far / 0.0075))
+    disc = mix(0.45, PALE, 0.5 + 0.5 * np.cos(TAU * far / 0.0075))
     seen = np.where((far < 0.036) & (y < 0), disc, wing(x, y, z))
     return seen + (DARK - seen) * bump((far - 0.036, 0.0035)) * (y < 0)
 

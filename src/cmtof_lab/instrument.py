@@ -20,13 +20,14 @@ from numpy.random import Generator, Philox
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.correlation import TAU
 from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof.modulator import TwoPassModulator
 from cmtof.types import Array, Complex, Counts, Numbers
-from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import POLES, Chain, counts_from_volts, density, volts_per_watt
+from cmtof_lab.optics import ambient, directions_from_angles, inward, outward, trace
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import Plane, scene_from
 
@@ -43,7 +44,12 @@ _harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
 def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
     """Philox generator whose numbers depend on the arguments alone (Salmon et al., SC 2011)."""
     words = np.array([seed & (2**64 - 1), purpose], np.uint64)
-    return Generator(Philox(key=words, counter=np.array([0, key & (2**64 - 1), 0, 0], np.uint64)))
+    return Generator(Philox(key=words, counter=_counter(key)))
+
+
+def _counter(key: int) -> NDArray[np.uint64]:
+    """Counter of a Philox generator from which the numbers of a key are drawn."""
+    return np.array([0, key & (2**64 - 1), 0, 0], np.uint64)
 
 
 def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
@@ -53,7 +59,7 @@ def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
     state: Any = source.state  # to set it is faster than to make a generator for each key
     made = np.empty((len(keys), count))
     for row, key in zip(made, np.asarray(keys).tolist(), strict=True):
-        state["state"]["counter"] = np.array([0, key & (2**64 - 1), 0, 0], np.uint64)
+        state["state"]["counter"] = _counter(key)
         source.state = state
         draw.standard_normal(out=row)
     return made
@@ -63,9 +69,9 @@ def drift(seed: int, channel: int, time: ArrayLike) -> Array:
     """Drift in [-1, 1] at times (...), s, 1/f in spectrum: ten equal sinusoids, one an octave."""
     rng = keyed_generator(seed, DRIFT, channel)
     # off the exact octaves, or the sum would be periodic
-    rate = 2 * np.pi * DRIFT_OCTAVES * rng.uniform(0.9, 1.1, DRIFT_OCTAVES.size)
-    angle = np.multiply.outer(np.asarray(time, float), rate)
-    return np.sin(angle + rng.uniform(0, 2 * np.pi, rate.size)).sum(-1) / rate.size
+    rate = TAU * DRIFT_OCTAVES * rng.uniform(0.9, 1.1, DRIFT_OCTAVES.size)
+    angle = np.multiply.outer(time, rate)
+    return np.sin(angle + rng.uniform(0, TAU, rate.size)).sum(-1) / rate.size
 
 
 @dataclass
@@ -150,16 +156,19 @@ class SimulatedInstrument:
         settings, ways = self.settings, []
         if panel.target_in_beam:
             for place in stage.tolist():  # the beam stands still behind the flip mirror
-                distance = settings.reference.distance + place - settings.stage_zero
-                target = replace(settings.reference, distance=distance)
+                target = replace(settings.reference, distance=self.target_distance(place))
                 # another 10 um of stage, another speckle
                 seed = self.seed + 1 + round(place / 1e-5)
-                ways.append(free_space.trace(target, np.zeros((1, 2)), settings, seed))
+                ways.append(trace(target, np.zeros((1, 2)), settings, seed))
         else:
-            ways.append(free_space.trace(self.scene, angles, settings, self.seed))
+            ways.append(trace(self.scene, angles, settings, self.seed))
         stray = np.reshape([settings.back_range, settings.back_fraction], (2, 1, 1))
         found = np.concatenate(ways, axis=1)
         return np.append(found, np.broadcast_to(stray, (2, len(angles), 1)), axis=-1)
+
+    def target_distance(self, stage: float) -> float:
+        """Distance of the reference target, m, with its stage at a position, m."""
+        return self.settings.reference.distance + stage - self.settings.stage_zero
 
     def jitter(self, labels: NDArray, steps: int) -> Array:
         """Disturbance (N, S) of the phase at steps of bursts (N,), in units of its rms."""
@@ -180,7 +189,7 @@ class SimulatedInstrument:
         if not panel.clock_on or panel.emission.frequency != panel.detection.frequency:
             products[:, 1:] = 0.0
         way = self.group_index * reach + settings.internal_path
-        phase = 4 * np.pi * panel.emission.frequency / SPEED_OF_LIGHT * way
+        phase = 2 * TAU * panel.emission.frequency / SPEED_OF_LIGHT * way
         lag = settings.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
         share = products[:, 0].real / 2 * fraction.sum(1, keepdims=True)
         size = np.abs(products).max(axis=0)
@@ -190,8 +199,8 @@ class SimulatedInstrument:
             if size[order] > 1e-13 * size[0]:
                 phasor = (fraction * np.exp(-1j * order * phase)).sum(1, keepdims=True)
                 share = share + (products[:, order] * phasor * np.exp(1j * order * lag)).real
-        loss = free_space.outward(settings) * free_space.inward(settings)
-        room = free_space.ambient(settings) * detection[:, 0].real
+        loss = outward(settings) * inward(settings)
+        room = ambient(settings) * detection[:, 0].real
         share = np.maximum(share, 0.0) * (not panel.photodiode_lit)
         return self.from_fibre(panel, times) * loss * share + room
 
@@ -239,7 +248,7 @@ class SimulatedInstrument:
 
     def made_phase(self, module: int, phase: Array) -> Array:
         """Phase, rad, that driver 0 or 1 really makes of one that was set."""
-        code = np.rint(phase * (CODES / (2 * np.pi))).astype(int) % CODES
+        code = np.rint(phase * (CODES / TAU)).astype(int) % CODES
         error = self.code_errors[module, code]
         return phase + error + self.settings.iq_imbalance * np.sin(2 * phase)
 
@@ -252,7 +261,7 @@ class SimulatedInstrument:
 
     def ranges(self, angles: ArrayLike) -> Array:
         """True ranges (...), m, of the scene at optical angles (..., 2), rad; NaN for nothing."""
-        return self.scene.look(free_space.directions_from_angles(angles)).range
+        return self.scene.look(directions_from_angles(angles)).range
 
     def laser_power(self, panel: Panel) -> float:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""

@@ -20,10 +20,11 @@ from scipy.special import ndtr
 
 from cmtof.bounds import linear_phase_noise
 from cmtof.constants import SPEED_OF_LIGHT
+from cmtof.correlation import TAU
 from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof.types import Array, Numbers
-from cmtof_lab import optics as free_space
 from cmtof_lab.electronics import SLOPE, Chain, density, root_of, volts_per_watt
+from cmtof_lab.optics import aperture_area, spot_radius
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power
 from cmtof_lab.targets import Plane
@@ -88,10 +89,10 @@ class Interferometer:
         z = target.distance
         vacuum = settings.wavelength
         if not target.mirrored:
-            inverse = (np.pi * free_space.spot_radius(settings, z) / (vacuum * z)) ** 2
-            area = free_space.aperture_area(settings)
-            return min(1.0, 2 * np.pi / (area * (inverse + self.reference_radius**-2)))
-        width = free_space.spot_radius(settings, 2 * z)
+            inverse = (np.pi * spot_radius(settings, z) / (vacuum * z)) ** 2
+            area = aperture_area(settings)
+            return min(1.0, TAU / (area * (inverse + self.reference_radius**-2)))
+        width = spot_radius(settings, 2 * z)
         real = self.reference_radius**-2 + width**-2
         turned = np.pi * settings.divergence / (width * vacuum)  # curvature of the wavefront
         return 4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2)
@@ -128,7 +129,7 @@ class Interferometer:
             shown = fringes._replace(amplitude=fringes.amplitude * speckle)
             believed = self.wavelength * (1 + self.wavelength_error * rng.standard_normal())
             counted = self._counted(self._way(target, stops, stations, rng), shown, rng)
-            found[repeat, 1:] = counted[stations[1:]] * believed / (4 * np.pi)
+            found[repeat, 1:] = counted[stations[1:]] * believed / (2 * TAU)
         return target.distance + stops[0] + found
 
     def _stations(self, stops: Array) -> Numbers:
@@ -162,20 +163,20 @@ class Interferometer:
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao least standard deviation (P,), m, by noise alone, speckle at its mean."""
-        ranges = target.distance + np.asarray(positions, float)
+        ranges = np.add(target.distance, positions)
         seen = self.fringes(target, ranges)
         noise = linear_phase_noise(seen.amplitude, seen.variance, self.steps)
-        return self.wavelength / (4 * np.pi) * noise
+        return self.wavelength / (2 * TAU) * noise
 
     def vibration(self, rng: Generator, count: int) -> Array:
         """Displacement (count,), m, at successive readings: a resonance under white forcing."""
-        rate = 2 * np.pi * self.resonance * self.reading_time
+        rate = TAU * self.resonance * self.reading_time
         decay = rate * (1j - 1 / (2 * self.quality))
         return self.shaking * _carried(circular_normals(rng, count), decay).real
 
     def lost_fringes(self) -> float:
         """Mean number of fringes that one reading loses along the move (law in chapter 17)."""
-        angle = 2 * np.pi * self.resonance * self.reading_time
+        angle = TAU * self.resonance * self.reading_time
         kept = np.exp(-angle / (2 * self.quality)) * np.cos(angle)
         spread = max(self.shaking * np.sqrt(2 - 2 * kept), 1e-15)
         highest = 4 * (self.stride + 9 * spread) / self.wavelength

@@ -21,7 +21,7 @@ from scipy.ndimage import gaussian_filter
 from cmtof.bounds import linear_phase_noise
 from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.detector import quantise, skellam_gaussian
-from cmtof.types import Array, Complex
+from cmtof.types import Array, Arrays, Complex
 from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
 from cmtof_lab.targets import RayEnds
 from cmtof_rooms.arrays import Shape
@@ -136,7 +136,7 @@ class MhzCamera:
         images = quantise(noisy + end, bits=self.bits, full_scale=2 * end) - end
         return np.where(np.maximum(a, b) < self.full_well, images, np.nan)
 
-    def depth(self, differences: ArrayLike) -> tuple[Array, Array]:
+    def depth(self, differences: ArrayLike) -> Arrays:
         """Range (..., H, W), m, and amplitude, electrons, of difference images (..., 4, H, W).
 
         NaN where the amplitude lies within the noise of a dark pixel, or tap or converter are full.

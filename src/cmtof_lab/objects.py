@@ -22,7 +22,7 @@ from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.transformations import rotation_matrix
 from trimesh.util import concatenate
 
-from cmtof.types import Array, Numbers
+from cmtof.types import Array, Fields, Numbers, Values
 from cmtof_lab import finishes
 from cmtof_rooms.arrays import Shape
 
@@ -35,7 +35,7 @@ GRADE_2 = 0.45e-6  # greatest error of such a length, m (DIN 861, grade 2, by ma
 MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
 
 _CATALOGUE = yaml.safe_load((files("cmtof_lab") / "objects.yml").read_text("utf-8"))
-Specifications = dict[str, dict[str, Any]]
+Specifications = dict[str, Fields]
 # Objects on whose scans a network is fine-tuned (Sec. 6.4).
 TRAINING: Specifications = _CATALOGUE["training"]
 
@@ -43,7 +43,7 @@ TRAINING: Specifications = _CATALOGUE["training"]
 OBJECTS: Specifications = _CATALOGUE["objects"] | TRAINING
 
 # Full angle, rad, in which an object is scanned.
-FIELD_OF_VIEW: dict[str, float] = {name: one["field_of_view"] for name, one in OBJECTS.items()}
+FIELD_OF_VIEW: Values = {name: one["field_of_view"] for name, one in OBJECTS.items()}
 
 
 @lru_cache(maxsize=4)
@@ -126,7 +126,7 @@ def gage_blocks(step: float, distance: float, *, tilt: float, errors: Sequence[f
     return _finished(Trimesh(np.stack([x, y, z], -1), faces, process=False), STEEL, MIRRORED)
 
 
-def _piece(stated: dict[str, Any]) -> Trimesh:
+def _piece(stated: Fields) -> Trimesh:
     """A piece of an object as ``objects.yml`` states it."""
     kind = next(word for word in SHAPES if word in stated)
     place = {key: stated[key] for key in ("mirrored", "at", "turn") if key in stated}
@@ -148,13 +148,13 @@ def _finished(
     return Trimesh(moved, shape.faces, process=False, vertex_attributes=held)
 
 
-def _body(stated: dict[str, Any]) -> Trimesh:
+def _body(stated: Fields) -> Trimesh:
     """A smooth upright body by its profile."""
     sections = np.array(_CATALOGUE["profiles"][stated["body"]], float)
     return _lathed(sections * stated.get("scale", 1.0), stated)
 
 
-def _ellipsoid(stated: dict[str, Any]) -> Trimesh:
+def _ellipsoid(stated: Fields) -> Trimesh:
     """An ellipsoid about the origin with half axes x, y, z, m."""
     x, y, z = stated["ellipsoid"]
     angle = np.linspace(-np.pi / 2, np.pi / 2, 81)
@@ -167,7 +167,7 @@ def _box(size: Sequence[float]) -> Trimesh:
     return box(size).apply_translation([0, 0, size[2] / 2])
 
 
-def _rod(stated: dict[str, Any]) -> Trimesh:
+def _rod(stated: Fields) -> Trimesh:
     """A round rod from left to right: length and radius, m."""
     length, radius = stated["rod"]
     ends = [(-length / 2, 0, 0), (length / 2, 0, 0)]
@@ -186,7 +186,7 @@ SHAPES = {
 }
 
 
-def _lathed(sections: Array, stated: dict[str, Any]) -> Trimesh:
+def _lathed(sections: Array, stated: Fields) -> Trimesh:
     """Body of sections (height, half breadth, front, back), with its relief and its holes."""
     x, y, z = _skin(sections, stated.get("grid", (240, 400)))
     if "relief" in stated:

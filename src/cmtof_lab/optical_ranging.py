@@ -22,12 +22,12 @@ from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.ranging import range_errors
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.hardware.rig import MODES, PLATES, SAMPLE_RATE
-from cmtof.types import Array, Counts, Numbers
-from cmtof_lab import optics as free_space
+from cmtof.types import Array, Arrays, Counts, Pair
 from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
+from cmtof_lab.optics import ambient, emission_mean
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import STAGE_ERROR, WRAP, collected_power, visited
+from cmtof_lab.sweep import STAGE_ERROR, WRAP, collected_power, reading_times, visited
 from cmtof_lab.targets import Plane
 
 # Modulation frequency of each mode, Hz.
@@ -50,7 +50,7 @@ class OpticalRanger:
     visits: int = 8  # (assumed)
     age: float = 600.0  # s from the first visit to the sweep (assumed)
     step_time: float = 1.0  # s from one reading to the next (assumed: 2.4 mm/s and a turn of 1 mm)
-    air_change: tuple[float, float] = (0.5, 100.0)  # K, Pa since the zero, rms (assumed)
+    air_change: Pair = (0.5, 100.0)  # K, Pa since the zero, rms (assumed)
     stage_error: float = STAGE_ERROR
     level: float = 0.5  # share of the detector's range that the crest may reach (assumed)
 
@@ -105,16 +105,11 @@ class OpticalRanger:
         instrument = SimulatedInstrument(_another_day(settings, rng), seed=int(rng.integers(2**63)))
         thicker = self._air_change(settings, rng)
         place = stated + self.stage_error * rng.standard_normal(stated.size)
-        phases = self.phase(self.counts(instrument, place, self._labels(offsets.size)))
+        labels = 1 + np.rint(reading_times(self, offsets.size) / BURST_INTERVAL).astype(int)
+        phases = self.phase(self.counts(instrument, place, labels))
         ranges = index * (target.distance + stated)
         off = range_errors(phases, ranges, self.frequency, visits=self.visits)[self.visits :]
         return (target.distance + offsets) * (1 + thicker / index) + off / index
-
-    def _labels(self, count: int) -> Numbers:
-        """Labels of the bursts of the zero and of ``count`` positions, which count their time."""
-        later = self.age + self.step_time * np.arange(count)
-        times = np.append(self.step_time * np.arange(self.visits), later)
-        return 1 + np.rint(times / BURST_INTERVAL).astype(int)
 
     def _air_change(self, settings: TwinSettings, rng: Generator) -> float:
         """Change of the air's index since the zero, by whose index the lab divides."""
@@ -124,12 +119,12 @@ class OpticalRanger:
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound on one estimate (P,), m: noise alone, that of the zero included."""
-        ranges = target.distance + np.asarray(positions, float)
+        ranges = np.add(target.distance, positions)
         light = collected_power(self.settings, target, ranges, self.mode)
         noise = self.dimming_and_noise(light)[1] * np.sqrt(1 + 1 / self.visits)
         return depth_from_phase(noise, self.frequency)
 
-    def dimming_and_noise(self, collected: ArrayLike) -> tuple[Array, Array]:
+    def dimming_and_noise(self, collected: ArrayLike) -> Arrays:
         """Grey filter's transmission for collected light (...), W, and noise of a phase, rad.
 
         The filter keeps the maximum within the detector's range; no speckle.
@@ -145,12 +140,12 @@ class OpticalRanger:
         variance = variance + 2 / kept * counts * SLOPE**2
         return dimming, np.sqrt(variance) / (per_watt * amplitude)
 
-    def _light(self, collected: ArrayLike) -> tuple[Array, Array]:
+    def _light(self, collected: ArrayLike) -> Arrays:
         """Mean and amplitude, W, of the correlation of collected light, W."""
         settings = self.settings
         wave = SimulatedInstrument(settings).emission(self.panel())  # the detection's is alike
-        opened = np.asarray(collected, float) / free_space.emission_mean(settings, self.mode)
-        mean = opened * wave[0].real ** 2 + free_space.ambient(settings) * wave[0].real
+        opened = np.divide(collected, emission_mean(settings, self.mode))
+        mean = opened * wave[0].real ** 2 + ambient(settings) * wave[0].real
         return mean, opened * 2 * abs(wave[MODES[self.mode]]) ** 2
 
     def _bandwidth(self) -> float:

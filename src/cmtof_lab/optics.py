@@ -31,14 +31,14 @@ class Paths(NamedTuple):
 
 def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
     """Unit vectors (..., 3) along (tan x, tan y, 1) + aside for optical angles (..., 2), rad."""
-    tangent = np.tan(np.asarray(angles, float)) + aside
+    tangent = np.tan(angles) + aside
     ray = np.concatenate([tangent, np.ones((*tangent.shape[:-1], 1))], axis=-1)
     return ray / np.sqrt((ray * ray).sum(-1, keepdims=True))
 
 
 def spot_radius(settings: TwinSettings, distance: ArrayLike) -> Array:
     """1/e^2 radius of the spot, m, at a range, m: exit radius and defocus add up."""
-    return settings.exit_radius + settings.divergence * np.abs(np.asarray(distance, float))
+    return settings.exit_radius + settings.divergence * np.abs(distance)
 
 
 def aperture_area(settings: TwinSettings) -> float:
@@ -90,17 +90,17 @@ def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     pair = np.asarray(places).astype(np.int64).view(np.uint64)
     start = _mixed(np.array([seed & (2**64 - 1), 7], np.uint64))
     # arrays of unsigned integers wrap round without a warning
-    word = (pair[:, :1] << np.uint64(32)) ^ (pair[:, 1:] & np.uint64(0xFFFFFFFF))
-    column = np.arange(1, count + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+    word = (pair[:, :1] << 32) ^ (pair[:, 1:] & 0xFFFFFFFF)
+    column = np.arange(1, count + 1, dtype=np.uint64) * 0x9E3779B97F4A7C15
     mixed = _mixed(_mixed(word ^ start[:1]) + start[1:] + column)
-    return ((mixed >> np.uint64(11)).astype(float) + 0.5) / 2.0**53
+    return ((mixed >> 11).astype(float) + 0.5) / 2.0**53
 
 
-def _mixed(word: NDArray[np.uint64]) -> NDArray[np.uint64]:
+def _mixed(word: NDArray) -> NDArray:
     """Bits of 64-bit words, mixed."""
-    word = (word ^ (word >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    word = (word ^ (word >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return word ^ (word >> np.uint64(31))
+    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9
+    word = (word ^ (word >> 27)) * 0x94D049BB133111EB
+    return word ^ (word >> 31)
 
 
 def outward(settings: TwinSettings) -> float:

@@ -15,6 +15,7 @@ from cmtof.hardware.plan import BURST_INTERVAL, planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
 from cmtof.measurement import Measurement
+from cmtof.types import Pair, Shape
 from cmtof.validation import checked
 from cmtof_lab.devices import simulated_devices
 from cmtof_lab.instrument import SimulatedInstrument
@@ -63,8 +64,8 @@ def scan_scene(
     settings: TwinSettings,
     target: Any,
     *,
-    size: int | tuple[int, int],
-    field_of_view: float | tuple[float, float],
+    size: int | Shape,
+    field_of_view: float | Pair,
     seed: int,
     path: str = "",
     **rigged: Any,

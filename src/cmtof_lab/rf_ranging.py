@@ -22,11 +22,11 @@ from cmtof.hardware.ranging import straightened
 from cmtof.hardware.rig import MODES, SAMPLE_RATE
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.types import Array, Complex, Numbers
-from cmtof_lab import optics as free_space
 from cmtof_lab.instrument import DRIFT_RMS, drift
 from cmtof_lab.optical_ranging import FREQUENCY
+from cmtof_lab.optics import inward, sent_power, speckle_cells, spot_radius, trace
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power, visited
+from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power, reading_times, visited
 from cmtof_lab.targets import Plane, Target
 
 
@@ -90,7 +90,7 @@ class RfRanger:
     @property
     def sent(self) -> float:
         """Light that is sent, W, but for the losses on the way back."""
-        return free_space.sent_power(self.settings, self.mode) * free_space.inward(self.settings)
+        return sent_power(self.settings, self.mode) * inward(self.settings)
 
     @property
     def offsets(self) -> Array:
@@ -106,11 +106,11 @@ class RfRanger:
         wave = law(self.settings.eta, 2)
         depth = 2 * abs(wave[MODES[self.mode]]) / wave[0].real
         response = self.responsivity / np.hypot(1, FREQUENCY[self.mode] / self.bandwidth)
-        return self.load * response * depth * np.asarray(power, float)
+        return np.multiply(self.load * response * depth, power)
 
     def noise(self, power: ArrayLike) -> Array:
         """Noise of one quadrature averaged over ``time``, V rms: light (...), W, and circuit."""
-        current = self.responsivity * np.asarray(power, float) + self.dark_current
+        current = np.multiply(self.responsivity, power) + self.dark_current
         shot = 2 * elementary_charge * current * self.load**2
         thermal = Boltzmann * 290.0 * self.noise_factor * self.load
         behind = self.noise_density**2 / (2 * self.gain_ahead)
@@ -125,7 +125,7 @@ class RfRanger:
         z = np.asarray(ranges, float)
         half = self.settings.field_of_view / 2 * self.diameter / self.reference_diameter
         with np.errstate(divide="ignore"):
-            return 1 - np.exp(-2 * (half * z / free_space.spot_radius(self.settings, z)) ** 2)
+            return 1 - np.exp(-2 * (half * z / spot_radius(self.settings, z)) ** 2)
 
     def power(self, target: Plane, ranges: ArrayLike) -> Array:
         """Mean light on the photodiode, W; a mirror's beam is focused to a point (assumed)."""
@@ -152,12 +152,13 @@ class RfRanger:
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound (P,), m: noise of one reading at the mean light, nothing else."""
-        light = self.power(target, target.distance + np.asarray(positions, float))
+        light = self.power(target, np.add(target.distance, positions))
         return self.noise(light) / self.envelope(light) / self.phase(1.0)
 
     def readings(self, target: Plane, ranges: Array, rng: Generator) -> Complex:
         """One day's envelopes (P,), V, at ranges (P,), m, the first ones those of the zero."""
-        times = self._times(ranges.size)
+        # the last reading is that of the blocked beam
+        times = np.append(reading_times(self, ranges.size - self.visits), 0.0)
         averaged = self._averaged(times.size)
         slow = self._slow_drifts(times, rng)
         constant = self._offset(slow, rng)
@@ -184,12 +185,6 @@ class RfRanger:
         constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
         return constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
 
-    def _times(self, count: int) -> Array:
-        """Times, s, of ``count`` positions; the last is that of the blocked beam."""
-        zero = self.step_time * np.arange(self.visits)
-        later = self.age + self.step_time * np.arange(count - self.visits)
-        return np.concatenate([zero, later, [0.0]])
-
     def _averaged(self, count: int) -> Numbers:
         """Points that each reading averages: many for the zero and for the blocked beam."""
         many = np.where(np.arange(count) < self.visits, self.points, 1)
@@ -206,7 +201,7 @@ class RfRanger:
         light = self.power(target, ranges)
         if not self.settings.speckle or target.mirrored:
             return light
-        cells = free_space.speckle_cells(self.settings, ranges)
+        cells = speckle_cells(self.settings, ranges)
         return light * rng.gamma(cells, 1 / cells)
 
     def _turn(self, averaged: NDArray, drifted: Array, rng: Generator) -> Array:
@@ -234,7 +229,7 @@ def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
 
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
     """Wrapped phase (...), rad, by RF demodulation at optical angles (..., 2), rad; noise alone."""
-    paths = free_space.trace(target, np.reshape(angles, (-1, 2)), ranger.settings, seed)
+    paths = trace(target, np.reshape(angles, (-1, 2)), ranger.settings, seed)
     power = ranger.sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     signal = (ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))).sum(-1)

@@ -12,6 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from cmtof import air
 from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH, SPEED_OF_LIGHT
+from cmtof.types import Fields
 from cmtof_lab.targets import PLATE, Plane
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -26,7 +27,7 @@ CAPTURES = {"curlyhair1": (0.092, 0.45), "head": (0.132, 0.02), "owl": (0.126, 0
 _LEVEL, _GRAIN = np.mean(list(CAPTURES.values()), axis=0).round(3).tolist()
 # Noise of the instrument: that of photons and electronics alone, or besides the captures' mean.
 # They have 7.15 GHz alone; as many radians at 14.32 GHz are assumed, where a jitter in time doubles
-NOISE: dict[str, dict[str, Any]] = {"photon": {}}
+NOISE: dict[str, Fields] = {"photon": {}}
 NOISE["captures"] = {"phase_noise": (_LEVEL, _LEVEL), "grain": _GRAIN}
 
 # Settings that are zero in an ideal instrument
@@ -107,7 +108,7 @@ class TwinSettings:
             wavelength=self.wavelength, temperature=self.temperature, pressure=self.pressure
         )
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> Fields:
         """Plain values."""
         return TypeAdapter(type(self)).dump_python(self, mode="json", fallback=repr)
 

@@ -1,7 +1,6 @@
 """The laser's spot in a camera: its light, its noise, and where its centre is found."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -9,7 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from cmtof.constants import LASER_WAVELENGTH
-from cmtof.types import Array, Flags
+from cmtof.types import Array, Arrays
 from cmtof_rooms.arrays import Shape
 
 WINDOW = 11  # side of the window in which a spot is placed, px
@@ -55,7 +54,7 @@ def photographed_spots(
     return np.minimum(drawn, sensor.full_well) - sensor.ambient
 
 
-def place_spots(windows: ArrayLike, sensor: Sensor) -> tuple[Array, Array]:
+def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
     r"""Centres (N, 2) and their standard deviations (N,), px, of the spots in windows (N, S, S).
 
     The centroid under a Gaussian weight w of width s that moves with it (XWIN of SExtractor):
@@ -67,54 +66,24 @@ def place_spots(windows: ArrayLike, sensor: Sensor) -> tuple[Array, Array]:
     """
     light = np.asarray(windows, float)
     middle = light.shape[-1] / 2
+    grid = np.arange(light.shape[-1]) + 0.5
     centre = np.full((len(light), 2), middle)
     for _ in range(12):
-        lit = _Weighted.about(centre, light)
-        centre = centre + np.clip(2 * lit.step(), -1, 1)
-    sigma = np.hypot(lit.deviation(light, sensor), sensor.speckle)
-    lost = lit.weak(light, sensor) | (np.abs(centre - middle) > 2).any(1)
-    lost |= light.max((1, 2)) >= sensor.full_well - sensor.ambient
-    return np.where(lost[:, None], np.nan, centre), np.where(lost, np.nan, sigma)
-
-
-class _Weighted(NamedTuple):
-    """Windows (N, S, S) of light under a Gaussian weight about their centres."""
-
-    x: Array  # (N, S), px from the centre
-    y: Array
-    weight: Array
-    lit: Array  # weight times light
-
-    @classmethod
-    def about(cls, centre: Array, light: Array) -> "_Weighted":
-        """Weigh the light about centres (N, 2), px."""
-        grid = np.arange(light.shape[-1]) + 0.5
         x = grid - centre[:, 0, None]
         y = grid - centre[:, 1, None]
         weight = np.exp(-(x[:, None, :] ** 2 + y[:, :, None] ** 2) / 2 / WEIGHT**2)
-        return cls(x, y, weight, weight * light)
-
-    def total(self) -> Array:
-        """Weighted light (N,)."""
-        return np.maximum(self.lit.sum((1, 2)), 1e-9)
-
-    def step(self) -> Array:
-        """Weighted mean (N, 2), px, from the centre."""
-        across = (self.lit.sum(1) * self.x).sum(1)
-        down = (self.lit.sum(2) * self.y).sum(1)
-        return np.stack([across, down], 1) / self.total()[:, None]
-
-    def noise(self, light: Array, sensor: Sensor) -> Array:
-        """Variance of the weighted light of each pixel, electrons^2."""
-        variance = np.maximum(light, 0) + sensor.ambient + sensor.read_noise**2
-        return self.weight**2 * variance
-
-    def deviation(self, light: Array, sensor: Sensor) -> Array:
-        """Standard deviation (N,) of the centroid, px, by noise."""
-        spread = np.sqrt((self.noise(light, sensor).sum(1) * self.x**2).sum(1))
-        slope = (self.lit.sum(1) * (1 - self.x**2 / WEIGHT**2)).sum(1)
-        return spread / np.maximum(slope, 1e-9)
-
-    def weak(self, light: Array, sensor: Sensor) -> Flags:
-        """Windows whose light is below six deviations."""
-        return self.total() < 6 * np.sqrt(self.noise(light, sensor).sum((1, 2)))
+        lit = weight * light
+        total = np.maximum(lit.sum((1, 2)), 1e-9)
+        centre = centre + np.clip(
+            2 * (np.stack([(lit.sum(1) * x).sum(1), (lit.sum(2) * y).sum(1)], 1) / total[:, None]),
+            -1,
+            1,
+        )
+    noise = weight**2 * (np.maximum(light, 0) + sensor.ambient + sensor.read_noise**2)
+    sigma = np.sqrt((noise.sum(1) * x**2).sum(1))
+    sigma = sigma / np.maximum((lit.sum(1) * (1 - x**2 / WEIGHT**2)).sum(1), 1e-9)
+    lost = total < 6 * np.sqrt(noise.sum((1, 2)))
+    lost |= (np.abs(centre - middle) > 2).any(1)
+    lost |= light.max((1, 2)) >= sensor.full_well - sensor.ambient
+    sigma = np.where(lost, np.nan, np.hypot(sigma, sensor.speckle))
+    return np.where(lost[:, None], np.nan, centre), sigma

@@ -17,7 +17,7 @@ from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, consistent_wrap_count, depth_from_wraps
 from cmtof.frame import Frame
 from cmtof.pointcloud import mesh_triangles, normals_from_points, points_from_depth
-from cmtof.types import Array, Flags, Numbers
+from cmtof.types import Array, Arrays, Flags, Numbers
 from cmtof_lab.spots import SENSOR, WINDOW, Sensor, photographed_spots, place_spots
 from cmtof_lab.sweep import WRAP
 from cmtof_lab.targets import MeshTarget
@@ -54,8 +54,8 @@ class StereoRig:
         for k, pose in enumerate(self.poses):
             inside = np.ascontiguousarray(pose.apply(points.reshape(-1, 3)))
             inside[~(inside[:, 2] > 0)] = np.nan
-            lens = self.matrices[k], self.distortions[k]
-            seen[k] = cv2.projectPoints(inside, still, still, *lens)[0].reshape(seen.shape[1:])
+            found = cv2.projectPoints(inside, still, still, self.matrices[k], self.distortions[k])
+            seen[k] = found[0].reshape(seen.shape[1:])
         return seen
 
     def undistorted(self, pixels: ArrayLike, k: int) -> Array:
@@ -63,8 +63,8 @@ class StereoRig:
         import cv2
 
         stop = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 20, 1e-12)
-        lens = self.matrices[k], self.distortions[k]
         pixels = np.ascontiguousarray(pixels, float)[:, None]
+        lens = self.matrices[k], self.distortions[k]
         return cv2.undistortPoints(pixels, *lens, criteria=stop).reshape(-1, 2)
 
     def triangulate(self, pixels: Array) -> Array:
@@ -186,9 +186,7 @@ def scan_spots(frame: Frame, rig: StereoRig, *, rng: Generator, sensor: Sensor =
     return spots
 
 
-def _spot_light(
-    frame: Frame, points: Array, rig: StereoRig, k: int, sensor: Sensor
-) -> tuple[Array, Array]:
+def _spot_light(frame: Frame, points: Array, rig: StereoRig, k: int, sensor: Sensor) -> Arrays:
     """Electrons (H, W) of each spot in camera k, none where hidden, and its width, px."""
     away = rig.centres[k] - points
     distance = np.linalg.norm(away, axis=-1)
@@ -243,7 +241,7 @@ def truth_from_spots(
     return PseudoTruth(wraps, mask, found, spread, np.where(mask, depth, np.nan))
 
 
-def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> tuple[Array, Array]:
+def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> Arrays:
     """Ranges from the scanner, m, and their deviations by noise of spots and calibration."""
     points = rig.triangulate(spots.pixels)
     missed = ((spots.pixels - rig.project(points)) / spots.sigma[..., None]) ** 2

@@ -7,7 +7,7 @@ The error of one repeat at stage position x is split by least squares,
 """
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
 from cmtof.types import Array, Complex
-from cmtof_lab import optics as free_space
+from cmtof_lab.optics import inward, returned_fractions, sent_power, trace
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import Plane, RayEnds
 
@@ -34,19 +34,25 @@ def collected_power(
     settings: TwinSettings, target: Plane, ranges: ArrayLike, mode: str = "single"
 ) -> Array:
     """Mean light (...), W, behind the receiving optics, of a target at ranges (...), m."""
-    places = np.append(target.distance, np.asarray(ranges, float).ravel())
+    places = np.append(target.distance, ranges)
     hits = RayEnds(places, np.ones(1), np.array(target.reflectance), target.mirrored)
-    share = sum(free_space.returned_fractions(settings, hits))
+    share = sum(returned_fractions(settings, hits))
     # a mirror turns the rim of the spot away: the same part of it at every range
     smooth = replace(settings, speckle=False)
-    whole = free_space.trace(target, np.zeros((1, 2)), smooth, 0).fraction.sum()
-    power = free_space.sent_power(settings, mode) * free_space.inward(settings) * whole
+    whole = trace(target, np.zeros((1, 2)), smooth, 0).fraction.sum()
+    power = sent_power(settings, mode) * inward(settings) * whole
     return (power * share[1:] / share[0]).reshape(np.shape(ranges))
 
 
 def circular_normals(rng: Generator, count: int) -> Complex:
     """Circular complex normals (count,) whose real and imaginary parts have unit variance."""
     return rng.standard_normal((count, 2)).view(complex)[:, 0]
+
+
+def reading_times(lab: Any, count: int) -> Array:
+    """Times, s, of the ``visits`` of a range finder that set its zero, and of so many positions."""
+    later = lab.age + lab.step_time * np.arange(count)
+    return np.append(lab.step_time * np.arange(lab.visits), later)
 
 
 class Parts(NamedTuple):

@@ -15,7 +15,7 @@ from pydantic import ConfigDict
 
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
-from cmtof.types import Array, Flags
+from cmtof.types import Array, Fields, Flags
 
 LARGEST_STEP = 0.02  # Neighbouring pixels whose depths differ by a smaller share: one surface
 SURFACE = 3e-3  # How near to a point its own surface may be met, m
@@ -156,7 +156,7 @@ class MeshTarget:
 
     def hidden(self, points: Array, eye: ArrayLike) -> Flags:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
-        way = points.reshape(-1, 3) - np.asarray(eye, float)
+        way = np.subtract(points.reshape(-1, 3), eye)
         far = np.linalg.norm(way, axis=-1)
         rays = np.ascontiguousarray(way / far[:, None], np.float32)
         start = np.broadcast_to(np.asarray(eye, np.float32), rays.shape).copy()
@@ -171,7 +171,7 @@ def _object(name: str) -> MeshTarget:
 
 
 # Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments
-KINDS: dict[str, Any] = {"plane": Plane, "mirror": partial(Plane, mirrored=1.0), "object": _object}
+KINDS: Fields = {"plane": Plane, "mirror": partial(Plane, mirrored=1.0), "object": _object}
 
 
 def scene_from(source: Any) -> Target | None:

@@ -48,7 +48,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
         )
     lengths = wrap_length(measurement.frequencies[:2])[:, None, None]
     first, second = measurement.phase[:2] * lengths / TAU
-    unit = float(wrap_length(low)) / k2
+    unit = wrap_length(low) / k2
     q = np.rint((second - first) / unit).astype(np.int64)
     wraps = (q * pow(k2, -1, k1)) % k1 if k1 > 1 else np.zeros_like(q)
     depth = depth_from_wraps(measurement.phase[0], wraps, low)
@@ -105,7 +105,7 @@ def _misfit_noise(measurement: Measurement, residual: Array, gap: float) -> Arra
     ratio = measurement.frequencies[1] / measurement.frequencies[0]
     # infinite where nothing was measured: there every wrap is as likely
     spread = np.clip(np.hypot(noise[1], ratio * noise[0]), _FINEST, 1e9)
-    typical = float(np.median(np.abs(residual[measurement.mask])))
+    typical = np.median(np.abs(residual[measurement.mask]))
     if "correlation" not in measurement.dataset and typical < gap / 8:
         return np.where(spread < 1e9, max(1.5 * typical, _FINEST), spread)
     return spread

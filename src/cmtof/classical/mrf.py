@@ -240,23 +240,23 @@ def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
-    index = np.arange(excess.size).reshape(excess.shape)
-    source = np.full_like(index, excess.size)
-    sink = np.full_like(index, excess.size + 1)
+    source = excess.size
+    sink = source + 1
+    index = np.arange(source).reshape(excess.shape)
     # x = 0 on the side of the sink: edges that lead there are cut for x = 1 before them
     edges = (
-        (source, index, np.maximum(-excess, 0)),
-        (index, sink, np.maximum(excess, 0)),
+        (np.full_like(index, source), index, np.maximum(-excess, 0)),
+        (index, np.full_like(index, sink), np.maximum(excess, 0)),
         (index[:, 1:], index[:, :-1], right),
         (index[1:], index[:-1], down),
     )
     start, end, cost = (np.concatenate([e[i].ravel() for e in edges]) for i in range(3))
-    scale = 2.0**26 / max(float(cost[np.isfinite(cost)].max(initial=0)), 1e-30)
+    scale = 2.0**26 / max(cost[np.isfinite(cost)].max(initial=0), 1e-30)
     capacity = np.rint(np.minimum(cost * scale, 2.0**28)).astype(np.int32)
-    graph = csr_array((capacity, (start, end)), shape=(excess.size + 2,) * 2)
-    left = csr_array(graph - maximum_flow(graph, excess.size, excess.size + 1).flow)
+    graph = csr_array((capacity, (start, end)), shape=(source + 2,) * 2)
+    left = csr_array(graph - maximum_flow(graph, source, sink).flow)
     left.data[left.data < 0] = 0
     left.eliminate_zeros()
-    reached = np.zeros(excess.size + 2, bool)
-    reached[breadth_first_order(left, excess.size, return_predecessors=False)] = True
-    return reached[: excess.size].reshape(excess.shape)
+    reached = np.zeros(source + 2, bool)
+    reached[breadth_first_order(left, source, return_predecessors=False)] = True
+    return reached[:source].reshape(excess.shape)

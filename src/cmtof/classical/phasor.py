@@ -16,7 +16,7 @@ from cmtof.classical.beat import beat_depth
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.estimate import Estimate, guess, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
-from cmtof.types import Array
+from cmtof.types import Array, Pair
 
 
 def phasor(measurement: Measurement) -> Estimate:
@@ -27,7 +27,7 @@ def phasor(measurement: Measurement) -> Estimate:
     """
     low, high = measurement.frequencies[:2]
     extent = measurement.range[1] - measurement.range[0]
-    covered = float(wrap_length(high - low))
+    covered = wrap_length(high - low)
     if round(high / low) != 1 or covered < extent * (1 - 1e-9):
         raise ValueError(
             f"Expected two close frequencies whose beat covers the range of {extent:.3f} m, got "
@@ -55,7 +55,7 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
     There a peak may be cut, as high as an inner one of less misfit.
     """
     coarse = beat_depth(phase[1] - phase[0], measurement)
-    turns = phase_from_depth(coarse, float(measurement.frequencies[0])) - phase[0]
+    turns = phase_from_depth(coarse, measurement.frequencies[0]) - phase[0]
     middle = np.rint(turns / TAU)
     first, last = wraps_in_range(measurement)
     return [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
@@ -68,7 +68,7 @@ def _confidence(noise: Array, measurement: Measurement) -> Array:
     return np.maximum(odds, guess(measurement))
 
 
-def match(phase: Array, amplitude: Array, depth: Array, frequencies: tuple[float, float]) -> Array:
+def match(phase: Array, amplitude: Array, depth: Array, frequencies: Pair) -> Array:
     """F at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
     pairs = zip(amplitude, frequencies, phase, strict=True)
     return sum(a * np.cos(phase_from_depth(depth, f) - p) for a, f, p in pairs)

@@ -25,6 +25,7 @@ from cmtof.hardware.device import (
 )
 from cmtof.hardware.rf import open_serial
 from cmtof.hardware.roles import Waiting
+from cmtof.types import Texts
 
 _HOST, _UNIT, _CHANNEL = 0x01, 0x50, 1
 _POLL = 0.05  # s, between looks at the status bits
@@ -128,7 +129,7 @@ class Motor(Device):
         self._expect("velocity", velocity, moving.max_velocity, 1e-3 * velocity)
         self._expect("acceleration", acceleration, moving.acceleration, 0.01 * acceleration)
 
-    def _identity(self) -> dict[str, str]:
+    def _identity(self) -> Texts:
         self._send("hw_stop_updatemsgs")  # another program may have left it talking
         info = self._ask("hw_req_info")
         model = info.model_number.split(b"\0")[0].decode("ascii", "replace")

@@ -12,9 +12,9 @@ from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
 from cmtof.hardware.plan import Line, Plan, Record, mirror_settling, mirror_volts
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
 from cmtof.hardware.rig import DRIVERS, LIGHT, PLATES, Rig
-from cmtof.hardware.roles import ClockRole, MotorRole, PowerMeterRole, ReadOutRole, RfRole
+from cmtof.hardware.roles import ClockRole, MotorRole, PowerMeterRole, ReadOutRole, Requests, RfRole
 from cmtof.hardware.safety import EmergencyStop
-from cmtof.types import Array, Counts
+from cmtof.types import Array, Counts, Named, Values
 
 VOLTS_RANGE = 10.0  # of the detector's input, V
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
@@ -44,7 +44,7 @@ class Bench(EmergencyStop):
     def __init__(
         self,
         rig: Rig,
-        devices: Mapping[str, Any],
+        devices: Named,
         *,
         patience: float = 1.0,
         clock_of: Callable[[int], float] | None = None,
@@ -69,12 +69,8 @@ class Bench(EmergencyStop):
         if on and part in LIGHT:
             self.check_interlock()
         self.daq.set_line(self.rig.line(part), on)
-        settling = {
-            "shutter": self.rig.shutter_settling,
-            "flip_mirror": self.rig.flip_mirror_settling,
-        }
         if self._levels.get(part) != on:
-            self.wait(settling.get(part, 0.0))
+            self.wait(getattr(self.rig, f"{part}_settling", 0.0))
         self._levels[part] = on
 
     def wait(self, seconds: float) -> None:
@@ -94,7 +90,7 @@ class Bench(EmergencyStop):
         self.daq.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
         self._aim = np.zeros(2)
 
-    def aimed(self, direction: Array) -> dict[str, float]:
+    def aimed(self, direction: Array) -> Values:
         """Outputs that send the beam into a direction (2,), rad, and their voltages."""
         volts = mirror_volts(self.rig, direction).tolist()
         return dict(zip(self.rig.mirrors, volts, strict=True))
@@ -255,7 +251,7 @@ class Bench(EmergencyStop):
 
     def metered_power(self) -> float:
         """Power, W, at the meter; `Unsafe` where there is none, or more leaves than allowed."""
-        metered = float(self.power_meter.power)
+        metered = self.power_meter.power
         emitted = self.rig.emitted_share * metered
         if not 0 < emitted <= self.rig.power_limit:
             raise Unsafe(
@@ -272,7 +268,7 @@ class Bench(EmergencyStop):
             self.move_target(plan.sweep[line.row])
         if lit:
             self.metered_power()
-        outputs: Iterable[dict[str, float]] = repeat({})
+        outputs: Requests = repeat({})
         try:
             if line.kind == "scan":
                 aims = plan.angles[line.row]

@@ -20,7 +20,7 @@ from cmtof.hardware.bench import MODULES, VOLTS_RANGE, Bench
 from cmtof.hardware.ranging import reading, sweep, sweep_errors
 from cmtof.hardware.reduction import Gain
 from cmtof.hardware.rig import PLATES
-from cmtof.types import Array
+from cmtof.types import Array, Pair
 
 LARGEST = 1.9  # eta, rad, up to which the mean grows
 
@@ -65,7 +65,7 @@ def drive_amplitudes(bench: Bench, module: str, drives: Iterable[Sequence[float]
     return np.interp(1 - 2 * share, j0(2 * eta), eta)
 
 
-def resonance(bench: Bench, module: str, frequencies: Sequence[float]) -> tuple[float, float]:
+def resonance(bench: Bench, module: str, frequencies: Sequence[float]) -> Pair:
     """Resonance, Hz, of a module by its eta at three frequencies or more, and its full width, Hz.
 
     That of a Lorentzian at half power: 1 / eta^2 grows with the square of the distance.
@@ -76,7 +76,7 @@ def resonance(bench: Bench, module: str, frequencies: Sequence[float]) -> tuple[
     return centre, 2 * np.sqrt(2 * curve(centre) / curve.deriv(2)(centre))
 
 
-def plate(bench: Bench, module: str, angles: Sequence[float]) -> tuple[float, float]:
+def plate(bench: Bench, module: str, angles: Sequence[float]) -> Pair:
     """What is to be added to a plate's zero, degrees, and the module's extinction.
 
     By its light at angles, degrees, spread over 45.

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from functools import wraps
 from typing import Any, ClassVar, NoReturn
 
+from cmtof.types import Pair, Texts
+
 
 class InstrumentError(OSError):
     """Something is wrong with an instrument or with the way to it."""
@@ -86,7 +88,7 @@ class Device:
     """An instrument on a library's connection; ``serial_number`` refuses any other."""
 
     MODELS: ClassVar[tuple[str, ...]] = ()  # beginnings of the names that the driver takes
-    LIMITS: ClassVar[Mapping[str, tuple[float, float]]] = {}  # of settings, in SI units
+    LIMITS: ClassVar[Mapping[str, Pair]] = {}  # of settings, in SI units
 
     def __init__(self, connection: Any, name: str, serial_number: str = "") -> None:
         self._connection = connection
@@ -100,7 +102,7 @@ class Device:
     def safe_state(self) -> None:
         """Bring the device into its safe state; may be called at any time, and again."""
 
-    def identify(self) -> dict[str, str]:
+    def identify(self) -> Texts:
         """Name that the device reports; `Refused` if it is another one."""
         found = self._identity()  # type: ignore[attr-defined]
         model = found["model"]

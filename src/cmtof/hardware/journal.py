@@ -8,16 +8,16 @@ disk (fsync) before the scan goes on. What follows a line that is torn or damage
 import json
 import os
 import zlib
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from cmtof.files import AnyPath
 from cmtof.hardware.plan import Line, Plan, Record
+from cmtof.types import Named
 
 
-def journal_path(output: str | Path) -> Path:
+def journal_path(output: AnyPath) -> Path:
     """Where the journal of an output lies: beside it, ``m.nc.journal``."""
     return Path(f"{output}.journal")
 
@@ -27,7 +27,7 @@ def framed(content: bytes) -> bytes:
     return b"%08x %s\n" % (zlib.crc32(content), content)
 
 
-def whole_lines(path: str | Path) -> list[bytes]:
+def whole_lines(path: AnyPath) -> list[bytes]:
     """JSON of the header and of every line that is whole; nothing of a file that is no journal."""
     found = []
     for line in Path(path).read_bytes().splitlines(keepends=True):
@@ -37,7 +37,7 @@ def whole_lines(path: str | Path) -> list[bytes]:
     return found
 
 
-def append(path: Path, content: Mapping[str, Any]) -> None:
+def append(path: Path, content: Named) -> None:
     """Add a line to a journal; it is on the disk when this returns."""
     with path.open("ab") as file:
         file.write(framed(json.dumps(content, default=np.ndarray.tolist).encode()))
@@ -45,7 +45,7 @@ def append(path: Path, content: Mapping[str, Any]) -> None:
         os.fsync(file.fileno())
 
 
-def check_settings(path: Path, old: Mapping[str, Any], new: Mapping[str, Any]) -> None:
+def check_settings(path: Path, old: Named, new: Named) -> None:
     """Raise ValueError unless the settings of a file are these."""
     for name in new:
         if old.get(name) != new[name]:
@@ -55,7 +55,7 @@ def check_settings(path: Path, old: Mapping[str, Any], new: Mapping[str, Any]) -
             )
 
 
-def begun(path: Path, header: Mapping[str, Any], plan: Plan) -> list[Record]:
+def begun(path: Path, header: Named, plan: Plan) -> list[Record]:
     """Records of a plan's journal, which is cut behind them, or begun where there is none.
 
     Raises ValueError if it belongs to other settings, or is none.

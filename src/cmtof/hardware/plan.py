@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.frame import rays_from_camera
 from cmtof.hardware.rig import MODES, Rig
-from cmtof.types import Array, Counts, Numbers
+from cmtof.types import Array, Counts, Numbers, Shape
 
 DARK_BURSTS = 16  # behind the closed shutter, each mode
 REFERENCE_BURSTS = 8  # at each position of the reference target
@@ -82,18 +82,18 @@ def mirror_volts(rig: Rig, angles: ArrayLike) -> Array:
 
 def mirror_angles(rig: Rig, volts: ArrayLike) -> Array:
     """Optical angles (..., 2), rad, of voltages: the inverse of `mirror_volts`."""
-    turned = np.asarray(volts, float) - rig.mirror_offset_volts
+    turned = np.subtract(volts, rig.mirror_offset_volts)
     return np.deg2rad(2 * turned / rig.mirror_volts_per_degree)
 
 
-def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
+def planned(rig: Rig, *, size: int | Shape = 64) -> Plan:
     """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole."""
     height, width = (size, size) if isinstance(size, int) else size
     focal = np.array([width, height]) / 2 / np.tan(np.deg2rad(rig.field_of_view_deg) / 2)
     camera = np.array([*focal, width / 2, height / 2])
     x, y, z = np.moveaxis(rays_from_camera((height, width), camera), -1, 0)
     angles = np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)
-    most = float(np.abs(mirror_volts(rig, angles)).max())
+    most = np.abs(mirror_volts(rig, angles)).max()
     if most > 10:
         raise ValueError(
             f"Expected mirrors within 10 V, got {most:.3g} V. Make field_of_view_deg smaller."
@@ -109,7 +109,7 @@ def planned(rig: Rig, *, size: int | tuple[int, int] = 64) -> Plan:
             lines.append(Line(len(lines), mode, kind, row, range(label, label + bursts)))
             label += bursts
     settle = np.full(rig.phases, rig.settle_samples)
-    step = float(np.abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0))
+    step = np.abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0)
     mirrors = ceil(mirror_settling(rig, step) * rig.rate - 1e-9)
     settle[0] = max(settle[0], min(mirrors, rig.samples_per_phase - 1))  # mirrors settle, too
     return Plan(rig, angles, camera, sweep, rig.samples_per_phase - settle, lines)

@@ -15,7 +15,7 @@ and what comes out of a measurement divided by its attribute ``group_index`` is 
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +25,7 @@ from cmtof.correlation import TAU, centred, decode, phase_from_depth
 from cmtof.hardware.plan import REFERENCE_BURSTS, Plan, Record
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Counts
+from cmtof.types import Array, Counts, Named, Pair
 
 FULL_SCALE = 65535  # of a 16-bit stream sample; it and 0 mean that the converter clips
 MIN_CONTRAST = 1e-3  # of the reference target; below there is no phase to calibrate on
@@ -41,7 +41,7 @@ class Gain(NamedTuple):
 
     def volts_from_counts(self, counts: ArrayLike) -> Array:
         """Volts of 16-bit stream counts, same shape (LabJack's calibration.c)."""
-        above = np.asarray(counts, float) - self.centre
+        above = np.subtract(counts, self.centre)
         return above * np.where(above < 0, -self.negative_slope, self.positive_slope)
 
 
@@ -71,7 +71,7 @@ def sums_from_counts(counts: ArrayLike, kept: ArrayLike) -> tuple[NDArray[np.uin
     return sums, clips.sum(axis=(1, 2)).astype(np.uint16)
 
 
-def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> tuple[float, float]:
+def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Pair:
     """Offset and drift of psi, rad, by R visits of a target at N optical ranges, m.
 
     Phasors of the correlations (R, N, K) at the nominal psi are turned back by what their range
@@ -83,8 +83,8 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> tuple[
     turned = np.exp(1j * (seen.phase - phase_from_depth(ranges, frequency)))
     visits = np.sum(seen.amplitude * turned, axis=1)
     total = visits.sum()
-    mean = float(seen.offset.mean())
-    contrast = float(abs(total) / seen.offset.size / mean) if mean > 0 else 0.0
+    mean = seen.offset.mean()
+    contrast = abs(total) / seen.offset.size / mean if mean > 0 else 0.0
     if not contrast > MIN_CONTRAST:
         raise ValueError(
             f"Expected a reference target with a contrast above {MIN_CONTRAST:g}, "
@@ -110,9 +110,7 @@ def check_brightness(volts: Array, limit: float) -> None:
         )
 
 
-def calibrated(
-    plan: Plan, header: Mapping[str, Any], mode: str, records: Sequence[Record]
-) -> tuple[float, float]:
+def calibrated(plan: Plan, header: Named, mode: str, records: Sequence[Record]) -> Pair:
     """`calibrate` by the recorded visits of the target; a ValueError, too, if it saturates."""
     gain, (seen, counts) = Gain(*header["calibration"]), lines_of(plan, records, mode, "reference")
     volts = gain.volts_from_counts(counts)
@@ -124,9 +122,7 @@ def calibrated(
     return calibrate(visits, header["group_index"] * ranges, frequency)
 
 
-def measurement_from_records(
-    plan: Plan, header: Mapping[str, Any], records: Sequence[Record]
-) -> Measurement:
+def measurement_from_records(plan: Plan, header: Named, records: Sequence[Record]) -> Measurement:
     """Measurement of the records of every line of a plan; raises as `calibrated` does.
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,

@@ -24,7 +24,7 @@ from cmtof.hardware.device import (
     question,
 )
 from cmtof.hardware.roles import RfLock, RfStatus
-from cmtof.types import Array
+from cmtof.types import Array, Texts
 
 CODES = 65536  # of one turn of the drive
 
@@ -147,7 +147,7 @@ class RfDriver(Device):
         if self.status().on:
             self._fail(Unsafe, "turn RF off", "it on", "Switch it off by hand.")
 
-    def _identity(self) -> dict[str, str]:
+    def _identity(self) -> Texts:
         words = "".join(self._question("ID?")).split(",")
         with one_error(self.name):
             return dict(zip(("model", "serial_number", "firmware"), words, strict=True))

@@ -1,14 +1,15 @@
 """Settings of a rig, as a RIG file has them, and how its parts are wired."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from cmtof.air import group_index
 from cmtof.constants import HALF_WAVE_PLATE_DOUBLED, HALF_WAVE_PLATE_SINGLE
-from cmtof.files import read_document
+from cmtof.files import AnyPath, read_document
+from cmtof.types import Fields
 from cmtof.validation import checked
 
 # Drivers that each role takes.
@@ -102,7 +103,7 @@ class Rig:
     pressure: float = Field(default=101325.0, ge=0, le=2e5)  # Pa
     reference_distance: float = Field(default=0.60, ge=0.001, le=100)  # target along its ray,
     stage_zero: float = Field(default=0.025, ge=-1, le=1)  # with its stage here
-    twin: dict[str, Any] = Field(default_factory=dict, exclude=True)  # of the simulated instrument
+    twin: Fields = Field(default_factory=dict, exclude=True)  # of the simulated instrument
 
     def __post_init__(self) -> None:
         for role in DRIVERS | self.devices:
@@ -133,7 +134,7 @@ class Rig:
             )
 
     @classmethod
-    def load(cls, path: str | Path) -> Self:
+    def load(cls, path: AnyPath) -> Self:
         """Read a RIG file; a ValueError names the first thing in it that cannot be.
 
         Its ``bench`` is a file of further keys, beside it: what was measured on a bench and is the
@@ -168,6 +169,6 @@ class Rig:
         """Drive frequency of a mode, Hz."""
         return self.frequency_doubled if mode == "doubled" else self.frequency_single
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> Fields:
         """Plain values, without addresses."""
         return TypeAdapter(type(self)).dump_python(self, mode="json", fallback=repr)

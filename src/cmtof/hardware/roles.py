@@ -9,10 +9,12 @@ from typing import NamedTuple, Protocol
 
 from numpy.typing import ArrayLike
 
-from cmtof.types import Array, Counts
+from cmtof.types import Array, Counts, Texts
 
 # What is called again and again while a device moves: it feeds the timers of the others.
 Waiting = Callable[[], object] | None
+Registers = Mapping[str, ArrayLike]  # of a read-out, and their values
+Requests = Iterable[Mapping[str, float]]
 
 
 class DeviceRole(Protocol):
@@ -20,7 +22,7 @@ class DeviceRole(Protocol):
 
     name: str
 
-    def identify(self) -> dict[str, str]:
+    def identify(self) -> Texts:
         """Model and serial number as the device reports them."""
         ...
 
@@ -164,7 +166,7 @@ class ReadOutRole(DeviceRole, Protocol):
     def set_line(self, dio: str, high: bool) -> None:
         """Set an output line."""
 
-    def write_many(self, values: Mapping[str, ArrayLike]) -> None:
+    def write_many(self, values: Registers) -> None:
         """Write registers by name, in their order."""
 
     def watchdog(self, seconds: int) -> None:
@@ -182,6 +184,6 @@ class ReadOutRole(DeviceRole, Protocol):
     ) -> None:
         """Set up bursts of inputs; a line is high for the first half of each ``pulse``."""
 
-    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[Counts]:
+    def bursts(self, requests: Requests) -> Iterator[Counts]:
         """Counts of a burst for each request, whose registers are written first: scan by scan."""
         ...

@@ -13,7 +13,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from cmtof import __version__
-from cmtof.files import alone, check_output
+from cmtof.files import AnyPath, alone, check_output
 from cmtof.hardware.bench import VOLTS_RANGE, Bench
 from cmtof.hardware.journal import append, begun, check_settings, journal_path, whole_lines
 from cmtof.hardware.plan import SWEEP, Line, Plan
@@ -33,7 +33,7 @@ def finished(output: Path, plan: Plan) -> Measurement:
 def scan(
     plan: Plan,
     bench: Callable[[], AbstractContextManager[Bench]],
-    output: str | Path,
+    output: AnyPath,
     *,
     resume: bool = False,
     report: Callable[[Line], None] = lambda line: None,

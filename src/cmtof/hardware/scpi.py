@@ -26,6 +26,7 @@ from cmtof.hardware.device import (
     question,
 )
 from cmtof.hardware.roles import Waiting
+from cmtof.types import Texts
 
 
 def open_visa(address: str, timeout: float = 1.0, library: str = "@py") -> Any:
@@ -40,7 +41,7 @@ def open_visa(address: str, timeout: float = 1.0, library: str = "@py") -> Any:
 class ScpiInstrument(Device):
     """Text commands to a resource from `open_visa`, or anything with its write, read and close."""
 
-    def _identity(self) -> dict[str, str]:
+    def _identity(self) -> Texts:
         return self._ask("*IDN?", identity_from_line)
 
     def _choose(self, command: str, value: str, *also: str) -> None:
@@ -75,7 +76,7 @@ class ScpiInstrument(Device):
         self._fail(InstrumentTimeout, "identify itself", "other answers", "Restart it.")
 
 
-def identity_from_line(line: str) -> dict[str, str]:
+def identity_from_line(line: str) -> Texts:
     """Maker, model, serial number and firmware; older Siglents add a header and a fifth field."""
     fields = [field.strip() for field in line.removeprefix("*IDN ").split(",")]
     if len(fields) not in (4, 5):
@@ -135,10 +136,10 @@ class SignalGenerator(ScpiInstrument):
         """Switch both outputs off; the second even if the first does not follow."""
         insist(*(partial(self.output, channel, False) for channel in (1, 2)))
 
-    def _pairs(self, command: str) -> dict[str, str]:
+    def _pairs(self, command: str) -> Texts:
         """Keys and values of an answer such as ``C1:OUTP ON,LOAD,50,PLRT,NOR``."""
 
-        def parse(line: str) -> dict[str, str]:
+        def parse(line: str) -> Texts:
             words = re.split("[ ,]", line.strip())
             if f"{words[0]}?" != command:
                 raise ValueError(line)
@@ -157,7 +158,7 @@ class PowerMeter(ScpiInstrument):
     MODELS = ("PM100",)
     LIMITS: ClassVar = {"wavelength": (350e-9, 1100e-9), "readings": (1, 10000)}
 
-    def _identity(self) -> dict[str, str]:
+    def _identity(self) -> Texts:
         self._choose("SENS:POW:UNIT", "W")  # it may have been left in dBm
         head = self._ask("SYST:SENS:IDN?", lambda line: line.replace('"', "").split(","))
         if not int(number(head[-1])) & POWER_HEAD:

@@ -7,14 +7,13 @@ whole port, whose upper byte keeps the other lines from changing.
 """
 
 import struct
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from math import gcd
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cmtof.files import read_document
 from cmtof.hardware.device import (
@@ -28,7 +27,8 @@ from cmtof.hardware.device import (
     question,
 )
 from cmtof.hardware.reduction import RANGES, Gain
-from cmtof.types import Counts
+from cmtof.hardware.roles import Registers, Requests
+from cmtof.types import Counts, Texts
 
 # Address and type of each register by LabJack's name.
 REGISTERS = read_document(Path(__file__).with_name("t7.yml"))
@@ -37,7 +37,7 @@ PACKET = 160  # samples at most: two or more packets a point, so that a lost one
 COMPLETE = 2944  # status of a burst's last packet; 2940 to 2943 stand for skipped scans
 
 
-def written(values: Mapping[str, ArrayLike]) -> bytes:
+def written(values: Registers) -> bytes:
     """Feedback frame that writes registers in their order; arrays are values one after another."""
     frame = b""
     for register, value in values.items():
@@ -104,7 +104,7 @@ class LabJackT7(Device):
         (state,) = self._values("FIO_STATE")
         self._expect(dio, high, int(state) >> int(dio[-1]) & 1)
 
-    def write_many(self, values: Mapping[str, ArrayLike]) -> None:
+    def write_many(self, values: Registers) -> None:
         """Write registers in their order in one frame, once."""
         self._feedback(written(values))
 
@@ -160,7 +160,7 @@ class LabJackT7(Device):
             "STREAM_OUT0_SET_LOOP": 1,
         }
 
-    def bursts(self, requests: Iterable[Mapping[str, float]]) -> Iterator[Counts]:
+    def bursts(self, requests: Requests) -> Iterator[Counts]:
         """Counts of a burst for each request, whose registers go into its first frame."""
         self._stop()  # a waveform goes on where it stopped: one that broke off is set up again
         self._set(self._settings)
@@ -258,7 +258,7 @@ class LabJackT7(Device):
         """Mask of digital lines."""
         return sum(1 << int(line[-1]) for line in lines)
 
-    def _identity(self) -> dict[str, str]:
+    def _identity(self) -> Texts:
         names = "PRODUCT_ID", "FIRMWARE_VERSION", "SERIAL_NUMBER"
         product, firmware, serial = self._values(*names)
         return {

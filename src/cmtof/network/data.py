@@ -20,13 +20,13 @@ from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import Config
 from cmtof.simulation import RELEASED_FAR_DEPTH, released_scale
-from cmtof.types import Array
+from cmtof.types import Array, Arrays
 
 # Depth of a wrap of the lower frequency, m.
 WRAP = float(wrap_length(FREQUENCIES[0]))
 
 # Depth, m (NaN where unknown), and linear intensity, 0 to 1.
-Crop = tuple[Array, Array]
+Crop = Arrays
 
 
 class Batch(NamedTuple):
@@ -93,21 +93,22 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
     Some plates lie nearer than the protocol's range; slopes are those of rooms that it has shrunk.
     """
     first, classes = CLASSES[protocol]
+    uniform = rng.uniform
     count = int(rng.integers(3, 4 + 11 * side // 96))
-    size = side * np.exp(rng.uniform(np.log(0.15), 0, count))
-    x, y = rng.uniform(0, side, (count, 2)).T
-    turn, way, wave = rng.uniform(0, TAU, (3, count))
-    extent = np.array([size, size * rng.uniform(0.2, 1, count)])
+    size = side * np.exp(uniform(np.log(0.15), 0, count))
+    x, y = uniform(0, side, (count, 2)).T
+    turn, way, wave = uniform(0, TAU, (3, count))
+    extent = np.array([size, size * uniform(0.2, 1, count)])
     extent[:, 0] = 4 * side  # background
     box = rng.integers(0, 2, count) == 0
-    near = rng.uniform(-min(25, first), 0, count)
-    within = rng.uniform(-0.5, classes + 0.5, count)
-    level = first + np.where(rng.uniform(size=count) < 0.85, within, near)
+    near = uniform(-min(25, first), 0, count)
+    within = uniform(-0.5, classes + 0.5, count)
+    level = first + np.where(uniform(size=count) < 0.85, within, near)
     slope = (0.02 if first else 0.1) * np.exp(rng.normal(0, 1, count))
-    bend = rng.normal(0, 2, count) * (rng.uniform(size=count) < 0.3) / size**2
+    bend = rng.normal(0, 2, count) * (uniform(size=count) < 0.3) / size**2
     bright = 0.35 * np.exp(rng.normal(0, 1.1, count))
-    contrast = rng.uniform(0, 0.8, count) * (rng.uniform(size=count) < 0.6)
-    pitch = np.exp(rng.uniform(np.log(4), np.log(60), count))
+    contrast = uniform(0, 0.8, count) * (uniform(size=count) < 0.6)
+    pitch = np.exp(uniform(np.log(4), np.log(60), count))
     texture = rng.integers(0, 3, count)  # stripes, checks, gradient
     turns, light = np.zeros((2, side, side))
     place = x, y, np.cos(turn), np.sin(turn), *extent, box
@@ -115,7 +116,7 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
     look = bright, contrast, TAU * np.cos(wave) / pitch, TAU * np.sin(wave) / pitch, texture
     for plate in zip(*place, *shape, *look, strict=True):
         _paint(turns, light, *plate)
-    grain = 0.15 * rng.standard_normal((side, side)) * (rng.uniform() < 0.5)
+    grain = 0.15 * rng.standard_normal((side, side)) * (uniform() < 0.5)
     return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(light * np.exp(grain), 1)
 
 
@@ -228,7 +229,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
         if known.size and rng.uniform() < 2 / 3:
             found += (first + rng.uniform(0, classes)) * WRAP - rng.choice(known)
             found[found < WRAP] = np.nan
-        scored = float(np.mean((found >= first * WRAP) & (found < (first + classes) * WRAP)))
+        scored = np.mean((found >= first * WRAP) & (found < (first + classes) * WRAP))
         if scored > share:
             share = scored
             depth = found

@@ -11,16 +11,17 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from onnxruntime import InferenceSession, OrtValue, SessionOptions
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_wraps, wrap_length
 from cmtof.estimate import within_range, wraps_in_range
+from cmtof.files import AnyPath
 from cmtof.measurement import Measurement
 from cmtof.network.features import FULL_AMPLITUDE, features, padding
 from cmtof.network.weights import FOLDER, Card, Refused, find_weights, read_weights, refused
 from cmtof.simulation import QUADRATURES
+from cmtof.types import Array, Arrays, Single, Texts
 
 
 class Ready(NamedTuple):
@@ -59,8 +60,8 @@ def load_network(path: Path) -> Ready:
 
 
 def unwrap_with_network(
-    measurement: Measurement, *, model: str | None = None, weights: str | Path | None = None
-) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    measurement: Measurement, *, model: str | None = None, weights: AnyPath | None = None
+) -> Arrays:
     """Depth by a network that classifies each pixel's wrap (Sec. 5) or regresses its depth.
 
     Weights are the shipped ones that hold every wrap in range, or a ``.safetensors`` of one's own.
@@ -85,10 +86,10 @@ def unwrap_with_network(
 
 
 def network_for(
-    measurement: Measurement, model: str | None = None, weights: str | Path | None = None
+    measurement: Measurement, model: str | None = None, weights: AnyPath | None = None
 ) -> Ready:
     """Network of the given or the shipped weights; a ValueError if it does not fit."""
-    tones = np.asarray(measurement.frequencies, float)
+    tones = measurement.frequencies
     if tones.size < 2 or not np.allclose(tones[:2], FREQUENCIES, rtol=1e-6):
         raise ValueError(
             "Expected 7.15 and 14.32 GHz, which the weights were trained at, "
@@ -103,7 +104,7 @@ def network_for(
     return ready
 
 
-def scores(ready: Ready, measurement: Measurement, first: int, last: int) -> NDArray[np.float32]:
+def scores(ready: Ready, measurement: Measurement, first: int, last: int) -> Single:
     """Log-odds (N, H, W) of the wraps ``first <= n <= last`` against the likeliest of each pixel.
 
     Raises a ValueError if the network does not distinguish all of them.
@@ -121,7 +122,7 @@ def scores(ready: Ready, measurement: Measurement, first: int, last: int) -> NDA
     return found
 
 
-def network_images(measurement: Measurement, kind: str) -> list[NDArray[np.float32]]:
+def network_images(measurement: Measurement, kind: str) -> list[Single]:
     """Phases, amplitudes (2, H, W) and, if read, correlations (2, 4, H, W): the features' source.
 
     Amplitudes in other units than the simulation's counts are scaled, for each frequency, so that
@@ -138,7 +139,7 @@ def network_images(measurement: Measurement, kind: str) -> list[NDArray[np.float
     return [phase, amplitude, *more]
 
 
-def _at_quadratures(dataset: xr.Dataset) -> NDArray[np.floating]:
+def _at_quadratures(dataset: xr.Dataset) -> Array:
     """Correlations (2, 4, H, W) at psi = 0, 1/2, 1 and 3/2 pi."""
     psi = dataset["psi"].to_numpy()[:2]
     off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
@@ -152,19 +153,19 @@ def _at_quadratures(dataset: xr.Dataset) -> NDArray[np.floating]:
     return np.stack(taken)
 
 
-def about(network: InferenceSession) -> dict[str, str]:
+def about(network: InferenceSession) -> Texts:
     """What a graph reads (``features``), answers (``target``), and its ``stride``, px."""
     return network.get_modelmeta().custom_metadata_map
 
 
-def output(network: InferenceSession, measurement: Measurement) -> NDArray[np.float32]:
+def output(network: InferenceSession, measurement: Measurement) -> Single:
     """Output (C, H, W) of a network for a measurement."""
     kind = about(network)["features"]
     phase, amplitude, *more = network_images(measurement, kind)
     return run_padded(network, features(phase, amplitude, kind, *more)[None])
 
 
-def run_padded(network: InferenceSession, inputs: NDArray[np.float32]) -> NDArray[np.float32]:
+def run_padded(network: InferenceSession, inputs: Single) -> Single:
     """Output (C, H, W) for inputs (1, C', H, W), which are padded to the network's stride."""
     stride = int(about(network)["stride"])
     height, width = inputs.shape[-2:]

@@ -221,21 +221,22 @@ class FastSCNN(Network):
         or at four places where the range is a whole turn.
         """
         quarters = (1, -1) if self.classes * BEAT < TAU / 2 else (0, 1, 2, 3)
-        angles = self.stem_width // 2 // len(quarters)
+        places = len(quarters)
+        angles = self.stem_width // 2 // places
         # large: norms divide it out again, and steps of the optimiser disturb the sums less
         large = 8.0
-        count = angles * len(quarters)
+        count = angles * places
         octaves = [14, 15, 4, 5]  # after two phases
         alpha = TAU / angles * torch.arange(angles)
         middle = BEAT * (first + self.classes / 2)
         moved = torch.cat([alpha + (middle + TAU / 4 * quarter) for quarter in quarters])
-        alpha = alpha.repeat(len(quarters))
+        alpha = alpha.repeat(places)
         filters = torch.stack([alpha.cos(), -alpha.sin(), -moved.cos(), moved.sin()], 1)
         self.stem[0].weight[:count] = 0
         self.stem[0].weight[:count, octaves, 1, 1] = large * filters
         # eight channels for the sums over alpha and their differences
-        sums = torch.eye(len(quarters)).repeat_interleave(angles, 1) * (large / (2 * angles))
-        sums = torch.cat([sums, sums - sums.roll(1, 0)]).repeat(4 // len(quarters), 1)
+        sums = torch.eye(places).repeat_interleave(angles, 1) * (large / (2 * angles))
+        sums = torch.cat([sums, sums - sums.roll(1, 0)]).repeat(4 // places, 1)
         enter, norm, _ = self.down[0]
         enter.weight[:8] = 0
         enter.weight[:8, :count] = sums[..., None, None]
@@ -252,7 +253,7 @@ class FastSCNN(Network):
             for k in range(8):
                 kernel.weight[k, 0 if kernel.groups > 1 else k] = large / kernel.kernel_size[0]
             norm.bias[:8] = 2.0 if relu else 0.0
-        if len(quarters) > 2:  # classes near each other begin alike: smooth random functions
+        if places > 2:  # classes near each other begin alike: smooth random functions
             cycle = torch.arange(1, 65)
             place = torch.arange(self.classes) + 0.5
             codes = torch.randn(64, self.head_width) / (1 + (cycle[:, None] / 6) ** 2)

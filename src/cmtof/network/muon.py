@@ -6,6 +6,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from cmtof.types import Fields
+
 # Share of the old momentum that stays in a step.
 MOMENTUM = 0.95
 
@@ -16,7 +18,7 @@ class Muon(torch.optim.AdamW):
     Steps are scaled as large as AdamW's are, so that one learning rate fits both (Liu et al. 2025).
     """
 
-    def __init__(self, groups: Iterable[dict[str, Any]], **options: Any) -> None:
+    def __init__(self, groups: Iterable[Fields], **options: Any) -> None:
         super().__init__([{"orthogonal": False} | group for group in groups], **options)
 
     def step(self, closure: Callable[[], Any] | None = None) -> Any:
@@ -49,9 +51,10 @@ def orthogonal(matrix: Tensor) -> Tensor:
 
     Singular values of one tenth to one of the largest become 0.7 to 1.2.
     """
-    x = matrix if matrix.shape[0] <= matrix.shape[1] else matrix.T
+    wide = matrix.shape[0] <= matrix.shape[1]
+    x = matrix if wide else matrix.T
     x = x / (x.norm() + 1e-7)
     for _ in range(5):
         square = x @ x.T
         x = 3.4445 * x + (-4.775 * square + 2.0315 * square @ square) @ x
-    return x if matrix.shape[0] <= matrix.shape[1] else x.T
+    return x if wide else x.T

@@ -7,14 +7,15 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
-from cmtof.files import check_input, read_document
+from cmtof.files import AnyPath, check_input, read_document
 from cmtof.network.models import MODELS
 from cmtof.network.weights import Count, Share, Strict
+from cmtof.types import Fields
 from cmtof.validation import checked
 
 Size = Annotated[int, Field(ge=1, le=4096)]  # px
 # Configurations that travel with the package, by name.
-PRESETS: dict[str, Any] = yaml.safe_load((files("cmtof.network") / "train.yml").read_text("utf-8"))
+PRESETS: Fields = yaml.safe_load((files("cmtof.network") / "train.yml").read_text("utf-8"))
 
 
 class Rooms(Strict):
@@ -94,7 +95,7 @@ class Config(Strict):
         return rate * min(1.0, (share * stage.steps + 1) / stage.warm)
 
 
-def read_config(source: str | Path, **changes: Any) -> Config:
+def read_config(source: AnyPath, **changes: Any) -> Config:
     """Configuration by the name of a preset or from a YAML file; changes that are not None win."""
     held = PRESETS.get(str(source))
     path = Path(source)

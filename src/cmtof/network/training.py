@@ -37,7 +37,7 @@ from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.muon import Muon
 from cmtof.network.recipe import Config
-from cmtof.types import Array, Numbers
+from cmtof.types import Array, Fields, Numbers, Values
 
 
 def loss_of(network: Network, sample: Sample) -> Tensor:
@@ -99,7 +99,7 @@ class Unwrapping(LightningModule):
             layer.momentum = 0.03
         self.average = deepcopy(self.network).requires_grad_(False)
         self.network.to(memory_format=torch.channels_last)  # pyright: ignore
-        self.curve: list[dict[str, float]] = []
+        self.curve: list[Values] = []
         self.began, self.end = time.monotonic(), np.inf
 
     def train_dataloader(self) -> DataLoader:
@@ -139,15 +139,15 @@ class Unwrapping(LightningModule):
         schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, self.config.rate_at)
         return [optimizer], [{"scheduler": schedule, "interval": "step"}]
 
-    def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+    def on_save_checkpoint(self, checkpoint: Fields) -> None:
         held = {"config": self.config.model_dump_json(), "curve": self.curve}
         checkpoint["cmtof"] = held | {"seconds": time.monotonic() - self.began}
 
-    def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+    def on_load_checkpoint(self, checkpoint: Fields) -> None:
         self.curve = checkpoint["cmtof"]["curve"]
         self.began -= checkpoint["cmtof"]["seconds"]
 
-    def validated(self) -> dict[str, Any]:
+    def validated(self) -> Fields:
         """Fields of a card: rates of the averaged weights and of trivial answers, and the gain.
 
         The gain's interval is Student's, over views: their pixels are right or wrong together.

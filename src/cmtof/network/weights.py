@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
 from cmtof.files import check_input, small_file, written_whole
 from cmtof.network.features import CLASSES
+from cmtof.types import Fields, Texts, Values
 from cmtof.validation import checked
 
 Network = Tensor = Any  # of cmtof.network.models and of torch, which are imported late
@@ -47,20 +48,20 @@ class Card(Strict):
     classes: int = Field(ge=1, le=4096)
     first_wrap: Count
     parameters: PositiveInt
-    configuration: dict[str, Any]
+    configuration: Fields
     data: str
     crops: Count
     steps: Count
     minutes: float
     hardware: str
-    versions: dict[str, str]
-    curve: list[dict[str, float]]  # validation while training
+    versions: Texts
+    curve: list[Values]  # validation while training
     views: PositiveInt
     validation: Rates
     trivial: dict[str, Rates]  # of answers that look at nothing, over the same pixels
     gain: tuple[float, float, float]  # in δ < 1 over the best of them, and its 95 % interval
     note: str = ""
-    fine_tuned: dict[str, float] | None = None
+    fine_tuned: Values | None = None
     sha256: str = ""
 
 

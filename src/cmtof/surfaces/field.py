@@ -15,7 +15,7 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
 from cmtof.estimate import phase_noise
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Flags, Numbers
+from cmtof.types import Array, Flags, Numbers, Pair
 
 CELL = 8  # side, px, of the cells in which surfaces grow
 _SMALLEST = 64  # side, px, up to which smaller images are padded with pixels without information
@@ -36,7 +36,7 @@ class Field(NamedTuple):
     u: Array  # directions x / z to the right of each column (W,)
     v: Array  # and y / z down of each row (H,)
     cosine: Array  # between each ray and the optical axis (H, W)
-    limits: tuple[float, float]  # depths to choose from, m
+    limits: Pair  # depths to choose from, m
     period: float  # length of a wrap of the lower frequency, m
 
     @property

@@ -24,7 +24,7 @@ from cmtof.surfaces import contacts, placing
 from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
 from cmtof.surfaces.roughness import cells_of_surfaces, departure, turned_back
-from cmtof.types import Array, Flags, Numbers
+from cmtof.types import Array, Arrays, Flags, Numbers
 
 STEPS = ("bent", "parts", "shape", "closure", "axes", "ties", "fill")  # that may be left out
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
@@ -162,7 +162,7 @@ def _limits(field: Field, depth: Array, label: Numbers, count: int) -> Array:
     return limits
 
 
-def voted(field: Field, depth: Array, explained: Flags, closure: float) -> tuple[Array, Array]:
+def voted(field: Field, depth: Array, explained: Flags, closure: float) -> Arrays:
     """Depth (H, W), m, by votes of and for clear pixels that no surface explains, and their share.
 
     A neighbour costs its distance and its beat's misfit, squared over their variances, up to a cap,
@@ -206,23 +206,25 @@ def _vote(asked, low, high, sharp, place, ratio, far, limits, near, out, share):
         for x in range(width):
             if not asked[y, x]:
                 continue
-            first = int(np.ceil(limits[0] - low[y, x]))
-            last = int(np.ceil(limits[1] - low[y, x]))
+            own = low[y, x]
+            first = int(np.ceil(limits[0] - own))
+            last = int(np.ceil(limits[1] - own))
             count = 0
             for n in range(first, last):
-                left = high[y, x] - ratio * (low[y, x] + n)
+                left = high[y, x] - ratio * (own + n)
                 if abs(left - np.rint(left)) > far or count == votes.size:
                     continue
-                z, told = low[y, x] + n, 0.0
+                z, told = own + n, 0.0
                 for v in range(max(0, y - _RADIUS), min(height, y + _RADIUS + 1)):
                     for u in range(max(0, x - _RADIUS), min(width, x + _RADIUS + 1)):
                         if np.isfinite(place[v, u]):
                             away = place[v, u] - z
                             cost = scale * away * away
                         elif asked[v, u]:
-                            m = np.rint(z - low[v, u])
-                            away = low[v, u] + m - z
-                            left = high[v, u] - ratio * (low[v, u] + m)
+                            there = low[v, u]
+                            there = there + np.rint(z - there)
+                            away = there - z
+                            left = high[v, u] - ratio * there
                             left -= np.rint(left)
                             cost = scale * away * away + sharp[v, u] * left * left
                         else:

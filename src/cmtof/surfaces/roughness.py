@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
-from cmtof.types import Array, Numbers
+from cmtof.types import Array, Arrays, Numbers
 
 _EVEN = 0.02  # roughness, rad^2, that an even surface shows as well
 _ALIKE = 0.2  # largest excess of coherence at the higher frequency over that of uneven surfaces
@@ -68,7 +68,7 @@ def roughness(owner: Numbers, sums: Array, told: Array, count: int) -> Array:
     return np.where((high - low**4 > _ALIKE) | (found < _EVEN), 0, found)
 
 
-def pooled_phasors(main: Numbers, phasors: Array, told: Array, count: int) -> tuple[Array, Array]:
+def pooled_phasors(main: Numbers, phasors: Array, told: Array, count: int) -> Arrays:
     """Sums (2, N) of phasors over the cells of each surface, and their E."""
     total = sum_surfaces(main, phasors, count)[:, :count]
     most = sum_surfaces(main, told, count)[:, :count]
