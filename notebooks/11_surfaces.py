@@ -152,9 +152,8 @@ views.show_scene("scene_room", title="the room")
 #    shape; where the planes of a frame together show one by more than 2.5 standard deviations, it
 #    is subtracted ([chapter 12](12_robustness.ipynb)).
 # 5. **Ties.** Along each border two surfaces either meet, so that they differ by the same whole
-#    wraps all along it, or one occludes the other. Each surface tells its neighbours how likely
-#    its offsets are and hears theirs (belief propagation), so that a false contact is outvoted by
-#    those that agree. The probability of the wraps that win is also the start of the confidence.
+#    wraps all along it, or one occludes the other. Belief propagation passes the probabilities of
+#    offsets from surface to surface, so that a false contact is outvoted by those that agree.
 # 6. **The rest** takes the nearest surface within 4 px, or else the beat of its surroundings.
 # 7. **Votes.** An unexplained pixel follows its neighbours if its own beat is certain to 4 wraps,
 #    as for many pixels of a scan ([chapter 21](21_scanned_scenes.ipynb)).
@@ -378,14 +377,13 @@ plotting.save(
 # %% [markdown]
 # ## Confidence
 #
-# The offset of each group is Gaussian, which gives the odds that rounding finds the right wrap.
-# They were calibrated once, on training rooms, for leaks and wrong ties. The pixels of a surface
-# are right or wrong together, so a few frames contain few independent trials.
+# The confidence begins with the probability of a surface's wraps after step 5. It was calibrated
+# once, on training rooms, for leaks and wrong ties. The pixels of a surface are right or wrong
+# together, so a few frames contain few independent trials.
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.8))
 errors = {}
-kept = {}
 for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
     pixels = [
         scored_pixels(a, m) for a, (_, m) in zip(answers[protocol], held[protocol], strict=True)
@@ -396,14 +394,12 @@ for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
     answered = np.arange(1, right.size + 1)
     risk = 1 - right[np.argsort(-confidence)].cumsum() / answered
     errors[protocol] = reliability(confidence, right).calibration_error
-    kept[protocol] = 1 - risk[9 * right.size // 10], right.mean()
-    label = f"{protocol}: calibration error {errors[protocol]:.3f}"
+    label = f"{protocol}: off by {errors[protocol]:.3f}"
     axes[0].plot(diagram.confidence, diagram.right, "o-", ms=4, color=colour, label=label)
     shown = np.s_[::200]
     axes[1].plot(
         100 * answered[shown] / right.size, 100 * risk[shown], color=colour, label=protocol
     )
-print(*(f"{p}: surest 90 % {a:.1%} right, all {b:.1%}" for p, (a, b) in kept.items()), sep="\n")
 
 # %% tags=["hide-input"]
 axes[0].plot([0, 1], [0, 1], color="0.6", lw=0.8, ls="--")
@@ -416,7 +412,7 @@ plotting.save(
     figure,
     "surfaces_confidence",
     caption="Confidence of `surfaces` on simulated test rooms, σ = 1200. (a) Share right against "
-    "confidence. (b) Share wrong among the most confident pixels.",
+    "confidence, and the mean distance of both. (b) Share wrong among the most confident pixels.",
     alt="Two panels. The share of right pixels follows the confidence near the diagonal; the share "
     "of wrong answers falls as fewer, surer pixels are answered.",
 )

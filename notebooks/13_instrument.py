@@ -254,6 +254,8 @@ for (mode, rho), found in curves.items():
         ax.plot(ranges, np.where(good, values, np.nan), label=f"{mode}, ϱ = {rho:g}", **look)
 for ax, title in ((axes[0], "photons in 16 phases"), (axes[2], "noise of the range (µm)")):
     ax.set(xscale="log", yscale="log", xlabel="range (m)", ylabel=title, xlim=(0.2, 8))
+    ax.set_xticks([0.3, 1, 3], ["0.3", "1", "3"])
+    ax.tick_params(axis="x", which="minor", labelbottom=False)
 axes[0].legend(fontsize=8.5)
 for values, name, style in (
     (shot, "shot noise", "-"),

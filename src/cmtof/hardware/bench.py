@@ -182,7 +182,7 @@ class Bench(EmergencyStop):
         self.park()
 
     def look_at(self, kind: str) -> None:
-        """Choose the way of the light: "scan", "reference" target, or nowhere ("dark").
+        """Choose the way of the light: "scan", "reference" target, or "dark" for none.
 
         Two more look at the target, too: "rf" by the fast photodiode, and "interferometer" beside
         the light of the reference mirror, whose beam block is raised.

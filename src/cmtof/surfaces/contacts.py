@@ -2,8 +2,12 @@
 
 Along a border two surfaces either meet, with the same depth but for whole wraps, or one hides the
 other, and their difference takes any value. What meets has offsets that differ by a known number.
-Every surface tells its neighbours which offsets it holds likely, and listens to theirs (belief
-propagation), so that a contact counts the more, the more others agree with it.
+Belief propagation passes the probabilities of offsets from surface to surface, so that a contact
+counts the more, the more others agree with it.
+
+Constants are fits to views of training rooms, even and with waves, with a camera and without:
+`_MEETING` to 11,126 borders of 16 views, and `_LOOP` and `_STRAY` to rates of right wraps there and
+on scans of things that the book does not show.
 """
 
 from typing import NamedTuple
@@ -43,7 +47,7 @@ class Borders(NamedTuple):
 
 
 class Tied(NamedTuple):
-    """Offsets of surfaces that know of each other, one entry (N,) each."""
+    """Offsets of surfaces by themselves and by their contacts, one entry (N,) each."""
 
     wraps: Array  # whole, to add
     group: Numbers  # of those whose contacts hold
@@ -96,12 +100,12 @@ def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
 
 
 def tied(found: Offsets, borders: Borders, limits: Array, repeat: float) -> Tied:
-    """Offsets by what surfaces know alone and by their contacts, by belief propagation.
+    """Offsets of surfaces by their own beat and shape and by their contacts.
 
-    They lie within ``limits`` (2, N), wraps; beats repeat after so many wraps.
-
-    ``log q_b(m + step) = L log(P q_a(m) + (1 - P) / M)`` is what a tells b, from its belief without
-    what b told; P are the odds that they meet, M the number of offsets, L accounts for loops.
+    They lie within ``limits`` (2, N), wraps; beats repeat after ``repeat`` wraps. The message from
+    surface a to b is ``log r_b(m + step) = L log(P q_a(m) + (1 - P) / M)``, where q_a are the
+    probabilities at a without the message from b, P those that both meet, M the number of offsets,
+    and L < 1, since the same evidence comes back around loops.
     """
     count = found.mean.size
     low, high = limits
@@ -125,7 +129,7 @@ def tied(found: Offsets, borders: Borders, limits: Array, repeat: float) -> Tied
     message = np.zeros((source.size, offsets.size))
     belief = alone
     for _ in range(_ROUNDS):
-        back = np.roll(message, len(borders.first), axis=0)  # what the target told before
+        back = np.roll(message, len(borders.first), axis=0)  # the message the other way
         told = softmax(belief[source] - back, axis=1)
         told = np.where(inside, np.take_along_axis(told, place, axis=1), 0)
         new = _LOOP * np.log(meets * told + (1 - meets) / offsets.size)
