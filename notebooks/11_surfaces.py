@@ -118,7 +118,7 @@ plotting.save(
 # %% [markdown]
 # The same room in space ("Turn it"), coloured by its brightness or by its errors (pale: right):
 
-# %% tags=["remove-input"]
+# %% tags=["hide-input"]
 bright = light, "gray", (0, 1), "brightness"
 pale = wraps_off(found.depth), "YlOrRd", (0, 10), "wraps off"
 beat = cmtof.unwrap(measurement, method="beat")["depth"].to_numpy()

@@ -173,7 +173,7 @@ plotting.save(
 # RMSE and MAE over the positions of one sweep, one pair a day, in µm: the median day, and in
 # brackets the range of 95 % of single days, since the paper has a single day.
 
-# %%
+# %% tags=["hide-input"]
 rows = []
 for name, what in ((name, what) for name in rangers for what in targets):
     bound = rangers[name].bound(targets[what], POSITIONS).mean()

@@ -507,7 +507,7 @@ paper.table()
 # bust first the depth by `surfaces` at the photon limit. Only close neighbours are joined, so a
 # pixel with a wrong wrap leaves a hole, and a patch appears before or behind its place.
 
-# %% tags=["remove-input"]
+# %% tags=["hide-input"]
 for name in objects:
     views.show_scene(f"scene_{name}", title=f"the {name}")
 
