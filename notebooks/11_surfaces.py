@@ -395,14 +395,14 @@ for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
     risk = 1 - right[np.argsort(-confidence)].cumsum() / answered
     errors[protocol] = reliability(confidence, right).calibration_error
     label = f"{protocol}: off by {errors[protocol]:.3f}"
-    axes[0].plot(diagram.confidence, diagram.right, "o-", ms=4, color=colour, label=label)
+    axes[0].plot(diagram.confidence, diagram.right, "o-", color=colour, label=label)
     shown = np.s_[::200]
     axes[1].plot(
         100 * answered[shown] / right.size, 100 * risk[shown], color=colour, label=protocol
     )
 
 # %% tags=["hide-input"]
-axes[0].plot([0, 1], [0, 1], color="0.6", lw=0.8, ls="--")
+axes[0].plot([0, 1], [0, 1], color="0.6", ls="--")
 axes[0].set(xlabel="confidence", ylabel="share right", xlim=(0, 1), ylim=(0, 1))
 axes[1].set(xlabel="pixels answered, surest first (%)", ylabel="of them wrong (%)", ylim=(0, None))
 for ax in axes:
