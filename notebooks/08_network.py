@@ -124,6 +124,27 @@ plotting.save(
 )
 
 # %% [markdown]
+# ### The paper, its public code, and ours
+#
+# The authors' [public code](https://github.com/princeton-computational-imaging/GHz-ToF) has a
+# network too, without weights. It is not the one that the paper describes:
+#
+# | | paper's text | public code | here |
+# |---|---|---|---|
+# | inputs | octaves, edges, amplitude | phases, octaves | phases, octaves, edges, amplitude |
+# | first layer | – | every second pixel | every pixel |
+# | last layers | skip at full resolution | at half of it, enlarged | skip at full resolution |
+# | pyramid's means | – | over 1/2, 1/3, 1/6 of the image | over windows of 24 to 264 px |
+# | norms | – | of each image, without weights | of the batch, fixed late in training |
+# | dropout | – | 10 % | none |
+# | first filters | – | random | half of them form the beat |
+# | loss | cross-entropy + 0.1 L1 | both, equal weights | cross-entropy + w · Huber |
+# | training | 500,000 crops of 512², 12 a step | 4 a step, σ = 300 | by its card, below |
+#
+# A dash: not stated. The pyramid of the public code has a mean over the whole image as well, but
+# its norm subtracts the mean of a single value, so nothing is left of it.
+
+# %% [markdown]
 # ## Equation 5: Fourier features
 #
 # The octaves of [Eq. 5](05_simulation.ipynb#eq-5) are whole multiples of the wrapped phase: with

@@ -225,16 +225,16 @@ plotting.save(
 # %% [markdown]
 # One pixel is right hardly more often than by chance: its beat has a noise of 17 wraps at full
 # brightness ([chapter 3](03_wraps.ipynb)). The rate of a method thus depends on how many pixels it
-# pools, and over what. The differences to `middle`, the middle of the range, show which rows beat
-# an answer that ignores the measurement.
+# pools, and over what. `mode` is the best constant answer for each image, its most frequent true
+# wrap, and needs the truth. The differences to it show which rows read more than a good guess.
 
 # %%
 noise = bounds.simulated_phase_noise(1.0)
 print(f"one white pixel: {bounds.wrap_noise(noise, noise, frequencies=FREQUENCIES):.1f} wraps")
 for name in (name for name in (*PAPERS.values(), "beat", "mrf", "surfaces") if name in table):
-    apart = rates(counts[LARGE], name, against="middle", draws=draws)
+    apart = rates(counts[LARGE], name, against="mode", draws=draws)
     value, low, high = (100 * float(part[0]) for part in apart)
-    print(f"{name:>10} − middle: {value:+5.1f} points ({low:+.1f} to {high:+.1f})")
+    print(f"{name:>10} − mode: {value:+5.1f} points ({low:+.1f} to {high:+.1f})")
 
 # %% [markdown]
 # The paper's KDE row, 9.5 / 18.6 / 27.0 %, is near the score of the middle of 21 equally frequent

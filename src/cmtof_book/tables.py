@@ -1,12 +1,13 @@
 """Count methods over all test frames and store the counts where the chapters find them.
 
     python -m cmtof_book.tables [--protocol released|full] [--noise SIGMA] [--size 768x1024]
-                                [--again] [METHOD...]
+                                [--offset LOW HIGH] [--again] [METHOD...]
     python -m cmtof_book.tables --runs FOLDER
 
 Without names: every method and reference. Only methods that are new or have other weights are
 counted, unless ``--again`` is given. With ``--runs`` weights are counted by their folders' names.
-With ``--size`` the test views are rendered at that size first.
+With ``--size`` the test views are rendered at that size first; ``--offset`` adds to the phases of
+the two frequencies, mrad (Table 3).
 """
 
 import hashlib
@@ -65,15 +66,32 @@ def rows_of_runs(runs: Path, protocol: str) -> list[Row]:
     return [Row(file.parent.name, read_card(file).model, file) for file in files]
 
 
-def stored_counts(path: Path, settings: Values, more: str) -> Values:
+def place_of(settings: Values, size: str, runs: Path | None) -> tuple[Path, str]:
+    """File of counts, and the options that make it."""
+    parts = [settings["protocol"], size, f"{settings['noise']:g}"]
+    options = f"--protocol {parts[0]} --noise {parts[2]}"
+    if size:
+        options += f" --size {size}"
+    table = 2
+    if runs:
+        table = 1
+        options += " --runs FOLDER"
+    elif "phase_offset" in settings:
+        table = 3
+        moved = [f"{1e3 * phase:g}" for phase in settings["phase_offset"]]
+        parts += moved
+        options += " --offset " + " ".join(moved)
+    name = "_".join(filter(None, parts))
+    return RESULTS / f"table{table}_{name}.json", options
+
+
+def stored_counts(path: Path, settings: Values, options: str) -> Values:
     """Counts of a file, or an empty store where it is missing or has other settings."""
-    if path.is_file():
-        held = json.loads(path.read_text("utf-8"))
-        if held["settings"] == settings:
-            return held
-    options = f"--protocol {settings['protocol']} --noise {settings['noise']:g}{more}"
-    command = f"python -m cmtof_book.tables {options}"
-    return {"command": command, "settings": settings, "weights": {}, "cards": {}, "frames": []}
+    command = {"command": f"python -m cmtof_book.tables {options}"}
+    held = json.loads(path.read_text("utf-8")) if path.is_file() else {}
+    if held.get("settings") == settings:
+        return held | command
+    return command | {"settings": settings, "weights": {}, "cards": {}, "frames": []}
 
 
 def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
@@ -107,14 +125,14 @@ def main(
     again: bool = False,
     runs: Path | None = None,
     size: str = "",
-    into: Path = RESULTS,
+    offset: tuple[float, float] = (0.0, 0.0),
 ) -> None:
     """Count methods over all test frames and store the counts."""
-    settings = {"protocol": protocol, "noise": noise, "seed": 0}
-    shape = f"_{size}" if size else ""
-    path = into / f"table{1 if runs else 2}_{protocol}{shape}_{noise:g}.json"
-    more = f" --size {size}" if size else ""
-    held = stored_counts(path, settings, more + " --runs FOLDER" * bool(runs))
+    settings: Values = {"protocol": protocol, "noise": noise, "seed": 0}
+    if any(offset):
+        settings["phase_offset"] = [phase / 1e3 for phase in offset]
+    path, options = place_of(settings, size, runs)
+    held = stored_counts(path, settings, options)
     rows = rows_of_runs(runs, protocol) if runs else rows_of_methods(methods, protocol)
     rows = [row for row in rows if again or not row.is_counted(held)]
     if rows:

@@ -6,7 +6,9 @@ from pathlib import Path
 
 from pytest import mark, raises
 
-from cmtof_book import ROOT, figures, graph, pairs
+from cmtof.evaluation import Evaluation, read_counts
+from cmtof.frame import held_out_frames
+from cmtof_book import ROOT, figures, graph, pairs, tables
 
 BOOK = graph.Book(ROOT)
 
@@ -82,3 +84,17 @@ def test_accepted_figures_follow_the_build_and_keep_measured_data(tmp_path):
     scores = json.loads((accepted / "scoreboard.json").read_text())
     assert scores["numbers"]["sec8.gain"]["verdict"] == "as stated"
     assert (accepted / "scan.svg").read_text() == "real"
+
+
+def test_tables_count_each_offset_once(tmp_path, monkeypatch, capsys):
+    frames = [frame.middle(48, 64) for frame in held_out_frames()[:2]]
+    monkeypatch.setattr(tables, "held_out_frames", lambda: frames)
+    monkeypatch.setattr(tables, "RESULTS", tmp_path)
+    for _ in range(2):  # the second time nothing is left to count
+        tables.main(["beat", "middle"], offset=(0.0, 35.0))
+    assert len(capsys.readouterr().out.splitlines()) == 2
+    found = read_counts(tmp_path / "table3_released_1200_0_35.json")
+    expected = Evaluation(["beat", "middle"], phase_offset=[0.0, 0.035]).add_all(frames).counts()
+    assert found == expected
+    plain = Evaluation(["beat"]).add_all(frames).counts()
+    assert plain[0]["methods"]["beat"] != found[0]["methods"]["beat"]
