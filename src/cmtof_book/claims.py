@@ -37,8 +37,7 @@ class Claim:
     @property
     def outcome(self) -> Outcome:
         """The worst verdict of its numbers."""
-        said: list[Outcome] = [one.verdict for one in self.scores]
-        return min(said, key=WORST_FIRST.index)
+        return min(self.scores, key=lambda one: WORST_FIRST.index(one.verdict)).verdict
 
     @property
     def why(self) -> str:

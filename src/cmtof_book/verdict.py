@@ -29,6 +29,11 @@ WORST_FIRST: tuple[Outcome, ...] = (
     "reproduced",
 )
 Place = Literal["inside", "outside", "undecided"]
+BESIDE = {
+    "inside": "it agrees",
+    "outside": "it differs",
+    "undecided": "our interval is too wide",
+}
 Value = float | Sequence[float]
 
 
@@ -137,12 +142,10 @@ class Score:
     def undecided(self) -> str:
         """What our own number leaves undecided: cases that disagree, or too wide an interval."""
         places = self.places
-        if places.keys() == {"undecided"}:
-            return "our interval is too wide to decide"
-        if len(places) < 2:
+        if len(places) < 2 and "undecided" not in places:
             return ""
-        agree, wide = (" and ".join(places.get(one, [])) for one in ("inside", "undecided"))
-        return f"it agrees {agree}, not otherwise" if agree else f"our interval is too wide {wide}"
+        told = (f"{BESIDE[one]} {' and '.join(cases)}" for one, cases in places.items())
+        return "; ".join(told).strip()
 
     @property
     def reason(self) -> str:
