@@ -354,9 +354,9 @@ notes.answer(
     """
     **Answer.** At the paper's image size its order is, for {order:.0f} % of the pairs of methods
     that the paper has clearly apart; most of its numbers are open, since our scenes and our
-    training are not the paper's, though {inside} of {values} lie within our 95 % intervals. The
-    paper's network has {network:.1f} % of the wraps right after {hours:.0f} hours of one core (the
-    paper: 51.6 %). Our `surfaces` has {ours:.1f} %.
+    training are not the paper's, though {inside} of {values} lie within our 95 % intervals. Our
+    version of the paper's network has {network:.1f} % of the wraps right after {hours:.0f} hours of
+    one core (the paper: 51.6 %). Our method `surfaces` has {ours:.1f} %.
     """,
     order=100 * kept[0],
     inside=sum(inside),

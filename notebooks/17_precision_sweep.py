@@ -147,9 +147,9 @@ plotting.save(
     "fig13_precision_sweep",
     caption=f"Errors over a sweep of 1 mm at {100 * distance:.0f} cm, three simulated instruments "
     "(the paper's are measured), before a mirror (a) and a diffuse plate (b). Lines: the median "
-    "day with plausible sizes of all errors, at the photon limit; bands: 95 % of the days. Dashed: "
-    "the all-optical one with the phase noise of the published captures, which does not affect "
-    "fringe counting.",
+    "day with plausible sizes of all errors, with photon noise alone; bands: 95 % of the days. "
+    "Dashed: the all-optical one with the phase noise of the published captures, which does not "
+    "affect fringe counting.",
     alt="Two panels of errors on a logarithmic axis. All-optical errors are about ten micrometres "
     "before both targets, half a millimetre with the captures' noise. RF does as well before the "
     "mirror and errs by millimetres before the plate. The interferometer errs by a tenth of a "
@@ -276,9 +276,9 @@ plotting.save(
     figure,
     "table4_offset_and_scatter",
     caption="Constant offset and scatter of each sweep. Dots: simulated days with plausible errors "
-    "at the photon limit; crosses: with the captures' noise added; diamonds: from the paper's RMSE "
-    "and MAE; triangles: where these are equal, the upper bound of the scatter. Grey: equal parts, "
-    "and a phase without signal.",
+    "and photon noise alone; crosses: with the captures' noise added; diamonds: from the paper's "
+    "RMSE and MAE; triangles: where these are equal, the upper bound of the scatter. Grey: equal "
+    "parts, and a phase without signal.",
     alt="Scatter against offset on logarithmic axes, mirror and plate. All-optical days have some "
     "micrometres of scatter and up to tens of offset; the diamonds of the paper lie within. "
     "With the captures' noise the scatter is near 400 micrometres. The interferometer's days lie "
@@ -286,9 +286,10 @@ plotting.save(
 )
 
 # %% [markdown]
-# - **All-optical**: the paper's scatter and offset agree with days with plausible errors at the
-#   photon limit. With the captures' noise one reading scatters forty times as much: either the
-#   paper averaged, which it does not state, or its sweep was quieter than those scans.
+# - **All-optical**: the paper's scatter and offset lie among the simulated days with photon noise
+#   alone, which spread too widely to decide. With the captures' noise one reading scatters far
+#   more: either the paper averaged, which it does not state, or its sweep was quieter than those
+#   scans.
 # - **RF, plate**: 11.8 mm of offset is more than half a wrap, 10.5 mm, so it is not noise. Equal
 #   errors come from a phase that does not follow the target, in a wrong wrap.
 # - **Interferometer**: a constant error of tens of fringes, which counting does not cause.

@@ -463,7 +463,7 @@ share = {kind: 100 * (kinds == kind).mean() for kind in found}
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.6), sharex=True)
-for ax, noise, title in zip(axes, NOISE, ("photon limit", "captures' noise"), strict=False):
+for ax, noise, title in zip(axes, NOISE, ("photon noise", "captures' noise"), strict=False):
     plotting.dots(ax, {ROWS.get(m, m): shares(noise, m).mean(1) for m in names}, SCENES)
     ax.set_title(title)
 by_class = {ROWS.get(m, m): [of_class[k][m] for k in found] for m in names}
@@ -475,8 +475,8 @@ plotting.label_panels(axes)
 plotting.save(
     figure,
     "fig16_scenes",
-    caption=f"Pixels with the right wrap in simulated scenes ({len(SCENES)}), (a) at the photon "
-    "limit and (b) with the phase noise of the published captures, means of three scans each, and "
+    caption=f"Pixels with the right wrap in simulated scenes ({len(SCENES)}), (a) with photon "
+    "noise alone and (b) with the captures' phase noise, means of three scans each, and "
     "(c) with that noise by class of pixel, with its share. `fast-scnn`, our version of the "
     f"paper's network, saw {card.crops:,} of its 500,000 crops; `surfaces` is this book's.",
     alt="Dots of right wraps for each scene and for each class of pixel, a colour a method.",

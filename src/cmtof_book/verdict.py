@@ -30,8 +30,8 @@ WORST_FIRST: tuple[Outcome, ...] = (
 )
 Place = Literal["inside", "outside", "undecided"]
 BESIDE = {
-    "inside": "it agrees",
-    "outside": "it differs",
+    "inside": "ours agrees",
+    "outside": "ours differs",
     "undecided": "our interval is too wide",
 }
 Value = float | Sequence[float]

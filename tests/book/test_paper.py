@@ -154,7 +154,7 @@ def test_a_claim_says_in_one_line_why():
     assert claims_by(wide)["precision"].why == "Our interval is too wide."
     apart = {"at once": 1.0, "later": 0.1}
     far = dict.fromkeys(("sec8.network_scanned", "sec8.kde_scanned"), apart)
-    told = "Network: it agrees at once; it differs later. KDE: it differs at once; it agrees later."
+    told = "Network: ours agrees at once; ours differs later. KDE: ours differs at once; ours"
     assert claims_by(far)["scanned"].why.startswith(told)
     order = claims_by({"sec8.order": 1.0}, crops=36_000)["order"]
     assert order.why.startswith("It holds although the scenes, the training")
