@@ -6,14 +6,13 @@ Prints the name of every figure. A figure that no notebook draws any more is rem
 drawn from measured data stays where a machine without those data draws a simulated one instead.
 """
 
-import json
 import shutil
 from pathlib import Path
 
 import typer
 
 from cmtof.files import written_whole
-from cmtof_book.provenance import write_json
+from cmtof_book.provenance import read_json, write_json
 from cmtof_book.record import PAPER, TEXT, read_all
 from cmtof_book.scoreboard import accepted, scores_in
 
@@ -43,9 +42,7 @@ def main(results: Path, figures: Path) -> None:
 
 def _source(numbers: Path) -> str | None:
     """Source that stands among a figure's numbers, if one does."""
-    if not numbers.is_file():
-        return None
-    return json.loads(numbers.read_text(encoding="utf-8"))["numbers"].get("source")
+    return read_json(numbers).get("numbers", {}).get("source")
 
 
 if __name__ == "__main__":

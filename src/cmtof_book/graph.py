@@ -17,10 +17,10 @@ import grimp
 import yaml
 
 import cmtof
+from cmtof.files import read_document
 from cmtof_book import Values
 
 PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book")
-NOTEBOOK = re.compile(r"\d\d_[a-z0-9_]+")
 DATA = {
     "cmtof.frame": "cmtof/frames",
     "cmtof.network.weights": "cmtof/weights",
@@ -76,8 +76,7 @@ class Book:
             raise FileNotFoundError(
                 f"Expected a profile of configs/, got {profile!r}. Choose ci, book or paper."
             )
-        held = yaml.safe_load(path.read_text("utf-8")) or {}
-        sizes = held.get("notebooks") or {}
+        sizes = read_document(path).get("notebooks") or {}
         if unknown := self._missing(sizes):
             raise ValueError(
                 f"Expected names of notebooks in configs/{profile}.yml, got {unknown}. "
@@ -127,8 +126,7 @@ class Book:
 
     def _declared(self, stem: str) -> Iterator[Path]:
         """Files that ``configs/inputs.yml`` names for a notebook; data are optional."""
-        listed = yaml.safe_load((self.root / "configs" / "inputs.yml").read_text("utf-8"))
-        declared = listed.get(stem, {})
+        declared = read_document(self.root / "configs" / "inputs.yml").get(stem, {})
         places = [self.root / "book" / "results" / name for name in declared.get("results", [])]
         if words := declared.get("data"):
             from cmtof.captures import data_root

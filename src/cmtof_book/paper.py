@@ -84,8 +84,13 @@ def _numbers_of(
     """The number of an entry, or those of a row of a table, one a column."""
     if columns:
         for (column, title), one in zip(columns.items(), value, strict=True):
-            about = {"value": one, "what": f"{what}, {title}", "tolerance": tolerance}
-            yield from _numbers_of(f"{key}.{column}", **about, **fields)
+            yield from _numbers_of(
+                f"{key}.{column}",
+                value=one,
+                what=f"{what}, {title}",
+                tolerance=tolerance,
+                **fields,
+            )
     else:
         scale = {"absolute": 1.0, "relative": abs(value)}
         least = min(scale[kind] * size for kind, size in tolerance.items())

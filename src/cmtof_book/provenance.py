@@ -41,6 +41,11 @@ def _plain(value: Any) -> Any:
     return value.record() if isinstance(value, Compared) else value.tolist()
 
 
+def read_json(path: Path) -> Any:
+    """Values of a JSON file, {} where there is none."""
+    return json.loads(path.read_text("utf-8")) if path.is_file() else {}
+
+
 def write_json(path: Path, value: Any) -> None:
     """Write numbers, texts, arrays and containers of them as JSON, whole or not at all.
 
@@ -50,8 +55,9 @@ def write_json(path: Path, value: Any) -> None:
     try:
         exact = json.dumps(value, default=_plain, allow_nan=False)
     except (AttributeError, TypeError, ValueError) as error:
-        got = f"Expected finite numbers or strings, got {value!r}"
-        raise ValueError(f"{got}. Convert or omit it.") from error
+        raise ValueError(
+            f"Expected finite numbers or strings, got {value!r}. Convert or omit it."
+        ) from error
     rounded = json.loads(exact, parse_float=lambda digits: float(f"{float(digits):.10g}"))
     with written_whole(path) as part:
         part.write_text(json.dumps(rounded, indent=2, ensure_ascii=False) + "\n", "utf-8")

@@ -7,7 +7,6 @@ number is plain, or has a kind (`cmtof_book.compared`), and then tests compare i
 The accepted figures, the scoreboard and the tests read records and nothing else.
 """
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -63,11 +62,10 @@ def add(name: str, numbers: Named) -> None:
 
 def read(name: str) -> Values:
     """Numbers of a record of this run, {} where there is none."""
-    path = provenance.output_folder() / f"{name}.json"
-    return json.loads(path.read_text("utf-8"))["numbers"] if path.exists() else {}
+    return provenance.read_json(provenance.output_folder() / f"{name}.json").get("numbers", {})
 
 
 def read_all(results: Path) -> Iterator[Record]:
     """Every record of a build, whose chapters have a folder each."""
     for path in sorted(results.glob("*/*.json")):
-        yield Record(path.parent.name, path.stem, json.loads(path.read_text("utf-8")))
+        yield Record(path.parent.name, path.stem, provenance.read_json(path))

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from cmtof_book import ROOT
 from cmtof_book.compared import Compared
+from cmtof_book.provenance import read_json
 from cmtof_book.record import read_all
 
 STORED = ROOT / "tests" / "reference" / "numbers.json"
@@ -35,8 +36,7 @@ def found_numbers(results: Path = RESULTS) -> Numbers:
 
 def stored_numbers(path: Path = STORED) -> Numbers:
     """Numbers as they were stored."""
-    held = json.loads(path.read_text("utf-8")) if path.is_file() else {}
-    return {name: Compared(**record) for name, record in held.items()}
+    return {name: Compared(**record) for name, record in read_json(path).items()}
 
 
 def differences(found: Numbers, stored: Numbers) -> Iterator[str]:
@@ -46,14 +46,13 @@ def differences(found: Numbers, stored: Numbers) -> Iterator[str]:
             yield f"{name}: gone"
         elif name not in stored:
             yield f"{name}: new"
-        elif not agrees(found[name], stored[name]):
+        elif not agree(found[name], stored[name]):
             yield f"{name}: {found[name].value} instead of {stored[name].record()}"
 
 
-def agrees(found: Compared, stored: Compared) -> bool:
+def agree(found: Compared, stored: Compared) -> bool:
     """Whether two numbers are of one kind and as near as that asks."""
-    error = 0.0 if found.error is None else found.error
-    return found.kind == stored.kind and stored.accepts(found.value, error)
+    return found.kind == stored.kind and stored.accepts(found.value, found.error or 0.0)
 
 
 def main() -> None:

@@ -6,7 +6,6 @@ Everything is simulated. Scans go to FOLDER, by default build/scanned, and what 
 computed again. Rates and fine-tuned weights go where the chapters read them: book/results.
 """
 
-import json
 import shutil
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
@@ -29,7 +28,7 @@ from cmtof.network.weights import read_card, weights_path
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
 from cmtof.types import Array
 from cmtof_book import RESULTS, Values
-from cmtof_book.provenance import write_json
+from cmtof_book.provenance import read_json, write_json
 from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING, still_life
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene
@@ -240,7 +239,7 @@ class Counts:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.held: Any = json.loads(path.read_text("utf-8")) if path.exists() else {}
+        self.held = read_json(path)
 
     def keep(self, *keys: str, of: Callable[[], Any]) -> Any:
         """What is held below some keys; what is not yet held is computed and stored."""

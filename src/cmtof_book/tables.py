@@ -10,7 +10,6 @@ With ``--size`` the test views are rendered at that size first; ``--offset`` add
 the two frequencies, mrad (Table 3).
 """
 
-import hashlib
 import json
 import os
 from collections.abc import Iterable, Sequence
@@ -31,6 +30,7 @@ from cmtof.frame import Frame, held_out_frames  # noqa: E402
 from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
 from cmtof_book.frames import views_of_size  # noqa: E402
+from cmtof_book.provenance import read_json  # noqa: E402
 from cmtof_rooms.rendering import shape_from_text  # noqa: E402
 
 
@@ -44,7 +44,7 @@ class Row(NamedTuple):
     @property
     def weights(self) -> str:
         """Hash of the weights, or ''."""
-        return hashlib.sha256(self.file.read_bytes()).hexdigest() if self.file.is_file() else ""
+        return read_card(self.file).sha256 if self.file.is_file() else ""
 
     def is_counted(self, held: Values) -> bool:
         """Whether these weights were counted before."""
@@ -88,7 +88,7 @@ def place_of(settings: Values, size: str, runs: Path | None) -> tuple[Path, str]
 def stored_counts(path: Path, settings: Values, options: str) -> Values:
     """Counts of a file, or an empty store where it is missing or has other settings."""
     command = {"command": f"python -m cmtof_book.tables {options}"}
-    held = json.loads(path.read_text("utf-8")) if path.is_file() else {}
+    held = read_json(path)
     if held.get("settings") == settings:
         return held | command
     return command | {"settings": settings, "weights": {}, "cards": {}, "frames": []}
