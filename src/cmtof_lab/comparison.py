@@ -5,15 +5,13 @@ Both look at the reference target, whose light is taken at its mean over the spe
 shakes from burst to burst.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cmtof.correlation import TAU
 from cmtof.hardware.plan import BURST_INTERVAL
-from cmtof.types import Array, Counts
+from cmtof.types import Array, Counts, Numbers
 from cmtof_lab.electronics import counts_from_volts, volts_per_watt
 from cmtof_lab.instrument import Panel, SimulatedInstrument, amplitude, normals_by_key
 from cmtof_lab.interferometer import Interferometer
@@ -24,7 +22,11 @@ SHAKING = 10
 
 
 def quadratures(
-    instrument: SimulatedInstrument, panel: Panel, labels: Sequence[int], scans: int, rate: float
+    instrument: SimulatedInstrument,
+    panel: Panel,
+    labels: Numbers,
+    scans: int,
+    rate: float,
 ) -> Counts:
     """Counts (N, 2 scans) of I and Q in turn, at a rate, Hz, behind the photodiode (Sec. 7.4).
 
@@ -39,7 +41,7 @@ def quadratures(
     mixed, picked_up = ranger.offsets
     turning = ranger.envelope(light) * np.exp(1j * ranger.phase(place)) + picked_up * drive.on
     turning = turning * np.exp(1j * instrument.made_phase(0, np.array(drive.phase)))
-    normals = normals_by_key(instrument.seed, QUADRATURES, np.array(labels), 2 * scans)
+    normals = normals_by_key(instrument.seed, QUADRATURES, labels, 2 * scans)
     noise = ranger.noise(light)[:, None] * normals.view(complex)
     return counts_from_volts(ranger.output(mixed + turning[:, None] + noise).view(float))
 
@@ -47,8 +49,8 @@ def quadratures(
 def fringes(
     instrument: SimulatedInstrument,
     panel: Panel,
-    labels: Sequence[int],
-    travels: ArrayLike,
+    labels: Numbers,
+    travels: Array,
     scans: int,
     rate: float,
 ) -> Counts:
@@ -56,16 +58,16 @@ def fringes(
     ruler = Interferometer(settings=instrument.settings)
     place = instrument.target_distance(panel.stage)
     seen = ruler.fringes(instrument.settings.reference, place)
-    shaken = normals_by_key(instrument.seed, SHAKING, np.array(labels), 1)[:, 0]
-    phase = 2 * TAU / ruler.wavelength * (place + np.asarray(travels) + ruler.shaking * shaken)
+    shaken = normals_by_key(instrument.seed, SHAKING, labels, 1)[:, 0]
+    phase = 2 * TAU / ruler.wavelength * (place + travels + ruler.shaking * shaken)
     light = (seen.offset + seen.amplitude * np.cos(phase)) / volts_per_watt(instrument.settings)
     light = light * _brightness(instrument, panel, labels)
-    return instrument.counts(np.repeat(light[:, None], scans, axis=1), np.array(labels), rate)
+    return instrument.counts(np.repeat(light[:, None], scans, axis=1), labels, rate)
 
 
-def _brightness(instrument: SimulatedInstrument, panel: Panel, labels: Sequence[int]) -> Array:
+def _brightness(instrument: SimulatedInstrument, panel: Panel, labels: Numbers) -> Array:
     """Light on the target (N,) over its mean while the fibre drifts; 0 where none passes."""
     settings = instrument.settings
     mean = settings.laser_power * (settings.fibre_low + settings.fibre_high) / 2
-    passed = instrument.from_fibre(panel, BURST_INTERVAL * np.array(labels))
+    passed = instrument.from_fibre(panel, BURST_INTERVAL * labels)
     return panel.target_in_beam * passed / mean

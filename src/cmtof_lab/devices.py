@@ -207,10 +207,11 @@ class SimulatedReadOut(SimulatedDevice):
             travels.append(self.panel.mirror_travel)
             labels.append(int(registers["USER_RAM0_U32"]))
         size = self._pulses.size
+        asked = self.instrument, self.panel, np.array(labels)
         if self.quadratures:
-            every = quadratures(self.instrument, self.panel, labels, size, self.rate)
+            every = quadratures(*asked, size, self.rate)
         elif self.panel.beam_block_out:
-            every = fringes(self.instrument, self.panel, labels, np.array(travels), size, self.rate)
+            every = fringes(*asked, np.array(travels), size, self.rate)
         else:
             options = {"labels": labels, "pulses": self._pulses, "rate": self.rate}
             every = self.instrument.bursts(self.panel, angles, **options)  # all at once

@@ -10,8 +10,10 @@ from cmtof.correlation import TAU
 from cmtof.types import Array, Counts
 from cmtof_lab.settings import TwinSettings
 
-# V per count at +-10 V, count of 0 V: nominal calibration (T-Series Datasheet, 20.0.1)
-SLOPE, CENTRE, POLES = 3.15805780e-4, 33523.0, 3
+# nominal calibration at +-10 V (T-Series Datasheet, 20.0.1)
+SLOPE = 3.15805780e-4  # V per count
+CENTRE = 33523.0  # count of 0 V
+POLES = 3  # of the filters
 
 
 def volts_per_watt(settings: TwinSettings) -> float:
@@ -38,22 +40,26 @@ class Chain:
     def __init__(self, settings: TwinSettings, interval: float) -> None:
         corners = TAU * settings.bandwidth, TAU * settings.low_pass
         rates = np.array([*corners, 1 / settings.rc_time])
-        matrix, push = np.diag(-rates) + np.diag(rates[1:], -1), rates[:1] * np.eye(POLES)[:, :1]
+        matrix = np.diag(-rates) + np.diag(rates[1:], -1)
+        push = rates[:1] * np.eye(POLES)[:, :1]
         system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
         transition, entry = cont2discrete(system, interval)[:2]
         # covariance under a one-sided density of 1 for ever, two-sided 1/2
         settled = solve_continuous_lyapunov(matrix, -0.5 * push @ push.T)
         added = settled - transition @ settled @ transition.T
-        self.transition, self.entry = np.tril(transition), entry[:, 0]
-        self.root, self.settled = root_of(added), root_of(settled)
+        self.transition = np.tril(transition)
+        self.entry = entry[:, 0]
+        self.root = root_of(added)
+        self.settled = root_of(settled)
 
     def memory(self, count: int) -> Array:
         """Autocovariance (count,) of the output, V^2, at successive samples for unit density."""
-        row, found = np.eye(POLES)[-1], np.empty(count)
-        for lag in range(count):  # cov(x_{t+l}, x_t) = e^T T^l P e
-            found[lag] = row @ self.settled @ self.settled[-1]
+        row = np.eye(POLES)[-1]
+        found = []
+        for _ in range(count):  # cov(x_{t+l}, x_t) = e^T T^l P e
+            found.append(row @ self.settled @ self.settled[-1])
             row = row @ self.transition
-        return found
+        return np.array(found)
 
     def run(self, light: Array, spread: Array, normals: Array | None) -> Array:
         """Output (N, T), V, at the start of each interval; the first finds the filters settled.
@@ -64,14 +70,20 @@ class Chain:
         state = np.repeat(light[:, :1], POLES, axis=1)
         push = light[..., None] * self.entry
         if normals is not None:  # a product a row: one burst or many give the same bits
-            state = state + spread[:, :1] * (normals[:, :1] @ self.settled.T)[:, 0]
-            push = push + spread[..., None] * (normals[:, 1:] @ self.root.T)
+            first = normals[:, :1] @ self.settled.T
+            later = normals[:, 1:] @ self.root.T
+            state = state + spread[:, :1] * first[:, 0]
+            push = push + spread[..., None] * later
         outputs: list[Array] = []
         for i, row in enumerate(self.transition):
-            before = zip(outputs, row, strict=False)
-            into = push[..., i] + sum(one * factor for one, factor in before)
-            keep, start = [1.0, -row[i]], state[:, i : i + 1]
-            outputs.append(lfilter([0.0, 1.0], keep, into, axis=-1, zi=start)[0])
+            into = push[..., i] + sum(map(np.multiply, outputs, row))
+            filtered = lfilter(
+                [0.0, 1.0],
+                [1.0, -row[i]],
+                into,
+                zi=state[:, i : i + 1],
+            )
+            outputs.append(filtered[0])
         return outputs[-1]
 
 

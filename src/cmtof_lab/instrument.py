@@ -37,7 +37,10 @@ DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
 
 STEP_NOISE = np.sqrt(32 / 3)  # Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
 
-LABEL, DRIFT, CODE, JITTER = 1, 5, 6, 8  # purposes of random numbers
+LABEL = 1  # purposes of random numbers
+DRIFT = 5
+CODE = 6
+JITTER = 8
 _harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
 
 
@@ -110,7 +113,8 @@ class SimulatedInstrument:
     """One instrument before a scene as `scene_from` takes it, by default that of the settings."""
 
     def __init__(self, settings: TwinSettings, scene: Any = None, *, seed: int = 0) -> None:
-        self.settings, self.seed = settings, int(seed)
+        self.settings = settings
+        self.seed = int(seed)
         self.scene = scene_from(settings.scene if scene is None else scene) or Plane(np.nan)
         self.group_index = settings.group_index
         self.modulator = TwoPassModulator(
@@ -141,19 +145,26 @@ class SimulatedInstrument:
         ``stage`` (N,), m, is the target's, ``labels`` (N,) number the bursts, and ``pulses`` (T,)
         are the trigger's last edge at each sample, at ``rate``, Hz; galvo and time do not count.
         """
-        points, numbers = np.asarray(angles, float).reshape(-1, 2), np.asarray(labels)
+        points = np.asarray(angles, float).reshape(-1, 2)
+        numbers = np.asarray(labels)
         places = np.broadcast_to(panel.stage if stage is None else np.asarray(stage), len(points))
         # the drives are constant in stretches between edges
         first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
         length = np.diff(first, append=len(pulses))
         times = BURST_INTERVAL * numbers[:, None] + (first + length / 2) / rate
-        paths, modules = self._paths(panel, points, places), self._waveforms(panel, pulses[first])
-        light = self._light(panel, paths, times, modules, self.jitter(numbers, first.size))
+        light = self._light(
+            panel,
+            self._paths(panel, points, places),
+            times,
+            self._waveforms(panel, pulses[first]),
+            self.jitter(numbers, first.size),
+        )
         return self.counts(np.repeat(light, length, axis=1), numbers, rate)
 
     def _paths(self, panel: Panel, angles: Array, stage: Array) -> Array:
         """Ranges and shares (2, N, M) of the ways to scene or reference, the stray one last."""
-        settings, ways = self.settings, []
+        settings = self.settings
+        ways = []
         if panel.target_in_beam:
             for place in stage.tolist():  # the beam stands still behind the flip mirror
                 target = replace(settings.reference, distance=self.target_distance(place))
@@ -184,31 +195,44 @@ class SimulatedInstrument:
         self, panel: Panel, paths: Array, times: Array, modules: list[Complex], jitter: Array
     ) -> Array:
         """Light on the detector (N, S), W, at times (N, S), s, with both modules (S, K + 1)."""
-        settings, (reach, fraction), (emission, detection) = self.settings, paths, modules
+        emission, detection = modules
         products = 2 * emission * np.conj(detection)
         if not panel.clock_on or panel.emission.frequency != panel.detection.frequency:
             products[:, 1:] = 0.0
-        way = self.group_index * reach + settings.internal_path
-        phase = 2 * TAU * panel.emission.frequency / SPEED_OF_LIGHT * way
-        lag = settings.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
-        share = products[:, 0].real / 2 * fraction.sum(1, keepdims=True)
         size = np.abs(products).max(axis=0)
-        mode = int(size[1] < size[2])
-        lag = lag + STEP_NOISE * settings.phase_noise[mode] / (1 + mode) * jitter
-        for order in range(1, HARMONICS + 1):
-            if size[order] > 1e-13 * size[0]:
-                phasor = (fraction * np.exp(-1j * order * phase)).sum(1, keepdims=True)
-                share = share + (products[:, order] * phasor * np.exp(1j * order * lag)).real
-        loss = outward(settings) * inward(settings)
-        room = ambient(settings) * detection[:, 0].real
+        strong = np.flatnonzero(size[1:] > 1e-13 * size[0]) + 1
+        lag = self._lag(int(size[1] < size[2]), times, jitter)
+        share = self._share(panel.emission.frequency, paths, products, strong, lag)
         share = np.maximum(share, 0.0) * (not panel.photodiode_lit)
+        loss = outward(self.settings) * inward(self.settings)
+        room = ambient(self.settings) * detection[:, 0].real
         return self.from_fibre(panel, times) * loss * share + room
+
+    def _lag(self, mode: int, times: Array, jitter: Array) -> Array:
+        """Lag (N, S), rad, of the drives: slow, and from step to step."""
+        slow = self.settings.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
+        return slow + STEP_NOISE * self.settings.phase_noise[mode] / (1 + mode) * jitter
+
+    def _share(
+        self, frequency: float, paths: Array, products: Complex, orders: Numbers, lag: Array
+    ) -> Array:
+        """Share (N, S) of the light that passes both modules on all paths, by harmonics."""
+        reach, fraction = paths
+        way = self.group_index * reach + self.settings.internal_path
+        phase = 2 * TAU * frequency / SPEED_OF_LIGHT * way
+        share = products[:, 0].real / 2 * fraction.sum(1, keepdims=True)
+        for order in orders.tolist():
+            phasor = (fraction * np.exp(-1j * order * phase)).sum(1, keepdims=True)
+            share = share + (products[:, order] * phasor * np.exp(1j * order * lag)).real
+        return share
 
     def counts(self, light: Array, labels: NDArray, rate: float) -> Counts:
         """Counts (N, T) of light (N, T), W, held for a sample each: noise, filters, converter."""
-        settings, samples = self.settings, light.shape[1]
+        settings = self.settings
+        samples = light.shape[1]
         volts = np.minimum(light * volts_per_watt(settings), settings.saturation)
-        filters, spread = self._filters(rate), np.sqrt(density(settings, volts))
+        filters = self._filters(rate)
+        spread = np.sqrt(density(settings, volts))
         if not settings.noise:
             return counts_from_volts(filters.run(volts, spread, None))
         # a row: the filters' initial state, then for each sample the filters' noise and the ADC's
@@ -225,21 +249,30 @@ class SimulatedInstrument:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
         return self._waveforms(panel, np.array([-1]))[0][0]
 
-    def _waveforms(self, panel: Panel, edges: Numbers) -> list[Complex]:
-        """Fourier coefficients (S, K + 1) of both modules behind edges (S,); -1 is before them."""
-        settings, knobs = self.settings, (panel.emission, panel.detection)
+    def _drives(self, panel: Panel, edges: Numbers) -> list[Complex]:
+        """Complex amplitudes (S,), rad, of both drives behind edges (S,); -1 is before them."""
+        settings = self.settings
         made = []
-        for number, one in enumerate(knobs):
+        for number, one in enumerate((panel.emission, panel.detection)):
             table = one.table if len(one.table) else np.array([one.phase])
             phase = self.made_phase(number, table[edges % len(table)])
             phase = phase + number * settings.phase_offset
             size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
             made.append(size * np.exp(-1j * phase))
+        if not panel.clock_on:  # what leaks at another frequency averages out
+            return made
         leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
-        if panel.clock_on:  # what leaks at another frequency averages out
-            made = [made[0] + leak * made[1], made[1] + leak * made[0]]
-        plates, found = (panel.plate_emission, panel.plate_detection), []
-        for one, angle, phasor in zip(knobs, plates, made, strict=True):
+        return [made[0] + leak * made[1], made[1] + leak * made[0]]
+
+    def _waveforms(self, panel: Panel, edges: Numbers) -> list[Complex]:
+        """Fourier coefficients (S, K + 1) of both modules behind edges (S,)."""
+        first, second = self._drives(panel, edges)
+        modules = [
+            (panel.emission, panel.plate_emission, first),
+            (panel.detection, panel.plate_detection, second),
+        ]
+        found = []
+        for one, angle, phasor in modules:
             module = replace(self.modulator, half_wave_angle=angle, frequency=one.frequency)
             waves = [_harmonics(replace(module, eta=x), HARMONICS) for x in np.abs(phasor).tolist()]
             turn = np.exp(1j * np.angle(phasor))[:, None] ** np.arange(HARMONICS + 1)
@@ -254,7 +287,8 @@ class SimulatedInstrument:
 
     def from_fibre(self, panel: Panel, times: Array) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""
-        low, high = self.settings.fibre_low, self.settings.fibre_high
+        low = self.settings.fibre_low
+        high = self.settings.fibre_high
         passed = panel.laser_on and panel.shutter_open and panel.interlock_closed
         fibre = (low + high) / 2 + (high - low) / 2 * drift(self.seed, 0, times)
         return passed * self.settings.laser_power * fibre

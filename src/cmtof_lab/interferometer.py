@@ -103,7 +103,8 @@ class Interferometer:
         z = np.asarray(ranges, float)
         scene = np.minimum(collected_power(settings, target, z), self.arm_power)
         delay = 2 * (z - target.distance - self.imbalance) / SPEED_OF_LIGHT
-        coherence = np.exp(-((np.pi * self.linewidth * delay) ** 2) / (4 * np.log(2)))
+        fallen = (np.pi * self.linewidth * delay) ** 2
+        coherence = np.exp(-fallen / (4 * np.log(2)))
         mixed = np.sqrt(self.arm_power * self.matched_share(target) * scene)
         amplitude = volts_per_watt(settings) * 2 * coherence * mixed
         offset = volts_per_watt(settings) * (self.arm_power + scene)
@@ -181,8 +182,9 @@ class Interferometer:
         spread = max(self.shaking * np.sqrt(2 - 2 * kept), 1e-15)
         highest = 4 * (self.stride + 9 * spread) / self.wavelength
         edge = self.wavelength / 4 * np.arange(1, highest + 2, 2)
-        forward, backward = (ndtr((s - edge) / spread).sum() for s in (self.stride, -self.stride))
-        return forward - backward
+        forward = ndtr((self.stride - edge) / spread)
+        backward = ndtr((-self.stride - edge) / spread)
+        return forward.sum() - backward.sum()
 
 
 def _along(stations: Numbers, values: NDArray) -> NDArray:

@@ -116,9 +116,11 @@ class MhzCamera:
             near = gaussian_filter(part(view), self.blur, mode="nearest")
             return (1 - self.veil) * near + self.veil * part(field).mean()
 
-        turn = TAU / self.wrap
-        phasor = mixed(lambda v: self.signal(v) * np.exp(-1j * turn * np.nan_to_num(v.range)))
-        return phasor, mixed(lambda v: self.signal(v) + self.room(v))
+        def phasor(part: RayEnds) -> Complex:
+            turn = -1j * (TAU / self.wrap)
+            return self.signal(part) * np.exp(turn * np.nan_to_num(part.range))
+
+        return mixed(phasor), mixed(lambda part: self.signal(part) + self.room(part))
 
     def differences(self, light: Light) -> Array:
         """Mean of A - B in each step, electrons, (4, H, W)."""
@@ -130,7 +132,8 @@ class MhzCamera:
         NaN where a tap is full, which a camera sees by the sum of its taps.
         """
         swing = np.broadcast_to(self.differences(light), (repeats, STEPS, *light[1].shape))
-        a, b = ((light[1] + sign * swing) / 2 for sign in (1, -1))
+        a = (light[1] + swing) / 2
+        b = (light[1] - swing) / 2
         noisy = skellam_gaussian(a, b, rng=rng, sigma=self.read_noise)
         end = self.full_scale
         images = quantise(noisy + end, bits=self.bits, full_scale=2 * end) - end
@@ -143,10 +146,11 @@ class MhzCamera:
         """
         images = np.moveaxis(np.asarray(differences, float), -3, 0)
         found = decode(images.reshape(STEPS, -1), PSI)
-        phase, amplitude = (one.reshape(images.shape[1:]) for one in (found.phase, found.amplitude))
+        amplitude = found.amplitude.reshape(images.shape[1:])
+        depth = depth_from_phase(found.phase, self.frequency).reshape(amplitude.shape)
         lost = amplitude < np.sqrt(self.variance(0.0) * 2 / STEPS)
         lost |= ~(np.abs(images).max(0) < self.full_scale * (1 - 2.0**-self.bits))
-        return np.where(lost, np.nan, depth_from_phase(phase, self.frequency)), amplitude
+        return np.where(lost, np.nan, depth), amplitude
 
     def variance(self, charge: ArrayLike) -> Array:
         """Variance of A - B, electrons^2: Skellam, read noise, rounding."""

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
@@ -22,9 +21,10 @@ from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.transformations import rotation_matrix
 from trimesh.util import concatenate
 
-from cmtof.types import Array, Fields, Numbers, Values
+from cmtof.types import Array, Fields, Values
 from cmtof_lab import finishes
 from cmtof_rooms.arrays import Shape
+from cmtof_rooms.solids import cells_of, mesh_from, triangles_of
 
 STEEL = 0.58  # reflectance of polished or lapped steel (known: 0.55 to 0.6)
 DISTANCE = 0.9  # from the instrument to the middle of an object, m
@@ -77,7 +77,8 @@ def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
 def _posed(name: str, x: float, many: bool, rng: Generator) -> Any:
     """A thing stretched, turned, one in five laid down, and put on the table; smaller of many."""
     size = rng.uniform(0.75 - 0.25 * many, 1.15 - 0.2 * many)
-    mesh: Any = concatenate([_refinished(_piece(one), rng) for one in OBJECTS[name]["pieces"]])
+    pieces = [_refinished(_piece(one), rng) for one in OBJECTS[name]["pieces"]]
+    mesh: Any = concatenate(pieces)
     points = mesh.vertices * size * rng.uniform(0.8, 1.25, 3)
     laid = rng.choice([90, -90]) if rng.uniform() < 0.2 else 0
     turn = Rotation.from_euler("xz", [laid, rng.uniform(-180, 180)], degrees=True)
@@ -85,13 +86,15 @@ def _posed(name: str, x: float, many: bool, rng: Generator) -> Any:
     middle = mesh.bounds.mean(0)
     room = 0.15 - mesh.extents[1] / 2
     y = 0.01 + rng.uniform(-room, room) if room > 0 else 0
-    return mesh.apply_translation([x - middle[0], y - middle[1], -mesh.bounds[0, 2]])
+    foot = [*middle[:2], mesh.bounds[0, 2]]
+    return mesh.apply_translation(np.subtract([x, y, 0], foot))
 
 
 def _refinished(piece: Trimesh, rng: Generator) -> Trimesh:
     """A piece that is darker or brighter, one in five more or less polished."""
     held = piece.vertex_attributes
-    held["reflectance"] = np.clip(held["reflectance"] * np.exp(rng.uniform(-0.8, 0.8)), 0.03, 0.85)
+    brighter = held["reflectance"] * np.exp(rng.uniform(-0.8, 0.8))
+    held["reflectance"] = np.clip(brighter, 0.03, 0.85)
     if rng.uniform() < 0.2:
         held["mirrored"][:] = rng.choice([0, 0.15, 0.6, 0.95])
     return piece
@@ -99,9 +102,13 @@ def _refinished(piece: Trimesh, rng: Generator) -> Trimesh:
 
 def _staged(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) -> Any:
     """Things on a table before a wall ``wall`` m behind the origin, looks those of both."""
-    board = _finished(_box((wide, 0.75 * wide, 0.01)), looks[0], at=(0, -wide / 8, -0.01))
-    back = _finished(_box((wide, 0.01, wide)), looks[1], at=(0, wall + 0.005, -0.1))
-    return concatenate([*things, board, back])
+    board = _box((wide, 0.75 * wide, 0.01))
+    back = _box((wide, 0.01, wide))
+    ground = [
+        _finished(board, looks[0], at=(0, -wide / 8, -0.01)),
+        _finished(back, looks[1], at=(0, wall + 0.005, -0.1)),
+    ]
+    return concatenate([*things, *ground])
 
 
 def _before(mesh: Any, pitch: float, middle: float, distance: float, turn: float = 0) -> Trimesh:
@@ -123,7 +130,8 @@ def gage_blocks(step: float, distance: float, *, tilt: float, errors: Sequence[f
     # the step is the distance of the two parallel faces, along their normal
     z = distance + np.tan(tilt) * x - lengths / np.cos(tilt)
     faces = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]
-    return _finished(Trimesh(np.stack([x, y, z], -1), faces, process=False), STEEL, MIRRORED)
+    blocks = mesh_from(np.stack([x, y, z], -1), faces)
+    return _finished(blocks, STEEL, MIRRORED)
 
 
 def _piece(stated: Fields) -> Trimesh:
@@ -195,12 +203,13 @@ def _lathed(sections: Array, stated: Fields) -> Trimesh:
         x *= grow
         y *= grow
     points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
-    corners = _quadrilaterals(x.shape)
+    ring = np.pad(np.arange(x.size).reshape(x.shape), ((0, 0), (0, 1)), "wrap")
+    corners = cells_of(ring)[..., [0, 3, 2, 1]].reshape(-1, 4)
     if "holes" in stated:
         middles = points[corners].mean(1)
-        corners = corners[~getattr(finishes, stated["holes"])(*middles.T)]
-    faces = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
-    return Trimesh(points, faces, process=False)
+        opened = getattr(finishes, stated["holes"])(*middles.T)
+        corners = corners[~opened]
+    return mesh_from(points, triangles_of(corners))
 
 
 def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:
@@ -213,10 +222,3 @@ def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:
     turn = np.linspace(-np.pi, np.pi, grid[1], endpoint=False)  # 0 is the front
     reach = np.where(np.cos(turn) > 0, -front, -back)
     return side * np.sin(turn), reach * np.cos(turn), z
-
-
-def _quadrilaterals(shape: Shape) -> Numbers:
-    """Corners (N, 4) of the quadrilaterals of a grid of points that closes behind."""
-    numbers = np.arange(np.prod(shape)).reshape(shape)
-    ring = np.pad(numbers, ((0, 0), (0, 1)), "wrap")
-    return sliding_window_view(ring, (2, 2)).reshape(-1, 4)[:, [0, 1, 3, 2]]

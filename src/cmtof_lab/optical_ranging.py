@@ -63,10 +63,17 @@ class OpticalRanger:
         """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
         drive = self.frequency / MODES[self.mode]
         rf = {"on": True, "frequency": drive, "power": self.settings.drive_power}
-        knobs = RfKnobs(**rf), RfKnobs(**rf, table=drive_phases(self.phases, self.mode))
-        plates = 2 * [float(np.deg2rad(PLATES[self.mode]))]
-        on = ("laser_on", "shutter_open", "target_in_beam", "clock_on")
-        return Panel(*knobs, *plates, **dict.fromkeys(on, True))
+        plate = float(np.deg2rad(PLATES[self.mode]))
+        return Panel(
+            RfKnobs(**rf),
+            RfKnobs(**rf, table=drive_phases(self.phases, self.mode)),
+            plate,
+            plate,
+            laser_on=True,
+            shutter_open=True,
+            target_in_beam=True,
+            clock_on=True,
+        )
 
     def before(self, target: Plane) -> TwinSettings:
         """Settings with the target on the stage; the grey filter is a lower quantum efficiency."""
@@ -78,9 +85,13 @@ class OpticalRanger:
         self, instrument: SimulatedInstrument, positions: Array, labels: ArrayLike
     ) -> Counts:
         """Raw counts (P, K x N) of bursts with labels (P,) at stage positions (P,), m."""
-        stage, beam = positions + self.settings.stage_zero, np.zeros((positions.size, 2))
-        edges = np.arange(self.phases * self.samples) // self.samples
-        return instrument.bursts(self.panel(), beam, labels=labels, pulses=edges, stage=stage)
+        return instrument.bursts(
+            self.panel(),
+            np.zeros((positions.size, 2)),
+            labels=labels,
+            pulses=np.arange(self.phases * self.samples) // self.samples,
+            stage=positions + self.settings.stage_zero,
+        )
 
     def phase(self, counts: ArrayLike) -> Array:
         """Wrapped phases (P,), rad, of raw counts (P, K x N)."""

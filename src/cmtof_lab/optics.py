@@ -32,7 +32,7 @@ class Paths(NamedTuple):
 def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
     """Unit vectors (..., 3) along (tan x, tan y, 1) + aside for optical angles (..., 2), rad."""
     tangent = np.tan(angles) + aside
-    ray = np.concatenate([tangent, np.ones((*tangent.shape[:-1], 1))], axis=-1)
+    ray = np.concatenate([tangent, np.ones_like(tangent[..., :1])], axis=-1)
     return ray / np.sqrt((ray * ray).sum(-1, keepdims=True))
 
 
@@ -49,13 +49,15 @@ def aperture_area(settings: TwinSettings) -> float:
 def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
     """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt."""
     # (lambda z)^2 / (pi w^2): coherence area of a Gaussian spot (Goodman, Speckle, 2007, ch. 4)
-    z, area = np.asarray(distance, float), aperture_area(settings)
+    z = np.asarray(distance, float)
+    area = aperture_area(settings)
     return 1 + area * np.pi * spot_radius(settings, z) ** 2 / (settings.wavelength * z) ** 2
 
 
 def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
     """Shares of the light on a surface that enter the aperture, diffuse and specular; 0 for NaN."""
-    z, radius = hits.range, settings.aperture / 2
+    z = hits.range
+    radius = settings.aperture / 2
     lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         # rho cos A / (pi z^2), half of it in the splitter's polarisation; half at the very most
@@ -72,8 +74,9 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
     """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad."""
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
     angle = spot_radius(settings, 1.0)
-    weights, spot = (_WEIGHTS, angle * _SPOT) if angle else (np.ones(1), np.zeros((1, 2)))
-    hits = target.look(directions_from_angles(angles[:, None, :], spot))
+    count = len(_SPOT) if angle else 1
+    weights = _WEIGHTS if angle else np.ones(1)
+    hits = target.look(directions_from_angles(angles[:, None, :], angle * _SPOT[:count]))
     distance = np.where(hits.range > 0, hits.range, 0.0)
     rough, polished = (weights * one for one in returned_fractions(settings, hits))
     if settings.speckle and rough.any():
@@ -92,7 +95,8 @@ def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     # arrays of unsigned integers wrap round without a warning
     word = (pair[:, :1] << 32) ^ (pair[:, 1:] & 0xFFFFFFFF)
     column = np.arange(1, count + 1, dtype=np.uint64) * 0x9E3779B97F4A7C15
-    mixed = _mixed(_mixed(word ^ start[:1]) + start[1:] + column)
+    first = _mixed(word ^ start[:1])
+    mixed = _mixed(first + start[1:] + column)
     return ((mixed >> 11).astype(float) + 0.5) / 2.0**53
 
 

@@ -139,16 +139,16 @@ class RfRanger:
 
     def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
         """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
-        offsets = np.asarray(positions, float)
         count = self.visits
-        ranges = target.distance + np.append(visited(count), offsets)
-        found = np.empty((repeats, offsets.size))
+        ranges = target.distance + np.append(visited(count), positions)
+        found = []
         for repeat in range(repeats):
             read = self.readings(target, ranges, np.random.default_rng([seed, repeat]))
             turned = read * np.exp(-1j * self.phase(ranges))
-            off = centred(np.angle(turned[count:] / turned[:count].sum()))
-            found[repeat] = ranges[count:] + off / self.phase(1.0)
-        return found
+            zero = turned[:count].sum()
+            off = centred(np.angle(turned[count:] / zero))
+            found.append(ranges[count:] + off / self.phase(1.0))
+        return np.stack(found)
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound (P,), m: noise of one reading at the mean light, nothing else."""
@@ -165,20 +165,26 @@ class RfRanger:
         place = ranges + self.stage_error * rng.standard_normal(ranges.size)
         light = np.append(self._received(target, ranges, rng), 0.0)
         turn = self._turn(averaged, slow[2], rng)
-        own = self._seen(light * self._fibre(slow[3]), np.append(place, 0.0), turn)
-        stray = self.sent * self.settings.back_fraction * (times > 0)
-        back = self._seen(stray * self._fibre(slow[3]), self.settings.back_range, turn)
+        fibre = self._fibre(slow[3])
+        own = self._seen(light * fibre, np.append(place, 0.0), turn)
+        back = self._seen(
+            self.sent * self.settings.back_fraction * (times > 0) * fibre,
+            self.settings.back_range,
+            turn,
+        )
         noise = self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
         return self._read(constant + (own + back) + noise, rng)
 
     def _read(self, envelopes: Complex, rng: Generator) -> Complex:
         """Readings (P,) of envelopes (P + 1,), V, of which the last is the blocked beam's."""
         known = np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
-        read = skewed(envelopes, *(known + self.drift * rng.standard_normal(2)))
+        drifted = known + self.drift * rng.standard_normal(2)
+        read = skewed(envelopes, *drifted)
         if not self.calibrated:
             return read[:-1]
         # the blocked beam is read, and the imbalance known, before they drift
-        return straightened(read - skewed(envelopes[-1], *known), *known)[:-1]
+        blocked = skewed(envelopes[-1], *known)
+        return straightened(read - blocked, *known)[:-1]
 
     def _offset(self, slow: list[Array], rng: Generator) -> Complex:
         """Envelope without light, V, as it drifts."""
@@ -224,7 +230,8 @@ class RfRanger:
 def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
     """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
     z = np.asarray(phasor, complex)
-    return z.real + 1j * gain * (z * np.exp(1j * np.asarray(error))).imag
+    turned = z * np.exp(1j * np.asarray(error))
+    return z.real + 1j * gain * turned.imag
 
 
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
@@ -232,7 +239,8 @@ def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> A
     paths = trace(target, np.reshape(angles, (-1, 2)), ranger.settings, seed)
     power = ranger.sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
     # each ray of the spot has a phase of its own: on a slope they partly cancel
-    signal = (ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))).sum(-1)
+    rays = ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))
     rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
-    read = signal + ranger.noise(power.sum(-1)) * circular_normals(rng, signal.size)
+    noise = ranger.noise(power.sum(-1))
+    read = rays.sum(-1) + noise * circular_normals(rng, noise.size)
     return wrapped(np.angle(read)).reshape(np.shape(angles)[:-1])

@@ -47,9 +47,11 @@ def photographed_spots(
     true: Array, rate: Array, width: Array, rng: Generator, sensor: Sensor
 ) -> Array:
     """Windows (N, S, S) of spots at ``true``, px, in electrons less the room's light."""
-    edges = (np.arange(WINDOW + 1) - true[..., None]) / width[:, None, None]
-    across, down = np.moveaxis(np.diff(ndtr(edges), axis=-1), 1, 0)
-    mean = rate[:, None, None] * down[:, :, None] * across[:, None, :] + sensor.ambient
+    away = np.arange(WINDOW + 1) - true[..., None]
+    shares = np.diff(ndtr(away / width[:, None, None]), axis=-1)
+    across, down = np.moveaxis(shares, 1, 0)
+    mean = rate[:, None, None] * down[:, :, None] * across[:, None, :]
+    mean += sensor.ambient
     drawn = rng.poisson(mean) + sensor.read_noise * rng.standard_normal(mean.shape)
     return np.minimum(drawn, sensor.full_well) - sensor.ambient
 
@@ -66,19 +68,17 @@ def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
     """
     light = np.asarray(windows, float)
     middle = light.shape[-1] / 2
-    grid = np.arange(light.shape[-1]) + 0.5
     centre = np.full((len(light), 2), middle)
     for _ in range(12):
-        x = grid - centre[:, 0, None]
-        y = grid - centre[:, 1, None]
+        x, y = np.arange(light.shape[-1]) + 0.5 - centre.T[..., None]
         weight = np.exp(-(x[:, None, :] ** 2 + y[:, :, None] ** 2) / 2 / WEIGHT**2)
         lit = weight * light
         total = np.maximum(lit.sum((1, 2)), 1e-9)
-        centre = centre + np.clip(
-            2 * (np.stack([(lit.sum(1) * x).sum(1), (lit.sum(2) * y).sum(1)], 1) / total[:, None]),
-            -1,
-            1,
-        )
+        off = [
+            (lit.sum(1) * x).sum(1) / total,
+            (lit.sum(2) * y).sum(1) / total,
+        ]
+        centre = centre + np.clip(2 * np.stack(off, 1), -1, 1)
     noise = weight**2 * (np.maximum(light, 0) + sensor.ambient + sensor.read_noise**2)
     sigma = np.sqrt((noise.sum(1) * x**2).sum(1))
     sigma = sigma / np.maximum((lit.sum(1) * (1 - x**2 / WEIGHT**2)).sum(1), 1e-9)

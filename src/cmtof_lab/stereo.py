@@ -50,13 +50,13 @@ class StereoRig:
 
         points = np.asarray(points, float)
         still = np.zeros(3)
-        seen = np.empty((2, *points.shape[:-1], 2))
-        for k, pose in enumerate(self.poses):
+        seen = []
+        for pose, *lens in zip(self.poses, self.matrices, self.distortions, strict=True):
             inside = np.ascontiguousarray(pose.apply(points.reshape(-1, 3)))
             inside[~(inside[:, 2] > 0)] = np.nan
-            found = cv2.projectPoints(inside, still, still, self.matrices[k], self.distortions[k])
-            seen[k] = found[0].reshape(seen.shape[1:])
-        return seen
+            found, _ = cv2.projectPoints(inside, still, still, *lens)
+            seen.append(found.reshape(*points.shape[:-1], 2))
+        return np.stack(seen)
 
     def undistorted(self, pixels: ArrayLike, k: int) -> Array:
         """Points (N, 2) on the plane z = 1 of camera k, of its pixels (N, 2)."""
@@ -77,8 +77,9 @@ class StereoRig:
         if known.any():
             matrices = [pose.as_matrix()[:3] for pose in self.poses]
             planes = [self.undistorted(flat[k, known], k).T for k in (0, 1)]
-            found = cv2.triangulatePoints(*matrices, *planes)
-            points[known] = np.where(found[2] * found[3] > 0, found[:3] / found[3], np.nan).T
+            *place, scale = cv2.triangulatePoints(*matrices, *planes)
+            ahead = place[2] * scale > 0
+            points[known] = np.where(ahead, place / scale, np.nan).T
         return points.reshape(*pixels.shape[1:-1], 3)
 
 
@@ -88,15 +89,25 @@ def simulated_rig(
     """Rig like Fig. 9a: cameras on either side of the scanner, axes meeting ``converge`` m away."""
     focal = sensor.focal_length / sensor.pitch
     height, width = sensor.shape
-    matrix = np.array([[focal, 0, width / 2], [0, focal, height / 2], [0, 0, 1]])
+    matrix = np.array(
+        [
+            [focal, 0, width / 2],
+            [0, focal, height / 2],
+            [0, 0, 1],
+        ]
+    )
     half = baseline / 2
     turn = np.arctan2(half, converge)
     left, right = (
         RigidTransform.from_components([s * half, 0, 0], Rotation.from_rotvec([0, -s * turn, 0]))
         for s in (-1, 1)
     )
-    bent = np.outer([1.0, 1.05], [-0.09, 0.11, 3e-4, -2e-4, 0.0])
-    return StereoRig(np.stack([matrix] * 2), bent, (left.inv(), right.inv()), sensor.shape)
+    return StereoRig(
+        np.stack([matrix] * 2),
+        np.outer([1.0, 1.05], [-0.09, 0.11, 3e-4, -2e-4, 0.0]),
+        (left.inv(), right.inv()),
+        sensor.shape,
+    )
 
 
 def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTransform]:
@@ -123,14 +134,22 @@ def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
     views = corners.shape[1]
     if views < 3:
         raise ValueError(f"Expected at least 3 views, got {views}. Show more.")
-    board = [BOARD.astype(np.float32)] * views
     lenses = np.eye(3), np.zeros(5), np.eye(3), np.zeros(5)  # it writes into them
-    seen = map(list, corners)
-    rms, *found = cv2.stereoCalibrate(board, *seen, *lenses, shape[::-1], flags=cv2.CALIB_FIX_K3)
-    between = RigidTransform.from_components(found[5].ravel(), Rotation.from_matrix(found[4]))
-    distortions = np.stack([found[1].ravel()[:5], found[3].ravel()[:5]])
-    poses = (RigidTransform.identity(), between)
-    return StereoRig(np.stack([found[0], found[2]]), distortions, poses, shape), rms / 2**0.5
+    rms, left, bent_left, right, bent_right, turn, shift, *_ = cv2.stereoCalibrate(
+        [BOARD.astype(np.float32)] * views,
+        *map(list, corners),
+        *lenses,
+        shape[::-1],
+        flags=cv2.CALIB_FIX_K3,
+    )
+    between = RigidTransform.from_components(shift.ravel(), Rotation.from_matrix(turn))
+    rig = StereoRig(
+        np.stack([left, right]),
+        np.stack([bent_left.ravel()[:5], bent_right.ravel()[:5]]),
+        (RigidTransform.identity(), between),
+        shape,
+    )
+    return rig, rms / 2**0.5
 
 
 def locate_scanner(rig: StereoRig, pixels: Array, directions: Array) -> StereoRig:
@@ -173,13 +192,14 @@ def scan_spots(frame: Frame, rig: StereoRig, *, rng: Generator, sensor: Sensor =
         raise ValueError("Expected a frame with a camera, got none. State fx, fy, cx, cy.")
     points = points_from_depth(frame.depth, frame.camera)
     pixels = rig.project(points)
-    spots = Spots(np.full(pixels.shape, np.nan), np.full(pixels.shape[:-1], np.nan))
+    spots = Spots(np.full_like(pixels, np.nan), np.full_like(pixels[..., 0], np.nan))
     for k in range(2):
         rate, width = _spot_light(frame, points, rig, k, sensor)
         half = np.array(rig.shape[::-1]) / 2
         inside = (abs(pixels[k] - half) < half - WINDOW).all(-1)  # the window lies in the image
-        corner = np.floor(pixels[k][inside]) - WINDOW // 2
-        place = pixels[k][inside] - corner + sensor.speckle * rng.standard_normal(corner.shape)
+        corner = np.floor(pixels[k, inside]) - WINDOW // 2
+        place = pixels[k, inside] - corner
+        place += sensor.speckle * rng.standard_normal(corner.shape)
         light = photographed_spots(place, rate[inside], width[inside], rng, sensor)
         place, spots.sigma[k, inside] = place_spots(light, sensor)
         spots.pixels[k, inside] = place + corner
@@ -190,7 +210,8 @@ def _spot_light(frame: Frame, points: Array, rig: StereoRig, k: int, sensor: Sen
     """Electrons (H, W) of each spot in camera k, none where hidden, and its width, px."""
     away = rig.centres[k] - points
     distance = np.linalg.norm(away, axis=-1)
-    cosine = np.clip((normals_from_points(points) * away).sum(-1) / distance, 0.02, 1)
+    facing = (normals_from_points(points) * away).sum(-1)
+    cosine = np.clip(facing / distance, 0.02, 1)
     rate = np.clip(frame.intensity, 0, 1) * cosine / distance**2
     width = np.hypot(sensor.blur, sensor.beam * rig.matrices[k, 0, 0] / distance)
     rate *= 0.7 * sensor.full_well / np.nanpercentile(rate / TAU / width**2, 99)
@@ -250,11 +271,11 @@ def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> Arrays:
     found = np.linalg.norm(points, axis=-1)
     variance = np.zeros(found.shape)
     step = 0.05  # px
-    for index in np.ndindex(2, 2):
+    for camera, axis in np.ndindex(2, 2):
         moved = spots.pixels.copy()
-        moved[index[0], ..., index[1]] += step
-        slope = (np.linalg.norm(rig.triangulate(moved), axis=-1) - found) / step
-        variance += (slope * spots.sigma[index[0]]) ** 2
+        moved[camera, ..., axis] += step
+        there = np.linalg.norm(rig.triangulate(moved), axis=-1)
+        variance += ((there - found) / step * spots.sigma[camera]) ** 2
     spread = np.sqrt(variance)
     if draws:
         others = [np.linalg.norm(one.triangulate(spots.pixels), axis=-1) for one in draws]

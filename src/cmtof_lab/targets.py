@@ -15,7 +15,7 @@ from pydantic import ConfigDict
 
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
-from cmtof.types import Array, Fields, Flags
+from cmtof.types import Array, Arrays, Fields, Flags, Numbers
 
 LARGEST_STEP = 0.02  # Neighbouring pixels whose depths differ by a smaller share: one surface
 SURFACE = 3e-3  # How near to a point its own surface may be met, m
@@ -72,27 +72,40 @@ class FrameTarget:
 
     def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
-        fx, fy, cx, cy, *skew = self._camera
-        height, width = self._inverse.shape
         forward = directions[..., 2]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            x, y = directions[..., 0] / forward, directions[..., 1] / forward
-            u, v = fx * x + sum(skew) * y + cx, fy * y + cy
-        seen = (forward > 0) & (u >= 0) & (u < width) & (v >= 0) & (v < height)
-        u, v = np.where(seen, u, 0.0), np.where(seen, v, 0.0)
+        u, v = self._pixels(directions)
+        height, width = self._inverse.shape
+        seen = (forward > 0) & (u >= 0) & (u < width)
+        seen &= (v >= 0) & (v < height)
+        u = np.where(seen, u, 0.0)
+        v = np.where(seen, v, 0.0)
         nearest = v.astype(int), u.astype(int)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = np.where(seen, 1 / (self._inverse_at(u, v) * forward), np.nan)
+        return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
+
+    def _pixels(self, directions: Array) -> Arrays:
+        """Columns and rows (...), px, through which rays (..., 3) pass."""
+        fx, fy, cx, cy, *skew = self._camera
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = directions[..., 0] / directions[..., 2]
+            y = directions[..., 1] / directions[..., 2]
+            return fx * x + sum(skew) * y + cx, fy * y + cy
+
+    def _inverse_at(self, u: Array, v: Array) -> Array:
+        """Inverse depth, 1/m, exact on planes; across a step that of the nearest pixel."""
+        height, width = self._inverse.shape
         i = np.clip(v - 0.5, 0, height - 2).astype(int)
         j = np.clip(u - 0.5, 0, width - 2).astype(int)
-        s, t = v - 0.5 - i, u - 0.5 - j
-        # inverse depth, exact on planes, is interpolated; across a step the nearest pixel counts
         corners = np.stack([self._inverse[i + m, j + n] for m in (0, 1) for n in (0, 1)])
-        a, b, c, d = corners
-        above, below = a + t * (b - a), c + t * (d - c)
-        flat = np.ptp(corners, axis=0) < LARGEST_STEP * corners.min(axis=0)
-        inverse = np.where(flat, above + s * (below - above), self._inverse[nearest])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            reach = np.where(seen, 1 / (inverse * forward), np.nan)
-        return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
+        left, right = corners.reshape(2, 2, *u.shape).swapaxes(0, 1)
+        above, below = left + (u - 0.5 - j) * (right - left)
+        smooth = above + (v - 0.5 - i) * (below - above)
+        return np.where(
+            np.ptp(corners, axis=0) < LARGEST_STEP * corners.min(axis=0),
+            smooth,
+            self._inverse[v.astype(int), u.astype(int)],
+        )
 
 
 def _cosines(planar: Array, rays: Array) -> Array:
@@ -133,7 +146,7 @@ class MeshTarget:
         """Embree's tree, made when it is first needed."""
         from cmtof_rooms.engine import Tracer
 
-        return Tracer(np.asarray(self.vertices, np.float32), np.asarray(self.faces, np.int32))
+        return Tracer(self.vertices, self.faces)
 
     def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
@@ -142,26 +155,31 @@ class MeshTarget:
         hits = self._tracer.nearest(np.zeros_like(rays), rays)
         met = hits.triangle >= 0
         corners = np.asarray(self.faces)[np.where(met, hits.triangle, 0)]
+        reach, cosine = self._plane_met(exact, corners)
+        found = [np.where(met, reach, np.nan), cosine]
+        weights = np.where(met, [1 - hits.u - hits.v, hits.u, hits.v], [[1.0], [0.0], [0.0]]).T
+        for held in (self.reflectance, self.mirrored):
+            there = np.broadcast_to(held, len(self.vertices))[corners]
+            found.append((there * weights).sum(-1))
+        return RayEnds(*(one.reshape(directions.shape[:-1]) for one in found))
+
+    def _plane_met(self, rays: Array, corners: Numbers) -> Arrays:
+        """Ranges (N,), m, and cosines of rays on the planes of triangles, in double precision."""
         a, b, c = np.asarray(self.vertices, float)[corners].swapaxes(0, 1)
         normal = np.cross(b - a, c - a)
-        # the range again in double precision, on the plane of the triangle that was met
         with np.errstate(divide="ignore", invalid="ignore"):
-            along = (exact * normal).sum(-1)
-            reach = np.where(met, (a * normal).sum(-1) / along, np.nan)
+            along = (rays * normal).sum(-1)
             cosine = np.nan_to_num(np.abs(along) / np.linalg.norm(normal, axis=-1))
-        u, v = np.where(met, hits.u, 0.0), np.where(met, hits.v, 0.0)
-        held = [np.broadcast_to(x, len(self.vertices)) for x in (self.reflectance, self.mirrored)]
-        there = [(x[corners] * np.stack([1 - u - v, u, v], -1)).sum(-1) for x in held]
-        return RayEnds(*(one.reshape(directions.shape[:-1]) for one in (reach, cosine, *there)))
+            return (a * normal).sum(-1) / along, cosine
 
     def hidden(self, points: Array, eye: ArrayLike) -> Flags:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
         way = np.subtract(points.reshape(-1, 3), eye)
         far = np.linalg.norm(way, axis=-1)
         rays = np.ascontiguousarray(way / far[:, None], np.float32)
-        start = np.broadcast_to(np.asarray(eye, np.float32), rays.shape).copy()
         reach = (far - SURFACE).astype(np.float32)
-        return self._tracer.blocked(start, rays, reach).reshape(points.shape[:-1])
+        found = self._tracer.blocked(np.full_like(rays, eye), rays, reach)
+        return found.reshape(points.shape[:-1])
 
 
 def _object(name: str) -> MeshTarget:

@@ -111,7 +111,7 @@ def plate(
     x = _lines(width, cut[:, :2])
     z = _lines(height, cut[:, 2:])
     number = np.arange(len(x) * len(z)).reshape(len(x), len(z))
-    faces = _triangles(_cells(number)[_outside(cut, x, z)])
+    faces = triangles_of(cells_of(number)[_outside(cut, x, z)])
     points = np.stack(np.meshgrid(x, z, indexing="ij"), -1).reshape(-1, 2)
     solid = trimesh.creation.extrude_triangulation(points, faces, thickness)
     solid.vertices = solid.vertices[:, [0, 2, 1]]  # (x, z, y) to (x, y, z), a reflection
@@ -135,7 +135,7 @@ def _outside(holes: Array, x: Array, z: Array) -> Flags:
     return ~(across & upright).any(axis=0)
 
 
-def _cells(number: Numbers) -> Numbers:
+def cells_of(number: Numbers) -> Numbers:
     """Corners (N - 1, M - 1, 4), in turn, of the cells of a grid of numbered points (N, M)."""
     corners = [
         number[:-1, :-1],
@@ -146,7 +146,7 @@ def _cells(number: Numbers) -> Numbers:
     return np.stack(corners, -1)
 
 
-def _triangles(cells: Numbers) -> Numbers:
+def triangles_of(cells: Numbers) -> Numbers:
     """Triangles (2 N, 3) of cells (N, 4): first one half of each, then the other."""
     return np.concatenate([cells[:, half] for half in _HALVES])
 
@@ -187,9 +187,9 @@ def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
     vertices = np.concatenate([rings.reshape(-1, 3), line[[0, -1]]])
     number = np.arange(rings[..., 0].size).reshape(-1, sections)
     closed = np.hstack([number, number[:, :1]])
-    cells = _cells(closed)[..., [0, 3, 2, 1]]
+    cells = cells_of(closed)[..., [0, 3, 2, 1]]
     faces = [
-        _triangles(cells.reshape(-1, 4)),
+        triangles_of(cells.reshape(-1, 4)),
         _join_corners(len(vertices) - 2, closed[0, 1:], closed[0, :-1]),
         _join_corners(len(vertices) - 1, closed[-1, :-1], closed[-1, 1:]),
     ]
@@ -282,7 +282,7 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
 def _sheet_faces(count: int, columns: int) -> Numbers:
     """Triangles of a closed sheet whose two sides have ``count`` vertices each, row by row."""
     number = np.arange(count).reshape(-1, columns)
-    front = _triangles(_cells(number).reshape(-1, 4))
+    front = triangles_of(cells_of(number).reshape(-1, 4))
     edges = [
         number[:-1, 0],
         number[-1, :-1],
