@@ -18,7 +18,8 @@ POLES = 3  # of the filters
 
 def volts_per_watt(settings: TwinSettings) -> float:
     """Output of the detector, V/W: responsivity, avalanche gain and transimpedance."""
-    responsivity = settings.efficiency * e / (h * c / settings.wavelength)
+    photon = h * c / settings.wavelength  # J
+    responsivity = settings.efficiency * e / photon
     return responsivity * settings.gain * settings.transimpedance
 
 
@@ -95,8 +96,9 @@ def root_of(covariance: Array) -> Array:
 
 def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> Counts:
     """Raw stream counts of the T7, rounded and clipped; its ``noise`` is in counts."""
-    raw = np.asarray(volts) / SLOPE + CENTRE + np.asarray(noise)
-    return np.clip(np.rint(raw), 0, 65535).astype(np.uint16)
+    raw = np.divide(volts, SLOPE) + CENTRE
+    rounded = np.rint(raw + noise)
+    return np.clip(rounded, 0, 65535).astype(np.uint16)
 
 
 def volts_from_counts(counts: ArrayLike) -> Array:

@@ -301,11 +301,13 @@ class SimulatedInstrument:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
         power = self.from_fibre(panel, np.array(panel.time)) * self.emission(panel)[0].real
         settings = self.settings
-        return float(power * (settings.lens**2 * settings.mirror * settings.splitter))
+        passed = settings.lens**2 * settings.mirror * settings.splitter
+        return float(power * passed)
 
 
 def amplitude(settings: TwinSettings, power: float, frequency: float) -> complex:
     """Complex drive amplitude, rad; a resonance of width G passes ``1 / (1 + 2i d / G)`` at d."""
     offsets = np.array([settings.detuning, frequency - settings.resonance])
     stated, passed = 1 / (1 + 2j * offsets / settings.resonance_width)
-    return settings.eta * 10 ** ((power - settings.drive_power) / 20) * passed / abs(stated)
+    drive = settings.eta * 10 ** ((power - settings.drive_power) / 20)
+    return drive * passed / abs(stated)

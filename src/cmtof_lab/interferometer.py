@@ -95,7 +95,8 @@ class Interferometer:
         width = spot_radius(settings, 2 * z)
         real = self.reference_radius**-2 + width**-2
         turned = np.pi * settings.divergence / (width * vacuum)  # curvature of the wavefront
-        return 4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2)
+        areas = (self.reference_radius * width) ** 2
+        return 4 / areas / (real**2 + turned**2)
 
     def fringes(self, target: Plane, ranges: ArrayLike) -> Fringes:
         """Interferogram at ranges (...), m."""
@@ -115,7 +116,14 @@ class Interferometer:
         variance += (self.intensity_noise * offset) ** 2
         return Fringes(amplitude, offset, variance * settings.noise)
 
-    def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+    def sweep(
+        self,
+        target: Plane,
+        positions: ArrayLike,
+        *,
+        repeats: int,
+        seed: int,
+    ) -> Array:
         """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
 
         A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn again.
@@ -158,7 +166,8 @@ class Interferometer:
     def _counted(self, way: Array, shown: Fringes, rng: Generator) -> Array:
         """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
         noise = np.sqrt(2 * shown.variance / self.steps) * circular_normals(rng, way.size)
-        read = shown.amplitude * np.exp(4j * np.pi / self.wavelength * way) + noise
+        turned = np.exp(4j * np.pi / self.wavelength * way)
+        read = shown.amplitude * turned + noise
         start = np.angle(shown.amplitude[0])
         return np.unwrap(np.append(start, np.angle(read)))[1:] - start
 

@@ -99,7 +99,14 @@ class OpticalRanger:
         means = bursts[..., self.settle :].mean(-1).T
         return decode(means, nominal_psi(self.phases)).phase
 
-    def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+    def sweep(
+        self,
+        target: Plane,
+        positions: ArrayLike,
+        *,
+        repeats: int,
+        seed: int,
+    ) -> Array:
         """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.
 
         Each repeat is another instrument on another day; ranges are unwrapped to the known wrap.

@@ -51,7 +51,8 @@ def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
     # (lambda z)^2 / (pi w^2): coherence area of a Gaussian spot (Goodman, Speckle, 2007, ch. 4)
     z = np.asarray(distance, float)
     area = aperture_area(settings)
-    return 1 + area * np.pi * spot_radius(settings, z) ** 2 / (settings.wavelength * z) ** 2
+    product = area * np.pi * spot_radius(settings, z) ** 2
+    return 1 + product / (settings.wavelength * z) ** 2
 
 
 def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
@@ -61,12 +62,16 @@ def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
     lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         # rho cos A / (pi z^2), half of it in the splitter's polarisation; half at the very most
-        rough = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
+        steradian = (radius / z) ** 2
+        rough = np.minimum(0.5 * hits.cosine * steradian, 0.5)
         # a Gaussian lobe, cut by the aperture and turned by twice the tilt, keeps its polarisation
         caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
         turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
-        polished = caught * np.exp(-2 * (turned / lobe) ** 2) + SPECULAR_DIFFUSE * rough
-        parts = (1 - hits.mirrored) * rough, hits.mirrored * polished
+        mirrored = caught * np.exp(-2 * (turned / lobe) ** 2)
+        parts = [
+            (1 - hits.mirrored) * rough,
+            hits.mirrored * (mirrored + SPECULAR_DIFFUSE * rough),
+        ]
     return [np.where(z > 0, hits.reflectance * part, 0.0) for part in parts]
 
 

@@ -137,7 +137,14 @@ class RfRanger:
         ways = np.multiply(self.settings.group_index, ranges)
         return phase_from_depth(ways, FREQUENCY[self.mode])
 
-    def sweep(self, target: Plane, positions: ArrayLike, *, repeats: int, seed: int) -> Array:
+    def sweep(
+        self,
+        target: Plane,
+        positions: ArrayLike,
+        *,
+        repeats: int,
+        seed: int,
+    ) -> Array:
         """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
         count = self.visits
         ranges = target.distance + np.append(visited(count), positions)
@@ -237,7 +244,8 @@ def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
     """Wrapped phase (...), rad, by RF demodulation at optical angles (..., 2), rad; noise alone."""
     paths = trace(target, np.reshape(angles, (-1, 2)), ranger.settings, seed)
-    power = ranger.sent * paths.fraction * ranger.seen_share(np.maximum(paths.range, 1e-3))
+    seen = ranger.seen_share(np.maximum(paths.range, 1e-3))
+    power = ranger.sent * paths.fraction * seen
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     rays = ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))
     rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])

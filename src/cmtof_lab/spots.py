@@ -44,7 +44,11 @@ SENSOR = Sensor()
 
 
 def photographed_spots(
-    true: Array, rate: Array, width: Array, rng: Generator, sensor: Sensor
+    true: Array,
+    rate: Array,
+    width: Array,
+    rng: Generator,
+    sensor: Sensor,
 ) -> Array:
     """Windows (N, S, S) of spots at ``true``, px, in electrons less the room's light."""
     away = np.arange(WINDOW + 1) - true[..., None]

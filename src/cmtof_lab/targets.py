@@ -46,12 +46,18 @@ class Plane:
 
     def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
-        normal = np.array([-np.tan(self.tilt_x), -np.tan(self.tilt_y), 1.0])
+        slopes = np.tan([self.tilt_x, self.tilt_y])
+        normal = np.append(-slopes, 1.0)
         along = directions @ normal
         with np.errstate(divide="ignore"):
             reach = np.where(along > 0, self.distance / along, np.nan)
         cosine = along / np.linalg.norm(normal)
-        return RayEnds(reach, cosine, np.full(reach.shape, self.reflectance), self.mirrored)
+        return RayEnds(
+            reach,
+            cosine,
+            np.full(reach.shape, self.reflectance),
+            self.mirrored,
+        )
 
 
 PLATE = Plane(0.60)  # Diffuse target of Sec. 8.2
@@ -66,7 +72,8 @@ class FrameTarget:
             raise ValueError(f"Expected a frame with a camera, got {frame.name!r}. Store one.")
         self._camera = np.asarray(frame.camera, float)
         self._reflectance = np.clip(np.asarray(frame.intensity, float), 0, 1)
-        planar = np.asarray(frame.depth, float) / ray_lengths(frame.depth.shape, self._camera)
+        lengths = ray_lengths(frame.depth.shape, self._camera)
+        planar = np.asarray(frame.depth, float) / lengths
         self._inverse = 1 / planar
         self._cosine = _cosines(planar, rays_from_camera(planar.shape, self._camera))
 
@@ -87,9 +94,10 @@ class FrameTarget:
     def _pixels(self, directions: Array) -> Arrays:
         """Columns and rows (...), px, through which rays (..., 3) pass."""
         fx, fy, cx, cy, *skew = self._camera
+        right, down, forward = np.moveaxis(directions, -1, 0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            x = directions[..., 0] / directions[..., 2]
-            y = directions[..., 1] / directions[..., 2]
+            x = right / forward
+            y = down / forward
             return fx * x + sum(skew) * y + cx, fy * y + cy
 
     def _inverse_at(self, u: Array, v: Array) -> Array:
@@ -115,15 +123,18 @@ def _cosines(planar: Array, rays: Array) -> Array:
     normal = np.cross(_smaller_step(points), down)
     with np.errstate(invalid="ignore", divide="ignore"):
         size = np.linalg.norm(normal, axis=-1) * np.linalg.norm(rays, axis=-1)
-        cosine = np.abs((normal * rays).sum(-1)) / size
+        along = (normal * rays).sum(-1)
+        cosine = np.abs(along) / size
     return np.clip(np.nan_to_num(cosine, nan=1.0), 0, 1)
 
 
 def _smaller_step(points: Array) -> Array:
     """The smaller of the steps (H, W, 3) to the left and to the right neighbour, by depth."""
     step = np.diff(points, axis=1, prepend=np.nan, append=np.nan)
+    left = step[:, :-1]
+    right = step[:, 1:]
     size = np.nan_to_num(np.abs(step[..., 2:]), nan=np.inf)
-    return np.where(size[:, :-1] < size[:, 1:], step[:, :-1], step[:, 1:])
+    return np.where(size[:, :-1] < size[:, 1:], left, right)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,10 +165,12 @@ class MeshTarget:
         rays = np.ascontiguousarray(exact, np.float32)
         hits = self._tracer.nearest(np.zeros_like(rays), rays)
         met = hits.triangle >= 0
-        corners = np.asarray(self.faces)[np.where(met, hits.triangle, 0)]
+        triangle = np.where(met, hits.triangle, 0)
+        corners = np.asarray(self.faces)[triangle]
         reach, cosine = self._plane_met(exact, corners)
         found = [np.where(met, reach, np.nan), cosine]
-        weights = np.where(met, [1 - hits.u - hits.v, hits.u, hits.v], [[1.0], [0.0], [0.0]]).T
+        weights = np.stack([1 - hits.u - hits.v, hits.u, hits.v], -1)
+        weights[~met] = [1, 0, 0]
         for held in (self.reflectance, self.mirrored):
             there = np.broadcast_to(held, len(self.vertices))[corners]
             found.append((there * weights).sum(-1))
@@ -176,7 +189,7 @@ class MeshTarget:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
         way = np.subtract(points.reshape(-1, 3), eye)
         far = np.linalg.norm(way, axis=-1)
-        rays = np.ascontiguousarray(way / far[:, None], np.float32)
+        rays = (way / far[:, None]).astype(np.float32)
         reach = (far - SURFACE).astype(np.float32)
         found = self._tracer.blocked(np.full_like(rays, eye), rays, reach)
         return found.reshape(points.shape[:-1])
