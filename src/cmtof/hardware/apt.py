@@ -27,7 +27,9 @@ from cmtof.hardware.rf import open_serial
 from cmtof.hardware.roles import Waiting
 from cmtof.types import Texts
 
-_HOST, _UNIT, _CHANNEL = 0x01, 0x50, 1
+_HOST = 0x01
+_UNIT = 0x50
+_CHANNEL = 1
 _POLL = 0.05  # s, between looks at the status bits
 ANSWER = 2.0  # s that an answer may take, whatever else comes
 LONGEST = 60.0  # s that a move may take: the whole travel takes 21 s, a turn of a plate 36 s

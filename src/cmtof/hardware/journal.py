@@ -16,6 +16,9 @@ from cmtof.files import AnyPath
 from cmtof.hardware.plan import Line, Plan, Record
 from cmtof.types import Named
 
+# Arrays of a record, and their types.
+KINDS = {"locks": float, "times": float, "sums": np.uint32, "clipped": np.uint16}
+
 
 def journal_path(output: AnyPath) -> Path:
     """Where the journal of an output lies: beside it, ``m.nc.journal``."""
@@ -84,16 +87,12 @@ def begun(path: Path, header: Named, plan: Plan) -> list[Record]:
 def _record(content: bytes, line: Line, phases: int) -> Record:
     """Record of a line of the plan; an error of any kind where it does not fit."""
     found = json.loads(content)
-    sums = np.array(found["sums"], np.uint32)
-    clipped = np.array(found["clipped"], np.uint16)
-    times = np.array(found["times"], float)
-    locks = np.array(found["locks"], float)
-    power = float(found["power"])
-    rate = float(found["rate"])
+    arrays = {name: np.array(found[name], kind) for name, kind in KINDS.items()}
+    record = Record(**found | arrays)
     bursts = len(line.labels)
-    shapes = [one.shape for one in (sums, clipped, times, locks)]
-    sensible = 1e-15 < power < 1e3 and 0 < rate < 1e9 and np.isfinite(times).all()
-    fit = shapes == [(bursts, phases), (bursts,), (bursts,), (2, 2)]
-    if not (fit and sensible and found["line"] == line.index):
+    shapes = [one.shape for one in arrays.values()]
+    sensible = 1e-15 < record.power < 1e3 and 0 < record.rate < 1e9
+    fit = shapes == [(2, 2), (bursts,), (bursts, phases), (bursts,)]
+    if not (fit and sensible and np.isfinite(record.times).all() and record.line == line.index):
         raise ValueError("another line")
-    return Record(line.index, power, rate, locks, times, sums, clipped)
+    return record

@@ -88,7 +88,7 @@ def mirror_angles(rig: Rig, volts: ArrayLike) -> Array:
 
 def planned(rig: Rig, *, size: int | Shape = 64) -> Plan:
     """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole."""
-    height, width = (size, size) if isinstance(size, int) else size
+    height, width = np.broadcast_to(size, 2).tolist()
     focal = np.array([width, height]) / 2 / np.tan(np.deg2rad(rig.field_of_view_deg) / 2)
     camera = np.array([*focal, width / 2, height / 2])
     x, y, z = np.moveaxis(rays_from_camera((height, width), camera), -1, 0)
@@ -100,6 +100,11 @@ def planned(rig: Rig, *, size: int | Shape = 64) -> Plan:
         )
     wrap = SPEED_OF_LIGHT / (2 * rig.frequency_single * rig.group_index)
     sweep = wrap * ((np.arange(SWEEP) + 0.5) / SWEEP - 0.5)
+    return Plan(rig, angles, camera, sweep, _kept(rig, angles), _lines(height, width))
+
+
+def _lines(height: int, width: int) -> list[Line]:
+    """Lines of a scan with an image of a size, px."""
     reference = [("reference", n, REFERENCE_BURSTS) for n in range(SWEEP)]
     image = [("scan", row, width) for row in range(height)]
     lines = []
@@ -108,8 +113,13 @@ def planned(rig: Rig, *, size: int | Shape = 64) -> Plan:
         for kind, row, bursts in [("dark", 0, DARK_BURSTS), *reference, *image, *reference]:
             lines.append(Line(len(lines), mode, kind, row, range(label, label + bursts)))
             label += bursts
+    return lines
+
+
+def _kept(rig: Rig, angles: Array) -> Numbers:
+    """How many samples of each phase are summed (K,): filters settle, at the first mirrors, too."""
     settle = np.full(rig.phases, rig.settle_samples)
     step = np.abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0)
     mirrors = ceil(mirror_settling(rig, step) * rig.rate - 1e-9)
-    settle[0] = max(settle[0], min(mirrors, rig.samples_per_phase - 1))  # mirrors settle, too
-    return Plan(rig, angles, camera, sweep, rig.samples_per_phase - settle, lines)
+    settle[0] = max(settle[0], min(mirrors, rig.samples_per_phase - 1))
+    return rig.samples_per_phase - settle

@@ -25,7 +25,7 @@ from cmtof.correlation import TAU, centred, decode, phase_from_depth
 from cmtof.hardware.plan import REFERENCE_BURSTS, Plan, Record
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Counts, Named, Pair
+from cmtof.types import Array, Counts, Fields, Named, Pair
 
 FULL_SCALE = 65535  # of a 16-bit stream sample; it and 0 mean that the converter clips
 MIN_CONTRAST = 1e-3  # of the reference target; below there is no phase to calibrate on
@@ -63,9 +63,9 @@ def drive_phases(phases: int, mode: str) -> Array:
 def sums_from_counts(counts: ArrayLike, kept: ArrayLike) -> tuple[NDArray[np.uint32], Counts]:
     """Sums (N, K) of each phase's last ``kept`` (K,) samples, and how many of them clip (N,)."""
     samples = np.asarray(counts, np.uint32)
-    kept = np.asarray(kept)
-    samples = samples.reshape(len(samples), kept.size, -1)
-    used = np.arange(samples.shape[2]) >= (samples.shape[2] - kept)[:, None]
+    samples = samples.reshape(len(samples), np.size(kept), -1)
+    size = samples.shape[2]
+    used = np.arange(size) >= np.subtract(size, kept)[:, None]
     clips = ((samples == 0) | (samples == FULL_SCALE)) & used
     sums = np.where(used, samples, 0).sum(axis=2, dtype=np.uint32)
     return sums, clips.sum(axis=(1, 2)).astype(np.uint16)
@@ -110,16 +110,25 @@ def check_brightness(volts: Array, limit: float) -> None:
         )
 
 
-def calibrated(plan: Plan, header: Named, mode: str, records: Sequence[Record]) -> Pair:
+def calibrated(
+    plan: Plan,
+    header: Named,
+    mode: str,
+    records: Sequence[Record],
+) -> Pair:
     """`calibrate` by the recorded visits of the target; a ValueError, too, if it saturates."""
-    gain, (seen, counts) = Gain(*header["calibration"]), lines_of(plan, records, mode, "reference")
+    gain = Gain(*header["calibration"])
+    seen, counts = lines_of(plan, records, mode, "reference")
     volts = gain.volts_from_counts(counts)
     check_brightness(np.where(seen.clipped[..., None], np.inf, volts), plan.rig.limit_volts)
     dark = gain.volts_from_counts(lines_of(plan, records, mode, "dark")[1].mean())
     ranges = plan.rig.reference_distance + np.repeat(plan.sweep, REFERENCE_BURSTS)
-    visits = ((volts - dark) / seen.power[:, None, None]).reshape(-1, ranges.size, counts.shape[2])
-    frequency = MODES[mode] * plan.rig.drive_frequency(mode)
-    return calibrate(visits, header["group_index"] * ranges, frequency)
+    visits = (volts - dark) / seen.power[:, None, None]
+    return calibrate(
+        visits.reshape(-1, ranges.size, counts.shape[2]),
+        header["group_index"] * ranges,
+        MODES[mode] * plan.rig.drive_frequency(mode),
+    )
 
 
 def measurement_from_records(plan: Plan, header: Named, records: Sequence[Record]) -> Measurement:
@@ -131,37 +140,13 @@ def measurement_from_records(plan: Plan, header: Named, records: Sequence[Record
     clock of the bursts' numbers), the attribute ``sample_rate`` (Hz), and of each
     frequency what the reference target showed. Pixels where the converter clips are masked.
     """
-    gain = Gain(*header["calibration"])
-    found = []
-    clipped = []
-    for mode in MODES:
-        offset, drift = calibrated(plan, header, mode, records)
-        image, counts = lines_of(plan, records, mode, "scan")
-        dark = lines_of(plan, records, mode, "dark")[1].mean()
-        power = image.power[:, None]
-        volts = gain.volts_from_counts(counts) - gain.volts_from_counts(dark)
-        volts = volts * (power[0] / power)[..., None]
-        clipped.append(image.clipped > 0)
-        found.append(
-            {
-                "psi": np.mod(nominal_psi(plan.rig.phases) + offset, TAU),
-                "correlation": np.moveaxis(volts, -1, 0).astype(np.float32),
-                "raw_counts": np.moveaxis(counts, -1, 0).astype(np.float32),
-                "dark": dark,
-                "laser_power": np.broadcast_to(power, image.times.shape),
-                "time": image.times,
-                "detuning": image.locks[..., 0],
-                "reflected_power": image.locks[..., 1],
-                "phase_offset": offset,
-                "phase_drift": drift,
-            }
-        )
+    found = [_arrays(plan, header, mode, records) for mode in MODES]
     arrays = {name: np.stack([mode[name] for mode in found]) for name in found[0]}
     data = Measurement.from_arrays(
         arrays.pop("correlation"),
         arrays.pop("psi"),
         [order * plan.rig.drive_frequency(mode) for mode, order in MODES.items()],
-        mask=~np.any(clipped, axis=0),
+        mask=~arrays.pop("clipped").any(axis=0),
         camera=plan.camera,
         protocol="scan",
         saturation=FULL_SCALE,
@@ -169,11 +154,40 @@ def measurement_from_records(plan: Plan, header: Named, records: Sequence[Record
         **{k: json.dumps(v) if isinstance(v, list | dict) else v for k, v in header.items()},
     ).dataset
     dims = {1: (), 3: ("y", "x"), 4: ("step", "y", "x")}
-    for name in ("detuning", "reflected_power"):
-        units = {"units": "Hz" if name == "detuning" else "dBm"}
-        data[name] = (("frequency", "y", "module"), arrays.pop(name), units)
+    for name, units in {"detuning": "Hz", "reflected_power": "dBm"}.items():
+        data[name] = (("frequency", "y", "module"), arrays.pop(name), {"units": units})
     for name, array in arrays.items():
         data[name] = (("frequency", *dims[array.ndim]), array)
     data["angle"] = (("y", "x", "axis"), plan.angles, {"units": "rad"})
-    data["correlation"].attrs["units"], data["laser_power"].attrs["units"] = "V", "W"
+    data["correlation"].attrs["units"] = "V"
+    data["laser_power"].attrs["units"] = "W"
     return Measurement(data.set_coords("time"))
+
+
+def _arrays(
+    plan: Plan,
+    header: Named,
+    mode: str,
+    records: Sequence[Record],
+) -> Fields:
+    """What the records of one mode show, by the names of a measurement."""
+    gain = Gain(*header["calibration"])
+    offset, drift = calibrated(plan, header, mode, records)
+    image, counts = lines_of(plan, records, mode, "scan")
+    dark = lines_of(plan, records, mode, "dark")[1].mean()
+    power = image.power[:, None]
+    light = gain.volts_from_counts(counts) - gain.volts_from_counts(dark)
+    volts = light * (power[0] / power)[..., None]
+    return {
+        "psi": np.mod(nominal_psi(plan.rig.phases) + offset, TAU),
+        "correlation": np.moveaxis(volts, -1, 0).astype(np.float32),
+        "raw_counts": np.moveaxis(counts, -1, 0).astype(np.float32),
+        "clipped": image.clipped > 0,
+        "dark": dark,
+        "laser_power": np.broadcast_to(power, image.times.shape),
+        "time": image.times,
+        "detuning": image.locks[..., 0],
+        "reflected_power": image.locks[..., 1],
+        "phase_offset": offset,
+        "phase_drift": drift,
+    }
