@@ -21,10 +21,9 @@ from scipy.ndimage import gaussian_filter
 from cmtof.bounds import linear_phase_noise
 from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.detector import quantise, skellam_gaussian
-from cmtof.types import Array, Arrays, Complex
+from cmtof.types import Array, Arrays, Complex, Shape
 from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
 from cmtof_lab.targets import RayEnds
-from cmtof_rooms.arrays import Shape
 
 Light = tuple[Complex, Array]
 

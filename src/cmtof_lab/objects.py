@@ -7,11 +7,10 @@ Triangles of side L lie up to ``L^2 / (8 R)``, 2 um, off a body of radius R.
 
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
@@ -21,9 +20,9 @@ from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.transformations import rotation_matrix
 from trimesh.util import concatenate
 
-from cmtof.types import Array, Fields, Values
+from cmtof.files import read_document
+from cmtof.types import Array, Fields, Shape, Values
 from cmtof_lab import finishes
-from cmtof_rooms.arrays import Shape
 from cmtof_rooms.solids import cells_of, mesh_from, triangles_of
 
 STEEL = 0.58  # reflectance of polished or lapped steel (known: 0.55 to 0.6)
@@ -34,7 +33,7 @@ HEIGHT = 30e-3  # m (known)
 GRADE_2 = 0.45e-6  # greatest error of such a length, m (DIN 861, grade 2, by makers' tables)
 MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
 
-_CATALOGUE = yaml.safe_load((files("cmtof_lab") / "objects.yml").read_text("utf-8"))
+_CATALOGUE = read_document(Path(__file__).with_name("objects.yml"))
 Specifications = dict[str, Fields]
 # Objects on whose scans a network is fine-tuned (Sec. 6.4).
 TRAINING: Specifications = _CATALOGUE["training"]

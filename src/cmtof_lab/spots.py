@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from cmtof.constants import LASER_WAVELENGTH
-from cmtof.types import Array, Arrays
-from cmtof_rooms.arrays import Shape
+from cmtof.types import Array, Arrays, Shape
 
 WINDOW = 11  # side of the window in which a spot is placed, px
 WEIGHT = 1.3  # standard deviation of the weight of its centroid, px

@@ -17,11 +17,10 @@ from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, consistent_wrap_count, depth_from_wraps
 from cmtof.frame import Frame
 from cmtof.pointcloud import mesh_triangles, normals_from_points, points_from_depth
-from cmtof.types import Array, Arrays, Flags, Numbers
+from cmtof.types import Array, Arrays, Flags, Numbers, Shape
 from cmtof_lab.spots import SENSOR, WINDOW, Sensor, photographed_spots, place_spots
 from cmtof_lab.sweep import WRAP
 from cmtof_lab.targets import MeshTarget
-from cmtof_rooms.arrays import Shape
 
 COLUMNS = 9  # inner corners of the checkerboard
 ROWS = 6

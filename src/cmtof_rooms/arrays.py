@@ -1,24 +1,8 @@
-"""Types that several modules share."""
+"""Types of a few numbers."""
 
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
+from cmtof.types import Array
 
-Array = NDArray[np.floating]
-"""Real numbers."""
-
-Flags = NDArray[np.bool_]
-"""True or false."""
-
-Numbers = NDArray[np.integer]
-"""Numbers of parts, things, triangles, vertices."""
-
-Vector = Sequence[float] | Array
-"""A few numbers, such as a point or a size, m."""
-
-Pair = tuple[float, float]
+Vector = Sequence[float] | Array  # such as a point or a size, m
 Triple = tuple[float, float, float]
-
-Shape = tuple[int, int]
-"""Height and width of an image, px."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from cmtof_rooms.arrays import Array, Flags, Numbers
+from cmtof.types import Array, Flags, Numbers
 from cmtof_rooms.engine import sphere_of_directions
 
 RAYS = 64

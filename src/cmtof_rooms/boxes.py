@@ -5,7 +5,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cmtof_rooms.arrays import Array, Vector
+from cmtof.types import Array
+from cmtof_rooms.arrays import Vector
 
 Limit = Any
 """A number, m, or an array of them where a `Box` stands for several."""
@@ -62,6 +63,9 @@ class Rectangle(NamedTuple):
         return any(
             x0 < b - gap and a < x1 - gap and y0 < d - gap and c < y1 - gap for a, b, c, d in others
         )
+
+
+Rectangles = list[Rectangle]
 
 
 class Box(NamedTuple):

@@ -1,11 +1,9 @@
 """Empty rooms built from a seed: walls with openings, floor, ceiling, slopes, beams, skirting."""
 
-from typing import Any
-
 import numpy as np
 
-from cmtof_rooms.arrays import Pair
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof.types import Fields, Pair
+from cmtof_rooms.boxes import Box, Rectangle, Rectangles
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.openings import (
     SKY,
@@ -18,7 +16,7 @@ from cmtof_rooms.solids import sheet, slab
 from cmtof_rooms.things import Part, level_light
 
 
-def build_shell(kit: Kit, room: dict[str, Any]) -> Shell:
+def build_shell(kit: Kit, room: Fields) -> Shell:
     """Build an empty room of a kind.
 
     Parameters
@@ -67,7 +65,7 @@ def _notch(kit: Kit, width: float, depth: float) -> Pair:
     return share_x * width, share_y * depth
 
 
-def _floor(width: float, depth: float, notch: Pair) -> list[Rectangle]:
+def _floor(width: float, depth: float, notch: Pair) -> Rectangles:
     """Rectangles that cover the floor: one, or two where a corner is cut off."""
     a, b = notch
     whole = Rectangle(0.0, width - a, 0.0, depth)

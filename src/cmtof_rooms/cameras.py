@@ -6,8 +6,8 @@ import numpy as np
 from numpy.random import Generator
 
 from cmtof.frame import rays_from_camera
-from cmtof_rooms.arrays import Array, Flags, Numbers, Shape
-from cmtof_rooms.boxes import Rectangle
+from cmtof.types import Array, Arrays, Flags, Numbers, Shape
+from cmtof_rooms.boxes import Rectangles
 from cmtof_rooms.engine import sphere_of_directions
 from cmtof_rooms.interior import Interior
 
@@ -59,6 +59,9 @@ class Camera(NamedTuple):
     orientation: Array
 
 
+Cameras = list[Camera]
+
+
 def look_at(position: Array, target: Array, roll: float = 0.0) -> Camera:
     """Camera at ``position`` that looks at ``target``, m, rolled by ``roll``, rad.
 
@@ -85,10 +88,10 @@ def room_cameras(
     interior: Interior,
     lens: Lens,
     *,
-    floor: list[Rectangle],
+    floor: Rectangles,
     height: float,
     rng: Generator,
-) -> list[Camera]:
+) -> Cameras:
     """Views across a room from where a person could stand or sit.
 
     Of the places drawn for each view, those without air around them or with something right before
@@ -116,7 +119,7 @@ def room_cameras(
     return views
 
 
-def _across(floor: list[Rectangle], height: float, rng: Generator) -> Camera:
+def _across(floor: Rectangles, height: float, rng: Generator) -> Camera:
     """Draw a camera that a person could hold in a room."""
     area = np.array([np.prod(piece.size) for piece in floor])
     piece = floor[rng.choice(len(floor), p=area / area.sum())]
@@ -142,7 +145,7 @@ def close_cameras(
     *,
     things: Numbers,
     rng: Generator,
-) -> list[Camera]:
+) -> Cameras:
     """Views of single things from 0.5 to 1.2 m away.
 
     Parameters
@@ -183,11 +186,11 @@ def _middles(interior: Interior, things: Numbers) -> Array:
 
 
 def _best(
-    candidates: list[Camera],
+    candidates: Cameras,
     wanted: float,
     interior: Interior,
     lens: Lens,
-    chosen: list[Camera],
+    chosen: Cameras,
 ) -> Camera:
     """The candidate with air around it, enough to see, and a median range nearest ``wanted``."""
     sight = _sight(candidates, interior, lens)
@@ -221,7 +224,7 @@ class _Sight(NamedTuple):
     """How many things are in the picture, (N,)."""
 
 
-def _sight(candidates: list[Camera], interior: Interior, lens: Lens) -> _Sight:
+def _sight(candidates: Cameras, interior: Interior, lens: Lens) -> _Sight:
     """Look through coarse pictures of candidates, and around them."""
     count = len(candidates)
     rays = np.concatenate([_probes(camera, lens) for camera in candidates])
@@ -240,7 +243,7 @@ def _sight(candidates: list[Camera], interior: Interior, lens: Lens) -> _Sight:
     )
 
 
-def _likeness(candidates: list[Camera], chosen: list[Camera]) -> Array:
+def _likeness(candidates: Cameras, chosen: Cameras) -> Array:
     """How much each candidate (N,) repeats a view chosen before: 1 from the same place and way."""
     if not chosen:
         return np.zeros(len(candidates))
@@ -251,7 +254,7 @@ def _likeness(candidates: list[Camera], chosen: list[Camera]) -> Array:
     return np.exp(-(apart**2) - (turned / 0.7) ** 2).max(axis=1)
 
 
-def _poses(cameras: list[Camera]) -> tuple[Array, Array]:
+def _poses(cameras: Cameras) -> Arrays:
     """Positions (N, 3) and backward axes (N, 3) of cameras."""
     positions = [camera.position for camera in cameras]
     orientations = [camera.orientation for camera in cameras]

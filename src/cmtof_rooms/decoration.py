@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof_rooms.arrays import Array
+from cmtof.types import Array
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cmtof_rooms.arrays import Array, Flags, Numbers
+from cmtof.types import Array, Flags, Numbers
 
 
 class RayHits(NamedTuple):

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from cmtof_rooms.arrays import Array
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof.types import Array, Values
+from cmtof_rooms.boxes import Box, Rectangle, Rectangles
 from cmtof_rooms.kit import Kit, Top
 from cmtof_rooms.makers import MAKERS
 from cmtof_rooms.presets import presets
@@ -55,7 +55,7 @@ class Furnishing:
         self.lights: list[Light] = []
         self._vacancy = Vacancy(shell, kit, self.lights, clear=list(shell.keep))
 
-    def fill(self, counts: dict[str, float]) -> None:
+    def fill(self, counts: Values) -> None:
         """Place kinds, each about as often as asked for, the largest first."""
         drawn = [(name, self._times(mean)) for name, mean in counts.items()]
         drawn.sort(key=lambda one: _rank(_kind(one[0])))
@@ -130,7 +130,7 @@ class Furnishing:
                 self._vacancy.taken.append(area)
                 self._stand(name, seat, spot)
 
-    def _decorate(self, tops: list[Top], counts: dict[str, float], place: Place) -> None:
+    def _decorate(self, tops: list[Top], counts: Values, place: Place) -> None:
         """Stand things on the tops of another."""
         used = [[] for _ in tops]
         for name, mean in counts.items():
@@ -147,7 +147,7 @@ class Furnishing:
         self,
         top: Top,
         kind: Kind,
-        used: list[Rectangle],
+        used: Rectangles,
     ) -> tuple[Extents, Array] | None:
         """Draw size and middle of a thing that fits on a top beside what stands there."""
         for _ in range(4):

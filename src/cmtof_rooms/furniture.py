@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cmtof_rooms.arrays import Pair, Shape
+from cmtof.types import Pair, Shape
 from cmtof_rooms.boxes import Box, Rectangle, mirrored
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cmtof_rooms.arrays import Array, Flags, Numbers, Shape
+from cmtof.types import Array, Flags, Numbers, Shape
 from cmtof_rooms.bounce import measure_bounce
 from cmtof_rooms.engine import Tracer
 from cmtof_rooms.materials import Palette

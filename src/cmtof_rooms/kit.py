@@ -6,13 +6,13 @@ solids of a piece of furniture, tops on which other things can stand, and the li
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 from trimesh import Trimesh
 
-from cmtof_rooms.arrays import Pair
+from cmtof.types import Fields, Pair, Values
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
@@ -99,7 +99,7 @@ def household(rng: Generator) -> Kit:
     return Kit(rng, palette)
 
 
-def _material(rng: Generator, drawn: dict[str, Any]) -> Material:
+def _material(rng: Generator, drawn: Fields) -> Material:
     """Draw one material of a role: two of its colours, a pattern and its scale."""
     colours = np.array(drawn["colours"])
     pair = colours[rng.integers(len(colours), size=2)]
@@ -115,7 +115,7 @@ def _material(rng: Generator, drawn: dict[str, Any]) -> Material:
     )
 
 
-def weighted_choice(rng: Generator, weights: dict[str, float]) -> str:
+def weighted_choice(rng: Generator, weights: Values) -> str:
     """Draw a name by its weight."""
     odds = np.array(list(weights.values()), float)
     return str(rng.choice(list(weights), p=odds / odds.sum()))

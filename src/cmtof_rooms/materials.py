@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cmtof_rooms.arrays import Array, Numbers, Triple
+from cmtof.types import Array, Numbers
+from cmtof_rooms.arrays import Triple
 
 Colour = Triple
 

@@ -4,7 +4,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from cmtof_rooms.arrays import Triple
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.boxes import Box, Rectangle, Rectangles
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Colour, Material
 from cmtof_rooms.presets import presets
@@ -112,7 +112,7 @@ def _glaze(
     kit: Kit,
     shell: Shell,
     wall: Wall,
-    holes: list[Rectangle],
+    holes: Rectangles,
     *,
     view: bool,
 ) -> None:
@@ -142,7 +142,7 @@ def _window_frame(whole: Box, upright: int, level: int) -> list[Box]:
     ]
 
 
-def _daylight(wall: Wall, holes: list[Rectangle], power: float) -> Light:
+def _daylight(wall: Wall, holes: Rectangles, power: float) -> Light:
     """One light for a row of windows."""
     start, _, sill, head = holes[0]
     end = holes[-1].x1

@@ -1,14 +1,13 @@
 """Kinds of furniture, rooms, sizes and materials from `presets.yml`."""
 
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
-from typing import Any
 
-import yaml
+from cmtof.files import read_document
+from cmtof.types import Fields
 
 
-@lru_cache(maxsize=1)
-def presets() -> dict[str, Any]:
+@cache
+def presets() -> Fields:
     """Contents of `presets.yml`: ``kinds``, ``rooms``, ``sizes``, ``materials`` and others."""
-    text = Path(__file__).with_name("presets.yml").read_text(encoding="utf-8")
-    return yaml.safe_load(text)
+    return read_document(Path(__file__).with_name("presets.yml"))

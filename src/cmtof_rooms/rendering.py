@@ -20,7 +20,7 @@ from cmtof.files import alone, read_document, written_whole
 from cmtof.frame import Frame, brightness
 from cmtof.hypersim import FILES, View, write_metadata
 from cmtof.terminal import later
-from cmtof_rooms.arrays import Shape
+from cmtof.types import Shape
 from cmtof_rooms.cameras import Camera, Lens
 from cmtof_rooms.interior import Picture
 from cmtof_rooms.rooms import (

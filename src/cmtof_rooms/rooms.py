@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from cmtof_rooms.boxes import Rectangle
+from cmtof_rooms.boxes import Rectangle, Rectangles
 from cmtof_rooms.building import build_shell
 from cmtof_rooms.cameras import (
-    Camera,
+    Cameras,
     Lens,
     close_cameras,
     room_cameras,
@@ -76,7 +76,7 @@ class FurnishedRoom:
     index: int
     kind: str
     interior: Interior
-    floor: list[Rectangle]
+    floor: Rectangles
     height: float
     furniture: range
 
@@ -85,7 +85,7 @@ class FurnishedRoom:
         """Folder of the room, see `room_name`."""
         return room_name(self.seed, self.index)
 
-    def cameras(self, views: int, lens: Lens) -> dict[str, list[Camera]]:
+    def cameras(self, views: int, lens: Lens) -> dict[str, Cameras]:
         """Poses of ``cam_00`` (across the room) and ``cam_01`` (close to things).
 
         Together ``views``; the first ones stay the same when more are asked for.

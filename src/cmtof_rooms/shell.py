@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
-from cmtof_rooms.arrays import Array, Pair, Triple
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof.types import Array, Pair
+from cmtof_rooms.arrays import Triple
+from cmtof_rooms.boxes import Box, Rectangle, Rectangles
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Material
 from cmtof_rooms.solids import move, plate, slab, turn_about_z
@@ -31,9 +32,9 @@ class Wall:
     """Of its own frame about z, rad."""
     length: float
     """m."""
-    taken: list[Rectangle] = field(default_factory=list)
+    taken: Rectangles = field(default_factory=list)
     """What is in it or stands before it, along the wall and in height."""
-    holes: list[Rectangle] = field(default_factory=list)
+    holes: Rectangles = field(default_factory=list)
     """What is cut out of it."""
 
     def place(self, points: ArrayLike) -> Array:
@@ -112,12 +113,12 @@ class Shell:
     depth: float
     height: float
     walls: list[Wall]
-    floor: list[Rectangle]
+    floor: Rectangles
     open: bool = False
     day: bool = True
     things: list[Thing] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
-    keep: list[Rectangle] = field(default_factory=list)
+    keep: Rectangles = field(default_factory=list)
     beyond: list[Wall] = field(default_factory=list)
     eaves: list[Triple] = field(default_factory=list)
     lowest: float = 0.0

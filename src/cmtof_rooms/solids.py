@@ -8,7 +8,7 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
-from cmtof_rooms.arrays import Array, Flags, Numbers
+from cmtof.types import Array, Flags, Numbers
 
 _CORNERS = np.indices((2, 2, 2)).reshape(3, 8).T - 0.5
 """Corners of a unit cube about the origin."""

@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 from trimesh import Trimesh
 
-from cmtof_rooms.arrays import Array, Vector
+from cmtof.types import Array
+from cmtof_rooms.arrays import Vector
 from cmtof_rooms.materials import Colour, Material
 from cmtof_rooms.solids import join
 

@@ -1,17 +1,18 @@
 """Free places in a room: on the floor, before or on a wall, under the ceiling."""
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from cmtof_rooms.arrays import Array, Pair, Triple
-from cmtof_rooms.boxes import Rectangle
+from cmtof.types import Array, Fields, Pair
+from cmtof_rooms.arrays import Triple
+from cmtof_rooms.boxes import Rectangle, Rectangles
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.things import Light
 
-Kind = dict[str, Any]
+Kind = Fields
 """One of the ``kinds`` of `presets.yml`."""
 
 Extents = Triple
@@ -70,9 +71,9 @@ class Vacancy:
     shell: Shell
     kit: Kit
     lights: list[Light] = field(default_factory=list)
-    taken: list[Rectangle] = field(default_factory=list)
-    tall: list[Rectangle] = field(default_factory=list)
-    clear: list[Rectangle] = field(default_factory=list)
+    taken: Rectangles = field(default_factory=list)
+    tall: Rectangles = field(default_factory=list)
+    clear: Rectangles = field(default_factory=list)
 
     def find(self, kind: Kind, size: Extents) -> Place | None:
         """Draw a free place for a thing of a kind and take it; None after some tries."""
@@ -94,7 +95,7 @@ class Vacancy:
         area: Rectangle,
         height: float,
         before: Rectangle,
-        clear: list[Rectangle],
+        clear: Rectangles,
     ) -> bool:
         """Whether an area of the floor and its height are free, and nothing stands ``before`` it.
 
