@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.measurement import Measurement
 from cmtof.scenes import Frame
-from cmtof.types import Array
+from cmtof.types import Array, Pair
 from cmtof_book.plotting import grid, image
 
 
@@ -33,7 +33,7 @@ class Scene(NamedTuple):
         return np.abs(self.count(label) - self.count())
 
     @property
-    def limits(self) -> tuple[float, float]:
+    def limits(self) -> Pair:
         """Wraps between which the colours run."""
         return tuple(np.nanpercentile(self.count(), (1, 99)))
 

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 from PIL import Image
 
 from cmtof.files import written_whole
-from cmtof.types import Named, Texts
+from cmtof.types import Named, Pair, Texts
 from cmtof_book import provenance, record
 
 PALETTE: Texts = {  # in the order in which lines take them
@@ -44,8 +44,7 @@ DEPTH_CMAP = "cividis"  # for depth, amplitude and counts
 WIDTH = 8.4  # inches, of a figure as wide as a page
 PAGE = 720  # px, of the book's text on a screen
 LEGIBLE = 9  # px, of the smallest text there
-Limits = tuple[float, float]
-TURN: Limits = (0.0, 2 * np.pi)  # of a wrapped phase, rad
+TURN: Pair = (0.0, 2 * np.pi)  # of a wrapped phase, rad
 
 
 def begin(*, profile: str = "book", seed: int = 0) -> None:
@@ -63,7 +62,7 @@ def image(
     label: str,
     title: str = "",
     cmap: str = DEPTH_CMAP,
-    limits: Limits | None = None,
+    limits: Pair | None = None,
     bar: bool = True,
 ) -> AxesImage:
     """Image (H, W) with square pixels, no ticks, and a colour bar that names the unit; NaN is grey.

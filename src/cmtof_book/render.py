@@ -17,6 +17,7 @@ from pathlib import Path
 import typer
 from bs4 import BeautifulSoup
 
+from cmtof.types import Texts
 from cmtof_book import ROOT
 
 SHOWN = "div.math[id], figure[id], dt[id^=term], div.citation[id], [id^=erratum-]"
@@ -36,8 +37,8 @@ def lighten(html: Path) -> None:
 
 def store_texts(html: Path) -> None:
     """Store the texts of pages for the search, and what links show when hovered."""
-    texts: dict[str, str] = {}
-    previews: dict[str, str] = {}
+    texts: Texts = {}
+    previews: Texts = {}
     for page in html.glob("*/*.html"):
         if article := BeautifulSoup(page.read_text("utf-8"), "html.parser").article:
             name = page.relative_to(html).as_posix()

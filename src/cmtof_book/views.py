@@ -15,7 +15,7 @@ from matplotlib.colors import to_hex
 
 from cmtof.files import written_whole
 from cmtof.pointcloud import mesh_triangles
-from cmtof.types import Array
+from cmtof.types import Array, Pair
 from cmtof_book import Values, provenance
 
 STATIC = "_static/scenes"  # where `cmtof_book.stage` puts the files
@@ -27,7 +27,7 @@ class Layer(NamedTuple):
     points: Array
     values: Array
     scale: str
-    ends: tuple[float, float]
+    ends: Pair
     meaning: str
 
     def colours(self) -> Array:

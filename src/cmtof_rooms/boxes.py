@@ -8,8 +8,7 @@ import numpy as np
 from cmtof.types import Array
 from cmtof_rooms.arrays import Vector
 
-Limit = Any
-"""A number, m, or an array of them where a `Box` stands for several."""
+Limit = Any  # A number, m, or an array of them where a `Box` stands for several
 
 
 class Rectangle(NamedTuple):

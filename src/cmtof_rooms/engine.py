@@ -12,14 +12,10 @@ from cmtof.types import Array, Flags, Numbers
 class RayHits(NamedTuple):
     """What N rays met first."""
 
-    distance: Array
-    """m, (N,)."""
-    triangle: Numbers
-    """Its number (N,); -1 where nothing was met."""
-    u: Array
-    """Weight of the triangle's second corner at the place that was met, (N,)."""
-    v: Array
-    """Weight of its third corner, (N,)."""
+    distance: Array  # m, (N,)
+    triangle: Numbers  # Its number (N,); -1 where nothing was met
+    u: Array  # Weight of the triangle's second corner at the place that was met, (N,)
+    v: Array  # Weight of its third corner, (N,)
 
 
 class Tracer:

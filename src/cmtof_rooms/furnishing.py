@@ -18,9 +18,9 @@ from cmtof_rooms.vacancy import (
     turned_size,
 )
 
-WARM = (1.0, 0.93, 0.82)
-"""Colour of lamps."""
+WARM = (1.0, 0.93, 0.82)  # Colour of lamps
 
+# Order in which things are placed, by where they stand.
 RANK = {
     "wall": 0,
     "corner": 0,
@@ -29,7 +29,6 @@ RANK = {
     "flat": 3,
     "ceiling": 4,
 }
-"""Order in which things are placed, by where they stand."""
 
 
 class Furnishing:

@@ -85,12 +85,12 @@ def _four_legs(kit: Kit, wood: Material, board: Box) -> Piece:
         yield wood, below.bars("y", mirrored(y), 0.01)
 
 
+# What carries a table, by the name that `presets.yml` uses.
 LEGS = {
     "four": _four_legs,
     "panel": _leg_panels,
     "pedestal": _pedestal,
 }
-"""What carries a table, by the name that `presets.yml` uses."""
 
 
 def seat(kit: Kit, space: Box, *, style: str = "chair") -> Piece:

@@ -18,40 +18,33 @@ from cmtof_rooms.materials import Palette
 from cmtof_rooms.solids import join
 from cmtof_rooms.things import Light, Thing
 
+# Rows of an image, and those two before, one before and one after them.
 _NEIGHBOURS = [
     (np.s_[2:], np.s_[:-2]),
     (np.s_[1:], np.s_[:-1]),
     (np.s_[:-1], np.s_[1:]),
 ]
-"""Rows of an image, and those two before, one before and one after them."""
 
 
 class Picture(NamedTuple):
     """One view, (H, W) each."""
 
-    color: Array
-    """(H, W, 3) linear radiance."""
-    depth: Array
-    """Range along the ray, m; NaN where the ray leaves the scene."""
+    color: Array  # (H, W, 3) linear radiance
+    depth: Array  # Range along the ray, m; NaN where the ray leaves the scene
+    # (H, W, 3) unit normal of the surface in the world, towards the camera; 0 without depth.
     normal: Array
-    """(H, W, 3) unit normal of the surface in the world, towards the camera; 0 without depth."""
-    instance: Numbers
-    """Number of the thing, from 1 on; -1 where there is none."""
+    instance: Numbers  # Number of the thing, from 1 on; -1 where there is none
 
 
 class Surface(NamedTuple):
     """What N rays meet."""
 
+    # Number of the part, (N,); -1 where nothing is met: there the other arrays mean nothing.
     part: Numbers
-    """Number of the part, (N,); -1 where nothing is met: there the other arrays mean nothing."""
-    distance: Array
-    """m, (N,)."""
-    cosine: Array
-    """Of incidence, without its sign, (N,)."""
-    position: Array
-    """(N, 3), m."""
-    normal: Array
-    """(N, 3), towards where the rays come from."""
+    distance: Array  # m, (N,)
+    cosine: Array  # Of incidence, without its sign, (N,)
+    position: Array  # (N, 3), m
+    normal: Array  # (N, 3), towards where the rays come from
 
 
 class Interior:

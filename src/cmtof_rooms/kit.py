@@ -24,17 +24,14 @@ class Top(NamedTuple):
     """A level rectangle on which things can stand."""
 
     area: Rectangle
-    z: float
-    """Height, m."""
-    room: float = 1.0
-    """Free height above it, m."""
+    z: float  # Height, m
+    room: float = 1.0  # Free height above it, m
 
 
+# Solids of one material, or of one drawn for a role, which become a part.
 Solids = tuple[Material | str, *tuple[Trimesh | Box, ...]]
-"""Solids of one material, or of one drawn for a role, which become a part."""
 
-Piece = Iterator[Solids | Top | Light]
-"""A piece of furniture as its maker yields it."""
+Piece = Iterator[Solids | Top | Light]  # A piece of furniture as its maker yields it
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from cmtof_rooms import decoration, furniture
 from cmtof_rooms.kit import Piece
 
+# A maker fills a box with a piece of furniture; see `cmtof_rooms.kit`.
 MAKERS: dict[str, Callable[..., Piece]] = {
     "bed": furniture.bed,
     "cabinet": furniture.cabinet,
@@ -22,4 +23,3 @@ MAKERS: dict[str, Callable[..., Piece]] = {
     "stairs": decoration.stairs,
     "vessel": decoration.vessel,
 }
-"""A maker fills a box with a piece of furniture; see `cmtof_rooms.kit`."""

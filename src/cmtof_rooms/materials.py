@@ -5,27 +5,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cmtof.types import Array, Numbers
+from cmtof.types import Array, Arrays, Numbers
 from cmtof_rooms.arrays import Triple
 
 Colour = Triple
 
-MEAN_SHARE = 0.4
-"""Share of the second colour where a pattern is too fine to be seen."""
+MEAN_SHARE = 0.4  # Share of the second colour where a pattern is too fine to be seen
 
 
 class Material(NamedTuple):
     """How a surface looks; reflectance is linear."""
 
     colour: Colour = (0.6, 0.6, 0.6)
-    second: Colour = (0.6, 0.6, 0.6)
-    """The pattern's other colour."""
-    pattern: str = "plain"
-    """Key of `PATTERNS`."""
-    scale: float = 0.1
-    """Period of the pattern, m."""
+    second: Colour = (0.6, 0.6, 0.6)  # The pattern's other colour
+    pattern: str = "plain"  # Key of `PATTERNS`
+    scale: float = 0.1  # Period of the pattern, m
+    # Radiance of its own light per reflectance; a white wall at irradiance 1 has radiance 1.
     emission: float = 0.0
-    """Radiance of its own light per reflectance; a white wall at irradiance 1 has radiance 1."""
 
 
 def _hash(i: Array, j: Array) -> Array:
@@ -112,6 +108,7 @@ def _dots(s: Array, t: Array) -> Array:
     return (off_centre < 0.09).astype(np.float32)
 
 
+# Share, 0 to 1, of the second colour at coordinates in periods.
 PATTERNS: dict[str, Callable[[Array, Array], Array]] = {
     "plain": _plain,
     "stripes": _stripes,
@@ -123,7 +120,6 @@ PATTERNS: dict[str, Callable[[Array, Array], Array]] = {
     "noise": _cloudy,
     "dots": _dots,
 }
-"""Share, 0 to 1, of the second colour at coordinates in periods."""
 
 
 class Palette:
@@ -182,7 +178,7 @@ class Palette:
         return found
 
 
-def _coordinates(position: Array, normal: Array) -> tuple[Array, Array]:
+def _coordinates(position: Array, normal: Array) -> Arrays:
     """Coordinates (N,) in the two axes that the normal (N, 3) is farthest from."""
     axis = np.abs(normal).argmax(axis=1)
     x, y, z = position.T

@@ -33,11 +33,9 @@ from cmtof_rooms.rooms import (
     stream,
 )
 
-SETTINGS = "rooms.json"
-"""File in a set's folder that says what it was made from."""
+SETTINGS = "rooms.json"  # File in a set's folder that says what it was made from
 
-LARGEST = 4096
-"""Height and width of a view at most, px."""
+LARGEST = 4096  # Height and width of a view at most, px
 
 
 @dataclass(frozen=True)
@@ -84,10 +82,8 @@ class RenderedView(NamedTuple):
 
     room: FurnishedRoom
     lens: Lens
-    camera: str
-    """``cam_00`` across the room, ``cam_01`` close to things."""
-    number: int
-    """Of the view among those of its camera."""
+    camera: str  # ``cam_00`` across the room, ``cam_01`` close to things
+    number: int  # Of the view among those of its camera
     picture: Picture
 
     @property
@@ -99,10 +95,8 @@ class RenderedView(NamedTuple):
 class Report(NamedTuple):
     """What was done for one room."""
 
-    scene: str
-    """Folder of the room."""
-    rendered: int
-    """Views; those that were there already do not count."""
+    scene: str  # Folder of the room
+    rendered: int  # Views; those that were there already do not count
 
 
 def split_of(index: int) -> str:
@@ -131,21 +125,17 @@ def shape_from_text(text: str) -> Shape:
     return height, width
 
 
+# Share of views in twilight.
+#
+# This and the next three were found on other seeds, for the brightness of all pixels to be spread
+# as Hypersim's.
 DIM_SHARE = 0.2
-"""Share of views in twilight.
 
-This and the next three were found on other seeds, for the brightness of all pixels to be spread
-as Hypersim's.
-"""
+MEDIAN = 0.38  # Median brightness of the other views
 
-MEDIAN = 0.38
-"""Median brightness of the other views."""
+CONTRAST = 0.85  # Standard deviation of the logarithm of views' brightness
 
-CONTRAST = 0.85
-"""Standard deviation of the logarithm of views' brightness."""
-
-DIM = 2.6
-"""What twilight takes from that logarithm."""
+DIM = 2.6  # What twilight takes from that logarithm
 
 
 def expose(seen: Picture, rank: float) -> Picture:

@@ -36,8 +36,7 @@ class Light(NamedTuple):
     half_u: Vector
     half_v: Vector
     normal: Vector
-    power: float
-    """W/sr, in the units of `cmtof_rooms.interior`."""
+    power: float  # W/sr, in the units of `cmtof_rooms.interior`
     colour: Colour = (1.0, 1.0, 1.0)
 
 
