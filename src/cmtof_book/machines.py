@@ -20,8 +20,8 @@ import yaml
 from cmtof_book import ROOT, Values
 from cmtof_book.reference import stored_numbers
 
+# Tests that no processor can change.
 APART = ("hostile", "reader", "test_wheel.py", "test_house.py", "book/test_book.py")
-"""Tests that no processor can change."""
 
 USUAL = " ".join(["-m 'not slow'", *(f"--ignore=tests/{name}" for name in APART)])
 

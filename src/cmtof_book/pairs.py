@@ -21,11 +21,11 @@ from cmtof_book import ROOT
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 # the metadata that a pair shares; anything else is some editor's
 CELL_KEYS = {"tags", "mystnb"}
+# What JupyterLab folds by a tag that folds it on the page.
 FOLDED = {
     "hide-input": {"source_hidden": True},
     "hide-cell": {"source_hidden": True, "outputs_hidden": True},
 }
-"""What JupyterLab folds by a tag that folds it on the page."""
 
 
 def notebook_from_script(script: Path) -> nbformat.NotebookNode:

@@ -32,11 +32,10 @@ from cmtof_book.compared import STANDARD_ERRORS, Compared, decision
 from cmtof_book.record import compared_from_json
 
 SEED = 0
+# Columns of the figure: the paper's that need no training, and three that it leaves out.
 METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
-"""Columns of the figure: the paper's that need no training, and three that it leaves out."""
 
-Named = Iterator[tuple[str, float]]
-"""Numbers by their names in ``replication.yml``."""
+Named = Iterator[tuple[str, float]]  # Numbers by their names in ``replication.yml``
 
 
 class Outcome(NamedTuple):

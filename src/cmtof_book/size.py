@@ -22,6 +22,7 @@ from typing import NamedTuple
 from cmtof_book import ROOT
 
 ACCEPTED = ROOT / "configs" / "size.json"
+# Nodes that a part may have.
 VOLUME = {
     "src/cmtof": 80_000,
     "src/cmtof_rooms": 22_000,
@@ -30,11 +31,11 @@ VOLUME = {
     "tests": 80_000,
     "notebooks": 60_000,
 }
-"""Nodes that a part may have."""
 
 DENSITY = 11  # nodes a code line of a part
 PACKED = 3  # percent of assignments such as `a, b = x, y`
 PAGES = 1_500  # lines of JavaScript, CSS and templates together
+# What a module or a function may have.
 LIMITS = {
     "dense modules": 13,  # nodes a code line
     "long modules": 400,  # lines; notebooks are as long as their subject
@@ -43,11 +44,9 @@ LIMITS = {
     "long functions": 60,
     "complex functions": 12,  # branches, as ruff counts them (C901)
 }
-"""What a module or a function may have."""
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
-Rows = dict[str, tuple[float, float]]
-"""A value and its budget, by name."""
+Rows = dict[str, tuple[float, float]]  # A value and its budget, by name
 
 
 class Finding(NamedTuple):

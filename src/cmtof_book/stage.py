@@ -23,8 +23,8 @@ from cmtof_book.record import read_all
 from cmtof_book.views import STATIC
 
 NUMBERS = "_static/numbers"  # of the figures, in the book
+# Where pages look for what chapters have written, by its suffix.
 PLACES = {"js": STATIC, "csv": NUMBERS}
-"""Where pages look for what chapters have written, by its suffix."""
 
 
 def caption(about: Values, stem: str) -> str:

@@ -125,16 +125,10 @@ def shape_from_text(text: str) -> Shape:
     return height, width
 
 
-# Share of views in twilight.
-#
-# This and the next three were found on other seeds, for the brightness of all pixels to be spread
-# as Hypersim's.
-DIM_SHARE = 0.2
-
+# Found on other seeds, for the brightness of all pixels to be spread as Hypersim's.
+DIM_SHARE = 0.2  # Share of views in twilight
 MEDIAN = 0.38  # Median brightness of the other views
-
 CONTRAST = 0.85  # Standard deviation of the logarithm of views' brightness
-
 DIM = 2.6  # What twilight takes from that logarithm
 
 
