@@ -19,7 +19,6 @@ from typer import Argument, Option, Typer
 
 from cmtof.files import check_output
 from cmtof.terminal import hidden, later, prepare_streams, print_table, progress, shown
-from cmtof.types import Fields, Pair, Texts, Values
 
 app = Typer(
     name="cmtof",
@@ -170,7 +169,7 @@ def unwrap(
     output: Annotated[Path, Option("--output", "-o", help="File, *.nc; a folder for several.")],
     method: Annotated[str, Option(help="Name out of `cmtof methods`.")] = "surfaces",
     range: Annotated[
-        Pair | None, Option(metavar="MIN MAX", help="Depths, m: MIN <= z < MAX.")
+        tuple[float, float] | None, Option(metavar="MIN MAX", help="Depths, m: MIN <= z < MAX.")
     ] = None,
     min_confidence: Annotated[float, Option(help="Mask pixels below it, from 0 to 1.")] = 0.0,
     window: Annotated[int | None, Option(help="Side of the window, px (method beat).")] = None,
@@ -223,8 +222,8 @@ def _check_distinct(paths: list[Path]) -> None:
 
 
 def _unwrapped(
-    path: Path, target: Path, ply: Path | None, how: Fields, advance: Callable[..., None]
-) -> tuple[list[str], Texts]:
+    path: Path, target: Path, ply: Path | None, how: dict[str, Any], advance: Callable[..., None]
+) -> tuple[list[str], dict[str, str]]:
     """Unwrap a file; return its name and share of valid pixels, and its rates by their titles."""
     from cmtof.evaluation import Tally, scored_pixels
     from cmtof.pointcloud import write_ply
@@ -541,7 +540,7 @@ def scan(
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
 
 
-def _rates(scores: Values) -> Texts:
+def _rates(scores: dict[str, float]) -> dict[str, str]:
     """Rates and error of a method as they are printed, by their title."""
     titles = {f"δ<{k}": f"delta_lt_{k}" for k in (1, 2, 3)}
     titles |= {"δ≥10": "delta_ge_10", "consistent": "consistent_lt_1"}
@@ -549,7 +548,7 @@ def _rates(scores: Values) -> Texts:
     return found | {"median error": f"{1e3 * scores['depth_median_error_m']:.1f} mm"}
 
 
-def _print_report(report: Fields) -> None:
+def _print_report(report: dict[str, Any]) -> None:
     title = (
         f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
         f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"

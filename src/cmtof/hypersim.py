@@ -168,7 +168,11 @@ def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> Arr
     QR decomposition of its rays per pixel, R K^-1. ValueError if it is singular or mirrored.
     """
     given = np.asarray(projection, float)
-    rays = given @ [[2 / shape[1], 0, -1], [0, -2 / shape[0], 1], [0, 0, 1]]
+    rays = given @ [
+        [2 / shape[1], 0, -1],
+        [0, -2 / shape[0], 1],
+        [0, 0, 1],
+    ]
     rays = np.diag([1.0, -1.0, -1.0]) @ rays
     if not np.isfinite(rays).all() or np.linalg.det(rays) <= 0:
         raise ValueError(

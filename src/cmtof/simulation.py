@@ -110,7 +110,8 @@ def _means(signal: Single, depth: Array, frequencies: Array, psi: Array) -> Sing
         # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
         turns = depth.astype(float) / wrap_length(frequency)
         angle = (TAU * (turns - np.floor(turns))).astype(np.float32)
-        x, y = (wave(angle) * signal / np.float32(np.pi) for wave in (np.cos, np.sin))
+        x = np.cos(angle) * signal / np.float32(np.pi)
+        y = np.sin(angle) * signal / np.float32(np.pi)
         for k, step in enumerate(psi[f]):
             c = np.float32(np.cos(step))
             s = np.float32(np.sin(step))

@@ -81,16 +81,16 @@ def _images(
     believed = within_range(np.where(mask, estimate.depth, measurement.range[0]), measurement)
     # wraps whose depth obeys min <= z < max
     ends = np.asarray(measurement.range) / wrap_length(frequency)
-    first, last = (np.ceil(end - phase / TAU - 1e-9) for end in ends)
+    first, last = np.ceil(ends[:, None, None] - phase / TAU - 1e-9)
     wraps = consistent_wrap_count(believed, phase, frequency)
     wraps = np.clip(wraps, first, np.maximum(first, last - 1))
     depth = depth_from_wraps(phase, wraps, frequency)
-    count = wrap_count_from_depth(believed, frequency)
     sure = np.where(mask, estimate.confidence, 0).astype(np.float32)  # as it is stored and scored
     mask &= sure >= min_confidence
+    count = np.where(mask, wrap_count_from_depth(believed, frequency), -1)
     dims = ("y", "x")
     return {
-        "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
+        "wrap_count": (dims, count.astype(np.int32)),
         "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
         "confidence": (dims, sure),
     }

@@ -95,7 +95,7 @@ def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
 
 def back_ratio(settings: TwinSettings, target: Plane) -> float:
     """Power of the coaxial back-reflection over that of the target."""
-    hits = RayEnds(*map(np.array, (target.distance, 1.0, target.reflectance)), target.mirrored)
+    hits = RayEnds(target.distance, 1.0, target.reflectance, target.mirrored)
     return settings.back_fraction / sum(returned_fractions(settings, hits))
 
 

@@ -148,7 +148,8 @@ class MhzCamera:
         amplitude = found.amplitude.reshape(images.shape[1:])
         depth = depth_from_phase(found.phase, self.frequency).reshape(amplitude.shape)
         lost = amplitude < np.sqrt(self.variance(0.0) * 2 / STEPS)
-        lost |= ~(np.abs(images).max(0) < self.full_scale * (1 - 2.0**-self.bits))
+        end = self.full_scale * (1 - 2.0**-self.bits)
+        lost |= ~(np.abs(images).max(0) < end)
         return np.where(lost, np.nan, depth), amplitude
 
     def variance(self, charge: ArrayLike) -> Array:

@@ -110,14 +110,26 @@ def _staged(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) 
     return concatenate([*things, *ground])
 
 
-def _before(mesh: Any, pitch: float, middle: float, distance: float, turn: float = 0) -> Trimesh:
+def _before(
+    mesh: Any,
+    pitch: float,
+    middle: float,
+    distance: float,
+    turn: float = 0,
+) -> Trimesh:
     """A scene in the instrument's axes: turned, and looked down at by ``pitch``, rad."""
     way = Rotation.from_euler("zx", [turn, np.pi / 2 + pitch])
     mesh.vertices = way.apply(mesh.vertices - [0, 0, middle])
     return mesh.apply_translation([0, 0, distance])
 
 
-def gage_blocks(step: float, distance: float, *, tilt: float, errors: Sequence[float]) -> Trimesh:
+def gage_blocks(
+    step: float,
+    distance: float,
+    *,
+    tilt: float,
+    errors: Sequence[float],
+) -> Trimesh:
     """Measuring faces of two gauge blocks, wrung on a mount side by side (Fig. 14).
 
     The left face meets the axis at ``distance``, m; the right one stands nearer by ``step``. Both
@@ -128,7 +140,12 @@ def gage_blocks(step: float, distance: float, *, tilt: float, errors: Sequence[f
     lengths = np.repeat([errors[0], step + errors[1]], 4)
     # the step is the distance of the two parallel faces, along their normal
     z = distance + np.tan(tilt) * x - lengths / np.cos(tilt)
-    faces = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]
+    faces = [
+        [0, 1, 2],
+        [0, 2, 3],
+        [4, 5, 6],
+        [4, 6, 7],
+    ]
     blocks = mesh_from(np.stack([x, y, z], -1), faces)
     return _finished(blocks, STEEL, MIRRORED)
 
@@ -142,7 +159,11 @@ def _piece(stated: Fields) -> Trimesh:
 
 
 def _finished(
-    shape: Trimesh, look: Any, mirrored: float = 0, at: ArrayLike = (0, 0, 0), turn: float = 0
+    shape: Trimesh,
+    look: Any,
+    mirrored: float = 0,
+    at: ArrayLike = (0, 0, 0),
+    turn: float = 0,
 ) -> Trimesh:
     """A shape on z = 0, front towards -y, of a look (number or function), turned and moved."""
     points = shape.vertices

@@ -18,7 +18,8 @@ SPECULAR_DIFFUSE = 0.02  # Share of a polished surface's reflectance that is dif
 # Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
 # degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
 _HEXAGON = np.arange(6) * np.pi / 3
-_SPOT = np.concatenate([[[0.0, 0.0]], np.stack([np.cos(_HEXAGON), np.sin(_HEXAGON)], -1)])
+_RING = np.stack([np.cos(_HEXAGON), np.sin(_HEXAGON)], -1)
+_SPOT = np.append([[0.0, 0.0]], _RING, axis=0)
 _WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
 
 
@@ -33,7 +34,8 @@ def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
     """Unit vectors (..., 3) along (tan x, tan y, 1) + aside for optical angles (..., 2), rad."""
     tangent = np.tan(angles) + aside
     ray = np.concatenate([tangent, np.ones_like(tangent[..., :1])], axis=-1)
-    return ray / np.sqrt((ray * ray).sum(-1, keepdims=True))
+    length = np.sqrt((ray * ray).sum(-1, keepdims=True))
+    return ray / length
 
 
 def spot_radius(settings: TwinSettings, distance: ArrayLike) -> Array:
@@ -75,7 +77,12 @@ def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
     return [np.where(z > 0, hits.reflectance * part, 0.0) for part in parts]
 
 
-def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> Paths:
+def trace(
+    target: Target,
+    angles: Array,
+    settings: TwinSettings,
+    seed: int,
+) -> Paths:
     """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad."""
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
     angle = spot_radius(settings, 1.0)
@@ -86,8 +93,12 @@ def trace(target: Target, angles: Array, settings: TwinSettings, seed: int) -> P
     rough, polished = (weights * one for one in returned_fractions(settings, hits))
     if settings.speckle and rough.any():
         # a gamma law of each sub-ray's cells, so that the whole spot follows that of all cells
-        cells = speckle_cells(settings, np.maximum(distance, 1e-3)) * weights
-        chance = uniform_from_places(seed, np.rint(angles / PLACE), weights.size)
+        cells = weights * speckle_cells(settings, np.maximum(distance, 1e-3))
+        chance = uniform_from_places(
+            seed,
+            np.rint(angles / PLACE),
+            weights.size,
+        )
         rough = rough * gammaincinv(cells, chance) / cells
     return Paths(distance, rough + polished)
 
@@ -98,10 +109,10 @@ def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     pair = np.asarray(places).astype(np.int64).view(np.uint64)
     start = _mixed(np.array([seed & (2**64 - 1), 7], np.uint64))
     # arrays of unsigned integers wrap round without a warning
-    word = (pair[:, :1] << 32) ^ (pair[:, 1:] & 0xFFFFFFFF)
+    first = pair[:, :1] << 32
+    word = first ^ (pair[:, 1:] & 0xFFFFFFFF)
     column = np.arange(1, count + 1, dtype=np.uint64) * 0x9E3779B97F4A7C15
-    first = _mixed(word ^ start[:1])
-    mixed = _mixed(first + start[1:] + column)
+    mixed = _mixed(_mixed(word ^ start[:1]) + start[1:] + column)
     return ((mixed >> 11).astype(float) + 0.5) / 2.0**53
 
 
@@ -124,17 +135,20 @@ def inward(settings: TwinSettings) -> float:
 
 def ambient(settings: TwinSettings) -> float:
     """Room light, W, behind `inward`: radiance times aperture times solid angle, half polarised."""
-    etendue = aperture_area(settings) * (np.pi * settings.field_of_view**2 / 4)
+    view = np.pi * settings.field_of_view**2 / 4
+    etendue = aperture_area(settings) * view
     return 0.5 * settings.ambient_radiance * etendue * inward(settings)
 
 
 def emission_mean(settings: TwinSettings, mode: str) -> float:
     """Mean transmission of an ideal emission module at the stated eta, mirror included."""
     law = doubled_mode_harmonics if mode == "doubled" else single_mode_harmonics
-    return law(settings.eta, 2)[0].real * settings.mirror_reflectance
+    mean = law(settings.eta, 2)[0].real
+    return mean * settings.mirror_reflectance
 
 
 def sent_power(settings: TwinSettings, mode: str = "single") -> float:
     """Mean power sent to the scene, W, the fibre at the middle of its drift (Sec. 7.1: 3 mW)."""
     fibre = (settings.fibre_low + settings.fibre_high) / 2
-    return settings.laser_power * fibre * emission_mean(settings, mode) * outward(settings)
+    emitted = settings.laser_power * fibre * emission_mean(settings, mode)
+    return emitted * outward(settings)

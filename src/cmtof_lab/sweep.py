@@ -35,7 +35,7 @@ def collected_power(
 ) -> Array:
     """Mean light (...), W, behind the receiving optics, of a target at ranges (...), m."""
     places = np.append(target.distance, ranges)
-    hits = RayEnds(places, np.ones(1), np.array(target.reflectance), target.mirrored)
+    hits = RayEnds(places, 1.0, target.reflectance, target.mirrored)
     share = sum(returned_fractions(settings, hits))
     # a mirror turns the rim of the spot away: the same part of it at every range
     smooth = replace(settings, speckle=False)

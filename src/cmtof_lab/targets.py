@@ -22,12 +22,12 @@ SURFACE = 3e-3  # How near to a point its own surface may be met, m
 
 
 class RayEnds(NamedTuple):
-    """Where rays (...) ended; NaN range where they met nothing."""
+    """Where rays (...) ended, arrays or one number for all; NaN range where they met nothing."""
 
-    range: Array  # m
-    cosine: Array  # between the ray and the surface's normal, 0 to 1
-    reflectance: Array  # 0 to 1
-    mirrored: Array | float = 0.0  # weight of the specular law against the diffuse one, 0 to 1
+    range: Any  # m
+    cosine: Any  # between the ray and the surface's normal, 0 to 1
+    reflectance: Any  # 0 to 1
+    mirrored: Any = 0.0  # weight of the specular law against the diffuse one, 0 to 1
 
 
 Target = Any  # What has ``look``, from unit rays (..., 3) of the origin to `RayEnds`

@@ -5,6 +5,7 @@
 the wrap of one pixel; averages do better.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -128,18 +129,30 @@ def guided_filter(
 
     middle = np.stack([mean(one) for one in guide])
     centre = mean(values)
-    count = len(guide)
-    spread = smoothing * np.broadcast_to(np.eye(count), (*values.shape, count, count))
-    for i in range(count):
-        for j in range(i + 1):
-            spread[..., i, j] += mean(guide[i] * guide[j]) - middle[i] * middle[j]
-            spread[..., j, i] = spread[..., i, j]
-    shared = np.stack([mean(g * values) - m * centre for g, m in zip(guide, middle, strict=True)])
-    both = np.moveaxis(np.stack([shared.real, shared.imag], axis=-1), 0, -2)
-    fit = np.linalg.solve(spread, both)  # (H, W, G, 2)
-    slope = np.moveaxis(fit[..., 0] + 1j * fit[..., 1], -1, 0)
-    result = mean(centre - (slope * middle).sum(axis=0))
-    return result + sum(mean(part) * one for one, part in zip(guide, slope, strict=True))
+    spread = _covariances(mean, guide, middle, smoothing)
+    shared = [mean(one * values) - m * centre for one, m in zip(guide, middle, strict=True)]
+    slope = _solved(spread, np.stack(shared, axis=-1))
+    flat = mean(centre - (slope * middle).sum(axis=0))
+    return flat + sum(map(np.multiply, map(mean, slope), guide))
+
+
+def _covariances(
+    mean: Callable[[Array], Array], guide: Array, middle: Array, smoothing: float
+) -> Array:
+    """Covariances (H, W, G, G) of guides about their means, and a variance beside them."""
+    count, *shape = guide.shape
+    spread = smoothing * np.broadcast_to(np.eye(count), (*shape, count, count))
+    for i, j in zip(*np.tril_indices(count), strict=True):
+        spread[..., i, j] += mean(guide[i] * guide[j]) - middle[i] * middle[j]
+        spread[..., j, i] = spread[..., i, j]
+    return spread
+
+
+def _solved(matrix: Array, right: Complex) -> Complex:
+    """Solutions (G, H, W) of real systems (H, W, G, G) with complex right sides (H, W, G)."""
+    both = np.stack([right.real, right.imag], axis=-1)
+    fit = np.linalg.solve(matrix, both)
+    return np.moveaxis(fit[..., 0] + 1j * fit[..., 1], -1, 0)
 
 
 def beat_depth(phase: Array, measurement: Measurement) -> Array:

@@ -37,7 +37,8 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
 
     ``n_1 = q k_2^{-1} mod k_1``, ``q = round((r_2 - r_1) / M)``: depths run over ``c / 2g``, 15 m.
     """
-    low, high = (round(f) for f in measurement.frequencies[:2])
+    frequencies = measurement.frequencies[:2]
+    low, high = map(round, frequencies)
     common = gcd(low, high)
     k1 = low // common
     k2 = high // common
@@ -46,16 +47,17 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
             "Expected frequencies with a large common divisor, "
             f"got {low} and {high} Hz with {common} Hz. Round them to whole MHz."
         )
-    lengths = wrap_length(measurement.frequencies[:2])[:, None, None]
-    first, second = measurement.phase[:2] * lengths / TAU
+    first, second = measurement.phase[:2] * wrap_length(frequencies)[:, None, None] / TAU
     unit = wrap_length(low) / k2
     q = np.rint((second - first) / unit).astype(np.int64)
     wraps = (q * pow(k2, -1, k1)) % k1 if k1 > 1 else np.zeros_like(q)
-    depth = depth_from_wraps(measurement.phase[0], wraps, low)
-    noise = depth_from_phase(phase_noise(measurement), measurement.frequencies[:2, None, None])
+    noise = depth_from_phase(phase_noise(measurement), frequencies[:, None, None])
     spread = np.maximum(np.hypot(*noise), 1e-12)
     off = (second - first) - q * unit
-    return Estimate(depth, ndtr((unit / 2 - off) / spread) - ndtr((-unit / 2 - off) / spread))
+    return Estimate(
+        depth_from_wraps(measurement.phase[0], wraps, low),
+        ndtr((unit / 2 - off) / spread) - ndtr((-unit / 2 - off) / spread),
+    )
 
 
 def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
@@ -116,21 +118,22 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
 
     Their sum is an integral while the beat does not repeat; else wraps may share their remainder.
     """
-    low, high = measurement.frequencies[:2]
+    ratio = measurement.frequencies[1] / measurement.frequencies[0]
     first, last = wraps_in_range(measurement)
-    ratio = high / low
-    count = last - first + 1
     step = ratio - round(ratio)
     gap = TAU * max(abs(step), 1e-12)
     spread = _misfit_noise(measurement, residual, gap)
-    if (count - 2) * gap > TAU:
-        off = (centred(residual - TAU * step * (n - wraps)) for n in range(first, last + 1))
-        return 1 / sum(np.exp((residual**2 - one**2) / (2 * spread**2)) for one in off)
+    if (last - first - 1) * gap > TAU:
+        return 1 / sum(
+            np.exp(
+                (residual**2 - centred(residual - TAU * step * (n - wraps)) ** 2) / (2 * spread**2)
+            )
+            for n in range(first, last + 1)
+        )
     size = residual * np.sign(step)
     upper = (wraps - first + 0.5) * gap + size
     lower = size - (last - wraps + 0.5) * gap
     mass = ndtr(upper / spread) - ndtr(lower / spread)
     # beyond the cap the mass has vanished and the chosen wrap stands alone
     lift = np.exp(np.minimum((residual / spread) ** 2 / 2, 600))
-    total = np.sqrt(TAU) * spread / gap * mass * lift
-    return 1 / np.maximum(total, 1.0)
+    return 1 / np.maximum(np.sqrt(TAU) * spread / gap * mass * lift, 1.0)

@@ -24,10 +24,12 @@ from cmtof.estimate import Estimate, guess, phase_noise, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers, Single
 
-KERNEL, RADIUS = 0.25, 5  # kernel width h, wraps, and radius of the window, px, as published
+KERNEL = 0.25  # kernel width h, wraps, as published
+RADIUS = 5  # and radius of the window, px
 # The same, of the largest delta < 1 on eight views of validation rooms (`released`) out of h = 0.25
 # to 2 wraps and r = 5 to 40 px: 17.4 % against 7.7 % as published.
-TUNED_KERNEL, TUNED_RADIUS = 0.5, 40
+TUNED_KERNEL = 0.5
+TUNED_RADIUS = 40
 _RELIABILITY = 3.0  # s_0^2, rad^2, as published
 _FINEST = 0.01  # least misfit, rad, that counts as one sigma
 
@@ -51,8 +53,10 @@ def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIU
     phase = measurement.phase[:2]
     residual = centred(phase[1] - high / low * (phase[0] + TAU * wraps))
     share = np.minimum(best / np.where(dense, total, 1), 1)
-    confidence = np.where(dense, share, guess(measurement))
-    return Estimate(fused_depth(measurement, wraps, residual), confidence)
+    return Estimate(
+        fused_depth(measurement, wraps, residual),
+        np.where(dense, share, guess(measurement)),
+    )
 
 
 def kde_tuned(measurement: Measurement) -> Estimate:

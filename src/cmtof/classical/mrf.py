@@ -25,7 +25,8 @@ from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Flags, Numbers, Single
 
 # the best of 13 settings on six views of validation rooms:
-JUMP, MOST = 0.03, 0.1  # cost of a step by one wrap that the phase does not show; of the largest
+JUMP = 0.03  # cost of a step by one wrap that the phase does not show
+MOST = 0.1  # of the largest step
 RADIUS = 2  # half side, px, of the square over which phasors are summed, turned by the slope
 POOLING = 6.0  # standard deviation, px, of the Gaussian over which the beat is averaged
 MOVES = (4, -4, 2, -2, 1, -1) * 2  # of the graph cuts, wraps
@@ -77,26 +78,38 @@ def wrap_field(measurement: Measurement) -> Field:
     """Smoothed phases and beat of a measurement, weighted by their noise."""
     low, high = measurement.frequencies[:2]
     synthetic = synthetic_frequency(low, high)
-    amplitude = measurement.amplitude[:2]
-    known = np.isfinite(amplitude).all(axis=0)
-    phasors = np.where(known, amplitude, 0) * np.exp(1j * measurement.phase[:2])
+    phasors = _phasors(measurement)
     slope = _slope(phasors[0])
     smooth = _coherent_mean(phasors, slope, high / low, RADIUS)
     noise = _noise(phasors, _coherent_mean(phasors, slope, high / low, 1))
     mean_phase = wrapped(np.angle(smooth[0]))
     beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * mean_phase)
-    # neighbours share what smoothing gained, so each gets the variance of a single pixel
-    size = np.abs(smooth)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        variance = (synthetic.multiple * noise[0] / size[0]) ** 2 + (noise[1] / size[1]) ** 2
-    kappa = np.where((size > 0).all(axis=0), 1 / np.maximum(variance, 1 / _SHARPEST), 0)
+    kappa = _sharpness(np.abs(smooth), synthetic.multiple * noise[0], noise[1])
     first, last = wraps_in_range(measurement)
     share = synthetic.frequency / low
     turned = _pooled(kappa, beat, share * slope)
     turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
-    kept = np.stack([turned.real, turned.imag], axis=-1).astype(np.float32)
-    angles = TAU * share * np.arange(last - first + 1)
-    return Field(mean_phase.astype(np.float32), kept, angles, first)
+    return Field(
+        mean_phase.astype(np.float32),
+        np.stack([turned.real, turned.imag], axis=-1).astype(np.float32),
+        TAU * share * np.arange(last - first + 1),
+        first,
+    )
+
+
+def _phasors(measurement: Measurement) -> Complex:
+    """Phasors (2, H, W), counts; zero where one of them is unknown."""
+    amplitude = measurement.amplitude[:2]
+    known = np.isfinite(amplitude).all(axis=0)
+    return np.where(known, amplitude, 0) * np.exp(1j * measurement.phase[:2])
+
+
+def _sharpness(size: Array, lower: float, higher: float) -> Array:
+    """Weight kappa (H, W) of a beat by amplitudes (2, H, W) of its phasors and their noise."""
+    # neighbours share what smoothing gained, so each gets the variance of a single pixel
+    with np.errstate(divide="ignore", invalid="ignore"):
+        variance = (lower / size[0]) ** 2 + (higher / size[1]) ** 2
+    return np.where((size > 0).all(axis=0), 1 / np.maximum(variance, 1 / _SHARPEST), 0)
 
 
 def _slope(phasor: Complex) -> Array:
@@ -217,10 +230,12 @@ def best_move(field: Field, labels: Numbers, step: int) -> Flags:
     for axis in (1, 0):
         now = _steps(field, labels, axis)
         # x_p = 0, x_q = 1 raises the difference, x_p = 1, x_q = 0 lowers it
-        same, ahead, back = (JUMP * np.abs(now + move) for move in (0, step, -step))
-        first, second = ((slice(None),) * axis + (part,) for part in (np.s_[:-1], np.s_[1:]))
-        excess[first] += back - same
-        excess[second] += same - back
+        same = JUMP * np.abs(now)
+        ahead = JUMP * np.abs(now + step)
+        back = JUMP * np.abs(now - step)
+        along = np.moveaxis(excess, axis, 0)
+        along[:-1] += np.moveaxis(back - same, axis, 0)
+        along[1:] += np.moveaxis(same - back, axis, 0)
         capacities.append(ahead + back - 2 * same)
     return minimum_cut(excess, *capacities)
 
@@ -241,20 +256,19 @@ def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
     source = excess.size
-    sink = source + 1
     index = np.arange(source).reshape(excess.shape)
     # x = 0 on the side of the sink: edges that lead there are cut for x = 1 before them
     edges = (
         (np.full_like(index, source), index, np.maximum(-excess, 0)),
-        (index, np.full_like(index, sink), np.maximum(excess, 0)),
+        (index, np.full_like(index, source + 1), np.maximum(excess, 0)),
         (index[:, 1:], index[:, :-1], right),
         (index[1:], index[:-1], down),
     )
-    start, end, cost = (np.concatenate([e[i].ravel() for e in edges]) for i in range(3))
+    start, end, cost = (np.concatenate([*map(np.ravel, e)]) for e in zip(*edges, strict=True))
     scale = 2.0**26 / max(cost[np.isfinite(cost)].max(initial=0), 1e-30)
     capacity = np.rint(np.minimum(cost * scale, 2.0**28)).astype(np.int32)
     graph = csr_array((capacity, (start, end)), shape=(source + 2,) * 2)
-    left = csr_array(graph - maximum_flow(graph, source, sink).flow)
+    left = csr_array(graph - maximum_flow(graph, source, source + 1).flow)
     left.data[left.data < 0] = 0
     left.eliminate_zeros()
     reached = np.zeros(source + 2, bool)

@@ -19,12 +19,13 @@ from cmtof.estimate import Estimate, guess, nearest, within_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Flags, Numbers
 
-STEP, EDGE = 1.0, 0.1
-"""Steps between neighbours that cut: of the unwrapped phase, rad, and of the smoothed logarithm of
-amplitude; the best of two and three values on eight views of validation rooms."""
+# Steps between neighbours that cut, the best of two and three values on eight views of validation
+# rooms: of the unwrapped phase, rad, and of the smoothed logarithm of amplitude.
+STEP = 1.0
+EDGE = 0.1
+# Pixels off the region whose depth a pixel takes, and a factor, counted on views of 45 training
+# and validation rooms.
 BESIDE = ((0.5, 1.5, 4, 10, 30), (1, 0.65, 0.45, 0.28, 0.15))
-"""Pixels off the region whose depth a pixel takes, and a factor, counted on views of 45 training
-and validation rooms."""
 _COHERENCE = 0.1  # of the local slope, below which a pixel belongs to no region
 _SMALLEST = 100  # px, below which a region takes the depth of a larger one beside it
 
@@ -57,27 +58,34 @@ def region(measurement: Measurement) -> Estimate:
     Regions end where the unwrapped phase or the amplitude steps. The angle of the summed phasors of
     the beat, demodulated by the relative depth, gives the whole wraps of each.
     """
-    low, high = measurement.frequencies[:2]
-    synthetic = synthetic_frequency(low, high)
+    frequencies = measurement.frequencies[:2]
     mask = measurement.mask
     phase = relative_phase(measurement)
     bright, coherent = guides(measurement)[:2]
     inside = mask & (coherent >= _COHERENCE)
+    number = components(*_links(phase, bright, inside))
+    shape = depth_from_phase(phase, frequencies[0])
+    turn = phase_from_depth(shape, synthetic_frequency(*frequencies).frequency)
+    beat = np.where(mask, beat_phasor(measurement) * np.exp(-1j * turn), 0)
+    pooled = pool(*patches(beat, number))
+    offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
+    odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=tuple(frequencies)))
+    near = nearest(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
+    return confirmed(
+        within_range((shape + offset[number])[near], measurement),
+        odds[number][near] * np.interp(np.hypot(*(near - np.indices(mask.shape))), *BESIDE),
+        measurement,
+    )
+
+
+def _links(phase: Array, bright: Array, inside: Flags) -> list[Flags]:
+    """Links to the next row and the next column, where neither phase nor amplitude steps."""
     links = []
     for axis in (0, 1):
         gentle = abs(np.diff(phase, axis=axis)) <= STEP
         gentle &= abs(np.diff(bright, axis=axis)) <= EDGE
         links.append(gentle & np.delete(inside, -1, axis) & np.delete(inside, 0, axis))
-    number = components(*links)
-    shape = depth_from_phase(phase, low)
-    beat = beat_phasor(measurement) * np.exp(-1j * phase_from_depth(shape, synthetic.frequency))
-    pooled = pool(*patches(np.where(mask, beat, 0), number))
-    offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
-    odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=(low, high)))
-    near = nearest(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
-    depth = within_range((shape + offset[number])[near], measurement)
-    away = np.hypot(*(near - np.indices(mask.shape)))
-    return confirmed(depth, odds[number][near] * np.interp(away, *BESIDE), measurement)
+    return links
 
 
 def relative_phase(measurement: Measurement) -> Array:

@@ -16,7 +16,8 @@ def middle(measurement: Measurement) -> Estimate:
 def uniform(measurement: Measurement, *, seed: int = 0) -> Estimate:
     """A random depth in range, all equally likely; drawn from (seed, frame number)."""
     frame = int(measurement.dataset.attrs.get("frame_number", 0))
-    depth = np.random.default_rng([seed, frame]).uniform(*measurement.range, measurement.shape)
+    rng = np.random.default_rng([seed, frame])
+    depth = rng.uniform(*measurement.range, measurement.shape)
     return Estimate(depth, np.full(measurement.shape, guess(measurement)))
 
 

@@ -99,8 +99,7 @@ class Motor(Device):
         self._within(position=position)
         if not self.homed:
             self._fail(Refused, "be homed before a move", "it not", "Home it.")
-        counts = round(position * self.scale)
-        self._go("mot_move_absolute", position, counts, waiting=waiting)
+        self._go("mot_move_absolute", position, round(position * self.scale), waiting=waiting)
         return self.position
 
     def safe_state(self) -> None:
@@ -120,8 +119,14 @@ class Motor(Device):
         kind = self.kind
         home = self._ask("mot_req_homeparams", _CHANNEL)
         wanted = round(kind.home_velocity * kind.velocity_scale)
-        where = (home.home_dir, home.limit_switch)
-        self._send("mot_set_homeparams", _CHANNEL, *where, wanted, home.offset_distance)
+        self._send(
+            "mot_set_homeparams",
+            _CHANNEL,
+            home.home_dir,
+            home.limit_switch,
+            wanted,
+            home.offset_distance,
+        )
         found = self._ask("mot_req_homeparams", _CHANNEL).home_velocity
         self._expect("home velocity", wanted, found, 1e-3 * wanted)
         acceleration = round(kind.acceleration * kind.acceleration_scale)

@@ -92,8 +92,7 @@ class Bench(EmergencyStop):
 
     def aimed(self, direction: Array) -> Values:
         """Outputs that send the beam into a direction (2,), rad, and their voltages."""
-        volts = mirror_volts(self.rig, direction).tolist()
-        return dict(zip(self.rig.mirrors, volts, strict=True))
+        return dict(zip(self.rig.mirrors, mirror_volts(self.rig, direction).tolist(), strict=True))
 
     def fly_back(self, directions: Array) -> None:
         """Aim at the first direction of a line (N, 2), rad, and wait as the step requires."""

@@ -68,5 +68,10 @@ def read_out(rig: Rig, connection: Any, **named: str) -> Any:
     settings = rig.devices["daq"]
     host, _, port = settings.address.partition(":")
     stream = rf.open_serial(f"socket://{host}:{int(port or PORT) + 200}", settings.timeout)
-    lines = [rig.line(part) for part in LIGHT]
-    return t7.LabJackT7(connection, stream, safe_lines=lines, parked=rig.mirrors, **named)
+    return t7.LabJackT7(
+        connection,
+        stream,
+        safe_lines=[rig.line(part) for part in LIGHT],
+        parked=rig.mirrors,
+        **named,
+    )

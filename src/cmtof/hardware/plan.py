@@ -76,8 +76,8 @@ def mirror_settling(rig: Rig, step: float) -> float:
 
 def mirror_volts(rig: Rig, angles: ArrayLike) -> Array:
     """Voltages (..., 2) that send the beam to optical angles, rad: twice what the mirrors turn."""
-    scale = np.array(rig.mirror_volts_per_degree)
-    return np.round(np.rad2deg(angles) / 2 * scale + rig.mirror_offset_volts, 6)
+    volts = np.rad2deg(angles) / 2 * rig.mirror_volts_per_degree
+    return np.round(volts + rig.mirror_offset_volts, 6)
 
 
 def mirror_angles(rig: Rig, volts: ArrayLike) -> Array:

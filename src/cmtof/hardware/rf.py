@@ -155,8 +155,8 @@ class RfDriver(Device):
     def _set(self, word: str, value: float, tolerance: float = 0.0) -> None:
         """Set a number within its limits, and compare what was really set."""
         self._within(**{word: value})
-        found = self._ask(word, f"{value:.12g}")
-        self._expect(word, value, number(" ".join(found)), tolerance)
+        found = number(" ".join(self._ask(word, f"{value:.12g}")))
+        self._expect(word, value, found, tolerance)
 
     def _switch(self, word: str, on: bool) -> None:
         """Switch, and compare what was really set."""

@@ -25,8 +25,11 @@ def finished(output: Path, plan: Plan) -> Measurement:
     """Measurement of a scan that is done; a ValueError for one of other settings, or none."""
     measurement = open_measurement(output)
     old = json.loads(measurement.dataset.attrs.get("settings", "{}"))
-    size = {"size": list(measurement.mask.shape)}
-    check_settings(output, old | size, plan.rig.as_dict() | {"size": list(plan.angles.shape[:2])})
+    check_settings(
+        output,
+        old | {"size": list(measurement.mask.shape)},
+        plan.rig.as_dict() | {"size": list(plan.angles.shape[:2])},
+    )
     return measurement
 
 

@@ -81,8 +81,7 @@ def identity_from_line(line: str) -> Texts:
     fields = [field.strip() for field in line.removeprefix("*IDN ").split(",")]
     if len(fields) not in (4, 5):
         raise ValueError(line)
-    words = ("maker", "model", "serial_number", "firmware")
-    return dict(zip(words, fields, strict=False))
+    return dict(zip(("maker", "model", "serial_number", "firmware"), fields, strict=False))
 
 
 class SignalGenerator(ScpiInstrument):

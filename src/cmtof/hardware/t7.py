@@ -88,8 +88,9 @@ class LabJackT7(Device):
 
     def gain(self, volts_range: float) -> Gain:
         """Calibration of an input range, V, of the converter that streams."""
-        place = CALIBRATION + 16 * RANGES.index(volts_range)
-        self.write_many({"INTERNAL_FLASH_READ_POINTER": place})
+        self.write_many(
+            {"INTERNAL_FLASH_READ_POINTER": CALIBRATION + 16 * RANGES.index(volts_range)}
+        )
         gain = Gain(*self._values("INTERNAL_FLASH_READ"))
         self._expect("slope", 3.158e-5 * volts_range, gain.positive_slope, 1e-5 * volts_range)
         return gain
@@ -259,8 +260,7 @@ class LabJackT7(Device):
         return sum(1 << int(line[-1]) for line in lines)
 
     def _identity(self) -> Texts:
-        names = "PRODUCT_ID", "FIRMWARE_VERSION", "SERIAL_NUMBER"
-        product, firmware, serial = self._values(*names)
+        product, firmware, serial = self._values("PRODUCT_ID", "FIRMWARE_VERSION", "SERIAL_NUMBER")
         return {
             "model": f"T{product:g}",
             "serial_number": str(serial),
