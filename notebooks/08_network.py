@@ -78,7 +78,6 @@ for name in BLOCKS:
     )
 with torch.inference_mode():
     network(torch.zeros(1, network.inputs, 64, PATCH))
-print(", ".join(f"{name} {count} × {side} px" for name, (count, side) in shapes.items()))
 
 # %% tags=["hide-input"]
 frame = held_out_frames()[place].middle(height, width)

@@ -67,7 +67,6 @@ for protocol in PROTOCOLS:
                 tally.add(scored_pixels(answer, m))
             row.append(tally.score()["delta_lt_1"])
         window_rates[protocol, method] = row
-        print(protocol, method, *(f"{x:.3f}" for x in row))
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.6), sharey=True)

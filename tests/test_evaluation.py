@@ -1,13 +1,10 @@
 """Counting: rates as the tables have them, the same noise for all, stored counts."""
 
-import json
-
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
-from pytest import approx, fixture, mark, raises, skip
+from pytest import approx, mark, raises, skip
 
 import cmtof
-from cmtof import evaluation
 from cmtof.evaluation import Evaluation, Tally, measured, rates, read_counts, score, scored_pixels
 from cmtof.frame import held_out_frames
 from cmtof.measurement import Measurement
@@ -86,30 +83,8 @@ def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):
     assert_array_equal(given["phasor"].mask, given["beat"].mask)
 
 
-@fixture
-def table(tmp_path, tilted_wall):
-    """Stored counts of four frames by two methods, and where they stand."""
+def test_counts_give_rates_with_intervals(tilted_wall):
     counts = Evaluation(["crt", "middle"], seed=2).add_all([tilted_wall] * 4).counts()
-    path = tmp_path / "table.json"
-    path.write_text(json.dumps({"frames": counts, "sha256": evaluation.digest(counts)}))
-    return path, counts
-
-
-def test_stored_counts_are_read(table):
-    path, counts = table
-    assert read_counts(path) == counts
-    assert read_counts(path.with_name("none.json")) == []
-
-
-def test_edited_counts_are_refused(table):
-    path, _ = table
-    path.write_text(path.read_text().replace('"wall"', '"another"', 1))
-    with raises(ValueError, match="edited ones. Count again"):
-        read_counts(path)
-
-
-def test_counts_give_rates_with_intervals(table):
-    _, counts = table
     found = rates(counts, "crt", draws=200)
     pooled = [frame["methods"]["crt"] for frame in counts]
     right = sum(frame["below"][0] for frame in pooled)
