@@ -311,11 +311,11 @@ for what, (one, other) in PAIRS.items():
 # %% tags=["hide-input"]
 longer = path.with_name("table1_released_768x1024_1200.json")
 more_crops = {row: c["crops"] for row, c in json.loads(longer.read_text("utf-8"))["cards"].items()}
-tested = read_counts(longer)
+recounted = read_counts(longer)
 called |= {row: row.replace("_", " ") for row in more_crops}
-larger = {row: rates(tested, row, draws=draws) for row in ROWS if row in more_crops}
+larger = {row: rates(recounted, row, draws=draws) for row in ROWS if row in more_crops}
 show(larger)
-apart = rates(tested, "proposed", against="ce_only", draws=draws)
+apart = rates(recounted, "proposed", against="ce_only", draws=draws)
 print(f"loss on depth, proposed less ce only: δ < 1 {spread(apart, 0, '+')} points")
 
 # %% tags=["hide-input"]
@@ -541,6 +541,6 @@ for row, found in (alike | larger).items():
     ends = np.array(found)[:, :3]  # value, low and high of three rates
     for key, share in zip(KEYS, [*ends.T, 1 - ends[[0, 2, 1], 2]], strict=True):
         paper.check(f"table1.{row}.{key}", share, crops=crops)
-apart = rates(read_counts(path), "random_stem", against="phase_only", draws=draws)
+apart = rates(tested, "random_stem", against="phase_only", draws=draws)
 paper.check("sec8.fourier_gain", np.array(apart)[:, 0], crops=cards["fourier"].crops)
 paper.table()

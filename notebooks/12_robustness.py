@@ -226,7 +226,7 @@ axes[0].set(title="a wall", ylabel="share (%)", xlabel="offset (wraps)")
 axes[1].set(title="rooms", ylabel="δ < 1 (%)", xlabel="offset (wraps)")
 axes[2].set(title="mean move", ylabel="wraps", xlabel="offset (wraps)")
 for ax in axes[:2]:
-    ax.set_ylim(0, 160)
+    ax.set(ylim=(0, 160), yticks=[0, 50, 100])
     ax.legend(fontsize="small", loc="upper center", framealpha=0.8, frameon=True)
 plotting.label_panels(axes)
 plotting.save(
