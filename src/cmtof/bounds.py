@@ -15,7 +15,12 @@ from cmtof.types import Array, Pair
 
 
 def fisher_information(
-    amplitude: ArrayLike, offset: ArrayLike, psi: ArrayLike, *, sigma: float, phase: ArrayLike = 0.0
+    amplitude: ArrayLike,
+    offset: ArrayLike,
+    psi: ArrayLike,
+    *,
+    sigma: float,
+    phase: ArrayLike = 0.0,
 ) -> Array:
     """Fisher information of (phase, amplitude, offset) in Poisson-Gaussian correlations.
 
@@ -34,7 +39,12 @@ def fisher_information(
 
 
 def phase_bound(
-    amplitude: ArrayLike, offset: ArrayLike, psi: ArrayLike, *, sigma: float, phase: ArrayLike = 0.0
+    amplitude: ArrayLike,
+    offset: ArrayLike,
+    psi: ArrayLike,
+    *,
+    sigma: float,
+    phase: ArrayLike = 0.0,
 ) -> Array:
     """Cramer-Rao bound on the phase, amplitude and offset unknown: least standard deviation, rad.
 
@@ -168,7 +178,11 @@ def wrap_probability_law(linear_low: float, linear_high: float, *, frequencies: 
 
 
 def pixels_needed(
-    noise_low: float, noise_high: float, *, frequencies: Pair, odds: float = 0.95
+    noise_low: float,
+    noise_high: float,
+    *,
+    frequencies: Pair,
+    odds: float = 0.95,
 ) -> int:
     """Pixels to average coherently, their relative depth known, for the given odds of the wrap.
 

@@ -58,7 +58,12 @@ def gate(count: int) -> Harmonics:
     return (0.5 * np.sinc(np.arange(count + 1) / 2)).astype(np.complex128)
 
 
-def low_pass_harmonics(harmonics: ArrayLike, *, frequency: float, cutoff: float) -> Harmonics:
+def low_pass_harmonics(
+    harmonics: ArrayLike,
+    *,
+    frequency: float,
+    cutoff: float,
+) -> Harmonics:
     """Coefficients (..., K + 1) after a first-order low pass, ``W_k / (1 + i k f / f_c)``.
 
     A photodiode of -3 dB bandwidth ``cutoff``, Hz, that watches a waveform of fundamental

@@ -88,7 +88,8 @@ def trace(
     angle = spot_radius(settings, 1.0)
     count = len(_SPOT) if angle else 1
     weights = _WEIGHTS if angle else np.ones(1)
-    hits = target.look(directions_from_angles(angles[:, None, :], angle * _SPOT[:count]))
+    rays = directions_from_angles(angles[:, None, :], angle * _SPOT[:count])
+    hits = target.look(rays)
     distance = np.where(hits.range > 0, hits.range, 0.0)
     rough, polished = (weights * one for one in returned_fractions(settings, hits))
     if settings.speckle and rough.any():

@@ -58,7 +58,15 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
     turns = phase_from_depth(coarse, measurement.frequencies[0]) - phase[0]
     middle = np.rint(turns / TAU)
     first, last = wraps_in_range(measurement)
-    return [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
+    return [
+        middle,
+        middle - 1,
+        middle + 1,
+        first - 1,
+        first,
+        last - 1,
+        last,
+    ]
 
 
 def _confidence(noise: Array, measurement: Measurement) -> Array:
@@ -68,13 +76,24 @@ def _confidence(noise: Array, measurement: Measurement) -> Array:
     return np.maximum(odds, guess(measurement))
 
 
-def match(phase: Array, amplitude: Array, depth: Array, frequencies: Pair) -> Array:
+def match(
+    phase: Array,
+    amplitude: Array,
+    depth: Array,
+    frequencies: Pair,
+) -> Array:
     """F at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
     pairs = zip(amplitude, frequencies, phase, strict=True)
     return sum(a * np.cos(phase_from_depth(depth, f) - p) for a, f, p in pairs)
 
 
-def _peak(phase: Array, amplitude: Array, wraps: Array | int, low: float, high: float) -> Array:
+def _peak(
+    phase: Array,
+    amplitude: Array,
+    wraps: Array | int,
+    low: float,
+    high: float,
+) -> Array:
     """Depth (H, W), m, of the peak of F at a wrap: the sum of both phasors and one Newton step."""
     depth = depth_from_phase(phase[0] + TAU * np.asarray(wraps), low)
     apart = phase[1] - phase_from_depth(depth, high)
