@@ -23,6 +23,8 @@ from cmtof.methods import DEFAULT, find_method
 from cmtof.storage import opened_dataset, save_dataset
 from cmtof.types import Pair
 
+Unwrapped = tuple[float, Measurement, Dataset]  # share of the image, measurement, result
+
 
 def unwrap(
     measurement: Measurement,
@@ -110,18 +112,25 @@ def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
 
 def unwrap_file(
     source: AnyPath, output: AnyPath, *, tile: int = 0, margin: int = 128, **how: Any
-) -> Iterator[tuple[float, Measurement, Dataset]]:
+) -> Iterator[Unwrapped]:
     """Unwrap a file into a ``.nc``, at once or, of a ``.nc`` larger than memory, in square tiles.
 
     A tile of ``tile`` px is unwrapped together with ``margin`` px around it, by `unwrap` with the
     options ``how``. Yields the share of each tile in the image, its measurement and its result;
     the output is there after the last one. OSError if the disk cannot hold it.
     """
-    if not tile:
+    if tile:
+        yield from _unwrap_tiles(source, output, tile, margin, **how)
+    else:
         opened = open_measurement(source)
         yield 1.0, opened, (result := unwrap(opened, **how))
         save_dataset(result, output)
-        return
+
+
+def _unwrap_tiles(
+    source: AnyPath, output: AnyPath, tile: int, margin: int, **how: Any
+) -> Iterator[Unwrapped]:
+    """Unwrap a file in tiles, each with a margin around it, px."""
     import h5netcdf
 
     with opened_dataset(source) as handle, written_whole(output) as part:
@@ -136,8 +145,11 @@ def unwrap_file(
                 found = unwrap(seen, **how).isel(inner)
                 _write_tile(file, found, place)
                 file.attrs.update(found.attrs | {"tile": tile, "margin": margin})
-                share = found.depth.size / (height * width)
-                yield share, Measurement(seen.dataset.isel(inner)), found
+                yield (
+                    found.depth.size / (height * width),
+                    Measurement(seen.dataset.isel(inner)),
+                    found,
+                )
 
 
 def _write_tile(file: Any, found: Dataset, place: tuple[slice, slice]) -> None:

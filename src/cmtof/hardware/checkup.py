@@ -15,8 +15,10 @@ def states_of(bench: Bench) -> Iterator[tuple[str, str]]:
         if role in ("plate_emission", "plate_detection", "stage"):
             yield "", _told(lambda one=device: _position(one.homed, one.position))
     for channel in bench.rig.clock_channels:
-        on = _told(lambda one=channel: "on" if bench.clock.output_is_on(one) else "off")
-        yield f"clock channel {channel}", on
+        yield (
+            f"clock channel {channel}",
+            _told(lambda one=channel: "on" if bench.clock.output_is_on(one) else "off"),
+        )
     yield "power", _told(lambda: f"{1e3 * bench.power_meter.power:.4g} mW at the meter")
     yield "interlock", _told(lambda: _interlock(bench.daq.line(bench.rig.line("interlock"))))
 

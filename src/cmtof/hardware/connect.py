@@ -46,8 +46,10 @@ def connected_driver(rig: Rig, role: str, log: TextIO | None = None) -> Any:
         "pm100d": (scpi.open_visa, scpi.PowerMeter),
     }
     for driver, kind in apt.MOTORS.items():
-        motor = partial(apt.Motor, kind=kind, scale=settings.counts_per_unit or 0.0)
-        kinds[driver] = apt.open_controller, motor
+        kinds[driver] = (
+            apt.open_controller,
+            partial(apt.Motor, kind=kind, scale=settings.counts_per_unit or 0.0),
+        )
     opened, make = kinds[settings.driver]
     connection = opened(settings.address, settings.timeout)
     if log:

@@ -54,8 +54,7 @@ def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterato
         names = {kind.__name__ for kind in type(error).__mro__}  # without their libraries
         late = names & _LATE or "VI_ERROR_TMO" in str(error)
         kind = InstrumentTimeout if late else ConnectionLost if names & _GONE else otherwise
-        line = " ".join(str(error).split())
-        message = _PATTERNS[kind].format(name, line[:200])
+        message = _PATTERNS[kind].format(name, " ".join(str(error).split())[:200])
         raise kind(" ".join([message, *_hints(error)])) from None
 
 

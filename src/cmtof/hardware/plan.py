@@ -82,8 +82,7 @@ def mirror_volts(rig: Rig, angles: ArrayLike) -> Array:
 
 def mirror_angles(rig: Rig, volts: ArrayLike) -> Array:
     """Optical angles (..., 2), rad, of voltages: the inverse of `mirror_volts`."""
-    turned = np.subtract(volts, rig.mirror_offset_volts)
-    return np.deg2rad(2 * turned / rig.mirror_volts_per_degree)
+    return np.deg2rad(2 * np.subtract(volts, rig.mirror_offset_volts) / rig.mirror_volts_per_degree)
 
 
 def planned(rig: Rig, *, size: int | Shape = 64) -> Plan:

@@ -107,8 +107,9 @@ class SignalGenerator(ScpiInstrument):
         """Set a sine, Hz and V peak to peak into 50 Ohm, which the amplitude depends on."""
         self._within(channel=channel, frequency=frequency, amplitude=amplitude)
         self._write(f"C{channel}:OUTP LOAD,50")
-        wave = f"FRQ,{frequency:.10g},AMP,{amplitude:.6g},OFST,0,PHSE,0"
-        self._write(f"C{channel}:BSWV WVTP,SINE,{wave}")
+        self._write(
+            f"C{channel}:BSWV WVTP,SINE,FRQ,{frequency:.10g},AMP,{amplitude:.6g},OFST,0,PHSE,0"
+        )
         found = self._pairs(f"C{channel}:OUTP?") | self._pairs(f"C{channel}:BSWV?")
         self._expect("sine", True, found.get("WVTP") == "SINE")
         settings = {"LOAD": 50.0, "FRQ": frequency, "AMP": amplitude, "OFST": 0.0, "PHSE": 0.0}

@@ -146,8 +146,7 @@ class LabJackT7(Device):
         for place, channel in enumerate(channels, 1):
             self._settings[f"{channel}_RANGE"] = range
             self._settings[f"{channel}_NEGATIVE_CH"] = 199  # single-ended
-            address = 2 * int(channel.removeprefix("AIN"))
-            self._settings[f"STREAM_SCANLIST_ADDRESS{place}"] = address
+            self._settings[f"STREAM_SCANLIST_ADDRESS{place}"] = 2 * int(channel.removeprefix("AIN"))
         self._waveform = {
             "STREAM_DATATYPE": 0,  # must be 0, and cannot be read back
             pulse_line: 0,  # also makes it an output
@@ -277,9 +276,8 @@ class LabJackT7(Device):
     @question
     def _values(self, *registers: str) -> tuple[float, ...]:
         """Values of registers, read in one frame."""
-        kinds = ">" + "".join(REGISTERS[name][1] for name in registers)
-        frame = b"".join(map(read, registers))
-        return struct.unpack(kinds, self._feedback(frame, struct.calcsize(kinds)))
+        kinds = struct.Struct(">" + "".join(REGISTERS[name][1] for name in registers))
+        return kinds.unpack(self._feedback(b"".join(map(read, registers)), kinds.size))
 
     def _feedback(self, frame: bytes, size: int = 0) -> bytes:
         """Bytes of the reads in a feedback frame."""
