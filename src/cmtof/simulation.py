@@ -59,12 +59,10 @@ def simulate(
         raise ValueError(f"{error} {frame.note}".strip()) from None
     # where no depth is known no light returns
     intensity = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0).astype(np.float32)
-    filled = np.where(np.isfinite(depth), depth, 0)
     signal = gain * integration_time * intensity
     offset = np.broadcast_to(phase_offset, frequencies.shape)
     # an error of the phase is one of the reference phase that the file does not know of
-    steps = np.add(psi, offset[:, None])
-    means = _means(signal, filled, frequencies, steps)
+    means = _means(signal, depth, frequencies, np.add(psi, offset[:, None]))
     if not noise_free:
         rng = np.random.default_rng([seed, frame_number])
         means = poisson_gaussian(means, rng=rng, sigma=noise, order=order)
@@ -106,9 +104,10 @@ def _check_sensor(gain: float, integration_time: float, order: str) -> None:
 def _means(signal: Single, depth: Array, frequencies: Array, psi: Array) -> Single:
     """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)`` (F, K, H, W) at psi (F, K), float32."""
     means = np.empty((*psi.shape, *signal.shape), np.float32)
+    depth = np.where(np.isfinite(depth), depth, 0).astype(float)
     for f, frequency in enumerate(frequencies):
         # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
-        turns = depth.astype(float) / wrap_length(frequency)
+        turns = depth / wrap_length(frequency)
         angle = (TAU * (turns - np.floor(turns))).astype(np.float32)
         x = np.cos(angle) * signal / np.float32(np.pi)
         y = np.sin(angle) * signal / np.float32(np.pi)
