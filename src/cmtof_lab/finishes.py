@@ -4,12 +4,16 @@ Each takes coordinates x, y, z, m, of the body itself: it stands on z = 0 with i
 Reliefs return how far the skin stands out, m, holes where it is open, looks the reflectance.
 """
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cmtof.correlation import TAU
+from cmtof.files import read_document
 from cmtof.types import Array, Flags
 
+CATALOGUE = read_document(Path(__file__).with_name("objects.yml"))  # of all objects
 DARK = 0.03  # reflectance of the owl's black feathers
 PALE = 0.8  # and of its white ones
 FEATHER = 0.0135  # m from one row of feathers to the next
@@ -25,19 +29,6 @@ def mix(dark: ArrayLike, pale: float, share: ArrayLike) -> Array:
     return dark + (pale - dark) * np.clip(share, 0, 1)
 
 
-# Bumps of a face, m: depth, place aside, breadth, height, and how tall they are.
-FACE = (
-    (0.004, 0.01, 0.005, 0.203, 0.004),  # nostrils
-    (-0.008, 0.021, 0.01, 0.225, 0.007),  # sockets
-    (0.0055, 0.021, 0.008, 0.2235, 0.0042),  # eyes
-    (0.004, 0.02, 0.016, 0.2365, 0.004),  # brows
-    (0.003, 0, 0.015, 0.1905, 0.0022),  # lips
-    (-0.003, 0, 0.015, 0.187, 0.0022),
-    (0.003, 0, 0.015, 0.1835, 0.0022),
-    (0.006, 0, 0.014, 0.172, 0.006),  # chin
-)
-
-
 def portrait(x: Array, y: Array, z: Array) -> Array:
     """Relief of the bust: a face, ears and hair."""
     return features_of_a_face(x, z) * (y < 0) + ear(x, y, z) + curls(x, y, z)
@@ -49,7 +40,7 @@ def features_of_a_face(x: Array, z: Array) -> Array:
     nose = np.clip((0.234 - z) / 0.03, 0, 1)
     nose = nose / (1 + np.exp((0.2 - z) / 0.0015))
     out = 0.019 * nose * bump((x, 0.0075))
-    for depth, aside, breadth, height, tall in FACE:
+    for depth, aside, breadth, height, tall in CATALOGUE["face"]:
         out += depth * bump((apart - aside, breadth), (z - height, tall))
     return out
 

@@ -7,7 +7,6 @@ Triangles of side L lie up to ``L^2 / (8 R)``, 2 um, off a body of radius R.
 
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,9 +19,9 @@ from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.transformations import rotation_matrix
 from trimesh.util import concatenate
 
-from cmtof.files import read_document
 from cmtof.types import Array, Fields, Shape, Values
 from cmtof_lab import finishes
+from cmtof_lab.finishes import CATALOGUE
 from cmtof_rooms.solids import cells_of, mesh_from, triangles_of
 
 STEEL = 0.58  # reflectance of polished or lapped steel (known: 0.55 to 0.6)
@@ -33,13 +32,12 @@ HEIGHT = 30e-3  # m (known)
 GRADE_2 = 0.45e-6  # greatest error of such a length, m (DIN 861, grade 2, by makers' tables)
 MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
 
-_CATALOGUE = read_document(Path(__file__).with_name("objects.yml"))
 Specifications = dict[str, Fields]
 # Objects on whose scans a network is fine-tuned (Sec. 6.4).
-TRAINING: Specifications = _CATALOGUE["training"]
+TRAINING: Specifications = CATALOGUE["training"]
 
 # Scanned objects by name, as `objects.yml` describes them.
-OBJECTS: Specifications = _CATALOGUE["objects"] | TRAINING
+OBJECTS: Specifications = CATALOGUE["objects"] | TRAINING
 
 # Full angle, rad, in which an object is scanned.
 FIELD_OF_VIEW: Values = {name: one["field_of_view"] for name, one in OBJECTS.items()}
@@ -178,7 +176,7 @@ def _finished(
 
 def _body(stated: Fields) -> Trimesh:
     """A smooth upright body by its profile."""
-    sections = np.array(_CATALOGUE["profiles"][stated["body"]], float)
+    sections = np.array(CATALOGUE["profiles"][stated["body"]], float)
     return _lathed(sections * stated.get("scale", 1.0), stated)
 
 
