@@ -39,8 +39,8 @@ MODULES = {
     "train": "lightning torch",
     "view": "IPython pyvista",
 }
+# Extra of each module that comes with none of the package's own dependencies.
 EXTRAS = {module: extra for extra, modules in MODULES.items() for module in modules.split()}
-"""Extra of each module that comes with none of the package's own dependencies."""
 
 
 File = Path | None
@@ -101,8 +101,10 @@ def main(arguments: list[str] | None = None) -> None:
 def _line(error: Exception) -> str:
     """One line for an error: bad input as it says itself, anything else as a defect."""
     if isinstance(error, OSError) and error.strerror:
-        what = f"Expected to read or write {error.filename or 'a file'}"
-        return f"{what}, got «{error.strerror}». Check disk, path and permissions."
+        return (
+            f"Expected to read or write {error.filename or 'a file'}, got «{error.strerror}». "
+            "Check disk, path and permissions."
+        )
     if isinstance(error, ModuleNotFoundError) and (extra := EXTRAS.get(f"{error.name}")):
         return f"Expected {error.name}, got none. Install it: pip install 'cmtof[{extra}]'."
     text = " ".join(str(error).split())
@@ -371,8 +373,7 @@ def info(
         return
     print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
     for name, needed in (("onnxruntime", "learned methods need"), ("torch", "training needs")):
-        missing = f"is not installed (only {needed} it)"
-        print(name, version(name) if find_spec(name) else missing)
+        print(name, version(name) if find_spec(name) else f"is not installed (only {needed} it)")
     print(f"embedded frames: {', '.join(embedded_frames())}")
     print(f"published captures: {data_root() or 'not on this machine'}")
 
@@ -498,7 +499,6 @@ def scan(
 
     Example: [bold]cmtof scan --twin --scene still_life --size 64 --seed 0 -o m.nc[/bold]
     """
-    from cmtof.hardware.checkup import states_of
     from cmtof.hardware.connect import connected_bench
     from cmtof.hardware.journal import journal_path
     from cmtof.hardware.plan import planned
@@ -509,20 +509,15 @@ def scan(
         raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
     if not twin and (seed, scene) != (None, None):
         raise ValueError("Expected --scene and --seed with --twin, got a RIG file. Leave them out.")
-    settings = Rig.default() if rig is None else Rig.load(rig)
-    plan = planned(settings, size=size)
-    requests = log.open("w", encoding="utf-8") if log else None
-    bench = partial(connected_bench, settings, requests)
+    plan = planned(Rig.default() if rig is None else Rig.load(rig), size=size)
+    bench = partial(connected_bench, plan.rig, log.open("w", encoding="utf-8") if log else None)
     if twin:
         from cmtof_lab.rehearsal import simulated_bench
 
         scene = scene or (None if rig else "still_life")
-        bench = partial(simulated_bench, settings, scene, seed=seed or 0)
+        bench = partial(simulated_bench, plan.rig, scene, seed=seed or 0)
     if check:
-        with bench() as on:
-            states = list(states_of(on))
-        print_table("", ("device", "reports"), states)
-        raise SystemExit(any("Expected" in text for _, text in states))
+        _check_up(bench)
     if output is None:
         raise ValueError("Expected an output, got none. Add -o m.nc.")
     try:
@@ -540,6 +535,16 @@ def scan(
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
 
 
+def _check_up(bench: Callable[[], Any]) -> None:
+    """Print what every device reports, and end with exit code 1 where one is not as expected."""
+    from cmtof.hardware.checkup import states_of
+
+    with bench() as on:
+        states = list(states_of(on))
+    print_table("", ("device", "reports"), states)
+    raise SystemExit(any("Expected" in text for _, text in states))
+
+
 def _rates(scores: dict[str, float]) -> dict[str, str]:
     """Rates and error of a method as they are printed, by their title."""
     titles = {f"δ<{k}": f"delta_lt_{k}" for k in (1, 2, 3)}
@@ -555,8 +560,11 @@ def _print_report(report: dict[str, Any]) -> None:
     )
     found = {name: _rates(scores) for name, scores in report["methods"].items()}
     clock = {name: f"{one['seconds_per_frame']:.2f}" for name, one in report["methods"].items()}
-    head = ("method", *next(iter(found.values())), "s/frame")
-    print_table(title, head, ([n, *cells.values(), clock[n]] for n, cells in found.items()))
+    print_table(
+        title,
+        ("method", *next(iter(found.values())), "s/frame"),
+        ([name, *cells.values(), clock[name]] for name, cells in found.items()),
+    )
     for name, remark in report["notes"].items():
         print(shown(f"{name}: {remark}"))
 
