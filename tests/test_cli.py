@@ -18,7 +18,12 @@ def test_from_frame_to_depth_and_points(succeeds, tmp_path):
     text = succeeds("unwrap", m, "-o", out, "--ply", cloud)
     assert "δ<1" in text
     result = xr.load_dataset(out)
-    assert set(result.data_vars) == {"wrap_count", "depth", "confidence"}
+    xr.testing.assert_equal(result, cmtof.unwrap(cmtof.open(m)))
+    sets = {"wrap_count", "depth", "confidence", "within_90", "within_95"}
+    assert set(result.data_vars) == sets | {"component", "component_odds"}
+    assert "largest components" in succeeds("info", out)
+    succeeds("unwrap", m, "-o", out, "--tile", 256)
+    assert set(xr.load_dataset(out).data_vars) == sets
     assert cmtof.open(m).dataset.attrs["seed"] == 5
     assert result.depth.attrs["units"] == "m"
     assert cloud.read_bytes().startswith(b"ply\nformat binary_little_endian")

@@ -5,6 +5,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark, raises, skip
 
 import cmtof
+from cmtof.correlation import wrap_length
 from cmtof.evaluation import Evaluation, Tally, measured, rates, read_counts, score, scored_pixels
 from cmtof.frame import held_out_frames
 from cmtof.measurement import Measurement
@@ -93,6 +94,19 @@ def test_counts_give_rates_with_intervals(tilted_wall):
     assert (found.high >= found.value).all()
     apart = rates(counts, "crt", against="middle", draws=200)
     assert_allclose(apart.value, found.value - rates(counts, "middle", draws=50).value)
+
+
+def test_sets_of_wraps_are_counted_within_the_range(exact):
+    """Three wraps from 40 on; the estimate is the first, the truth the second."""
+    wrap = wrap_length(7.15e9)
+    m = exact(np.full((1, 2), 41.5 * wrap), range_min=40 * wrap, range_max=43 * wrap)
+    result = cmtof.unwrap(m)
+    result["wrap_count"][:] = 40
+    result["within_90"][:] = [0, 9]
+    found = scored_pixels(result, m)
+    assert found["covered_90"].tolist() == [False, True]
+    assert found["wraps_in_90"].tolist() == [1, 3]
+    assert score(found)["covered_90"] == 0.5
 
 
 def test_true_depth_read_against_the_measured_phase_loses_the_boundaries():

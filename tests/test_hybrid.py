@@ -2,6 +2,7 @@
 
 import numpy as np
 from pytest import approx, mark
+from scipy.stats import norm
 
 from cmtof.hybrid import LEAST, MOVES, elected, means_of_groups
 from cmtof.surfaces.contacts import Tied
@@ -9,13 +10,8 @@ from cmtof.surfaces.contacts import Tied
 
 def surface_off_by(mean, spread):
     """One surface, whose offset is known to a standard deviation, wraps."""
-    return Tied(
-        wraps=np.zeros(1),
-        group=np.zeros(1, int),
-        mean=np.array([mean]),
-        spread=np.array([spread]),
-        odds=np.ones(1),
-    )
+    share = norm.pdf(np.arange(-20, 21), mean, spread)
+    return Tied(np.zeros(1), np.zeros(1, int), share[None] / share.sum())
 
 
 def test_means_are_those_over_the_pixels_of_each_group():
@@ -40,5 +36,5 @@ def test_the_surer_of_beat_and_network_decides(mean, spread, moved):
 def test_doubt_grows_where_beat_and_network_differ():
     before = surface_off_by(0.0, 0.4)
     told = [np.where(move == MOVES, 0.0, -2.0)[None] for move in (0, 1)]
-    agreeing, differing = (elected(before, one).spread for one in told)
-    assert differing > agreeing
+    agreeing, differing = (elected(before, one).odds for one in told)
+    assert differing < agreeing

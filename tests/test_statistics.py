@@ -4,7 +4,7 @@ import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import fixture, mark, raises
 
-from cmtof.statistics import ratio_interval, reliability
+from cmtof.statistics import conformal_quantile, ratio_interval, reliability
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say(rng):
@@ -46,6 +46,17 @@ def test_a_rate_of_nothing_is_nan_and_of_one_scene_has_no_interval():
     single = ratio_interval([3.0], [4.0])
     assert single.value == 0.75
     assert np.isnan(single.low)
+
+
+def test_conformal_quantiles_cover_the_scores_of_new_groups(rng):
+    """300 times 19 groups whose scores differ by a factor, and a new one: 90 % or a bit more."""
+    covered = []
+    for _ in range(300):
+        groups = rng.lognormal(size=(20, 1)) * rng.exponential(size=(20, 50))
+        covered.append(np.mean(groups[0] <= conformal_quantile(groups[1:], 0.9)))
+    error = np.std(covered) / np.sqrt(300)
+    assert 0.9 - 3 * error < np.mean(covered) < 0.9 + 2 / 20 + 3 * error
+    assert conformal_quantile(groups[1:], 0.96) == np.inf  # more than 19 of 20
 
 
 @fixture

@@ -367,6 +367,10 @@ def info(
         if path.suffix == ".nc":
             with opened_dataset(path) as held:
                 held.info(text)
+                if "component_odds" in held:
+                    odds = held["component_odds"].sel(offset=slice(-2, 2))[:10].to_pandas()
+                    print("Odds of the largest components to lie so many wraps farther:")
+                    print(odds.round(3))
         else:
             open_measurement(path).dataset.info(text)
         print(shown(text.getvalue()))

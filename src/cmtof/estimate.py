@@ -10,12 +10,24 @@ from cmtof.correlation import residual_noise, wrap_length
 from cmtof.measurement import Measurement, unambiguous_range
 from cmtof.types import Array, Flags, Numbers
 
+# Half-widths of sets of wraps over the odds against a pixel's own: `cmtof_book.coverage` computes
+# them.
+SETS = {"within_90": 2.56, "within_95": 12.98}
+
+
+class Components(NamedTuple):
+    """Connected components: pixels that share one offset, which may be wrong for all of them."""
+
+    label: Numbers  # component of each pixel (H, W), from 1 on, the largest first; 0 for none
+    odds: Array  # probability (C, M) of each to lie (1 - M) / 2 to (M - 1) / 2 wraps farther away
+
 
 class Estimate(NamedTuple):
     """The answer of a method."""
 
     depth: Array  # best depth (H, W), m; it need not agree with the measured phase
     confidence: Array  # probability in [0, 1] that the wrap is right (H, W)
+    components: Components | None = None  # of methods that know them
 
 
 def wraps_in_range(measurement: Measurement) -> tuple[int, int]:
@@ -23,6 +35,13 @@ def wraps_in_range(measurement: Measurement) -> tuple[int, int]:
     low, high = np.asarray(measurement.range) / wrap_length(measurement.frequencies[0])
     # limits that are whole wraps but for rounding belong to the wrap that they begin
     return int(np.floor(low + 1e-9)), int(np.ceil(high - 1e-9)) - 1
+
+
+def sets_of_wraps(confidence: Array, measurement: Measurement) -> dict[str, Array]:
+    """How far, in wraps, the true ones lie off at most in 90 and 95 % of the pixels of a room."""
+    first, last = wraps_in_range(measurement)
+    against = (1 - confidence) / np.maximum(confidence, 1e-6)
+    return {name: np.minimum(factor * against, last - first) for name, factor in SETS.items()}
 
 
 def guess(measurement: Measurement) -> float:

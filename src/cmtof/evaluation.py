@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cmtof.constants import NOISE_SIGMA
 from cmtof.correlation import consistent_wrap_count, wrap_count_from_depth
+from cmtof.estimate import wraps_in_range
 from cmtof.files import AnyPath
 from cmtof.measurement import Measurement
 from cmtof.methods import find_method
@@ -25,6 +26,8 @@ from cmtof.unwrapping import unwrap
 
 LIMITS = (1, 2, 3, 10)  # wraps off below which pixels are counted, Tables 1 to 3
 
+COVERAGE = ("covered_90", "covered_95", "wraps_in_90", "wraps_in_95")
+
 _EDGES = np.geomspace(1e-7, 1e2, 18_001)  # of depth errors, m, 0.12 % apart: medians
 
 
@@ -32,24 +35,33 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
     """A result and its truth over the valid pixels that have a depth, each of shape (P,).
 
     ``wrap_count``, ``true_count`` (the paper's floor), ``consistent``, ``true_consistent`` (the
-    wraps that turn the measured phase into depth), ``depth_error`` (m), ``confidence``. Raises a
-    ValueError if the measurement holds no true depth or no valid pixel.
+    wraps that turn the measured phase into depth), ``depth_error`` (m), ``confidence``; of sets of
+    wraps ``covered_90`` (whether they hold the true one) and ``wraps_in_90`` (how many they hold),
+    and as of 95. Raises a ValueError if the measurement holds no true depth or no valid pixel.
     """
     truth = measurement.depth
     if truth is None:
         raise ValueError("Expected a measurement with its true depth, got none. Simulate one.")
     sure = result["confidence"].to_numpy()
-    least = float(result.attrs.get("min_confidence", 0))
-    scored = measurement.mask & np.isfinite(truth) & (sure >= least)
+    scored = measurement.mask & (sure >= float(result.attrs.get("min_confidence", 0)))
+    scored &= np.isfinite(truth)
     if not scored.any():
         raise ValueError("Expected at least one scored pixel, got none. Check mask and range.")
     frequency = measurement.frequencies[0]
     depth = truth[scored].astype(float)
     phase = measurement.phase[0][scored]
     estimate = result["depth"].to_numpy()[scored].astype(float)
-    return {
-        "wrap_count": result["wrap_count"].to_numpy()[scored].astype(np.int64),
-        "true_count": wrap_count_from_depth(depth, frequency),
+    count = result["wrap_count"].to_numpy()[scored].astype(np.int64)
+    true = wrap_count_from_depth(depth, frequency)
+    sets = {}
+    for level in ("90", "95") if "within_90" in result else ():
+        most = result[f"within_{level}"].to_numpy()[scored]
+        ends = np.clip([count - most, count + most], *wraps_in_range(measurement))
+        sets[f"covered_{level}"] = np.abs(count - true) <= most
+        sets[f"wraps_in_{level}"] = np.ptp(ends, axis=0) + 1
+    return sets | {
+        "wrap_count": count,
+        "true_count": true,
         "consistent": consistent_wrap_count(estimate, phase, frequency),
         "true_consistent": consistent_wrap_count(depth, phase, frequency),
         "depth_error": estimate - depth,
@@ -77,6 +89,7 @@ class Tally:
         self._errors += np.bincount(np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1)
         below = [int((delta < limit).sum()) for limit in LIMITS]
         counts = {"pixels": delta.size, "below": below, "consistent": int(right.sum())}
+        counts |= {name: int(pixels[name].sum()) for name in COVERAGE if name in pixels}
         self.frames.append(counts)
         return counts
 
@@ -85,7 +98,12 @@ class Tally:
         whole = sum(frame["pixels"] for frame in self.frames)
         below = (np.sum([frame["below"] for frame in self.frames], axis=0) / whole).tolist()
         median = int(np.searchsorted(np.cumsum(self._errors), whole / 2))
-        return {
+        sets = {
+            name: float(np.mean([frame[name] / frame["pixels"] for frame in self.frames]))
+            for name in COVERAGE
+            if name in self.frames[0]
+        }
+        return sets | {
             "delta_lt_1": below[0],
             "delta_lt_2": below[1],
             "delta_lt_3": below[2],

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 from scipy.special import softmax
+from scipy.stats import norm
 
-from cmtof.correlation import TAU, wrap_length
+from cmtof.correlation import wrap_length
 from cmtof.estimate import Estimate, without_holes, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import surfaces
@@ -25,7 +26,7 @@ PIXELS = 3.0  # weight w
 STRAY = 5e-4  # density r of groups that lie anywhere, per wrap
 LEAST = -8.0  # log-odds below which a network is not believed
 MOVES = np.arange(-20, 21)  # of a group, wraps
-_SHARPEST = 0.01  # least variance of an offset, wraps^2
+_SHARPEST = 1e-4  # least variance of an offset, wraps^2
 
 
 def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate:
@@ -68,12 +69,7 @@ def means_of_groups(
 
 def elected(tied: Tied, told: Array) -> Tied:
     """Surfaces at their likeliest moves, by their own offset and what was told (N, M) of each."""
-    spread = tied.spread[:, None]
-    off = (MOVES - (tied.mean - tied.wraps)[:, None]) / spread
-    prior = np.exp(-(off**2) / 2) / (np.sqrt(TAU) * spread)
-    share = softmax(np.log(prior + STRAY) + PIXELS * told, axis=1)
-    mean = share @ MOVES
-    variance = np.maximum(share @ MOVES**2 - mean**2, _SHARPEST)
-    wraps = tied.wraps + MOVES[share.argmax(axis=1)]
-    odds = share.max(axis=1)
-    return Tied(wraps, tied.group, tied.wraps + mean, np.sqrt(variance), odds)
+    mean = tied.share @ tied.moves
+    spread = np.sqrt(np.maximum(tied.share @ tied.moves**2 - mean**2, _SHARPEST))
+    prior = norm.pdf(MOVES, mean[:, None], spread[:, None])
+    return tied.moved(softmax(np.log(prior + STRAY) + PIXELS * told, axis=1))

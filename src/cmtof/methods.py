@@ -37,6 +37,7 @@ class Method:
     memory: int = 0  # bytes a pixel and 4 more a wrap, of those that take most: they go in tiles
     network: str = ""  # whose weights it needs
     one_beat: bool = False  # whether its confidence takes the beat for unique within the range
+    sets: bool = False  # whether `cmtof.estimate.SETS` hold for its confidence
 
     @property
     def summary(self) -> str:
@@ -64,7 +65,7 @@ class Method:
                 images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
             found = Estimate(*images)
         repeats = beat_repeats(measurement) if self.one_beat else 1
-        return Estimate(found.depth, found.confidence / repeats)
+        return found._replace(confidence=found.confidence / repeats)
 
     def _check(self, measurement: Measurement, options: Named) -> None:
         """Raise a ValueError if the measurement or an option does not fit the method."""
@@ -130,7 +131,7 @@ _ALL = (
         memory=540,
         one_beat=True,
     ),
-    Method("surfaces", "classical", "this project", surfaces, one_beat=True),
+    Method("surfaces", "classical", "this project", surfaces, one_beat=True, sets=True),
     _learned("u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"),
     _learned("one-step", "Wang et al. 2019", "Residual U-Net, narrowed: regression of depth"),
     _learned("deep-tof", "Su et al. 2018", "Encoder and decoder on raw correlations, narrowed"),
@@ -140,7 +141,15 @@ _ALL = (
     _learned("fast-scnn-fourier", _BAEK, "The paper's network without phase edges"),
     _learned("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
     _learned("fast-scnn-light", "this project", "A tenth of the paper's network, given the beat"),
-    Method("hybrid", "learned", "this project", hybrid, memory=1300, network="fast-scnn"),
+    Method(
+        "hybrid",
+        "learned",
+        "this project",
+        hybrid,
+        memory=1300,
+        network="fast-scnn",
+        sets=True,
+    ),
     Method("middle", "trivial", "", trivial.middle, frequencies=1),
     Method("uniform", "trivial", "", trivial.uniform, frequencies=1),
     Method("mode", "trivial", "", trivial.mode, frequencies=1, knows_truth=True),

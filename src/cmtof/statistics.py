@@ -4,6 +4,7 @@ Pixels of one frame are right or wrong together, so what varies from one test se
 its scenes: intervals come from redrawing scenes (the bootstrap of `scipy.stats`).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -61,6 +62,26 @@ def ratio_interval(
         rng=np.random.default_rng(seed),
     ).confidence_interval
     return Interval(value[()], *(np.where(known, end, np.nan)[()] for end in ends))
+
+
+def conformal_quantile(scores: Sequence[Array], level: float) -> float:
+    """Score up to which at least the share ``level`` of a new group's scores lies, on average.
+
+    ``scores`` holds an array of each of n groups, such as the pixels of a room; groups are alike
+    and independent, scores within one are not. A new group's risk, the share of its scores above q,
+    is at most ``1 - level`` in the mean if ``(n R(q) + 1) / (n + 1)`` is, with R the mean risk of
+    the n groups (conformal risk control: Angelopoulos, Bates, Fisch, Lei, Schuster, ICLR 2024).
+    Infinite if n groups are too few to tell.
+
+    >>> conformal_quantile(np.arange(1, 9).reshape(4, 2), 0.5)
+    5.0
+    """
+    share = level * (1 + 1 / len(scores))
+    if share > 1:
+        return np.inf
+    weights = np.concatenate([np.full(len(one), 1 / len(one)) for one in scores])
+    every = np.concatenate(scores)
+    return float(np.quantile(every, share, weights=weights, method="inverted_cdf"))
 
 
 class Reliability(NamedTuple):

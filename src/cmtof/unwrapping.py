@@ -16,12 +16,12 @@ from cmtof.correlation import (
     wrap_count_from_depth,
     wrap_length,
 )
-from cmtof.estimate import Estimate, within_range
+from cmtof.estimate import Components, Estimate, sets_of_wraps, within_range
 from cmtof.files import AnyPath, written_whole
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
 from cmtof.storage import opened_dataset, save_dataset
-from cmtof.types import Pair
+from cmtof.types import Fields, Pair
 
 Unwrapped = tuple[float, Measurement, Dataset]  # share of the image, measurement, result
 
@@ -43,7 +43,13 @@ def unwrap(
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
     frequency, -1 where masked or without a phase; ``depth``, m, of the measured phase with the
-    wraps consistent with it, NaN there; ``confidence`` in [0, 1].
+    wraps consistent with it, NaN there; ``confidence`` in [0, 1]. ``surfaces`` and ``hybrid`` add
+
+    - ``within_90`` and ``within_95``: how far, in wraps, the true count lies from ``wrap_count`` at
+      most, in 90 and 95 % of the pixels of an average room; -1 where masked;
+    - ``component``: pixels that share one offset, numbered from 1, the largest first, 0 for none;
+    - ``component_odds`` (number, offset): probability that the component lies so many wraps
+      farther than its depth; it is right at offset 0.
 
     >>> import cmtof
     >>> measurement = cmtof.simulate(cmtof.load_frame("still_life"), noise_free=True)
@@ -69,12 +75,30 @@ def unwrap(
         **{f"option_{k}": str(v) if isinstance(v, Path) else v for k, v in options.items()},
         "version": measurement.dataset.attrs.get("version", ""),
     }
-    return Dataset(_images(estimate, measurement, min_confidence), attrs=attributes)
+    images = _images(estimate, measurement, min_confidence)
+    if chosen.sets:
+        images |= _doubts(images, estimate.components, measurement)
+    return Dataset(images, attrs=attributes)
 
 
-def _images(
-    estimate: Estimate, measurement: Measurement, min_confidence: float
-) -> dict[str, tuple[Any, ...]]:
+def _doubts(images: Fields, components: Components | None, measurement: Measurement) -> Fields:
+    """Sets of wraps, and components with their odds unless the method went in tiles."""
+    known = images["wrap_count"][1] >= 0
+    sets = sets_of_wraps(images["confidence"][1], measurement)
+    found: Fields = {
+        name: (("y", "x"), np.where(known, most, -1).astype(np.int16))
+        for name, most in sets.items()
+    }
+    if components:
+        label, odds = components
+        found["component"] = ("y", "x"), np.where(known, label, 0).astype(np.int32)
+        found["component_odds"] = ("number", "offset"), odds.astype(np.float32)
+        found["number"] = "number", np.arange(len(odds)) + 1
+        found["offset"] = "offset", np.arange(odds.shape[1]) - odds.shape[1] // 2
+    return found
+
+
+def _images(estimate: Estimate, measurement: Measurement, min_confidence: float) -> Fields:
     """Wrap count, depth and confidence of an estimate, the measured phase in every depth."""
     frequency = measurement.frequencies[0]
     phase = measurement.phase[0]
@@ -137,12 +161,13 @@ def _unwrap_tiles(
         held = structured(handle)
         height = held.sizes["y"]
         width = held.sizes["x"]
-        if shutil.disk_usage(part.parent).free < (need := 12 * height * width):  # or HDF5 ends all
+        if shutil.disk_usage(part.parent).free < (need := 16 * height * width):  # or HDF5 ends all
             raise OSError(f"Expected {need} bytes free for {output}, got less. Free some.")
         with h5netcdf.File(part, "w") as file:
             file.dimensions = {"y": height, "x": width}
             for seen, inner, place in tiles(held, tile, margin):
-                found = unwrap(seen, **how).isel(inner)
+                found = unwrap(seen, **how).drop_dims(("number", "offset"), errors="ignore")
+                found = found.drop_vars("component", errors="ignore").isel(inner)
                 _write_tile(file, found, place)
                 file.attrs.update(found.attrs | {"tile": tile, "margin": margin})
                 yield (

@@ -40,12 +40,15 @@ def views_of_size(height: int, width: int) -> list[Frame]:
     return [view_across(int(room.rpartition("_")[2]), settings) for room in rooms]
 
 
-def views() -> Iterator[Frame]:
-    """Views that fit the rule; prints the share of pixels that the released protocol scores."""
-    for index in range(SETTINGS.scenes):
-        if split_of(index) != "test":
+def views(settings: Settings = SETTINGS, *, tested: bool = True) -> Iterator[Frame]:
+    """Views that fit the rule; prints the share of pixels that the released protocol scores.
+
+    Of other rooms than those that are tested if not ``tested``.
+    """
+    for index in range(settings.scenes):
+        if (split_of(index) == "test") != tested:
             continue
-        frame = view_across(index)
+        frame = view_across(index, settings)
         coverage = simulate(frame, noise_free=True).mask.mean()
         if COVERAGE[0] <= coverage <= COVERAGE[1]:
             print(f"{frame.name}: {coverage:.0%} scored", flush=True)

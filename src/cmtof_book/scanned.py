@@ -39,6 +39,7 @@ from cmtof_lab.targets import MeshTarget, Target, scene_from
 Rows = dict[str, Values]
 
 RATES = RESULTS / "scanned.json"
+FOLDER = Path("build/scanned")  # of the scans
 TUNED = RESULTS / "scanned"  # Folder of the fine-tuned weights
 
 SHOWN = ("bust", "helmet", "owl", "table")
@@ -322,7 +323,7 @@ def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
 
 def main(
     again: Annotated[list[str], typer.Option(default_factory=list)],
-    folder: Annotated[Path, typer.Argument()] = Path("build/scanned"),
+    folder: Annotated[Path, typer.Argument()] = FOLDER,
     legs: int = MOST_LEGS,
 ) -> None:
     """Compute what is missing, and store it."""

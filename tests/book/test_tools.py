@@ -4,11 +4,12 @@ import json
 import subprocess
 from pathlib import Path
 
-from pytest import mark, raises
+from pytest import approx, mark, raises
 
+from cmtof.estimate import SETS
 from cmtof.evaluation import Evaluation, read_counts
 from cmtof.frame import held_out_frames
-from cmtof_book import ROOT, figures, graph, pairs, tables
+from cmtof_book import RESULTS, ROOT, figures, graph, pairs, tables
 
 BOOK = graph.Book(ROOT)
 
@@ -59,6 +60,11 @@ def test_unknown_profiles_and_notebooks_are_refused(tmp_path):
 def test_notebook_pairs_agree():
     scripts = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
     assert not [s.stem for s in scripts if not pairs.same(s)], "run make pairs"
+
+
+def test_sets_of_wraps_have_the_half_widths_that_were_calibrated():
+    held = json.loads((RESULTS / "coverage.json").read_text())["half-widths"]
+    assert held == approx(SETS, abs=0.01)
 
 
 def draw(folder, stem, *, source=None, drawing="<svg/>"):

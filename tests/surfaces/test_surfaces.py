@@ -94,6 +94,20 @@ def test_turned_and_mirrored_images_have_turned_answers(clean_corner, clean):
     assert np.mean(np.flip(unwrapped(mirrored)[0], 1) == clean[0]) >= 0.98
 
 
+def test_components_are_bodies_whose_surfaces_meet(clean_corner):
+    """Walls, floor and box meet; two planes with darkness between them do not."""
+    room = cmtof.unwrap(clean_corner)
+    assert np.mean(room.component == 1) > 0.95
+    assert room.component_odds.sel(number=1, offset=0) > 0.9
+    columns = np.arange(SHAPE[1])
+    left, right = (plane_depth(normal, z)[0] for normal, z in (((0, 0.5, 1), 2), ((0, 0, 1), 3)))
+    light = np.broadcast_to(np.abs(columns - 90) > 10, SHAPE)
+    apart = Frame(np.where(columns < 90, left, right), light.astype(float), np.array(CAMERA))
+    result = cmtof.unwrap(simulate(apart, protocol="full", seed=1))
+    assert np.mean(result.component[:, :75] == 1) > 0.95
+    assert np.mean(result.component[:, 105:] == 2) > 0.95
+
+
 @mark.parametrize("kind", ["waves", "rough"])
 def test_uneven_walls_keep_their_wraps(kind, rng):
     """Waves of 0.1 wraps over 24 px, or 0.12 wraps (rms) a pixel; unevenness is followed too."""

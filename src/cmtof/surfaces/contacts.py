@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.special import expit, softmax
 
 from cmtof.correlation import TAU
+from cmtof.estimate import Components
 from cmtof.surfaces.field import Field
 from cmtof.surfaces.placing import Offsets, depth_of_labels, depth_of_pixels
 from cmtof.surfaces.roughness import sum_nearby, turned_back
@@ -29,6 +30,7 @@ _CLOSE = (0.25, 0.1)  # distances, wraps, from the same whole wraps, at which bo
 # Log-odds that surfaces meet: without evidence; by the shares of their border that are close; by
 # the mean of the latter over all borders; by the log of the length; by slope, wraps per pixel.
 _MEETING = (-3.85, 1.66, 1.27, 2.75, 0.41, -0.61)
+_FAR = 10  # offset, wraps, up to which the odds of components are told
 _FARTHEST = 32  # offset, wraps, from that of the surface alone
 _STRAY = 1e-5  # share of surfaces whose own offset says nothing
 _OUTSIDE = 1e-6  # density of offsets beyond the limits
@@ -51,9 +53,27 @@ class Tied(NamedTuple):
 
     wraps: Array  # whole, to add
     group: Numbers  # of those whose contacts hold
-    mean: Array  # of the offset, wraps
-    spread: Array  # its standard deviation
-    odds: Array  # probability of these wraps
+    share: Array  # probability (N, M) of each to lie (1 - M) / 2 to (M - 1) / 2 wraps beyond
+
+    @property
+    def moves(self) -> Numbers:
+        """Wraps (M,) of the probabilities."""
+        count = self.share.shape[1]
+        return np.arange(count) - count // 2
+
+    @property
+    def odds(self) -> Array:
+        """Probability of these wraps."""
+        return self.share[:, self.share.shape[1] // 2]
+
+    def moved(self, share: Array) -> "Tied":
+        """Surfaces at their likeliest moves from these wraps, by probabilities (N, M) of them."""
+        most = share.shape[1] // 2
+        best = share.argmax(axis=1)
+        padded = np.pad(share, ((0, 0), (2 * most, 2 * most)))
+        place = best[:, None] + np.arange(4 * most + 1)
+        share = np.take_along_axis(padded, place, axis=1)
+        return Tied(self.wraps + best - most, self.group, share)
 
 
 def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
@@ -107,42 +127,52 @@ def tied(found: Offsets, borders: Borders, limits: Array, repeat: float) -> Tied
     probabilities at a without the message from b, P those that both meet, M the number of offsets,
     and L < 1, since the same evidence comes back around loops.
     """
-    count = found.mean.size
-    low, high = limits
-    turns = np.ceil(np.where(np.isfinite(low), low - found.mean, 0) / repeat) * repeat
-    own = found.mean + np.where(found.mean + turns < high, turns, 0)
+    low, high = limits[..., None]
+    mean = found.mean[:, None]
+    turns = np.ceil(np.nan_to_num(low - mean, neginf=0.0) / repeat) * repeat
+    own = mean + np.where(mean + turns < high, turns, 0)
     base = np.rint(np.clip(own, low, high)).astype(int)
     offsets = np.arange(-_FARTHEST, _FARTHEST + 1)
-    off = (offsets - (own - base)[:, None]) / np.hypot(found.spread, 0.3)[:, None]
+    off = (offsets - (own - base)) / np.hypot(found.spread, 0.3)[:, None]
     density = softmax(-(off**2) / 2, axis=1) + _STRAY / offsets.size
-    every = base[:, None] + offsets
-    alone = np.log(
-        np.where((every > low[:, None] - 1) & (every < high[:, None] + 1), density, _OUTSIDE)
-    )
+    every = base + offsets
+    alone = np.log(np.where((every > low - 1) & (every < high + 1), density, _OUTSIDE))
     source = np.append(borders.first, borders.second)
     target = np.append(borders.second, borders.first)
-    step = np.append(borders.step, -borders.step) + base[source] - base[target]
+    step = np.append(borders.step, -borders.step)[:, None] + base[source] - base[target]
     meets = np.tile(borders.odds, 2)[:, None]
-    place = np.arange(offsets.size) - step[:, None]
-    inside = (place >= 0) & (place < offsets.size)
-    place = np.where(inside, place, 0)
+    place = np.clip(np.arange(offsets.size) - step, -1, offsets.size) + 1
     message = np.zeros((source.size, offsets.size))
     belief = alone
     for _ in range(_ROUNDS):
         back = np.roll(message, len(borders.first), axis=0)  # the message the other way
-        told = softmax(belief[source] - back, axis=1)
-        told = np.where(inside, np.take_along_axis(told, place, axis=1), 0)
+        told = np.pad(softmax(belief[source] - back, axis=1), ((0, 0), (1, 1)))
+        told = np.take_along_axis(told, place, axis=1)
         new = _LOOP * np.log(meets * told + (1 - meets) / offsets.size)
         message = _DAMPING * message + (1 - _DAMPING) * (new - new.max(axis=1, keepdims=True))
         belief = alone.copy()
         np.add.at(belief, target, message)
     share = softmax(belief, axis=1)
-    best = share.argmax(axis=1) if count else np.zeros(0, int)
-    wraps = base + offsets[best]
-    mean = share @ offsets
+    alike = Tied(base[:, 0].astype(float), np.zeros(0, int), share).moved(share)
+    return alike._replace(group=groups(alike.wraps, borders))
+
+
+def groups(wraps: Array, borders: Borders) -> Numbers:
+    """Group (N,) of surfaces joined by borders that hold."""
     holds = wraps[borders.first] + borders.step == wraps[borders.second]
     links = borders.first[holds], borders.second[holds]
-    graph = coo_array((np.ones(holds.sum(), bool), links), (count, count))
-    group = connected_components(graph, directed=False)[1] if count else best
-    spread = np.sqrt(np.maximum(share @ offsets**2 - mean**2, 1e-4))
-    return Tied(wraps.astype(float), group, base + mean, spread, share[np.arange(count), best])
+    graph = coo_array((np.ones(holds.sum(), bool), links), (wraps.size, wraps.size))
+    return connected_components(graph, directed=False)[1]
+
+
+def components(tied: Tied, borders: Borders, label: Numbers) -> Components:
+    """Components of surfaces that meet, of pixels labelled (H, W) by surface, -1 for none."""
+    group = groups(tied.wraps, borders)
+    pixels = np.bincount(label[label >= 0], minlength=group.size)
+    odds = np.zeros((group.size, 2 * _FAR + 1))
+    np.add.at(odds, group, pixels[:, None] * tied.share[:, np.abs(tied.moves) <= _FAR])
+    size = np.bincount(group, pixels, group.size)
+    order = np.argsort(-size, kind="stable")
+    number = np.append(np.argsort(order)[group] + 1, 0)  # of each surface, and of none
+    order = order[: np.count_nonzero(size)]
+    return Components(number[label], odds[order] / size[order, None])

@@ -18,7 +18,7 @@ from cmtof.classical.beat import beat, synthetic_frequency
 from cmtof.classical.region import nearest
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
-from cmtof.estimate import Estimate, within_range
+from cmtof.estimate import Components, Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
 from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
@@ -64,6 +64,7 @@ class Stages(NamedTuple):
     tied: contacts.Tied
     depth: Array  # of all pixels, m
     confidence: Array
+    components: Components  # of the image without its padding
 
 
 def surfaces(
@@ -79,7 +80,8 @@ def surfaces(
     found = stages(measurement, without, elect)
     height, width = measurement.shape
     depth = within_range(found.depth[:height, :width], measurement)
-    return Estimate(depth, np.where(measurement.mask, found.confidence[:height, :width], 0))
+    sure = np.where(measurement.mask, found.confidence[:height, :width], 0)
+    return Estimate(depth, sure, found.components)
 
 
 def stages(
@@ -95,9 +97,8 @@ def stages(
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
     gain = np.inf if "bent" in without else GAIN
-    # through an assumed lens what a surface lacks in shape would look like roughness
-    roughest = 0.0 if measurement.camera is None else ROUGHEST
-    owner, surfaces = grown_surfaces(field, gain=gain, roughest=roughest)
+    known = measurement.camera is not None  # or what a shape lacks would look like roughness
+    owner, surfaces = grown_surfaces(field, gain=gain, roughest=ROUGHEST * known)
     label, share = placing.pixel_labels(field, owner, surfaces)
     inner = placing.interiors(label, share)
     main, cut = placing.parted(field, inner, surfaces)
@@ -109,7 +110,7 @@ def stages(
         label, share = placing.pixel_labels(field, owner, surfaces)
         inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
-    shape = "shape" not in without and measurement.camera is not None  # else it is assumed
+    shape = "shape" not in without and known
     explained = label >= 0
     everywhere = label[nearest(explained)]
     depth = placing.depth_of_labels(field, everywhere, surfaces)
@@ -128,6 +129,8 @@ def stages(
         joined = elect(joined, depth[inside], masked) if elect else joined
         depth = depth + field.period * joined.wraps[everywhere]
         depth = _departed(field, depth, np.append(cells.rough, 0)[label])
+    believed = np.interp(joined.odds, *CALIBRATION) / joined.odds
+    joined = joined._replace(share=joined.share * believed[:, None])
     odds = joined.odds[everywhere] if len(surfaces) else np.zeros(label.shape)
     distance = np.where(explained.any(), distance_transform_edt(~explained), np.inf)
     lost = ~np.isfinite(depth) | ((distance > REACH) & ("fill" not in without))
@@ -135,11 +138,12 @@ def stages(
         depth[inside] = np.where(lost[inside], beat(measurement).depth, depth[inside])
     elected, votes = voted(field, depth, explained, alone.closure)
     depth = np.where(votes > 0, elected, depth)
-    fits = np.where(explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE))
-    odds = np.interp(odds, *CALIBRATION) * fits
+    odds *= np.where(explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE))
     odds += NARROW * odds * (1 - odds) * (np.ptp(field.limits) < 100 * field.period)
     odds = np.where(votes > 0, np.interp(votes, *VOTING), odds)
-    return Stages(field, owner, label, surfaces, alone, touching, joined, depth, odds)
+    masked[votes[inside] > 0] = -1
+    parts = contacts.components(joined, touching, masked)
+    return Stages(field, owner, label, surfaces, alone, touching, joined, depth, odds, parts)
 
 
 def _departed(field: Field, depth: Array, rough: Array) -> Array:

@@ -1,0 +1,121 @@
+"""Sets of wraps by split conformal prediction over rooms, and how often they hold the true one.
+
+    python -m cmtof_book.coverage
+
+A pixel of confidence c has the set of wraps up to q (1 - c) / c from its own. Here q is computed
+from rooms of one seed, for `cmtof.estimate.SETS`, and the sets are counted on rooms of another, on
+uneven ones, and on scans of `cmtof_book.scanned`, in the same folder. Everything is simulated.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from itertools import islice
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+from scipy.stats import sem
+
+from cmtof import __version__, simulate, unwrap
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import wrap_length
+from cmtof.estimate import SETS
+from cmtof.evaluation import COVERAGE, Tally, scored_pixels
+from cmtof.frame import Frame
+from cmtof.measurement import Measurement
+from cmtof.simulation import staged_depth
+from cmtof.statistics import conformal_quantile
+from cmtof.types import Array, Fields, Values
+from cmtof_book import RESULTS
+from cmtof_book.frames import SETTINGS, views
+from cmtof_book.scanned import FOLDER, SHOWN, Counts, kept_scan
+
+CALIBRATED, CHECKED = (301, 80), (613, 40)
+"""Seed of the rooms, and how many."""
+
+EVERY = 16  # pixels, of which one counts in the calibration
+
+LEVELS = {f"released, σ = {noise}": {"noise": float(noise)} for noise in (300, 1200, 2000)}
+CONDITIONS: dict[str, Fields] = LEVELS | {"full, σ = 1200": {"protocol": "full"}}
+"""Options of the simulation."""
+
+SOME = ("released, σ = 1200", "full, σ = 1200")
+"""Conditions of the `hybrid`."""
+
+UNEVEN = {"released, σ = 1200, waves": True, "released, σ = 1200, rough": False}
+"""Whether walls have waves of 0.02 to 0.3 wraps, 8 to 50 px wide, or 0.12 wraps a pixel."""
+
+
+def rooms(seed: int, count: int) -> Iterator[tuple[int, Frame]]:
+    """Numbered views of rooms, none of which is of the test set."""
+    return enumerate(islice(views(replace(SETTINGS, seed=seed), tested=False), count))
+
+
+def calibrated() -> Values:
+    """Half-widths of the sets over the odds against a pixel's wraps."""
+    scores = []
+    for number, frame in rooms(*CALIBRATED):
+        seen = [simulate(frame, frame_number=number, **how) for how in CONDITIONS.values()]
+        scores.append(np.concatenate([scores_of(one) for one in seen]))
+    return {name: conformal_quantile(scores, int(name[-2:]) / 100) for name in SETS}
+
+
+def scores_of(measurement: Measurement) -> Array:
+    """Wraps off over the odds against a pixel's wraps."""
+    pixels = scored_pixels(unwrap(measurement), measurement)
+    off = np.abs(pixels["wrap_count"] - pixels["true_count"])[::EVERY]
+    sure = pixels["confidence"][::EVERY]
+    return off * sure / (1 - sure)
+
+
+def uneven(frame: Frame, number: int, waves: bool) -> Frame:
+    """The frame as the released protocol scales it, with uneven walls."""
+    rng = np.random.default_rng(number)
+    tones = np.array(FREQUENCIES)
+    depth, *_ = staged_depth(frame.depth, protocol="released", frequencies=tones)
+    off = rng.standard_normal(depth.shape)
+    size = 0.12
+    if waves:
+        size, width = np.exp(rng.uniform(*np.log([(0.02, 8.0), (0.3, 50.0)])))
+        off = gaussian_filter(off, width / 2)
+    return replace(frame, depth=depth + wrap_length(tones[0]) * size / off.std() * off)
+
+
+def measurements(condition: str, frames: Iterable[tuple[int, Frame]]) -> Iterator[Measurement]:
+    """Measurements of numbered frames under a condition."""
+    for number, frame in frames:
+        seen = uneven(frame, number, UNEVEN[condition]) if condition in UNEVEN else frame
+        yield simulate(seen, frame_number=number, **CONDITIONS.get(condition, {}))
+
+
+def counted(method: str, measurements: Iterable[Measurement]) -> Fields:
+    """Means over rooms of the shares right and covered and of the wraps in a set; their errors."""
+    shares = []
+    for seen in measurements:
+        counts = Tally().add(scored_pixels(unwrap(seen, method=method), seen))
+        kept = [counts["below"][0], *(counts[name] for name in COVERAGE)]
+        shares.append(np.divide(kept, counts["pixels"]))
+    names = ("right", *COVERAGE)
+    found = {"means": np.mean(shares, axis=0), "errors": sem(shares)}
+    by_name = {kind: dict(zip(names, each, strict=True)) for kind, each in found.items()}
+    return {"rooms": len(shares)} | by_name
+
+
+def main() -> None:
+    """Compute what is missing, and store it."""
+    counts = Counts(RESULTS / "coverage.json")
+    counts.store(command="python -m cmtof_book.coverage", version=__version__)
+    counts.keep("half-widths", of=calibrated)
+    frames = [*rooms(*CHECKED)]
+    seen = {one: measurements(one, frames) for one in (*CONDITIONS, *UNEVEN)}
+    for noise in ("photon", "captures"):
+        seen[f"scans, {noise}"] = map(partial(kept_scan, FOLDER, noise=noise), SHOWN)
+    for condition, these in seen.items():
+        counts.keep("checked", "surfaces", condition, of=partial(counted, "surfaces", these))
+    for condition in SOME:
+        these = measurements(condition, frames)
+        counts.keep("checked", "hybrid", condition, of=partial(counted, "hybrid", these))
+
+
+if __name__ == "__main__":
+    main()
