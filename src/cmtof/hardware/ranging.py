@@ -2,7 +2,7 @@ r"""Three instruments before the target on its stage, as in Fig. 13: readings an
 
 The all-optical one ("reference") steps the reference phase within a burst. RF demodulation ("rf")
 takes I and Q of the fast photodiode as two inputs: what they show without light is taken away, and
-a turn of the emission's phase tells by how much Q is too large, g, and off a right angle, e,
+a turn of the emission's phase shows by how much Q is too large, g, and off a right angle, e,
 
 .. math:: V = I + i\,\frac{Q / g - I \sin e}{\cos e}.
 
