@@ -28,7 +28,7 @@ def test_harmonic_sum_equals_the_time_integral_of_any_waveforms(phase, psi):
 
 
 def test_contrast_of_two_sinusoids_is_half_the_product_of_theirs():
-    wave = sinusoid(1.0, 0.5)
+    wave = sinusoid(4.0, 2.0)
     assert co.correlation_contrast(wave, wave) == approx(0.5 * 0.5 / 2, rel=1e-12)
 
 

@@ -11,7 +11,7 @@ from scipy.special import jv
 
 from cmtof import jones
 from cmtof.constants import SPEED_OF_LIGHT
-from cmtof.correlation import TAU, correlation_contrast
+from cmtof.correlation import TAU
 from cmtof.modulator import (
     DOUBLED,
     SINGLE,
@@ -39,15 +39,6 @@ def test_half_wave_plate_sets_the_bias_and_cancels_static_birefringence(voltage,
     modulator = replace(SINGLE, half_wave_angle=angle, static_retardance=static)
     expected = (1 + np.cos(8 * angle + 2 * voltage + 2 * static)) / 2
     assert modulator.transmission(voltage) == approx(expected, abs=1e-13)
-
-
-@mark.parametrize("eta", ETAS)
-def test_waveforms_are_the_exact_lines_of_equations_16_and_19(eta):
-    drive = eta * np.sin(THETA)
-    single = replace(SINGLE, eta=eta).waveform(THETA)
-    doubled = replace(DOUBLED, eta=eta).waveform(THETA)
-    assert_allclose(single, (1 - np.sin(2 * drive)) / 2, atol=1e-14)
-    assert_allclose(doubled, (1 - np.cos(2 * drive)) / 2, atol=1e-14)
 
 
 @mark.parametrize("eta", ETAS)
@@ -105,11 +96,6 @@ def test_modes_have_their_contrasts_and_throughputs(eta):
     assert modulator.contrast() == approx(np.sin(2 * eta), abs=1e-14)
     assert modulator.modulation_depth() == approx(2 * jv(1, 2 * eta), abs=1e-14)
     assert modulator.throughput() == approx(0.5, abs=1e-14)
-    w = modulator.harmonics(12)
-    assert correlation_contrast(w, w) == approx(2 * jv(1, 2 * eta) ** 2, abs=1e-13)
-    w = replace(DOUBLED, eta=eta).harmonics(12)[::2]
-    expected = 2 * jv(2, 2 * eta) ** 2 / (1 - jv(0, 2 * eta)) ** 2
-    assert correlation_contrast(w, w) == approx(expected)
 
 
 def test_doubled_drive_on_the_single_modes_spacing_is_late_by_9_mrad():

@@ -36,9 +36,9 @@ MISTAKES = {
     ),
     "half of eta": Mistake(
         "modulator.py",
-        "self.eta * np.sin(theta), self.eta * np.sin(theta + self.pass_delay)",
-        "self.eta / 2 * np.sin(theta), self.eta / 2 * np.sin(theta + self.pass_delay)",
-        "test_modulator.py::test_waveforms_are_the_exact_lines_of_equations_16_and_19",
+        "self.eta * np.sin(phase), self.eta * np.sin(second)",
+        "self.eta / 2 * np.sin(phase), self.eta / 2 * np.sin(second)",
+        "test_modulator.py::test_harmonics_equal_bessel_values",
     ),
     "one Bessel order": Mistake(
         "modulator.py",

@@ -3,15 +3,12 @@
 from functools import cache
 
 import numpy as np
-import xarray as xr
-from numpy.testing import assert_array_equal
 from pytest import fixture, mark
 
 import cmtof
 from cmtof.correlation import TAU, wrap_length
 from cmtof.evaluation import measured
 from cmtof.measurement import Measurement
-from cmtof.unwrapping import unwrap_file
 
 FAST = ["beat", "beat-guided", "crt", "crt-closed-form", "crt-ml", "kde", "middle", "mrf", "phasor"]
 FAST += ["region", "spatial", "fast-scnn-light", "surfaces"]
@@ -123,13 +120,3 @@ def test_a_slightly_moved_range_moves_few_wraps(scene, name, by):
     m = scene(name, noise_free=True) if name in POINTWISE else scene(name)
     whole, found = wraps_of(name, m, m.between(*(end + by for end in m.range)))
     assert np.mean(whole == found) > 0.95
-
-
-@mark.parametrize("name", FAST)
-def test_a_saved_measurement_gives_the_same_wraps(scene, name, tmp_path):
-    scene(name).save(tmp_path / "m.nc")
-    whole = cmtof.unwrap(scene(name), method=name)
-    xr.testing.assert_equal(cmtof.unwrap(cmtof.open(tmp_path / "m.nc"), method=name), whole)
-    if name in POINTWISE:
-        list(unwrap_file(tmp_path / "m.nc", tmp_path / "t.nc", tile=40, margin=8, method=name))
-        assert_array_equal(xr.load_dataset(tmp_path / "t.nc").wrap_count, whole.wrap_count)

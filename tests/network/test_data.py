@@ -5,7 +5,7 @@ import torch
 from pytest import approx, mark, raises, warns
 
 import cmtof
-from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME
+from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, centred, wrap_length
 from cmtof.frame import Source
 from cmtof.network import data
@@ -19,15 +19,11 @@ def flat(depth, intensity, sigma, side=200, seed=0):
     return data.batch_of([(depth * whole, intensity * whole, sigma, np.random.default_rng(seed))])
 
 
-def test_noise_free_phasors_are_those_of_the_depth():
-    batch = flat(0.91, 0.7, 0.0, 1)._replace(noise=torch.zeros(1, 4, 2, 1, 1))
-    phase, amplitude, images = (found.numpy().squeeze() for found in data.phasors(batch))
-    expected = TAU * 0.91 / wrap_length(np.array(FREQUENCIES)) % TAU
-    assert phase == approx(expected, abs=1e-4)
-    full = GAIN * INTEGRATION_TIME
-    assert amplitude == approx(0.7 * full / np.pi, rel=1e-5)
-    closed = 0.5 + np.cos(expected[:, None] + np.arange(4) * TAU / 4) / np.pi
-    assert images == approx(0.7 * full * closed, rel=1e-4)
+def test_noise_free_phases_are_those_of_the_depth():
+    batch = flat(7.1, 0.7, 0.0, 1)._replace(noise=torch.zeros(1, 4, 2, 1, 1))
+    phase = data.phasors(batch)[0].numpy().squeeze()
+    # single precision would lose 0.3 mrad over 700 wraps
+    assert phase == approx(TAU * 7.1 / wrap_length(np.array(FREQUENCIES)) % TAU, abs=1e-4)
 
 
 def test_images_have_the_simulators_mean_and_noise(flat_wall):
