@@ -32,6 +32,14 @@ def tilted_wall():
 
 
 @fixture(scope="session")
+def stepped_wall():
+    """A slanted wall within the released wraps, with a step in the middle."""
+    y, x = np.mgrid[:40, :56]
+    depth = 0.9 + 0.0004 * x + 0.0002 * y + 0.12 * (x > 30)
+    return Frame(depth * 1.195 / np.percentile(depth, 99.9), 0.6 + 0.004 * y, None, "wall", "")
+
+
+@fixture(scope="session")
 def flat_wall():
     """Maker of a square wall: its side, px, its depth, m, and its brightness."""
 

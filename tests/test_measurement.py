@@ -7,6 +7,7 @@ import h5netcdf
 import h5py
 import numpy as np
 import xarray as xr
+from hostile_inputs import external_link, netcdf, netcdf_3, plain_hdf5, virtual_dataset
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark, raises
 
@@ -131,25 +132,14 @@ def test_phases_of_any_turn_are_wrapped():
     assert_allclose(found.phase, np.mod(phase, TAU), atol=1e-12)
 
 
-def netcdf_3(dataset, path):
-    dataset.to_netcdf(path, engine="scipy")
-
-
-def psi_undeclared(dataset, path):
-    dataset.reset_coords("psi").to_netcdf(path, engine="h5netcdf")
-
-
-def plain_hdf5(dataset, path):
-    with h5py.File(path, "w") as file:
-        for name, variable in dataset.variables.items():
-            file[name] = variable.to_numpy()
-        file.attrs.update(range_min=0.0, range_max=dataset.attrs["range_max"])
+def psi_undeclared(dataset):
+    return netcdf(dataset.reset_coords("psi"))
 
 
 @mark.parametrize("write", [netcdf_3, psi_undeclared, plain_hdf5])
 def test_files_of_other_writers_open(tmp_path, write):
     whole = made(mask=~LEFT_OUT)
-    write(whole.dataset, tmp_path / "m.nc")
+    (tmp_path / "m.nc").write_bytes(write(whole.dataset))
     found = cmtof.open(tmp_path / "m.nc")
     assert_array_equal(found.phase, whole.phase)
     assert_array_equal(found.mask, whole.mask)
@@ -171,25 +161,15 @@ def test_anything_else_is_kept_as_an_attribute(tmp_path, value, kept):
     assert cmtof.open(tmp_path / "m.nc").dataset.attrs["note"] == kept
 
 
-def external_link(file):
-    file["dark"] = h5py.ExternalLink("other.nc", "/dark")
-
-
-def external_storage(file):
-    file.create_dataset("dark", (8,), "u1", external=[("other.nc", 0, 8)])
-
-
-def virtual_dataset(file):
-    layout = h5py.VirtualLayout((8,), "u1")
-    layout[:] = h5py.VirtualSource("other.nc", "dark", (8,))
-    file.create_virtual_dataset("dark", layout)
+def external_storage(file, other):
+    file.create_dataset("dark", (8,), "u1", external=[(other, 0, 8)])
 
 
 @mark.parametrize("reach", [external_link, external_storage, virtual_dataset])
 def test_a_file_cannot_reach_into_another(tmp_path, reach):
     made().save(tmp_path / "m.nc")
     with h5py.File(tmp_path / "m.nc", "r+") as file:
-        reach(file)
+        reach(file, "other.nc")
     with raises(ValueError, match="another file"):
         cmtof.open(tmp_path / "m.nc")
 

@@ -20,7 +20,6 @@ from cmtof.correlation import TAU, centred, wrap_length
 from cmtof.measurement import Measurement
 from cmtof.network import inference, weights
 from cmtof.network.features import features
-from cmtof.scenes import Frame
 from cmtof_book import ROOT, laboratory
 
 SCRIPTS = ROOT / "book" / "_static" / "laboratory"
@@ -71,17 +70,8 @@ REFUSED = {
 
 
 @fixture(scope="module")
-def frame():
-    """A slanted wall within the released wraps, with a step, 24 x 32 px."""
-    y, x = np.mgrid[:24, :32]
-    depth = 0.9 + 0.0004 * x + 0.0002 * y + 0.12 * (x > 17)
-    depth *= 1.195 / np.percentile(depth, 99.9)
-    return Frame(depth, 0.6 + 0.01 * y, None, "wall", "")
-
-
-@fixture(scope="module")
-def measurement(frame):
-    return cmtof.simulate(frame, noise_free=True, phase_offset=(0.0, OFFSET))
+def measurement(stepped_wall):
+    return cmtof.simulate(stepped_wall, noise_free=True, phase_offset=(0.0, OFFSET))
 
 
 @fixture(scope="module")
@@ -101,19 +91,20 @@ def unwrapped(request, page, measurement, phases):
 
 @fixture(scope="module")
 def logits():
-    return np.random.default_rng(2).normal(size=(21, 24 * 32))
+    return np.random.default_rng(2).normal(size=(21, 40 * 56))
 
 
 @fixture(scope="module")
-def page(frame, measurement, phases, logits, tmp_path_factory):
+def page(stepped_wall, measurement, phases, logits, tmp_path_factory):
     """What the scripts of the page compute."""
     folder = tmp_path_factory.mktemp("laboratory")
-    normal = np.random.default_rng(1).normal(size=4 * frame.depth.size)
+    normal = np.random.default_rng(1).normal(size=4 * stepped_wall.depth.size)
     images = zip(measurement.phase, measurement.amplitude, strict=True)
     rows = StringIO()
     np.savetxt(rows, np.vstack(centred(phases.phase)), "%.6f", ",")
+    light = stepped_wall.intensity
     given = {
-        "scene": {"width": 32, "height": 24, "depth": measurement.depth, "light": frame.intensity},
+        "scene": {"width": 56, "height": 40, "depth": measurement.depth, "light": light},
         "frequencies": FREQUENCIES,
         "offset": OFFSET,
         "side": SIDE,

@@ -113,19 +113,28 @@ def plain_hdf5(data):
     with h5py.File(buffer := io.BytesIO(), "w") as file:
         for name, variable in data.variables.items():
             file[name] = variable.to_numpy()
+        file.attrs.update(data.attrs)
     return buffer.getvalue()
+
+
+def external_link(file, other):
+    """Have an HDF5 file take a variable out of another one."""
+    file["dark"] = h5py.ExternalLink(other, "/dark")
+
+
+def virtual_dataset(file, other):
+    """Have an HDF5 file take the numbers of a variable out of another one."""
+    layout = h5py.VirtualLayout((8,), "u1")
+    layout[:] = h5py.VirtualSource(other, "dark", (8,))
+    file.create_virtual_dataset("dark", layout)
 
 
 def reaching_out(rng, data):
     """Content of a file that takes a variable out of another one, or out of a pipe."""
     other = rng.choice(["pipe.nc", "/etc/hostname", "m.nc"])
     with h5py.File(buffer := io.BytesIO(netcdf(data)), "r+") as file:
-        if rng.random() < 0.5:
-            file["dark"] = h5py.ExternalLink(other, "/dark")
-        else:
-            layout = h5py.VirtualLayout((8,), "u1")
-            layout[:] = h5py.VirtualSource(other, "dark", (8,))
-            file.create_virtual_dataset("dark", layout)
+        reach = external_link if rng.random() < 0.5 else virtual_dataset
+        reach(file, other)
     return buffer.getvalue()
 
 

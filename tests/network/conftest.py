@@ -1,6 +1,5 @@
 """Small networks and measurements that the tests of the learned unwrapping share."""
 
-import numpy as np
 import torch
 from pytest import fixture
 
@@ -9,7 +8,6 @@ from cmtof.network.features import CLASSES
 from cmtof.network.models import build_network
 from cmtof.network.recipe import Config, Stage
 from cmtof.network.weights import Card, Rates, save_weights, weights_path
-from cmtof.scenes import Frame
 
 
 @fixture(autouse=True)
@@ -23,16 +21,8 @@ def one_thread():
 
 
 @fixture
-def frame():
-    """A slanted wall within the released wraps, with a step in the middle."""
-    y, x = np.mgrid[:40, :56]
-    depth = 0.9 + 0.0004 * x + 0.0002 * y + 0.12 * (x > 30)
-    return Frame(depth * 1.195 / np.percentile(depth, 99.9), 0.6 + 0.004 * y, None, "wall", "")
-
-
-@fixture
-def measurement(frame):
-    return cmtof.simulate(frame, noise=300.0, seed=1)
+def measurement(stepped_wall):
+    return cmtof.simulate(stepped_wall, noise=300.0, seed=1)
 
 
 @fixture

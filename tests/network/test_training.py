@@ -153,9 +153,9 @@ def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(stored, example):
     assert again[1] == losses
 
 
-def test_crops_of_fine_tuning_move_over_the_classes(stored, frame):
+def test_crops_of_fine_tuning_move_over_the_classes(stored, stepped_wall):
     """Without noise, wraps, phase and depth of a moved crop still belong together."""
-    exact = cmtof.simulate(frame, noise_free=True)
+    exact = cmtof.simulate(stepped_wall, noise_free=True)
     wraps = np.floor(exact.depth / WRAP).astype(int)
     view = training._view(load_weights(stored()), exact, wraps, exact.depth)
     rng = np.random.default_rng(0)

@@ -11,6 +11,7 @@ from tests.network.conftest import card
 import cmtof
 from cmtof import methods
 from cmtof.correlation import TAU
+from cmtof.frame import Frame
 from cmtof.measurement import tiles
 from cmtof.network import inference, weights
 from cmtof.network.features import FULL_AMPLITUDE
@@ -89,7 +90,7 @@ def test_methods_answer_within_the_range(stored, measurement, name):
 
 @mark.parametrize("name", ["fast-scnn", "kde", "mrf", "beat-guided"])
 def test_what_would_take_too_much_memory_goes_in_tiles_like_the_whole(stored, monkeypatch, name):
-    frame = cmtof.scenes.Frame(np.full((640, 24), 0.93), np.full((640, 24), 0.5), None, "", "")
+    frame = Frame(np.full((640, 24), 0.93), np.full((640, 24), 0.5))
     measurement, how = cmtof.simulate(frame, noise=500.0), {"method": name}
     if name == "fast-scnn":
         how["weights"] = stored(name)
@@ -111,21 +112,21 @@ def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
     assert np.quantile(amplitude(1e-6), 0.9, axis=(1, 2)) == approx(FULL_AMPLITUDE)
 
 
-def test_range_and_frequencies_that_do_not_fit_are_refused(stored, frame, measurement):
+def test_range_and_frequencies_that_do_not_fit_are_refused(stored, stepped_wall, measurement):
     ready = inference.load_network(stored())
     with raises(ValueError, match="Expected wraps within 36 to 56"):
         inference.scores(ready, measurement, 30, 50)
-    other = cmtof.simulate(frame, frequencies=(7.15e9, 7.16e9))
+    other = cmtof.simulate(stepped_wall, frequencies=(7.15e9, 7.16e9))
     with raises(ValueError, match=r"Expected 7.15 and 14.32 GHz, .* got 7.15, 7.16 GHz"):
         inference.unwrap_with_network(other, weights=stored())
 
 
-def test_raw_correlations_are_taken_by_their_psi(stored, frame):
+def test_raw_correlations_are_taken_by_their_psi(stored, stepped_wall):
     path = stored("deep-tof")
-    usual = cmtof.simulate(frame, noise_free=True)
-    turned = cmtof.simulate(frame, noise_free=True, psi=np.array([0, 3, 1, 2]) * TAU / 4)
+    usual = cmtof.simulate(stepped_wall, noise_free=True)
+    turned = cmtof.simulate(stepped_wall, noise_free=True, psi=np.array([0, 3, 1, 2]) * TAU / 4)
     first, second = (inference.unwrap_with_network(one, weights=path)[0] for one in (usual, turned))
     assert np.allclose(first, second, atol=1e-5)
-    skewed = cmtof.simulate(frame, psi=np.arange(4) * TAU / 4 + 0.1)
+    skewed = cmtof.simulate(stepped_wall, psi=np.arange(4) * TAU / 4 + 0.1)
     with raises(ValueError, match=r"Expected correlations at psi = 0, 1/2"):
         inference.unwrap_with_network(skewed, weights=path)
