@@ -142,8 +142,6 @@ def test_a_log_has_every_request_and_reply(network, tmp_path):
         with raises(InstrumentTimeout):
             driver.line("FIO7")
         driver.close()
-    # head of Modbus TCP: number, protocol 0, bytes that follow, unit 1, function 76
-    assert network.wire.sent[0] == bytes.fromhex("0001 0000 0006 01 4c 0007d701")
     lines = [line.split(" ", 1)[1] for line in (tmp_path / "log.txt").read_text().splitlines()]
     asked = "daq > 00 07 d7 01"
     assert lines == [asked, "daq < 00 01", asked, "daq ! timed out", asked, "daq ! timed out"]

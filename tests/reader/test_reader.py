@@ -7,11 +7,8 @@ from functools import partial
 
 import browse
 import numpy as np
-from numpy.testing import assert_allclose
 from pytest import fixture, mark
 
-from cmtof.network.inference import load_network, run_padded
-from cmtof.network.weights import weights_path
 from cmtof_book import ROOT
 
 BUILD = ROOT / "build"
@@ -220,23 +217,6 @@ def test_the_laboratory_measures_and_unwraps(browser, width, colours, tmp_path):
         read_a_pixel(tab)
         take_own_scenes(tab, tmp_path)
         assert not problems
-
-
-RUN = """async (numbers) => {
-  const session = await laboratory.loadNetwork(laboratory.runtime);
-  const image = new ort.Tensor("float32", Float32Array.from(numbers), [1, 38, 32, 32]);
-  const { wraps } = await session.run({ beat: image });
-  return [...wraps.data];
-}"""
-
-
-def test_the_network_of_the_laboratory_answers_as_in_python(browser):
-    inputs = np.random.default_rng(0).normal(size=(1, 38, 32, 32)).astype(np.float32)
-    with browse.opened(browser, HTML / "book" / "laboratory.html", 1280) as (tab, _):
-        tab.locator("#laboratory[data-ready]").wait_for(timeout=120_000)
-        found = tab.evaluate(RUN, inputs.ravel().tolist())
-    network = load_network(weights_path("fast-scnn-light", "released")).network
-    assert_allclose(found, run_padded(network, inputs).ravel(), rtol=0, atol=1e-4)
 
 
 def read_a_pixel(tab):
