@@ -43,7 +43,6 @@ from cmtof_book import notes, paper, plotting
 from cmtof_book.compared import closed_form
 
 plotting.begin(profile=profile, seed=seed)
-colours = plotting.PALETTE
 quarters = np.arange(4) * np.pi / 2
 quarter_ticks = (np.arange(5) * np.pi / 2, ["0", "π/2", "π", "3π/2", "2π"])
 
@@ -58,17 +57,17 @@ received = waveform_from_harmonics(returned, TAU * turns - phi)
 figure, axes = plt.subplots(2, 2, figsize=(8.4, 6.6))
 ax = axes[0, 0]
 ax.plot(period * turns, waveform_from_harmonics(raised, TAU * turns), label="emitted $p$")
-ax.plot(period * turns, received, color=colours["orange"], label=r"received $\tilde p$")
+ax.plot(period * turns, received, color="C4", label=r"received $\tilde p$")
 gated = waveform_from_harmonics(raised, TAU * turns + np.pi / 2)
 ax.plot(period * turns, gated, color=plotting.GREY, ls="--", label="reference $r$, ψ = π/2")
 ax.set(title="light and reference", xlabel="time (ps)", ylabel="power, transmission", ylim=(0, 1.7))
 ax.legend(loc="upper right", fontsize="small")
 
 ax = axes[0, 1]
-for psi, colour, name in ((-phi, "vermillion", "ψ = −φ"), (np.pi - phi, "purple", "ψ = π − φ")):
+for psi, colour, name in ((-phi, "C1", "ψ = −φ"), (np.pi - phi, "C3", "ψ = π − φ")):
     product = received * waveform_from_harmonics(raised, TAU * turns + psi)
-    ax.plot(period * turns, product, color=colours[colour], label=f"product, {name}")
-    ax.axhline(product[:-1].mean(), color=colours[colour], ls="--")
+    ax.plot(period * turns, product, color=colour, label=f"product, {name}")
+    ax.axhline(product[:-1].mean(), color=colour, ls="--")
 ax.set(title="their product and its average", xlabel="time (ps)", ylabel=r"$\tilde p\,r$")
 ax.legend(loc="upper right", fontsize="small")
 _ = ax.set(ylim=(0, 0.9))
@@ -90,7 +89,7 @@ table = correlation_from_harmonics(returned, raised, phase=sweep[:, None], psi=s
 drawn = ax.imshow(table, origin="lower", extent=(0, TAU, 0, TAU), aspect="auto")
 figure.colorbar(drawn, ax=ax, label="$C_ψ$")
 ax.plot(sweep, TAU - sweep, color="white", ls="--")
-ax.axhline(phi, color=colours["sky"])
+ax.axhline(phi, color="C5")
 ax.set(title="all phases and references", xlabel="reference phase ψ", ylabel="phase φ")
 ax.set_yticks(*quarter_ticks)
 ax.text(3.4, 5.6, "ψ = −φ", color="white")

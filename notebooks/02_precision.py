@@ -36,7 +36,6 @@ from cmtof_book.compared import closed_form, sum_over_draws
 
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
-colours = plotting.PALETTE
 
 # %% [markdown]
 # One point, 3 m away and half as bright as white, is measured repeatedly with the paper's settings:
@@ -72,13 +71,13 @@ print(f"rounding to {ADC_BITS} bits adds {rounding_share:.1e} of the variance")
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.9))
 ghz = frequencies / 1e9
 average = error.mean(axis=1)
-band = {"color": colours["sky"], "alpha": 0.45, "lw": 0, "label": "± one standard deviation"}
+band = {"color": "C5", "alpha": 0.45, "lw": 0, "label": "± one standard deviation"}
 axes[0].fill_between(ghz, average - spread, average + spread, **band)
 axes[0].plot(ghz, average, label="mean error")
 axes[0].set(xscale="log", ylabel="depth error (mm)", title=f"{samples} samples each")
 bound_mm = 1e3 * depth_from_phase(bound, frequencies)
-plotting.sweep(axes[1], ghz, spread, color=colours["vermillion"], label="simulated")
-axes[1].plot(ghz, bound_mm, color=colours["black"], label="Cramér–Rao bound")
+plotting.sweep(axes[1], ghz, spread, color="C1", label="simulated")
+axes[1].plot(ghz, bound_mm, color="black", label="Cramér–Rao bound")
 axes[1].plot(ghz, 1e3 * wrap_length(frequencies), color=plotting.GREY, label="one wrap, $c/2f$")
 axes[1].set(ylabel="depth (mm)", title="standard deviation")
 for ax in axes:
@@ -238,16 +237,17 @@ notes.answer(
 # ## Against the paper
 
 # %% tags=["hide-input"]
-reached = {
-    "fig3.frequency_low": frequencies[0],
-    "fig3.frequency_high": frequencies[-1],
-    "fig3.samples": samples,
-    "fig3.bits": ADC_BITS,
-    "fig3.precision_ratio": gain_in_precision,
-    "sec3.signal_change_100mhz": closed_form(crest[0]),
-    "sec3.signal_change_8ghz": closed_form(crest[1]),
-}
-paper.check_all(reached)
+paper.check_all(
+    {
+        "fig3.frequency_low": frequencies[0],
+        "fig3.frequency_high": frequencies[-1],
+        "fig3.samples": samples,
+        "fig3.bits": ADC_BITS,
+        "fig3.precision_ratio": gain_in_precision,
+        "sec3.signal_change_100mhz": closed_form(crest[0]),
+        "sec3.signal_change_8ghz": closed_form(crest[1]),
+    }
+)
 paper.table()
 
 # %% [markdown]

@@ -36,7 +36,6 @@ from cmtof_book import notes, paper, plotting
 from cmtof_book.compared import closed_form, sum_over_draws
 
 plotting.begin(profile=profile, seed=seed)
-colours = plotting.PALETTE
 frame = cmtof.load_frame(frame_name)
 f1, f2 = FREQUENCIES
 
@@ -165,20 +164,20 @@ need = {v: bounds.pixels_needed(s, s, frequencies=FREQUENCIES) for v, s in pool_
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.1))
-names = {"label": "counted", "bound_label": "exact law", "color": colours["vermillion"]}
+names = {"label": "counted", "bound_label": "exact law", "color": "C1"}
 plotting.sweep(axes[0], brightness, 100 * counted, errors=200 * error, bound=100 * law, **names)
 axes[0].plot(brightness, 100 * formula, color=plotting.GREY, ls="--", label="small-noise formula")
 plotting.mark(axes[0], y=100 / beat_wraps, text="chance")
 axes[0].set(xlabel="brightness I", ylabel="wrap right (%)", title="one pixel", xmargin=0.2)
 side_axis = np.geomspace(1, 330, 200)
-for level, colour in ((1.0, "blue"), (0.3, "orange")):
+for level, colour in ((1.0, "C0"), (0.3, "C4")):
     spread = pool_noise[level] / side_axis
     theory = 100 * bounds.wrap_probability(spread, spread, frequencies=FREQUENCIES)
     by_phasor, by_beat = (100 * np.array([pooled[level, s][k] for s in sides]) for k in (0, 1))
-    names = {"bound_label": f"I = {level:g}, formula", "color": colours[colour], "log": "x"}
+    names = {"bound_label": f"I = {level:g}, formula", "color": colour, "log": "x"}
     plotting.sweep(axes[1], sides, by_phasor, bound=(side_axis, theory), **names)
-    axes[1].plot(sides, by_beat, "x", color=colours[colour], mew=2)
-    axes[1].plot(np.sqrt(need[level]), 95, "D", mfc="white", mec=colours[colour], ms=7)
+    axes[1].plot(sides, by_beat, "x", color=colour, mew=2)
+    axes[1].plot(np.sqrt(need[level]), 95, "D", mfc="white", mec=colour, ms=7)
 axes[1].plot([], [], "ko", ms=4.5, label="phasors pooled")
 axes[1].plot([], [], "kx", mew=2, label="beats pooled")
 plotting.mark(axes[1], y=95, text="95 %")

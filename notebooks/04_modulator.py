@@ -35,12 +35,11 @@ from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.settings import TwinSettings
 
 plotting.begin(profile=profile, seed=seed)
-blue, vermillion, black = (plotting.PALETTE[c] for c in ("blue", "vermillion", "black"))
 modes = {"single": replace(SINGLE, eta=eta), "doubled": replace(DOUBLED, eta=eta)}
-COLOURS = {"single": blue, "doubled": vermillion}
+COLOURS = {"single": "C0", "doubled": "C1"}
 ORDER = {"single": 1, "doubled": 2}
 SERIES = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
-DRIVE_COLOURS = (plotting.PALETTE["sky"], black, plotting.PALETTE["orange"])  # V = −η, 0, +η
+DRIVE_COLOURS = ("C5", "black", "C4")  # V = −η, 0, +η
 
 # %% tags=["hide-input"]
 PLACES = {3.3: ("PBS in", "HWP back"), 5.0: ("HWP", "QWP back"), 6.9: ("QWP", "EOM back")}
@@ -279,7 +278,9 @@ for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
     if name == "doubled":
         ax.plot(ps * cycles, weak / 2, ":", color="C4", label="Eq. 19 as printed")
     filtered = waveform_from_harmonics(seen, TAU * cycles)
-    ax.plot(ps * cycles, filtered, color=black, lw=1.3, label=f"through {bandwidth / 1e9:.0f} GHz")
+    ax.plot(
+        ps * cycles, filtered, color="black", lw=1.3, label=f"through {bandwidth / 1e9:.0f} GHz"
+    )
     ax.set(
         title=f"{name} mode", xlabel="time (ps)", ylim=((0, 1.1), (-0.03, 0.15))[name != "single"]
     )
@@ -288,9 +289,9 @@ for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
     exact = 2 * np.abs(spectra[name][1:])
     bessel = 2 * np.abs(SERIES[name](eta, 8)[1:])
     shown = exact > 1e-8
-    low.vlines(ghz[shown], 1e-9, exact[shown], color=blue, lw=5, label="Jones product")
-    low.plot(ghz[shown], bessel[shown], "o", mfc="none", color=vermillion, ms=10, label="Bessel")
-    low.plot(ghz[shown], 2 * np.abs(seen[1:9])[shown], "_", color=black, ms=16, mew=2)
+    low.vlines(ghz[shown], 1e-9, exact[shown], color="C0", lw=5, label="Jones product")
+    low.plot(ghz[shown], bessel[shown], "o", mfc="none", color="C1", ms=10, label="Bessel")
+    low.plot(ghz[shown], 2 * np.abs(seen[1:9])[shown], "_", color="black", ms=16, mew=2)
     low.set(yscale="log", ylim=(1e-8, 3), xlabel="frequency (GHz)", xlim=(0, 60))
 
 # %% tags=["hide-input"]
@@ -348,7 +349,7 @@ signal_ratio = [(jv(2, 2 * e) / jv(1, 2 * e)) ** 2 for e in (eta, np.pi / 4)]
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.5))
-for name, colour in zip(mean, (blue, vermillion, plotting.PALETTE["purple"]), strict=True):
+for name, colour in zip(mean, ("C0", "C1", "C3"), strict=True):
     style = {"color": colour, "ls": "--" if "bright" in name else "-"}
     axes[0].plot(etas, mean[name] ** 2, label=name, **style)
     axes[1].plot(etas, 2 * swing[name] ** 2 / mean[name] ** 2, **style)
@@ -455,7 +456,7 @@ law = {name: np.abs(SERIES[name](power_eta, 2)) for name in modes}
 law = {name: 2 * w[:, ORDER[name]] / w[:, 0] for name, w in law.items()}
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.8))
 worst = 0.0
-for order, size, wave, colour in ((1, j1, np.sin, blue), (2, j2, np.cos, vermillion)):
+for order, size, wave, colour in ((1, j1, np.sin, "C0"), (2, j2, np.cos, "C1")):
 
     def closed(angle, size=size, wave=wave):
         return 2 * size * np.abs(wave(8 * angle)) / (1 + j0 * np.cos(8 * angle))
@@ -526,24 +527,25 @@ notes.answer(
 
 # %% tags=["hide-input"]
 strongest = 1 + int(np.abs(spectra["doubled"][1:]).argmax())
-reached = {
-    "sec1.contrast": closed_form(replace(SINGLE, eta=float(quarter_at)).contrast()),
-    "sec1.minimum_frequency": strongest * DOUBLED.frequency,
-    "sec6.hwp_angle_single": SINGLE.half_wave_angle,
-    "sec6.qwp_angle": SINGLE.quarter_wave_angle,
-    "sec6.hwp_angle_double": DOUBLED.half_wave_angle,
-    "sec6.doubled_amplitude": {
-        "at half contrast": ratio,
-        "at full contrast": float(jv(2, np.pi / 2) / jv(1, np.pi / 2)),
-    },
-    "sec6.effective_wavelength": closed_form(SPEED_OF_LIGHT / FREQUENCY_DOUBLED),
-    "sec6.frequency_difference": FREQUENCY_DOUBLED - FREQUENCY_SINGLE,
-    "sec7.photodetector": FAST_BANDWIDTH,
-    "fig8.frequency_single": SINGLE.frequency,
-    "fig8.frequency_drive": DOUBLED.frequency,
-    "fig8.frequency_doubled": strongest * DOUBLED.frequency,
-}
-paper.check_all(reached)
+paper.check_all(
+    {
+        "sec1.contrast": closed_form(replace(SINGLE, eta=float(quarter_at)).contrast()),
+        "sec1.minimum_frequency": strongest * DOUBLED.frequency,
+        "sec6.hwp_angle_single": SINGLE.half_wave_angle,
+        "sec6.qwp_angle": SINGLE.quarter_wave_angle,
+        "sec6.hwp_angle_double": DOUBLED.half_wave_angle,
+        "sec6.doubled_amplitude": {
+            "at half contrast": ratio,
+            "at full contrast": float(jv(2, np.pi / 2) / jv(1, np.pi / 2)),
+        },
+        "sec6.effective_wavelength": closed_form(SPEED_OF_LIGHT / FREQUENCY_DOUBLED),
+        "sec6.frequency_difference": FREQUENCY_DOUBLED - FREQUENCY_SINGLE,
+        "sec7.photodetector": FAST_BANDWIDTH,
+        "fig8.frequency_single": SINGLE.frequency,
+        "fig8.frequency_drive": DOUBLED.frequency,
+        "fig8.frequency_doubled": strongest * DOUBLED.frequency,
+    }
+)
 paper.table()
 
 # %% [markdown]

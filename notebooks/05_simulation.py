@@ -182,14 +182,12 @@ for name, (which, sigma) in settings.items():
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.0))
 fine = np.geomspace(0.018, 1.05, 100)
-for (name, (_, sigma)), colour, marker in zip(
-    settings.items(), plotting.PALETTE.values(), "os^", strict=False
-):
+for (name, (_, sigma)), marker in zip(settings.items(), "os^", strict=True):
     law = [phase_spread(float(s)) for s in simulated_phase_noise(fine, sigma=sigma)]
     axes[0].plot(fine, law, color=plotting.GREY, lw=1)
-    axes[0].plot(levels, spread[name], marker, color=colour, ms=5, label=name)
+    axes[0].plot(levels, spread[name], marker, ms=5, label=name)
     if sigma == NOISE_SIGMA:
-        axes[1].plot(levels, 100 * np.array(kept[name]), marker + "-", color=colour, label=name)
+        axes[1].plot(levels, 100 * np.array(kept[name]), marker + "-", label=name)
 axes[0].set(xscale="log", yscale="log", ylabel="spread of the phase (rad)", title="noise")
 axes[1].set(xscale="log", ylabel="mean decoded signal (%)", ylim=(40, 110), title="clipping")
 for ax in axes:
@@ -453,16 +451,17 @@ notes.answer(
 
 # %% tags=["hide-input"]
 about = measurement.dataset.attrs
-reached = {
-    "sec5.phase_steps": images.shape[1],
-    "sec8.gain": about["gain"],
-    "sec8.integration_time": about["integration_time_ms"] / 1e3,
-    "sec8.noise_mean": (offset - signal * brightness / 2)[measurement.mask].mean(),
-    "sec8.noise_sigma": about["noise_sigma"],
-    "sec8.noise_sigma_high": ambient_noise,
-    "sec8.noise_ratio": ambient_noise / NOISE_SIGMA,
-}
-paper.check_all(reached)
+paper.check_all(
+    {
+        "sec5.phase_steps": images.shape[1],
+        "sec8.gain": about["gain"],
+        "sec8.integration_time": about["integration_time_ms"] / 1e3,
+        "sec8.noise_mean": (offset - signal * brightness / 2)[measurement.mask].mean(),
+        "sec8.noise_sigma": about["noise_sigma"],
+        "sec8.noise_sigma_high": ambient_noise,
+        "sec8.noise_ratio": ambient_noise / NOISE_SIGMA,
+    }
+)
 paper.table()
 
 # %% [markdown]

@@ -72,15 +72,15 @@ for protocol in PROTOCOLS:
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.6), sharey=True)
 for ax, protocol in zip(axes, PROTOCOLS, strict=True):
     for method, label, name in (
-        ("reference-field", "true surfaces", "green"),
-        ("beat", "beat averaged", "blue"),
+        ("reference-field", "true surfaces", "C2"),
+        ("beat", "beat averaged", "C0"),
     ):
         ax.plot(
             sides,
             [100 * x for x in window_rates[protocol, method]],
             "o-",
             ms=4,
-            color=plotting.PALETTE[name],
+            color=name,
             label=label,
         )
     ax.set(xscale="log", xlabel="side of the window (px)", title=protocol, ylim=(0, 100))

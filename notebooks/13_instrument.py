@@ -33,8 +33,7 @@ from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import RayEnds
 
 plotting.begin(profile=profile, seed=seed)
-PALETTE = plotting.PALETTE
-COLOURS = {"single": PALETTE["blue"], "doubled": PALETTE["vermillion"]}
+COLOURS = {"single": "C0", "doubled": "C1"}
 LAWS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 rig = Rig.default()
 twin = TwinSettings()
@@ -323,23 +322,24 @@ for mode, one in here.items():
 # reflectances and extinction ratios, and every error of the RF drivers.
 
 # %% tags=["hide-input"]
-reached = {
-    "sec6.laser_wavelength": twin.wavelength,
-    "sec6.bits": np.log2(FULL_SCALE + 1),
-    "sec6.eom_frequency": rig.frequency_single,
-    "sec6.eom_bandwidth": twin.resonance_width,
-    "sec7.fibre_throughput_low": twin.fibre_low,
-    "sec7.fibre_throughput_high": twin.fibre_high,
-    "sec7.beam_after": 2 * twin.exit_radius,
-    "sec7.laser_power": sent["single"],
-    "sec7.lowpass": twin.low_pass,
-    "sec7.sample_rate": rig.rate,
-    "sec7.samples_per_phase": rig.samples_per_phase,
-    "sec7.phase_steps": rig.phases,
-    "sec7.integration_time": rig.scans / rig.rate,
-    "sec8.target_distance": rig.reference_distance,
-}
-paper.check_all(reached)
+paper.check_all(
+    {
+        "sec6.laser_wavelength": twin.wavelength,
+        "sec6.bits": np.log2(FULL_SCALE + 1),
+        "sec6.eom_frequency": rig.frequency_single,
+        "sec6.eom_bandwidth": twin.resonance_width,
+        "sec7.fibre_throughput_low": twin.fibre_low,
+        "sec7.fibre_throughput_high": twin.fibre_high,
+        "sec7.beam_after": 2 * twin.exit_radius,
+        "sec7.laser_power": sent["single"],
+        "sec7.lowpass": twin.low_pass,
+        "sec7.sample_rate": rig.rate,
+        "sec7.samples_per_phase": rig.samples_per_phase,
+        "sec7.phase_steps": rig.phases,
+        "sec7.integration_time": rig.scans / rig.rate,
+        "sec8.target_distance": rig.reference_distance,
+    }
+)
 paper.table()
 
 # %% [markdown]

@@ -35,7 +35,7 @@ from cmtof_lab.rehearsal import opened, rig_of, simulated_bench
 from cmtof_lab.settings import NOISE, TwinSettings
 
 plotting.begin(profile=profile, seed=seed)
-COLOURS = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
+COLOURS = {"single": "C0", "doubled": "C1"}
 HARMONICS = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 PHASES = 64
 TICKS = 5  # numbers from one burst to the next
@@ -228,7 +228,7 @@ for (top, middle, low), (mode, fit) in zip(axes.T, fits.items(), strict=True):
         rough[mode] - dark[mode],
         "x",
         ms=4,
-        color=plotting.PALETTE["orange"],
+        color="C4",
         label="one sweep, captures' noise",
     )
     top.axhline(fit.offset, color="#8A97A3", lw=1, ls=":")
@@ -297,7 +297,7 @@ print("\n".join(f"{mode}, {n} steps: {value:.2f} mrad rms" for (mode, n), value 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.6))
 for ax, mode in zip(axes, ORDER, strict=True):
-    for number, colour, marker in ((4, plotting.PALETTE["orange"], "s"), (16, COLOURS[mode], "o")):
+    for number, colour, marker in ((4, "C4", "s"), (16, COLOURS[mode], "o")):
         ax.plot(fine, curves[mode, number], color=colour, lw=1.4)
         ax.plot(
             fine[-1] * np.arange(settings) / settings,

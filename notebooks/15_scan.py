@@ -43,7 +43,7 @@ from cmtof_lab.rehearsal import scan_scene, simulated_bench
 from cmtof_lab.settings import TwinSettings
 
 plotting.begin(profile=profile, seed=seed)
-COLOURS = [plotting.PALETTE[c] for c in ("blue", "vermillion")]
+COLOURS = ("C0", "C1")
 folder = tempfile.TemporaryDirectory(prefix="cmtof-scan-")
 here = Path(folder.name)
 

@@ -41,8 +41,8 @@ from cmtof_lab.targets import scene_from
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
 WRAP = wrap_length(FREQUENCY_SINGLE)
-LEFT = plotting.PALETTE["blue"]
-RIGHT = plotting.PALETTE["vermillion"]
+LEFT = "C0"
+RIGHT = "C1"
 BEAM = "#00A86B"
 
 # %% [markdown]

@@ -41,10 +41,7 @@ from cmtof_lab.sweep import POSITIONS, collected_power, parts, visited
 from cmtof_lab.targets import MIRROR, PLATE
 
 plotting.begin(profile=profile, seed=seed)
-BLUE, RED, GREEN, BLACK = (
-    plotting.PALETTE[name] for name in ("blue", "vermillion", "green", "black")
-)
-COLOURS = {"all-optical": BLUE, "RF": RED, "interferometer": GREEN}
+COLOURS = {"all-optical": "C0", "RF": "C1", "interferometer": "C2"}
 
 # %% tags=["hide-input"]
 settings = TwinSettings(laser_power=laser_power)
@@ -136,7 +133,7 @@ for ax, what in zip(axes, targets, strict=True):
         ax.fill_between(place, low, high, color=colour, alpha=0.25, lw=0)
         ax.plot(place, middle, color=colour, label=name)
     noisy = 1e6 * np.abs(errors["all-optical", what, "captures"])
-    ax.plot(place, np.median(noisy, axis=0), "--", color=BLUE, label="with the captures' noise")
+    ax.plot(place, np.median(noisy, axis=0), "--", color="C0", label="with the captures' noise")
     plotting.mark(ax, y=1e6 * published("all-optical", what)[0], text="paper's RMSE, all-optical")
     ax.set(yscale="log", ylim=(1e-3, 1e5), xlabel="true position (mm)", title=what)
 axes[0].set_ylabel("size of the error (µm)")
@@ -265,7 +262,7 @@ for ax, what in zip(axes, targets, strict=True):
             ax.plot(*days_of, marker, ms=3, alpha=0.45, color=colour)
         mu, sigma = theirs[name, what]
         shown = 1e6 * (sigma or most_scatter(name, what))
-        ax.plot(1e6 * mu, shown, "D" if sigma else "v", ms=9, color=colour, mec=BLACK)
+        ax.plot(1e6 * mu, shown, "D" if sigma else "v", ms=9, color=colour, mec="black")
         ax.plot([], [], "o", color=colour, label=name)
     ax.set(xscale="log", yscale="log", title=what, xlabel="constant offset (µm)")
     ax.set(xlim=(1e-2, 3e4), ylim=(1e-2, 3e4))
@@ -513,17 +510,18 @@ days = {case: scatter["all-optical", "mirror", case] for case in CASES}
 paper.check("fig13.standard_deviation", both(days))
 times = {case: 2 / SPEED_OF_LIGHT * one for case, one in days.items()}
 paper.check("sec1.temporal_resolution", both(times))
-reached = {
-    "sec8.target_distance": targets["mirror"].distance,
-    "sec8.sweep": np.ptp(POSITIONS),
-    "sec8.sweep_step": np.diff(POSITIONS).mean(),
-    "sec8.stage_error": optical.stage_error,
-    "sec8.laser_power_high": sent_power(bright),
-    "sec8.laser_power_ratio": bright.laser_power / settings.laser_power,
-    "sec7.laser_power": sent_power(settings),
-    "sec7.photodetector": rf.bandwidth,
-    "sec8.sampling_ratio": 2 * FREQUENCY["single"] / SAMPLE_RATE,
-    "sec7.integration_time": burst,
-}
-paper.check_all(reached)
+paper.check_all(
+    {
+        "sec8.target_distance": targets["mirror"].distance,
+        "sec8.sweep": np.ptp(POSITIONS),
+        "sec8.sweep_step": np.diff(POSITIONS).mean(),
+        "sec8.stage_error": optical.stage_error,
+        "sec8.laser_power_high": sent_power(bright),
+        "sec8.laser_power_ratio": bright.laser_power / settings.laser_power,
+        "sec7.laser_power": sent_power(settings),
+        "sec7.photodetector": rf.bandwidth,
+        "sec8.sampling_ratio": 2 * FREQUENCY["single"] / SAMPLE_RATE,
+        "sec7.integration_time": burst,
+    }
+)
 paper.table()

@@ -46,7 +46,7 @@ plotting.begin(profile=profile, seed=seed)
 known = TwinSettings()
 target = PLATE
 targets = {"diffuse": PLATE, "specular": MIRROR}
-MODES = {"single": plotting.PALETTE["blue"], "doubled": plotting.PALETTE["vermillion"]}
+MODES = {"single": "C0", "doubled": "C1"}
 
 # %% tags=["hide-input"]
 DRAWN = ("RF leakage", "laser drift")  # terms by Monte Carlo
@@ -171,7 +171,7 @@ for ax, title, (settings, curve, lab) in zip(axes, titles, cases.values(), stric
     error = ranger.sweep(target, travel, repeats=1, seed=seed)[0] - target.distance - travel
     error = error - error.mean()
     curve = depth_from_phase(curve - curve.mean(), FREQUENCY["single"])
-    ax.axvspan(-0.5, 0.5, color=plotting.PALETTE["yellow"], alpha=0.35, lw=0)
+    ax.axvspan(-0.5, 0.5, color="C7", alpha=0.35, lw=0)
     ax.plot(1e3 * travel, 1e6 * curve, color=MODES["single"])
     ax.plot(1e3 * travel, 1e6 * error, "o", ms=3, color="black", mfc="none")
     ax.set(title=title, xlabel="position (mm)")

@@ -47,9 +47,7 @@ base = TwinSettings()
 wiring = rig_of(rig)
 MODES = ("single", "doubled")
 NAMES = ("single", "doubled", "both")
-COLOURS = {
-    n: plotting.PALETTE[c] for n, c in zip(NAMES, ("blue", "vermillion", "green"), strict=True)
-}
+COLOURS = {"single": "C0", "doubled": "C1"}
 
 # %% [markdown]
 # ## The step

@@ -305,15 +305,16 @@ notes.say(
 
 # %% tags=["hide-input"]
 dim = flat["owl"] & (owl.reflectance < 0.1)
-reached = {
-    "fig15.mhz_error": rms(error["owl"][dark]),
-    "fig15.mhz_error_dark": np.nanmedian(np.abs(error["owl"][dim])),
-    "fig15.mhz_power": camera.power,
-    "fig15.mhz_wavelength": camera.wavelength,
-    "fig15.mhz_exposure": camera.exposure,
-    "sec1.unambiguous_range_100mhz": camera.wrap,
-}
-paper.check_all(reached)
+paper.check_all(
+    {
+        "fig15.mhz_error": rms(error["owl"][dark]),
+        "fig15.mhz_error_dark": np.nanmedian(np.abs(error["owl"][dim])),
+        "fig15.mhz_power": camera.power,
+        "fig15.mhz_wavelength": camera.wavelength,
+        "fig15.mhz_exposure": camera.exposure,
+        "sec1.unambiguous_range_100mhz": camera.wrap,
+    }
+)
 paper.table()
 
 # %% [markdown]

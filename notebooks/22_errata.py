@@ -480,10 +480,11 @@ notes.answer(
 )
 
 # %% tags=["hide-input"]
-reached = {
-    "sec1.unambiguous_range_100mhz": closed_form(wraps[1e8]),
-    "sec7.integration_time": closed_form(1 / sweep),
-    "fig14.height_error": closed_form(off),
-}
-paper.check_all(reached)
+paper.check_all(
+    {
+        "sec1.unambiguous_range_100mhz": closed_form(wraps[1e8]),
+        "sec7.integration_time": closed_form(1 / sweep),
+        "fig14.height_error": closed_form(off),
+    }
+)
 paper.table()
