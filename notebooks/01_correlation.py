@@ -68,9 +68,9 @@ for psi, colour, name in ((-phi, "C1", "ψ = −φ"), (np.pi - phi, "C3", "ψ = 
     product = received * waveform_from_harmonics(raised, TAU * turns + psi)
     ax.plot(period * turns, product, color=colour, label=f"product, {name}")
     ax.axhline(product[:-1].mean(), color=colour, ls="--")
-ax.set(title="their product and its average", xlabel="time (ps)", ylabel=r"$\tilde p\,r$")
 ax.legend(loc="upper right", fontsize="small")
-_ = ax.set(ylim=(0, 0.9))
+ax.set(title="their product and its average", xlabel="time (ps)", ylabel=r"$\tilde p\,r$")
+_ = ax.set_ylim(0, 0.9)
 
 # %% tags=["hide-input"]
 ax = axes[1, 0]
@@ -186,7 +186,7 @@ pairs = {
     f"two doubled, η = {eta_strong:.2f}": (doubled, doubled),
 }
 contrasts = {name: correlation_contrast(*pair) for name, pair in pairs.items()}
-means = {name: float((a[0] * b[0]).real) for name, (a, b) in pairs.items()}
+means = {name: (a[0] * b[0]).real for name, (a, b) in pairs.items()}
 
 # %% [markdown]
 # In the table every instrument collects the mean count of Eq. 8 at full brightness, with the
@@ -204,10 +204,19 @@ rows = []
 for name, value in noise.items():
     depth_noise = 1e3 * depth_from_phase(value, frequency * (2 if "doubled" in name else 1))
     pixels = (value / noise[eq8]) ** 2
-    numbers = f"{contrasts[name]:.3f} {means[name]:.3f} {value:.3f} {depth_noise:.2f} {pixels:.1f}"
-    rows.append((name, *numbers.split()))
-head = "contrast, mean of $p\\,r$, $\\sigma_\\varphi$ (rad), $\\sigma_z$ (mm), pixels over Eq. 8"
-notes.table(["instrument", *head.split(", ")], rows)
+    light = (f"{contrasts[name]:.3f}", f"{means[name]:.3f}")
+    rows.append((name, *light, f"{value:.3f}", f"{depth_noise:.2f}", f"{pixels:.1f}"))
+notes.table(
+    [
+        "instrument",
+        "contrast",
+        "mean of $p\\,r$",
+        "$\\sigma_\\varphi$ (rad)",
+        "$\\sigma_z$ (mm)",
+        "pixels over Eq. 8",
+    ],
+    rows,
+)
 
 # %% tags=["hide-input"]
 notes.say(

@@ -360,12 +360,12 @@ for ax, title in zip(axes, ("throughput, $W_0^2$", "contrast", "signal, $2|W_m|^
     plotting.mark(ax, x=np.pi / 4, text="π/4")
 axes[0].legend(fontsize="small")
 plotting.label_panels(axes)
-contrast = [correlation_contrast(w, w) for w in (spectra["single"], spectra["doubled"][::2])]
+contrast = correlation_contrast(spectra["doubled"][::2], spectra["doubled"][::2])
 plotting.save(
     figure,
     "modulator_eta",
     numbers={
-        "correlation_contrast_doubled": closed_form(contrast[1]),
+        "correlation_contrast_doubled": closed_form(contrast),
         "signal_ratio": closed_form(signal_ratio),
     },
     caption="Two modules correlated, against the drive amplitude η (simulated): mean, contrast and "
@@ -374,7 +374,6 @@ plotting.save(
     "doubled mode's grows from zero, the bright one's falls from one. The doubled mode's contrast "
     "falls slowly from one half with dark bias. The signals peak near 0.9 and 1.5.",
 )
-print(f"contrast of two modules at η = {eta}: {contrast[0]:.3f} single, {contrast[1]:.2f} doubled")
 weak, strong = signal_ratio
 print(f"signal, doubled over single: {weak:.1%} at η = {eta}, {strong:.0%} at π/4")
 
@@ -405,7 +404,7 @@ for name, error, value in (
     ("extinction ratio 1000", "transmitted_extinction", 1e3),
     ("extinction ratio 100", "transmitted_extinction", 1e2),
 ):
-    (depth, _), both = (depth_and_leak(mode, **{error: float(value)}) for mode in modes)
+    (depth, _), both = (depth_and_leak(mode, **{error: value}) for mode in modes)
     rows.append((name, f"{depth:.2f}", *(f"{x:.2f}" for x in both)))
 notes.table(["error", "single, depth", "doubled, depth", "doubled, leak"], rows)
 
@@ -434,7 +433,7 @@ def light_depth(
     order, *, frequency=SINGLE.frequency, angle=SINGLE.half_wave_angle, dbm=settings.drive_power
 ):
     """Amplitude of a harmonic over the mean, the detector's bandwidth divided out."""
-    knobs = RfKnobs(on=True, frequency=frequency, power=float(dbm))
+    knobs = RfKnobs(on=True, frequency=frequency, power=dbm)
     w = instrument.emission(Panel(emission=knobs, plate_emission=angle))
     seen = np.abs(low_pass_harmonics(w, frequency=frequency, cutoff=FAST_BANDWIDTH))
     return 2 * seen[order] / seen[0] * abs(1 + 1j * order * frequency / FAST_BANDWIDTH)
@@ -455,13 +454,11 @@ power_eta = settings.eta * 10 ** ((steps - settings.drive_power) / 20)
 law = {name: np.abs(SERIES[name](power_eta, 2)) for name in modes}
 law = {name: 2 * w[:, ORDER[name]] / w[:, 0] for name, w in law.items()}
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.8))
-worst = 0.0
 for order, size, wave, colour in ((1, j1, np.sin, "C0"), (2, j2, np.cos, "C1")):
 
     def closed(angle, size=size, wave=wave):
         return 2 * size * np.abs(wave(8 * angle)) / (1 + j0 * np.cos(8 * angle))
 
-    worst = max(worst, np.abs(by_plate[order] - np.interp(plate, fine, closed(fine))).max())
     look = {"color": colour, "log": "", "bound_label": "closed form" * (order == 1)}
     line = (np.rad2deg(fine), closed(fine))
     x = np.rad2deg(plate)
@@ -478,7 +475,7 @@ plotting.label_panels(axes)
 
 # %% tags=["hide-input"]
 half_power = settings.drive_power + 20 * np.log10(0.26 / settings.eta)
-off = {name: float(np.abs(by_power[name] / law[name] - 1).max()) for name in modes}
+off = np.abs(by_power["doubled"] / law["doubled"] - 1).max()
 plotting.save(
     figure,
     "instrument_plate_and_power",
@@ -503,7 +500,7 @@ notes.say(
     that the splitter reflects (a usual value of such cubes, not verified). A drive of
     {half_power:.1f} dBm would give η = 0.26, the paper's 50 % contrast.
     """,
-    off_doubled=100 * off["doubled"],
+    off_doubled=100 * off,
     half_power=half_power,
 )
 

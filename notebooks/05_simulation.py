@@ -125,10 +125,8 @@ readings = {
     "F₂, as printed": wrapped(np.angle(spectrum[2])),
     "F₁, in the order of Section 5.3": wrapped(np.angle(misordered[1])),
 }
-reading_error = [np.sqrt(np.mean(centred(r - truth) ** 2)) for r in readings.values()]
-
-for name, error in zip(readings, reading_error, strict=True):
-    print(f"{name}: {error:.2f} rad rms")
+for name, read in readings.items():
+    print(f"{name}: {np.sqrt(np.mean(centred(read - truth) ** 2)):.2f} rad rms")
 
 # %% [markdown]
 # [Eq. 9](#eq-9) read literally, or the right bin with ψ in the printed order, does not recover the
@@ -183,7 +181,7 @@ for name, (which, sigma) in settings.items():
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.0))
 fine = np.geomspace(0.018, 1.05, 100)
 for (name, (_, sigma)), marker in zip(settings.items(), "os^", strict=True):
-    law = [phase_spread(float(s)) for s in simulated_phase_noise(fine, sigma=sigma)]
+    law = [phase_spread(s) for s in simulated_phase_noise(fine, sigma=sigma)]
     axes[0].plot(fine, law, color=plotting.GREY, lw=1)
     axes[0].plot(levels, spread[name], marker, ms=5, label=name)
     if sigma == NOISE_SIGMA:
@@ -245,7 +243,6 @@ quiet = {
     for protocol in ("released", "full")
     for name, held in frames.items()
 }
-coverage = {key: float(one.mask.mean()) for key, one in quiet.items()}
 rows = []
 for protocol in ("released", "full"):
     one = quiet[frame_name, protocol]
@@ -258,7 +255,7 @@ notes.table([f"`{frame_name}`", "classes", "that occur", "scored", "commonest cl
 # %% tags=["hide-input"]
 figure, axes = plotting.grid(len(quiet), 3, height / width)
 for ax, ((name, protocol), one) in zip(axes, quiet.items(), strict=True):
-    title = f"{name}, {protocol}: {100 * coverage[name, protocol]:.0f} %"
+    title = f"{name}, {protocol}: {100 * one.mask.mean():.0f} %"
     shown = np.where(one.mask, one.depth, np.nan)
     plotting.image(ax, shown, label="depth (m)", title=title, limits=one.range)
 plotting.label_panels(axes)
@@ -268,7 +265,7 @@ plotting.save(
     format="png",
     numbers={
         protocol: share_of_pixels(
-            [coverage[name, protocol] for name in frames],
+            [quiet[name, protocol].mask.mean() for name in frames],
             pixels=[held.depth.size for held in frames.values()],
         )
         for protocol in ("released", "full")
@@ -308,8 +305,10 @@ multiples = ["φ", *(f"{2**k}φ" for k in range(1, order + 1))]
 remains = [np.cos(k * error[scored]).mean() for k in octaves]
 remains_bright = [np.cos(k * error[bright]).mean() for k in octaves]
 remains_white = np.exp(-((octaves * phase_spread(float(simulated_phase_noise(1.0)))) ** 2) / 2)
-table = zip(multiples, remains, remains_bright, remains_white, strict=True)
-rows = [(name, *(f"{x:.1%}" for x in kept)) for name, *kept in table]
+rows = [
+    (name, *(f"{x:.1%}" for x in kept))
+    for name, *kept in zip(multiples, remains, remains_bright, remains_white, strict=True)
+]
 notes.table(["kept of the cosine of", "whole frame", "brightest tenth", "white pixels"], rows)
 
 
@@ -363,8 +362,10 @@ true_steps = [np.diff(phase_from_depth(z, f), axis=1) for f in measured.frequenc
 pair = scored[:, 1:] & scored[:, :-1]
 naive_wrong = np.mean(np.abs(naive[:, 1:] - true_steps[0])[pair] > np.pi)
 folded = [np.mean(np.abs(step)[pair] > np.pi) for step in true_steps]
-print(f"naive differences are wrong in {naive_wrong:.1%} of the pairs")
-print(f"wrapped ones in {folded[0]:.2%} at 7.15 GHz, {folded[1]:.2%} at 14.32 GHz")
+print(
+    f"naive differences are wrong in {naive_wrong:.1%} of the pairs,\n"
+    f"wrapped ones in {folded[0]:.2%} at 7.15 GHz, {folded[1]:.2%} at 14.32 GHz"
+)
 
 # %% tags=["hide-input"]
 names = ["left", "above", "above left", "below left"]
@@ -397,7 +398,6 @@ given = np.stack([np.log1p(measured.amplitude), measured.phase], axis=1)
 edges_of = phase_edges(measured.phase)
 inputs = np.concatenate([given, fourier_features(measured.phase, order), edges_of], axis=1)
 channels = inputs.shape[0] * inputs.shape[1]
-print(f"{channels} channels of {inputs.shape[2:]} pixels")
 
 # %% tags=["hide-input"]
 low, high = inputs

@@ -44,8 +44,10 @@ shown = list(render_views(Settings(seed, scenes, views, height, width, focal)))
 interiors = [view.room.interior for view in shown[::views]]
 triangles = [len(interior.faces) for interior in interiors]
 things = [len(interior.things) for interior in interiors]
-print(f"{len(shown)} views of {scenes} rooms: {min(things)} to {max(things)} things and")
-print(f"{min(triangles)} to {max(triangles)} triangles a room")
+print(
+    f"{len(shown)} views of {scenes} rooms: {min(things)} to {max(things)} things and\n"
+    f"{min(triangles)} to {max(triangles)} triangles a room"
+)
 
 # %% tags=["hide-input"]
 firsts = shown[::views][:12]

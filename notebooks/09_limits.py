@@ -36,8 +36,17 @@ from cmtof_book.comparison import Scene, comparison_figure
 
 plotting.begin(profile=profile, seed=seed)
 PROTOCOLS = ("released", "full")
-METHODS = ("beat", "region", "mrf", "mrf-graphcut", "surfaces")
-REFERENCES = tuple(f"reference-{name}" for name in ("field", "offset", "contact", "depth"))
+METHODS = (
+    "beat",
+    "region",
+    "mrf",
+    "mrf-graphcut",
+    "surfaces",
+    "reference-field",
+    "reference-offset",
+    "reference-contact",
+    "reference-depth",
+)
 every = held_out_frames()
 frames = [every[place].middle(height, width) for place in places]
 
@@ -115,7 +124,7 @@ plotting.save(
 # %% tags=["hide-input"]
 rows = []
 share = {}
-for name in (*METHODS, *REFERENCES):
+for name in METHODS:
     cells = []
     for protocol in PROTOCOLS:
         counts = read_counts(Path(results) / f"table2_{protocol}_1200.json")
@@ -127,8 +136,9 @@ for name in (*METHODS, *REFERENCES):
         cells.append(f"{value[0]:.1f} ({low[0]:.1f}–{high[0]:.1f})")
         cells += [f"{value[2]:.1f}", f"{value[3]:.1f}"]
     rows += [[f"`{name}`", *cells]] if any(cells) else []  # where it was counted
-head = [f"{protocol}: {one}" for protocol in PROTOCOLS for one in ("δ < 1", "δ < 3", "δ ≥ 10")]
-notes.table(["%", *head], rows)
+notes.table(
+    ["%", *(f"{name}: {one}" for name in PROTOCOLS for one in ("δ < 1", "δ < 3", "δ ≥ 10"))], rows
+)
 print(f"{len(counts)} test frames; 95 % over scenes; window of reference-field: {SIDE} px")
 
 # %% [markdown]
@@ -224,7 +234,6 @@ notes.table(["protocol", "pooled by", "found, %", "predicted, %", "best weights,
 # ## Answer
 
 # %% tags=["hide-input"]
-with_shapes = share["released", "reference-offset"]
 with_contacts = share["released", "reference-contact"]
 notes.answer(
     """
@@ -233,7 +242,7 @@ notes.answer(
     what, {contacts:.0f} % ({low:.0f}–{high:.0f}). Our `surfaces`, which is told neither, has
     {ours:.0f} %. The remaining pixels lie on surfaces too small or too dark for their noise.
     """,
-    shapes=with_shapes[0][0],
+    shapes=share["released", "reference-offset"][0][0],
     contacts=with_contacts[0][0],
     low=with_contacts[1][0],
     high=with_contacts[2][0],
