@@ -125,16 +125,16 @@ def budget(mode, z, rho):
     mean = harmonics[0].real
     contrast = 2 * abs(harmonics[MODES[mode]]) ** 2 / mean**2
     hits = RayEnds(np.array(z), np.array(1.0), np.array(rho))
-    share = sum(free_space.returned_fractions(twin, hits))
+    share = float(sum(free_space.returned_fractions(twin, hits)))
     path = free_space.inward(twin) * mean * twin.mirror_reflectance
-    light = free_space.sent_power(twin, mode) * float(share) * path
+    light = free_space.sent_power(twin, mode) * share * path
     room = free_space.ambient(twin) * mean * twin.mirror_reflectance
     volts = min((light + room) * volts_per_watt(twin), twin.saturation)
     noise = np.sqrt(density(twin, volts) / (2 * phase_time) + converter**2)
     amplitude = contrast * min(light * volts_per_watt(twin), twin.saturation)
     photon = h * SPEED_OF_LIGHT / twin.wavelength
     return {
-        "share": float(share),
+        "share": share,
         "path": path,
         "light": light,
         "room": room,
@@ -159,8 +159,6 @@ steps = {
     }
     for mode, one in here.items()
 }
-loss = {m: -10 * np.log10(one["light"] / twin.laser_power) for m, one in here.items()}
-sent = {mode: free_space.sent_power(twin, mode) for mode in COLOURS}
 rows = [[n, *(f"{10 * np.log10(steps[m][n]):.1f} dB" for m in COLOURS)] for n in steps["single"]]
 rows += [
     ["On the detector", *(quantity_text(one["light"], "W") for one in here.values())],
@@ -202,7 +200,9 @@ plotting.save(
     "instrument_budget",
     numbers={
         "detected_power": closed_form([one["light"] for one in here.values()]),
-        "loss_db": closed_form(list(loss.values())),
+        "loss_db": closed_form(
+            [-10 * np.log10(one["light"] / twin.laser_power) for one in here.values()]
+        ),
     },
     caption=(
         f"From the laser to the detector, for a diffuse target of reflectance {reflectance:.1f} at "
@@ -237,11 +237,6 @@ micron = {
 curves = {
     (m, rho): [budget(m, z, rho) for z in ranges] for rho in (reflectance, 0.05) for m in COLOURS
 }
-print(
-    f"one phase: amplifier {1e6 * amplifier:.0f} µV, converter {1e6 * converter:.0f} µV, "
-    f"14 bits {1e6 * quantum:.0f} µV; shot noise dominates above {1e3 * even:.0f} "
-    "mV"
-)
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(8.4, 4.0))
@@ -288,11 +283,6 @@ plotting.save(
     alt="Three double logarithmic panels: photons fall with the square of the range; shot noise "
     "crosses the amplifier's; the noise of the range grows, more in the doubled mode.",
 )
-for mode, one in here.items():
-    print(
-        f"{mode}: {one['photons'] / 1e6:.1f} million photons, "
-        f"{micron[mode] * one['phase_noise']:.1f} µm at {distance:g} m"
-    )
 
 # %% [markdown]
 # Below the crossing the noise does not depend on the target: it comes from the amplifier and the
@@ -331,7 +321,7 @@ paper.check_all(
         "sec7.fibre_throughput_low": twin.fibre_low,
         "sec7.fibre_throughput_high": twin.fibre_high,
         "sec7.beam_after": 2 * twin.exit_radius,
-        "sec7.laser_power": sent["single"],
+        "sec7.laser_power": free_space.sent_power(twin),
         "sec7.lowpass": twin.low_pass,
         "sec7.sample_rate": rig.rate,
         "sec7.samples_per_phase": rig.samples_per_phase,

@@ -127,7 +127,6 @@ for mode in ORDER:
     profiles[mode] = level[:bursts]
     moved[mode] = level[bursts:]
     fits[mode] = decode(profiles[mode].mean(axis=0), psi)
-    print(f"{mode}: {fits[mode].offset:.3f} V + {fits[mode].amplitude:.3f} V cos(ψ + φ)")
 
 # %% [markdown]
 # ## Prediction
@@ -179,7 +178,6 @@ for mode, fit in fits.items():
     code[mode] = ORDER[mode] * known.phase_step_error * slope
 freedom = np.sqrt(PHASES / (PHASES - 3))
 pull = {m: freedom * np.std((left[m] - model[m]) / np.hypot(noise[m], code[m])) for m in ORDER}
-contrast = {m: float(fits[m].amplitude / fits[m].offset) for m in ORDER}
 
 # %% tags=["hide-input"]
 orders = np.arange(1, 9)
@@ -192,18 +190,17 @@ for mode, fit in fits.items():
     w = np.abs(HARMONICS[mode](known.eta, 16))[:: ORDER[mode]]
     closed_form[mode] = (w[orders] / w[1]) ** 2
     both = np.sqrt(4 / PHASES * np.mean(noise[mode] ** 2 + code[mode] ** 2))
-    floor[mode] = float(both / fit.amplitude)
-scatter = {m: profiles[m].std(axis=0, ddof=1).mean() for m in ORDER}
+    floor[mode] = both / fit.amplitude
 notes.table(
     ["", "contrast", "harmonic", "closed form", "residual over noise", "scatter of a sweep"],
     [
         [
             m,
-            f"{contrast[m]:.3f}",
+            f"{fits[m].amplitude / fits[m].offset:.3f}",
             f"{100 * harmonic[m][3 - ORDER[m]]:.2f} %",
             f"{100 * closed_form[m][3 - ORDER[m]]:.2f} %",
             f"{pull[m]:.2f}",
-            f"{1e3 * scatter[m]:.2f} mV",
+            f"{1e3 * profiles[m].std(axis=0, ddof=1).mean():.2f} mV",
         ]
         for m in ORDER
     ],

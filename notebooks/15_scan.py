@@ -43,7 +43,6 @@ from cmtof_lab.rehearsal import scan_scene, simulated_bench
 from cmtof_lab.settings import TwinSettings
 
 plotting.begin(profile=profile, seed=seed)
-COLOURS = ("C0", "C1")
 folder = tempfile.TemporaryDirectory(prefix="cmtof-scan-")
 here = Path(folder.name)
 
@@ -79,8 +78,7 @@ wrap_in_beat = TAU * (measurement.frequencies[1] / measurement.frequencies[0] - 
 tones = [f"{f / 1e9:.2f} GHz" for f in measurement.frequencies]
 print(
     f"{np.nanmin(truth):.2f} to {np.nanmax(truth):.2f} m, {np.ptp(truth) / period:.0f} wraps of "
-    f"{1e3 * period:.2f} mm; median phase errors {1e3 * typical(error[0]):.1f} and "
-    f"{1e3 * typical(error[1]):.1f} mrad"
+    f"{1e3 * period:.2f} mm"
 )
 
 # %% tags=["hide-input"]
@@ -120,7 +118,7 @@ bench.shut()
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.5))
 instant = 1e3 * np.arange(rig.scans) / rig.rate
 fine = TAU / 200 * np.arange(201)
-for number, (mode, colour) in enumerate(zip(MODES, COLOURS, strict=True)):
+for number, (mode, colour) in enumerate(zip(MODES, ("C0", "C1"), strict=True)):
     axes[0].plot(instant, raw[mode][0], ".", ms=2.5, color=colour, label=mode)
     values = data["correlation"].to_numpy()[number, :, row, column]
     psi = data["psi"].to_numpy()[number]
@@ -169,7 +167,7 @@ notes.table(
         for n, mode in enumerate(MODES)
     ],
 )
-beat_off = float(centred(off[1] - 2 * off[0]))
+beat_off = centred(off[1] - 2 * off[0])
 print(f"the beat is off by {1e3 * beat_off:.2f} mrad, {beat_off / wrap_in_beat:.3f} wraps")
 
 # %% [markdown]
@@ -219,8 +217,8 @@ pulls = [np.median(np.abs(p)) / 0.6745 for p in causes["noise"] / expected]
 print(f"scatter of the noise over its prediction: {pulls[0]:.2f} and {pulls[1]:.2f}")
 
 # %% tags=["hide-input"]
-figure, ax = plt.subplots(figsize=(7, 3.8))
-columns = zip(*sizes.values(), strict=True)
+figure, ax = plt.subplots()
+columns = np.transpose(list(sizes.values()))
 plotting.dots(ax, dict(zip((*tones, "beat"), columns, strict=True)), list(sizes))
 plotting.mark(ax, x=500 * wrap_in_beat, text="half a wrap in the beat")
 ax.set(xscale="log", xlim=(0.05, None), xlabel="median phase error (mrad)")
@@ -262,14 +260,13 @@ def as_measurement(correlation):
     return Measurement.from_arrays(values, psi, measurement.frequencies, camera=plan.camera)
 
 
-clean = replace(given, back_fraction=0.0)
 variants = {
     "as scanned": measurement,
     "the mean of several scans": as_measurement(
         np.mean([data["correlation"], *(scanned(given, n) for n in range(1, repeats))], axis=0)
     ),
     "without noise": as_measurement(scanned(quiet)),
-    "without back-reflection": as_measurement(scanned(clean)),
+    "without back-reflection": as_measurement(scanned(replace(given, back_fraction=0.0))),
 }
 answers = {
     (name, label): cmtof.unwrap(one, method=method, **options)["depth"].to_numpy() / index
@@ -280,10 +277,10 @@ wraps = {key: np.abs(np.rint((depth - truth) / period)) for key, depth in answer
 right, close = ({key: 100 * np.nanmean(w < n) for key, w in wraps.items()} for n in (1, 3))
 
 # %% tags=["hide-input"]
-rows = [
-    [name, *(f"{right[name, m]:.0f} ({close[name, m]:.0f})" for m in METHODS)] for name in variants
-]
-notes.table(["right wraps in %", *METHODS], rows)
+notes.table(
+    ["right wraps in %", *METHODS],
+    [[k, *(f"{right[k, m]:.0f} ({close[k, m]:.0f})" for m in METHODS)] for k in variants],
+)
 best = max(METHODS, key=lambda method: right["as scanned", method])
 depth = answers["as scanned", best]
 off_by = np.rint((depth - truth) / period)

@@ -43,7 +43,6 @@ rng = np.random.default_rng(seed)
 WRAP = wrap_length(FREQUENCY_SINGLE)
 LEFT = "C0"
 RIGHT = "C1"
-BEAM = "#00A86B"
 
 # %% [markdown]
 # ## The labels of one scan
@@ -110,8 +109,9 @@ cloud = points[::2].reshape(-1, 3)
 known = np.isfinite(points[::2, :, 0]).ravel()
 grey = 0.35 + 0.6 * frame.intensity[::2].clip(0, 1).ravel()[known] ** 0.45
 axes[0].scatter(*cloud[known].T, c=grey, s=1, cmap="gray", vmin=0, vmax=1)
-ends = zip(places, ("left", "right", "scanner"), (LEFT, RIGHT, BEAM), strict=True)
-for place, name, colour in ends:
+for place, name, colour in zip(
+    places, ("left", "right", "scanner"), (LEFT, RIGHT, "#00A86B"), strict=True
+):
     axes[0].plot(*np.stack([place, target], 1), color=colour, lw=1 + (name == "scanner"))
     axes[0].plot(*place[:, None], "s", color=colour, label=name)
 sides = np.ptp(np.concatenate([cloud[known], places]), axis=0)
@@ -126,8 +126,6 @@ plotting.phase_image(axes[1], measurement.phase[0], title="7.15 GHz phase")
 wraps = np.where(truth.mask, truth.wraps, np.nan)
 plotting.image(axes[2], wraps, label="wrap count", title="wraps by stereo")
 plotting.label_panels(axes)
-least = int(np.nanmin(wraps))
-largest = int(np.nanmax(wraps))
 plotting.save(
     figure,
     "fig09_stereo",
@@ -138,7 +136,8 @@ plotting.save(
     ),
     alt=(
         f"A point cloud of {scene}, met by a beam and the lines of two cameras. Beside it a phase "
-        f"map with fringes, and a smooth wrap map from {least} to {largest}."
+        f"map with fringes, and a smooth wrap map from {np.nanmin(wraps):.0f} "
+        f"to {np.nanmax(wraps):.0f}."
     ),
     format="png",
 )
@@ -161,8 +160,7 @@ plotting.save(
 # variance of the ranges is added.
 
 # %% tags=["hide-input"]
-focal = float(cameras.matrices[0, 0, 0]) * sensor.pitch
-paper.check("sec6.lens_focal_length", focal)
+paper.check("sec6.lens_focal_length", cameras.matrices[0, 0, 0] * sensor.pitch)
 print(f"speckle {sensor.speckle:.3f} px; all noise {np.nanmedian(spots.sigma):.3f} px")
 paper.table()
 
@@ -177,7 +175,7 @@ far = labels(far_frame, far_spots, cameras, redrawn, **far_phase)
 reach = WRAP / 2 / sigmas
 ideal = np.sqrt(2) * sensor.speckle / (rig.matrices[0, 0, 0] * baseline)  # 1/m
 limit = np.sqrt(reach / ideal)
-print(f"labelled in the room: {far.mask.mean():.1%}; speckle alone ends labels at {limit:.2f} m")
+print(f"labelled in the room: {far.mask.mean():.1%}")
 
 # %% tags=["hide-input"]
 figure, ax = plt.subplots(figsize=(7, 4.0))
@@ -228,7 +226,7 @@ for name, vector in {"none": [0, 0, 0], "about y": [0, 5e-4, 0], "about x": [5e-
     turn = RigidTransform.from_rotation(Rotation.from_rotvec(vector))
     knocked = replace(rig, poses=(rig.poses[0], turn * rig.poses[1]))
     got = labels(far_frame, far_spots, knocked, **far_phase)
-    off = int((np.abs(got.depth - far_frame.depth) > WRAP / 2)[got.mask].sum())
+    off = (np.abs(got.depth - far_frame.depth) > WRAP / 2)[got.mask].sum()
     rows.append((name, f"{got.mask.mean():.1%}", f"{off} of {got.mask.sum()}"))
 notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), rows)
 

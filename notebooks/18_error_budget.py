@@ -58,9 +58,7 @@ whole = {
 }
 rms = {key: np.sqrt(np.mean(one**2)) for key, one in whole.items()}
 bound = {
-    (name, mode): float(OpticalRanger(known, mode).bound(what, [0.0])[0])
-    for name, what in targets.items()
-    for mode in MODES
+    (name, mode): OpticalRanger(known, mode).bound(targets[name], [0.0])[0] for name, mode in whole
 }
 
 # %% tags=["hide-input"]
@@ -112,9 +110,14 @@ rows = []
 for (material, mode), errors in whole.items():
     one = parts(errors)
     sizes = [np.sqrt(np.mean(part**2)) for part in (one.rmse, one.offset, one.scatter)]
-    numbers = [*sizes, bound[material, mode]]
     ratio = np.median(one.mae / one.rmse)
-    rows.append([f"{material}, {mode}", *(f"{1e6 * n:.1f}" for n in numbers), f"{ratio:.2f}"])
+    rows.append(
+        [
+            f"{material}, {mode}",
+            *(f"{1e6 * n:.1f}" for n in (*sizes, bound[material, mode])),
+            f"{ratio:.2f}",
+        ]
+    )
 notes.table(["µm", "rms", "offset", "scatter", "bound", "MAE/RMSE"], rows)
 
 # %% [markdown]
@@ -155,8 +158,10 @@ ideal = TwinSettings.ideal()
 path, back, cable, _ = np.random.default_rng((seed, 0)).uniform(0, 1, 4)  # turns, of a sweep's day
 phi = correlation_phase(ideal, target.distance + travel) + TAU * (path - cable)
 stray = correlation_phase(ideal, ideal.back_range) + TAU * (path - cable - back)
-print(f"air adds {1e6 * excess * target.distance:.0f} µm to 60 cm")
-print(f"four steps: {1e6 * depth_from_phase(third / 2**0.5, FREQUENCY['single']):.0f} µm rms")
+print(
+    f"air adds {1e6 * excess * target.distance:.0f} µm to 60 cm,\n"
+    f"four steps: {1e6 * depth_from_phase(third / 2**0.5, FREQUENCY['single']):.0f} µm rms"
+)
 cases = {
     "back": (only("back_fraction"), np.angle(1 + ratio * np.exp(1j * (stray - phi))), {}),
     "imbalance": (only("iq_imbalance"), known.iq_imbalance / 2 * np.sin(2 * phi), {}),
@@ -257,8 +262,12 @@ for mode in MODES:
     }
 base = {"range": target.distance, "reflectance": target.reflectance, "power": sent_power(known)}
 held = json.dumps({"modes": calculator, "base": base, "light": [steps[0], steps[-1]]})
-shown = "<em>The page of the book has sliders here.</em>"
-display(HTML(f'<div data-play="distance" data-numbers="{escape(held)}">{shown}</div>'))
+display(
+    HTML(
+        f'<div data-play="distance" data-numbers="{escape(held)}">'
+        "<em>The page of the book has sliders here.</em></div>"
+    )
+)
 
 # %% [markdown]
 # ## Error sizes that would explain the paper

@@ -110,16 +110,14 @@ def points_of(target, number, noise="photon", file="", **how):
 
 
 away = margin * spot_radius(base, distance)
-view = {
-    "size": (rows, columns),
-    "field_of_view": (1.85 * WIDTH / distance, 0.85 * HEIGHT / distance),
-}
 
 
 def scanned_blocks(number, noise="photon"):
     """Points of repeat ``number``, whose blocks have lengths of their own."""
     lengths = np.random.default_rng([seed, number]).uniform(-GRADE_2, GRADE_2, 2)
     blocks = gage_blocks(step, distance, tilt=mount_tilt, errors=tuple(lengths))
+    view = {"size": (rows, columns)}
+    view["field_of_view"] = (1.85 * WIDTH / distance, 0.85 * HEIGHT / distance)
     path = rig if noise == "photon" else ""
     return points_of(MeshTarget.from_mesh(blocks), number, noise, path=path, **view)
 
@@ -165,20 +163,21 @@ notes.table(
 # %% [markdown]
 # A large plane of reflectance 0.5 stands at the same distance, slanted by several angles.
 
+
 # %% tags=["hide-input"]
+def plane_fits(k, noise="photon", file=""):
+    """Fits (mode) to one scan of the plane at a tilt."""
+    slanted = Plane(distance, tilt_x=plane_tilts[k], reflectance=0.5)
+    view = {"size": plane_size, "field_of_view": plane_view}
+    cloud = points_of(slanted, repeats + k, noise, file, **view)
+    return [fit_planes(p, np.zeros(len(p), int)) for p in cloud.reshape(2, -1, 3)]
+
+
 tilts = np.array(plane_tilts, float)
-planes = []
-for k, tilt in enumerate(tilts):
-    slanted = Plane(distance, tilt_x=float(tilt), reflectance=0.5)
-    file = plane_scans[k] if plane_scans else ""
-    cloud = points_of(slanted, repeats + k, file=file, size=plane_size, field_of_view=plane_view)
-    flat = cloud.reshape(2, -1, 3)
-    planes.append([fit_planes(p, np.zeros(len(p), int)) for p in flat])
-shown = min(len(tilts) - 1, 4)
-slanted = Plane(distance, tilt_x=float(tilts[shown]), reflectance=0.5)
-same = {"size": plane_size, "field_of_view": plane_view}
-rough_plane = points_of(slanted, repeats + shown, "captures", **same)[0].reshape(-1, 3)
-rough_fit = fit_planes(rough_plane, np.zeros(len(rough_plane), int))
+planes = [
+    plane_fits(k, file=plane_scans[k] if plane_scans else "") for k in range(len(plane_tilts))
+]
+rough_fit = plane_fits(min(len(tilts) - 1, 4), "captures")[0]
 
 # %% tags=["hide-input"]
 inside, side = usable(clouds[0])
@@ -231,10 +230,12 @@ plotting.save(
 # %%
 middles = [clouds[0][0][inside & (side == k), 0].mean() for k in (0, 1)]
 known = 2 * noise[0] / np.sqrt(inside.sum())
-print(f"a point scatters by {1e6 * noise[0]:.1f} µm (single), {1e6 * noise[1]:.1f} µm (doubled)")
-print(f"{inside.sum()} points: {1e6 * known:.2f} µm if the tilt were known,")
-print(f"with a fitted tilt {1e6 * errors[0, 0]:.2f} µm")
-print(f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart")
+print(
+    f"a point scatters by {1e6 * noise[0]:.1f} µm (single), {1e6 * noise[1]:.1f} µm (doubled)\n"
+    f"{inside.sum()} points: {1e6 * known:.2f} µm if the tilt were known,\n"
+    f"with a fitted tilt {1e6 * errors[0, 0]:.2f} µm\n"
+    f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart"
+)
 
 # %% [markdown]
 # Most systematic errors are equal on both faces and cancel. A back-reflection of constant phase
@@ -353,5 +354,5 @@ found = {case: one.mean() + ends * one.std(ddof=1) for case, one in scans.items(
 paper.check("fig14.height", found)
 paper.check("fig14.height_true", step)
 paper.check("sec8.gage_distance", distance)
-paper.check("fig14.r_squared", float(r_squared[-1, 0]))
+paper.check("fig14.r_squared", r_squared[-1, 0])
 paper.table()

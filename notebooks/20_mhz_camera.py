@@ -116,7 +116,7 @@ period = wrap_length(7.15e9) / index
 right = {key: np.mean(np.abs(off) < period / 2) for key, off in ghz_error.items()}
 residual = {key: off - period * np.rint(off / period) for key, off in ghz_error.items()}
 phase_error = {key: np.nanmedian(np.abs(off)) for key, off in residual.items()}
-lost = float(np.isnan(mhz["helmet"][0][view["helmet"].range < 1.05]).mean())
+lost = np.isnan(mhz["helmet"][0][view["helmet"].range < 1.05]).mean()
 notes.table(
     ("error", "one image", "without noise"),
     [
@@ -189,7 +189,7 @@ def normals(depth, name):
 def tilt(found, true, where):
     """Median angle between two maps of normals, degrees."""
     cosine = np.clip((found * true).sum(-1)[where], -1, 1)
-    return float(np.rad2deg(np.median(np.arccos(cosine))))
+    return np.rad2deg(np.median(np.arccos(cosine)))
 
 
 maps = {}
@@ -247,8 +247,8 @@ plotting.save(
 
 # %% tags=["hide-input"]
 time = paper.published("sec7.integration_time").value
-pixels = camera.shape[0] * camera.shape[1]
-electrons = 4 * float(camera.signal(card(0.5))[0, 0])
+pixels = np.prod(camera.shape)
+electrons = 4 * camera.signal(card(0.5))[0, 0]
 sent = sent_power(twin) * time, camera.power * camera.exposure / pixels
 notes.table(
     ("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"),
@@ -285,11 +285,13 @@ notes.table(
     ("noise at 1 m, by reflectance", *(f"{r:.0%}" for r in sizes)),
     [(f"{w:.3g} W", *(f"{1e3 * one:.1f} mm" for one in row)) for w, row in noise.items()],
 )
-spot, wall = (float(camera.signal(one)[0, 0]) for one in (card(0.03), card(0.55, 1.3)))
+spot, wall = (camera.signal(one)[0, 0] for one in (card(0.03), card(0.55, 1.3)))
 turn, away = (phase_from_depth(z, camera.frequency) for z in (0.2, 0.3))
 veil = np.sin(turn) / np.sin(away - turn) * spot / wall
-print(f"200 mm on 3 % by scattered light alone: {veil / (1 + veil):.0%} of all light,")
-print("if all of it comes from a wall 0.3 m behind")
+print(
+    f"200 mm on 3 % by scattered light alone: {veil / (1 + veil):.0%} of all light,\n"
+    "if all of it comes from a wall 0.3 m behind"
+)
 
 # %% tags=["hide-input"]
 notes.say(
