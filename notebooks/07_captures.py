@@ -135,7 +135,7 @@ for name, phase in phases.items():
     how = {"protocol": "full", "noise": matched[name]}
     maps = [cmtof.simulate(scene, seed=seed, frame_number=k, **how) for k in range(draws)]
     simulated[name] = [one.phase[0].astype(float) for one in maps]
-    print(f"{name}: {sigma[name]:.3f} rad, σ = {matched[name]:.0f} counts at I = 1")
+    print(f"{name}: σ = {matched[name]:.0f} counts at I = 1")
 single = 1e6 * depth_from_phase(list(sigma.values()), FREQUENCY_SINGLE)
 
 # %% tags=["hide-input"]

@@ -258,14 +258,20 @@ for ax, what in zip(axes, targets, strict=True):
     plotting.mark(ax, y=1e6 * wrap_length(FREQUENCY["single"]) / np.sqrt(12), text="no signal")
     for name, colour in COLOURS.items():
         for case, marker in (("plausible", "o"), ("captures", "x")):
-            days_of = 1e6 * offset[name, what, case], 1e6 * scatter[name, what, case]
-            ax.plot(*days_of, marker, ms=3, alpha=0.45, color=colour)
+            at = 1e6 * offset[name, what, case]
+            ax.plot(at, 1e6 * scatter[name, what, case], marker, ms=3, alpha=0.45, color=colour)
         mu, sigma = theirs[name, what]
         shown = 1e6 * (sigma or most_scatter(name, what))
         ax.plot(1e6 * mu, shown, "D" if sigma else "v", ms=9, color=colour, mec="black")
         ax.plot([], [], "o", color=colour, label=name)
-    ax.set(xscale="log", yscale="log", title=what, xlabel="constant offset (µm)")
-    ax.set(xlim=(1e-2, 3e4), ylim=(1e-2, 3e4))
+    ax.set(
+        xscale="log",
+        yscale="log",
+        title=what,
+        xlabel="constant offset (µm)",
+        xlim=(1e-2, 3e4),
+        ylim=(1e-2, 3e4),
+    )
 axes[0].set_ylabel("scatter about it (µm)")
 axes[0].legend(loc="lower right", fontsize="small")
 plotting.label_panels(axes)
@@ -313,17 +319,19 @@ snr = {"RF": rf.snr(light), "all-optical": 1 / (2 * optical.dimming_and_noise(li
 plate = float(rf.power(targets["diffuse"], distance))
 own = float(rf.snr(plate))
 reach = np.interp(2.2e-9, light, snr["all-optical"])
-power_needed = 10 ** brentq(lambda p: float(np.log(rf.snr(10**p) / reach)), -12, -1)
-print(f"RF before the plate: {1e9 * plate:.2g} nW, SNR {own:.2g}; all-optical SNR {reach:,.0f}")
-print(f"for which RF needs {power_needed / plate:.0f} times the light")
-print(f"offsets over the plate's signal: {rf.offsets.sum() / rf.envelope(plate):.0f}")
+power_needed = 10 ** brentq(lambda p: np.log(rf.snr(10**p) / reach), -12, -1)
+print(
+    f"RF before the plate: {1e9 * plate:.2g} nW, SNR {own:.2g}; all-optical SNR {reach:,.0f}\n"
+    f"for which RF needs {power_needed / plate:.0f} times the light\n"
+    f"offsets over the plate's signal: {rf.offsets.sum() / rf.envelope(plate):.0f}"
+)
 
 # %% tags=["hide-input"]
 figure, ax = plt.subplots(figsize=(7, 4.2))
 for name, ratio in snr.items():
     ax.loglog(light, ratio, color=COLOURS[name], label=name)
 for what, target in targets.items():
-    collected = float(collected_power(settings, target, target.distance))
+    collected = collected_power(settings, target, target.distance)
     plotting.mark(ax, x=collected, text=what)
 ax.set(xlabel="light collected (W)", ylabel="SNR of a reading, $1/2\\sigma_\\phi^2$")
 ax.set(ylim=(1e-6, 1e16))
@@ -408,14 +416,13 @@ notes.table(
 places = np.append(visited(optical.visits), POSITIONS)
 ways = {"all-optical": "reference", "RF": "rf", "interferometer": "interferometer"}
 wiring = rig_of(rig, **({} if rig else {"flip_mirror": "photodiode"}))
-day = {}
 with opened(rig, wiring, settings=settings, seed=seed) as bench:
     bench.set_up()
     for number, (name, way) in enumerate(ways.items()):
         seen = sweep(bench, way, places, label=1 + 1000 * number)
         off = sweep_errors(seen, wiring.reference_distance, visits=optical.visits)
-        day[name] = np.sqrt(np.mean(off[optical.visits :] ** 2))
-        print(f"{name}: RMSE {1e6 * day[name]:.3g} µm")
+        rmse = np.sqrt(np.mean(off[optical.visits :] ** 2))
+        print(f"{name}: RMSE {1e6 * rmse:.3g} µm")
 
 # %% [markdown]
 # ## Reach
@@ -439,7 +446,7 @@ noise = [
     for mode in FREQUENCY
 ]
 odds = 100 * wrap_probability(*noise, frequencies=FREQUENCIES)
-rough = 100 * float(wrap_probability(*NOISY["phase_noise"], frequencies=FREQUENCIES))
+rough = 100 * wrap_probability(*NOISY["phase_noise"], frequencies=FREQUENCIES)
 notes.say(
     """
     For near and bright targets light must be filtered away; for far and dark ones the amplifier's
@@ -479,7 +486,6 @@ notes.answer(
 # ## Against the paper
 
 # %% tags=["hide-input"]
-burst = optical.phases * optical.samples / SAMPLE_RATE
 judged = {
     f"table4.{AXES[name]}.{size}_{what}": (name, what, size)
     for name in rangers
@@ -521,7 +527,7 @@ paper.check_all(
         "sec7.laser_power": sent_power(settings),
         "sec7.photodetector": rf.bandwidth,
         "sec8.sampling_ratio": 2 * FREQUENCY["single"] / SAMPLE_RATE,
-        "sec7.integration_time": burst,
+        "sec7.integration_time": optical.phases * optical.samples / SAMPLE_RATE,
     }
 )
 paper.table()

@@ -111,7 +111,7 @@ def shares(noise, row, below=1):
 
 rows = (*scanned.METHODS[:-1], "tuned", "surfaces", *scanned.TOLD)
 mean = {
-    noise: {row: float(shares(noise, row).mean()) for row in rows if row in stored["counts"][noise]}
+    noise: {row: shares(noise, row).mean() for row in rows if row in stored["counts"][noise]}
     for noise in NOISE
 }
 
@@ -184,23 +184,22 @@ notes.table(
 )
 
 # %% tags=["hide-input"]
-how = {"size": size, "seed": seed}
-scans = {(n, noise): scan_object(n, noise, **how) for n in objects for noise in NOISE}
+scans = {(n, k): scan_object(n, k, size=size, seed=seed) for n in objects for k in NOISE}
 first = scans[objects[0], "photon"]
 index = float(first.dataset.attrs["group_index"])
 period = wrap_length(first.frequencies[0]) / index
 truth = {name: scans[name, "photon"].depth / index for name in objects}
-camera = {name: scans[name, "photon"].camera for name in objects}
 limits = {name: (np.nanmin(z), np.nanmax(z)) for name, z in truth.items()}
 scenes = {name: scene_from({"kind": "object", "name": name}) for name in objects}
 
 
 def rf_scan(name, scan):
     """The same scene by the fast photodiode: phases demodulated after photo-conversion."""
-    ranger = RfRanger(settings=TwinSettings())
     angles = scan.dataset["angle"].to_numpy()
-    both = [replace(ranger, mode=mode) for mode in ("single", "doubled")]
-    phase = [rf_image(one, scenes[name], angles, seed=seed) for one in both]
+    phase = [
+        rf_image(RfRanger(mode=mode, settings=TwinSettings()), scenes[name], angles, seed=seed)
+        for mode in ("single", "doubled")
+    ]
     low, high = scan.range
     held = {"depth": scan.depth, "range_min": low, "range_max": high}
     return Measurement.from_phase(phase, scan.frequencies, amplitude=scan.amplitude, **held)
@@ -257,14 +256,14 @@ def wraps_off(name, method):
 # %% tags=["hide-input"]
 WALL = 1.05  # m, from where on the wall is left out in space
 for name in objects:
-    depth = depths[name, "tuned"]
     off = wraps_off(name, "tuned")
-    shown = {"truth": truth[name], "fast-scnn": depth}
+    shown = {"truth": truth[name], "fast-scnn": depths[name, "tuned"]}
     if name == teaser:  # the correct surface first
         shown = {"surfaces": depths[name, "surfaces, photon"]} | shown
     layers = {}
     for label, one in shown.items():
-        points = points_from_depth(np.where(truth[name] < WALL, one, np.nan), camera[name])
+        near = np.where(truth[name] < WALL, one, np.nan)
+        points = points_from_depth(near, scans[name, "photon"].camera)
         layers[label] = views.Layer(points, one, "cividis_r", limits[name], "range (m)")
     error = np.abs(off), "YlOrRd", (0, 10), "wraps off"
     layers["wraps off"] = views.Layer(layers["fast-scnn"].points, *error)
@@ -312,7 +311,7 @@ by_labels |= {n: shares("captures", f"{n} scans") for n in scanned.CURVE}
 def swept(level, points, row):
     """Percent of right wraps on bust and owl, of scans of other points and noise."""
     counts = np.array(stored["sweep"][level][str(points)][row], float)
-    return float((100 * counts[:, 1] / counts[:, 0]).mean())
+    return (100 * counts[:, 1] / counts[:, 0]).mean()
 
 
 sides = [settings["size"] // stride for stride in scanned.STRIDES][::-1]
@@ -380,14 +379,13 @@ OTHERS = ("RF", "kde", "rapid", "surfaces")
 plain = {"label": "", "bar": False}
 
 for name in objects:
-    tuned = depths[name, "tuned"]
     scale = {"label": "range (m)", "limits": limits[name]}
     figure, axes = plt.subplots(2, 2, figsize=(8.4, 6.8))
     shown, true, found, error = axes.flat
     plotting.image(shown, picture(name), title="rendering", cmap="gray", limits=(0, 1), **plain)
     plotting.image(true, truth[name], title="truth", **scale)
     title = f"fast-scnn, {right[name, 'tuned']:.0f} % right"
-    plotting.image(found, tuned, title=title, **scale)
+    plotting.image(found, depths[name, "tuned"], title=title, **scale)
     off = np.abs(wraps_off(name, "tuned"))
     plotting.image(error, off, label="wraps off", cmap="magma", limits=(0, 10), title="its error")
     plotting.label_panels(axes.flat)
@@ -430,7 +428,7 @@ for name in objects:
 
 # %% tags=["hide-input"]
 scan = scans[objects[0], "captures"]
-compared = {f"{ROWS.get(m, m)}": answers[objects[0], m] for m in ("tuned", "surfaces")}
+compared = {ROWS.get(m, m): answers[objects[0], m] for m in ("tuned", "surfaces")}
 show_swipe(Scene(frame_of(scenes[objects[0]], scan), scan, compared), *compared)
 
 # %% [markdown]
