@@ -283,6 +283,8 @@ plotting.save(
     alt="Three double logarithmic panels: photons fall with the square of the range; shot noise "
     "crosses the amplifier's; the noise of the range grows, more in the doubled mode.",
 )
+for mode, one in here.items():
+    print(f"{mode}: {micron[mode] * one['phase_noise']:.1f} µm at {distance:g} m")
 
 # %% [markdown]
 # Below the crossing the noise does not depend on the target: it comes from the amplifier and the
