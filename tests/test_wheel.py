@@ -22,6 +22,10 @@ from pytest import fixture, mark, param, skip
 from cmtof.methods import METHODS
 from cmtof_book import ROOT
 
+RECIPE = """
+{rooms: null, validation_views: 2, stages: [{name: a, crops: 4, crop: 32, batch: 2,
+noise: [30, 60], rate: [2.0e-3, 1.0e-3]}]}
+"""
 LEARNED = {name for name, method in METHODS.items() if method.kind == "learned"}
 
 
@@ -115,12 +119,13 @@ def wheel(tmp_path_factory):
 
 @fixture(scope="module")
 def inputs(tmp_path_factory, tilted_wall, measured):
-    """Folder with a frame, a measurement, the file of a rig that is not there, and a chapter."""
+    """Folder with a frame, a measurement, a rig that is not there, a recipe, and a chapter."""
     folder = tmp_path_factory.mktemp("inputs")
     tilted_wall.save(folder / "wall.npz")
     measured.save(folder / "wall.nc")
     rig = (ROOT / "src/cmtof/hardware/rig.yml").read_text("utf-8")
     (folder / "rig.yml").write_text(rig.replace("/dev/ttyUSB0", "/dev/none"), "utf-8")
+    (folder / "own.yml").write_text(RECIPE)
     shutil.copy(ROOT / "notebooks/16_stereo.ipynb", folder)
     return folder
 
@@ -209,9 +214,25 @@ QUICK = ["book", "hardware", "lab", "networks", "plot", "rooms", "view"]
 LONG = [param(extra, marks=mark.slow) for extra in ("notebooks", "train")]
 
 
+COMMANDS = {  # before the program of an extra
+    "networks": [
+        "unwrap wall.nc -o wall_depth.nc --method fast-scnn",
+        "evaluate wall.npz --method all --json all.json",
+    ],
+    "rooms": ["render --scenes 1 --views 1 --size 32x32 --workers 1 -o rooms"],
+    "train": [
+        "evaluate wall.npz --method fast-scnn",
+        "train own.yml --accelerator cpu -o run",
+    ],
+}
+
+
 @mark.parametrize("extra", [*QUICK, *LONG])
 def test_an_extra_alone_is_enough_for_what_it_promises(environment, extra):
-    environment(extra).run(ROOT / f"tests/alone/{extra}.py")
+    alone = environment(extra)
+    for command in COMMANDS.get(extra, []):
+        alone.cmtof(*command.split())
+    alone.run(ROOT / f"tests/alone/{extra}.py")
 
 
 @mark.slow

@@ -1,9 +1,5 @@
-"""What the extra `rooms` promises: furnished rooms, rendered."""
+"""What the extra `rooms` promises: furnished rooms, rendered by the command before."""
 
-import subprocess
-import sys
 from pathlib import Path
 
-words = "render --scenes 1 --views 1 --size 32x32 --workers 1 -o rooms"
-subprocess.run([sys.executable, "-m", "cmtof.cli", *words.split()], check=True)
 assert list(Path("rooms").rglob("*.hdf5"))
