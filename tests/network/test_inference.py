@@ -34,16 +34,15 @@ def test_wraps_equal_those_of_torch(name, numbers):
     path = weights.FOLDER / name
     network, card = weights.load_weights(path)
     kind = network.model.features
-    frames = held_out_frames()
     same = []
     for number in numbers:
-        measurement = without_holes(cmtof.simulate(frames[number], frame_number=number))
-        phase, amplitude, *more = inference.network_images(measurement, kind)
-        answer = in_torch(network, features(phase, amplitude, kind, *more)[None])
+        measurement = without_holes(cmtof.simulate(held_out_frames()[number], frame_number=number))
+        images = inference.network_images(measurement, kind)
+        answer = in_torch(network, features(*images[:2], kind, *images[2:])[None])
         wraps = answer.argmax(0) if len(answer) > 1 else answer[0].clip(0, card.classes - 1) // 1
         depth, _ = inference.unwrap_with_network(measurement, weights=path)
-        found = wrap_count_from_depth(depth, measurement.frequencies[0])
-        same.append(card.first_wrap + wraps == found)
+        tone = measurement.frequencies[0]
+        same.append(card.first_wrap + wraps == wrap_count_from_depth(depth, tone))
     assert np.mean(same) >= 0.9999
 
 
