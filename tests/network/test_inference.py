@@ -25,6 +25,12 @@ def in_torch(network, inputs):
         return network(torch.from_numpy(inputs))[0].numpy()
 
 
+def inputs_of(kind, measurement):
+    """Features (1, C, H, W) of a measurement."""
+    phase, amplitude, *more = inference.network_images(measurement, kind)
+    return features(phase, amplitude, kind, *more)[None]
+
+
 SHIPPED = sorted(path.name for path in weights.FOLDER.glob("*.released.safetensors"))
 
 
@@ -33,16 +39,15 @@ SHIPPED = sorted(path.name for path in weights.FOLDER.glob("*.released.safetenso
 def test_wraps_equal_those_of_torch(name, numbers):
     path = weights.FOLDER / name
     network, card = weights.load_weights(path)
-    kind = network.model.features
+    frames = held_out_frames()
     same = []
     for number in numbers:
-        measurement = without_holes(cmtof.simulate(held_out_frames()[number], frame_number=number))
-        images = inference.network_images(measurement, kind)
-        answer = in_torch(network, features(*images[:2], kind, *images[2:])[None])
+        measurement = without_holes(cmtof.simulate(frames[number], frame_number=number))
+        answer = in_torch(network, inputs_of(network.model.features, measurement))
         wraps = answer.argmax(0) if len(answer) > 1 else answer[0].clip(0, card.classes - 1) // 1
         depth, _ = inference.unwrap_with_network(measurement, weights=path)
-        tone = measurement.frequencies[0]
-        same.append(card.first_wrap + wraps == wrap_count_from_depth(depth, tone))
+        found = wrap_count_from_depth(depth, measurement.frequencies[0])
+        same.append(card.first_wrap + wraps == found)
     assert np.mean(same) >= 0.9999
 
 
