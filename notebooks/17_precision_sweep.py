@@ -416,11 +416,13 @@ notes.table(
 places = np.append(visited(optical.visits), POSITIONS)
 ways = {"all-optical": "reference", "RF": "rf", "interferometer": "interferometer"}
 wiring = rig_of(rig, **({} if rig else {"flip_mirror": "photodiode"}))
+day = {}
 with opened(rig, wiring, settings=settings, seed=seed) as bench:
     bench.set_up()
     for number, (name, way) in enumerate(ways.items()):
         seen = sweep(bench, way, places, label=1 + 1000 * number)
         off = sweep_errors(seen, wiring.reference_distance, visits=optical.visits)
+        day[name] = np.sqrt(np.mean(off[optical.visits :] ** 2))
         rmse = np.sqrt(np.mean(off[optical.visits :] ** 2))
         print(f"{name}: RMSE {1e6 * rmse:.3g} µm")
 

@@ -62,7 +62,7 @@ class Method:
             images = np.empty((2, *measurement.shape))
             side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: only `rapid` sees more
             for seen, inner, place in tiles(measurement.dataset, side, 256):
-                images[:, *place] = np.stack(self.run(seen, **options))[:, *inner.values()]
+                images[:, *place] = np.stack(self.run(seen, **options)[:2])[:, *inner.values()]
             found = Estimate(*images)
         repeats = beat_repeats(measurement) if self.one_beat else 1
         return found._replace(confidence=found.confidence / repeats)
