@@ -423,8 +423,7 @@ with opened(rig, wiring, settings=settings, seed=seed) as bench:
         seen = sweep(bench, way, places, label=1 + 1000 * number)
         off = sweep_errors(seen, wiring.reference_distance, visits=optical.visits)
         day[name] = np.sqrt(np.mean(off[optical.visits :] ** 2))
-        rmse = np.sqrt(np.mean(off[optical.visits :] ** 2))
-        print(f"{name}: RMSE {1e6 * rmse:.3g} µm")
+        print(f"{name}: RMSE {1e6 * day[name]:.3g} µm")
 
 # %% [markdown]
 # ## Reach
