@@ -265,12 +265,22 @@ print(f"gain, paired by view: {gain[0]:.1f} points ({gain[1]:.1f} to {gain[2]:.1
 # %% tags=["hide-input"]
 ROWS = ("proposed", "ce_only", "fourier", "phase_only", "random_stem")
 KEYS = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_3")
-path = Path(results).parent / "table1_released_1200.json"
-cards = {row: Card(**held) for row, held in json.loads(path.read_text("utf-8"))["cards"].items()}
-cards = {row: cards[row] for row in ROWS if row in cards}
-tested = read_counts(path)
-learnt = [row for row, held in cards.items() if held.gain[1] > 0]
-called = {row: row.replace("_", " ") + ("" if row in learnt else ", untrained") for row in cards}
+
+
+def rows_of(name):
+    """Cards of the trained rows, and their counts over the test frames."""
+    path = Path(results).with_name(name)
+    held = json.loads(path.read_text("utf-8"))["cards"]
+    return {row: Card(**held[row]) for row in ROWS if row in held}, read_counts(path)
+
+
+def shown_name(row, held):
+    """Name of a row in tables; without a gain over the best constant answer it is untrained."""
+    return row.replace("_", " ") + ("" if held.gain[1] > 0 else ", untrained")
+
+
+cards, tested = rows_of("table1_released_1200.json")
+called = {row: shown_name(row, held) for row, held in cards.items()}
 alike = {row: rates(tested, row, draws=draws) for row in cards}
 
 
@@ -309,11 +319,9 @@ for what, (one, other) in PAIRS.items():
 # noise at the start, or the number of crops.
 
 # %% tags=["hide-input"]
-longer = path.with_name("table1_released_768x1024_1200.json")
-more_crops = {row: c["crops"] for row, c in json.loads(longer.read_text("utf-8"))["cards"].items()}
-recounted = read_counts(longer)
-called |= {row: row.replace("_", " ") for row in more_crops}
-larger = {row: rates(recounted, row, draws=draws) for row in ROWS if row in more_crops}
+later, recounted = rows_of("table1_released_768x1024_1200.json")
+called |= {row: shown_name(row, held) for row, held in later.items()}
+larger = {row: rates(recounted, row, draws=draws) for row in later}
 show(larger)
 apart = rates(recounted, "proposed", against="ce_only", draws=draws)
 print(f"loss on depth, proposed less ce only: δ < 1 {spread(apart, 0, '+')} points")
@@ -324,7 +332,7 @@ shipped = {name: read_card(weights_path(name, "released")) for name in trained}
 figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.6))
 curves = (
     (axes[0], {"δ < 1": miniature}, "miniature, σ = 60"),
-    (axes[1], {row.replace("_", " "): cards[row] for row in learnt}, "equal crops"),
+    (axes[1], {called[row]: cards[row] for row in cards if cards[row].gain[1] > 0}, "equal crops"),
     (axes[2], shipped, "shipped weights"),
 )
 for ax, lines, title in curves:
@@ -535,9 +543,9 @@ reached = {
 }
 paper.check_all(reached)
 for row, found in (alike | larger).items():
-    if row == "random_stem":
+    if row == "random_stem":  # none of the paper's
         continue
-    crops = more_crops.get(row, cards[row].crops)
+    crops = later.get(row, cards[row]).crops
     ends = np.array(found)[:, :3]  # value, low and high of three rates
     for key, share in zip(KEYS, [*ends.T, 1 - ends[[0, 2, 1], 2]], strict=True):
         paper.check(f"table1.{row}.{key}", share, crops=crops)

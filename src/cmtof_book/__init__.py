@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parents[2]  # Folder of the checkout
+ROOT = Path(__file__).resolve().parents[2]  # folder of the checkout
 
-Values = dict[str, Any]  # What is stored, shown or set, by its name
+Values = dict[str, Any]  # what is stored, shown or set, by its name
 
-RESULTS = ROOT / "book" / "results"  # Folder of what is computed once, for chapters to read
+RESULTS = ROOT / "book" / "results"  # folder of what is computed once, for chapters to read
 
 # Variables that say how many threads numbers are computed on.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")

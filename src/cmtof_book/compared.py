@@ -21,11 +21,11 @@ from cmtof_book import Values
 
 Kind = Literal["closed form", "sum over draws", "share of pixels", "decision"]
 
-ROUNDING = 1e-9  # Relative tolerance of a closed form
+ROUNDING = 1e-9  # relative tolerance of a closed form
 
-STANDARD_ERRORS = 5  # Tolerance of a sum over draws, in standard errors of the difference
+STANDARD_ERRORS = 5  # tolerance of a sum over draws, in standard errors of the difference
 
-EDGE_PIXELS = 20  # Pixels of an image that may change sides by rounding
+EDGE_PIXELS = 20  # pixels of an image that may change sides by rounding
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -43,7 +43,7 @@ def views_of_size(height: int, width: int) -> list[Frame]:
 def views(settings: Settings = SETTINGS, *, tested: bool = True) -> Iterator[Frame]:
     """Views that fit the rule; prints the share of pixels that the released protocol scores.
 
-    Of other rooms than those that are tested if not ``tested``.
+    Without ``tested`` they are of the rooms that networks train and validate on.
     """
     for index in range(settings.scenes):
         if (split_of(index) == "test") != tested:

@@ -6,7 +6,7 @@ from inspect import cleandoc
 
 from cmtof_book import record
 
-SAID = "cmtof-said"  # Key in an output's metadata by which `cmtof_book.stage` knows a sentence
+SAID = "cmtof-said"  # key in an output's metadata by which `cmtof_book.stage` knows a sentence
 
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
 POWER = re.compile(r"(?<![\w`])(\d[\d.]*)e\+?(-?)0*(\d+)\b")

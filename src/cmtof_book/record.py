@@ -15,9 +15,9 @@ from cmtof.types import Named
 from cmtof_book import Values, provenance
 from cmtof_book.compared import Compared
 
-PAPER = "paper"  # Name of the record of what a chapter checked against the paper
+PAPER = "paper"  # name of the record of what a chapter checked against the paper
 
-TEXT = "text"  # Name of the record of what a chapter's text shows
+TEXT = "text"  # name of the record of what a chapter's text shows
 
 
 class Record(NamedTuple):

@@ -35,7 +35,7 @@ SEED = 0
 # Columns of the figure: the paper's that need no training, and three that it leaves out.
 METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
 
-Named = Iterator[tuple[str, float]]  # Numbers by their names in ``replication.yml``
+Named = Iterator[tuple[str, float]]  # numbers by their names in ``replication.yml``
 
 
 class Outcome(NamedTuple):

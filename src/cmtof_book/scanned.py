@@ -40,7 +40,7 @@ Rows = dict[str, Values]
 
 RATES = RESULTS / "scanned.json"
 FOLDER = Path("build/scanned")  # of the scans
-TUNED = RESULTS / "scanned"  # Folder of the fine-tuned weights
+TUNED = RESULTS / "scanned"  # folder of the fine-tuned weights
 
 SHOWN = ("bust", "helmet", "owl", "table")
 # Things on whose scans the recipe of the fine-tuning was chosen.
@@ -50,7 +50,7 @@ HELD_OUT = ("glasses", "column", "radio")
 LEARNT = tuple(name for name in TRAINING if name not in HELD_OUT)
 
 
-ENDS = wrap_length(FREQUENCIES[0]) * np.array(RELEASED_WRAPS)  # Range of the released protocol, m
+ENDS = wrap_length(FREQUENCIES[0]) * np.array(RELEASED_WRAPS)  # range of the released protocol, m
 
 SIZE = 200
 SEEDS = (0, 1, 2)
@@ -58,28 +58,28 @@ METHODS = ("kde", "region", "phasor", "rapid", "fast-scnn", "surfaces")
 # A reference, which knows the shape of every surface and which of them touch.
 TOLD = ("reference-contact",)
 
-CURVE = (1, 3, 10, 40, 136)  # Labelled scans whose worth is compared
+CURVE = (1, 3, 10, 40, 136)  # labelled scans whose worth is compared
 
-VALIDATED = 9  # Scans of held-out things
+VALIDATED = 9  # scans of held-out things
 
 # Labelled scans, and metres between the cameras: side by side they see what the beam sees.
 LABELS = {"labelled": CURVE[-1], "baseline": 0.06}
 
 NETWORK = "fast-scnn"
 FIRST_LEG: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
-NEXT_LEGS: Values = FIRST_LEG | {"steps": 1500}  # Options of `cmtof.network.training.fine_tune`
+NEXT_LEGS: Values = FIRST_LEG | {"steps": 1500}  # options of `cmtof.network.training.fine_tune`
 
-DEPTH_WEIGHT = 0.005  # Weight of the distance in depth, 1/mm, as where the network was trained last
+DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
 MOST_LEGS = 5
 
-Noise = str | float  # One of `cmtof_lab.settings.NOISE`, or a multiple of the captures'
+Noise = str | float  # one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'
 
 # Phase noise over that of the captures, and its name.
 LEVELS: dict[str, Noise] = {"0": "photon", "0.5": 0.5, "1": "captures", "2": 2.0}
 
 STRIDES = (1, 2, 4)
-SWEPT = ("bust", "owl")  # Scenes of which fewer points and other noise are tried
+SWEPT = ("bust", "owl")  # scenes of which fewer points and other noise are tried
 
 
 def scan_object(

@@ -20,10 +20,10 @@ from cmtof_book.paper import published, published_numbers
 from cmtof_book.record import PAPER, Record
 from cmtof_book.verdict import WORST_FIRST, Outcome, Score
 
-Scores = dict[str, Score]  # All published numbers with our results, by key
+Scores = dict[str, Score]  # all published numbers with our results, by key
 
 GROUPS = {"table": "Table", "fig": "Figure", "abstract": "Abstract", "sec": "Section"}
-ITEMS = {"Figure": 16, "Table": 4, "Equation": 20}  # How many of each the paper has
+ITEMS = {"Figure": 16, "Table": 4, "Equation": 20}  # how many of each the paper has
 
 # What was drawn; or checked, if it is a number of a table.
 DRAWN = re.compile(r"^(fig(?=\d+_)|table)(\d+)[_.]", re.MULTILINE)

@@ -11,13 +11,13 @@ from cmtof_rooms.boxes import Rectangles
 from cmtof_rooms.engine import sphere_of_directions
 from cmtof_rooms.interior import Interior
 
-TRIES = 28  # Places drawn for each view
+TRIES = 28  # places drawn for each view
 
-MIDDLE = 6.5  # Median, m, of the median ranges of views across a room
+MIDDLE = 6.5  # median, m, of the median ranges of views across a room
 
-SPREAD = 0.8  # Standard deviation of the logarithm of those ranges
+SPREAD = 0.8  # standard deviation of the logarithm of those ranges
 
-SQUARE = 0.8  # Share of views across a room that face a wall
+SQUARE = 0.8  # share of views across a room that face a wall
 
 _PROBE = 16  # a candidate is judged by that many rays squared
 _AROUND = 48  # and by that many to all sides
@@ -210,10 +210,10 @@ def _probes(camera: Camera, lens: Lens) -> Array:
 class _Sight(NamedTuple):
     """What N candidates see."""
 
-    distance: Array  # Along rays of the picture, (N, K), m
-    air: Array  # Free distance around, (N,), m
-    inside: Flags  # Whether they stand in a solid, (N,)
-    things: Numbers  # How many things are in the picture, (N,)
+    distance: Array  # along rays of the picture, (N, K), m
+    air: Array  # free distance around, (N,), m
+    inside: Flags  # whether they stand in a solid, (N,)
+    things: Numbers  # how many things are in the picture, (N,)
 
 
 def _sight(candidates: Cameras, interior: Interior, lens: Lens) -> _Sight:

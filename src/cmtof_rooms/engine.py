@@ -13,9 +13,9 @@ class RayHits(NamedTuple):
     """What N rays met first."""
 
     distance: Array  # m, (N,)
-    triangle: Numbers  # Its number (N,); -1 where nothing was met
-    u: Array  # Weight of the triangle's second corner at the place that was met, (N,)
-    v: Array  # Weight of its third corner, (N,)
+    triangle: Numbers  # its number (N,); -1 where nothing was met
+    u: Array  # weight of the triangle's second corner at the place that was met, (N,)
+    v: Array  # weight of its third corner, (N,)
 
 
 class Tracer:

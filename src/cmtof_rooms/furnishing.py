@@ -18,7 +18,7 @@ from cmtof_rooms.vacancy import (
     turned_size,
 )
 
-WARM = (1.0, 0.93, 0.82)  # Colour of lamps
+WARM = (1.0, 0.93, 0.82)  # colour of lamps
 
 # Order in which things are placed, by where they stand.
 RANK = {

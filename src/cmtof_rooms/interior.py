@@ -30,10 +30,10 @@ class Picture(NamedTuple):
     """One view, (H, W) each."""
 
     color: Array  # (H, W, 3) linear radiance
-    depth: Array  # Range along the ray, m; NaN where the ray leaves the scene
+    depth: Array  # range along the ray, m; NaN where the ray leaves the scene
     # (H, W, 3) unit normal of the surface in the world, towards the camera; 0 without depth.
     normal: Array
-    instance: Numbers  # Number of the thing, from 1 on; -1 where there is none
+    instance: Numbers  # number of the thing, from 1 on; -1 where there is none
 
 
 class Surface(NamedTuple):
@@ -42,7 +42,7 @@ class Surface(NamedTuple):
     # Number of the part, (N,); -1 where nothing is met: there the other arrays mean nothing.
     part: Numbers
     distance: Array  # m, (N,)
-    cosine: Array  # Of incidence, without its sign, (N,)
+    cosine: Array  # of incidence, without its sign, (N,)
     position: Array  # (N, 3), m
     normal: Array  # (N, 3), towards where the rays come from
 

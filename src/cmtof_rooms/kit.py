@@ -24,8 +24,8 @@ class Top(NamedTuple):
     """A level rectangle on which things can stand."""
 
     area: Rectangle
-    z: float  # Height, m
-    room: float = 1.0  # Free height above it, m
+    z: float  # height, m
+    room: float = 1.0  # free height above it, m
 
 
 # Solids of one material, or of one drawn for a role, which become a part.

@@ -10,16 +10,16 @@ from cmtof_rooms.arrays import Triple
 
 Colour = Triple
 
-MEAN_SHARE = 0.4  # Share of the second colour where a pattern is too fine to be seen
+MEAN_SHARE = 0.4  # share of the second colour where a pattern is too fine to be seen
 
 
 class Material(NamedTuple):
     """How a surface looks; reflectance is linear."""
 
     colour: Colour = (0.6, 0.6, 0.6)
-    second: Colour = (0.6, 0.6, 0.6)  # The pattern's other colour
-    pattern: str = "plain"  # Key of `PATTERNS`
-    scale: float = 0.1  # Period of the pattern, m
+    second: Colour = (0.6, 0.6, 0.6)  # the pattern's other colour
+    pattern: str = "plain"  # key of `PATTERNS`
+    scale: float = 0.1  # period of the pattern, m
     # Radiance of its own light per reflectance; a white wall at irradiance 1 has radiance 1.
     emission: float = 0.0
 

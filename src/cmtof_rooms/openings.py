@@ -12,7 +12,7 @@ from cmtof_rooms.shell import THICKNESS, Shell, Wall
 from cmtof_rooms.solids import ball, move, plate
 from cmtof_rooms.things import Light, level_light
 
-SKY: Colour = (0.95, 1.0, 1.06)  # Colour of daylight
+SKY: Colour = (0.95, 1.0, 1.06)  # colour of daylight
 
 
 def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:

@@ -33,9 +33,9 @@ from cmtof_rooms.rooms import (
     stream,
 )
 
-SETTINGS = "rooms.json"  # File in a set's folder that says what it was made from
+SETTINGS = "rooms.json"  # file in a set's folder that says what it was made from
 
-LARGEST = 4096  # Height and width of a view at most, px
+LARGEST = 4096  # height and width of a view at most, px
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class RenderedView(NamedTuple):
     room: FurnishedRoom
     lens: Lens
     camera: str  # ``cam_00`` across the room, ``cam_01`` close to things
-    number: int  # Of the view among those of its camera
+    number: int  # of the view among those of its camera
     picture: Picture
 
     @property
@@ -95,8 +95,8 @@ class RenderedView(NamedTuple):
 class Report(NamedTuple):
     """What was done for one room."""
 
-    scene: str  # Folder of the room
-    rendered: int  # Views; those that were there already do not count
+    scene: str  # folder of the room
+    rendered: int  # views; those that were there already do not count
 
 
 def split_of(index: int) -> str:
@@ -126,10 +126,10 @@ def shape_from_text(text: str) -> Shape:
 
 
 # Found on other seeds, for the brightness of all pixels to be spread as Hypersim's.
-DIM_SHARE = 0.2  # Share of views in twilight
-MEDIAN = 0.38  # Median brightness of the other views
-CONTRAST = 0.85  # Standard deviation of the logarithm of views' brightness
-DIM = 2.6  # What twilight takes from that logarithm
+DIM_SHARE = 0.2  # share of views in twilight
+MEDIAN = 0.38  # median brightness of the other views
+CONTRAST = 0.85  # standard deviation of the logarithm of views' brightness
+DIM = 2.6  # what twilight takes from that logarithm
 
 
 def expose(seen: Picture, rank: float) -> Picture:

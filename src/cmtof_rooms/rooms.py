@@ -20,9 +20,9 @@ from cmtof_rooms.presets import presets
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.things import Light, Thing, level_light
 
-CLOSE_SHARE = 0.05  # Share of a set's views that are taken from 0.5 to 1.2 m
+CLOSE_SHARE = 0.05  # share of a set's views that are taken from 0.5 to 1.2 m
 
-LIGHTS = 4  # Lights that a room has at most: rays are sent to each
+LIGHTS = 4  # lights that a room has at most: rays are sent to each
 
 # streams of random numbers of one room, so that more views never change the room
 ROOM, ACROSS, CLOSE, LENS, EXPOSURE = range(5)

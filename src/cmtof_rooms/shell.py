@@ -18,19 +18,19 @@ from cmtof_rooms.materials import Material
 from cmtof_rooms.solids import move, plate, slab, turn_about_z
 from cmtof_rooms.things import Light, Part, Thing
 
-THICKNESS = 0.15  # Of walls, m
+THICKNESS = 0.15  # of walls, m
 
 
 @dataclass
 class Wall:
     """One side of a room."""
 
-    origin: Pair  # Its left end, seen from inside, m
-    turn: float  # Of its own frame about z, rad
+    origin: Pair  # its left end, seen from inside, m
+    turn: float  # of its own frame about z, rad
     length: float  # m
     # What is in it or stands before it, along the wall and in height.
     taken: Rectangles = field(default_factory=list)
-    holes: Rectangles = field(default_factory=list)  # What is cut out of it
+    holes: Rectangles = field(default_factory=list)  # what is cut out of it
 
     def place(self, points: ArrayLike) -> Array:
         """Points (..., 3) of the wall's frame in the room, m."""

@@ -12,11 +12,11 @@ from cmtof_rooms.kit import Kit
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.things import Light
 
-Kind = Fields  # One of the ``kinds`` of `presets.yml`
+Kind = Fields  # one of the ``kinds`` of `presets.yml`
 
-Extents = Triple  # Width, depth, height, m
+Extents = Triple  # width, depth, height, m
 
-TRIES = 14  # Places that are tried for one thing before it is left out
+TRIES = 14  # places that are tried for one thing before it is left out
 
 
 class Place(NamedTuple):
