@@ -436,9 +436,10 @@ notes.table(["pixels", "odds: right, %", "a wrap farther", "a wrap nearer", "rig
 # The true wrap lies within $q\,(1-c)/c$ wraps of the estimate, $c$ the confidence, in 90 or 95 % of
 # the pixels of an average room. Pixels of one room are right or wrong together. Therefore $q$ is
 # the conformal quantile of $|n-\hat n|\,c/(1-c)$ over rooms, with the finite-sample correction of
-# [conformal risk control](https://arxiv.org/abs/2208.02814). They were 80 training rooms, each in
-# both protocols, and in the released one also at σ = 300 and 2000. The table counts other rooms,
-# rooms with uneven walls, and scans ([chapter 21](21_scanned_scenes.ipynb)), with standard errors.
+# [conformal risk control](https://arxiv.org/abs/2208.02814). The calibration has 80 training rooms,
+# each in both protocols, and in the released one also at σ = 300 and 2000. The table counts other
+# rooms, rooms with uneven walls, and scans ([chapter 21](21_scanned_scenes.ipynb)), with standard
+# errors; its last columns are the mean sizes of the sets.
 # The guarantee is one for rooms like those of the calibration, averaged over all of its settings:
 # the rows of uneven walls, of scans in the noise of captures and of the full range, where the set
 # of a lost pixel is wide, cover less.
@@ -454,7 +455,7 @@ for method, conditions in held.items():
         cells = [f"{100 * mean[name]:.1f} ± {100 * one['errors'][name]:.1f}" for name in shares]
         cells += [f"{mean[name]:.1f}" for name in sizes]
         rows.append([f"`{method}`, {condition}", one["rooms"], *cells])
-titles = ["right, %", "in 90 % sets, %", "in 95 % sets, %", "wraps in these", "and those"]
+titles = ["right, %", "in 90 % sets, %", "in 95 % sets, %", "wraps in 90 %", "wraps in 95 %"]
 notes.table(["means over frames", "frames", *titles], rows)
 
 # %% [markdown]
