@@ -27,7 +27,10 @@ def tilted_wall():
     """A wall from 0.80 to 1.15 m, bright, so that its depth is known in closed form."""
     x, y = np.meshgrid(np.linspace(0, 1, 64), np.linspace(0, 1, 48))
     return Frame(
-        0.8 + 0.25 * x + 0.1 * y, 0.2 + 0.8 * x, np.array([80.0, 80.0, 32.0, 24.0]), "wall"
+        0.8 + 0.25 * x + 0.1 * y,
+        0.2 + 0.8 * x,
+        np.array([80.0, 80.0, 32.0, 24.0]),
+        "wall",
     )
 
 
@@ -36,7 +39,9 @@ def stepped_wall():
     """A slanted wall within the released wraps, with a step in the middle."""
     y, x = np.mgrid[:40, :56]
     depth = 0.9 + 0.0004 * x + 0.0002 * y + 0.12 * (x > 30)
-    return Frame(depth * 1.195 / np.percentile(depth, 99.9), 0.6 + 0.004 * y, None, "wall", "")
+    return Frame(
+        depth * 1.195 / np.percentile(depth, 99.9), 0.6 + 0.004 * y, None, "wall", ""
+    )
 
 
 @fixture(scope="session")
@@ -118,6 +123,8 @@ def exact():
         depth = np.atleast_2d(np.asarray(depth, float))
         phase = np.stack([phase_from_depth(depth, f) for f in frequencies])
         truth = depth if truth is None else truth
-        return cmtof.Measurement.from_phase(phase, frequencies, depth=truth, **attributes)
+        return cmtof.Measurement.from_phase(
+            phase, frequencies, depth=truth, **attributes
+        )
 
     return measure

@@ -38,7 +38,9 @@ def wall(projection):
 def write_official(path, array):
     path.parent.mkdir(parents=True, exist_ok=True)
     with h5py.File(path, "w") as file:
-        file.create_dataset("dataset", data=array, compression="gzip", compression_opts=9)
+        file.create_dataset(
+            "dataset", data=array, compression="gzip", compression_opts=9
+        )
 
 
 def write_rows(path, rows):
@@ -52,12 +54,16 @@ def write_views(root):
     color[5, 5] = np.nan
     color[6, 6] = np.inf
     color[7, 7] = -1
-    for (scene, projection), (camera, number) in itertools.product(PROJECTIONS.items(), VIEWS):
+    for (scene, projection), (camera, number) in itertools.product(
+        PROJECTIONS.items(), VIEWS
+    ):
         depth = wall(projection).astype(np.float16)
         depth[0, :3] = np.nan, np.inf, 0
         images = root / scene / "images"
         name = f"frame.{number:04d}"
-        write_official(images / f"scene_{camera}_geometry_hdf5/{name}.depth_meters.hdf5", depth)
+        write_official(
+            images / f"scene_{camera}_geometry_hdf5/{name}.depth_meters.hdf5", depth
+        )
         write_official(images / f"scene_{camera}_final_hdf5/{name}.color.hdf5", color)
 
 

@@ -7,7 +7,12 @@ from scipy.differentiate import hessian
 
 from cmtof import bounds
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import TAU, centred, correlation_from_phase, phase_from_correlation
+from cmtof.correlation import (
+    TAU,
+    centred,
+    correlation_from_phase,
+    phase_from_correlation,
+)
 from cmtof.detector import poisson_gaussian
 
 PSI = np.arange(4) * np.pi / 2
@@ -17,7 +22,9 @@ DRAWS = 300_000
 def errors(intensity, rng, phase=0.9):
     signal = 20_000 * intensity
     phases = np.full(DRAWS, phase)
-    mean = correlation_from_phase(phases, PSI, amplitude=signal / np.pi, offset=signal / 2)
+    mean = correlation_from_phase(
+        phases, PSI, amplitude=signal / np.pi, offset=signal / 2
+    )
     counts = poisson_gaussian(mean, rng=rng, sigma=1200.0)
     return centred(phase_from_correlation(counts, PSI) - phase)
 
@@ -41,7 +48,9 @@ def test_phase_noise_meets_the_bound_where_it_is_small(rng, phase):
 
 @mark.parametrize("intensity", [1.0, 0.3, 0.1, 0.05])
 def test_phase_noise_follows_the_exact_law_everywhere(rng, intensity):
-    assert errors(intensity, rng).std() == approx(bounds.phase_spread(linear(intensity)), rel=0.03)
+    assert errors(intensity, rng).std() == approx(
+        bounds.phase_spread(linear(intensity)), rel=0.03
+    )
 
 
 def test_phase_spread_tends_to_the_linear_and_to_the_uniform_limit():
@@ -59,7 +68,10 @@ def test_fisher_information_is_the_curvature_of_the_likelihood():
     def expected_nll(shares):
         v = mean(shares) + 50**2
         exact = mean(np.ones(3))
-        return np.sum(np.log(v) + (exact + 50**2 + (exact + 50**2 - v) ** 2) / v, axis=-1) / 2
+        return (
+            np.sum(np.log(v) + (exact + 50**2 + (exact + 50**2 - v) ** 2) / v, axis=-1)
+            / 2
+        )
 
     found = hessian(expected_nll, np.ones(3), initial_step=0.01).ddf
     fisher = bounds.fisher_information(900.0, 2000.0, PSI, sigma=50.0, phase=0.7)
@@ -87,7 +99,9 @@ def test_odds_of_one_pixel_equal_counting(rng, intensity):
     low, high = FREQUENCIES
     draws = 2_000_000
     noise = linear(intensity)
-    phasor = 1 + noise * (rng.normal(size=(2, draws)) + 1j * rng.normal(size=(2, draws)))
+    phasor = 1 + noise * (
+        rng.normal(size=(2, draws)) + 1j * rng.normal(size=(2, draws))
+    )
     error = np.angle(phasor)
     beat = centred(error[1] - 2 * error[0])
     wraps = np.rint((low / (high - 2 * low)) * beat / TAU - error[0] / TAU)

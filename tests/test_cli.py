@@ -68,7 +68,9 @@ SCORES = {
 
 def test_evaluate_writes_the_contract(succeeds, tmp_path):
     path = tmp_path / "scores.json"
-    text = succeeds("evaluate", "still_life", "room", "--method", "crt,beat", "--json", path)
+    text = succeeds(
+        "evaluate", "still_life", "room", "--method", "crt,beat", "--json", path
+    )
     assert "beat" in text
     report = json.loads(path.read_text())
     told = {"protocol", "noise", "seed", "frames", "notes", "coverage", "methods"}
@@ -77,13 +79,20 @@ def test_evaluate_writes_the_contract(succeeds, tmp_path):
     for scores in report["methods"].values():
         assert set(scores) == SCORES
         assert scores["delta_lt_3"] + scores["delta_ge_3"] == approx(1)
-    assert report["methods"]["beat"]["delta_lt_1"] > 3 * report["methods"]["crt"]["delta_lt_1"]
+    assert (
+        report["methods"]["beat"]["delta_lt_1"]
+        > 3 * report["methods"]["crt"]["delta_lt_1"]
+    )
 
 
 def test_methods_and_info(succeeds, measurement_file, tmp_path):
-    listed = {entry["name"]: entry for entry in json.loads(succeeds("methods", "--json"))}
+    listed = {
+        entry["name"]: entry for entry in json.loads(succeeds("methods", "--json"))
+    }
     assert [name for name, entry in listed.items() if entry["default"]] == ["surfaces"]
-    learned = {entry["state"] for entry in listed.values() if entry["kind"] == "learned"}
+    learned = {
+        entry["state"] for entry in listed.values() if entry["kind"] == "learned"
+    }
     assert learned <= {"trained", "untrained", "no weights"}
     assert "Default: surfaces." in succeeds("methods")
     assert f"cmtof {cmtof.__version__}" in succeeds("info")
@@ -98,7 +107,18 @@ def test_methods_and_info(succeeds, measurement_file, tmp_path):
 def test_rooms_are_rendered_and_evaluated_as_a_folder(succeeds, tmp_path):
     rooms = tmp_path / "rooms"
     scores = tmp_path / "scores.json"
-    options = ("--scenes", 1, "--views", 2, "--size", "48x64", "--seed", 2, "--workers", 1)
+    options = (
+        "--scenes",
+        1,
+        "--views",
+        2,
+        "--size",
+        "48x64",
+        "--seed",
+        2,
+        "--workers",
+        1,
+    )
     text = succeeds("render", *options, "-o", rooms)
     assert "1 rooms, 2 views each; 2 views rendered" in text
     assert "0 views rendered" in succeeds("render", *options, "-o", rooms)
@@ -116,7 +136,9 @@ def test_a_frame_that_fails_takes_no_other_with_it(fails, tmp_path, flat_wall):
     flat_wall(8, 0.9).save(tmp_path / "set" / "near.npz")
     flat_wall(8, 300.0).save(far := tmp_path / "set" / "far.npz")
     scores = tmp_path / "scores.json"
-    told = fails("evaluate", tmp_path / "set", far, "--method", "middle", "--json", scores)
+    told = fails(
+        "evaluate", tmp_path / "set", far, "--method", "middle", "--json", scores
+    )
     assert "Expected depths between" in told
     report = json.loads(scores.read_text())
     assert report["frames"] == ["near"]
@@ -134,7 +156,9 @@ def test_inputs_are_never_replaced(fails, tmp_path, measured):
     assert "got m.nc twice" in fails("unwrap", m, "-o", m)
     assert "named *.ply, got m.nc" in fails("unwrap", m, "-o", out, "--ply", m)
     assert "named *.json, got m.nc" in fails("evaluate", "room", "--json", m)
-    assert "Expected a camera" in fails("unwrap", m, "-o", out, "--ply", tmp_path / "c.ply")
+    assert "Expected a camera" in fails(
+        "unwrap", m, "-o", out, "--ply", tmp_path / "c.ply"
+    )
     assert m.read_bytes() == before
     assert not out.exists()
 
@@ -154,7 +178,8 @@ def test_wrong_command_lines_end_with_2(run, line):
 
 
 @mark.parametrize(
-    "command", ["simulate", "unwrap", "evaluate", "methods", "info", "replicate", "scan"]
+    "command",
+    ["simulate", "unwrap", "evaluate", "methods", "info", "replicate", "scan"],
 )
 def test_help_teaches(succeeds, command):
     assert command in succeeds("--help")
@@ -166,7 +191,11 @@ def test_help_teaches(succeeds, command):
     [
         (KeyboardInterrupt(), 130, ""),
         (MemoryError(), 1, "Expected enough memory"),
-        (RuntimeError("out of order"), 1, "RuntimeError: out of order (a defect, please report"),
+        (
+            RuntimeError("out of order"),
+            1,
+            "RuntimeError: out of order (a defect, please report",
+        ),
     ],
 )
 def test_what_goes_wrong_inside(run, tmp_path, monkeypatch, error, code, message):
@@ -174,7 +203,9 @@ def test_what_goes_wrong_inside(run, tmp_path, monkeypatch, error, code, message
         raise error
 
     monkeypatch.setattr("cmtof.evaluation.unwrap", broken)
-    found, _, err = run("evaluate", "stairs", "--method", "crt", "--json", tmp_path / "s.json")
+    found, _, err = run(
+        "evaluate", "stairs", "--method", "crt", "--json", tmp_path / "s.json"
+    )
     assert found == code
     assert message in err
     assert "Traceback" not in err
@@ -213,6 +244,14 @@ def test_a_rig_file_is_simulated_with_its_own_twin(succeeds, tmp_path):
 def test_a_training_that_is_there_is_not_replaced(succeeds, fails, tmp_path):
     stage = "{name: a, crops: 8, crop: 32, batch: 2, noise: [30, 60], rate: [1.0e-3, 1.0e-4]}"
     (recipe := tmp_path / "a.yml").write_text(f"{{rooms: null, stages: [{stage}]}}")
-    train = ("train", recipe, "--model", "fast-scnn-light", "-o", tmp_path / "run", "--quiet")
+    train = (
+        "train",
+        recipe,
+        "--model",
+        "fast-scnn-light",
+        "-o",
+        tmp_path / "run",
+        "--quiet",
+    )
     succeeds(*train)
     assert "--resume" in fails(*train)

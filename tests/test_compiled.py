@@ -16,7 +16,8 @@ def test_a_command_runs_uncached_and_says_so_once(tmp_path, measurement_file):
     words = ["unwrap", measurement_file, "-o", tmp_path / "out.nc", "--method", "mrf"]
     done = subprocess.run(
         [sys.executable, "-m", "cmtof.cli", *map(str, words)],
-        env={name: os.environ[name] for name in os.environ if name != "NUMBA_CACHE_DIR"} | changes,
+        env={name: os.environ[name] for name in os.environ if name != "NUMBA_CACHE_DIR"}
+        | changes,
         capture_output=True,
         text=True,
     )

@@ -22,7 +22,9 @@ def test_harmonic_sum_equals_the_time_integral_of_any_waveforms(phase, psi):
     p = SINGLE.harmonics(12)
     r = gate(12)
     theta = TAU * np.arange(4096) / 4096
-    product = waveform_from_harmonics(p, theta - phase) * waveform_from_harmonics(r, theta + psi)
+    product = waveform_from_harmonics(p, theta - phase) * waveform_from_harmonics(
+        r, theta + psi
+    )
     fast = co.correlation_from_harmonics(p, r, phase=phase, psi=psi)
     assert fast == approx(product.mean(), abs=1e-12)
 
@@ -36,7 +38,9 @@ def test_heterodyne_damping_equals_the_time_average_over_the_exposure():
     p = SINGLE.harmonics(5)
     cycles = 0.3
     t = (np.arange(20000) + 0.5) / 20000 - 0.5
-    slow = co.correlation_from_harmonics(p, p, phase=0.4, psi=1.0, beat_phase=TAU * cycles * t)
+    slow = co.correlation_from_harmonics(
+        p, p, phase=0.4, psi=1.0, beat_phase=TAU * cycles * t
+    )
     damped = co.correlation_from_harmonics(p, p, phase=0.4, psi=1.0, beat_cycles=cycles)
     assert damped == approx(slow.mean(), abs=1e-9)
 
@@ -49,10 +53,14 @@ def test_heterodyne_damping_equals_the_time_average_over_the_exposure():
 )
 def test_decoding_undoes_encoding_for_any_distinct_psi(steps, phase, amplitude, offset):
     psi = 0.1 * np.array(steps)
-    c = co.correlation_from_phase(np.array([phase]), psi, amplitude=amplitude, offset=offset)
+    c = co.correlation_from_phase(
+        np.array([phase]), psi, amplitude=amplitude, offset=offset
+    )
     decoded = co.decode(c, psi)
     # neighbouring steps 0.1 rad apart make the fit up to 1e3 times less certain
-    assert abs(co.centred(decoded.phase - phase))[0] < 1e-6 * (1 + abs(offset) / amplitude)
+    assert abs(co.centred(decoded.phase - phase))[0] < 1e-6 * (
+        1 + abs(offset) / amplitude
+    )
     assert decoded.amplitude[0] == approx(amplitude, rel=1e-6, abs=1e-6 * abs(offset))
 
 
@@ -71,7 +79,9 @@ def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
     phase[0, :6] = [0, np.pi / 4, np.pi / 2, np.pi, 3 * np.pi / 2, TAU - 1e-7]  # seams
     amplitude = rng.uniform(10, 6366, phase.shape)
     # float32 counts carry half an ulp each: compare with float64 arithmetic on the same counts
-    c = co.correlation_from_phase(phase, psi, amplitude=amplitude, offset=amplitude * 1.6)
+    c = co.correlation_from_phase(
+        phase, psi, amplitude=amplitude, offset=amplitude * 1.6
+    )
     c = c.astype(np.float32)
     fast = co.decode(c, psi)
     exact = co.decode(c.astype(float), psi)
@@ -121,7 +131,9 @@ def test_residual_noise_finds_the_noise_of_the_samples(rng):
 
 
 def test_wraps_of_the_prototype():
-    assert co.wrap_length(np.array(FREQUENCIES)) == approx([0.0209645, 0.0104676], abs=1e-7)
+    assert co.wrap_length(np.array(FREQUENCIES)) == approx(
+        [0.0209645, 0.0104676], abs=1e-7
+    )
     assert co.phase_from_depth(SPEED_OF_LIGHT / (2 * 7.15e9), 7.15e9) == approx(TAU)
 
 

@@ -21,9 +21,13 @@ def test_poisson_gaussian_has_both_variances_in_the_given_precision(rng):
 
 
 def test_released_order_adds_gaussian_noise_first_and_never_goes_negative(rng):
-    counts = detector.poisson_gaussian(np.full(DRAWS, 900.0), rng=rng, sigma=40.0, order="released")
+    counts = detector.poisson_gaussian(
+        np.full(DRAWS, 900.0), rng=rng, sigma=40.0, order="released"
+    )
     assert counts.var() == approx(900 + 1600, rel=VARIANCE)
-    dark = detector.poisson_gaussian(np.zeros(1000), rng=rng, sigma=40.0, order="released")
+    dark = detector.poisson_gaussian(
+        np.zeros(1000), rng=rng, sigma=40.0, order="released"
+    )
     assert dark.min() >= 0
     assert detector.poisson_gaussian(np.zeros(1000), rng=rng, sigma=40.0).min() < 0
 
@@ -37,7 +41,9 @@ def test_impossible_means_are_refused(rng, bad):
 
 
 def test_skellam_difference_keeps_the_sum_of_the_variances(rng):
-    d = detector.skellam_gaussian(np.full(DRAWS, 500.0), np.full(DRAWS, 300.0), rng=rng, sigma=10.0)
+    d = detector.skellam_gaussian(
+        np.full(DRAWS, 500.0), np.full(DRAWS, 300.0), rng=rng, sigma=10.0
+    )
     assert d.mean() == approx(200.0, abs=4 * 30 / np.sqrt(DRAWS))
     assert d.var() == approx(500 + 300 + 100, rel=VARIANCE)
 

@@ -6,7 +6,15 @@ from pytest import approx, mark, raises, skip
 
 import cmtof
 from cmtof.correlation import wrap_length
-from cmtof.evaluation import Evaluation, Tally, measured, rates, read_counts, score, scored_pixels
+from cmtof.evaluation import (
+    Evaluation,
+    Tally,
+    measured,
+    rates,
+    read_counts,
+    score,
+    scored_pixels,
+)
 from cmtof.frame import held_out_frames
 from cmtof.measurement import Measurement
 from cmtof.methods import METHODS
@@ -59,11 +67,17 @@ def test_every_method_sees_the_same_noise(tilted_wall):
     frames = [tilted_wall, tilted_wall]
     both = Evaluation(["crt", "crt-ml"], seed=4).add_all(frames)
     report = both.report()
-    assert (report["protocol"], report["noise"], report["seed"]) == ("released", 1200.0, 4)
+    assert (report["protocol"], report["noise"], report["seed"]) == (
+        "released",
+        1200.0,
+        4,
+    )
     crt, fused = report["methods"].values()
     assert crt["delta_lt_3"] == approx(fused["delta_lt_3"], abs=0.01)
     alone = Evaluation(["crt"], seed=4).add_all(frames)
-    first, second = ([frame["methods"]["crt"] for frame in one.counts()] for one in (alone, both))
+    first, second = (
+        [frame["methods"]["crt"] for frame in one.counts()] for one in (alone, both)
+    )
     assert first == second
     assert first[0] != first[1]  # each frame has noise of its own
 
@@ -142,9 +156,13 @@ def test_beats_of_path_traced_rooms_score_as_an_independent_simulation(
 def test_stored_counts_are_those_of_the_shipped_frames():
     """Two frames counted again; another processor may differ in 1 % of a frame's pixels."""
     held = read_counts(RESULTS / "table2_released_1200.json")[:2]
-    again = Evaluation(["crt", "beat", "middle"]).add_all(held_out_frames()[:2]).counts()
+    again = (
+        Evaluation(["crt", "beat", "middle"]).add_all(held_out_frames()[:2]).counts()
+    )
     for stored, new in zip(held, again, strict=True):
         assert stored["frame"] == new["frame"]
         for name, counts in new["methods"].items():
             few = 0.01 * counts["pixels"]
-            assert_allclose(counts["below"], stored["methods"][name]["below"], rtol=0, atol=few)
+            assert_allclose(
+                counts["below"], stored["methods"][name]["below"], rtol=0, atol=few
+            )

@@ -54,7 +54,9 @@ def test_threads_that_write_one_file_lose_none(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
-@mark.parametrize(("process", "age", "left"), [(2**22, 900, 0), (2**22, 0, 1), (1, 900, 1)])
+@mark.parametrize(
+    ("process", "age", "left"), [(2**22, 900, 0), (2**22, 0, 1), (1, 900, 1)]
+)
 def test_what_a_killed_process_left_is_removed(tmp_path, process, age, left):
     lost = tmp_path / f".a.part-{process}-0.txt"
     lost.touch()
@@ -71,7 +73,10 @@ def test_what_a_killed_process_left_is_removed(tmp_path, process, age, left):
         (lambda p: p, "got the folder"),
         (lambda p: os.mkfifo(p / "pipe") or p / "pipe", "got a device or pipe"),
         (lambda p: "/proc/a.txt", "can be written to"),  # not even by root
-        (lambda p: (p / "a.txt").symlink_to(p / "a.txt") or p / "a.txt", "got a circle"),
+        (
+            lambda p: (p / "a.txt").symlink_to(p / "a.txt") or p / "a.txt",
+            "got a circle",
+        ),
     ],
 )
 def test_what_cannot_be_written_is_refused_at_once(tmp_path, make, message):

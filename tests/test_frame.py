@@ -17,7 +17,13 @@ from cmtof.scenes import frames_in, load_frame
 ONES = np.ones((6, 8))
 
 
-@given(st.floats(3, 30), st.floats(3, 30), st.floats(0, 8), st.floats(0, 6), st.floats(-1, 1))
+@given(
+    st.floats(3, 30),
+    st.floats(3, 30),
+    st.floats(0, 8),
+    st.floats(0, 6),
+    st.floats(-1, 1),
+)
 def test_rays_of_a_skewed_camera_land_on_their_pixels(fx, fy, cx, cy, skew):
     rays = rays_from_camera((6, 8), [fx, fy, cx, cy, skew])
     pinhole = np.array([[fx, skew, cx], [0, fy, cy], [0, 0, 1]])
@@ -27,7 +33,9 @@ def test_rays_of_a_skewed_camera_land_on_their_pixels(fx, fy, cx, cy, skew):
 
 @mark.parametrize("camera", [None, [9.0, 9, 4, 3, 0.1]])
 def test_frames_survive_their_file(tmp_path, rng, camera):
-    frame = Frame(rng.uniform(1, 2, (6, 8)), rng.uniform(0, 2, (6, 8)), camera, note="float16")
+    frame = Frame(
+        rng.uniform(1, 2, (6, 8)), rng.uniform(0, 2, (6, 8)), camera, note="float16"
+    )
     frame.save(tmp_path / "a.npz")
     read = load_frame(tmp_path / "a.npz")
     for name in ("depth", "intensity", "camera"):
@@ -48,7 +56,9 @@ def test_frames_survive_their_file(tmp_path, rng, camera):
         ({"camera": ["a"] * 4}, "numbers as camera"),
     ],
 )
-def test_impossible_frames_are_refused_alike_from_arrays_and_files(tmp_path, arrays, message):
+def test_impossible_frames_are_refused_alike_from_arrays_and_files(
+    tmp_path, arrays, message
+):
     arrays = {"depth": ONES, "intensity": ONES} | arrays
     with raises(ValueError, match=message):
         Frame(**arrays)
@@ -57,13 +67,19 @@ def test_impossible_frames_are_refused_alike_from_arrays_and_files(tmp_path, arr
         load_frame(tmp_path / "a.npz")
 
 
-def test_an_archive_that_claims_more_than_it_holds_is_refused_before_it_is_read(tmp_path):
+def test_an_archive_that_claims_more_than_it_holds_is_refused_before_it_is_read(
+    tmp_path,
+):
     Frame(ONES, ONES).save(tmp_path / "a.npz")
     with zipfile.ZipFile(tmp_path / "a.npz") as archive:
         size = archive.getinfo("depth.npy").file_size.to_bytes(4, "little")
     stored = (tmp_path / "a.npz").read_bytes()
-    (tmp_path / "a.npz").write_bytes(stored.replace(size, (2**31).to_bytes(4, "little")))
-    with raises(ValueError, match=r"whole \.npz file, got .*its header claims 4\.29e\+09"):
+    (tmp_path / "a.npz").write_bytes(
+        stored.replace(size, (2**31).to_bytes(4, "little"))
+    )
+    with raises(
+        ValueError, match=r"whole \.npz file, got .*its header claims 4\.29e\+09"
+    ):
         load_frame(tmp_path / "a.npz")
 
 
@@ -103,7 +119,10 @@ def test_a_capture_opens_from_everywhere(tmp_path, rng, monkeypatch, place):
     monkeypatch.chdir(tmp_path if "/" in place else path.parent)
     measurement = cmtof.open(place)
     assert_allclose(measurement.dataset["reference_depth"], depth)
-    assert np.abs(centred(measurement.phase[0] - phase_from_depth(depth, 7.15e9))).max() < 1e-5
+    assert (
+        np.abs(centred(measurement.phase[0] - phase_from_depth(depth, 7.15e9))).max()
+        < 1e-5
+    )
     assert measurement.frequencies.tolist() == [7.15e9]
 
 

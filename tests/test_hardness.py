@@ -33,4 +33,6 @@ def test_a_crease_and_a_gap_end_a_surface_without_a_jump():
     assert hardness(crease).jump.size == 0
     gap = np.where(np.arange(11) == 5, np.nan, 1.0) + np.zeros((10, 1))
     assert hardness(gap).jump.size == 0
-    assert hardness(gap).size.max() == 40  # four columns each: those beside the gap are ends
+    assert (
+        hardness(gap).size.max() == 40
+    )  # four columns each: those beside the gap are ends

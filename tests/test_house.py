@@ -50,11 +50,16 @@ STILL_UPWARD = {
 
 @fixture(scope="module")
 def imports():
-    graph = grimp.build_graph(*PACKAGES, exclude_type_checking_imports=True, cache_dir=None)
+    graph = grimp.build_graph(
+        *PACKAGES, exclude_type_checking_imports=True, cache_dir=None
+    )
     # the root loads its names on first use, and gives its version to everybody
     modules = graph.modules - {"cmtof"}
     return [
-        (a, b) for a in modules for b in graph.find_modules_directly_imported_by(a) if b in modules
+        (a, b)
+        for a in modules
+        for b in graph.find_modules_directly_imported_by(a)
+        if b in modules
     ]
 
 
@@ -70,7 +75,9 @@ def test_imports_lead_down(imports):
     upward = [
         f"{a} imports {b}"
         for a, b in imports
-        if height(a) == height(b) == 0 and room(a) != room(b) and HEIGHT[room(a)] <= HEIGHT[room(b)]
+        if height(a) == height(b) == 0
+        and room(a) != room(b)
+        and HEIGHT[room(a)] <= HEIGHT[room(b)]
     ]
     assert not upward
 
@@ -84,7 +91,9 @@ def test_no_module_is_part_of_a_circle(imports):
     above = {}
     for a, b in imports:
         above.setdefault(a, set()).add(b)
-    order = TopologicalSorter(above).static_order()  # raises CycleError, which names the circle
+    order = TopologicalSorter(
+        above
+    ).static_order()  # raises CycleError, which names the circle
     assert set(order) >= above.keys()
 
 
@@ -120,12 +129,17 @@ def test_each_step_of_a_walk_is_imported_by_one_before_it(title, imports):
         ("import cmtof.cli", "numpy torch xarray matplotlib lightning pyvista"),
         ("import cmtof.methods", "torch lightning"),
         ("import cmtof.simulation, cmtof.scenes", "torch matplotlib trimesh pyvista"),
-        ("import cmtof.hardware.rig", "serial pyvisa pymodbus thorlabs_apt_protocol torch"),
+        (
+            "import cmtof.hardware.rig",
+            "serial pyvisa pymodbus thorlabs_apt_protocol torch",
+        ),
         ("import cmtof_lab.stereo", "cv2 torch"),
         ("import cmtof_book.views", "pyvista vtkmodules"),
     ],
 )
 def test_heavy_libraries_are_imported_late(statement, heavy):
     code = f"import sys\n{statement}\nprint(*sorted(set(sys.modules) & set('{heavy}'.split())))"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    found = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     assert found.stdout.strip() == ""

@@ -6,7 +6,15 @@ import official_tree
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from official_tree import PLAIN, PROJECTIONS, SHAPE, VIEWS, wall, write_official, write_rows
+from official_tree import (
+    PLAIN,
+    PROJECTIONS,
+    SHAPE,
+    VIEWS,
+    wall,
+    write_official,
+    write_rows,
+)
 from pytest import approx, fixture, mark, raises
 from scipy.spatial.transform import Rotation
 
@@ -35,13 +43,21 @@ def tree(tmp_path):
 
 def test_a_tree_holds_its_views_and_official_float16_files_load(tree):
     whole = Hypersim(tree)
-    assert whole.views == [View(scene, *view) for scene in PROJECTIONS for view in VIEWS]
+    assert whole.views == [
+        View(scene, *view) for scene in PROJECTIONS for view in VIEWS
+    ]
     assert Hypersim(tree / "ai_001_002").views == whole.views[3:6]
     frame = whole.frame(FIRST)
-    assert_array_equal(frame.depth[1:], wall(PLAIN).astype(np.float16).astype(np.float32)[1:])
+    assert_array_equal(
+        frame.depth[1:], wall(PLAIN).astype(np.float16).astype(np.float32)[1:]
+    )
     assert np.isnan(frame.depth).sum() == 3  # NaN, infinite and 0
     assert frame.intensity[3, 3] == 0.5  # green, linear, as stored
-    assert frame.intensity[[5, 6, 7], [5, 6, 7]].tolist() == [0, 65504, 0]  # NaN, inf, negative
+    assert frame.intensity[[5, 6, 7], [5, 6, 7]].tolist() == [
+        0,
+        65504,
+        0,
+    ]  # NaN, inf, negative
     assert frame.name == "ai_001_001/cam_00/0000"
     assert frame.note == "float16 depth in steps of up to 2.0 mm"
 
@@ -50,7 +66,9 @@ def test_a_tree_holds_its_views_and_official_float16_files_load(tree):
 def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree, scene):
     """Points by the frame's camera are the true ones, turned: a plane, 2 m away."""
     view = View(scene, "cam_00", 0)
-    write_official(view.file(tree, "depth"), wall(PROJECTIONS[scene]).astype(np.float32))
+    write_official(
+        view.file(tree, "depth"), wall(PROJECTIONS[scene]).astype(np.float32)
+    )
     frame = Hypersim(tree).frame(view)
     points = points_from_depth(frame.depth, frame.camera).reshape(-1, 3)
     normal = np.linalg.lstsq(points, np.ones(len(points)), rcond=None)[0]
@@ -87,7 +105,9 @@ def cut(path):
 
 def claims_much(path):
     with h5py.File(path, "w") as file:
-        file.create_dataset("dataset", shape=(10**6, 10**6), dtype="f4", chunks=(100, 100))
+        file.create_dataset(
+            "dataset", shape=(10**6, 10**6), dtype="f4", chunks=(100, 100)
+        )
 
 
 def holds_nothing(path):
@@ -144,11 +164,16 @@ def test_what_is_missing_is_named(tree):
 
 
 def test_damaged_tables_are_named(tree):
-    listed = [["scene_name", "camera_name", "frame_id", "split_partition_name"], list("abcd")]
+    listed = [
+        ["scene_name", "camera_name", "frame_id", "split_partition_name"],
+        list("abcd"),
+    ]
     write_rows(tree / "metadata_images_split_scene_v1.csv", listed)
     with raises(ValueError, match=r"columns and numbers, got .*split_scene_v1.csv"):
         Hypersim(tree).split()
-    write_rows(tree / "metadata_camera_parameters.csv", [["M_cam_from_uv_00"], ["minus one"]])
+    write_rows(
+        tree / "metadata_camera_parameters.csv", [["M_cam_from_uv_00"], ["minus one"]]
+    )
     with raises(ValueError, match=r"columns and numbers, got .*camera_parameters.csv"):
         _ = Hypersim(tree).projections
 
@@ -165,7 +190,10 @@ def test_papers_frames_are_tested_and_their_scenes_never_trained_on(tree, place)
     assert load_frame(tree).name == "ai_001_001/cam_00/0042"
 
 
-scenes = [f"ai_00{i}_00{j}" for i in range(3) for j in range(1, 4)] + ["room_0", "room_1"]
+scenes = [f"ai_00{i}_00{j}" for i in range(3) for j in range(1, 4)] + [
+    "room_0",
+    "room_1",
+]
 
 
 @given(
@@ -173,7 +201,9 @@ scenes = [f"ai_00{i}_00{j}" for i in range(3) for j in range(1, 4)] + ["room_0",
     st.sets(st.sampled_from([("cam_00", 0), ("cam_00", 42), ("cam_01", 42)])),
 )
 def test_no_view_stands_in_two_partitions(partitions, views):
-    listed = [View(scene, *view, p) for scene, p in partitions.items() for view in views]
+    listed = [
+        View(scene, *view, p) for scene, p in partitions.items() for view in views
+    ]
     parts = split_views(listed)
     found = [view for part in parts.values() for view in part]
     assert len(found) == len(set(found))
@@ -194,7 +224,9 @@ def test_official_tables_and_the_public_depth_file(shared_data):
     assert tree.split()["test"] == []  # on disk is none
     table = (tree.root / "metadata_images_split_scene_v1.csv").read_text()
     rows = [line.split(",") for line in table.splitlines()[1:]]
-    test = split_views(View(row[0], row[1], int(row[2]), row[-1]) for row in rows)["test"]
+    test = split_views(View(row[0], row[1], int(row[2]), row[-1]) for row in rows)[
+        "test"
+    ]
     assert [sum(v.partition == name for v in test) for name in PARTITIONS] == [34, 5, 7]
 
 
@@ -217,7 +249,9 @@ def rooms(tmp_path):
     for number, scene in enumerate(split):
         for view in views:
             write_view(tmp_path, scene, *view, **picture(number))
-    write_metadata(tmp_path, (40, 48), {name: (part, 41.6, views) for name, part in split.items()})
+    write_metadata(
+        tmp_path, (40, 48), {name: (part, 41.6, views) for name, part in split.items()}
+    )
     return Hypersim(tmp_path)
 
 

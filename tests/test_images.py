@@ -48,8 +48,18 @@ UNKNOWN = np.where(DEPTH > 2.9, 65535, levels(1000)).astype(np.uint16)
     [
         (levels(5000), {"depth_scale": 5000}, DEPTH, "along the ray"),
         (levels(1000), {}, DEPTH, "1000 levels a metre, for want of a scale"),
-        (ROTATED, {"depth_scale": 8000}, DEPTH, "multiples of 8: if these are SUN RGB-D's"),
-        (UNKNOWN, {}, np.where(DEPTH > 2.9, np.nan, DEPTH), "at level 65535, taken as unknown"),
+        (
+            ROTATED,
+            {"depth_scale": 8000},
+            DEPTH,
+            "multiples of 8: if these are SUN RGB-D's",
+        ),
+        (
+            UNKNOWN,
+            {},
+            np.where(DEPTH > 2.9, np.nan, DEPTH),
+            "at level 65535, taken as unknown",
+        ),
         (CAPPED, {}, np.minimum(DEPTH, 2.5), "at the largest level, 2500"),
     ],
 )
@@ -63,7 +73,12 @@ def test_levels_are_depths_and_odd_ones_are_named(read, depth, how, right, note)
     ("light", "how", "right", "note"),
     [
         (LIGHT, {}, 0.5, ""),
-        (np.full(SHAPE, 255, np.uint16), {"linear": True}, 1.0, ""),  # an infrared image
+        (
+            np.full(SHAPE, 255, np.uint16),
+            {"linear": True},
+            1.0,
+            "",
+        ),  # an infrared image
         (np.full(SHAPE, 255, np.uint16), {}, 0.0003, "is it linear (--linear)?"),
         (np.full((24, 32), 188, np.uint8), {}, 0.5, "resampled from 24x32 to 12x16 px"),
     ],
@@ -81,7 +96,11 @@ def test_planar_depth_becomes_range_along_the_ray(read):
 
 @mark.parametrize(
     ("name", "depth", "within"),
-    [("d.pgm", levels(1000), 6e-4), ("d.npy", levels(1000), 6e-4), ("d.npy", DEPTH, 1e-6)],
+    [
+        ("d.pgm", levels(1000), 6e-4),
+        ("d.npy", levels(1000), 6e-4),
+        ("d.npy", DEPTH, 1e-6),
+    ],
 )
 def test_other_formats_hold_levels_or_metres(read, name, depth, within):
     assert_allclose(read(depth, name=name).depth, DEPTH, atol=within)
@@ -116,7 +135,10 @@ def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
         write(tmp_path / "depth" / name, depth)
         write(tmp_path / "rgb" / name, LIGHT)
     listed = frames_in(tmp_path)
-    assert [source.name for source in listed] == [f"{tmp_path.name}/2", f"{tmp_path.name}/10"]
+    assert [source.name for source in listed] == [
+        f"{tmp_path.name}/2",
+        f"{tmp_path.name}/10",
+    ]
     assert np.argwhere(np.isnan(listed[0].load().depth)).tolist() == [[0, 0]]
 
 
@@ -164,7 +186,9 @@ def test_a_tum_sequence_is_read_as_downloaded(tum):
     assert [frame.name for frame in frames] == ["1.01", "1.04"]
     assert_allclose(frames[0].depth, DEPTH, atol=2e-4)
     assert [round(float(frame.intensity[0, 0]), 1) for frame in frames] == [0.5, 1.0]
-    assert (frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load().depth > frames[0].depth).all()
+    assert (
+        frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load().depth > frames[0].depth
+    ).all()
 
 
 def test_evaluate_reads_images_as_told_and_stores_what_is_odd(succeeds, tmp_path):

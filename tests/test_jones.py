@@ -30,12 +30,17 @@ def test_retarder_is_its_diagonal_form_turned_by_its_angle(retardance, axis):
 
 
 def test_eom_is_equation_10():
-    assert_allclose(jones.eom(0.7), np.diag([np.exp(-0.35j), np.exp(0.35j)]), rtol=0, atol=1e-16)
+    assert_allclose(
+        jones.eom(0.7), np.diag([np.exp(-0.35j), np.exp(0.35j)]), rtol=0, atol=1e-16
+    )
 
 
 @given(ratio, ratio)
 def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflected):
-    settings = {"transmitted_extinction": transmitted, "reflected_extinction": reflected}
+    settings = {
+        "transmitted_extinction": transmitted,
+        "reflected_extinction": reflected,
+    }
     through = np.abs(jones.polarising_beam_splitter("transmitted", **settings)) ** 2
     aside = np.abs(jones.polarising_beam_splitter("reflected", **settings)) ** 2
     assert through[0, 0] / through[1, 1] == approx(transmitted, rel=1e-6)
@@ -52,7 +57,9 @@ def test_a_turned_beam_splitter_obeys_malus(axis, tilt):
 def test_parameters_broadcast_against_each_other():
     drive = np.zeros((4, 1, 3))
     axis = np.zeros((5, 1))
-    product = compose(jones.retarder(drive, axis), jones.half_wave_plate(axis), jones.eom(drive))
+    product = compose(
+        jones.retarder(drive, axis), jones.half_wave_plate(axis), jones.eom(drive)
+    )
     assert product.shape == (4, 5, 3, 2, 2)
     assert product.dtype == np.complex128
     assert jones.apply(product, jones.linear_polarisation(axis)).shape == (4, 5, 3, 2)
@@ -65,7 +72,9 @@ def test_parameters_broadcast_against_each_other():
         (lambda: jones.mirror(np.nan), "reflectance from 0 to 1"),
         (lambda: jones.polarising_beam_splitter("up"), "'transmitted' or 'reflected'"),
         (
-            lambda: jones.polarising_beam_splitter("reflected", reflected_extinction=np.nan),
+            lambda: jones.polarising_beam_splitter(
+                "reflected", reflected_extinction=np.nan
+            ),
             "reflected port's extinction ratio above 1",
         ),
     ],

@@ -22,7 +22,9 @@ def room(side):
     scale = side / min(frame.depth.shape)
     # edges lie on edges, as those of pixels that the scaled camera sees
     how = {"order": 1, "mode": "nearest", "grid_mode": True}
-    depth, light = (zoom(one, scale, **how)[:side, :side] for one in (frame.depth, frame.intensity))
+    depth, light = (
+        zoom(one, scale, **how)[:side, :side] for one in (frame.depth, frame.intensity)
+    )
     return Frame(depth, light, frame.camera * scale, "room")
 
 
@@ -36,10 +38,14 @@ def stack(tmp_path):
 
 
 @mark.parametrize(("margin", "engine"), [(0, "h5netcdf"), (50, "scipy")])
-def test_tiles_of_a_method_of_single_pixels_equal_the_whole(stack, tmp_path, margin, engine):
+def test_tiles_of_a_method_of_single_pixels_equal_the_whole(
+    stack, tmp_path, margin, engine
+):
     measurement = cmtof.open(stack)
     measurement.dataset.to_netcdf(stack, engine=engine)
-    tiles = list(unwrap_file(stack, tmp_path / "t.nc", tile=128, margin=margin, method="crt"))
+    tiles = list(
+        unwrap_file(stack, tmp_path / "t.nc", tile=128, margin=margin, method="crt")
+    )
     assert len(tiles) == 12
     assert sum(share for share, *_ in tiles) == approx(1)
     whole = cmtof.unwrap(measurement, method="crt")
@@ -69,7 +75,9 @@ def test_nothing_is_written_unless_all_tiles_are_whole(stack, tmp_path):
 def test_many_files_make_a_table(succeeds, fails, stack, tmp_path):
     (tmp_path / "n.nc").write_bytes(stack.read_bytes())
     both = (stack, tmp_path / "n.nc")
-    text = succeeds("unwrap", *both, "-o", tmp_path / "out", "--method", "crt", "--tile", 256)
+    text = succeeds(
+        "unwrap", *both, "-o", tmp_path / "out", "--method", "crt", "--tile", 256
+    )
     assert text.count("δ<1") == 1
     assert all(f"{name}.nc" in text for name in "mn")
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"m.nc", "n.nc"}
@@ -84,14 +92,18 @@ def test_seams_are_no_worse_than_the_inside(tmp_path):
     tile = min(1024, SIDE // 2)
     wrong = []
     near = []
-    for _, measurement, result in unwrap_file(tmp_path / "m.nc", tmp_path / "t.nc", tile=tile):
+    for _, measurement, result in unwrap_file(
+        tmp_path / "m.nc", tmp_path / "t.nc", tile=tile
+    ):
         pixels = scored_pixels(result, measurement)
         places = np.argwhere(measurement.mask & np.isfinite(measurement.depth))
         wrong.extend(pixels["consistent"] != pixels["true_consistent"])
         near.extend(np.minimum(places, tile - 1 - places).min(axis=1) < 16)
     wrong = np.array(wrong)
     near = np.array(near)
-    print(f"{SIDE} px: wrong {wrong[near].mean():.4f} near seams, {wrong[~near].mean():.4f} inside")
+    print(
+        f"{SIDE} px: wrong {wrong[near].mean():.4f} near seams, {wrong[~near].mean():.4f} inside"
+    )
     assert wrong[near].mean() < wrong[~near].mean() + 0.02
 
 
@@ -104,7 +116,9 @@ def test_seams_are_no_worse_than_the_inside(tmp_path):
         (lambda path: xr.Dataset().to_netcdf(path, engine="h5netcdf"), "a variable"),
     ],
 )
-def test_what_is_no_measurement_is_refused_in_tiles_too(stack, tmp_path, spoil, message):
+def test_what_is_no_measurement_is_refused_in_tiles_too(
+    stack, tmp_path, spoil, message
+):
     spoil(stack)
     with raises((ValueError, OSError), match=f"^Expected {message}"):
         list(unwrap_file(stack, tmp_path / "t.nc", tile=128, method="crt"))

@@ -10,7 +10,10 @@ from cmtof_book import ROOT
 @mark.parametrize(
     ("arguments", "message"),
     [
-        (["help", "PROFILE=nonsense"], "Expected PROFILE as one of ci book paper, got «nonsense»"),
+        (
+            ["help", "PROFILE=nonsense"],
+            "Expected PROFILE as one of ci book paper, got «nonsense»",
+        ),
         (["help", "PROFILE="], "Expected PROFILE"),
         (["help", "CORES="], "Expected CORES as a number, got «»"),
         (["help", "CORES=2x"], "Expected CORES as a number, got «2x»"),

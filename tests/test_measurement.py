@@ -48,7 +48,9 @@ def with_sample(value):
 def test_arrays_come_back_from_the_file(tmp_path, rng):
     depth = rng.uniform(1, 2, (5, 6))
     mask = depth > 1.2
-    written = made(depth=depth, mask=mask, camera=[10.0, 11.0, 3.0, 2.5], range_max=3.0, note="hi")
+    written = made(
+        depth=depth, mask=mask, camera=[10.0, 11.0, 3.0, 2.5], range_max=3.0, note="hi"
+    )
     written.save(tmp_path / "m.nc")
     read = cmtof.open(tmp_path / "m.nc")
     xr.testing.assert_equal(read.dataset, written.dataset)
@@ -63,7 +65,13 @@ def test_arrays_come_back_from_the_file(tmp_path, rng):
 
 
 def test_npz_of_the_same_names_opens(tmp_path):
-    np.savez(tmp_path / "m.npz", correlation=stack(), psi=PSI, frequency=FREQUENCIES, range_max=2.0)
+    np.savez(
+        tmp_path / "m.npz",
+        correlation=stack(),
+        psi=PSI,
+        frequency=FREQUENCIES,
+        range_max=2.0,
+    )
     assert cmtof.open(tmp_path / "m.npz").range == (0.0, 2.0)
 
 
@@ -106,7 +114,9 @@ def test_a_masked_array_of_images_masks_its_pixels():
 
 @mark.parametrize("fill", [0, 1])
 def test_a_mask_with_a_fill_value_survives_its_file(tmp_path, fill):
-    dataset = changed(mask=(("y", "x"), np.where(LEFT_OUT, fill, 1 - fill).astype(np.int8)))
+    dataset = changed(
+        mask=(("y", "x"), np.where(LEFT_OUT, fill, 1 - fill).astype(np.int8))
+    )
     dataset["mask"].encoding["_FillValue"] = np.int8(fill)
     dataset.to_netcdf(tmp_path / "m.nc", engine="h5netcdf")
     assert_array_equal(cmtof.open(tmp_path / "m.nc").mask, ~LEFT_OUT & (fill == 0))
@@ -183,7 +193,10 @@ def test_a_file_cannot_reach_into_another(tmp_path, reach):
         ({"correlation": with_sample(np.inf)}, "finite correlation"),
         ({"correlation": with_sample(9.97e36)}, "correlation, got 1 others"),
         ({"correlation": stack().astype("datetime64[s]")}, "numbers as correlation"),
-        ({"correlation": np.zeros((2, 4, 5, 6), [("a", "f4")])}, "numbers as correlation"),
+        (
+            {"correlation": np.zeros((2, 4, 5, 6), [("a", "f4")])},
+            "numbers as correlation",
+        ),
         ({"frequencies": (np.nan, 14.32e9)}, "frequencies"),
         ({"frequencies": (14.32e9, 7.15e9)}, "rising order"),
         ({"frequencies": (7.15, 14.32)}, "State them in Hz"),

@@ -145,7 +145,9 @@ def multiples():
     """A wall between 2 and 5 m at the three tones of a Kinect, two of them multiples."""
     depth = np.linspace(2, 5, 24 * 32).reshape(24, 32)
     frame = Frame(depth, np.full(depth.shape, 0.8))
-    return cmtof.simulate(frame, protocol="full", frequencies=(16e6, 80e6, 120e6), noise=100.0)
+    return cmtof.simulate(
+        frame, protocol="full", frequencies=(16e6, 80e6, 120e6), noise=100.0
+    )
 
 
 REFUSING = [name for name in TWO if name.split("-")[0] not in ("crt", "kde")]
@@ -183,7 +185,10 @@ def test_without_noise_the_remainder_is_sure(kept, protocol):
         low, high = m.range
         m = Measurement.from_phase(m.phase, m.frequencies, mask=m.mask, range_min=low,
                                    range_max=high)  # fmt: skip
-    assert np.mean(cmtof.unwrap(m, method="crt").confidence.to_numpy()[m.mask] > 0.5) > 0.99
+    assert (
+        np.mean(cmtof.unwrap(m, method="crt").confidence.to_numpy()[m.mask] > 0.5)
+        > 0.99
+    )
 
 
 @fixture(scope="module")
@@ -194,7 +199,9 @@ def rooms():
 
 def uneven(frame):
     """The frame with depths that are rough by a tenth of a wrap or so in each pixel."""
-    return replace(frame, depth=np.random.default_rng(1).normal(frame.depth, 0.002 * frame.depth))
+    return replace(
+        frame, depth=np.random.default_rng(1).normal(frame.depth, 0.002 * frame.depth)
+    )
 
 
 CASES = {

@@ -31,11 +31,15 @@ def test_fields_are_those_of_equations_14_and_17(voltage):
     """Both up to the global phase -1."""
     single = 1j * (np.cos(voltage) - np.sin(voltage)) / np.sqrt(2)
     assert_allclose(SINGLE.states(voltage)["PBS out"], [-single, 0], atol=1e-14)
-    assert_allclose(DOUBLED.states(voltage)["PBS out"], [1j * np.sin(voltage), 0], atol=1e-14)
+    assert_allclose(
+        DOUBLED.states(voltage)["PBS out"], [1j * np.sin(voltage), 0], atol=1e-14
+    )
 
 
 @given(voltages, voltages, voltages)
-def test_half_wave_plate_sets_the_bias_and_cancels_static_birefringence(voltage, angle, static):
+def test_half_wave_plate_sets_the_bias_and_cancels_static_birefringence(
+    voltage, angle, static
+):
     modulator = replace(SINGLE, half_wave_angle=angle, static_retardance=static)
     expected = (1 + np.cos(8 * angle + 2 * voltage + 2 * static)) / 2
     assert modulator.transmission(voltage) == approx(expected, abs=1e-13)
@@ -43,10 +47,13 @@ def test_half_wave_plate_sets_the_bias_and_cancels_static_birefringence(voltage,
 
 @mark.parametrize("eta", ETAS)
 @mark.parametrize(
-    ("mode", "series"), [(SINGLE, single_mode_harmonics), (DOUBLED, doubled_mode_harmonics)]
+    ("mode", "series"),
+    [(SINGLE, single_mode_harmonics), (DOUBLED, doubled_mode_harmonics)],
 )
 def test_harmonics_equal_bessel_values(mode, series, eta):
-    assert_allclose(replace(mode, eta=eta).harmonics(24), series(eta, 24), rtol=0, atol=1e-12)
+    assert_allclose(
+        replace(mode, eta=eta).harmonics(24), series(eta, 24), rtol=0, atol=1e-12
+    )
 
 
 erroneous = st.builds(
@@ -91,7 +98,9 @@ def test_horizontal_input_of_section_7_gives_the_light_of_vertical_input(mode):
 def test_modes_have_their_contrasts_and_throughputs(eta):
     bright = replace(DOUBLED, output="returned", eta=eta)
     assert bright.throughput() == approx((1 + jv(0, 2 * eta)) / 2, abs=1e-14)
-    assert bright.contrast() == approx(np.sin(eta) ** 2 / (1 + np.cos(eta) ** 2), abs=1e-14)
+    assert bright.contrast() == approx(
+        np.sin(eta) ** 2 / (1 + np.cos(eta) ** 2), abs=1e-14
+    )
     modulator = replace(SINGLE, eta=eta)
     assert modulator.contrast() == approx(np.sin(2 * eta), abs=1e-14)
     assert modulator.modulation_depth() == approx(2 * jv(1, 2 * eta), abs=1e-14)
@@ -107,7 +116,9 @@ def test_doubled_drive_on_the_single_modes_spacing_is_late_by_9_mrad():
 @given(st.floats(0, 0.2), st.sampled_from([SINGLE, DOUBLED]))
 def test_delay_scales_the_drive_and_shifts_the_waveform(distance, mode):
     delayed = replace(mode, mirror_distance=distance)
-    shifted = replace(mode, eta=delayed.effective_eta).waveform(THETA + delayed.pass_delay / 2)
+    shifted = replace(mode, eta=delayed.effective_eta).waveform(
+        THETA + delayed.pass_delay / 2
+    )
     assert_allclose(delayed.waveform(THETA), shifted, atol=1e-12)
 
 

@@ -33,7 +33,9 @@ def surface(size=300):
 
 
 def noisy(sigma, seed, phase):
-    return wrapped(phase + sigma * np.random.default_rng(seed).standard_normal(phase.shape))
+    return wrapped(
+        phase + sigma * np.random.default_rng(seed).standard_normal(phase.shape)
+    )
 
 
 def interval(freedom):
@@ -128,7 +130,9 @@ def test_line_noise_correlates_as_its_numbers(noise, lag, correlation):
     assert covariance[0, 0] == approx(noise.white**2 + noise.line**2)
 
 
-@mark.parametrize("known", [LineNoise(0.12, 0.03, 0.1, 0.05), LineNoise(0.08, 0.03, 0.45, 0.0)])
+@mark.parametrize(
+    "known", [LineNoise(0.12, 0.03, 0.1, 0.05), LineNoise(0.08, 0.03, 0.45, 0.0)]
+)
 def test_line_noise_is_found_again(known):
     """Within a mask, behind the fit: mean of six draws, to four of its standard errors."""
     rng = np.random.default_rng(9)
@@ -150,7 +154,9 @@ def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity)
 def test_sigma_is_found_in_a_simulated_map_despite_outliers():
     """The median of all windows is at least as good as the mean square of 40 % of disjoint ones."""
     depth = 0.6 + depth_from_phase(surface(240), 7.15e9)
-    seen = cmtof.simulate(Frame(depth, 0.6 + 0 * depth), protocol="full", noise=500, seed=1)
+    seen = cmtof.simulate(
+        Frame(depth, 0.6 + 0 * depth), protocol="full", noise=500, seed=1
+    )
     phase = seen.phase[0].copy()
     phase[::40, ::40] += 2.0
     noise = typical_phase_noise(phase, np.ones(phase.shape, bool))
@@ -165,7 +171,10 @@ FLAT = np.zeros((30, 30))
     ("call", "message"),
     [
         (lambda: sigma_from_phase_noise(1.9), r"phase noise between 0 and 1\.81 rad"),
-        (lambda: sigma_from_phase_noise(0.1, intensity=[0.01, 1]), r"brightness of 0\.0\d+ or"),
+        (
+            lambda: sigma_from_phase_noise(0.1, intensity=[0.01, 1]),
+            r"brightness of 0\.0\d+ or",
+        ),
         (lambda: typical_phase_noise(FLAT, FLAT > 0), "whole windows of 5 px"),
         (lambda: denoise(FLAT, window=4), "odd window of 3 px or more, got 4"),
         (lambda: local_phase_noise(np.zeros((2, 9, 9))), r"phase map \(H, W\)"),

@@ -12,7 +12,9 @@ def test_ply_holds_every_finite_pixel(tmp_path, rng):
     depth = rng.uniform(1, 2, (12, 16))
     depth[3, 4] = np.nan
     path = tmp_path / "c.ply"
-    count = write_ply(path, depth, CAMERA, brightness=np.ones((12, 16)), confidence=depth / 4)
+    count = write_ply(
+        path, depth, CAMERA, brightness=np.ones((12, 16)), confidence=depth / 4
+    )
     head, body = path.read_bytes().split(b"end_header\n", 1)
     assert b"element vertex 191\n" in head
     assert count == 191
@@ -26,7 +28,10 @@ def test_ply_holds_every_finite_pixel(tmp_path, rng):
 
 def test_the_mesh_is_whole_on_a_surface_and_open_at_edges_and_holes():
     depth = np.full((12, 16), 1.2)
-    assert len(mesh_triangles(points_from_depth(depth, CAMERA), longest=0.05)) == 2 * 11 * 15
+    assert (
+        len(mesh_triangles(points_from_depth(depth, CAMERA), longest=0.05))
+        == 2 * 11 * 15
+    )
     depth[:, 8:] += 0.1
     depth[5, 3] = np.nan
     cut = mesh_triangles(points_from_depth(depth, CAMERA), longest=0.05)

@@ -10,7 +10,17 @@ from cmtof.correlation import TAU, wrap_length
 from cmtof.evaluation import measured
 from cmtof.measurement import Measurement
 
-FAST = ["beat", "beat-guided", "crt", "crt-closed-form", "crt-ml", "kde", "middle", "mrf", "phasor"]
+FAST = [
+    "beat",
+    "beat-guided",
+    "crt",
+    "crt-closed-form",
+    "crt-ml",
+    "kde",
+    "middle",
+    "mrf",
+    "phasor",
+]
 FAST += ["region", "spatial", "fast-scnn-light", "surfaces"]
 POINTWISE = ["crt", "crt-ml", "crt-closed-form", "phasor", "middle"]
 EDGE = 6  # px of junk around an image
@@ -35,7 +45,9 @@ def scene():
 def with_images(m, change, **variables):
     """The measurement with changed correlation images and variables."""
     found = m.dataset["correlation"]
-    return Measurement(m.dataset.assign(correlation=found.copy(data=change(found)), **variables))
+    return Measurement(
+        m.dataset.assign(correlation=found.copy(data=change(found)), **variables)
+    )
 
 
 def junk_around(m, fill):
@@ -56,8 +68,13 @@ SAME = {
     "truth removed": lambda m: Measurement(m.dataset.drop_vars("depth")),
     "uint16": lambda m: with_images(m, lambda c: np.rint(c).clip(0).astype(np.uint16)),
     "int32": lambda m: with_images(m, lambda c: np.rint(c).astype(np.int32)),
-    "differences of two buckets": lambda m: with_images(m, lambda c: (c - 9e3).astype(np.int16)),
-    **{f"counts x {k:g}": lambda m, k=k: with_images(m, lambda c: c * k) for k in (1e-20, 1e12)},
+    "differences of two buckets": lambda m: with_images(
+        m, lambda c: (c - 9e3).astype(np.int16)
+    ),
+    **{
+        f"counts x {k:g}": lambda m, k=k: with_images(m, lambda c: c * k)
+        for k in (1e-20, 1e12)
+    },
 }
 
 
@@ -68,7 +85,9 @@ def wraps_of(name, *measurements):
 @mark.parametrize("relation", SAME)
 @mark.parametrize("name", FAST)
 def test_what_changes_no_information_changes_no_wrap(scene, name, relation):
-    results = [cmtof.unwrap(m, method=name) for m in (scene(name), SAME[relation](scene(name)))]
+    results = [
+        cmtof.unwrap(m, method=name) for m in (scene(name), SAME[relation](scene(name)))
+    ]
     least = LEAST.get(name, 1) if relation.startswith("counts") else 0.98
     assert (results[0].wrap_count == results[1].wrap_count).mean() > least - 0.02
     assert abs(results[0].confidence.mean() - results[1].confidence.mean()) < 0.01
@@ -87,7 +106,9 @@ def test_masked_holes_take_nothing_from_their_neighbours(scene, name, share):
     m = scene(name)
     holes = np.random.default_rng(0).uniform(size=m.shape) < share
     mask = (("y", "x"), (m.mask & ~holes).astype(np.int8))
-    whole, found = wraps_of(name, m, with_images(m, lambda c: np.where(holes, 0, c), mask=mask))
+    whole, found = wraps_of(
+        name, m, with_images(m, lambda c: np.where(holes, 0, c), mask=mask)
+    )
     truth = (m.depth / wrap_length(m.frequencies[0])).astype(int)
     right = [np.mean((wraps == truth)[m.mask & ~holes]) for wraps in (whole, found)]
     assert right[1] > right[0] - 0.05

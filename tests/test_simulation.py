@@ -10,7 +10,9 @@ from cmtof.frame import Frame
 from cmtof.simulation import simulate
 
 
-@mark.parametrize("psi", [np.arange(4) * np.pi / 2, [0.0, 2.0, 4.0], [0.1, 2.0, 3.3, 5.5, 1.0]])
+@mark.parametrize(
+    "psi", [np.arange(4) * np.pi / 2, [0.0, 2.0, 4.0], [0.1, 2.0, 3.3, 5.5, 1.0]]
+)
 def test_noise_free_correlations_are_equation_8(tilted_wall, psi):
     m = simulate(tilted_wall, noise_free=True, psi=psi)
     true = [phase_from_depth(tilted_wall.depth.astype(float), f) for f in FREQUENCIES]
@@ -64,7 +66,9 @@ def test_full_protocol_scales_nothing_and_masks_beyond_the_beat():
 def test_masked_pixels_keep_their_signal_and_unknown_ones_are_dark():
     """Intensity is clipped to 1."""
     depth = np.array([[1.0, 20.0, np.nan]])
-    m = simulate(Frame(depth, np.full_like(depth, 7.0)), protocol="full", noise_free=True)
+    m = simulate(
+        Frame(depth, np.full_like(depth, 7.0)), protocol="full", noise_free=True
+    )
     assert_allclose(m.amplitude[0], [[6366.2, 6366.2, 0.0]], rtol=1e-5)
 
 

@@ -51,11 +51,19 @@ def imports(folder):
     found = {}
     for path in (ROOT / folder).rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names = (
+                [alias.name for alias in node.names]
+                if isinstance(node, ast.Import)
+                else []
+            )
             if isinstance(node, ast.ImportFrom) and node.module:
                 names = [node.module]
             found |= {name.partition(".")[0]: path for name in names}
-    return {name: path for name, path in found.items() if name not in sys.stdlib_module_names | own}
+    return {
+        name: path
+        for name, path in found.items()
+        if name not in sys.stdlib_module_names | own
+    }
 
 
 def providers(module):
@@ -67,7 +75,9 @@ def providers(module):
 def test_every_import_is_declared(folder):
     declared = required() | required(*PACKAGES[folder])
     found = imports(folder)
-    undeclared = {name: found[name] for name in found if not providers(name) & declared.keys()}
+    undeclared = {
+        name: found[name] for name in found if not providers(name) & declared.keys()
+    }
     assert not undeclared
 
 
@@ -75,7 +85,9 @@ def test_the_core_declares_nothing_that_it_does_not_import():
     assert not required().keys() - set().union(*map(providers, imports("src/cmtof")))
 
 
-@mark.parametrize("extra", ["hardware", "lab", "networks", "plot", "rooms", "train", "view"])
+@mark.parametrize(
+    "extra", ["hardware", "lab", "networks", "plot", "rooms", "train", "view"]
+)
 def test_an_extra_declares_nothing_that_is_not_imported(extra):
     used = set().union(*map(providers, set().union(*map(imports, PACKAGES)))) | BACKENDS
     assert not required(extra).keys() - used
@@ -87,7 +99,9 @@ def test_the_drivers_back_ends_are_declared():
 
 @mark.parametrize("folder", ["src/cmtof", "src/cmtof_rooms", "src/cmtof_lab"])
 def test_the_command_line_knows_every_module_of_an_extra(folder):
-    foreign = {name for name in imports(folder) if not providers(name) & required().keys()}
+    foreign = {
+        name for name in imports(folder) if not providers(name) & required().keys()
+    }
     assert foreign <= EXTRAS.keys()
 
 
@@ -98,7 +112,9 @@ def test_the_command_line_names_the_extra_of_a_module(module, extra):
 
 def test_the_lock_holds_what_is_declared():
     lines = (ROOT / "environment.lock").read_text("utf-8").splitlines()
-    pins = [Requirement(line.rstrip("\\ ")) for line in lines if re.match("[a-z0-9]", line)]
+    pins = [
+        Requirement(line.rstrip("\\ ")) for line in lines if re.match("[a-z0-9]", line)
+    ]
     locked = {}
     for pin in pins:
         (version,) = pin.specifier
@@ -117,7 +133,9 @@ def test_actions_are_pinned_by_commit_and_may_only_read(path):
 
 
 def test_only_the_job_that_publishes_may_sign_for_it():
-    jobs = yaml.safe_load((ROOT / ".github/workflows/release.yml").read_text("utf-8"))["jobs"]
+    jobs = yaml.safe_load((ROOT / ".github/workflows/release.yml").read_text("utf-8"))[
+        "jobs"
+    ]
     assert jobs["publish"]["environment"]["name"] == "pypi"
     assert [name for name, job in jobs.items() if "permissions" in job] == ["publish"]
     assert jobs["publish"]["permissions"] == {"id-token": "write"}

@@ -14,7 +14,15 @@ COMMAND = [sys.executable, "-m", "cmtof.cli"]
 def unwrapping(measurement_file, folder, name="m.nc"):
     source = folder / name
     source.write_bytes(measurement_file.read_bytes())
-    return [*COMMAND, "unwrap", str(source), "-o", str(folder / "out.nc"), "--method", "middle"]
+    return [
+        *COMMAND,
+        "unwrap",
+        str(source),
+        "-o",
+        str(folder / "out.nc"),
+        "--method",
+        "middle",
+    ]
 
 
 @mark.parametrize("encoding", ["cp1252", "ascii", "utf-8"])
@@ -37,7 +45,9 @@ def test_closed_streams_change_no_exit_code(measurement_file, tmp_path, closed):
 
 
 def test_names_are_printed_as_they_are(succeeds, measurement_file, tmp_path):
-    assert "[red]x.nc" in succeeds(*unwrapping(measurement_file, tmp_path, "[red]x.nc")[3:])
+    assert "[red]x.nc" in succeeds(
+        *unwrapping(measurement_file, tmp_path, "[red]x.nc")[3:]
+    )
 
 
 def test_a_circle_of_links_is_no_defect(fails, tmp_path):

@@ -19,7 +19,9 @@ def answering(monkeypatch):
 
     def method(depth):
         def run(measurement):
-            return Estimate(np.broadcast_to(depth, measurement.shape), np.ones(measurement.shape))
+            return Estimate(
+                np.broadcast_to(depth, measurement.shape), np.ones(measurement.shape)
+            )
 
         monkeypatch.setitem(METHODS, "given", Method("given", "trivial", "", run))
         return "given"
@@ -45,8 +47,13 @@ def test_estimates_out_of_range_end_at_its_wraps(exact, answering, rng, estimate
 
 
 def test_attributes_state_method_range_and_options(exact):
-    result = cmtof.unwrap(exact(np.ones((4, 5))), method="beat", window=3, range=(0.5, 2.0))
+    result = cmtof.unwrap(
+        exact(np.ones((4, 5))), method="beat", window=3, range=(0.5, 2.0)
+    )
     assert result.attrs["method"] == "beat"
     assert result.attrs["option_window"] == 3
     assert (result.attrs["range_min"], result.attrs["range_max"]) == (0.5, 2.0)
-    assert cmtof.unwrap(exact(np.ones((4, 5))), method="cmtof").attrs["method"] == "surfaces"
+    assert (
+        cmtof.unwrap(exact(np.ones((4, 5))), method="cmtof").attrs["method"]
+        == "surfaces"
+    )

@@ -90,7 +90,11 @@ def linked(folder, wheel, extra):
             for further in ["", *requirement.extras]:
                 if (pair := (requirement.name, further)) not in seen:
                     seen.add(pair)
-                    one = here if requirement.name == "cmtof" else distribution(requirement.name)
+                    one = (
+                        here
+                        if requirement.name == "cmtof"
+                        else distribution(requirement.name)
+                    )
                     waiting.append((one, further))
                     link(one, site)
 
@@ -110,7 +114,16 @@ def installed(folder, wheel, extra):
 @fixture(scope="module")
 def wheel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
-    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", folder, ROOT]
+    command = [
+        sys.executable,
+        "-m",
+        "build",
+        "--wheel",
+        "--no-isolation",
+        "-o",
+        folder,
+        ROOT,
+    ]
     subprocess.run(command, check=True, capture_output=True, cwd=folder)
     (built,) = folder.glob("*.whl")
     assert built.stat().st_size < 25e6
@@ -131,7 +144,9 @@ def inputs(tmp_path_factory, tilted_wall, measured):
 
 
 @fixture(
-    scope="module", params=[linked, param(installed, marks=mark.slow)], ids=["linked", "installed"]
+    scope="module",
+    params=[linked, param(installed, marks=mark.slow)],
+    ids=["linked", "installed"],
 )
 def environment(request, wheel, inputs, tmp_path_factory):
     """Make an environment of the wheel with one extra, or with none."""
@@ -153,29 +168,51 @@ def bare(environment):
 
 
 def test_bare_from_a_frame_to_scores(bare):
-    assert "site-packages" in bare.run("-c", "import cmtof; print(cmtof.__file__)").stdout
+    assert (
+        "site-packages" in bare.run("-c", "import cmtof; print(cmtof.__file__)").stdout
+    )
     assert "torch is not installed" in bare.cmtof("info").stdout
-    assert {row["name"] for row in json.loads(bare.cmtof("methods", "--json").stdout)} == {*METHODS}
+    assert {
+        row["name"] for row in json.loads(bare.cmtof("methods", "--json").stdout)
+    } == {*METHODS}
     bare.cmtof("simulate", "wall.npz", "-o", "m.nc")
     assert "correlation" in bare.cmtof("info", "m.nc").stdout
-    assert "δ<1" in bare.cmtof("unwrap", "m.nc", "-o", "out.nc", "--ply", "out.ply").stdout
+    assert (
+        "δ<1" in bare.cmtof("unwrap", "m.nc", "-o", "out.nc", "--ply", "out.ply").stdout
+    )
 
 
 def test_bare_evaluate_leaves_out_what_needs_an_extra(bare):
-    (line,) = bare.cmtof("evaluate", "wall.npz", "--json", "all.json").stderr.splitlines()
-    assert line.endswith("onnxruntime, got none. Install it: pip install 'cmtof[networks]'.")
-    others = {name for name, method in METHODS.items() if method.kind in ("classical", "trivial")}
-    assert json.loads((bare.folder / "all.json").read_text())["methods"].keys() == others
+    (line,) = bare.cmtof(
+        "evaluate", "wall.npz", "--json", "all.json"
+    ).stderr.splitlines()
+    assert line.endswith(
+        "onnxruntime, got none. Install it: pip install 'cmtof[networks]'."
+    )
+    others = {
+        name
+        for name, method in METHODS.items()
+        if method.kind in ("classical", "trivial")
+    }
+    assert (
+        json.loads((bare.folder / "all.json").read_text())["methods"].keys() == others
+    )
 
 
 def test_bare_every_method_runs_or_names_its_extra(bare):
     names = ",".join(METHODS)
-    done = bare.cmtof("evaluate", "wall.npz", "--method", names, "--json", "named.json", code=1)
+    done = bare.cmtof(
+        "evaluate", "wall.npz", "--method", names, "--json", "named.json", code=1
+    )
     (line,) = done.stderr.splitlines()[-1:]
-    assert set(re.findall("[a-z-]+", line.partition(":")[2].partition(".")[0])) >= LEARNED
+    assert (
+        set(re.findall("[a-z-]+", line.partition(":")[2].partition(".")[0])) >= LEARNED
+    )
     ran = json.loads((bare.folder / "named.json").read_text())["methods"].keys()
     assert ran == METHODS.keys() - LEARNED
-    assert "'cmtof[networks]'" in bare.refused("evaluate", "wall.npz", "--method", "fast-scnn")
+    assert "'cmtof[networks]'" in bare.refused(
+        "evaluate", "wall.npz", "--method", "fast-scnn"
+    )
 
 
 def test_bare_the_simulated_instrument_scans(bare):
@@ -197,7 +234,9 @@ def test_bare_a_command_names_the_extra_that_it_needs(bare, extra, words):
 
 
 def test_bare_python_of_the_readme_runs(bare):
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    blocks = re.findall(
+        r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL
+    )
     assert blocks
     for block in blocks:
         bare.run("-c", block)

@@ -36,4 +36,6 @@ WHERE = {
 def __getattr__(name: str) -> Any:
     if name not in WHERE:
         raise AttributeError(f"module 'cmtof' has no attribute {name!r}")
-    return getattr(import_module(WHERE[name]), "open_measurement" if name == "open" else name)
+    return getattr(
+        import_module(WHERE[name]), "open_measurement" if name == "open" else name
+    )

@@ -29,11 +29,15 @@ def fisher_information(
     second term because the variance, too, depends on the mean. Amplitude and offset (...) and
     sigma in counts, ``psi`` (K,) and ``phase`` (...) in rad; the result is (..., 3, 3).
     """
-    a, d, phi = np.broadcast_arrays(*(np.asarray(x, float) for x in (amplitude, offset, phase)))
+    a, d, phi = np.broadcast_arrays(
+        *(np.asarray(x, float) for x in (amplitude, offset, phase))
+    )
     angle = phi[..., None] + np.asarray(psi, float)
     mean = d[..., None] + a[..., None] * np.cos(angle)
     variance = mean + sigma**2
-    gradient = np.stack([-a[..., None] * np.sin(angle), np.cos(angle), np.ones_like(angle)], -1)
+    gradient = np.stack(
+        [-a[..., None] * np.sin(angle), np.cos(angle), np.ones_like(angle)], -1
+    )
     weight = 1 / variance + 1 / (2 * variance**2)
     return np.einsum("...k,...ki,...kj->...ij", weight, gradient, gradient)
 
@@ -110,12 +114,18 @@ def phase_spread(linear_noise: float) -> float:
     # the density is a peak of width linear_noise: the quadrature starts from it
     edges = [min(np.pi, m * linear_noise) for m in (1, 4, 10)]
     moment = integrate.quad(
-        lambda t: t**2 * phase_density(t, linear_noise), 0, np.pi, points=edges, epsabs=1e-13
+        lambda t: t**2 * phase_density(t, linear_noise),
+        0,
+        np.pi,
+        points=edges,
+        epsabs=1e-13,
     )[0]
     return float(np.sqrt(2 * moment))
 
 
-def wrap_noise(noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair) -> Array:
+def wrap_noise(
+    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair
+) -> Array:
     r"""Standard deviation of the wrap count from one pixel's beat, wraps.
 
     .. math:: \sigma_n = \frac{\sqrt{f_1^2\sigma_2^2 + f_2^2\sigma_1^2}}{2\pi\,\Delta},\quad
@@ -128,10 +138,14 @@ def wrap_noise(noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair
     """
     low, high = frequencies
     beat = abs(high - round(high / low) * low)
-    return np.hypot(low * np.asarray(noise_high), high * np.asarray(noise_low)) / (TAU * beat)
+    return np.hypot(low * np.asarray(noise_high), high * np.asarray(noise_low)) / (
+        TAU * beat
+    )
 
 
-def wrap_probability(noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair) -> Array:
+def wrap_probability(
+    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair
+) -> Array:
     """Odds that one pixel's beat gives the right wrap, ``erf(1 / (2 sqrt2 sigma_n))``.
 
     >>> p = wrap_probability(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
@@ -147,7 +161,9 @@ def rounding_odds(spread: ArrayLike) -> Array:
         return special.erf(1 / (2 * np.sqrt(2) * np.asarray(spread)))
 
 
-def wrap_probability_law(linear_low: float, linear_high: float, *, frequencies: Pair) -> float:
+def wrap_probability_law(
+    linear_low: float, linear_high: float, *, frequencies: Pair
+) -> float:
     r"""Odds of `wrap_probability` by the exact law of noisy phases, for noise beyond the small.
 
     .. math:: P = \int p_1(\epsilon_1) \int_{|b f_1/\Delta - \epsilon_1| < \pi}
@@ -174,7 +190,9 @@ def wrap_probability_law(linear_low: float, linear_high: float, *, frequencies: 
     nodes, weights = np.polynomial.legendre.leggauss(9)
     beat = ratio * (error[:, None] + np.pi * nodes)
     inner = phase_density(multiple * error[:, None] + beat, linear_high) @ weights
-    return float(TAU * np.mean(phase_density(error, linear_low) * inner) * np.pi * abs(ratio))
+    return float(
+        TAU * np.mean(phase_density(error, linear_low) * inner) * np.pi * abs(ratio)
+    )
 
 
 def pixels_needed(

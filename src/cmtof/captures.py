@@ -21,7 +21,11 @@ def data_root() -> Path | None:
     """Data folder by ``CMTOF_DATA``, else ``../shared/data`` or ``data`` of the checkout."""
     checkout = Path(__file__).parents[2]
     named = os.environ.get("CMTOF_DATA")
-    places = [Path(named)] if named else [checkout.parent / "shared" / "data", checkout / "data"]
+    places = (
+        [Path(named)]
+        if named
+        else [checkout.parent / "shared" / "data", checkout / "data"]
+    )
     return next((place for place in places if (place / "captures").is_dir()), None)
 
 
@@ -29,7 +33,9 @@ def published_captures() -> dict[str, Path]:
     """Names and phase files of the captures on this machine; empty where there are none."""
     root = data_root()
     files = sorted(root.glob("captures/phase/scene_*_phase.csv")) if root else []
-    return {file.stem.removeprefix("scene_").removesuffix("_phase"): file for file in files}
+    return {
+        file.stem.removeprefix("scene_").removesuffix("_phase"): file for file in files
+    }
 
 
 def read_capture(path: AnyPath) -> tuple[Array, Array | None]:
@@ -39,7 +45,11 @@ def read_capture(path: AnyPath) -> tuple[Array, Array | None]:
     depth = None
     least = phase.min()
     most = phase.max()
-    if least < -np.pi - 1e-5 or most > 2 * np.pi + 1e-5 or most - least > 2 * np.pi + 1e-5:
+    if (
+        least < -np.pi - 1e-5
+        or most > 2 * np.pi + 1e-5
+        or most - least > 2 * np.pi + 1e-5
+    ):
         raise ValueError(
             "Expected wrapped phases over one turn of 2 pi rad, "
             f"got {least:.4g} to {most:.4g} in {path}. Is it a depth map?"
@@ -58,7 +68,9 @@ def read_capture(path: AnyPath) -> tuple[Array, Array | None]:
 def _read_map(path: Path) -> Array:
     """A rectangular table of finite numbers, (H, W)."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # of no data: the error below names it
+        with warnings.catch_warnings(
+            action="ignore"
+        ):  # of no data: the error below names it
             table = np.loadtxt(path, delimiter=",", ndmin=2)
         if table.size == 0 or not np.isfinite(table).all():
             raise ValueError("NaN or inf" if table.size else "none")

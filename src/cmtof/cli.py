@@ -40,7 +40,9 @@ MODULES = {
     "view": "IPython pyvista",
 }
 # Extra of each module that comes with none of the package's own dependencies.
-EXTRAS = {module: extra for extra, modules in MODULES.items() for module in modules.split()}
+EXTRAS = {
+    module: extra for extra, modules in MODULES.items() for module in modules.split()
+}
 
 
 File = Path | None
@@ -51,15 +53,22 @@ def _file(named: str, *flags: str, text: str) -> Any:
     """Option of a file to write, which is checked before anything is computed for it."""
 
     def check(path: File) -> File:
-        free = named != ".nc" and path and not path.exists()  # what is replaced must be alike
+        free = (
+            named != ".nc" and path and not path.exists()
+        )  # what is replaced must be alike
         return path and check_output(path, *[] if free else [named]) and path
 
     return Option(*flags, help=text, callback=check)
 
 
-Output = Annotated[Path, _file(".nc", "--output", "-o", text="File to write, [bold]*.nc[/bold].")]
+Output = Annotated[
+    Path, _file(".nc", "--output", "-o", text="File to write, [bold]*.nc[/bold].")
+]
 Protocol = Annotated[
-    str, Option(help="released: scene shrunk to 1.195 m, 21 wraps; full: all of the 7.5 m range.")
+    str,
+    Option(
+        help="released: scene shrunk to 1.195 m, 21 wraps; full: all of the 7.5 m range."
+    ),
 ]
 Noise = Annotated[float, Option(help="Gaussian noise, counts; photon noise stays on.")]
 NoiseFree = Annotated[bool, Option("--noise-free", help="No noise of either kind.")]
@@ -67,20 +76,31 @@ _SEED = Option(min=0, max=2**63 - 1, help="Seed of the random numbers.")
 Seed = Annotated[int, _SEED]
 Intensity = Annotated[File, Option(help="Image of the light of a depth image.")]
 DepthScale = Annotated[
-    float | None, Option(help="Depth image: levels per metre. Default: 1000, of TUM 5000.")
+    float | None,
+    Option(help="Depth image: levels per metre. Default: 1000, of TUM 5000."),
 ]
 Planar = Annotated[bool, Option("--planar", help="Depth image is along the axis.")]
-Camera = Annotated[tuple[float, float, float, float] | None, Option(help="fx fy cx cy in pixels.")]
-Linear = Annotated[bool, Option("--linear", help="Light of a depth image is linear, no sRGB.")]
+Camera = Annotated[
+    tuple[float, float, float, float] | None, Option(help="fx fy cx cy in pixels.")
+]
+Linear = Annotated[
+    bool, Option("--linear", help="Light of a depth image is linear, no sRGB.")
+]
 Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress bar.")]
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; an error becomes one line on stderr and exit code 1."""
     prepare_streams()
-    for name in ("SIGTERM", "SIGHUP", "SIGQUIT"):  # an exit by exception removes unfinished files
+    for name in (
+        "SIGTERM",
+        "SIGHUP",
+        "SIGQUIT",
+    ):  # an exit by exception removes unfinished files
         if hasattr(signal, name):
-            signal.signal(getattr(signal, name), lambda number, _: sys.exit(128 + number))
+            signal.signal(
+                getattr(signal, name), lambda number, _: sys.exit(128 + number)
+            )
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with warnings.catch_warnings():
@@ -89,7 +109,9 @@ def main(arguments: list[str] | None = None) -> None:
             warnings.filterwarnings(
                 "always", ".* is (untrained|left out)|.*NUMBA_CACHE_DIR", UserWarning
             )
-            warnings.showwarning = lambda text, *_: print(f"cmtof: {text}", file=sys.stderr)
+            warnings.showwarning = lambda text, *_: print(
+                f"cmtof: {text}", file=sys.stderr
+            )
             app(args=[word for word in words if word != "--debug"])
     except Exception as error:
         if "--debug" in words:
@@ -105,25 +127,33 @@ def _line(error: Exception) -> str:
             f"Expected to read or write {error.filename or 'a file'}, got «{error.strerror}». "
             "Check disk, path and permissions."
         )
-    if isinstance(error, ModuleNotFoundError) and (extra := EXTRAS.get(f"{error.name}")):
+    if isinstance(error, ModuleNotFoundError) and (
+        extra := EXTRAS.get(f"{error.name}")
+    ):
         return f"Expected {error.name}, got none. Install it: pip install 'cmtof[{extra}]'."
     text = " ".join(str(error).split())
     if isinstance(error, ImportError) or text.startswith("Expected"):
         return text
     if isinstance(error, MemoryError):
         return f"Expected enough memory, got none left. Take a smaller input. {text}".strip()
-    return f"{type(error).__name__}: {text} (a defect, please report; --debug shows where)"
+    return (
+        f"{type(error).__name__}: {text} (a defect, please report; --debug shows where)"
+    )
 
 
 @app.command()
 def simulate(
     frame: Annotated[
-        str, Argument(help=".npz, depth .png, Hypersim .hdf5, folder (its first), or embedded.")
+        str,
+        Argument(
+            help=".npz, depth .png, Hypersim .hdf5, folder (its first), or embedded."
+        ),
     ],
     output: Output,
     protocol: Protocol = "released",
     frequencies: Annotated[
-        str, Option(help="Modulation frequencies in Hz, lowest first, separated by commas.")
+        str,
+        Option(help="Modulation frequencies in Hz, lowest first, separated by commas."),
     ] = "7.15e9,14.32e9",
     noise: Noise = 1200.0,
     noise_free: NoiseFree = False,
@@ -167,17 +197,28 @@ def simulate(
 
 @app.command()
 def unwrap(
-    measurement: Annotated[list[Path], Argument(help="Measurements .nc, .npz or *_phase.csv.")],
-    output: Annotated[Path, Option("--output", "-o", help="File, *.nc; a folder for several.")],
+    measurement: Annotated[
+        list[Path], Argument(help="Measurements .nc, .npz or *_phase.csv.")
+    ],
+    output: Annotated[
+        Path, Option("--output", "-o", help="File, *.nc; a folder for several.")
+    ],
     method: Annotated[str, Option(help="Name out of `cmtof methods`.")] = "surfaces",
     range: Annotated[
-        tuple[float, float] | None, Option(metavar="MIN MAX", help="Depths, m: MIN <= z < MAX.")
+        tuple[float, float] | None,
+        Option(metavar="MIN MAX", help="Depths, m: MIN <= z < MAX."),
     ] = None,
-    min_confidence: Annotated[float, Option(help="Mask pixels below it, from 0 to 1.")] = 0.0,
-    window: Annotated[int | None, Option(help="Side of the window, px (method beat).")] = None,
+    min_confidence: Annotated[
+        float, Option(help="Mask pixels below it, from 0 to 1.")
+    ] = 0.0,
+    window: Annotated[
+        int | None, Option(help="Side of the window, px (method beat).")
+    ] = None,
     weights: Annotated[File, Option(help="Own .safetensors (learned methods).")] = None,
     ply: Annotated[File, _file(".ply", "--ply", text="Point cloud (camera).")] = None,
-    tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a .nc above memory.")] = 0,
+    tile: Annotated[
+        int, Option(min=0, help="Side of tiles, px, of a .nc above memory.")
+    ] = 0,
     quiet: Quiet = False,
 ) -> None:
     """Turn correlation images into wrap count, depth and confidence.
@@ -187,11 +228,15 @@ def unwrap(
     Example: [bold]cmtof unwrap m.nc -o out.nc --ply cloud.ply[/bold]
     """
     several = len(measurement) > 1
-    targets = [output / f"{path.stem}.nc" for path in measurement] if several else [output]
+    targets = (
+        [output / f"{path.stem}.nc" for path in measurement] if several else [output]
+    )
     _check_distinct([*measurement, *targets, *([ply] if ply else [])])
     one = not (tile or several)
     if ply is not None and not one:
-        raise ValueError("Expected one file, seen at once, for --ply, got more. Leave --ply out.")
+        raise ValueError(
+            "Expected one file, seen at once, for --ply, got more. Leave --ply out."
+        )
     given = {
         "method": method,
         "range": range,
@@ -209,7 +254,9 @@ def unwrap(
         pairs = zip(measurement, targets, strict=True)
         rows = [_unwrapped(*pair, ply, how, advance) for pair in pairs]
     head = dict.fromkeys(title for _, rates in rows for title in rates)
-    cells = ([*names, *(rates.get(title, "") for title in head)] for names, rates in rows)
+    cells = (
+        [*names, *(rates.get(title, "") for title in head)] for names, rates in rows
+    )
     print_table(f"method {method}, into {output}", ("file", "valid", *head), cells)
 
 
@@ -224,7 +271,11 @@ def _check_distinct(paths: list[Path]) -> None:
 
 
 def _unwrapped(
-    path: Path, target: Path, ply: Path | None, how: dict[str, Any], advance: Callable[..., None]
+    path: Path,
+    target: Path,
+    ply: Path | None,
+    how: dict[str, Any],
+    advance: Callable[..., None],
 ) -> tuple[list[str], dict[str, str]]:
     """Unwrap a file; return its name and share of valid pixels, and its rates by their titles."""
     from cmtof.evaluation import Tally, scored_pixels
@@ -250,16 +301,22 @@ def _unwrapped(
             )
             print(f"{ply}: {points} points")
         advance(path.name, share)
-    return [path.name, f"{valid / size:.1%}"], _rates(tally.score()) if tally.frames else {}
+    return [path.name, f"{valid / size:.1%}"], _rates(
+        tally.score()
+    ) if tally.frames else {}
 
 
 @app.command()
 def evaluate(
     frames: Annotated[
         list[str],
-        Argument(help="Files, embedded names, folders (pairs of images, .npz, Hypersim's tests)"),
+        Argument(
+            help="Files, embedded names, folders (pairs of images, .npz, Hypersim's tests)"
+        ),
     ],
-    method: Annotated[str, Option(help="Out of `cmtof methods`, with commas, or all.")] = "all",
+    method: Annotated[
+        str, Option(help="Out of `cmtof methods`, with commas, or all.")
+    ] = "all",
     protocol: Protocol = "released",
     noise: Noise = 1200.0,
     noise_free: NoiseFree = False,
@@ -291,7 +348,9 @@ def evaluate(
         "linear": linear,
     }
     sets = [Frames(frames_in(name, **image)) for name in frames]
-    evaluation = Evaluation(names, protocol=protocol, noise=noise, noise_free=noise_free, seed=seed)
+    evaluation = Evaluation(
+        names, protocol=protocol, noise=noise, noise_free=noise_free, seed=seed
+    )
     with progress(sum(len(one.sources) for one in sets) * len(names), quiet) as advance:
         for one in sets:
             for frame in one:
@@ -300,7 +359,9 @@ def evaluate(
                         advance(f"{frame.name}: {done}")
                 except ValueError as error:
                     one.skipped[frame.name] = str(error)
-            evaluation.notes |= {f"skipped {name}": why for name, why in one.skipped.items()}
+            evaluation.notes |= {
+                f"skipped {name}": why for name, why in one.skipped.items()
+            }
     if evaluation.frames:
         report = evaluation.report()
         if json_file is not None:
@@ -308,7 +369,9 @@ def evaluate(
                 part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
         _print_report(report)
     for one in sets:
-        if len(one.skipped) == len(one.sources):  # what was named must hold a frame that loads
+        if len(one.skipped) == len(
+            one.sources
+        ):  # what was named must hold a frame that loads
             raise ValueError(next(iter(one.skipped.values())))
     _name_missing(evaluation.missing)
     if evaluation.missing and method != "all":
@@ -325,7 +388,9 @@ def _name_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
 
 
 @app.command()
-def methods(as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False) -> None:
+def methods(
+    as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False,
+) -> None:
     """List every unwrapping method with its kind, source and state."""
     from cmtof.methods import DEFAULT, METHODS
 
@@ -368,25 +433,39 @@ def info(
             with opened_dataset(path) as held:
                 held.info(text)
                 if "component_odds" in held:
-                    odds = held["component_odds"].sel(offset=slice(-2, 2))[:10].to_pandas()
-                    print("Odds of the largest components to lie so many wraps farther:")
+                    odds = (
+                        held["component_odds"].sel(offset=slice(-2, 2))[:10].to_pandas()
+                    )
+                    print(
+                        "Odds of the largest components to lie so many wraps farther:"
+                    )
                     print(odds.round(3))
         else:
             open_measurement(path).dataset.info(text)
         print(shown(text.getvalue()))
         return
-    print(f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors")
-    for name, needed in (("onnxruntime", "learned methods need"), ("torch", "training needs")):
-        print(name, version(name) if find_spec(name) else f"is not installed (only {needed} it)")
+    print(
+        f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors"
+    )
+    for name, needed in (
+        ("onnxruntime", "learned methods need"),
+        ("torch", "training needs"),
+    ):
+        print(
+            name,
+            version(name)
+            if find_spec(name)
+            else f"is not installed (only {needed} it)",
+        )
     print(f"embedded frames: {', '.join(embedded_frames())}")
     print(f"published captures: {data_root() or 'not on this machine'}")
 
 
 @app.command()
 def replicate(
-    output: Annotated[Path, Option("--output", "-o", help="Where to draw Fig. 10.")] = Path(
-        "build/replicate/fig10_comparison.png"
-    ),
+    output: Annotated[
+        Path, Option("--output", "-o", help="Where to draw Fig. 10.")
+    ] = Path("build/replicate/fig10_comparison.png"),
 ) -> None:
     """Draw Fig. 10, and check the chain from frame to depth against stored values.
 
@@ -405,18 +484,26 @@ def replicate(
         failed += not outcome.passed
     print(f"{output}: Fig. 10, {'drawn' if output.is_file() else 'needs cmtof[plot]'}")
     if failed:
-        raise ValueError(f"Expected every line to pass, got {failed} FAIL. Compare versions.")
+        raise ValueError(
+            f"Expected every line to pass, got {failed} FAIL. Compare versions."
+        )
 
 
 @app.command()
 def render(
-    output: Annotated[Path, Option("--output", "-o", help="Folder to write the set into.")],
+    output: Annotated[
+        Path, Option("--output", "-o", help="Folder to write the set into.")
+    ],
     scenes: Annotated[int, Option(min=1, max=100_000, help="How many rooms.")] = 20,
     views: Annotated[int, Option(min=1, max=1000, help="Views of each.")] = 5,
     seed: Seed = 0,
     size: Annotated[str, Option(help="Height x width, px.")] = "512x512",
-    focal: Annotated[float | None, Option(help="Focal length, px. Default: 35 to 60°.")] = None,
-    workers: Annotated[int | None, Option(min=1, help="Processes. Default: one a core.")] = None,
+    focal: Annotated[
+        float | None, Option(help="Focal length, px. Default: 35 to 60°.")
+    ] = None,
+    workers: Annotated[
+        int | None, Option(min=1, help="Processes. Default: one a core.")
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Render furnished rooms, in Hypersim's layout.
@@ -442,12 +529,18 @@ def render(
 def train(
     config: Annotated[str, Argument(help="A recipe by name, or a YAML file.")],
     output: Annotated[File, Option("--output", "-o", help="Folder of the run.")] = None,
-    model: Annotated[str | None, Option(help="Learned method, such as fast-scnn.")] = None,
+    model: Annotated[
+        str | None, Option(help="Learned method, such as fast-scnn.")
+    ] = None,
     protocol: Annotated[str | None, Option(help="released or full.")] = None,
     data: Annotated[File, Option(help="Hypersim's layout. Default: rooms.")] = None,
     init: Annotated[File, Option(help="Weights to begin with.")] = None,
-    resume: Annotated[bool, Option("--resume", help="Go on from its checkpoint.")] = False,
-    minutes: Annotated[float | None, Option(help="Stop after; --resume goes on.")] = None,
+    resume: Annotated[
+        bool, Option("--resume", help="Go on from its checkpoint.")
+    ] = False,
+    minutes: Annotated[
+        float | None, Option(help="Stop after; --resume goes on.")
+    ] = None,
     seed: Annotated[int | None, _SEED] = None,
     accelerator: Annotated[str, Option(help="Lightning's: auto, cpu, gpu.")] = "auto",
     devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
@@ -487,12 +580,18 @@ def train(
 def scan(
     output: Annotated[File, Option("--output", "-o", help="Measurement, *.nc.")] = None,
     rig: Annotated[File, Argument(help="RIG file, *.yml.")] = None,
-    twin: Annotated[bool, Option("--twin", help="Simulate the instrument, by RIG's twin.")] = False,
+    twin: Annotated[
+        bool, Option("--twin", help="Simulate the instrument, by RIG's twin.")
+    ] = False,
     scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
     seed: Annotated[int | None, _SEED] = None,
     size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
-    resume: Annotated[bool, Option("--resume", help="Go on with a scan that was stopped.")] = False,
-    check: Annotated[bool, Option("--check", help="Ask every device, move nothing.")] = False,
+    resume: Annotated[
+        bool, Option("--resume", help="Go on with a scan that was stopped.")
+    ] = False,
+    check: Annotated[
+        bool, Option("--check", help="Ask every device, move nothing.")
+    ] = False,
     log: Annotated[File, Option(help="File of all requests and replies.")] = None,
     quiet: Quiet = False,
 ) -> None:
@@ -512,9 +611,13 @@ def scan(
     if not twin and rig is None:
         raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
     if not twin and (seed, scene) != (None, None):
-        raise ValueError("Expected --scene and --seed with --twin, got a RIG file. Leave them out.")
+        raise ValueError(
+            "Expected --scene and --seed with --twin, got a RIG file. Leave them out."
+        )
     plan = planned(Rig.default() if rig is None else Rig.load(rig), size=size)
-    bench = partial(connected_bench, plan.rig, log.open("w", encoding="utf-8") if log else None)
+    bench = partial(
+        connected_bench, plan.rig, log.open("w", encoding="utf-8") if log else None
+    )
     if twin:
         from cmtof_lab.rehearsal import simulated_bench
 
@@ -534,7 +637,10 @@ def scan(
                 report=lambda line: advance(f"{line.mode}: {line.kind}"),
             )
     except (KeyboardInterrupt, SystemExit):
-        print(f"cmtof: stopped; {journal_path(output)} goes on with --resume", file=sys.stderr)
+        print(
+            f"cmtof: stopped; {journal_path(output)} goes on with --resume",
+            file=sys.stderr,
+        )
         raise
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
 
@@ -563,7 +669,10 @@ def _print_report(report: dict[str, Any]) -> None:
         f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
     )
     found = {name: _rates(scores) for name, scores in report["methods"].items()}
-    clock = {name: f"{one['seconds_per_frame']:.2f}" for name, one in report["methods"].items()}
+    clock = {
+        name: f"{one['seconds_per_frame']:.2f}"
+        for name, one in report["methods"].items()
+    }
     print_table(
         title,
         ("method", *next(iter(found.values())), "s/frame"),

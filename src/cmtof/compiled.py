@@ -26,7 +26,9 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
                 raise
             _say_uncached()
             return numba.njit(**options)(function)
-        if cache := getattr(found, "_cache", None):  # none while compilation is switched off
+        if cache := getattr(
+            found, "_cache", None
+        ):  # none while compilation is switched off
             cache.save_overload = partial(_saved_if_possible, cache.save_overload)
         return found
 

@@ -2,8 +2,13 @@
 
 SPEED_OF_LIGHT = 299_792_458.0  # in vacuum, m/s (exact, SI)
 FREQUENCY_SINGLE = 7.15e9  # modulation in the single mode, Hz (Sec. 6.2)
-FREQUENCY_DOUBLED = 14.32e9  # in the doubled mode, twice a drive at 7.16 GHz, Hz (Sec. 6.2.2)
-FREQUENCIES = (FREQUENCY_SINGLE, FREQUENCY_DOUBLED)  # those that the paper unwraps with, Hz
+FREQUENCY_DOUBLED = (
+    14.32e9  # in the doubled mode, twice a drive at 7.16 GHz, Hz (Sec. 6.2.2)
+)
+FREQUENCIES = (
+    FREQUENCY_SINGLE,
+    FREQUENCY_DOUBLED,
+)  # those that the paper unwraps with, Hz
 LASER_WAVELENGTH = 532e-9  # m (Sec. 7.1)
 HALF_WAVE_PLATE_SINGLE = 11.25  # its angle in the single mode, degrees (Sec. 6.2.1)
 HALF_WAVE_PLATE_DOUBLED = 22.5  # and in the doubled mode, degrees (Sec. 6.2.2)

@@ -43,7 +43,15 @@ UNITS = {
         **dict.fromkeys(("deg", "degree", "degrees", "°"), _DEGREE),
         "mrad": 1e-3,
     },
-    "m": {"m": 1.0, "metre": 1.0, "meter": 1.0, "meters": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+    "m": {
+        "m": 1.0,
+        "metre": 1.0,
+        "meter": 1.0,
+        "meters": 1.0,
+        "cm": 1e-2,
+        "mm": 1e-3,
+        "um": 1e-6,
+    },
 }
 
 # Greatest number of wraps of the lowest frequency to choose from; the prototype's beat has 358.
@@ -104,7 +112,9 @@ def structured(dataset: Dataset) -> Dataset:
 def _check_kind(name: str, found: DataArray) -> None:
     """Raise a ValueError unless a variable holds numbers on its dimensions."""
     if found.dtype.kind not in "biuf":
-        raise ValueError(f"Expected numbers as {name}, got type {found.dtype}. Store floats.")
+        raise ValueError(
+            f"Expected numbers as {name}, got type {found.dtype}. Store floats."
+        )
     dims = VARIABLES[name].dims or found.dims
     if not found.size or found.dims != dims:
         raise ValueError(
@@ -124,7 +134,9 @@ def in_si_units(dataset: Dataset) -> Dataset:
             factor = UNITS[unit].get(stated)
             if factor is None:
                 known = ", ".join(filter(str.isalpha, UNITS[unit]))
-                raise ValueError(f"Expected {name} in {known}, got units '{stated}'. Convert it.")
+                raise ValueError(
+                    f"Expected {name} in {known}, got units '{stated}'. Convert it."
+                )
             if factor != 1:
                 data[name] = (found.dims, found.to_numpy() * factor, found.attrs)
             stated = unit
@@ -135,7 +147,9 @@ def in_si_units(dataset: Dataset) -> Dataset:
 def _check_range(dataset: Dataset) -> None:
     """Raise a ValueError unless the depths to choose from are a range of not too many wraps."""
     ends = [dataset.attrs[key] for key in ("range_min", "range_max")]
-    plain = all(np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends)
+    plain = all(
+        np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends
+    )
     low, high = (float(np.squeeze(end)) if plain else np.nan for end in ends)
     if not 0 <= low < high < np.inf:
         raise ValueError(
@@ -162,10 +176,16 @@ def _with_valid_values(data: Dataset) -> Dataset:
         if name in data:
             found = data[name]
             # the smallest floats, of 32 bits at least, that hold them exactly
-            floats = found.to_numpy().astype(np.result_type(found.dtype, np.float32), copy=False)
+            floats = found.to_numpy().astype(
+                np.result_type(found.dtype, np.float32), copy=False
+            )
             samples = _hidden(floats, valid, simulated)
             if name != "amplitude":
-                _refuse(~np.isfinite(samples) & valid, f"finite {name}", "Mask those pixels.")
+                _refuse(
+                    ~np.isfinite(samples) & valid,
+                    f"finite {name}",
+                    "Mask those pixels.",
+                )
             samples = wrapped(samples) if name == "phase" else samples
             data[name] = (found.dims, samples, found.attrs)
     if "raw_counts" in data:

@@ -57,7 +57,11 @@ def correlation_from_harmonics(
 
 
 def correlation_from_phase(
-    phase: ArrayLike, psi: ArrayLike, *, amplitude: ArrayLike = 1.0, offset: ArrayLike = 0.0
+    phase: ArrayLike,
+    psi: ArrayLike,
+    *,
+    amplitude: ArrayLike = 1.0,
+    offset: ArrayLike = 0.0,
 ) -> Array:
     """Sinusoidal correlation ``offset + amplitude cos(phi + psi)`` (Eq. 4, 8 and 20), (K, ...).
 
@@ -117,7 +121,9 @@ def check_psi(psi: Array) -> None:
             "Record more steps or check psi."
         )
     if not np.isfinite(psi).all():
-        raise ValueError("Expected finite reference phases psi, got NaN or inf. State every psi.")
+        raise ValueError(
+            "Expected finite reference phases psi, got NaN or inf. State every psi."
+        )
     turns = np.exp(1j * psi)
     gaps = np.abs(turns[:, None] - turns[None, :])[np.triu_indices(psi.size, 1)]
     if gaps.min() < 1e-6:
@@ -157,7 +163,9 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
         return Decoded(*(field[0] for field in decode(correlation[None], psi[None])))
     if correlation.dtype != np.float32:
         correlation = correlation.astype(float, copy=False)
-    weights = np.stack([decoding_weights(steps) for steps in psi]).astype(correlation.dtype)
+    weights = np.stack([decoding_weights(steps) for steps in psi]).astype(
+        correlation.dtype
+    )
     fitted = weights @ correlation.reshape(*psi.shape, -1)  # (F, 3, pixels)
     shape = (len(psi), *correlation.shape[2:])
     offset, x, y = (fitted[:, k].reshape(shape) for k in range(3))
@@ -187,7 +195,9 @@ def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
             "Record more steps."
         )
     fit = np.stack([np.ones_like(psi), np.cos(psi), np.sin(psi)])
-    null = np.linalg.svd(fit)[2][3:]  # orthonormal directions that the fit does not reach
+    null = np.linalg.svd(fit)[2][
+        3:
+    ]  # orthonormal directions that the fit does not reach
     images = np.asarray(correlation).reshape(psi.size, -1)
     images = images[:, :: max(1, images.shape[1] // 65536)]  # a sample suffices
     images = images.astype(np.result_type(images.dtype, np.float32), copy=False)
@@ -228,7 +238,9 @@ def wrap_count_from_depth(depth: ArrayLike, frequency: ArrayLike) -> Numbers:
     return np.floor(np.asarray(depth) / wrap_length(frequency)).astype(np.int64)
 
 
-def consistent_wrap_count(depth: ArrayLike, phase: ArrayLike, frequency: ArrayLike) -> Numbers:
+def consistent_wrap_count(
+    depth: ArrayLike, phase: ArrayLike, frequency: ArrayLike
+) -> Numbers:
     """Wraps that bring a measured wrapped phase nearest to a depth: ``round(2fz/c - phi/2pi)``.
 
     Next to a wrap boundary noise moves the phase across it, and this count differs from

@@ -19,7 +19,12 @@ _LARGEST_MEAN = 9.2e18
 
 
 def poisson_gaussian(
-    mean: ArrayLike, *, rng: Generator, sigma: float, mu: float = 0.0, order: NoiseOrder = "paper"
+    mean: ArrayLike,
+    *,
+    rng: Generator,
+    sigma: float,
+    mu: float = 0.0,
+    order: NoiseOrder = "paper",
 ) -> Array:
     """Counts with photon and Gaussian noise from their expectation (Eq. 8, Sec. 5.3).
 
@@ -55,7 +60,9 @@ def _check_counts(mean: Array, sigma: float) -> None:
             "Check intensity, gain and exposure."
         )
     if not sigma >= 0:
-        raise ValueError(f"Expected a noise sigma >= 0, got {sigma}. Give it in counts.")
+        raise ValueError(
+            f"Expected a noise sigma >= 0, got {sigma}. Give it in counts."
+        )
 
 
 def skellam_gaussian(

@@ -41,7 +41,10 @@ def sets_of_wraps(confidence: Array, measurement: Measurement) -> dict[str, Arra
     """How far, in wraps, the true ones lie off at most in 90 and 95 % of the pixels of a room."""
     first, last = wraps_in_range(measurement)
     against = (1 - confidence) / np.maximum(confidence, 1e-6)
-    return {name: np.minimum(factor * against, last - first) for name, factor in SETS.items()}
+    return {
+        name: np.minimum(factor * against, last - first)
+        for name, factor in SETS.items()
+    }
 
 
 def guess(measurement: Measurement) -> float:
@@ -66,7 +69,9 @@ def nearest(wanted: Flags) -> tuple[Numbers, Numbers]:
     """Row and column (H, W) of the wanted pixel nearest to each; its own if none is wanted."""
     if not wanted.any():
         return tuple(np.indices(wanted.shape))
-    return tuple(distance_transform_edt(~wanted, return_distances=False, return_indices=True))
+    return tuple(
+        distance_transform_edt(~wanted, return_distances=False, return_indices=True)
+    )
 
 
 def without_holes(measurement: Measurement) -> Measurement:

@@ -41,12 +41,16 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
     """
     truth = measurement.depth
     if truth is None:
-        raise ValueError("Expected a measurement with its true depth, got none. Simulate one.")
+        raise ValueError(
+            "Expected a measurement with its true depth, got none. Simulate one."
+        )
     sure = result["confidence"].to_numpy()
     scored = measurement.mask & (sure >= float(result.attrs.get("min_confidence", 0)))
     scored &= np.isfinite(truth)
     if not scored.any():
-        raise ValueError("Expected at least one scored pixel, got none. Check mask and range.")
+        raise ValueError(
+            "Expected at least one scored pixel, got none. Check mask and range."
+        )
     frequency = measurement.frequencies[0]
     depth = truth[scored].astype(float)
     phase = measurement.phase[0][scored]
@@ -86,7 +90,9 @@ class Tally:
         error = np.abs(pixels["depth_error"])
         self._squares += np.sum(error**2)
         self._sureness += float(np.sum(pixels["confidence"], dtype=float))
-        self._errors += np.bincount(np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1)
+        self._errors += np.bincount(
+            np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1
+        )
         below = [int((delta < limit).sum()) for limit in LIMITS]
         counts = {"pixels": delta.size, "below": below, "consistent": int(right.sum())}
         counts |= {name: int(pixels[name].sum()) for name in COVERAGE if name in pixels}
@@ -96,10 +102,14 @@ class Tally:
     def score(self) -> Values:
         """Rates and depth errors over all pixels of all frames, as ``cmtof evaluate`` has them."""
         whole = sum(frame["pixels"] for frame in self.frames)
-        below = (np.sum([frame["below"] for frame in self.frames], axis=0) / whole).tolist()
+        below = (
+            np.sum([frame["below"] for frame in self.frames], axis=0) / whole
+        ).tolist()
         median = int(np.searchsorted(np.cumsum(self._errors), whole / 2))
         sets = {
-            name: float(np.mean([frame[name] / frame["pixels"] for frame in self.frames]))
+            name: float(
+                np.mean([frame[name] / frame["pixels"] for frame in self.frames])
+            )
             for name in COVERAGE
             if name in self.frames[0]
         }
@@ -109,7 +119,8 @@ class Tally:
             "delta_lt_3": below[2],
             "delta_ge_3": 1 - below[2],
             "delta_ge_10": 1 - below[3],
-            "consistent_lt_1": sum(frame["consistent"] for frame in self.frames) / whole,
+            "consistent_lt_1": sum(frame["consistent"] for frame in self.frames)
+            / whole,
             "depth_rmse_m": float(np.sqrt(self._squares / whole)),
             "depth_median_error_m": float(_EDGES[min(median, _EDGES.size - 1)]),
             "mean_confidence": self._sureness / whole,
@@ -135,7 +146,9 @@ def measured(
     tones = {name: find_method(name).tones for name in methods}
     held = {(): simulate(frame, frame_number=number, **conditions)}
     for other in set(tones.values()) - {()}:
-        found = simulate(frame, frame_number=number, **conditions | {"frequencies": other})
+        found = simulate(
+            frame, frame_number=number, **conditions | {"frequencies": other}
+        )
         scored = (("y", "x"), found.mask & held[()].mask)
         held[other] = Measurement(found.dataset.assign(mask=scored))
     for one in held.values():
@@ -163,8 +176,12 @@ class Evaluation:
 
     def add(self, frame: Frame) -> Iterator[str]:
         """Simulate the next frame and run every method on it, yielding each name when done."""
-        given = measured(frame, self.methods, number=len(self.frames), **self.conditions)
-        tallies = deepcopy(self._tallies)  # a frame at which a method fails counts for none
+        given = measured(
+            frame, self.methods, number=len(self.frames), **self.conditions
+        )
+        tallies = deepcopy(
+            self._tallies
+        )  # a frame at which a method fails counts for none
         for name, measurement in given.items():
             start = perf_counter()
             try:
@@ -193,13 +210,20 @@ class Evaluation:
     def counts(self) -> list[Fields]:
         """Counts of every frame: its name, and those of each method."""
         return [
-            {"frame": name, "methods": {m: t.frames[i] for m, t in self._tallies.items()}}
+            {
+                "frame": name,
+                "methods": {m: t.frames[i] for m, t in self._tallies.items()},
+            }
             for i, name in enumerate(self.frames)
         ]
 
     def report(self) -> Fields:
         """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them."""
-        given = {"protocol": "released", "noise": NOISE_SIGMA, "seed": 0} | self.conditions
+        given = {
+            "protocol": "released",
+            "noise": NOISE_SIGMA,
+            "seed": 0,
+        } | self.conditions
         return {
             "protocol": given["protocol"],
             "noise": 0.0 if given.get("noise_free") else float(given["noise"]),
@@ -208,7 +232,8 @@ class Evaluation:
             "notes": self.notes,
             "coverage": self._coverage / len(self.frames),
             "methods": {
-                name: tally.score() | {"seconds_per_frame": tally.seconds / len(self.frames)}
+                name: tally.score()
+                | {"seconds_per_frame": tally.seconds / len(self.frames)}
                 for name, tally in self._tallies.items()
             },
         }
@@ -230,7 +255,9 @@ def read_counts(path: AnyPath) -> list[Fields]:
         return []
     held = json.loads(path.read_text("utf-8"))
     if held["sha256"] != digest(held["frames"]):
-        raise ValueError(f"Expected counts as written in {path}, got edited ones. Count again.")
+        raise ValueError(
+            f"Expected counts as written in {path}, got edited ones. Count again."
+        )
     return held["frames"]
 
 
@@ -246,6 +273,10 @@ def rates(
     def parts(name: str) -> Numbers:
         held = [frame["methods"][name] for frame in counts]
         below = np.array([one["below"] for one in held]).T
-        return np.stack([*below[:3], whole - below[3], [one["consistent"] for one in held]])
+        return np.stack(
+            [*below[:3], whole - below[3], [one["consistent"] for one in held]]
+        )
 
-    return ratio_interval(parts(method) - (parts(against) if against else 0), whole, draws=draws)
+    return ratio_interval(
+        parts(method) - (parts(against) if against else 0), whole, draws=draws
+    )

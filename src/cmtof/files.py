@@ -15,7 +15,9 @@ from typing import Any
 
 AnyPath = str | Path
 _NUMBER = count()  # of the files that this process writes beside others
-_FORGOTTEN = 600  # s, after which what a dead process has left is no longer another machine's
+_FORGOTTEN = (
+    600  # s, after which what a dead process has left is no longer another machine's
+)
 
 
 def check_input(path: AnyPath, what: str = "a file to read") -> Path:
@@ -71,7 +73,9 @@ def check_output(path: AnyPath, *suffixes: str) -> Path:
     target = Path(path)
     if suffixes and target.suffix not in suffixes:
         named = " or ".join(f"*{suffix}" for suffix in suffixes)
-        raise ValueError(f"Expected an output named {named}, got {target.name}. Rename it.")
+        raise ValueError(
+            f"Expected an output named {named}, got {target.name}. Rename it."
+        )
     if target.is_symlink():  # what it points to is replaced, not the link
         try:
             target = target.resolve()
@@ -80,7 +84,9 @@ def check_output(path: AnyPath, *suffixes: str) -> Path:
                 f"Expected a link that leads to a file, got a circle at {target}. Name a file."
             ) from None
     if target.is_dir():
-        raise IsADirectoryError(f"Expected a file to write, got the folder {target}. Name a file.")
+        raise IsADirectoryError(
+            f"Expected a file to write, got the folder {target}. Name a file."
+        )
     if not target.parent.is_dir():
         raise FileNotFoundError(
             f"Expected an existing folder to write into, got {target.parent}. Create it first."
@@ -103,12 +109,16 @@ def check_output(path: AnyPath, *suffixes: str) -> Path:
 
 def _part(target: Path) -> Path:
     """New name beside a file; writers choose their format by the suffix, so it stays."""
-    return target.with_name(f".{target.stem}.part-{os.getpid()}-{next(_NUMBER)}{target.suffix}")
+    return target.with_name(
+        f".{target.stem}.part-{os.getpid()}-{next(_NUMBER)}{target.suffix}"
+    )
 
 
 def _clear_away(target: Path) -> None:
     """Remove what processes that were killed have left beside a file, after some minutes."""
-    for part in target.parent.glob(f".{escape(target.stem)}.part-*{escape(target.suffix)}"):
+    for part in target.parent.glob(
+        f".{escape(target.stem)}.part-*{escape(target.suffix)}"
+    ):
         process = re.search(r"\.part-(\d+)-\d+$", part.stem)
         if process and not Path("/proc", process[1]).exists():
             with suppress(OSError):
@@ -197,5 +207,7 @@ def read_document(path: AnyPath) -> dict[str, Any]:
         said = " ".join(str(error).split())[:200]
         raise ValueError(f"Expected YAML in {path}, got {said}. Correct it.") from error
     if not isinstance(found, dict) or not all(isinstance(name, str) for name in found):
-        raise ValueError(f"Expected names and values in {path}, got something else. Correct it.")
+        raise ValueError(
+            f"Expected names and values in {path}, got something else. Correct it."
+        )
     return found

@@ -13,7 +13,9 @@ from cmtof.files import AnyPath, check_input, written_whole
 from cmtof.types import Array, Texts
 from cmtof.validation import check_claim, checked_camera, numbers
 
-EMBEDDED = Path(__file__).parent / "frames"  # the small frames that travel with the package
+EMBEDDED = (
+    Path(__file__).parent / "frames"
+)  # the small frames that travel with the package
 HELD_OUT = EMBEDDED / "test" / "rooms.npz"  # views of rooms that nothing was trained on
 HELD_OUT_STEP = 5e-5  # step of its depth, m
 
@@ -43,7 +45,9 @@ class Frame:
         depth[~(np.isfinite(depth) & (depth > 0))] = np.nan
         if np.isnan(depth).all():
             got = f"none above 0 in {where}. Check the depth scale"
-            raise ValueError(f"Expected depths in metres, got {got}. {self.note}".strip())
+            raise ValueError(
+                f"Expected depths in metres, got {got}. {self.note}".strip()
+            )
         if not np.isfinite(light).all() or light.min() < 0:
             raise ValueError(
                 f"Expected finite intensities >= 0, got others in {where}. Fill its holes with 0."
@@ -60,10 +64,16 @@ class Frame:
 
     def save(self, path: AnyPath) -> None:
         """Write a compressed ``.npz`` (float32)."""
-        arrays = {"depth": self.depth, "intensity": self.intensity, "camera": self.camera}
+        arrays = {
+            "depth": self.depth,
+            "intensity": self.intensity,
+            "camera": self.camera,
+        }
         arrays["note"] = np.array(self.note) if self.note else None
         with written_whole(path) as part:
-            np.savez_compressed(part, **{k: v for k, v in arrays.items() if v is not None})
+            np.savez_compressed(
+                part, **{k: v for k, v in arrays.items() if v is not None}
+            )
 
     def middle(self, height: int, width: int) -> "Frame":
         """Middle of the frame, at most that large; the camera moves with it."""
@@ -73,7 +83,9 @@ class Frame:
         camera = self.camera
         if camera is not None:
             camera = camera - [0, 0, left, top, 0][: len(camera)]
-        return Frame(self.depth[part], self.intensity[part], camera, self.name, self.note)
+        return Frame(
+            self.depth[part], self.intensity[part], camera, self.name, self.note
+        )
 
 
 class Source(NamedTuple):
@@ -106,16 +118,25 @@ def embedded_frames() -> dict[str, Path]:
 
 def held_out_frames(path: Path = HELD_OUT) -> list[Frame]:
     """The test set of Tables 1 to 3: 32 views of 384 x 512 px, chosen by `cmtof_book.frames`."""
-    arrays = read_npz(path)  # second differences of depth along rows, first ones of √I in bytes
-    steps = arrays["depth"].cumsum(axis=2, dtype=np.int32).cumsum(axis=2, dtype=np.int32)
+    arrays = read_npz(
+        path
+    )  # second differences of depth along rows, first ones of √I in bytes
+    steps = (
+        arrays["depth"].cumsum(axis=2, dtype=np.int32).cumsum(axis=2, dtype=np.int32)
+    )
     levels = arrays["intensity"].cumsum(axis=2, dtype=np.uint8)
     light = (levels / np.float32(255)) ** 2
-    views = zip(steps * HELD_OUT_STEP, light, arrays["camera"], arrays["name"], strict=True)
+    views = zip(
+        steps * HELD_OUT_STEP, light, arrays["camera"], arrays["name"], strict=True
+    )
     return [Frame(depth, one, camera, str(name)) for depth, one, camera, name in views]
 
 
 def broken(
-    expected: str, path: object, error: Exception, advice: str = "Fetch or write it again."
+    expected: str,
+    path: object,
+    error: Exception,
+    advice: str = "Fetch or write it again.",
 ) -> ValueError:
     """The one error, of one line, for whatever is wrong with a file."""
     reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
@@ -126,7 +147,9 @@ def read_npz(path: Path) -> dict[str, NDArray]:
     """Every array of an ``.npz``, never a pickle; one ValueError for whatever is wrong."""
     try:
         with zipfile.ZipFile(check_input(path)) as archive:
-            check_claim(sum(m.file_size for m in archive.infolist()), path.stat().st_size)
+            check_claim(
+                sum(m.file_size for m in archive.infolist()), path.stat().st_size
+            )
         with np.load(path, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
@@ -172,7 +195,8 @@ def light_note(light: Array) -> str:
         return f"{white:.0%} of the light is at 1 or above, and counts as white"
     if brightest < _DARK:
         return (
-            f"dark: 99 % of the light is below {brightest:.2g} of white; is it linear (--linear)?"
+            f"dark: 99 % of the light is below {brightest:.2g} of white; "
+            "is it linear (--linear)?"
         )
     return ""
 

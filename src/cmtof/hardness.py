@@ -26,7 +26,9 @@ def bends(depth: ArrayLike) -> Flags:
 class Hardness(NamedTuple):
     """Slopes, jumps and sizes of the surfaces of a depth map, for 7.15 GHz."""
 
-    slope: Array  # change of depth from a pixel to its neighbour within a surface, wraps
+    slope: (
+        Array  # change of depth from a pixel to its neighbour within a surface, wraps
+    )
     jump: Array  # the same where a surface ends
     size: Array  # of each valid pixel's surface, px; one where a surface ends
 

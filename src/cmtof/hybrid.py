@@ -31,7 +31,10 @@ _SHARPEST = 1e-4  # least variance of an offset, wraps^2
 
 def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate:
     """Surfaces whose wraps a network helps to choose by its odds, averaged over each."""
-    from cmtof.network.inference import network_for, scores  # not every method needs ONNX Runtime
+    from cmtof.network.inference import (
+        network_for,
+        scores,
+    )  # not every method needs ONNX Runtime
 
     network = network_for(measurement, "fast-scnn", weights)
     first, last = wraps_in_range(measurement)
@@ -44,7 +47,9 @@ def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate
         surface = label.take(pixels)
         turns = depth.take(pixels) / period + tied.wraps[surface]
         wraps = np.floor(turns).astype(int) - first
-        told = means_of_groups(odds, pixels, wraps, tied.group[surface], tied.wraps.size)
+        told = means_of_groups(
+            odds, pixels, wraps, tied.group[surface], tied.wraps.size
+        )
         return elected(tied, told[tied.group])
 
     return surfaces(measurement, elect=elect)

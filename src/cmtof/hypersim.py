@@ -54,7 +54,9 @@ class View(NamedTuple):
     def file(self, root: AnyPath, kind: str) -> Path:
         """File of an array below the root of a tree; ``kind`` is a key of `FILES`."""
         folder, name, _ = FILES[kind]
-        images = Path(root) / self.scene / "images" / f"scene_{self.camera}_{folder}_hdf5"
+        images = (
+            Path(root) / self.scene / "images" / f"scene_{self.camera}_{folder}_hdf5"
+        )
         return images / f"frame.{self.number:04d}.{name}.hdf5"
 
 
@@ -80,7 +82,9 @@ class Hypersim:
     @cached_property
     def projections(self) -> dict[str, Array]:
         """M_cam_from_uv (3, 3) of each scene; empty without the table."""
-        rows = self._table(CAMERAS, lambda r: (r["scene_name"], [float(r[m]) for m in _MATRIX]))
+        rows = self._table(
+            CAMERAS, lambda r: (r["scene_name"], [float(r[m]) for m in _MATRIX])
+        )
         return {scene: np.reshape(matrix, (3, 3)) for scene, matrix in rows}
 
     def frame(self, view: View, *, blank: bool = False) -> Frame:
@@ -88,7 +92,9 @@ class Hypersim:
         depth = read_array(view.file(self.root, "depth"), 2)
         notes = []
         if depth.dtype == np.float16:
-            step = 1000 * float(np.spacing(np.max(depth, where=np.isfinite(depth), initial=0)))
+            step = 1000 * float(
+                np.spacing(np.max(depth, where=np.isfinite(depth), initial=0))
+            )
             notes.append(f"float16 depth in steps of up to {step:.1f} mm")
         color = view.file(self.root, "color")
         intensity = np.ones(depth.shape, np.float32)
@@ -96,16 +102,26 @@ class Hypersim:
             notes.append("no colour file: intensity 1 everywhere")
         else:
             green = read_array(color, 3)[..., 1].astype(np.float32)
-            intensity = np.nan_to_num(green, nan=0.0, posinf=_BRIGHTEST, neginf=0.0).clip(0)
+            intensity = np.nan_to_num(
+                green, nan=0.0, posinf=_BRIGHTEST, neginf=0.0
+            ).clip(0)
         projection = self.projections.get(view.scene)
-        camera = None if projection is None else camera_from_projection(projection, depth.shape)
+        camera = (
+            None
+            if projection is None
+            else camera_from_projection(projection, depth.shape)
+        )
         return Frame(depth, intensity, camera, view.name, "; ".join(notes))
 
-    def sources(self, views: Iterable[View] | None = None, *, blank: bool = False) -> list[Source]:
+    def sources(
+        self, views: Iterable[View] | None = None, *, blank: bool = False
+    ) -> list[Source]:
         """Frames of views to be loaded; by default the test frames, without partitions all."""
         if views is None:
             views = (self.split()["test"] if self._listed else []) or self.views
-        return [Source(view.name, partial(self.frame, view, blank=blank)) for view in views]
+        return [
+            Source(view.name, partial(self.frame, view, blank=blank)) for view in views
+        ]
 
     def split(self) -> dict[str, list[View]]:
         """Views on disk that train, validate and test, as `split_views` has them."""
@@ -115,18 +131,24 @@ class Hypersim:
             )
         parts = split_views(self._listed)
         there = {view[:3] for view in self.views}
-        return {name: [v for v in part if v[:3] in there] for name, part in parts.items()}
+        return {
+            name: [v for v in part if v[:3] in there] for name, part in parts.items()
+        }
 
     @cached_property
     def _listed(self) -> list[View]:
         """Every published view; none without the table."""
         scene, camera, number, part = _LISTED
-        return self._table(SPLIT, lambda r: View(r[scene], r[camera], int(r[number]), r[part]))
+        return self._table(
+            SPLIT, lambda r: View(r[scene], r[camera], int(r[number]), r[part])
+        )
 
     def _table(self, name: str, parse: Callable[[Texts], Any]) -> list[Any]:
         """What a function makes of each row of a published table; none without it."""
         below = ("", "metadata", "analysis")
-        places = (base / b / name for base in (self.root, self.root.parent) for b in below)
+        places = (
+            base / b / name for base in (self.root, self.root.parent) for b in below
+        )
         path = next((place for place in places if place.is_file()), None)
         if path is None:
             return []
@@ -193,10 +215,18 @@ def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
     """
     views = sorted(view for view in listed if view.partition in PARTITIONS)
     theirs = [v for v in views if re.fullmatch(r"ai_\d{3}_001/cam_00/0042", v.name)]
-    ours = [v for v in views if v.partition == "test" and not re.match(r"ai_\d{3}_", v.scene)]
+    ours = [
+        v
+        for v in views
+        if v.partition == "test" and not re.match(r"ai_\d{3}_", v.scene)
+    ]
     test = sorted([*theirs, *{view.scene: view for view in reversed(ours)}.values()])
-    left = [view for view in views if view.scene not in {tested.scene for tested in test}]
-    parts = {name: [v for v in left if v.partition == name] for name in ("train", "val")}
+    left = [
+        view for view in views if view.scene not in {tested.scene for tested in test}
+    ]
+    parts = {
+        name: [v for v in left if v.partition == name] for name in ("train", "val")
+    }
     return {**parts, "test": test}
 
 
@@ -212,8 +242,12 @@ def read_array(path: Path, dimensions: int) -> NDArray:
             check_claim(stored.nbytes, path.stat().st_size)
             array = np.asarray(stored[()])
         if array.dtype.kind not in "iuf" or array.shape[2:] != (3,) * (dimensions - 2):
-            raise ValueError(f"{array.dtype} {array.shape}, no numbers on {dimensions} axes")
-    except Exception as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
+            raise ValueError(
+                f"{array.dtype} {array.shape}, no numbers on {dimensions} axes"
+            )
+    except (
+        Exception
+    ) as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
         raise broken("a whole HDF5 file with the key dataset", path, error) from error
     return array
 
@@ -223,11 +257,19 @@ def write_metadata(root: Path, shape: Shape, scenes: Named) -> None:
 
     A scene has a partition, a focal length in px, and views by camera and frame number.
     """
-    tables: dict[str, list[Any]] = {CAMERAS: [("scene_name", *_MATRIX)], SPLIT: [_LISTED]}
+    tables: dict[str, list[Any]] = {
+        CAMERAS: [("scene_name", *_MATRIX)],
+        SPLIT: [_LISTED],
+    }
     for scene, (partition, focal, views) in scenes.items():
         half = np.array(shape) / (2 * focal)
-        tables[CAMERAS].append((scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist()))
+        tables[CAMERAS].append(
+            (scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist())
+        )
         tables[SPLIT] += [(scene, *view, partition) for view in views]
     for name, rows in tables.items():
-        with written_whole(Path(root) / name) as part, part.open("w", newline="") as file:
+        with (
+            written_whole(Path(root) / name) as part,
+            part.open("w", newline="") as file,
+        ):
             csv.writer(file, lineterminator="\n").writerows(rows)

@@ -77,11 +77,17 @@ def read_image(path: Path) -> NDArray:
         )
     try:
         if path.suffix == ".npy":
-            return np.array(np.load(check_input(path), mmap_mode="r", allow_pickle=False))
+            return np.array(
+                np.load(check_input(path), mmap_mode="r", allow_pickle=False)
+            )
         with Image.open(check_input(path)) as image:
             # palettes hold colour numbers, not levels
-            pixels = np.asarray(image.convert("RGB") if image.mode in ("P", "1") else image)
-    except Exception as error:  # Pillow raises OSError, SyntaxError and, for bombs, its own kind
+            pixels = np.asarray(
+                image.convert("RGB") if image.mode in ("P", "1") else image
+            )
+    except (
+        Exception
+    ) as error:  # Pillow raises OSError, SyntaxError and, for bombs, its own kind
         raise broken("a PNG image (or JPEG for colour)", path, error) from error
     # Pillow opens some 16-bit greys as 32-bit integers
     return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels
@@ -91,16 +97,24 @@ def distances(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
     """Depth (H, W), m, NaN where a level means «unknown», and what is odd about the levels."""
     if levels.dtype.kind == "f":
         return levels / (scale or 1.0), []
-    notes = [] if scale else [f"depth read at {LEVELS:g} levels a metre, for want of a scale"]
+    notes = (
+        []
+        if scale
+        else [f"depth read at {LEVELS:g} levels a metre, for want of a scale"]
+    )
     known = levels > 0
     if levels.dtype == np.uint16 and (full := levels == np.iinfo(np.uint16).max).any():
         known &= ~full
-        notes.append(f"{full.mean():.1%} of the depths are at level 65535, taken as unknown")
+        notes.append(
+            f"{full.mean():.1%} of the depths are at level 65535, taken as unknown"
+        )
     held = levels[known]
     if held.size and np.ptp(held):
         crowd = np.mean(held == held.max())
         if crowd > _CROWDED:
-            notes.append(f"{crowd:.1%} of the depths are at the largest level, {held.max()}")
+            notes.append(
+                f"{crowd:.1%} of the depths are at the largest level, {held.max()}"
+            )
         if np.mean(held % _ROTATED == 0) > 0.95 and np.unique(held).size > _ROTATED:
             advice = f"if these are SUN RGB-D's rotated bits, give the scale {_ROTATED * 1000}"
             notes.append(f"all levels are multiples of {_ROTATED}: {advice}")
@@ -110,7 +124,9 @@ def distances(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
 def resampled(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
     """An image at the size of the depth of the same view, by nearest pixels, and a note on it."""
     height, width = image.shape[:2]
-    if (height, width) == shape or abs(height * shape[1] / (width * shape[0]) - 1) > _ALIKE:
+    if (height, width) == shape or abs(
+        height * shape[1] / (width * shape[0]) - 1
+    ) > _ALIKE:
         return image, ""  # a frame refuses two shapes
     pairs = zip(shape, (height, width), strict=True)
     place = [((np.arange(n) + 0.5) * m / n).astype(int) for n, m in pairs]
@@ -126,4 +142,6 @@ def brightness_of(image: NDArray, linear: bool) -> Array:
     if green.dtype.kind == "f":
         return green.astype(float)
     encoded = green / np.iinfo(green.dtype).max  # sRGB, IEC 61966-2-1
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+    return np.where(
+        encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4
+    )

@@ -79,18 +79,25 @@ def retarder(retardance: ArrayLike, angle: ArrayLike = 0.0) -> JonesMatrix:
     return _matrix(c - along, across, across, c + along)
 
 
-def half_wave_plate(angle: ArrayLike = 0.0, *, retardance_error: ArrayLike = 0.0) -> JonesMatrix:
+def half_wave_plate(
+    angle: ArrayLike = 0.0, *, retardance_error: ArrayLike = 0.0
+) -> JonesMatrix:
     """Half-wave plate H(theta), slow axis at ``angle``, rad; error in its retardance, rad."""
     return retarder(np.pi + np.asarray(retardance_error), angle)
 
 
-def quarter_wave_plate(angle: ArrayLike = 0.0, *, retardance_error: ArrayLike = 0.0) -> JonesMatrix:
+def quarter_wave_plate(
+    angle: ArrayLike = 0.0, *, retardance_error: ArrayLike = 0.0
+) -> JonesMatrix:
     """Quarter-wave plate Q(theta), slow axis at ``angle``, rad; error in its retardance, rad."""
     return retarder(np.pi / 2 + np.asarray(retardance_error), angle)
 
 
 def eom(
-    voltage: ArrayLike, *, static_retardance: ArrayLike = 0.0, angle_error: ArrayLike = 0.0
+    voltage: ArrayLike,
+    *,
+    static_retardance: ArrayLike = 0.0,
+    angle_error: ArrayLike = 0.0,
 ) -> JonesMatrix:
     """Electro-optic modulator B(V) = diag(exp(-iV/2), exp(iV/2)) (Eq. 10).
 
@@ -108,7 +115,9 @@ def mirror(reflectance: ArrayLike = 1.0) -> JonesMatrix:
     """
     r = np.asarray(reflectance, float)
     if not np.all((r >= 0) & (r <= 1)):
-        raise ValueError(f"Expected a reflectance from 0 to 1, got {reflectance}. Give a fraction.")
+        raise ValueError(
+            f"Expected a reflectance from 0 to 1, got {reflectance}. Give a fraction."
+        )
     return _diattenuator(np.sqrt(r), -np.sqrt(r), 0.0)
 
 
@@ -147,7 +156,9 @@ def polarising_beam_splitter(
         horizontal = 1 - horizontal
         vertical = 1 - vertical
     elif port != "transmitted":
-        raise ValueError(f"Expected port 'transmitted' or 'reflected', got {port!r}. Choose one.")
+        raise ValueError(
+            f"Expected port 'transmitted' or 'reflected', got {port!r}. Choose one."
+        )
     return _diattenuator(np.sqrt(horizontal), np.sqrt(vertical), angle_error)
 
 

@@ -95,7 +95,9 @@ class Measurement:
         amplitude = np.ones_like(phase) if stored is None else stored.astype(float)
         known = np.isfinite(phase) & np.isfinite(amplitude)
         unknown = np.full_like(phase, np.nan)
-        return Decoded(np.where(known, phase, 0), np.where(known, amplitude, unknown), unknown)
+        return Decoded(
+            np.where(known, phase, 0), np.where(known, amplitude, unknown), unknown
+        )
 
     @property
     def phase(self) -> Array:
@@ -131,7 +133,9 @@ class Measurement:
     @property
     def range(self) -> Pair:
         """Depths to choose from, ``min <= z < max``, m."""
-        return float(self.dataset.attrs["range_min"]), float(self.dataset.attrs["range_max"])
+        return float(self.dataset.attrs["range_min"]), float(
+            self.dataset.attrs["range_max"]
+        )
 
     def between(self, range_min: float, range_max: float) -> "Measurement":
         """Return the same measurement with another range to choose from, m."""
@@ -149,7 +153,9 @@ class Measurement:
         height, width = self.shape
         tones = ", ".join(f"{f / 1e9:g}" for f in self.frequencies)
         low, high = self.range
-        return f"<Measurement {height}x{width} px at {tones} GHz, {low:.3f}-{high:.3f} m>"
+        return (
+            f"<Measurement {height}x{width} px at {tones} GHz, {low:.3f}-{high:.3f} m>"
+        )
 
 
 def tiles(
@@ -159,15 +165,24 @@ def tiles(
 
     Yields what is seen, its rays those of the whole, the part in that, and the part in the image.
     """
-    for y, x in product(range(0, dataset.sizes["y"], tile), range(0, dataset.sizes["x"], tile)):
+    for y, x in product(
+        range(0, dataset.sizes["y"], tile), range(0, dataset.sizes["x"], tile)
+    ):
         top = max(y - margin, 0)
         left = max(x - margin, 0)
         seen = loaded(
-            dataset.isel(y=slice(top, y + tile + margin), x=slice(left, x + tile + margin))
+            dataset.isel(
+                y=slice(top, y + tile + margin), x=slice(left, x + tile + margin)
+            )
         )
         if "camera" in seen:
-            seen["camera"] = seen["camera"] - np.resize([0, 0, left, top, 0], seen.camera.size)
-        inner = {"y": slice(y - top, y - top + tile), "x": slice(x - left, x - left + tile)}
+            seen["camera"] = seen["camera"] - np.resize(
+                [0, 0, left, top, 0], seen.camera.size
+            )
+        inner = {
+            "y": slice(y - top, y - top + tile),
+            "x": slice(x - left, x - left + tile),
+        }
         yield Measurement(seen), inner, np.s_[y : y + tile, x : x + tile]
 
 
@@ -198,7 +213,9 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
     return dataset
 
 
-def _valid_pixels(images: Mapping[str, ArrayLike], mask: ArrayLike | None) -> NDArray | None:
+def _valid_pixels(
+    images: Mapping[str, ArrayLike], mask: ArrayLike | None
+) -> NDArray | None:
     """Pixels (H, W) that neither the mask nor a masked array leaves out; None for all."""
     parts = []
     if mask is not None:

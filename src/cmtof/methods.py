@@ -19,7 +19,9 @@ from cmtof.measurement import Measurement, tiles
 from cmtof.surfaces import surfaces
 from cmtof.types import Named
 
-MOST_MEMORY = 3 * 2**29  # bytes beside the measurement, about, before a method goes in tiles
+MOST_MEMORY = (
+    3 * 2**29
+)  # bytes beside the measurement, about, before a method goes in tiles
 
 
 @dataclass(frozen=True)
@@ -34,9 +36,13 @@ class Method:
     tones: tuple[float, ...] = ()  # Hz, where those of the prototype do not serve
     knows_truth: bool = False  # whether it reads the true depth
     about: str = ""
-    memory: int = 0  # bytes a pixel and 4 more a wrap, of those that take most: they go in tiles
+    memory: int = (
+        0  # bytes a pixel and 4 more a wrap, of those that take most: they go in tiles
+    )
     network: str = ""  # whose weights it needs
-    one_beat: bool = False  # whether its confidence takes the beat for unique within the range
+    one_beat: bool = (
+        False  # whether its confidence takes the beat for unique within the range
+    )
     sets: bool = False  # whether `cmtof.estimate.SETS` hold for its confidence
 
     @property
@@ -60,9 +66,13 @@ class Method:
             found = self.run(measurement, **options)
         else:
             images = np.empty((2, *measurement.shape))
-            side = 64 * max(isqrt(most) // 64 - 8, 2)  # and 256 around: only `rapid` sees more
+            side = 64 * max(
+                isqrt(most) // 64 - 8, 2
+            )  # and 256 around: only `rapid` sees more
             for seen, inner, place in tiles(measurement.dataset, side, 256):
-                images[:, *place] = np.stack(self.run(seen, **options)[:2])[:, *inner.values()]
+                images[:, *place] = np.stack(self.run(seen, **options)[:2])[
+                    :, *inner.values()
+                ]
             found = Estimate(*images)
         repeats = beat_repeats(measurement) if self.one_beat else 1
         return found._replace(confidence=found.confidence / repeats)
@@ -99,7 +109,9 @@ def _learned(name: str, source: str, about: str) -> Method:
         from cmtof.network.inference import unwrap_with_network
 
         whole = without_holes(measurement)  # a network was never shown any
-        return confirmed(*unwrap_with_network(whole, model=name, weights=weights), measurement)
+        return confirmed(
+            *unwrap_with_network(whole, model=name, weights=weights), measurement
+        )
 
     return Method(name, "learned", source, run, about=about, memory=1300, network=name)
 
@@ -117,10 +129,21 @@ _ALL = (
     Method("crt-ml", "classical", "Wang et al. 2015", crt.crt_ml),
     Method("phasor", "classical", "Gupta et al. 2015", phasor, tones=(7.15e9, 7.16e9)),
     Method("kde", "classical", "Järemo Lawin et al. 2016", kde.kde, memory=400),
-    Method("kde-tuned", "classical", "Järemo Lawin et al. 2016", kde.kde_tuned, memory=400),
+    Method(
+        "kde-tuned", "classical", "Järemo Lawin et al. 2016", kde.kde_tuned, memory=400
+    ),
     Method("beat", "classical", "Jongenelen et al. 2010", beat, one_beat=True),
-    Method("beat-guided", "classical", "He et al. 2013", beat_guided, memory=1000, one_beat=True),
-    Method("spatial", "classical", "Herraez et al. 2002", region.spatial, frequencies=1),
+    Method(
+        "beat-guided",
+        "classical",
+        "He et al. 2013",
+        beat_guided,
+        memory=1000,
+        one_beat=True,
+    ),
+    Method(
+        "spatial", "classical", "Herraez et al. 2002", region.spatial, frequencies=1
+    ),
     Method("region", "classical", "Herraez et al. 2002", region.region, one_beat=True),
     Method("mrf", "classical", "Hirschmüller 2008", mrf.mrf, memory=320, one_beat=True),
     Method(
@@ -132,15 +155,29 @@ _ALL = (
         one_beat=True,
     ),
     Method("surfaces", "classical", "this project", surfaces, one_beat=True, sets=True),
-    _learned("u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"),
-    _learned("one-step", "Wang et al. 2019", "Residual U-Net, narrowed: regression of depth"),
-    _learned("deep-tof", "Su et al. 2018", "Encoder and decoder on raw correlations, narrowed"),
+    _learned(
+        "u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"
+    ),
+    _learned(
+        "one-step", "Wang et al. 2019", "Residual U-Net, narrowed: regression of depth"
+    ),
+    _learned(
+        "deep-tof",
+        "Su et al. 2018",
+        "Encoder and decoder on raw correlations, narrowed",
+    ),
     _learned("rapid", "Zhang et al. 2019", "DeepLabV3+, narrowed"),
     _learned("fast-scnn", _BAEK, "The paper's network: segmentation into wraps"),
-    _learned("fast-scnn-ce", _BAEK, "The paper's network, trained by cross-entropy alone"),
+    _learned(
+        "fast-scnn-ce", _BAEK, "The paper's network, trained by cross-entropy alone"
+    ),
     _learned("fast-scnn-fourier", _BAEK, "The paper's network without phase edges"),
     _learned("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
-    _learned("fast-scnn-light", "this project", "A tenth of the paper's network, given the beat"),
+    _learned(
+        "fast-scnn-light",
+        "this project",
+        "A tenth of the paper's network, given the beat",
+    ),
     Method(
         "hybrid",
         "learned",
@@ -165,7 +202,9 @@ DEFAULT = "surfaces"
 
 # Older names, still understood.
 ALIASES = {"cmtof": DEFAULT} | {
-    name.replace("reference", "oracle"): name for name in METHODS if name.startswith("reference")
+    name.replace("reference", "oracle"): name
+    for name in METHODS
+    if name.startswith("reference")
 }
 
 
@@ -177,7 +216,9 @@ def find_method(name: str) -> Method:
     """
     found = METHODS.get(ALIASES.get(name, name))
     if found is None:
-        raise ValueError(f"Expected a method out of {', '.join(METHODS)}, got {name}. Choose one.")
+        raise ValueError(
+            f"Expected a method out of {', '.join(METHODS)}, got {name}. Choose one."
+        )
     return found
 
 
@@ -188,6 +229,12 @@ def names_of(chosen: str, protocol: str = "released") -> list[str]:
     ['surfaces', 'beat']
     """
     if chosen != "all":
-        return list(dict.fromkeys(find_method(name.strip()).name for name in chosen.split(",")))
+        return list(
+            dict.fromkeys(find_method(name.strip()).name for name in chosen.split(","))
+        )
     left_out = ("reference", "untrained", "no weights")
-    return [name for name, method in METHODS.items() if method.state(protocol) not in left_out]
+    return [
+        name
+        for name, method in METHODS.items()
+        if method.state(protocol) not in left_out
+    ]

@@ -42,7 +42,9 @@ class TwoPassModulator:
 
     half_wave_angle: float  # theta_h
     quarter_wave_angle: float = np.pi / 4  # theta_q
-    eta: float = ETA  # drive amplitude: retardance of one pass (the paper's modulation power)
+    eta: float = (
+        ETA  # drive amplitude: retardance of one pass (the paper's modulation power)
+    )
     frequency: float = constants.FREQUENCY_SINGLE  # of the drive, Hz
     # EOM to mirror, m; None is matched: half a modulation wavelength, both passes in step
     mirror_distance: float | None = None
@@ -66,7 +68,9 @@ class TwoPassModulator:
             ("output", self.output, ("crossed", "returned")),
         ):
             if value not in options:
-                raise ValueError(f"Expected {name} in {options}, got {value!r}. Choose one.")
+                raise ValueError(
+                    f"Expected {name} in {options}, got {value!r}. Choose one."
+                )
         if not 0 < self.frequency < np.inf:
             raise ValueError(
                 f"Expected a frequency above 0 Hz, got {self.frequency}. Give the drive's in Hz."
@@ -105,9 +109,12 @@ class TwoPassModulator:
         q = self.quarter_wave_angle + self.quarter_wave_angle_error
         off = self.eom_angle_error
         static = self.static_retardance
-        half = partial(jones.half_wave_plate, retardance_error=self.half_wave_retardance_error)
+        half = partial(
+            jones.half_wave_plate, retardance_error=self.half_wave_retardance_error
+        )
         quarter = partial(
-            jones.quarter_wave_plate, retardance_error=self.quarter_wave_retardance_error
+            jones.quarter_wave_plate,
+            retardance_error=self.quarter_wave_retardance_error,
         )
         splitter = partial(
             jones.polarising_beam_splitter,
@@ -179,7 +186,9 @@ class TwoPassModulator:
 
 
 # The mode at the drive's frequency: theta_h = 11.25 degrees, 7.15 GHz (Eq. 14-16).
-SINGLE = TwoPassModulator(half_wave_angle=float(np.deg2rad(constants.HALF_WAVE_PLATE_SINGLE)))
+SINGLE = TwoPassModulator(
+    half_wave_angle=float(np.deg2rad(constants.HALF_WAVE_PLATE_SINGLE))
+)
 
 # The mode at twice the drive's frequency: theta_h = 22.5 degrees, dark bias (Eq. 17-19).
 DOUBLED = TwoPassModulator(

@@ -19,7 +19,9 @@ from cmtof.constants import GAIN, INTEGRATION_TIME
 from cmtof.correlation import TAU, wrapped
 from cmtof.types import Array, Complex, Shape
 
-_LARGEST = 50.0  # linear phase noise, rad, beyond which the phase is uniform over the circle
+_LARGEST = (
+    50.0  # linear phase noise, rad, beyond which the phase is uniform over the circle
+)
 
 
 class Denoised(NamedTuple):
@@ -71,7 +73,9 @@ def local_residual(phase: ArrayLike, *, window: int = 9) -> Array:
     return _inner(np.einsum("yxij,ij->yx", flat, _fit_kernel(window)), window)
 
 
-def typical_phase_noise(phase: ArrayLike, where: ArrayLike, *, window: int = 5) -> float:
+def typical_phase_noise(
+    phase: ArrayLike, where: ArrayLike, *, window: int = 5
+) -> float:
     """Phase noise of a typical window of a map, rad.
 
     The median of `local_phase_noise` over the centres in ``where`` (H, W), over that of white noise
@@ -91,15 +95,23 @@ def _flattened(phase: ArrayLike, window: int) -> Complex:
     """Phasors of windows (H, W, window, window), turned back by centre and slope; 0 outside."""
     phase = np.asarray(phase, float)
     if phase.ndim != 2:
-        raise ValueError(f"Expected a phase map (H, W), got shape {phase.shape}. Pick one plane.")
+        raise ValueError(
+            f"Expected a phase map (H, W), got shape {phase.shape}. Pick one plane."
+        )
     if not (window > 2 and window % 2):
-        raise ValueError(f"Expected an odd window of 3 px or more, got {window}. Try 5.")
-    windows = sliding_window_view(np.pad(np.exp(1j * phase), window // 2), (window, window))
+        raise ValueError(
+            f"Expected an odd window of 3 px or more, got {window}. Try 5."
+        )
+    windows = sliding_window_view(
+        np.pad(np.exp(1j * phase), window // 2), (window, window)
+    )
     y, x = np.mgrid[:window, :window] - window // 2
     ramp = np.zeros(windows.shape)
     for axis, steps in ((-2, y), (-1, x)):
         near, far = (np.delete(windows, end, axis) for end in (-1, 0))
-        ramp += np.multiply.outer(np.angle((np.conj(near) * far).sum(axis=(-2, -1))), steps)
+        ramp += np.multiply.outer(
+            np.angle((np.conj(near) * far).sum(axis=(-2, -1))), steps
+        )
     return windows * np.exp(-1j * (phase[..., None, None] + ramp))
 
 
@@ -145,7 +157,9 @@ def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:
     """
     values = np.asarray(values, float)
     mask = np.asarray(mask, bool)
-    if not (values.shape == mask.shape and mask.any() and np.isfinite(values[mask]).all()):
+    if not (
+        values.shape == mask.shape and mask.any() and np.isfinite(values[mask]).all()
+    ):
         raise ValueError(
             f"Expected finite values within a mask of shape {values.shape}, got a mask of shape "
             f"{mask.shape} with {mask.sum()} pixels. Choose another region."
@@ -175,13 +189,17 @@ class LineNoise(NamedTuple):
     def spectrum(self, shape: Shape) -> Array:
         """Power spectrum (H, W) at the frequencies of a Fourier transform, rad^2."""
         ky, kx = (TAU * np.fft.fftfreq(size) for size in shape)
-        grain = np.outer(1 + 2 * self.down * np.cos(ky), 1 + 2 * self.across * np.cos(kx))
+        grain = np.outer(
+            1 + 2 * self.down * np.cos(ky), 1 + 2 * self.across * np.cos(kx)
+        )
         power = self.white**2 * grain
         power[0] += shape[0] * self.line**2
         return power
 
 
-def fit_line_noise(residual: ArrayLike, mask: ArrayLike, *, window: int = 9) -> LineNoise:
+def fit_line_noise(
+    residual: ArrayLike, mask: ArrayLike, *, window: int = 9
+) -> LineNoise:
     """Line noise that is likeliest for the residual (H, W), rad, of `local_residual`.
 
     The periodogram of Gaussian noise follows an exponential law at each frequency (Whittle's
@@ -220,7 +238,9 @@ def linear_from_spread(spread: float) -> float:
             f"Expected a phase noise between 0 and {np.pi / np.sqrt(3):.2f} rad, "
             f"got {spread:.4g}. Average first."
         )
-    root = optimize.brentq(lambda x: phase_spread(x) - spread, 0.6 * spread, _LARGEST, xtol=1e-13)
+    root = optimize.brentq(
+        lambda x: phase_spread(x) - spread, 0.6 * spread, _LARGEST, xtol=1e-13
+    )
     return float(root)  # type: ignore[arg-type]
 
 

@@ -55,7 +55,9 @@ def write_ply(
     white, gamma 2.2) and ``confidence`` (float).
     """
     if camera is None:
-        raise ValueError("Expected a camera for points, got none. Leave --ply out or add one.")
+        raise ValueError(
+            "Expected a camera for points, got none. Leave --ply out or add one."
+        )
     points = points_from_depth(depth, camera)
     kept = np.isfinite(points).all(axis=-1)
     columns = dict(zip("xyz", points[kept].T.astype("<f4"), strict=True))

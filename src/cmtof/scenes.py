@@ -24,7 +24,9 @@ TUM_LEVELS = 5000.0
 TUM_GAP = 0.02
 
 
-def load_frame(source: AnyPath, *, intensity: AnyPath | None = None, **given: Any) -> Frame:
+def load_frame(
+    source: AnyPath, *, intensity: AnyPath | None = None, **given: Any
+) -> Frame:
     """Frame of a file or of an embedded name, or the first one of a folder as `frames_in` lists it.
 
     An ``.npz`` holds ``depth`` (m), ``intensity`` and, unless given, ``camera``; an image of depth,
@@ -50,7 +52,9 @@ def load_frame(source: AnyPath, *, intensity: AnyPath | None = None, **given: An
     )
 
 
-def frames_in(source: AnyPath, *, intensity: AnyPath | None = None, **given: Any) -> list[Source]:
+def frames_in(
+    source: AnyPath, *, intensity: AnyPath | None = None, **given: Any
+) -> list[Source]:
     """Frames of a file, an embedded name or a folder, listed without loading any.
 
     A folder is a Hypersim tree or scene (its test frames, or every view without the table), a
@@ -60,13 +64,20 @@ def frames_in(source: AnyPath, *, intensity: AnyPath | None = None, **given: Any
     """
     path = Path(source)
     if str(source) in embedded_frames() or not path.is_dir():
-        return [Source(str(source), partial(load_frame, source, intensity=intensity, **given))]
+        return [
+            Source(
+                str(source), partial(load_frame, source, intensity=intensity, **given)
+            )
+        ]
     if is_hypersim(path):
         return Hypersim(path).sources(blank=True)
     if (path / "depth.txt").is_file() and (path / "rgb.txt").is_file():
         return _tum_sequence(path, given)
     camera = given.get("camera")
-    found = [Source(p.stem, partial(frame_from_npz, p, camera)) for p in sorted(path.glob("*.npz"))]
+    found = [
+        Source(p.stem, partial(frame_from_npz, p, camera))
+        for p in sorted(path.glob("*.npz"))
+    ]
     found += _pairs(path, given)
     if not found:
         raise ValueError(
@@ -79,10 +90,19 @@ def frames_in(source: AnyPath, *, intensity: AnyPath | None = None, **given: Any
 
 def _pairs(path: Path, given: Fields) -> list[Source]:
     """Frames of ``depth/NAME`` beside ``rgb/NAME`` or ``color/NAME``, in the order of numbers."""
-    colours = {p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")}
-    depths = [p for p in (path / "depth").glob("*") if p.suffix in DEPTHS and p.stem in colours]
+    colours = {
+        p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")
+    }
+    depths = [
+        p
+        for p in (path / "depth").glob("*")
+        if p.suffix in DEPTHS and p.stem in colours
+    ]
     return [
-        Source(f"{path.name}/{p.stem}", partial(frame_from_pair, p, colours[p.stem], **given))
+        Source(
+            f"{path.name}/{p.stem}",
+            partial(frame_from_pair, p, colours[p.stem], **given),
+        )
         for p in sorted(depths, key=lambda p: (len(p.stem), p))
     ]
 
@@ -117,7 +137,9 @@ def _tum_list(path: Path) -> dict[float, str]:
         found = {float(row[0]): row[1] for row in rows}
     except (IndexError, ValueError):
         found = {0.0: ".."}
-    if any(Path(name).is_absolute() or ".." in Path(name).parts for name in found.values()):
+    if any(
+        Path(name).is_absolute() or ".." in Path(name).parts for name in found.values()
+    ):
         raise ValueError(
             f"Expected lines of a time and a file name below it in {path}, got others. "
             "Fetch it again."

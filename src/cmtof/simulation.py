@@ -54,11 +54,15 @@ def simulate(
     frequencies = checked_frequencies(frequencies)
     _check_sensor(gain, integration_time, order)
     try:
-        depth, mask, limits = staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
+        depth, mask, limits = staged_depth(
+            frame.depth, protocol=protocol, frequencies=frequencies
+        )
     except ValueError as error:  # a note may tell why
         raise ValueError(f"{error} {frame.note}".strip()) from None
     # where no depth is known no light returns
-    intensity = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0).astype(np.float32)
+    intensity = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0).astype(
+        np.float32
+    )
     signal = gain * integration_time * intensity
     offset = np.broadcast_to(phase_offset, frequencies.shape)
     # an error of the phase is one of the reference phase that the file does not know of
@@ -93,7 +97,9 @@ def simulate(
 def _check_sensor(gain: float, integration_time: float, order: str) -> None:
     """Raise a ValueError for settings that no sensor has."""
     if order not in get_args(NoiseOrder):
-        raise ValueError(f"Expected order 'paper' or 'released', got {order!r}. Choose one.")
+        raise ValueError(
+            f"Expected order 'paper' or 'released', got {order!r}. Choose one."
+        )
     if not (0 <= gain < np.inf and 0 <= integration_time < np.inf):
         raise ValueError(
             f"Expected gain and integration_time >= 0, got {gain} and {integration_time}. "
@@ -131,7 +137,9 @@ def staged_depth(
     depth = np.asarray(depth, float)
     known = np.isfinite(depth)
     if not known.any():
-        raise ValueError("Expected a depth map with known pixels, got none. Use another frame.")
+        raise ValueError(
+            "Expected a depth map with known pixels, got none. Use another frame."
+        )
     if protocol == "released":
         step = float(wrap_length(frequencies[0]))
         limits = (RELEASED_WRAPS[0] * step, RELEASED_WRAPS[1] * step)
@@ -139,11 +147,17 @@ def staged_depth(
     elif protocol == "full":
         limits = (0.0, unambiguous_range(frequencies))
     else:
-        raise ValueError(f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one.")
+        raise ValueError(
+            f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one."
+        )
     mask = known & (np.where(known, depth, -1) >= limits[0]) & (depth < limits[1])
     if not mask.any():
         nearest = np.nanmin(depth)
-        advice = "Are they in millimetres?" if nearest > _FAR else "Use another protocol or frame."
+        advice = (
+            "Are they in millimetres?"
+            if nearest > _FAR
+            else "Use another protocol or frame."
+        )
         raise ValueError(
             f"Expected depths between {limits[0]:.3f} and {limits[1]:.3f} m, "
             f"got {nearest:.3f} to {np.nanmax(depth):.3f} m. {advice}"

@@ -22,7 +22,12 @@ class Interval(NamedTuple):
 
 
 def ratio_interval(
-    part: ArrayLike, whole: ArrayLike, *, level: float = 0.95, draws: int = 2000, seed: int = 0
+    part: ArrayLike,
+    whole: ArrayLike,
+    *,
+    level: float = 0.95,
+    draws: int = 2000,
+    seed: int = 0,
 ) -> Interval:
     """Interval of a ratio of sums over frames, by percentiles over redrawn sets of frames.
 
@@ -100,7 +105,9 @@ class Reliability(NamedTuple):
         return float(np.average(apart, weights=self.answers))
 
 
-def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> Reliability:
+def reliability(
+    confidence: ArrayLike, right: ArrayLike, *, bins: int = 20
+) -> Reliability:
     """Answers sorted by confidence, and how many of each bin are right.
 
     ``confidence`` are probabilities in [0, 1], ``right`` whether each answer is right, of the same
@@ -123,5 +130,7 @@ def reliability(confidence: ArrayLike, right: ArrayLike, *, bins: int = 20) -> R
     count = np.bincount(place, minlength=bins)
     each = np.where(count > 0, count, np.nan)
     return Reliability(
-        np.bincount(place, said, bins) / each, np.bincount(place, good, bins) / each, count
+        np.bincount(place, said, bins) / each,
+        np.bincount(place, good, bins) / each,
+        count,
     )

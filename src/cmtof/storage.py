@@ -12,7 +12,14 @@ import numpy as np
 from xarray import Dataset, open_dataset
 
 from cmtof.contract import VARIABLES
-from cmtof.files import AnyPath, check_heaps, check_input, check_links, check_output, written_whole
+from cmtof.files import (
+    AnyPath,
+    check_heaps,
+    check_input,
+    check_links,
+    check_output,
+    written_whole,
+)
 from cmtof.frame import broken
 from cmtof.types import Fields
 from cmtof.validation import check_claim
@@ -108,7 +115,9 @@ def loaded(dataset: Dataset) -> Dataset:
     """A part of an opened dataset in memory; a ValueError if its file is damaged."""
     try:
         return dataset.load()
-    except Exception as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
+    except (
+        Exception
+    ) as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
         raise _damage(dataset.encoding.get("source", "a part of it"), error) from error
 
 

@@ -9,7 +9,16 @@ from contextlib import contextmanager
 from pathlib import Path
 
 # What stands for a character where the output's encoding has none.
-PLAIN = {"δ": "d", "σ": "sigma", "≥": ">=", "«": '"', "»": '"', "…": "...", "°": " deg", "−": "-"}
+PLAIN = {
+    "δ": "d",
+    "σ": "sigma",
+    "≥": ">=",
+    "«": '"',
+    "»": '"',
+    "…": "...",
+    "°": " deg",
+    "−": "-",
+}
 
 
 def prepare_streams() -> None:
@@ -38,7 +47,9 @@ def shown(text: object) -> str:
     >>> shown("a\x1b[31mb")
     'a\\x1b[31mb'
     """
-    return "".join(c if c.isprintable() or c in "\n\t" else repr(c)[1:-1] for c in str(text))
+    return "".join(
+        c if c.isprintable() or c in "\n\t" else repr(c)[1:-1] for c in str(text)
+    )
 
 
 @contextmanager
@@ -75,7 +86,9 @@ def hidden() -> bool:
     return bool(os.environ.get("CI")) or not sys.stderr.isatty()
 
 
-def print_table(title: str, head: Sequence[str], rows: Iterable[Iterable[object]]) -> None:
+def print_table(
+    title: str, head: Sequence[str], rows: Iterable[Iterable[object]]
+) -> None:
     """Print a table, its cells as they are."""
     from rich.console import Console
     from rich.table import Table

@@ -23,7 +23,9 @@ from cmtof.methods import DEFAULT, find_method
 from cmtof.storage import opened_dataset, save_dataset
 from cmtof.types import Fields, Pair
 
-Unwrapped = tuple[float, Measurement, Dataset]  # share of the image, measurement, result
+Unwrapped = tuple[
+    float, Measurement, Dataset
+]  # share of the image, measurement, result
 
 
 def unwrap(
@@ -72,7 +74,10 @@ def unwrap(
         "range_min": measurement.range[0],
         "range_max": measurement.range[1],
         "min_confidence": float(min_confidence),
-        **{f"option_{k}": str(v) if isinstance(v, Path) else v for k, v in options.items()},
+        **{
+            f"option_{k}": str(v) if isinstance(v, Path) else v
+            for k, v in options.items()
+        },
         "version": measurement.dataset.attrs.get("version", ""),
     }
     images = _images(estimate, measurement, min_confidence)
@@ -81,7 +86,9 @@ def unwrap(
     return Dataset(images, attrs=attributes)
 
 
-def _doubts(images: Fields, components: Components | None, measurement: Measurement) -> Fields:
+def _doubts(
+    images: Fields, components: Components | None, measurement: Measurement
+) -> Fields:
     """Sets of wraps, and components with their odds unless the method went in tiles."""
     known = images["wrap_count"][1] >= 0
     sets = sets_of_wraps(images["confidence"][1], measurement)
@@ -98,26 +105,36 @@ def _doubts(images: Fields, components: Components | None, measurement: Measurem
     return found
 
 
-def _images(estimate: Estimate, measurement: Measurement, min_confidence: float) -> Fields:
+def _images(
+    estimate: Estimate, measurement: Measurement, min_confidence: float
+) -> Fields:
     """Wrap count, depth and confidence of an estimate, the measured phase in every depth."""
     frequency = measurement.frequencies[0]
     phase = measurement.phase[0]
     mask = measurement.mask
     # the estimate of a masked pixel may be NaN
-    believed = within_range(np.where(mask, estimate.depth, measurement.range[0]), measurement)
+    believed = within_range(
+        np.where(mask, estimate.depth, measurement.range[0]), measurement
+    )
     # wraps whose depth obeys min <= z < max
     ends = np.asarray(measurement.range) / wrap_length(frequency)
     first, last = np.ceil(ends[:, None, None] - phase / TAU - 1e-9)
     wraps = consistent_wrap_count(believed, phase, frequency)
     wraps = np.clip(wraps, first, np.maximum(first, last - 1))
     depth = depth_from_wraps(phase, wraps, frequency)
-    sure = np.where(mask, estimate.confidence, 0).astype(np.float32)  # as it is stored and scored
+    sure = np.where(mask, estimate.confidence, 0).astype(
+        np.float32
+    )  # as it is stored and scored
     mask &= sure >= min_confidence
     count = np.where(mask, wrap_count_from_depth(believed, frequency), -1)
     dims = ("y", "x")
     return {
         "wrap_count": (dims, count.astype(np.int32)),
-        "depth": (dims, np.where(mask, depth, np.nan).astype(np.float32), {"units": "m"}),
+        "depth": (
+            dims,
+            np.where(mask, depth, np.nan).astype(np.float32),
+            {"units": "m"},
+        ),
         "confidence": (dims, sure),
     }
 
@@ -161,12 +178,18 @@ def _unwrap_tiles(
         held = structured(handle)
         height = held.sizes["y"]
         width = held.sizes["x"]
-        if shutil.disk_usage(part.parent).free < (need := 16 * height * width):  # or HDF5 ends all
-            raise OSError(f"Expected {need} bytes free for {output}, got less. Free some.")
+        if shutil.disk_usage(part.parent).free < (
+            need := 16 * height * width
+        ):  # or HDF5 ends all
+            raise OSError(
+                f"Expected {need} bytes free for {output}, got less. Free some."
+            )
         with h5netcdf.File(part, "w") as file:
             file.dimensions = {"y": height, "x": width}
             for seen, inner, place in tiles(held, tile, margin):
-                found = unwrap(seen, **how).drop_dims(("number", "offset"), errors="ignore")
+                found = unwrap(seen, **how).drop_dims(
+                    ("number", "offset"), errors="ignore"
+                )
                 found = found.drop_vars("component", errors="ignore").isel(inner)
                 _write_tile(file, found, place)
                 file.attrs.update(found.attrs | {"tile": tile, "margin": margin})

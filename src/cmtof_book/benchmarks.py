@@ -38,7 +38,9 @@ def large_frame() -> Any:
 
     small = load_frame("room")
     old = small.depth.shape
-    place = np.ix_(*(np.arange(n) * held // n for n, held in zip(SHAPE, old, strict=True)))
+    place = np.ix_(
+        *(np.arange(n) * held // n for n, held in zip(SHAPE, old, strict=True))
+    )
     camera = small.camera * np.tile(np.divide(SHAPE, old)[::-1], 2)
     return Frame(small.depth[place], small.intensity[place], camera, "room, enlarged")
 
@@ -52,15 +54,23 @@ def ratios() -> None:
     stack = simulate(frame, protocol="full", seed=0).dataset["correlation"].to_numpy()
     psi = np.tile(np.arange(4) * np.pi / 2, (2, 1))
     fast = seconds(lambda: decode(stack, psi))
-    print(f"decode (2, 4, 768, 1024) float32 / copy: {fast / seconds(stack.copy):.2f}, goal < 4")
-    mean = simulate(frame, protocol="full", noise_free=True).dataset["correlation"].to_numpy()
+    print(
+        f"decode (2, 4, 768, 1024) float32 / copy: {fast / seconds(stack.copy):.2f}, goal < 4"
+    )
+    mean = (
+        simulate(frame, protocol="full", noise_free=True)
+        .dataset["correlation"]
+        .to_numpy()
+    )
 
     def draw() -> None:
         rng.poisson(mean)
         rng.standard_normal(mean.shape, dtype=np.float32)
 
     whole = seconds(lambda: simulate(frame, protocol="full", seed=0), 3)
-    print(f"simulate / drawing its random numbers: {whole / seconds(draw, 3):.2f}, goal < 1.5")
+    print(
+        f"simulate / drawing its random numbers: {whole / seconds(draw, 3):.2f}, goal < 1.5"
+    )
 
 
 def cost(method: str, protocol: str) -> Values:
@@ -75,13 +85,19 @@ def cost(method: str, protocol: str) -> Values:
     start = process_time()
     cmtof.unwrap(measurement, method=method)
     taken = process_time() - start
-    return {"seconds": round(taken, 3), "megabytes": round(_memory("VmHWM") - before, 1)}
+    return {
+        "seconds": round(taken, 3),
+        "megabytes": round(_memory("VmHWM") - before, 1),
+    }
 
 
 def _memory(name: str) -> float:
     """A line of the process's status, MB."""
     lines = Path("/proc/self/status").read_text("utf-8").splitlines()
-    return next(float(line.split()[1]) for line in lines if line.startswith(f"{name}:")) / 1024
+    return (
+        next(float(line.split()[1]) for line in lines if line.startswith(f"{name}:"))
+        / 1024
+    )
 
 
 def store() -> None:
@@ -98,7 +114,10 @@ def store() -> None:
             with spawn.Pool(1) as pool:
                 found[name][protocol] = pool.apply(cost, (name, protocol))
             print(protocol, name, found[name], flush=True)
-    held = {"command": "python -m cmtof_book.benchmarks --store", "version": __version__}
+    held = {
+        "command": "python -m cmtof_book.benchmarks --store",
+        "version": __version__,
+    }
     held |= {"machine": f"one thread of {processor()}", "methods": found}
     write_json(STORE, held)
 

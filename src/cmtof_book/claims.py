@@ -13,7 +13,14 @@ from cmtof_book import Values, pages
 from cmtof_book.paper import estimate_text, result_text
 from cmtof_book.record import TEXT, Record
 from cmtof_book.scoreboard import Scores
-from cmtof_book.verdict import WORST_FIRST, Dependency, Estimate, Outcome, Score, sentence
+from cmtof_book.verdict import (
+    WORST_FIRST,
+    Dependency,
+    Estimate,
+    Outcome,
+    Score,
+    sentence,
+)
 
 TOKEN = re.compile(r"\{([^{}|]+)(?:\|([^{}]+))?\}")
 
@@ -45,7 +52,9 @@ class Claim:
         behind = [one for one in self.scores if one.verdict == self.outcome]
         if self.outcome == "untested":
             return behind[0].reason
-        told = ", ".join(dict.fromkeys(d.short for one in behind for d in one.differing))
+        told = ", ".join(
+            dict.fromkeys(d.short for one in behind for d in one.differing)
+        )
         if told and self.outcome == "reproduced":
             return f"It holds although {told} differ or are not stated."
         lines = self.left_open(behind)
@@ -68,7 +77,9 @@ class Claim:
     def dependencies(self) -> dict[str, bool]:
         """What we have of each thing on which its numbers depend, and whether it is the paper's."""
         held: dict[str, tuple[Dependency, Score]] = {}
-        for score in sorted(self.scores, key=lambda one: not one.chapter):  # computed ones first
+        for score in sorted(
+            self.scores, key=lambda one: not one.chapter
+        ):  # computed ones first
             for one in score.number.dependencies():
                 held.setdefault(one.name, (one, score))
         return {
@@ -101,7 +112,9 @@ class Numbers:
     def fill(self, text: str) -> str:
         """Put numbers into a text of ``claims.yml``."""
         filled = TOKEN.sub(lambda token: self.number(token[1], token[2] or ""), text)
-        return re.sub(r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)", "\u00a0", filled)
+        return re.sub(
+            r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)", "\u00a0", filled
+        )
 
     def number(self, name: str, style: str) -> str:
         """One number as text: by the key of a published one, of a figure, or of a page.
@@ -126,7 +139,9 @@ class Numbers:
         if not case:
             return result_text(score, 3)
         one = list(score.cases.values())[int(case)]
-        return estimate_text(Estimate.of(one.value) if alone else one, score.number.unit, 3)
+        return estimate_text(
+            Estimate.of(one.value) if alone else one, score.number.unit, 3
+        )
 
 
 def table(numbers: Numbers) -> str:

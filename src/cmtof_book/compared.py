@@ -23,7 +23,9 @@ Kind = Literal["closed form", "sum over draws", "share of pixels", "decision"]
 
 ROUNDING = 1e-9  # relative tolerance of a closed form
 
-STANDARD_ERRORS = 5  # tolerance of a sum over draws, in standard errors of the difference
+STANDARD_ERRORS = (
+    5  # tolerance of a sum over draws, in standard errors of the difference
+)
 
 EDGE_PIXELS = 20  # pixels of an image that may change sides by rounding
 
@@ -45,7 +47,9 @@ class Compared:
     def __post_init__(self) -> None:
         if self.kind not in get_args(Kind):
             names = ", ".join(get_args(Kind))
-            raise ValueError(f"Expected a kind of number, got {self.kind!r}. Use one of {names}.")
+            raise ValueError(
+                f"Expected a kind of number, got {self.kind!r}. Use one of {names}."
+            )
 
     def record(self) -> Values:
         """Value, kind and what belongs to the kind, for JSON."""
@@ -61,7 +65,11 @@ class Compared:
         if self.kind == "closed form":
             return ROUNDING * np.abs(self.value)
         noise = np.hypot(self.error or 0.0, error)
-        edge = EDGE_PIXELS / np.asarray(self.pixels) if self.kind == "share of pixels" else 0.0
+        edge = (
+            EDGE_PIXELS / np.asarray(self.pixels)
+            if self.kind == "share of pixels"
+            else 0.0
+        )
         return np.maximum(STANDARD_ERRORS * noise, edge)
 
     def accepts(self, value: ArrayLike, error: ArrayLike = 0.0) -> bool:

@@ -49,7 +49,14 @@ def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:
     light, truth, *others = axes
     brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
     image(light, brightness, label="", cmap="gray", title="the room", bar=False)
-    image(truth, scene.count(), label="", limits=scene.limits, title="true wraps", bar=False)
+    image(
+        truth,
+        scene.count(),
+        label="",
+        limits=scene.limits,
+        title="true wraps",
+        bar=False,
+    )
     for ax, label in zip(others, labels, strict=True):
         title = f"{label}: {100 * scene.right(label):.0f} %"
         look = {"cmap": "magma", "limits": (0, 10), "bar": False}

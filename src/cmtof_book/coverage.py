@@ -35,7 +35,9 @@ CALIBRATED, CHECKED = (301, 80), (613, 40)
 
 EVERY = 16  # pixels, of which one counts in the calibration
 
-LEVELS = {f"released, σ = {noise}": {"noise": float(noise)} for noise in (300, 1200, 2000)}
+LEVELS = {
+    f"released, σ = {noise}": {"noise": float(noise)} for noise in (300, 1200, 2000)
+}
 CONDITIONS: dict[str, Fields] = LEVELS | {"full, σ = 1200": {"protocol": "full"}}
 """Options of the simulation."""
 
@@ -55,7 +57,9 @@ def calibrated() -> Values:
     """Half-widths of the sets over the odds against a pixel's wraps."""
     scores = []
     for number, frame in rooms(*CALIBRATED):
-        seen = [simulate(frame, frame_number=number, **how) for how in CONDITIONS.values()]
+        seen = [
+            simulate(frame, frame_number=number, **how) for how in CONDITIONS.values()
+        ]
         scores.append(np.concatenate([scores_of(one) for one in seen]))
     return {name: conformal_quantile(scores, int(name[-2:]) / 100) for name in SETS}
 
@@ -81,10 +85,14 @@ def uneven(frame: Frame, number: int, waves: bool) -> Frame:
     return replace(frame, depth=depth + wrap_length(tones[0]) * size / off.std() * off)
 
 
-def measurements(condition: str, frames: Iterable[tuple[int, Frame]]) -> Iterator[Measurement]:
+def measurements(
+    condition: str, frames: Iterable[tuple[int, Frame]]
+) -> Iterator[Measurement]:
     """Measurements of numbered frames under a condition."""
     for number, frame in frames:
-        seen = uneven(frame, number, UNEVEN[condition]) if condition in UNEVEN else frame
+        seen = (
+            uneven(frame, number, UNEVEN[condition]) if condition in UNEVEN else frame
+        )
         yield simulate(seen, frame_number=number, **CONDITIONS.get(condition, {}))
 
 
@@ -97,7 +105,9 @@ def counted(method: str, measurements: Iterable[Measurement]) -> Fields:
         shares.append(np.divide(kept, counts["pixels"]))
     names = ("right", *COVERAGE)
     found = {"means": np.mean(shares, axis=0), "errors": sem(shares)}
-    by_name = {kind: dict(zip(names, each, strict=True)) for kind, each in found.items()}
+    by_name = {
+        kind: dict(zip(names, each, strict=True)) for kind, each in found.items()
+    }
     return {"rooms": len(shares)} | by_name
 
 
@@ -111,10 +121,14 @@ def main() -> None:
     for noise in ("photon", "captures"):
         seen[f"scans, {noise}"] = map(partial(kept_scan, FOLDER, noise=noise), SHOWN)
     for condition, these in seen.items():
-        counts.keep("checked", "surfaces", condition, of=partial(counted, "surfaces", these))
+        counts.keep(
+            "checked", "surfaces", condition, of=partial(counted, "surfaces", these)
+        )
     for condition in SOME:
         these = measurements(condition, frames)
-        counts.keep("checked", "hybrid", condition, of=partial(counted, "hybrid", these))
+        counts.keep(
+            "checked", "hybrid", condition, of=partial(counted, "hybrid", these)
+        )
 
 
 if __name__ == "__main__":

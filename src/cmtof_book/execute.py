@@ -59,7 +59,9 @@ def commit() -> str:
     """Return the short commit of the checkout, marked where files differ from it, or ''."""
     command = ["git", "describe", "--always", "--dirty", "--exclude=*"]
     try:
-        found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        found = subprocess.run(
+            command, cwd=ROOT, capture_output=True, text=True, check=True
+        )
     except (OSError, subprocess.CalledProcessError):
         return ""
     return found.stdout.strip()
@@ -83,8 +85,12 @@ def execute(script: Path, parameters: Values, work: Path) -> None:
     started = time.time()
     staged = work / script.with_suffix(".ipynb").name
     nbformat.write(notebook_from_script(script), staged)
-    defaults = {name: one["default"] for name, one in papermill.inspect_notebook(staged).items()}
-    if unknown := sorted(parameters.keys() - defaults):  # a misspelt size would be ignored
+    defaults = {
+        name: one["default"] for name, one in papermill.inspect_notebook(staged).items()
+    }
+    if unknown := sorted(
+        parameters.keys() - defaults
+    ):  # a misspelt size would be ignored
         raise ValueError(
             f"Expected parameters of {script.name} ({', '.join(sorted(defaults))}), got "
             f"{', '.join(unknown)}. Correct P or configs/{parameters['profile']}.yml."

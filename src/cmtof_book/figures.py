@@ -32,7 +32,9 @@ def main(results: Path, figures: Path) -> None:
         if file.suffix in SUFFIXES and file.name not in (*drawn, SCOREBOARD):
             file.unlink()
     for name, file in drawn.items():
-        sources = [_source(path.with_suffix(".json")) for path in (figures / name, file)]
+        sources = [
+            _source(path.with_suffix(".json")) for path in (figures / name, file)
+        ]
         if sources != ["measured", "simulated"]:
             with written_whole(figures / name) as part:
                 shutil.copyfile(file, part)

@@ -66,7 +66,9 @@ def store(path: Path, frames: list[Frame]) -> None:
             part,
             depth=_differences(_differences(steps)),
             intensity=_differences(levels),
-            camera=np.stack([frame.camera for frame in frames if frame.camera is not None]),
+            camera=np.stack(
+                [frame.camera for frame in frames if frame.camera is not None]
+            ),
             name=np.array([frame.name for frame in frames]),
         )
 

@@ -57,7 +57,9 @@ class Book:
 
     def _missing(self, stems: Iterable[str]) -> str:
         """Those names of notebooks that there are none of."""
-        return ", ".join(sorted(stem for stem in stems if not self.script(stem).is_file()))
+        return ", ".join(
+            sorted(stem for stem in stems if not self.script(stem).is_file())
+        )
 
     def script(self, stem: str) -> Path:
         """Source of a notebook: the text half of its pair."""
@@ -66,7 +68,9 @@ class Book:
     def chapters(self) -> list[str]:
         """Every file that the book is built from, notebooks and generated pages left out."""
         pages = filter(Path.is_file, (self.root / "book").rglob("*"))
-        shown = (self.source / "cmtof" / "hardware").glob("rig.*")  # by the guide to the hardware
+        shown = (self.source / "cmtof" / "hardware").glob(
+            "rig.*"
+        )  # by the guide to the hardware
         return self._relative([*self.root.glob("_*.yml"), *shown, *pages])
 
     def parameters(self, stem: str, profile: str) -> Values:
@@ -87,7 +91,11 @@ class Book:
     def inputs(self, stem: str) -> list[str]:
         """Every file that a notebook's results depend on, relative to the checkout."""
         script = self.script(stem)
-        fixed = {script, self.root / "environment.lock", self.source / "cmtof_book" / "execute.py"}
+        fixed = {
+            script,
+            self.root / "environment.lock",
+            self.source / "cmtof_book" / "execute.py",
+        }
         return self._relative(fixed.union(self.closure(script), self._declared(stem)))
 
     def tool(self, name: str) -> list[str]:
@@ -109,7 +117,10 @@ class Book:
         data = [*own.parent.glob("*" if own.parent.parent == self.source else "**/*")]
         if module in DATA:
             data += (self.source / DATA[module]).rglob("*")
-        return {own, *(file for file in data if file.is_file() and file.suffix not in SOURCE)}
+        return {
+            own,
+            *(file for file in data if file.is_file() and file.suffix not in SOURCE),
+        }
 
     def _imported(self, script: Path) -> Iterator[str]:
         """Modules of the package that a script names in its imports, or uses as ``cmtof.name``."""
@@ -127,22 +138,34 @@ class Book:
     def _declared(self, stem: str) -> Iterator[Path]:
         """Files that ``configs/inputs.yml`` names for a notebook; data are optional."""
         declared = read_document(self.root / "configs" / "inputs.yml").get(stem, {})
-        places = [self.root / "book" / "results" / name for name in declared.get("results", [])]
+        places = [
+            self.root / "book" / "results" / name
+            for name in declared.get("results", [])
+        ]
         if words := declared.get("data"):
             from cmtof.captures import data_root
 
             if base := data_root():
-                places += [file for word in words for file in Path(base, word).rglob("*")]
+                places += [
+                    file for word in words for file in Path(base, word).rglob("*")
+                ]
         return filter(Path.is_file, places)
 
     def _relative(self, files: Any) -> list[str]:
-        inside = (f.relative_to(self.root) if f.is_relative_to(self.root) else f for f in files)
+        inside = (
+            f.relative_to(self.root) if f.is_relative_to(self.root) else f
+            for f in files
+        )
         return sorted(map(str, inside))
 
 
 def parameters_from_text(text: str) -> Values:
     """Parameters from ``name=value`` pairs, values as in YAML: ``distance=1.0 repeats=6``."""
     pairs = [word.partition("=") for word in shlex.split(text)]
-    if wrong := [name + sign + value for name, sign, value in pairs if not (name and value)]:
-        raise ValueError(f'Expected name=value, got {" ".join(wrong)}. Try P="seed=1 repeats=6".')
+    if wrong := [
+        name + sign + value for name, sign, value in pairs if not (name and value)
+    ]:
+        raise ValueError(
+            f'Expected name=value, got {" ".join(wrong)}. Try P="seed=1 repeats=6".'
+        )
     return {name: yaml.safe_load(value) for name, _, value in pairs}

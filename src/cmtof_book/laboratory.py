@@ -67,7 +67,9 @@ def object_frame(name: str) -> Frame:
 def packed_scene(frame: Frame) -> Values:
     """Depth in steps, 16 bit, and light, 8 bit, of the middle of a frame as it is measured."""
     measured = simulate(frame, noise_free=True)
-    place = tuple(slice((n - (m := min(n, SIDE))) // 2, (n + m) // 2) for n in measured.shape)
+    place = tuple(
+        slice((n - (m := min(n, SIDE))) // 2, (n + m) // 2) for n in measured.shape
+    )
     depth = np.nan_to_num(np.asarray(measured.depth)[place])
     light = np.clip(np.nan_to_num(frame.intensity[place]), 0, 1)
     height, width = depth.shape
@@ -89,9 +91,17 @@ def packed(content: bytes | NDArray) -> str:
 def write(folder: Path) -> None:
     """Write ``scenes.js``, ``runtime.js``, and phases as a reader has them: ``example.csv``."""
     room = held_out_frames()[ROOMS["study"]].middle(96, 128)
-    np.savetxt(folder / "example.csv", simulate(room, seed=0).phase.reshape(-1, 128), "%.3f", ",")
+    np.savetxt(
+        folder / "example.csv",
+        simulate(room, seed=0).phase.reshape(-1, 128),
+        "%.3f",
+        ",",
+    )
     drawn = {name: packed_scene(frame) for name, frame in scenes().items()}
-    held = {key: letters((RUNTIME / f"{name}.gz").read_bytes()) for key, name in SCRIPTS.items()}
+    held = {
+        key: letters((RUNTIME / f"{name}.gz").read_bytes())
+        for key, name in SCRIPTS.items()
+    }
     held["model"] = packed(light_network())
     for name, data in (("scenes", drawn), ("runtime", held)):
         text = f"laboratory.{name} = {json.dumps(data)};\n"

@@ -53,7 +53,9 @@ def passes(machine: str, tests: str) -> bool:
         f"pytest {tests}",
     )
     return not any(
-        subprocess.call([sys.executable, "-m", *shlex.split(command)], cwd=ROOT, env=settings)
+        subprocess.call(
+            [sys.executable, "-m", *shlex.split(command)], cwd=ROOT, env=settings
+        )
         for command in commands
     )
 
@@ -66,7 +68,9 @@ def main(
     if not machines or not read_machines().keys() >= set(machines):
         got = " ".join(machines) or "a processor that is none"
         known = ", ".join(possible())
-        raise typer.BadParameter(f"Expected some of {known}, got {got}. Choose among those.")
+        raise typer.BadParameter(
+            f"Expected some of {known}, got {got}. Choose among those."
+        )
     failed = False
     for machine in machines:
         started = time.monotonic()

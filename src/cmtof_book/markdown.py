@@ -27,7 +27,9 @@ PERCENT = re.compile(r"\n(?=%)")
 
 def myst(text: str) -> str:
     """Return the text of a page from that of a notebook's cell."""
-    text = PERCENT.sub("\u00a0", text)  # at the start of a line it would begin a comment
+    text = PERCENT.sub(
+        "\u00a0", text
+    )  # at the start of a line it would begin a comment
     text = EQUATION.sub(r"```{index} ! Eq. \2\n```\n$$\1\n$$ (eq-\2)", text)
     text = TO_EQUATION.sub(r"\1{eq}`\2`", text)
     text = TO_ERRATUM.sub(r"{ref}`\1 <\2>`", text)

@@ -30,7 +30,9 @@ def _show(kind: str, text: str, numbers: dict[str, float | str]) -> None:
     display({"text/markdown": said}, raw=True, metadata={SAID: kind})
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[object]], *, fold: str = "") -> None:
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[object]], *, fold: str = ""
+) -> None:
     """Show a table of texts under the cell; columns of numbers but the first are right-aligned.
 
     Powers of ten and minus signs are set as such, and a comparison stays on one line. A long table
@@ -38,7 +40,9 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], *, fold: str = 
     """
     from IPython.display import Markdown, display
 
-    titles, *texts = [[str(x).replace("|", r"\|") for x in line] for line in (head, *rows)]
+    titles, *texts = [
+        [str(x).replace("|", r"\|") for x in line] for line in (head, *rows)
+    ]
     numbers = [all(map(NUMBER.match, column)) for column in zip(*texts, strict=True)]
     lines = [titles, [":--", *("--:" if one else ":--" for one in numbers[1:])], *texts]
     text = "\n".join("| " + " | ".join(line) + " |" for line in lines)

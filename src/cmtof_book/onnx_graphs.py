@@ -70,7 +70,9 @@ def main() -> None:
     """Write the graph of every model and protocol."""
     for name, protocol in product(MODELS, CLASSES):
         path = FOLDER / f"{name}.{protocol}.onnx.gz"
-        path.write_bytes(gzip.compress(graph_of(build_network(name, protocol)), mtime=0))
+        path.write_bytes(
+            gzip.compress(graph_of(build_network(name, protocol)), mtime=0)
+        )
         print(f"{path.name}: {path.stat().st_size} bytes")
 
 

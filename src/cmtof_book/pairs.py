@@ -45,7 +45,9 @@ def notebook_from_script(script: Path) -> nbformat.NotebookNode:
 def same(script: Path) -> bool:
     """Tell whether the notebook is the one that follows from the script, without outputs."""
     notebook = script.with_suffix(".ipynb")
-    return notebook.is_file() and nbformat.read(notebook, 4) == notebook_from_script(script)
+    return notebook.is_file() and nbformat.read(notebook, 4) == notebook_from_script(
+        script
+    )
 
 
 def take_newer(script: Path) -> None:

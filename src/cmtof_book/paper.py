@@ -69,7 +69,9 @@ def dependencies() -> dict[str, Dependency]:
 def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
     entries = [(name, held) for name, held in _document().items() if name[0] != "_"]
-    return {one.key: one for name, fields in entries for one in _numbers_of(name, **fields)}
+    return {
+        one.key: one for name, fields in entries for one in _numbers_of(name, **fields)
+    }
 
 
 def _numbers_of(
@@ -106,7 +108,9 @@ def published(key: str) -> Published:
     return numbers[key]
 
 
-def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int = 0) -> None:
+def check(
+    key: str, value: Value | Compared | Mapping[str, Value], *, crops: int = 0
+) -> None:
     """Compare a result with the paper, for `table` and for the scoreboard.
 
     ``value`` is in the unit of the published number: one number, or three with the ends of its 95 %
@@ -118,7 +122,9 @@ def check(key: str, value: Value | Compared | Mapping[str, Value], *, crops: int
     if isinstance(value, Compared):
         kind = value.record()
         given = value.value + 1.96 * (value.error or 0.0) * np.array([0, -1, 1])
-    score = Score.of(published(key), given, profile=provenance.RUN["profile"], crops=crops)
+    score = Score.of(
+        published(key), given, profile=provenance.RUN["profile"], crops=crops
+    )
     found = {**kind, "cases": score.cases, "verdict": score.verdict, "crops": crops}
     record.add(record.PAPER, {key: found})
 
@@ -134,7 +140,9 @@ def table() -> None:
     rows = []
     for key, held in record.read(record.PAPER).items():
         profile = provenance.RUN["profile"]
-        score = Score.of(published(key), held["cases"], profile=profile, crops=held["crops"])
+        score = Score.of(
+            published(key), held["cases"], profile=profile, crops=held["crops"]
+        )
         number = score.number
         what = f"{number.where}, {number.what}"
         rows.append([what, number.text(), result_text(score), score.verdict])
@@ -147,7 +155,10 @@ def table() -> None:
 def result_text(score: Score, digits: int = 4) -> str:
     """Our numbers with their intervals, each with its case; so many digits where exact."""
     unit = score.number.unit
-    texts = [f"{estimate_text(one, unit, digits)} {case}" for case, one in score.cases.items()]
+    texts = [
+        f"{estimate_text(one, unit, digits)} {case}"
+        for case, one in score.cases.items()
+    ]
     return "; ".join(map(str.strip, texts)) or "not finite"
 
 
@@ -182,4 +193,6 @@ def quantity_text(value: float, unit: str, digits: int = 4) -> str:
 
 def _digits(value: float, count: int) -> str:
     """So many significant digits of a number, without an exponent."""
-    return np.format_float_positional(value, precision=count, fractional=False, trim="-")
+    return np.format_float_positional(
+        value, precision=count, fractional=False, trim="-"
+    )

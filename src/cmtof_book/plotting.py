@@ -50,8 +50,12 @@ TURN: Pair = (0.0, 2 * np.pi)  # of a wrapped phase, rad
 def begin(*, profile: str = "book", seed: int = 0) -> None:
     """Set the style, and the profile and seed stored with every result."""
     mpl.rcdefaults()
-    plt.style.use(["cmtof_book.book", {"axes.prop_cycle": cycler(color=list(PALETTE.values()))}])
-    plt.switch_backend("agg")  # a notebook shows a figure when it is saved, and only then
+    plt.style.use(
+        ["cmtof_book.book", {"axes.prop_cycle": cycler(color=list(PALETTE.values()))}]
+    )
+    plt.switch_backend(
+        "agg"
+    )  # a notebook shows a figure when it is saved, and only then
     provenance.RUN.update(profile=profile, seed=seed)
 
 
@@ -79,7 +83,9 @@ def image(
     return drawn
 
 
-def phase_image(ax: Axes, phase: ArrayLike, *, title: str = "", label: str = "phase (rad)") -> None:
+def phase_image(
+    ax: Axes, phase: ArrayLike, *, title: str = "", label: str = "phase (rad)"
+) -> None:
     """Wrapped phase (H, W) in [0, 2π), rad, with cyclic colours; otherwise as `image`."""
     image(ax, phase, label=label, title=title, cmap=PHASE_CMAP, limits=TURN)
 
@@ -102,11 +108,15 @@ def colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
         bar.set_ticks([0, np.pi, 2 * np.pi], labels=["0", "π", "2π"])
 
 
-def mark(ax: Axes, *, x: float | None = None, y: float | None = None, text: str = "") -> None:
+def mark(
+    ax: Axes, *, x: float | None = None, y: float | None = None, text: str = ""
+) -> None:
     """Thin grey reference line at ``x`` or at ``y``, with a text at its end."""
     style: Any = {"color": GREY, "lw": 1, "ls": ":", "zorder": 0}
     note: Any = {"color": "#59646E", "size": "small", "xytext": (3, 2), "zorder": 4}
-    note["path_effects"] = [withStroke(linewidth=2.5, foreground="white")]  # readable on lines
+    note["path_effects"] = [
+        withStroke(linewidth=2.5, foreground="white")
+    ]  # readable on lines
     note["textcoords"] = "offset points"
     if x is not None:
         ax.axvline(x, **style)
@@ -232,9 +242,13 @@ def save(
     the name or one of the numbers cannot be used, or text would be too small on a page.
     """
     if (smallest := smallest_text(fig)) < LEGIBLE:
-        raise ValueError(f"Expected text of {LEGIBLE} px, got {smallest:.1f}. Narrow {name}.")
+        raise ValueError(
+            f"Expected text of {LEGIBLE} px, got {smallest:.1f}. Narrow {name}."
+        )
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)+", name):
-        raise ValueError(f"Expected a stem like fig03_precision, got {name!r}. Use underscores.")
+        raise ValueError(
+            f"Expected a stem like fig03_precision, got {name!r}. Use underscores."
+        )
     target = provenance.output_folder() / f"{name}.{format}"
     words = {"caption": caption, "alt": alt}
     record.write(name, numbers or {}, figure=target.name, **words)
@@ -242,13 +256,17 @@ def save(
         with target.with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([("panel", "line", "x", "y"), *plotted])
     # without this a file would carry the date or the version of the library that drew it
-    metadata = {"Date": None, "Creator": None} if format == "svg" else {"Software": None}
+    metadata = (
+        {"Date": None, "Creator": None} if format == "svg" else {"Software": None}
+    )
     with written_whole(target) as part:
         fig.savefig(part, format=format, metadata=metadata)
         if format == "png":
             _save_space(part)
     plt.close(fig)
-    _publish(target, alt, {"name": name, "csv": bool(plotted), "folded": folded} | words)
+    _publish(
+        target, alt, {"name": name, "csv": bool(plotted), "folded": folded} | words
+    )
 
 
 def _publish(picture: Path, alt: str, about: Named) -> None:

@@ -12,7 +12,9 @@ from cmtof import __version__
 from cmtof.files import written_whole
 from cmtof_book.compared import Compared
 
-OUTPUT_VARIABLE = "CMTOF_OUTPUT"  # environment variable that names the folder for results
+OUTPUT_VARIABLE = (
+    "CMTOF_OUTPUT"  # environment variable that names the folder for results
+)
 # stored beside every result; the profile is a file of configs/
 RUN: dict[str, str | int] = {"profile": "book", "seed": 0, "version": __version__}
 
@@ -27,7 +29,9 @@ def output_folder() -> Path:
 def processor() -> str:
     """Name of the processor by the operating system."""
     about = Path("/proc/cpuinfo")
-    named = about.is_file() and re.search(r"model name\s*: (.+)", about.read_text("utf-8"))
+    named = about.is_file() and re.search(
+        r"model name\s*: (.+)", about.read_text("utf-8")
+    )
     return named[1] if named else platform.processor()
 
 
@@ -58,6 +62,10 @@ def write_json(path: Path, value: Any) -> None:
         raise ValueError(
             f"Expected finite numbers or strings, got {value!r}. Convert or omit it."
         ) from error
-    rounded = json.loads(exact, parse_float=lambda digits: float(f"{float(digits):.10g}"))
+    rounded = json.loads(
+        exact, parse_float=lambda digits: float(f"{float(digits):.10g}")
+    )
     with written_whole(path) as part:
-        part.write_text(json.dumps(rounded, indent=2, ensure_ascii=False) + "\n", "utf-8")
+        part.write_text(
+            json.dumps(rounded, indent=2, ensure_ascii=False) + "\n", "utf-8"
+        )

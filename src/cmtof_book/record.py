@@ -60,7 +60,9 @@ def add(name: str, numbers: Named) -> None:
 
 def read(name: str) -> Values:
     """Numbers of a record of this run, {} where there is none."""
-    return provenance.read_json(provenance.output_folder() / f"{name}.json").get("numbers", {})
+    return provenance.read_json(provenance.output_folder() / f"{name}.json").get(
+        "numbers", {}
+    )
 
 
 def read_all(results: Path) -> Iterator[Record]:

@@ -62,7 +62,10 @@ def main() -> None:
         sys.exit(f"Expected results in {RESULTS}, got none. Run make test first.")
     for line in differences(found, stored_numbers()):
         print(line)
-    lines = [f' "{name}": {json.dumps(number.record())}' for name, number in sorted(found.items())]
+    lines = [
+        f' "{name}": {json.dumps(number.record())}'
+        for name, number in sorted(found.items())
+    ]
     STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
     print(f"{sum(number.size for number in found.values())} numbers in {STORED.name}")
 

@@ -46,7 +46,9 @@ def store_texts(html: Path) -> None:
                 kind = {"dt": "dd", "section": "p", "span": "p"}.get(place.name)
                 shown = place.find_next(kind) if kind else place
                 previews[f"{name}#{place['id']}"] = str(shown)
-            for unread in article.select("pre, summary, .math"):  # nobody quotes code or TeX
+            for unread in article.select(
+                "pre, summary, .math"
+            ):  # nobody quotes code or TeX
                 unread.decompose()
             texts[name] = escape(article.get_text(" "))
     for name, held in {"Texts": texts, "Previews": previews}.items():
@@ -60,7 +62,9 @@ def main(stage: Path, html: Path) -> None:
     shutil.rmtree(work, ignore_errors=True)
     options = ["-W", "-n", "--keep-going", "-q", "--path-output", work]
     command = [Path(sys.executable).with_name("jupyter-book"), "build", stage, *options]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    done = subprocess.run(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
     text = re.sub(r"\x1b\[[0-9;]*m", "", done.stdout)  # colours are for a terminal
     log.write_text(text, "utf-8")
     if done.returncode:

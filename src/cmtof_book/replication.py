@@ -104,7 +104,9 @@ def _methods(seed: int, figure: Path | None) -> Named:
     frames = [*map(load_frame, embedded_frames())]
     clean = Evaluation(["crt"], noise_free=True).add_all(frames).report()
     yield "crt_noise_free", clean["methods"]["crt"]["consistent_lt_1"]
-    taken = [measured(frame, METHODS, number=k, seed=seed) for k, frame in enumerate(frames)]
+    taken = [
+        measured(frame, METHODS, number=k, seed=seed) for k, frame in enumerate(frames)
+    ]
     answers: dict[str, xr.Dataset] = {}
     for method in METHODS:
         given = [measurements[method] for measurements in taken]

@@ -50,7 +50,9 @@ HELD_OUT = ("glasses", "column", "radio")
 LEARNT = tuple(name for name in TRAINING if name not in HELD_OUT)
 
 
-ENDS = wrap_length(FREQUENCIES[0]) * np.array(RELEASED_WRAPS)  # range of the released protocol, m
+ENDS = wrap_length(FREQUENCIES[0]) * np.array(
+    RELEASED_WRAPS
+)  # range of the released protocol, m
 
 SIZE = 200
 SEEDS = (0, 1, 2)
@@ -67,7 +69,9 @@ LABELS = {"labelled": CURVE[-1], "baseline": 0.06}
 
 NETWORK = "fast-scnn"
 FIRST_LEG: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
-NEXT_LEGS: Values = FIRST_LEG | {"steps": 1500}  # options of `cmtof.network.training.fine_tune`
+NEXT_LEGS: Values = FIRST_LEG | {
+    "steps": 1500
+}  # options of `cmtof.network.training.fine_tune`
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
@@ -83,15 +87,24 @@ SWEPT = ("bust", "owl")  # scenes of which fewer points and other noise are trie
 
 
 def scan_object(
-    name: str, noise: Noise = "photon", *, size: int = SIZE, seed: int = 0, **rigged: Any
+    name: str,
+    noise: Noise = "photon",
+    *,
+    size: int = SIZE,
+    seed: int = 0,
+    **rigged: Any,
 ) -> Measurement:
     """Scan of an object by name, as `scan_target` has it."""
     target = scene_from({"kind": "object", "name": name})
     view = FIELD_OF_VIEW[name]
-    return scan_target(target, noise, size=size, seed=seed, field_of_view=view, **rigged)
+    return scan_target(
+        target, noise, size=size, seed=seed, field_of_view=view, **rigged
+    )
 
 
-def scan_target(target: Target, noise: Noise, *, size: int = SIZE, **view: Any) -> Measurement:
+def scan_target(
+    target: Target, noise: Noise, *, size: int = SIZE, **view: Any
+) -> Measurement:
     """Scan of a target, its ranges optical, among the wraps 36 to 56 of the released protocol.
 
     The zero of the beat is that of a short scan at the photon limit.
@@ -175,7 +188,9 @@ def kept_scan(
     return kept(path, partial(scan_object, name, noise, seed=seed, **rigged))
 
 
-def example(folder: Path, number: int, group: int = 0) -> tuple[Measurement, Array, Array]:
+def example(
+    folder: Path, number: int, group: int = 0
+) -> tuple[Measurement, Array, Array]:
     """Scan of a still life, its wraps by stereo, -1 where unknown, and its depth, m."""
     scan = kept(folder / f"still_{group}_{number}.nc", partial(labelled, number, group))
     return scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))
@@ -214,7 +229,9 @@ def tuned_weights(folder: Path, count: int, legs: int) -> Path:
     path = weights_path(NETWORK, "released", folder / f"tuned_{count}_{legs}")
     if not path.exists():
         trained = load_weights(tuned_weights(folder, count, legs - 1))
-        trained.network.model = trained.network.model._replace(depth_weight=DEPTH_WEIGHT)
+        trained.network.model = trained.network.model._replace(
+            depth_weight=DEPTH_WEIGHT
+        )
         options = NEXT_LEGS if legs > 1 else FIRST_LEG
         examples = [example(folder, number) for number in range(count)]
         torch.set_num_threads(1)
@@ -250,7 +267,9 @@ class Counts:
         write_json(self.path, self.held)
 
 
-def counts_of(scans: Iterable[Measurement], row: str, options: Values) -> list[list[int]]:
+def counts_of(
+    scans: Iterable[Measurement], row: str, options: Values
+) -> list[list[int]]:
     """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10."""
     rows = []
     for scan in scans:
@@ -260,13 +279,17 @@ def counts_of(scans: Iterable[Measurement], row: str, options: Values) -> list[l
     return rows
 
 
-def given_to(folder: Path, method: str, name: str, noise: Noise, seed: int) -> Measurement:
+def given_to(
+    folder: Path, method: str, name: str, noise: Noise, seed: int
+) -> Measurement:
     """Scan as a method reads it: four phases for `rapid`, two close frequencies for `phasor`."""
     scan = kept_scan(folder, name, noise, seed)
     if method == "rapid":
         return four_phases(scan)
     if method == "phasor":
-        return close_pair(scan, kept_scan(folder, name, noise, seed + 100, frequency_single=7.16e9))
+        return close_pair(
+            scan, kept_scan(folder, name, noise, seed + 100, frequency_single=7.16e9)
+        )
     return scan
 
 
@@ -291,14 +314,18 @@ def compare(folder: Path, counts: Counts, noise: str, rows: Rows) -> None:
     """Count rows of methods on three scans of each of the shown scenes."""
     for (row, options), name in product(rows.items(), SHOWN):
         given = (given_to(folder, row, name, noise, seed) for seed in SEEDS)
-        counts.keep("counts", noise, row, name, of=partial(counts_of, given, row, options))
+        counts.keep(
+            "counts", noise, row, name, of=partial(counts_of, given, row, options)
+        )
 
 
 def sweep(folder: Path, counts: Counts, weights: Path) -> None:
     """Count scans of fewer points and of other noise: every second, every fourth point of each."""
     rows: Rows = {NETWORK: {"weights": weights}, "kde": {}, "reference-contact": {}}
     for level, stride, (row, options) in product(LEVELS, STRIDES, rows.items()):
-        given = (thinned(kept_scan(folder, name, LEVELS[level]), stride) for name in SWEPT)
+        given = (
+            thinned(kept_scan(folder, name, LEVELS[level]), stride) for name in SWEPT
+        )
         of = partial(counts_of, given, row, options)
         counts.keep("sweep", level, str(SIZE // stride), row, of=of)
 
@@ -345,7 +372,9 @@ def main(
     compare(folder, counts, "captures", usual)
     sweep(folder, counts, best)
     compare(folder, counts, "photon", usual)
-    fewer: Rows = {f"{n} scans": {"weights": tuned_weights(folder, n, 1)} for n in CURVE}
+    fewer: Rows = {
+        f"{n} scans": {"weights": tuned_weights(folder, n, 1)} for n in CURVE
+    }
     compare(folder, counts, "captures", fewer | {"phasor": {}})
 
 

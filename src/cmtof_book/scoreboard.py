@@ -47,7 +47,9 @@ def scores_in(records: Iterable[Record]) -> Scores:
     return scores
 
 
-def page(scores: Scores, records: Iterable[Record] = (), notebooks: Iterable[Path] = ()) -> str:
+def page(
+    scores: Scores, records: Iterable[Record] = (), notebooks: Iterable[Path] = ()
+) -> str:
     """Return the page as MyST Markdown; ``notebooks`` are the chapters themselves."""
     return pages.page(
         "scoreboard",
@@ -83,7 +85,9 @@ def sections(scores: Scores) -> Iterator[Values]:
     """Tables, figures and sections of the paper: title, numbers, and the notes below them."""
     for kind, title in GROUPS.items():
         chosen = [one for one in scores.values() if one.number.key.startswith(kind)]
-        for group, members in groupby(chosen, lambda one: one.number.key.partition(".")[0]):
+        for group, members in groupby(
+            chosen, lambda one: one.number.key.partition(".")[0]
+        ):
             numbers = list(members)
             texts = filter(None, dict.fromkeys(map(note, numbers)))
             notes = dict(zip(texts, ascii_lowercase, strict=False))
@@ -104,7 +108,9 @@ def note(score: Score) -> str:
 
 def picture(scores: Scores) -> str:
     """Return the picture of our results over the paper's as MyST Markdown."""
-    drawn = [one for one in scores.values() if one.verdict in SHOWN and one.number.value]
+    drawn = [
+        one for one in scores.values() if one.verdict in SHOWN and one.number.value
+    ]
     kinds = {name: count for name, count in counts(drawn).items() if name in SHOWN}
     return pages.page("ratios", drawn=drawn, kinds=kinds, span=SPAN, across=_across)
 
@@ -115,7 +121,9 @@ def _across(ratio: float) -> float:
     return round(50 + 48 * math.log(held) / math.log(SPAN), 1)
 
 
-def coverage(records: Iterable[Record], notebooks: Iterable[Path]) -> dict[str, list[str]]:
+def coverage(
+    records: Iterable[Record], notebooks: Iterable[Path]
+) -> dict[str, list[str]]:
     """Return the chapters in which each figure, table and equation of the paper stands.
 
     A figure stands where ``figNN_*`` was drawn, a table where ``tableN_*`` was drawn or its numbers

@@ -71,9 +71,15 @@ def read_module(path: Path) -> Module:
     source = path.read_text("utf-8")
     nodes = [*ast.walk(ast.parse(source))]
     lines = source.splitlines()
-    used = {number for number, line in enumerate(lines, 1) if line.strip()[:1] not in ("", "#")}
+    used = {
+        number
+        for number, line in enumerate(lines, 1)
+        if line.strip()[:1] not in ("", "#")
+    }
     for node in nodes:
-        if isinstance(node, ast.Module | ast.ClassDef | Function) and ast.get_docstring(node):
+        if isinstance(node, ast.Module | ast.ClassDef | Function) and ast.get_docstring(
+            node
+        ):
             used.difference_update(lines_of(node.body[0]))
     return Module(path, nodes, len(used), len(lines))
 
@@ -101,8 +107,15 @@ def bound_names(function: Function) -> set[str]:
 
 def packed_share(modules: list[Module]) -> float:
     """Share of assignments that pack several values into one line, percent."""
-    every = [node for module in modules for node in module.nodes if isinstance(node, ast.Assign)]
-    packed = [one for one in every if {type(one.value), type(one.targets[0])} == {ast.Tuple}]
+    every = [
+        node
+        for module in modules
+        for node in module.nodes
+        if isinstance(node, ast.Assign)
+    ]
+    packed = [
+        one for one in every if {type(one.value), type(one.targets[0])} == {ast.Tuple}
+    ]
     return 100 * len(packed) / max(len(every), 1)
 
 
@@ -124,16 +137,31 @@ def measured(module: Module) -> Iterator[Finding]:
 def complexities() -> Iterator[Finding]:
     """Functions of too many branches."""
     most = f"lint.mccabe.max-complexity={LIMITS['complex functions']}"
-    command = [sys.executable, "-m", "ruff", "check", "--isolated", "--select", "C901", *VOLUME]
+    command = [
+        sys.executable,
+        "-m",
+        "ruff",
+        "check",
+        "--isolated",
+        "--select",
+        "C901",
+        *VOLUME,
+    ]
     command += ["--config", most, "--output-format", "concise"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    for place, value in re.findall(r"^(\S+:\d+):\d+: C901 .*\((\d+) >", done.stdout, re.M):
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    for place, value in re.findall(
+        r"^(\S+:\d+):\d+: C901 .*\((\d+) >", done.stdout, re.M
+    ):
         yield Finding("complex functions", int(value), place)
 
 
 def page_lines() -> int:
     """Lines of JavaScript, CSS and templates of the book."""
-    files = chain((ROOT / "book").rglob("*.*"), (ROOT / "src" / "cmtof_book").rglob("*.jinja"))
+    files = chain(
+        (ROOT / "book").rglob("*.*"), (ROOT / "src" / "cmtof_book").rglob("*.jinja")
+    )
     kinds = {".css", ".html", ".jinja", ".js"}
     return sum(path.read_bytes().count(b"\n") for path in files if path.suffix in kinds)
 
@@ -159,14 +187,18 @@ def everything() -> tuple[Rows, list[Finding]]:
         found += [one for module in modules for one in measured(module)]
     rows["book pages lines"] = (page_lines(), PAGES)
     over = [one for one in found if one.value > LIMITS[one.limit]]
-    return rows | {name: (count, 0) for name, count in Counter(f.limit for f in over).items()}, over
+    return rows | {
+        name: (count, 0) for name, count in Counter(f.limit for f in over).items()
+    }, over
 
 
 def main(options: list[str]) -> int:
     """Print the table; return the exit code."""
     rows, found = everything()
     if "--accept" in options:
-        accepted = {name: value for name, (value, budget) in rows.items() if value > budget}
+        accepted = {
+            name: value for name, (value, budget) in rows.items() if value > budget
+        }
         ACCEPTED.write_text(json.dumps(accepted, indent=1) + "\n", "utf-8")
     accepted = json.loads(ACCEPTED.read_text("utf-8"))
     failed = False

@@ -88,7 +88,9 @@ def put_behind_question(cells: list[Any], answer: str) -> None:
 def lead_with_figure(notebook: Any) -> None:
     """Move the first figure to behind the introduction; a link stays where text stood between."""
     cells = notebook.cells
-    place = next((n for n, c in enumerate(cells) if "figure" in c.metadata.get("mystnb", {})), 0)
+    place = next(
+        (n for n, c in enumerate(cells) if "figure" in c.metadata.get("mystnb", {})), 0
+    )
     texts = [n for n in range(place) if cells[n].cell_type == "markdown"]
     if texts:
         figure = cells.pop(place)

@@ -54,10 +54,14 @@ class Row(NamedTuple):
 
 def rows_of_methods(methods: Sequence[str], protocol: str) -> list[Row]:
     """A row for each method; without names those that are ready, and the references."""
-    references = [name for name, method in METHODS.items() if method.kind == "reference"]
+    references = [
+        name for name, method in METHODS.items() if method.kind == "reference"
+    ]
     chosen = methods or [*names_of("all", protocol), *references]
     found = map(find_method, chosen)
-    return [Row(one.name, one.name, weights_path(one.network, protocol)) for one in found]
+    return [
+        Row(one.name, one.name, weights_path(one.network, protocol)) for one in found
+    ]
 
 
 def rows_of_runs(runs: Path, protocol: str) -> list[Row]:
@@ -115,11 +119,15 @@ def write(held: Values, path: Path) -> None:
     head = {key: part for key, part in held.items() if key != "frames"}
     head |= {"version": __version__, "sha256": digest(held["frames"])}
     with written_whole(path) as part:
-        part.write_text(json.dumps(head)[:-1] + f',\n"frames": [\n{frames}\n]}}\n', "utf-8")
+        part.write_text(
+            json.dumps(head)[:-1] + f',\n"frames": [\n{frames}\n]}}\n', "utf-8"
+        )
 
 
 def main(
-    methods: Annotated[list[str], typer.Argument(metavar="METHOD", default_factory=list)],
+    methods: Annotated[
+        list[str], typer.Argument(metavar="METHOD", default_factory=list)
+    ],
     protocol: Literal["released", "full"] = "released",
     noise: float = 1200.0,
     again: bool = False,
@@ -140,7 +148,9 @@ def main(
         for row in rows:
             count(held, row, frames)
             if runs:
-                held["cards"][row.name] = read_card(row.file).model_dump(exclude={"sha256"})
+                held["cards"][row.name] = read_card(row.file).model_dump(
+                    exclude={"sha256"}
+                )
             write(held, path)
 
 

@@ -16,10 +16,14 @@ import numpy as np
 if TYPE_CHECKING:
     from cmtof_book.paper import Published
 
-CROPS = 500_000  # on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
+CROPS = (
+    500_000  # on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
+)
 WIDEST = 3  # an interval over so great a factor, or so many tolerances, decides nothing
 
-Outcome = Literal["reproduced", "contradicted", "open", "untested", "as stated", "changed"]
+Outcome = Literal[
+    "reproduced", "contradicted", "open", "untested", "as stated", "changed"
+]
 WORST_FIRST: tuple[Outcome, ...] = (
     "contradicted",
     "open",
@@ -82,7 +86,10 @@ def place_of(number: Published, ours: Estimate) -> Place:
     slack = number.tolerance + 4e-16 * (abs(ours.value) + abs(number.value))
     if number.relation in ("lt", "gt"):
         sign = 1 if number.relation == "lt" else -1
-        met = {sign * (end - number.value) < number.tolerance for end in (ours.low, ours.high)}
+        met = {
+            sign * (end - number.value) < number.tolerance
+            for end in (ours.low, ours.high)
+        }
         return "undecided" if len(met) == 2 else "inside" if met.pop() else "outside"
     if max(ours.low - number.value, number.value - ours.high) > slack:
         return "outside"
@@ -101,7 +108,9 @@ class Score:
     chapter: str = ""  # that computed ours
 
     @classmethod
-    def of(cls, number: Published, value: Value | Mapping[str, Value], **about: Any) -> Score:
+    def of(
+        cls, number: Published, value: Value | Mapping[str, Value], **about: Any
+    ) -> Score:
         """From one number of ours, or several by their case; what is not finite is left out."""
         given = value if isinstance(value, Mapping) else {"": value}
         cases = {case: Estimate.of(one) for case, one in given.items()}

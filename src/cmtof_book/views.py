@@ -62,7 +62,9 @@ def save_scene(
     packed = {label: layer.packed(step) for label, layer in layers.items()}
     about = {"longest": step * longest, "eye": eye, "layers": packed}
     with written_whole(provenance.output_folder() / f"{name}.js") as part:
-        part.write_text(f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", "utf-8")
+        part.write_text(
+            f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", "utf-8"
+        )
 
 
 def show_scene(name: str, *, title: str) -> None:
@@ -86,7 +88,10 @@ def still(layer: Layer, *, longest: float, eye: tuple) -> Array | None:
         try:
             return pool.submit(_drawn, layer, longest, eye).result()
         except BrokenProcessPool:
-            print("No still: OpenGL is missing (apt-get install libegl1 libgl1).", file=sys.stderr)
+            print(
+                "No still: OpenGL is missing (apt-get install libegl1 libgl1).",
+                file=sys.stderr,
+            )
             return None
 
 
@@ -103,7 +108,11 @@ def _drawn(layer: Layer, longest: float, eye: tuple) -> Array:
     plotter.camera_position = eye, mesh.center, (0, -1, 0)
     mesh.transform(plotter.camera.GetModelViewTransformMatrix(), inplace=True)
     plotter.add_mesh(
-        mesh, smooth_shading=True, cmap=layer.scale, clim=layer.ends, show_scalar_bar=False
+        mesh,
+        smooth_shading=True,
+        cmap=layer.scale,
+        clim=layer.ends,
+        show_scalar_bar=False,
     )
     plotter.enable_anti_aliasing("ssaa")
     plotter.camera.tight()

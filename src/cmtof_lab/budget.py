@@ -25,7 +25,9 @@ from cmtof_lab.targets import MIRROR, Plane, RayEnds
 REAL = TwinSettings()
 
 
-def budget_terms(target: Plane, mode: str = "single", *, days: int = 12, seed: int = 0) -> Values:
+def budget_terms(
+    target: Plane, mode: str = "single", *, days: int = 12, seed: int = 0
+) -> Values:
     r"""Rms error of each term, m, at the sizes that `TwinSettings` assumes.
 
     Noise: parts of the Cramer-Rao bound. Codes: :math:`ms/\sqrt{2K}` of K random ones. I/Q
@@ -62,18 +64,25 @@ def phase_terms(target: Plane, mode: str) -> Values:
     drifted = drift_spread(waits, np.arange(OpticalRanger.visits))
     phases = {
         "RF phase drift": MODES[mode] * REAL.phase_drift * drifted,
-        "phase codes": MODES[mode] * REAL.phase_step_error / np.sqrt(2 * OpticalRanger.phases),
+        "phase codes": MODES[mode]
+        * REAL.phase_step_error
+        / np.sqrt(2 * OpticalRanger.phases),
         "I/Q imbalance": REAL.iq_imbalance / np.sqrt(8) * (mode == "single"),
         "back-reflection": back_ratio(REAL, target) / np.sqrt(2),
     }
-    return {name: depth_from_phase(one, FREQUENCY[mode]) for name, one in phases.items()}
+    return {
+        name: depth_from_phase(one, FREQUENCY[mode]) for name, one in phases.items()
+    }
 
 
 def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> Values:
     """Errors without a closed form, m: RF leakage and laser drift, each alone before a mirror."""
     mirror = replace(MIRROR, distance=target.distance)
     still = {"days": days, "seed": seed, "stage_error": 0.0, "air_change": (0, 0)}
-    alone = {"RF leakage": only("leakage"), "laser drift": only("fibre_low", "fibre_high")}
+    alone = {
+        "RF leakage": only("leakage"),
+        "laser drift": only("fibre_low", "fibre_high"),
+    }
     drawn = {name: simulated(one, mirror, mode, **still) for name, one in alone.items()}
     return {name: np.sqrt(np.mean(errors**2)) for name, errors in drawn.items()}
 
@@ -105,9 +114,17 @@ def only(*names: str) -> TwinSettings:
 
 
 def simulated(
-    settings: TwinSettings, target: Plane, mode: str, *, days: int, seed: int, **lab: Any
+    settings: TwinSettings,
+    target: Plane,
+    mode: str,
+    *,
+    days: int,
+    seed: int,
+    **lab: Any,
 ) -> Array:
     """Errors (days, P), m, of the sweep of Fig. 13; ``lab`` are fields of `OpticalRanger`."""
     about = POSITIONS - POSITIONS.mean()  # centred as the zero's wrap is
     ranger = OpticalRanger(settings, mode, **lab)
-    return ranger.sweep(target, about, repeats=days, seed=seed) - target.distance - about
+    return (
+        ranger.sweep(target, about, repeats=days, seed=seed) - target.distance - about
+    )

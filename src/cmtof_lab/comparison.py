@@ -39,11 +39,15 @@ def quadratures(
     light = panel.photodiode_lit * _brightness(instrument, panel, labels)
     light = light * ranger.power(instrument.settings.reference, place)
     mixed, picked_up = ranger.offsets
-    turning = ranger.envelope(light) * np.exp(1j * ranger.phase(place)) + picked_up * drive.on
+    turning = (
+        ranger.envelope(light) * np.exp(1j * ranger.phase(place)) + picked_up * drive.on
+    )
     turning = turning * np.exp(1j * instrument.made_phase(0, np.array(drive.phase)))
     normals = normals_by_key(instrument.seed, QUADRATURES, labels, 2 * scans)
     noise = ranger.noise(light)[:, None] * normals.view(complex)
-    return counts_from_volts(ranger.output(mixed + turning[:, None] + noise).view(float))
+    return counts_from_volts(
+        ranger.output(mixed + turning[:, None] + noise).view(float)
+    )
 
 
 def fringes(
@@ -60,12 +64,16 @@ def fringes(
     seen = ruler.fringes(instrument.settings.reference, place)
     shaken = normals_by_key(instrument.seed, SHAKING, labels, 1)[:, 0]
     phase = 2 * TAU / ruler.wavelength * (place + travels + ruler.shaking * shaken)
-    light = (seen.offset + seen.amplitude * np.cos(phase)) / volts_per_watt(instrument.settings)
+    light = (seen.offset + seen.amplitude * np.cos(phase)) / volts_per_watt(
+        instrument.settings
+    )
     light = light * _brightness(instrument, panel, labels)
     return instrument.counts(np.repeat(light[:, None], scans, axis=1), labels, rate)
 
 
-def _brightness(instrument: SimulatedInstrument, panel: Panel, labels: Numbers) -> Array:
+def _brightness(
+    instrument: SimulatedInstrument, panel: Panel, labels: Numbers
+) -> Array:
     """Light on the target (N,) over its mean while the fibre drifts; 0 where none passes."""
     settings = instrument.settings
     mean = settings.laser_power * (settings.fibre_low + settings.fibre_high) / 2

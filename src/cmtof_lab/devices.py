@@ -22,8 +22,14 @@ from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 
 TDAC_STEP = 20.0 / 2**14  # Step of the LJTick-DAC, 14 bit, V
 DAC_STEP = 5.0 / 2**12  # of DAC0 and DAC1, 12 bit, V
-BESIDE = 1e-3  # rad off the target among the scene, at which the beam misses it (assumed)
-SWITCHES = {"laser": "laser_on", "shutter": "shutter_open", "beam_block": "beam_block_out"}
+BESIDE = (
+    1e-3  # rad off the target among the scene, at which the beam misses it (assumed)
+)
+SWITCHES = {
+    "laser": "laser_on",
+    "shutter": "shutter_open",
+    "beam_block": "beam_block_out",
+}
 FLIPPED = {"reference": "target_in_beam", "photodiode": "photodiode_lit"}
 # knobs of the panel that follow a digital line, and that of the flip mirror by where it leads
 
@@ -167,21 +173,27 @@ class SimulatedReadOut(SimulatedDevice):
         return dio == self.rig.line("interlock") and self.panel.interlock_closed
 
     def set_line(self, dio: str, high: bool) -> None:
-        for part, knob in (SWITCHES | {"flip_mirror": FLIPPED[self.rig.flip_mirror]}).items():
+        for part, knob in (
+            SWITCHES | {"flip_mirror": FLIPPED[self.rig.flip_mirror]}
+        ).items():
             if self.rig.line(part) == dio:
                 setattr(self.panel, knob, high)
 
     def write_many(self, values: Named) -> None:
         for axis, name in enumerate(self.rig.mirrors):
             if name in values:
-                self.panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
+                self.panel.galvo_volts[axis] = (
+                    round(values[name] / TDAC_STEP) * TDAC_STEP
+                )
         if self.rig.flip_mirror == "photodiode":  # the target stands among the scene
             ahead = np.deg2rad(self.rig.reference_direction_deg)
             off = mirror_angles(self.rig, self.panel.galvo_volts) - ahead
             self.panel.target_in_beam = bool(np.abs(off).max() < BESIDE)
         if (volts := values.get(self.rig.reference_mirror)) is not None:
             steps = round(volts / DAC_STEP)
-            self.panel.mirror_travel = self.rig.reference_mirror_travel * DAC_STEP * steps
+            self.panel.mirror_travel = (
+                self.rig.reference_mirror_travel * DAC_STEP * steps
+            )
 
     def configure_burst(
         self,
@@ -237,7 +249,9 @@ KINDS: dict[str, type[SimulatedDevice]] = {
 def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> Fields:
     """Every device of an instrument by its role, wired as a rig has it."""
     panel = Panel()
-    devices: Fields = {role: kind(panel, instrument, role) for role, kind in KINDS.items()}
+    devices: Fields = {
+        role: kind(panel, instrument, role) for role, kind in KINDS.items()
+    }
     devices["daq"].rig = rig
     devices["daq"].triggered = devices["rf_detection"]
     return devices

@@ -26,16 +26,26 @@ from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof.modulator import TwoPassModulator
 from cmtof.types import Array, Complex, Counts, Numbers
-from cmtof_lab.electronics import POLES, Chain, counts_from_volts, density, volts_per_watt
+from cmtof_lab.electronics import (
+    POLES,
+    Chain,
+    counts_from_volts,
+    density,
+    volts_per_watt,
+)
 from cmtof_lab.optics import ambient, directions_from_angles, inward, outward, trace
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import Plane, scene_from
 
 HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
-DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)  # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
+DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(
+    10
+)  # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
 DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
 
-STEP_NOISE = np.sqrt(32 / 3)  # Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
+STEP_NOISE = np.sqrt(
+    32 / 3
+)  # Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
 
 LABEL = 1  # purposes of random numbers
 DRIFT = 5
@@ -59,7 +69,9 @@ def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
     """Standard normals (N, count): row n is what `keyed_generator` draws first for key n."""
     draw = keyed_generator(seed, purpose)
     source = draw.bit_generator
-    state: Any = source.state  # to set it is faster than to make a generator for each key
+    state: Any = (
+        source.state
+    )  # to set it is faster than to make a generator for each key
     made = np.empty((len(keys), count))
     for row, key in zip(made, np.asarray(keys).tolist(), strict=True):
         state["state"]["counter"] = _counter(key)
@@ -112,10 +124,14 @@ class Panel:
 class SimulatedInstrument:
     """One instrument before a scene as `scene_from` takes it, by default that of the settings."""
 
-    def __init__(self, settings: TwinSettings, scene: Any = None, *, seed: int = 0) -> None:
+    def __init__(
+        self, settings: TwinSettings, scene: Any = None, *, seed: int = 0
+    ) -> None:
         self.settings = settings
         self.seed = int(seed)
-        self.scene = scene_from(settings.scene if scene is None else scene) or Plane(np.nan)
+        self.scene = scene_from(settings.scene if scene is None else scene) or Plane(
+            np.nan
+        )
         self.group_index = settings.group_index
         self.modulator = TwoPassModulator(
             half_wave_angle=0,
@@ -125,7 +141,9 @@ class SimulatedInstrument:
             transmitted_extinction=settings.transmitted_extinction,
             reflected_extinction=settings.reflected_extinction,
         )
-        codes = [keyed_generator(self.seed, CODE, n).standard_normal(CODES) for n in (0, 1)]
+        codes = [
+            keyed_generator(self.seed, CODE, n).standard_normal(CODES) for n in (0, 1)
+        ]
         self.code_errors = settings.phase_step_error * np.stack(codes)
         # a matrix exponential finds the filters once for all bursts of a rate, Hz
         self._filters = cache(lambda rate: Chain(settings, 1 / rate))
@@ -147,7 +165,9 @@ class SimulatedInstrument:
         """
         points = np.asarray(angles, float).reshape(-1, 2)
         numbers = np.asarray(labels)
-        places = np.broadcast_to(panel.stage if stage is None else np.asarray(stage), len(points))
+        places = np.broadcast_to(
+            panel.stage if stage is None else np.asarray(stage), len(points)
+        )
         # the drives are constant in stretches between edges
         first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
         length = np.diff(first, append=len(pulses))
@@ -167,7 +187,9 @@ class SimulatedInstrument:
         ways = []
         if panel.target_in_beam:
             for place in stage.tolist():  # the beam stands still behind the flip mirror
-                target = replace(settings.reference, distance=self.target_distance(place))
+                target = replace(
+                    settings.reference, distance=self.target_distance(place)
+                )
                 # another 10 um of stage, another speckle
                 seed = self.seed + 1 + round(place / 1e-5)
                 ways.append(trace(target, np.zeros((1, 2)), settings, seed))
@@ -192,7 +214,12 @@ class SimulatedInstrument:
         return np.cos(mix) * own + np.sin(mix) * before
 
     def _light(
-        self, panel: Panel, paths: Array, times: Array, modules: list[Complex], jitter: Array
+        self,
+        panel: Panel,
+        paths: Array,
+        times: Array,
+        modules: list[Complex],
+        jitter: Array,
     ) -> Array:
         """Light on the detector (N, S), W, at times (N, S), s, with both modules (S, K + 1)."""
         emission, detection = modules
@@ -214,7 +241,12 @@ class SimulatedInstrument:
         return slow + STEP_NOISE * self.settings.phase_noise[mode] / (1 + mode) * jitter
 
     def _share(
-        self, frequency: float, paths: Array, products: Complex, orders: Numbers, lag: Array
+        self,
+        frequency: float,
+        paths: Array,
+        products: Complex,
+        orders: Numbers,
+        lag: Array,
     ) -> Array:
         """Share (N, S) of the light that passes both modules on all paths, by harmonics."""
         reach, fraction = paths
@@ -223,7 +255,9 @@ class SimulatedInstrument:
         share = products[:, 0].real / 2 * fraction.sum(1, keepdims=True)
         for order in orders.tolist():
             phasor = (fraction * np.exp(-1j * order * phase)).sum(1, keepdims=True)
-            share = share + (products[:, order] * phasor * np.exp(1j * order * lag)).real
+            share = (
+                share + (products[:, order] * phasor * np.exp(1j * order * lag)).real
+            )
         return share
 
     def counts(self, light: Array, labels: NDArray, rate: float) -> Counts:
@@ -243,7 +277,9 @@ class SimulatedInstrument:
         normals = np.concatenate([initial[:, None], by_sample[..., :POLES]], axis=1)
         output = filters.run(volts, spread, normals)
         output = np.clip(output, -settings.saturation, settings.saturation)
-        return counts_from_volts(output, settings.converter_noise * by_sample[..., POLES])
+        return counts_from_volts(
+            output, settings.converter_noise * by_sample[..., POLES]
+        )
 
     def emission(self, panel: Panel) -> Complex:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
@@ -273,8 +309,13 @@ class SimulatedInstrument:
         ]
         found = []
         for one, angle, phasor in modules:
-            module = replace(self.modulator, half_wave_angle=angle, frequency=one.frequency)
-            waves = [_harmonics(replace(module, eta=x), HARMONICS) for x in np.abs(phasor).tolist()]
+            module = replace(
+                self.modulator, half_wave_angle=angle, frequency=one.frequency
+            )
+            waves = [
+                _harmonics(replace(module, eta=x), HARMONICS)
+                for x in np.abs(phasor).tolist()
+            ]
             turn = np.exp(1j * np.angle(phasor))[:, None] ** np.arange(HARMONICS + 1)
             found.append(np.stack(waves) * turn)
         return found
@@ -299,7 +340,9 @@ class SimulatedInstrument:
 
     def laser_power(self, panel: Panel) -> float:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
-        power = self.from_fibre(panel, np.array(panel.time)) * self.emission(panel)[0].real
+        power = (
+            self.from_fibre(panel, np.array(panel.time)) * self.emission(panel)[0].real
+        )
         settings = self.settings
         passed = settings.lens**2 * settings.mirror * settings.splitter
         return float(power * passed)

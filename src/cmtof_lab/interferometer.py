@@ -45,23 +45,39 @@ class Interferometer:
     """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters."""
 
     settings: TwinSettings = field(default_factory=TwinSettings)
-    linewidth: float = 30e9  # Hz, full width at half maximum, several modes (gem 532, known)
-    wavelength_error: float = 2e-4  # relative, rms over days (assumed: it may run at 532.1 nm)
-    intensity_noise: float = 1e-3  # of the laser from step to step, relative, rms (assumed)
-    arm_power: float = 1.4e-9  # W of either arm on the detector at most, below its end (assumed)
-    reference_radius: float = 0.25e-3  # m, 1/e^2 radius of the reference beam (Sec. 7.1)
+    linewidth: float = (
+        30e9  # Hz, full width at half maximum, several modes (gem 532, known)
+    )
+    wavelength_error: float = (
+        2e-4  # relative, rms over days (assumed: it may run at 532.1 nm)
+    )
+    intensity_noise: float = (
+        1e-3  # of the laser from step to step, relative, rms (assumed)
+    )
+    arm_power: float = (
+        1.4e-9  # W of either arm on the detector at most, below its end (assumed)
+    )
+    reference_radius: float = (
+        0.25e-3  # m, 1/e^2 radius of the reference beam (Sec. 7.1)
+    )
     imbalance: float = 1e-3  # m, reference arm less the target's distance (assumed)
     steps: int = 8  # K, over half a wavelength (assumed)
     samples: int = 5  # at 24 kS/s in a step (assumed)
     speed: float = 3e-5  # m/s of the stage between positions (assumed: 50 nm a reading)
     stage_error: float = STAGE_ERROR
-    speckle_length: float = 0.016  # m of travel (assumed: the plate turns by 20 urad per mm)
-    shaking: float = 20e-9  # m rms, along the beam: a resonance of the breadboard (assumed)
+    speckle_length: float = (
+        0.016  # m of travel (assumed: the plate turns by 20 urad per mm)
+    )
+    shaking: float = (
+        20e-9  # m rms, along the beam: a resonance of the breadboard (assumed)
+    )
     resonance: float = 30.0  # Hz (assumed)
     quality: float = 20.0  # quality factor of the resonance (assumed)
     temperature_drift: float = 0.05  # K rms (assumed)
     drift_time: float = 600.0  # s, after which it has forgotten where it was (assumed)
-    expansion: float = 11e-6  # 1/K, of the breadboard under the scene arm (steel, known)
+    expansion: float = (
+        11e-6  # 1/K, of the breadboard under the scene arm (steel, known)
+    )
 
     @property
     def wavelength(self) -> float:
@@ -94,7 +110,9 @@ class Interferometer:
             return min(1.0, TAU / (area * (inverse + self.reference_radius**-2)))
         width = spot_radius(settings, 2 * z)
         real = self.reference_radius**-2 + width**-2
-        turned = np.pi * settings.divergence / (width * vacuum)  # curvature of the wavefront
+        turned = (
+            np.pi * settings.divergence / (width * vacuum)
+        )  # curvature of the wavefront
         areas = (self.reference_radius * width) ** 2
         return 4 / areas / (real**2 + turned**2)
 
@@ -111,7 +129,9 @@ class Interferometer:
         offset = volts_per_watt(settings) * (self.arm_power + scene)
         # a mean over a step averages white noise over 1 / (2 T), unless the filters pass less
         passed = Chain(settings, 1 / SAMPLE_RATE).memory(1)[0]
-        variance = density(settings, offset) * min(SAMPLE_RATE / (2 * self.samples), passed)
+        variance = density(settings, offset) * min(
+            SAMPLE_RATE / (2 * self.samples), passed
+        )
         variance += (settings.converter_noise * SLOPE) ** 2 / self.samples
         variance += (self.intensity_noise * offset) ** 2
         return Fringes(amplitude, offset, variance * settings.noise)
@@ -136,7 +156,9 @@ class Interferometer:
             rng = np.random.default_rng([seed, repeat])
             speckle = _along(stations, self._speckle(target, stops, rng))
             shown = fringes._replace(amplitude=fringes.amplitude * speckle)
-            believed = self.wavelength * (1 + self.wavelength_error * rng.standard_normal())
+            believed = self.wavelength * (
+                1 + self.wavelength_error * rng.standard_normal()
+            )
             counted = self._counted(self._way(target, stops, stations, rng), shown, rng)
             found[repeat, 1:] = counted[stations[1:]] * believed / (2 * TAU)
         return target.distance + stops[0] + found
@@ -153,19 +175,25 @@ class Interferometer:
         root = _gaussian_root(stops / self.speckle_length)
         return root @ circular_normals(rng, stops.size)
 
-    def _way(self, target: Plane, stops: Array, stations: Numbers, rng: Generator) -> Array:
+    def _way(
+        self, target: Plane, stops: Array, stations: Numbers, rng: Generator
+    ) -> Array:
         """True travel, m, at each reading: stage, shaking, and the drift of temperature."""
         reached = stops + self.stage_error * rng.standard_normal(stops.size)
         way = _along(stations, reached - reached[0])
         way += self.vibration(rng, way.size)
-        warmth = target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
+        warmth = (
+            target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
+        )
         forgotten = -self.reading_time / self.drift_time
         slow = _carried(rng.standard_normal(way.size), forgotten)
         return way + warmth * (slow - slow[0])
 
     def _counted(self, way: Array, shown: Fringes, rng: Generator) -> Array:
         """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
-        noise = np.sqrt(2 * shown.variance / self.steps) * circular_normals(rng, way.size)
+        noise = np.sqrt(2 * shown.variance / self.steps) * circular_normals(
+            rng, way.size
+        )
         turned = np.exp(4j * np.pi / self.wavelength * way)
         read = shown.amplitude * turned + noise
         start = np.angle(shown.amplitude[0])

@@ -19,7 +19,14 @@ from scipy.constants import c, h
 from scipy.ndimage import gaussian_filter
 
 from cmtof.bounds import linear_phase_noise
-from cmtof.correlation import TAU, centred, decode, depth_from_phase, phase_from_depth, wrap_length
+from cmtof.correlation import (
+    TAU,
+    centred,
+    decode,
+    depth_from_phase,
+    phase_from_depth,
+    wrap_length,
+)
 from cmtof.detector import quantise, skellam_gaussian
 from cmtof.types import Array, Arrays, Complex, Shape
 from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
@@ -45,10 +52,16 @@ class MhzCamera:
     f_number: float = 1.4  # assumed
     transmission: float = 0.8  # of lens and band-pass (assumed)
     efficiency: float = 0.5  # electrons per photon (assumed)
-    ambient_radiance: float = 9e-4  # of white in the room behind the band-pass, W/(m^2 sr), assumed
+    ambient_radiance: float = (
+        9e-4  # of white in the room behind the band-pass, W/(m^2 sr), assumed
+    )
     source_radius: float = 0.01  # of the emitters about the lens, m (assumed)
-    contrast: float = 0.8  # of the taps at 100 MHz (known of a CAPD pixel, Sony, VLSI 2017)
-    bandwidth: float = 400e6  # of the emitter and of the gates, Hz, one pole each (assumed)
+    contrast: float = (
+        0.8  # of the taps at 100 MHz (known of a CAPD pixel, Sony, VLSI 2017)
+    )
+    bandwidth: float = (
+        400e6  # of the emitter and of the gates, Hz, one pole each (assumed)
+    )
     full_well: float = 100e3  # of a tap, electrons (assumed)
     read_noise: float = 15.0  # of a difference, electrons (assumed)
     bits: int = 12  # of the converter (known)
@@ -69,7 +82,9 @@ class MhzCamera:
     @property
     def modulation(self) -> float:
         r"""Amplitude of A - B over the charge, :math:`m = (8/\pi^2)\,C / (1 + f^2/f_c^2)`."""
-        return 8 / np.pi**2 * self.contrast / (1 + (self.frequency / self.bandwidth) ** 2)
+        return (
+            8 / np.pi**2 * self.contrast / (1 + (self.frequency / self.bandwidth) ** 2)
+        )
 
     @property
     def wrap(self) -> float:
@@ -130,7 +145,9 @@ class MhzCamera:
 
         NaN where a tap is full, which a camera sees by the sum of its taps.
         """
-        swing = np.broadcast_to(self.differences(light), (repeats, STEPS, *light[1].shape))
+        swing = np.broadcast_to(
+            self.differences(light), (repeats, STEPS, *light[1].shape)
+        )
         a = (light[1] + swing) / 2
         b = (light[1] - swing) / 2
         noisy = skellam_gaussian(a, b, rng=rng, sigma=self.read_noise)

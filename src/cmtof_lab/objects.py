@@ -29,7 +29,9 @@ DISTANCE = 0.9  # from the instrument to the middle of an object, m
 WALL = 0.25  # from there to the wall behind, m
 WIDTH = 9e-3  # face of a gauge block up to 10 mm long, m (known)
 HEIGHT = 30e-3  # m (known)
-GRADE_2 = 0.45e-6  # greatest error of such a length, m (DIN 861, grade 2, by makers' tables)
+GRADE_2 = (
+    0.45e-6  # greatest error of such a length, m (DIN 861, grade 2, by makers' tables)
+)
 MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
 
 Specifications = dict[str, Fields]
@@ -51,7 +53,9 @@ def object_mesh(name: str) -> Trimesh:
     """
     if name not in OBJECTS:
         known = ", ".join(OBJECTS)
-        raise ValueError(f"Expected an object out of {known}, got {name!r}. Choose one.")
+        raise ValueError(
+            f"Expected an object out of {known}, got {name!r}. Choose one."
+        )
     held = OBJECTS[name]
     mesh = _staged(map(_piece, held["pieces"]), 1.2, WALL, 0.4, 0.55)
     return _before(mesh, held["pitch"], held["middle"], held.get("distance", DISTANCE))

@@ -31,7 +31,10 @@ from cmtof_lab.sweep import STAGE_ERROR, WRAP, collected_power, reading_times, v
 from cmtof_lab.targets import Plane
 
 # Modulation frequency of each mode, Hz.
-FREQUENCY = {"single": constants.FREQUENCY_SINGLE, "doubled": constants.FREQUENCY_DOUBLED}
+FREQUENCY = {
+    "single": constants.FREQUENCY_SINGLE,
+    "doubled": constants.FREQUENCY_DOUBLED,
+}
 
 
 @dataclass(frozen=True)
@@ -46,13 +49,19 @@ class OpticalRanger:
     mode: str = "single"
     phases: int = 16  # K (Sec. 7.2)
     samples: int = 20  # of each phase (Sec. 7.2)
-    settle: int = 4  # of them are dropped while the filters settle, as in the default rig
+    settle: int = (
+        4  # of them are dropped while the filters settle, as in the default rig
+    )
     visits: int = 8  # (assumed)
     age: float = 600.0  # s from the first visit to the sweep (assumed)
-    step_time: float = 1.0  # s from one reading to the next (assumed: 2.4 mm/s and a turn of 1 mm)
+    step_time: float = (
+        1.0  # s from one reading to the next (assumed: 2.4 mm/s and a turn of 1 mm)
+    )
     air_change: Pair = (0.5, 100.0)  # K, Pa since the zero, rms (assumed)
     stage_error: float = STAGE_ERROR
-    level: float = 0.5  # share of the detector's range that the crest may reach (assumed)
+    level: float = (
+        0.5  # share of the detector's range that the crest may reach (assumed)
+    )
 
     @property
     def frequency(self) -> float:
@@ -120,13 +129,19 @@ class OpticalRanger:
         settings = self.before(target)
         stated = np.append(visited(self.visits), offsets)
         index = settings.group_index
-        instrument = SimulatedInstrument(_another_day(settings, rng), seed=int(rng.integers(2**63)))
+        instrument = SimulatedInstrument(
+            _another_day(settings, rng), seed=int(rng.integers(2**63))
+        )
         thicker = self._air_change(settings, rng)
         place = stated + self.stage_error * rng.standard_normal(stated.size)
-        labels = 1 + np.rint(reading_times(self, offsets.size) / BURST_INTERVAL).astype(int)
+        labels = 1 + np.rint(reading_times(self, offsets.size) / BURST_INTERVAL).astype(
+            int
+        )
         phases = self.phase(self.counts(instrument, place, labels))
         ranges = index * (target.distance + stated)
-        off = range_errors(phases, ranges, self.frequency, visits=self.visits)[self.visits :]
+        off = range_errors(phases, ranges, self.frequency, visits=self.visits)[
+            self.visits :
+        ]
         return (target.distance + offsets) * (1 + thicker / index) + off / index
 
     def _air_change(self, settings: TwinSettings, rng: Generator) -> float:
@@ -161,7 +176,9 @@ class OpticalRanger:
     def _light(self, collected: ArrayLike) -> Arrays:
         """Mean and amplitude, W, of the correlation of collected light, W."""
         settings = self.settings
-        wave = SimulatedInstrument(settings).emission(self.panel())  # the detection's is alike
+        wave = SimulatedInstrument(settings).emission(
+            self.panel()
+        )  # the detection's is alike
         opened = np.divide(collected, emission_mean(settings, self.mode))
         mean = opened * wave[0].real ** 2 + ambient(settings) * wave[0].real
         return mean, opened * 2 * abs(wave[MODES[self.mode]]) ** 2

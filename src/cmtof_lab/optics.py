@@ -12,8 +12,12 @@ from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import RayEnds, Target
 
 PLACE = 1e-6  # Directions, rad, that share their speckle: finer than a step of the galvo's 14 bits
-SPECULAR_LOBE = 3e-3  # 1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)
-SPECULAR_DIFFUSE = 0.02  # Share of a polished surface's reflectance that is diffuse (assumed)
+SPECULAR_LOBE = (
+    3e-3  # 1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)
+)
+SPECULAR_DIFFUSE = (
+    0.02  # Share of a polished surface's reflectance that is diffuse (assumed)
+)
 
 # Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
 # degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)

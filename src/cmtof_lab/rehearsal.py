@@ -45,7 +45,9 @@ def simulated_bench(
     if isinstance(scene, str | Path):
         about["scene"] = Path(scene).name
     devices = simulated_devices(instrument, rig)
-    return Bench(rig, devices, patience=0.0, clock_of=lambda n: BURST_INTERVAL * n, **about)
+    return Bench(
+        rig, devices, patience=0.0, clock_of=lambda n: BURST_INTERVAL * n, **about
+    )
 
 
 def rig_of(path: str, **changes: Any) -> Rig:
@@ -54,10 +56,19 @@ def rig_of(path: str, **changes: Any) -> Rig:
 
 
 def opened(
-    path: str, rig: Rig, scene: Any = None, settings: TwinSettings | None = None, *, seed: int = 0
+    path: str,
+    rig: Rig,
+    scene: Any = None,
+    settings: TwinSettings | None = None,
+    *,
+    seed: int = 0,
 ) -> AbstractContextManager[Bench]:
     """Bench of a RIG file's own devices, or for an empty path a simulated one before a scene."""
-    return connected_bench(rig) if path else simulated_bench(rig, scene, settings, seed=seed)
+    return (
+        connected_bench(rig)
+        if path
+        else simulated_bench(rig, scene, settings, seed=seed)
+    )
 
 
 def scan_scene(

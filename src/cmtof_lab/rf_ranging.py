@@ -26,7 +26,13 @@ from cmtof_lab.instrument import DRIFT_RMS, drift
 from cmtof_lab.optical_ranging import FREQUENCY
 from cmtof_lab.optics import inward, sent_power, speckle_cells, spot_radius, trace
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power, reading_times, visited
+from cmtof_lab.sweep import (
+    STAGE_ERROR,
+    circular_normals,
+    collected_power,
+    reading_times,
+    visited,
+)
 from cmtof_lab.targets import Plane, Target
 
 
@@ -41,14 +47,20 @@ class RfRanger:
 
     settings: TwinSettings = field(default_factory=TwinSettings)
     mode: str = "single"
-    calibrated: bool = True  # offset and imbalance are taken away; the zero is set in any case
+    calibrated: bool = (
+        True  # offset and imbalance are taken away; the zero is set in any case
+    )
     points: int = 100
     visits: int = 8
     age: float = 600.0  # s from the calibration to the first position (assumed)
     step_time: float = 1.0  # s from one position to the next (assumed)
     stage_error: float = STAGE_ERROR
-    time: float = 320 / SAMPLE_RATE  # s for a point, that of the all-optical instrument (Sec. 7.2)
-    responsivity: float = 0.2  # A/W, photodiode ET-4000 at 532 nm (assumed: efficiency 0.47)
+    time: float = (
+        320 / SAMPLE_RATE
+    )  # s for a point, that of the all-optical instrument (Sec. 7.2)
+    responsivity: float = (
+        0.2  # A/W, photodiode ET-4000 at 532 nm (assumed: efficiency 0.47)
+    )
     bandwidth: float = 12e9  # Hz, first order (Sec. 7.4)
     dark_current: float = 0.5e-9  # A (known)
     diameter: float = 60e-6  # m (known): the whole image of the spot does not fit on it
@@ -58,28 +70,40 @@ class RfRanger:
     noise_figure: float = 3.0  # dB (known)
     filter_loss: float = 1.5  # dB, band-pass (assumed)
     return_loss: float = 10.0  # dB, of both together as the mixer sees them (assumed)
-    conversion_loss: float = 9.0  # dB, I/Q mixer HMC8193 (data sheet Rev. B), as the next four
+    conversion_loss: float = (
+        9.0  # dB, I/Q mixer HMC8193 (data sheet Rev. B), as the next four
+    )
     mixer_noise_figure: float = 11.5  # dB
     amplitude_imbalance: float = 0.5  # dB, Q over I
     phase_imbalance: float = 0.08726646  # rad, 5 degrees
     lo_isolation: float = 48.0  # dB; what passes is thrown back and mixes with itself
     lo_power: float = 18.0  # dBm (known for this class)
-    noise_density: float = 5e-9  # V/sqrt(Hz), of the amplifier behind the mixer (assumed)
+    noise_density: float = (
+        5e-9  # V/sqrt(Hz), of the amplifier behind the mixer (assumed)
+    )
     baseband_gain: float = 1000.0  # of that amplifier (assumed)
     drive_power: float = 30.0  # dBm, of the crystal (assumed)
-    isolation: float = 100.0  # dB, from that drive into the photodiode's cable (assumed)
-    drift: float = 1e-3  # of offsets and imbalances since the calibration, relative, rms (assumed)
+    isolation: float = (
+        100.0  # dB, from that drive into the photodiode's cable (assumed)
+    )
+    drift: float = (
+        1e-3  # of offsets and imbalances since the calibration, relative, rms (assumed)
+    )
 
     @property
     def noise_factor(self) -> float:
         """Noise factor F of amplifier, filter and mixer (Friis 1944)."""
         behind = 10 ** ((self.filter_loss + self.mixer_noise_figure) / 10) - 1
-        return 10 ** (self.noise_figure / 10) + behind / 10 ** (self.amplifier_gain / 10)
+        return 10 ** (self.noise_figure / 10) + behind / 10 ** (
+            self.amplifier_gain / 10
+        )
 
     @property
     def gain_ahead(self) -> float:
         """Gain of power from the load to behind the mixer."""
-        return 10 ** ((self.amplifier_gain - self.filter_loss - self.conversion_loss) / 10)
+        return 10 ** (
+            (self.amplifier_gain - self.filter_loss - self.conversion_loss) / 10
+        )
 
     def output(self, envelopes: ArrayLike) -> Complex:
         """Voltages I + iQ behind the amplifiers of envelopes, V."""
@@ -105,7 +129,9 @@ class RfRanger:
         law = single_mode_harmonics if self.mode == "single" else doubled_mode_harmonics
         wave = law(self.settings.eta, 2)
         depth = 2 * abs(wave[MODES[self.mode]]) / wave[0].real
-        response = self.responsivity / np.hypot(1, FREQUENCY[self.mode] / self.bandwidth)
+        response = self.responsivity / np.hypot(
+            1, FREQUENCY[self.mode] / self.bandwidth
+        )
         return np.multiply(self.load * response * depth, power)
 
     def noise(self, power: ArrayLike) -> Array:
@@ -179,7 +205,9 @@ class RfRanger:
             self.settings.back_range,
             turn,
         )
-        noise = self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
+        noise = (
+            self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
+        )
         return self._read(constant + (own + back) + noise, rng)
 
     def _read(self, envelopes: Complex, rng: Generator) -> Complex:

@@ -35,7 +35,9 @@ class StereoRig:
 
     matrices: Array  # (2, 3, 3): focal lengths and centres, px
     distortions: Array  # (2, 5): Brown's, in OpenCV's order
-    poses: tuple[RigidTransform, RigidTransform]  # from the scanner's frame, m, to each camera's
+    poses: tuple[
+        RigidTransform, RigidTransform
+    ]  # from the scanner's frame, m, to each camera's
     shape: Shape  # height and width of the images, px
 
     @property
@@ -50,7 +52,9 @@ class StereoRig:
         points = np.asarray(points, float)
         still = np.zeros(3)
         seen = []
-        for pose, *lens in zip(self.poses, self.matrices, self.distortions, strict=True):
+        for pose, *lens in zip(
+            self.poses, self.matrices, self.distortions, strict=True
+        ):
             inside = np.ascontiguousarray(pose.apply(points.reshape(-1, 3)))
             inside[~(inside[:, 2] > 0)] = np.nan
             found, _ = cv2.projectPoints(inside, still, still, *lens)
@@ -98,7 +102,9 @@ def simulated_rig(
     half = baseline / 2
     turn = np.arctan2(half, converge)
     left, right = (
-        RigidTransform.from_components([s * half, 0, 0], Rotation.from_rotvec([0, -s * turn, 0]))
+        RigidTransform.from_components(
+            [s * half, 0, 0], Rotation.from_rotvec([0, -s * turn, 0])
+        )
         for s in (-1, 1)
     )
     return StereoRig(
@@ -117,7 +123,9 @@ def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTran
         about = rng.uniform(0, TAU)
         lean = Rotation.from_rotvec([tilt * np.cos(about), tilt * np.sin(about), 0])
         turn = lean * Rotation.from_rotvec([0, 0, rng.uniform(-0.4, 0.4)])
-        place = np.append(rng.uniform(-1, 1, 2) * [0.14, 0.10], 1) * rng.uniform(0.9, 1.3)
+        place = np.append(rng.uniform(-1, 1, 2) * [0.14, 0.10], 1) * rng.uniform(
+            0.9, 1.3
+        )
         pose = RigidTransform.from_components(place, turn)
         outline = rig.project(pose.apply(1.6 * BOARD))
         if ((outline > 0) & (outline < rig.shape[::-1])).all():
@@ -159,10 +167,14 @@ def locate_scanner(rig: StereoRig, pixels: Array, directions: Array) -> StereoRi
     beams = directions.reshape(-1, 3)
     known = np.isfinite(points).all(-1) & (beams[:, 2] > 0)
     if known.sum() < 6:
-        raise ValueError(f"Expected at least 6 spots, got {known.sum()}. Scan more of the scene.")
+        raise ValueError(
+            f"Expected at least 6 spots, got {known.sum()}. Scan more of the scene."
+        )
     plane = beams[known, :2] / beams[known, 2:]
     _, turn, shift = cv2.solvePnP(points[known], plane, np.eye(3), np.zeros(4))
-    scanner = RigidTransform.from_components(shift.ravel(), Rotation.from_rotvec(turn.ravel()))
+    scanner = RigidTransform.from_components(
+        shift.ravel(), Rotation.from_rotvec(turn.ravel())
+    )
     left, right = (pose * scanner.inv() for pose in rig.poses)
     return StereoRig(rig.matrices, rig.distortions, (left, right), rig.shape)
 
@@ -182,20 +194,26 @@ def visible_from(points: Array, centre: ArrayLike) -> Flags:
     return known & ~MeshTarget(points.reshape(-1, 3), faces).hidden(points, centre)
 
 
-def scan_spots(frame: Frame, rig: StereoRig, *, rng: Generator, sensor: Sensor = SENSOR) -> Spots:
+def scan_spots(
+    frame: Frame, rig: StereoRig, *, rng: Generator, sensor: Sensor = SENSOR
+) -> Spots:
     """Spots (H, W) that both cameras find while a frame with a camera is scanned (simulated).
 
     Lambertian spots with speckle, shot and read noise; the 99th percentile peaks at 70 % of a well.
     """
     if frame.camera is None:
-        raise ValueError("Expected a frame with a camera, got none. State fx, fy, cx, cy.")
+        raise ValueError(
+            "Expected a frame with a camera, got none. State fx, fy, cx, cy."
+        )
     points = points_from_depth(frame.depth, frame.camera)
     pixels = rig.project(points)
     spots = Spots(np.full_like(pixels, np.nan), np.full_like(pixels[..., 0], np.nan))
     for k in range(2):
         rate, width = _spot_light(frame, points, rig, k, sensor)
         half = np.array(rig.shape[::-1]) / 2
-        inside = (abs(pixels[k] - half) < half - WINDOW).all(-1)  # the window lies in the image
+        inside = (abs(pixels[k] - half) < half - WINDOW).all(
+            -1
+        )  # the window lies in the image
         corner = np.floor(pixels[k, inside]) - WINDOW // 2
         place = pixels[k, inside] - corner
         place += sensor.speckle * rng.standard_normal(corner.shape)
@@ -205,7 +223,9 @@ def scan_spots(frame: Frame, rig: StereoRig, *, rng: Generator, sensor: Sensor =
     return spots
 
 
-def _spot_light(frame: Frame, points: Array, rig: StereoRig, k: int, sensor: Sensor) -> Arrays:
+def _spot_light(
+    frame: Frame, points: Array, rig: StereoRig, k: int, sensor: Sensor
+) -> Arrays:
     """Electrons (H, W) of each spot in camera k, none where hidden, and its width, px."""
     away = rig.centres[k] - points
     distance = np.linalg.norm(away, axis=-1)
@@ -277,6 +297,8 @@ def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> Arrays:
         variance += ((there - found) / step * spots.sigma[camera]) ** 2
     spread = np.sqrt(variance)
     if draws:
-        others = [np.linalg.norm(one.triangulate(spots.pixels), axis=-1) for one in draws]
+        others = [
+            np.linalg.norm(one.triangulate(spots.pixels), axis=-1) for one in draws
+        ]
         spread = np.hypot(spread, np.std(others, axis=0, ddof=1))
     return found, spread

@@ -17,7 +17,9 @@ from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
 from cmtof.types import Array, Arrays, Fields, Flags, Numbers
 
-LARGEST_STEP = 0.02  # Neighbouring pixels whose depths differ by a smaller share: one surface
+LARGEST_STEP = (
+    0.02  # Neighbouring pixels whose depths differ by a smaller share: one surface
+)
 SURFACE = 3e-3  # How near to a point its own surface may be met, m
 
 
@@ -61,7 +63,9 @@ class Plane:
 
 
 PLATE = Plane(0.60)  # Diffuse target of Sec. 8.2
-MIRROR = Plane(0.60, reflectance=0.97, mirrored=1.0)  # Silvered PF10-03-P01 (known, at 532 nm)
+MIRROR = Plane(
+    0.60, reflectance=0.97, mirrored=1.0
+)  # Silvered PF10-03-P01 (known, at 532 nm)
 
 
 class FrameTarget:
@@ -69,7 +73,9 @@ class FrameTarget:
 
     def __init__(self, frame: Frame) -> None:
         if frame.camera is None:
-            raise ValueError(f"Expected a frame with a camera, got {frame.name!r}. Store one.")
+            raise ValueError(
+                f"Expected a frame with a camera, got {frame.name!r}. Store one."
+            )
         self._camera = np.asarray(frame.camera, float)
         self._reflectance = np.clip(np.asarray(frame.intensity, float), 0, 1)
         lengths = ray_lengths(frame.depth.shape, self._camera)
@@ -105,7 +111,9 @@ class FrameTarget:
         height, width = self._inverse.shape
         i = np.clip(v - 0.5, 0, height - 2).astype(int)
         j = np.clip(u - 0.5, 0, width - 2).astype(int)
-        corners = np.stack([self._inverse[i + m, j + n] for m in (0, 1) for n in (0, 1)])
+        corners = np.stack(
+            [self._inverse[i + m, j + n] for m in (0, 1) for n in (0, 1)]
+        )
         left, right = corners.reshape(2, 2, *u.shape).swapaxes(0, 1)
         above, below = left + (u - 0.5 - j) * (right - left)
         smooth = above + (v - 0.5 - i) * (below - above)
@@ -202,7 +210,11 @@ def _object(name: str) -> MeshTarget:
 
 
 # Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments
-KINDS: Fields = {"plane": Plane, "mirror": partial(Plane, mirrored=1.0), "object": _object}
+KINDS: Fields = {
+    "plane": Plane,
+    "mirror": partial(Plane, mirrored=1.0),
+    "object": _object,
+}
 
 
 def scene_from(source: Any) -> Target | None:

@@ -69,7 +69,11 @@ def measure_bounce(space: Array, look: Look) -> Bounce:
     low, high = space
     axes = _grid_axes(low, high)
     shape = [len(axis) for axis in axes]
-    places = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3).astype(np.float32)
+    places = (
+        np.stack(np.meshgrid(*axes, indexing="ij"), -1)
+        .reshape(-1, 3)
+        .astype(np.float32)
+    )
     rays = sphere_of_directions(RAYS)
     origins = np.repeat(places, RAYS, axis=0)
     radiance, behind = look(origins, np.tile(rays, (len(places), 1)))
@@ -98,6 +102,8 @@ def _grid_axes(low: Array, high: Array) -> list[Array]:
 def _filled(light: Array, inside: Flags) -> Array:
     """Light of a grid; a place inside a solid takes that of its nearest neighbour outside."""
     if inside.any() and not inside.all():
-        nearest = distance_transform_edt(inside, return_distances=False, return_indices=True)
+        nearest = distance_transform_edt(
+            inside, return_distances=False, return_indices=True
+        )
         light = light[tuple(np.asarray(nearest))]
     return light.astype(np.float32)

@@ -41,7 +41,9 @@ class Rectangle(NamedTuple):
         """Size along x and y, m."""
         return self.end - self.start
 
-    def grown(self, left: float, right: float, below: float, above: float) -> "Rectangle":
+    def grown(
+        self, left: float, right: float, below: float, above: float
+    ) -> "Rectangle":
         """Rectangle that reaches further by margins, m, below x0, above x1, below y0, above y1."""
         x0, x1, y0, y1 = self
         return Rectangle(x0 - left, x1 + right, y0 - below, y1 + above)
@@ -60,7 +62,8 @@ class Rectangle(NamedTuple):
         """
         x0, x1, y0, y1 = self
         return any(
-            x0 < b - gap and a < x1 - gap and y0 < d - gap and c < y1 - gap for a, b, c, d in others
+            x0 < b - gap and a < x1 - gap and y0 < d - gap and c < y1 - gap
+            for a, b, c, d in others
         )
 
 

@@ -72,4 +72,6 @@ def sphere_of_directions(count: int) -> Array:
     turn = number * (np.pi * (3 - np.sqrt(5)))
     z = 1 - (2 * number + 1) / count
     radius = np.sqrt(1 - z**2)
-    return np.stack([np.cos(turn) * radius, np.sin(turn) * radius, z], -1).astype(np.float32)
+    return np.stack([np.cos(turn) * radius, np.sin(turn) * radius, z], -1).astype(
+        np.float32
+    )

@@ -154,11 +154,15 @@ class Interior:
         Range is solved in double precision from the triangle's plane: Embree's own is good to some
         micrometres only.
         """
-        starts = np.ascontiguousarray(np.broadcast_to(eye.astype(np.float32), rays.shape))
+        starts = np.ascontiguousarray(
+            np.broadcast_to(eye.astype(np.float32), rays.shape)
+        )
         triangle = self.tracer.nearest(starts, rays).triangle
         plane = self.normals[triangle]
         along = np.einsum("ij,ij->i", plane, rays)
-        distance = (self._offsets[triangle] - plane @ eye) / np.where(along == 0, 1e-12, along)
+        distance = (self._offsets[triangle] - plane @ eye) / np.where(
+            along == 0, 1e-12, along
+        )
         return Surface(
             np.where(triangle >= 0, self.part[triangle], -1),
             distance,

@@ -144,7 +144,9 @@ class Palette:
         self._second = np.array(second, np.float32)
         self._scale = np.array(scale, np.float32)
         self.emission = np.array(emission, np.float32)
-        share = np.where(self._pattern == "plain", 0.0, MEAN_SHARE)[:, None].astype(np.float32)
+        share = np.where(self._pattern == "plain", 0.0, MEAN_SHARE)[:, None].astype(
+            np.float32
+        )
         self.mean = self._colour + share * (self._second - self._colour)
 
     def albedo(

@@ -69,11 +69,15 @@ class Settings:
         ValueError
             If the focal length is not one of 1 to 1e6 px.
         """
-        angle = np.radians(stream(self.seed, index, LENS).choice([60, 60, 60, 52, 44, 35]))
+        angle = np.radians(
+            stream(self.seed, index, LENS).choice([60, 60, 60, 52, 44, 35])
+        )
         drawn = self.width / 2 / np.tan(angle / 2)
         focal = float(self.focal if self.focal is not None else drawn)
         if not 1 <= focal < 1e6:
-            raise ValueError(f"Expected a focal length of 1 to 1e6 px, got {focal}. Try the width.")
+            raise ValueError(
+                f"Expected a focal length of 1 to 1e6 px, got {focal}. Try the width."
+            )
         return Lens((self.height, self.width), focal)
 
 
@@ -119,9 +123,13 @@ def shape_from_text(text: str) -> Shape:
     try:
         height, width = (int(part) for part in text.lower().split("x"))
     except ValueError as error:
-        raise ValueError(f"Expected a size like 512x512, got {text}. Try 768x1024.") from error
+        raise ValueError(
+            f"Expected a size like 512x512, got {text}. Try 768x1024."
+        ) from error
     if not (1 <= height <= LARGEST and 1 <= width <= LARGEST):
-        raise ValueError(f"Expected 1 to {LARGEST} px, got a size of {text}. Try 768x1024.")
+        raise ValueError(
+            f"Expected 1 to {LARGEST} px, got a size of {text}. Try 768x1024."
+        )
     return height, width
 
 
@@ -148,7 +156,9 @@ def expose(seen: Picture, rank: float) -> Picture:
     return seen._replace(color=seen.color * np.float32(wanted / max(middle, 1e-6)))
 
 
-def render_view(room: FurnishedRoom, camera: Camera, lens: Lens, number: int) -> Picture:
+def render_view(
+    room: FurnishedRoom, camera: Camera, lens: Lens, number: int
+) -> Picture:
     """Render and expose one view.
 
     Exposures step by the golden section through rooms and views: even small sets have their share
@@ -219,9 +229,13 @@ def write_view(
     for kind, (_, _, dtype) in FILES.items():
         path = View(scene, camera, frame).file(root, kind)
         path.parent.mkdir(parents=True, exist_ok=True)
-        with np.errstate(over="ignore"):  # light beyond float16 is infinite, as in the original
+        with np.errstate(
+            over="ignore"
+        ):  # light beyond float16 is infinite, as in the original
             stored = np.asarray(arrays[kind]).astype(dtype)
-        with h5py.File(content := io.BytesIO(), "w") as file:  # a full disk would end the process
+        with h5py.File(
+            content := io.BytesIO(), "w"
+        ) as file:  # a full disk would end the process
             file.create_dataset(
                 "dataset",
                 data=stored,

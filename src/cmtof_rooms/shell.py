@@ -34,7 +34,9 @@ class Wall:
 
     def place(self, points: ArrayLike) -> Array:
         """Points (..., 3) of the wall's frame in the room, m."""
-        return np.asarray(points, float) @ turn_about_z(self.turn) + np.array([*self.origin, 0.0])
+        return np.asarray(points, float) @ turn_about_z(self.turn) + np.array(
+            [*self.origin, 0.0]
+        )
 
     def parts(self, material: Material, *solids: Trimesh | Box) -> list[Part]:
         """Solids of the wall's frame, each as a part of one material in the room."""
@@ -44,7 +46,9 @@ class Wall:
                 meshes += [slab(*single) for single in solid.singles()]
             else:
                 meshes.append(solid)
-        return [Part(move(one, (*self.origin, 0.0), self.turn), material) for one in meshes]
+        return [
+            Part(move(one, (*self.origin, 0.0), self.turn), material) for one in meshes
+        ]
 
     def footprint(self, piece: Rectangle, y0: float, y1: float) -> Rectangle:
         """Floor along a piece of it between two distances outwards, m; quarter turns only."""

@@ -114,7 +114,9 @@ def plate(
     faces = triangles_of(cells_of(number)[_outside(cut, x, z)])
     points = np.stack(np.meshgrid(x, z, indexing="ij"), -1).reshape(-1, 2)
     solid = trimesh.creation.extrude_triangulation(points, faces, thickness)
-    solid.vertices = solid.vertices[:, [0, 2, 1]]  # (x, z, y) to (x, y, z), a reflection
+    solid.vertices = solid.vertices[
+        :, [0, 2, 1]
+    ]  # (x, z, y) to (x, y, z), a reflection
     solid.faces = solid.faces[:, ::-1]
     return solid
 

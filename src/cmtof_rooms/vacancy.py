@@ -140,7 +140,9 @@ class Vacancy:
         number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
         return self.shell.walls[number]
 
-    def _before_wall(self, kind: Kind, size: Extents, wall: Wall, spot: Rectangle) -> Place | None:
+    def _before_wall(
+        self, kind: Kind, size: Extents, wall: Wall, spot: Rectangle
+    ) -> Place | None:
         """Try to take a spot of a wall and the floor before it."""
         width, depth, height = size
         gap = 0.002 if kind["at"] == "hung" else 0.03
@@ -208,7 +210,9 @@ class Vacancy:
         if self.shell.open:
             return None
         floor = self._some_floor()
-        x, y = floor.start + width + self.kit.rng.beta(2, 2, 2) * (floor.size - 2 * width)
+        x, y = (
+            floor.start + width + self.kit.rng.beta(2, 2, 2) * (floor.size - 2 * width)
+        )
         z = self.shell.height - self.shell.lowest - height
         area = Rectangle.about((x, y), (width, depth))
         for other_x, other_y, other_z in (light.centre for light in self.lights):

@@ -2,7 +2,16 @@
 
 from importlib import import_module
 
-for name in ("execute", "figures", "graph", "pairs", "paper", "reference", "render", "stage"):
+for name in (
+    "execute",
+    "figures",
+    "graph",
+    "pairs",
+    "paper",
+    "reference",
+    "render",
+    "stage",
+):
     import_module(f"cmtof_book.{name}")
 for program in ("jupyter_book.cli.main", "jupytext.cli", "snakemake.cli"):
     import_module(program)

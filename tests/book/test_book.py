@@ -27,13 +27,17 @@ def soup(page):
 
 @cache
 def anchors(page):
-    return {tag.get(key) for tag in soup(page).find_all() for key in ("id", "name")} - {None}
+    return {tag.get(key) for tag in soup(page).find_all() for key in ("id", "name")} - {
+        None
+    }
 
 
 def test_every_chapter_has_a_page_that_states_how_it_was_made():
     assert "WARNING" not in (BUILD / "book.log").read_text("utf-8")
     for stem in NOTEBOOKS:
-        block = soup(HTML / "notebooks" / f"{stem}.html").select_one(".admonition.provenance")
+        block = soup(HTML / "notebooks" / f"{stem}.html").select_one(
+            ".admonition.provenance"
+        )
         rows = {row.td.get_text() for row in block.select("tr") if row.td}
         assert rows >= {"profile", "seed", "cmtof", "run", "libraries"}
 
@@ -46,7 +50,9 @@ def test_no_figure_table_or_equation_of_the_paper_is_missing():
 def faults(page):
     """Resources from elsewhere, links to nothing, images without a text."""
     for tag in soup(page).find_all(["script", "img", "iframe", "source", "link", "a"]):
-        loads = tag.name != "a" and not (tag.name == "link" and "canonical" in tag.get("rel", []))
+        loads = tag.name != "a" and not (
+            tag.name == "link" and "canonical" in tag.get("rel", [])
+        )
         target = urlsplit(tag.get("src") or tag.get("href") or "")
         if target.scheme or target.netloc:
             if loads and target.scheme != "data":
@@ -54,9 +60,15 @@ def faults(page):
             continue
         path = (page.parent / unquote(target.path)).resolve() if target.path else page
         anchor = tag.name == "a" and target.fragment and path in PAGES
-        if not path.exists() or (anchor and unquote(target.fragment) not in anchors(path)):
+        if not path.exists() or (
+            anchor and unquote(target.fragment) not in anchors(path)
+        ):
             yield f"leads nowhere: {target.geturl()}"
-        if tag.name == "img" and "_static" not in target.path and not tag.get("alt", "").strip():
+        if (
+            tag.name == "img"
+            and "_static" not in target.path
+            and not tag.get("alt", "").strip()
+        ):
             yield f"no text: {target.geturl()}"
 
 
@@ -68,7 +80,9 @@ def test_pages_are_whole():
 def test_style_sheets_load_nothing_from_elsewhere():
     for sheet in HTML.rglob("*.css"):
         text = sheet.read_text("utf-8", errors="ignore")
-        assert not re.search(r"(url\(\s*['\"]?|@import\s+['\"])(https?:)?//", text), sheet.name
+        assert not re.search(r"(url\(\s*['\"]?|@import\s+['\"])(https?:)?//", text), (
+            sheet.name
+        )
 
 
 def outputs(stem):
@@ -81,7 +95,9 @@ def test_no_cell_ends_in_an_object_that_nobody_wants_to_read():
     """A cell that ends in `ax.set_ylabel(...)` would print what that returns."""
     unwanted = re.compile(r"Text\(|<matplotlib|\[<|.* object at 0x|\(?array\(")
     for stem in NOTEBOOKS:
-        results = [out for out in outputs(stem) if out["output_type"] == "execute_result"]
+        results = [
+            out for out in outputs(stem) if out["output_type"] == "execute_result"
+        ]
         texts = ["".join(out["data"].get("text/plain", "")) for out in results]
         assert not [text for text in texts if unwanted.match(text)], stem
 
@@ -94,7 +110,9 @@ def test_every_figure_is_placed_with_its_caption_and_text():
         if "figure" not in record:
             continue
         assert (file.parent / record["figure"]).is_file()
-        assert "fig-" + file.stem.replace("_", "-") in placed, f"{file.stem} is on no page"
+        assert "fig-" + file.stem.replace("_", "-") in placed, (
+            f"{file.stem} is on no page"
+        )
         assert record["alt"] in texts, f"{file.stem} has no alternative text"
 
 
@@ -106,11 +124,25 @@ REFERENCES = re.compile(  # formulas, quotes, and what points to a place in the 
     r"\$[^$]*\$|«[^»]*»|`[^`]*`|\[[^]]*\]\([^)]*\)|\(\d[\d.]*\)|[\d/]*π[\d/]*|"
     r"\b(Sections?|Eqs?\.|Figs?\.|Tab\.|Tables?|entr(y|ies)) [\d.]+((,| and| to) [\d.]+)*"
 )
-POWERS = (0, 2, 3, 6, 9, 12, 15, -3, -6, -9)  # of ten, between a number and per cent or a unit
+POWERS = (
+    0,
+    2,
+    3,
+    6,
+    9,
+    12,
+    15,
+    -3,
+    -6,
+    -9,
+)  # of ten, between a number and per cent or a unit
 
 
 def written_numbers(text):
-    return [one.replace(",", "") for one in re.findall(r"(?<![\w.^_])\d[\d,]*(?:\.\d+)?", text)]
+    return [
+        one.replace(",", "")
+        for one in re.findall(r"(?<![\w.^_])\d[\d,]*(?:\.\d+)?", text)
+    ]
 
 
 def is_written(number, word):
@@ -122,14 +154,22 @@ def is_written(number, word):
 def test_every_number_of_the_errata_is_printed_by_the_run_or_read_from_the_paper_by_it():
     missing = []
     for part in ERRATA.split("# %% [markdown]"):
-        read = [one.value for one in published_numbers().values() if f'"{one.key}"' in part]
-        document = "\n".join(line[2:] for line in part.splitlines() if line.startswith("#"))
+        read = [
+            one.value for one in published_numbers().values() if f'"{one.key}"' in part
+        ]
+        document = "\n".join(
+            line[2:] for line in part.splitlines() if line.startswith("#")
+        )
         entries = re.split(r"(?:^|\n)### (\d+) · ", document.partition("\n%%")[0])
         for entry, body in zip(entries[1::2], entries[2::2], strict=True):
             lines = re.findall(rf"^{entry}: (.*)$", printed_by_errata(), re.MULTILINE)
             known = [*read, *map(float, written_numbers(" ".join(lines)))]
             words = written_numbers(REFERENCES.sub(" ", body))
-            unknown = [word for word in words if not any(is_written(one, word) for one in known)]
+            unknown = [
+                word
+                for word in words
+                if not any(is_written(one, word) for one in known)
+            ]
             missing += [f"erratum {entry}: {word}" for word in unknown]
     assert not missing
 

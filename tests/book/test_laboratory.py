@@ -104,13 +104,20 @@ def page(stepped_wall, measurement, phases, logits, tmp_path_factory):
     np.savetxt(rows, np.vstack(centred(phases.phase)), "%.6f", ",")
     light = stepped_wall.intensity
     given = {
-        "scene": {"width": 56, "height": 40, "depth": measurement.depth, "light": light},
+        "scene": {
+            "width": 56,
+            "height": 40,
+            "depth": measurement.depth,
+            "light": light,
+        },
         "frequencies": FREQUENCIES,
         "offset": OFFSET,
         "side": SIDE,
         "sigma": 100.0,
         "normal": normal,
-        "tones": [{"phase": phase, "amplitude": amplitude} for phase, amplitude in images],
+        "tones": [
+            {"phase": phase, "amplitude": amplitude} for phase, amplitude in images
+        ],
         "weights": logits,
         "csv": rows.getvalue(),
         "others": list(REFUSED),
@@ -141,7 +148,9 @@ def test_phases_and_amplitudes(page, measurement):
 def test_wraps_of_the_averaged_beat(unwrapped):
     measurement, page = unwrapped
     depth = beat(measurement, window=SIDE).depth.ravel()
-    assert_allclose(page["beat"]["wraps"], depth / wrap_length(FREQUENCIES[0]), rtol=1e-4)
+    assert_allclose(
+        page["beat"]["wraps"], depth / wrap_length(FREQUENCIES[0]), rtol=1e-4
+    )
     phasor = beat_phasor(measurement)
     coherent = np.abs(uniform_filter(phasor, SIDE)) ** 2
     scatter = uniform_filter(np.abs(phasor) ** 2, SIDE) - coherent

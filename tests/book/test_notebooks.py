@@ -20,16 +20,23 @@ SCRIPTS = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
 @mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_text_has_no_roles(script):
     texts = [c.source for c in jupytext.read(script).cells if c.cell_type == "markdown"]
-    assert not re.findall(r"\{[a-z:]+\}`|:label:|^\(.*\)=$|^:::", "\n".join(texts), re.M)
+    assert not re.findall(
+        r"\{[a-z:]+\}`|:label:|^\(.*\)=$|^:::", "\n".join(texts), re.M
+    )
 
 
 def test_visible_cells_are_short():
     cells = [cell for script in SCRIPTS for cell in jupytext.read(script).cells]
     hidden = {"hide-input", "hide-cell"}
     seen = [
-        c for c in cells if c.cell_type == "code" and not hidden & set(c.metadata.get("tags", []))
+        c
+        for c in cells
+        if c.cell_type == "code" and not hidden & set(c.metadata.get("tags", []))
     ]
-    lines = [len([line for line in cell.source.splitlines() if line.strip()]) for cell in seen]
+    lines = [
+        len([line for line in cell.source.splitlines() if line.strip()])
+        for cell in seen
+    ]
     assert median(lines) <= 8
     assert max(lines) <= 20
 
@@ -39,7 +46,9 @@ def test_saving_in_jupyterlab_changes_nothing_but_outputs(tmp_path):
     notebook = script.with_suffix(".ipynb")
     for file in (ROOT / "jupytext.toml", script, notebook):
         shutil.copy(file, tmp_path)
-    manager = build_sync_jupytext_contents_manager_class(LargeFileManager)(root_dir=str(tmp_path))
+    manager = build_sync_jupytext_contents_manager_class(LargeFileManager)(
+        root_dir=str(tmp_path)
+    )
     opened = manager.get(notebook.name)
     run = next(cell for cell in opened["content"].cells if cell.cell_type == "code")
     run.outputs = [nbformat.v4.new_output("stream", text="done\n")]
@@ -48,7 +57,9 @@ def test_saving_in_jupyterlab_changes_nothing_but_outputs(tmp_path):
     saved = nbformat.read(tmp_path / notebook.name, 4)
     assert sum(len(cell.get("outputs", [])) for cell in saved.cells) == 1
     plain = nbformat.read(notebook, 4)
-    old, new = ([(c.source, c.metadata.get("jupyter")) for c in n.cells] for n in (plain, saved))
+    old, new = (
+        [(c.source, c.metadata.get("jupyter")) for c in n.cells] for n in (plain, saved)
+    )
     assert new == old
 
 
@@ -70,8 +81,15 @@ def test_pages_get_roles_from_links(plain, page):
 
 
 def test_parameters_of_a_reader():
-    given = parameters_from_text('repeats=6 distance=1.5e-1 "methods=[beat, mrf]" name=still_life')
-    expected = {"repeats": 6, "distance": 0.15, "methods": ["beat", "mrf"], "name": "still_life"}
+    given = parameters_from_text(
+        'repeats=6 distance=1.5e-1 "methods=[beat, mrf]" name=still_life'
+    )
+    expected = {
+        "repeats": 6,
+        "distance": 0.15,
+        "methods": ["beat", "mrf"],
+        "name": "still_life",
+    }
     assert given == expected
     with raises(ValueError, match="Expected name=value, got repeats"):
         parameters_from_text("repeats")

@@ -13,7 +13,9 @@ from cmtof_book.verdict import CROPS, Score
 
 ACCEPTED = ROOT / "figures" / "scoreboard.json"
 NUMBERS = paper.published_numbers()
-PLAIN = replace(NUMBERS["fig3.precision_ratio"], value=10.0, tolerance=0.5, relation="eq")
+PLAIN = replace(
+    NUMBERS["fig3.precision_ratio"], value=10.0, tolerance=0.5, relation="eq"
+)
 UNITS = {"1", "fraction", "points", "m", "s", "Hz", "W", "rad", "bit", "px", "counts"}
 SIDE = {"lt": 0.5, "gt": 1.5}  # times the paper's number holds
 
@@ -33,7 +35,9 @@ def said(number, *values, **about):
 
 def scores(values, **about):
     """All published numbers, some with ours."""
-    return {key: Score.of(one, values.get(key, {}), **about) for key, one in NUMBERS.items()}
+    return {
+        key: Score.of(one, values.get(key, {}), **about) for key, one in NUMBERS.items()
+    }
 
 
 def claims_by(values, **about):
@@ -59,8 +63,15 @@ def test_the_four_tables_are_complete_and_add_up():
     for key in NUMBERS:
         row, _, column = key.rpartition(".")
         rows.setdefault(row, {})[column] = NUMBERS[key].value
-    sizes = Counter((name[:6], len(row)) for name, row in rows.items() if name[:5] == "table")
-    assert sizes == {("table1", 4): 4, ("table2", 5): 8, ("table3", 4): 3, ("table4", 4): 3}
+    sizes = Counter(
+        (name[:6], len(row)) for name, row in rows.items() if name[:5] == "table"
+    )
+    assert sizes == {
+        ("table1", 4): 4,
+        ("table2", 5): 8,
+        ("table3", 4): 3,
+        ("table4", 4): 3,
+    }
     for name, row in rows.items():
         if name.startswith("table4"):
             assert row["mae_mirror"] <= row["rmse_mirror"]
@@ -88,11 +99,17 @@ def test_a_result_is_reproduced_inside_its_tolerance_and_contradicted_outside():
 def test_an_interval_must_be_narrow_to_reproduce_and_apart_to_contradict():
     assert said(PLAIN, (10.1, 9.6, 10.6)) == "reproduced"
     assert said(PLAIN, (10.1, 9.0, 11.2)) == "open"  # over four tolerances wide
-    assert said(replace(PLAIN, tolerance=9.0), (10, 4, 13)) == "open"  # over a factor of three
-    assert said(PLAIN, (10.7, 10.4, 11.0)) == "open"  # near it, but not within the tolerance
+    assert (
+        said(replace(PLAIN, tolerance=9.0), (10, 4, 13)) == "open"
+    )  # over a factor of three
+    assert (
+        said(PLAIN, (10.7, 10.4, 11.0)) == "open"
+    )  # near it, but not within the tolerance
     assert said(PLAIN, (13, 12, 14)) == "contradicted"
     less = replace(PLAIN, relation="lt")
-    assert said(less, (2, 1, 9)) == "reproduced"  # the direction counts, not the distance
+    assert (
+        said(less, (2, 1, 9)) == "reproduced"
+    )  # the direction counts, not the distance
     assert said(less, (10, 9, 12)) == "open"
 
 
@@ -103,7 +120,10 @@ def test_what_differs_from_the_paper_leaves_a_number_open():
     trained = replace(PLAIN, depends=("training",))
     assert said(trained, 20, crops=CROPS) == "contradicted"
     sized = replace(PLAIN, depends=("sizes",))
-    assert [said(sized, 10, profile=one) for one in ("ci", "book")] == ["untested", "reproduced"]
+    assert [said(sized, 10, profile=one) for one in ("ci", "book")] == [
+        "untested",
+        "reproduced",
+    ]
     assert said(PLAIN, 10, 20) == said(PLAIN, 20, 10) == "open"  # two cases disagree
     assert said(PLAIN, 20, 30) == "contradicted"
     short = Score.of(trained, 20, crops=28_000)
@@ -122,9 +142,13 @@ def test_few_numbers_can_be_contradicted_and_every_dependency_is_known():
     """Only those that depend on nothing but what is the paper's; training counts as it."""
     results = [one for one in NUMBERS.values() if one.kind == "result"]
     assert all(one.depends for one in results)
-    judged = [n for n in results if not n.untested and not Score(n, crops=CROPS).differing]
+    judged = [
+        n for n in results if not n.untested and not Score(n, crops=CROPS).differing
+    ]
     assert 10 <= len(judged) <= 20
-    assert {name for one in results for name in one.depends} == set(paper.dependencies())
+    assert {name for one in results for name in one.depends} == set(
+        paper.dependencies()
+    )
     for one in paper.dependencies().values():
         assert one.same is True or one.decides
 
@@ -162,21 +186,30 @@ def test_a_claim_says_in_one_line_why():
 
 
 def test_what_was_checked_is_recorded_with_all_cases_and_shown(folder, monkeypatch):
-    with raises(ValueError, match=r"Expected .* got 'fig3.precison'. Use 'fig3.precision"):
+    with raises(
+        ValueError, match=r"Expected .* got 'fig3.precison'. Use 'fig3.precision"
+    ):
         paper.check("fig3.precison", 1.0)
     paper.check("fig3.precision_ratio", compared.sum_over_draws(99.8, error=3.2))
     paper.check("table2.kde.delta_lt_1", 0.0473, crops=28_000)
-    cases = {"with photon noise alone": (1e-5, 2e-6, 9.9e-5), "with more noise": (2e-4, 1e-4, 3e-4)}
+    cases = {
+        "with photon noise alone": (1e-5, 2e-6, 9.9e-5),
+        "with more noise": (2e-4, 1e-4, 3e-4),
+    }
     paper.check("table4.rf.rmse_mirror", cases)
     shown = []
-    monkeypatch.setattr(paper.notes, "table", lambda head, rows, fold: shown.extend(rows))
+    monkeypatch.setattr(
+        paper.notes, "table", lambda head, rows, fold: shown.extend(rows)
+    )
     paper.table()
     assert shown[0][1:] == ["≈ 100 ± 10", "99.8 (93.5–106)", "reproduced"]
     assert shown[1][2:] == ["4.73 %", "open"]
     quiet = "10 µm (2–99 µm) with photon noise alone"
     assert shown[2][2] == f"{quiet}; 200 µm (100–300 µm) with more noise"
     (run,) = record.read_all(folder.parent)
-    assert run.compared() == {"fig3.precision_ratio": compared.sum_over_draws(99.8, error=3.2)}
+    assert run.compared() == {
+        "fig3.precision_ratio": compared.sum_over_draws(99.8, error=3.2)
+    }
     assert scoreboard.scores_in([run])["table2.kde.delta_lt_1"].crops == 28_000
 
 
@@ -187,7 +220,9 @@ def test_scoreboard_lists_and_counts_every_number_once(folder):
     page = scoreboard.page(scoreboard.scores_in(record.read_all(folder.parent)))
     listed = re.findall(r"<br><code>([a-z0-9_.]+)</code>", page.replace("<wbr>", ""))
     assert sorted(listed) == sorted(key.partition(".")[2] for key in NUMBERS)
-    counts = dict(re.findall(r'^\| <span class="verdict .*">(.+)</span> \| (\d+) \|', page, re.M))
+    counts = dict(
+        re.findall(r'^\| <span class="verdict .*">(.+)</span> \| (\d+) \|', page, re.M)
+    )
     assert counts["reproduced"] == counts["contradicted"] == counts["as stated"] == "1"
     assert int(counts["untested"]) == len(NUMBERS) - 3
     assert "<br>{doc}`02 <../notebooks/02_precision>` |" in page
@@ -202,7 +237,11 @@ def test_the_picture_has_a_line_for_each_result_at_its_ratio():
     lines = re.findall(r'<li data-verdict="(\w+)" data-same="(\w+)"', text)
     assert lines == [("reproduced", "yes"), ("open", "no")]
     dots = re.findall(r'class="dot" d="M([\d.]+) ', text)
-    assert [float(dot) for dot in dots] == [50, 98, 2]  # the paper's number is in the middle
+    assert [float(dot) for dot in dots] == [
+        50,
+        98,
+        2,
+    ]  # the paper's number is in the middle
 
 
 def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
@@ -214,7 +253,11 @@ def test_scoreboard_shows_the_worst_of_several_runs(tmp_path, monkeypatch):
     (row,) = [r for r in page.splitlines() if "precision_<wbr>ratio" in r]
     assert "contradicted" in row and "| 10<br>" in row and "02_bad" in row
     (number,) = scoreboard.accepted(scoreboard.scores_in(runs))["numbers"].values()
-    expected = {"cases": {"": (10, 10, 10)}, "verdict": "contradicted", "chapter": "02_bad"}
+    expected = {
+        "cases": {"": (10, 10, 10)},
+        "verdict": "contradicted",
+        "chapter": "02_bad",
+    }
     assert number.items() >= expected.items()
 
 
@@ -231,7 +274,9 @@ def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
         assert published.value == approx(number["paper"], rel=1e-9)
         assert published.note or verdict != "contradicted", key
         assert published.changed or verdict != "changed", key
-    for claim in claims_by({}).values():  # the chapter of its figure computes its numbers
+    for claim in claims_by(
+        {}
+    ).values():  # the chapter of its figure computes its numbers
         assert {held[key]["chapter"] for key in claim.keys} == {claim.chapter}
 
 
@@ -244,11 +289,16 @@ def test_claims_are_filled_with_numbers_of_the_build():
     found = {"fig3.precision_ratio": 104.63}
     numbers = claims.Numbers(scores(found), records)
     asked = "{03_wraps/wraps_odds.law.1|.0%} {03_wraps/wraps_odds.rates.right|d} {03_wraps:x|.1f} "
-    assert numbers.fill(asked + "{fig3.precision_ratio}") == "25\N{NO-BREAK SPACE}% 3 2.5 105"
+    assert (
+        numbers.fill(asked + "{fig3.precision_ratio}")
+        == "25\N{NO-BREAK SPACE}% 3 2.5 105"
+    )
     assert numbers.fill("{sec1.contrast}") == "(not computed)"
     found["sec8.rf_plate"] = {"quiet": (2e-3, 1e-3, 3e-3), "noisy": 4e-3}
     numbers = claims.Numbers(scores(found), records)
-    filled = numbers.fill("{sec8.rf_plate@0|alone}, {sec8.rf_plate@0}, {sec8.rf_plate@1}")
+    filled = numbers.fill(
+        "{sec8.rf_plate@0|alone}, {sec8.rf_plate@0}, {sec8.rf_plate@1}"
+    )
     assert filled.replace("\N{NO-BREAK SPACE}", " ") == "2 mm, 2 mm (1–3 mm), 4 mm"
 
 
@@ -264,7 +314,9 @@ def test_figures_tables_and_equations_are_found_where_they_stand(tmp_path):
     records = [
         record.Record("03_wraps", "fig04_wraps", {"numbers": {}}),
         record.Record("03_wraps", "wraps_odds", {"numbers": {}}),
-        record.Record("07_table", record.PAPER, {"numbers": {"table3.a": {}, "fig13.b": {}}}),
+        record.Record(
+            "07_table", record.PAPER, {"numbers": {"table3.a": {}, "fig13.b": {}}}
+        ),
     ]
     notebook = tmp_path / "01_light.py"
     notebook.write_text("# \\tag{12}$$\n# \\tag{20.1}$$\n# [Eq. 3](#eq-3)\n")

@@ -24,7 +24,12 @@ def folder(tmp_path, monkeypatch):
 def drawn(name="fig03_precision", format="svg", size=(7, 4), **changes):
     fig, ax = plt.subplots(figsize=size)
     ax.plot([0, 1], [0, 2])
-    words = {"numbers": {"ratio": 99.8}, "caption": "A line.", "alt": "It rises.", **changes}
+    words = {
+        "numbers": {"ratio": 99.8},
+        "caption": "A line.",
+        "alt": "It rises.",
+        **changes,
+    }
     plotting.save(fig, name, format=format, **words)
     return provenance.output_folder() / f"{name}.{format}"
 
@@ -39,7 +44,9 @@ def test_same_run_writes_same_bytes_without_date_or_library_version(format):
 
 def test_json_holds_numbers_texts_and_provenance(folder):
     right = closed_form(np.array([0.5, 2]))
-    drawn(numbers={"ratio": np.float64(1 / 3), "list": np.array([1, 2]), "right": right})
+    drawn(
+        numbers={"ratio": np.float64(1 / 3), "list": np.array([1, 2]), "right": right}
+    )
     assert json.loads((folder / "fig03_precision.json").read_text()) == {
         "figure": "fig03_precision.svg",
         "caption": "A line.",

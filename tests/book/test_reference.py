@@ -9,8 +9,12 @@ MOST = 250
 
 @mark.skipif(not reference.RESULTS.is_dir(), reason="no ci build: make test makes one")
 def test_numbers_agree_with_the_stored_ones():
-    assert not list(reference.differences(reference.found_numbers(), reference.stored_numbers()))
+    assert not list(
+        reference.differences(reference.found_numbers(), reference.stored_numbers())
+    )
 
 
 def test_few_numbers_are_compared():
-    assert 100 < sum(number.size for number in reference.stored_numbers().values()) <= MOST
+    assert (
+        100 < sum(number.size for number in reference.stored_numbers().values()) <= MOST
+    )

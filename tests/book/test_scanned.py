@@ -16,7 +16,9 @@ def test_four_phases_hold_the_phase_of_the_scan(measured):
 
 
 def test_a_close_pair_has_the_lower_frequency_of_both(measured):
-    pair = scanned.close_pair(measured, Measurement.from_phase(measured.phase[:1] / 2, [7.16e9]))
+    pair = scanned.close_pair(
+        measured, Measurement.from_phase(measured.phase[:1] / 2, [7.16e9])
+    )
     assert pair.frequencies.tolist() == [7.15e9, 7.16e9]
     assert pair.phase[1] == approx(measured.phase[0] / 2)
 

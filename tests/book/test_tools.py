@@ -24,7 +24,11 @@ BOOK = graph.Book(ROOT)
             {"stereo.py"},
         ),
         ("import cmtof\ncmtof.open('m.nc')\n", {"measurement.py"}, {"unwrapping.py"}),
-        ("import cmtof\ncmtof.unwrap(m)\n", {"unwrapping.py", "fast-scnn.released.json"}, set()),
+        (
+            "import cmtof\ncmtof.unwrap(m)\n",
+            {"unwrapping.py", "fast-scnn.released.json"},
+            set(),
+        ),
         ("from cmtof_book.paper import check\n", {"paper.yml"}, {"measurement.py"}),
         ("from cmtof.scenes import load_frame\n", {"still_life.npz"}, {"paper.yml"}),
         ("import numpy\n", set(), {"__init__.py"}),
@@ -45,7 +49,9 @@ def test_every_data_file_of_the_package_belongs_to_a_module():
     ).stdout.split()
     data = {ROOT / name for name in listed if not name.endswith((".py", "py.typed"))}
     unread = {path.relative_to(ROOT) for path in data - modules if path.is_file()}
-    assert not unread - {Path("src/cmtof_book/replication.yml")}  # the command line's own
+    assert not unread - {
+        Path("src/cmtof_book/replication.yml")
+    }  # the command line's own
 
 
 def test_unknown_profiles_and_notebooks_are_refused(tmp_path):
@@ -101,7 +107,9 @@ def test_tables_count_once_and_are_not_edited(tmp_path, monkeypatch, capsys):
     for _ in range(2):  # the second time nothing is left to count
         tables.main(["beat", "middle"], offset=(0.0, 35.0))
     assert len(capsys.readouterr().out.splitlines()) == 2
-    counted = Evaluation(["beat", "middle"], phase_offset=(0, 0.035)).add_all(frames).counts()
+    counted = (
+        Evaluation(["beat", "middle"], phase_offset=(0, 0.035)).add_all(frames).counts()
+    )
     assert read_counts(path) == counted
     path.write_text(path.read_text().replace(frames[0].name, "another"))
     with raises(ValueError, match="edited ones. Count again"):

@@ -48,7 +48,9 @@ def test_one_row_is_the_best_chain(rng, shape, labels):
     field = random_field(rng, *shape, labels)
     phase = field.phase.ravel()
     step = np.rint((phase[:-1] - phase[1:]) / TAU)
-    unary = np.stack([field.unary(np.full(shape, one)).ravel() for one in range(labels)], axis=1)
+    unary = np.stack(
+        [field.unary(np.full(shape, one)).ravel() for one in range(labels)], axis=1
+    )
     cost = viterbi(unary.astype(float), step)
     least = cost.min(axis=1, keepdims=True)
     found, odds = mrf.semi_global_labels(field)
@@ -66,7 +68,10 @@ def test_planes_without_noise_are_exact_across_holes(exact, pair, hole, method):
     known[:, 21 : 21 + hole] = False
     shape = np.where(known, depth, np.nan)
     m = exact(shape, pair, mask=known, truth=depth, range_min=0.7547, range_max=1.195)
-    assert np.abs((cmtof.unwrap(m, method=method).depth - depth).to_numpy()[known]).max() < 1e-6
+    assert (
+        np.abs((cmtof.unwrap(m, method=method).depth - depth).to_numpy()[known]).max()
+        < 1e-6
+    )
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1, -1, 2]))
@@ -77,4 +82,6 @@ def test_a_move_is_the_best_of_all(seed, step):
     moved = labels + step * mrf.best_move(field, labels, step)
     others = [labels + step * np.reshape(x, (2, 4)) for x in product((0, 1), repeat=8)]
     inside = [x for x in others if x.min() >= 0 and x.max() < 5]
-    assert mrf.energy(field, moved) == approx(min(mrf.energy(field, x) for x in inside), abs=1e-6)
+    assert mrf.energy(field, moved) == approx(
+        min(mrf.energy(field, x) for x in inside), abs=1e-6
+    )

@@ -50,7 +50,9 @@ def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
     inner = np.stack([phase_from_depth(depth, f) % TAU for f in FREQUENCIES])
     keep = np.all((inner > 0.01) & (inner < TAU - 0.01), axis=0)
     m = Measurement.from_phase(inner + shift[:, None, None], FREQUENCIES)
-    assert (np.abs(crt.crt_closed_form(m).depth - depth)[keep].max() < 1e-4) == (offset < 0.5)
+    assert (np.abs(crt.crt_closed_form(m).depth - depth)[keep].max() < 1e-4) == (
+        offset < 0.5
+    )
 
 
 @mark.parametrize(("method", "pair"), [("crt", FREQUENCIES), ("phasor", CLOSE)])
@@ -73,13 +75,17 @@ def test_look_up_is_exact_over_fifteen_metres_and_no_entry_is_nearer(exact, rng)
     phase = m.phase.astype(float)
     amplitude = m.amplitude.astype(float)
     entries = np.arange(*m.range, 1e-4)
-    table = np.stack([match(phase, amplitude, np.full(m.shape, z), CLOSE) for z in entries])
+    table = np.stack(
+        [match(phase, amplitude, np.full(m.shape, z), CLOSE) for z in entries]
+    )
     ours = match(phase, amplitude, phasor(m).depth, CLOSE)
     assert (ours >= table.max(axis=0) - 1e-7 * amplitude.sum(axis=0)).all()
 
 
 @mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9)])
-def test_the_beat_of_one_pixel_is_exact_on_either_side_of_the_multiple(exact, rng, pair):
+def test_the_beat_of_one_pixel_is_exact_on_either_side_of_the_multiple(
+    exact, rng, pair
+):
     depth = rng.uniform(0.1, 7.0, (9, 9))
     found = cmtof.unwrap(exact(depth, pair), method="beat", window=1).depth
     assert_allclose(found, depth, atol=1e-6)

@@ -22,7 +22,8 @@ WRAP = wrap_length(FREQUENCIES[0])
 
 
 @mark.parametrize(
-    "method", ["beat", "beat-guided", "kde", "kde-tuned", "region", "mrf", "mrf-graphcut"]
+    "method",
+    ["beat", "beat-guided", "kde", "kde-tuned", "region", "mrf", "mrf-graphcut"],
 )
 def test_walls_of_one_depth_are_exact(exact, method):
     m = exact(np.full((20, 20), 3.21))
@@ -80,7 +81,9 @@ def test_densities_equal_the_sum_as_it_is_written(kernel, radius):
 
 def test_spatial_unwrapping_follows_a_slope_over_many_wraps(exact):
     x = np.linspace(0, 1, 80)
-    m = exact(0.9 + 0.2 * x[None, :] + 0.05 * x[:60, None], range_min=0.8, range_max=1.2)
+    m = exact(
+        0.9 + 0.2 * x[None, :] + 0.05 * x[:60, None], range_min=0.8, range_max=1.2
+    )
     relative = region.relative_phase(m) - phase_from_depth(m.depth, 7.15e9)
     assert np.ptp(relative) < 1e-9
     assert np.ptp(cmtof.unwrap(m, method="spatial").depth.to_numpy() - m.depth) < 1e-6
@@ -100,7 +103,9 @@ def test_a_region_into_which_another_surface_leaks_is_less_sure(exact):
     sure = []
     for jump in (0, 11):
         depth[:, :8] += jump * WRAP
-        sure.append(cmtof.unwrap(exact(depth), method="region").confidence.to_numpy().mean())
+        sure.append(
+            cmtof.unwrap(exact(depth), method="region").confidence.to_numpy().mean()
+        )
     assert sure[0] > 0.9
     assert sure[1] < sure[0] - 0.15
 

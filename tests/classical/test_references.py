@@ -73,7 +73,10 @@ def test_contact_carries_an_offset_across_a_crease():
 
 def test_wider_windows_are_right_more_often(flat_wall):
     m = simulate(flat_wall(90, 3.0), protocol="full", seed=3)
-    found = [cmtof.unwrap(m, method="reference-field", side=side) for side in (1, 11, 41, 181)]
+    found = [
+        cmtof.unwrap(m, method="reference-field", side=side)
+        for side in (1, 11, 41, 181)
+    ]
     rates = [score(scored_pixels(one, m))["delta_lt_2"] for one in found]
     assert rates == sorted(rates)
     assert rates[-1] == 1.0

@@ -3,7 +3,17 @@
 from contextlib import contextmanager
 from functools import partial
 
-from peers import T7, Controller, Firmware, Generator, Meter, Port, Visa, modbus, simulated
+from peers import (
+    T7,
+    Controller,
+    Firmware,
+    Generator,
+    Meter,
+    Port,
+    Visa,
+    modbus,
+    simulated,
+)
 from registers import HERE, feedback, in_bytes
 
 from cmtof.files import read_document
@@ -42,7 +52,9 @@ class Device:
 def called(driver, call, options=None, **written):
     """What a driver does or tells, as it is written in the transcripts."""
     found = getattr(driver, call)
-    found = found(*written.get("with", ()), **(options or {})) if callable(found) else found
+    found = (
+        found(*written.get("with", ()), **(options or {})) if callable(found) else found
+    )
     return list(found) if isinstance(found, tuple) else found
 
 
@@ -61,7 +73,9 @@ DEVICES = {
         (
             "t7",
             modbus,
-            partial(LabJackT7, stream=Port(), safe_lines=["FIO0", "FIO1"], parked=["TDAC2"]),
+            partial(
+                LabJackT7, stream=Port(), safe_lines=["FIO0", "FIO1"], parked=["TDAC2"]
+            ),
             lambda: T7(simulated("daq")),
         ),
     )

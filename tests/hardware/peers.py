@@ -69,7 +69,9 @@ class Port:
 
     def read_until(self, end, size):
         line = b""
-        while not line.endswith(end) and len(line) < size and (byte := self._loop.read(1)):
+        while (
+            not line.endswith(end) and len(line) < size and (byte := self._loop.read(1))
+        ):
             line += byte
         return line
 
@@ -146,7 +148,9 @@ class Firmware:
             case "RF" | "TRIG":
                 {"RF": rf.output, "TRIG": rf.trigger}[word](arguments == ("ON",))
             case "FREQ" | "POWR":
-                {"FREQ": rf.set_frequency, "POWR": rf.set_power}[word](float(*arguments))
+                {"FREQ": rf.set_frequency, "POWR": rf.set_power}[word](
+                    float(*arguments)
+                )
             case "PHAS":
                 rf.set_phase(*turned(arguments))
             case "TABL":
@@ -270,7 +274,9 @@ class T7:
     def cycle_power(self):
         """Switch off and on: lines are inputs, pulled high, unless others are saved."""
         self.outputs = set(self.power_up)
-        self.set(2500, "H", sum(self.power_up.get(line, 1) << line for line in range(8)))
+        self.set(
+            2500, "H", sum(self.power_up.get(line, 1) << line for line in range(8))
+        )
         for line in range(8):
             self.device.set_line(f"FIO{line}", bool(self.levels >> line & 1))
 
@@ -318,11 +324,19 @@ class T7:
         """Send the packets of a burst."""
         scans = self.get(4020)
         size = self.get(4006)
-        settings = {"rate": self.get(4002, "f"), "scans": scans, "pulse": self.get(4060)}
+        settings = {
+            "rate": self.get(4002, "f"),
+            "scans": scans,
+            "pulse": self.get(4060),
+        }
         places = range(4102, 4100 + 2 * self.get(4004), 2)
         inputs = [f"AIN{self.get(place) // 2}" for place in places]
-        self.device.configure_burst(channels=inputs, range=10.0, pulse_line="FIO4", **settings)
-        counts = next(self.device.bursts([{"USER_RAM0_U32": self.get(46100)}])).astype(">u2")
+        self.device.configure_burst(
+            channels=inputs, range=10.0, pulse_line="FIO4", **settings
+        )
+        counts = next(self.device.bursts([{"USER_RAM0_U32": self.get(46100)}])).astype(
+            ">u2"
+        )
         fault = self.fault
         self.fault = ""
         for n, start in enumerate(range(0, counts.size, size)):
@@ -335,7 +349,9 @@ class T7:
                 status = 2941
             if n and fault == "lost":
                 number += 1
-            head = struct.pack(">HHHBBBBHHH", number, 0, 10 + len(part), 1, 76, 16, 0, 0, status, 0)
+            head = struct.pack(
+                ">HHHBBBBHHH", number, 0, 10 + len(part), 1, 76, 16, 0, 0, status, 0
+            )
             self.stream.write(head + part)
 
 

@@ -9,7 +9,12 @@ from peers import ERROR, HOMED, Controller, Port, simulated
 from pytest import fixture, mark, raises
 
 from cmtof.hardware.apt import LONGEST, MOTORS, Motor, open_controller
-from cmtof.hardware.device import ConnectionLost, InstrumentError, InstrumentTimeout, Refused
+from cmtof.hardware.device import (
+    ConnectionLost,
+    InstrumentError,
+    InstrumentTimeout,
+    Refused,
+)
 
 
 @fixture
@@ -37,7 +42,10 @@ def test_the_longest_way_home_takes_less_than_is_waited_for(kind):
 
 @mark.parametrize(
     ("lost", "words"),
-    [(b"\x40\x04", "home velocity to 1159472, got 5"), (b"\x13\x04", "velocity to 1855155, got 5")],
+    [
+        (b"\x40\x04", "home velocity to 1159472, got 5"),
+        (b"\x13\x04", "velocity to 1855155, got 5"),
+    ],
 )
 def test_a_speed_that_is_not_taken_is_refused(controller, lost, words):
     port = Port(lambda data: b"" if data[:2] == lost else controller(data))

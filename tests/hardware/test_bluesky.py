@@ -29,7 +29,9 @@ def test_a_plan_moves_the_stage_and_reads_the_meter(parts):
     events = [document["data"] for name, document in heard if name == "event"]
     assert_allclose([one["stage"] for one in events], [0.020, 0.025, 0.030])
     assert {one["power_meter"] for one in events} == {0.0}  # the shutter is closed
-    (told,) = [document["data_keys"] for name, document in heard if name == "descriptor"]
+    (told,) = [
+        document["data_keys"] for name, document in heard if name == "descriptor"
+    ]
     assert (told["stage"]["units"], told["power_meter"]["units"]) == ("m", "W")
 
 

@@ -39,14 +39,24 @@ def first_blocks():
 MIRROR = {"kind": "mirror", "distance": 0.6, "reflectance": 6e-6}
 PHOTODIODE = {"rig": replace(DEFAULT, flip_mirror="photodiode")}
 CHAPTERS = {  # what is measured, sizes, and the rig and what it stands before
-    "14_correlation_profiles": ("taken", {"bursts": 2, "settings": 3}, {"scene": MIRROR}),
+    "14_correlation_profiles": (
+        "taken",
+        {"bursts": 2, "settings": 3},
+        {"scene": MIRROR},
+    ),
     "17_precision_sweep": ("day", {"repeats": 1}, PHOTODIODE),
-    "19_gage_blocks": ("clouds", {"repeats": 2, "rows": 4, "columns": 8}, first_blocks()),
+    "19_gage_blocks": (
+        "clouds",
+        {"repeats": 2, "rows": 4, "columns": 8},
+        first_blocks(),
+    ),
 }
 
 
 @mark.parametrize("chapter", CHAPTERS)
-def test_a_chapter_measures_on_a_rig_what_it_simulates(world_of, tmp_path, monkeypatch, chapter):
+def test_a_chapter_measures_on_a_rig_what_it_simulates(
+    world_of, tmp_path, monkeypatch, chapter
+):
     monkeypatch.chdir(tmp_path)
     name, sizes, before = CHAPTERS[chapter]
     world = world_of(**{"rig": DEFAULT} | before)

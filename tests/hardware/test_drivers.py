@@ -66,7 +66,9 @@ def sent(request_of, wire):
 
 
 @mark.parametrize("fault", ["silence", "garbage"])
-def test_a_question_is_asked_once_more(request_of, contract, wire, driver, sent, faults, fault):
+def test_a_question_is_asked_once_more(
+    request_of, contract, wire, driver, sent, faults, fault
+):
     wire.fail(request_of(contract["question"]), faults[fault], times=1)
     assert called(driver, **contract["ask"]) == contract["ask"]["gives"]
     assert sent(contract["question"]) == 2
@@ -80,7 +82,9 @@ ERRORS = {
 
 
 @mark.parametrize("fault", ERRORS)
-def test_a_fault_that_stays_is_one_error(request_of, contract, wire, driver, faults, fault):
+def test_a_fault_that_stays_is_one_error(
+    request_of, contract, wire, driver, faults, fault
+):
     wire.fail(request_of(contract["question"]), faults[fault])
     with raises(ERRORS[fault], match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
         called(driver, **contract["ask"])

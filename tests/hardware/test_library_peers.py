@@ -20,7 +20,9 @@ def simulated(kind, name, address):
 
 
 def test_generator_becomes_the_clock():
-    clock = simulated(SignalGenerator, "sdg2042x.yaml", "TCPIP0::127.0.0.1::5025::SOCKET")
+    clock = simulated(
+        SignalGenerator, "sdg2042x.yaml", "TCPIP0::127.0.0.1::5025::SOCKET"
+    )
     assert clock.identify()["serial_number"] == "SDG2XCAX1R0001"
     clock.reset()
     for channel in (1, 2):
@@ -35,7 +37,9 @@ def test_generator_becomes_the_clock():
 
 
 def test_power_meter_measures_in_watts():
-    meter = simulated(PowerMeter, "pm100d.yaml", "USB0::0x1313::0x8078::P0012345::INSTR")
+    meter = simulated(
+        PowerMeter, "pm100d.yaml", "USB0::0x1313::0x8078::P0012345::INSTR"
+    )
     assert meter._ask("SENS:POW:UNIT?", str) == "DBM"  # as somebody has left it
     found = meter.identify()
     assert (found["serial_number"], found["head"]) == ("P0012345", "S140C")
@@ -53,5 +57,7 @@ def test_frames_are_those_of_modbus_tcp():
     with raises(TimeoutError):
         client.ask(b"\x00\xea\x60\x02")
     with listener, listener.accept()[0] as far_end:
-        used, unit, number, body = FramerSocket(DecodePDU(True)).decode(far_end.recv(100))
+        used, unit, number, body = FramerSocket(DecodePDU(True)).decode(
+            far_end.recv(100)
+        )
     assert (used, unit, number, body) == (12, 1, 1, b"\x4c\x00\xea\x60\x02")

@@ -7,7 +7,12 @@ from pytest import approx, fixture, mark, raises
 from cmtof.correlation import centred, phase_from_depth
 from cmtof.hardware.journal import append, begun, whole_lines
 from cmtof.hardware.plan import Record, planned
-from cmtof.hardware.reduction import calibrate, drive_phases, nominal_psi, sums_from_counts
+from cmtof.hardware.reduction import (
+    calibrate,
+    drive_phases,
+    nominal_psi,
+    sums_from_counts,
+)
 from cmtof.hardware.rig import MODES, Rig
 
 RIG = Rig.default()
@@ -37,7 +42,9 @@ def test_every_burst_has_its_own_label():
 
 def test_rays_are_those_of_a_pinhole():
     plan = planned(RIG, size=(3, 5))
-    assert_allclose(np.diff(np.tan(plan.angles[..., 0]), axis=1), 2 * np.tan(np.deg2rad(10)) / 5)
+    assert_allclose(
+        np.diff(np.tan(plan.angles[..., 0]), axis=1), 2 * np.tan(np.deg2rad(10)) / 5
+    )
     assert np.tan(plan.angles[:, 0, 1])[0] == approx(-2 * np.tan(np.deg2rad(10)) / 3)
 
 
@@ -62,7 +69,11 @@ def test_drive_steps_psi_through_one_turn(mode, order):
 def test_calibration_finds_the_offset_behind_stray_light(stray):
     z = 0.6 + 299792458 / (2 * 7.15e9) * np.arange(8) / 8
     psi = nominal_psi(16)
-    seen = 3 + np.cos(phase_from_depth(z, 7.15e9)[:, None] + psi - 1.2) + stray * np.cos(psi)
+    seen = (
+        3
+        + np.cos(phase_from_depth(z, 7.15e9)[:, None] + psi - 1.2)
+        + stray * np.cos(psi)
+    )
     offset, drift = calibrate(np.stack([seen, seen]), z, 7.15e9)
     assert offset == approx(-1.2, abs=1e-6 + 0.02 * stray)
     assert drift == approx(0, abs=1e-9)

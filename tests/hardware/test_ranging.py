@@ -33,7 +33,9 @@ def bench_of():
     return made
 
 
-@mark.parametrize(("way", "worst"), [("reference", 2e-5), ("rf", 2e-5), ("interferometer", 6.6e-8)])
+@mark.parametrize(
+    ("way", "worst"), [("reference", 2e-5), ("rf", 2e-5), ("interferometer", 6.6e-8)]
+)
 def test_each_instrument_follows_the_stage(bench_of, way, worst):
     """Within a thousandth of a wrap, and a quarter of a fringe; RF needs more light."""
     target = replace(MIRROR, reflectance=1e-2 if way == "rf" else 6e-6)
@@ -58,7 +60,9 @@ WAYS = {  # target, photodiode and reference mirror in the beam
 
 @mark.parametrize(("leads", "kind"), WAYS)
 def test_the_light_goes_where_it_should(leads, kind):
-    bench = simulated_bench(replace(RIG, flip_mirror=leads, reference_direction_deg=(3.0, -2.0)))
+    bench = simulated_bench(
+        replace(RIG, flip_mirror=leads, reference_direction_deg=(3.0, -2.0))
+    )
     bench.look_at(kind)
     panel = bench.daq.panel
     found = panel.target_in_beam, panel.photodiode_lit, panel.beam_block_out
@@ -89,14 +93,22 @@ def test_amplitude_and_resonance_are_those_of_the_drive(bench_of, module):
     assert_allclose(drive_amplitudes(bench, module, drives), wanted, rtol=5e-3)
     assert not (bench.daq.panel.emission.on or bench.daq.panel.detection.on)
     found = resonance(bench, module, np.linspace(7.145e9, 7.165e9, 5))
-    assert found == (approx(KNOWN.resonance, abs=1e5), approx(KNOWN.resonance_width, rel=0.01))
+    assert found == (
+        approx(KNOWN.resonance, abs=1e5),
+        approx(KNOWN.resonance_width, rel=0.01),
+    )
 
 
 @mark.parametrize("module", MODULES)
-def test_a_plate_that_is_turned_tells_its_zero_and_the_splitters_extinction(bench_of, module):
+def test_a_plate_that_is_turned_tells_its_zero_and_the_splitters_extinction(
+    bench_of, module
+):
     rig = replace(RIG, plate_zero_emission_deg=1.5, plate_zero_detection_deg=1.5)
     found = plate(bench_of(KNOWN, rig), module, np.arange(0.0, 45.0, 5.0))
-    assert found == (approx(-1.5, abs=0.02), approx(KNOWN.reflected_extinction, rel=0.05))
+    assert found == (
+        approx(-1.5, abs=0.02),
+        approx(KNOWN.reflected_extinction, rel=0.05),
+    )
 
 
 def test_stray_light_of_constant_phase_errs_once_a_wrap(bench_of):

@@ -24,7 +24,10 @@ WRONG = read_document(Path(__file__).with_name("wrong.yml"))
 def test_the_default_rig_holds_every_device_of_section_7():
     assert set(RIG.devices) == set(DRIVERS)
     assert RIG.scans / RIG.rate == approx(13.3e-3, rel=5e-3)
-    assert [RIG.drive_frequency(mode) for mode in ("single", "doubled")] == [7.15e9, 7.16e9]
+    assert [RIG.drive_frequency(mode) for mode in ("single", "doubled")] == [
+        7.15e9,
+        7.16e9,
+    ]
     assert "address" not in RIG.as_dict()["devices"]["daq"]
 
 
@@ -67,14 +70,18 @@ def test_a_bench_record_moves_lines_and_turns_mirrors(path):
 
 
 def test_a_view_beyond_the_mirrors_is_refused():
-    steep = replace(RIG, mirror_volts_per_degree=(1.0, 1.0), field_of_view_deg=(60.0, 20.0))
+    steep = replace(
+        RIG, mirror_volts_per_degree=(1.0, 1.0), field_of_view_deg=(60.0, 20.0)
+    )
     with raises(ValueError, match="Expected mirrors within 10 V, got 13.4 V"):
         planned(steep, size=8)
 
 
 def moved(role, address):
     """The rig with a device at another address."""
-    return replace(RIG, devices=RIG.devices | {role: replace(RIG.devices[role], address=address)})
+    return replace(
+        RIG, devices=RIG.devices | {role: replace(RIG.devices[role], address=address)}
+    )
 
 
 @mark.parametrize(
@@ -98,7 +105,10 @@ def test_a_port_that_may_not_be_opened_says_what_helps():
         one_error("a serial port"),
     ):
         raise refusal
-    with raises(ConnectionLost, match="apt install libusb"), one_error("a meter", ConnectionLost):
+    with (
+        raises(ConnectionLost, match="apt install libusb"),
+        one_error("a meter", ConnectionLost),
+    ):
         raise ValueError("No backend available")
     with raises(ConnectionLost, match="ls -l /dev/serial/by-id"):
         connected_driver(moved("stage", "/dev/no-port"), "stage")
@@ -112,7 +122,12 @@ def test_the_clock_begins_from_its_own_state_and_runs_as_the_rig_says():
     bench.start_clock()
     sines = [call.sine(channel, frequency=5e6, amplitude=2.0) for channel in (1, 2)]
     outputs = [call.output(channel, True) for channel in (1, 2)]
-    assert bench.clock.mock_calls == [call.reset(), *sines, call.lock_phases(), *outputs]
+    assert bench.clock.mock_calls == [
+        call.reset(),
+        *sines,
+        call.lock_phases(),
+        *outputs,
+    ]
 
 
 # --- the beam ------------------------------------------------------------------------------------
@@ -120,7 +135,11 @@ def test_the_clock_begins_from_its_own_state_and_runs_as_the_rig_says():
 
 @mark.parametrize(
     ("part", "knob"),
-    [("laser", "laser_on"), ("shutter", "shutter_open"), ("beam_block", "beam_block_out")],
+    [
+        ("laser", "laser_on"),
+        ("shutter", "shutter_open"),
+        ("beam_block", "beam_block_out"),
+    ],
 )
 def test_light_needs_a_closed_interlock(part, knob):
     bench = simulated_bench(RIG)

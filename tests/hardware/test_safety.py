@@ -36,7 +36,9 @@ WAIT = "time.sleep(30)"
 def outcome(inside, number=None, *, fails=False, during=None):
     """Lines behind the first, standard error and exit code of a program that may get a signal."""
     text = PROGRAM.format(inside=inside, fails=fails, during=during)
-    with subprocess.Popen([sys.executable, "-c", text], stdout=-1, stderr=-1, text=True) as one:
+    with subprocess.Popen(
+        [sys.executable, "-c", text], stdout=-1, stderr=-1, text=True
+    ) as one:
         assert one.stdout.readline() == "ready\n"
         if number is not None:
             one.send_signal(number)
@@ -67,7 +69,9 @@ def test_a_signal_does_not_cut_the_stop_short():
 
 @mark.parametrize("first", ["", "first Then: "])
 def test_a_device_that_fails_keeps_no_other_from_its_safe_state(first):
-    lines, err, code = outcome("raise OSError('first')" if first else "pass", fails=True)
+    lines, err, code = outcome(
+        "raise OSError('first')" if first else "pass", fails=True
+    )
     assert (lines, code) == (["safe shutter", "safe stage"], 1)
     assert f"Unsafe: {first}Expected every device in its safe state, got 1" in err
     assert "Switch them off by hand" in err
@@ -76,7 +80,9 @@ def test_a_device_that_fails_keeps_no_other_from_its_safe_state(first):
 def test_all_devices_are_stopped_at_the_same_time():
     """None gets on before all have begun: one that hangs delays no other."""
     begun = threading.Barrier(3)
-    devices = [SimpleNamespace(name=name, safe_state=lambda: begun.wait(20)) for name in "abc"]
+    devices = [
+        SimpleNamespace(name=name, safe_state=lambda: begun.wait(20)) for name in "abc"
+    ]
     with EmergencyStop(devices):
         pass
     assert not begun.broken

@@ -97,7 +97,9 @@ def test_a_file_holds_raw_counts_power_and_settings(whole):
     assert not journal_path(whole).exists()
 
 
-def test_a_target_among_the_scene_calibrates_as_one_behind_the_flip_mirror(output, whole):
+def test_a_target_among_the_scene_calibrates_as_one_behind_the_flip_mirror(
+    output, whole
+):
     aside = {"flip_mirror": "photodiode", "reference_direction_deg": (-6.0, 2.0)}
     take(output, rig=replace(RIG, **aside))
     found, wanted = (open_measurement(one).dataset for one in (output, whole))
@@ -136,14 +138,18 @@ def test_a_scan_begun_is_not_overwritten(stopped):
 
 def test_a_scan_goes_on_with_its_own_settings_only(stopped):
     other = replace(RIG, power_dbm=29.0)
-    with raises(ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"):
+    with raises(
+        ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"
+    ):
         take(stopped, rig=other, resume=True)
 
 
 def test_a_whole_scan_needs_no_journal_to_be_resumed(output, whole):
     output.write_bytes(whole.read_bytes())
     take(output, resume=True)
-    with raises(ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"):
+    with raises(
+        ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"
+    ):
         take(output, rig=replace(RIG, power_dbm=29.0), resume=True)
 
 
@@ -209,17 +215,23 @@ def test_bursts_with_lost_samples_or_edges_are_taken_again(output, whole, lose):
     assert output.read_bytes() == whole.read_bytes()
 
 
-@mark.parametrize(("lose", "error"), [(lose_samples, InstrumentTimeout), (miss_edges, BadReply)])
+@mark.parametrize(
+    ("lose", "error"), [(lose_samples, InstrumentTimeout), (miss_edges, BadReply)]
+)
 def test_bursts_that_are_lost_three_times_end_the_scan(output, lose, error):
     with raises(error):
         take(output, prepare=partial(lose, times=3))
 
 
 @mark.parametrize(("stronger", "share"), [(1.5, 1), (1, 1.5)])
-def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(output, stronger, share):
+def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(
+    output, stronger, share
+):
     twin = TwinSettings(laser_power=stronger * TwinSettings().laser_power)
     with raises(Unsafe, match="above 0 and up to 4 mW sent out, got"):
-        take(output, rig=replace(RIG, emitted_share=share * RIG.emitted_share), twin=twin)
+        take(
+            output, rig=replace(RIG, emitted_share=share * RIG.emitted_share), twin=twin
+        )
     assert recorded(output) == 2  # the header and the dark line
 
 
@@ -228,7 +240,9 @@ def test_light_that_grows_ends_the_scan_with_its_line(output):
         instrument = bench.daq.instrument
         usual = instrument.laser_power
         grow = {4: lambda panel: 2 * usual(panel)}
-        after_lines(bench, lambda n: setattr(instrument, "laser_power", grow.get(n, usual)))
+        after_lines(
+            bench, lambda n: setattr(instrument, "laser_power", grow.get(n, usual))
+        )
 
     with raises(Unsafe, match="above 0 and up to 4 mW sent out, got"):
         take(output, prepare=prepare)
@@ -240,7 +254,10 @@ def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(output):
     take(output, prepare=lambda bench: setattr(bench, "wait", waited.append))
     flybacks = [seconds for seconds in waited if 0 < seconds < 0.05]
     down = np.abs(PLAN.angles[0, 0]).max()
-    assert flybacks[:2] == [mirror_settling(RIG, down), approx(3.3e-3, abs=2e-4)]  # 15 degrees
+    assert flybacks[:2] == [
+        mirror_settling(RIG, down),
+        approx(3.3e-3, abs=2e-4),
+    ]  # 15 degrees
 
 
 def test_rf_comes_up_in_steps(output):
@@ -287,7 +304,9 @@ def test_a_reference_target_that_cannot_calibrate_ends_the_scan(output, twin, te
 
 
 def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line(output):
-    lose = partial(failing, role="clock", method="output_is_on", error=InstrumentTimeout, at=13)
+    lose = partial(
+        failing, role="clock", method="output_is_on", error=InstrumentTimeout, at=13
+    )
     with raises(InstrumentTimeout):
         take(output, prepare=lose)
     assert recorded(output) == 13  # header and twelve lines

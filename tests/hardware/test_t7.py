@@ -42,7 +42,12 @@ def test_two_inputs_come_in_turn(peer, daq):
     peer.device.panel.photodiode_lit = True
     daq.configure_burst(**BURST | {"channels": ["AIN2", "AIN3"]})
     (counts,) = daq.bursts([{"USER_RAM0_U32": 1}])
-    assert [peer.get(address) for address in (4004, 4100, 4102, 4104)] == [3, 4800, 4, 6]
+    assert [peer.get(address) for address in (4004, 4100, 4102, 4104)] == [
+        3,
+        4800,
+        4,
+        6,
+    ]
     assert counts.shape == (640,)
     levels = counts.reshape(320, 2).mean(axis=0)
     assert abs(levels[0] - levels[1]) > 100 > 10 * np.std(counts[::2])
@@ -56,7 +61,9 @@ def test_nothing_of_the_stream_is_inherited(peer, daq):
     peer.set(4008, "f", 50.0)
     daq.configure_burst(**BURST)
     list(daq.bursts([{"USER_RAM0_U32": 1}]))
-    assert not any(peer.get(address) for address in (4008, 4014, 4018, 4022, 4024, 4028))
+    assert not any(
+        peer.get(address) for address in (4008, 4014, 4018, 4022, 4024, 4028)
+    )
 
 
 def test_the_rate_that_the_converter_makes_is_kept_or_refused(peer, daq):
@@ -81,7 +88,9 @@ def test_the_rate_that_the_converter_makes_is_kept_or_refused(peer, daq):
         ("short", InstrumentTimeout, "all samples"),
     ],
 )
-def test_a_broken_burst_is_an_error_and_the_next_one_is_whole(peer, daq, fault, error, text):
+def test_a_broken_burst_is_an_error_and_the_next_one_is_whole(
+    peer, daq, fault, error, text
+):
     daq.configure_burst(**BURST)
     peer.fault = fault
     with raises(error, match=text):
@@ -142,6 +151,16 @@ def test_a_log_has_every_request_and_reply(network, tmp_path):
         with raises(InstrumentTimeout):
             driver.line("FIO7")
         driver.close()
-    lines = [line.split(" ", 1)[1] for line in (tmp_path / "log.txt").read_text().splitlines()]
+    lines = [
+        line.split(" ", 1)[1]
+        for line in (tmp_path / "log.txt").read_text().splitlines()
+    ]
     asked = "daq > 00 07 d7 01"
-    assert lines == [asked, "daq < 00 01", asked, "daq ! timed out", asked, "daq ! timed out"]
+    assert lines == [
+        asked,
+        "daq < 00 01",
+        asked,
+        "daq ! timed out",
+        asked,
+        "daq ! timed out",
+    ]

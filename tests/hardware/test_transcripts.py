@@ -45,7 +45,9 @@ def table():
 
 def page(text):
     """The guide with the table of today."""
-    head = re.escape("| device | dialogue | evidence | source |\n| --- | --- | --- | --- |\n")
+    head = re.escape(
+        "| device | dialogue | evidence | source |\n| --- | --- | --- | --- |\n"
+    )
     return re.sub(f"({head})(\\|.*\n)*", lambda found: found[1] + table(), text)
 
 
@@ -62,7 +64,10 @@ def test_every_register_has_its_makers_address_and_type():
     """That it is read and written as its maker allows the T7 of these tests sees to."""
     for name, (address, kind) in t7.REGISTERS.items():
         where, one = LISTED[name]
-        assert (address, f">{kind[0]}") == (where, WORDS[one.get("holds", one["type"])]), name
+        assert (address, f">{kind[0]}") == (
+            where,
+            WORDS[one.get("holds", one["type"])],
+        ), name
 
 
 if __name__ == "__main__":

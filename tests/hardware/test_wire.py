@@ -23,7 +23,9 @@ def take(world, tmp_path):
 
     def taken(**changes):
         rig = replace(world.rig, **changes)
-        return scan(planned(rig, size=2), partial(connected_bench, rig), tmp_path / "m.nc")
+        return scan(
+            planned(rig, size=2), partial(connected_bench, rig), tmp_path / "m.nc"
+        )
 
     return taken
 
@@ -36,21 +38,33 @@ def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_pat
     found = take(**air, shutter_settling=8.0)  # longer than a watchdog waits
     assert world.dark
     bench = partial(simulated_bench, RIG, WALL, seed=4)
-    wanted = scan(planned(replace(RIG, **air), size=2), bench, tmp_path / "simulated.nc")
+    wanted = scan(
+        planned(replace(RIG, **air), size=2), bench, tmp_path / "simulated.nc"
+    )
     assert (found.dataset["time"] > TODAY).all()
     usual, thin = (one.dataset.attrs["group_index"] - 1 for one in (wanted, found))
-    assert thin / usual == approx(83e3 / 101325 * 293.15 / 303.15, rel=2e-3)  # of an ideal gas
+    assert thin / usual == approx(
+        83e3 / 101325 * 293.15 / 303.15, rel=2e-3
+    )  # of an ideal gas
     for name in ("raw_counts", "laser_power", "detuning", "angle"):
         assert_array_equal(found.dataset[name], wanted.dataset[name])
 
 
-def test_a_check_asks_every_device_and_leaves_its_port_free(world, tmp_path, run, succeeds):
+def test_a_check_asks_every_device_and_leaves_its_port_free(
+    world, tmp_path, run, succeeds
+):
     path = tmp_path / "rig.yml"
     world.write(path)
     text = succeeds("scan", path, "--check")
     assert text.count("not homed") == 3
     assert text.count("RF off") == 2
-    for part in ("closed", "0 mW at the meter", "SDG2042X", "S140C", "T7 470010001 1.0292"):
+    for part in (
+        "closed",
+        "0 mW at the meter",
+        "SDG2042X",
+        "S140C",
+        "T7 470010001 1.0292",
+    ):
         assert part in text
     assert succeeds("scan", path, "--check") == text
     world.panel.interlock_closed = False
@@ -96,7 +110,9 @@ def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
         return works(request)
 
     wire.answer = answer
-    quick = replace(world.rig.devices[role], timeout=0.05)  # nobody waits longer for this one
+    quick = replace(
+        world.rig.devices[role], timeout=0.05
+    )  # nobody waits longer for this one
     with raises(InstrumentError, match="Expected"):
         take(devices=world.rig.devices | {role: quick})
     assert world.dark or role in TIMED
@@ -136,7 +152,10 @@ def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role)
 def test_another_device_than_the_rig_names_is_refused(world, role):
     other = {role: replace(world.rig.devices[role], serial_number="OTHER")}
     wrong = replace(world.rig, devices=world.rig.devices | other)
-    with raises(Refused, match="OTHER, got .* Check the address"), connected_bench(wrong):
+    with (
+        raises(Refused, match="OTHER, got .* Check the address"),
+        connected_bench(wrong),
+    ):
         pass
     assert world.dark
 
@@ -159,7 +178,17 @@ def test_timers_act_when_nobody_speaks(world, lit):
     assert world.models["rf_emission"].tripped
 
 
-SCAN = [sys.executable, "-m", "cmtof.cli", "scan", "rig.yml", "--size", "2", "-o", "m.nc"]
+SCAN = [
+    sys.executable,
+    "-m",
+    "cmtof.cli",
+    "scan",
+    "rig.yml",
+    "--size",
+    "2",
+    "-o",
+    "m.nc",
+]
 
 
 def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world, tmp_path):

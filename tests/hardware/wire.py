@@ -34,7 +34,11 @@ def whole_line(data):
 
 def whole_message(data):
     """Length of the first APT message."""
-    return 6 + struct.unpack_from("<H", data, 2)[0] * (data[4] >> 7) if len(data) > 5 else 0
+    return (
+        6 + struct.unpack_from("<H", data, 2)[0] * (data[4] >> 7)
+        if len(data) > 5
+        else 0
+    )
 
 
 def whole_frame(data):
@@ -87,7 +91,9 @@ class Server:
         self._server = socketserver.ThreadingTCPServer(("127.0.0.1", port), handle)
         self._server.daemon_threads = True
         self.address = self.form.format(*self._server.server_address)
-        threading.Thread(target=self._server.serve_forever, args=(0.01,), daemon=True).start()
+        threading.Thread(
+            target=self._server.serve_forever, args=(0.01,), daemon=True
+        ).start()
 
     def handle(self, client):
         """Serve a connection."""
@@ -188,7 +194,9 @@ class World:
     @property
     def lit(self):
         """Whether light may go out."""
-        return self.panel.laser_on or self.panel.shutter_open or self.panel.beam_block_out
+        return (
+            self.panel.laser_on or self.panel.shutter_open or self.panel.beam_block_out
+        )
 
     @property
     def dark(self):

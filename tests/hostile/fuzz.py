@@ -47,13 +47,17 @@ def started(command, folder, err):
             signal.setitimer(signal.ITIMER_PROF, 20 * SECONDS)
             signal.alarm(STUCK)
             if torch := sys.modules.get("torch"):
-                torch.set_num_threads(1)  # a fork does not copy OpenMP's threads, and would wait
+                torch.set_num_threads(
+                    1
+                )  # a fork does not copy OpenMP's threads, and would wait
             main(command)
             code = 0
         except KeyboardInterrupt:
             code = 130
         except SystemExit as stop:
-            code = stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+            code = (
+                stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+            )
         finally:
             gc.collect()  # what destructors have to say
             sys.stderr.flush()

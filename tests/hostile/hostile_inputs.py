@@ -104,7 +104,9 @@ def plain_arrays(data):
 
 def netcdf_3(data):
     """Content of a netCDF-3 file, which has no halves."""
-    data["correlation"] = data["correlation"].astype(np.result_type(data["correlation"], "f4"))
+    data["correlation"] = data["correlation"].astype(
+        np.result_type(data["correlation"], "f4")
+    )
     return bytes(data.to_netcdf(engine="scipy"))
 
 
@@ -182,7 +184,11 @@ def whole_journal():
 def frame(rng):
     """A frame whose arrays are strange or whose file is damaged."""
     depth = np.linspace(0.8, 1.1, 192, dtype=np.float32).reshape(12, 16)
-    arrays = {"depth": depth, "intensity": np.full_like(depth, 0.5), "camera": np.full(4, 20.0)}
+    arrays = {
+        "depth": depth,
+        "intensity": np.full_like(depth, 0.5),
+        "camera": np.full(4, 20.0),
+    }
     if rng.random() < 0.7:
         arrays[rng.choice(list(arrays))] = strange_array(rng)
     data = perhaps_damaged(rng, npz(**arrays), 0.5)
@@ -231,7 +237,9 @@ def foreign(rng, data):
             data["correlation"] = data["correlation"].where(valid, fill)
         case 1:
             kind = rng.choice(["u2", "i4", "f2", "f8", "i2"])
-            data["correlation"] = (data["correlation"] - 9000 * (kind == "i2")).astype(kind)
+            data["correlation"] = (data["correlation"] - 9000 * (kind == "i2")).astype(
+                kind
+            )
         case 2:
             data["psi"].attrs["units"] = rng.choice(["degree", "rad", "\x1b[2J", "K"])
             data["frequency"].attrs["units"] = rng.choice(["GHz", "Hz", ""])
@@ -255,7 +263,9 @@ def measurement(rng):
         writers = [netcdf] * 4 + [plain_arrays]
     else:
         data = foreign(rng, whole_measurement())
-        writers = [netcdf] * 4 + [netcdf_3, plain_hdf5] + [partial(reaching_out, rng)] * 2
+        writers = (
+            [netcdf] * 4 + [netcdf_3, plain_hdf5] + [partial(reaching_out, rng)] * 2
+        )
     write = rng.choice(writers)
     name = "m.npz" if write is plain_arrays else "m.nc"
     files = {name: perhaps_damaged(rng, write(data), 0.4), "pipe.nc": None}
@@ -274,13 +284,18 @@ def pictures(rng):
     light = np.indices(rng.choice([(12, 16), (24, 32)])).sum(0) * 4
     if rng.random() < 0.7:
         light = np.stack([light] * 3, axis=-1)
-    np.save(buffer := io.BytesIO(), levels.astype(rng.choice([np.uint16, np.uint8, np.float32])))
+    np.save(
+        buffer := io.BytesIO(),
+        levels.astype(rng.choice([np.uint16, np.uint8, np.float32])),
+    )
     kinds = [np.uint8] if light.ndim > 2 else [np.uint16, np.uint8, bool]
     files = {
         "d.png": png(levels.astype(rng.choice([np.uint16, np.uint8]))),
         "c.png": png(light.astype(rng.choice(kinds))),
         "d.npy": buffer.getvalue(),
-        "rgb.txt": rng.choice([b"1.0 c.png\n", b"", b"x\n", b"nan c.png\n", b"1 /dev/zero\n"]),
+        "rgb.txt": rng.choice(
+            [b"1.0 c.png\n", b"", b"x\n", b"nan c.png\n", b"1 /dev/zero\n"]
+        ),
         "depth.txt": b"1.01 d.png\n",
     }
     broken = rng.choice(["d.png", "c.png", "d.npy"])
@@ -288,7 +303,9 @@ def pictures(rng):
     source = rng.choice([". ", "d.png --intensity c.png", "d.npy --intensity c.png"])
     scale = rng.choice(["1000", "8000", "5000", "nan", "1e-300"])
     linear = rng.choice(["", "--linear"])
-    command = rng.choice(["simulate -o out.nc", "evaluate --method middle --json out.json"])
+    command = rng.choice(
+        ["simulate -o out.nc", "evaluate --method middle --json out.json"]
+    )
     return files, f"{command} {source} --depth-scale {scale} {linear}".split()
 
 
@@ -306,19 +323,35 @@ def card(rng):
             known["sha256"] = hashlib.sha256(content).hexdigest()
         case 2:
             name = rng.choice(["classes", "first_wrap", "model", "protocol"])
-            known[name] = rng.choice([-1, 0.5, [1], 10**9, "full", "fast-scnn", None, {}])
+            known[name] = rng.choice(
+                [-1, 0.5, [1], 10**9, "full", "fast-scnn", None, {}]
+            )
     files = {"m.nc": netcdf(whole_measurement()), "w.safetensors": content}
     files["w.json"] = text or json.dumps(known).encode()
     method = rng.choice(["u-net", *["fast-scnn-light"] * 4])
-    return files, f"unwrap m.nc -o out.nc --method {method} --weights w.safetensors".split()
+    return (
+        files,
+        f"unwrap m.nc -o out.nc --method {method} --weights w.safetensors".split(),
+    )
 
 
 def rig(rng):
     """A description of an instrument."""
     known = yaml.safe_load((ROOT / "src/cmtof/hardware/rig.yml").read_text("utf-8"))
-    known |= {"phases": 16, "field_of_view_deg": [9, 9], "twin": {"scene": {"kind": "plane"}}}
+    known |= {
+        "phases": 16,
+        "field_of_view_deg": [9, 9],
+        "twin": {"scene": {"kind": "plane"}},
+    }
     known["rate"] = 24000.0
-    return {"rig.yml": document(rng, known)}, ["scan", "rig.yml", "-o", "out.nc", "--size", "2"]
+    return {"rig.yml": document(rng, known)}, [
+        "scan",
+        "rig.yml",
+        "-o",
+        "out.nc",
+        "--size",
+        "2",
+    ]
 
 
 def journal(rng):
@@ -343,12 +376,32 @@ def journal(rng):
 
 def configuration(rng):
     """A configuration of a training."""
-    stage = {"name": "a", "crops": 8, "crop": 32, "batch": 2, "noise": [30, 60], "rate": [1e-3, 1]}
+    stage = {
+        "name": "a",
+        "crops": 8,
+        "crop": 32,
+        "batch": 2,
+        "noise": [30, 60],
+        "rate": [1e-3, 1],
+    }
     if rng.random() < 0.4:
         stage[rng.choice(list(stage))] = strange_value(rng)
-    known = {"model": "fast-scnn", "protocol": "released", "seed": 1, "rooms": {}, "name": "n"}
+    known = {
+        "model": "fast-scnn",
+        "protocol": "released",
+        "seed": 1,
+        "rooms": {},
+        "name": "n",
+    }
     known |= {"stages": [stage], "precision": "bf16-mixed", "save_every": 10}
-    return {"c.yml": document(rng, known)}, ["train", "c.yml", "-o", "run", "--data", "none"]
+    return {"c.yml": document(rng, known)}, [
+        "train",
+        "c.yml",
+        "-o",
+        "run",
+        "--data",
+        "none",
+    ]
 
 
 COMMANDS = """\
@@ -383,7 +436,9 @@ NUMBERS = f"nan inf -1 0 1e300 {'9' * 400} 1000000001 x 1e-320 {10**23} {2**63}"
 
 def options(rng):
     """A command line with extreme options, or with files that are no regular ones."""
-    value = rng.choice([*NUMBERS.split(), "", *["pipe.yml", "/dev/zero", "/dev/null", "/", "�"]])
+    value = rng.choice(
+        [*NUMBERS.split(), "", *["pipe.yml", "/dev/zero", "/dev/null", "/", "�"]]
+    )
     command = rng.choice(COMMANDS.splitlines()).split()
     files = {"pipe.yml": None, "pipe.nc": None, "m.nc": netcdf(whole_measurement())}
     return files, [word.replace("VALUE", value) for word in command]

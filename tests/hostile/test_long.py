@@ -13,7 +13,12 @@ import fuzz
 import numpy as np
 from pytest import fixture, mark, skip
 
-from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentError, InstrumentTimeout
+from cmtof.hardware.device import (
+    BadReply,
+    ConnectionLost,
+    InstrumentError,
+    InstrumentTimeout,
+)
 from cmtof.hardware.plan import planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
@@ -25,7 +30,14 @@ pytestmark = mark.slow
 # kills of a kind, calls, side of a scan in px, bursts between faults
 COUNTS = os.environ.get("CMTOF_LONG", "[5, 500, 64, 100]")  # in full 30, 2000, 256, 500
 MOMENTS, CALLS, SIDE, EVERY = json.loads(COUNTS)
-FAULTS = [InstrumentTimeout, ConnectionLost, BadReply, "interlock_closed", "edges", "clock_on"]
+FAULTS = [
+    InstrumentTimeout,
+    ConnectionLost,
+    BadReply,
+    "interlock_closed",
+    "edges",
+    "clock_on",
+]
 RECIPE = """
 {model: fast-scnn-light, precision: 32-true, rooms: null, save_every: 2, validate_every: 2,
 validation_views: 3, stages: [{name: leaves, crops: 24, crop: 32, batch: 2, noise: [30, 60],
@@ -78,15 +90,23 @@ def start(name, path, resume=False):
 
 def contents(path):
     """Bytes by name, but of what holds the minutes that a training took."""
-    files = {one.relative_to(path).as_posix(): one for one in path.rglob("*") if one.is_file()}
+    files = {
+        one.relative_to(path).as_posix(): one
+        for one in path.rglob("*")
+        if one.is_file()
+    }
     timed = {"run/last.ckpt", "run/fast-scnn-light.released.json"}
-    return {name: b"" if name in timed else one.read_bytes() for name, one in files.items()}
+    return {
+        name: b"" if name in timed else one.read_bytes() for name, one in files.items()
+    }
 
 
 @mark.parametrize(
     ("name", "kill"),
     [
-        *itertools.product(["render", "scan", "train"], ["SIGINT", "SIGTERM", "SIGKILL"]),
+        *itertools.product(
+            ["render", "scan", "train"], ["SIGINT", "SIGTERM", "SIGKILL"]
+        ),
         ("scan", "SIGHUP"),
     ],
 )
@@ -113,18 +133,24 @@ def test_killed_at_any_moment_it_resumes_to_equal_bytes(folder, name, kill):
 
 
 def test_thousands_of_calls_take_no_more_memory_or_files(tmp_path, measurement_file):
-    methods = itertools.cycle(["crt", "beat", "spatial", "kde", "crt-ml", "region", "surfaces"])
+    methods = itertools.cycle(
+        ["crt", "beat", "spatial", "kde", "crt-ml", "region", "surfaces"]
+    )
 
     def call(times):
         """MiB and files that are held after so many calls."""
         for method in itertools.islice(methods, times):
             list(unwrap_file(measurement_file, tmp_path / "out.nc", method=method))
         pages = int(Path("/proc/self/statm").read_text().split()[1])
-        return pages * os.sysconf("SC_PAGE_SIZE") / 2**20, len([*Path("/dev/fd").iterdir()])
+        return pages * os.sysconf("SC_PAGE_SIZE") / 2**20, len(
+            [*Path("/dev/fd").iterdir()]
+        )
 
     memory, files = call(CALLS // 20)
     more, files_then = call(CALLS - CALLS // 20)
-    print(f"{CALLS} calls: {memory:.1f} MiB and {files} files, then {more:.1f}, {files_then}")
+    print(
+        f"{CALLS} calls: {memory:.1f} MiB and {files} files, then {more:.1f}, {files_then}"
+    )
     assert more < memory + 8
     assert files_then == files
 
@@ -182,12 +208,16 @@ def take(tmp_path):
         found = None
         prepare(bench)
         try:
-            scan(planned(bench.rig, size=size), lambda: bench, tmp_path / name, **options)
+            scan(
+                planned(bench.rig, size=size), lambda: bench, tmp_path / name, **options
+            )
         except InstrumentError as error:
             found = error
         panel = bench.daq.panel
         lit = [getattr(panel, knob) for knob in LIGHT.values()]
-        assert not any([*lit, panel.emission.on, panel.detection.on, *panel.galvo_volts])
+        assert not any(
+            [*lit, panel.emission.on, panel.detection.on, *panel.galvo_volts]
+        )
         return found
 
     return taken
@@ -248,7 +278,9 @@ def test_a_scan_begins_in_the_dark_and_arms_its_timers_before_the_light(tmp_path
 
     def prepare(bench):
         panel = bench.daq.panel
-        panel.emission.on = panel.detection.on = panel.laser_on = panel.shutter_open = True
+        panel.emission.on = panel.detection.on = panel.laser_on = panel.shutter_open = (
+            True
+        )
         tell_acts(bench, done.append)
 
     assert take("m.nc", 4, prepare) is None

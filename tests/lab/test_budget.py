@@ -28,13 +28,17 @@ def test_closed_forms_meet_the_simulation(name, field, mode):
     errors = simulated(only(field), MIRROR, mode, days=80, seed=1, **STILL)
     floor = rms(simulated(TwinSettings.ideal(), MIRROR, mode, days=5, seed=1, **STILL))
     found = np.sqrt(rms(errors) ** 2 - floor**2)
-    assert found == approx(budget_terms(MIRROR, mode, days=1)[name], rel=3 / np.sqrt(160))
+    assert found == approx(
+        budget_terms(MIRROR, mode, days=1)[name], rel=3 / np.sqrt(160)
+    )
 
 
 def test_noise_meets_its_part_of_the_bound():
     """Of one reading and of the zero's eight; 20 days of 21 positions."""
     terms = budget_terms(MIRROR, days=1)
-    whole = np.sqrt(sum(terms[n] ** 2 for n in ("photon noise", "amplifier", "converter")))
+    whole = np.sqrt(
+        sum(terms[n] ** 2 for n in ("photon noise", "amplifier", "converter"))
+    )
     quiet = only("noise", "divergence", "exit_radius", "ambient_radiance")
     errors = simulated(quiet, MIRROR, "single", days=40, seed=2, **STILL)
     assert rms(errors) == approx(whole, rel=0.12)
@@ -42,7 +46,8 @@ def test_noise_meets_its_part_of_the_bound():
 
 def test_leakage_averages_out_in_the_single_mode_alone():
     terms = {
-        mode: budget_terms(PLATE, mode, days=6)["RF leakage"] for mode in ("single", "doubled")
+        mode: budget_terms(PLATE, mode, days=6)["RF leakage"]
+        for mode in ("single", "doubled")
     }
     assert terms["doubled"] > 2 * terms["single"]
 

@@ -32,7 +32,9 @@ NOISY = replace(IDEAL, noise=True)
 
 def phase_of(settings, z, mode):
     """Decoded phase, rad, of a plane at a distance, m."""
-    return decode(profile(SimulatedInstrument(settings, Plane(z)), ready(mode))[0], PSI).phase
+    return decode(
+        profile(SimulatedInstrument(settings, Plane(z)), ready(mode))[0], PSI
+    ).phase
 
 
 def expected_phase(mode, z):
@@ -81,7 +83,10 @@ def test_light_and_modulation_need_their_switches():
 
 def test_drivers_make_the_errors_that_they_are_said_to_have():
     phases, every = np.linspace(0, 6, 50), np.arange(65536) * 2 * np.pi / 65536
-    error = SimulatedInstrument(replace(IDEAL, iq_imbalance=0.02)).made_phase(0, phases) - phases
+    error = (
+        SimulatedInstrument(replace(IDEAL, iq_imbalance=0.02)).made_phase(0, phases)
+        - phases
+    )
     assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
     coded = SimulatedInstrument(replace(IDEAL, phase_step_error=5e-4), seed=4)
     assert (coded.made_phase(1, every) - every).std() == approx(5e-4, rel=0.02)
@@ -95,14 +100,19 @@ def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
     labels = np.array([1, 2000, 40000])
     instrument = SimulatedInstrument(drifting, Plane(0.6), seed=2)
     seen = profile(instrument, ready("single"), np.zeros((3, 2)), labels=labels)
-    lag = 0.1 / DRIFT_RMS * drift(2, 1, BURST_INTERVAL * labels + EDGES.size / 24000 / 2)
+    lag = (
+        0.1 / DRIFT_RMS * drift(2, 1, BURST_INTERVAL * labels + EDGES.size / 24000 / 2)
+    )
     phases = [decode(one, PSI).phase for one in seen]
     assert_allclose(centred(np.diff(phases) + np.diff(lag)), 0, atol=5e-3)
 
 
 @mark.parametrize("mode", MODES)
 def test_phase_noise_of_a_point_meets_the_closed_form(mode):
-    instrument, count = SimulatedInstrument(NOISY, Plane(0.8, reflectance=0.3), seed=1), 3000
+    instrument, count = (
+        SimulatedInstrument(NOISY, Plane(0.8, reflectance=0.3), seed=1),
+        3000,
+    )
     seen = profile(instrument, ready(mode), np.zeros((count, 2)))
     found = decode(np.moveaxis(seen, 1, 0), PSI)
     weights = np.where(np.arange(12) == 0, 1, 2) * (12 - np.arange(12)) / 144
@@ -110,8 +120,14 @@ def test_phase_noise_of_a_point_meets_the_closed_form(mode):
     variance = density(NOISY, seen.mean(0)) * variance
     variance += (NOISY.converter_noise**2 + 1 / 12) * 3.158e-4**2 / 12
     middle = np.angle(np.exp(1j * found.phase).mean())
-    wanted = np.sqrt((variance * np.sin(PSI + middle) ** 2).sum()) / 8 / found.amplitude.mean()
-    assert centred(found.phase - middle).std() == approx(wanted, rel=4 / np.sqrt(2 * count))
+    wanted = (
+        np.sqrt((variance * np.sin(PSI + middle) ** 2).sum())
+        / 8
+        / found.amplitude.mean()
+    )
+    assert centred(found.phase - middle).std() == approx(
+        wanted, rel=4 / np.sqrt(2 * count)
+    )
 
 
 # --- the noise of the published captures
@@ -129,7 +145,9 @@ def test_captures_noise_is_what_chapter_7_found():
 @mark.parametrize("mode", MODES)
 def test_disturbance_has_its_level_and_grain(mode):
     """2000 points tell a deviation to 1.6 % and a correlation to 0.022; four of these."""
-    instrument = SimulatedInstrument(replace(IDEAL, **NOISE["captures"]), Plane(0.8), seed=1)
+    instrument = SimulatedInstrument(
+        replace(IDEAL, **NOISE["captures"]), Plane(0.8), seed=1
+    )
     seen = decode(profile(instrument, ready(mode), np.zeros((2000, 2))).T, PSI).phase
     error = centred(seen - np.angle(np.exp(1j * seen).mean()))
     assert error.std() == approx(NOISE["captures"]["phase_noise"][0], rel=0.08)
@@ -139,5 +157,7 @@ def test_disturbance_has_its_level_and_grain(mode):
 
 def test_normals_by_key_are_those_of_a_generator_for_each():
     keys = np.array([0, 7, 2**40])
-    apart = [keyed_generator(-3, LABEL, key).standard_normal(5) for key in keys.tolist()]
+    apart = [
+        keyed_generator(-3, LABEL, key).standard_normal(5) for key in keys.tolist()
+    ]
     assert (normals_by_key(-3, LABEL, keys, 5) == apart).all()

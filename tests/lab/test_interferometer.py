@@ -12,7 +12,9 @@ from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, PLATE
 
 SILENT = TwinSettings(noise=False, speckle=False)
-STEADY = dict.fromkeys(["wavelength_error", "stage_error", "shaking", "temperature_drift"], 0.0)
+STEADY = dict.fromkeys(
+    ["wavelength_error", "stage_error", "shaking", "temperature_drift"], 0.0
+)
 
 
 def test_contrast_halves_at_the_coherence_length():
@@ -24,9 +26,9 @@ def test_contrast_halves_at_the_coherence_length():
 
 
 def test_modes_that_match():
-    assert Interferometer(settings=TwinSettings(divergence=0.0)).matched_share(MIRROR) == approx(
-        1.0
-    )
+    assert Interferometer(settings=TwinSettings(divergence=0.0)).matched_share(
+        MIRROR
+    ) == approx(1.0)
     # one mode against the speckle cells, where the mode is far smaller than a cell
     narrow = Interferometer(reference_radius=1e-5)
     area = np.pi * TwinSettings().aperture ** 2 / 4
@@ -44,7 +46,9 @@ def test_sweep_reaches_the_bound():
 def test_a_move_is_counted_right_below_a_quarter_wavelength_and_backwards_above(margin):
     ruler = Interferometer(settings=SILENT, **STEADY)
     ruler = replace(ruler, speed=margin * ruler.wavelength / 4 / ruler.reading_time)
-    found = ruler.sweep(MIRROR, [0.0, 400 * ruler.stride], repeats=1, seed=0)[0, 1] - 0.6
+    found = (
+        ruler.sweep(MIRROR, [0.0, 400 * ruler.stride], repeats=1, seed=0)[0, 1] - 0.6
+    )
     counted = ruler.stride - (margin > 1) * ruler.wavelength / 2
     assert found == approx(400 * counted, abs=1e-12)
 
@@ -55,7 +59,9 @@ def test_vibration_has_its_rms_and_its_change(lag):
     assert found.std() == approx(2e-8, rel=0.02)
     angle = TAU * 30 / 600 * lag
     spread = np.std(found[lag:] - found[:-lag])
-    assert spread == approx(2e-8 * np.sqrt(2 - 2 * np.exp(-angle / 10) * np.cos(angle)), rel=0.02)
+    assert spread == approx(
+        2e-8 * np.sqrt(2 - 2 * np.exp(-angle / 10) * np.cos(angle)), rel=0.02
+    )
 
 
 def test_fringes_lost_to_vibration():
@@ -74,7 +80,12 @@ def test_fringes_lost_to_vibration():
 def test_speckle_is_circular_gaussian_with_its_length():
     rng = np.random.default_rng(2)
     places = np.linspace(0, 3.0, 31)
-    field = _gaussian_root(places) @ rng.standard_normal((31, 20_000, 2)).view(complex)[..., 0]
+    field = (
+        _gaussian_root(places)
+        @ rng.standard_normal((31, 20_000, 2)).view(complex)[..., 0]
+    )
     assert np.mean(np.abs(field) ** 2 < 0.1) == approx(1 - np.exp(-0.1), rel=0.05)
     assert abs(np.mean(field**2)) < 0.02
-    assert_allclose(np.mean(field * np.conj(field[:1]), axis=1), np.exp(-(places**2)), atol=0.03)
+    assert_allclose(
+        np.mean(field * np.conj(field[:1]), axis=1), np.exp(-(places**2)), atol=0.03
+    )

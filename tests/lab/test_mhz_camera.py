@@ -15,7 +15,9 @@ CLEAN = MhzCamera(veil=0.0, blur=0.0, ambient_radiance=0.0)
 
 
 def flat(distance=1.0, reflectance=0.5, cosine=1.0, shape=(24, 24), mirrored=0.0):
-    return RayEnds(*(np.full(shape, x) for x in (distance, cosine, reflectance)), mirrored)
+    return RayEnds(
+        *(np.full(shape, x) for x in (distance, cosine, reflectance)), mirrored
+    )
 
 
 def bias(camera, view, field=None):
@@ -33,7 +35,9 @@ def test_the_field_returns_what_a_lambertian_wall_sends_into_the_pupil():
 
 
 def test_polished_metal_is_faint_aside_and_blinding_ahead():
-    aside, ahead = (CLEAN.signal(flat(cosine=x, mirrored=1.0))[0, 0] for x in (0.9, 1.0))
+    aside, ahead = (
+        CLEAN.signal(flat(cosine=x, mirrored=1.0))[0, 0] for x in (0.9, 1.0)
+    )
     assert aside == approx(0.02 * CLEAN.signal(flat(cosine=0.9))[0, 0])
     assert ahead > 1000 * CLEAN.signal(flat())[0, 0]
 
@@ -78,7 +82,9 @@ def test_a_veil_pulls_a_dark_spot_by_the_closed_form(dark):
     away = phase_from_depth(0.3, camera.frequency)
     pull = np.angle(1 + ratio * np.exp(1j * away)) * camera.wrap / TAU
     assert_allclose(bias(camera, spot, field), pull, rtol=1e-9)
-    assert np.abs(bias(camera, spot, flat(1.0, 0.8))).max() < 1e-12  # nothing at equal ranges
+    assert (
+        np.abs(bias(camera, spot, flat(1.0, 0.8))).max() < 1e-12
+    )  # nothing at equal ranges
 
 
 def test_blur_mixes_ranges_at_an_edge_only():

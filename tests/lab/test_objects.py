@@ -25,7 +25,9 @@ def looked_at(name, size=96):
 @mark.parametrize("name", objects.OBJECTS)
 def test_an_object_stands_before_a_wall_within_the_wraps_36_to_56(name):
     rays, hits = looked_at(name)
-    low, high = np.array(RELEASED_WRAPS) * wrap_length(FREQUENCY_SINGLE) / 1.0003  # of the air
+    low, high = (
+        np.array(RELEASED_WRAPS) * wrap_length(FREQUENCY_SINGLE) / 1.0003
+    )  # of the air
     assert low < hits.range.min() < DISTANCE < hits.range.max() < high
     assert ((rays * hits.range[..., None])[0, [0, -1]][:, 2] > DISTANCE + 0.05).all()
     assert hits.reflectance.min() >= 0
@@ -39,13 +41,17 @@ def test_still_lifes_stand_on_a_table_and_differ(names):
     assert np.array_equal(first.vertices, same.vertices)
     assert np.abs(first.vertices - other.vertices).max() > 0.01
     rays = rays_from_camera((96, 96), [48 / np.tan(view / 2)] * 2 + [48, 48])
-    hits = MeshTarget.from_mesh(first).look(rays / np.linalg.norm(rays, axis=-1, keepdims=True))
+    hits = MeshTarget.from_mesh(first).look(
+        rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    )
     low, high = np.array(RELEASED_WRAPS) * wrap_length(FREQUENCY_SINGLE)
     assert np.mean((low < hits.range) & (hits.range < high)) > 0.7
 
 
 def test_materials_are_those_of_the_paper():
-    bust, helmet, owl, table = (looked_at(name)[1] for name in ("bust", "helmet", "owl", "table"))
+    bust, helmet, owl, table = (
+        looked_at(name)[1] for name in ("bust", "helmet", "owl", "table")
+    )
     assert np.median(bust.reflectance[bust.range < 1.0]) == approx(0.8)
     assert np.mean(helmet.mirrored > 0.9) > 0.2
     feathers = owl.reflectance[owl.range < 1.0]
@@ -66,15 +72,21 @@ def test_facets_lie_below_the_noise():
     """Edges and middles of a ball's faces are off the ball by a few micrometres at most."""
     body = objects._ellipsoid({"ellipsoid": [0.05, 0.05, 0.05]})
     middle = np.asarray(body.vertices)[body.faces].mean(axis=1)
-    level = np.abs(middle[:, 2]) < 0.045  # not at the poles, where a monotonic curve is blunt
+    level = (
+        np.abs(middle[:, 2]) < 0.045
+    )  # not at the poles, where a monotonic curve is blunt
     assert np.abs(np.linalg.norm(middle[level], axis=1) - 0.05).max() < 6e-6
 
 
 def test_the_step_of_the_gauge_blocks_is_along_their_normal():
     tilt, step = 0.1, 0.5e-3
-    target = MeshTarget.from_mesh(gage_blocks(step, 1.0, tilt=tilt, errors=(1e-7, -3e-7)))
+    target = MeshTarget.from_mesh(
+        gage_blocks(step, 1.0, tilt=tilt, errors=(1e-7, -3e-7))
+    )
     x = np.array([-0.5 * WIDTH, 0.5 * WIDTH, 1.1 * WIDTH, 0.0])
-    y = np.array([0.002, -0.003, 0.0, 0.6 * HEIGHT])  # the last two lie beside the faces
+    y = np.array(
+        [0.002, -0.003, 0.0, 0.6 * HEIGHT]
+    )  # the last two lie beside the faces
     rays = np.stack([x, y, np.ones(4)], -1) / np.sqrt(1 + x**2 + y**2)[:, None]
     reach = target.look(rays).range
     assert np.isnan(reach[2:]).all()

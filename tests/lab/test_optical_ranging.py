@@ -30,7 +30,9 @@ def test_counts_are_those_of_a_scan(mode):
     ranger = OpticalRanger(settings, mode)
     row = ["single", "doubled"].index(mode)
     label = round(float(scan["time"][row, 0, 0]) / BURST_INTERVAL)
-    counts = ranger.counts(SimulatedInstrument(ranger.before(PLATE), seed=5), np.zeros(1), [label])
+    counts = ranger.counts(
+        SimulatedInstrument(ranger.before(PLATE), seed=5), np.zeros(1), [label]
+    )
     means = counts.reshape(16, 20)[:, 4:].mean(-1)
     # a scan drops more of the first phase, in which the mirrors may still move
     assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])
@@ -47,7 +49,8 @@ def test_noise_alone_meets_the_bound(mode, what):
 
 
 @mark.parametrize(
-    ("change", "ratio"), [({"visits": 8}, 2 / 1.125), ({"samples": 36}, 2), ({"phases": 32}, 2)]
+    ("change", "ratio"),
+    [({"visits": 8}, 2 / 1.125), ({"samples": 36}, 2), ({"phases": 32}, 2)],
 )
 def test_noise_of_the_zero_samples_and_phases(change, ratio):
     ranger = OpticalRanger(NOISY, visits=1)
@@ -84,7 +87,9 @@ def test_coaxial_light_makes_a_cyclic_error():
 def test_the_grey_filter_keeps_a_mirror_within_range():
     ranger = OpticalRanger(TwinSettings.ideal(), "doubled")
     counts = ranger.counts(
-        SimulatedInstrument(ranger.before(MIRROR)), np.linspace(0, 0.02, 30), np.arange(30)
+        SimulatedInstrument(ranger.before(MIRROR)),
+        np.linspace(0, 0.02, 30),
+        np.arange(30),
     )
     assert volts_from_counts(counts).max() == approx(0.5 * 4.1, rel=0.03)
     assert ranger.before(MIRROR).efficiency < 1e-3 * TwinSettings().efficiency

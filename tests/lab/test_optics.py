@@ -40,7 +40,9 @@ def test_diffuse_light_falls_with_the_square_of_the_range():
 
 
 def test_a_mirror_returns_more_and_turns_away():
-    straight, tilted = (returned(1.0, np.cos(t), mirrored=1.0) for t in (0.0, np.deg2rad(1)))
+    straight, tilted = (
+        returned(1.0, np.cos(t), mirrored=1.0) for t in (0.0, np.deg2rad(1))
+    )
     paper = returned(1.0)
     assert straight > 1e3 * paper
     assert tilted == approx(0.02 * paper, rel=1e-2)
@@ -58,14 +60,18 @@ def test_speckle_has_its_mean_and_contrast():
 
 
 def test_the_spot_is_symmetric_and_sees_the_mean_range():
-    paths = trace(Plane(1.0), np.zeros((1, 2)), TwinSettings.ideal(divergence=5e-3), seed=0)
+    paths = trace(
+        Plane(1.0), np.zeros((1, 2)), TwinSettings.ideal(divergence=5e-3), seed=0
+    )
     weights = paths.fraction[0] / paths.fraction.sum()
     assert weights[0] == approx(0.5, rel=1e-3)
     assert (weights * paths.range[0]).sum() - 1 == approx(5e-3**2 / 4, rel=1e-2)
 
 
 def test_three_milliwatts_reach_the_scene():
-    single, doubled = (sent_power(TwinSettings(), mode) for mode in ("single", "doubled"))
+    single, doubled = (
+        sent_power(TwinSettings(), mode) for mode in ("single", "doubled")
+    )
     assert single == approx(3e-3, rel=0.1)
     assert doubled < single
 

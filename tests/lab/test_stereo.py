@@ -72,7 +72,9 @@ def test_depth_noise_follows_the_closed_form(rng, z=4.0):
     focal = RIG.matrices[0, 0, 0]
     baseline = np.linalg.norm(np.diff(RIG.centres, axis=0))
     assert baseline == approx(0.3)
-    assert found[:, 2].std() == approx(np.sqrt(2) * z**2 * 0.1 / focal / baseline, rel=0.05)
+    assert found[:, 2].std() == approx(
+        np.sqrt(2) * z**2 * 0.1 / focal / baseline, rel=0.05
+    )
 
 
 def between(rig):
@@ -94,19 +96,35 @@ def test_boards_calibrate_each_camera_of_the_rig(rng):
 
 
 def test_spots_locate_the_scanner(rng):
-    rig = replace(RIG, poses=(RIG.poses[0] * RIG.poses[0].inv(), RIG.poses[1] * RIG.poses[0].inv()))
+    rig = replace(
+        RIG,
+        poses=(RIG.poses[0] * RIG.poses[0].inv(), RIG.poses[1] * RIG.poses[0].inv()),
+    )
     beams = points_from_depth(planar(1.5 + 0.01 * np.arange(40)), CAMERA)
     pixels = RIG.project(beams) + 0.1 * rng.standard_normal((2, *SHAPE, 2))
     pixels[:, ::3] = np.nan
-    assert_allclose(stereo.locate_scanner(rig, pixels, 3.7 * beams).centres, RIG.centres, atol=1e-3)
+    assert_allclose(
+        stereo.locate_scanner(rig, pixels, 3.7 * beams).centres, RIG.centres, atol=1e-3
+    )
 
 
 @mark.parametrize(
     ("call", "message"),
     [
-        (lambda: stereo.calibrate(np.zeros((2, 2, 54, 2)), RIG.shape), "at least 3 views, got 2"),
-        (lambda: stereo.locate_scanner(RIG, np.zeros((2, 3, 2)), np.ones((3, 3))), "least 6 spots"),
-        (lambda: stereo.scan_spots(Frame(planar(1.5), np.ones(SHAPE)), RIG, rng=None), "a camera"),
+        (
+            lambda: stereo.calibrate(np.zeros((2, 2, 54, 2)), RIG.shape),
+            "at least 3 views, got 2",
+        ),
+        (
+            lambda: stereo.locate_scanner(RIG, np.zeros((2, 3, 2)), np.ones((3, 3))),
+            "least 6 spots",
+        ),
+        (
+            lambda: stereo.scan_spots(
+                Frame(planar(1.5), np.ones(SHAPE)), RIG, rng=None
+            ),
+            "a camera",
+        ),
     ],
 )
 def test_bad_input_is_named(call, message):
@@ -172,7 +190,9 @@ def test_no_plane_hides_itself():
 @mark.parametrize("side", [-1, 1])
 def test_a_post_hides_what_geometry_says(post, side):
     """From 0.15 m aside the post's edge at 0.9 m hides 0.15 m of the wall at 1.8 m: 5 px."""
-    hidden = np.flatnonzero(~stereo.visible_from(points_of(post), (side * 0.15, 0, 0))[15])
+    hidden = np.flatnonzero(
+        ~stereo.visible_from(points_of(post), (side * 0.15, 0, 0))[15]
+    )
     edge = range(10, 15) if side > 0 else range(25, 30)
     assert 4 <= len(hidden) <= 6
     assert len(set(hidden) & set(edge)) >= 4
@@ -193,7 +213,9 @@ def test_with_the_phase_half_a_wrap_is_enough(wall, sigma, labelled):
     truth = stereo.truth_from_spots(exact(wall, sigma), RIG, phase=measured_phase(wall))
     assert truth.mask.all() == labelled
     assert (3 * truth.uncertainty < WRAP / 2).all() == labelled
-    right = (truth.wraps == wall.depth // WRAP) & (np.abs(truth.depth - wall.depth) < 1e-5)
+    right = (truth.wraps == wall.depth // WRAP) & (
+        np.abs(truth.depth - wall.depth) < 1e-5
+    )
     assert (right | ~truth.mask).all()
 
 
@@ -208,7 +230,9 @@ def test_a_wrong_pair_is_seen_across_the_epipolar_line(wall):
 def test_labels_of_a_simulated_scan_are_right_and_silent_where_hidden(post):
     spots = stereo.scan_spots(post, RIG, rng=np.random.default_rng(3))
     truth = stereo.truth_from_spots(spots, RIG, phase=measured_phase(post))
-    seen = np.all([stereo.visible_from(points_of(post), c) for c in RIG.centres], axis=0)
+    seen = np.all(
+        [stereo.visible_from(points_of(post), c) for c in RIG.centres], axis=0
+    )
     assert not truth.mask[~seen].any()
     assert truth.mask.mean() > 0.6
     # k = 3: at most 0.3 % of labels may err

@@ -13,7 +13,12 @@ from cmtof_lab.sweep import POSITIONS, parts
 from cmtof_lab.targets import MIRROR
 
 
-@given(st.floats(-1e-3, 1e-3), st.floats(-0.1, 0.1), st.floats(0, 1e-4), st.integers(0, 2**32 - 1))
+@given(
+    st.floats(-1e-3, 1e-3),
+    st.floats(-0.1, 0.1),
+    st.floats(0, 1e-4),
+    st.integers(0, 2**32 - 1),
+)
 def test_the_parts_add_up(offset, slope, noise, seed):
     about = POSITIONS - POSITIONS.mean()
     errors = offset + slope * about
@@ -24,13 +29,17 @@ def test_the_parts_add_up(offset, slope, noise, seed):
 
 
 @mark.parametrize(
-    "ranger", [OpticalRanger(), RfRanger(), Interferometer()], ids=lambda one: type(one).__name__
+    "ranger",
+    [OpticalRanger(), RfRanger(), Interferometer()],
+    ids=lambda one: type(one).__name__,
 )
 def test_repeats_are_days_of_their_own(ranger):
     places = POSITIONS[:3]
     three = ranger.sweep(MIRROR, places, repeats=3, seed=9)
     assert_array_equal(ranger.sweep(MIRROR, places, repeats=1, seed=9)[0], three[0])
     assert len({row.tobytes() for row in three}) == 3
-    assert not np.array_equal(ranger.sweep(MIRROR, places, repeats=1, seed=8)[0], three[0])
+    assert not np.array_equal(
+        ranger.sweep(MIRROR, places, repeats=1, seed=8)[0], three[0]
+    )
     assert np.abs(three - 0.6 - places).max() < 5e-5
     assert ranger.bound(MIRROR, places).shape == (3,)

@@ -41,7 +41,9 @@ def test_a_frame_of_a_plane_is_that_plane(tilt):
 def test_across_a_step_the_nearest_pixel_counts():
     depth = np.where(np.arange(48) < 24, 1.0, 2.0) * np.ones((40, 1))
     planar = depth * ray_lengths(depth.shape, CAMERA)
-    target = FrameTarget(Frame(depth=planar, intensity=np.ones((40, 48)), camera=CAMERA))
+    target = FrameTarget(
+        Frame(depth=planar, intensity=np.ones((40, 48)), camera=CAMERA)
+    )
     ends = (RAYS * target.look(RAYS).range[:, None])[:, 2]
     assert np.isclose(ends[:, None], [1.0, 2.0], atol=1e-5).any(1).all()
 
@@ -58,7 +60,9 @@ def test_a_mesh_interpolates_its_vertices():
     target = MeshTarget(corners, faces, np.array([0.0, 1.0, 1.0, 0.0]), 0.25)
     found = target.look(RAYS)
     assert_allclose(found.range, Plane(2.0).look(RAYS).range, rtol=1e-6)
-    assert_allclose(found.reflectance, ((RAYS * found.range[:, None])[:, 0] + 1) / 2, atol=1e-5)
+    assert_allclose(
+        found.reflectance, ((RAYS * found.range[:, None])[:, 0] + 1) / 2, atol=1e-5
+    )
     assert_allclose(found.mirrored, 0.25)
     behind = np.array([[0.0, 0.0, 3.0], [0.0, 0.0, 1.0]])
     assert target.hidden(behind, (0.0, 0.0, 0.0)).tolist() == [True, False]

@@ -28,15 +28,21 @@ def measurement(stepped_wall):
 @fixture
 def config():
     """Two stages of a few steps, without rooms."""
-    first = Stage(name="a", crops=6, crop=32, batch=2, noise=(30, 60), rate=(2e-3, 1e-3), warm=2)
-    last = Stage(name="b", crops=4, crop=48, batch=2, noise=(60, 60), rate=(1e-3, 1e-4), warm=1)
+    first = Stage(
+        name="a", crops=6, crop=32, batch=2, noise=(30, 60), rate=(2e-3, 1e-3), warm=2
+    )
+    last = Stage(
+        name="b", crops=4, crop=48, batch=2, noise=(60, 60), rate=(1e-3, 1e-4), warm=1
+    )
     return Config(
         model="fast-scnn-light", stages=(first, last), rooms=None, save_every=2, validate_every=2,
         validation_views=3, seed=3,
     )  # fmt: skip
 
 
-def card(model="fast-scnn-light", protocol="released", gain=(0.1, 0.05, 0.15), **changes):
+def card(
+    model="fast-scnn-light", protocol="released", gain=(0.1, 0.05, 0.15), **changes
+):
     """Card of made-up weights."""
     first, classes = CLASSES[protocol]
     rates = Rates(delta_lt_1=0.3, delta_lt_2=0.6, delta_lt_3=0.7, delta_ge_10=0.05)
@@ -55,7 +61,9 @@ def stored(tmp_path):
     def store(model="fast-scnn-light", protocol="released", **changes):
         torch.manual_seed(0)
         path = weights_path(model, protocol, tmp_path)
-        save_weights(path, build_network(model, protocol), card(model, protocol, **changes))
+        save_weights(
+            path, build_network(model, protocol), card(model, protocol, **changes)
+        )
         return path
 
     return store

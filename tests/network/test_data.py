@@ -16,21 +16,27 @@ from cmtof.scenes import Frame
 
 def flat(depth, intensity, sigma, side=200, seed=0):
     whole = np.ones((side, side))
-    return data.batch_of([(depth * whole, intensity * whole, sigma, np.random.default_rng(seed))])
+    return data.batch_of(
+        [(depth * whole, intensity * whole, sigma, np.random.default_rng(seed))]
+    )
 
 
 def test_noise_free_phases_are_those_of_the_depth():
     batch = flat(7.1, 0.7, 0.0, 1)._replace(noise=torch.zeros(1, 4, 2, 1, 1))
     phase = data.phasors(batch)[0].numpy().squeeze()
     # single precision would lose 0.3 mrad over 700 wraps
-    assert phase == approx(TAU * 7.1 / wrap_length(np.array(FREQUENCIES)) % TAU, abs=1e-4)
+    assert phase == approx(
+        TAU * 7.1 / wrap_length(np.array(FREQUENCIES)) % TAU, abs=1e-4
+    )
 
 
 def test_images_have_the_simulators_mean_and_noise(flat_wall):
     """Means within 5 standard errors, variances within 4 %, of images drawn one by one."""
     frame = flat_wall(200, 0.93, 0.4)
     # its farthest depth is brought to 1.195 m if it lies beyond, and 0.93 m does not
-    drawn = cmtof.simulate(frame, noise=1200.0, seed=2).dataset["correlation"].to_numpy()
+    drawn = (
+        cmtof.simulate(frame, noise=1200.0, seed=2).dataset["correlation"].to_numpy()
+    )
     ours = data.phasors(flat(0.93, 0.4, 1200.0))[2][0].numpy()
     pixels = (-2, -1)
     error = np.sqrt(ours.var(pixels) / frame.depth.size * 2)
@@ -40,7 +46,9 @@ def test_images_have_the_simulators_mean_and_noise(flat_wall):
 
 def test_noisy_images_decode_to_their_phasor():
     phase, amplitude, images = data.phasors(flat(0.93, 0.5, 800.0, 30))
-    z = (images[:, :, 0] - images[:, :, 2] + 1j * (images[:, :, 3] - images[:, :, 1])).numpy()
+    z = (
+        images[:, :, 0] - images[:, :, 2] + 1j * (images[:, :, 3] - images[:, :, 1])
+    ).numpy()
     assert np.abs(centred(np.angle(z) - phase.numpy())).max() < 1e-3
     assert np.allclose(np.abs(z) / 2, amplitude.numpy(), rtol=1e-3)
 
@@ -48,9 +56,14 @@ def test_noisy_images_decode_to_their_phasor():
 @mark.parametrize("protocol", ["released", "full"])
 def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
     first, _ = CLASSES[protocol]
-    depth = torch.tensor([[first * data.WRAP - 1e-4, (first + 3.5) * data.WRAP, 7.6, np.nan]])
+    depth = torch.tensor(
+        [[first * data.WRAP - 1e-4, (first + 3.5) * data.WRAP, 7.6, np.nan]]
+    )
     batch = data.Batch(
-        depth[None].double(), torch.ones(1, 1, 4), torch.ones(1), torch.zeros(1, 4, 2, 1, 4)
+        depth[None].double(),
+        torch.ones(1, 1, 4),
+        torch.ones(1),
+        torch.zeros(1, 4, 2, 1, 4),
     )
     sample = data.measure(batch, inputs="phase", protocol=protocol)
     assert sample.label[0, 0].tolist() == [IGNORED, 3, IGNORED, IGNORED]

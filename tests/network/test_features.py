@@ -6,7 +6,13 @@ from numpy.testing import assert_allclose
 from pytest import mark, raises
 
 from cmtof.correlation import TAU
-from cmtof.network.features import FEATURE_SETS, channels, features, fourier_features, phase_edges
+from cmtof.network.features import (
+    FEATURE_SETS,
+    channels,
+    features,
+    fourier_features,
+    phase_edges,
+)
 
 rng = np.random.default_rng(0)
 PHASE = rng.uniform(0, TAU, (2, 12, 15))
@@ -24,7 +30,9 @@ def test_fourier_features_are_cosines_and_sines_of_octaves():
 def test_edges_of_a_plane_are_its_slopes_wherever_it_wraps():
     y, x = np.mgrid[:20, :30]
     edges = phase_edges((0.7 * x - 0.4 * y) % TAU)
-    assert np.allclose(edges[:, 1:-1, 1:], np.array([0.7, -0.4, 0.3, 1.1])[:, None, None])
+    assert np.allclose(
+        edges[:, 1:-1, 1:], np.array([0.7, -0.4, 0.3, 1.1])[:, None, None]
+    )
     assert not edges[0, :, 0].any()
     assert not edges[1, 0].any()
     assert not edges[3, -1].any()
@@ -32,7 +40,9 @@ def test_edges_of_a_plane_are_its_slopes_wherever_it_wraps():
 
 @mark.parametrize("name", FEATURE_SETS)
 def test_numpy_and_torch_agree_in_every_set(name):
-    phase, amplitude, correlation = map(torch.from_numpy, (PHASE, AMPLITUDE, CORRELATION))
+    phase, amplitude, correlation = map(
+        torch.from_numpy, (PHASE, AMPLITUDE, CORRELATION)
+    )
     ours = features(PHASE, AMPLITUDE, name, CORRELATION)
     theirs = features(phase, amplitude, name, correlation)
     assert ours.shape == (channels(name), 12, 15)

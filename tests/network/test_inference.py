@@ -44,7 +44,11 @@ def test_wraps_equal_those_of_torch(name, numbers):
     for number in numbers:
         measurement = without_holes(cmtof.simulate(frames[number], frame_number=number))
         answer = in_torch(network, inputs_of(network.model.features, measurement))
-        wraps = answer.argmax(0) if len(answer) > 1 else answer[0].clip(0, card.classes - 1) // 1
+        wraps = (
+            answer.argmax(0)
+            if len(answer) > 1
+            else answer[0].clip(0, card.classes - 1) // 1
+        )
         depth, _ = inference.unwrap_with_network(measurement, weights=path)
         found = wrap_count_from_depth(depth, measurement.frequencies[0])
         same.append(card.first_wrap + wraps == found)

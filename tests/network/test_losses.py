@@ -7,7 +7,13 @@ from pytest import approx, fixture, mark
 from torch.autograd import gradcheck
 
 from cmtof.correlation import TAU
-from cmtof.network.losses import IGNORED, WRAP_MM, regression_loss, soft_argmax, unwrapping_loss
+from cmtof.network.losses import (
+    IGNORED,
+    WRAP_MM,
+    regression_loss,
+    soft_argmax,
+    unwrapping_loss,
+)
 
 N = 7
 
@@ -50,7 +56,9 @@ def test_depth_term_counts_millimetres(off):
     label = torch.zeros(1, 1, 1, dtype=torch.long)
     phase = torch.ones(1, 1, 1)
     given = weights.double(), label, phase, phase / TAU
-    depth = unwrapping_loss(*given, depth_weight=0.1) - unwrapping_loss(*given, depth_weight=0)
+    depth = unwrapping_loss(*given, depth_weight=0.1) - unwrapping_loss(
+        *given, depth_weight=0
+    )
     assert float(depth) == approx(0.1 * (WRAP_MM * off - 0.5), rel=1e-5)
 
 
@@ -60,7 +68,9 @@ def test_regression_counts_wraps_over_classes_and_the_slope(pixels):
     loss = regression_loss(found, label, turns, classes=N)
     assert loss == approx(0.5 / N)
     flat = torch.full_like(found, 2.0)
-    smooth, plain = (regression_loss(flat, label, turns, classes=N, smoothness=s) for s in (1, 0))
+    smooth, plain = (
+        regression_loss(flat, label, turns, classes=N, smoothness=s) for s in (1, 0)
+    )
     assert torch.equal(smooth, plain)
     assert regression_loss(found, label, turns, classes=N, smoothness=1.0) > loss
 

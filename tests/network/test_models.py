@@ -28,7 +28,10 @@ def test_networks_see_no_farther_than_their_reach(name):
 
 
 def test_compared_networks_have_about_as_many_weights():
-    counts = {name: sum(w.numel() for w in build_network(name).parameters()) for name in MODELS}
+    counts = {
+        name: sum(w.numel() for w in build_network(name).parameters())
+        for name in MODELS
+    }
     assert counts["fast-scnn"] == 1_191_749
     light = counts.pop("fast-scnn-light")
     assert max(counts.values()) < 1.1 * min(counts.values())
@@ -44,11 +47,15 @@ def test_regression_spans_the_range_in_single_precision():
     assert found.dtype == torch.float32 and (found == 179).all()
 
 
-@mark.parametrize(("protocol", "quarters"), [("released", (1, -1)), ("full", (0, 1, 2, 3))])
+@mark.parametrize(
+    ("protocol", "quarters"), [("released", (1, -1)), ("full", (0, 1, 2, 3))]
+)
 def test_fresh_stem_sees_the_beat(protocol, quarters):
     """Means of the rectified filters follow |sin((b - beta)/2)|, whatever the phase."""
     first, classes = CLASSES[protocol]
-    kernels = build_network("fast-scnn", protocol).stem[0].weight.detach()[:16, :, 1:2, 1:2]
+    kernels = (
+        build_network("fast-scnn", protocol).stem[0].weight.detach()[:16, :, 1:2, 1:2]
+    )
     beat = BEAT * np.linspace(first, first + classes, 7)[:, None]
     low = np.random.default_rng(0).uniform(0, TAU, (7, 4000))
     phase = torch.from_numpy(np.stack([low, (2 * low + beat) % TAU])).float()
@@ -64,7 +71,9 @@ def test_path_to_the_pyramid_carries_the_beat_from_the_start():
     """A linear reading of the fresh network's pooled features finds the wrap of a flat wall."""
     torch.manual_seed(0)
     network, held = build_network("fast-scnn").train(), []
-    network.pyramid.join.register_forward_pre_hook(lambda module, given: held.append(given[0]))
+    network.pyramid.join.register_forward_pre_hook(
+        lambda module, given: held.append(given[0])
+    )
     wraps = torch.linspace(36, 57, 16)
     low = TAU * torch.rand(16, 64, 64)
     noise = 0.3 * torch.randn(16, 2, 64, 64)
@@ -73,7 +82,9 @@ def test_path_to_the_pyramid_carries_the_beat_from_the_start():
     with torch.no_grad():
         network(inputs)
     carried = held[0].mean((-2, -1)).double().numpy()
-    difference = carried[:, 128 + 2]  # first pool, third channel: sum at one beta minus the other
+    difference = carried[
+        :, 128 + 2
+    ]  # first pool, third channel: sum at one beta minus the other
     assert abs(np.corrcoef(difference, wraps)[0, 1]) > 0.95
 
 
@@ -87,7 +98,10 @@ def test_frozen_norms_go_into_the_kernels_and_change_nothing(precision):
         torch.nn.init.uniform_(layer.running_var, 0.5, 2)
         torch.nn.init.uniform_(layer.weight, 0.5, 2)
     image = torch.randn(1, network.inputs, 32, 40)
-    with torch.no_grad(), torch.autocast("cpu", precision, enabled=precision != torch.float32):
+    with (
+        torch.no_grad(),
+        torch.autocast("cpu", precision, enabled=precision != torch.float32),
+    ):
         folded = network(image).float()
         for layer in norms(network):
             layer.train()

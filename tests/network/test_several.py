@@ -53,7 +53,9 @@ def start(tmp_path):
 
     def starter(folder):
         command = [sys.executable, "run.py", "recipe.yml", folder]
-        return subprocess.Popen(command, cwd=tmp_path, env=os.environ | {"OMP_NUM_THREADS": "1"})
+        return subprocess.Popen(
+            command, cwd=tmp_path, env=os.environ | {"OMP_NUM_THREADS": "1"}
+        )
 
     return starter
 
@@ -61,12 +63,19 @@ def start(tmp_path):
 def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start, tmp_path):
     assert start("both").wait(600) == 0
     config = read_config(tmp_path / "recipe.yml")
-    module = Unwrapping(config, open_rooms(config, None, tmp_path), tmp_path / "last.ckpt")
+    module = Unwrapping(
+        config, open_rooms(config, None, tmp_path), tmp_path / "last.ckpt"
+    )
     for rank in range(2):  # norms see one half at a time, as in a process
-        (loss_of(module.network, module.measured(Steps(config, None, rank, 2)[0])) / 2).backward()
+        (
+            loss_of(module.network, module.measured(Steps(config, None, rank, 2)[0]))
+            / 2
+        ).backward()
     found = torch.load(tmp_path / "gradients.pt")
     for name, weight in module.network.named_parameters():
-        torch.testing.assert_close(found[name], weight.grad, rtol=1e-4, atol=1e-6, msg=name)
+        torch.testing.assert_close(
+            found[name], weight.grad, rtol=1e-4, atol=1e-6, msg=name
+        )
 
 
 def test_a_run_goes_on_after_one_of_its_processes_was_killed(start, tmp_path):
@@ -81,5 +90,7 @@ def test_a_run_goes_on_after_one_of_its_processes_was_killed(start, tmp_path):
     assert run.wait(600) != 0
     assert not list((tmp_path / "killed").glob("*.safetensors"))
     assert start("killed").wait(600) == 0
-    (whole,), (killed,) = ((tmp_path / n).glob("*.safetensors") for n in ("whole", "killed"))
+    (whole,), (killed,) = (
+        (tmp_path / n).glob("*.safetensors") for n in ("whole", "killed")
+    )
     assert whole.read_bytes() == killed.read_bytes()

@@ -30,13 +30,21 @@ def test_presets_are_configurations(name):
     config = read_config(name, model="rapid", seed=4)
     assert (config.name, config.model, config.seed) == (name, "rapid", 4)
     assert config.stage_at(config.steps - 1)[0] is config.stages[-1]
-    rates = [config.rate_at(step) for step in range(0, config.steps + 1, config.steps // 10)]
+    rates = [
+        config.rate_at(step) for step in range(0, config.steps + 1, config.steps // 10)
+    ]
     assert min(rates) > 0
     assert rates[-1] < 0.1 * max(rates)
 
 
 def test_stages_follow_each_other(config):
-    assert [config.stage_at(step)[0].name for step in range(5)] == ["a", "a", "a", "b", "b"]
+    assert [config.stage_at(step)[0].name for step in range(5)] == [
+        "a",
+        "a",
+        "a",
+        "b",
+        "b",
+    ]
     assert config.rate_at(0) == approx(1e-3)  # half of the way up
     assert config.rate_at(1) == approx(2e-3 - 1e-3 / 3)
 
@@ -51,7 +59,14 @@ def test_stages_follow_each_other(config):
     ],
 )
 def test_bad_configurations_are_refused_in_one_line(tmp_path, changes, stage, message):
-    usual = {"name": "a", "crops": 4, "crop": 32, "batch": 2, "noise": [9, 9], "rate": [9, 9]}
+    usual = {
+        "name": "a",
+        "crops": 4,
+        "crop": 32,
+        "batch": 2,
+        "noise": [9, 9],
+        "rate": [9, 9],
+    }
     path = tmp_path / "own.yml"
     path.write_text(json.dumps({"stages": [usual | stage]} | changes))
     with raises(ValueError, match=message) as caught:
@@ -90,13 +105,17 @@ def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config, opt
 def test_training_goes_on_from_given_weights(config, stored):
     path = stored()
     begun = unwrapping(config, path).network.state_dict()
-    torch.testing.assert_close(begun, load_weights(path).network.state_dict(), rtol=0, atol=0)
+    torch.testing.assert_close(
+        begun, load_weights(path).network.state_dict(), rtol=0, atol=0
+    )
 
 
 def test_weight_of_the_depth_is_that_of_the_configuration(config):
     assert unwrapping(config).network.model.depth_weight == 0.1
     changed = unwrapping(config.model_copy(update={"depth_weight": 0.0}))
-    assert changed.network.model.depth_weight == changed.average.model.depth_weight == 0.0
+    assert (
+        changed.network.model.depth_weight == changed.average.model.depth_weight == 0.0
+    )
 
 
 def test_device_that_is_not_there_is_refused(tmp_path, config):
@@ -109,8 +128,12 @@ def test_device_that_is_not_there_is_refused(tmp_path, config):
 @mark.parametrize("name", ["fast-scnn", "deep-tof", "rapid"])
 def test_every_model_learns_a_batch_by_heart(name):
     """Ten steps on one batch bring its loss down."""
-    stage = Stage(name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1)
-    module = unwrapping(Config(model=name, stages=(stage,), rooms=None, validation_views=2))
+    stage = Stage(
+        name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1
+    )
+    module = unwrapping(
+        Config(model=name, stages=(stage,), rooms=None, validation_views=2)
+    )
     sample = module.measured(Steps(module.config, None)[0])
     optimizer = torch.optim.Adam(module.network.parameters(), 3e-3)
     losses = []
@@ -141,8 +164,12 @@ def example(measurement):
 
 def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(stored, example):
     trained = load_weights(stored())
-    before = {name: tensor.clone() for name, tensor in trained.network.state_dict().items()}
-    tuned, losses = fine_tune(trained, [example], steps=12, learning_rate=2e-3, crop=32, seed=1)
+    before = {
+        name: tensor.clone() for name, tensor in trained.network.state_dict().items()
+    }
+    tuned, losses = fine_tune(
+        trained, [example], steps=12, learning_rate=2e-3, crop=32, seed=1
+    )
     assert np.mean(losses[-3:]) < np.mean(losses[:3])
     after = tuned.network.state_dict()
     for name, tensor in trained.network.state_dict().items():
@@ -161,7 +188,8 @@ def test_crops_of_fine_tuning_move_over_the_classes(stored, stepped_wall):
     rng = np.random.default_rng(0)
     pieces = [training._piece(view, 21, 24, "proposed", rng) for _ in range(30)]
     label, turns, phase = (
-        np.stack([getattr(piece, name) for piece in pieces]) for name in ("label", "turns", "phase")
+        np.stack([getattr(piece, name) for piece in pieces])
+        for name in ("label", "turns", "phase")
     )
     known = label != IGNORED
     assert_allclose(np.exp(1j * (TAU * turns - phase))[known], 1, atol=1e-3)

@@ -22,12 +22,17 @@ def test_weights_come_back_in_half_precision_with_their_card(stored):
     trained = weights.load_weights(path := stored())
     torch.manual_seed(0)
     fresh = build_network("fast-scnn-light").state_dict()
-    torch.testing.assert_close(trained.network.state_dict(), fresh, rtol=1e-3, atol=1e-4)
+    torch.testing.assert_close(
+        trained.network.state_dict(), fresh, rtol=1e-3, atol=1e-4
+    )
     assert trained.card == weights.read_card(path) and not trained.network.training
 
 
 def test_state_is_computed_from_the_gain(stored):
-    for gain, expected in (((0.1, 0.05, 0.15), "trained"), ((0.1, -0.01, 0.2), "untrained")):
+    for gain, expected in (
+        ((0.1, 0.05, 0.15), "trained"),
+        ((0.1, -0.01, 0.2), "untrained"),
+    ):
         path = stored(gain=gain)
         assert weights.state("fast-scnn-light", "released", path.parent) == expected
     assert weights.state("fast-scnn-light", "full", path.parent) == "no weights"
@@ -89,14 +94,18 @@ def test_methods_answer_within_the_range(stored, measurement, name):
 
 
 @mark.parametrize("name", ["fast-scnn", "kde", "mrf", "beat-guided"])
-def test_what_would_take_too_much_memory_goes_in_tiles_like_the_whole(stored, monkeypatch, name):
+def test_what_would_take_too_much_memory_goes_in_tiles_like_the_whole(
+    stored, monkeypatch, name
+):
     frame = Frame(np.full((640, 24), 0.93), np.full((640, 24), 0.5))
     measurement, how = cmtof.simulate(frame, noise=500.0), {"method": name}
     if name == "fast-scnn":
         how["weights"] = stored(name)
     whole, seen = cmtof.unwrap(measurement, **how).wrap_count, []
     monkeypatch.setattr(methods, "MOST_MEMORY", 2**22)
-    monkeypatch.setattr(methods, "tiles", lambda *given: seen.extend(tiles(*given)) or seen)
+    monkeypatch.setattr(
+        methods, "tiles", lambda *given: seen.extend(tiles(*given)) or seen
+    )
     found = cmtof.unwrap(measurement, **how).wrap_count
     assert len(seen) == 5
     assert (found == whole).mean() > 0.99  # noise is estimated in each tile
@@ -104,7 +113,9 @@ def test_what_would_take_too_much_memory_goes_in_tiles_like_the_whole(stored, mo
 
 def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
     def amplitude(scale):
-        scaled = measurement.dataset.assign(correlation=scale * measurement.dataset.correlation)
+        scaled = measurement.dataset.assign(
+            correlation=scale * measurement.dataset.correlation
+        )
         return inference.network_images(cmtof.Measurement(scaled), "proposed")[1]
 
     assert_allclose(amplitude(1.0), measurement.amplitude, rtol=1e-5)
@@ -112,20 +123,28 @@ def test_amplitudes_in_volts_are_scaled_to_a_white_surface(measurement):
     assert np.quantile(amplitude(1e-6), 0.9, axis=(1, 2)) == approx(FULL_AMPLITUDE)
 
 
-def test_range_and_frequencies_that_do_not_fit_are_refused(stored, stepped_wall, measurement):
+def test_range_and_frequencies_that_do_not_fit_are_refused(
+    stored, stepped_wall, measurement
+):
     ready = inference.load_network(stored())
     with raises(ValueError, match="Expected wraps within 36 to 56"):
         inference.scores(ready, measurement, 30, 50)
     other = cmtof.simulate(stepped_wall, frequencies=(7.15e9, 7.16e9))
-    with raises(ValueError, match=r"Expected 7.15 and 14.32 GHz, .* got 7.15, 7.16 GHz"):
+    with raises(
+        ValueError, match=r"Expected 7.15 and 14.32 GHz, .* got 7.15, 7.16 GHz"
+    ):
         inference.unwrap_with_network(other, weights=stored())
 
 
 def test_raw_correlations_are_taken_by_their_psi(stored, stepped_wall):
     path = stored("deep-tof")
     usual = cmtof.simulate(stepped_wall, noise_free=True)
-    turned = cmtof.simulate(stepped_wall, noise_free=True, psi=np.array([0, 3, 1, 2]) * TAU / 4)
-    first, second = (inference.unwrap_with_network(one, weights=path)[0] for one in (usual, turned))
+    turned = cmtof.simulate(
+        stepped_wall, noise_free=True, psi=np.array([0, 3, 1, 2]) * TAU / 4
+    )
+    first, second = (
+        inference.unwrap_with_network(one, weights=path)[0] for one in (usual, turned)
+    )
     assert np.allclose(first, second, atol=1e-5)
     skewed = cmtof.simulate(stepped_wall, psi=np.arange(4) * TAU / 4 + 0.1)
     with raises(ValueError, match=r"Expected correlations at psi = 0, 1/2"):

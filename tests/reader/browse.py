@@ -51,7 +51,9 @@ def chromium():
             "Expected Chromium, found none. Install it (Debian: apt-get install chromium)."
         )
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=FLAGS.split())
+        browser = playwright.chromium.launch(
+            executable_path=program, args=FLAGS.split()
+        )
         yield browser
         browser.close()
 
@@ -62,11 +64,19 @@ def opened(browser, page, width):
     tab = browser.new_page(viewport={"width": width, "height": 900})
     problems = []
     local = ("file:", "data:", "blob:")
-    tab.on("request", lambda r: r.url.startswith(local) or problems.append(f"asks for {r.url}"))
+    tab.on(
+        "request",
+        lambda r: r.url.startswith(local) or problems.append(f"asks for {r.url}"),
+    )
     # a link to a download ends as a failed navigation
-    tab.on("requestfailed", lambda r: r.is_navigation_request() or problems.append(f"no {r.url}"))
+    tab.on(
+        "requestfailed",
+        lambda r: r.is_navigation_request() or problems.append(f"no {r.url}"),
+    )
     tab.on("pageerror", lambda error: problems.append(f"script: {error}"))
-    tab.on("console", lambda m: m.type == "error" and problems.append(f"console: {m.text}"))
+    tab.on(
+        "console", lambda m: m.type == "error" and problems.append(f"console: {m.text}")
+    )
     tab.goto(page.resolve().as_uri())
     yield tab, problems
     tab.close()

@@ -12,7 +12,9 @@ from pytest import fixture, mark
 from cmtof_book import ROOT
 
 BUILD = ROOT / "build"
-HTML = next((BUILD / p / "html" for p in ("book", "ci") if (BUILD / p / "html").is_dir()), BUILD)
+HTML = next(
+    (BUILD / p / "html" for p in ("book", "ci") if (BUILD / p / "html").is_dir()), BUILD
+)
 PAGES = browse.pages(HTML)
 
 pytestmark = [
@@ -109,11 +111,17 @@ def pinch(tab, canvas):
     box = canvas.bounding_box()
     touch = tab.context.new_cdp_session(tab)
     for kind, apart in (("touchStart", 30), ("touchMove", 60), ("touchEnd", 0)):
-        ends = [{"x": box["x"] + 100 + x, "y": box["y"] + 100} for x in (-apart, apart) if apart]
+        ends = [
+            {"x": box["x"] + 100 + x, "y": box["y"] + 100}
+            for x in (-apart, apart)
+            if apart
+        ]
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": ends})
 
 
-@mark.parametrize("page", ["book/intro", "notebooks/21_scanned_scenes", "notebooks/11_surfaces"])
+@mark.parametrize(
+    "page", ["book/intro", "notebooks/21_scanned_scenes", "notebooks/11_surfaces"]
+)
 def test_a_scene_turns_changes_and_is_reset(visit, page):
     tab = visit(f"{page}.html")
     scene = tab.locator(".scene").first
@@ -138,7 +146,10 @@ def test_a_divider_shows_one_method_or_the_other(visit, chapter):
     figure = visit(f"notebooks/{chapter}.html").locator("figure.swipe")
     slider = figure.locator("[type=range]")
     acts = [partial(slider.press, key) for key in ("Home", "End")]
-    acts += [figure.get_by_label("errors").check, partial(slider.hover, position={"x": 9, "y": 9})]
+    acts += [
+        figure.get_by_label("errors").check,
+        partial(slider.hover, position={"x": 9, "y": 9}),
+    ]
     acts += 2 * [partial(slider.press, "Shift+ArrowDown")]
     shown = []
     for act in acts:
@@ -156,7 +167,9 @@ def test_the_scoreboard_shows_what_is_chosen(visit):
     lines = figure.locator("li").count()
     for box in figure.locator("input").all():
         value = box.get_attribute("value")
-        chosen = figure.locator(f"[data-verdict='{value}'], [data-same='{value}']").count()
+        chosen = figure.locator(
+            f"[data-verdict='{value}'], [data-same='{value}']"
+        ).count()
         box.uncheck()
         assert lines > figure.locator("li:visible").count() == lines - chosen
         box.check()
@@ -186,8 +199,14 @@ def test_the_book_is_light():
     assert sum(sizes.values()) < 45e6
     for page in PAGES:
         loads = re.findall(r'<img[^>]* src="([^"]+)"', page.read_text())
-        images = {(page.parent / source).resolve() for source in loads if "data:" not in source}
-        assert sizes[page] + sum(image.stat().st_size for image in images) < 3e6, page.stem
+        images = {
+            (page.parent / source).resolve()
+            for source in loads
+            if "data:" not in source
+        }
+        assert sizes[page] + sum(image.stat().st_size for image in images) < 3e6, (
+            page.stem
+        )
 
 
 LOOKS = [(1280, "light"), (390, "light"), (1280, "dark"), (390, "dark")]
@@ -204,7 +223,10 @@ def right_share(tab, method):
 
 @mark.parametrize(("width", "colours"), LOOKS)
 def test_the_laboratory_measures_and_unwraps(browser, width, colours, tmp_path):
-    with browse.opened(browser, HTML / "book" / "laboratory.html", width) as (tab, problems):
+    with browse.opened(browser, HTML / "book" / "laboratory.html", width) as (
+        tab,
+        problems,
+    ):
         tab.emulate_media(color_scheme=colours)
         tab.locator("#laboratory[data-ready]").wait_for(timeout=120_000)
         noisy = {method: right_share(tab, method) for method in ("beat", "network")}
@@ -249,6 +271,8 @@ def take_own_scenes(tab, folder):
         taken.set_input_files(folder / f"other.{kind}")
         tab.locator("#laboratory .said", has_text="Expected").wait_for()
         taken.set_input_files(folder / f"own.{kind}")
-        tab.locator("#laboratory option", has_text=f"own.{kind}").wait_for(state="attached")
+        tab.locator("#laboratory option", has_text=f"own.{kind}").wait_for(
+            state="attached"
+        )
         assert tab.locator("#laboratory canvas").first.get_attribute("width") == width
         assert tab.locator("[name=sigma]").is_disabled() == (kind == "csv")

@@ -28,7 +28,9 @@ def test_a_layer_lies_inside_at_its_side(side):
     layer = CUBE.layer(side, 0.25)
     assert getattr(layer, side) == getattr(CUBE, side)
     assert np.prod(layer.size) == 0.25
-    assert CUBE.inset(**{side: 0.25}) == CUBE.cut(**{side: 0.75 if "1" in side else 0.25})
+    assert CUBE.inset(**{side: 0.25}) == CUBE.cut(
+        **{side: 0.75 if "1" in side else 0.25}
+    )
 
 
 def test_limits_that_are_arrays_stand_for_several_boxes():

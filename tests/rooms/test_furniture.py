@@ -42,7 +42,9 @@ def test_kinds_have_no_unknown_key():
 
 def test_every_maker_and_every_pattern_is_used():
     assert {kind["maker"] for kind in KINDS.values()} == set(MAKERS)
-    patterns = {name for role in presets()["materials"].values() for name in role["patterns"]}
+    patterns = {
+        name for role in presets()["materials"].values() for name in role["patterns"]
+    }
     assert patterns == set(PATTERNS)
 
 
@@ -72,7 +74,9 @@ def room(request):
 def standing(room):
     """Kind and bounds of what takes up space: all but rugs and what lies on something."""
     things = [room.interior.things[number - 1] for number in room.furniture]
-    kinds = [thing for thing in things if KINDS[thing.kind]["at"] not in ("flat", "top")]
+    kinds = [
+        thing for thing in things if KINDS[thing.kind]["at"] not in ("flat", "top")
+    ]
     return [(thing.kind, *bounds(thing.parts)) for thing in kinds]
 
 
@@ -87,9 +91,13 @@ def test_furniture_stays_between_floor_ceiling_and_walls(room):
     for name, low, high in standing(room):
         on_floor = KINDS[name]["at"] in ("wall", "corner", "free", "around")
         assert -2e-3 < low[2] < (2e-3 if on_floor else 99), name
-        assert high[2] < room.height + 1.0, name  # a banister reaches into the storey above
+        assert high[2] < room.height + 1.0, (
+            name
+        )  # a banister reaches into the storey above
         middle = (low + high)[:2] / 2
-        if (middle > -THICKNESS).all() and (middle < corner + THICKNESS).all():  # not beyond
+        if (middle > -THICKNESS).all() and (
+            middle < corner + THICKNESS
+        ).all():  # not beyond
             assert (low[:2] > -0.01).all(), name
             assert (high[:2] < corner + 0.01).all(), name
 
@@ -136,7 +144,9 @@ def test_a_pattern_mixes_two_colours_and_fades_with_distance(pattern):
     up = np.tile(np.array([0, 0, 1], np.float32), (4000, 1))
     materials = np.zeros(4000, int)
     size = np.zeros(4000, np.float32)
-    near, far = (palette.albedo(materials, points, up, size + pixel)[:, 0] for pixel in (0, 1))
+    near, far = (
+        palette.albedo(materials, points, up, size + pixel)[:, 0] for pixel in (0, 1)
+    )
     assert 0.2 - 1e-6 <= near.min() <= near.max() <= 0.6 + 1e-6
     assert (np.ptp(near) > 0.2) == (pattern != "plain")
     assert np.ptp(far) < 1e-6

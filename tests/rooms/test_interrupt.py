@@ -17,7 +17,9 @@ main()
 
 
 def children(process):
-    threads = Path(f"/proc/{process}/task").glob("*/children")  # one of them begins workers too
+    threads = Path(f"/proc/{process}/task").glob(
+        "*/children"
+    )  # one of them begins workers too
     return [child for thread in threads for child in thread.read_text().split()]
 
 
@@ -30,7 +32,9 @@ def test_render_ends_in_silence_when_its_whole_group_is_interrupted(tmp_path):
         text=True,
         start_new_session=True,
     )
-    while run.poll() is None and len(children(run.pid)) < 3:  # two workers and their tracker
+    while (
+        run.poll() is None and len(children(run.pid)) < 3
+    ):  # two workers and their tracker
         time.sleep(0.01)
     os.killpg(run.pid, signal.SIGINT)
     said = run.communicate()[1]

@@ -82,20 +82,26 @@ def test_depth_and_brightness_are_spread_nearly_as_hypersims(views):
     depth = np.nanpercentile([view.frame.depth for view in views], [5, 25, 50, 75, 95])
     apart = depth / [1.27, 3.0, 4.8, 7.8, 23.0]
     assert_array_less(np.abs(np.log(apart)), np.log([1.6, 1.4, 1.3, 1.4, 1.9]))
-    light = np.percentile([brightness(view.picture.color) for view in views], [25, 50, 75, 90])
+    light = np.percentile(
+        [brightness(view.picture.color) for view in views], [25, 50, 75, 90]
+    )
     apart = light / [0.08, 0.27, 0.7, 1.6]
     assert_array_less(np.abs(np.log(apart)), np.log([1.6, 1.4, 1.4, 1.5]))
 
 
 @mark.slow
 def test_views_are_mostly_smooth_and_whole(views):
-    slope = np.median(np.concatenate([hardness(view.frame.depth).slope for view in views]))
+    slope = np.median(
+        np.concatenate([hardness(view.frame.depth).slope for view in views])
+    )
     assert slope < 0.3  # wraps a pixel, at half the resolution of the book
     assert np.mean([np.isnan(view.frame.depth).mean() for view in views]) < 0.05
 
 
 @mark.parametrize("focal", [0.0, -1.0, 1e6, float("nan"), float("inf")])
-def test_an_impossible_focal_length_is_refused_before_anything_is_written(focal, tmp_path):
+def test_an_impossible_focal_length_is_refused_before_anything_is_written(
+    focal, tmp_path
+):
     root = tmp_path / "set"
     with raises(
         ValueError,
@@ -126,7 +132,9 @@ def test_an_impossible_size_is_refused(text, message):
 
 
 def test_a_set_of_other_settings_is_refused(rendered):
-    with raises(ValueError, match=r"Expected an empty folder .*rooms.json. Choose another"):
+    with raises(
+        ValueError, match=r"Expected an empty folder .*rooms.json. Choose another"
+    ):
         render_rooms(rendered, replace(SMALL, width=48), workers=1)
 
 

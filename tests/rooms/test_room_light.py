@@ -18,7 +18,9 @@ INSIDE = ((-1, -1, 0.1), (1, 1, 1.9))
 
 def floor(albedo=0.5, z=-0.5, **more):
     """A large plate; its middle lies at a height, m."""
-    return Thing("floor", [Part(box((20, 20, 1), (0, 0, z)), Material((albedo,) * 3, **more))])
+    return Thing(
+        "floor", [Part(box((20, 20, 1), (0, 0, z)), Material((albedo,) * 3, **more))]
+    )
 
 
 def point_light(power):
@@ -38,7 +40,11 @@ def places(radius):
     ("light", "exponent", "rtol"),
     [
         (point_light(3.0), 1.5, 3e-4),  # Lambert's law; rays start 0.2 mm above
-        (level_light((0, 0, 2), 0.1, 0.1, 3.0), 2, 0.01),  # form factor of a small square
+        (
+            level_light((0, 0, 2), 0.1, 0.1, 3.0),
+            2,
+            0.01,
+        ),  # form factor of a small square
     ],
 )
 def test_light_falls_with_the_distance_by_its_closed_form(light, exponent, rtol):
@@ -64,7 +70,9 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
 
     bounce = measure_bounce(np.array(INSIDE, np.float32), look)
     normals = np.random.default_rng(1).normal(size=(50, 3))
-    normals = (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
+    normals = (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(
+        np.float32
+    )
     points = np.tile(np.array([0.3, -0.2, 0.9], np.float32), (50, 1))
     assert_allclose(bounce.irradiance(points, normals), 1.0, atol=0.03)
 
@@ -108,5 +116,7 @@ def test_range_of_a_plane_is_exact_to_single_precision():
 def test_radiance_is_reflectance_times_irradiance_plus_emission():
     interior = Interior([floor(0.3, emission=0.7)], [point_light(3.0)], INSIDE)
     camera = look_at(np.array([0, 0.01, 1.0]), np.array([0.0, 0.0, 0.0]))
-    seen = interior.render(camera.position, Lens((9, 9), 900.0).rays(camera.orientation))
+    seen = interior.render(
+        camera.position, Lens((9, 9), 900.0).rays(camera.orientation)
+    )
     assert seen.color[4, 4, 1] == approx(0.3 * (3 / 4 + 0.7), rel=1e-3)

@@ -17,7 +17,10 @@ SOLIDS = {
         solids.plate(4.0, 2.5, 0.2, [(1, 2, 0, 2), (2.5, 3.5, 1, 2)]),
         0.2 * (10 - 2 - 1),
     ),
-    "plate with a hole over its edge": (solids.plate(2.0, 2.0, 0.1, [(-1, 1, -1, 1)]), 0.3),
+    "plate with a hole over its edge": (
+        solids.plate(2.0, 2.0, 0.1, [(-1, 1, -1, 1)]),
+        0.3,
+    ),
     "cone": (solids.revolution([(1, 0), (0, 3)], sections=300), np.pi),
     "bowl": (
         solids.revolution([(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)], sections=300),
@@ -46,7 +49,9 @@ def test_a_solid_is_closed_and_has_its_volume(name):
 
 
 def test_joined_solids_keep_their_volumes():
-    both = solids.join([solids.box((1, 1, 1)), solids.move(solids.box((1, 1, 2)), (5, 0, 0), 0.3)])
+    both = solids.join(
+        [solids.box((1, 1, 1)), solids.move(solids.box((1, 1, 2)), (5, 0, 0), 0.3)]
+    )
     assert both.is_watertight
     assert both.volume == approx(3.0)
 

@@ -43,7 +43,9 @@ def corner_scene(shape=SHAPE, camera=CAMERA):
     d = np.stack([x, c * y + s * z, c * z - s * y], axis=-1)
     room = np.stack([h / np.maximum(d @ np.array(n), 1e-9) for n, h in _ROOM])
     c, s = np.cos(_TURN), np.sin(_TURN)
-    d = np.stack([c * d[..., 0] + s * d[..., 2], d[..., 1], c * d[..., 2] - s * d[..., 0]])
+    d = np.stack(
+        [c * d[..., 0] + s * d[..., 2], d[..., 1], c * d[..., 2] - s * d[..., 0]]
+    )
     sides = np.sort(np.array(_BOX).T[..., None, None] / d[:, None], axis=1)
     enter, leave = sides[:, 0], sides[:, 1]
     hit = (enter.max(axis=0) < leave.min(axis=0)) & (enter.max(axis=0) > 0)
@@ -53,7 +55,9 @@ def corner_scene(shape=SHAPE, camera=CAMERA):
     paint = np.array([0.85, 0.65, 0.95, 0.8, 1.0, 0.6])[part]
     rows, columns = np.indices(shape)
     texture = 0.8 + 0.2 * np.sin(0.31 * columns + 0.17 * rows) * np.cos(0.23 * rows)
-    return Scene(Frame(depth, np.clip(paint * texture, 0.3, 1), np.array(camera), "corner"), part)
+    return Scene(
+        Frame(depth, np.clip(paint * texture, 0.3, 1), np.array(camera), "corner"), part
+    )
 
 
 def plane_depth(normal, z, shape=SHAPE, camera=CAMERA):
@@ -75,7 +79,9 @@ def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA):
     """
     depth = np.asarray(depth, float)
     phase = np.stack([phase_from_depth(depth, f) for f in FREQUENCIES])
-    field = field_from_measurement(Measurement.from_phase(phase, FREQUENCIES, camera=camera))
+    field = field_from_measurement(
+        Measurement.from_phase(phase, FREQUENCIES, camera=camera)
+    )
     height, width = depth.shape
     k = np.zeros_like(field.information)
     k[:, :height, :width] = information
@@ -87,7 +93,9 @@ def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA):
         p += drawn[0] + 1j * drawn[1]
     p *= np.sqrt(k)
     return field._replace(
-        real=p.real.astype(np.float32), imaginary=p.imag.astype(np.float32), information=k
+        real=p.real.astype(np.float32),
+        imaginary=p.imag.astype(np.float32),
+        information=k,
     )
 
 

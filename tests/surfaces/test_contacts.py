@@ -3,7 +3,15 @@
 from itertools import combinations
 
 import numpy as np
-from exact_scenes import SHAPE, WRAP, exact_field, known, meeting_planes, plane_depth, whole_boxes
+from exact_scenes import (
+    SHAPE,
+    WRAP,
+    exact_field,
+    known,
+    meeting_planes,
+    plane_depth,
+    whole_boxes,
+)
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark
 
@@ -16,7 +24,9 @@ SURE = 0.99
 
 def between(*entries):
     first, second, step, odds = np.array(entries, float).reshape(-1, 4).T
-    return contacts.Borders(first.astype(int), second.astype(int), step.astype(int), odds)
+    return contacts.Borders(
+        first.astype(int), second.astype(int), step.astype(int), odds
+    )
 
 
 def tied(found, borders, limits=None):
@@ -80,7 +90,10 @@ def test_a_false_contact_gives_way_to_those_that_agree():
 
 
 def test_none_are_tied_that_disagree_or_against_the_odds():
-    assert tied(known([0, 9], [0.3, 0.3]), between((0, 1, 0, SURE))).wraps.tolist() == [0, 9]
+    assert tied(known([0, 9], [0.3, 0.3]), between((0, 1, 0, SURE))).wraps.tolist() == [
+        0,
+        9,
+    ]
     for odds, second in ((0.01, 1), (SURE, 0)):
         found = tied(known([0.1, 0.8], [0.1, 0.5]), between((0, 1, 0, odds)))
         assert found.wraps.tolist() == [0, second]
@@ -99,7 +112,10 @@ def test_neither_the_order_of_borders_nor_their_sides_matter(rng):
         true = rng.integers(-20, 20, count)
         spread = rng.uniform(0.05, 2, count)
         pairs = [pair for pair in combinations(range(count), 2) if rng.random() < 0.7]
-        told = [(a, b, true[b] - true[a] + rng.integers(-1, 2), rng.random()) for a, b in pairs]
+        told = [
+            (a, b, true[b] - true[a] + rng.integers(-1, 2), rng.random())
+            for a, b in pairs
+        ]
         turned = [(b, a, -step, odds) for a, b, step, odds in told]
         found = known(true + spread * rng.normal(size=count), spread)
         once = tied(found, between(*told))

@@ -1,12 +1,28 @@
 """Likelihood of a surface, its derivatives and its fit, against plain sums and exact planes."""
 
 import numpy as np
-from exact_scenes import CAMERA, NOTHING, WRAP, exact_field, plane_depth, unit_rays, whole_boxes
+from exact_scenes import (
+    CAMERA,
+    NOTHING,
+    WRAP,
+    exact_field,
+    plane_depth,
+    unit_rays,
+    whole_boxes,
+)
 from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 from cmtof.surfaces import fitting
-from cmtof.surfaces.fitting import BENT, PLANE, cell_likelihood, depth_at, moved, refine, select
+from cmtof.surfaces.fitting import (
+    BENT,
+    PLANE,
+    cell_likelihood,
+    depth_at,
+    moved,
+    refine,
+    select,
+)
 
 SHAPE = (64, 80)
 CENTRED = (140.0, 138.0, 41.0, 31.5)
@@ -56,7 +72,9 @@ def test_gradient_and_information_are_those_of_the_derivatives(rng):
     u, v = np.broadcast_to(field.u, SHAPE), np.broadcast_to(field.v[:, None], SHAPE)
     slopes = -(depth**2) * field.cosine * [u, v, np.ones(SHAPE), u * u, u * v, v * v]
     k = field.wavenumber[:, None, None]
-    matrix = np.einsum("iyx,jyx,yx->ij", slopes, slopes, (field.information * k**2).sum(axis=0))
+    matrix = np.einsum(
+        "iyx,jyx,yx->ij", slopes, slopes, (field.information * k**2).sum(axis=0)
+    )
     assert_allclose(found, np.tril(matrix), rtol=1e-5, atol=1e-3)
     field = field_of(depth, information=2.0, noise_of=rng)
     q += 1e-4 * rng.normal(size=BENT)
@@ -76,7 +94,9 @@ def test_fits_climb_back_and_hop_over_whole_wraps(normal, rng):
     field = field_of(depth)
     # tilted by up to a seventh of a wrap, so that no phase is beyond a quarter turn
     start = q.copy()
-    start[:3] += rng.uniform(-1, 1, 3) / 21 * WRAP * np.array([3.6, 4.5, 1]) / depth.max() ** 2
+    start[:3] += (
+        rng.uniform(-1, 1, 3) / 21 * WRAP * np.array([3.6, 4.5, 1]) / depth.max() ** 2
+    )
     got = refine(field, NOTHING, -1, start, BOXES, PLANE, 8, 0)
     assert np.abs(depth_of(field, got[0]) - depth).max() < 1e-6
     for wraps in (1, 5) if normal[0] < 0.5 else ():
@@ -91,12 +111,20 @@ def test_planes_are_called_planes_and_balls_bent(rng):
         depth, q = plane(normal)
         field = field_of(depth, information=20.0, noise_of=rng)
         few = BOXES[(abs(BOXES[:, [0, 2]] - (28, 36)) < 16).all(axis=1)]
-        for start in (q, moved(field, q, few, BENT, 0.0, 0, 1)[0]):  # a turn per pixel off
+        for start in (
+            q,
+            moved(field, q, few, BENT, 0.0, 0, 1)[0],
+        ):  # a turn per pixel off
             found = select(field, NOTHING, -1, start, few, 6, 15.0, 1.0)[0]
             assert not found[3:].any() and np.std(depth_of(field, found) - depth) < 5e-4
-    for radius in (20.0, -40.0):  # sag over half the width: 13 mm and 6 mm, to and from the camera
+    for radius in (
+        20.0,
+        -40.0,
+    ):  # sag over half the width: 13 mm and 6 mm, to and from the camera
         along = unit_rays(SHAPE, CENTRED)[..., 2] * (2.5 + radius)
-        depth = along - np.sign(radius) * np.sqrt(along**2 - (2.5 + radius) ** 2 + radius**2)
+        depth = along - np.sign(radius) * np.sqrt(
+            along**2 - (2.5 + radius) ** 2 + radius**2
+        )
         field = field_of(depth, information=20.0, noise_of=rng)
         found = select(field, NOTHING, -1, np.eye(6)[2] / 2.5, BOXES, 8, 15.0, 1.0)[0]
         assert found[3:].any() and np.std(depth_of(field, found) - depth) < 1e-4

@@ -19,7 +19,12 @@ from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
 from cmtof.simulation import simulate
 from cmtof.surfaces.field import CELL, field_from_measurement
-from cmtof.surfaces.growing import WINDOWS, grown_surfaces, plane_in_window, spectral_slopes
+from cmtof.surfaces.growing import (
+    WINDOWS,
+    grown_surfaces,
+    plane_in_window,
+    spectral_slopes,
+)
 from cmtof.surfaces.placing import depth_of_labels
 
 CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
@@ -41,7 +46,9 @@ def test_padding_and_unknown_pixels_weigh_nothing(shape):
     phase = np.ones((2, *shape))
     phase[1, 0, 0] = np.nan
     known = np.isfinite(phase).all(axis=0)
-    field = field_from_measurement(Measurement.from_phase(phase, FREQUENCIES, mask=known))
+    field = field_from_measurement(
+        Measurement.from_phase(phase, FREQUENCIES, mask=known)
+    )
     assert all(side % CELL == 0 and side >= 64 for side in field.cosine.shape)
     for image in (field.real, field.imaginary, field.information):
         assert np.isfinite(image).all() and image[:, : shape[0], 1 : shape[1]].all()
@@ -56,7 +63,9 @@ def test_slopes_are_those_of_a_ramp(rng):
         depth = 2.0 + (down * y + right * x) * WRAP / TAU
         field = exact_field(depth, information=20.0, noise_of=rng)
         for *_, core, finer in WINDOWS:
-            found = spectral_slopes(field, np.array([0, 20]), np.array([3, 17]), core, finer)
+            found = spectral_slopes(
+                field, np.array([0, 20]), np.array([3, 17]), core, finer
+            )
             for got, true in zip(found, (down, right), strict=True):
                 off = np.abs((got - true + np.pi) % TAU - np.pi)
                 assert off.max() <= 1.01 * TAU / (finer * core)
@@ -71,7 +80,9 @@ def test_planes_are_found_though_their_phase_turns_more_than_half_a_turn_a_pixel
     for y, x in places:
         field = exact_field(depth, information=56.0, noise_of=rng)
         top, left = y - side // 2, x - side // 2
-        down, across = spectral_slopes(field, np.array([top + 2]), np.array([left + 2]), 12, 4)
+        down, across = spectral_slopes(
+            field, np.array([top + 2]), np.array([left + 2]), 12, 4
+        )
         told = float(field.information[:, top : top + side, left : left + side].sum())
         window = (top, left, side, down[0], across[0])
         q, likely = plane_in_window(field, NOTHING, window, told)
@@ -85,7 +96,11 @@ def test_the_corner_has_a_surface_for_each_of_its_parts():
     """Cells within one part belong to one large surface that hardly any other part shares."""
     corner = corner_scene()
     owner, _ = grown_surfaces(exact_field(corner.frame.depth, camera=CAMERA))
-    part = corner.part.reshape(CELLS[0], CELL, CELLS[1], CELL).swapaxes(1, 2).reshape(*CELLS, -1)
+    part = (
+        corner.part.reshape(CELLS[0], CELL, CELLS[1], CELL)
+        .swapaxes(1, 2)
+        .reshape(*CELLS, -1)
+    )
     pure = (part == part[..., :1]).all(axis=-1)
     number = part[..., 0]
     for one in range(6):

@@ -52,7 +52,9 @@ def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
     beats = beats_of(exact_field(depth), q)
     alone = placing.offsets(beats, q[None], a_fit(12.0, 1e6), shape=False)
     assert alone.mean[0] == approx(beats[0][0], abs=1e-9)
-    sharp, bent = (placing.offsets(beats, q[None], a_fit(12.0, 1e6, m)) for m in (0, 1e-4))
+    sharp, bent = (
+        placing.offsets(beats, q[None], a_fit(12.0, 1e6, m)) for m in (0, 1e-4)
+    )
     assert abs(sharp.mean[0] - 12) < abs(beats[0][0] - 12)
     assert sharp.spread[0] < bent.spread[0] < alone.spread[0]
 
@@ -86,7 +88,9 @@ def test_planes_at_right_angles_place_each_other():
         depth, q = plane_depth(normal, 1.5, camera=camera)
         field = exact_field(depth, camera=camera)
         found.append(moved(field, q, BOXES, PLANE, -off * WRAP)[0])
-        fit.append([0, 1, 0, 1e-3, *leaning(field, NOTHING, -1, found[-1], BOXES, 1.0).ravel()])
+        fit.append(
+            [0, 1, 0, 1e-3, *leaning(field, NOTHING, -1, found[-1], BOXES, 1.0).ravel()]
+        )
     alone, label = known([0, 0, 0.6], [0.05, 0.05, 1.5]), np.repeat([0, 1, 2], 1000)
     sharp = placing.aligned(alone, np.array(found), np.array(fit), label)
     assert_allclose([*sharp.mean, sharp.spread[2]], [0, 0, 2, 0.05], atol=0.1)

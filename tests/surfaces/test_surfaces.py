@@ -21,13 +21,19 @@ def unwrapped(measurement, method="surfaces", **options):
 def right(measurement, method="surfaces", within=1, **options):
     """Share of scored pixels whose count is off by less than that."""
     count = unwrapped(measurement, method, **options)[0]
-    true = wrap_count_from_depth(np.nan_to_num(measurement.depth).astype(float), FREQUENCIES[0])
+    true = wrap_count_from_depth(
+        np.nan_to_num(measurement.depth).astype(float), FREQUENCIES[0]
+    )
     return np.mean(np.abs(count - true)[measurement.mask] < within)
 
 
 def rebuilt(measurement, correlation, **more):
     """The same measurement with other images."""
-    held = {"depth": measurement.depth, "mask": measurement.mask, "camera": measurement.camera}
+    held = {
+        "depth": measurement.depth,
+        "mask": measurement.mask,
+        "camera": measurement.camera,
+    }
     low, high = measurement.range
     held |= {"range_min": low, "range_max": high, **more}
     psi = measurement.dataset["psi"].to_numpy()
@@ -50,7 +56,9 @@ def clean(clean_corner):
     return unwrapped(clean_corner)
 
 
-def test_the_corner_without_noise_is_exact_whatever_is_left_out(corner, clean_corner, clean):
+def test_the_corner_without_noise_is_exact_whatever_is_left_out(
+    corner, clean_corner, clean
+):
     # what is left are single pixels along the edges
     assert np.mean(np.abs(clean[1] - corner.frame.depth) < 1e-4) >= 0.995
     for option in ("bent", "parts", "shape", "axes", "ties", "fill"):
@@ -67,7 +75,9 @@ def test_the_corner_with_noise_beats_the_random_field(corner):
 
 def test_a_wide_plane_is_right_in_the_papers_noise():
     """Its pooled phase is known to 1 mrad, so that only pixels at a boundary can be off."""
-    ahead, steep = (plane_frame(normal, 2.5, 0.6) for normal in ((0, 0, 1), (-0.1, 0.6, 1)))
+    ahead, steep = (
+        plane_frame(normal, 2.5, 0.6) for normal in ((0, 0, 1), (-0.1, 0.6, 1))
+    )
     # straight ahead also through a lens other than the one that is assumed
     for frame in (ahead, steep, Frame(ahead.depth, np.ones(SHAPE))):
         assert right(simulate(frame, protocol="full", seed=1), within=2) > 0.99
@@ -100,9 +110,13 @@ def test_components_are_bodies_whose_surfaces_meet(clean_corner):
     assert np.mean(room.component == 1) > 0.95
     assert room.component_odds.sel(number=1, offset=0) > 0.9
     columns = np.arange(SHAPE[1])
-    left, right = (plane_depth(normal, z)[0] for normal, z in (((0, 0.5, 1), 2), ((0, 0, 1), 3)))
+    left, right = (
+        plane_depth(normal, z)[0] for normal, z in (((0, 0.5, 1), 2), ((0, 0, 1), 3))
+    )
     light = np.broadcast_to(np.abs(columns - 90) > 10, SHAPE)
-    apart = Frame(np.where(columns < 90, left, right), light.astype(float), np.array(CAMERA))
+    apart = Frame(
+        np.where(columns < 90, left, right), light.astype(float), np.array(CAMERA)
+    )
     result = cmtof.unwrap(simulate(apart, protocol="full", seed=1))
     assert np.mean(result.component[:, :75] == 1) > 0.95
     assert np.mean(result.component[:, 105:] == 2) > 0.95
@@ -138,7 +152,9 @@ def test_phases_alone_and_other_frequencies():
     cases = [Measurement.from_phase(phase, FREQUENCIES, depth=depth, camera=CAMERA)]
     frame = Frame(depth, np.ones(SHAPE), np.array(CAMERA))
     for pair in ((7.15e9, 14.28e9), (7.15e9, 7.2e9), (5e9, 15.05e9)):
-        cases.append(simulate(frame, protocol="full", noise_free=True, frequencies=pair))
+        cases.append(
+            simulate(frame, protocol="full", noise_free=True, frequencies=pair)
+        )
     for m in cases:
         assert np.mean(np.abs(unwrapped(m)[1] - depth)[m.mask] < 1e-4) > 0.99
     far = Frame(100 * depth, frame.intensity, frame.camera)
@@ -148,15 +164,21 @@ def test_phases_alone_and_other_frequencies():
 
 def test_clear_pixels_vote_where_no_surface_explains_them():
     """Clutter of 4 px without noise: surfaces, which need 12 px, fail, and neighbours decide."""
-    depth = np.repeat(np.repeat(np.random.default_rng(4).uniform(0.8, 1.1, (16, 20)), 4, 0), 4, 1)
+    depth = np.repeat(
+        np.repeat(np.random.default_rng(4).uniform(0.8, 1.1, (16, 20)), 4, 0), 4, 1
+    )
     assert right(simulate(Frame(depth, np.ones(depth.shape)), noise_free=True)) > 0.9
 
 
 def test_images_whose_surfaces_lie_outside_the_mask_are_unwrapped():
     """A wall that is masked beside dark pixels that are not."""
     mask = np.broadcast_to(np.arange(SHAPE[1]) < 16, SHAPE)
-    m = simulate(plane_frame((0, 0, 1), 2.5, np.where(mask, 0.0, 1.0)), protocol="full", seed=0)
-    count, depth, confidence = unwrapped(Measurement(m.dataset.assign(mask=(("y", "x"), mask))))
+    m = simulate(
+        plane_frame((0, 0, 1), 2.5, np.where(mask, 0.0, 1.0)), protocol="full", seed=0
+    )
+    count, depth, confidence = unwrapped(
+        Measurement(m.dataset.assign(mask=(("y", "x"), mask)))
+    )
     assert (count[mask] >= 0).all() and (count[~mask] == -1).all()
     assert np.isfinite(depth[mask]).all() and np.isnan(depth[~mask]).all()
     assert not confidence[~mask].any()

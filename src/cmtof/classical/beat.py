@@ -27,7 +27,9 @@ BIAS = 0.5
 # Odds that the beat confirms, and the share that was right by `region`, `mrf` and networks on
 # views of 27 training and validation rooms, without noise and at 300, 1200 and 2000 counts.
 CALIBRATION = ((0, 0.2, 0.5, 0.95, 1), (0.03, 0.14, 0.45, 0.8, 0.96))
-SMOOTHING = 0.02  # variance of a guide below which a window is averaged rather than fitted
+SMOOTHING = (
+    0.02  # variance of a guide below which a window is averaged rather than fitted
+)
 
 
 class Synthetic(NamedTuple):
@@ -65,9 +67,13 @@ def beat_phasor(measurement: Measurement) -> Complex:
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
     """Depth of the beat averaged over a square of side ``window``, px, borders reflected."""
     if window not in range(1, 10_000, 2):
-        raise ValueError(f"Expected an odd window of 1 to 9999 px, got {window}. Try {WINDOW}.")
+        raise ValueError(
+            f"Expected an odd window of 1 to 9999 px, got {window}. Try {WINDOW}."
+        )
     phasor = beat_phasor(measurement)
-    return _averaged(uniform_filter(phasor, window), np.abs(phasor), window, measurement)
+    return _averaged(
+        uniform_filter(phasor, window), np.abs(phasor), window, measurement
+    )
 
 
 def beat_guided(measurement: Measurement) -> Estimate:
@@ -102,8 +108,12 @@ def guides(measurement: Measurement) -> Array:
         pairs = steps(phasor, axis)
         total = uniform_filter(pairs, 11)
         length = uniform_filter(np.abs(pairs), 11)
-        coherence *= np.divide(np.abs(total), length, out=np.zeros_like(length), where=length > 0)
-        slope = np.divide(total, np.abs(total), out=np.zeros_like(total), where=total != 0)
+        coherence *= np.divide(
+            np.abs(total), length, out=np.zeros_like(length), where=length > 0
+        )
+        slope = np.divide(
+            total, np.abs(total), out=np.zeros_like(total), where=total != 0
+        )
         slopes += [slope.real, slope.imag]
     bright = uniform_filter(amplitude.sum(axis=0), 5)
     # a tenth of the mean keeps the logarithm of noise in the dark from guiding anything
@@ -130,7 +140,9 @@ def guided_filter(
     middle = np.stack([mean(one) for one in guide])
     centre = mean(values)
     spread = _covariances(mean, guide, middle, smoothing)
-    shared = [mean(one * values) - m * centre for one, m in zip(guide, middle, strict=True)]
+    shared = [
+        mean(one * values) - m * centre for one, m in zip(guide, middle, strict=True)
+    ]
     slope = _solved(spread, np.stack(shared, axis=-1))
     flat = mean(centre - (slope * middle).sum(axis=0))
     return flat + sum(map(np.multiply, map(mean, slope), guide))
@@ -163,14 +175,20 @@ def beat_depth(phase: Array, measurement: Measurement) -> Array:
     return within_range(middle + turns * wrap_length(synthetic.frequency), measurement)
 
 
-def _averaged(mean: Complex, size: Array, window: int, measurement: Measurement) -> Estimate:
+def _averaged(
+    mean: Complex, size: Array, window: int, measurement: Measurement
+) -> Estimate:
     """Estimate of an averaged beat, and the odds that noise and window leave its wrap right."""
     low, high = measurement.frequencies[:2]
     spread = noise_of_mean(mean, uniform_filter(size**2, window), window**2)
     depth = beat_depth(np.angle(mean), measurement)
     wraps = depth / wrap_length(low)
-    varied = np.maximum(uniform_filter(wraps**2, window) - uniform_filter(wraps, window) ** 2, 0)
-    noise = np.hypot(wrap_noise(0, spread, frequencies=(low, high)), BIAS * np.sqrt(varied))
+    varied = np.maximum(
+        uniform_filter(wraps**2, window) - uniform_filter(wraps, window) ** 2, 0
+    )
+    noise = np.hypot(
+        wrap_noise(0, spread, frequencies=(low, high)), BIAS * np.sqrt(varied)
+    )
     return Estimate(depth, rounding_odds(noise))
 
 
@@ -179,7 +197,9 @@ def noise_of_mean(mean: Complex, power: Array, count: Array | int) -> Array:
     scatter = np.maximum(power - np.abs(mean) ** 2, 0)
     length = np.abs(mean)
     known = (count > 1.5) & (length > 0)
-    noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1))) / np.where(known, length, 1)
+    noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1))) / np.where(
+        known, length, 1
+    )
     return np.where(known, noise, np.inf)
 
 
@@ -191,7 +211,9 @@ def confirmed(depth: Array, odds: Array, measurement: Measurement) -> Estimate:
     ``exp(2 - r^2 / 2)`` of the odds.
     """
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
-    turned = beat_phasor(measurement) * np.exp(-1j * phase_from_depth(depth, synthetic.frequency))
+    turned = beat_phasor(measurement) * np.exp(
+        -1j * phase_from_depth(depth, synthetic.frequency)
+    )
     left = np.where(measurement.mask, turned, 0)
     mean = uniform_filter(left, WINDOW)
     around = noise_of_mean(mean, uniform_filter(np.abs(left) ** 2, WINDOW), WINDOW**2)

@@ -10,7 +10,13 @@ from math import ceil, gcd
 import numpy as np
 from scipy.special import ndtr
 
-from cmtof.correlation import TAU, centred, depth_from_phase, depth_from_wraps, wrap_length
+from cmtof.correlation import (
+    TAU,
+    centred,
+    depth_from_phase,
+    depth_from_wraps,
+    wrap_length,
+)
 from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers
@@ -47,7 +53,9 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
             "Expected frequencies with a large common divisor, "
             f"got {low} and {high} Hz with {common} Hz. Round them to whole MHz."
         )
-    first, second = measurement.phase[:2] * wrap_length(frequencies)[:, None, None] / TAU
+    first, second = (
+        measurement.phase[:2] * wrap_length(frequencies)[:, None, None] / TAU
+    )
     unit = wrap_length(low) / k2
     q = np.rint((second - first) / unit).astype(np.int64)
     wraps = (q * pow(k2, -1, k1)) % k1 if k1 > 1 else np.zeros_like(q)
@@ -93,7 +101,9 @@ def fused_depth(measurement: Measurement, wraps: Numbers, residual: Array) -> Ar
     amplitude = np.nan_to_num(measurement.amplitude[:2])
     weights = (amplitude * np.array([low, high])[:, None, None]) ** 2
     share = weights[1] / np.maximum(weights.sum(axis=0), np.finfo(float).tiny)
-    depth = depth_from_wraps(phase, wraps, low) + share * depth_from_phase(residual, high)
+    depth = depth_from_wraps(phase, wraps, low) + share * depth_from_phase(
+        residual, high
+    )
     return within_range(depth, measurement)
 
 
@@ -126,7 +136,8 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
     if (last - first - 1) * gap > TAU:
         return 1 / sum(
             np.exp(
-                (residual**2 - centred(residual - TAU * step * (n - wraps)) ** 2) / (2 * spread**2)
+                (residual**2 - centred(residual - TAU * step * (n - wraps)) ** 2)
+                / (2 * spread**2)
             )
             for n in range(first, last + 1)
         )

@@ -34,7 +34,9 @@ _RELIABILITY = 3.0  # s_0^2, rad^2, as published
 _FINEST = 0.01  # least misfit, rad, that counts as one sigma
 
 
-def kde(measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIUS) -> Estimate:
+def kde(
+    measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIUS
+) -> Estimate:
     """Wrap of each pixel whose depth is the densest among those of its neighbours.
 
     ``kernel`` is the width h along depth, wraps of the lower frequency; ``radius`` that of the
@@ -74,8 +76,12 @@ def hypotheses(measurement: Measurement) -> Iterator[Single]:
     # at least a quarter of the step from wrap to wrap: without noise no weight may vanish
     step = TAU * abs(ratio - round(ratio))
     least = min(step / 4, _FINEST) if step > 1e-9 else _FINEST
-    spread = (np.maximum(np.hypot(noise[1], ratio * noise[0]), least) / TAU).astype(np.float32)
-    reliability = np.exp(-np.sum(noise**2, axis=0) / (2 * _RELIABILITY)).astype(np.float32)
+    spread = (np.maximum(np.hypot(noise[1], ratio * noise[0]), least) / TAU).astype(
+        np.float32
+    )
+    reliability = np.exp(-np.sum(noise**2, axis=0) / (2 * _RELIABILITY)).astype(
+        np.float32
+    )
     misfit = np.mod((phase[1] - ratio * phase[0]) / TAU, 1).astype(np.float32)
     for j in range(first, last + 1):
         left = misfit - np.float32(np.mod(ratio * j, 1))
@@ -83,7 +89,9 @@ def hypotheses(measurement: Measurement) -> Iterator[Single]:
         yield reliability * np.exp(-left * left / 2)
 
 
-def _densest(measurement: Measurement, kernel: float, radius: int) -> tuple[Numbers, Array, Array]:
+def _densest(
+    measurement: Measurement, kernel: float, radius: int
+) -> tuple[Numbers, Array, Array]:
     """Wrap (from 0) of the largest density, that density, and the sum over all wraps, (H, W).
 
     A cubic through nodes h/2 apart, each a blurred image, gives the density at the depths ``u + n``
@@ -92,14 +100,18 @@ def _densest(measurement: Measurement, kernel: float, radius: int) -> tuple[Numb
     u = (measurement.phase[0] / TAU).astype(np.float32)
     nodes = max(2, ceil(2 / kernel))
     cubic = _cubic_shares(u * nodes, nodes)
-    images = _blurred_nodes([*hypotheses(measurement)], _kernels(u, kernel, nodes), radius)
+    images = _blurred_nodes(
+        [*hypotheses(measurement)], _kernels(u, kernel, nodes), radius
+    )
     label = np.zeros(u.shape, np.int64)
     best = np.zeros_like(u)
     total = np.zeros_like(u)
     before = next(images)
     here = next(images)
     for n, ahead in enumerate(images):
-        density = np.einsum("mhw,mhw->hw", cubic, np.stack([before[-1], *here, *ahead[:2]]))
+        density = np.einsum(
+            "mhw,mhw->hw", cubic, np.stack([before[-1], *here, *ahead[:2]])
+        )
         density = np.maximum(density, 0)
         label[density > best] = n
         best = np.maximum(best, density)
@@ -113,10 +125,14 @@ def _kernels(u: Single, kernel: float, nodes: int) -> Single:
     """Kernel (node, wrap, H, W) between the nodes of a wrap and the depths of wraps around it."""
     reach = ceil(4 * kernel)
     apart = np.arange(-reach, reach + 1) - np.arange(nodes)[:, None] / nodes
-    return np.exp(-(((u + apart[..., None, None]) / kernel) ** 2) / 2).astype(np.float32)
+    return np.exp(-(((u + apart[..., None, None]) / kernel) ** 2) / 2).astype(
+        np.float32
+    )
 
 
-def _blurred_nodes(weights: list[Single], kernels: Single, radius: int) -> Iterator[list[Single]]:
+def _blurred_nodes(
+    weights: list[Single], kernels: Single, radius: int
+) -> Iterator[list[Single]]:
     """Blurred images (H, W) of the nodes of each wrap, and of one more wrap at either end."""
     span = kernels.shape[1]
     beyond = [np.zeros_like(weights[0])] * (span // 2 + 1)

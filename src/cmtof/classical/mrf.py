@@ -27,10 +27,14 @@ from cmtof.types import Array, Complex, Flags, Numbers, Single
 # the best of 13 settings on six views of validation rooms:
 JUMP = 0.03  # cost of a step by one wrap that the phase does not show
 MOST = 0.1  # of the largest step
-RADIUS = 2  # half side, px, of the square over which phasors are summed, turned by the slope
+RADIUS = (
+    2  # half side, px, of the square over which phasors are summed, turned by the slope
+)
 POOLING = 6.0  # standard deviation, px, of the Gaussian over which the beat is averaged
 MOVES = (4, -4, 2, -2, 1, -1) * 2  # of the graph cuts, wraps
-_TEMPERATURE = 0.08  # of the softmax: on the same views its mean is 0.36, where 33 % are right
+_TEMPERATURE = (
+    0.08  # of the softmax: on the same views its mean is 0.36, where 33 % are right
+)
 _SHARPEST = 1e4  # largest kappa: a beat known to 0.01 rad needs no more weight
 
 
@@ -44,14 +48,18 @@ class Field(NamedTuple):
 
     def unary(self, labels: Numbers) -> Array:
         """Cost (H, W) of labels (H, W) but for a constant."""
-        cosine, sine = (f(self.angles).astype(np.float32)[labels] for f in (np.cos, np.sin))
+        cosine, sine = (
+            f(self.angles).astype(np.float32)[labels] for f in (np.cos, np.sin)
+        )
         return -(self.beat[..., 0] * cosine + self.beat[..., 1] * sine)
 
     def depth(self, labels: Numbers, measurement: Measurement) -> Array:
         """Depth (H, W), m, of labels (H, W)."""
         phase = self.phase.astype(float)
         frequency = measurement.frequencies[0]
-        return within_range(depth_from_wraps(phase, labels + self.first, frequency), measurement)
+        return within_range(
+            depth_from_wraps(phase, labels + self.first, frequency), measurement
+        )
 
 
 def mrf(measurement: Measurement) -> Estimate:
@@ -117,7 +125,9 @@ def _slope(phasor: Complex) -> Array:
     slopes = []
     for axis in (0, 1):
         ahead = steps(phasor, axis)
-        slopes.append(np.angle(uniform_filter(ahead + np.roll(ahead, 1, axis), 2 * RADIUS + 1)))
+        slopes.append(
+            np.angle(uniform_filter(ahead + np.roll(ahead, 1, axis), 2 * RADIUS + 1))
+        )
     return np.stack(slopes)
 
 
@@ -126,7 +136,9 @@ def _pooled(kappa: Array, beat: Array, slope: Array) -> Complex:
     mean = partial(gaussian_filter, sigma=POOLING, mode="constant")
     total = np.maximum(mean(kappa), np.finfo(float).tiny)
     place = np.indices(kappa.shape, sparse=True)
-    off = sum(s * (mean(kappa * at) / total - at) for s, at in zip(slope, place, strict=True))
+    off = sum(
+        s * (mean(kappa * at) / total - at) for s, at in zip(slope, place, strict=True)
+    )
     phasor = mean(kappa * np.cos(beat)) + 1j * mean(kappa * np.sin(beat))
     return phasor * np.exp(-1j * off)
 
@@ -138,7 +150,9 @@ def _noise(phasors: Complex, means: Complex) -> Array:
     return 1.4826 * np.median(across[:, known], axis=1) if known.any() else np.zeros(2)
 
 
-def _coherent_mean(phasors: Complex, slope: Array, ratio: float, radius: int) -> Complex:
+def _coherent_mean(
+    phasors: Complex, slope: Array, ratio: float, radius: int
+) -> Complex:
     """Mean of phasors (2, H, W) over a square, turned back by the slope, ``ratio`` times it."""
     down, right = np.exp(-1j * np.array([1.0, ratio])[:, None, None] * slope[:, None])
     height, width = slope.shape[1:]
@@ -155,7 +169,16 @@ def semi_global_labels(field: Field) -> tuple[Numbers, Single]:
     """Labels (H, W) of least cost summed over eight paths, and their softmax; see `mrf`."""
     cosine, sine = (f(field.angles).astype(np.float32) for f in (np.cos, np.sin))
     total = np.zeros((*field.phase.shape, cosine.size), np.float32)
-    for down, right in ((1, 1), (1, 0), (1, -1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1)):
+    for down, right in (
+        (1, 1),
+        (1, 0),
+        (1, -1),
+        (0, 1),
+        (-1, 1),
+        (-1, 0),
+        (-1, -1),
+        (0, -1),
+    ):
         _add_path(field.beat, field.phase, cosine, sine, down, right, total)
     labels = np.empty(field.phase.shape, np.intp)
     odds = np.empty_like(field.phase)
@@ -163,12 +186,16 @@ def semi_global_labels(field: Field) -> tuple[Numbers, Single]:
         # each path counts the pixel's own cost, which counts once
         cost = total[y] + 7 * (beat[:, :1] * cosine + beat[:, 1:] * sine)
         labels[y] = cost.argmin(axis=1)
-        odds[y] = 1 / np.exp((cost.min(axis=1, keepdims=True) - cost) / _TEMPERATURE).sum(axis=1)
+        odds[y] = 1 / np.exp(
+            (cost.min(axis=1, keepdims=True) - cost) / _TEMPERATURE
+        ).sum(axis=1)
     return labels, odds
 
 
 @njit()
-def _add_path(beat, phase, cosine, sine, down, right, total):  # pragma: no cover - compiled
+def _add_path(
+    beat, phase, cosine, sine, down, right, total
+):  # pragma: no cover - compiled
     """Costs of the paths from (y - down, x - right) to each pixel, added to total (H, W, N)."""
     height, width, labels = total.shape
     costs = np.empty((2, width, labels), np.float32)  # of this row and the one before
@@ -184,7 +211,9 @@ def _add_path(beat, phase, cosine, sine, down, right, total):  # pragma: no cove
             if 0 <= v < height and 0 <= u < width:
                 # labels rise where the phase falls by a wrap
                 rise = int(np.rint((phase[v, u] - phase[y, x]) / np.float32(2 * np.pi)))
-                here += _cheapest(costs[v % 2, u], wide, spare)[1 - rise : 1 - rise + labels]
+                here += _cheapest(costs[v % 2, u], wide, spare)[
+                    1 - rise : 1 - rise + labels
+                ]
             total[y, x] += here
 
 
@@ -193,7 +222,10 @@ def _cheapest(before, wide, spare):  # pragma: no cover - compiled
     """Min over m of ``before(m) - least + min(JUMP |n - m|, MOST)``, a label more at each end."""
     wide[0] = wide[-1] = MOST
     wide[1:-1] = np.minimum(before - before.min(), np.float32(MOST))
-    for reach in (1, 2):  # cones of 1 and 2 steps make up one of 3; 4 cost more than MOST
+    for reach in (
+        1,
+        2,
+    ):  # cones of 1 and 2 steps make up one of 3; 4 cost more than MOST
         rise = np.float32(reach * JUMP)
         spare[:] = wide
         spare[reach:] = np.minimum(spare[reach:], wide[:-reach] + rise)
@@ -264,7 +296,9 @@ def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
         (index[:, 1:], index[:, :-1], right),
         (index[1:], index[:-1], down),
     )
-    start, end, cost = (np.concatenate([*map(np.ravel, e)]) for e in zip(*edges, strict=True))
+    start, end, cost = (
+        np.concatenate([*map(np.ravel, e)]) for e in zip(*edges, strict=True)
+    )
     scale = 2.0**26 / max(cost[np.isfinite(cost)].max(initial=0), 1e-30)
     capacity = np.rint(np.minimum(cost * scale, 2.0**28)).astype(np.int32)
     graph = csr_array((capacity, (start, end)), shape=(source + 2,) * 2)

@@ -39,7 +39,9 @@ def phasor(measurement: Measurement) -> Estimate:
     phase = np.where(known, measurement.phase[:2], 0)
     amplitude = np.where(known, measurement.amplitude[:2], 0)
     best = np.full(measurement.shape, np.mean(measurement.range))
-    height = np.where(known, -np.inf, np.inf)  # a pixel without signal stays in the middle
+    height = np.where(
+        known, -np.inf, np.inf
+    )  # a pixel without signal stays in the middle
     for wraps in _candidates(phase, measurement):
         peak = _peak(phase, amplitude, wraps, low, high)
         depth = within_range(peak, measurement)
@@ -99,8 +101,12 @@ def _peak(
     apart = phase[1] - phase_from_depth(depth, high)
     total = amplitude[0] + amplitude[1] * np.exp(1j * apart)
     depth = depth + depth_from_phase(np.angle(total), low)
-    off = [phase_from_depth(depth, f) - p for f, p in zip((low, high), phase, strict=True)]
+    off = [
+        phase_from_depth(depth, f) - p for f, p in zip((low, high), phase, strict=True)
+    ]
     slope = -amplitude[0] * low * np.sin(off[0]) - amplitude[1] * high * np.sin(off[1])
-    bend = amplitude[0] * low**2 * np.cos(off[0]) + amplitude[1] * high**2 * np.cos(off[1])
+    bend = amplitude[0] * low**2 * np.cos(off[0]) + amplitude[1] * high**2 * np.cos(
+        off[1]
+    )
     step = np.where(bend > 0, slope / np.where(bend > 0, bend, 1), 0) * low
     return depth + depth_from_phase(np.clip(step, -0.1, 0.1), low)

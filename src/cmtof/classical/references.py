@@ -40,7 +40,9 @@ def reference_depth(measurement: Measurement) -> Estimate:
     truth = _truth(measurement)
     known = np.isfinite(truth)
     wraps = consistent_wrap_count(np.where(known, truth, 0), phase, frequency)
-    depth = np.where(known, depth_from_wraps(phase, wraps, frequency), sum(measurement.range) / 2)
+    depth = np.where(
+        known, depth_from_wraps(phase, wraps, frequency), sum(measurement.range) / 2
+    )
     return Estimate(within_range(depth, measurement), known.astype(float))
 
 
@@ -112,7 +114,9 @@ def _pooled(measurement: Measurement, surface: Numbers, side: int = 0) -> Estima
         sums = [Pooled(one.phase[surface], one.spread[surface]) for one in wholes]
         middle = mean_over(shape, surface, known & measurement.mask)[surface]
     offset = _offset(sums, middle, measurement)
-    odds = wrap_probability(sums[0].spread, sums[1].spread, frequencies=measurement.frequencies[:2])
+    odds = wrap_probability(
+        sums[0].spread, sums[1].spread, frequencies=measurement.frequencies[:2]
+    )
     depth = np.where(known, shape + offset, sum(measurement.range) / 2)
     return Estimate(within_range(depth, measurement), np.where(known, odds, 0))
 
@@ -149,6 +153,8 @@ def _square_mean(image: NDArray, side: int) -> NDArray:
 def _pieces(surface: Numbers) -> Iterator[tuple[Any, Flags]]:
     """Bounding box of each surface of two pixels and more, and which pixels in it are its own."""
     size = np.bincount(surface.ravel())
-    number = np.where(size > 1, np.cumsum(size > 1), 0)[surface]  # single pixels need no box
+    number = np.where(size > 1, np.cumsum(size > 1), 0)[
+        surface
+    ]  # single pixels need no box
     for k, place in enumerate(find_objects(number), start=1):
         yield place, number[place] == k

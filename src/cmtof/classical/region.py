@@ -13,7 +13,13 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from cmtof.bounds import wrap_probability
-from cmtof.classical.beat import beat_depth, beat_phasor, confirmed, guides, synthetic_frequency
+from cmtof.classical.beat import (
+    beat_depth,
+    beat_phasor,
+    confirmed,
+    guides,
+    synthetic_frequency,
+)
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.estimate import Estimate, guess, nearest, within_range
 from cmtof.measurement import Measurement
@@ -47,8 +53,12 @@ def spatial(measurement: Measurement) -> Estimate:
     low, high = measurement.range
     relative = relative_phase(measurement)
     inside = relative[measurement.mask] if measurement.mask.any() else relative
-    offset = np.rint((phase_from_depth((low + high) / 2, frequency) - np.median(inside)) / TAU)
-    depth = within_range(depth_from_phase(relative + TAU * offset, frequency), measurement)
+    offset = np.rint(
+        (phase_from_depth((low + high) / 2, frequency) - np.median(inside)) / TAU
+    )
+    depth = within_range(
+        depth_from_phase(relative + TAU * offset, frequency), measurement
+    )
     return Estimate(depth, np.full(measurement.shape, guess(measurement)))
 
 
@@ -69,11 +79,14 @@ def region(measurement: Measurement) -> Estimate:
     beat = np.where(mask, beat_phasor(measurement) * np.exp(-1j * turn), 0)
     pooled = pool(*patches(beat, number))
     offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
-    odds = np.asarray(wrap_probability(0, pooled.spread, frequencies=tuple(frequencies)))
+    odds = np.asarray(
+        wrap_probability(0, pooled.spread, frequencies=tuple(frequencies))
+    )
     near = nearest(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
     return confirmed(
         within_range((shape + offset[number])[near], measurement),
-        odds[number][near] * np.interp(np.hypot(*(near - np.indices(mask.shape))), *BESIDE),
+        odds[number][near]
+        * np.interp(np.hypot(*(near - np.indices(mask.shape))), *BESIDE),
         measurement,
     )
 
@@ -97,7 +110,9 @@ def relative_phase(measurement: Measurement) -> Array:
     if 1 in mask.shape or not mask.any():  # scikit-image unwraps no lines
         phase[mask] = np.unwrap(phase[mask])
         return phase
-    return np.asarray(np.ma.filled(unwrap_phase(np.ma.masked_array(phase, ~mask), rng=0), 0.0))
+    return np.asarray(
+        np.ma.filled(unwrap_phase(np.ma.masked_array(phase, ~mask), rng=0), 0.0)
+    )
 
 
 def components(down: Flags, across: Flags) -> Numbers:
@@ -106,7 +121,9 @@ def components(down: Flags, across: Flags) -> Numbers:
     index = np.arange(shape[0] * shape[1]).reshape(shape)
     rows = np.concatenate([index[:-1][down], index[:, :-1][across]])
     columns = np.concatenate([index[1:][down], index[:, 1:][across]])
-    graph = coo_array((np.ones(rows.size, bool), (rows, columns)), shape=(index.size, index.size))
+    graph = coo_array(
+        (np.ones(rows.size, bool), (rows, columns)), shape=(index.size, index.size)
+    )
     return connected_components(graph, directed=False)[1].reshape(shape).astype(np.intp)
 
 
@@ -132,7 +149,9 @@ def pool(phasors: Complex, number: Numbers) -> Pooled:
     known = (size > 1) & (length > 0)
     # one direction was fitted, so that one degree of freedom is lost
     power = sum_over(across**2, number) * size / np.maximum(size - 1, 1)
-    return Pooled(phase, np.where(known, np.sqrt(power) / np.where(known, length, 1), np.inf))
+    return Pooled(
+        phase, np.where(known, np.sqrt(power) / np.where(known, length, 1), np.inf)
+    )
 
 
 def whole_wraps(

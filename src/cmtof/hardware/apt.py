@@ -32,8 +32,16 @@ _UNIT = 0x50
 _CHANNEL = 1
 _POLL = 0.05  # s, between looks at the status bits
 ANSWER = 2.0  # s that an answer may take, whatever else comes
-LONGEST = 60.0  # s that a move may take: the whole travel takes 21 s, a turn of a plate 36 s
-_MOVING = ("moving_forward", "moving_reverse", "jogging_forward", "jogging_reverse", "homing")
+LONGEST = (
+    60.0  # s that a move may take: the whole travel takes 21 s, a turn of a plate 36 s
+)
+_MOVING = (
+    "moving_forward",
+    "moving_reverse",
+    "jogging_forward",
+    "jogging_reverse",
+    "homing",
+)
 
 
 UNITS = {"mm": 1e-3, "degree": pi / 180}  # m or rad
@@ -99,7 +107,9 @@ class Motor(Device):
         self._within(position=position)
         if not self.homed:
             self._fail(Refused, "be homed before a move", "it not", "Home it.")
-        self._go("mot_move_absolute", position, round(position * self.scale), waiting=waiting)
+        self._go(
+            "mot_move_absolute", position, round(position * self.scale), waiting=waiting
+        )
         return self.position
 
     def safe_state(self) -> None:
@@ -134,7 +144,9 @@ class Motor(Device):
         self._send("mot_set_velparams", _CHANNEL, 0, acceleration, velocity)
         moving = self._ask("mot_req_velparams", _CHANNEL)
         self._expect("velocity", velocity, moving.max_velocity, 1e-3 * velocity)
-        self._expect("acceleration", acceleration, moving.acceleration, 0.01 * acceleration)
+        self._expect(
+            "acceleration", acceleration, moving.acceleration, 0.01 * acceleration
+        )
 
     def _identity(self) -> Texts:
         self._send("hw_stop_updatemsgs")  # another program may have left it talking
@@ -142,7 +154,9 @@ class Motor(Device):
         model = info.model_number.split(b"\0")[0].decode("ascii", "replace")
         return {"model": model, "serial_number": str(info.serial_number)}
 
-    def _go(self, message: str, position: float, *arguments: int, waiting: Waiting) -> None:
+    def _go(
+        self, message: str, position: float, *arguments: int, waiting: Waiting
+    ) -> None:
         """Send a move, and wait until the motor rests where it should; after an error it stops."""
         if not self._speeds_set:
             self.set_speeds()
@@ -192,7 +206,9 @@ class Motor(Device):
                     return message
                 if time.monotonic() > deadline:
                     break
-        return self._fail(InstrumentTimeout, f"answer {request}", "none", "Check power.")
+        return self._fail(
+            InstrumentTimeout, f"answer {request}", "none", "Check power."
+        )
 
     def _resynchronise(self) -> None:
         with one_error(self.name):

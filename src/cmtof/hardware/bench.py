@@ -12,7 +12,14 @@ from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
 from cmtof.hardware.plan import Line, Plan, Record, mirror_settling, mirror_volts
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
 from cmtof.hardware.rig import DRIVERS, LIGHT, PLATES, Rig
-from cmtof.hardware.roles import ClockRole, MotorRole, PowerMeterRole, ReadOutRole, Requests, RfRole
+from cmtof.hardware.roles import (
+    ClockRole,
+    MotorRole,
+    PowerMeterRole,
+    ReadOutRole,
+    Requests,
+    RfRole,
+)
 from cmtof.hardware.safety import EmergencyStop
 from cmtof.types import Array, Counts, Named, Values
 
@@ -83,7 +90,9 @@ class Bench(EmergencyStop):
     def check_interlock(self) -> None:
         """Raise `Unsafe` when the interlock is open."""
         if not self.daq.line(self.rig.line("interlock")):
-            raise Unsafe("Expected the interlock closed, got it open. Close doors and covers.")
+            raise Unsafe(
+                "Expected the interlock closed, got it open. Close doors and covers."
+            )
 
     def park(self) -> None:
         """Bring both mirrors to 0 V."""
@@ -92,12 +101,20 @@ class Bench(EmergencyStop):
 
     def aimed(self, direction: Array) -> Values:
         """Outputs that send the beam into a direction (2,), rad, and their voltages."""
-        return dict(zip(self.rig.mirrors, mirror_volts(self.rig, direction).tolist(), strict=True))
+        return dict(
+            zip(
+                self.rig.mirrors,
+                mirror_volts(self.rig, direction).tolist(),
+                strict=True,
+            )
+        )
 
     def fly_back(self, directions: Array) -> None:
         """Aim at the first direction of a line (N, 2), rad, and wait as the step requires."""
         self.daq.write_many(self.aimed(directions[0]))
-        self.wait(mirror_settling(self.rig, float(np.abs(directions[0] - self._aim).max())))
+        self.wait(
+            mirror_settling(self.rig, float(np.abs(directions[0] - self._aim).max()))
+        )
         self._aim = directions[-1]
 
     def set_up(self) -> None:
@@ -119,7 +136,9 @@ class Bench(EmergencyStop):
         self.listen(rig.detector_input)
         self.start_clock()
         # ten readings of about 3 ms each
-        self.power_meter.set_up(wavelength=LASER_WAVELENGTH, readings=10, waiting=self.feed)
+        self.power_meter.set_up(
+            wavelength=LASER_WAVELENGTH, readings=10, waiting=self.feed
+        )
         self.switch("laser", True)
 
     def listen(self, *inputs: str) -> None:
@@ -138,7 +157,9 @@ class Bench(EmergencyStop):
         rig = self.rig
         self.clock.reset()
         for channel in rig.clock_channels:
-            self.clock.sine(channel, frequency=rig.clock_frequency, amplitude=rig.clock_amplitude)
+            self.clock.sine(
+                channel, frequency=rig.clock_frequency, amplitude=rig.clock_amplitude
+            )
         if len(rig.clock_channels) > 1:
             self.clock.lock_phases()
         for channel in rig.clock_channels:
@@ -161,7 +182,9 @@ class Bench(EmergencyStop):
     def turn_plate(self, module: str, angle: float) -> None:
         """Turn a module's half-wave plate to theta_h, degrees."""
         mount = angle + getattr(self.rig, f"plate_zero_{module}_deg")
-        self.devices[f"plate_{module}"].move_to(float(np.deg2rad(mount)), waiting=self.feed)
+        self.devices[f"plate_{module}"].move_to(
+            float(np.deg2rad(mount)), waiting=self.feed
+        )
 
     def ramp_up(self, rf: RfRole, power: float) -> None:
         """Switch RF on and bring it to its power, dBm, in steps; it has to be locked at each."""
@@ -216,7 +239,9 @@ class Bench(EmergencyStop):
             {"USER_RAM0_U32": float(label), **output}
             for label, output in zip(labels, outputs, strict=False)
         ]
-        insist(self.rf_detection.arm, tries=ATTEMPTS)  # may be sent twice, as nothing moves
+        insist(
+            self.rf_detection.arm, tries=ATTEMPTS
+        )  # may be sent twice, as nothing moves
         counts = []
         self.times = []
         for label, burst in zip(labels, self.daq.bursts(requests), strict=True):
@@ -226,17 +251,23 @@ class Bench(EmergencyStop):
         edges = self.rf_detection.status().edges
         wanted = len(counts) * self.rig.phases
         if edges != wanted:
-            raise BadReply(f"Expected {wanted} trigger edges, got {edges}. Check the trigger line.")
+            raise BadReply(
+                f"Expected {wanted} trigger edges, got {edges}. Check the trigger line."
+            )
         return np.array(counts)
 
     def check(self) -> None:
         """Raise `Unsafe` if a modulator, their clock or the interlock has given way."""
-        if not all(self.clock.output_is_on(channel) for channel in self.rig.clock_channels):
+        if not all(
+            self.clock.output_is_on(channel) for channel in self.rig.clock_channels
+        ):
             raise Unsafe("Expected the clock on, got it off. Check the generator.")
         for rf in self.rf:
             status = rf.status()
             if status.tripped or not (status.on and status.locked):
-                raise Unsafe(f"Expected {rf.name} on and locked, got {status}. Let it warm up.")
+                raise Unsafe(
+                    f"Expected {rf.name} on and locked, got {status}. Let it warm up."
+                )
         self.check_interlock()
 
     def feed(self) -> None:
@@ -283,4 +314,6 @@ class Bench(EmergencyStop):
         power = self.metered_power() if lit else 1.0
         measured = sums_from_counts(counts, plan.kept)
         locks = np.array([rf.lock()[1:] for rf in self.rf])
-        return Record(line.index, power, self.daq.rate, locks, np.array(self.times), *measured)
+        return Record(
+            line.index, power, self.daq.rate, locks, np.array(self.times), *measured
+        )

@@ -12,7 +12,12 @@ from threading import Thread
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.device import Unsafe
 
-UNITS = {"power_meter": "W", "stage": "m", "plate_emission": "rad", "plate_detection": "rad"}
+UNITS = {
+    "power_meter": "W",
+    "stage": "m",
+    "plate_emission": "rad",
+    "plate_detection": "rad",
+}
 
 
 class Motion(Future):
@@ -48,7 +53,9 @@ class Adapter:
 
     def read(self) -> dict[str, dict]:
         """Position or power, and the time, s since 1970."""
-        value = getattr(self._device, "power" if self.name == "power_meter" else "position")
+        value = getattr(
+            self._device, "power" if self.name == "power_meter" else "position"
+        )
         return {self.name: {"value": value, "timestamp": time.time()}}
 
     def describe(self) -> dict[str, dict]:
@@ -59,7 +66,9 @@ class Adapter:
     def set(self, position: float) -> Motion:
         """Move, m or rad."""
         self._stopped = False
-        self._motion = Motion(lambda: self._device.move_to(position, waiting=self._wait))
+        self._motion = Motion(
+            lambda: self._device.move_to(position, waiting=self._wait)
+        )
         return self._motion
 
     def stop(self, *, success: bool = False) -> None:
@@ -71,7 +80,9 @@ class Adapter:
     def _wait(self) -> None:
         """Feed the timers of the bench, and end a move that is to stop."""
         if self._stopped:
-            raise Unsafe(f"Expected {self.name} to move on, got a stop. Home it or go on.")
+            raise Unsafe(
+                f"Expected {self.name} to move on, got a stop. Home it or go on."
+            )
         self._bench.feed()
 
 

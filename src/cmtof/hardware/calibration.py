@@ -26,13 +26,18 @@ LARGEST = 1.9  # eta, rad, up to which the mean grows
 
 
 def levels(
-    bench: Bench, module: str, angles: Iterable[float], drives: Iterable[Sequence[float]] = ()
+    bench: Bench,
+    module: str,
+    angles: Iterable[float],
+    drives: Iterable[Sequence[float]] = (),
 ) -> Array:
     """Light behind a module with its plate at angles, degrees, without RF, then at drives.
 
     The other module stays at quadrature; drives of Hz and dBm are those at the last angle.
     """
-    read = partial(reading, bench, "reference", Gain(*bench.daq.gain(VOLTS_RANGE)), count(1))
+    read = partial(
+        reading, bench, "reference", Gain(*bench.daq.gain(VOLTS_RANGE)), count(1)
+    )
     rf = bench.rf[MODULES.index(module)]
     bench.choose_mode("single")
     for one in bench.rf:
@@ -57,7 +62,9 @@ def levels(
     return np.array(found)
 
 
-def drive_amplitudes(bench: Bench, module: str, drives: Iterable[Sequence[float]]) -> Array:
+def drive_amplitudes(
+    bench: Bench, module: str, drives: Iterable[Sequence[float]]
+) -> Array:
     """Amplitudes eta (N,), rad, of the "emission" or "detection" at drives of Hz and dBm."""
     quadrature, dark, *driven = levels(bench, module, PLATES.values(), drives)
     share = (np.array(driven) - dark) / (2 * quadrature - 2 * dark)
@@ -71,7 +78,9 @@ def resonance(bench: Bench, module: str, frequencies: Sequence[float]) -> Pair:
     That of a Lorentzian at half power: 1 / eta^2 grows with the square of the distance.
     """
     drives = [(hertz, bench.rig.power_dbm) for hertz in frequencies]
-    curve = Polynomial.fit(frequencies, drive_amplitudes(bench, module, drives) ** -2, 2)
+    curve = Polynomial.fit(
+        frequencies, drive_amplitudes(bench, module, drives) ** -2, 2
+    )
     (centre,) = curve.deriv().roots()
     return centre, 2 * np.sqrt(2 * curve(centre) / curve.deriv(2)(centre))
 
@@ -89,5 +98,7 @@ def plate(bench: Bench, module: str, angles: Sequence[float]) -> Pair:
 def cyclic_error(bench: Bench, offsets: ArrayLike, *, mode: str = "single") -> Array:
     """Amplitudes, m, of errors with 1, 2 and more periods over offsets (N,), m, of whole wraps."""
     seen = sweep(bench, "reference", offsets, mode=mode)
-    error = sweep_errors(seen, bench.rig.reference_distance, visits=seen.sizes["position"])
+    error = sweep_errors(
+        seen, bench.rig.reference_distance, visits=seen.sizes["position"]
+    )
     return 2 * np.abs(np.fft.rfft(error))[1:] / error.size

@@ -20,11 +20,18 @@ def states_of(bench: Bench) -> Iterator[tuple[str, str]]:
             _told(lambda one=channel: "on" if bench.clock.output_is_on(one) else "off"),
         )
     yield "power", _told(lambda: f"{1e3 * bench.power_meter.power:.4g} mW at the meter")
-    yield "interlock", _told(lambda: _interlock(bench.daq.line(bench.rig.line("interlock"))))
+    yield (
+        "interlock",
+        _told(lambda: _interlock(bench.daq.line(bench.rig.line("interlock")))),
+    )
 
 
 def _interlock(closed: bool) -> str:
-    return "closed" if closed else "Expected it closed, got it open. Close doors and covers."
+    return (
+        "closed"
+        if closed
+        else "Expected it closed, got it open. Close doors and covers."
+    )
 
 
 def _rf_state(status: RfStatus) -> str:

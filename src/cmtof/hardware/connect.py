@@ -29,7 +29,9 @@ def connected_bench(rig: Rig, log: TextIO | None = None) -> Iterator[Bench]:
             devices[role] = reached.enter_context(closing(device))
             device.identify()
             device.safe_state()
-        with Bench(rig, devices, source="instrument", group_index=rig.group_index) as bench:
+        with Bench(
+            rig, devices, source="instrument", group_index=rig.group_index
+        ) as bench:
             yield bench
 
 
@@ -69,7 +71,9 @@ def read_out(rig: Rig, connection: Any, **named: str) -> Any:
 
     settings = rig.devices["daq"]
     host, _, port = settings.address.partition(":")
-    stream = rf.open_serial(f"socket://{host}:{int(port or PORT) + 200}", settings.timeout)
+    stream = rf.open_serial(
+        f"socket://{host}:{int(port or PORT) + 200}", settings.timeout
+    )
     return t7.LabJackT7(
         connection,
         stream,

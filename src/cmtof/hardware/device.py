@@ -51,9 +51,17 @@ def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterato
     except InstrumentError:
         raise
     except Exception as error:
-        names = {kind.__name__ for kind in type(error).__mro__}  # without their libraries
+        names = {
+            kind.__name__ for kind in type(error).__mro__
+        }  # without their libraries
         late = names & _LATE or "VI_ERROR_TMO" in str(error)
-        kind = InstrumentTimeout if late else ConnectionLost if names & _GONE else otherwise
+        kind = (
+            InstrumentTimeout
+            if late
+            else ConnectionLost
+            if names & _GONE
+            else otherwise
+        )
         message = _PATTERNS[kind].format(name, " ".join(str(error).split())[:200])
         raise kind(" ".join([message, *_hints(error)])) from None
 
@@ -86,7 +94,9 @@ PHRASES = {
 class Device:
     """An instrument on a library's connection; ``serial_number`` refuses any other."""
 
-    MODELS: ClassVar[tuple[str, ...]] = ()  # beginnings of the names that the driver takes
+    MODELS: ClassVar[
+        tuple[str, ...]
+    ] = ()  # beginnings of the names that the driver takes
     LIMITS: ClassVar[Mapping[str, Pair]] = {}  # of settings, in SI units
 
     def __init__(self, connection: Any, name: str, serial_number: str = "") -> None:
@@ -106,7 +116,9 @@ class Device:
         found = self._identity()  # type: ignore[attr-defined]
         model = found["model"]
         serial_number = found["serial_number"]
-        if self._serial_number not in ("", serial_number) or not model.startswith(self.MODELS):
+        if self._serial_number not in ("", serial_number) or not model.startswith(
+            self.MODELS
+        ):
             self._fail(
                 Refused,
                 f"be {' or '.join(self.MODELS)} {self._serial_number}",
@@ -128,7 +140,9 @@ class Device:
                     "Stay within."
                 )
 
-    def _expect(self, what: str, wanted: float, found: float, tolerance: float = 0.0) -> None:
+    def _expect(
+        self, what: str, wanted: float, found: float, tolerance: float = 0.0
+    ) -> None:
         """Raise `Refused` unless a device reads back what was set."""
         if not abs(found - wanted) <= tolerance:  # a comparison that NaN fails
             self._fail(
@@ -138,7 +152,9 @@ class Device:
                 "Check value and wiring.",
             )
 
-    def _fail(self, kind: type[InstrumentError], wish: str, got: str, remedy: str) -> NoReturn:
+    def _fail(
+        self, kind: type[InstrumentError], wish: str, got: str, remedy: str
+    ) -> NoReturn:
         raise kind(f"Expected {self.name} to {wish}, got {got[:80]}. {remedy}")
 
 
@@ -172,7 +188,9 @@ def insist(*acts: Callable[[], object], tries: int = 2) -> None:
         if failures and isinstance(failures[-1], InstrumentTimeout):
             break
     if failures:
-        raise failures[0] if len(failures) == 1 else Refused(" ".join(map(str, failures)))
+        raise (
+            failures[0] if len(failures) == 1 else Refused(" ".join(map(str, failures)))
+        )
 
 
 def number(text: str) -> float:

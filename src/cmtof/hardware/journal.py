@@ -77,7 +77,10 @@ def begun(path: Path, header: Named, plan: Plan) -> list[Record]:
         raise broken from None
     check_settings(path, old, header["settings"] | header)
     try:
-        records = [_record(row, plan.lines[n], plan.kept.size) for n, row in enumerate(lines[1:])]
+        records = [
+            _record(row, plan.lines[n], plan.kept.size)
+            for n, row in enumerate(lines[1:])
+        ]
     except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
         raise broken from None
     os.truncate(path, sum(len(framed(line)) for line in lines))  # without a torn end
@@ -93,6 +96,11 @@ def _record(content: bytes, line: Line, phases: int) -> Record:
     shapes = [one.shape for one in arrays.values()]
     sensible = 1e-15 < record.power < 1e3 and 0 < record.rate < 1e9
     fit = shapes == [(2, 2), (bursts,), (bursts, phases), (bursts,)]
-    if not (fit and sensible and np.isfinite(record.times).all() and record.line == line.index):
+    if not (
+        fit
+        and sensible
+        and np.isfinite(record.times).all()
+        and record.line == line.index
+    ):
         raise ValueError("another line")
     return record

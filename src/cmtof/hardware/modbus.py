@@ -35,13 +35,17 @@ class Feedback:
             self._socket.sendall(request)
             number, _, length, _, function = HEAD.unpack(self._received(HEAD.size))
             if number != self._number or function & 0x7F != FEEDBACK:
-                raise BadReply(f"Expected answer {self._number}, got {number}. Ask again.")
+                raise BadReply(
+                    f"Expected answer {self._number}, got {number}. Ask again."
+                )
             body = self._received(length - 2)
         except Exception:
             self.close()
             raise
         if function != FEEDBACK:
-            raise Refused(f"Expected a request to be accepted, got exception {body[0]}. Check it.")
+            raise Refused(
+                f"Expected a request to be accepted, got exception {body[0]}. Check it."
+            )
         return body
 
     def close(self) -> None:

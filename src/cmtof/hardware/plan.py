@@ -82,13 +82,17 @@ def mirror_volts(rig: Rig, angles: ArrayLike) -> Array:
 
 def mirror_angles(rig: Rig, volts: ArrayLike) -> Array:
     """Optical angles (..., 2), rad, of voltages: the inverse of `mirror_volts`."""
-    return np.deg2rad(2 * np.subtract(volts, rig.mirror_offset_volts) / rig.mirror_volts_per_degree)
+    return np.deg2rad(
+        2 * np.subtract(volts, rig.mirror_offset_volts) / rig.mirror_volts_per_degree
+    )
 
 
 def planned(rig: Rig, *, size: int | Shape = 64) -> Plan:
     """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole."""
     height, width = np.broadcast_to(size, 2).tolist()
-    focal = np.array([width, height]) / 2 / np.tan(np.deg2rad(rig.field_of_view_deg) / 2)
+    focal = (
+        np.array([width, height]) / 2 / np.tan(np.deg2rad(rig.field_of_view_deg) / 2)
+    )
     camera = np.array([*focal, width / 2, height / 2])
     x, y, z = np.moveaxis(rays_from_camera((height, width), camera), -1, 0)
     angles = np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)
@@ -109,8 +113,15 @@ def _lines(height: int, width: int) -> list[Line]:
     lines = []
     label = 1
     for mode in MODES:
-        for kind, row, bursts in [("dark", 0, DARK_BURSTS), *reference, *image, *reference]:
-            lines.append(Line(len(lines), mode, kind, row, range(label, label + bursts)))
+        for kind, row, bursts in [
+            ("dark", 0, DARK_BURSTS),
+            *reference,
+            *image,
+            *reference,
+        ]:
+            lines.append(
+                Line(len(lines), mode, kind, row, range(label, label + bursts))
+            )
             label += bursts
     return lines
 

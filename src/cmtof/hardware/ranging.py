@@ -58,7 +58,9 @@ def stepped_phases(volts: Array) -> Array:
     return decode(volts.T, nominal_psi(volts.shape[1])).phase
 
 
-def calibrated_mixer(bench: Bench, read: Callable[[], Array]) -> Callable[[Array], Array]:
+def calibrated_mixer(
+    bench: Bench, read: Callable[[], Array]
+) -> Callable[[Array], Array]:
     """Function that makes phases (N,), rad, of I and Q (N, 2), V, by the imbalance of today."""
     bench.listen(*bench.rig.iq_inputs)
     bench.rf_detection.load_table(np.zeros(bench.rig.phases))  # it drives the mixer
@@ -85,7 +87,9 @@ def sweep(
     the frequency, Hz, that belongs to the phase, and the settings. The bench is set up. Raises as a
     scan does, and a ValueError where light saturates the detector.
     """
-    read = partial(reading, bench, way, Gain(*bench.daq.gain(VOLTS_RANGE)), count(label))
+    read = partial(
+        reading, bench, way, Gain(*bench.daq.gain(VOLTS_RANGE)), count(label)
+    )
     bench.choose_mode(mode)
     frequency = MODES[mode] * bench.rig.drive_frequency(mode)
     phases_of = stepped_phases
@@ -107,12 +111,21 @@ def sweep(
     bench.listen(bench.rig.detector_input)
     return Dataset(
         {
-            "phase": ("position", phases_of(np.array(found["volts"])), {"units": "rad"}),
+            "phase": (
+                "position",
+                phases_of(np.array(found["volts"])),
+                {"units": "rad"},
+            ),
             "volts": (("position", "step"), found["volts"], {"units": "V"}),
             "laser_power": ("position", found["laser_power"], {"units": "W"}),
         },
         {"position": ("position", offsets, {"units": "m"})},
-        {"way": way, "frequency": frequency, "settings": bench.rig.as_dict(), **bench.about},
+        {
+            "way": way,
+            "frequency": frequency,
+            "settings": bench.rig.as_dict(),
+            **bench.about,
+        },
     )
 
 
@@ -120,10 +133,15 @@ def sweep_errors(seen: Dataset, distance: float, *, visits: int) -> Array:
     """Errors (N,), m, of a sweep whose zero stands at a distance, m; see `range_errors`."""
     index = seen.attrs["group_index"]
     ranges = index * (distance + seen["position"])
-    return range_errors(seen["phase"], ranges, seen.attrs["frequency"], visits=visits) / index
+    return (
+        range_errors(seen["phase"], ranges, seen.attrs["frequency"], visits=visits)
+        / index
+    )
 
 
-def range_errors(phases: ArrayLike, ranges: ArrayLike, frequency: float, *, visits: int) -> Array:
+def range_errors(
+    phases: ArrayLike, ranges: ArrayLike, frequency: float, *, visits: int
+) -> Array:
     """Errors (N,), m, of phases (N,), rad, at optical ranges, m; the first ones set the zero."""
     off = np.asarray(phases) - phase_from_depth(ranges, frequency)
     zero = np.angle(np.exp(1j * off[:visits]).sum())

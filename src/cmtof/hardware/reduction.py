@@ -60,7 +60,9 @@ def drive_phases(phases: int, mode: str) -> Array:
     return np.mod(-nominal_psi(phases) / MODES[mode], TAU)
 
 
-def sums_from_counts(counts: ArrayLike, kept: ArrayLike) -> tuple[NDArray[np.uint32], Counts]:
+def sums_from_counts(
+    counts: ArrayLike, kept: ArrayLike
+) -> tuple[NDArray[np.uint32], Counts]:
     """Sums (N, K) of each phase's last ``kept`` (K,) samples, and how many of them clip (N,)."""
     samples = np.asarray(counts, np.uint32)
     samples = samples.reshape(len(samples), np.size(kept), -1)
@@ -94,7 +96,9 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Pair:
     return float(centred(np.angle(total))), float(drift)
 
 
-def lines_of(plan: Plan, records: Sequence[Record], mode: str, kind: str) -> tuple[Any, Array]:
+def lines_of(
+    plan: Plan, records: Sequence[Record], mode: str, kind: str
+) -> tuple[Any, Array]:
     """Recorded lines as one, whose fields have an axis more, and means of their kept samples."""
     found = [one for one in records if plan.lines[one.line][1:3] == (mode, kind)]
     record: Any = Record._make(map(np.array, zip(*found, strict=True)))
@@ -120,7 +124,9 @@ def calibrated(
     gain = Gain(*header["calibration"])
     seen, counts = lines_of(plan, records, mode, "reference")
     volts = gain.volts_from_counts(counts)
-    check_brightness(np.where(seen.clipped[..., None], np.inf, volts), plan.rig.limit_volts)
+    check_brightness(
+        np.where(seen.clipped[..., None], np.inf, volts), plan.rig.limit_volts
+    )
     dark = gain.volts_from_counts(lines_of(plan, records, mode, "dark")[1].mean())
     ranges = plan.rig.reference_distance + np.repeat(plan.sweep, REFERENCE_BURSTS)
     visits = (volts - dark) / seen.power[:, None, None]
@@ -131,7 +137,9 @@ def calibrated(
     )
 
 
-def measurement_from_records(plan: Plan, header: Named, records: Sequence[Record]) -> Measurement:
+def measurement_from_records(
+    plan: Plan, header: Named, records: Sequence[Record]
+) -> Measurement:
     """Measurement of the records of every line of a plan; raises as `calibrated` does.
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,
@@ -151,7 +159,10 @@ def measurement_from_records(plan: Plan, header: Named, records: Sequence[Record
         protocol="scan",
         saturation=FULL_SCALE,
         sample_rate=float(np.mean([record.rate for record in records])),
-        **{k: json.dumps(v) if isinstance(v, list | dict) else v for k, v in header.items()},
+        **{
+            k: json.dumps(v) if isinstance(v, list | dict) else v
+            for k, v in header.items()
+        },
     ).dataset
     dims = {1: (), 3: ("y", "x"), 4: ("step", "y", "x")}
     for name, units in {"detuning": "Hz", "reflected_power": "dBm"}.items():

@@ -171,11 +171,15 @@ class RfDriver(Device):
         """Words of the answer to one request; lines to earlier ones or unasked are passed over."""
         self._sequence = (self._sequence + 1) % 100
         with one_error(self.name):
-            self._connection.write(framed(" ".join([f">{self._sequence}", word, *arguments])))
+            self._connection.write(
+                framed(" ".join([f">{self._sequence}", word, *arguments]))
+            )
         while (words := self._line())[:1] != [f"<{self._sequence}"]:
             pass
         if words[1:2] != ["OK"]:
-            self._fail(Refused, f"obey {word}", " ".join(words[1:]), "Check state and limits.")
+            self._fail(
+                Refused, f"obey {word}", " ".join(words[1:]), "Check state and limits."
+            )
         return words[2:]
 
     def _line(self) -> list[str]:
@@ -185,7 +189,9 @@ class RfDriver(Device):
         body = line.decode("latin-1").rpartition("*")[0]
         if line != framed(body):
             kind = BadReply if line.endswith(b"\n") else InstrumentTimeout
-            self._fail(kind, "send a whole line in time", repr(line), "Check power and cable.")
+            self._fail(
+                kind, "send a whole line in time", repr(line), "Check power and cable."
+            )
         return body.split()
 
     def _resynchronise(self) -> None:

@@ -143,7 +143,9 @@ class PowerMeterRole(DeviceRole, Protocol):
         """Power, W."""
         ...
 
-    def set_up(self, *, wavelength: float, readings: int, waiting: Waiting = None) -> None:
+    def set_up(
+        self, *, wavelength: float, readings: int, waiting: Waiting = None
+    ) -> None:
         """Correct for a wavelength, m, average so many readings, and zero the dark head."""
 
 

@@ -39,10 +39,14 @@ class EmergencyStop:
     def __enter__(self) -> Self:
         atexit.register(self.__exit__, None, None, None)
         if threading.current_thread() is threading.main_thread():
-            self._previous = {one: signal.signal(one, self._on_signal) for one in _SIGNALS}
+            self._previous = {
+                one: signal.signal(one, self._on_signal) for one in _SIGNALS
+            }
         return self
 
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+    def __exit__(
+        self, kind: object, error: BaseException | None, trace: object
+    ) -> None:
         self._ignore_signals()
         failed = self._make_safe()
         atexit.unregister(self.__exit__)
@@ -55,7 +59,9 @@ class EmergencyStop:
         )
         if failed and (error is None or isinstance(error, Exception)):
             raise Unsafe(f"{error} Then: {message}" if error else message) from error
-        if failed:  # Ctrl-C and exit codes go on as they are, but nobody may overlook this
+        if (
+            failed
+        ):  # Ctrl-C and exit codes go on as they are, but nobody may overlook this
             print(message, file=sys.stderr)
 
     def _make_safe(self) -> list[str]:

@@ -15,7 +15,13 @@ from pathlib import Path
 from cmtof import __version__
 from cmtof.files import AnyPath, alone, check_output
 from cmtof.hardware.bench import VOLTS_RANGE, Bench
-from cmtof.hardware.journal import append, begun, check_settings, journal_path, whole_lines
+from cmtof.hardware.journal import (
+    append,
+    begun,
+    check_settings,
+    journal_path,
+    whole_lines,
+)
 from cmtof.hardware.plan import SWEEP, Line, Plan
 from cmtof.hardware.reduction import calibrated, measurement_from_records
 from cmtof.measurement import Measurement, open_measurement
@@ -65,7 +71,9 @@ def scan(
             "size": list(plan.angles.shape[:2]),
             "calibration": list(on.daq.gain(VOLTS_RANGE)),
             "settings": plan.rig.as_dict(),
-            "instruments": {role: device.identify() for role, device in on.devices.items()},
+            "instruments": {
+                role: device.identify() for role, device in on.devices.items()
+            },
         }
         path.touch()
         with alone(path):

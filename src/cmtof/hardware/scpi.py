@@ -81,21 +81,31 @@ def identity_from_line(line: str) -> Texts:
     fields = [field.strip() for field in line.removeprefix("*IDN ").split(",")]
     if len(fields) not in (4, 5):
         raise ValueError(line)
-    return dict(zip(("maker", "model", "serial_number", "firmware"), fields, strict=False))
+    return dict(
+        zip(("maker", "model", "serial_number", "firmware"), fields, strict=False)
+    )
 
 
 class SignalGenerator(ScpiInstrument):
     """Siglent SDG2042X, to 40 MHz: the clock that both RF drivers multiply."""
 
     MODELS = ("SDG2",)
-    LIMITS: ClassVar = {"channel": (1, 2), "frequency": (1e-6, 40e6), "amplitude": (2e-3, 10.0)}
+    LIMITS: ClassVar = {
+        "channel": (1, 2),
+        "frequency": (1e-6, 40e6),
+        "amplitude": (2e-3, 10.0),
+    }
 
     def reset(self) -> None:
         """Bring it into its factory state, without burst, sweep, modulation and coupling."""
         self._write("*RST")
         usual = self._connection.timeout
         self._connection.timeout = 10_000  # ms, until it is done
-        self._expect("reset", 1, self._ask("*OPC?", lambda line: number(line.removeprefix("*OPC"))))
+        self._expect(
+            "reset",
+            1,
+            self._ask("*OPC?", lambda line: number(line.removeprefix("*OPC"))),
+        )
         self._connection.timeout = usual
         self._write("ROSC INT")
         for channel in (1, 2):
@@ -112,7 +122,13 @@ class SignalGenerator(ScpiInstrument):
         )
         found = self._pairs(f"C{channel}:OUTP?") | self._pairs(f"C{channel}:BSWV?")
         self._expect("sine", True, found.get("WVTP") == "SINE")
-        settings = {"LOAD": 50.0, "FRQ": frequency, "AMP": amplitude, "OFST": 0.0, "PHSE": 0.0}
+        settings = {
+            "LOAD": 50.0,
+            "FRQ": frequency,
+            "AMP": amplitude,
+            "OFST": 0.0,
+            "PHSE": 0.0,
+        }
         for key, wanted in settings.items():
             self._expect(key, wanted, number(found.get(key, "")), 1e-3 + 1e-9 * wanted)
 
@@ -143,7 +159,9 @@ class SignalGenerator(ScpiInstrument):
             words = re.split("[ ,]", line.strip())
             if f"{words[0]}?" != command:
                 raise ValueError(line)
-            first = len(words) % 2  # the answer of OUTP begins with a value, that of BSWV does not
+            first = (
+                len(words) % 2
+            )  # the answer of OUTP begins with a value, that of BSWV does not
             return dict(zip(words[first::2], words[first + 1 :: 2], strict=True))
 
         return self._ask(command, parse)
@@ -160,7 +178,9 @@ class PowerMeter(ScpiInstrument):
 
     def _identity(self) -> Texts:
         self._choose("SENS:POW:UNIT", "W")  # it may have been left in dBm
-        head = self._ask("SYST:SENS:IDN?", lambda line: line.replace('"', "").split(","))
+        head = self._ask(
+            "SYST:SENS:IDN?", lambda line: line.replace('"', "").split(",")
+        )
         if not int(number(head[-1])) & POWER_HEAD:
             self._fail(Refused, "have a head for power", head[0], "Plug it in.")
         return super()._identity() | {"head": head[0], "head_serial_number": head[1]}
@@ -170,7 +190,9 @@ class PowerMeter(ScpiInstrument):
         """Power, W; overload of the head raises `BadReply`."""
         return self._ask("MEAS:POW?")
 
-    def set_up(self, *, wavelength: float, readings: int, waiting: Waiting = None) -> None:
+    def set_up(
+        self, *, wavelength: float, readings: int, waiting: Waiting = None
+    ) -> None:
         """Correct for a wavelength, m, average readings of 3 ms each, and zero the dark head."""
         self._within(wavelength=wavelength, readings=readings)
         self._choose("SENS:POW:RANG:AUTO", "1", "ON")

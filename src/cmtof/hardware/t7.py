@@ -60,7 +60,10 @@ class LabJackT7(Device):
     """
 
     MODELS = ("T7",)
-    LIMITS: ClassVar = {"rate": (1.0, 100e3), "pulse": (2, 250)}  # of all addresses together
+    LIMITS: ClassVar = {
+        "rate": (1.0, 100e3),
+        "pulse": (2, 250),
+    }  # of all addresses together
 
     def __init__(
         self,
@@ -89,10 +92,15 @@ class LabJackT7(Device):
     def gain(self, volts_range: float) -> Gain:
         """Calibration of an input range, V, of the converter that streams."""
         self.write_many(
-            {"INTERNAL_FLASH_READ_POINTER": CALIBRATION + 16 * RANGES.index(volts_range)}
+            {
+                "INTERNAL_FLASH_READ_POINTER": CALIBRATION
+                + 16 * RANGES.index(volts_range)
+            }
         )
         gain = Gain(*self._values("INTERNAL_FLASH_READ"))
-        self._expect("slope", 3.158e-5 * volts_range, gain.positive_slope, 1e-5 * volts_range)
+        self._expect(
+            "slope", 3.158e-5 * volts_range, gain.positive_slope, 1e-5 * volts_range
+        )
         return gain
 
     def line(self, dio: str) -> bool:
@@ -122,7 +130,9 @@ class LabJackT7(Device):
         """Set up bursts of inputs; a line is high for the first half of each ``pulse``."""
         self._within(rate=rate * (1 + len(channels)), pulse=pulse)
         if scans % pulse:
-            raise ValueError(f"Expected pulses of {pulse} samples, got {scans}. Change one.")
+            raise ValueError(
+                f"Expected pulses of {pulse} samples, got {scans}. Change one."
+            )
         bit = 1 << int(pulse_line[-1])
         inhibit = (0xFF & ~bit) << 8
         self._size = scans * len(channels)
@@ -146,7 +156,9 @@ class LabJackT7(Device):
         for place, channel in enumerate(channels, 1):
             self._settings[f"{channel}_RANGE"] = range
             self._settings[f"{channel}_NEGATIVE_CH"] = 199  # single-ended
-            self._settings[f"STREAM_SCANLIST_ADDRESS{place}"] = 2 * int(channel.removeprefix("AIN"))
+            self._settings[f"STREAM_SCANLIST_ADDRESS{place}"] = 2 * int(
+                channel.removeprefix("AIN")
+            )
         self._waveform = {
             "STREAM_DATATYPE": 0,  # must be 0, and cannot be read back
             pulse_line: 0,  # also makes it an output
@@ -190,10 +202,15 @@ class LabJackT7(Device):
         wanted = self._size // (width - 8) * 2 * width
         with one_error(self.name):
             data = self._stream.read(wanted)
-        words = np.frombuffer(data, ">u2", len(data) // (2 * width) * width).reshape(-1, width)
+        words = np.frombuffer(data, ">u2", len(data) // (2 * width) * width).reshape(
+            -1, width
+        )
         number, _, length, function, kind, _, status, _ = words[:, :8].T
         known = (function & 0xFF == 76) & (kind == 0x1000) & (length == 2 * width - 6)
-        if not (known & np.isin(status, (0, COMPLETE))).all() or (np.diff(number) != 1).any():
+        if (
+            not (known & np.isin(status, (0, COMPLETE))).all()
+            or (np.diff(number) != 1).any()
+        ):
             self._fail(
                 BadReply,
                 "send every packet and scan",
@@ -230,8 +247,12 @@ class LabJackT7(Device):
             "WATCHDOG_DAC1_ENABLE_DEFAULT": 0,
             "WATCHDOG_ENABLE_DEFAULT": 1,
         }
-        if self._values(*wanted) != tuple(wanted.values()):  # it is flash, which wears out
-            self.write_many({"WATCHDOG_ENABLE_DEFAULT": 0})  # the others are locked while it runs
+        if self._values(*wanted) != tuple(
+            wanted.values()
+        ):  # it is flash, which wears out
+            self.write_many(
+                {"WATCHDOG_ENABLE_DEFAULT": 0}
+            )  # the others are locked while it runs
             self._set(wanted)
 
     def save_power_up_state(self) -> None:
@@ -259,7 +280,9 @@ class LabJackT7(Device):
         return sum(1 << int(line[-1]) for line in lines)
 
     def _identity(self) -> Texts:
-        product, firmware, serial = self._values("PRODUCT_ID", "FIRMWARE_VERSION", "SERIAL_NUMBER")
+        product, firmware, serial = self._values(
+            "PRODUCT_ID", "FIRMWARE_VERSION", "SERIAL_NUMBER"
+        )
         return {
             "model": f"T{product:g}",
             "serial_number": str(serial),
@@ -269,7 +292,9 @@ class LabJackT7(Device):
     def _set(self, values: Mapping[str, float]) -> None:
         """Write registers, and compare what the device holds then."""
         self.write_many(values)
-        for (name, wanted), found in zip(values.items(), self._values(*values), strict=True):
+        for (name, wanted), found in zip(
+            values.items(), self._values(*values), strict=True
+        ):
             tolerance = 1e-3 * wanted if REGISTERS[name][1] == "f" else 0.0
             self._expect(name, wanted, found, tolerance)
 

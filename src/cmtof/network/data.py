@@ -82,8 +82,12 @@ def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
     turns = batch.depth / WRAP - first
     repeated = unambiguous_range(FREQUENCIES) / WRAP - first
     scored = (turns >= 0) & (turns < min(classes, repeated))  # false for NaN
-    label = torch.where(scored, torch.nan_to_num(turns, nan=-1.0).floor().long(), IGNORED)
-    return Sample(features(phase, amplitude, inputs, correlation), label, phase[:, 0], turns)
+    label = torch.where(
+        scored, torch.nan_to_num(turns, nan=-1.0).floor().long(), IGNORED
+    )
+    return Sample(
+        features(phase, amplitude, inputs, correlation), label, phase[:, 0], turns
+    )
 
 
 def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> Crop:
@@ -113,11 +117,19 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
     turns, light = np.zeros((2, side, side))
     place = x, y, np.cos(turn), np.sin(turn), *extent, box
     shape = level, slope * np.cos(way), slope * np.sin(way), bend
-    look = bright, contrast, TAU * np.cos(wave) / pitch, TAU * np.sin(wave) / pitch, texture
+    look = (
+        bright,
+        contrast,
+        TAU * np.cos(wave) / pitch,
+        TAU * np.sin(wave) / pitch,
+        texture,
+    )
     for plate in zip(*place, *shape, *look, strict=True):
         _paint(turns, light, *plate)
     grain = 0.15 * rng.standard_normal((side, side)) * (uniform() < 0.5)
-    return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(light * np.exp(grain), 1)
+    return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(
+        light * np.exp(grain), 1
+    )
 
 
 @njit()
@@ -208,7 +220,9 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
         name = f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_{rooms.height}x{rooms.width}"
         render_rooms(tree := folder / name, rooms)
     scenes = Hypersim(tree)
-    train, val = (pack_views(scenes.sources(scenes.split()[part])) for part in ("train", "val"))
+    train, val = (
+        pack_views(scenes.sources(scenes.split()[part])) for part in ("train", "val")
+    )
     return train, val
 
 
@@ -223,8 +237,12 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     depth = np.empty(0)
     light = np.empty(0)
     for _ in range(4):
-        view, y, x = (rng.integers(n) for n in (views, height - side + 1, width - side + 1))
-        found, shade = pack.staged(view, protocol, (slice(y, y + side), slice(x, x + side)))
+        view, y, x = (
+            rng.integers(n) for n in (views, height - side + 1, width - side + 1)
+        )
+        found, shade = pack.staged(
+            view, protocol, (slice(y, y + side), slice(x, x + side))
+        )
         known = found[np.isfinite(found)]
         if known.size and rng.uniform() < 2 / 3:
             found += (first + rng.uniform(0, classes)) * WRAP - rng.choice(known)
@@ -248,7 +266,9 @@ class Steps(Dataset[Batch]):
     Crop k of step s is decided by (seed, s, k) alone, also after a kill or among processes.
     """
 
-    def __init__(self, config: Config, pack: Pack | None, rank: int = 0, world: int = 1) -> None:
+    def __init__(
+        self, config: Config, pack: Pack | None, rank: int = 0, world: int = 1
+    ) -> None:
         self.config = config
         self.pack = pack
         self.rank = rank
@@ -272,6 +292,13 @@ class Steps(Dataset[Batch]):
 def batch_of(crops: list[tuple]) -> Batch:
     """Batch of crops (depth, intensity, sigma, generator of their noise)."""
     depth, light, sigma, rngs = zip(*crops, strict=True)
-    noise = [rng.standard_normal((4, 2, *depth[0].shape), dtype=np.float32) for rng in rngs]
-    images = np.stack(depth), np.stack(light).astype(np.float32), np.float32(sigma), np.stack(noise)
+    noise = [
+        rng.standard_normal((4, 2, *depth[0].shape), dtype=np.float32) for rng in rngs
+    ]
+    images = (
+        np.stack(depth),
+        np.stack(light).astype(np.float32),
+        np.float32(sigma),
+        np.stack(noise),
+    )
     return Batch(*map(torch.from_numpy, images))

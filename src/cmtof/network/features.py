@@ -15,7 +15,10 @@ Array = Any  # of NumPy or torch; the result is of the same kind
 # First wrap that a protocol distinguishes, and how many: 36 and 21, 0 and 358.
 CLASSES = {
     "released": (RELEASED_WRAPS[0], RELEASED_WRAPS[1] - RELEASED_WRAPS[0]),
-    "full": (0, int(np.ceil(unambiguous_range(FREQUENCIES) / wrap_length(FREQUENCIES[0])))),
+    "full": (
+        0,
+        int(np.ceil(unambiguous_range(FREQUENCIES) / wrap_length(FREQUENCIES[0]))),
+    ),
 }
 
 # E_C of Eq. 5. The paper does not state it; the authors' released code ends at 5.
@@ -65,7 +68,9 @@ def features(
 
     def beat() -> Array:
         angle = phase[..., 1, :, :] - 2 * phase[..., 0, :, :]
-        weight = xp.sqrt(amplitude[..., 0, :, :] * amplitude[..., 1, :, :]) / FULL_AMPLITUDE
+        weight = (
+            xp.sqrt(amplitude[..., 0, :, :] * amplitude[..., 1, :, :]) / FULL_AMPLITUDE
+        )
         return xp.stack([weight * xp.cos(angle), weight * xp.sin(angle)], -3)
 
     def scaled() -> Array:  # Su et al. 2018; dark ones less
@@ -76,7 +81,9 @@ def features(
         "phase": lambda: phase / TAU,
         "fourier": lambda: fourier_features(phase),
         "edges": lambda: phase_edges(phase),
-        "amplitude": lambda: (xp.log1p(amplitude) - 7.5) / 0.8,  # as usual at the paper's gain
+        "amplitude": lambda: (
+            (xp.log1p(amplitude) - 7.5) / 0.8
+        ),  # as usual at the paper's gain
         "beat": beat,
         "correlation": scaled,
     }

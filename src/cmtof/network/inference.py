@@ -19,7 +19,14 @@ from cmtof.estimate import within_range, wraps_in_range
 from cmtof.files import AnyPath
 from cmtof.measurement import Measurement
 from cmtof.network.features import FULL_AMPLITUDE, features, padding
-from cmtof.network.weights import FOLDER, Card, Refused, find_weights, read_weights, refused
+from cmtof.network.weights import (
+    FOLDER,
+    Card,
+    Refused,
+    find_weights,
+    read_weights,
+    refused,
+)
 from cmtof.simulation import QUADRATURES
 from cmtof.types import Array, Arrays, Single, Texts
 
@@ -53,14 +60,19 @@ def load_network(path: Path) -> Ready:
     }
     try:
         options.add_external_initializers(list(held), list(held.values()))
-        network = InferenceSession(read_graph(card), options, providers=["CPUExecutionProvider"])
+        network = InferenceSession(
+            read_graph(card), options, providers=["CPUExecutionProvider"]
+        )
     except Exception as error:  # ONNX Runtime raises a dozen kinds
         raise refused(path, card, error) from error
     return Ready(network, card)
 
 
 def unwrap_with_network(
-    measurement: Measurement, *, model: str | None = None, weights: AnyPath | None = None
+    measurement: Measurement,
+    *,
+    model: str | None = None,
+    weights: AnyPath | None = None,
 ) -> Arrays:
     """Depth by a network that classifies each pixel's wrap (Sec. 5) or regresses its depth.
 
@@ -72,7 +84,9 @@ def unwrap_with_network(
     ready = network_for(measurement, model, weights)
     card = ready.card
     if about(ready.network)["target"] == "depth":
-        turns = card.first_wrap + card.classes * (0.5 + output(ready.network, measurement)[0])
+        turns = card.first_wrap + card.classes * (
+            0.5 + output(ready.network, measurement)[0]
+        )
         depth = turns * wrap_length(FREQUENCIES[0])
         sure = np.full(depth.shape, card.validation.delta_lt_1)
     else:
@@ -95,7 +109,9 @@ def network_for(
             "Expected 7.15 and 14.32 GHz, which the weights were trained at, "
             f"got {', '.join(f'{f / 1e9:g}' for f in tones)} GHz. Choose the method crt."
         )
-    path = Path(weights or find_weights(model or "fast-scnn", *wraps_in_range(measurement)))
+    path = Path(
+        weights or find_weights(model or "fast-scnn", *wraps_in_range(measurement))
+    )
     ready = load_network(path)
     if model not in (None, ready.card.model):
         raise ValueError(
@@ -134,7 +150,9 @@ def network_images(measurement: Measurement, kind: str) -> list[Single]:
         images.append(_at_quadratures(measurement.dataset))
     phase, amplitude, *more = (np.nan_to_num(np.asarray(x, np.float32)) for x in images)
     bright = np.quantile(amplitude, 0.9, axis=(1, 2), keepdims=True)
-    if not 0.1 < bright[0].item() / FULL_AMPLITUDE < 2:  # noise alone has more in the simulation
+    if (
+        not 0.1 < bright[0].item() / FULL_AMPLITUDE < 2
+    ):  # noise alone has more in the simulation
         amplitude *= FULL_AMPLITUDE / np.maximum(bright, np.float32(1e-30))
     return [phase, amplitude, *more]
 

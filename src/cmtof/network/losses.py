@@ -28,7 +28,12 @@ def soft_argmax(weights: Tensor, hardness: float = 1.0) -> Tensor:
 
 
 def unwrapping_loss(
-    weights: Tensor, label: Tensor, phase: Tensor, turns: Tensor, *, depth_weight: float = 0.1
+    weights: Tensor,
+    label: Tensor,
+    phase: Tensor,
+    turns: Tensor,
+    *,
+    depth_weight: float = 0.1,
 ) -> Tensor:
     r"""Cross-entropy of the classes and smooth L1 distance in depth (Eq. 7), mean over pixels.
 
@@ -41,7 +46,9 @@ def unwrapping_loss(
     weights = weights.float() if weights.dtype.itemsize < 4 else weights
     valid = label != IGNORED
     count = valid.sum().clamp(min=1)
-    entropy = functional.cross_entropy(weights, label, ignore_index=IGNORED, reduction="sum")
+    entropy = functional.cross_entropy(
+        weights, label, ignore_index=IGNORED, reduction="sum"
+    )
     if not depth_weight:
         return entropy / count
     # masked before the distance is taken: a NaN there must not reach a gradient
@@ -61,7 +68,9 @@ def regression_loss(
     """
     found = found[:, 0].float()
     valid = label != IGNORED
-    total = (found[valid] - turns[valid]).abs().sum() / (classes * valid.sum().clamp(min=1))
+    total = (found[valid] - turns[valid]).abs().sum() / (
+        classes * valid.sum().clamp(min=1)
+    )
     for axis in (-1, -2) if smoothness else ():
         last = found.shape[axis] - 1
         pair = valid.narrow(axis, 1, last) & valid.narrow(axis, 0, last)

@@ -24,7 +24,9 @@ class SingleConv2d(nn.Conv2d):
     On CPUs PyTorch 2.13's bfloat16 gradient of dilated depthwise kernels reads unset memory.
     """
 
-    def _conv_forward(self, input: Tensor, weight: Tensor, bias: Tensor | None) -> Tensor:
+    def _conv_forward(
+        self, input: Tensor, weight: Tensor, bias: Tensor | None
+    ) -> Tensor:
         with torch.autocast(input.device.type, enabled=False):
             return super()._conv_forward(input.float(), weight.float(), bias)
 
@@ -68,18 +70,24 @@ def separable(i: int, o: int, stride: int = 1) -> nn.Sequential:
 
 def resized(x: Tensor, like: Tensor) -> Tensor:
     """Image at the size of another, bilinear, pixel centres at +0.5."""
-    return functional.interpolate(x, size=like.shape[-2:], mode="bilinear", align_corners=False)
+    return functional.interpolate(
+        x, size=like.shape[-2:], mode="bilinear", align_corners=False
+    )
 
 
 class Bottleneck(nn.Module):
     """Inverted residual of MobileNetV2: widen, convolve each channel, narrow, add."""
 
-    def __init__(self, i: int, o: int, stride: int, expansion: int, dilation: int = 1) -> None:
+    def __init__(
+        self, i: int, o: int, stride: int, expansion: int, dilation: int = 1
+    ) -> None:
         super().__init__()
         wide = expansion * i
         self.residual = stride == 1 and i == o
         middle = conv(wide, wide, 3, stride, groups=wide, dilation=dilation)
-        self.body = nn.Sequential(conv(i, wide, 1), middle, conv(wide, o, 1, relu=False))
+        self.body = nn.Sequential(
+            conv(i, wide, 1), middle, conv(wide, o, 1, relu=False)
+        )
 
     def forward(self, x: Tensor) -> Tensor:
         return x + self.body(x) if self.residual else self.body(x)
@@ -109,7 +117,9 @@ class Pyramid(nn.Module):
 
     def __init__(self, width: int, sides: tuple[int, ...]) -> None:
         super().__init__()
-        branches = (conv(width, width // 4, 1).append(window_mean(side)) for side in sides)
+        branches = (
+            conv(width, width // 4, 1).append(window_mean(side)) for side in sides
+        )
         self.branches = nn.ModuleList(branches)
         self.join = conv(width + len(sides) * (width // 4), width, 1)
 
@@ -171,14 +181,26 @@ class FastSCNN(Network):
     down_widths = 48, 64  # at 1/2 and 1/4
     widths = 64, 64, 64, 96, 96, 96, 128, 128, 128  # of bottlenecks at 1/8
     expansion = 6  # within them
-    dilations = 1, 1, 1, 1, 1, 1, 1, 2, 4  # so that they see farther, as theirs do at 1/32
+    dilations = (
+        1,
+        1,
+        1,
+        1,
+        1,
+        1,
+        1,
+        2,
+        4,
+    )  # so that they see farther, as theirs do at 1/32
     pools = 3, 5, 9, 17, 33  # sides of windows at 1/8
     context = 128  # fused features, at 1/4
 
     def build(self) -> None:
         half, quarter = self.down_widths
         self.stem = conv(self.inputs, self.stem_width)
-        self.down = nn.Sequential(conv(self.stem_width, half, 3, 2), separable(half, quarter, 2))
+        self.down = nn.Sequential(
+            conv(self.stem_width, half, 3, 2), separable(half, quarter, 2)
+        )
         pairs = enumerate(pairwise((quarter, *self.widths)))
         blocks = (
             Bottleneck(i, o, 1 if k else 2, self.expansion, self.dilations[k])
@@ -192,7 +214,9 @@ class FastSCNN(Network):
         fused = [separable(self.context, self.context) for _ in range(2)]
         narrow = nn.Conv2d(self.context, self.head_width, 1, bias=False)
         self.classify = nn.Sequential(*fused, narrow)
-        self.skip = nn.Conv2d(self.stem_width, self.head_width, 3, padding=1, bias=False)
+        self.skip = nn.Conv2d(
+            self.stem_width, self.head_width, 3, padding=1, bias=False
+        )
         self.norm = nn.BatchNorm2d(self.head_width)
         self.output = nn.Conv2d(self.head_width, self.outputs, 1)
 
@@ -229,7 +253,9 @@ class FastSCNN(Network):
         octaves = [14, 15, 4, 5]  # after two phases
         alpha = TAU / angles * torch.arange(angles)
         middle = BEAT * (first + self.classes / 2)
-        moved = torch.cat([alpha + (middle + TAU / 4 * quarter) for quarter in quarters])
+        moved = torch.cat(
+            [alpha + (middle + TAU / 4 * quarter) for quarter in quarters]
+        )
         alpha = alpha.repeat(places)
         filters = torch.stack([alpha.cos(), -alpha.sin(), -moved.cos(), moved.sin()], 1)
         self.stem[0].weight[:count] = 0
@@ -251,7 +277,9 @@ class FastSCNN(Network):
         for kernel, norm, *relu in path:
             kernel.weight[:8] = 0
             for k in range(8):
-                kernel.weight[k, 0 if kernel.groups > 1 else k] = large / kernel.kernel_size[0]
+                kernel.weight[k, 0 if kernel.groups > 1 else k] = (
+                    large / kernel.kernel_size[0]
+                )
             norm.bias[:8] = 2.0 if relu else 0.0
         if places > 2:  # classes near each other begin alike: smooth random functions
             cycle = torch.arange(1, 65)
@@ -329,7 +357,9 @@ class DeepToF(Network):
         self.down = nn.ModuleList(conv(i, o, stride=2) for i, o in ((16, 32), (32, 80)))
         self.middle = nn.Sequential(*(Residual(80, 80) for _ in range(9)))
         self.up = nn.ModuleList(
-            nn.Sequential(nn.ConvTranspose2d(i, o, 4, 2, 1), nn.BatchNorm2d(o), nn.ReLU())
+            nn.Sequential(
+                nn.ConvTranspose2d(i, o, 4, 2, 1), nn.BatchNorm2d(o), nn.ReLU()
+            )
             for i, o in ((80, 32), (32, 16))
         )
         self.output = nn.Conv2d(16, self.outputs, 7, padding=3)

@@ -37,7 +37,9 @@ class Muon(torch.optim.AdamW):
         state = self.state[kernel]
         if not state:
             state["momentum"] = torch.zeros_like(kernel)
-            state["step"] = torch.tensor(0.0)  # AdamW asks for it when a checkpoint is loaded
+            state["step"] = torch.tensor(
+                0.0
+            )  # AdamW asks for it when a checkpoint is loaded
         state["momentum"].lerp_(kernel.grad, 1 - MOMENTUM)
         ahead = kernel.grad.lerp(state["momentum"], MOMENTUM)
         turned = orthogonal(ahead.flatten(1)).view_as(kernel)

@@ -15,7 +15,9 @@ from cmtof.validation import checked
 
 Size = Annotated[int, Field(ge=1, le=4096)]  # px
 # Configurations that travel with the package, by name.
-PRESETS: Fields = yaml.safe_load((files("cmtof.network") / "train.yml").read_text("utf-8"))
+PRESETS: Fields = yaml.safe_load(
+    (files("cmtof.network") / "train.yml").read_text("utf-8")
+)
 
 
 class Rooms(Strict):
@@ -35,12 +37,16 @@ class Stage(Strict):
     crops: PositiveInt
     crop: Size
     batch: PositiveInt
-    noise: tuple[PositiveFloat, PositiveFloat]  # Gaussian sigma, counts; rises geometrically
+    noise: tuple[
+        PositiveFloat, PositiveFloat
+    ]  # Gaussian sigma, counts; rises geometrically
     ramp: Annotated[float, Field(gt=0, le=1)] = 1.0  # share in which the noise rises
     rooms: Share = 0.0  # share of crops from rooms, the others are dead leaves
     rate: tuple[PositiveFloat, PositiveFloat]
     warm: PositiveInt = 100  # steps in which the rate rises
-    freeze: Share = 1.0  # from there on norms keep their statistics: a few crops' give labels away
+    freeze: Share = (
+        1.0  # from there on norms keep their statistics: a few crops' give labels away
+    )
 
     @property
     def steps(self) -> int:
@@ -56,8 +62,12 @@ class Config(Strict):
     protocol: Literal["released", "full"] = "released"
     stages: tuple[Stage, ...] = Field(min_length=1)
     rooms: Rooms | None = Rooms()  # without them it validates on leaves
-    depth_weight: Annotated[float, Field(ge=0)] | None = None  # w of Eq. 7; None: the model's
-    average: Annotated[float, Field(ge=0, lt=1)] = 0.998  # share of the old in averaged weights
+    depth_weight: Annotated[float, Field(ge=0)] | None = (
+        None  # w of Eq. 7; None: the model's
+    )
+    average: Annotated[float, Field(ge=0, lt=1)] = (
+        0.998  # share of the old in averaged weights
+    )
     optimizer: Literal["adamw", "muon"] = "adamw"
     precision: str = "bf16-mixed"  # Lightning's
     save_every: PositiveInt = 250  # steps
@@ -69,10 +79,14 @@ class Config(Strict):
     def _fits(self) -> "Config":
         if self.model not in MODELS:
             known = ", ".join(MODELS)
-            raise ValueError(f"Expected a model out of {known}, got {self.model}. Choose one.")
+            raise ValueError(
+                f"Expected a model out of {known}, got {self.model}. Choose one."
+            )
         side = min(self.rooms.height, self.rooms.width) if self.rooms else 0
         if any(stage.rooms and stage.crop > side for stage in self.stages):
-            raise ValueError(f"Expected crops within rooms of {side} px, got larger. Crop less.")
+            raise ValueError(
+                f"Expected crops within rooms of {side} px, got larger. Crop less."
+            )
         return self
 
     @property
@@ -100,7 +114,9 @@ def read_config(source: AnyPath, **changes: Any) -> Config:
     held = PRESETS.get(str(source))
     path = Path(source)
     if held is None:
-        check_input(path, f"a configuration out of {', '.join(PRESETS)}, or a YAML file")
+        check_input(
+            path, f"a configuration out of {', '.join(PRESETS)}, or a YAML file"
+        )
     held = {"name": path.stem} | (read_document(path) if held is None else held)
     given = {key: value for key, value in changes.items() if value is not None}
     return checked(Config, held | given, f"the configuration {source}")

@@ -30,7 +30,16 @@ from cmtof.frame import broken
 from cmtof.hypersim import Hypersim
 from cmtof.measurement import Measurement
 from cmtof.network import weights
-from cmtof.network.data import WRAP, Batch, Packs, Sample, Steps, batch_of, measure, open_rooms
+from cmtof.network.data import (
+    WRAP,
+    Batch,
+    Packs,
+    Sample,
+    Steps,
+    batch_of,
+    measure,
+    open_rooms,
+)
 from cmtof.network.features import CLASSES, features
 from cmtof.network.inference import network_images
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
@@ -42,9 +51,15 @@ from cmtof.types import Array, Fields, Numbers, Values
 
 def loss_of(network: Network, sample: Sample) -> Tensor:
     """Loss of a network on a sample (Eq. 7, or that of a regression)."""
-    model, found, (_, label, phase, turns) = network.model, network(sample.inputs), sample
+    model, found, (_, label, phase, turns) = (
+        network.model,
+        network(sample.inputs),
+        sample,
+    )
     if network.target == "wraps":
-        return unwrapping_loss(found, label, phase, turns, depth_weight=model.depth_weight)
+        return unwrapping_loss(
+            found, label, phase, turns, depth_weight=model.depth_weight
+        )
     return regression_loss(found, label, turns, network.classes, model.smoothness)
 
 
@@ -55,7 +70,9 @@ def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
 
 def optimizer_of(network: nn.Module, kind: str, rate: float = 1.0) -> Muon:
     """AdamW, or Muon for dense kernels alone: kernels of single channels and offsets have AdamW."""
-    groups: list[Any] = [{"params": [], "weight_decay": decay} for decay in (1e-3, 1e-3, 0.0)]
+    groups: list[Any] = [
+        {"params": [], "weight_decay": decay} for decay in (1e-3, 1e-3, 0.0)
+    ]
     for weight in network.parameters():
         group = 2 if weight.ndim < 2 else int(weight.shape[1] == 1)
         groups[group]["params"].append(weight)
@@ -63,7 +80,9 @@ def optimizer_of(network: nn.Module, kind: str, rate: float = 1.0) -> Muon:
     return Muon(groups, lr=rate, betas=(0.9, 0.99))
 
 
-def average_into(average: nn.Module, network: nn.Module, step: int, most: float) -> None:
+def average_into(
+    average: nn.Module, network: nn.Module, step: int, most: float
+) -> None:
     """Move averaged weights towards a network's; at first the average is that of all steps."""
     keep = min(most, step / (step + 9))
     new = network.state_dict()
@@ -86,15 +105,21 @@ class Unwrapping(LightningModule):
     An epoch lies between two writings of the checkpoint ``last``, all that a run needs to go on.
     """
 
-    def __init__(self, config: Config, packs: Packs, last: Path, init: Path | None = None) -> None:
+    def __init__(
+        self, config: Config, packs: Packs, last: Path, init: Path | None = None
+    ) -> None:
         super().__init__()
         self.config, self.checkpoint, (self.seen, self.held_out) = config, last, packs
         torch.manual_seed(config.seed)
         self.network = build_network(config.model, config.protocol)
         if config.depth_weight is not None:
-            self.network.model = self.network.model._replace(depth_weight=config.depth_weight)
+            self.network.model = self.network.model._replace(
+                depth_weight=config.depth_weight
+            )
         if init is not None:
-            self.network.load_state_dict(weights.load_weights(init).network.state_dict())
+            self.network.load_state_dict(
+                weights.load_weights(init).network.state_dict()
+            )
         for layer in norms(self.network):
             layer.momentum = 0.03
         self.average = deepcopy(self.network).requires_grad_(False)
@@ -106,12 +131,18 @@ class Unwrapping(LightningModule):
         steps = Steps(self.config, self.seen, self.global_rank, self.trainer.world_size)
         start = self.current_epoch * self.config.save_every
         block = range(start, min(start + self.config.save_every, self.config.steps))
-        return DataLoader(steps, None, sampler=block, num_workers=8 * torch.cuda.is_available())
+        return DataLoader(
+            steps, None, sampler=block, num_workers=8 * torch.cuda.is_available()
+        )
 
     def measured(self, batch: Batch) -> Sample:
         """Inputs and labels of a batch."""
-        sample = measure(batch, inputs=self.average.model.features, protocol=self.config.protocol)
-        return sample._replace(inputs=sample.inputs.contiguous(memory_format=torch.channels_last))
+        sample = measure(
+            batch, inputs=self.average.model.features, protocol=self.config.protocol
+        )
+        return sample._replace(
+            inputs=sample.inputs.contiguous(memory_format=torch.channels_last)
+        )
 
     def training_step(self, batch: Batch, index: int) -> Tensor:
         stage, share = self.config.stage_at(self.global_step)
@@ -130,7 +161,9 @@ class Unwrapping(LightningModule):
             found = self.validated()["validation"].model_dump()
             self.curve.append({"step": self.global_step} | found)
         self.trainer.should_stop = time.monotonic() > self.end
-        whole = written_whole if self.trainer.is_global_zero else nullcontext  # others take part
+        whole = (
+            written_whole if self.trainer.is_global_zero else nullcontext
+        )  # others take part
         with whole(self.checkpoint) as part:
             self.trainer.save_checkpoint(part)
 
@@ -155,7 +188,9 @@ class Unwrapping(LightningModule):
         config = self.config
         network = self.average.eval()
         pack = self.held_out
-        chosen = np.unique(np.linspace(0, len(pack.far) - 1, config.validation_views).round())
+        chosen = np.unique(
+            np.linspace(0, len(pack.far) - 1, config.validation_views).round()
+        )
         ours = []
         labels = []
         for view in chosen.astype(int):
@@ -173,13 +208,26 @@ class Unwrapping(LightningModule):
                 ours.append(abs(wraps[scored].cpu().numpy() - labels[-1]))
         mode = int(np.bincount(np.concatenate(labels)).argmax())
         constants = {"middle": network.classes // 2, "mode": mode}
-        others = {name: [abs(n - true) for true in labels] for name, n in constants.items()}
+        others = {
+            name: [abs(n - true) for true in labels] for name, n in constants.items()
+        }
         trivial = {name: _rates(deltas) for name, deltas in others.items()}
         best = others[max(trivial, key=lambda name: trivial[name].delta_lt_1)]
-        gains = [np.mean(a < 1) - np.mean(b < 1) for a, b in zip(ours, best, strict=True)]
-        test = ttest_1samp(gains, 0.0).confidence_interval() if len(gains) > 1 else (-1.0, 1.0)
+        gains = [
+            np.mean(a < 1) - np.mean(b < 1) for a, b in zip(ours, best, strict=True)
+        ]
+        test = (
+            ttest_1samp(gains, 0.0).confidence_interval()
+            if len(gains) > 1
+            else (-1.0, 1.0)
+        )
         gain = tuple(float(x) for x in (np.mean(test), *test))
-        return {"views": len(gains), "validation": _rates(ours), "trivial": trivial, "gain": gain}
+        return {
+            "views": len(gains),
+            "validation": _rates(ours),
+            "trivial": trivial,
+            "gain": gain,
+        }
 
 
 def _rates(deltas: list[Numbers]) -> weights.Rates:
@@ -189,7 +237,9 @@ def _rates(deltas: list[Numbers]) -> weights.Rates:
     return weights.Rates(**below, delta_ge_10=float((delta >= 10).mean()))
 
 
-def train(config: Config, folder: Path, *, tree: Path | None = None, **options: Any) -> Path | None:
+def train(
+    config: Config, folder: Path, *, tree: Path | None = None, **options: Any
+) -> Path | None:
     """Train, or go on training, and write the averaged weights with their card into a folder.
 
     ``tree`` holds frames in Hypersim's layout (by default rooms are rendered). Of the ``options``,
@@ -226,7 +276,9 @@ def _train(
         try:
             if spoilt := zipfile.ZipFile(last).testzip():
                 raise ValueError(f"{spoilt} is damaged")
-            held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]["config"]
+            held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"][
+                "config"
+            ]
         except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
             raise broken("a whole checkpoint", last, error) from error
         if held != config.model_dump_json():
@@ -246,7 +298,8 @@ def _train(
             gradient_clip_val=2.0,
             reload_dataloaders_every_n_epochs=1,
             use_distributed_sampler=False,
-            sync_batchnorm=torch.cuda.is_available() and flags.get("accelerator") != "cpu",
+            sync_batchnorm=torch.cuda.is_available()
+            and flags.get("accelerator") != "cpu",
             logger=False,
             enable_checkpointing=False,
             enable_progress_bar=not quiet,
@@ -261,7 +314,9 @@ def _train(
     try:
         trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
     except SystemExit as stop:
-        if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning makes an exit of Ctrl-C
+        if isinstance(
+            stop.__context__, KeyboardInterrupt
+        ):  # Lightning makes an exit of Ctrl-C
             raise KeyboardInterrupt from stop
         raise
     if trainer.global_step < config.steps:
@@ -269,8 +324,14 @@ def _train(
     path = weights.weights_path(config.model, config.protocol, folder)
     if not trainer.is_global_zero:
         return path
-    module.average.load_state_dict(weights.halved(module.average))  # validated as they are stored
-    (first, classes), rooms, gpu = CLASSES[config.protocol], config.rooms, torch.cuda.is_available()
+    module.average.load_state_dict(
+        weights.halved(module.average)
+    )  # validated as they are stored
+    (first, classes), rooms, gpu = (
+        CLASSES[config.protocol],
+        config.rooms,
+        torch.cuda.is_available(),
+    )
     card = weights.Card(
         model=config.model,
         protocol=config.protocol,
@@ -278,11 +339,14 @@ def _train(
         first_wrap=first,
         parameters=sum(weight.numel() for weight in module.average.parameters()),
         configuration=config.model_dump(mode="json"),
-        data="dead leaves" + (f"; {rooms.scenes}x{rooms.views} views of rooms" if rooms else ""),
+        data="dead leaves"
+        + (f"; {rooms.scenes}x{rooms.views} views of rooms" if rooms else ""),
         crops=sum(stage.steps * stage.batch for stage in config.stages),
         steps=config.steps,
         minutes=round((time.monotonic() - module.began) / 60, 1),
-        hardware=torch.cuda.get_device_name() if gpu else f"CPU, {torch.get_num_threads()} threads",
+        hardware=torch.cuda.get_device_name()
+        if gpu
+        else f"CPU, {torch.get_num_threads()} threads",
         versions={"cmtof": __version__, "torch": torch.__version__.partition("+")[0]},
         curve=module.curve,
         **module.validated(),
@@ -329,7 +393,10 @@ def fine_tune(
     fall = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, steps)
     for step in range(steps):
         drawn = rng.integers(len(views), size=batch)
-        pieces = [_piece(views[k], card.classes, crop, network.model.features, rng) for k in drawn]
+        pieces = [
+            _piece(views[k], card.classes, crop, network.model.features, rng)
+            for k in drawn
+        ]
         loss = loss_of(network, default_collate(pieces))
         optimizer.zero_grad()
         loss.backward()
@@ -338,20 +405,37 @@ def fine_tune(
         fall.step()
         average_into(average, network, step, 0.99)
         losses.append(loss.item())
-    note = {"steps": steps, "learning_rate": learning_rate, "examples": len(views), "seed": seed}
-    return weights.Trained(average.eval(), card.model_copy(update={"fine_tuned": note})), losses
+    note = {
+        "steps": steps,
+        "learning_rate": learning_rate,
+        "examples": len(views),
+        "seed": seed,
+    }
+    return weights.Trained(
+        average.eval(), card.model_copy(update={"fine_tuned": note})
+    ), losses
 
 
-def _view(trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray):
+def _view(
+    trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray
+):
     """Images, classes, `IGNORED` where unknown, and turns above the first class of an example."""
     (network, card), turns = trained, np.asarray(depth, float) / WRAP
     label = np.asarray(wraps, np.int64) - card.first_wrap
-    known = (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
+    known = (
+        (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
+    )
     images = network_images(measurement, network.model.features)
-    return images, np.where(known, label, IGNORED), np.where(known, turns - card.first_wrap, 0)
+    return (
+        images,
+        np.where(known, label, IGNORED),
+        np.where(known, turns - card.first_wrap, 0),
+    )
 
 
-def _piece(view: tuple, classes: int, side: int, kind: str, rng: np.random.Generator) -> Sample:
+def _piece(
+    view: tuple, classes: int, side: int, kind: str, rng: np.random.Generator
+) -> Sample:
     """Augmented crop with a labelled pixel; NumPy arrays."""
     images, label, turns = view
     place = zip(rng.choice(np.argwhere(label != IGNORED)), label.shape, strict=True)
@@ -359,7 +443,10 @@ def _piece(view: tuple, classes: int, side: int, kind: str, rng: np.random.Gener
     window = (..., slice(y, y + side), slice(x, x + side))
     turn = rng.integers(4) * rng.integers(2)  # scenes stand upright more often
     mirror = 1 - 2 * rng.integers(2)
-    cut = (np.rot90(x[window], turn, (-2, -1))[..., ::mirror] for x in (label, turns, *images))
+    cut = (
+        np.rot90(x[window], turn, (-2, -1))[..., ::mirror]
+        for x in (label, turns, *images)
+    )
     (label, turns, phase, amplitude, *more), move = map(np.ascontiguousarray, cut), 0.0
     known = label != IGNORED
     if not more:  # raw correlations stay where they are
@@ -368,4 +455,6 @@ def _piece(view: tuple, classes: int, side: int, kind: str, rng: np.random.Gener
     label = label + np.floor(phase[0] / TAU + move).astype(int)
     label[~known | (label < 0) | (label >= classes)] = IGNORED
     phase = np.mod(phase + TAU * move * ratio, TAU).astype(np.float32)
-    return Sample(features(phase, amplitude, kind, *more), label, phase[0], turns + move)
+    return Sample(
+        features(phase, amplitude, kind, *more), label, phase[0], turns + move
+    )

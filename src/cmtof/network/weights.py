@@ -59,7 +59,9 @@ class Card(Strict):
     views: PositiveInt
     validation: Rates
     trivial: dict[str, Rates]  # of answers that look at nothing, over the same pixels
-    gain: tuple[float, float, float]  # in δ < 1 over the best of them, and its 95 % interval
+    gain: tuple[
+        float, float, float
+    ]  # in δ < 1 over the best of them, and its 95 % interval
     note: str = ""
     fine_tuned: Values | None = None
     sha256: str = ""
@@ -102,7 +104,9 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
 
 def halved(network: Network) -> dict[str, Tensor]:
     """Weights in half precision; running variances may exceed its range and stay in single."""
-    held = {name: tensor.cpu().contiguous() for name, tensor in network.state_dict().items()}
+    held = {
+        name: tensor.cpu().contiguous() for name, tensor in network.state_dict().items()
+    }
     single = ("running_mean", "running_var", "num_batches_tracked")
     return {name: w if name.endswith(single) else w.half() for name, w in held.items()}
 
@@ -113,7 +117,10 @@ def save_weights(path: Path, network: Network, card: Card) -> None:
 
     content = save(halved(network))
     card = card.model_copy(update={"sha256": hashlib.sha256(content).hexdigest()})
-    with written_whole(path) as part, written_whole(path.with_suffix(".json")) as beside:
+    with (
+        written_whole(path) as part,
+        written_whole(path.with_suffix(".json")) as beside,
+    ):
         part.write_bytes(content)
         beside.write_text(card.model_dump_json(indent=1) + "\n", encoding="utf-8")
 
@@ -172,7 +179,9 @@ def load_weights(path: Path) -> Trained:
         if card.model not in MODELS:
             raise Refused("no such model")
         network = build_network(card.model, card.protocol)
-        network.load_state_dict({name: torch.from_numpy(x) for name, x in arrays.items()})
+        network.load_state_dict(
+            {name: torch.from_numpy(x) for name, x in arrays.items()}
+        )
     except RuntimeError as error:
         raise refused(path, card, error) from error
     return Trained(network.eval(), card)

@@ -26,7 +26,10 @@ from cmtof.types import Array, Numbers
 
 _LEAST = 8  # border, px, below which nothing follows from it
 _NEAR = 2  # radius, px, over which a pixel's departure from its surface is averaged
-_CLOSE = (0.25, 0.1)  # distances, wraps, from the same whole wraps, at which border pixels count
+_CLOSE = (
+    0.25,
+    0.1,
+)  # distances, wraps, from the same whole wraps, at which border pixels count
 # Log-odds that surfaces meet: without evidence; by the shares of their border that are close; by
 # the mean of the latter over all borders; by the log of the length; by slope, wraps per pixel.
 _MEETING = (-3.85, 1.66, 1.27, 2.75, 0.41, -0.61)
@@ -89,7 +92,10 @@ def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
     crossed = (sides[0] != sides[1]) & (sides.min(axis=0) >= 0)
     at = np.where(sides[0] < sides[1], (here, beyond), (beyond, here))[:, crossed]
     low, high = np.sort(sides[:, crossed], axis=0)
-    first, second = (  # differences of depth on this side of the border and on the other
+    (
+        first,
+        second,
+    ) = (  # differences of depth on this side of the border and on the other
         depth_of_pixels(field, surfaces, low, *place)
         - depth_of_pixels(field, surfaces, high, *place)
         for place in (np.divmod(side, label.shape[1]) for side in at)
@@ -149,7 +155,9 @@ def tied(found: Offsets, borders: Borders, limits: Array, repeat: float) -> Tied
         told = np.pad(softmax(belief[source] - back, axis=1), ((0, 0), (1, 1)))
         told = np.take_along_axis(told, place, axis=1)
         new = _LOOP * np.log(meets * told + (1 - meets) / offsets.size)
-        message = _DAMPING * message + (1 - _DAMPING) * (new - new.max(axis=1, keepdims=True))
+        message = _DAMPING * message + (1 - _DAMPING) * (
+            new - new.max(axis=1, keepdims=True)
+        )
         belief = alone.copy()
         np.add.at(belief, target, message)
     share = softmax(belief, axis=1)

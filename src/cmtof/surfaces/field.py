@@ -68,13 +68,19 @@ def field_from_measurement(measurement: Measurement) -> Field:
     size = np.sqrt(information) * ratio
     turned = np.where(known, phase, 0)
     height, width = measurement.shape
-    rows, columns = (max(-(-size // CELL) * CELL, _SMALLEST) for size in (height, width))
+    rows, columns = (
+        max(-(-size // CELL) * CELL, _SMALLEST) for size in (height, width)
+    )
     padding = ((0, 0), (0, rows - height), (0, columns - width))
-    images = np.array([size * np.cos(turned), size * np.sin(turned), information], np.float32)
+    images = np.array(
+        [size * np.cos(turned), size * np.sin(turned), information], np.float32
+    )
     real, imaginary, information = np.pad(images, ((0, 0), *padding))
     focal = _FOCAL_LENGTH * max(height, width)
     camera = measurement.camera
-    fx, fy, cx, cy = (focal, focal, width / 2, height / 2) if camera is None else camera[:4]
+    fx, fy, cx, cy = (
+        (focal, focal, width / 2, height / 2) if camera is None else camera[:4]
+    )
     u = (np.arange(columns) + 0.5 - cx) / fx
     v = (np.arange(rows) + 0.5 - cy) / fy
     wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
@@ -94,14 +100,18 @@ def field_from_measurement(measurement: Measurement) -> Field:
 
 def _smoothed(power: Array, known: Flags) -> Array:
     """a^2 / s^2 (2, H, W) from |p|^2 / s^2 (2, H, W): one image, times the share of each tone."""
-    share = np.array([max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power])
+    share = np.array(
+        [max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power]
+    )
     share /= share.mean()
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2
     left = known.copy()
     mean = np.zeros(known.shape)
     for width, least in _SCALES:
         images = left.astype(float), np.where(left, excess, 0)
-        weight, total = (gaussian_filter(i, width, mode="constant", truncate=3.0) for i in images)
+        weight, total = (
+            gaussian_filter(i, width, mode="constant", truncate=3.0) for i in images
+        )
         found = np.maximum(total / np.maximum(weight, 1e-6), 1e-4)
         mean = np.where(left, found, mean)
         left &= found < least

@@ -105,7 +105,9 @@ def _moments(field, label, only, q, boxes):  # pragma: no cover - compiled
                 counts = 1.0 if only < 0 or label[y, x] == only else 0.0
                 u = field.u[x]
                 across = (1.0, u, u * u)
-                z = 1.0 / max(field.cosine[y, x] * (none + u * (first + q[3] * u)), FARTHEST)
+                z = 1.0 / max(
+                    field.cosine[y, x] * (none + u * (first + q[3] * u)), FARTHEST
+                )
                 slope = -z * z * field.cosine[y, x]
                 told = pull = stiff = by_depth = by_both = by_turns = 0.0
                 for f in range(2):
@@ -195,7 +197,9 @@ def leaning(field, label, only, q, boxes, weight):  # pragma: no cover - compile
 
 
 @njit()
-def moved(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover - compiled
+def moved(
+    field, q, boxes, size, distance, down=0, right=0
+):  # pragma: no cover - compiled
     """Nearest surface to this one moved, by m and by wraps per pixel; their distance, m (rms)."""
     matrix = np.zeros((BENT, BENT))
     wanted = np.zeros(BENT)
@@ -214,7 +218,9 @@ def moved(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
                 for j in range(BENT):
                     basis[j] = across[_U[j]] * below[_V[j]]
                 cosine = field.cosine[y, x]
-                shift = distance + field.period * (down * (y - row) + right * (x - column))
+                shift = distance + field.period * (
+                    down * (y - row) + right * (x - column)
+                )
                 z = max(1 / max(cosine * np.sum(q * basis), FARTHEST) + shift, 0.05)
                 weight = z**4 * cosine**2
                 square += z * z
@@ -244,7 +250,9 @@ def _climb(field, label, only, q, boxes, size, steps):  # pragma: no cover - com
 
 
 @njit()
-def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover - compiled
+def refine(
+    field, label, only, q, boxes, size, steps, hops
+):  # pragma: no cover - compiled
     """Climb, then hop by whole wraps: q, S, E, offset left, its precision."""
     found = _climb(field, label, only, q, boxes, size, steps)
     for _ in range(5):
@@ -260,7 +268,9 @@ def refine(field, label, only, q, boxes, size, steps, hops):  # pragma: no cover
 
 
 @njit()
-def _straightened(field, label, only, q, plane, boxes, steps):  # pragma: no cover - compiled
+def _straightened(
+    field, label, only, q, plane, boxes, steps
+):  # pragma: no cover - compiled
     """The likelier of this plane and those that look bent, their slopes off by a turn per pixel."""
     near = np.empty(9)
     planes = np.empty((9, BENT))
@@ -277,7 +287,9 @@ def _straightened(field, label, only, q, plane, boxes, steps):  # pragma: no cov
 
 
 @njit()
-def select(field, label, only, q, boxes, steps, gain, weight):  # pragma: no cover - compiled
+def select(
+    field, label, only, q, boxes, steps, gain, weight
+):  # pragma: no cover - compiled
     """Plane, or a bent surface where that fits much better: by ``gain`` and by `FLAT`.
 
     Returns q, E, offset, its inverse variance, and by how much, m (rms), a plane misses.
@@ -285,7 +297,9 @@ def select(field, label, only, q, boxes, steps, gain, weight):  # pragma: no cov
     """
     k = field.wavenumber
     was_bent = q[3:].any()
-    before = refine(field, label, only, q, boxes, BENT if was_bent else PLANE, steps, HOPS)
+    before = refine(
+        field, label, only, q, boxes, BENT if was_bent else PLANE, steps, HOPS
+    )
     plane = before
     if was_bent:
         start = moved(field, before[0], boxes, PLANE, 0.0)[0]
@@ -320,7 +334,9 @@ def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
 
 
 @njit()
-def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no cover - compiled
+def _fit_all(
+    field, label, cells, starts, surfaces, effort, gain
+):  # pragma: no cover - compiled
     """Do what `fitted` says, in place; cells sorted by surface, and where those of each start."""
     columns = field.u.size // CELL
     fit = np.zeros((len(surfaces), 16))
@@ -336,13 +352,17 @@ def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no
             k = field.wavenumber
             stiff = max(most * (k[0] ** 2 + k[1] ** 2) / 2, 1e-9)
             surfaces[n, :BENT] = q
-            fit[n, :4] = np.array([offset, known * weight, missed, np.sqrt(known / stiff)])
+            fit[n, :4] = np.array(
+                [offset, known * weight, missed, np.sqrt(known / stiff)]
+            )
             if not q[PLANE:].any():
                 fit[n, 4:] = leaning(field, label, n, q, boxes, weight).ravel()
     return surfaces, fit
 
 
-def fitted(field: Field, label: Numbers, surfaces: Array, effort: tuple, gain: float) -> tuple:
+def fitted(
+    field: Field, label: Numbers, surfaces: Array, effort: tuple, gain: float
+) -> tuple:
     """Fit every surface (N, 7) to its pixels, with so many steps, on so many cells at most.
 
     And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
@@ -351,7 +371,9 @@ def fitted(field: Field, label: Numbers, surfaces: Array, effort: tuple, gain: f
     rows, columns = (n // CELL for n in label.shape)
     y, x = np.nonzero(label >= 0)
     # one entry for each surface and cell that share pixels
-    pairs = np.unique((label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL)
+    pairs = np.unique(
+        (label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL
+    )
     of, cells = np.divmod(pairs, rows * columns)
     starts = np.searchsorted(of, np.arange(len(surfaces) + 1))
     label = label.astype(np.int32)

@@ -37,7 +37,10 @@ GAIN = 15.0  # in S from which on a surface counts as bent
 ROUGHEST = 0.9  # variance, rad^2, of the depths about a surface, up to which it is one
 _ROUGHER = 0.1  # by which it may grow beyond that of the window in which it began
 _SURE = 6.0  # deviations of S from noise for a rough surface to begin
-_ALIKE = (0.08, 2.0)  # tolerance of its coherence at the higher frequency, and in deviations
+_ALIKE = (
+    0.08,
+    2.0,
+)  # tolerance of its coherence at the higher frequency, and in deviations
 _LEAST = 150.0  # information E below which a window starts nothing: its noise would fit as well
 _FREE = 0.7  # share of the cells of a window that must be without a surface
 _ALIASES = 2  # whole turns per pixel tried to each side
@@ -64,7 +67,9 @@ def grown_surfaces(
     surfaces = np.zeros((0, BENT + 1))
     for kind in WINDOWS:
         start = windows(field, owner < 0, *kind)
-        added = _grow(field, label, start, information, gain, roughest, owner, len(surfaces))
+        added = _grow(
+            field, label, start, information, gain, roughest, owner, len(surfaces)
+        )
         surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
         owner = _reassigned(field, owner, surfaces, information)
@@ -75,7 +80,9 @@ def grown_surfaces(
 
 
 @njit()
-def _grow(field, label, start, information, gain, roughest, owner, count):  # pragma: no cover
+def _grow(
+    field, label, start, information, gain, roughest, owner, count
+):  # pragma: no cover
     """Grow surfaces from windows, numbered from ``count`` on; return their parameters."""
     rows, columns = owner.shape
     stamp = np.zeros((rows, columns), np.int64)
@@ -115,7 +122,9 @@ def _grow(field, label, start, information, gain, roughest, owner, count):  # pr
                 q = fit[0]
             if rough > 0:
                 rough = min(_scatter(frequency_sums(field, q, boxes)), most)
-            size = _spread(field, q, rough, owner, stamp, n + 1, region, size, information)
+            size = _spread(
+                field, q, rough, owner, stamp, n + 1, region, size, information
+            )
         if size >= 0.6 * side * side:
             owner.ravel()[region[:size]] = count + new
             surfaces[new, :BENT] = q
@@ -133,7 +142,10 @@ def _explains(field, q, rough, information, y, x):  # pragma: no cover - compile
 @njit(inline="always")
 def _expected(rough, information, y, x):  # pragma: no cover - compiled
     """S that a surface of this roughness has in a cell on average."""
-    return np.exp(-rough / 2) * information[0, y, x] + np.exp(-2 * rough) * information[1, y, x]
+    return (
+        np.exp(-rough / 2) * information[0, y, x]
+        + np.exp(-2 * rough) * information[1, y, x]
+    )
 
 
 @njit()
@@ -159,7 +171,9 @@ def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
 
 
 @njit()
-def _spread(field, q, rough, owner, stamp, mark, region, size, information):  # pragma: no cover
+def _spread(
+    field, q, rough, owner, stamp, mark, region, size, information
+):  # pragma: no cover
     """Add free cells beside the region that the surface explains, until it has doubled."""
     rows, columns = owner.shape
     goal = max(2 * size, size + 8)
@@ -213,7 +227,9 @@ def around(owner, y, x):  # pragma: no cover - compiled
     return near[near >= 0]
 
 
-def windows(field: Field, free: Flags, side: int, stride: int, core: int, finer: int) -> tuple:
+def windows(
+    field: Field, free: Flags, side: int, stride: int, core: int, finer: int
+) -> tuple:
     """Top, left, side (N,) of windows on free cells, the clearest first, and slopes, rad/px."""
     ends = (slice(0, n - side + 1, stride) for n in field.cosine.shape)
     top, left = np.mgrid[tuple(ends)].reshape(2, -1)
@@ -234,21 +250,29 @@ def _sums(image: Array, top: Numbers, left: Numbers, side: int) -> Array:
     total = np.pad(image.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
     bottom = top + side
     edge = left + side
-    return total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
+    return (
+        total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
+    )
 
 
-def spectral_slopes(field: Field, top: Numbers, left: Numbers, side: int, finer: int) -> Array:
+def spectral_slopes(
+    field: Field, top: Numbers, left: Numbers, side: int, finer: int
+) -> Array:
     """Slopes (2, N) down and right, rad/px, at the joint peak of both spectra of each square."""
     size = int(next_fast_len(finer * side) or 1)
     whole = np.rint(fftfreq(size) * size)
     higher = np.rint(field.ratio * whole).astype(int) % size
     slopes = np.empty((2, top.size))
     phasors = (field.real + 1j * field.imaginary).astype(np.complex64)
-    squares = np.lib.stride_tricks.sliding_window_view(phasors, (side, side), axis=(1, 2))
+    squares = np.lib.stride_tricks.sliding_window_view(
+        phasors, (side, side), axis=(1, 2)
+    )
     batch = max(1, 2**19 // size**2)  # spectra that stay in the cache
     for start in range(0, top.size, batch):
         some = slice(start, start + batch)
-        rows = fft(squares[:, top[some], left[some]], size)  # before rows of zeros are added
+        rows = fft(
+            squares[:, top[some], left[some]], size
+        )  # before rows of zeros are added
         spectrum = np.asarray(fft(rows, size, axis=-2))
         power = spectrum.real**2 + spectrum.imag**2
         joint = power[0] + power[1][:, higher[:, None], higher]
@@ -363,8 +387,13 @@ def _climbed(field, label, q, top, left, side):  # pragma: no cover - compiled
         y = top + margin
         x = left + margin
         box = np.array([[y, y + core, x, x + core]])
-        if core == side or np.sum(field.information[0, y : y + core, x : x + core]) > 100:
-            fit = refine(field, label, EVERY, q, box, PLANE, 2 if core < side else 3, np.int64(0))
+        if (
+            core == side
+            or np.sum(field.information[0, y : y + core, x : x + core]) > 100
+        ):
+            fit = refine(
+                field, label, EVERY, q, box, PLANE, 2 if core < side else 3, np.int64(0)
+            )
             q = fit[0]
             if core == side or fit[1] < 0.4 * fit[2]:
                 return q, fit[1], core == side

@@ -26,25 +26,45 @@ from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
 from cmtof.surfaces.roughness import cells_of_surfaces, departure, turned_back
 from cmtof.types import Array, Arrays, Flags, Numbers
 
-STEPS = ("bent", "parts", "shape", "closure", "axes", "ties", "fill")  # that may be left out
+STEPS = (
+    "bent",
+    "parts",
+    "shape",
+    "closure",
+    "axes",
+    "ties",
+    "fill",
+)  # that may be left out
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 
 # Confidences, calibrated on views of training rooms, and of votes on scans of things from these.
-CALIBRATION = ((0.0, 0.9, 1.0), (0.0, 0.87, 0.965))  # odds of an offset, and the share right
-FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))  # S / E about a pixel, and a factor
+CALIBRATION = (
+    (0.0, 0.9, 1.0),
+    (0.0, 0.87, 0.965),
+)  # odds of an offset, and the share right
+FITTING = (
+    (0.4, 0.6, 0.8, 0.95),
+    (0.5, 0.69, 0.82, 1.0),
+)  # S / E about a pixel, and a factor
 # px off the nearest surface, and a factor; farther off the beat counts, hardly ever right
 BESIDE = ((1.0, 2.0, REACH, REACH + 0.1), (0.36, 0.2, 0.1, 0.03))
 NARROW = 0.5  # share of the doubt that goes with fewer than 100 wraps to choose from
 # share of the winner of a vote, and how often it was right
 VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
 
-_STEPS, _CELLS = np.int64(6), np.int64(400)  # of the last fit; cells of a surface it looks at
+_STEPS, _CELLS = (
+    np.int64(6),
+    np.int64(400),
+)  # of the last fit; cells of a surface it looks at
 DOUBT = 4.0  # deviation, wraps, of a single pixel's beat up to which it may vote and be voted on
 _RADIUS = 5  # of the neighbourhood of a vote, px; its Gaussian has half of that
 _KERNEL = 0.25  # distance, wraps, within which two depths mean the same
 _CAP = 4.0  # largest cost of a neighbour that disagrees, as a log-likelihood
 _ASTRAY = 0.3  # distance, rad, of a phase from its surface's beyond which the pixel lies off it
-_SQUARE, _MOST = 5, 0.7  # side, px, of a square and the share of it that has to lie on surfaces
+_SQUARE, _MOST = (
+    5,
+    0.7,
+)  # side, px, of a square and the share of it that has to lie on surfaces
 _ENOUGH = 3.0  # votes that decide; a pixel alone has one
 _FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvote it
 
@@ -68,7 +88,10 @@ class Stages(NamedTuple):
 
 
 def surfaces(
-    measurement: Measurement, *, without: Collection[str] = (), elect: Election | None = None
+    measurement: Measurement,
+    *,
+    without: Collection[str] = (),
+    elect: Election | None = None,
 ) -> Estimate:
     """Depths by surfaces in true geometry, each pooled over all of its pixels.
 
@@ -76,7 +99,9 @@ def surfaces(
     `stages`.
     """
     if not set(without) <= set(STEPS):
-        raise ValueError(f"Expected steps out of {STEPS} to leave out, got {without}. Correct it.")
+        raise ValueError(
+            f"Expected steps out of {STEPS} to leave out, got {without}. Correct it."
+        )
     found = stages(measurement, without, elect)
     height, width = measurement.shape
     depth = within_range(found.depth[:height, :width], measurement)
@@ -85,7 +110,9 @@ def surfaces(
 
 
 def stages(
-    measurement: Measurement, without: Collection[str] = (), elect: Election | None = None
+    measurement: Measurement,
+    without: Collection[str] = (),
+    elect: Election | None = None,
 ) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
@@ -97,14 +124,18 @@ def stages(
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
     gain = np.inf if "bent" in without else GAIN
-    known = measurement.camera is not None  # or what a shape lacks would look like roughness
+    known = (
+        measurement.camera is not None
+    )  # or what a shape lacks would look like roughness
     owner, surfaces = grown_surfaces(field, gain=gain, roughest=ROUGHEST * known)
     label, share = placing.pixel_labels(field, owner, surfaces)
     inner = placing.interiors(label, share)
     main, cut = placing.parted(field, inner, surfaces)
     if "parts" not in without and len(cut) > len(surfaces):
         old, owner = owner, np.where(main < len(surfaces), owner, main)
-        both = np.isin(owner, [old[owner != old], owner[owner != old]])  # of what was cut
+        both = np.isin(
+            owner, [old[owner != old], owner[owner != old]]
+        )  # of what was cut
         cells = pixels_of_cells(np.where(both, owner, -1))
         surfaces = fitted(field, cells, cut, (_STEPS, _CELLS), gain)[0]
         label, share = placing.pixel_labels(field, owner, surfaces)
@@ -116,7 +147,9 @@ def stages(
     depth = placing.depth_of_labels(field, everywhere, surfaces)
     cells = cells_of_surfaces(field, inner, depth, len(surfaces))
     beats = placing.pooled_beats(field, cells)
-    alone = placing.offsets(beats, surfaces, fit, shape=shape, closed="closure" in without)
+    alone = placing.offsets(
+        beats, surfaces, fit, shape=shape, closed="closure" in without
+    )
     if shape and "axes" not in without and len(surfaces):
         alone = placing.aligned(alone, surfaces, fit, label)
     touching = contacts.borders(field, label, surfaces)
@@ -138,12 +171,16 @@ def stages(
         depth[inside] = np.where(lost[inside], beat(measurement).depth, depth[inside])
     elected, votes = voted(field, depth, explained, alone.closure)
     depth = np.where(votes > 0, elected, depth)
-    odds *= np.where(explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE))
+    odds *= np.where(
+        explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE)
+    )
     odds += NARROW * odds * (1 - odds) * (np.ptp(field.limits) < 100 * field.period)
     odds = np.where(votes > 0, np.interp(votes, *VOTING), odds)
     masked[votes[inside] > 0] = -1
     parts = contacts.components(joined, touching, masked)
-    return Stages(field, owner, label, surfaces, alone, touching, joined, depth, odds, parts)
+    return Stages(
+        field, owner, label, surfaces, alone, touching, joined, depth, odds, parts
+    )
 
 
 def _departed(field: Field, depth: Array, rough: Array) -> Array:
@@ -177,8 +214,12 @@ def voted(field: Field, depth: Array, explained: Flags, closure: float) -> Array
     doubt = doubt_of_beats(field)
     clear = doubt < DOUBT
     # pixels among those whose phases are not those of their surface vote again
-    fits = explained & (np.abs(np.angle(turned_back(field, depth))).max(axis=0) < _ASTRAY)
-    explained = explained & (~clear | (uniform_filter(fits.astype(float), _SQUARE) >= _MOST))
+    fits = explained & (
+        np.abs(np.angle(turned_back(field, depth))).max(axis=0) < _ASTRAY
+    )
+    explained = explained & (
+        ~clear | (uniform_filter(fits.astype(float), _SQUARE) >= _MOST)
+    )
     asked = ~explained & clear
     if asked.any():
         turns = np.arctan2(field.imaginary, field.real).astype(float) / TAU
@@ -190,7 +231,16 @@ def voted(field: Field, depth: Array, explained: Flags, closure: float) -> Array
         near = np.exp(-((np.arange(-_RADIUS, _RADIUS + 1) / (_RADIUS / 2)) ** 2) / 2)
         images = np.mod(turns[0], 1), turns[1], TAU**2 / (2 * spread**2), place
         farthest = _FARTHEST * step / TAU
-        _vote(asked, *images, field.ratio, farthest, limits, np.outer(near, near), out, share)
+        _vote(
+            asked,
+            *images,
+            field.ratio,
+            farthest,
+            limits,
+            np.outer(near, near),
+            out,
+            share,
+        )
     return out * field.period, share
 
 
@@ -198,11 +248,15 @@ def doubt_of_beats(field: Field) -> Array:
     """Deviation (H, W), wraps, of the beat of each pixel; infinite in the dark."""
     with np.errstate(divide="ignore"):
         variance = 1 / np.maximum(field.information, 0).astype(float)
-    return np.sqrt(variance[1] + field.ratio**2 * variance[0]) / (TAU * abs(field.excess))
+    return np.sqrt(variance[1] + field.ratio**2 * variance[0]) / (
+        TAU * abs(field.excess)
+    )
 
 
 @njit()
-def _vote(asked, low, high, sharp, place, ratio, far, limits, near, out, share):  # pragma: no cover
+def _vote(
+    asked, low, high, sharp, place, ratio, far, limits, near, out, share
+):  # pragma: no cover
     height, width = asked.shape
     scale = 1 / (2 * _KERNEL**2)
     votes, depths = np.empty(4 * _FARTHEST), np.empty(4 * _FARTHEST)
@@ -233,7 +287,9 @@ def _vote(asked, low, high, sharp, place, ratio, far, limits, near, out, share):
                             cost = scale * away * away + sharp[v, u] * left * left
                         else:
                             continue
-                        told += near[v - y + _RADIUS, u - x + _RADIUS] * max(_CAP - cost, 0.0)
+                        told += near[v - y + _RADIUS, u - x + _RADIUS] * max(
+                            _CAP - cost, 0.0
+                        )
                 votes[count], depths[count] = told, z
                 count += 1
             best = int(np.argmax(votes[:count])) if count > 0 else 0

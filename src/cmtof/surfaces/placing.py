@@ -28,16 +28,25 @@ from cmtof.surfaces.roughness import (
 from cmtof.types import Array, Numbers
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
-EXPLAINED = 0.4  # share S / E within that square below which a pixel lies on none of them
+EXPLAINED = (
+    0.4  # share S / E within that square below which a pixel lies on none of them
+)
 _INSIDE = 4  # fits use pixels without another surface this near, px,
 _CERTAIN = 0.6  # and with this S / E
 _OPEN = 2.5  # deviations above which a common offset of beats counts
-_CLOSED = 0.4  # inverse variance of such an offset, 1 / wraps^2, before anything is known
+_CLOSED = (
+    0.4  # inverse variance of such an offset, 1 / wraps^2, before anything is known
+)
 _CLOSING = 20  # iterations towards it
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
 _FAINT = 8.0  # loss of S, times the stiffness, from which on it is seen
-_FLOOR = (0.05, 0.15)  # least uncertainty, wraps, of an offset by the shape and by the beat
-_BENT = 1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
+_FLOOR = (
+    0.05,
+    0.15,
+)  # least uncertainty, wraps, of an offset by the shape and by the beat
+_BENT = (
+    1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
+)
 _AGAIN = 2  # times that beats of rough surfaces are pooled again
 _CUT = 20.0  # least gain, as a log-likelihood, of a part,
 _EDGE = 0.12  # also per cell of its border
@@ -49,7 +58,9 @@ _UPRIGHT = 5.0  # its least likelihood, 1 / rad
 _CLEAR = 1e-2  # uncertainty, rad, of normals that vote,
 _SHARP = 1.5e-3  # and of those elected
 _FARTHEST = 10.0  # offset, wraps, up to which a plane turns in proportion
-_ENOUGH = 60.0  # information from which on a cell is turned back by its own phasors alone
+_ENOUGH = (
+    60.0  # information from which on a cell is turned back by its own phasors alone
+)
 
 
 Beats = tuple[Array, Array, Array]
@@ -64,7 +75,9 @@ class Offsets(NamedTuple):
     closure: float = 0.0  # common offset of all beats, wraps, that was subtracted
 
 
-def pixel_labels(field: Field, owner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
+def pixel_labels(
+    field: Field, owner: Numbers, surfaces: Array
+) -> tuple[Numbers, Array]:
     """Likeliest surface (H, W), -1 for none, of a square about each pixel, and its share S / E."""
     side = 2 * RADIUS + 1
     shape = field.cosine.shape
@@ -75,7 +88,9 @@ def pixel_labels(field: Field, owner: Numbers, surfaces: Array) -> tuple[Numbers
     for frequency, loss in enumerate((0.5, 2.0)):  # of S by roughness
         information = field.information[frequency].astype(float)
         left = np.append(np.exp(-loss * surfaces[:, 6:].sum(axis=1)), 1.0)
-        told += side**2 * uniform_filter(information, side, mode="constant") * left[label]
+        told += (
+            side**2 * uniform_filter(information, side, mode="constant") * left[label]
+        )
     share = np.where(label < 0, 0, best / np.maximum(told, 1e-9)).astype(np.float32)
     return np.where(share > EXPLAINED, label, -1).astype(np.int32), share
 
@@ -83,10 +98,14 @@ def pixel_labels(field: Field, owner: Numbers, surfaces: Array) -> tuple[Numbers
 def interiors(label: Numbers, share: Array) -> Numbers:
     """The labels without the borders of surfaces, unless little else would be left of one."""
     side = 2 * _INSIDE + 1
-    inner = (minimum_filter(label, side) == maximum_filter(label, side)) & (share > _CERTAIN)
+    inner = (minimum_filter(label, side) == maximum_filter(label, side)) & (
+        share > _CERTAIN
+    )
     known = label >= 0
     count = int(label.max()) + 1
-    whole, left = (np.bincount(label[known & of], minlength=count) for of in (True, inner))
+    whole, left = (
+        np.bincount(label[known & of], minlength=count) for of in (True, inner)
+    )
     thin = np.append(left < whole / 4, False)
     return np.where(inner | thin[label], label, -1).astype(np.int32)
 
@@ -99,7 +118,9 @@ def depth_of_labels(field: Field, label: Numbers, surfaces: Array) -> Array:
     return out
 
 
-def depth_of_pixels(field: Field, surfaces: Array, which: Numbers, y: Numbers, x: Numbers) -> Array:
+def depth_of_pixels(
+    field: Field, surfaces: Array, which: Numbers, y: Numbers, x: Numbers
+) -> Array:
     """Depth (P,), m, of surfaces by their number (P,) at pixels (P,)."""
     q = surfaces[which].T
     u = field.u[x]
@@ -122,7 +143,9 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
             patch[:] = 0.0
             for y in range(max(top, 0), min(top + patch.shape[0], height)):
                 for x in range(max(left, 0), min(left + patch.shape[1], width)):
-                    patch[y - top, x - left] = pixel_likelihood(field, surfaces[n], y, x)
+                    patch[y - top, x - left] = pixel_likelihood(
+                        field, surfaces[n], y, x
+                    )
             for y in range(CELL):
                 for x in range(CELL):
                     total = np.sum(patch[y : y + side, x : x + side])
@@ -132,7 +155,9 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
                         label[at] = n
 
 
-def offsets(beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=False) -> Offsets:
+def offsets(
+    beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=False
+) -> Offsets:
     """Offset of each surface, from its shape as far as a plane misses it little, and its beat.
 
     An offset between the frequencies moves all beats and no shape. It is the mean excess of beats
@@ -146,7 +171,9 @@ def offsets(beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=Fal
     # what is too faint for its own unevenness to be seen is as uneven as the others
     order = np.argsort(missed)
     told = stiff[order].cumsum()
-    typical = missed[order][np.searchsorted(told, told[-1:] / 2)] if len(told) else missed
+    typical = (
+        missed[order][np.searchsorted(told, told[-1:] / 2)] if len(told) else missed
+    )
     unseen = np.minimum(typical, np.sqrt(_FAINT / np.maximum(stiff, 1e-12)))
     uneven = np.maximum(missed, np.maximum(unseen, _SMOOTH))
     variance = 1 / known + (uneven / bend) ** 2 + _FLOOR[0] ** 2
@@ -274,7 +301,9 @@ def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Arra
     ratio = field.multiple
     low, high = turned.imag / np.maximum(told, 1e-6)
     lag = (high - ratio * low) / wrap
-    weight = wrap**2 * told[0] * told[1] / np.maximum(told[0] + ratio**2 * told[1], 1e-9)
+    weight = (
+        wrap**2 * told[0] * told[1] / np.maximum(told[0] + ratio**2 * told[1], 1e-9)
+    )
     for _ in range(_CUTS):
         count = len(surfaces)
         summed = partial(sum_surfaces, main, count=count)

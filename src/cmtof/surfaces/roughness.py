@@ -32,8 +32,12 @@ class Cells(NamedTuple):
 def cells_of_surfaces(field: Field, inner: Numbers, depth: Array, count: int) -> Cells:
     """Phasors turned back by the depth, m, of surfaces, and how rough these are."""
     rows, columns = (n // CELL for n in inner.shape)
-    middle = slice(CELL // 2 - 1, CELL // 2 + 1)  # of the four pixels there, as in a mirror
-    main = inner.reshape(rows, CELL, columns, CELL)[:, middle, :, middle].max(axis=(1, 3))
+    middle = slice(
+        CELL // 2 - 1, CELL // 2 + 1
+    )  # of the four pixels there, as in a mirror
+    main = inner.reshape(rows, CELL, columns, CELL)[:, middle, :, middle].max(
+        axis=(1, 3)
+    )
     main = main.astype(int)
     whole = pixels_of_cells(main)
     chosen = (whole == inner) & (inner >= 0)
