@@ -27,7 +27,9 @@ class PaperMathDomain(MathDomain):
         equations[labelid] = (docname, number)
 
 
-def without_thebe(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any):
+def without_thebe(
+    app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any
+):
     """Leave out the scripts of live code, which this book has not: the theme adds them twice."""
     scripts = context.get("script_files", [])
     context["script_files"] = [
