@@ -1,6 +1,7 @@
 """Relations between a measurement and a changed one that hold whatever the scene is."""
 
 from functools import cache
+from itertools import product
 
 import numpy as np
 from pytest import fixture, mark
@@ -124,8 +125,10 @@ FLIPS = {
 }
 
 
-@mark.parametrize("flip", FLIPS)
-@mark.parametrize("name", FAST)
+MIRRORED = product(["fast-scnn-mirrored"], ["left and right", "up and down"])
+
+
+@mark.parametrize(("name", "flip"), [*product(FAST, FLIPS), *MIRRORED])
 def test_a_mirrored_image_has_mirrored_wraps(scene, name, flip):
     change, back = FLIPS[flip]
     m = Measurement(scene(name).dataset.drop_vars("camera"))

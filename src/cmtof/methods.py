@@ -104,16 +104,19 @@ class Method:
         return state(self.network, protocol)
 
 
-def _learned(name: str, source: str, about: str) -> Method:
+def _learned(
+    name: str, source: str, about: str, network: str = "", **usual: bool
+) -> Method:
+    model = network or name
+
     def run(measurement: Measurement, *, weights: AnyPath | None = None) -> Estimate:
         from cmtof.network.inference import unwrap_with_network
 
         whole = without_holes(measurement)  # a network was never shown any
-        return confirmed(
-            *unwrap_with_network(whole, model=name, weights=weights), measurement
-        )
+        found = unwrap_with_network(whole, model=model, weights=weights, **usual)
+        return confirmed(*found, measurement)
 
-    return Method(name, "learned", source, run, about=about, memory=1300, network=name)
+    return Method(name, "learned", source, run, about=about, memory=1300, network=model)
 
 
 def _reference(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
@@ -168,6 +171,13 @@ _ALL = (
     ),
     _learned("rapid", "Zhang et al. 2019", "DeepLabV3+, narrowed"),
     _learned("fast-scnn", _BAEK, "The paper's network: segmentation into wraps"),
+    _learned(
+        "fast-scnn-mirrored",
+        _BAEK,
+        "The paper's network, averaged over four mirror images",
+        network="fast-scnn",
+        mirrored=True,
+    ),
     _learned(
         "fast-scnn-ce", _BAEK, "The paper's network, trained by cross-entropy alone"
     ),

@@ -30,6 +30,13 @@ from cmtof.network.weights import (
 from cmtof.simulation import QUADRATURES
 from cmtof.types import Array, Arrays, Single, Texts
 
+# Orders of rows and columns: as they are, left to right, upside down, and both.
+MIRRORS = [
+    (..., slice(None, None, rows), slice(None, None, columns))
+    for rows in (1, -1)
+    for columns in (1, -1)
+]
+
 
 class Ready(NamedTuple):
     """A network that can run, and its card."""
@@ -73,10 +80,12 @@ def unwrap_with_network(
     *,
     model: str | None = None,
     weights: AnyPath | None = None,
+    mirrored: bool = False,
 ) -> Arrays:
     """Depth by a network that classifies each pixel's wrap (Sec. 5) or regresses its depth.
 
     Weights are the shipped ones that hold every wrap in range, or a ``.safetensors`` of one's own.
+    With ``mirrored`` its outputs for four mirror images are averaged, in four times the time.
     Returned are depth, m, and the probability of the chosen class, of a regression the share of
     right wraps in validation; both (H, W).
     """
@@ -85,12 +94,12 @@ def unwrap_with_network(
     card = ready.card
     if about(ready.network)["target"] == "depth":
         turns = card.first_wrap + card.classes * (
-            0.5 + output(ready.network, measurement)[0]
+            0.5 + output(ready.network, measurement, mirrored)[0]
         )
         depth = turns * wrap_length(FREQUENCIES[0])
         sure = np.full(depth.shape, card.validation.delta_lt_1)
     else:
-        odds = scores(ready, measurement, first, last)
+        odds = scores(ready, measurement, first, last, mirrored)
         np.exp(odds, out=odds)  # a softmax, in place
         wraps = first + odds.argmax(0)
         sure = 1 / odds.sum(0)
@@ -120,7 +129,13 @@ def network_for(
     return ready
 
 
-def scores(ready: Ready, measurement: Measurement, first: int, last: int) -> Single:
+def scores(
+    ready: Ready,
+    measurement: Measurement,
+    first: int,
+    last: int,
+    mirrored: bool = False,
+) -> Single:
     """Log-odds (N, H, W) of the wraps ``first <= n <= last`` against the likeliest of each pixel.
 
     Raises a ValueError if the network does not distinguish all of them.
@@ -133,7 +148,7 @@ def scores(ready: Ready, measurement: Measurement, first: int, last: int) -> Sin
             f"Expected wraps within {low} to {stop - 1}, which {card.model} distinguishes, "
             f"got {first} to {last}. Narrow the range."
         )
-    found = output(network, measurement)[first - low : last - low + 1]
+    found = output(network, measurement, mirrored)[first - low : last - low + 1]
     found -= found.max(0)
     return found
 
@@ -176,11 +191,19 @@ def about(network: InferenceSession) -> Texts:
     return network.get_modelmeta().custom_metadata_map
 
 
-def output(network: InferenceSession, measurement: Measurement) -> Single:
-    """Output (C, H, W) of a network for a measurement."""
+def output(
+    network: InferenceSession, measurement: Measurement, mirrored: bool = False
+) -> Single:
+    """Output (C, H, W) of a network for a measurement, or its mean over four mirror images."""
     kind = about(network)["features"]
-    phase, amplitude, *more = network_images(measurement, kind)
-    return run_padded(network, features(phase, amplitude, kind, *more)[None])
+    images = network_images(measurement, kind)
+    mirrors = MIRRORS if mirrored else MIRRORS[:1]
+    found = np.float32(0)
+    for mirror in mirrors:
+        phase, amplitude, *more = (image[mirror] for image in images)
+        inputs = features(phase, amplitude, kind, *more)[None]
+        found += run_padded(network, inputs)[mirror] / len(mirrors)
+    return found
 
 
 def run_padded(network: InferenceSession, inputs: Single) -> Single:
