@@ -35,7 +35,7 @@ from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import MeshTarget, Target, scene_from
 
-# Options by row of a table: the row is a method, or the network if it is given weights.
+# Options by row of a table, whose name is the method unless they say another.
 Rows = dict[str, Values]
 
 RATES = RESULTS / "scanned.json"
@@ -60,7 +60,7 @@ METHODS = ("kde", "region", "phasor", "rapid", "fast-scnn", "surfaces")
 # A reference, which knows the shape of every surface and which of them touch.
 TOLD = ("reference-contact",)
 
-CURVE = (1, 3, 10, 40, 136)  # labelled scans whose worth is compared
+CURVE = (1, 3, 10, 40, 136, 300)  # labelled scans whose worth is compared
 
 VALIDATED = 9  # scans of held-out things
 
@@ -68,6 +68,7 @@ VALIDATED = 9  # scans of held-out things
 LABELS = {"labelled": CURVE[-1], "baseline": 0.06}
 
 NETWORK = "fast-scnn"
+MIRRORED = "fast-scnn-mirrored"
 FIRST_LEG: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
 NEXT_LEGS: Values = FIRST_LEG | {
     "steps": 1500
@@ -273,7 +274,7 @@ def counts_of(
     """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10."""
     rows = []
     for scan in scans:
-        found = cmtof.unwrap(scan, method=NETWORK if options else row, **options)
+        found = cmtof.unwrap(scan, **({"method": row} | options))
         counted = Tally().add(scored_pixels(found, scan))
         rows.append([counted["pixels"], *counted["below"]])
     return rows
@@ -341,7 +342,8 @@ def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
     found = read_card(weights).sha256
     if counts.held.get("weights", found) != found:
         counts.held.pop("sweep", None)
-        again = [*again, "tuned", *(f"{count} scans" for count in CURVE)]
+        again = [*again, "tuned", "tuned mirrored"]
+        again += [f"{count} scans" for count in CURVE]
     for kept in counts.held.get("counts", {}).values():
         for row in again:
             kept.pop(row, None)
@@ -368,12 +370,14 @@ def main(
         held_out=HELD_OUT,
     )
     usual: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
-    usual["tuned"] = {"weights": best}
+    usual["tuned"] = {"method": NETWORK, "weights": best}
+    usual["tuned mirrored"] = {"method": MIRRORED, "weights": best}
     compare(folder, counts, "captures", usual)
     sweep(folder, counts, best)
     compare(folder, counts, "photon", usual)
     fewer: Rows = {
-        f"{n} scans": {"weights": tuned_weights(folder, n, 1)} for n in CURVE
+        f"{n} scans": {"method": NETWORK, "weights": tuned_weights(folder, n, 1)}
+        for n in CURVE
     }
     compare(folder, counts, "captures", fewer | {"phasor": {}})
 
